@@ -1,0 +1,23 @@
+//! The words both halves of Rockproof share: exact numbers, blocks and their features, contacts, tolerance sets,
+//! scenes, and the files they come from. Nothing here classifies a contact: the oracle and the stepper each do
+//! that with arithmetic of their own.
+
+pub mod block;
+pub mod contact;
+pub mod decision;
+pub mod lattice;
+pub mod number;
+pub mod ring;
+pub mod sign;
+pub mod tolerance;
+pub mod topology;
+pub mod vector;
+
+pub use block::{Block, BlockError, BlockOptions, Point};
+pub use contact::{Contact, ContactKind, Entrance, EntranceKind};
+pub use number::{Number, NumberError, Precision};
+pub use ring::Ring;
+pub use sign::Sign;
+pub use tolerance::{Criteria, ToleranceSet};
+pub use topology::{Topology, TopologyError};
+pub use vector::Vec3;

@@ -1,0 +1,4 @@
+//! Rockproof tells whether contact analysis of polyhedral blocks can be trusted.
+
+pub use rockproof_model as model;
+pub use rockproof_oracle as oracle;
