@@ -22,6 +22,8 @@ pub(crate) trait Polynomial {
     const FIRST_SLOT: usize;
     /// How many sets of magnitudes it can draw on: sides, limits, kinds of entrance.
     const VARIANTS: usize;
+    /// Degree in length: coordinates and length tolerances doubled make the value `2^DEGREE` times as large.
+    const DEGREE: usize;
     /// Which of the sets this one draws on, below `VARIANTS`.
     fn variant(&self) -> usize;
     /// The value; only its sign means anything.
@@ -30,6 +32,9 @@ pub(crate) trait Polynomial {
 
 /// Number of slots for static bounds.
 pub(crate) const SLOTS: usize = after::<NormalsWithin>();
+
+/// The largest degree of all.
+pub(crate) const LARGEST_DEGREE: usize = WedgeDipDepth::DEGREE;
 
 const fn after<P: Polynomial>() -> usize {
     P::FIRST_SLOT + P::VARIANTS
@@ -94,6 +99,7 @@ pub(crate) struct BoxesMeet {
 impl Polynomial for BoxesMeet {
     const FIRST_SLOT: usize = 0;
     const VARIANTS: usize = 1;
+    const DEGREE: usize = 1;
     fn variant(&self) -> usize {
         0
     }
@@ -114,6 +120,7 @@ pub(crate) struct Near {
 impl Polynomial for Near {
     const FIRST_SLOT: usize = after::<BoxesMeet>();
     const VARIANTS: usize = 3;
+    const DEGREE: usize = 2;
     #[inline(always)]
     fn variant(&self) -> usize {
         self.limit as usize
@@ -135,6 +142,7 @@ pub(crate) struct NearForEdge {
 impl Polynomial for NearForEdge {
     const FIRST_SLOT: usize = after::<Near>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 2;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.edge.0)
@@ -157,6 +165,7 @@ pub(crate) struct BeyondVertex {
 impl Polynomial for BeyondVertex {
     const FIRST_SLOT: usize = after::<NearForEdge>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 2;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.at.0)
@@ -177,6 +186,7 @@ pub(crate) struct FootAlong {
 impl Polynomial for FootAlong {
     const FIRST_SLOT: usize = after::<BeyondVertex>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 2;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.edge.0)
@@ -202,6 +212,7 @@ pub(crate) struct NearLine {
 impl Polynomial for NearLine {
     const FIRST_SLOT: usize = after::<FootAlong>();
     const VARIANTS: usize = 6;
+    const DEGREE: usize = 4;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.edge.0) * 3 + self.limit as usize
@@ -225,6 +236,7 @@ pub(crate) struct NearLineForHeight {
 impl Polynomial for NearLineForHeight {
     const FIRST_SLOT: usize = after::<NearLine>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 4;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.edge.0)
@@ -250,6 +262,7 @@ pub(crate) struct InwardOf {
 impl Polynomial for InwardOf {
     const FIRST_SLOT: usize = after::<NearLineForHeight>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 4;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.edge.0)
@@ -271,6 +284,7 @@ pub(crate) struct FootBeyondVertex {
 impl Polynomial for FootBeyondVertex {
     const FIRST_SLOT: usize = after::<InwardOf>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 4;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.edge.0)
@@ -343,6 +357,7 @@ pub(crate) struct AbovePlane {
 impl Polynomial for AbovePlane {
     const FIRST_SLOT: usize = after::<FootBeyondVertex>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 3;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.face.0)
@@ -362,6 +377,7 @@ pub(crate) struct GapWithin {
 impl Polynomial for GapWithin {
     const FIRST_SLOT: usize = after::<AbovePlane>();
     const VARIANTS: usize = 9;
+    const DEGREE: usize = 6;
     #[inline(always)]
     fn variant(&self) -> usize {
         kind_of(&self.entrance) * 3 + self.limit as usize
@@ -385,6 +401,7 @@ pub(crate) struct PolygonHeight {
 impl Polynomial for PolygonHeight {
     const FIRST_SLOT: usize = after::<GapWithin>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 3;
     fn variant(&self) -> usize {
         side_of(self.face.0)
     }
@@ -407,6 +424,7 @@ pub(crate) struct NormalComponent {
 impl Polynomial for NormalComponent {
     const FIRST_SLOT: usize = after::<PolygonHeight>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 2;
     fn variant(&self) -> usize {
         side_of(self.face.0)
     }
@@ -425,6 +443,7 @@ pub(crate) struct EdgeAbovePlane {
 impl Polynomial for EdgeAbovePlane {
     const FIRST_SLOT: usize = after::<NormalComponent>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 3;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.face.0)
@@ -444,6 +463,7 @@ pub(crate) struct EdgeDipAngle {
 impl Polynomial for EdgeDipAngle {
     const FIRST_SLOT: usize = after::<EdgeAbovePlane>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 6;
     fn variant(&self) -> usize {
         side_of(self.face.0)
     }
@@ -464,6 +484,7 @@ pub(crate) struct EdgeDipDepth {
 impl Polynomial for EdgeDipDepth {
     const FIRST_SLOT: usize = after::<EdgeDipAngle>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 6;
     fn variant(&self) -> usize {
         side_of(self.face.0)
     }
@@ -484,6 +505,7 @@ pub(crate) struct ParallelAngle {
 impl Polynomial for ParallelAngle {
     const FIRST_SLOT: usize = after::<EdgeDipDepth>();
     const VARIANTS: usize = 1;
+    const DEGREE: usize = 4;
     #[inline(always)]
     fn variant(&self) -> usize {
         0
@@ -507,6 +529,7 @@ pub(crate) struct ParallelReach {
 impl Polynomial for ParallelReach {
     const FIRST_SLOT: usize = after::<ParallelAngle>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 4;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.longer)
@@ -534,6 +557,7 @@ pub(crate) struct CommonFoot {
 impl Polynomial for CommonFoot {
     const FIRST_SLOT: usize = after::<ParallelReach>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 4;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.on)
@@ -564,6 +588,7 @@ pub(crate) struct Orientation {
 impl Polynomial for Orientation {
     const FIRST_SLOT: usize = after::<CommonFoot>();
     const VARIANTS: usize = 1;
+    const DEGREE: usize = 5;
     #[inline(always)]
     fn variant(&self) -> usize {
         0
@@ -597,6 +622,7 @@ impl InwardAcross {
 impl Polynomial for InwardAcross {
     const FIRST_SLOT: usize = after::<Orientation>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 5;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.side)
@@ -614,6 +640,7 @@ pub(crate) struct WedgeDipAngle(pub(crate) InwardAcross);
 impl Polynomial for WedgeDipAngle {
     const FIRST_SLOT: usize = after::<InwardAcross>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 10;
     fn variant(&self) -> usize {
         self.0.variant()
     }
@@ -636,6 +663,7 @@ pub(crate) struct WedgeDipDepth {
 impl Polynomial for WedgeDipDepth {
     const FIRST_SLOT: usize = after::<WedgeDipAngle>();
     const VARIANTS: usize = 2;
+    const DEGREE: usize = 14;
     fn variant(&self) -> usize {
         self.inward.variant()
     }
@@ -661,6 +689,7 @@ pub(crate) struct EdgesApart {
 impl Polynomial for EdgesApart {
     const FIRST_SLOT: usize = after::<WedgeDipDepth>();
     const VARIANTS: usize = 1;
+    const DEGREE: usize = 3;
     #[inline(always)]
     fn variant(&self) -> usize {
         0
@@ -701,6 +730,7 @@ pub(crate) struct LargerGap {
 impl Polynomial for LargerGap {
     const FIRST_SLOT: usize = after::<EdgesApart>();
     const VARIANTS: usize = 27;
+    const DEGREE: usize = 10;
     fn variant(&self) -> usize {
         (kind_of(&self.first) * 3 + kind_of(&self.second)) * 3 + self.factor as usize
     }
@@ -721,6 +751,7 @@ pub(crate) struct NormalsAgree {
 impl Polynomial for NormalsAgree {
     const FIRST_SLOT: usize = after::<LargerGap>();
     const VARIANTS: usize = 9;
+    const DEGREE: usize = 4;
     fn variant(&self) -> usize {
         kind_of(&self.first) * 3 + kind_of(&self.second)
     }
@@ -738,6 +769,7 @@ pub(crate) struct NormalsWithin {
 impl Polynomial for NormalsWithin {
     const FIRST_SLOT: usize = after::<NormalsAgree>();
     const VARIANTS: usize = 9;
+    const DEGREE: usize = 8;
     fn variant(&self) -> usize {
         kind_of(&self.first) * 3 + kind_of(&self.second)
     }
