@@ -118,7 +118,8 @@ macro_rules! harness {
                 }
 
                 #[test]
-                fn root_of_a_tie(float in 1e-300f64..1e300) {
+                fn root_of_a_tie(float in prop::num::f64::POSITIVE | prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL) {
+                    prop_assume!(float < 1e308);
                     let exact = |f: f64| Number::from_f64(f).unwrap().to_rational();
                     let half_way = (exact(float) + exact(float.next_up())) / BigInt::from(2);
                     rounds_the_root::<$backend>(&(&half_way * &half_way));
