@@ -4,3 +4,5 @@ pub mod campaign;
 
 pub use rockproof_model as model;
 pub use rockproof_oracle as oracle;
+
+pub mod stepper;
