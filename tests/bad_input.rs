@@ -236,11 +236,12 @@ fn files_that_are_none() {
     let directory = tempfile::tempdir().unwrap();
     let path = |name: &str| directory.path().join(name);
     std::fs::write(path("good.obj"), OBJ).unwrap();
+    std::fs::write(path("large.obj"), change(OBJ, "v 1 0 0", "v 1e39 0 0")).unwrap();
     std::fs::write(path("third.toml"), change(MESH, "[1, 0, 0]", "[\"1/3\", 0, 0]")).unwrap();
     std::fs::write(path("bytes.toml"), [0x5b, 0x0a, 0xff, 0xfe]).unwrap();
     std::fs::write(path("loose.toml"), "search = 1\n[[block]]\n").unwrap();
     std::fs::create_dir(path("folder.dda")).unwrap();
-    let cases: [(&[&str], &[&str]); 17] = [
+    let cases: [(&[&str], &[&str]); 19] = [
         (&["check", "missing.dda"], &["missing.dda:", "No such file"]),
         (&["check", "folder.dda"], &["folder.dda:", "directory"]),
         (&["check", "bytes.toml"], &["bytes.toml:2:", "byte 2 of the file is 0xff"]),
@@ -249,6 +250,8 @@ fn files_that_are_none() {
         (&["check"], &["<FILE>"]),
         (&["check", "good.obj", "--planarity", "-1"], &["--planarity", "must be 0 or more"]),
         (&["check", "good.obj", "--planarity", "x"], &["--planarity", "is not a number"]),
+        (&["check", "large.obj", "--precision", "f32"], &["large.obj: block 0", "overflows when rounded to f32"]),
+        (&["check", "good.obj", "--precision", "f32", "--set", "open=1e39"], &["tolerance `open` overflows"]),
         (&["check", "good.obj", "--precision", "f16"], &["--precision", "f32 and f64"]),
         (&["check", "good.obj", "--tolerances", "strict"], &["--tolerances strict", "neither a preset"]),
         (&["check", "good.obj", "--tolerances", "loose.toml"], &["loose.toml:2:", "unknown tolerance `block`"]),
@@ -265,6 +268,31 @@ fn files_that_are_none() {
         assert!(parts.iter().all(|part| message.contains(part)), "{arguments:?}: {message}");
         assert!(!path("out.obj").exists() && !path("out.dda").exists(), "{arguments:?}");
     }
+}
+
+/// Few bytes, or some thousand, that ask for gigabytes or for hours.
+#[test]
+fn greedy_files() {
+    let fractions: Vec<String> = (0..40)
+        .map(|i| {
+            let coordinate = |axis: usize| format!("\"1/{}{}\"", "9".repeat(900), 3 * (3 * i + axis) + 1000);
+            format!("[{}, {}, {}]", coordinate(0), coordinate(1), coordinate(2))
+        })
+        .collect();
+    let mesh = format!("[[block]]\nvertices = [{}]\nfaces = [[0, 1, 2]]\n", fractions.join(", "));
+    check_all(&[
+        ("a.toml", format!("x = {}", "[".repeat(100_000)), &["a.toml:1:", "not valid TOML"]),
+        ("a.toml", format!("{}\n{MESH}", "[a.".repeat(50_000)), &["a.toml:1:", "not valid TOML"]),
+        (
+            "a.toml",
+            change(MESH, "[1, 0, 0]", &format!("[\"{}\", 0, 0]", "7".repeat(100_000))),
+            &["a.toml:3:", "digits"],
+        ),
+        ("a.toml", mesh, &["a.toml:1:", "no common denominator below 2^65536"]),
+        ("a.obj", "f 1 2 3\n".repeat(10_000), &["a.obj:1:", "there is no vertex above it"]),
+        ("a.dda", "#_DDA_DataFile_Version_1.0 POINTS_START_LENGTH 4294967295 ".into(), &["a.dda:1:", "the file ends"]),
+        ("a.vtk", change(VTK, "POINTS 16", "FIELD x 1 y 4294967295 4294967295 int"), &["a.vtk:", "the file ends"]),
+    ]);
 }
 
 #[test]
