@@ -2,3 +2,5 @@
 
 pub use rockproof_model as model;
 pub use rockproof_oracle as oracle;
+
+pub mod campaign;
