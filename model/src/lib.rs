@@ -7,6 +7,7 @@ pub mod contact;
 pub mod decision;
 pub mod lattice;
 pub mod number;
+pub mod number_text;
 pub mod ring;
 pub mod sign;
 pub mod tolerance;

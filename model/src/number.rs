@@ -54,6 +54,14 @@ pub enum NumberError {
         /// Largest magnitude allowed.
         limit: u32,
     },
+    /// More digits than any number in use has.
+    #[error("\"{found}\" has more than {limit} digits")]
+    TooManyDigits {
+        /// What was found, shortened.
+        found: String,
+        /// Most digits allowed.
+        limit: usize,
+    },
     /// A value whose rounding to the engine's precision overflows.
     #[error("{found} overflows when rounded to {precision}")]
     Overflow {
