@@ -201,6 +201,13 @@ pub struct Fingerprint {
 }
 
 impl Fingerprint {
+    /// The fingerprint in one line.
+    pub fn text(&self) -> String {
+        let predicate = self.predicate.map_or("no-trace", Predicate::name);
+        let kind = self.kind.map_or("pair", ContactKind::name);
+        format!("{kind} {} {} {predicate} {} {}", self.cause, self.change, self.who, self.family)
+    }
+
     /// `<kind>-<cause>-<slug>`, the stem of a case file; the pair's number makes it unique.
     pub fn file_stem(&self, set: &str, index: u64) -> String {
         let predicate = self.predicate.map_or("no-trace", Predicate::name);

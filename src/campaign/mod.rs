@@ -2,11 +2,18 @@
 //! oracle (DESIGN, "Campaigns").
 
 pub mod attribution;
+pub mod case_file;
 pub mod collapse;
 pub mod compare;
+pub mod config;
 pub mod engine;
 pub mod explain;
 pub mod finding;
+pub mod journal;
 pub mod metamorphic;
+pub mod run;
+pub mod shapes;
+pub mod shrink;
 pub mod subject;
+pub mod summary;
 pub mod transform;
