@@ -146,6 +146,10 @@ impl Number {
 
     /// The number a fraction stands for.
     pub fn from_rational(value: BigRational) -> Number {
+        // In lowest terms only a power of two under the bar can be a float; most fractions end here, without a division.
+        if value.denom().trailing_zeros().map_or(0, |twos| twos + 1) != value.denom().bits() {
+            return Number(Repr::Ratio(Box::new(value)));
+        }
         match round_rational(&value, Precision::F64) {
             Some(float) if rational_of_f64(float) == value => Number(Repr::Float(float + 0.0)),
             _ => Number(Repr::Ratio(Box::new(value))),

@@ -8,6 +8,7 @@ pub mod compare;
 pub mod config;
 pub mod engine;
 pub mod explain;
+pub mod families;
 pub mod finding;
 pub mod journal;
 pub mod metamorphic;

@@ -1,0 +1,48 @@
+//! A small block on a large one.
+
+use super::{Family, Kit};
+use rand_chacha::ChaCha8Rng;
+use rockproof_model::{Block, ContactKind};
+
+#[derive(Debug)]
+pub(super) struct SizeRatio;
+
+impl Family for SizeRatio {
+    fn name(&self) -> &'static str {
+        "size_ratio"
+    }
+
+    fn describe(&self) -> &'static str {
+        "a block at a face, edge or corner of one 8 to 4096 times its size"
+    }
+
+    fn reaches(&self) -> &'static [ContactKind] {
+        &[ContactKind::VertexFace, ContactKind::FaceVertex]
+    }
+
+    fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
+        let mut kit = Kit::new(rng);
+        let small = kit.convex(8, 32);
+        let small = if kit.chance(40) { kit.turned(&small) } else { kit.cube_turned(&small) };
+        let ratio = 1 << kit.between(3, 12);
+        let large = if kit.chance(70) { kit.cuboid(8, 32) } else { kit.convex(8, 32) };
+        let large = large.stretched([ratio; 3], 1);
+        let top = large.furthest([kit.sign(), kit.sign(), 64]);
+        let sole = small.furthest([kit.between(-1, 1), kit.between(-1, 1), -3]);
+        let size = 2 * kit.denominator();
+        let mut offset = kit.small_vector(size);
+        // Inward from the corner, by nothing, a small block's size, or anywhere.
+        for axis in 0..2 {
+            let width = (large.extent(axis).1 - large.extent(axis).0) * kit.denominator() / large.denominator();
+            let inward =
+                if large.points()[top][axis] * 2 > large.extent(axis).0 + large.extent(axis).1 { -1 } else { 1 };
+            match kit.below(4) {
+                0 => {}
+                1 => offset[axis] += inward * kit.length(0, 32),
+                _ => offset[axis] += inward * kit.between(0, width),
+            }
+        }
+        let (a, b) = kit.vertex_to_vertex((&large, top), (&small, sole), offset);
+        kit.finish(a, b)
+    }
+}

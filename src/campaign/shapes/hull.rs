@@ -1,0 +1,178 @@
+//! Convex hulls of a few points, exactly, with coplanar facets merged into polygons.
+
+use rockproof_model::lattice::Lattice;
+use rockproof_model::ring::ExactRing;
+use rockproof_model::{Block, BlockError, BlockOptions, Number, Point, Sign, Vec3};
+use std::collections::BTreeSet;
+
+/// Bits per lattice coordinate up to which `i128` holds every value of the hull (degree 4, with room to spare).
+const SMALL_BITS: u32 = 28;
+
+/// Why points have no convex hull that is a block.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum HullError {
+    /// All points lie in one plane (or there are fewer than four).
+    #[error("{points} points lie in one plane; a block needs four that do not")]
+    Flat {
+        /// Points given.
+        points: usize,
+    },
+    /// The hull's surface is not a canonical block.
+    #[error(transparent)]
+    Block(#[from] BlockError),
+}
+
+/// The smallest convex block that holds all `points`. Points inside it, inside a face or inside an edge are dropped;
+/// the others keep their order. Time grows with the fourth power of their number: meant for up to some thirty.
+///
+/// # Errors
+/// When the points lie in one plane.
+pub fn convex_hull(points: &[Point]) -> Result<Block, HullError> {
+    let lattice = Lattice::covering(points.iter().flat_map(|p| p.components()));
+    let small: Option<Vec<Vec3<i128>>> = points
+        .iter()
+        .map(|p| {
+            let units = |c: &Number| lattice.small_units(c, SMALL_BITS);
+            Some(Vec3::new(units(&p.x)?, units(&p.y)?, units(&p.z)?))
+        })
+        .collect();
+    let faces = match small {
+        Some(small) => hull_faces(&small),
+        None => hull_faces(&points.iter().map(|p| p.map(|c| lattice.units(c))).collect::<Vec<_>>()),
+    };
+    if faces.len() < 4 {
+        return Err(HullError::Flat { points: points.len() });
+    }
+    let used: BTreeSet<u32> = faces.iter().flatten().copied().collect();
+    let mut renumbered = vec![0; points.len()];
+    for (new, &old) in used.iter().enumerate() {
+        renumbered[old as usize] = new as u32;
+    }
+    let faces = faces.into_iter().map(|f| f.into_iter().map(|v| renumbered[v as usize]).collect()).collect();
+    let vertices = used.iter().map(|&v| points[v as usize].clone()).collect();
+    let options = BlockOptions { planarity: Number::ZERO };
+    Ok(Block::new(vertices, faces, &options)?)
+}
+
+/// Face loops of the hull, counter-clockwise seen from outside; none when the points are flat.
+fn hull_faces<T: ExactRing>(points: &[Vec3<T>]) -> Vec<Vec<u32>> {
+    let mut seen: BTreeSet<Vec<u32>> = BTreeSet::new();
+    let mut faces = Vec::new();
+    let n = points.len();
+    for i in 0..n {
+        for j in i + 1..n {
+            let u = points[j].minus(&points[i]);
+            for k in j + 1..n {
+                let normal = u.cross(&points[k].minus(&points[i]));
+                let Some((outward, on_plane)) = supporting_plane(points, i, normal) else { continue };
+                if !seen.contains(&on_plane) {
+                    faces.push(polygon(points, &on_plane, &outward));
+                    seen.insert(on_plane);
+                }
+            }
+        }
+    }
+    faces
+}
+
+/// The plane through point `i` with this normal, if all points lie on one side of it: the outward normal and the
+/// points in the plane. `None` for a zero normal and when every point lies in the plane.
+fn supporting_plane<T: ExactRing>(points: &[Vec3<T>], i: usize, normal: Vec3<T>) -> Option<(Vec3<T>, Vec<u32>)> {
+    if normal.components().iter().all(|c| c.sign().is_zero()) {
+        return None;
+    }
+    let level = normal.dot(&points[i]);
+    let mut side = Sign::Zero;
+    let mut on_plane = Vec::new();
+    for (number, point) in points.iter().enumerate() {
+        match normal.dot(point).minus(&level).sign() {
+            Sign::Zero => on_plane.push(number as u32),
+            sign if side.is_zero() => side = sign,
+            sign if sign != side => return None,
+            _ => {}
+        }
+    }
+    match side {
+        Sign::Negative => Some((normal, on_plane)),
+        Sign::Positive => Some((normal.negated(), on_plane)),
+        Sign::Zero => None,
+    }
+}
+
+/// The corners of the convex polygon that points of one plane span, counter-clockwise about `outward` (Jarvis's march,
+/// the furthest of collinear points first).
+fn polygon<T: ExactRing>(points: &[Vec3<T>], on_plane: &[u32], outward: &Vec3<T>) -> Vec<u32> {
+    let at = |v: u32| &points[v as usize];
+    let lexicographic = |v: &u32, w: &u32| {
+        let order = |a: &T, b: &T| match a.minus(b).sign() {
+            Sign::Negative => std::cmp::Ordering::Less,
+            Sign::Zero => std::cmp::Ordering::Equal,
+            Sign::Positive => std::cmp::Ordering::Greater,
+        };
+        let (p, q) = (at(*v), at(*w));
+        order(&p.x, &q.x).then_with(|| order(&p.y, &q.y)).then_with(|| order(&p.z, &q.z))
+    };
+    let Some(start) = on_plane.iter().copied().min_by(lexicographic) else { return Vec::new() };
+    let mut corners = vec![start];
+    loop {
+        let here = at(corners[corners.len() - 1]);
+        let mut next: Option<u32> = None;
+        for &candidate in on_plane {
+            let to_candidate = at(candidate).minus(here);
+            if to_candidate.components().iter().all(|c| c.sign().is_zero()) {
+                continue;
+            }
+            let better = next.is_none_or(|best| {
+                let to_best = at(best).minus(here);
+                match to_best.cross(&to_candidate).dot(outward).sign() {
+                    Sign::Negative => true,
+                    Sign::Positive => false,
+                    Sign::Zero => to_candidate.norm_squared().minus(&to_best.norm_squared()).sign().is_positive(),
+                }
+            });
+            if better {
+                next = Some(candidate);
+            }
+        }
+        match next {
+            Some(next) if next != start && corners.len() <= on_plane.len() => corners.push(next),
+            _ => return corners,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(x: i32, y: i32, z: i32) -> Point {
+        Vec3::new(Number::from_integer(x), Number::from_integer(y), Number::from_integer(z))
+    }
+
+    #[test]
+    fn merges_coplanar_facets_and_drops_the_rest() {
+        let mut points: Vec<Point> = (0..8).map(|i| point(2 * (i & 1), i & 2, (i & 4) / 2)).collect();
+        points.extend([point(1, 1, 1), point(1, 0, 0), point(1, 1, 2), point(2, 2, 2)]);
+        let cube = convex_hull(&points).unwrap();
+        assert_eq!((cube.vertices().len(), cube.topology().faces().len()), (8, 6));
+        assert!(cube.is_convex());
+        assert!(cube.topology().faces().iter().all(|f| f.len() == 4));
+    }
+
+    #[test]
+    fn large_and_small_numbers_agree() {
+        let points: Vec<Point> =
+            [(0, 0, 0), (5, 1, 0), (1, 6, 2), (2, 2, 7), (4, 5, 5)].iter().map(|&(x, y, z)| point(x, y, z)).collect();
+        let tiny = Number::from_f64(2f64.powi(-40)).unwrap();
+        let moved: Vec<Point> = points.iter().map(|p| p.map(|c| c.plus(&tiny))).collect();
+        let (a, b) = (convex_hull(&points).unwrap(), convex_hull(&moved).unwrap());
+        assert_eq!(a.topology(), b.topology());
+    }
+
+    #[test]
+    fn flat_points_are_refused() {
+        let flat: Vec<Point> = (0..6).map(|i| point(i, i * i, 3)).collect();
+        assert_eq!(convex_hull(&flat), Err(HullError::Flat { points: 6 }));
+        assert_eq!(convex_hull(&flat[..2]), Err(HullError::Flat { points: 2 }));
+    }
+}
