@@ -1,1 +1,4 @@
 //! Exact classification.
+
+pub mod plain;
+pub mod rational;

@@ -1,0 +1,123 @@
+//! Test 4 of SPEC section 4: crossing e-e.
+
+use super::pair::{Meeting, Pair, Plane};
+use super::vector::{cross, difference, dot, multiple, squared_length, sum};
+use super::verdict::Verdict;
+use crate::rational::Rational;
+use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::{ContactKind, Criteria, Entrance, EntranceKind};
+
+/// All e-e contacts of the pair.
+pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>) -> Vec<Meeting<Q>> {
+    let mut found = Vec::new();
+    for a in 0..pair.a.edges.len() as u32 {
+        for b in 0..pair.b.edges.len() as u32 {
+            found.extend(contact(pair, a, b));
+        }
+    }
+    found
+}
+
+fn contact<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Option<Meeting<Q>> {
+    let crossing = pair.a.block.edge_is_convex(a)
+        && pair.b.block.edge_is_convex(b)
+        && !nearly_parallel(pair, a, b)
+        && feet_inside(pair, a, b)
+        && !an_end_belongs_elsewhere(pair, a, b);
+    if !crossing {
+        return None;
+    }
+    let plane = plane(pair, a, b);
+    let passes = pair.decide(Predicate::EdgeEdgeDepth, &edges(a, b), plane.not_too_deep(&pair.limits))
+        && pair.decide(Predicate::EdgeEdgeNear, &edges(a, b), plane.near(&pair.limits))
+        && wedges_pass(pair, &plane);
+    passes.then_some(Meeting { kind: ContactKind::EdgeEdge, a, b, plane })
+}
+
+/// `|d1 × d2|² ≤ sp²·|d1|²·|d2|²`, or under `revised` `|d1 × d2|² ≤ r²·max(|d1|², |d2|²)`. **A tie says yes.**
+pub(super) fn nearly_parallel<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> bool {
+    let (d1, d2) = (&pair.a.edges[a as usize], &pair.b.edges[b as usize]);
+    let area_squared = squared_length(&cross(&d1.direction, &d2.direction));
+    let limits = &pair.limits;
+    let by_angle = limits.parallel_squared.times(&d1.length_squared).times(&d2.length_squared);
+    let mut verdict = Verdict::at_most(&area_squared, &by_angle);
+    if limits.criteria == Criteria::Revised {
+        let longer_squared = (&d1.length_squared).max(&d2.length_squared);
+        let by_length = limits.territory_squared.times(longer_squared);
+        verdict = verdict.or(|| Verdict::at_most(&area_squared, &by_length));
+    }
+    pair.decide(Predicate::NearlyParallel, &edges(a, b), verdict)
+}
+
+/// The plane of two edges that are not parallel: `n = σ·(d1 × d2)`, σ the sign of
+/// `n·(m_L + m_R)_A − n·(m_L + m_R)_B` (**zero counts as +**); `h = n·(p_A − p_B)/|n|`, 0 for `n = 0`.
+pub(super) fn plane<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Plane<Q> {
+    let (d1, d2) = (&pair.a.edges[a as usize], &pair.b.edges[b as usize]);
+    let product = cross(&d1.direction, &d2.direction);
+    let inward_a = dot(&product, &sum(&d1.inward[0], &d1.inward[1]));
+    let inward_b = dot(&product, &sum(&d2.inward[0], &d2.inward[1]));
+    let side = inward_a.minus(&inward_b).sign();
+    let sigma = Q::from_integer(if side.is_negative() { -1 } else { 1 });
+    let normal = multiple(&sigma, &product);
+    let from_b_to_a = difference(pair.vertex(Side::A, pair.a.edge(a).p), pair.vertex(Side::B, pair.b.edge(b).p));
+    let gap_signed_square =
+        dot(&normal, &from_b_to_a).signed_square().over(&squared_length(&normal)).unwrap_or_else(Q::zero);
+    let entrance = Entrance { kind: EntranceKind::EdgeEdge, a, b };
+    Plane { entrance, normal, gap_signed_square, unsided: side.is_zero() }
+}
+
+/// **Wedges pass**: `n·m ≥ 0` for A's two inward directions and `n·m ≤ 0` for B's two, each within the tolerance where
+/// `(n·m)² ≤ so²·|n|²·|m|²`, or under `revised` `(n·m)²·w² ≤ g²·|n|²·|m|²`. **A tie says yes.**
+pub(super) fn wedges_pass<Q: Rational>(pair: &Pair<'_, Q>, plane: &Plane<Q>) -> bool {
+    let (a, b) = (plane.entrance.a, plane.entrance.b);
+    let n = &plane.normal;
+    let n_squared = squared_length(n);
+    let limits = &pair.limits;
+    let mut all = Verdict { yes: true, tie: plane.unsided };
+    for (line, along_n) in [(&pair.a.edges[a as usize], 1), (&pair.b.edges[b as usize], -1)] {
+        for (inward, width_squared) in line.inward.iter().zip(&line.width_squared) {
+            let rise = dot(n, inward).times(&Q::from_integer(along_n));
+            let lengths_squared = n_squared.times(&squared_length(inward));
+            let by_angle = || Verdict::at_most(&rise.squared(), &limits.overlap_squared.times(&lengths_squared));
+            let by_length = || {
+                let dip = rise.squared().times(width_squared);
+                Verdict::at_most(&dip, &limits.penetration_squared.times(&lengths_squared))
+            };
+            let mut passes = Verdict::at_least_zero(&rise).or(by_angle);
+            if limits.criteria == Criteria::Revised {
+                passes = passes.or(by_length);
+            }
+            all = all.and(|| passes);
+        }
+    }
+    pair.decide(Predicate::WedgesPass, &edges(a, b), all)
+}
+
+/// The feet of the common perpendicular lie strictly inside both edges. **A tie says no.**
+///
+/// With `w = p_B − p_A` and `c = d1 × d2` they are at `t = (w × d2)·c / |c|²` along d1 and `u = (w × d1)·c / |c|²`
+/// along d2; `0 < t, u < 1` is asked without the division.
+fn feet_inside<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> bool {
+    let (d1, d2) = (&pair.a.edges[a as usize].direction, &pair.b.edges[b as usize].direction);
+    let c = cross(d1, d2);
+    let whole = squared_length(&c);
+    let w = difference(pair.vertex(Side::B, pair.b.edge(b).p), pair.vertex(Side::A, pair.a.edge(a).p));
+    let inside = |part: Q| Verdict::above_zero(&part).and(|| Verdict::above_zero(&whole.minus(&part)));
+    let verdict = inside(dot(&cross(&w, d2), &c)).and(|| inside(dot(&cross(&w, d1), &c)));
+    pair.decide(Predicate::FeetInside, &edges(a, b), verdict)
+}
+
+/// One of the four endpoints lies in the territory of the other edge or of one of its endpoints.
+fn an_end_belongs_elsewhere<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> bool {
+    let (ends_a, ends_b) = (pair.a.edge(a), pair.b.edge(b));
+    let at_an_end = [ends_a.p, ends_a.q]
+        .into_iter()
+        .any(|end_a| [ends_b.p, ends_b.q].into_iter().any(|end_b| pair.in_vertex_territory(end_a, end_b)));
+    at_an_end
+        || [ends_a.p, ends_a.q].into_iter().any(|end| pair.in_edge_territory(Side::A, end, b))
+        || [ends_b.p, ends_b.q].into_iter().any(|end| pair.in_edge_territory(Side::B, end, a))
+}
+
+fn edges(a: u32, b: u32) -> [Feature; 2] {
+    [Feature::Edge(Side::A, a), Feature::Edge(Side::B, b)]
+}

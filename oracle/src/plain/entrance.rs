@@ -1,0 +1,97 @@
+//! The entrance of v-v and v-e: the candidate plane with the largest gap (SPEC section 4, "Entrance").
+
+use super::edge_edge;
+use super::pair::{Meeting, Pair, Plane};
+use super::verdict::Verdict;
+use super::vertex_face;
+use crate::rational::Rational;
+use rockproof_model::ContactKind;
+use rockproof_model::decision::{Predicate, Side};
+
+/// The candidates of one contact that pass the no-overlap check.
+pub(super) struct Candidates<'p, 'a, Q> {
+    pair: &'p Pair<'a, Q>,
+    planes: Vec<Plane<Q>>,
+}
+
+impl<'p, 'a, Q: Rational> Candidates<'p, 'a, Q> {
+    pub(super) fn new(pair: &'p Pair<'a, Q>) -> Self {
+        Candidates { pair, planes: Vec::new() }
+    }
+
+    /// A vertex of `side` and a face of the other block, if the cone passes the plane.
+    pub(super) fn vertex_face(&mut self, side: Side, vertex: u32, face: u32) {
+        if vertex_face::cone_passes(self.pair, side, vertex, face) {
+            self.planes.push(vertex_face::plane(self.pair, side, vertex, face));
+        }
+    }
+
+    /// Two edges, if they are convex, not nearly parallel, and the wedges pass.
+    pub(super) fn edge_edge(&mut self, a: u32, b: u32) {
+        let convex = self.pair.a.block.edge_is_convex(a) && self.pair.b.block.edge_is_convex(b);
+        if convex && !edge_edge::nearly_parallel(self.pair, a, b) {
+            let plane = edge_edge::plane(self.pair, a, b);
+            if edge_edge::wedges_pass(self.pair, &plane) {
+                self.planes.push(plane);
+            }
+        }
+    }
+
+    /// The contact of these two features, if a candidate passes and the chosen one has `h ≥ −g`.
+    pub(super) fn confirm(self, kind: ContactKind, a: u32, b: u32) -> Option<Meeting<Q>> {
+        let pair = self.pair;
+        let (planes, chosen) = self.choose()?;
+        let contact = Meeting { kind, a, b, plane: planes[chosen.index].clone() };
+        let features = contact.features();
+        for (index, (plane, tie)) in planes.iter().zip(chosen.ties).enumerate() {
+            let verdict = Verdict { yes: index == chosen.index, tie };
+            let [of_a, of_b] = plane.features();
+            pair.decide(Predicate::EntranceChoice, &[features[0], features[1], of_a, of_b], verdict);
+        }
+        pair.decide(Predicate::EntranceDepth, &features, contact.plane.not_too_deep(&pair.limits)).then_some(contact)
+    }
+
+    /// The candidates in order and which of them is chosen; `None` when there is none.
+    fn choose(self) -> Option<(Vec<Plane<Q>>, Choice)> {
+        let mut planes = self.planes;
+        planes.sort_by_key(|plane| plane.entrance);
+        let chosen = first_of_the_largest(&planes, &self.pair.limits.equal)?;
+        Some((planes, chosen))
+    }
+}
+
+/// Which of several planes is chosen, and how firmly.
+pub(super) struct Choice {
+    /// Position of the chosen plane.
+    pub(super) index: usize,
+    /// For each plane, whether it is the largest or chosen only by an exact tie.
+    pub(super) ties: Vec<bool>,
+}
+
+impl Choice {
+    /// Whether any of the comparisons that led to the choice was an exact tie.
+    pub(super) fn is_tied(&self) -> bool {
+        self.ties.contains(&true)
+    }
+}
+
+/// The first of the planes whose gap equals the largest one by Eq. (1): `h_k ≥ h_best − ε·|h_best|`.
+///
+/// Compared by signed squares: `h_best − ε·|h_best| = f·h_best` with `f = 1 ∓ ε` for a positive (negative) gap, so the
+/// test is `h_k·|h_k| ≥ f·|f|·h_best·|h_best|`. The tie flag of a plane says that this held with equality for it, or, for
+/// the largest, for any other one.
+pub(super) fn first_of_the_largest<Q: Rational>(planes: &[Plane<Q>], equal: &Q) -> Option<Choice> {
+    let gap = |k: usize| &planes[k].gap_signed_square;
+    let best = (0..planes.len()).reduce(|best, k| if gap(k) > gap(best) { k } else { best })?;
+    let one = Q::from_integer(1);
+    let factor = if gap(best).sign().is_positive() { one.minus(equal) } else { one.plus(equal) };
+    let threshold = factor.signed_square().times(gap(best));
+    let reaches: Vec<Verdict> = (0..planes.len()).map(|k| Verdict::at_least(gap(k), &threshold)).collect();
+    let index = (0..planes.len()).find(|&k| k == best || reaches[k].yes)?;
+    let mut ties: Vec<bool> = reaches.iter().map(|r| r.tie).collect();
+    ties[best] = (0..planes.len()).any(|k| k != best && reaches[k].tie);
+    for (tie, plane) in ties.iter_mut().zip(planes) {
+        *tie |= plane.unsided;
+    }
+    Some(Choice { index, ties })
+}

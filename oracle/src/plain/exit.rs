@@ -1,0 +1,93 @@
+//! Which overlapping contacts stay: the shortest exit of test 3 and the one exit of test 5 (SPEC section 4).
+
+use super::entrance::first_of_the_largest;
+use super::pair::{Meeting, Pair};
+use super::vector::{cross, dot, squared_length};
+use super::verdict::Verdict;
+use super::vertex_face::vertex_and_face;
+use crate::rational::Rational;
+use rockproof_model::decision::{Predicate, Side};
+
+/// **Shortest exit**, unless both blocks are convex: of the faces that one vertex of `side` overlaps and that convex
+/// edges join (one after another, within that set), only the one with the largest gap stays; ties by Eq. (1), then the
+/// lower face.
+pub(super) fn shortest<Q: Rational>(pair: &Pair<'_, Q>, side: Side, contacts: Vec<Meeting<Q>>) -> Vec<Meeting<Q>> {
+    if pair.a.block.is_convex() && pair.b.block.is_convex() {
+        return contacts;
+    }
+    let face_of = |contact: &Meeting<Q>| if side == Side::A { contact.b } else { contact.a };
+    let vertex_of = |contact: &Meeting<Q>| if side == Side::A { contact.a } else { contact.b };
+    let overlaps = |contact: &Meeting<Q>| contact.plane.gap_sign().is_negative();
+    let mut dropped = vec![false; contacts.len()];
+    for vertex in 0..pair.side(side).block.topology().vertex_count() as u32 {
+        // By face, ascending, so that the first of a group is its lowest face.
+        let mut left: Vec<usize> =
+            (0..contacts.len()).filter(|&k| vertex_of(&contacts[k]) == vertex && overlaps(&contacts[k])).collect();
+        left.sort_by_key(|&k| face_of(&contacts[k]));
+        while !left.is_empty() {
+            let group = take_group(pair, side, &mut left, |k| face_of(&contacts[k]));
+            let planes: Vec<_> = group.iter().map(|&k| contacts[k].plane.clone()).collect();
+            let Some(choice) = first_of_the_largest(&planes, &pair.limits.equal) else { continue };
+            if group.len() == 1 {
+                continue;
+            }
+            for (place, &k) in group.iter().enumerate() {
+                let verdict = Verdict { yes: place == choice.index, tie: choice.ties[place] };
+                let features = vertex_and_face(side, vertex, face_of(&contacts[k]));
+                dropped[k] = !pair.decide(Predicate::ShortestExit, &features, verdict);
+            }
+        }
+    }
+    contacts.into_iter().zip(dropped).filter(|(_, dropped)| !dropped).map(|(contact, _)| contact).collect()
+}
+
+/// Takes from `left` the first entry and all whose faces convex edges join to its face, in their order.
+fn take_group<Q: Rational>(
+    pair: &Pair<'_, Q>,
+    side: Side,
+    left: &mut Vec<usize>,
+    face_of: impl Fn(usize) -> u32,
+) -> Vec<usize> {
+    let block = pair.side(side.other()).block;
+    let joined = |f: u32, g: u32| {
+        block.topology().face_edges(f).iter().any(|&e| {
+            let edge = &block.topology().edges()[e as usize];
+            block.edge_is_convex(e) && [edge.left, edge.right].contains(&g)
+        })
+    };
+    let mut group = vec![left.remove(0)];
+    while let Some(next) = left.iter().position(|&k| group.iter().any(|&g| joined(face_of(g), face_of(k)))) {
+        group.push(left.remove(next));
+    }
+    group.sort_by_key(|&k| face_of(k));
+    group
+}
+
+/// **One exit**, for two convex blocks: with n* the normal of the contact with the largest gap (ties by Eq. (1), to the
+/// first in sorted order), a contact with h < 0 stays only if `n·n* > 0` and `|n × n*|² ≤ so²·|n|²·|n*|²`.
+/// Expects the contacts sorted.
+pub(super) fn only<Q: Rational>(pair: &Pair<'_, Q>, contacts: Vec<Meeting<Q>>) -> Vec<Meeting<Q>> {
+    if !pair.a.block.is_convex() || !pair.b.block.is_convex() {
+        return contacts;
+    }
+    let planes: Vec<_> = contacts.iter().map(|contact| contact.plane.clone()).collect();
+    let Some(choice) = first_of_the_largest(&planes, &pair.limits.equal) else { return contacts };
+    let star = &planes[choice.index].normal;
+    let within_overlap_angle = |contact: &Meeting<Q>| {
+        let n = &contact.plane.normal;
+        let limit = pair.limits.overlap_squared.times(&squared_length(n)).times(&squared_length(star));
+        Verdict::above_zero(&dot(n, star))
+            .and(|| Verdict::at_most(&squared_length(&cross(n, star)), &limit))
+            .tied_if(choice.is_tied())
+    };
+    contacts
+        .into_iter()
+        .enumerate()
+        .filter(|(k, contact)| {
+            *k == choice.index
+                || !contact.plane.gap_sign().is_negative()
+                || pair.decide(Predicate::OneExit, &contact.features(), within_overlap_angle(contact))
+        })
+        .map(|(_, contact)| contact)
+        .collect()
+}

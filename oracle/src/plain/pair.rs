@@ -1,0 +1,177 @@
+//! Two blocks, the tolerances between them, and the record of what was decided.
+
+use super::solid::{Limits, Solid};
+use super::verdict::Verdict;
+use super::{Found, Traced};
+use crate::rational::Rational;
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{Block, Contact, ContactKind, Entrance, Sign, ToleranceSet, Vec3};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+
+/// A pair of blocks under a tolerance set.
+pub(super) struct Pair<'a, Q> {
+    pub(super) a: Solid<'a, Q>,
+    pub(super) b: Solid<'a, Q>,
+    pub(super) limits: Limits<Q>,
+    log: RefCell<Log>,
+}
+
+/// The decisions taken so far, if anybody asks for them.
+pub(super) struct Log {
+    kept: Option<Vec<Traced>>,
+    seen: BTreeSet<Decision>,
+}
+
+impl Log {
+    /// Keeps nothing.
+    pub(super) fn off() -> Log {
+        Log { kept: None, seen: BTreeSet::new() }
+    }
+
+    /// Keeps each decision once.
+    pub(super) fn on() -> Log {
+        Log { kept: Some(Vec::new()), seen: BTreeSet::new() }
+    }
+}
+
+impl<'a, Q: Rational> Pair<'a, Q> {
+    pub(super) fn new(a: &'a Block, b: &'a Block, tolerances: &ToleranceSet, log: Log) -> Self {
+        let exact = |n| Q::from_number(n);
+        let search = exact(&tolerances.search);
+        let limits = Limits {
+            search_squared: search.squared(),
+            search,
+            territory_squared: exact(&tolerances.territory).squared(),
+            penetration_squared: exact(&tolerances.penetration).squared(),
+            overlap_squared: exact(&tolerances.overlap_sine).squared(),
+            parallel_squared: exact(&tolerances.parallel_sine).squared(),
+            equal: exact(&tolerances.equal),
+            criteria: tolerances.criteria,
+        };
+        Pair { a: Solid::new(a, &limits), b: Solid::new(b, &limits), limits, log: RefCell::new(log) }
+    }
+
+    pub(super) fn side(&self, side: Side) -> &Solid<'a, Q> {
+        match side {
+            Side::A => &self.a,
+            Side::B => &self.b,
+        }
+    }
+
+    pub(super) fn vertex(&self, side: Side, vertex: u32) -> &Vec3<Q> {
+        &self.side(side).vertices[vertex as usize]
+    }
+
+    /// Records a verdict and hands on its answer.
+    pub(super) fn decide(&self, predicate: Predicate, features: &[Feature], verdict: Verdict) -> bool {
+        self.record(predicate, features, i8::from(verdict.yes), verdict.tie);
+        verdict.yes
+    }
+
+    /// Records the sign of the gap of a contact's entrance.
+    pub(super) fn record_gap_sign(&self, plane: &Plane<Q>) {
+        let sign = plane.gap_sign();
+        self.record(Predicate::GapSign, &plane.features(), sign.as_i8(), plane.unsided || sign == Sign::Zero);
+    }
+
+    fn record(&self, predicate: Predicate, features: &[Feature], outcome: i8, tie: bool) {
+        let mut log = self.log.borrow_mut();
+        let decision = Decision::about(predicate, features);
+        if log.kept.is_some() && log.seen.insert(decision) {
+            log.kept.get_or_insert_default().push((decision, outcome, tie));
+        }
+    }
+
+    /// The decisions recorded.
+    pub(super) fn into_trace(self) -> Vec<Traced> {
+        self.log.into_inner().kept.unwrap_or_default()
+    }
+}
+
+/// A plane through which the blocks may enter one another, with the gap along its normal.
+#[derive(Clone)]
+pub(super) struct Plane<Q> {
+    pub(super) entrance: Entrance,
+    /// Points from B to A; not normalised.
+    pub(super) normal: Vec3<Q>,
+    /// `h·|h|` of the gap h, in m²: its square, with its sign. Zero when the normal is.
+    pub(super) gap_signed_square: Q,
+    /// Whether the side to which the normal points was an exact tie (σ of two edges).
+    pub(super) unsided: bool,
+}
+
+impl<Q: Rational> Plane<Q> {
+    /// The sign of the gap.
+    pub(super) fn gap_sign(&self) -> Sign {
+        self.gap_signed_square.sign()
+    }
+
+    /// `h ≤ s`
+    pub(super) fn near(&self, limits: &Limits<Q>) -> Verdict {
+        Verdict::at_most(&self.gap_signed_square, &limits.search_squared).tied_if(self.unsided)
+    }
+
+    /// `h ≥ −g`
+    pub(super) fn not_too_deep(&self, limits: &Limits<Q>) -> Verdict {
+        Verdict::at_least(&self.gap_signed_square, &limits.penetration_squared.negated()).tied_if(self.unsided)
+    }
+
+    /// The two features that span the plane.
+    pub(super) fn features(&self) -> [Feature; 2] {
+        use rockproof_model::EntranceKind::{EdgeEdge, FaceVertex, VertexFace};
+        let Entrance { kind, a, b } = self.entrance;
+        match kind {
+            VertexFace => [Feature::Vertex(Side::A, a), Feature::Face(Side::B, b)],
+            FaceVertex => [Feature::Face(Side::A, a), Feature::Vertex(Side::B, b)],
+            EdgeEdge => [Feature::Edge(Side::A, a), Feature::Edge(Side::B, b)],
+        }
+    }
+}
+
+/// A contact with the plane of its entrance.
+#[derive(Clone)]
+pub(super) struct Meeting<Q> {
+    pub(super) kind: ContactKind,
+    /// Index of A's feature.
+    pub(super) a: u32,
+    /// Index of B's feature.
+    pub(super) b: u32,
+    pub(super) plane: Plane<Q>,
+}
+
+impl<Q: Rational> Meeting<Q> {
+    /// What is handed out.
+    pub(super) fn published(self) -> Found<Q> {
+        let gap = self.plane.gap_sign();
+        let contact = Contact { kind: self.kind, a: self.a, b: self.b, entrance: self.plane.entrance, gap };
+        Found { contact, gap_squared: self.plane.gap_signed_square.magnitude() }
+    }
+
+    /// The contact's two features.
+    pub(super) fn features(&self) -> [Feature; 2] {
+        let a = match self.kind {
+            ContactKind::VertexVertex | ContactKind::VertexEdge | ContactKind::VertexFace => {
+                Feature::Vertex(Side::A, self.a)
+            }
+            ContactKind::EdgeVertex | ContactKind::EdgeEdge => Feature::Edge(Side::A, self.a),
+            ContactKind::FaceVertex => Feature::Face(Side::A, self.a),
+        };
+        let b = match self.kind {
+            ContactKind::VertexVertex | ContactKind::EdgeVertex | ContactKind::FaceVertex => {
+                Feature::Vertex(Side::B, self.b)
+            }
+            ContactKind::VertexEdge | ContactKind::EdgeEdge => Feature::Edge(Side::B, self.b),
+            ContactKind::VertexFace => Feature::Face(Side::B, self.b),
+        };
+        [a, b]
+    }
+}
+
+/// The two indices in the order A, B, when `own` lies on `side` and `other` on the opposite one.
+pub(super) fn indices_in_order(side: Side, own: u32, other: u32) -> (u32, u32) {
+    match side {
+        Side::A => (own, other),
+        Side::B => (other, own),
+    }
+}
