@@ -225,8 +225,7 @@ impl Case {
 
     /// The pair of the case, as one of a campaign.
     pub fn subject(&self) -> Subject {
-        let set =
-            SubjectSet { name: "case".into(), f32: self.tolerances.clone(), f64: self.tolerances.clone() };
+        let set = SubjectSet { name: "case".into(), f32: self.tolerances.clone(), f64: self.tolerances.clone() };
         Subject {
             index: 0,
             family: "case".into(),
@@ -328,8 +327,8 @@ impl Case {
     /// # Errors
     /// What is wrong with it, and where.
     pub fn from_toml(text: &str, file: String) -> Result<Case, CaseError> {
-        let parsed: CaseFile = toml::from_str(text)
-            .map_err(|source| CaseError::Toml { file: file.clone(), source: Box::new(source) })?;
+        let parsed: CaseFile =
+            toml::from_str(text).map_err(|source| CaseError::Toml { file: file.clone(), source: Box::new(source) })?;
         let about = parsed.case;
         let known = |key, found: &str, allowed: &[&str]| {
             if allowed.contains(&found) {
@@ -351,13 +350,17 @@ impl Case {
             }
         }
         let found = parsed.block.len();
-        let [a, b] = <[CaseBlock; 2]>::try_from(parsed.block).map_err(|_| CaseError::Blocks { file: file.clone(), found })?;
+        let [a, b] =
+            <[CaseBlock; 2]>::try_from(parsed.block).map_err(|_| CaseError::Blocks { file: file.clone(), found })?;
         let block = |number, block: CaseBlock| {
             let vertices = block.vertices.into_iter().map(|[x, y, z]| Point::new(x, y, z)).collect();
             // Real blocks are kept as they were loaded, with faces as far from planar as their file had them.
             let options = BlockOptions { planarity: Number::from_integer(1) };
-            Block::new(vertices, block.faces, &options)
-                .map_err(|source| CaseError::Block { file: file.clone(), block: number, source })
+            Block::new(vertices, block.faces, &options).map_err(|source| CaseError::Block {
+                file: file.clone(),
+                block: number,
+                source,
+            })
         };
         let t = parsed.tolerances;
         let tolerances = ToleranceSet {

@@ -57,7 +57,9 @@ pub enum Start {
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
     /// The directory holds another run.
-    #[error("{dir} holds a campaign already; --resume goes on with it, --force discards it, --out DIR writes elsewhere")]
+    #[error(
+        "{dir} holds a campaign already; --resume goes on with it, --force discards it, --out DIR writes elsewhere"
+    )]
     Occupied {
         /// The directory.
         dir: PathBuf,

@@ -159,17 +159,19 @@ impl Campaign<'_> {
 
     fn write_cases(&self, findings: &[Finding], names: &[Option<String>], journal: &Journal) -> Result<(), RunError> {
         let dir = journal.cases_dir();
-        findings.par_iter().zip(names).filter_map(|(f, name)| Some((f, name.as_ref()?))).try_for_each(|(finding, name)| {
-            let number = finding.index / self.source.batch_len();
-            let subjects = self.source.batch(number);
-            let Some(subject) = subjects.iter().find(|s| s.index == finding.index) else { return Ok(()) };
-            let panel = (self.narrow)(finding);
-            let Some(case) = Case::of(finding, subject, self.config.seed, &panel) else { return Ok(()) };
-            let case = Shrinker::new(&panel, self.config.shrink_evaluations).shrink(case);
-            let path = dir.join(name);
-            write_atomically(&path, case.to_toml()?.as_bytes()).map_err(at(&path))?;
-            Ok(())
-        })
+        findings.par_iter().zip(names).filter_map(|(f, name)| Some((f, name.as_ref()?))).try_for_each(
+            |(finding, name)| {
+                let number = finding.index / self.source.batch_len();
+                let subjects = self.source.batch(number);
+                let Some(subject) = subjects.iter().find(|s| s.index == finding.index) else { return Ok(()) };
+                let panel = (self.narrow)(finding);
+                let Some(case) = Case::of(finding, subject, self.config.seed, &panel) else { return Ok(()) };
+                let case = Shrinker::new(&panel, self.config.shrink_evaluations).shrink(case);
+                let path = dir.join(name);
+                write_atomically(&path, case.to_toml()?.as_bytes()).map_err(at(&path))?;
+                Ok(())
+            },
+        )
     }
 
     fn run_json(&self, journal: &Journal, finished: bool) -> Result<Vec<u8>, RunError> {

@@ -113,7 +113,8 @@ impl<'p> Shrinker<'p> {
 
     /// Rounds coordinates to few bits: all at once on a common grid, then block by block, then number by number.
     fn shorten_coordinates(&mut self, best: &mut Case) {
-        let largest = best.a.coordinates().chain(best.b.coordinates()).map(|c| c.approximate().abs()).fold(0.0, f64::max);
+        let largest =
+            best.a.coordinates().chain(best.b.coordinates()).map(|c| c.approximate().abs()).fold(0.0, f64::max);
         if largest == 0.0 || !largest.is_finite() {
             return;
         }
@@ -231,7 +232,8 @@ fn bits(number: &Number) -> u64 {
         (Some(0.0), _) | (None, None) => 0,
         (Some(value), _) => {
             let (significand, exponent) = split_f64(value);
-            u64::from(64 - significand.unsigned_abs().leading_zeros()) + u64::from(exponent.unsigned_abs().min(1100)) / 4
+            u64::from(64 - significand.unsigned_abs().leading_zeros())
+                + u64::from(exponent.unsigned_abs().min(1100)) / 4
         }
         (None, Some(ratio)) => 2 + ratio.numer().bits() + ratio.denom().bits(),
     }

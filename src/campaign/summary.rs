@@ -139,7 +139,8 @@ impl Summary {
             let pairs = pairs.to_string();
             let start = [&*origin.family, &origin.form, &origin.tolerances, &pairs];
             let mut any = false;
-            let least = Sort { engine: String::new(), cause: String::new(), change: String::new(), kind: String::new() };
+            let least =
+                Sort { engine: String::new(), cause: String::new(), change: String::new(), kind: String::new() };
             let from = (origin.clone(), least);
             for ((_, sort), count) in self.findings.range(from..).take_while(|((o, _), _)| o == origin) {
                 let count = count.to_string();
