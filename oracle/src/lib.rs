@@ -1,4 +1,27 @@
-//! Exact classification.
+//! The oracle: which contacts two blocks have, exactly (SPEC section 4).
+//!
+//! Every decision is the sign of a polynomial in coordinates and tolerances. [`Pair::classify`] finds each sign at the
+//! cheapest level that proves it: f64 with a static error bound, integers of 128 bits, f64 balls, integers of 256 to
+//! 1,024 bits, integers on the heap. No float takes a decision that its bound does not prove. [`plain`] does the same
+//! in plain rationals, to be compared with.
 
+mod contact;
+mod gap;
+mod levels;
+mod number;
+mod pair;
 pub mod plain;
+mod predicate;
 pub mod rational;
+mod run;
+mod scales;
+mod solid;
+mod trace;
+mod view;
+
+pub use contact::Answer;
+pub use gap::Gap;
+pub use levels::LevelCounts;
+pub use pair::Pair;
+pub use solid::Solid;
+pub use trace::{Margin, TraceEntry};

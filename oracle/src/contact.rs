@@ -1,0 +1,14 @@
+//! SPEC section 4, one file per feature pair.
+
+mod classify;
+mod edge_edge;
+mod entrance;
+mod exit;
+mod no_overlap;
+mod reach;
+mod territory;
+mod vertex_edge;
+mod vertex_face;
+mod vertex_vertex;
+
+pub use classify::Answer;

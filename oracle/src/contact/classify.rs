@@ -1,0 +1,139 @@
+//! The whole classification of a pair: rough phase, the four tests with both roles, one exit.
+
+use super::entrance::Candidate;
+use super::exit::Found;
+use super::reach::Reach;
+use crate::levels::LevelCounts;
+use crate::pair::Pair;
+use crate::predicate::{BoxesMeet, Vertex};
+use crate::run::{Observer, Run, Silent};
+use rockproof_model::decision::{Decision, Predicate, Side};
+use rockproof_model::{Contact, ContactKind, ToleranceSet};
+
+/// What the oracle says of a pair.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// The contacts in the order of SPEC: by kind, then by features.
+    pub contacts: Vec<Contact>,
+    /// How the signs were decided.
+    pub levels: LevelCounts,
+}
+
+impl Pair<'_> {
+    /// The contacts of the pair under a tolerance set (SPEC section 4), exactly.
+    ///
+    /// Block coordinates count as they stand: for the oracle on rounded input, give it rounded blocks and tolerances.
+    pub fn classify(&self, tolerances: &ToleranceSet) -> Answer {
+        let mut run = Run::new(self, tolerances, Silent);
+        let contacts = run.classify();
+        Answer { contacts, levels: run.levels }
+    }
+
+    /// Whether the pair passes the rough phase: A's box grown by s meets B's; **touching says yes**.
+    pub fn are_neighbours(&self, tolerances: &ToleranceSet) -> bool {
+        Run::new(self, tolerances, Silent).neighbours()
+    }
+}
+
+impl<O: Observer> Run<'_, '_, O> {
+    pub(crate) fn classify(&mut self) -> Vec<Contact> {
+        if !self.neighbours() {
+            return Vec::new();
+        }
+        let distance = self.reach_distance();
+        let (a, b) = (self.reach_of(Side::A, distance), self.reach_of(Side::B, distance));
+        let mut found = Vec::new();
+        self.vertex_vertex_contacts(&a, &b, distance, &mut found);
+        self.vertex_edge_contacts(Side::A, &a, &b, distance, &mut found);
+        self.vertex_edge_contacts(Side::B, &b, &a, distance, &mut found);
+        self.vertex_face_contacts(Side::A, &a, &mut found);
+        self.vertex_face_contacts(Side::B, &b, &mut found);
+        self.edge_edge_contacts(&a, &b, distance, &mut found);
+        found.sort_unstable_by_key(|f| f.contact);
+        if self.pair.a.block.is_convex() && self.pair.b.block.is_convex() {
+            self.keep_one_exit(&mut found);
+        }
+        found.into_iter().map(|f| f.contact).collect()
+    }
+
+    fn neighbours(&mut self) -> bool {
+        self.decide(
+            || Decision::about(Predicate::Neighbours, &[]),
+            |run| {
+                (0..3).all(|axis| {
+                    [(Side::A, Side::B), (Side::B, Side::A)].into_iter().all(|(low, high)| {
+                        let low = (low, run.pair.solid(low).extremes[axis].0);
+                        let high = (high, run.pair.solid(high).extremes[axis].1);
+                        run.sign(&BoxesMeet { low, high, axis }).is_at_least_zero()
+                    })
+                })
+            },
+        )
+    }
+
+    fn vertex_vertex_contacts(&mut self, a: &Reach, b: &Reach, distance: f64, found: &mut Vec<Found>) {
+        for &i in &a.vertices {
+            for &j in &b.vertices {
+                if !self.vertices_out_of_reach(i, j, distance)
+                    && let Some(candidate) = self.vertex_vertex(i, j)
+                {
+                    found.push(contact(ContactKind::VertexVertex, i, j, candidate));
+                }
+            }
+        }
+    }
+
+    /// v-e for vertices of A, e-v for vertices of B.
+    fn vertex_edge_contacts(&mut self, side: Side, own: &Reach, other: &Reach, distance: f64, found: &mut Vec<Found>) {
+        for &v in &own.vertices {
+            for &e in &other.edges {
+                if !self.vertex_out_of_reach_of_edge((side, v), e, distance)
+                    && let Some(candidate) = self.vertex_edge((side, v), (side.other(), e))
+                {
+                    found.push(match side {
+                        Side::A => contact(ContactKind::VertexEdge, v, e, candidate),
+                        Side::B => contact(ContactKind::EdgeVertex, e, v, candidate),
+                    });
+                }
+            }
+        }
+    }
+
+    /// v-f for vertices of A, f-v for vertices of B.
+    fn vertex_face_contacts(&mut self, side: Side, own: &Reach, found: &mut Vec<Found>) {
+        let both_convex = self.pair.a.block.is_convex() && self.pair.b.block.is_convex();
+        let faces = self.pair.topology(side.other()).faces().len() as u32;
+        for &v in &own.vertices {
+            let vertex: Vertex = (side, v);
+            let mut touched: Vec<(u32, Candidate)> = Vec::new();
+            for face in 0..faces {
+                if let Some(candidate) = self.vertex_face(vertex, (side.other(), face)) {
+                    touched.push((face, candidate));
+                }
+            }
+            if !both_convex {
+                self.keep_shortest_exit(vertex, &mut touched);
+            }
+            found.extend(touched.into_iter().map(|(face, candidate)| match side {
+                Side::A => contact(ContactKind::VertexFace, v, face, candidate),
+                Side::B => contact(ContactKind::FaceVertex, face, v, candidate),
+            }));
+        }
+    }
+
+    fn edge_edge_contacts(&mut self, a: &Reach, b: &Reach, distance: f64, found: &mut Vec<Found>) {
+        for &i in &a.edges {
+            for &j in &b.edges {
+                if !self.edges_out_of_reach(i, j, distance)
+                    && let Some(candidate) = self.edge_edge(i, j)
+                {
+                    found.push(contact(ContactKind::EdgeEdge, i, j, candidate));
+                }
+            }
+        }
+    }
+}
+
+fn contact(kind: ContactKind, a: u32, b: u32, candidate: Candidate) -> Found {
+    Found { contact: Contact { kind, a, b, entrance: candidate.entrance, gap: candidate.gap }, candidate }
+}

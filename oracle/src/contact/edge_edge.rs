@@ -1,0 +1,53 @@
+//! Test 4: crossing e-e.
+
+use super::entrance::Candidate;
+use super::no_overlap::about_edges;
+use crate::predicate::{CommonFoot, Limit};
+use crate::run::{Observer, Run};
+use rockproof_model::decision::{Predicate, Side};
+
+impl<O: Observer> Run<'_, '_, O> {
+    /// Whether two convex edges cross and touch.
+    ///
+    /// Not nearly parallel, the feet of the common perpendicular strictly inside both, no endpoint in the territory of
+    /// the other edge or its ends, `−g ≤ h ≤ s`, and the wedges pass.
+    pub(crate) fn edge_edge(&mut self, edge_a: u32, edge_b: u32) -> Option<Candidate> {
+        if !(self.edge_is_convex(Side::A, edge_a) && self.edge_is_convex(Side::B, edge_b)) {
+            return None;
+        }
+        if self.nearly_parallel(edge_a, edge_b) || !self.feet_inside(edge_a, edge_b) {
+            return None;
+        }
+        let sigma = self.orientation(edge_a, edge_b);
+        let candidate = self.edge_candidate(edge_a, edge_b, sigma);
+        let near = self.decide(
+            || about_edges(Predicate::EdgeEdgeNear, edge_a, edge_b),
+            |run| run.gap_at_most(&candidate, Limit::Search),
+        ) && self
+            .decide(|| about_edges(Predicate::EdgeEdgeDepth, edge_a, edge_b), |run| run.gap_not_deeper(&candidate));
+        if !near || self.an_end_belongs_elsewhere(edge_a, edge_b) {
+            return None;
+        }
+        self.wedges_pass(edge_a, edge_b, sigma).then_some(candidate)
+    }
+
+    /// Whether both feet of the common perpendicular lie strictly inside; **a tie says no**.
+    fn feet_inside(&mut self, edge_a: u32, edge_b: u32) -> bool {
+        self.decide(
+            || about_edges(Predicate::FeetInside, edge_a, edge_b),
+            |run| {
+                [(Side::A, false), (Side::A, true), (Side::B, false), (Side::B, true)]
+                    .into_iter()
+                    .all(|(on, from_end)| run.sign(&CommonFoot { edge_a, edge_b, on, from_end }).is_positive())
+            },
+        )
+    }
+
+    fn an_end_belongs_elsewhere(&mut self, edge_a: u32, edge_b: u32) -> bool {
+        let a = self.pair.topology(Side::A).edges()[edge_a as usize];
+        let b = self.pair.topology(Side::B).edges()[edge_b as usize];
+        [a.p, a.q].into_iter().any(|end_a| [b.p, b.q].into_iter().any(|end_b| self.share_territory(end_a, end_b)))
+            || [a.p, a.q].into_iter().any(|end| self.in_edge_territory((Side::A, end), (Side::B, edge_b)))
+            || [b.p, b.q].into_iter().any(|end| self.in_edge_territory((Side::B, end), (Side::A, edge_a)))
+    }
+}

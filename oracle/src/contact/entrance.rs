@@ -1,0 +1,168 @@
+//! The entrance of a contact: the plane with the largest gap among those that pass (SPEC section 4, "Entrance").
+
+use crate::predicate::{AbovePlane, Edge, EdgesApart, Factor, GapWithin, LargerGap, Limit, Vertex};
+use crate::run::{Observer, Run};
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{Entrance, EntranceKind, Sign};
+use smallvec::SmallVec;
+
+/// A plane that passed its no-overlap check.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate {
+    pub(crate) entrance: Entrance,
+    /// What turns the stored normal from B to A: σ for e-e, − for f-v, + for v-f.
+    pub(crate) turn: Sign,
+    /// Sign of the gap.
+    pub(crate) gap: Sign,
+}
+
+/// Candidates in the order in which ties are broken.
+pub(crate) type Candidates = SmallVec<[Candidate; 24]>;
+
+impl<O: Observer> Run<'_, '_, O> {
+    /// The plane of a vertex and a face of the other block, with the sign of its gap.
+    pub(crate) fn face_candidate(&mut self, vertex: Vertex, face: u32) -> Candidate {
+        let (entrance, turn, face) = match vertex.0 {
+            Side::A => {
+                (Entrance { kind: EntranceKind::VertexFace, a: vertex.1, b: face }, Sign::Positive, (Side::B, face))
+            }
+            Side::B => {
+                (Entrance { kind: EntranceKind::FaceVertex, a: face, b: vertex.1 }, Sign::Negative, (Side::A, face))
+            }
+        };
+        let gap = self.decide_sign(|| about_gap(&entrance), |run| run.sign(&AbovePlane { vertex, face }));
+        Candidate { entrance, turn, gap }
+    }
+
+    /// The plane of two edges, with the sign of its gap.
+    pub(crate) fn edge_candidate(&mut self, edge_a: u32, edge_b: u32, sigma: Sign) -> Candidate {
+        let entrance = Entrance { kind: EntranceKind::EdgeEdge, a: edge_a, b: edge_b };
+        let gap =
+            self.decide_sign(|| about_gap(&entrance), |run| run.sign(&EdgesApart { edge_a, edge_b }).times(sigma));
+        Candidate { entrance, turn: sigma, gap }
+    }
+
+    /// Adds the planes of a vertex and those of `faces` whose plane its cone passes.
+    pub(crate) fn add_faces(&mut self, vertex: Vertex, faces: &[u32], candidates: &mut Candidates) {
+        for &face in faces {
+            if self.cone_passes(vertex, (vertex.0.other(), face)) {
+                let candidate = self.face_candidate(vertex, face);
+                candidates.push(candidate);
+            }
+        }
+    }
+
+    /// Adds the planes of convex, crossing edges whose wedges pass.
+    pub(crate) fn add_edges(&mut self, edges_a: &[u32], edges_b: &[u32], candidates: &mut Candidates) {
+        for &edge_a in edges_a.iter() {
+            for &edge_b in edges_b {
+                if !(self.edge_is_convex(Side::A, edge_a) && self.edge_is_convex(Side::B, edge_b))
+                    || self.nearly_parallel(edge_a, edge_b)
+                {
+                    continue;
+                }
+                let sigma = self.orientation(edge_a, edge_b);
+                if self.wedges_pass(edge_a, edge_b, sigma) {
+                    let candidate = self.edge_candidate(edge_a, edge_b, sigma);
+                    candidates.push(candidate);
+                }
+            }
+        }
+    }
+
+    /// The candidate with the largest gap; of those equal to it by Eq. (1), the first. `None` without candidates.
+    pub(crate) fn choose(&mut self, of: [Feature; 2], candidates: &Candidates) -> Option<Candidate> {
+        let best = self.largest_gap(candidates)?;
+        let mut chosen = None;
+        for (k, candidate) in candidates.iter().enumerate() {
+            let about = || {
+                let [a, b] = entrance_features(&candidate.entrance);
+                Decision::about(Predicate::EntranceChoice, &[of[0], of[1], a, b])
+            };
+            let ties = self.decide(about, |run| {
+                // Those behind the best one cannot win; they are compared only for the record.
+                let ties = k == best || run.equals_best(candidate, &candidates[best]);
+                ties && k <= best && chosen.is_none()
+            });
+            if ties {
+                chosen = Some(*candidate);
+                if !O::ACTIVE {
+                    break;
+                }
+            }
+        }
+        chosen
+    }
+
+    /// Index of the largest gap; of exactly equal ones the first.
+    pub(crate) fn largest_gap(&mut self, candidates: &[Candidate]) -> Option<usize> {
+        let mut best = 0;
+        for k in 1..candidates.len() {
+            if self.compare_gaps(&candidates[k], &candidates[best], Factor::One).is_positive() {
+                best = k;
+            }
+        }
+        (!candidates.is_empty()).then_some(best)
+    }
+
+    /// Eq. (1): `h_k ≥ h_best − ε·|h_best|`; **a tie says yes**.
+    pub(crate) fn equals_best(&mut self, candidate: &Candidate, best: &Candidate) -> bool {
+        let factor = if best.gap.is_negative() { Factor::OnePlusEqual } else { Factor::OneMinusEqual };
+        self.compare_gaps(candidate, best, factor).is_at_least_zero()
+    }
+
+    /// Sign of `h₁ − f·h₂`.
+    fn compare_gaps(&mut self, first: &Candidate, second: &Candidate, factor: Factor) -> Sign {
+        let factor_sign = match factor {
+            Factor::OneMinusEqual => self.one_minus_equal(),
+            Factor::One | Factor::OnePlusEqual => Sign::Positive,
+        };
+        let second_sign = second.gap.times(factor_sign);
+        if first.gap != second_sign {
+            return Sign::of_ordering(first.gap.cmp(&second_sign));
+        }
+        if first.gap.is_zero() {
+            return Sign::Zero;
+        }
+        let larger = LargerGap { first: first.entrance, second: second.entrance, factor };
+        self.sign(&larger).times(first.gap)
+    }
+
+    fn one_minus_equal(&self) -> Sign {
+        Sign::of_ordering(rockproof_model::Number::from_integer(1).cmp(&self.tolerances.equal))
+    }
+
+    /// `h ≤ limit`; **a tie says yes**.
+    pub(crate) fn gap_at_most(&mut self, candidate: &Candidate, limit: Limit) -> bool {
+        !candidate.gap.is_positive() || self.sign(&GapWithin { entrance: candidate.entrance, limit }).is_at_least_zero()
+    }
+
+    /// `h ≥ −g`; **a tie says yes**.
+    pub(crate) fn gap_not_deeper(&mut self, candidate: &Candidate) -> bool {
+        !candidate.gap.is_negative()
+            || self.sign(&GapWithin { entrance: candidate.entrance, limit: Limit::Penetration }).is_at_least_zero()
+    }
+
+    /// Whether the chosen entrance has `h ≥ −g`, as a decision about the contact of two features.
+    pub(crate) fn confirmed(&mut self, of: [Feature; 2], chosen: &Candidate) -> bool {
+        self.decide(|| Decision::about(Predicate::EntranceDepth, &of), |run| run.gap_not_deeper(chosen))
+    }
+}
+
+pub(crate) fn entrance_features(entrance: &Entrance) -> [Feature; 2] {
+    match entrance.kind {
+        EntranceKind::VertexFace => [Feature::Vertex(Side::A, entrance.a), Feature::Face(Side::B, entrance.b)],
+        EntranceKind::FaceVertex => [Feature::Face(Side::A, entrance.a), Feature::Vertex(Side::B, entrance.b)],
+        EntranceKind::EdgeEdge => [Feature::Edge(Side::A, entrance.a), Feature::Edge(Side::B, entrance.b)],
+    }
+}
+
+fn about_gap(entrance: &Entrance) -> Decision {
+    Decision::about(Predicate::GapSign, &entrance_features(entrance))
+}
+
+/// An edge's two faces, ascending: the order in which candidates are tried.
+pub(crate) fn faces_of<O: Observer>(run: &Run<'_, '_, O>, edge: Edge) -> [u32; 2] {
+    let ends = run.pair.topology(edge.0).edges()[edge.1 as usize];
+    [ends.left.min(ends.right), ends.left.max(ends.right)]
+}

@@ -1,0 +1,108 @@
+//! Which contacts of overlapping blocks stay: shortest exit (test 3) and one exit (test 5).
+
+use super::entrance::Candidate;
+use crate::predicate::{NormalsAgree, NormalsWithin};
+use crate::run::{Observer, Run};
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{Contact, ContactKind};
+
+/// A contact with what its later tests need.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found {
+    pub(crate) contact: Contact,
+    pub(crate) candidate: Candidate,
+}
+
+impl<O: Observer> Run<'_, '_, O> {
+    /// Shortest exit: of the faces that one vertex overlaps and that convex edges join, only the one with the largest
+    /// gap stays; gaps equal by Eq. (1) leave the lower face. `found` are the contacts of the vertex, by face.
+    pub(crate) fn keep_shortest_exit(&mut self, vertex: (Side, u32), found: &mut Vec<(u32, Candidate)>) {
+        let side = vertex.0.other();
+        let overlapping: Vec<(u32, Candidate)> = found.iter().copied().filter(|(_, c)| c.gap.is_negative()).collect();
+        if overlapping.len() < 2 {
+            return;
+        }
+        let groups = self.groups(side, &overlapping.iter().map(|&(face, _)| face).collect::<Vec<_>>());
+        let mut dropped = Vec::new();
+        for group in 0..overlapping.len() {
+            let members: Vec<_> =
+                overlapping.iter().zip(&groups).filter(|&(_, &g)| g == group).map(|(&member, _)| member).collect();
+            if members.len() < 2 {
+                continue;
+            }
+            let gaps: Vec<Candidate> = members.iter().map(|&(_, candidate)| candidate).collect();
+            let Some(best) = self.largest_gap(&gaps) else { continue };
+            let mut stays = None;
+            for (k, &(face, candidate)) in members.iter().enumerate() {
+                let features = [Feature::Vertex(vertex.0, vertex.1), Feature::Face(side, face)];
+                let stay = self.decide(
+                    || Decision::about(Predicate::ShortestExit, &features),
+                    |run| (k == best || run.equals_best(&candidate, &gaps[best])) && k <= best && stays.is_none(),
+                );
+                if stay {
+                    stays = Some(face);
+                } else {
+                    dropped.push(face);
+                }
+            }
+        }
+        found.retain(|(face, _)| !dropped.contains(face));
+    }
+
+    /// Numbers the groups of faces that convex edges join, each by the place of its first face.
+    fn groups(&self, side: Side, faces: &[u32]) -> Vec<usize> {
+        let topology = self.pair.topology(side);
+        let mut group: Vec<usize> = (0..faces.len()).collect();
+        for (e, edge) in topology.edges().iter().enumerate() {
+            let at = |face| faces.iter().position(|&f| f == face);
+            if let (Some(left), Some(right)) = (at(edge.left), at(edge.right))
+                && self.edge_is_convex(side, e as u32)
+            {
+                let (low, high) = (group[left].min(group[right]), group[left].max(group[right]));
+                group.iter_mut().filter(|g| **g == high).for_each(|g| *g = low);
+            }
+        }
+        group
+    }
+
+    /// One exit, for two convex blocks: with n* the normal of the largest gap found, an overlapping contact stays only
+    /// if its normal is within the overlap angle of n*; **a tie stays**. `found` is sorted.
+    pub(crate) fn keep_one_exit(&mut self, found: &mut Vec<Found>) {
+        if !found.iter().any(|f| f.candidate.gap.is_negative()) {
+            return;
+        }
+        let candidates: Vec<Candidate> = found.iter().map(|f| f.candidate).collect();
+        let Some(best) = self.largest_gap(&candidates) else { return };
+        let reference = (0..best).find(|&k| self.equals_best(&candidates[k], &candidates[best])).unwrap_or(best);
+        let way_out = candidates[reference];
+        found.retain(|f| {
+            if !f.candidate.gap.is_negative() {
+                return true;
+            }
+            self.decide(
+                || Decision::about(Predicate::OneExit, &contact_features(&f.contact)),
+                |run| run.same_way_out(&f.candidate, &way_out),
+            )
+        });
+    }
+
+    /// `n·n* > 0` and `|n × n*|² ≤ so²|n|²|n*|²`.
+    fn same_way_out(&mut self, one: &Candidate, other: &Candidate) -> bool {
+        let (first, second) = (one.entrance, other.entrance);
+        let turned = one.turn.times(other.turn);
+        self.sign(&NormalsAgree { first, second }).times(turned).is_positive()
+            && self.sign(&NormalsWithin { first, second }).is_at_least_zero()
+    }
+}
+
+pub(crate) fn contact_features(contact: &Contact) -> [Feature; 2] {
+    let (vertex, edge, face) = (Feature::Vertex, Feature::Edge, Feature::Face);
+    match contact.kind {
+        ContactKind::VertexVertex => [vertex(Side::A, contact.a), vertex(Side::B, contact.b)],
+        ContactKind::VertexEdge => [vertex(Side::A, contact.a), edge(Side::B, contact.b)],
+        ContactKind::EdgeVertex => [edge(Side::A, contact.a), vertex(Side::B, contact.b)],
+        ContactKind::VertexFace => [vertex(Side::A, contact.a), face(Side::B, contact.b)],
+        ContactKind::FaceVertex => [face(Side::A, contact.a), vertex(Side::B, contact.b)],
+        ContactKind::EdgeEdge => [edge(Side::A, contact.a), edge(Side::B, contact.b)],
+    }
+}

@@ -1,0 +1,107 @@
+//! Culling: which features can take part in a contact at all.
+//!
+//! Everything a contact needs lies within `max(s, g, r)` of the other block: v-v and v-e ask for a distance ≤ s, and
+//! the gap of a v-f or e-e contact is the distance of two points of the features. (For v-f, the foot lies in the
+//! projected polygon, which is within the face's bulge of the face itself.) So a feature whose box, grown by that,
+//! misses the other block's box is in no contact. The boxes are compared in f64 with slack for every rounding.
+
+use crate::run::{Observer, Run};
+use crate::solid::Solid;
+use rockproof_model::decision::Side;
+use smallvec::SmallVec;
+
+/// The features of one block that can take part in a contact.
+#[derive(Default)]
+pub(crate) struct Reach {
+    pub(crate) vertices: SmallVec<[u32; 32]>,
+    pub(crate) edges: SmallVec<[u32; 32]>,
+}
+
+/// A box, grown so that comparing with it errs only towards keeping a feature.
+pub(crate) struct GrownBox {
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+impl GrownBox {
+    /// Whether a box is certainly outside; NaN is never certain.
+    #[inline(always)]
+    fn misses(&self, min: &[f64; 3], max: &[f64; 3]) -> bool {
+        (0..3).any(|k| max[k] < self.min[k] || min[k] > self.max[k])
+    }
+}
+
+impl<O: Observer> Run<'_, '_, O> {
+    /// How far features may be apart and still matter, slack included.
+    pub(crate) fn reach_distance(&self) -> f64 {
+        let t = self.tolerances;
+        let (a, b) = (self.pair.a, self.pair.b);
+        let largest =
+            [&t.search, &t.territory, &t.penetration].into_iter().map(|n| n.approximate()).fold(0.0, f64::max);
+        let coordinates = [a, b].into_iter().flat_map(|s| s.box_min.into_iter().chain(s.box_max));
+        let magnitude = coordinates.map(f64::abs).fold(0.0, f64::max);
+        // Eight roundings at most, each relative to the largest coordinate or to the distance itself.
+        (largest + a.bulge.max(b.bulge) + a.errors.coordinate + b.errors.coordinate) * (1.0 + 1e-12)
+            + 8.0 * f64::EPSILON * magnitude
+    }
+
+    /// The features of the block on `side` that come within `distance` of the other block's box.
+    pub(crate) fn reach_of(&self, side: Side, distance: f64) -> Reach {
+        let (solid, other) = (self.pair.solid(side), self.pair.solid(side.other()));
+        let grown = GrownBox { min: other.box_min.map(|c| c - distance), max: other.box_max.map(|c| c + distance) };
+        let mut reach = Reach::default();
+        for v in 0..solid.vertices.len() as u32 {
+            let at = point(solid, v);
+            if !grown.misses(&at, &at) {
+                reach.vertices.push(v);
+            }
+        }
+        for (e, edge) in solid.block.topology().edges().iter().enumerate() {
+            let (min, max) = span(solid, edge.p, edge.q);
+            if !grown.misses(&min, &max) {
+                reach.edges.push(e as u32);
+            }
+        }
+        reach
+    }
+
+    /// Whether two edges are certainly further apart than `distance`.
+    #[inline(always)]
+    pub(crate) fn edges_out_of_reach(&self, edge_a: u32, edge_b: u32, distance: f64) -> bool {
+        let (a, b) = (self.pair.a, self.pair.b);
+        let ends_a = a.block.topology().edges()[edge_a as usize];
+        let ends_b = b.block.topology().edges()[edge_b as usize];
+        let (min_a, max_a) = span(a, ends_a.p, ends_a.q);
+        let (min_b, max_b) = span(b, ends_b.p, ends_b.q);
+        (0..3).any(|k| max_a[k] + distance < min_b[k] || min_a[k] - distance > max_b[k])
+    }
+
+    /// Whether two vertices are certainly further apart than `distance` along some axis.
+    #[inline(always)]
+    pub(crate) fn vertices_out_of_reach(&self, a: u32, b: u32, distance: f64) -> bool {
+        let (a, b) = (point(self.pair.a, a), point(self.pair.b, b));
+        (0..3).any(|k| (a[k] - b[k]).abs() > distance)
+    }
+
+    /// Whether a vertex is certainly further than `distance` from an edge of the other block.
+    #[inline(always)]
+    pub(crate) fn vertex_out_of_reach_of_edge(&self, vertex: (Side, u32), edge: u32, distance: f64) -> bool {
+        let at = point(self.pair.solid(vertex.0), vertex.1);
+        let other = self.pair.solid(vertex.0.other());
+        let ends = other.block.topology().edges()[edge as usize];
+        let (min, max) = span(other, ends.p, ends.q);
+        (0..3).any(|k| at[k] + distance < min[k] || at[k] - distance > max[k])
+    }
+}
+
+#[inline(always)]
+fn point(solid: &Solid, vertex: u32) -> [f64; 3] {
+    let v = &solid.vertices[vertex as usize];
+    [v.x.0, v.y.0, v.z.0]
+}
+
+#[inline(always)]
+fn span(solid: &Solid, p: u32, q: u32) -> ([f64; 3], [f64; 3]) {
+    let (p, q) = (point(solid, p), point(solid, q));
+    (std::array::from_fn(|k| p[k].min(q[k])), std::array::from_fn(|k| p[k].max(q[k])))
+}

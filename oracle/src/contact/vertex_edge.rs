@@ -1,0 +1,82 @@
+//! Test 2: v-e, and e-v with the roles exchanged.
+
+use super::entrance::{Candidate, Candidates, faces_of};
+use super::territory::about_vertex_edge;
+use crate::predicate::{Edge, FootBeyondVertex, InwardOf, Limit, NearLine, Vertex};
+use crate::run::{Observer, Run};
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+
+impl<O: Observer> Run<'_, '_, O> {
+    /// Whether a vertex touches an edge of the other block, and through which entrance.
+    ///
+    /// Both convex, the foot strictly inside, the distance ≤ s, the vertex in the territory of neither end, and either
+    /// in the edge's territory or each in the other's region; a candidate passes and the chosen one is no deeper than g.
+    pub(crate) fn vertex_edge(&mut self, vertex: Vertex, edge: Edge) -> Option<Candidate> {
+        if !(self.vertex_is_convex(vertex.0, vertex.1) && self.edge_is_convex(edge.0, edge.1)) {
+            return None;
+        }
+        if !self.foot_inside(vertex, edge) || !self.near_edge(vertex, edge) {
+            return None;
+        }
+        let ends = self.pair.topology(edge.0).edges()[edge.1 as usize];
+        if self.vertices_share_territory(vertex, ends.p) || self.vertices_share_territory(vertex, ends.q) {
+            return None;
+        }
+        if !(self.within_edge_territory(vertex, edge)
+            || (self.in_edge_region(vertex, edge) && self.foot_in_vertex_region(vertex, edge)))
+        {
+            return None;
+        }
+        let mut candidates = Candidates::new();
+        self.add_faces(vertex, &faces_of(self, edge), &mut candidates);
+        let at_vertex = self.pair.topology(vertex.0).vertex_edges(vertex.1);
+        let of = match vertex.0 {
+            Side::A => {
+                self.add_edges(at_vertex, &[edge.1], &mut candidates);
+                [Feature::Vertex(Side::A, vertex.1), Feature::Edge(Side::B, edge.1)]
+            }
+            Side::B => {
+                self.add_edges(&[edge.1], at_vertex, &mut candidates);
+                [Feature::Edge(Side::A, edge.1), Feature::Vertex(Side::B, vertex.1)]
+            }
+        };
+        let chosen = self.choose(of, &candidates)?;
+        self.confirmed(of, &chosen).then_some(chosen)
+    }
+
+    fn near_edge(&mut self, vertex: Vertex, edge: Edge) -> bool {
+        self.decide(
+            || about_vertex_edge(Predicate::VertexEdgeNear, vertex, edge),
+            |run| run.sign(&NearLine { vertex, edge, limit: Limit::Search }).is_at_least_zero(),
+        )
+    }
+
+    /// Whether `(v − p)·m_L ≤ 0` and `(v − p)·m_R ≤ 0`; **a tie says yes**.
+    fn in_edge_region(&mut self, vertex: Vertex, edge: Edge) -> bool {
+        let ends = self.pair.topology(edge.0).edges()[edge.1 as usize];
+        [(ends.left, false), (ends.right, true)].into_iter().all(|(face, right)| {
+            let features =
+                [Feature::Vertex(vertex.0, vertex.1), Feature::Edge(edge.0, edge.1), Feature::Face(edge.0, face)];
+            self.decide(
+                || Decision::about(Predicate::EdgeRegion, &features),
+                |run| run.sign(&InwardOf { vertex, edge, right }).is_at_most_zero(),
+            )
+        })
+    }
+
+    /// Whether `(f − v)·e ≤ 0` for the foot f on the edge and all edges e at the vertex; **a tie says yes**.
+    fn foot_in_vertex_region(&mut self, vertex: Vertex, edge: Edge) -> bool {
+        let edges = self.pair.topology(vertex.0).vertex_edges(vertex.1);
+        edges.iter().all(|&at_vertex| {
+            let features = [
+                Feature::Vertex(vertex.0, vertex.1),
+                Feature::Edge(edge.0, edge.1),
+                Feature::Edge(vertex.0, at_vertex),
+            ];
+            self.decide(
+                || Decision::about(Predicate::FootRegion, &features),
+                |run| run.sign(&FootBeyondVertex { vertex, edge, at_vertex }).is_at_most_zero(),
+            )
+        })
+    }
+}

@@ -1,0 +1,95 @@
+//! Test 3: v-f, and f-v with the roles exchanged.
+
+use super::entrance::Candidate;
+use crate::predicate::{Face, InwardOf, Limit, NormalComponent, PolygonHeight, Vertex};
+use crate::run::{Observer, Run};
+use rockproof_model::Sign;
+use rockproof_model::decision::{Decision, Feature, Predicate};
+
+impl<O: Observer> Run<'_, '_, O> {
+    /// Whether a vertex, convex or not, touches a face of the other block.
+    ///
+    /// `−g ≤ h ≤ s`, the projection strictly inside the polygon, the vertex in no territory of the face's vertices and
+    /// edges, and its cone passes the plane.
+    pub(crate) fn vertex_face(&mut self, vertex: Vertex, face: Face) -> Option<Candidate> {
+        let candidate = self.face_candidate(vertex, face.1);
+        let features = [Feature::Vertex(vertex.0, vertex.1), Feature::Face(face.0, face.1)];
+        let near = self.decide(
+            || Decision::about(Predicate::VertexFaceNear, &features),
+            |run| run.gap_at_most(&candidate, Limit::Search),
+        ) && self
+            .decide(|| Decision::about(Predicate::VertexFaceDepth, &features), |run| run.gap_not_deeper(&candidate));
+        if !near || !self.inside_face(vertex, face) {
+            return None;
+        }
+        let topology = self.pair.topology(face.0);
+        let elsewhere = topology.faces()[face.1 as usize].iter().any(|&v| self.vertices_share_territory(vertex, v))
+            || topology.face_edges(face.1).iter().any(|&e| self.in_edge_territory(vertex, (face.0, e)));
+        (!elsewhere && self.cone_passes(vertex, face)).then_some(candidate)
+    }
+
+    /// Whether the projection of a vertex along N lies strictly inside a face; **a tie says no**.
+    fn inside_face(&mut self, vertex: Vertex, face: Face) -> bool {
+        let features = [Feature::Vertex(vertex.0, vertex.1), Feature::Face(face.0, face.1)];
+        self.decide(
+            || Decision::about(Predicate::InsideFace, &features),
+            |run| {
+                if run.pair.solid(face.0).block.face_is_convex(face.1) {
+                    run.inside_all_edges(vertex, face)
+                } else {
+                    run.inside_by_winding(vertex, face)
+                }
+            },
+        )
+    }
+
+    fn inside_all_edges(&mut self, vertex: Vertex, face: Face) -> bool {
+        let edges = self.pair.topology(face.0).face_edges(face.1);
+        edges.iter().all(|&edge| self.side_of_edge(vertex, face, edge).is_positive())
+    }
+
+    /// Positive where the projection of the vertex is on the face's side of one of its edges.
+    fn side_of_edge(&mut self, vertex: Vertex, face: Face, edge: u32) -> Sign {
+        let right = self.pair.topology(face.0).edges()[edge as usize].right == face.1;
+        self.sign(&InwardOf { vertex, edge: (face.0, edge), right })
+    }
+
+    /// The winding number of a polygon that may be concave, with the boundary itself outside.
+    fn inside_by_winding(&mut self, vertex: Vertex, face: Face) -> bool {
+        let Some([up, along]) = self.axes_across(face) else { return false };
+        let topology = self.pair.topology(face.0);
+        let corners = &topology.faces()[face.1 as usize];
+        let heights: Vec<Sign> =
+            corners.iter().map(|&corner| self.sign(&PolygonHeight { vertex, corner, face, axis: up })).collect();
+        let mut winding = 0;
+        for (k, &edge) in topology.face_edges(face.1).iter().enumerate() {
+            let next = (k + 1) % corners.len();
+            let (from, to) = (heights[k], heights[next]);
+            if from == to && !from.is_zero() {
+                continue;
+            }
+            let side = self.side_of_edge(vertex, face, edge);
+            if from.is_zero() && to.is_zero() {
+                // A level edge at the vertex's height: on it where its ends are not both to one side.
+                let [p, q] = [corners[k], corners[next]]
+                    .map(|corner| self.sign(&PolygonHeight { vertex, corner, face, axis: along }));
+                if !p.times(q).is_positive() {
+                    return false;
+                }
+            } else if side.is_zero() {
+                return false;
+            } else if !from.is_positive() && to.is_positive() && side.is_positive() {
+                winding += 1;
+            } else if from.is_positive() && !to.is_positive() && side.is_negative() {
+                winding -= 1;
+            }
+        }
+        winding != 0
+    }
+
+    /// Two coordinate axes that span space together with the face's normal; `None` for a face without area.
+    fn axes_across(&mut self, face: Face) -> Option<[usize; 2]> {
+        let axis = (0..3).find(|&axis| !self.sign(&NormalComponent { face, axis }).is_zero())?;
+        Some([(axis + 1) % 3, (axis + 2) % 3])
+    }
+}

@@ -1,0 +1,51 @@
+//! Test 1: v-v.
+
+use super::entrance::{Candidate, Candidates};
+use crate::predicate::{BeyondVertex, Limit, Near, Vertex};
+use crate::run::{Observer, Run};
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+
+impl<O: Observer> Run<'_, '_, O> {
+    /// Whether vertices a of A and b of B touch, and through which entrance.
+    ///
+    /// Both convex, `|a − b| ≤ s`, and either in one another's territory or each in the other's vertex region; a
+    /// candidate passes and the chosen one is no deeper than g.
+    pub(crate) fn vertex_vertex(&mut self, a: u32, b: u32) -> Option<Candidate> {
+        if !(self.vertex_is_convex(Side::A, a) && self.vertex_is_convex(Side::B, b)) {
+            return None;
+        }
+        let of = [Feature::Vertex(Side::A, a), Feature::Vertex(Side::B, b)];
+        let near = self.decide(
+            || Decision::about(Predicate::VertexVertexNear, &of),
+            |run| run.sign(&Near { a, b, limit: Limit::Search }).is_at_least_zero(),
+        );
+        if !near {
+            return None;
+        }
+        let (vertex_a, vertex_b) = ((Side::A, a), (Side::B, b));
+        if !(self.share_territory(a, b)
+            || (self.in_vertex_region(vertex_a, vertex_b) && self.in_vertex_region(vertex_b, vertex_a)))
+        {
+            return None;
+        }
+        let (at_a, at_b) = (self.pair.topology(Side::A), self.pair.topology(Side::B));
+        let mut candidates = Candidates::new();
+        self.add_faces(vertex_a, at_b.vertex_faces(b), &mut candidates);
+        self.add_faces(vertex_b, at_a.vertex_faces(a), &mut candidates);
+        self.add_edges(at_a.vertex_edges(a), at_b.vertex_edges(b), &mut candidates);
+        let chosen = self.choose(of, &candidates)?;
+        self.confirmed(of, &chosen).then_some(chosen)
+    }
+
+    /// Whether `(point − at)·e ≤ 0` for all edges e at the vertex `at`; **a tie says yes**.
+    fn in_vertex_region(&mut self, point: Vertex, at: Vertex) -> bool {
+        let edges = self.pair.topology(at.0).vertex_edges(at.1);
+        edges.iter().all(|&edge| {
+            let features = [Feature::Vertex(point.0, point.1), Feature::Vertex(at.0, at.1), Feature::Edge(at.0, edge)];
+            self.decide(
+                || Decision::about(Predicate::VertexRegion, &features),
+                |run| run.sign(&BeyondVertex { point, at, edge }).is_at_most_zero(),
+            )
+        })
+    }
+}

@@ -1,0 +1,66 @@
+use num_bigint::BigInt;
+use rockproof_model::ring::ExactRing;
+use rockproof_model::{Ring, Sign};
+use ruint::Uint;
+
+/// A signed integer of `BITS` bits on the stack.
+///
+/// Two's complement over `ruint`'s unsigned integers: wrapping sums and products of two's complement numbers are right
+/// whenever the true result fits, and [`super::Bits`] shows beforehand that it does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Fixed<const BITS: usize, const LIMBS: usize>(Uint<BITS, LIMBS>);
+
+impl<const BITS: usize, const LIMBS: usize> Fixed<BITS, LIMBS> {
+    /// The integer `value`, which has fewer than `BITS` bits.
+    pub(crate) fn from_i128(value: i128) -> Self {
+        let magnitude = Fixed(Uint::from(value.unsigned_abs()));
+        if value < 0 { magnitude.negated() } else { magnitude }
+    }
+
+    /// The integer `value`, which has fewer than `BITS` bits.
+    pub(crate) fn from_bigint(value: &BigInt) -> Self {
+        let (sign, digits) = value.to_u64_digits();
+        let mut limbs = [0u64; LIMBS];
+        for (limb, digit) in limbs.iter_mut().zip(digits) {
+            *limb = digit;
+        }
+        let magnitude = Fixed(Uint::from_limbs(limbs));
+        if sign == num_bigint::Sign::Minus { magnitude.negated() } else { magnitude }
+    }
+}
+
+impl<const BITS: usize, const LIMBS: usize> Ring for Fixed<BITS, LIMBS> {
+    #[inline]
+    fn from_i32(value: i32) -> Self {
+        Self::from_i128(i128::from(value))
+    }
+    #[inline]
+    fn plus(&self, other: &Self) -> Self {
+        Fixed(self.0.wrapping_add(other.0))
+    }
+    #[inline]
+    fn minus(&self, other: &Self) -> Self {
+        Fixed(self.0.wrapping_sub(other.0))
+    }
+    #[inline]
+    fn times(&self, other: &Self) -> Self {
+        Fixed(self.0.wrapping_mul(other.0))
+    }
+    #[inline]
+    fn negated(&self) -> Self {
+        Fixed(self.0.wrapping_neg())
+    }
+}
+
+impl<const BITS: usize, const LIMBS: usize> ExactRing for Fixed<BITS, LIMBS> {
+    #[inline]
+    fn sign(&self) -> Sign {
+        if self.0.is_zero() {
+            Sign::Zero
+        } else if self.0.bit(BITS - 1) {
+            Sign::Negative
+        } else {
+            Sign::Positive
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! A pair of blocks, and its exact vectors for when f64 cannot decide.
+
+use crate::number::{Bits, Fixed};
+use crate::solid::Solid;
+use crate::view::{ExactPair, ExactSolid};
+use num_bigint::BigInt;
+use rockproof_model::decision::Side;
+use rockproof_model::lattice::Lattice;
+use rockproof_model::{Ring, Topology, Vec3};
+use std::cell::OnceCell;
+
+/// 256-bit integers.
+pub(crate) type Int256 = Fixed<256, 4>;
+/// 512-bit integers.
+pub(crate) type Int512 = Fixed<512, 8>;
+/// 1,024-bit integers.
+pub(crate) type Int1024 = Fixed<1024, 16>;
+
+/// Two blocks whose contacts are asked for.
+///
+/// Making one costs next to nothing. The exact lattice vectors are made when a sign first needs them and then serve
+/// every tolerance set.
+pub struct Pair<'s> {
+    pub(crate) a: &'s Solid,
+    pub(crate) b: &'s Solid,
+    grid: OnceCell<Grid>,
+    small: OnceCell<ExactPair<'s, i128>>,
+    int256: OnceCell<ExactPair<'s, Int256>>,
+    int512: OnceCell<ExactPair<'s, Int512>>,
+    int1024: OnceCell<ExactPair<'s, Int1024>>,
+    heap: OnceCell<ExactPair<'s, BigInt>>,
+}
+
+/// The vertices of a pair as integers, relative to A's first vertex.
+pub(crate) struct Grid {
+    pub(crate) lattice: Lattice,
+    pub(crate) bits: Bits,
+    units: Units,
+}
+
+enum Units {
+    Small([Vec<Vec3<i128>>; 2]),
+    Big([Vec<Vec3<BigInt>>; 2]),
+}
+
+/// An integer type a lattice coordinate or tolerance can be turned into.
+///
+/// What does not fit is cut off: a predicate that uses such a value has more bits than the type and is evaluated in a
+/// wider one.
+pub(crate) trait FromUnits: Ring {
+    fn from_small(value: i128) -> Self;
+    fn from_big(value: &BigInt) -> Self;
+}
+
+impl FromUnits for i128 {
+    fn from_small(value: i128) -> Self {
+        value
+    }
+    fn from_big(value: &BigInt) -> Self {
+        let magnitude = value.iter_u64_digits().rev().fold(0i128, |sum, digit| (sum << 64) | i128::from(digit));
+        if value.sign() == num_bigint::Sign::Minus { magnitude.wrapping_neg() } else { magnitude }
+    }
+}
+
+impl<const BITS: usize, const LIMBS: usize> FromUnits for Fixed<BITS, LIMBS> {
+    fn from_small(value: i128) -> Self {
+        Self::from_i128(value)
+    }
+    fn from_big(value: &BigInt) -> Self {
+        Self::from_bigint(value)
+    }
+}
+
+impl FromUnits for BigInt {
+    fn from_small(value: i128) -> Self {
+        BigInt::from(value)
+    }
+    fn from_big(value: &BigInt) -> Self {
+        value.clone()
+    }
+}
+
+impl FromUnits for crate::number::Magnitude {
+    fn from_small(value: i128) -> Self {
+        BigInt::from(value).into()
+    }
+    fn from_big(value: &BigInt) -> Self {
+        value.clone().into()
+    }
+}
+
+/// Widest lattice coordinate kept as i128, so that differences stay within it.
+const SMALL_BITS: u32 = 120;
+
+impl Grid {
+    fn new(a: &Solid, b: &Solid) -> Grid {
+        let lattice = Lattice::covering(a.block.coordinates().chain(b.block.coordinates()));
+        let solids = [a, b];
+        let small = solids.map(|s| small_vertices(&lattice, s));
+        if let [Some(a), Some(b)] = small {
+            let origin = a[0];
+            let units = [a, b].map(|vertices| vertices.iter().map(|v| v.minus(&origin)).collect::<Vec<_>>());
+            let widest =
+                units.iter().flatten().flat_map(|v| [v.x, v.y, v.z]).map(|c| 128 - c.unsigned_abs().leading_zeros());
+            let bits = Bits(widest.max().unwrap_or(0));
+            Grid { lattice, bits, units: Units::Small(units) }
+        } else {
+            let all = solids
+                .map(|s| s.block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect::<Vec<Vec3<BigInt>>>());
+            let origin = all[0][0].clone();
+            let units = all.map(|vertices| vertices.iter().map(|v| v.minus(&origin)).collect::<Vec<_>>());
+            let widest = units.iter().flatten().flat_map(|v| [v.x.bits(), v.y.bits(), v.z.bits()]).max();
+            Grid { lattice, bits: Bits(widest.unwrap_or(0) as u32), units: Units::Big(units) }
+        }
+    }
+
+    fn vertices<T: FromUnits>(&self, side: Side) -> Vec<Vec3<T>> {
+        let k = usize::from(side == Side::B);
+        match &self.units {
+            Units::Small(units) => units[k].iter().map(|v| v.map(|&c| T::from_small(c))).collect(),
+            Units::Big(units) => units[k].iter().map(|v| v.map(T::from_big)).collect(),
+        }
+    }
+}
+
+fn small_vertices(lattice: &Lattice, solid: &Solid) -> Option<Vec<Vec3<i128>>> {
+    solid
+        .block
+        .vertices()
+        .iter()
+        .map(|v| {
+            let unit = |c| lattice.small_units(c, SMALL_BITS);
+            Some(Vec3::new(unit(&v.x)?, unit(&v.y)?, unit(&v.z)?))
+        })
+        .collect()
+}
+
+impl<'s> Pair<'s> {
+    /// The pair of two blocks; A is the first everywhere.
+    pub fn new(a: &'s Solid, b: &'s Solid) -> Pair<'s> {
+        Pair {
+            a,
+            b,
+            grid: OnceCell::new(),
+            small: OnceCell::new(),
+            int256: OnceCell::new(),
+            int512: OnceCell::new(),
+            int1024: OnceCell::new(),
+            heap: OnceCell::new(),
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn solid(&self, side: Side) -> &'s Solid {
+        match side {
+            Side::A => self.a,
+            Side::B => self.b,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn topology(&self, side: Side) -> &'s Topology {
+        self.solid(side).block.topology()
+    }
+
+    pub(crate) fn grid(&self) -> &Grid {
+        self.grid.get_or_init(|| Grid::new(self.a, self.b))
+    }
+
+    /// The exact vectors in any integer type, made anew.
+    pub(crate) fn exact<T: FromUnits>(&self) -> ExactPair<'s, T> {
+        let grid = self.grid();
+        ExactPair {
+            a: ExactSolid::new(self.topology(Side::A), grid.vertices(Side::A)),
+            b: ExactSolid::new(self.topology(Side::B), grid.vertices(Side::B)),
+        }
+    }
+
+    pub(crate) fn small(&self) -> &ExactPair<'s, i128> {
+        self.small.get_or_init(|| self.exact())
+    }
+
+    pub(crate) fn int256(&self) -> &ExactPair<'s, Int256> {
+        self.int256.get_or_init(|| self.exact())
+    }
+
+    pub(crate) fn int512(&self) -> &ExactPair<'s, Int512> {
+        self.int512.get_or_init(|| self.exact())
+    }
+
+    pub(crate) fn int1024(&self) -> &ExactPair<'s, Int1024> {
+        self.int1024.get_or_init(|| self.exact())
+    }
+
+    pub(crate) fn heap(&self) -> &ExactPair<'s, BigInt> {
+        self.heap.get_or_init(|| self.exact())
+    }
+}

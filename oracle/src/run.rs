@@ -1,0 +1,220 @@
+//! The ladder: the sign of a polynomial at the cheapest level that proves it.
+
+use crate::levels::LevelCounts;
+use crate::number::{Approx, Ball, Bits, Magnitude};
+use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
+use crate::predicate::{Polynomial, SLOTS};
+use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView, LazyScales, Scales};
+use num_bigint::BigInt;
+use rockproof_model::decision::{Decision, Side};
+use rockproof_model::ring::ExactRing;
+use rockproof_model::{Criteria, Sign, ToleranceSet};
+use std::cell::OnceCell;
+
+/// Sees every decision; [`Silent`] compiles to nothing.
+pub(crate) trait Observer {
+    /// Whether anything is recorded at all.
+    const ACTIVE: bool;
+    /// A decision begins; the signs that follow belong to it. Says whether their margins are wanted.
+    fn begin(&mut self, decision: &Decision);
+    /// A sign was decided for the decision begun last.
+    fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> Magnitude);
+    /// The decision has this outcome.
+    fn end(&mut self, decision: &Decision, outcome: i8);
+}
+
+/// Records nothing.
+pub(crate) struct Silent;
+
+impl Observer for Silent {
+    const ACTIVE: bool = false;
+    fn begin(&mut self, _decision: &Decision) {}
+    fn sign(&mut self, _sign: Sign, _margin: &mut dyn FnMut() -> Magnitude) {}
+    fn end(&mut self, _decision: &Decision, _outcome: i8) {}
+}
+
+/// One classification under way: a pair, a tolerance set, and what has been found out about their magnitudes.
+pub(crate) struct Run<'p, 's, O> {
+    pub(crate) pair: &'p Pair<'s>,
+    pub(crate) tolerances: &'p ToleranceSet,
+    pub(crate) classic: bool,
+    pub(crate) observer: O,
+    pub(crate) levels: LevelCounts,
+    floats: Scales<Approx>,
+    bounds: [f64; SLOTS],
+    bound_view: OnceCell<BoundView<'p>>,
+    scales: ScalesCache,
+}
+
+#[derive(Default)]
+struct ScalesCache {
+    bits: OnceCell<Scales<Bits>>,
+    ball: OnceCell<Scales<Ball>>,
+    small: OnceCell<Scales<i128>>,
+    int256: OnceCell<Scales<Int256>>,
+    int512: OnceCell<Scales<Int512>>,
+    int1024: OnceCell<Scales<Int1024>>,
+    heap: OnceCell<Scales<BigInt>>,
+}
+
+impl<'p, 's, O: Observer> Run<'p, 's, O> {
+    pub(crate) fn new(pair: &'p Pair<'s>, tolerances: &'p ToleranceSet, observer: O) -> Self {
+        Run {
+            pair,
+            tolerances,
+            classic: tolerances.criteria == Criteria::Classic,
+            observer,
+            levels: LevelCounts::default(),
+            floats: Scales::approximate(tolerances),
+            bounds: [f64::NAN; SLOTS],
+            bound_view: OnceCell::new(),
+            scales: ScalesCache::default(),
+        }
+    }
+
+    /// Makes one decision: everything `decide` asks the sign of belongs to it.
+    #[inline(always)]
+    pub(crate) fn decide(&mut self, decision: impl Fn() -> Decision, decide: impl FnOnce(&mut Self) -> bool) -> bool {
+        if !O::ACTIVE {
+            return decide(self);
+        }
+        let decision = decision();
+        self.observer.begin(&decision);
+        let yes = decide(self);
+        self.observer.end(&decision, i8::from(yes));
+        yes
+    }
+
+    /// The same for a decision with three outcomes.
+    #[inline(always)]
+    pub(crate) fn decide_sign(
+        &mut self,
+        decision: impl Fn() -> Decision,
+        decide: impl FnOnce(&mut Self) -> Sign,
+    ) -> Sign {
+        if !O::ACTIVE {
+            return decide(self);
+        }
+        let decision = decision();
+        self.observer.begin(&decision);
+        let sign = decide(self);
+        self.observer.end(&decision, sign.as_i8());
+        sign
+    }
+
+    /// The exact sign of a polynomial.
+    #[inline(always)]
+    pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
+        let sign = self.quick_sign(polynomial);
+        if O::ACTIVE {
+            let pair = self.pair;
+            let exact = self.scales.heap.get_or_init(|| Scales::exact(self.tolerances, &pair.grid().lattice));
+            self.observer.sign(sign, &mut || {
+                let scales = LazyScales { made: &OnceCell::new(), make: &|| exact.converted() };
+                polynomial.value(&ExactView { geometry: &pair.exact::<Magnitude>(), scales })
+            });
+        }
+        sign
+    }
+
+    #[inline(always)]
+    fn quick_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
+        let floats = FloatView { a: self.pair.a, b: self.pair.b, scales: &self.floats };
+        let value = polynomial.value(&floats).0;
+        // NaN until the bound is known: then neither comparison holds.
+        let bound = self.bounds[P::FIRST_SLOT + polynomial.variant()];
+        if value > bound {
+            self.levels.float += 1;
+            Sign::Positive
+        } else if value < -bound {
+            self.levels.float += 1;
+            Sign::Negative
+        } else {
+            self.careful_sign(polynomial, value)
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn careful_sign<P: Polynomial>(&mut self, polynomial: &P, value: f64) -> Sign {
+        let slot = P::FIRST_SLOT + polynomial.variant();
+        if self.bounds[slot].is_nan() {
+            let (pair, tolerances) = (self.pair, self.tolerances);
+            let view = self
+                .bound_view
+                .get_or_init(|| BoundView::new(pair.a, pair.b, Scales::<crate::number::Bound>::bounds(tolerances)));
+            let bound = polynomial.value(view).error;
+            self.bounds[slot] = if bound.is_nan() { f64::INFINITY } else { bound };
+            if value.abs() > self.bounds[slot] {
+                self.levels.float += 1;
+                return if value > 0.0 { Sign::Positive } else { Sign::Negative };
+            }
+        }
+        self.exact_sign(polynomial)
+    }
+
+    fn exact_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
+        let (pair, tolerances) = (self.pair, self.tolerances);
+        let cache = &self.scales;
+        let exact = || cache.heap.get_or_init(|| Scales::exact(tolerances, &pair.grid().lattice));
+        let bits = polynomial.value(&BitsView {
+            a: &pair.a.block,
+            b: &pair.b.block,
+            coordinate: pair.grid().bits,
+            scales: LazyScales { made: &cache.bits, make: &|| exact().bits() },
+        });
+        if bits.0 < 128 {
+            self.levels.i128 += 1;
+            let scales = LazyScales { made: &cache.small, make: &|| exact().converted() };
+            return integer_sign(polynomial, pair.small(), scales);
+        }
+        let balls = BallView {
+            floats: FloatView { a: pair.a, b: pair.b, scales: &self.floats },
+            scales: LazyScales { made: &cache.ball, make: &|| Scales::balls(tolerances) },
+        };
+        if let Some(sign) = polynomial.value(&balls).certain_sign() {
+            self.levels.ball += 1;
+            return sign;
+        }
+        match bits.0 {
+            ..256 => {
+                self.levels.fixed[0] += 1;
+                let scales = LazyScales { made: &cache.int256, make: &|| exact().converted() };
+                integer_sign(polynomial, pair.int256(), scales)
+            }
+            256..512 => {
+                self.levels.fixed[1] += 1;
+                let scales = LazyScales { made: &cache.int512, make: &|| exact().converted() };
+                integer_sign(polynomial, pair.int512(), scales)
+            }
+            512..1024 => {
+                self.levels.fixed[2] += 1;
+                let scales = LazyScales { made: &cache.int1024, make: &|| exact().converted() };
+                integer_sign(polynomial, pair.int1024(), scales)
+            }
+            _ => {
+                self.levels.heap += 1;
+                let scales =
+                    LazyScales { made: &cache.heap, make: &|| Scales::exact(tolerances, &pair.grid().lattice) };
+                integer_sign(polynomial, pair.heap(), scales)
+            }
+        }
+    }
+
+    /// Whether a feature is convex, as decided when the block was loaded.
+    pub(crate) fn vertex_is_convex(&self, side: Side, vertex: u32) -> bool {
+        self.pair.solid(side).block.vertex_is_convex(vertex)
+    }
+
+    pub(crate) fn edge_is_convex(&self, side: Side, edge: u32) -> bool {
+        self.pair.solid(side).block.edge_is_convex(edge)
+    }
+}
+
+fn integer_sign<P: Polynomial, T: ExactRing + FromUnits>(
+    polynomial: &P,
+    geometry: &ExactPair<'_, T>,
+    scales: LazyScales<'_, T>,
+) -> Sign {
+    polynomial.value(&ExactView { geometry, scales }).sign()
+}

@@ -1,0 +1,154 @@
+//! The tolerance set in each of the oracle's number types.
+
+use crate::number::{Approx, Ball, Bits, Bound, INFLATION, UNDERFLOW, UNIT_ROUNDOFF};
+use crate::pair::FromUnits;
+use crate::view::Scales;
+use num_bigint::BigInt;
+use num_integer::Integer;
+use num_rational::BigRational;
+use num_traits::One;
+use rockproof_model::lattice::Lattice;
+use rockproof_model::number::split_f64;
+use rockproof_model::{Number, ToleranceSet};
+
+impl Scales<Approx> {
+    /// Lengths in metres, rounded.
+    pub(crate) fn approximate(t: &ToleranceSet) -> Scales<Approx> {
+        let near = |n: &Number| Approx(n.approximate());
+        Scales {
+            unit: Approx(1.0),
+            search: near(&t.search),
+            territory: near(&t.territory),
+            penetration: near(&t.penetration),
+            one: Approx(1.0),
+            overlap: near(&t.overlap_sine),
+            parallel: near(&t.parallel_sine),
+            whole: Approx(1.0),
+            equal: near(&t.equal),
+        }
+    }
+}
+
+fn rounding_of(n: &Number) -> f64 {
+    if n.as_f64().is_some() { 0.0 } else { n.approximate().abs() * UNIT_ROUNDOFF * INFLATION + UNDERFLOW }
+}
+
+impl Scales<Bound> {
+    /// Bounds on what [`Scales::approximate`] gives.
+    pub(crate) fn bounds(t: &ToleranceSet) -> Scales<Bound> {
+        let bound = |n: &Number| Bound::around(n.approximate(), rounding_of(n));
+        let exactly_one = Bound { magnitude: 1.0, error: 0.0 };
+        Scales {
+            unit: exactly_one,
+            search: bound(&t.search),
+            territory: bound(&t.territory),
+            penetration: bound(&t.penetration),
+            one: exactly_one,
+            overlap: bound(&t.overlap_sine),
+            parallel: bound(&t.parallel_sine),
+            whole: exactly_one,
+            equal: bound(&t.equal),
+        }
+    }
+}
+
+impl Scales<Ball> {
+    /// Balls around what [`Scales::approximate`] gives.
+    pub(crate) fn balls(t: &ToleranceSet) -> Scales<Ball> {
+        let ball = |n: &Number| Ball { middle: n.approximate(), radius: rounding_of(n) };
+        let exactly_one = Ball { middle: 1.0, radius: 0.0 };
+        Scales {
+            unit: exactly_one,
+            search: ball(&t.search),
+            territory: ball(&t.territory),
+            penetration: ball(&t.penetration),
+            one: exactly_one,
+            overlap: ball(&t.overlap_sine),
+            parallel: ball(&t.parallel_sine),
+            whole: exactly_one,
+            equal: ball(&t.equal),
+        }
+    }
+}
+
+impl Scales<BigInt> {
+    /// For values that no tolerance enters.
+    pub(crate) fn none() -> Scales<BigInt> {
+        let zero = || BigInt::ZERO;
+        Scales {
+            unit: zero(),
+            search: zero(),
+            territory: zero(),
+            penetration: zero(),
+            one: zero(),
+            overlap: zero(),
+            parallel: zero(),
+            whole: zero(),
+            equal: zero(),
+        }
+    }
+
+    /// Lengths in lattice units over one common denominator, sines and ε over theirs.
+    pub(crate) fn exact(t: &ToleranceSet, lattice: &Lattice) -> Scales<BigInt> {
+        let (numerator, denominator) = lattice.units_per_metre();
+        let units_per_metre = BigRational::new_raw(numerator, denominator);
+        let ([search, territory, penetration], unit) =
+            over_common_denominator([&t.search, &t.territory, &t.penetration], Some(&units_per_metre));
+        let ([overlap, parallel], one) = over_common_denominator([&t.overlap_sine, &t.parallel_sine], None);
+        let ([equal], whole) = over_common_denominator([&t.equal], None);
+        Scales { unit, search, territory, penetration, one, overlap, parallel, whole, equal }
+    }
+
+    pub(crate) fn converted<T: FromUnits>(&self) -> Scales<T> {
+        self.map(T::from_big)
+    }
+
+    pub(crate) fn bits(&self) -> Scales<Bits> {
+        self.map(|n| Bits(n.bits() as u32))
+    }
+}
+
+impl<T> Scales<T> {
+    fn map<U>(&self, f: impl Fn(&T) -> U) -> Scales<U> {
+        Scales {
+            unit: f(&self.unit),
+            search: f(&self.search),
+            territory: f(&self.territory),
+            penetration: f(&self.penetration),
+            one: f(&self.one),
+            overlap: f(&self.overlap),
+            parallel: f(&self.parallel),
+            whole: f(&self.whole),
+            equal: f(&self.equal),
+        }
+    }
+}
+
+/// The numbers times `factor`, as integers over one denominator.
+fn over_common_denominator<const N: usize>(
+    numbers: [&Number; N],
+    factor: Option<&BigRational>,
+) -> ([BigInt; N], BigInt) {
+    if factor.is_none()
+        && let Some(shared) = powers_of_two(numbers)
+    {
+        return shared;
+    }
+    let values = numbers.map(|n| match factor {
+        Some(factor) => n.to_rational() * factor,
+        None => n.to_rational(),
+    });
+    let denominator = values.iter().fold(BigInt::one(), |all, v| all.lcm(v.denom()));
+    (values.map(|v| v.numer() * (&denominator / v.denom())), denominator)
+}
+
+/// The same for numbers that are all f64s, without fractions.
+fn powers_of_two<const N: usize>(numbers: [&Number; N]) -> Option<([BigInt; N], BigInt)> {
+    let mut parts = [(0i64, 0i32); N];
+    for (part, number) in parts.iter_mut().zip(numbers) {
+        *part = split_f64(number.as_f64()?);
+    }
+    let shift = parts.iter().map(|&(_, exponent)| -exponent).max()?.max(0);
+    let scaled = parts.map(|(significand, exponent)| BigInt::from(significand) << (exponent + shift) as usize);
+    Some((scaled, BigInt::one() << shift as usize))
+}

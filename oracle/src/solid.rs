@@ -1,0 +1,198 @@
+//! A block made ready for the oracle: approximate vectors with proved error bounds, computed once.
+
+use crate::number::{Approx, Bound, UNDERFLOW, UNIT_ROUNDOFF};
+use rockproof_model::block::face_normal;
+use rockproof_model::{Block, Ring, Vec3};
+
+/// A block with the f64 vectors its predicates start from, and how far those can be from the exact ones.
+///
+/// The vectors are approximations on purpose: whatever is decided from them is decided only where the bounds in
+/// [`Errors`] prove the sign. Making one costs a few hundred operations; it serves every pair the block is in.
+#[derive(Clone, Debug)]
+pub struct Solid {
+    pub(crate) block: Block,
+    pub(crate) vertices: Vec<Vec3<Approx>>,
+    pub(crate) directions: Vec<Vec3<Approx>>,
+    pub(crate) normals: Vec<Vec3<Approx>>,
+    pub(crate) centres: Vec<Vec3<Approx>>,
+    pub(crate) inwards: Vec<[Vec3<Approx>; 2]>,
+    pub(crate) box_min: [f64; 3],
+    pub(crate) box_max: [f64; 3],
+    pub(crate) errors: Errors,
+    /// Bounds the distance of a face's vertices from its plane.
+    pub(crate) bulge: f64,
+    /// For each axis the vertices with the least and the greatest coordinate, exactly.
+    pub(crate) extremes: [(u32, u32); 3],
+}
+
+/// Bounds on the components of the approximate vectors of one block.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Errors {
+    /// Distance of an approximate coordinate from the exact one: zero where every coordinate is an f64.
+    pub(crate) coordinate: f64,
+    /// A difference of two vertices of the block.
+    pub(crate) difference: Bound,
+    /// An edge direction.
+    pub(crate) direction: Bound,
+    /// A face normal.
+    pub(crate) normal: Bound,
+    /// `Σ (v_k − v_0)` over a face's loop.
+    pub(crate) centre: Bound,
+    /// An inward in-plane direction.
+    pub(crate) inward: Bound,
+}
+
+impl Solid {
+    /// Makes `block` ready.
+    pub fn new(block: &Block) -> Solid {
+        let topology = block.topology();
+        let vertices: Vec<Vec3<Approx>> = block.vertices().iter().map(|v| v.map(|c| Approx(c.approximate()))).collect();
+        let (box_min, box_max) = approximate_box(&vertices);
+        let directions: Vec<_> =
+            topology.edges().iter().map(|e| vertices[e.q as usize].minus(&vertices[e.p as usize])).collect();
+        let normals: Vec<_> = topology.faces().iter().map(|f| face_normal(&vertices, f)).collect();
+        let centres: Vec<_> = topology.faces().iter().map(|f| centre_sum(&vertices, f)).collect();
+        let inwards: Vec<[_; 2]> = topology
+            .edges()
+            .iter()
+            .zip(&directions)
+            .map(|(e, d)| [normals[e.left as usize].cross(d), normals[e.right as usize].cross(&d.negated())])
+            .collect();
+        let mut solid = Solid {
+            block: block.clone(),
+            errors: Errors::of(block, &box_min, &box_max, &directions, &normals, &inwards),
+            vertices,
+            directions,
+            normals,
+            centres,
+            inwards,
+            box_min,
+            box_max,
+            bulge: 0.0,
+            extremes: std::array::from_fn(|axis| extremes(block, axis)),
+        };
+        solid.bulge = solid.largest_bulge();
+        solid
+    }
+
+    /// The block itself.
+    pub fn block(&self) -> &Block {
+        &self.block
+    }
+
+    /// Bounds the distance of a face's vertices from its plane; infinite where a face may have no area.
+    fn largest_bulge(&self) -> f64 {
+        let mut largest: f64 = 0.0;
+        for (f, face) in self.block.topology().faces().iter().enumerate() {
+            if face.len() == 3 {
+                continue;
+            }
+            let n = &self.normals[f];
+            let size = n.norm_squared().0.sqrt();
+            let lower = size * (1.0 - 1e-12) - 2.0 * self.errors.normal.error;
+            let count = Approx::from_i32(face.len() as i32);
+            let worst = face
+                .iter()
+                .map(|&v| {
+                    let from_first = self.vertices[v as usize].minus(&self.vertices[face[0] as usize]);
+                    n.dot(&from_first.scaled(&count).minus(&self.centres[f])).0.abs()
+                })
+                .fold(0.0, f64::max);
+            let error = self.errors.plane_value(self.errors.difference, face.len());
+            let distance = (worst + error) / (count.0 * lower) * (1.0 + 1e-12);
+            // Written so that NaN, too, ends as "no bound".
+            if !(lower > 0.0 && distance < f64::INFINITY) {
+                return f64::INFINITY;
+            }
+            largest = largest.max(distance);
+        }
+        largest
+    }
+}
+
+impl Errors {
+    fn of(
+        block: &Block,
+        box_min: &[f64; 3],
+        box_max: &[f64; 3],
+        directions: &[Vec3<Approx>],
+        normals: &[Vec3<Approx>],
+        inwards: &[[Vec3<Approx>; 2]],
+    ) -> Errors {
+        let exact = block.coordinates().all(|c| c.as_f64().is_some());
+        let coordinate =
+            if exact { 0.0 } else { largest_of(box_min.iter().chain(box_max).copied()) * UNIT_ROUNDOFF + UNDERFLOW };
+        let extent = (0..3).map(|k| box_max[k] - box_min[k]).fold(0.0, f64::max);
+        let difference = subtracted(extent, coordinate);
+        let longest_loop = block.topology().faces().iter().map(Vec::len).max().unwrap_or(3);
+        let side = Vec3::new(difference, difference, difference);
+        let triangle = side.cross(&side);
+        let normal_error = (0..longest_loop - 2).fold(Vec3::zero(), |sum: Vec3<Bound>, _| sum.plus(&triangle)).x.error;
+        let centre = (0..longest_loop).fold(Bound::from_i32(0), |sum, _| sum.plus(&difference));
+        let direction = Bound::around(largest_component(directions), difference.error);
+        let normal = Bound::around(largest_component(normals), normal_error);
+        let across = Vec3::new(normal, normal, normal).cross(&Vec3::new(direction, direction, direction));
+        let largest_inward = largest_component(inwards.iter().flatten());
+        Errors {
+            coordinate,
+            difference,
+            direction,
+            normal,
+            centre,
+            inward: Bound::around(largest_inward, across.x.error),
+        }
+    }
+
+    /// Error of `N·(k(a − v_0) − C)` for a face of `loop_length` vertices and a vertex at most `reach` away.
+    fn plane_value(&self, reach: Bound, loop_length: usize) -> f64 {
+        let normal = Vec3::new(self.normal, self.normal, self.normal);
+        let reach = Vec3::new(reach, reach, reach).scaled(&Bound::from_i32(loop_length as i32));
+        normal.dot(&reach.minus(&Vec3::new(self.centre, self.centre, self.centre))).error
+    }
+}
+
+/// The bound on a difference of two coordinates that are `extent` apart, each off by at most `coordinate`.
+pub(crate) fn subtracted(extent: f64, coordinate: f64) -> Bound {
+    let input = Bound { magnitude: extent / 2.0 + coordinate, error: coordinate };
+    input.minus(&input)
+}
+
+/// `Σ (v_k − v_0)` over a loop: the face point relative to the loop's first vertex, times the loop's length.
+pub(crate) fn centre_sum<T: Ring>(points: &[Vec3<T>], face: &[u32]) -> Vec3<T> {
+    let first = &points[face[0] as usize];
+    face.iter().skip(1).fold(Vec3::zero(), |sum, &v| sum.plus(&points[v as usize].minus(first)))
+}
+
+fn approximate_box(vertices: &[Vec3<Approx>]) -> ([f64; 3], [f64; 3]) {
+    let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for v in vertices {
+        for (k, c) in v.components().into_iter().enumerate() {
+            min[k] = min[k].min(c.0);
+            max[k] = max[k].max(c.0);
+        }
+    }
+    (min, max)
+}
+
+/// The vertices with the least and the greatest coordinate along an axis.
+fn extremes(block: &Block, axis: usize) -> (u32, u32) {
+    let along = |v: u32| block.vertices()[v as usize].components()[axis];
+    let (mut low, mut high) = (0, 0);
+    for v in 1..block.vertices().len() as u32 {
+        if along(v) < along(low) {
+            low = v;
+        }
+        if along(v) > along(high) {
+            high = v;
+        }
+    }
+    (low, high)
+}
+
+fn largest_of(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(f64::abs).fold(0.0, f64::max)
+}
+
+fn largest_component<'a>(vectors: impl IntoIterator<Item = &'a Vec3<Approx>>) -> f64 {
+    largest_of(vectors.into_iter().flat_map(|v| [v.x.0, v.y.0, v.z.0]))
+}

@@ -1,0 +1,91 @@
+//! Every decision of a classification, with ties and margins: for comparing with an engine and for explaining.
+
+use crate::number::Magnitude;
+use crate::pair::Pair;
+use crate::run::{Observer, Run};
+use num_rational::BigRational;
+use num_traits::{Signed, Zero};
+use rockproof_model::decision::Decision;
+use rockproof_model::number::{Precision, round_rational};
+use rockproof_model::{Sign, ToleranceSet};
+
+/// One decision the oracle made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TraceEntry {
+    /// What was asked.
+    pub decision: Decision,
+    /// 1 yes, 0 no; the sign for gap-sign.
+    pub outcome: i8,
+    /// Whether a sign it rests on is exactly zero.
+    pub tie: bool,
+}
+
+/// How close a decision is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Margin {
+    /// Sign of the polynomial nearest to zero among those the decision rests on.
+    pub sign: Sign,
+    /// The size of that polynomial over the sum of the magnitudes of its terms (differences of coordinates count as
+    /// terms of degree one): 0 at a tie, 1 where nothing cancels.
+    pub relative: f64,
+}
+
+impl Pair<'_> {
+    /// All decisions of [`Pair::classify`] in the order made, each once.
+    pub fn trace(&self, tolerances: &ToleranceSet) -> Vec<TraceEntry> {
+        let mut run = Run::new(self, tolerances, Recorder::default());
+        run.classify();
+        let mut seen = std::collections::HashSet::new();
+        run.observer.entries.retain(|entry| seen.insert(entry.decision));
+        run.observer.entries
+    }
+
+    /// The exact margin of a decision, or `None` if [`Pair::classify`] does not come to make it.
+    pub fn margin(&self, tolerances: &ToleranceSet, decision: &Decision) -> Option<Margin> {
+        let recorder = Recorder { wanted: Some(*decision), ..Recorder::default() };
+        let mut run = Run::new(self, tolerances, recorder);
+        run.classify();
+        run.observer.margin
+    }
+}
+
+#[derive(Default)]
+struct Recorder {
+    entries: Vec<TraceEntry>,
+    wanted: Option<Decision>,
+    margin: Option<Margin>,
+    measuring: bool,
+    tie: bool,
+}
+
+impl Observer for Recorder {
+    const ACTIVE: bool = true;
+
+    fn begin(&mut self, decision: &Decision) {
+        self.tie = false;
+        self.measuring = self.wanted.as_ref() == Some(decision);
+    }
+
+    fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> Magnitude) {
+        self.tie |= sign.is_zero();
+        if self.measuring {
+            let relative = relative_size(&margin());
+            if self.margin.is_none_or(|nearest| relative < nearest.relative) {
+                self.margin = Some(Margin { sign, relative });
+            }
+        }
+    }
+
+    fn end(&mut self, decision: &Decision, outcome: i8) {
+        self.entries.push(TraceEntry { decision: *decision, outcome, tie: self.tie });
+        self.measuring = false;
+    }
+}
+
+fn relative_size(magnitude: &Magnitude) -> f64 {
+    if magnitude.terms.is_zero() {
+        return 0.0;
+    }
+    // At most 1, so rounding cannot overflow.
+    round_rational(&BigRational::new_raw(magnitude.value.abs(), magnitude.terms.clone()), Precision::F64).unwrap_or(1.0)
+}

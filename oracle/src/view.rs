@@ -1,0 +1,355 @@
+//! Where a predicate finds its vectors, in whichever number type it is evaluated.
+
+use crate::number::{Approx, Ball, Bits, Bound, UNIT_ROUNDOFF};
+use crate::solid::{Solid, centre_sum, subtracted};
+use rockproof_model::block::face_normal;
+use rockproof_model::decision::Side;
+use rockproof_model::{Block, Ring, Topology, Vec3};
+use std::cell::OnceCell;
+
+/// The lengths and sines a predicate compares with. A length is `search / unit` lattice units (or metres), a sine
+/// `overlap / one`, so that exact types need no fractions.
+#[derive(Clone, Debug)]
+pub(crate) struct Scales<T> {
+    /// Common denominator of the three lengths.
+    pub(crate) unit: T,
+    /// s
+    pub(crate) search: T,
+    /// r
+    pub(crate) territory: T,
+    /// g
+    pub(crate) penetration: T,
+    /// Common denominator of the two sines.
+    pub(crate) one: T,
+    /// so
+    pub(crate) overlap: T,
+    /// sp
+    pub(crate) parallel: T,
+    /// Denominator of ε.
+    pub(crate) whole: T,
+    /// ε
+    pub(crate) equal: T,
+}
+
+/// Tolerances that are made when a polynomial first asks for them.
+pub(crate) struct LazyScales<'p, T> {
+    pub(crate) made: &'p OnceCell<Scales<T>>,
+    pub(crate) make: &'p dyn Fn() -> Scales<T>,
+}
+
+impl<T> LazyScales<'_, T> {
+    fn get(&self) -> &Scales<T> {
+        self.made.get_or_init(self.make)
+    }
+}
+
+/// The vectors of a pair of blocks in one number type.
+pub(crate) trait View {
+    /// The number type.
+    type T: Ring;
+    /// A block's combinatorics.
+    fn topology(&self, side: Side) -> &Topology;
+    /// `to − from`, for vertices of either block.
+    fn between(&self, from: (Side, u32), to: (Side, u32)) -> Vec3<Self::T>;
+    /// `d = q − p` of an edge.
+    fn direction(&self, side: Side, edge: u32) -> Vec3<Self::T>;
+    /// `N` of a face.
+    fn normal(&self, side: Side, face: u32) -> Vec3<Self::T>;
+    /// `Σ (v_k − v_0)` of a face.
+    fn centre(&self, side: Side, face: u32) -> Vec3<Self::T>;
+    /// `m_L` (`right` false) or `m_R` of an edge.
+    fn inward(&self, side: Side, edge: u32, right: bool) -> Vec3<Self::T>;
+    /// The tolerances.
+    fn scales(&self) -> &Scales<Self::T>;
+
+    /// The number of vertices of a face, as a number.
+    #[inline(always)]
+    fn loop_length(&self, side: Side, face: u32) -> Self::T {
+        Self::T::from_i32(self.topology(side).faces()[face as usize].len() as i32)
+    }
+}
+
+/// Plain f64: the first level.
+pub(crate) struct FloatView<'p> {
+    pub(crate) a: &'p Solid,
+    pub(crate) b: &'p Solid,
+    pub(crate) scales: &'p Scales<Approx>,
+}
+
+impl FloatView<'_> {
+    #[inline(always)]
+    fn solid(&self, side: Side) -> &Solid {
+        match side {
+            Side::A => self.a,
+            Side::B => self.b,
+        }
+    }
+}
+
+impl View for FloatView<'_> {
+    type T = Approx;
+    #[inline(always)]
+    fn topology(&self, side: Side) -> &Topology {
+        self.solid(side).block.topology()
+    }
+    #[inline(always)]
+    fn between(&self, from: (Side, u32), to: (Side, u32)) -> Vec3<Approx> {
+        self.solid(to.0).vertices[to.1 as usize].minus(&self.solid(from.0).vertices[from.1 as usize])
+    }
+    #[inline(always)]
+    fn direction(&self, side: Side, edge: u32) -> Vec3<Approx> {
+        self.solid(side).directions[edge as usize]
+    }
+    #[inline(always)]
+    fn normal(&self, side: Side, face: u32) -> Vec3<Approx> {
+        self.solid(side).normals[face as usize]
+    }
+    #[inline(always)]
+    fn centre(&self, side: Side, face: u32) -> Vec3<Approx> {
+        self.solid(side).centres[face as usize]
+    }
+    #[inline(always)]
+    fn inward(&self, side: Side, edge: u32, right: bool) -> Vec3<Approx> {
+        self.solid(side).inwards[edge as usize][usize::from(right)]
+    }
+    #[inline(always)]
+    fn scales(&self) -> &Scales<Approx> {
+        self.scales
+    }
+}
+
+/// What is known of every vector before one is picked: gives the static bounds of [`FloatView`].
+pub(crate) struct BoundView<'p> {
+    pub(crate) a: &'p Solid,
+    pub(crate) b: &'p Solid,
+    pub(crate) scales: Scales<Bound>,
+    pub(crate) across: Bound,
+}
+
+impl<'p> BoundView<'p> {
+    pub(crate) fn new(a: &'p Solid, b: &'p Solid, scales: Scales<Bound>) -> BoundView<'p> {
+        let extent =
+            (0..3).map(|k| a.box_max[k].max(b.box_max[k]) - a.box_min[k].min(b.box_min[k])).fold(0.0, f64::max);
+        BoundView { a, b, scales, across: subtracted(extent, a.errors.coordinate.max(b.errors.coordinate)) }
+    }
+
+    fn solid(&self, side: Side) -> &Solid {
+        match side {
+            Side::A => self.a,
+            Side::B => self.b,
+        }
+    }
+}
+
+fn same_in_all<T: Copy>(component: T) -> Vec3<T> {
+    Vec3::new(component, component, component)
+}
+
+impl View for BoundView<'_> {
+    type T = Bound;
+    fn topology(&self, side: Side) -> &Topology {
+        self.solid(side).block.topology()
+    }
+    fn between(&self, from: (Side, u32), to: (Side, u32)) -> Vec3<Bound> {
+        same_in_all(if from.0 == to.0 { self.solid(to.0).errors.difference } else { self.across })
+    }
+    fn direction(&self, side: Side, _edge: u32) -> Vec3<Bound> {
+        same_in_all(self.solid(side).errors.direction)
+    }
+    fn normal(&self, side: Side, _face: u32) -> Vec3<Bound> {
+        same_in_all(self.solid(side).errors.normal)
+    }
+    fn centre(&self, side: Side, _face: u32) -> Vec3<Bound> {
+        same_in_all(self.solid(side).errors.centre)
+    }
+    fn inward(&self, side: Side, _edge: u32, _right: bool) -> Vec3<Bound> {
+        same_in_all(self.solid(side).errors.inward)
+    }
+    fn scales(&self) -> &Scales<Bound> {
+        &self.scales
+    }
+    fn loop_length(&self, side: Side, _face: u32) -> Bound {
+        let longest = self.topology(side).faces().iter().map(Vec::len).max().unwrap_or(3);
+        Bound::from_i32(longest as i32)
+    }
+}
+
+/// The f64 vectors with the radii that hold for them: the second level.
+pub(crate) struct BallView<'p> {
+    pub(crate) floats: FloatView<'p>,
+    pub(crate) scales: LazyScales<'p, Ball>,
+}
+
+fn balls(vector: Vec3<Approx>, radius: f64) -> Vec3<Ball> {
+    vector.map(|c| Ball { middle: c.0, radius })
+}
+
+impl View for BallView<'_> {
+    type T = Ball;
+    fn topology(&self, side: Side) -> &Topology {
+        self.floats.topology(side)
+    }
+    fn between(&self, from: (Side, u32), to: (Side, u32)) -> Vec3<Ball> {
+        let input = self.floats.solid(from.0).errors.coordinate + self.floats.solid(to.0).errors.coordinate;
+        self.floats
+            .between(from, to)
+            .map(|c| Ball { middle: c.0, radius: (input + c.0.abs() * UNIT_ROUNDOFF) * crate::number::INFLATION })
+    }
+    fn direction(&self, side: Side, edge: u32) -> Vec3<Ball> {
+        let input = 2.0 * self.floats.solid(side).errors.coordinate;
+        self.floats
+            .direction(side, edge)
+            .map(|c| Ball { middle: c.0, radius: (input + c.0.abs() * UNIT_ROUNDOFF) * crate::number::INFLATION })
+    }
+    fn normal(&self, side: Side, face: u32) -> Vec3<Ball> {
+        balls(self.floats.normal(side, face), self.floats.solid(side).errors.normal.error)
+    }
+    fn centre(&self, side: Side, face: u32) -> Vec3<Ball> {
+        balls(self.floats.centre(side, face), self.floats.solid(side).errors.centre.error)
+    }
+    fn inward(&self, side: Side, edge: u32, right: bool) -> Vec3<Ball> {
+        balls(self.floats.inward(side, edge, right), self.floats.solid(side).errors.inward.error)
+    }
+    fn scales(&self) -> &Scales<Ball> {
+        self.scales.get()
+    }
+}
+
+/// How many bits every vector of a pair can have on its lattice.
+pub(crate) struct BitsView<'p> {
+    pub(crate) a: &'p Block,
+    pub(crate) b: &'p Block,
+    /// Bits of a local coordinate.
+    pub(crate) coordinate: Bits,
+    pub(crate) scales: LazyScales<'p, Bits>,
+}
+
+impl BitsView<'_> {
+    fn block(&self, side: Side) -> &Block {
+        match side {
+            Side::A => self.a,
+            Side::B => self.b,
+        }
+    }
+
+    fn longest_loop(&self, side: Side) -> usize {
+        self.block(side).topology().faces().iter().map(Vec::len).max().unwrap_or(3)
+    }
+}
+
+impl View for BitsView<'_> {
+    type T = Bits;
+    fn topology(&self, side: Side) -> &Topology {
+        self.block(side).topology()
+    }
+    fn between(&self, _from: (Side, u32), _to: (Side, u32)) -> Vec3<Bits> {
+        same_in_all(self.coordinate.minus(&self.coordinate))
+    }
+    fn direction(&self, side: Side, _edge: u32) -> Vec3<Bits> {
+        self.between((side, 0), (side, 0))
+    }
+    fn normal(&self, side: Side, _face: u32) -> Vec3<Bits> {
+        let edge = self.direction(side, 0);
+        let triangle = edge.cross(&edge);
+        (0..self.longest_loop(side) - 2).fold(Vec3::zero(), |sum: Vec3<Bits>, _| sum.plus(&triangle))
+    }
+    fn centre(&self, side: Side, _face: u32) -> Vec3<Bits> {
+        let edge = self.direction(side, 0);
+        (0..self.longest_loop(side)).fold(Vec3::zero(), |sum: Vec3<Bits>, _| sum.plus(&edge))
+    }
+    fn inward(&self, side: Side, edge: u32, _right: bool) -> Vec3<Bits> {
+        self.normal(side, 0).cross(&self.direction(side, edge))
+    }
+    fn scales(&self) -> &Scales<Bits> {
+        self.scales.get()
+    }
+    fn loop_length(&self, side: Side, _face: u32) -> Bits {
+        Bits::from_i32(self.longest_loop(side) as i32)
+    }
+}
+
+/// The vectors of both blocks as integers on their common lattice.
+pub(crate) struct ExactPair<'s, T> {
+    pub(crate) a: ExactSolid<'s, T>,
+    pub(crate) b: ExactSolid<'s, T>,
+}
+
+/// Exact lattice vectors with tolerances: the last levels. Tolerances are made when a polynomial first asks for them.
+pub(crate) struct ExactView<'p, 's, T> {
+    pub(crate) geometry: &'p ExactPair<'s, T>,
+    pub(crate) scales: LazyScales<'p, T>,
+}
+
+/// One block of an [`ExactPair`]; what is derived from the vertices is made when first asked for.
+pub(crate) struct ExactSolid<'p, T> {
+    topology: &'p Topology,
+    vertices: Vec<Vec3<T>>,
+    normals: Vec<OnceCell<Vec3<T>>>,
+    centres: Vec<OnceCell<Vec3<T>>>,
+    inwards: Vec<[OnceCell<Vec3<T>>; 2]>,
+}
+
+impl<'p, T: Ring> ExactSolid<'p, T> {
+    pub(crate) fn new(topology: &'p Topology, vertices: Vec<Vec3<T>>) -> Self {
+        ExactSolid {
+            topology,
+            vertices,
+            normals: topology.faces().iter().map(|_| OnceCell::new()).collect(),
+            centres: topology.faces().iter().map(|_| OnceCell::new()).collect(),
+            inwards: topology.edges().iter().map(|_| [OnceCell::new(), OnceCell::new()]).collect(),
+        }
+    }
+
+    fn direction(&self, edge: u32) -> Vec3<T> {
+        let edge = &self.topology.edges()[edge as usize];
+        self.vertices[edge.q as usize].minus(&self.vertices[edge.p as usize])
+    }
+
+    fn normal(&self, face: u32) -> &Vec3<T> {
+        self.normals[face as usize].get_or_init(|| face_normal(&self.vertices, &self.topology.faces()[face as usize]))
+    }
+}
+
+impl<'s, T> ExactView<'_, 's, T> {
+    fn solid(&self, side: Side) -> &ExactSolid<'s, T> {
+        match side {
+            Side::A => &self.geometry.a,
+            Side::B => &self.geometry.b,
+        }
+    }
+}
+
+impl<T: Ring> View for ExactView<'_, '_, T> {
+    type T = T;
+    fn topology(&self, side: Side) -> &Topology {
+        self.solid(side).topology
+    }
+    fn between(&self, from: (Side, u32), to: (Side, u32)) -> Vec3<T> {
+        self.solid(to.0).vertices[to.1 as usize].minus(&self.solid(from.0).vertices[from.1 as usize])
+    }
+    fn direction(&self, side: Side, edge: u32) -> Vec3<T> {
+        self.solid(side).direction(edge)
+    }
+    fn normal(&self, side: Side, face: u32) -> Vec3<T> {
+        self.solid(side).normal(face).clone()
+    }
+    fn centre(&self, side: Side, face: u32) -> Vec3<T> {
+        let solid = self.solid(side);
+        solid.centres[face as usize]
+            .get_or_init(|| centre_sum(&solid.vertices, &solid.topology.faces()[face as usize]))
+            .clone()
+    }
+    fn inward(&self, side: Side, edge: u32, right: bool) -> Vec3<T> {
+        let solid = self.solid(side);
+        solid.inwards[edge as usize][usize::from(right)]
+            .get_or_init(|| {
+                let ends = &solid.topology.edges()[edge as usize];
+                let d = solid.direction(edge);
+                if right { solid.normal(ends.right).cross(&d.negated()) } else { solid.normal(ends.left).cross(&d) }
+            })
+            .clone()
+    }
+    fn scales(&self) -> &Scales<T> {
+        self.scales.get()
+    }
+}
