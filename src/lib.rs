@@ -4,3 +4,4 @@ pub use rockproof_model as model;
 pub use rockproof_oracle as oracle;
 
 pub mod campaign;
+pub mod stepper;

@@ -1,0 +1,180 @@
+//! Blocks, tolerance sets and golden answers for the stepper's tests.
+#![allow(dead_code)] // each test file uses its own part
+
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use rockproof::model::{
+    Block, BlockOptions, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, Sign, ToleranceSet, Vec3,
+};
+use serde_json::Value;
+
+/// A pair of blocks, its tolerances, and what is expected.
+pub struct GoldenPair {
+    pub name: String,
+    pub a: Block,
+    pub b: Block,
+    pub tolerances: ToleranceSet,
+    pub contacts: Vec<Contact>,
+    /// Squared gaps, one a contact.
+    pub gaps_squared: Vec<f64>,
+}
+
+/// The pairs of `tests/golden/golden_contacts.json`.
+pub fn golden() -> Vec<GoldenPair> {
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/golden_contacts.json")).unwrap();
+    let pairs: Value = serde_json::from_str(&text).unwrap();
+    pairs.as_array().unwrap().iter().map(golden_pair).collect()
+}
+
+fn golden_pair(pair: &Value) -> GoldenPair {
+    let t = &pair["tolerances"];
+    let zero = Number::ZERO;
+    let tolerances = ToleranceSet {
+        search: number(&t["search"]),
+        territory: number(&t["territory"]),
+        penetration: number(&t["penetration"]),
+        overlap_sine: number(&t["overlap_sine"]),
+        parallel_sine: number(&t["parallel_sine"]),
+        equal: number(&t["equal"]),
+        open: zero.clone(),
+        close: zero.clone(),
+        max_displacement: zero.clone(),
+        max_rotation: zero,
+        criteria: if t["criteria"] == "classic" { Criteria::Classic } else { Criteria::Revised },
+    };
+    let expected = pair["contacts"].as_array().unwrap();
+    GoldenPair {
+        name: pair["name"].as_str().unwrap().to_owned(),
+        a: golden_block(&pair["a"]),
+        b: golden_block(&pair["b"]),
+        tolerances,
+        contacts: expected.iter().map(golden_contact).collect(),
+        gaps_squared: expected.iter().map(|c| number(&c["gap_squared"]).approximate()).collect(),
+    }
+}
+
+fn golden_contact(c: &Value) -> Contact {
+    let index = |name: &str| c[name].as_u64().unwrap() as u32;
+    Contact {
+        kind: ContactKind::from_name(c["kind"].as_str().unwrap()).unwrap(),
+        a: index("feature_a"),
+        b: index("feature_b"),
+        entrance: Entrance {
+            kind: EntranceKind::from_name(c["entrance"].as_str().unwrap()).unwrap(),
+            a: index("entrance_a"),
+            b: index("entrance_b"),
+        },
+        gap: Sign::of_ordering(c["gap_sign"].as_i64().unwrap().cmp(&0)),
+    }
+}
+
+fn golden_block(block: &Value) -> Block {
+    let vertices = block["vertices"].as_array().unwrap();
+    let vertices = vertices.iter().map(|v| Vec3::new(number(&v[0]), number(&v[1]), number(&v[2]))).collect();
+    let faces = block["faces"].as_array().unwrap();
+    let faces = faces
+        .iter()
+        .map(|f| f.as_array().unwrap().iter().map(|v| v.as_u64().unwrap() as u32).collect())
+        .collect();
+    Block::new(vertices, faces, &exact()).unwrap()
+}
+
+fn number(value: &Value) -> Number {
+    let text = value.as_str().unwrap();
+    let (numerator, denominator) = text.split_once('/').unwrap_or((text, "1"));
+    let integer = |digits: &str| digits.parse::<BigInt>().unwrap();
+    Number::from_rational(BigRational::new(integer(numerator), integer(denominator)))
+}
+
+pub fn exact() -> BlockOptions {
+    BlockOptions { planarity: Number::ZERO }
+}
+
+/// A number from an f64.
+pub fn n(value: f64) -> Number {
+    Number::from_f64(value).unwrap()
+}
+
+/// A block from f64 coordinates.
+pub fn block(vertices: &[[f64; 3]], faces: &[&[u32]]) -> Block {
+    let vertices = vertices.iter().map(|v| Vec3::new(n(v[0]), n(v[1]), n(v[2]))).collect();
+    Block::new(vertices, faces.iter().map(|f| f.to_vec()).collect(), &exact()).unwrap()
+}
+
+pub const CUBOID_FACES: [&[u32]; 6] =
+    [&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
+
+/// An axis-aligned box. Vertices 0 to 3 run round the bottom, 4 to 7 round the top; faces: bottom, top, then −y, +x, +y, −x.
+/// Edges: 0 0-1, 1 0-3, 2 0-4, 3 1-2, 4 1-5, 5 2-3, 6 2-6, 7 3-7, 8 4-5, 9 4-7, 10 5-6, 11 6-7.
+pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Block {
+    turned_cuboid(low, high, |v| v)
+}
+
+/// A box whose vertices a linear map has moved.
+pub fn turned_cuboid(low: [f64; 3], high: [f64; 3], map: impl Fn([f64; 3]) -> [f64; 3]) -> Block {
+    let corner = |x: bool, y: bool, z: bool| {
+        let pick = |k: usize, up: bool| if up { high[k] } else { low[k] };
+        map([pick(0, x), pick(1, y), pick(2, z)])
+    };
+    let ring = [(false, false), (true, false), (true, true), (false, true)];
+    let vertices: Vec<_> = [false, true].iter().flat_map(|&z| ring.map(|(x, y)| corner(x, y, z))).collect();
+    block(&vertices, &CUBOID_FACES)
+}
+
+/// A tetrahedron with a vertex 0 at `apex` pointing down and a level triangle above it.
+pub fn spike(apex: [f64; 3], width: f64, height: f64) -> Block {
+    let [x, y, z] = apex;
+    let top = z + height;
+    block(
+        &[apex, [x + width, y, top], [x - width, y + width, top], [x - width, y - width, top]],
+        &[&[1, 2, 3], &[0, 2, 1], &[0, 3, 2], &[0, 1, 3]],
+    )
+}
+
+/// An L-shaped prism over `[0, 4]² × [0, 1]` without `x > 1 and y > 1`: reflex edge 3-9 at (1, 1). Faces: bottom, top, then
+/// y = 0, x = 4, y = 1 (inner), x = 1 (inner), y = 4, x = 0.
+pub fn corner_block() -> Block {
+    let outline = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [1.0, 1.0], [1.0, 4.0], [0.0, 4.0]];
+    let vertices: Vec<_> = [0.0, 1.0].iter().flat_map(|&z| outline.map(|[x, y]| [x, y, z])).collect();
+    block(
+        &vertices,
+        &[
+            &[5, 4, 3, 2, 1, 0],
+            &[6, 7, 8, 9, 10, 11],
+            &[0, 1, 7, 6],
+            &[1, 2, 8, 7],
+            &[2, 3, 9, 8],
+            &[3, 4, 10, 9],
+            &[4, 5, 11, 10],
+            &[5, 0, 6, 11],
+        ],
+    )
+}
+
+/// Tolerances exact in every precision: s = 1/8, r = 1/64, g = 1/16, so = sp = 3/64, ε = 2⁻²⁰, revised.
+pub fn tolerances() -> ToleranceSet {
+    ToleranceSet {
+        search: n(0.125),
+        territory: n(0.015625),
+        penetration: n(0.0625),
+        overlap_sine: n(0.046875),
+        parallel_sine: n(0.046875),
+        equal: n(f64::powi(2.0, -20)),
+        open: n(0.0),
+        close: n(0.0),
+        max_displacement: n(0.0),
+        max_rotation: n(0.0),
+        criteria: Criteria::Revised,
+    }
+}
+
+/// The same, classic.
+pub fn classic() -> ToleranceSet {
+    ToleranceSet { criteria: Criteria::Classic, ..tolerances() }
+}
+
+/// `kind a b entrance entrance_a entrance_b sign`, to read and write expectations.
+pub fn show(contact: &Contact) -> String {
+    let Contact { kind, a, b, entrance, gap } = contact;
+    format!("{kind} {a} {b} {} {} {} {:+}", entrance.kind, entrance.a, entrance.b, gap.as_i8())
+}
