@@ -27,8 +27,15 @@ fn wide_agrees_wherever_all_comparisons_were_settled() {
             continue;
         }
         let list = |all: &[_]| all.iter().map(show).collect::<Vec<_>>().join("; ");
-        eprintln!("{} ({unsettled} unsettled)\n  found    {}\n  expected {}", pair.name, list(&contacts), list(&pair.contacts));
-        if false { assert!(unsettled > 0, "{}: every comparison was settled, and yet the answer differs", pair.name); }
+        eprintln!(
+            "{} ({unsettled} unsettled)\n  found    {}\n  expected {}",
+            pair.name,
+            list(&contacts),
+            list(&pair.contacts)
+        );
+        if false {
+            assert!(unsettled > 0, "{}: every comparison was settled, and yet the answer differs", pair.name);
+        }
         differing.push(pair.name);
     }
     eprintln!("settled {settled} of 180; differing at ties: {differing:?}");

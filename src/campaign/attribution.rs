@@ -7,7 +7,7 @@
 
 use super::collapse::collapsed_feature;
 use super::compare::{Change, Difference, Features, differences};
-use super::engine::{Engine, EngineFailure, ExactPair, Levels, Oracle, Prepared, Trace, guarded};
+use super::engine::{Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, guarded};
 use super::explain::{Link, explain};
 use super::finding::{Cause, Deciding, Finding, Who};
 use super::metamorphic;
@@ -52,8 +52,9 @@ pub struct Examined {
 
 /// Examines one pair under all its tolerance sets.
 pub fn examine(subject: &Subject, panel: &Panel) -> Examined {
-    let rounded: Vec<Rounded> = panel.precisions().into_iter().map(|p| Rounded::new(subject, p)).collect();
-    let exact = ExactSide::new(panel.oracle.prepare(&subject.a, &subject.b));
+    let rounded: Vec<Rounded<'_>> = panel.precisions().into_iter().map(|p| Rounded::new(subject, p)).collect();
+    let solids = panel.oracle.prepare(&subject.a, &subject.b);
+    let exact = ExactSide::new(solids.pair());
     let views: Vec<View<'_>> = rounded.iter().map(|r| View::new(r, panel)).collect();
     let mut examination = Examination {
         subject,
@@ -79,7 +80,7 @@ pub fn examine(subject: &Subject, panel: &Panel) -> Examined {
 }
 
 /// A pair as the engines of one precision see it.
-struct Rounded {
+struct Rounded<'o> {
     precision: Precision,
     /// The rounded blocks, or why there are none.
     blocks: Result<[Block; 2], String>,
@@ -87,10 +88,12 @@ struct Rounded {
     same: bool,
     /// What rounding destroyed.
     collapsed: Option<String>,
+    /// The rounded blocks in the oracle.
+    solids: OnceCell<Box<dyn ExactSolids + 'o>>,
 }
 
-impl Rounded {
-    fn new(subject: &Subject, precision: Precision) -> Rounded {
+impl Rounded<'_> {
+    fn new(subject: &Subject, precision: Precision) -> Self {
         let same = subject.a.is_exact_in(precision) && subject.b.is_exact_in(precision);
         let blocks = if same {
             Ok([subject.a.clone(), subject.b.clone()])
@@ -106,7 +109,7 @@ impl Rounded {
                 .or_else(|| collapsed_feature(b).map(|what| format!("{what} in block B"))),
             _ => None,
         };
-        Rounded { precision, blocks, same, collapsed }
+        Rounded { precision, blocks, same, collapsed, solids: OnceCell::new() }
     }
 }
 
@@ -151,14 +154,14 @@ type EngineView<'p> = (&'p dyn Engine, Result<Box<dyn Prepared + 'p>, EngineFail
 
 /// The engines of one precision with the rounded pair inside.
 struct View<'p> {
-    rounded: &'p Rounded,
+    rounded: &'p Rounded<'p>,
     oracle: &'p dyn Oracle,
     engines: Vec<EngineView<'p>>,
     exact: OnceCell<ExactSide<'p>>,
 }
 
 impl<'p> View<'p> {
-    fn new(rounded: &'p Rounded, panel: &'p Panel) -> View<'p> {
+    fn new(rounded: &'p Rounded<'p>, panel: &'p Panel) -> View<'p> {
         let mut engines = Vec::new();
         if let (Ok([a, b]), None) = (&rounded.blocks, &rounded.collapsed) {
             for engine in panel.engines.iter().filter(|e| e.precision() == rounded.precision) {
@@ -170,7 +173,7 @@ impl<'p> View<'p> {
 
     /// The oracle's side of the rounded pair.
     fn exact_side(&self, [a, b]: &'p [Block; 2]) -> &ExactSide<'p> {
-        self.exact.get_or_init(|| ExactSide::new(self.oracle.prepare(a, b)))
+        self.exact.get_or_init(|| ExactSide::new(self.rounded.solids.get_or_init(|| self.oracle.prepare(a, b)).pair()))
     }
 }
 

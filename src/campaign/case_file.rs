@@ -262,7 +262,7 @@ impl Case {
     }
 
     fn answers(&self, finding: &Finding, panel: &Panel) -> [Vec<Contact>; 2] {
-        let exact = |a: &Block, b: &Block, t: &ToleranceSet| panel.oracle.prepare(a, b).classify(t).contacts;
+        let exact = |a: &Block, b: &Block, t: &ToleranceSet| panel.oracle.prepare(a, b).pair().classify(t).contacts;
         let given = || exact(&self.a, &self.b, &self.tolerances);
         let precision = precision_of(&finding.who, panel);
         let rounded = self

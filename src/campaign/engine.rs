@@ -46,7 +46,7 @@ pub struct WideAnswer {
     /// The contacts.
     pub contacts: Vec<Contact>,
     /// Comparisons so close that rounding in the wide scalar could still explain their outcome (exact ties).
-    pub unsettled: usize,
+    pub unsettled: u64,
 }
 
 /// Why an engine gave no answer.
@@ -66,7 +66,13 @@ pub enum EngineFailure {
 /// The exact side.
 pub trait Oracle: Send + Sync {
     /// Prepares two blocks for exact classification.
-    fn prepare<'p>(&'p self, a: &'p Block, b: &'p Block) -> Box<dyn ExactPair + 'p>;
+    fn prepare<'o>(&'o self, a: &Block, b: &Block) -> Box<dyn ExactSolids + 'o>;
+}
+
+/// Two blocks inside the oracle.
+pub trait ExactSolids {
+    /// The two as a pair, A first. Keep it for as long as questions are asked: it remembers what it worked out.
+    fn pair(&self) -> Box<dyn ExactPair + '_>;
 }
 
 /// A pair of blocks inside the oracle.
@@ -93,11 +99,11 @@ pub struct ExactAnswer {
 
 /// Signs decided by each level of the oracle, in the order of [`Levels::NAMES`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Levels(pub [u64; 3]);
+pub struct Levels(pub [u64; 7]);
 
 impl Levels {
     /// What the levels are called in `run.json`.
-    pub const NAMES: [&'static str; 3] = ["filter", "fixed", "heap"];
+    pub const NAMES: [&'static str; 7] = ["f64", "i128", "ball", "i256", "i512", "i1024", "heap"];
 
     /// Adds the counts of `other`.
     pub fn add(&mut self, other: &Levels) {

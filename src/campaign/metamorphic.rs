@@ -78,7 +78,8 @@ fn compare(base: &Base<'_>, change: Change, other: &Transformed, checks: &mut Ch
         return;
     }
     let features = Features { a: base.blocks[0].topology(), b: base.blocks[1].topology() };
-    let pair = base.oracle.prepare(a, b);
+    let solids = base.oracle.prepare(a, b);
+    let pair = solids.pair();
     let exact = other.back(&pair.classify(&tolerances).contacts);
     let mut wide: Option<Option<[WideAnswer; 2]>> = None;
     for difference in differences(base.contacts, &answer, features) {
@@ -117,7 +118,8 @@ fn deciding(base: &Base<'_>, difference: &Difference, turned: &Turned<'_>) -> Op
         (&turned.other.blocks, turned.tolerances, turned.prepared)
     };
     let local = if wrong_before { *difference } else { turned.other.forth(difference) };
-    let pair = base.oracle.prepare(&blocks[0], &blocks[1]);
+    let solids = base.oracle.prepare(&blocks[0], &blocks[1]);
+    let pair = solids.pair();
     let link = Link {
         before: &|| Some(pair.trace(tolerances)),
         after: &|| engine_trace(prepared, tolerances),

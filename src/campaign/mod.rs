@@ -2,6 +2,7 @@
 //! oracle (DESIGN, "Campaigns").
 
 pub mod attribution;
+pub mod builtin;
 pub mod case_file;
 pub mod collapse;
 pub mod compare;

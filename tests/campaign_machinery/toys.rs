@@ -3,7 +3,7 @@
 
 use rockproof::campaign::attribution::Panel;
 use rockproof::campaign::engine::{
-    Engine, EngineFailure, ExactAnswer, ExactPair, Levels, Oracle, Prepared, Trace, WideAnswer,
+    Engine, EngineFailure, ExactAnswer, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, WideAnswer,
 };
 use rockproof::campaign::subject::{Source, Subject, SubjectSet};
 use rockproof::model::decision::{Decision, Feature, Predicate, Side};
@@ -99,15 +99,21 @@ impl ScriptedPair<'_> {
 }
 
 impl Oracle for ScriptedOracle {
-    fn prepare<'p>(&'p self, a: &'p Block, b: &'p Block) -> Box<dyn ExactPair + 'p> {
+    fn prepare<'o>(&'o self, a: &Block, b: &Block) -> Box<dyn ExactSolids + 'o> {
         let rounded = a.is_exact_in(Precision::F32) && b.is_exact_in(Precision::F32);
         Box::new(ScriptedPair { script: &self.0, rounded })
     }
 }
 
+impl ExactSolids for ScriptedPair<'_> {
+    fn pair(&self) -> Box<dyn ExactPair + '_> {
+        Box::new(ScriptedPair { script: self.script, rounded: self.rounded })
+    }
+}
+
 impl ExactPair for ScriptedPair<'_> {
     fn classify(&self, tolerances: &ToleranceSet) -> ExactAnswer {
-        ExactAnswer { contacts: self.said(tolerances).contacts.clone(), levels: Levels([1, 0, 0]) }
+        ExactAnswer { contacts: self.said(tolerances).contacts.clone(), levels: Levels([1, 0, 0, 0, 0, 0, 0]) }
     }
     fn trace(&self, tolerances: &ToleranceSet) -> Trace {
         self.said(tolerances).trace.clone()
@@ -198,17 +204,23 @@ impl CountingSide {
     }
 }
 
-struct CountingPair<'p>(&'p CountingSide, &'p Block);
+struct CountingPair<'p>(&'p CountingSide, Block);
 
 impl Oracle for CountingSide {
-    fn prepare<'p>(&'p self, a: &'p Block, _: &'p Block) -> Box<dyn ExactPair + 'p> {
-        Box::new(CountingPair(self, a))
+    fn prepare<'o>(&'o self, a: &Block, _: &Block) -> Box<dyn ExactSolids + 'o> {
+        Box::new(CountingPair(self, a.clone()))
+    }
+}
+
+impl ExactSolids for CountingPair<'_> {
+    fn pair(&self) -> Box<dyn ExactPair + '_> {
+        Box::new(CountingPair(self.0, self.1.clone()))
     }
 }
 
 impl ExactPair for CountingPair<'_> {
     fn classify(&self, _: &ToleranceSet) -> ExactAnswer {
-        ExactAnswer { contacts: self.0.contacts(self.1), levels: Levels([2, 1, 0]) }
+        ExactAnswer { contacts: self.0.contacts(&self.1), levels: Levels([2, 1, 0, 0, 0, 0, 0]) }
     }
     fn trace(&self, _: &ToleranceSet) -> Trace {
         vec![(decision(3), 1)]
@@ -226,13 +238,13 @@ impl Engine for CountingSide {
         self.precision
     }
     fn prepare<'p>(&'p self, a: &'p Block, _: &'p Block) -> Result<Box<dyn Prepared + 'p>, EngineFailure> {
-        Ok(Box::new(CountingPair(self, a)))
+        Ok(Box::new(CountingPair(self, a.clone())))
     }
 }
 
 impl Prepared for CountingPair<'_> {
     fn classify(&self, _: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure> {
-        Ok(self.0.contacts(self.1))
+        Ok(self.0.contacts(&self.1))
     }
     fn trace(&self, _: &ToleranceSet) -> Option<Trace> {
         Some(vec![(decision(3), 0)])

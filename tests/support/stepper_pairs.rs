@@ -21,7 +21,8 @@ pub struct GoldenPair {
 
 /// The pairs of `tests/golden/golden_contacts.json`.
 pub fn golden() -> Vec<GoldenPair> {
-    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/golden_contacts.json")).unwrap();
+    let text =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/golden_contacts.json")).unwrap();
     let pairs: Value = serde_json::from_str(&text).unwrap();
     pairs.as_array().unwrap().iter().map(golden_pair).collect()
 }
@@ -72,10 +73,8 @@ fn golden_block(block: &Value) -> Block {
     let vertices = block["vertices"].as_array().unwrap();
     let vertices = vertices.iter().map(|v| Vec3::new(number(&v[0]), number(&v[1]), number(&v[2]))).collect();
     let faces = block["faces"].as_array().unwrap();
-    let faces = faces
-        .iter()
-        .map(|f| f.as_array().unwrap().iter().map(|v| v.as_u64().unwrap() as u32).collect())
-        .collect();
+    let faces =
+        faces.iter().map(|f| f.as_array().unwrap().iter().map(|v| v.as_u64().unwrap() as u32).collect()).collect();
     Block::new(vertices, faces, &exact()).unwrap()
 }
 
