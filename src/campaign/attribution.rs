@@ -55,7 +55,7 @@ pub fn examine(subject: &Subject, panel: &Panel) -> Examined {
     let rounded: Vec<Rounded<'_>> = panel.precisions().into_iter().map(|p| Rounded::new(subject, p)).collect();
     let solids = panel.oracle.prepare(&subject.a, &subject.b);
     let exact = ExactSide::new(solids.pair());
-    let views: Vec<View<'_>> = rounded.iter().map(|r| View::new(r, panel)).collect();
+    let views: Vec<View<'_, '_>> = rounded.iter().map(|r| View::new(r, panel)).collect();
     let mut examination = Examination {
         subject,
         panel,
@@ -153,15 +153,15 @@ fn classify_alike(one: &ToleranceSet, other: &ToleranceSet) -> bool {
 type EngineView<'p> = (&'p dyn Engine, Result<Box<dyn Prepared + 'p>, EngineFailure>);
 
 /// The engines of one precision with the rounded pair inside.
-struct View<'p> {
-    rounded: &'p Rounded<'p>,
-    oracle: &'p dyn Oracle,
+struct View<'p, 'o> {
+    rounded: &'p Rounded<'o>,
+    oracle: &'o dyn Oracle,
     engines: Vec<EngineView<'p>>,
     exact: OnceCell<ExactSide<'p>>,
 }
 
-impl<'p> View<'p> {
-    fn new(rounded: &'p Rounded<'p>, panel: &'p Panel) -> View<'p> {
+impl<'p, 'o: 'p> View<'p, 'o> {
+    fn new(rounded: &'p Rounded<'o>, panel: &'o Panel) -> Self {
         let mut engines = Vec::new();
         if let (Ok([a, b]), None) = (&rounded.blocks, &rounded.collapsed) {
             for engine in panel.engines.iter().filter(|e| e.precision() == rounded.precision) {
@@ -209,7 +209,7 @@ impl<'p> Examination<'p> {
 
     /// O(exact, ideal(T)) against O(exact, T). Where the sets of the precisions differ, what they have in common is
     /// reported once.
-    fn tolerance_link(&mut self, set: &SubjectSet, views: &[View<'p>]) {
+    fn tolerance_link(&mut self, set: &SubjectSet, views: &[View<'p, '_>]) {
         let precisions: Vec<Precision> = views.iter().map(|v| v.rounded.precision).collect();
         let mut sets: Vec<(Who, &ToleranceSet)> = Vec::new();
         for &precision in &precisions {
@@ -255,7 +255,7 @@ impl<'p> Examination<'p> {
     }
 
     /// O(exact, T) against O(rounded, T), and that against F(rounded, T) of each engine of one precision.
-    fn engine_links(&mut self, set: &SubjectSet, number: usize, view: &View<'p>) {
+    fn engine_links(&mut self, set: &SubjectSet, number: usize, view: &View<'p, '_>) {
         let precision = view.rounded.precision;
         let given = set.of(precision);
         let mut lost = |change, note: String| {
