@@ -1,0 +1,29 @@
+//! The fast path against the golden pairs: contacts, entrances, and gaps as exact squares.
+
+#[path = "support/golden.rs"]
+mod golden;
+
+use rockproof_oracle::{Pair, Solid};
+
+#[test]
+fn reproduces_every_golden_pair() {
+    let mut wrong = Vec::new();
+    for golden in golden::pairs() {
+        let (a, b) = (Solid::new(&golden.a), Solid::new(&golden.b));
+        let pair = Pair::new(&a, &b);
+        let found: Vec<_> = pair
+            .classify(&golden.tolerances)
+            .contacts
+            .into_iter()
+            .map(|contact| {
+                let gap = pair.gap(&contact.entrance);
+                assert_eq!(gap.sign, contact.gap, "{}", golden.name);
+                (contact, gap.squared)
+            })
+            .collect();
+        if found != golden.expected {
+            wrong.push(format!("{}\n  found    {found:?}\n  expected {:?}", golden.name, golden.expected));
+        }
+    }
+    assert!(wrong.is_empty(), "{} pairs differ:\n{}", wrong.len(), wrong.join("\n"));
+}
