@@ -38,6 +38,16 @@ impl Lattice {
         Lattice { exponent: if exponent == i32::MIN { 0 } else { exponent }, odd }
     }
 
+    /// The lattice of the integers.
+    pub fn unity() -> Lattice {
+        Lattice { exponent: 0, odd: BigInt::one() }
+    }
+
+    /// The k of a lattice with `2^k` units per metre; `None` where the factor is no power of two.
+    pub fn binary_exponent(&self) -> Option<i32> {
+        self.odd.is_one().then_some(self.exponent)
+    }
+
     /// `number` in lattice units. The number must be one of those the lattice was made for.
     pub fn units(&self, number: &Number) -> BigInt {
         if let Some(value) = number.as_f64() {

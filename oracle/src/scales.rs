@@ -90,12 +90,11 @@ impl Scales<BigInt> {
 
     /// Lengths in lattice units over one common denominator, sines and ε over theirs.
     pub(crate) fn exact(t: &ToleranceSet, lattice: &Lattice) -> Scales<BigInt> {
-        let (numerator, denominator) = lattice.units_per_metre();
-        let units_per_metre = BigRational::new_raw(numerator, denominator);
         let ([search, territory, penetration], unit) =
-            over_common_denominator([&t.search, &t.territory, &t.penetration], Some(&units_per_metre));
-        let ([overlap, parallel], one) = over_common_denominator([&t.overlap_sine, &t.parallel_sine], None);
-        let ([equal], whole) = over_common_denominator([&t.equal], None);
+            over_common_denominator([&t.search, &t.territory, &t.penetration], lattice);
+        let unity = Lattice::unity();
+        let ([overlap, parallel], one) = over_common_denominator([&t.overlap_sine, &t.parallel_sine], &unity);
+        let ([equal], whole) = over_common_denominator([&t.equal], &unity);
         Scales { unit, search, territory, penetration, one, overlap, parallel, whole, equal }
     }
 
@@ -124,29 +123,25 @@ impl<T> Scales<T> {
     }
 }
 
-/// The numbers times `factor`, as integers over one denominator.
-fn over_common_denominator<const N: usize>(
-    numbers: [&Number; N],
-    factor: Option<&BigRational>,
-) -> ([BigInt; N], BigInt) {
-    if factor.is_none()
-        && let Some(shared) = powers_of_two(numbers)
-    {
+/// The numbers in lattice units, as integers over one denominator.
+fn over_common_denominator<const N: usize>(numbers: [&Number; N], lattice: &Lattice) -> ([BigInt; N], BigInt) {
+    if let Some(shared) = powers_of_two(numbers, lattice) {
         return shared;
     }
-    let values = numbers.map(|n| match factor {
-        Some(factor) => n.to_rational() * factor,
-        None => n.to_rational(),
-    });
+    let (numerator, denominator) = lattice.units_per_metre();
+    let units_per_metre = BigRational::new_raw(numerator, denominator);
+    let values = numbers.map(|n| n.to_rational() * &units_per_metre);
     let denominator = values.iter().fold(BigInt::one(), |all, v| all.lcm(v.denom()));
     (values.map(|v| v.numer() * (&denominator / v.denom())), denominator)
 }
 
-/// The same for numbers that are all f64s, without fractions.
-fn powers_of_two<const N: usize>(numbers: [&Number; N]) -> Option<([BigInt; N], BigInt)> {
+/// The same without fractions, for f64s on a lattice whose unit is a power of two.
+fn powers_of_two<const N: usize>(numbers: [&Number; N], lattice: &Lattice) -> Option<([BigInt; N], BigInt)> {
+    let units = lattice.binary_exponent()?;
     let mut parts = [(0i64, 0i32); N];
     for (part, number) in parts.iter_mut().zip(numbers) {
-        *part = split_f64(number.as_f64()?);
+        let (significand, exponent) = split_f64(number.as_f64()?);
+        *part = (significand, if significand == 0 { 0 } else { exponent + units });
     }
     let shift = parts.iter().map(|&(_, exponent)| -exponent).max()?.max(0);
     let scaled = parts.map(|(significand, exponent)| BigInt::from(significand) << (exponent + shift) as usize);

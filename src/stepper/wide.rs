@@ -313,6 +313,9 @@ impl PartialOrd for Wide {
         if !difference.is_known() {
             return None;
         }
+        if !difference.is_settled() {
+            return Some(Ordering::Equal);
+        }
         Some(match (difference.significand.is_zero_vartime(), difference.negative) {
             (true, _) => Ordering::Equal,
             (false, true) => Ordering::Less,
