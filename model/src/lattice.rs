@@ -56,7 +56,7 @@ impl Lattice {
             let scaled = BigInt::from(significand) * &self.odd;
             if significand == 0 || shift >= 0 { scaled << shift.max(0) as usize } else { scaled >> (-shift) as usize }
         } else if let Some(ratio) = number.as_ratio() {
-            (ratio.numer() * &self.odd << self.exponent.max(0) as usize) / ratio.denom()
+            ((ratio.numer() * &self.odd) << self.exponent.max(0) as usize) / ratio.denom()
         } else {
             BigInt::ZERO
         }

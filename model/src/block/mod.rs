@@ -1,12 +1,22 @@
 //! A block: a closed polyhedron with exact vertices and the convexity of its features, decided once (SPEC section 2).
 
-use crate::lattice::Lattice;
+mod build;
+mod error;
+mod measure;
+mod merge;
+mod planarity;
+mod questions;
+mod simple;
+mod sure;
+
+pub use error::BlockError;
+pub use measure::Bounds;
+pub(crate) use measure::cuboid_mesh;
+
 use crate::number::{Number, Precision};
-use crate::ring::{ExactRing, Ring};
-use crate::sign::Sign;
-use crate::topology::{Topology, TopologyError};
+use crate::ring::Ring;
+use crate::topology::Topology;
 use crate::vector::Vec3;
-use num_bigint::BigInt;
 use std::sync::Arc;
 
 /// A point with exact coordinates in metres.
@@ -36,41 +46,52 @@ pub struct BlockOptions {
     pub planarity: Number,
 }
 
-/// Why vertices and faces are not a canonical block.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum BlockError {
-    /// The faces do not fit together.
-    #[error(transparent)]
-    Topology(#[from] TopologyError),
-    /// A face without area.
-    #[error("face {face} has no area")]
-    DegenerateFace {
-        /// The face.
-        face: usize,
-    },
-    /// An edge whose two faces lie in one plane.
-    #[error("edge {p}-{q} between faces {left} and {right} is flat")]
-    FlatEdge {
-        /// First vertex.
-        p: u32,
-        /// Second vertex.
-        q: u32,
-        /// One face.
-        left: u32,
-        /// The other face.
-        right: u32,
-    },
+impl Default for BlockOptions {
+    /// A planarity of 1e-9, as SPEC section 2 has it.
+    fn default() -> BlockOptions {
+        BlockOptions { planarity: Number::from_f64(1e-9).unwrap_or(Number::ZERO) }
+    }
+}
+
+/// Which neighbouring faces become one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Merging {
+    /// Those whose common edge is exactly flat.
+    Exact,
+    /// Also those that one plane holds within the planarity allowed: for triangulated meshes with rounded coordinates.
+    WithinPlanarity,
+}
+
+/// What bringing a block into its canonical form took away.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Merged {
+    /// Faces that went into a coplanar neighbour.
+    pub faces: usize,
+    /// Vertices inside merged faces, or in line between two edges.
+    pub vertices: usize,
 }
 
 impl Block {
-    /// The block with these vertices and face loops.
+    /// The block with these vertices and face loops, in canonical form: coplanar neighbours are merged, vertices in
+    /// line between two edges dropped. The rest keeps its order.
     ///
     /// # Errors
-    /// When they are not a canonical block of SPEC section 2.
-    pub fn new(vertices: Vec<Point>, faces: Vec<Vec<u32>>, _options: &BlockOptions) -> Result<Block, BlockError> {
-        let topology = Topology::new(vertices.len(), faces)?;
-        let shape = with_exact_coordinates(&vertices, &topology)?;
-        Ok(Block { shape: Arc::new(shape), vertices })
+    /// When they are not a block of SPEC section 2.
+    pub fn new(vertices: Vec<Point>, faces: Vec<Vec<u32>>, options: &BlockOptions) -> Result<Block, BlockError> {
+        Block::merged(vertices, faces, options, Merging::Exact).map(|(block, _)| block)
+    }
+
+    /// As [`Block::new`], with a choice of what to merge, and saying how much was.
+    ///
+    /// # Errors
+    /// When they are not a block of SPEC section 2.
+    pub fn merged(
+        vertices: Vec<Point>,
+        faces: Vec<Vec<u32>>,
+        options: &BlockOptions,
+        merging: Merging,
+    ) -> Result<(Block, Merged), BlockError> {
+        build::build(vertices, faces, options, merging)
     }
 
     /// The same block with other coordinates: moved, or rounded. Convexity flags are kept, as SPEC section 2 asks.
@@ -152,29 +173,6 @@ impl Block {
     }
 }
 
-fn with_exact_coordinates(vertices: &[Point], topology: &Topology) -> Result<Shape, BlockError> {
-    // κ has degree 5; i128 holds it with 18-bit coordinates and loops of up to 256 vertices with room to spare.
-    const SMALL_BITS: u32 = 18;
-    let lattice = Lattice::covering(vertices.iter().flat_map(|v| v.components()));
-    let small: Option<Vec<Vec3<i128>>> = vertices
-        .iter()
-        .map(|v| {
-            Some(Vec3::new(
-                lattice.small_units(&v.x, SMALL_BITS)?,
-                lattice.small_units(&v.y, SMALL_BITS)?,
-                lattice.small_units(&v.z, SMALL_BITS)?,
-            ))
-        })
-        .collect();
-    match small {
-        Some(points) if topology.faces().iter().all(|f| f.len() <= 256) => decide_shape(&points, topology),
-        _ => {
-            let points: Vec<Vec3<BigInt>> = vertices.iter().map(|v| v.map(|c| lattice.units(c))).collect();
-            decide_shape(&points, topology)
-        }
-    }
-}
-
 /// `N_f = Σ v_k × v_{k+1}` relative to the loop's first vertex: twice the area vector (SPEC section 2).
 pub fn face_normal<T: Ring>(points: &[Vec3<T>], face: &[u32]) -> Vec3<T> {
     let origin = &points[face[0] as usize];
@@ -185,35 +183,4 @@ pub fn face_normal<T: Ring>(points: &[Vec3<T>], face: &[u32]) -> Vec3<T> {
         normal = normal.plus(&u.cross(&v));
     }
     normal
-}
-
-fn decide_shape<T: ExactRing>(points: &[Vec3<T>], topology: &Topology) -> Result<Shape, BlockError> {
-    let normals: Vec<Vec3<T>> = topology.faces().iter().map(|f| face_normal(points, f)).collect();
-    if let Some(face) = normals.iter().position(|n| n.norm_squared().sign().is_zero()) {
-        return Err(BlockError::DegenerateFace { face });
-    }
-    let mut edge_convex = Vec::with_capacity(topology.edges().len());
-    for edge in topology.edges() {
-        let d = points[edge.q as usize].minus(&points[edge.p as usize]);
-        match normals[edge.left as usize].cross(&normals[edge.right as usize]).dot(&d).sign() {
-            Sign::Zero => {
-                return Err(BlockError::FlatEdge { p: edge.p, q: edge.q, left: edge.left, right: edge.right });
-            }
-            sign => edge_convex.push(sign.is_positive()),
-        }
-    }
-    let vertex_convex = (0..topology.vertex_count() as u32)
-        .map(|v| topology.vertex_edges(v).iter().all(|&e| edge_convex[e as usize]))
-        .collect();
-    let face_convex = topology.faces().iter().zip(&normals).map(|(f, n)| turns_left_only(points, f, n)).collect();
-    let convex = edge_convex.iter().all(|&c| c);
-    Ok(Shape { topology: topology.clone(), edge_convex, vertex_convex, face_convex, convex })
-}
-
-fn turns_left_only<T: ExactRing>(points: &[Vec3<T>], face: &[u32], normal: &Vec3<T>) -> bool {
-    let n = face.len();
-    (0..n).all(|k| {
-        let [a, b, c] = [k, k + 1, k + 2].map(|i| &points[face[i % n] as usize]);
-        b.minus(a).cross(&c.minus(b)).dot(normal).sign().is_at_least_zero()
-    })
 }

@@ -1,0 +1,278 @@
+//! The canonical form: coplanar neighbours become one face, vertices in line between two edges go (SPEC section 2).
+
+use crate::block::build::Draft;
+use crate::block::error::BlockError;
+use crate::block::planarity::Planarity;
+use crate::block::questions::{Area, OffLine, Onward, SameSide, SquaredLength};
+use crate::block::simple::check_simple;
+use crate::block::sure::{Coordinates, Surface};
+use crate::block::{BlockOptions, Merging};
+use crate::sign::Sign;
+use crate::topology::Topology;
+use std::cmp::Reverse;
+
+/// Merges what `merging` says. `signs` are those of κ at the draft's edges.
+pub(super) fn merge(
+    draft: Draft,
+    signs: &[Sign],
+    options: &BlockOptions,
+    merging: Merging,
+) -> Result<Draft, BlockError> {
+    let (faces, vertices) = (draft.topology.faces().len(), draft.vertices.len());
+    let nothing_left = |(error, left): (crate::TopologyError, (usize, usize))| BlockError::NothingLeft {
+        faces: faces - left.0,
+        vertices: vertices - left.1,
+        error,
+    };
+    let groups = flat_groups(&draft.topology, signs);
+    let mut draft = match merged_faces(&draft, &groups)? {
+        Some(faces) => rebuilt(draft, faces).map_err(nothing_left)?,
+        None => draft,
+    };
+    if merging == Merging::WithinPlanarity {
+        let groups = near_flat_groups(&draft, options);
+        if let Some(faces) = merged_faces(&draft, &groups)? {
+            draft = rebuilt(draft, faces).map_err(nothing_left)?;
+        }
+    }
+    match without_vertices_in_line(&draft, options, merging) {
+        Some(faces) => rebuilt(draft, faces).map_err(nothing_left),
+        None => Ok(draft),
+    }
+}
+
+/// Loops with the number of the face each continues.
+type Loops = Vec<(usize, Vec<u32>)>;
+
+/// The draft with other faces over the same vertices; vertices that no face uses any more go.
+fn rebuilt(draft: Draft, faces: Loops) -> Result<Draft, (crate::TopologyError, (usize, usize))> {
+    let mut used = vec![false; draft.vertices.len()];
+    for &v in faces.iter().flat_map(|(_, boundary)| boundary) {
+        used[v as usize] = true;
+    }
+    let mut next = 0;
+    let place: Vec<u32> = used
+        .iter()
+        .map(|&used| {
+            next += u32::from(used);
+            next.saturating_sub(1)
+        })
+        .collect();
+    let face_names = faces.iter().map(|&(face, _)| draft.face_names[face]).collect();
+    let loops: Vec<Vec<u32>> =
+        faces.into_iter().map(|(_, boundary)| boundary.iter().map(|&v| place[v as usize]).collect()).collect();
+    let left = (loops.len(), next as usize);
+    Ok(Draft {
+        topology: Topology::new(next as usize, loops).map_err(|error| (error, left))?,
+        vertices: kept(draft.vertices, &used),
+        approximate: kept(draft.approximate, &used),
+        vertex_names: kept(draft.vertex_names, &used),
+        face_names,
+    })
+}
+
+fn kept<T>(all: Vec<T>, used: &[bool]) -> Vec<T> {
+    all.into_iter().zip(used).filter(|(_, used)| **used).map(|(item, _)| item).collect()
+}
+
+/// For every face the lowest number in its group of faces joined by flat edges.
+fn flat_groups(topology: &Topology, signs: &[Sign]) -> Vec<usize> {
+    let count = topology.faces().len();
+    let mut group: Vec<usize> = vec![usize::MAX; count];
+    for first in 0..count {
+        if group[first] != usize::MAX {
+            continue;
+        }
+        group[first] = first;
+        let mut queue = vec![first];
+        while let Some(face) = queue.pop() {
+            for &edge in topology.face_edges(face as u32) {
+                let ends = topology.edges()[edge as usize];
+                for next in [ends.left as usize, ends.right as usize] {
+                    if signs[edge as usize].is_zero() && group[next] == usize::MAX {
+                        group[next] = first;
+                        queue.push(next);
+                    }
+                }
+            }
+        }
+    }
+    group
+}
+
+/// The loops after merging every group, or `None` when no group has two faces.
+fn merged_faces(draft: &Draft, group: &[usize]) -> Result<Option<Loops>, BlockError> {
+    let mut members: Vec<Vec<usize>> = vec![Vec::new(); group.len()];
+    for (face, &first) in group.iter().enumerate() {
+        members[first].push(face);
+    }
+    if members.iter().all(|m| m.len() < 2) {
+        return Ok(None);
+    }
+    let mut loops = Loops::new();
+    for (first, members) in members.iter().enumerate().filter(|(_, m)| !m.is_empty()) {
+        let boundary = if let [only] = members.as_slice() {
+            draft.topology.faces()[*only].clone()
+        } else {
+            let (face, count) = (draft.face_names[first], members.len());
+            outline(&draft.topology, members, group).map_err(|problem| match problem {
+                OutlineProblem::Hole => BlockError::FaceWithHole { face, count },
+                OutlineProblem::Pinch(v) => {
+                    BlockError::PinchedFace { face, count, vertex: draft.vertex_names[v as usize] }
+                }
+            })?
+        };
+        loops.push((first, boundary));
+    }
+    Ok(Some(loops))
+}
+
+enum OutlineProblem {
+    Hole,
+    Pinch(u32),
+}
+
+/// The one loop around the faces `members`, all of which have the same entry in `group`.
+fn outline(topology: &Topology, members: &[usize], group: &[usize]) -> Result<Vec<u32>, OutlineProblem> {
+    let inside = |face: u32| group[face as usize] == group[members[0]];
+    let is_inner = |edge: u32| {
+        let edge = &topology.edges()[edge as usize];
+        inside(edge.left) && inside(edge.right)
+    };
+    let sides = |face: usize| {
+        let edges = topology.face_edges(face as u32);
+        edges.iter().enumerate().filter(|(_, edge)| !is_inner(**edge)).map(move |(place, _)| (face, place))
+    };
+    let outer: Vec<(usize, usize)> = members.iter().flat_map(|&face| sides(face)).collect();
+    let &start = outer.first().ok_or(OutlineProblem::Hole)?;
+    let mut boundary = Vec::new();
+    let (mut face, mut place) = start;
+    loop {
+        boundary.push(topology.faces()[face][place]);
+        // On to the next side; where that is inside, turn round its end until one is not.
+        place = (place + 1) % topology.faces()[face].len();
+        let mut edge = topology.face_edges(face as u32)[place];
+        while is_inner(edge) {
+            let ends = &topology.edges()[edge as usize];
+            face = if ends.left as usize == face { ends.right } else { ends.left } as usize;
+            let edges = topology.face_edges(face as u32);
+            place = (edges.iter().position(|&e| e == edge).unwrap_or(0) + 1) % edges.len();
+            edge = edges[place];
+        }
+        if (face, place) == start || boundary.len() > outer.len() {
+            break;
+        }
+    }
+    if boundary.len() != outer.len() {
+        return Err(OutlineProblem::Hole);
+    }
+    let mut sorted = boundary.clone();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(OutlineProblem::Pinch(pair[0])),
+        None => Ok(boundary),
+    }
+}
+
+/// Groups of faces that one plane holds within the planarity allowed. Regions grow from the largest face, whose plane
+/// is the best known; one that turns out further from planar by its own plane grows again within half the distance.
+fn near_flat_groups(draft: &Draft, options: &BlockOptions) -> Vec<usize> {
+    let coordinates = Coordinates::new(&draft.vertices, &draft.approximate);
+    let surface = Surface::new(&coordinates, draft.topology.faces());
+    let planarity = Planarity::new(&coordinates, options);
+    let mut seeds: Vec<usize> = (0..surface.faces().len()).collect();
+    seeds.sort_by_cached_key(|&face| Reverse(surface.exact_value(&Area { face })));
+    let mut group: Vec<Option<usize>> = vec![None; seeds.len()];
+    for seed in seeds {
+        if group[seed].is_some() {
+            continue;
+        }
+        group[seed] = Some(seed);
+        for parts in [1, 2, 4, 8] {
+            let region = grow(&surface, &draft.topology, &planarity, (seed, parts), &group);
+            if region.len() == 1 {
+                break;
+            }
+            if is_one_face(&coordinates, draft, &planarity, &region) {
+                let first = region.iter().copied().min().unwrap_or(seed);
+                for face in region {
+                    group[face] = Some(first);
+                }
+                break;
+            }
+        }
+    }
+    group.iter().enumerate().map(|(face, first)| first.unwrap_or(face)).collect()
+}
+
+fn grow(
+    surface: &Surface<'_>,
+    topology: &Topology,
+    planarity: &Planarity<'_>,
+    (seed, parts): (usize, u32),
+    taken: &[Option<usize>],
+) -> Vec<usize> {
+    let plane = (seed, surface.faces()[seed][0]);
+    let mut seen = vec![false; taken.len()];
+    seen[seed] = true;
+    let mut region = vec![seed];
+    let mut next = 0;
+    while let Some(&face) = region.get(next) {
+        next += 1;
+        for &edge in topology.face_edges(face as u32) {
+            let ends = &topology.edges()[edge as usize];
+            for other in [ends.left as usize, ends.right as usize] {
+                if std::mem::replace(&mut seen[other], true) || taken[other].is_some() {
+                    continue;
+                }
+                let same_side = SameSide { left: seed as u32, right: other as u32 };
+                if surface.sign(&same_side).is_positive()
+                    && planarity.holds_all(surface, plane, &surface.faces()[other], parts)
+                {
+                    region.push(other);
+                }
+            }
+        }
+    }
+    region
+}
+
+/// Whether the faces of a region make one simple face that is planar by its own plane.
+fn is_one_face(coordinates: &Coordinates<'_>, draft: &Draft, planarity: &Planarity<'_>, region: &[usize]) -> bool {
+    let mut inside = vec![usize::MAX; draft.topology.faces().len()];
+    for &face in region {
+        inside[face] = 0;
+    }
+    let Ok(boundary) = outline(&draft.topology, region, &inside) else { return false };
+    let faces = [boundary];
+    let surface = Surface::new(coordinates, &faces);
+    surface.sign(&Area { face: 0 }).is_positive()
+        && planarity.violation(&surface, 0).is_none()
+        && check_simple(&surface, 0, &draft.approximate, planarity.slack()).is_ok()
+}
+
+/// The loops without the vertices that have two edges in line, or `None` when there are none.
+fn without_vertices_in_line(draft: &Draft, options: &BlockOptions, merging: Merging) -> Option<Loops> {
+    let topology = &draft.topology;
+    let coordinates = Coordinates::new(&draft.vertices, &draft.approximate);
+    let surface = Surface::new(&coordinates, topology.faces());
+    let planarity = Planarity::new(&coordinates, options);
+    let in_line = |v: u32| {
+        let [first, second] = topology.vertex_edges(v) else { return false };
+        let [a, b] = [first, second].map(|&e| topology.edges()[e as usize].other(v));
+        let on_line = || {
+            surface.sign(&OffLine { a, v, b }).is_zero()
+                || merging == Merging::WithinPlanarity
+                    && planarity.allows(
+                        &surface.exact_value(&OffLine { a, v, b }),
+                        &surface.exact_value(&SquaredLength { a, b }),
+                    )
+        };
+        surface.sign(&Onward { a, v, b }).is_positive() && on_line()
+    };
+    let drop: Vec<bool> = (0..topology.vertex_count() as u32).map(in_line).collect();
+    drop.contains(&true).then(|| {
+        let shortened = |boundary: &Vec<u32>| boundary.iter().copied().filter(|&v| !drop[v as usize]).collect();
+        topology.faces().iter().map(shortened).enumerate().collect()
+    })
+}

@@ -1,0 +1,382 @@
+//! The rules a tolerance set must meet for the blocks it is used with (SPEC section 3), compared exactly.
+//!
+//! SPEC's rule on the penalty stiffness (a block's weight on its smallest face must not overlap by more than
+//! `penetration`) needs densities and stiffnesses, which scenes get together with the dynamics; it is not among these.
+
+use crate::block::Block;
+use crate::lattice::Lattice;
+use crate::number::{Number, Precision};
+use crate::tolerance::{Criteria, LAMBDA_INVERSE, ToleranceSet};
+use crate::vector::Vec3;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::Signed;
+use std::fmt;
+
+/// A rule of SPEC section 3. ℓ is the shortest and L the longest edge, R the largest block radius, M the largest
+/// coordinate magnitude, eps the precision in use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Rule {
+    /// `search ≥ 2·max_displacement`
+    Search,
+    /// `penetration ≥ max_displacement`
+    Penetration,
+    /// `territory ≤ search`
+    TerritoryInSearch,
+    /// `territory ≤ ℓ/4`
+    TerritoryOnEdge,
+    /// `territory ≥ 2⁸·eps·M`
+    TerritoryResolved,
+    /// `max_displacement ≤ ℓ/4`
+    Displacement,
+    /// `max_rotation²·R ≤ 2·penetration`
+    Rotation,
+    /// `parallel_sine·L ≤ territory`, under the classic criteria
+    ParallelEdges,
+    /// `overlap_sine·L ≤ penetration`, under the classic criteria
+    Overlap,
+}
+
+impl Rule {
+    /// The rule in a formula.
+    pub fn formula(self) -> &'static str {
+        match self {
+            Rule::Search => "search ≥ 2·max_displacement",
+            Rule::Penetration => "penetration ≥ max_displacement",
+            Rule::TerritoryInSearch => "territory ≤ search",
+            Rule::TerritoryOnEdge => "territory ≤ (shortest edge)/4",
+            Rule::TerritoryResolved => "territory ≥ 2⁸·eps·(largest coordinate)",
+            Rule::Displacement => "max_displacement ≤ (shortest edge)/4",
+            Rule::Rotation => "max_rotation²·(block radius) ≤ 2·penetration",
+            Rule::ParallelEdges => "parallel_sine·(longest edge) ≤ territory",
+            Rule::Overlap => "overlap_sine·(longest edge) ≤ penetration",
+        }
+    }
+
+    /// Why the rule exists.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Rule::Search => "two blocks may each move max_displacement towards the other in one step",
+            Rule::Penetration => "an overlap of one step must still be seen as a contact",
+            Rule::TerritoryInSearch => "a vertex in a territory must be near enough to be a contact",
+            Rule::TerritoryOnEdge => "territories of an edge's two ends must leave most of it free",
+            Rule::TerritoryResolved => "rounding of the coordinates must not decide what lies in a territory",
+            Rule::Displacement => "a vertex must not jump over a feature in one step",
+            Rule::Rotation => "first-order kinematics swells a block by max_rotation²·radius/2",
+            Rule::ParallelEdges => "edges taken for parallel must stay within the territory of one another",
+            Rule::Overlap => "a corner let through at an angle must not be deeper than a contact is followed",
+        }
+    }
+}
+
+/// Where the length that decides a rule is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Index among the blocks given.
+    pub block: usize,
+    /// The ends of an edge, when it is an edge.
+    pub edge: Option<(u32, u32)>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.edge {
+            Some((p, q)) => write!(f, "edge {p}-{q} of block {}", self.block),
+            None => write!(f, "block {}", self.block),
+        }
+    }
+}
+
+/// A rule that a tolerance set does not meet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Violation {
+    /// The rule.
+    pub rule: Rule,
+    /// The left side of its formula.
+    pub found: f64,
+    /// The right side of its formula.
+    pub allowed: f64,
+    /// Where the deciding length is.
+    pub place: Option<Place>,
+    /// What would satisfy the rule.
+    pub remedy: String,
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let relation = if self.found < self.allowed { "below" } else { "above" };
+        write!(f, "{}: {:.6e} is {relation} {:.6e}", self.rule.formula(), self.found, self.allowed)?;
+        if let Some(place) = self.place {
+            write!(f, " ({place})")?;
+        }
+        write!(f, "; satisfied by {}", self.remedy)
+    }
+}
+
+/// Every rule that `set` does not meet for these blocks in this precision, in the order of [`Rule`]; all comparisons
+/// are exact. Without blocks, only the rules between tolerances.
+pub fn check(set: &ToleranceSet, blocks: &[&Block], precision: Precision) -> Vec<Violation> {
+    let two = BigRational::from_integer(2.into());
+    let [search, territory, penetration, displacement] =
+        [&set.search, &set.territory, &set.penetration, &set.max_displacement].map(Number::to_rational);
+    let mut violations = Violations::default();
+
+    violations.at_least(
+        Rule::Search,
+        (&search, &(&displacement * &two)),
+        None,
+        &[("search", Bound::OrMore(&displacement * &two)), ("max_displacement", Bound::OrLess(&search / &two))],
+    );
+    violations.at_least(
+        Rule::Penetration,
+        (&penetration, &displacement),
+        None,
+        &[
+            ("penetration", Bound::OrMore(displacement.clone())),
+            ("max_displacement", Bound::OrLess(penetration.clone())),
+        ],
+    );
+    violations.at_most(
+        Rule::TerritoryInSearch,
+        (&territory, &search),
+        None,
+        &[("territory", Bound::OrLess(search.clone())), ("search", Bound::OrMore(territory.clone()))],
+    );
+    if let Some(extremes) = Extremes::of(blocks) {
+        extremes.check(set, precision, &mut violations);
+    }
+    violations.0.sort_by_key(|v| v.rule);
+    violations.0
+}
+
+/// What a tolerance would have to be.
+enum Bound {
+    OrMore(BigRational),
+    OrLess(BigRational),
+    /// The square root or more.
+    RootOrMore(BigRational),
+    /// The square root or less.
+    RootOrLess(BigRational),
+}
+
+impl Bound {
+    /// Six digits on the safe side of the bound.
+    fn text(&self, name: &str) -> String {
+        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
+        let is_f64 = |value: &BigRational| Number::from_rational(value.clone()).as_f64().is_some();
+        match self {
+            Bound::OrMore(value) => format!("{name} ≥ {}", six_digits(near(value), true, is_f64(value))),
+            Bound::RootOrMore(value) => format!("{name} ≥ {}", six_digits(near(value).sqrt(), true, false)),
+            Bound::OrLess(value) => format!("{name} ≤ {}", six_digits(near(value), false, is_f64(value))),
+            Bound::RootOrLess(value) => format!("{name} ≤ {}", six_digits(near(value).sqrt(), false, false)),
+        }
+    }
+}
+
+/// The nearest number of six digits that is above `value` (`up`) or below it; `value` itself when that is the bound,
+/// not a rounding of it.
+fn six_digits(value: f64, up: bool, is_bound: bool) -> String {
+    let text = format!("{value:.5e}");
+    let near: f64 = text.parse().unwrap_or(value);
+    if near == value && (is_bound || value == 0.0) || (if up { near > value } else { near < value }) {
+        return plain(near);
+    }
+    let exponent: i32 = text.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
+    let unit: f64 = format!("1e{}", exponent - 5).parse().unwrap_or(0.0);
+    let moved = if up { near + unit } else { near - unit };
+    plain(format!("{moved:.5e}").parse().unwrap_or(moved))
+}
+
+fn plain(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) { format!("{value:e}") } else { value.to_string() }
+}
+
+#[derive(Default)]
+struct Violations(Vec<Violation>);
+
+impl Violations {
+    fn at_least(
+        &mut self,
+        rule: Rule,
+        sides: (&BigRational, &BigRational),
+        place: Option<Place>,
+        remedies: &[(&str, Bound)],
+    ) {
+        if sides.0 < sides.1 {
+            let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
+            self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
+        }
+    }
+
+    fn at_most(
+        &mut self,
+        rule: Rule,
+        sides: (&BigRational, &BigRational),
+        place: Option<Place>,
+        remedies: &[(&str, Bound)],
+    ) {
+        if sides.0 > sides.1 {
+            let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
+            self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
+        }
+    }
+
+    /// As `at_most`, of two squares.
+    fn at_most_squared(
+        &mut self,
+        rule: Rule,
+        sides: (&BigRational, &BigRational),
+        place: Option<Place>,
+        remedies: &[(&str, Bound)],
+    ) {
+        if sides.0 > sides.1 {
+            let near = |value: &BigRational| Number::from_rational(value.clone()).approximate().sqrt();
+            self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
+        }
+    }
+
+    fn push(&mut self, rule: Rule, (found, allowed): (f64, f64), place: Option<Place>, remedies: &[(&str, Bound)]) {
+        let remedy = remedies.iter().map(|(name, bound)| bound.text(name)).collect::<Vec<_>>().join(" or ");
+        self.0.push(Violation { rule, found, allowed, place, remedy });
+    }
+}
+
+/// The lengths of a model that rules are about, exactly; lengths squared, in m².
+struct Extremes {
+    shortest_squared: BigRational,
+    shortest: Place,
+    longest_squared: BigRational,
+    longest: Place,
+    radius_squared: BigRational,
+    widest: Place,
+    largest_coordinate: BigRational,
+    furthest: Place,
+}
+
+impl Extremes {
+    fn of(blocks: &[&Block]) -> Option<Extremes> {
+        let lattice = Lattice::covering(blocks.iter().flat_map(|b| b.coordinates()));
+        let (numerator, denominator) = lattice.units_per_metre();
+        let metres_squared = BigRational::new(&denominator * &denominator, &numerator * &numerator);
+        let mut edges: Vec<(BigInt, Place)> = Vec::new();
+        let mut radii: Vec<(BigRational, Place)> = Vec::new();
+        let mut reach: Vec<(BigInt, Place)> = Vec::new();
+        for (block, shape) in blocks.iter().enumerate() {
+            let points: Vec<Vec3<BigInt>> = shape.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
+            for edge in shape.topology().edges() {
+                let squared = points[edge.q as usize].minus(&points[edge.p as usize]).norm_squared();
+                edges.push((squared, Place { block, edge: Some((edge.p, edge.q)) }));
+            }
+            let place = Place { block, edge: None };
+            radii.push((radius_squared(shape, &points), place));
+            let largest = points.iter().flat_map(|p| p.components().map(|c| c.abs())).max()?;
+            reach.push((largest, place));
+        }
+        // The first of equals, so that the place named does not depend on chance.
+        let shortest = edges.iter().min_by(|a, b| a.0.cmp(&b.0))?;
+        let longest = edges.iter().rev().max_by(|a, b| a.0.cmp(&b.0))?;
+        let widest = radii.iter().rev().max_by(|a, b| a.0.cmp(&b.0))?;
+        let furthest = reach.iter().rev().max_by(|a, b| a.0.cmp(&b.0))?;
+        Some(Extremes {
+            shortest_squared: BigRational::from_integer(shortest.0.clone()) * &metres_squared,
+            shortest: shortest.1,
+            longest_squared: BigRational::from_integer(longest.0.clone()) * &metres_squared,
+            longest: longest.1,
+            radius_squared: &widest.0 * &metres_squared,
+            widest: widest.1,
+            largest_coordinate: BigRational::new(&furthest.0 * denominator, numerator),
+            furthest: furthest.1,
+        })
+    }
+
+    fn check(&self, set: &ToleranceSet, precision: Precision, violations: &mut Violations) {
+        let squared = |n: &Number| {
+            let value = n.to_rational();
+            &value * &value
+        };
+        let lambda_squared = BigRational::new(1.into(), (LAMBDA_INVERSE * LAMBDA_INVERSE).into());
+        let quarter = &self.shortest_squared * lambda_squared;
+        let territory = set.territory.to_rational();
+        violations.at_most_squared(
+            Rule::TerritoryOnEdge,
+            (&squared(&set.territory), &quarter),
+            Some(self.shortest),
+            &[("territory", Bound::RootOrLess(quarter.clone()))],
+        );
+        let eps = Number::from_f64(256.0 * precision.epsilon()).unwrap_or(Number::ZERO).to_rational();
+        let resolved = &eps * &self.largest_coordinate;
+        violations.at_least(
+            Rule::TerritoryResolved,
+            (&territory, &resolved),
+            Some(self.furthest),
+            &[("territory", Bound::OrMore(resolved.clone())), ("all coordinates", Bound::OrLess(&territory / &eps))],
+        );
+        violations.at_most_squared(
+            Rule::Displacement,
+            (&squared(&set.max_displacement), &quarter),
+            Some(self.shortest),
+            &[("max_displacement", Bound::RootOrLess(quarter.clone()))],
+        );
+        self.check_rotation(set, violations);
+        if set.criteria == Criteria::Classic {
+            let territory_squared = squared(&set.territory);
+            let parallel = squared(&set.parallel_sine) * &self.longest_squared;
+            violations.at_most_squared(
+                Rule::ParallelEdges,
+                (&parallel, &territory_squared),
+                Some(self.longest),
+                &[
+                    ("parallel_sine", Bound::RootOrLess(&territory_squared / &self.longest_squared)),
+                    ("territory", Bound::RootOrMore(parallel.clone())),
+                ],
+            );
+            let penetration_squared = squared(&set.penetration);
+            let overlap = squared(&set.overlap_sine) * &self.longest_squared;
+            violations.at_most_squared(
+                Rule::Overlap,
+                (&overlap, &penetration_squared),
+                Some(self.longest),
+                &[
+                    ("overlap_sine", Bound::RootOrLess(&penetration_squared / &self.longest_squared)),
+                    ("penetration", Bound::RootOrMore(overlap.clone())),
+                ],
+            );
+        }
+    }
+
+    /// ω²·R ≤ 2g as ω⁴·R² ≤ 4g².
+    fn check_rotation(&self, set: &ToleranceSet, violations: &mut Violations) {
+        let rotation = set.max_rotation.to_rational().pow(2);
+        let twice = set.penetration.to_rational() * BigRational::from_integer(2.into());
+        let swelling_squared = &rotation * &rotation * &self.radius_squared;
+        if swelling_squared > &twice * &twice {
+            let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
+            let swelling = near(&swelling_squared).sqrt();
+            // Six digits on the safe side leave room for the two roots taken here.
+            let largest = (near(&twice) / near(&self.radius_squared).sqrt()).sqrt();
+            let remedy = format!(
+                "max_rotation ≤ {} or penetration ≥ {}",
+                six_digits(largest, false, false),
+                six_digits(swelling / 2.0, true, false)
+            );
+            let (found, allowed) = (swelling, near(&twice));
+            violations.0.push(Violation { rule: Rule::Rotation, found, allowed, place: Some(self.widest), remedy });
+        }
+    }
+}
+
+/// Largest squared distance of a vertex from the centroid, in lattice units.
+fn radius_squared(block: &Block, points: &[Vec3<BigInt>]) -> BigRational {
+    let moments = block.moments(points);
+    let weight = &moments.six_volumes * BigInt::from(4);
+    let furthest = points
+        .iter()
+        .map(|p| p.minus(&points[0]).scaled(&weight).minus(&moments.sum).norm_squared())
+        .max()
+        .unwrap_or_default();
+    if weight.is_positive() {
+        BigRational::new(furthest, &weight * &weight)
+    } else {
+        BigRational::from_integer(furthest)
+    }
+}

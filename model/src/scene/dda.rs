@@ -1,0 +1,178 @@
+//! UnBlocks-gen's `.dda` files.
+//!
+//! Words separated by white space; blank lines appear between sections in different places, so lines mean nothing. The
+//! EDGES sections repeat what the faces say and are only checked for their counts; of the scalars only `fixedFlag` is
+//! used. No library reads this format.
+
+use crate::block::Point;
+use crate::scene::error::Problem;
+use crate::scene::raw::RawBlock;
+use crate::scene::tokens::{Located, Tokens, unexpected, whole};
+
+/// Consecutive entries of a list.
+#[derive(Clone, Copy)]
+struct Slice {
+    start: usize,
+    length: usize,
+    line: usize,
+}
+
+pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
+    let mut tokens = Tokens::new(text, 1);
+    let tokens = &mut tokens;
+    tokens.keyword("#_DDA_DataFile_Version_1.0")?;
+    let (blocks, vertex_slices) = slices(tokens, "POINTS_START_LENGTH", "vertices of a block")?;
+    let points = points(tokens)?;
+    check_used_once(&vertex_slices, points.len(), "vertex of the list")?;
+    tokens.keyword("FACES_NODELIST")?;
+    let node_count = tokens.count("the length of the node list")?;
+    let mut nodes = Vec::new();
+    for _ in 0..node_count {
+        nodes.push(tokens.count("a vertex number of a face")? as u32);
+    }
+    let (faces, face_slices) = slices(tokens, "FACES", "vertices of a face")?;
+    check_used_once(&face_slices, nodes.len(), "entry of the node list")?;
+    let (shells, shell_slices) = slices(tokens, "BLOCK_FACES", "faces of a block")?;
+    check_same(shells, "blocks of BLOCK_FACES", blocks)?;
+    check_used_once(&shell_slices, faces.0, "face of the list")?;
+    edges(tokens, blocks)?;
+    let fixed = scalars(tokens, blocks.0)?;
+    boundaries(tokens)?;
+
+    let block = |(i, (own, shell)): (usize, (&Slice, &Slice))| RawBlock {
+        name: None,
+        fixed: fixed[i],
+        vertices: points[own.start..own.start + own.length].iter().map(|(p, _)| p.clone()).collect(),
+        faces: face_slices[shell.start..shell.start + shell.length]
+            .iter()
+            .map(|face| nodes[face.start..face.start + face.length].to_vec())
+            .collect(),
+        line: points.get(own.start).map_or(own.line, |(_, line)| *line),
+    };
+    Ok(vertex_slices.iter().zip(&shell_slices).enumerate().map(block).collect())
+}
+
+/// A count and the line it stands on.
+type Count = (usize, usize);
+
+fn slices(tokens: &mut Tokens<'_>, keyword: &str, what: &str) -> Result<(Count, Vec<Slice>), Located> {
+    let line = tokens.keyword(keyword)?.line;
+    let count = tokens.count(&format!("the number of entries of {keyword}"))?;
+    let mut slices = Vec::new();
+    for _ in 0..count {
+        let start = tokens.next(&format!("the start of the {what}"))?;
+        let length = tokens.count(&format!("the number of {what}"))?;
+        let line = start.line;
+        slices.push(Slice { start: whole(start, &format!("the start of the {what}"))?, length, line });
+    }
+    Ok(((count, line), slices))
+}
+
+fn points(tokens: &mut Tokens<'_>) -> Result<Vec<(Point, usize)>, Located> {
+    tokens.keyword("POINTS")?;
+    let count = tokens.count("the number of points")?;
+    tokens.keyword("double")?;
+    let mut points = Vec::new();
+    for _ in 0..count {
+        let line = tokens.peek().map_or(0, |t| t.line);
+        points.push((tokens.point("a coordinate of a vertex")?, line));
+    }
+    Ok(points)
+}
+
+/// Every entry of a list must belong to exactly one slice; this also bounds what slices can ask to be copied.
+fn check_used_once(slices: &[Slice], count: usize, what: &str) -> Result<(), Located> {
+    let mut used = vec![false; count];
+    for slice in slices {
+        let end = slice.start + slice.length;
+        if end > count {
+            let problem = Problem::NotAllowed {
+                what: format!("the last {what} that a slice asks for"),
+                found: (end - 1).to_string(),
+                allowed: format!("at most {}", count as i64 - 1),
+            };
+            return Err((Some(slice.line), problem));
+        }
+        if let Some(again) = used[slice.start..end].iter().position(|&u| u) {
+            return Err((Some(slice.line), wrong_use(what, slice.start + again, "in two slices")));
+        }
+        used[slice.start..end].fill(true);
+    }
+    match used.iter().position(|&u| !u) {
+        Some(entry) => Err((slices.last().map(|s| s.line), wrong_use(what, entry, "in no slice"))),
+        None => Ok(()),
+    }
+}
+
+fn wrong_use(what: &str, entry: usize, found: &str) -> Problem {
+    Problem::NotAllowed {
+        what: format!("{what} {entry}"),
+        found: found.to_string(),
+        allowed: "to be in exactly one".to_string(),
+    }
+}
+
+fn check_same((found, line): Count, what: &str, (expected, _): Count) -> Result<(), Located> {
+    if found == expected {
+        return Ok(());
+    }
+    let problem = Problem::NotAllowed {
+        what: format!("the number of {what}"),
+        found: found.to_string(),
+        allowed: format!("{expected}, as in POINTS_START_LENGTH"),
+    };
+    Err((Some(line), problem))
+}
+
+fn edges(tokens: &mut Tokens<'_>, blocks: Count) -> Result<(), Located> {
+    tokens.keyword("EDGES")?;
+    let count = tokens.count("the number of edges")?;
+    for _ in 0..2 * count {
+        tokens.count("a vertex number of an edge")?;
+    }
+    let (shells, slices) = slices(tokens, "EDGES", "edges of a block")?;
+    check_same(shells, "blocks of EDGES", blocks)?;
+    check_used_once(&slices, count, "edge of the list")
+}
+
+/// The `fixedFlag` of every block; without that section none is fixed.
+fn scalars(tokens: &mut Tokens<'_>, blocks: usize) -> Result<Vec<bool>, Located> {
+    let mut fixed = vec![false; blocks];
+    while let Some(token) = tokens.peek() {
+        if token.text.starts_with("///") {
+            break;
+        }
+        tokens.keyword("SCALARS")?;
+        let name = tokens.next("the name of a scalar")?;
+        tokens.next("the type of a scalar")?;
+        for block_is_fixed in &mut fixed {
+            if name.text == "fixedFlag" {
+                *block_is_fixed = tokens.index("a fixedFlag", 2)? == 1;
+            } else {
+                tokens.number(&format!("a value of {}", crate::number_text::shown(name.text)))?;
+            }
+        }
+    }
+    Ok(fixed)
+}
+
+/// The lists behind the line "/////////////Boundaries": read, and of no use to contacts.
+fn boundaries(tokens: &mut Tokens<'_>) -> Result<(), Located> {
+    const LISTS: [&str; 5] = ["Bond:", "Viscous:", "Roller:", "Input:", "FixFace:"];
+    let Some(heading) = tokens.peek() else { return Ok(()) };
+    if !heading.text.trim_matches('/').starts_with("Boundaries") {
+        return Err(unexpected(heading, "the heading of the boundaries"));
+    }
+    tokens.next("the heading of the boundaries")?;
+    while let Some(token) = tokens.peek() {
+        if LISTS.contains(&token.text) {
+            tokens.next("a list")?;
+            tokens.count("the length of a boundary list")?;
+        } else {
+            tokens.number(
+                "an entry of a boundary list, or \"Bond:\", \"Viscous:\", \"Roller:\", \"Input:\", \"FixFace:\"",
+            )?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,118 @@
+//! What can be wrong with a file of blocks, and where.
+
+use crate::block::BlockError;
+use crate::number::NumberError;
+use crate::spec::SpecError;
+use std::fmt;
+use std::path::PathBuf;
+
+/// A file that cannot be used: which one, where in it, and why.
+#[derive(Debug, thiserror::Error)]
+pub struct SceneError {
+    /// The file.
+    pub file: PathBuf,
+    /// The line, from 1, where one is to blame.
+    pub line: Option<usize>,
+    /// What is wrong.
+    #[source]
+    pub problem: Problem,
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:", self.file.display())?;
+        if let Some(line) = self.line {
+            write!(f, "{line}:")?;
+        }
+        write!(f, " {}", self.problem)
+    }
+}
+
+/// What is wrong with a file: what was found, and what is allowed.
+#[derive(Debug, thiserror::Error)]
+pub enum Problem {
+    /// The operating system's answer.
+    #[error("{0}")]
+    Io(std::io::Error),
+    /// A name that says nothing about the format.
+    #[error("cannot tell the format from the name; known are .toml, .dda, .obj, .vtk, and .txt or .voro for voro++")]
+    UnknownFormat,
+    /// A byte that no text file contains.
+    #[error("byte {offset} of the file is 0x{byte:02x}, which is not text; only text files can be read")]
+    NotText {
+        /// Position of the byte, from 0.
+        offset: usize,
+        /// The byte.
+        byte: u8,
+    },
+    /// Something else than what must stand here.
+    #[error("found {found} where {expected} should stand")]
+    Unexpected {
+        /// What was found.
+        found: String,
+        /// What is allowed.
+        expected: String,
+    },
+    /// The end of the file in the middle of something.
+    #[error("the file ends where {expected} should stand")]
+    Truncated {
+        /// What is allowed.
+        expected: String,
+    },
+    /// A value that is no number, or none that can be used.
+    #[error("{what}: {error}")]
+    Number {
+        /// What the number is for.
+        what: String,
+        /// Why it cannot be used.
+        error: NumberError,
+    },
+    /// A number out of its range, or counts that do not fit together.
+    #[error("{what} is {found}; allowed is {allowed}")]
+    NotAllowed {
+        /// What the number is for.
+        what: String,
+        /// What was found.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// A part of the format that this reader does not know.
+    #[error("{what} cannot be read; {allowed}")]
+    Unsupported {
+        /// What was found.
+        what: String,
+        /// What can be read.
+        allowed: String,
+    },
+    /// TOML that does not parse.
+    #[error("not valid TOML: {message}")]
+    Toml {
+        /// The parser's words.
+        message: String,
+    },
+    /// A key that means nothing here.
+    #[error("unknown key `{found}` in {place}; known are {known}")]
+    UnknownKey {
+        /// The key.
+        found: String,
+        /// The table it stands in.
+        place: String,
+        /// What may stand there.
+        known: String,
+    },
+    /// A block that is none.
+    #[error("{block}: {error}")]
+    Block {
+        /// The block, by number and name.
+        block: String,
+        /// What is wrong with it.
+        error: BlockError,
+    },
+    /// Tolerances that are none.
+    #[error(transparent)]
+    Tolerances(#[from] SpecError),
+    /// A file without any block.
+    #[error("there is no block in it")]
+    NoBlock,
+}

@@ -1,0 +1,205 @@
+//! Wavefront OBJ: one block for every set of faces joined by edges, within each object.
+//!
+//! The crates for OBJ (`tobj`, `obj-rs`) give errors without line numbers, and `tobj` triangulates or renumbers on its
+//! way to what graphics cards want; the part of the format that matters here is two statements, so it is read here.
+//! Texture coordinates, normals, groups, materials and smoothing are skipped.
+
+use crate::block::Point;
+use crate::number_text::shown;
+use crate::scene::error::Problem;
+use crate::scene::raw::RawBlock;
+use crate::scene::tokens::{Located, Token, number, unexpected};
+use crate::vector::Vec3;
+use std::collections::{BTreeSet, HashMap};
+
+/// A face by vertex numbers of the file, from 0.
+struct Face {
+    vertices: Vec<u32>,
+    line: usize,
+}
+
+/// The faces between two `o` statements.
+#[derive(Default)]
+struct Object {
+    name: Option<String>,
+    faces: Vec<Face>,
+}
+
+pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
+    let mut vertices: Vec<(Point, usize)> = Vec::new();
+    let mut objects = vec![Object::default()];
+    for (line, statement) in statements(text) {
+        let mut words = statement.split_ascii_whitespace().map(|text| Token { text, line });
+        let Some(keyword) = words.next() else { continue };
+        match keyword.text {
+            "v" => vertices.push((vertex(keyword, words)?, line)),
+            "f" => {
+                let face = face(words, &vertices, line)?;
+                if let Some(object) = objects.last_mut() {
+                    object.faces.push(face);
+                }
+            }
+            "o" => {
+                let name = words.map(|word| word.text).collect::<Vec<_>>().join(" ");
+                if name.chars().any(char::is_control) {
+                    return Err(unexpected(Token { text: &name, line }, "a name without control characters"));
+                }
+                objects.push(Object { name: (!name.is_empty()).then_some(name), faces: Vec::new() });
+            }
+            "vt" | "vn" | "vp" | "g" | "s" | "usemtl" | "mtllib" => {}
+            _ => return Err(unexpected(keyword, "one of the statements v, f, o, vt, vn, vp, g, s, usemtl, mtllib")),
+        }
+    }
+    let used: BTreeSet<u32> = objects.iter().flat_map(|o| &o.faces).flat_map(|f| f.vertices.iter().copied()).collect();
+    if let Some(unused) = (0..vertices.len() as u32).find(|v| !used.contains(v)) {
+        let problem = Problem::NotAllowed {
+            what: format!("vertex {} of the file", unused + 1),
+            found: "in no face".to_string(),
+            allowed: "to be in a face".to_string(),
+        };
+        return Err((Some(vertices[unused as usize].1), problem));
+    }
+    Ok(objects.iter().flat_map(|object| blocks(object, &vertices)).collect())
+}
+
+/// Statements with the line each begins on: without comments, lines that end in a backslash joined to the next.
+fn statements(text: &str) -> Vec<(usize, String)> {
+    let mut statements: Vec<(usize, String)> = Vec::new();
+    let mut continues = false;
+    for (i, line) in text.lines().enumerate() {
+        let line = line.split('#').next().unwrap_or("");
+        let (line, continued) = match line.trim_ascii_end().strip_suffix('\\') {
+            Some(line) => (line, true),
+            None => (line, false),
+        };
+        match statements.last_mut().filter(|_| continues) {
+            Some((_, statement)) => {
+                statement.push(' ');
+                statement.push_str(line);
+            }
+            None => statements.push((i + 1, line.to_string())),
+        }
+        continues = continued;
+    }
+    statements
+}
+
+/// `v x y z`, also with a weight of 1, or with a colour.
+fn vertex<'a>(keyword: Token<'a>, words: impl Iterator<Item = Token<'a>>) -> Result<Point, Located> {
+    let words: Vec<Token<'_>> = words.collect();
+    if let [x, y, z, rest @ ..] = words.as_slice() {
+        let coordinate = |token: &Token<'_>| number(*token, "a coordinate of a vertex");
+        let point = Vec3::new(coordinate(x)?, coordinate(y)?, coordinate(z)?);
+        let rest: Vec<_> =
+            rest.iter().map(|t| number(*t, "the weight or colour of a vertex")).collect::<Result<_, _>>()?;
+        match rest.as_slice() {
+            [] | [_, _, _] => return Ok(point),
+            [weight] if weight.as_f64() == Some(1.0) => return Ok(point),
+            _ => {}
+        }
+    }
+    let found = format!("\"v\" with {} numbers", words.len());
+    let expected = "a vertex of 3 coordinates, with no weight but 1".to_string();
+    Err((Some(keyword.line), Problem::Unexpected { found, expected }))
+}
+
+fn face<'a>(words: impl Iterator<Item = Token<'a>>, vertices: &[(Point, usize)], line: usize) -> Result<Face, Located> {
+    let vertices = words.map(|word| corner(word, vertices.len())).collect::<Result<Vec<u32>, _>>()?;
+    if vertices.len() < 3 {
+        let found = format!("a face of {} vertices", vertices.len());
+        return Err((Some(line), Problem::Unexpected { found, expected: "a face of 3 vertices or more".to_string() }));
+    }
+    Ok(Face { vertices, line })
+}
+
+/// `i`, `i/t`, `i//n` or `i/t/n`: vertices count from 1, or from −1 backwards, among those above the face.
+fn corner(word: Token<'_>, count: usize) -> Result<u32, Located> {
+    let mut parts = word.text.split('/');
+    let index = parts.next().unwrap_or("");
+    let others: Vec<&str> = parts.collect();
+    let is_integer = |text: &str| {
+        let digits = text.strip_prefix('-').unwrap_or(text);
+        !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit())
+    };
+    let well_formed = match others.as_slice() {
+        [] => true,
+        [texture] => is_integer(texture),
+        [texture, normal] => (texture.is_empty() || is_integer(texture)) && is_integer(normal),
+        _ => false,
+    };
+    if !is_integer(index) || !well_formed {
+        return Err(unexpected(word, "a vertex of a face: i, i/t, i//n or i/t/n"));
+    }
+    let place = match index.parse::<i64>() {
+        Ok(index) if index > 0 => Some(index - 1),
+        Ok(index) if index < 0 => Some(count as i64 + index),
+        _ => None,
+    };
+    match place {
+        Some(place) if (0..count as i64).contains(&place) => Ok(place as u32),
+        _ => {
+            let problem = Problem::NotAllowed {
+                what: "a vertex number of a face".to_string(),
+                found: shown(index),
+                allowed: match count {
+                    0 => "none, there is no vertex above it".to_string(),
+                    count => format!("1 to {count}, or -{count} to -1, the vertices above it"),
+                },
+            };
+            Err((Some(word.line), problem))
+        }
+    }
+}
+
+/// One block for every set of faces joined by edges, in the order of their first faces.
+fn blocks(object: &Object, vertices: &[(Point, usize)]) -> Vec<RawBlock> {
+    let components = components(&object.faces);
+    let count = components.len();
+    let block = |(i, members): (usize, Vec<usize>)| {
+        let used: BTreeSet<u32> = members.iter().flat_map(|&f| object.faces[f].vertices.iter().copied()).collect();
+        let place: HashMap<u32, u32> = used.iter().zip(0..).map(|(&v, i)| (v, i)).collect();
+        RawBlock {
+            name: object.name.as_ref().map(|name| if count == 1 { name.clone() } else { format!("{name}_{i}") }),
+            fixed: false,
+            vertices: used.iter().map(|&v| vertices[v as usize].0.clone()).collect(),
+            faces: members.iter().map(|&f| object.faces[f].vertices.iter().map(|v| place[v]).collect()).collect(),
+            line: object.faces[members[0]].line,
+        }
+    };
+    components.into_iter().enumerate().map(block).collect()
+}
+
+fn components(faces: &[Face]) -> Vec<Vec<usize>> {
+    let mut by_edge: HashMap<(u32, u32), Vec<usize>> = HashMap::new();
+    let edges = |face: &Face| -> Vec<(u32, u32)> {
+        crate::topology::loop_pairs(&face.vertices).map(|(p, q)| (p.min(q), p.max(q))).collect()
+    };
+    for (i, face) in faces.iter().enumerate() {
+        for edge in edges(face) {
+            by_edge.entry(edge).or_default().push(i);
+        }
+    }
+    let mut seen = vec![false; faces.len()];
+    let mut components = Vec::new();
+    for first in 0..faces.len() {
+        if std::mem::replace(&mut seen[first], true) {
+            continue;
+        }
+        let mut members = vec![first];
+        let mut next = 0;
+        while let Some(&face) = members.get(next) {
+            next += 1;
+            for edge in edges(&faces[face]) {
+                // Taken out, so that an edge with many faces is walked once.
+                for other in by_edge.remove(&edge).unwrap_or_default() {
+                    if !std::mem::replace(&mut seen[other], true) {
+                        members.push(other);
+                    }
+                }
+            }
+        }
+        members.sort_unstable();
+        components.push(members);
+    }
+    components
+}

@@ -1,0 +1,55 @@
+//! A block as a file has it, before it is known to be one.
+
+use crate::block::{Block, BlockOptions, Merging, Point};
+use crate::number::Number;
+use crate::scene::error::{Problem, SceneError};
+use crate::scene::{LoadOptions, Origin, SceneBlock};
+use std::path::Path;
+
+/// Vertices and faces as read.
+#[derive(Clone, Debug)]
+pub(super) struct RawBlock {
+    pub(super) name: Option<String>,
+    pub(super) fixed: bool,
+    pub(super) vertices: Vec<Point>,
+    pub(super) faces: Vec<Vec<u32>>,
+    /// Where it begins.
+    pub(super) line: usize,
+}
+
+/// How the blocks of one file become blocks of a scene.
+pub(super) struct Assembly<'a> {
+    pub(super) file: &'a Path,
+    pub(super) options: &'a LoadOptions,
+    /// What the scene file asks for, if it does.
+    pub(super) planarity: Option<&'a Number>,
+    pub(super) merging: Merging,
+}
+
+impl Assembly<'_> {
+    /// Builds one block. `index` is its number in its file, `number` that in the scene.
+    pub(super) fn build(&self, raw: RawBlock, index: usize, number: usize) -> Result<SceneBlock, SceneError> {
+        let default = BlockOptions::default();
+        let planarity = self.options.planarity.as_ref().or(self.planarity).unwrap_or(&default.planarity);
+        let options = BlockOptions { planarity: planarity.clone() };
+        let label = match &raw.name {
+            Some(name) => format!("block {number} \"{name}\""),
+            None => format!("block {number}"),
+        };
+        let name = raw.name.unwrap_or_else(|| format!("block_{number}"));
+        match Block::merged(raw.vertices, raw.faces, &options, self.merging) {
+            Ok((block, merged)) => Ok(SceneBlock {
+                name,
+                fixed: raw.fixed,
+                origin: Origin { file: self.file.to_path_buf(), line: raw.line, index },
+                merged,
+                block,
+            }),
+            Err(error) => Err(SceneError {
+                file: self.file.to_path_buf(),
+                line: Some(raw.line),
+                problem: Problem::Block { block: label, error },
+            }),
+        }
+    }
+}

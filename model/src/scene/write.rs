@@ -1,0 +1,175 @@
+//! Writing scenes. TOML keeps everything exactly; OBJ and VTK hold decimals, so only f64 coordinates can be exact there.
+
+use crate::block::Point;
+use crate::number::Number;
+use crate::scene::{Scene, SceneBlock};
+use crate::spec::ToleranceSpec;
+use std::fmt::Write;
+
+/// Why a scene does not fit a format.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FormatError {
+    /// A coordinate that the format cannot hold exactly.
+    #[error(
+        "block {block} \"{name}\", vertex {vertex}: {found} is not an f64, and {format} holds decimals only; round the coordinates first"
+    )]
+    NotRepresentable {
+        /// Number of the block.
+        block: usize,
+        /// Name of the block.
+        name: String,
+        /// The vertex.
+        vertex: usize,
+        /// The coordinate.
+        found: String,
+        /// The format.
+        format: &'static str,
+    },
+}
+
+/// The scene as TOML: read back, it is the same scene, exactly. Where a block was read from is not part of that.
+pub fn write_toml(scene: &Scene) -> String {
+    let mut out = String::new();
+    if let Some(tolerances) = &scene.tolerances {
+        out.push_str(&write_tolerances(tolerances));
+        out.push('\n');
+    }
+    for (i, block) in scene.blocks.iter().enumerate() {
+        if i > 0 {
+            out.push('\n');
+        }
+        toml_block(&mut out, block);
+    }
+    out
+}
+
+fn toml_block(out: &mut String, block: &SceneBlock) {
+    out.push_str("[[block]]\n");
+    push(out, format_args!("name = {}\n", toml::Value::from(block.name.as_str())));
+    if block.fixed {
+        out.push_str("fixed = true\n");
+    }
+    out.push_str("vertices = [\n");
+    for v in block.block.vertices() {
+        push(out, format_args!("  [{}, {}, {}],\n", toml_number(&v.x), toml_number(&v.y), toml_number(&v.z)));
+    }
+    out.push_str("]\nfaces = [\n");
+    for face in block.block.topology().faces() {
+        let indices: Vec<String> = face.iter().map(u32::to_string).collect();
+        push(out, format_args!("  [{}],\n", indices.join(", ")));
+    }
+    out.push_str("]\n");
+}
+
+/// Tolerances as the table `[tolerances]`.
+pub fn write_tolerances(tolerances: &ToleranceSpec) -> String {
+    let mut out = String::from("[tolerances]\n");
+    if let Some(preset) = tolerances.preset() {
+        push(&mut out, format_args!("preset = \"{preset}\"\n"));
+    }
+    for (name, number) in tolerances.numbers() {
+        push(&mut out, format_args!("{name} = {}\n", toml_number(number)));
+    }
+    if let Some(criteria) = tolerances.criteria() {
+        push(&mut out, format_args!("criteria = \"{}\"\n", criteria.name()));
+    }
+    out
+}
+
+/// An f64 as a TOML float, anything else as an exact string.
+fn toml_number(number: &Number) -> String {
+    match number.as_f64() {
+        Some(value) => format!("{value:?}"),
+        None => format!("\"{number}\""),
+    }
+}
+
+/// The scene as Wavefront OBJ, one object a block. What is fixed, and tolerances, are lost.
+///
+/// # Errors
+/// When a coordinate is no f64.
+pub fn write_obj(scene: &Scene) -> Result<String, FormatError> {
+    let mut out = String::new();
+    let mut first = 1;
+    for (number, block) in scene.blocks.iter().enumerate() {
+        push(&mut out, format_args!("o {}\n", block.name));
+        for vertex in 0..block.block.vertices().len() {
+            let [x, y, z] = decimals(block, (number, vertex), "OBJ")?;
+            push(&mut out, format_args!("v {x:?} {y:?} {z:?}\n"));
+        }
+        for face in block.block.topology().faces() {
+            let indices: Vec<String> = face.iter().map(|&v| (first + v as usize).to_string()).collect();
+            push(&mut out, format_args!("f {}\n", indices.join(" ")));
+        }
+        first += block.block.vertices().len();
+    }
+    Ok(out)
+}
+
+/// The scene as a legacy VTK file of polyhedra (version 3.0, ASCII). Names, what is fixed, and tolerances are lost.
+///
+/// # Errors
+/// When a coordinate is no f64.
+pub fn write_vtk(scene: &Scene) -> Result<String, FormatError> {
+    let points: usize = scene.blocks.iter().map(|b| b.block.vertices().len()).sum();
+    let mut out = String::from("# vtk DataFile Version 3.0\nblocks\nASCII\nDATASET UNSTRUCTURED_GRID\n");
+    push(&mut out, format_args!("POINTS {points} double\n"));
+    for (number, block) in scene.blocks.iter().enumerate() {
+        for vertex in 0..block.block.vertices().len() {
+            let [x, y, z] = decimals(block, (number, vertex), "VTK")?;
+            push(&mut out, format_args!("{x:?} {y:?} {z:?}\n"));
+        }
+    }
+    let streams: Vec<Vec<usize>> = streams(scene);
+    let size: usize = streams.iter().map(|s| s.len() + 1).sum();
+    push(&mut out, format_args!("CELLS {} {size}\n", streams.len()));
+    for stream in &streams {
+        let entries: Vec<String> = stream.iter().map(usize::to_string).collect();
+        push(&mut out, format_args!("{} {}\n", stream.len(), entries.join(" ")));
+    }
+    push(&mut out, format_args!("CELL_TYPES {}\n", streams.len()));
+    for _ in &streams {
+        out.push_str("42\n");
+    }
+    Ok(out)
+}
+
+/// The face stream of every block.
+fn streams(scene: &Scene) -> Vec<Vec<usize>> {
+    let mut first = 0;
+    let mut streams = Vec::with_capacity(scene.blocks.len());
+    for block in &scene.blocks {
+        let faces = block.block.topology().faces();
+        let mut stream = vec![faces.len()];
+        for face in faces {
+            stream.push(face.len());
+            stream.extend(face.iter().map(|&v| first + v as usize));
+        }
+        first += block.block.vertices().len();
+        streams.push(stream);
+    }
+    streams
+}
+
+fn decimals(
+    block: &SceneBlock,
+    (number, vertex): (usize, usize),
+    format: &'static str,
+) -> Result<[f64; 3], FormatError> {
+    let point: &Point = &block.block.vertices()[vertex];
+    let [x, y, z] = point.components().map(|c| {
+        c.as_f64().ok_or_else(|| FormatError::NotRepresentable {
+            block: number,
+            name: block.name.clone(),
+            vertex,
+            found: crate::number_text::shown(&c.to_string()),
+            format,
+        })
+    });
+    Ok([x?, y?, z?])
+}
+
+fn push(out: &mut String, text: std::fmt::Arguments<'_>) {
+    // Writing to a String cannot fail.
+    let _ = out.write_fmt(text);
+}
