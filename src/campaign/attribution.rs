@@ -244,7 +244,7 @@ impl<'p> Examination<'p> {
             let link = Link {
                 before: &|| Some(self.exact.pair.trace(&tolerances.ideal())),
                 after: &|| Some(self.exact.pair.trace(tolerances)),
-                margin: &|decision| self.exact.pair.margin(tolerances, decision),
+                margins: &|decisions| self.exact.pair.margins(tolerances, decisions),
                 roundoff: None,
             };
             let reasons = explain(&only, &link, self.features);
@@ -282,7 +282,7 @@ impl<'p> Examination<'p> {
             let link = Link {
                 before: &|| Some(self.exact.pair.trace(given)),
                 after: &|| Some(side().pair.trace(&tolerances)),
-                margin: &|decision| self.exact.pair.margin(given, decision),
+                margins: &|decisions| self.exact.pair.margins(given, decisions),
                 roundoff,
             };
             let reasons = explain(&changed, &link, self.features);
@@ -323,7 +323,7 @@ impl<'p> Examination<'p> {
             let link = Link {
                 before: &|| Some(pair.trace(at.tolerances)),
                 after: &|| guarded(|| Ok(prepared.trace(at.tolerances))).ok().flatten(),
-                margin: &|decision| pair.margin(at.tolerances, decision),
+                margins: &|decisions| pair.margins(at.tolerances, decisions),
                 roundoff: Some(at.engine.precision().epsilon() / 2.0),
             };
             let reasons = explain(&changed, &link, self.features);

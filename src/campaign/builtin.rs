@@ -1,9 +1,11 @@
 //! The built-in engines and the oracle behind the campaign's traits.
 
 use super::attribution::Panel;
+use super::compare::Change;
 use super::engine::{
     Engine, EngineFailure, ExactAnswer, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, WideAnswer,
 };
+use super::finding::{Finding, Who};
 use crate::model::decision::Decision;
 use crate::model::{Block, Contact, Precision, ToleranceSet};
 use crate::oracle;
@@ -107,9 +109,9 @@ impl ExactPair for oracle::Pair<'_> {
         oracle::Pair::trace(self, tolerances).into_iter().map(|entry| (entry.decision, entry.outcome)).collect()
     }
 
-    fn margin(&self, tolerances: &ToleranceSet, decision: &Decision) -> Option<f64> {
-        let margin = oracle::Pair::margin(self, tolerances, decision)?;
-        Some(f64::from(margin.sign.as_i8()) * margin.relative)
+    fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<f64>> {
+        let signed = |margin: oracle::Margin| f64::from(margin.sign.as_i8()) * margin.relative;
+        oracle::Pair::margins(self, tolerances, decisions).into_iter().map(|margin| margin.map(signed)).collect()
     }
 }
 
@@ -132,4 +134,25 @@ pub fn engine(name: &str) -> Option<Box<dyn Engine>> {
 pub fn panel(names: &[String], metamorphic_every: u64) -> Result<Panel, String> {
     let engines = names.iter().map(|name| engine(name).ok_or_else(|| name.clone())).collect::<Result<_, _>>()?;
     Ok(Panel { oracle: Box::new(Exact), engines, metamorphic_every })
+}
+
+/// A panel with no engine that a finding is not about, and metamorphic checks only where it is about one: what it takes to
+/// see the finding again.
+pub fn panel_for(names: &[String], finding: &Finding) -> Panel {
+    narrow_panel(names, &finding.who, finding.difference.change)
+}
+
+/// The same for a finding about `who` with the given change.
+pub fn narrow_panel(names: &[String], who: &Who, change: Change) -> Panel {
+    let wanted = |engine: &dyn Engine| match who {
+        Who::Any => true,
+        Who::Rounded(precision) => engine.precision() == *precision,
+        Who::Engine(name) => engine.name() == &**name,
+    };
+    let mut engines: Vec<Box<dyn Engine>> = names.iter().filter_map(|n| engine(n)).filter(|e| wanted(&**e)).collect();
+    if !matches!(who, Who::Engine(_)) {
+        // What tolerances or rounding the input do shows with any one engine.
+        engines = engines.pop().into_iter().collect();
+    }
+    Panel { oracle: Box::new(Exact), engines, metamorphic_every: u64::from(change.is_metamorphic()) }
 }

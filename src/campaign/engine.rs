@@ -83,9 +83,9 @@ pub trait ExactPair {
     /// The exact decisions behind the answer.
     fn trace(&self, tolerances: &ToleranceSet) -> Trace;
 
-    /// The exact margin of a decision: its value over the sum of the magnitudes of its terms (between −1 and 1,
-    /// **0 is a tie**). `None` for a decision that is not a comparison.
-    fn margin(&self, tolerances: &ToleranceSet, decision: &Decision) -> Option<f64>;
+    /// The exact margins of decisions: value over the sum of the magnitudes of its terms (between −1 and 1, **0 is a
+    /// tie**). `None` for a decision that is not a comparison, or that the oracle does not come to make.
+    fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<f64>>;
 }
 
 /// An exact answer.

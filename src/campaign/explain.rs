@@ -5,7 +5,7 @@ use super::engine::Trace;
 use super::finding::Deciding;
 use crate::model::decision::{Decision, Feature, Side};
 use crate::model::{Contact, Entrance, EntranceKind};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// The two sides of a link of the chain, asked only when there is something to explain.
 pub struct Link<'x> {
@@ -13,8 +13,8 @@ pub struct Link<'x> {
     pub before: &'x dyn Fn() -> Option<Trace>,
     /// The decisions on the side of the second answer.
     pub after: &'x dyn Fn() -> Option<Trace>,
-    /// The exact relative margin of a decision.
-    pub margin: &'x dyn Fn(&Decision) -> Option<f64>,
+    /// The exact relative margins of decisions.
+    pub margins: &'x dyn Fn(&[Decision]) -> Vec<Option<f64>>,
     /// Half the eps of the precision that changed the answer, if one did.
     pub roundoff: Option<f64>,
 }
@@ -49,30 +49,28 @@ pub fn explain(differences: &[Difference], link: &Link<'_>, features: Features<'
     let traces = (link.before)().and_then(|before| Some((before, (link.after)()?)));
     let Some((before, after)) = traces else { return vec![None; differences.len()] };
     let parted = parted(&before, &after);
-    let mut margins: Vec<Option<Option<f64>>> = vec![None; parted.len()];
-    let mut nearest = |candidates: &[usize]| {
-        let mut best: Option<(f64, usize)> = None;
-        for &i in candidates {
-            let margin = *margins[i].get_or_insert_with(|| (link.margin)(&parted[i].decision));
-            let size = margin.map_or(f64::INFINITY, f64::abs);
-            if best.is_none_or(|(least, _)| size < least) {
-                best = Some((size, i));
-            }
-        }
-        best.map(|(_, i)| {
-            let margin = margins[i].flatten();
-            let margin_ulps = link.roundoff.and_then(|unit| margin.map(|m| m / unit));
-            Deciding { decision: parted[i].decision, outcomes: parted[i].outcomes, margin, margin_ulps }
-        })
-    };
-    differences
+    // What parted around each difference, or everything that parted where that is nothing.
+    let near: Vec<Vec<usize>> = differences
         .iter()
         .map(|difference| {
             let place = Place::of(difference, features);
             let near: Vec<usize> =
                 (0..parted.len()).filter(|&i| place.touches(&parted[i].decision, features)).collect();
-            let all: Vec<usize> = (0..parted.len()).collect();
-            nearest(if near.is_empty() { &all } else { &near })
+            if near.is_empty() { (0..parted.len()).collect() } else { near }
+        })
+        .collect();
+    let wanted: BTreeSet<usize> = near.iter().flatten().copied().collect();
+    let decisions: Vec<Decision> = wanted.iter().map(|&i| parted[i].decision).collect();
+    let margins: HashMap<usize, Option<f64>> = wanted.into_iter().zip((link.margins)(&decisions)).collect();
+    near.into_iter()
+        .map(|candidates| {
+            let margin = |i: usize| margins.get(&i).copied().flatten();
+            let size = |i: usize| margin(i).map_or(f64::INFINITY, f64::abs);
+            let nearest = candidates.into_iter().reduce(|best, i| if size(i) < size(best) { i } else { best })?;
+            let margin = margin(nearest);
+            let margin_ulps = link.roundoff.and_then(|unit| margin.map(|m| m / unit));
+            let Parted { decision, outcomes } = parted[nearest];
+            Some(Deciding { decision, outcomes, margin, margin_ulps })
         })
         .collect()
 }

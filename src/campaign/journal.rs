@@ -8,6 +8,7 @@ use super::config::identity_differences;
 use super::engine::Levels;
 use super::finding::FINDING_COLUMNS;
 use super::summary::Summary;
+use crate::model::files::write_atomically;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -228,16 +229,4 @@ fn discard(dir: &Path) -> Result<(), JournalError> {
         }
     }
     Ok(())
-}
-
-/// Writes `bytes` beside `path` and renames, so that the file is never seen half written.
-///
-/// # Errors
-/// When it cannot be written.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let beside = path.with_extension("part");
-    let mut file = File::create(&beside)?;
-    file.write_all(bytes)?;
-    file.sync_data()?;
-    fs::rename(&beside, path)
 }

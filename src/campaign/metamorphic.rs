@@ -123,7 +123,7 @@ fn deciding(base: &Base<'_>, difference: &Difference, turned: &Turned<'_>) -> Op
     let link = Link {
         before: &|| Some(pair.trace(tolerances)),
         after: &|| engine_trace(prepared, tolerances),
-        margin: &|decision| pair.margin(tolerances, decision),
+        margins: &|decisions| pair.margins(tolerances, decisions),
         roundoff: Some(base.engine.precision().epsilon() / 2.0),
     };
     let features = Features { a: blocks[0].topology(), b: blocks[1].topology() };

@@ -16,6 +16,7 @@ pub mod metamorphic;
 pub mod run;
 pub mod shapes;
 pub mod shrink;
+pub mod source;
 pub mod subject;
 pub mod summary;
 pub mod transform;

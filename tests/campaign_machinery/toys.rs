@@ -118,11 +118,12 @@ impl ExactPair for ScriptedPair<'_> {
     fn trace(&self, tolerances: &ToleranceSet) -> Trace {
         self.said(tolerances).trace.clone()
     }
-    fn margin(&self, _: &ToleranceSet, decision: &Decision) -> Option<f64> {
-        match decision.features[0] {
+    fn margins(&self, _: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<f64>> {
+        let margin = |decision: &Decision| match decision.features[0] {
             Some(Feature::Vertex(_, n)) => Some(f64::from(n) / 1000.0),
             _ => None,
-        }
+        };
+        decisions.iter().map(margin).collect()
     }
 }
 
@@ -225,8 +226,8 @@ impl ExactPair for CountingPair<'_> {
     fn trace(&self, _: &ToleranceSet) -> Trace {
         vec![(decision(3), 1)]
     }
-    fn margin(&self, _: &ToleranceSet, _: &Decision) -> Option<f64> {
-        Some(1e-9)
+    fn margins(&self, _: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<f64>> {
+        vec![Some(1e-9); decisions.len()]
     }
 }
 

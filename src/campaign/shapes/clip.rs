@@ -23,7 +23,7 @@ impl Plane {
 }
 
 /// Why a cut left no block.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ClipError {
     /// Nothing, or nothing solid, on the side that was to stay.
     #[error("nothing is left of the block on the plane's inner side")]

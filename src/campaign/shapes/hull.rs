@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 const SMALL_BITS: u32 = 28;
 
 /// Why points have no convex hull that is a block.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum HullError {
     /// All points lie in one plane (or there are fewer than four).
     #[error("{points} points lie in one plane; a block needs four that do not")]
