@@ -214,6 +214,9 @@ impl Number {
     /// `self + other`, exactly.
     #[must_use]
     pub fn plus(&self, other: &Number) -> Number {
+        if other.is_zero() {
+            return self.clone();
+        }
         if let (Repr::Float(a), Repr::Float(b)) = (&self.0, &other.0) {
             // Knuth's two-sum: the sum is exact when the error term is zero.
             let sum = a + b;

@@ -17,6 +17,7 @@ mod run;
 mod scales;
 mod solid;
 mod trace;
+mod unit_bounds;
 mod view;
 
 pub use contact::Answer;

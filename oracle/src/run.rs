@@ -1,9 +1,10 @@
 //! The ladder: the sign of a polynomial at the cheapest level that proves it.
 
 use crate::levels::LevelCounts;
-use crate::number::{Approx, Ball, Bits, Magnitude};
+use crate::number::{Approx, Ball, Bits, INFLATION, Magnitude};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
-use crate::predicate::{Polynomial, SLOTS};
+use crate::predicate::{LARGEST_DEGREE, Polynomial, SLOTS};
+use crate::unit_bounds::{UnitBounds, unit_bounds_for};
 use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
 use rockproof_model::decision::{Decision, Side};
@@ -41,9 +42,22 @@ pub(crate) struct Run<'p, 's, O> {
     pub(crate) observer: O,
     pub(crate) levels: LevelCounts,
     floats: Scales<Approx>,
+    unit_bounds: &'static UnitBounds,
+    size_powers: [f64; LARGEST_DEGREE + 1],
+    careful: OnceCell<Box<Careful<'p>>>,
+}
+
+/// What only the levels above plain f64 need, made when the first sign gets there.
+struct Careful<'p> {
     bounds: [f64; SLOTS],
     bound_view: OnceCell<BoundView<'p>>,
     scales: ScalesCache,
+}
+
+impl Default for Careful<'_> {
+    fn default() -> Self {
+        Careful { bounds: [f64::NAN; SLOTS], bound_view: OnceCell::new(), scales: ScalesCache::default() }
+    }
 }
 
 #[derive(Default)]
@@ -59,16 +73,18 @@ struct ScalesCache {
 
 impl<'p, 's, O: Observer> Run<'p, 's, O> {
     pub(crate) fn new(pair: &'p Pair<'s>, tolerances: &'p ToleranceSet, observer: O) -> Self {
+        let floats = Scales::approximate(tolerances);
+        let (unit_bounds, size_powers) = unit_bounds_for(pair, &floats);
         Run {
             pair,
             tolerances,
             classic: tolerances.criteria == Criteria::Classic,
             observer,
             levels: LevelCounts::default(),
-            floats: Scales::approximate(tolerances),
-            bounds: [f64::NAN; SLOTS],
-            bound_view: OnceCell::new(),
-            scales: ScalesCache::default(),
+            floats,
+            unit_bounds,
+            size_powers,
+            careful: OnceCell::new(),
         }
     }
 
@@ -108,7 +124,12 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
         let sign = self.quick_sign(polynomial);
         if O::ACTIVE {
             let pair = self.pair;
-            let exact = self.scales.heap.get_or_init(|| Scales::exact(self.tolerances, &pair.grid().lattice));
+            let exact = self
+                .careful
+                .get_or_init(Box::default)
+                .scales
+                .heap
+                .get_or_init(|| Scales::exact(self.tolerances, &pair.grid().lattice));
             self.observer.sign(sign, &mut || {
                 let scales = LazyScales { made: &OnceCell::new(), make: &|| exact.converted() };
                 polynomial.value(&ExactView { geometry: &pair.exact::<Magnitude>(), scales })
@@ -122,7 +143,7 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
         let floats = FloatView { a: self.pair.a, b: self.pair.b, scales: &self.floats };
         let value = polynomial.value(&floats).0;
         // NaN until the bound is known: then neither comparison holds.
-        let bound = self.bounds[P::FIRST_SLOT + polynomial.variant()];
+        let bound = self.unit_bounds.get(P::FIRST_SLOT + polynomial.variant()) * self.size_powers[P::DEGREE];
         if value > bound {
             self.levels.float += 1;
             Sign::Positive
@@ -134,18 +155,26 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
         }
     }
 
+    /// Goes on with the bounds of this very pair, then exactly.
     #[cold]
     #[inline(never)]
     fn careful_sign<P: Polynomial>(&mut self, polynomial: &P, value: f64) -> Sign {
         let slot = P::FIRST_SLOT + polynomial.variant();
-        if self.bounds[slot].is_nan() {
-            let (pair, tolerances) = (self.pair, self.tolerances);
-            let view = self
-                .bound_view
-                .get_or_init(|| BoundView::new(pair.a, pair.b, Scales::<crate::number::Bound>::bounds(tolerances)));
-            let bound = polynomial.value(view).error;
-            self.bounds[slot] = if bound.is_nan() { f64::INFINITY } else { bound };
-            if value.abs() > self.bounds[slot] {
+        let (pair, tolerances) = (self.pair, self.tolerances);
+        if self.unit_bounds.get(slot).is_nan() {
+            let view = BoundView::of_unit_size(pair.a, pair.b, self.unit_bounds.longest_loop);
+            self.unit_bounds.set(slot, polynomial.value(&view).error * INFLATION);
+        }
+        self.careful.get_or_init(Box::default);
+        if let Some(careful) = self.careful.get_mut() {
+            if careful.bounds[slot].is_nan() {
+                let view = careful
+                    .bound_view
+                    .get_or_init(|| BoundView::of(pair.a, pair.b, Scales::<crate::number::Bound>::bounds(tolerances)));
+                let bound = polynomial.value(view).error;
+                careful.bounds[slot] = if bound.is_nan() { f64::INFINITY } else { bound };
+            }
+            if value.abs() > careful.bounds[slot] {
                 self.levels.float += 1;
                 return if value > 0.0 { Sign::Positive } else { Sign::Negative };
             }
@@ -155,7 +184,7 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
 
     fn exact_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
         let (pair, tolerances) = (self.pair, self.tolerances);
-        let cache = &self.scales;
+        let cache = &self.careful.get_or_init(Box::default).scales;
         let exact = || cache.heap.get_or_init(|| Scales::exact(tolerances, &pair.grid().lattice));
         let bits = polynomial.value(&BitsView {
             a: &pair.a.block,

@@ -52,6 +52,25 @@ impl Scales<Bound> {
     }
 }
 
+impl Scales<Bound> {
+    /// Any tolerances of at most 1, each off by at most one roundoff.
+    pub(crate) fn at_most_one() -> Scales<Bound> {
+        let any = Bound { magnitude: 1.0 + UNIT_ROUNDOFF, error: UNIT_ROUNDOFF };
+        let exactly_one = Bound { magnitude: 1.0, error: 0.0 };
+        Scales {
+            unit: exactly_one,
+            search: any,
+            territory: any,
+            penetration: any,
+            one: exactly_one,
+            overlap: any,
+            parallel: any,
+            whole: exactly_one,
+            equal: any,
+        }
+    }
+}
+
 impl Scales<Ball> {
     /// Balls around what [`Scales::approximate`] gives.
     pub(crate) fn balls(t: &ToleranceSet) -> Scales<Ball> {

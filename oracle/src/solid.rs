@@ -19,6 +19,7 @@ pub struct Solid {
     pub(crate) box_min: [f64; 3],
     pub(crate) box_max: [f64; 3],
     pub(crate) errors: Errors,
+    longest_loop: usize,
     /// Bounds the distance of a face's vertices from its plane.
     pub(crate) bulge: f64,
     /// For each axis the vertices with the least and the greatest coordinate, exactly.
@@ -61,6 +62,7 @@ impl Solid {
         let mut solid = Solid {
             block: block.clone(),
             errors: Errors::of(block, &box_min, &box_max, &directions, &normals, &inwards),
+            longest_loop: topology.faces().iter().map(Vec::len).max().unwrap_or(3),
             vertices,
             directions,
             normals,
@@ -78,6 +80,11 @@ impl Solid {
     /// The block itself.
     pub fn block(&self) -> &Block {
         &self.block
+    }
+
+    /// Vertices of the face that has most.
+    pub(crate) fn longest_loop(&self) -> usize {
+        self.longest_loop
     }
 
     /// Bounds the distance of a face's vertices from its plane; infinite where a face may have no area.
@@ -123,24 +130,25 @@ impl Errors {
         let coordinate =
             if exact { 0.0 } else { largest_of(box_min.iter().chain(box_max).copied()) * UNIT_ROUNDOFF + UNDERFLOW };
         let extent = (0..3).map(|k| box_max[k] - box_min[k]).fold(0.0, f64::max);
-        let difference = subtracted(extent, coordinate);
         let longest_loop = block.topology().faces().iter().map(Vec::len).max().unwrap_or(3);
+        let worst = Errors::worst(extent, coordinate, longest_loop);
+        let direction = Bound::around(largest_component(directions), worst.difference.error);
+        let normal = Bound::around(largest_component(normals), worst.normal.error);
+        let across = Vec3::new(normal, normal, normal).cross(&Vec3::new(direction, direction, direction));
+        let inward = Bound::around(largest_component(inwards.iter().flatten()), across.x.error);
+        Errors { direction, normal, inward, ..worst }
+    }
+
+    /// What holds for any block whose coordinates span at most `extent` along each axis, are off by at most
+    /// `coordinate`, and whose faces have at most `longest_loop` vertices.
+    pub(crate) fn worst(extent: f64, coordinate: f64, longest_loop: usize) -> Errors {
+        let difference = subtracted(extent, coordinate);
         let side = Vec3::new(difference, difference, difference);
         let triangle = side.cross(&side);
-        let normal_error = (0..longest_loop - 2).fold(Vec3::zero(), |sum: Vec3<Bound>, _| sum.plus(&triangle)).x.error;
+        let normal = (0..longest_loop - 2).fold(Vec3::zero(), |sum: Vec3<Bound>, _| sum.plus(&triangle));
         let centre = (0..longest_loop).fold(Bound::from_i32(0), |sum, _| sum.plus(&difference));
-        let direction = Bound::around(largest_component(directions), difference.error);
-        let normal = Bound::around(largest_component(normals), normal_error);
-        let across = Vec3::new(normal, normal, normal).cross(&Vec3::new(direction, direction, direction));
-        let largest_inward = largest_component(inwards.iter().flatten());
-        Errors {
-            coordinate,
-            difference,
-            direction,
-            normal,
-            centre,
-            inward: Bound::around(largest_inward, across.x.error),
-        }
+        let inward = normal.cross(&side).x;
+        Errors { coordinate, difference, direction: difference, normal: normal.x, centre, inward }
     }
 
     /// Error of `N·(k(a − v_0) − C)` for a face of `loop_length` vertices and a vertex at most `reach` away.

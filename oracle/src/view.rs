@@ -1,7 +1,7 @@
 //! Where a predicate finds its vectors, in whichever number type it is evaluated.
 
 use crate::number::{Approx, Ball, Bits, Bound, UNIT_ROUNDOFF};
-use crate::solid::{Solid, centre_sum, subtracted};
+use crate::solid::{Errors, Solid, centre_sum, subtracted};
 use rockproof_model::block::face_normal;
 use rockproof_model::decision::Side;
 use rockproof_model::{Block, Ring, Topology, Vec3};
@@ -120,25 +120,51 @@ impl View for FloatView<'_> {
 
 /// What is known of every vector before one is picked: gives the static bounds of [`FloatView`].
 pub(crate) struct BoundView<'p> {
-    pub(crate) a: &'p Solid,
-    pub(crate) b: &'p Solid,
-    pub(crate) scales: Scales<Bound>,
-    pub(crate) across: Bound,
+    a: &'p Topology,
+    b: &'p Topology,
+    errors: [Errors; 2],
+    longest_loops: [usize; 2],
+    scales: Scales<Bound>,
+    across: Bound,
 }
 
 impl<'p> BoundView<'p> {
-    pub(crate) fn new(a: &'p Solid, b: &'p Solid, scales: Scales<Bound>) -> BoundView<'p> {
-        let extent =
-            (0..3).map(|k| a.box_max[k].max(b.box_max[k]) - a.box_min[k].min(b.box_min[k])).fold(0.0, f64::max);
-        BoundView { a, b, scales, across: subtracted(extent, a.errors.coordinate.max(b.errors.coordinate)) }
-    }
-
-    fn solid(&self, side: Side) -> &Solid {
-        match side {
-            Side::A => self.a,
-            Side::B => self.b,
+    /// From the vectors the two blocks have.
+    pub(crate) fn of(a: &'p Solid, b: &'p Solid, scales: Scales<Bound>) -> BoundView<'p> {
+        let extent = joint_extent(a, b);
+        let longest_loops = [a, b].map(|s| s.longest_loop());
+        BoundView {
+            a: a.block.topology(),
+            b: b.block.topology(),
+            errors: [a.errors, b.errors],
+            longest_loops,
+            scales,
+            across: subtracted(extent, a.errors.coordinate.max(b.errors.coordinate)),
         }
     }
+
+    /// For all pairs that span at most 1 along each axis, with coordinates off by at most one roundoff, faces of at most
+    /// `longest_loop` vertices, and tolerances of at most 1.
+    pub(crate) fn of_unit_size(a: &'p Solid, b: &'p Solid, longest_loop: usize) -> BoundView<'p> {
+        let errors = Errors::worst(1.0, UNIT_ROUNDOFF, longest_loop);
+        BoundView {
+            a: a.block.topology(),
+            b: b.block.topology(),
+            errors: [errors; 2],
+            longest_loops: [longest_loop; 2],
+            scales: Scales::at_most_one(),
+            across: errors.difference,
+        }
+    }
+
+    fn errors(&self, side: Side) -> &Errors {
+        &self.errors[usize::from(side == Side::B)]
+    }
+}
+
+/// The longest side of the box around both blocks.
+pub(crate) fn joint_extent(a: &Solid, b: &Solid) -> f64 {
+    (0..3).map(|k| a.box_max[k].max(b.box_max[k]) - a.box_min[k].min(b.box_min[k])).fold(0.0, f64::max)
 }
 
 fn same_in_all<T: Copy>(component: T) -> Vec3<T> {
@@ -148,29 +174,31 @@ fn same_in_all<T: Copy>(component: T) -> Vec3<T> {
 impl View for BoundView<'_> {
     type T = Bound;
     fn topology(&self, side: Side) -> &Topology {
-        self.solid(side).block.topology()
+        match side {
+            Side::A => self.a,
+            Side::B => self.b,
+        }
     }
     fn between(&self, from: (Side, u32), to: (Side, u32)) -> Vec3<Bound> {
-        same_in_all(if from.0 == to.0 { self.solid(to.0).errors.difference } else { self.across })
+        same_in_all(if from.0 == to.0 { self.errors(to.0).difference } else { self.across })
     }
     fn direction(&self, side: Side, _edge: u32) -> Vec3<Bound> {
-        same_in_all(self.solid(side).errors.direction)
+        same_in_all(self.errors(side).direction)
     }
     fn normal(&self, side: Side, _face: u32) -> Vec3<Bound> {
-        same_in_all(self.solid(side).errors.normal)
+        same_in_all(self.errors(side).normal)
     }
     fn centre(&self, side: Side, _face: u32) -> Vec3<Bound> {
-        same_in_all(self.solid(side).errors.centre)
+        same_in_all(self.errors(side).centre)
     }
     fn inward(&self, side: Side, _edge: u32, _right: bool) -> Vec3<Bound> {
-        same_in_all(self.solid(side).errors.inward)
+        same_in_all(self.errors(side).inward)
     }
     fn scales(&self) -> &Scales<Bound> {
         &self.scales
     }
     fn loop_length(&self, side: Side, _face: u32) -> Bound {
-        let longest = self.topology(side).faces().iter().map(Vec::len).max().unwrap_or(3);
-        Bound::from_i32(longest as i32)
+        Bound::from_i32(self.longest_loops[usize::from(side == Side::B)] as i32)
     }
 }
 

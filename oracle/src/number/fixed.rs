@@ -42,7 +42,8 @@ impl<const BITS: usize, const LIMBS: usize> Ring for Fixed<BITS, LIMBS> {
     fn minus(&self, other: &Self) -> Self {
         Fixed(self.0.wrapping_sub(other.0))
     }
-    #[inline]
+    // Not inlined: dozens of wide multiplications in a row would crowd the f64 path out of the instruction cache.
+    #[inline(never)]
     fn times(&self, other: &Self) -> Self {
         Fixed(self.0.wrapping_mul(other.0))
     }

@@ -64,6 +64,8 @@ fn integer_of(value: &BigInt) -> rug::Integer {
 }
 
 fn big_int_of(value: &rug::Integer) -> BigInt {
-    let magnitude = BigInt::from(BigUint::new(value.to_digits::<u32>(Order::Lsf)));
+    let mut digits = vec![0u32; value.significant_digits::<u32>()];
+    value.write_digits(&mut digits, Order::Lsf);
+    let magnitude = BigInt::from(BigUint::new(digits));
     if value.cmp0() == Ordering::Less { -magnitude } else { magnitude }
 }

@@ -1,0 +1,6 @@
+//! What the tests of the oracle share.
+#![allow(dead_code, reason = "each test binary uses its own part")]
+
+pub(crate) mod golden;
+pub(crate) mod handworked;
+pub(crate) mod shapes;

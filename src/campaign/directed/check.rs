@@ -1,0 +1,134 @@
+//! Whether an aim is worth taking: at the root, the other decisions of the same test must not settle it first.
+
+use super::shadow::{dot, length, minus};
+use super::{Aim, Pair};
+use rockproof_model::Precision;
+use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::number::round_rational;
+
+/// The share of a feature's length that a foot keeps from its ends, and a vertex from the other sides of a face.
+const MARGIN: f64 = 1.0 / 64.0;
+
+/// The aim, with its reach; `None` where it would not be asked.
+pub(super) fn checked(pair: &Pair<'_>, mut aim: Aim) -> Option<Aim> {
+    let at = aim.root.each_ref().map(|c| round_rational(c, Precision::F64).unwrap_or(f64::INFINITY));
+    if at.iter().any(|c| !c.is_finite()) {
+        return None;
+    }
+    let shadow = pair.shadow.moved(at);
+    let search = pair.search() * 1.001;
+    let inside = |t: f64| (MARGIN..1.0 - MARGIN).contains(&t);
+    let radial = |from: [f64; 3]| from[aim.axis].abs();
+    aim.reach = match (aim.decision.predicate, aim.decision.features) {
+        (Predicate::Neighbours, _) => extent(pair, aim.axis) * MARGIN,
+        (
+            predicate @ (Predicate::VertexVertexNear | Predicate::VertexTerritory | Predicate::VertexRegion),
+            [Some(Feature::Vertex(side, v)), Some(Feature::Vertex(_, w)), ..],
+        ) => {
+            let apart = minus(shadow.vertex(side, v), shadow.vertex(side.other(), w));
+            if length(apart) > search {
+                return None;
+            }
+            if predicate == Predicate::VertexRegion { f64::INFINITY } else { radial(apart) }
+        }
+        (
+            predicate @ (Predicate::FootInside
+            | Predicate::VertexEdgeNear
+            | Predicate::EdgeTerritory
+            | Predicate::EdgeRegion
+            | Predicate::FootRegion),
+            [Some(Feature::Vertex(side, v)), Some(Feature::Edge(_, e)), ..],
+        ) => {
+            let (along, distance) = shadow.foot(side, v, e);
+            if distance > search || (predicate != Predicate::FootInside && !inside(along)) {
+                return None;
+            }
+            let (p, d) = shadow.edge(side.other(), e);
+            match predicate {
+                Predicate::FootInside => length(d) * MARGIN,
+                Predicate::EdgeRegion | Predicate::FootRegion => f64::INFINITY,
+                _ => {
+                    let x = minus(shadow.vertex(side, v), p);
+                    radial(minus(x, d.map(|c| c * dot(x, d) / dot(d, d))))
+                }
+            }
+        }
+        (Predicate::InsideFace, [Some(Feature::Vertex(side, v)), Some(Feature::Face(_, f)), ..]) => {
+            let (gap, _) = shadow.above_face(side, v, f);
+            if gap > search || gap < -pair.penetration() * 1.001 {
+                return None;
+            }
+            inner_reach(&shadow, side, v, f)?
+        }
+        (
+            Predicate::VertexFaceNear | Predicate::VertexFaceDepth | Predicate::ShortestExit,
+            [Some(Feature::Vertex(side, v)), Some(Feature::Face(_, f)), ..],
+        )
+        | (Predicate::GapSign, [Some(Feature::Vertex(side, v)), Some(Feature::Face(_, f)), ..])
+        | (Predicate::GapSign, [Some(Feature::Face(_, f)), Some(Feature::Vertex(side, v)), ..]) => {
+            let (gap, outside) = shadow.above_face(side, v, f);
+            if outside > 0.0 || (aim.decision.predicate == Predicate::ShortestExit && gap >= 0.0) {
+                return None;
+            }
+            f64::INFINITY
+        }
+        (predicate, [Some(Feature::Edge(Side::A, e)), Some(Feature::Edge(_, f)), ..]) => {
+            let (s, t, apart) = shadow.feet(e, f)?;
+            let shorter = length(shadow.edge(Side::A, e).1).min(length(shadow.edge(Side::B, f).1));
+            if predicate != Predicate::FeetInside {
+                if !(inside(s) && inside(t)) {
+                    return None;
+                }
+                f64::INFINITY
+            } else {
+                if apart > search || !(inside(s) || inside(t)) {
+                    return None;
+                }
+                // The gradient of a foot grows as the edges become parallel.
+                shorter * MARGIN * sine(&shadow, e, f)
+            }
+        }
+        (
+            Predicate::EntranceDepth | Predicate::EntranceChoice,
+            [Some(Feature::Vertex(_, v)), Some(Feature::Vertex(_, w)), ..],
+        ) => {
+            if length(minus(shadow.vertex(Side::A, v), shadow.vertex(Side::B, w))) > search {
+                return None;
+            }
+            f64::INFINITY
+        }
+        _ => return None,
+    };
+    Some(aim)
+}
+
+/// The shorter of the two blocks' sides along an axis.
+fn extent(pair: &Pair<'_>, axis: usize) -> f64 {
+    let side = |side: Side| {
+        let count = pair.shadow.block(side).vertices().len() as u32;
+        let along = || (0..count).map(|v| pair.shadow.vertex(side, v)[axis]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    };
+    side(Side::A).min(side(Side::B))
+}
+
+/// How far a vertex on one side of a convex face is from the face's other sides; `None` when it is outside one, or the
+/// face is not convex.
+fn inner_reach(shadow: &super::shadow::Shadow<'_>, side: Side, vertex: u32, face: u32) -> Option<f64> {
+    let other = side.other();
+    if !shadow.block(other).face_is_convex(face) {
+        return None;
+    }
+    let count = shadow.block(other).topology().faces()[face as usize].len();
+    let x = shadow.vertex(side, vertex);
+    let mut distances: Vec<f64> = (0..count).map(|k| shadow.inside_side(x, other, face, k)).collect();
+    distances.sort_by(f64::total_cmp);
+    // The first is the side aimed at, about zero; the second must be well inside.
+    let size = distances.last()?;
+    (distances[1] > size * MARGIN && distances[0].abs() < distances[1] * MARGIN).then(|| distances[1] * MARGIN)
+}
+
+fn sine(shadow: &super::shadow::Shadow<'_>, e: u32, f: u32) -> f64 {
+    let (d, c) = (shadow.edge(Side::A, e).1, shadow.edge(Side::B, f).1);
+    length(super::shadow::cross(d, c)) / (length(d) * length(c))
+}

@@ -1,0 +1,214 @@
+//! The features aimed at, on an integer lattice, and margins as affine functions of where B is.
+
+use super::shadow::V;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::Zero;
+use rockproof_model::decision::Side;
+use rockproof_model::lattice::Lattice;
+use rockproof_model::topology::Edge;
+use rockproof_model::{Block, Number, ToleranceSet, Vec3};
+
+/// An integer vector.
+pub(in crate::campaign) type Z = Vec3<BigInt>;
+
+/// A pair of blocks on the lattice of a few of its features, B moved by a first offset.
+#[derive(Debug)]
+pub(in crate::campaign) struct Exact<'p> {
+    a: &'p Block,
+    b: &'p Block,
+    lattice: Lattice,
+    start: [Number; 3],
+    shift: Z,
+    pub(in crate::campaign) search: BigInt,
+    pub(in crate::campaign) territory: BigInt,
+    pub(in crate::campaign) penetration: BigInt,
+}
+
+/// A margin: `constant + gradient · (offset of B beyond its start)`, in lattice units to some power.
+#[derive(Clone, Debug)]
+pub(in crate::campaign) struct Affine {
+    pub(in crate::campaign) constant: BigInt,
+    pub(in crate::campaign) gradient: Z,
+    /// Whether no square root was rounded.
+    pub(in crate::campaign) exact: bool,
+}
+
+impl Affine {
+    pub(in crate::campaign) fn plus(&self, constant: &BigInt) -> Affine {
+        Affine { constant: &self.constant + constant, ..self.clone() }
+    }
+
+    pub(in crate::campaign) fn minus(&self, other: &Affine) -> Affine {
+        Affine {
+            constant: &self.constant - &other.constant,
+            gradient: self.gradient.minus(&other.gradient),
+            exact: self.exact && other.exact,
+        }
+    }
+
+    pub(in crate::campaign) fn negated(&self) -> Affine {
+        self.times(&BigInt::from(-1))
+    }
+
+    pub(in crate::campaign) fn times(&self, factor: &BigInt) -> Affine {
+        Affine { constant: &self.constant * factor, gradient: self.gradient.scaled(factor), exact: self.exact }
+    }
+}
+
+/// A square root on the integers: `root / 2^shift`, rounded down.
+#[derive(Clone, Debug)]
+pub(in crate::campaign) struct Root {
+    pub(in crate::campaign) root: BigInt,
+    pub(in crate::campaign) shift: usize,
+}
+
+impl Root {
+    /// Bits behind the point where the root is irrational.
+    const BITS: usize = 96;
+
+    pub(in crate::campaign) fn of(square: &BigInt) -> Root {
+        let root = square.sqrt();
+        if &root * &root == *square {
+            Root { root, shift: 0 }
+        } else {
+            Root { root: (square << (2 * Self::BITS)).sqrt(), shift: Self::BITS }
+        }
+    }
+
+    pub(in crate::campaign) fn is_exact(&self) -> bool {
+        self.shift == 0
+    }
+}
+
+impl<'p> Exact<'p> {
+    /// The lattice of the vertices named, of the lengths of `set`, and of the offset at which B starts.
+    pub(in crate::campaign) fn new(
+        (a, b): (&'p Block, &'p Block),
+        vertices: &[(Side, u32)],
+        start: V,
+        set: &ToleranceSet,
+    ) -> Exact<'p> {
+        let start = start.map(|c| Number::from_f64(c).unwrap_or(Number::ZERO));
+        let coordinates = vertices.iter().flat_map(|&(side, v)| {
+            let block = if side == Side::A { a } else { b };
+            block.vertices()[v as usize].components()
+        });
+        let lengths = [&set.search, &set.territory, &set.penetration];
+        let lattice = Lattice::covering(coordinates.chain(lengths).chain(&start));
+        let units = |n: &Number| lattice.units(n);
+        Exact {
+            shift: Vec3::new(units(&start[0]), units(&start[1]), units(&start[2])),
+            search: units(&set.search),
+            territory: units(&set.territory),
+            penetration: units(&set.penetration),
+            lattice,
+            start,
+            a,
+            b,
+        }
+    }
+
+    pub(in crate::campaign) fn block(&self, side: Side) -> &'p Block {
+        match side {
+            Side::A => self.a,
+            Side::B => self.b,
+        }
+    }
+
+    /// A vertex, B's moved by the start.
+    pub(in crate::campaign) fn vertex(&self, side: Side, vertex: u32) -> Z {
+        let units = self.block(side).vertices()[vertex as usize].map(|c| self.lattice.units(c));
+        if side == Side::B { units.plus(&self.shift) } else { units }
+    }
+
+    pub(in crate::campaign) fn edge(&self, side: Side, edge: u32) -> Edge {
+        self.block(side).topology().edges()[edge as usize]
+    }
+
+    /// `q − p`.
+    pub(in crate::campaign) fn direction(&self, side: Side, edge: u32) -> Z {
+        let e = self.edge(side, edge);
+        self.vertex(side, e.q).minus(&self.vertex(side, e.p))
+    }
+
+    /// `N_f`.
+    pub(in crate::campaign) fn normal(&self, side: Side, face: u32) -> Z {
+        let corners = &self.block(side).topology().faces()[face as usize];
+        let origin = self.vertex(side, corners[0]);
+        let arms: Vec<Z> = corners[1..].iter().map(|&v| self.vertex(side, v).minus(&origin)).collect();
+        arms.windows(2).fold(Vec3::zero(), |n, pair| n.plus(&pair[0].cross(&pair[1])))
+    }
+
+    /// `m_L` or `m_R`: the inward direction of `face` at the edge.
+    pub(in crate::campaign) fn inward(&self, side: Side, edge: u32, face: u32) -> Z {
+        let d = self.direction(side, edge);
+        let d = if self.edge(side, edge).left == face { d } else { d.negated() };
+        self.normal(side, face).cross(&d)
+    }
+
+    /// `n = σ·(d₁ × d₂)` of an edge of A and one of B.
+    pub(in crate::campaign) fn perpendicular(&self, ea: u32, eb: u32) -> Z {
+        let n = self.direction(Side::A, ea).cross(&self.direction(Side::B, eb));
+        let inward = |side: Side, edge: u32| {
+            let e = self.edge(side, edge);
+            n.dot(&self.inward(side, edge, e.left).plus(&self.inward(side, edge, e.right)))
+        };
+        if inward(Side::A, ea) >= inward(Side::B, eb) { n } else { n.negated() }
+    }
+
+    /// `(x − y)·w` for vertices of the two blocks, as a function of where B is.
+    pub(in crate::campaign) fn along(&self, (x_side, x): (Side, u32), y: u32, w: &Z) -> Affine {
+        let from = self.vertex(x_side.other(), y);
+        let constant = self.vertex(x_side, x).minus(&from).dot(w);
+        Affine { constant, gradient: if x_side == Side::B { w.clone() } else { w.negated() }, exact: true }
+    }
+
+    /// `k·N·(x − c)` for a vertex and a face of the other block with `k` corners, and `|N|²`. Its quotient by `k·|N|` is
+    /// the gap.
+    pub(in crate::campaign) fn gap(&self, side: Side, vertex: u32, face: u32) -> (Affine, BigInt, BigInt) {
+        let other = side.other();
+        let corners = &self.block(other).topology().faces()[face as usize];
+        let k = BigInt::from(corners.len());
+        let n = self.normal(other, face);
+        let sum = corners.iter().fold(Z::zero(), |s, &v| s.plus(&self.vertex(other, v)));
+        let constant = self.vertex(side, vertex).scaled(&k).minus(&sum).dot(&n);
+        let gradient = n.scaled(&k);
+        let gradient = if side == Side::B { gradient } else { gradient.negated() };
+        let square = n.norm_squared();
+        (Affine { constant, gradient, exact: true }, square, k)
+    }
+
+    /// The gap times `2^shift·|N|` (all times `k`), plus `length·|N|·2^shift`: zero where the gap is −`length`.
+    pub(in crate::campaign) fn gap_above(
+        &self,
+        (gap, square, k): &(Affine, BigInt, BigInt),
+        length: &BigInt,
+    ) -> Affine {
+        let norm = Root::of(square);
+        let mut margin = gap.times(&(BigInt::from(1) << norm.shift)).plus(&(length * k * &norm.root));
+        margin.exact = norm.is_exact() || length.is_zero();
+        margin
+    }
+
+    /// The offset (m) of B from where the block is, when it is `units` lattice units beyond its start along `axis`.
+    pub(in crate::campaign) fn offset(&self, axis: usize, units: &BigRational) -> [BigRational; 3] {
+        let mut offset = self.start.each_ref().map(Number::to_rational);
+        offset[axis] += self.metres(units);
+        offset
+    }
+
+    /// Lattice units to metres.
+    pub(in crate::campaign) fn metres(&self, units: &BigRational) -> BigRational {
+        let (per_metre, over) = self.lattice.units_per_metre();
+        units * BigRational::new(over, per_metre)
+    }
+
+    /// The offset of B from where the block is, when it is `vector / over` lattice units from its start.
+    pub(in crate::campaign) fn offset_by(&self, vector: &Z, over: &BigInt) -> [BigRational; 3] {
+        let part = |c: &BigInt| BigRational::new(c.clone(), over.clone());
+        let [x, y, z] = vector.components().map(|c| self.metres(&part(c)));
+        let [sx, sy, sz] = self.start.each_ref().map(Number::to_rational);
+        [x + sx, y + sy, z + sz]
+    }
+}

@@ -1,0 +1,131 @@
+//! Where a campaign's tolerance sets come from: presets derived from each pair, sets given by the user, and sets of
+//! few binary digits, with which ties survive in every number format.
+
+use crate::campaign::directed::shadow::{length, minus};
+use rockproof_model::number::{power_of_two, split_f64};
+use rockproof_model::{Block, Criteria, Number, Precision, ToleranceSet};
+use std::fmt;
+use std::sync::Arc;
+
+type Derive = dyn Fn(&Block, &Block, Precision) -> Option<ToleranceSet> + Send + Sync;
+
+/// A named way to a tolerance set for a pair of blocks.
+#[derive(Clone)]
+pub struct SetSource {
+    name: String,
+    derive: Arc<Derive>,
+}
+
+impl fmt::Debug for SetSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("SetSource").field(&self.name).finish()
+    }
+}
+
+/// A tolerance set with its name, for either precision.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedSet {
+    /// The source's name; after a colon the tolerance that a ladder has changed: `auto`, `auto:territory`.
+    pub name: String,
+    /// The set for engines that calculate in f32.
+    pub f32: ToleranceSet,
+    /// The set for engines that calculate in f64.
+    pub f64: ToleranceSet,
+}
+
+impl NamedSet {
+    /// The set for a precision.
+    pub fn of(&self, precision: Precision) -> &ToleranceSet {
+        match precision {
+            Precision::F32 => &self.f32,
+            Precision::F64 => &self.f64,
+        }
+    }
+}
+
+impl SetSource {
+    /// A source that derives a set from the pair, for engines of the given precision. It may decline.
+    pub fn new(
+        name: impl Into<String>,
+        derive: impl Fn(&Block, &Block, Precision) -> Option<ToleranceSet> + Send + Sync + 'static,
+    ) -> SetSource {
+        SetSource { name: name.into(), derive: Arc::new(derive) }
+    }
+
+    /// The same set for every pair.
+    pub fn given(name: impl Into<String>, set: ToleranceSet) -> SetSource {
+        SetSource::new(name, move |_, _, _| Some(set.clone()))
+    }
+
+    /// The set of [`dyadic`]: `dyadic` or `dyadic-classic`.
+    pub fn dyadic(criteria: Criteria) -> SetSource {
+        let name = if criteria == Criteria::Revised { "dyadic" } else { "dyadic-classic" };
+        SetSource::new(name, move |a, b, _| Some(dyadic(a, b, criteria)))
+    }
+
+    /// The source's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The sets for a pair. Where the rules of f32 cannot be met, engines in f32 get the set for f64, as a user who
+    /// ignores the rules would give them; `None` where those of f64 cannot be met either.
+    pub fn derive(&self, a: &Block, b: &Block) -> Option<NamedSet> {
+        let f64 = (self.derive)(a, b, Precision::F64)?;
+        let f32 = (self.derive)(a, b, Precision::F32).unwrap_or_else(|| f64.clone());
+        Some(NamedSet { name: self.name.clone(), f32, f64 })
+    }
+}
+
+/// A set like `auto`'s, of numbers with one or two binary digits: lengths are powers of two below those of `auto`,
+/// both sines 3/64, ε 2⁻¹³.
+pub fn dyadic(a: &Block, b: &Block, criteria: Criteria) -> ToleranceSet {
+    let size = |block: &Block| {
+        let points: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
+        let edges = block.topology().edges().iter();
+        let shortest =
+            edges.map(|e| length(minus(points[e.q as usize], points[e.p as usize]))).fold(f64::INFINITY, f64::min);
+        let side = |axis: usize| {
+            let along = || points.iter().map(|p| p[axis]);
+            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+        };
+        (shortest, (0..3).map(side).fold(0.0, f64::max))
+    };
+    let ((edge_a, side_a), (edge_b, side_b)) = (size(a), size(b));
+    let half = side_a.max(side_b) / 2.0;
+    let u = binary_below((edge_a.min(edge_b) / 16.0).min(half / 100.0));
+    let equal = power_of_two(-13);
+    let number = |value: f64| Number::from_f64(value).unwrap_or(Number::ZERO);
+    let contact = number(equal * binary_below(half));
+    ToleranceSet {
+        search: number(2.0 * u),
+        territory: number(u / 2.0),
+        penetration: number(u),
+        overlap_sine: number(3.0 / 64.0),
+        parallel_sine: number(3.0 / 64.0),
+        equal: number(equal),
+        open: contact.clone(),
+        close: contact,
+        max_displacement: number(u),
+        max_rotation: number(binary_below((u / half).sqrt())),
+        criteria,
+    }
+}
+
+/// The largest power of two that is at most `value`, which must be positive.
+fn binary_below(value: f64) -> f64 {
+    let (significand, exponent) = split_f64(value);
+    power_of_two((exponent + 63 - significand.unsigned_abs().max(1).leading_zeros() as i32).clamp(-1000, 1000))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn binary_below_is_the_power_at_or_below() {
+        for (value, below) in [(1.0, 1.0), (1.5, 1.0), (0.75, 0.5), (1023.0, 512.0), (2f64.powi(-70), 2f64.powi(-70))] {
+            assert_eq!(binary_below(value), below);
+        }
+    }
+}
