@@ -1,5 +1,7 @@
 //! Starts the command line.
 
+mod cli;
+
 fn main() -> std::process::ExitCode {
-    rockproof::cli::main()
+    cli::run()
 }

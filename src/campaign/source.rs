@@ -1,17 +1,20 @@
 //! Where a campaign's pairs come from: the families, under the presets.
 
 use super::config::CampaignConfig;
-use super::families::{self, Family};
+use super::families::{self, Real};
+use super::pairs::{self, PairConfig};
+use super::sets::SetSource;
 use super::subject::{Source, Subject, SubjectSet};
 use crate::model::preset::{self, Preset};
-use crate::model::{Block, Precision};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use crate::model::{Block, Criteria, Scene, SceneError};
 use serde_json::{Map, Value};
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash, Hasher};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Why a configuration names no pairs.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     /// A family that does not exist.
     #[error("family \"{found}\" does not exist; there are {allowed}")]
@@ -21,78 +24,125 @@ pub enum SourceError {
         /// The families.
         allowed: String,
     },
-    /// A preset that does not exist.
-    #[error("tolerance preset \"{found}\" does not exist; there are auto, shi, zero")]
-    Preset {
+    /// A tolerance set that does not exist.
+    #[error("tolerance set \"{found}\" does not exist; there are {allowed}")]
+    Set {
         /// What was found.
         found: String,
+        /// The sets.
+        allowed: String,
+    },
+    /// A block file that cannot be read.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A block file without neighbours.
+    #[error("{file}: no two blocks are near enough to make a pair")]
+    NoNeighbours {
+        /// The file.
+        file: String,
     },
     /// The identity of the run cannot be written down.
     #[error("the configuration cannot be written as JSON: {0}")]
-    Identity(String),
+    Identity(#[from] serde_json::Error),
 }
 
-/// Pairs of the families in turn.
+/// The sets a campaign may ask for: the presets, and sets of few binary digits, with which ties survive in f32.
+pub const SETS: [&str; 5] = ["auto", "shi", "zero", "dyadic", "dyadic-classic"];
+
+/// The sets of a campaign that names none.
+pub const DEFAULT_SETS: [&str; 5] = SETS;
+
+/// The pairs of a seed.
 pub struct FamilySource {
     seed: u64,
-    families: Vec<Arc<dyn Family>>,
-    presets: Vec<Preset>,
+    pairs: PairConfig,
 }
 
 /// The pairs that a configuration asks for.
 ///
 /// # Errors
-/// When it names what does not exist.
+/// When it names what does not exist, or a file that holds no pairs.
 pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
     let names: Vec<&str> = config.families.iter().map(String::as_str).collect();
     let chosen = if names.is_empty() { Ok(families::all()) } else { families::named(&names) };
-    let families = chosen.map_err(|found| SourceError::Family {
+    let mut families = chosen.map_err(|found| SourceError::Family {
         found: found.to_owned(),
         allowed: families::all().iter().map(|f| f.name()).collect::<Vec<_>>().join(", "),
     })?;
-    let preset = |name: &String| Preset::from_name(name).ok_or_else(|| SourceError::Preset { found: name.clone() });
-    let presets = if config.tolerances.is_empty() {
-        Preset::ALL.to_vec()
+    if !config.real.is_empty() {
+        let mut blocks = Vec::new();
+        for file in &config.real {
+            // Pairs are sought within a file, so files are kept apart by a family of their own each.
+            let scene = Scene::load(file)?;
+            blocks.push(Real::neighbours(&scene.shapes().into_iter().cloned().collect::<Vec<Block>>()).ok_or_else(
+                || SourceError::NoNeighbours { file: file.display().to_string() },
+            )?);
+        }
+        families.retain(|f| f.name() != "real");
+        families.extend(blocks.into_iter().map(|real| Arc::new(real) as Arc<dyn families::Family>));
+    }
+    let names: Vec<&str> = if config.tolerances.is_empty() {
+        DEFAULT_SETS.to_vec()
     } else {
-        config.tolerances.iter().map(preset).collect::<Result<_, _>>()?
+        config.tolerances.iter().map(String::as_str).collect()
     };
-    Ok(FamilySource { seed: config.seed, families, presets })
+    let sets = names.into_iter().map(set_source).collect::<Result<Vec<_>, _>>()?;
+    let sets_per_batch = sets.len().min(3);
+    Ok(FamilySource { seed: config.seed, pairs: PairConfig { families, sets, sets_per_batch, ..PairConfig::default() } })
 }
 
-/// What must be the same for a run to go on.
+fn set_source(name: &str) -> Result<SetSource, SourceError> {
+    if let Some(preset) = Preset::from_name(name) {
+        return Ok(SetSource::new(name, move |a, b, precision| preset::derive(preset, &[a, b], precision).ok()));
+    }
+    match name {
+        "dyadic" => Ok(SetSource::dyadic(Criteria::Revised)),
+        "dyadic-classic" => Ok(SetSource::dyadic(Criteria::Classic)),
+        found => Err(SourceError::Set { found: found.to_owned(), allowed: SETS.join(", ") }),
+    }
+}
+
+/// What must be the same for a run to go on: the configuration, and the content of the block files.
 ///
 /// # Errors
-/// When the configuration cannot be written as JSON.
+/// When a path cannot be written as JSON.
 pub fn identity(config: &CampaignConfig) -> Result<Map<String, Value>, SourceError> {
-    config.identity().map_err(|e| SourceError::Identity(e.to_string()))
+    let mut identity = config.identity()?;
+    for file in &config.real {
+        identity.insert(format!("content of {}", file.display()), content(file).into());
+    }
+    Ok(identity)
 }
 
-impl FamilySource {
-    fn sets(&self, a: &Block, b: &Block) -> Vec<SubjectSet> {
-        let derive = |preset, precision| preset::derive(preset, &[a, b], precision).ok();
-        let set = |&preset: &Preset| {
-            let (f32, f64) = (derive(preset, Precision::F32)?, derive(preset, Precision::F64)?);
-            Some(SubjectSet { name: preset.name().into(), f32, f64 })
-        };
-        self.presets.iter().filter_map(set).collect()
-    }
+/// Length and hash of a file; empty if it cannot be read, which [`of`] reports.
+fn content(file: &Path) -> String {
+    std::fs::read(file).map_or(String::new(), |bytes| {
+        let mut hasher = DefaultHasher::new();
+        bytes.hash(&mut hasher);
+        format!("{} bytes, hash {:016x}", bytes.len(), hasher.finish())
+    })
 }
 
 impl Source for FamilySource {
     fn batch_len(&self) -> u64 {
-        16
+        pairs::BATCH
     }
 
     fn batch(&self, number: u64) -> Vec<Subject> {
-        let first = number * self.batch_len();
-        let subject = |index: u64| {
-            let family = &self.families[(index % self.families.len() as u64) as usize];
-            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-            rng.set_stream(index);
-            let (a, b) = family.generate(&mut rng);
-            let sets = self.sets(&a, &b);
-            Subject { index, family: family.name().into(), form: "random".into(), a, b, sets }
-        };
-        (first..first + self.batch_len()).map(subject).collect()
+        pairs::batch(self.seed, number, &self.pairs)
+            .into_iter()
+            .map(|case| Subject {
+                index: case.index,
+                family: case.family.into(),
+                form: case.form.name().into(),
+                a: case.a,
+                b: case.b,
+                sets: case
+                    .sets
+                    .into_iter()
+                    .map(|set| SubjectSet { name: set.name.into(), f32: set.f32, f64: set.f64 })
+                    .collect(),
+            })
+            .collect()
     }
 }

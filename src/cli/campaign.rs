@@ -1,21 +1,19 @@
 //! `campaign`: generated and real pairs through every engine, differences explained, findings kept.
 
-use super::CliError;
-use super::table::{grouped, table};
-use crate::campaign::attribution::Panel;
-use crate::campaign::builtin;
-use crate::campaign::compare::Change;
-use crate::campaign::config::CampaignConfig;
-use crate::campaign::finding::{Cause, Finding};
-use crate::campaign::journal::{Journal, Progress, Start};
-use crate::campaign::run::{Campaign, Ending};
-use crate::campaign::source::{self, FamilySource};
+use crate::cli::table::{grouped, table};
+use rockproof::campaign::attribution::Panel;
+use rockproof::campaign::builtin;
+use rockproof::campaign::compare::Change;
+use rockproof::campaign::config::CampaignConfig;
+use rockproof::campaign::finding::{Cause, Finding};
+use rockproof::campaign::journal::{Journal, Progress, Start};
+use rockproof::campaign::run::{Campaign, Ending};
+use rockproof::campaign::source::{self, FamilySource};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};

@@ -1,22 +1,20 @@
 //! `classify`: the contacts between the blocks of a file.
 
-use super::CliError;
-use super::combinations::{Combination, combinations};
-use super::table::table;
-use crate::model::preset::Preset;
-use crate::model::scene::LoadOptions;
-use crate::model::spec::ToleranceSpec;
-use crate::model::{Block, Contact, Number, Precision, Scene, Sign, ToleranceSet};
-use crate::oracle::rational::Rational;
-use crate::oracle::{Pair, Solid};
-use crate::stepper::Real;
-use crate::stepper::contact::{Solid as FloatSolid, Spec, Tolerances, classify};
+use rockproof::combinations::{Combination, combinations};
+use crate::cli::table::table;
+use rockproof::model::preset::Preset;
+use rockproof::model::scene::LoadOptions;
+use rockproof::model::spec::ToleranceSpec;
+use rockproof::model::{Block, Contact, Number, Precision, Scene, Sign, ToleranceSet};
+use rockproof::oracle::rational::Rational;
+use rockproof::oracle::{Pair, Solid};
+use rockproof::stepper::Real;
+use rockproof::stepper::contact::{Solid as FloatSolid, Spec, Tolerances, classify};
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Arguments of `classify`.
 #[derive(Args, Debug)]
@@ -121,7 +119,7 @@ fn tolerances(
     blocks: &[&Block],
     precision: Precision,
 ) -> Result<ToleranceSet, CliError> {
-    let other = |e: crate::model::spec::SpecError| CliError::Other(format!("tolerances: {e}"));
+    let other = |e: rockproof::model::spec::SpecError| CliError::Other(format!("tolerances: {e}"));
     let preset = |name: &str| {
         let mut spec = ToleranceSpec::empty();
         spec.set_text("preset", name).map(|()| spec)

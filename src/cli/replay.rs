@@ -1,17 +1,15 @@
 //! `replay`: what each engine and the oracle say about a case, side by side, and decision by decision where they part.
 
-use super::CliError;
-use super::table::table;
-use crate::campaign::builtin::{ENGINES, Exact, engine};
-use crate::campaign::case_file::{Case, contact_rows};
-use crate::campaign::engine::{EngineFailure, Oracle, Trace, guarded};
-use crate::campaign::explain::{Parted, parted};
-use crate::model::{Contact, Precision, ToleranceSet};
+use crate::cli::table::table;
+use rockproof::campaign::builtin::{ENGINES, Exact, engine};
+use rockproof::campaign::case_file::{Case, contact_rows};
+use rockproof::campaign::engine::{EngineFailure, Oracle, Trace, guarded};
+use rockproof::campaign::explain::{Parted, parted};
+use rockproof::model::{Contact, Precision, ToleranceSet};
 use clap::Args;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Arguments of `replay`.
 #[derive(Args, Debug)]

@@ -1,15 +1,13 @@
 //! `shrink`: a case made smaller while it shows the same finding.
 
-use super::CliError;
-use crate::campaign::builtin::{self, ENGINES};
-use crate::campaign::case_file::Case;
-use crate::campaign::compare::Change;
-use crate::campaign::finding::Who;
-use crate::campaign::shrink::Shrinker;
-use crate::model::files::write_atomically;
+use rockproof::campaign::builtin::{self, ENGINES};
+use rockproof::campaign::case_file::Case;
+use rockproof::campaign::compare::Change;
+use rockproof::campaign::finding::Who;
+use rockproof::campaign::shrink::Shrinker;
+use rockproof::model::files::write_atomically;
 use clap::Args;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Arguments of `shrink`.
 #[derive(Args, Debug)]
@@ -46,7 +44,7 @@ pub(crate) fn run(args: ShrinkArgs) -> Result<ExitCode, CliError> {
     }
     let size = |case: &Case| {
         let count =
-            |b: &crate::model::Block| format!("{} vertices, {} faces", b.vertices().len(), b.topology().faces().len());
+            |b: &rockproof::model::Block| format!("{} vertices, {} faces", b.vertices().len(), b.topology().faces().len());
         format!("A {}; B {}", count(&case.a), count(&case.b))
     };
     let before = size(&case);
