@@ -1,4 +1,5 @@
 //! Exact classification.
 
+pub mod combination;
 pub mod plain;
 pub mod rational;
