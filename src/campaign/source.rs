@@ -74,9 +74,10 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
         for file in &config.real {
             // Pairs are sought within a file, so files are kept apart by a family of their own each.
             let scene = Scene::load(file)?;
-            blocks.push(Real::neighbours(&scene.shapes().into_iter().cloned().collect::<Vec<Block>>()).ok_or_else(
-                || SourceError::NoNeighbours { file: file.display().to_string() },
-            )?);
+            blocks.push(
+                Real::neighbours(&scene.shapes().into_iter().cloned().collect::<Vec<Block>>())
+                    .ok_or_else(|| SourceError::NoNeighbours { file: file.display().to_string() })?,
+            );
         }
         families.retain(|f| f.name() != "real");
         families.extend(blocks.into_iter().map(|real| Arc::new(real) as Arc<dyn families::Family>));
@@ -88,7 +89,10 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
     };
     let sets = names.into_iter().map(set_source).collect::<Result<Vec<_>, _>>()?;
     let sets_per_batch = sets.len().min(3);
-    Ok(FamilySource { seed: config.seed, pairs: PairConfig { families, sets, sets_per_batch, ..PairConfig::default() } })
+    Ok(FamilySource {
+        seed: config.seed,
+        pairs: PairConfig { families, sets, sets_per_batch, ..PairConfig::default() },
+    })
 }
 
 fn set_source(name: &str) -> Result<SetSource, SourceError> {

@@ -1,16 +1,17 @@
 //! `campaign`: generated and real pairs through every engine, differences explained, findings kept.
 
+use crate::cli::exit::{Outcome, Verdict, note, print};
 use crate::cli::table::{grouped, table};
+use anyhow::Context;
+use indicatif::{ProgressBar, ProgressStyle};
 use rockproof::campaign::attribution::Panel;
-use rockproof::campaign::builtin;
+use rockproof::campaign::builtin::{self, ENGINES};
 use rockproof::campaign::compare::Change;
 use rockproof::campaign::config::CampaignConfig;
 use rockproof::campaign::finding::{Cause, Finding};
 use rockproof::campaign::journal::{Journal, Progress, Start};
-use rockproof::campaign::run::{Campaign, Ending};
+use rockproof::campaign::run::{self, Ending};
 use rockproof::campaign::source::{self, FamilySource};
-use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -18,8 +19,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Arguments of `campaign`.
-#[derive(Args, Debug)]
+/// Compare engines with the oracle on generated and real pairs, and explain every difference
+///
+/// Writes findings.csv, summary.csv, run.json and the shrunk findings in cases/.
+#[derive(clap::Args)]
 #[command(after_help = "Examples:
   rockproof campaign                                  every family, f32 and f64, all presets; about a minute
   rockproof campaign --pairs 10000 --family sliver --engine stepper-f32 --tolerances shi
@@ -30,7 +33,7 @@ A finding's engine is `any` for a tolerance (it changes the exact answer for eve
 the input does, and an engine's name for its own arithmetic.
 
 Exit status: 0 done, 1 findings that --deny names, 2 usage or input error, 130 interrupted (go on with --resume).")]
-pub(crate) struct CampaignArgs {
+pub(crate) struct Campaign {
     /// TOML file of settings; the options below override it
     config: Option<PathBuf>,
     /// How many pairs
@@ -68,80 +71,79 @@ pub(crate) struct CampaignArgs {
     threads: usize,
 }
 
-/// Runs the command.
-pub(crate) fn run(args: CampaignArgs) -> Result<ExitCode, CliError> {
-    check_deny(&args.deny)?;
-    let config = configuration(&args)?;
-    let unknown = |name: String| CliError::NotOne { what: "engine", found: name, allowed: builtin::ENGINES.join(", ") };
-    let panel = builtin::panel(&config.engines, config.metamorphic_every).map_err(unknown)?;
-    let source = source::of(&config).map_err(|e| CliError::Other(e.to_string()))?;
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/campaign-{}", config.seed)));
-    let start = match (args.resume, args.force) {
-        (true, _) => Start::Resume,
-        (_, true) => Start::Force,
-        _ => Start::Fresh,
-    };
-    let identity = source::identity(&config).map_err(|e| CliError::Other(e.to_string()))?;
-    let mut journal = Journal::open(&out, identity, start)?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    // A second Ctrl-C ends the program at once; the journal bears it.
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
+impl Campaign {
+    pub(crate) fn run(&self) -> Outcome {
+        check_deny(&self.deny)?;
+        let config = self.configuration()?;
+        let panel = builtin::panel(&config.engines, config.metamorphic_every)
+            .map_err(|name| anyhow::anyhow!("engine \"{name}\" does not exist; there are {}", ENGINES.join(", ")))?;
+        let source = source::of(&config)?;
+        let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/campaign-{}", config.seed)));
+        let start = match (self.resume, self.force) {
+            (true, _) => Start::Resume,
+            (_, true) => Start::Force,
+            _ => Start::Fresh,
+        };
+        let mut journal = Journal::open(&out, source::identity(&config)?, start)?;
+        let stop = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&stop);
+        // A second Ctrl-C ends the program at once; the journal bears it.
+        ctrlc::set_handler(move || {
+            if flag.swap(true, Ordering::Relaxed) {
+                std::process::exit(130);
+            }
+        })
+        .context("cannot catch Ctrl-C")?;
+        let ending = work(&config, &panel, &source, self.threads, &mut journal, &stop)?;
+        let mut text = Vec::new();
+        report(&mut text, &journal, ending)?;
+        print(&String::from_utf8_lossy(&text))?;
+        if ending == Ending::Stopped {
+            return Ok(Verdict::Interrupted);
         }
-    })
-    .map_err(|e| CliError::Other(format!("cannot catch Ctrl-C: {e}")))?;
-    let ending = work(&config, &panel, &source, args.threads, &mut journal, &stop)?;
-    report(&mut std::io::stdout().lock(), &journal, ending).map_err(CliError::Print)?;
-    if ending == Ending::Stopped {
-        return Ok(ExitCode::from(130));
+        let summary = &journal.progress().summary;
+        let denied = |kind: &&String| if *kind == "any" { summary.total() > 0 } else { summary.count_of(kind) > 0 };
+        let denied: Vec<&String> = self.deny.iter().filter(denied).collect();
+        for kind in &denied {
+            note(&format!("denied: there are findings of kind {kind}"));
+        }
+        Ok(if denied.is_empty() { Verdict::Fine } else { Verdict::Objection })
     }
-    let summary = &journal.progress().summary;
-    let denied = |kind: &String| if kind == "any" { summary.total() > 0 } else { summary.count_of(kind) > 0 };
-    let denied: Vec<&String> = args.deny.iter().filter(|kind| denied(kind)).collect();
-    for kind in &denied {
-        eprintln!("denied: there are findings of kind {kind}");
+
+    fn configuration(&self) -> anyhow::Result<CampaignConfig> {
+        let mut config = match &self.config {
+            None => CampaignConfig::default(),
+            Some(path) => {
+                let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+                CampaignConfig::from_toml(&text).with_context(|| path.display().to_string())?
+            }
+        };
+        config.pairs = self.pairs.unwrap_or(config.pairs);
+        config.seed = self.seed.unwrap_or(config.seed);
+        for (given, setting) in [
+            (&self.engine, &mut config.engines),
+            (&self.tolerances, &mut config.tolerances),
+            (&self.family, &mut config.families),
+        ] {
+            if !given.is_empty() {
+                setting.clone_from(given);
+            }
+        }
+        if !self.real.is_empty() {
+            config.real.clone_from(&self.real);
+        }
+        Ok(config)
     }
-    Ok(if denied.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-fn check_deny(kinds: &[String]) -> Result<(), CliError> {
+fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
     let known = |kind: &str| kind == "any" || Cause::from_name(kind).is_some() || Change::from_name(kind).is_some();
-    match kinds.iter().find(|kind| !known(kind)) {
-        None => Ok(()),
-        Some(kind) => {
-            let names = Cause::ALL.map(Cause::name).into_iter().chain(Change::ALL.map(Change::name));
-            let allowed = std::iter::once("any").chain(names).collect::<Vec<_>>().join(", ");
-            Err(CliError::NotOne { what: "--deny", found: kind.clone(), allowed })
-        }
+    if let Some(kind) = kinds.iter().find(|kind| !known(kind)) {
+        let names = Cause::ALL.map(Cause::name).into_iter().chain(Change::ALL.map(Change::name));
+        let allowed = std::iter::once("any").chain(names).collect::<Vec<_>>().join(", ");
+        anyhow::bail!("--deny {kind}: no such kind; known are {allowed}");
     }
-}
-
-fn configuration(args: &CampaignArgs) -> Result<CampaignConfig, CliError> {
-    let mut config = match &args.config {
-        None => CampaignConfig::default(),
-        Some(path) => {
-            let file = path.display().to_string();
-            let text = std::fs::read_to_string(path).map_err(|source| CliError::Read { file: file.clone(), source })?;
-            CampaignConfig::from_toml(&text).map_err(|e| CliError::Toml { file, source: Box::new(e) })?
-        }
-    };
-    config.pairs = args.pairs.unwrap_or(config.pairs);
-    config.seed = args.seed.unwrap_or(config.seed);
-    for (given, setting) in [
-        (&args.engine, &mut config.engines),
-        (&args.tolerances, &mut config.tolerances),
-        (&args.family, &mut config.families),
-    ] {
-        if !given.is_empty() {
-            setting.clone_from(given);
-        }
-    }
-    if !args.real.is_empty() {
-        config.real.clone_from(&args.real);
-    }
-    Ok(config)
+    Ok(())
 }
 
 fn work(
@@ -151,9 +153,9 @@ fn work(
     threads: usize,
     journal: &mut Journal,
     stop: &AtomicBool,
-) -> Result<Ending, CliError> {
+) -> anyhow::Result<Ending> {
     let narrow = |finding: &Finding| builtin::panel_for(&config.engines, finding);
-    let campaign = Campaign { config, source, panel, narrow: &narrow, threads };
+    let campaign = run::Campaign { config, source, panel, narrow: &narrow, threads };
     let mut display = Display::new(config.pairs, journal.progress());
     let ending = campaign.run(journal, stop, &mut |progress| display.show(progress))?;
     display.end();

@@ -1,48 +1,51 @@
 //! `classify`: the contacts between the blocks of a file.
 
-use rockproof::combinations::{Combination, combinations};
+use crate::cli::exit::{Outcome, Verdict, print};
+use crate::cli::input::{ReadArgs, ToleranceArgs};
 use crate::cli::table::table;
-use rockproof::model::preset::Preset;
-use rockproof::model::scene::LoadOptions;
-use rockproof::model::spec::ToleranceSpec;
-use rockproof::model::{Block, Contact, Number, Precision, Scene, Sign, ToleranceSet};
+use anyhow::Context;
+use clap::ValueEnum;
+use rayon::prelude::*;
+use rockproof::model::{Block, Contact, Precision, Scene, Sign, ToleranceSet};
+use rockproof::oracle::combination::{Combination, combinations};
 use rockproof::oracle::rational::Rational;
 use rockproof::oracle::{Pair, Solid};
 use rockproof::stepper::Real;
 use rockproof::stepper::contact::{Solid as FloatSolid, Spec, Tolerances, classify};
-use clap::{Args, ValueEnum};
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Arguments of `classify`.
-#[derive(Args, Debug)]
+/// Classify the contacts between the blocks of a file
+///
+/// Contacts of all neighbouring pairs, or of one, with their entrances and gaps; beside them what several contacts amount
+/// to: faces on faces, edges on faces, parallel edges. Exits 0 also when nothing touches.
+#[derive(clap::Args)]
 #[command(after_help = "Examples:
   rockproof classify cases/real/slope_joints.dda
   rockproof classify cases/real/voronoi_120.txt --planarity 1e-4 --format csv
-  rockproof classify two.toml --engine f32 --tolerances shi --set search=0.1 --set overlap_sine=3/64 --pair 0,1")]
-pub(crate) struct ClassifyArgs {
-    /// Block file: .toml, .dda, .obj, .vtk, or voro++ text (.txt, .voro)
+  rockproof classify two.toml --engine f32 --tolerances shi --set search=1/10 --pair 0,1")]
+pub(crate) struct Classify {
+    /// Blocks: .toml, .dda, .obj, .vtk, or .txt and .voro for voro++
     file: PathBuf,
+
+    #[command(flatten)]
+    read: ReadArgs,
+
+    #[command(flatten)]
+    tolerances: ToleranceArgs,
+
     /// Who classifies
     #[arg(long, value_enum, default_value = "exact")]
     engine: EngineChoice,
-    /// Tolerance preset (auto, shi, zero) or TOML file [default: those of the file, or auto]
-    #[arg(long, value_name = "PRESET|FILE")]
-    tolerances: Option<String>,
-    /// Set one tolerance; may be repeated
-    #[arg(long, value_name = "NAME=VALUE")]
-    set: Vec<String>,
+
     /// Only this pair of blocks, numbered from 0
     #[arg(long, value_name = "I,J", value_parser = parse_pair)]
     pair: Option<(usize, usize)>,
+
     /// How to print
     #[arg(long, value_enum, default_value = "table")]
     format: Format,
-    /// How far a face may be from planar, as a share of the block's size
-    #[arg(long, value_name = "P")]
-    planarity: Option<Number>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -79,65 +82,36 @@ struct PairContacts {
     combined: Vec<Combination>,
 }
 
-/// Runs the command.
-pub(crate) fn run(args: ClassifyArgs) -> Result<ExitCode, CliError> {
-    let scene = Scene::load_with(&args.file, &LoadOptions { planarity: args.planarity.clone() })?;
-    let blocks = scene.shapes();
-    let precision = if args.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
-    let tolerances = tolerances(&args, &scene, &blocks, precision)?;
-    let pairs = match args.pair {
-        Some((i, j)) => {
-            if let Some(missing) = [i, j].into_iter().find(|&n| n >= blocks.len()) {
-                let last = blocks.len().saturating_sub(1);
-                let file = args.file.display();
-                return Err(CliError::Other(format!(
-                    "{file}: --pair names block {missing}; blocks are numbered 0 to {last}"
-                )));
+impl Classify {
+    pub(crate) fn run(&self) -> Outcome {
+        let scene = Scene::load_with(&self.file, &self.read.options())?;
+        let blocks = scene.shapes();
+        let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
+        let tolerances = self.tolerances.spec(scene.tolerances.as_ref())?.derive(&blocks, precision)?;
+        let pairs = match self.pair {
+            Some((i, j)) => {
+                if let Some(missing) = [i, j].into_iter().find(|&n| n >= blocks.len()) {
+                    let (file, count) = (self.file.display(), blocks.len());
+                    anyhow::bail!("{file}: --pair names block {missing}; the file has {count}, numbered from 0");
+                }
+                vec![(i, j)]
             }
-            vec![(i, j)]
-        }
-        None => neighbours(&blocks, &tolerances),
-    };
-    let found = match args.engine {
-        EngineChoice::Exact => exactly(&blocks, &pairs, &tolerances)?,
-        EngineChoice::F64 => in_floats::<f64>(&blocks, &pairs, &tolerances)?,
-        EngineChoice::F32 => in_floats::<f32>(&blocks, &pairs, &tolerances)?,
-    };
-    let out = &mut io::stdout().lock();
-    match args.format {
-        Format::Table => write_table(out, &found),
-        Format::Csv => write_csv(out, &found),
-        Format::Json => write_json(out, &found),
+            None => neighbours(&blocks, &tolerances),
+        };
+        let found = match self.engine {
+            EngineChoice::Exact => exactly(&blocks, &pairs, &tolerances),
+            EngineChoice::F64 => in_floats::<f64>(&blocks, &pairs, &tolerances)?,
+            EngineChoice::F32 => in_floats::<f32>(&blocks, &pairs, &tolerances)?,
+        };
+        let mut out = Vec::new();
+        match self.format {
+            Format::Table => write_table(&mut out, &found),
+            Format::Csv => write_csv(&mut out, &found),
+            Format::Json => write_json(&mut out, &found),
+        }?;
+        print(&String::from_utf8_lossy(&out))?;
+        Ok(Verdict::Fine)
     }
-    .map_err(CliError::Print)?;
-    Ok(ExitCode::SUCCESS)
-}
-
-fn tolerances(
-    args: &ClassifyArgs,
-    scene: &Scene,
-    blocks: &[&Block],
-    precision: Precision,
-) -> Result<ToleranceSet, CliError> {
-    let other = |e: rockproof::model::spec::SpecError| CliError::Other(format!("tolerances: {e}"));
-    let preset = |name: &str| {
-        let mut spec = ToleranceSpec::empty();
-        spec.set_text("preset", name).map(|()| spec)
-    };
-    let mut spec = match (&args.tolerances, &scene.tolerances) {
-        (Some(name), _) if Preset::from_name(name).is_some() => preset(name).map_err(other)?,
-        (Some(file), _) if Path::new(file).exists() => ToleranceSpec::load(file)?,
-        (Some(found), _) => {
-            let allowed = "auto, shi, zero, or an existing TOML file".to_owned();
-            return Err(CliError::NotOne { what: "--tolerances", found: found.clone(), allowed });
-        }
-        (None, Some(spec)) => spec.clone(),
-        (None, None) => preset("auto").map_err(other)?,
-    };
-    for assignment in &args.set {
-        spec.assign(assignment).map_err(|e| CliError::Other(format!("--set {assignment}: {e}")))?;
-    }
-    spec.resolve(blocks, precision).map_err(other)
 }
 
 /// Pairs of blocks whose boxes, grown by `search`, may meet, in order: a sort along x and a sweep. Boxes are those of the
@@ -167,11 +141,7 @@ fn neighbours(blocks: &[&Block], tolerances: &ToleranceSet) -> Vec<(usize, usize
     pairs
 }
 
-fn exactly(
-    blocks: &[&Block],
-    pairs: &[(usize, usize)],
-    tolerances: &ToleranceSet,
-) -> Result<Vec<PairContacts>, CliError> {
+fn exactly(blocks: &[&Block], pairs: &[(usize, usize)], tolerances: &ToleranceSet) -> Vec<PairContacts> {
     let solids: Vec<Solid> = blocks.iter().map(|b| Solid::new(b)).collect();
     pairs
         .par_iter()
@@ -183,7 +153,7 @@ fn exactly(
                 (contact, if gap.sign == Sign::Negative { -size } else { size })
             };
             let found = pair.classify(tolerances).contacts.into_iter().map(with_gap).collect();
-            Ok(with_combinations(blocks, (i, j), found))
+            with_combinations(blocks, (i, j), found)
         })
         .collect()
 }
@@ -192,12 +162,12 @@ fn in_floats<R: Real + Into<f64> + Send + Sync>(
     blocks: &[&Block],
     pairs: &[(usize, usize)],
     tolerances: &ToleranceSet,
-) -> Result<Vec<PairContacts>, CliError> {
-    let tolerances = Tolerances::<R>::new(tolerances).map_err(|e| CliError::Other(e.to_string()))?;
+) -> anyhow::Result<Vec<PairContacts>> {
+    let tolerances = Tolerances::<R>::new(tolerances)?;
     let solids = blocks
         .iter()
         .enumerate()
-        .map(|(n, b)| FloatSolid::<R>::new(b).map_err(|e| CliError::Other(format!("block {n}: {e}"))))
+        .map(|(n, b)| FloatSolid::<R>::new(b).with_context(|| format!("block {n}")))
         .collect::<Result<Vec<_>, _>>()?;
     let contacts = |&(i, j): &(usize, usize)| {
         let found = classify::<R, Spec>(&solids[i], &solids[j], &tolerances);
@@ -260,15 +230,9 @@ fn write_table(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
         .iter()
         .flat_map(|p| p.combined.iter().map(move |c| (p, c)))
         .map(|(p, c)| {
-            let kind = match c.kind {
-                "f-f" => "face-face",
-                "e-f" => "edge-face",
-                "f-e" => "face-edge",
-                _ => "parallel edges",
-            };
             let numbers = [p.a, p.b, c.a as usize, c.b as usize, c.contacts.len()].map(|n| n.to_string());
             let [a, b, fa, fb, count] = numbers;
-            vec![a, b, kind.to_owned(), fa, fb, count]
+            vec![a, b, c.kind.to_string(), fa, fb, count]
         })
         .collect();
     if !rows.is_empty() {
@@ -288,7 +252,7 @@ fn write_json(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
         })
     };
     let combination =
-        |c: &Combination| json!({ "kind": c.kind, "feature_a": c.a, "feature_b": c.b, "contacts": c.contacts });
+        |c: &Combination| json!({ "kind": c.kind.name(), "feature_a": c.a, "feature_b": c.b, "contacts": c.contacts });
     let touching: Vec<Value> = pairs
         .iter()
         .filter(|p| !p.found.is_empty())

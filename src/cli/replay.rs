@@ -1,23 +1,23 @@
 //! `replay`: what each engine and the oracle say about a case, side by side, and decision by decision where they part.
 
+use crate::cli::exit::{Outcome, Verdict, note, print};
 use crate::cli::table::table;
 use rockproof::campaign::builtin::{ENGINES, Exact, engine};
 use rockproof::campaign::case_file::{Case, contact_rows};
 use rockproof::campaign::engine::{EngineFailure, Oracle, Trace, guarded};
 use rockproof::campaign::explain::{Parted, parted};
 use rockproof::model::{Contact, Precision, ToleranceSet};
-use clap::Args;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-/// Arguments of `replay`.
-#[derive(Args, Debug)]
+/// Show what each engine and the oracle say about a case, decision by decision where they part
+#[derive(clap::Args)]
 #[command(after_help = "Example:
   rockproof replay reports/campaign-1/cases/v-f-arithmetic-….toml
 
 Exit status: 0 the exact answer is the one the case records, 1 it is another, 2 input error.")]
-pub(crate) struct ReplayArgs {
+pub(crate) struct Replay {
     /// The case
     case: PathBuf,
 }
@@ -37,21 +37,24 @@ struct Parting {
     roundoff: f64,
 }
 
-/// Runs the command.
-pub(crate) fn run(args: ReplayArgs) -> Result<ExitCode, CliError> {
-    let case = Case::load(&args.case)?;
-    let (said, partings) = answers(&case);
-    show(&mut io::stdout().lock(), &case, &said, &partings).map_err(CliError::Print)?;
-    let recorded = match case.about.cause.as_str() {
-        "tolerance" => &said[0],
-        "representation" => &said[1],
-        _ => said.iter().find(|s| s.name == format!("exact {}", precision_name(&case))).unwrap_or(&said[1]),
-    };
-    if recorded.contacts.as_deref().is_ok_and(|contacts| contact_rows(contacts) == case.about.expected) {
-        return Ok(ExitCode::SUCCESS);
+impl Replay {
+    pub(crate) fn run(&self) -> Outcome {
+        let case = Case::load(&self.case)?;
+        let (said, partings) = answers(&case);
+        let mut out = Vec::new();
+        show(&mut out, &case, &said, &partings)?;
+        print(&String::from_utf8_lossy(&out))?;
+        let recorded = match case.about.cause.as_str() {
+            "tolerance" => &said[0],
+            "representation" => &said[1],
+            _ => said.iter().find(|s| s.name == format!("exact {}", precision_name(&case))).unwrap_or(&said[1]),
+        };
+        if recorded.contacts.as_deref().is_ok_and(|contacts| contact_rows(contacts) == case.about.expected) {
+            return Ok(Verdict::Fine);
+        }
+        note(&format!("the answer of \"{}\" is not the one the case expects", recorded.name));
+        Ok(Verdict::Objection)
     }
-    eprintln!("the answer of \"{}\" is not the one the case expects", recorded.name);
-    Ok(ExitCode::from(1))
 }
 
 /// The precision of the engine the case is about.

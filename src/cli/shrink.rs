@@ -1,19 +1,23 @@
 //! `shrink`: a case made smaller while it shows the same finding.
 
+use crate::cli::exit::{Outcome, Verdict, print};
+use anyhow::Context;
 use rockproof::campaign::builtin::{self, ENGINES};
-use rockproof::campaign::case_file::Case;
+use rockproof::campaign::case_file::{About, Case};
 use rockproof::campaign::compare::Change;
 use rockproof::campaign::finding::Who;
 use rockproof::campaign::shrink::Shrinker;
+use rockproof::model::Block;
 use rockproof::model::files::write_atomically;
-use clap::Args;
 use std::path::PathBuf;
 
-/// Arguments of `shrink`.
-#[derive(Args, Debug)]
+/// Make a case smaller
+///
+/// Fewer vertices, shorter numbers, simpler tolerances, for as long as engine, cause, change and deciding predicate stay.
+#[derive(clap::Args)]
 #[command(after_help = "Example:
   rockproof shrink reports/campaign-1/cases/v-f-arithmetic-….toml --out small.toml")]
-pub(crate) struct ShrinkArgs {
+pub(crate) struct Shrink {
     /// The case
     case: PathBuf,
     /// Where to write the smaller case [default: the case's own file]
@@ -24,35 +28,31 @@ pub(crate) struct ShrinkArgs {
     evaluations: u64,
 }
 
-/// Runs the command.
-pub(crate) fn run(args: ShrinkArgs) -> Result<ExitCode, CliError> {
-    let case = Case::load(&args.case)?;
-    let file = args.case.display();
-    let who = Who::from_name(&case.about.engine);
-    let names = ENGINES.map(str::to_owned);
-    let change = Change::from_name(&case.about.change)
-        .ok_or_else(|| CliError::Other(format!("{file}: no change \"{}\"", case.about.change)))?;
-    let panel = builtin::narrow_panel(&names, &who, change);
-    if panel.engines.is_empty() {
-        let allowed = format!("any, f32, f64, {}", ENGINES.join(", "));
-        return Err(CliError::NotOne { what: "engine", found: case.about.engine, allowed });
-    }
-    if case.findings(&panel).is_empty() {
+impl Shrink {
+    pub(crate) fn run(&self) -> Outcome {
+        let case = Case::load(&self.case)?;
         let about = &case.about;
-        let what = format!("{} {} by {} ({})", about.cause, about.change, about.engine, about.predicate);
-        return Err(CliError::Other(format!("{file}: the pair does not show its finding: {what}")));
+        let who = Who::from_name(&about.engine);
+        let change = Change::from_name(&about.change).context("no such change")?;
+        let panel = builtin::narrow_panel(&ENGINES.map(str::to_owned), &who, change);
+        let file = self.case.display();
+        if panel.engines.is_empty() {
+            anyhow::bail!("{file}: engine is \"{}\"; known are any, f32, f64, {}", about.engine, ENGINES.join(", "));
+        }
+        if case.findings(&panel).is_empty() {
+            let About { cause, change, engine, predicate, .. } = about;
+            anyhow::bail!("{file}: the pair does not show its finding: {cause} {change} by {engine} ({predicate})");
+        }
+        let before = size(&case);
+        let small = Shrinker::new(&panel, self.evaluations).shrink(case);
+        let out = self.out.as_ref().unwrap_or(&self.case);
+        write_atomically(out, small.to_toml()?).with_context(|| out.display().to_string())?;
+        print(&format!("before: {before}\nafter:  {}\nwritten to {}\n", size(&small), out.display()))?;
+        Ok(Verdict::Fine)
     }
-    let size = |case: &Case| {
-        let count =
-            |b: &rockproof::model::Block| format!("{} vertices, {} faces", b.vertices().len(), b.topology().faces().len());
-        format!("A {}; B {}", count(&case.a), count(&case.b))
-    };
-    let before = size(&case);
-    let small = Shrinker::new(&panel, args.evaluations).shrink(case);
-    let text = small.to_toml().map_err(|e| CliError::Other(e.to_string()))?;
-    let out = args.out.unwrap_or(args.case);
-    write_atomically(&out, text.as_bytes())
-        .map_err(|source| CliError::Read { file: out.display().to_string(), source })?;
-    println!("before: {before}\nafter:  {}\nwritten to {}", size(&small), out.display());
-    Ok(ExitCode::SUCCESS)
+}
+
+fn size(case: &Case) -> String {
+    let count = |b: &Block| format!("{} vertices, {} faces", b.vertices().len(), b.topology().faces().len());
+    format!("A {}; B {}", count(&case.a), count(&case.b))
 }
