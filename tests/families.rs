@@ -12,7 +12,8 @@ use rockproof::campaign::families::{self, Family};
 use rockproof::campaign::ladder::TOLERANCES;
 use rockproof::campaign::pairs::{BATCH, Form, PairCase, PairConfig, batch};
 use rockproof::model::decision::Predicate;
-use rockproof::model::{Block, BlockOptions, Number, Precision, Sign};
+use rockproof::model::{Block, BlockOptions, ContactKind, Number, Precision, Sign};
+use rockproof::oracle::{Pair, Solid};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -132,6 +133,46 @@ fn ties_that_f32_holds_are_frequent() {
     println!("{held:#?}");
     for predicate in MOVED.iter().chain(&CHOSEN) {
         assert!(held.get(predicate).copied().unwrap_or(0) >= 2, "{predicate}: {held:?}");
+    }
+}
+
+/// What the oracle says of the base pairs and of the pairs made from them: every kind a family is for, and whether the
+/// decisions aimed at are asked at all, and tie where the aim is exact.
+#[test]
+fn the_oracle_sees_the_kinds_and_the_aims() {
+    let mut aims: BTreeMap<Predicate, [u32; 4]> = BTreeMap::new();
+    println!("{:22} {}", "pairs with", ContactKind::ALL.map(|k| format!("{:>5}", k.name())).join(" "));
+    for family in families::all() {
+        let (name, reaches) = (family.name(), family.reaches());
+        let mut kinds: BTreeMap<ContactKind, u32> = BTreeMap::new();
+        let config = only(family);
+        for case in (0..40).flat_map(|k| batch(21, k, &config)) {
+            let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
+            let pair = Pair::new(&a, &b);
+            let set = case.sets[0].of(case.aimed_for);
+            let contacts = pair.classify(set).contacts;
+            let found: std::collections::BTreeSet<ContactKind> = contacts.iter().map(|c| c.kind).collect();
+            for kind in found {
+                *kinds.entry(kind).or_default() += 1;
+            }
+            let Some(decision) = case.form.decision() else { continue };
+            let entry = pair.trace(set).into_iter().find(|e| e.decision == *decision);
+            let tie = case.margin == Some(Sign::Zero);
+            let counts = aims.entry(decision.predicate).or_default();
+            counts[0] += 1;
+            counts[1] += u32::from(entry.is_some());
+            counts[2] += u32::from(tie);
+            counts[3] += u32::from(tie && entry.is_some_and(|e| e.tie));
+        }
+        let count = |k: &ContactKind| kinds.get(k).copied().unwrap_or(0);
+        println!("{name:22} {}", ContactKind::ALL.map(|k| format!("{:5}", count(&k))).join(" "));
+        for kind in reaches {
+            assert!(count(kind) >= 8, "{name} is for {kind}, and has it in {} of 640 pairs", count(kind));
+        }
+    }
+    println!("{:20} {:>6} {:>6} {:>6} {:>6}", "aims", "all", "asked", "exact", "tie");
+    for (predicate, [all, asked, exact, tie]) in &aims {
+        println!("{:20} {all:6} {asked:6} {exact:6} {tie:6}", predicate.name());
     }
 }
 

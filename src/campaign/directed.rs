@@ -20,20 +20,20 @@
 //! [`ladder`](super::ladder) changes the tolerance they are compared with instead.
 
 mod check;
-mod edges;
+pub(crate) mod edges;
 pub(crate) mod exact;
-mod faces;
+pub(crate) mod faces;
 pub(crate) mod shadow;
-mod vertices;
+pub(crate) mod vertices;
 
 use super::families::Kit;
-use exact::Affine;
+use exact::{Affine, Exact};
 use num_rational::BigRational;
 use num_traits::Zero;
-use rockproof_model::decision::{Decision, Predicate, Side};
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::number::{power_of_two, round_rational};
-use rockproof_model::{Block, Number, Precision, Sign, ToleranceSet};
-use shadow::{Shadow, quantum};
+use rockproof_model::{Block, Criteria, Number, Precision, Sign, ToleranceSet};
+use shadow::{Shadow, V, dot, length, minus, quantum, times};
 
 /// Where B has to be for a decision to be on its boundary.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,23 +93,14 @@ pub const CHOSEN: [Predicate; 2] = [Predicate::EntranceChoice, Predicate::Shorte
 /// Where other decisions of the same test would keep this one from being asked, or from mattering, the answer is
 /// `None` too: try again.
 pub fn aim(kit: &mut Kit<'_>, (a, b): (&Block, &Block), set: &ToleranceSet, predicate: Predicate) -> Option<Aim> {
-    let shadow = Shadow::of(a, b);
-    let pair = Pair {
-        shadow: &shadow,
-        set,
-        precision: if a.is_exact_in(Precision::F32) && b.is_exact_in(Precision::F32) {
-            Precision::F32
-        } else {
-            Precision::F64
-        },
-    };
+    let pair = Pair::new(a, b, set);
     let aim = match predicate {
         Predicate::Neighbours => vertices::neighbours(kit, &pair),
         Predicate::VertexVertexNear | Predicate::VertexTerritory => vertices::distance(kit, &pair, predicate),
         Predicate::VertexRegion => vertices::region(kit, &pair),
-        Predicate::FootInside | Predicate::EdgeRegion | Predicate::FootRegion => {
-            edges::vertex_edge(kit, &pair, predicate)
-        }
+        Predicate::FootInside => edges::foot_inside(kit, &pair),
+        Predicate::EdgeRegion => edges::edge_region(kit, &pair),
+        Predicate::FootRegion => edges::foot_region(kit, &pair),
         Predicate::VertexEdgeNear | Predicate::EdgeTerritory => edges::distance(kit, &pair, predicate),
         Predicate::VertexFaceNear | Predicate::VertexFaceDepth | Predicate::InsideFace => {
             faces::vertex_face(kit, &pair, predicate)
@@ -127,47 +118,106 @@ pub fn aim(kit: &mut Kit<'_>, (a, b): (&Block, &Block), set: &ToleranceSet, pred
 }
 
 /// What every aim needs to know of the pair.
-struct Pair<'p> {
-    shadow: &'p Shadow<'p>,
-    set: &'p ToleranceSet,
+pub(in crate::campaign) struct Pair<'p> {
+    pub(in crate::campaign) shadow: Shadow<'p>,
+    pub(in crate::campaign) set: &'p ToleranceSet,
     /// The coarsest precision that holds the pair: offsets are kept to its spacing where they can be.
     precision: Precision,
 }
 
-impl Pair<'_> {
-    fn blocks(&self) -> (&Block, &Block) {
+impl<'p> Pair<'p> {
+    pub(in crate::campaign) fn new(a: &'p Block, b: &'p Block, set: &'p ToleranceSet) -> Pair<'p> {
+        let held = a.is_exact_in(Precision::F32) && b.is_exact_in(Precision::F32);
+        let precision = if held { Precision::F32 } else { Precision::F64 };
+        Pair { shadow: Shadow::of(a, b), set, precision }
+    }
+
+    fn blocks(&self) -> (&'p Block, &'p Block) {
         (self.shadow.a, self.shadow.b)
+    }
+
+    /// The lattice of these vertices with B moved by `start`.
+    pub(in crate::campaign) fn exact(&self, vertices: &[(Side, u32)], start: V) -> Exact<'p> {
+        Exact::new(self.blocks(), vertices, start, self.set)
     }
 
     fn search(&self) -> f64 {
         self.set.search.approximate()
     }
 
-    fn penetration(&self) -> f64 {
+    pub(in crate::campaign) fn penetration(&self) -> f64 {
         self.set.penetration.approximate()
     }
 
+    /// An upper bound of the territory radii.
+    pub(in crate::campaign) fn territory(&self) -> f64 {
+        match self.set.criteria {
+            Criteria::Classic => self.search(),
+            Criteria::Revised => self.set.territory.approximate(),
+        }
+    }
+
     /// A random vector of at most about `reach` in each component, on the grid.
-    fn jitter(&self, kit: &mut Kit<'_>, reach: f64) -> shadow::V {
+    fn jitter(&self, kit: &mut Kit<'_>, reach: f64) -> V {
         let part = |kit: &mut Kit<'_>| reach * kit.between(-64, 64) as f64 / 64.0;
-        self.shadow.on_grid([part(kit), part(kit), part(kit)], self.precision)
+        self.on_grid([part(kit), part(kit), part(kit)])
+    }
+
+    fn on_grid(&self, vector: V) -> V {
+        self.shadow.on_grid(vector, self.precision)
+    }
+
+    /// The offset of B, on the grid, that brings a vertex to `target` (where the other block's features are now).
+    pub(in crate::campaign) fn bring(&self, (side, vertex): (Side, u32), target: V) -> V {
+        let way = minus(target, self.shadow.vertex(side, vertex));
+        self.on_grid(if side == Side::B { way } else { times(way, -1.0) })
+    }
+
+    pub(in crate::campaign) fn corners(&self, side: Side, face: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
+        self.shadow.block(side).topology().faces()[face as usize].iter().map(move |&v| (side, v))
+    }
+
+    /// The vertices of the two faces at an edge, its ends among them.
+    pub(in crate::campaign) fn beside(&self, side: Side, edge: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
+        let e = self.shadow.block(side).topology().edges()[edge as usize];
+        self.corners(side, e.left).chain(self.corners(side, e.right))
+    }
+
+    /// Whether the cone at a vertex passes a face plane, as far as f64 can tell; `but` one edge.
+    pub(in crate::campaign) fn cone_passes(&self, (side, vertex): (Side, u32), face: u32, but: Option<u32>) -> bool {
+        let n = self.shadow.normal(side.other(), face);
+        let topology = self.shadow.block(side).topology();
+        let (sine, depth) = (self.set.overlap_sine.approximate(), self.penetration());
+        topology.vertex_edges(vertex).iter().filter(|e| Some(**e) != but).all(|&e| {
+            let end = topology.edges()[e as usize].other(vertex);
+            let arm = minus(self.shadow.vertex(side, end), self.shadow.vertex(side, vertex));
+            let dip = -dot(arm, n);
+            let slack = f64::EPSILON * 64.0 * length(arm);
+            dip <= sine * length(arm) + slack || (self.set.criteria == Criteria::Revised && dip <= depth)
+        })
     }
 }
 
-/// The aim at the zero of an affine margin, by a move along one axis (mostly the one that matters most).
-fn linear(kit: &mut Kit<'_>, exact: &exact::Exact<'_>, decision: Decision, margin: &Affine) -> Option<Aim> {
+/// The aim at the zero of an affine margin, by a move along one axis: one that matters, and mostly one along which the
+/// place is binary if there is such, so that the tie survives in a float.
+fn linear(kit: &mut Kit<'_>, exact: &Exact<'_>, decision: Decision, margin: &Affine) -> Option<Aim> {
     let slopes = margin.gradient.components();
-    let weight = |i: &usize| slopes[*i].magnitude().clone();
-    let steepest = (0..3).max_by_key(weight)?;
-    let other = kit.below(3) as usize;
-    let axis = if slopes[other].magnitude() * 8u32 >= *slopes[steepest].magnitude() { other } else { steepest };
-    if slopes[axis].is_zero() {
+    let steepest = slopes.iter().map(|c| c.magnitude()).max()?;
+    if steepest.is_zero() {
         return None;
     }
-    let units = BigRational::new(-&margin.constant, slopes[axis].clone());
+    let first = kit.below(3) as usize;
+    let axes = (0..3).map(|i| (first + i) % 3).filter(|&i| slopes[i].magnitude() * 8u32 >= *steepest);
+    let places = axes.map(|i| (i, exact.metres(&BigRational::new(-&margin.constant, slopes[i].clone()))));
+    let mut places: Vec<(usize, BigRational)> = places.collect();
+    let binary = |(_, place): &(usize, BigRational)| {
+        place.denom().trailing_zeros().map(|twos| twos + 1) == Some(place.denom().bits())
+    };
+    let wanted = if kit.chance(75) { places.iter().position(binary).unwrap_or(0) } else { 0 };
+    let (axis, place) = places.swap_remove(wanted);
     Some(Aim {
         decision,
-        root: exact.offset(axis, &units),
+        root: exact.offset(axis, place),
         exact: margin.exact,
         axis,
         rising: slopes[axis].sign() == num_bigint::Sign::Plus,
@@ -176,12 +226,12 @@ fn linear(kit: &mut Kit<'_>, exact: &exact::Exact<'_>, decision: Decision, margi
 }
 
 /// A decision about features of the two sides.
-fn about(predicate: Predicate, features: &[rockproof_model::decision::Feature]) -> Decision {
+fn about(predicate: Predicate, features: &[Feature]) -> Decision {
     Decision::about(predicate, features)
 }
 
 /// One of the two sides.
-fn side(kit: &mut Kit<'_>) -> Side {
+pub(in crate::campaign) fn side(kit: &mut Kit<'_>) -> Side {
     if kit.chance(50) { Side::A } else { Side::B }
 }
 

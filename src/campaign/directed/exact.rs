@@ -191,10 +191,10 @@ impl<'p> Exact<'p> {
         margin
     }
 
-    /// The offset (m) of B from where the block is, when it is `units` lattice units beyond its start along `axis`.
-    pub(in crate::campaign) fn offset(&self, axis: usize, units: &BigRational) -> [BigRational; 3] {
+    /// The offset (m) of B from where the block is, when it is `metres` beyond its start along `axis`.
+    pub(in crate::campaign) fn offset(&self, axis: usize, metres: BigRational) -> [BigRational; 3] {
         let mut offset = self.start.each_ref().map(Number::to_rational);
-        offset[axis] += self.metres(units);
+        offset[axis] += metres;
         offset
     }
 
