@@ -32,6 +32,7 @@ use num_rational::BigRational;
 use num_traits::Zero;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::number::{power_of_two, round_rational};
+use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, Criteria, Number, Precision, Sign, ToleranceSet};
 use shadow::{Shadow, V, dot, length, minus, quantum, times};
 
@@ -183,17 +184,22 @@ impl<'p> Pair<'p> {
         self.corners(side, e.left).chain(self.corners(side, e.right))
     }
 
+    /// How far the end of an edge at a vertex dips below the direction of a face's plane (m), in f64.
+    pub(in crate::campaign) fn dip(&self, (side, vertex): (Side, u32), face: u32, edge: u32) -> f64 {
+        let end = self.shadow.block(side).topology().edges()[edge as usize].other(vertex);
+        let arm = minus(self.shadow.vertex(side, end), self.shadow.vertex(side, vertex));
+        -dot(arm, self.shadow.normal(side.other(), face))
+    }
+
     /// Whether the cone at a vertex passes a face plane, as far as f64 can tell; `but` one edge.
     pub(in crate::campaign) fn cone_passes(&self, (side, vertex): (Side, u32), face: u32, but: Option<u32>) -> bool {
-        let n = self.shadow.normal(side.other(), face);
-        let topology = self.shadow.block(side).topology();
+        let edges = self.shadow.block(side).topology().vertex_edges(vertex).iter();
         let (sine, depth) = (self.set.overlap_sine.approximate(), self.penetration());
-        topology.vertex_edges(vertex).iter().filter(|e| Some(**e) != but).all(|&e| {
-            let end = topology.edges()[e as usize].other(vertex);
-            let arm = minus(self.shadow.vertex(side, end), self.shadow.vertex(side, vertex));
-            let dip = -dot(arm, n);
-            let slack = f64::EPSILON * 64.0 * length(arm);
-            dip <= sine * length(arm) + slack || (self.set.criteria == Criteria::Revised && dip <= depth)
+        edges.filter(|e| Some(**e) != but).all(|&e| {
+            let dip = self.dip((side, vertex), face, e);
+            let long = length(self.shadow.edge(side, e).1);
+            let slack = f64::EPSILON * 64.0 * long;
+            dip <= sine * long + slack || (self.set.criteria == Criteria::Revised && dip <= depth)
         })
     }
 }
@@ -208,11 +214,9 @@ fn linear(kit: &mut Kit<'_>, exact: &Exact<'_>, decision: Decision, margin: &Aff
     }
     let first = kit.below(3) as usize;
     let axes = (0..3).map(|i| (first + i) % 3).filter(|&i| slopes[i].magnitude() * 8u32 >= *steepest);
-    let places = axes.map(|i| (i, exact.metres(&BigRational::new(-&margin.constant, slopes[i].clone()))));
+    let places = axes.map(|i| (i, exact.metres(&-&margin.constant, slopes[i])));
     let mut places: Vec<(usize, BigRational)> = places.collect();
-    let binary = |(_, place): &(usize, BigRational)| {
-        place.denom().trailing_zeros().map(|twos| twos + 1) == Some(place.denom().bits())
-    };
+    let binary = |(_, place): &(usize, BigRational)| exact::is_power_of_two(place.denom());
     let wanted = if kit.chance(75) { places.iter().position(binary).unwrap_or(0) } else { 0 };
     let (axis, place) = places.swap_remove(wanted);
     Some(Aim {
@@ -276,20 +280,25 @@ impl Aim {
     }
 
     fn sign_at(&self, offset: &[Number; 3], spacing: f64) -> Option<Sign> {
-        let beyond: Vec<BigRational> = offset.iter().zip(&self.root).map(|(o, r)| o.to_rational() - r).collect();
-        let others_fit = (0..3).all(|i| i == self.axis || beyond[i].is_zero());
-        let along = &beyond[self.axis];
-        let small = Number::from_f64(spacing * power_of_two(-20)).ok()?.to_rational();
-        let certain = if others_fit {
-            self.exact || *along > small || -along > small
-        } else {
-            // Rounding the other coordinates moves them by half a step at most; four along a steep axis outdo that.
-            let four = Number::from_f64(4.0 * spacing).ok()?.to_rational();
-            *along > four || -along > four
+        let offset = offset.each_ref().map(Number::to_rational);
+        let others_fit = (0..3).all(|i| i == self.axis || offset[i] == self.root[i]);
+        // Beyond the root by `beyond / over`; no fraction is reduced for a sign.
+        let (at, root) = (&offset[self.axis], &self.root[self.axis]);
+        let beyond = at.numer() * root.denom() - root.numer() * at.denom();
+        let over = at.denom() * root.denom();
+        let further_than = |metres: f64| {
+            let limit = Number::from_f64(metres).unwrap_or(Number::ZERO).to_rational();
+            beyond.magnitude() * limit.denom().magnitude() > limit.numer().magnitude() * over.magnitude()
         };
-        let certain = certain && round_rational(along, Precision::F64)?.abs() < self.reach;
-        let sign = rockproof_model::ring::ExactRing::sign(along);
-        certain.then_some(if self.rising { sign } else { sign.reversed() })
+        // Rounding the other coordinates moves them by half a step at most; four along a steep axis outdo that.
+        let certain = match (others_fit, self.exact) {
+            (true, true) => true,
+            (true, false) => further_than(spacing * power_of_two(-20)),
+            (false, _) => further_than(4.0 * spacing),
+        };
+        let within = self.reach == f64::INFINITY || !further_than(self.reach);
+        let sign = ExactRing::sign(&beyond);
+        (certain && within).then_some(if self.rising { sign } else { sign.reversed() })
     }
 }
 

@@ -250,7 +250,7 @@ impl Rungs<'_, '_, '_> {
     fn predicate(&mut self) -> Predicate {
         let concave = !(self.base.a.is_convex() && self.base.b.is_convex());
         match self.kit.below(20) {
-            0..=2 if concave => Predicate::ShortestExit,
+            0..=6 if concave => Predicate::ShortestExit,
             0..=2 => Predicate::EntranceChoice,
             _ => *self.kit.pick(&directed::MOVED),
         }
@@ -280,7 +280,11 @@ impl Rungs<'_, '_, '_> {
 
     /// A critical value of one tolerance; an exact one if a few tries meet one, for only there is a tie.
     fn critical(&mut self, set: &ToleranceSet) -> Option<Critical> {
-        let tolerance = self.kit.pick(&ladder::TOLERANCES);
+        // The angles settle four decisions, the edges' angle one that every pair has.
+        let [search, territory, penetration, overlap, parallel, equal] = ladder::TOLERANCES;
+        let weighted =
+            [search, territory, territory, penetration, penetration, overlap, overlap, overlap, parallel, equal];
+        let tolerance = self.kit.pick(&weighted);
         let mut found: Option<Critical> = None;
         for _ in 0..3 {
             let next = ladder::critical(self.kit, (&self.base.a, &self.base.b), set, tolerance);

@@ -168,11 +168,13 @@ fn outward(kit: &mut Kit<'_>, exact: &Exact<'_>, side: Side, edge: u32) -> Optio
         }
     }
     // A 3-4-5 mixture of a normal and the in-plane direction square to it, where both lengths are whole.
-    if let [(n, n_norm), (m, m_norm), _, _] = &choices[..] {
-        if n_norm.is_exact() && m_norm.is_exact() && kit.chance(50) {
-            let u = n.scaled(&(&m_norm.root * 3)).plus(&m.scaled(&(&n_norm.root * 4)));
-            choices.push((u, Root { root: &n_norm.root * &m_norm.root * 5, shift: 0 }));
-        }
+    if let [(n, n_norm), (m, m_norm), _, _] = &choices[..]
+        && n_norm.is_exact()
+        && m_norm.is_exact()
+        && kit.chance(50)
+    {
+        let u = n.scaled(&(&m_norm.root * 3)).plus(&m.scaled(&(&n_norm.root * 4)));
+        choices.push((u, Root { root: &n_norm.root * &m_norm.root * 5, shift: 0 }));
     }
     let whole: Vec<usize> = (0..choices.len()).filter(|&i| choices[i].1.is_exact()).collect();
     let i = if whole.is_empty() { kit.below(choices.len() as u64) as usize } else { *kit.pick(&whole) };

@@ -1,7 +1,7 @@
 //! Finding the decision that a tolerance settles, and the square of the value at which it does.
 
 use crate::campaign::directed::edges::across;
-use crate::campaign::directed::exact::{Exact, Root};
+use crate::campaign::directed::exact::{Exact, Root, fraction};
 use crate::campaign::directed::faces::{Corner, over_face, ridge_under_vertex, under_faces};
 use crate::campaign::directed::shadow::{V, cross, length, minus};
 use crate::campaign::directed::vertices::DRAWS;
@@ -65,7 +65,7 @@ fn to_vertex(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found 
     let exact = pair.exact(&[(Side::A, va), (Side::B, vb)], STAY);
     let apart = exact.vertex(Side::A, va).minus(&exact.vertex(Side::B, vb));
     let decision = Decision::about(predicate, &[Feature::Vertex(Side::A, va), Feature::Vertex(Side::B, vb)]);
-    Some((decision, square_metres(&exact, apart.norm_squared(), BigInt::one()), STAY))
+    Some((decision, exact.square_metres(&apart.norm_squared(), &BigInt::one()), STAY))
 }
 
 /// λ times the shortest edge at a vertex, a little less to be sure.
@@ -87,7 +87,7 @@ fn to_edge(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
     let d = exact.direction(other, e);
     let x = exact.vertex(asked, v).minus(&exact.vertex(other, exact.edge(other, e).p));
     let decision = Decision::about(predicate, &[Feature::Vertex(asked, v), Feature::Edge(other, e)]);
-    Some((decision, square_metres(&exact, x.cross(&d).norm_squared(), d.norm_squared()), STAY))
+    Some((decision, exact.square_metres(&x.cross(&d).norm_squared(), &d.norm_squared()), STAY))
 }
 
 /// λ times the smaller width of the faces at an edge, a little less to be sure.
@@ -133,20 +133,21 @@ fn both_edges<'p>(pair: &Pair<'p>, (ea, eb): (u32, u32), start: V) -> Exact<'p> 
 /// `gap²/square`, where the gap has the sign that the decision asks about.
 fn depth_or_gap(exact: &Exact<'_>, decision: Decision, gap: &BigInt, square: BigInt) -> Found {
     let deep = matches!(decision.predicate, Predicate::VertexFaceDepth | Predicate::EdgeEdgeDepth);
-    (!gap.is_zero() && deep == gap.is_negative()).then(|| (decision, square_metres(exact, gap * gap, square), STAY))
+    (!gap.is_zero() && deep == gap.is_negative()).then(|| (decision, exact.square_metres(&(gap * gap), &square), STAY))
 }
 
 /// The one edge direction at a vertex that dips below a plane: the sine of its angle, or (`by_depth`) the depth of its
 /// far end. The vertex is brought over the face.
 fn cone(kit: &mut Kit<'_>, pair: &Pair<'_>, by_depth: bool) -> Found {
-    let asked = side(kit);
+    let (asked, v, f, edge) = (0..DRAWS).find_map(|_| {
+        let asked = side(kit);
+        let (v, f) = pair.shadow.vertex_face(kit, asked);
+        let edge = *kit.pick(pair.shadow.block(asked).topology().vertex_edges(v));
+        // The decision matters only where the other edges pass.
+        let alone = pair.cone_passes((asked, v), f, Some(edge)) && pair.dip((asked, v), f, edge) > 0.0;
+        alone.then_some((asked, v, f, edge))
+    })?;
     let other = asked.other();
-    let (v, f) = pair.shadow.vertex_face(kit, asked);
-    let edge = *kit.pick(pair.shadow.block(asked).topology().vertex_edges(v));
-    // The decision matters only where the other edges pass.
-    if !pair.cone_passes((asked, v), f, Some(edge)) {
-        return None;
-    }
     let start = over_face(kit, pair, (asked, v), f, None);
     let end = pair.shadow.block(asked).topology().edges()[edge as usize].other(v);
     let exact = pair.exact(&pair.corners(other, f).chain([(asked, v), (asked, end)]).collect::<Vec<_>>(), start);
@@ -210,7 +211,7 @@ fn one_exit(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
     }
     let both = [Feature::Vertex(asked, vertex), Feature::Face(other, if left_is_deep { e.left } else { e.right })];
     let features = if asked == Side::A { both } else { [both[1], both[0]] };
-    let sine = BigRational::new(n.cross(&m).norm_squared(), n.norm_squared() * m.norm_squared());
+    let sine = fraction(n.cross(&m).norm_squared(), n.norm_squared() * m.norm_squared());
     Some((Decision::about(Predicate::OneExit, &features), sine, start))
 }
 
@@ -222,8 +223,8 @@ fn nearly_parallel(kit: &mut Kit<'_>, pair: &Pair<'_>, by_territory: bool) -> Fo
     let exact = both_edges(pair, (ea, eb), start);
     let (d1, d2) = (exact.direction(Side::A, ea), exact.direction(Side::B, eb));
     let (cross, l1, l2) = (d1.cross(&d2).norm_squared(), d1.norm_squared(), d2.norm_squared());
-    let sine = BigRational::new(cross.clone(), &l1 * &l2);
-    let drift = square_metres(&exact, cross, l1.max(l2));
+    let sine = fraction(cross.clone(), &l1 * &l2);
+    let drift = exact.square_metres(&cross, &l1.max(l2));
     // Under `revised` either tolerance is enough; one can only decide where the other says no.
     let by_sine = sine <= pair.set.parallel_sine.to_rational().pow(2);
     let by_drift = pair.set.criteria == Criteria::Revised && drift <= pair.set.territory.to_rational().pow(2);
@@ -250,7 +251,7 @@ fn equal(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
         .map(|&f| {
             let (gap, square, k) = exact.gap(asked, corner.vertex, f);
             let sign = gap.constant.signum();
-            (f, BigRational::new(sign * &gap.constant * &gap.constant, square * &k * &k))
+            (f, fraction(sign * &gap.constant * &gap.constant, square * &k * &k))
         })
         .collect();
     let (best, largest) = gaps.iter().max_by(|g, h| g.1.cmp(&h.1).then(h.0.cmp(&g.0)))?;
@@ -282,10 +283,10 @@ struct Dip {
 impl Dip {
     /// The square of the sine or depth that would let this dip pass, if the other tolerance does not.
     fn critical(&self, exact: &Exact<'_>, set: &ToleranceSet, by_depth: bool) -> Option<BigRational> {
-        let sine = BigRational::new(self.squared.clone(), &self.norms * &self.arm);
+        let sine = fraction(self.squared.clone(), &self.norms * &self.arm);
         let depth = match &self.width {
-            None => square_metres(exact, self.squared.clone(), self.norms.clone()),
-            Some((width, over)) => square_metres(exact, &self.squared * width, &self.norms * &self.arm * over),
+            None => exact.square_metres(&self.squared, &self.norms),
+            Some((width, over)) => exact.square_metres(&(&self.squared * width), &(&self.norms * &self.arm * over)),
         };
         let by_sine = sine <= set.overlap_sine.to_rational().pow(2);
         let shallow = set.criteria == Criteria::Revised && depth <= set.penetration.to_rational().pow(2);
@@ -294,11 +295,6 @@ impl Dip {
             false => (!shallow).then_some(sine),
         }
     }
-}
-
-/// `numerator / denominator` lattice units squared in m².
-fn square_metres(exact: &Exact<'_>, numerator: BigInt, denominator: BigInt) -> BigRational {
-    exact.metres(&exact.metres(&BigRational::new(numerator, denominator)))
 }
 
 /// The square of the greatest distance of a face's vertices from the line of one of its edges: numerator, denominator.
