@@ -13,8 +13,7 @@ pub struct SceneError {
     pub file: PathBuf,
     /// The line, from 1, where one is to blame.
     pub line: Option<usize>,
-    /// What is wrong.
-    #[source]
+    /// What is wrong; part of this error's own message.
     pub problem: Problem,
 }
 
@@ -34,6 +33,14 @@ pub enum Problem {
     /// The operating system's answer.
     #[error("{0}")]
     Io(std::io::Error),
+    /// A file that a scene names and that cannot be read.
+    #[error("`file` {file}: {error}")]
+    NamedFile {
+        /// The file, as looked for.
+        file: String,
+        /// The operating system's answer.
+        error: std::io::Error,
+    },
     /// A name that says nothing about the format.
     #[error("cannot tell the format from the name; known are .toml, .dda, .obj, .vtk, and .txt or .voro for voro++")]
     UnknownFormat,
