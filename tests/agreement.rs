@@ -64,7 +64,10 @@ fn compare(a: &Block, b: &Block, t: &ToleranceSet, name: &str, tally: &mut Tally
 }
 
 fn report(tally: &Tally) {
-    println!("{} pairs, {} with contacts, {} at a tie of square roots", tally.pairs, tally.with_contacts, tally.at_ties);
+    println!(
+        "{} pairs, {} with contacts, {} at a tie of square roots",
+        tally.pairs, tally.with_contacts, tally.at_ties
+    );
     for (level, count) in tally.levels.by_name() {
         println!("  decided by {level}: {count}");
     }

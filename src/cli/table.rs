@@ -8,6 +8,7 @@ pub(crate) fn table(header: &[&str], numbers: &[usize], rows: impl IntoIterator<
     table.load_preset(presets::UTF8_HORIZONTAL_ONLY).set_content_arrangement(ContentArrangement::Disabled);
     // A line under the header, none between rows.
     table.remove_style(TableComponent::HorizontalLines);
+    table.remove_style(TableComponent::MiddleIntersections);
     table.set_header(header.to_vec());
     for &at in numbers {
         if let Some(column) = table.column_mut(at) {

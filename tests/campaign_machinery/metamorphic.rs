@@ -29,7 +29,7 @@ impl Engine for Upset {
     fn prepare<'p>(&'p self, a: &'p Block, b: &'p Block) -> Result<Box<dyn Prepared + 'p>, EngineFailure> {
         let corner = |block: &Block, v: usize| block.vertices()[v].x.approximate();
         let edge = (corner(a, 1) - corner(a, 0)).abs();
-        let far = corner(b, 0).abs() > 20.0 || corner(a, 0).abs() > 20.0;
+        let far = corner(b, 0).abs() > 10.0 || corner(a, 0).abs() > 10.0;
         // The pair itself: A a unit cube from 0, B one from 1, face 0 the loop 0 3 2 1.
         let upset = match self.0 {
             Some(Change::Swap) => edge == 1.0 && !far && corner(a, 0) > corner(b, 0) && a.topology().faces()[0][0] == 0,
