@@ -13,7 +13,9 @@ fn every_family_yields_canonical_blocks() {
         for n in 0..300 {
             let (a, b) = family.generate(&mut rng);
             for block in [&a, &b] {
-                let options = BlockOptions { planarity: if family.name() == "real" { Number::from_f64(1e-3).unwrap() } else { Number::ZERO } };
+                let options = BlockOptions {
+                    planarity: if family.name() == "real" { Number::from_f64(1e-3).unwrap() } else { Number::ZERO },
+                };
                 let again = Block::new(block.vertices().to_vec(), block.topology().faces().to_vec(), &options);
                 assert_eq!(again.as_ref(), Ok(block), "{} {n}", family.name());
             }
@@ -33,7 +35,12 @@ fn speed() {
         for k in 0..500 {
             for case in batch(1, k, &config) {
                 pairs += 1;
-                forms[match case.form.name() { "base" => 0, "moved" => 1, "directed" => 2, _ => 3 }] += 1;
+                forms[match case.form.name() {
+                    "base" => 0,
+                    "moved" => 1,
+                    "directed" => 2,
+                    _ => 3,
+                }] += 1;
             }
         }
         println!("{name:22} {:7.2} µs a pair  {forms:?}", start.elapsed().as_secs_f64() * 1e6 / f64::from(pairs));
