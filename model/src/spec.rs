@@ -211,6 +211,19 @@ impl ToleranceSpec {
     /// # Errors
     /// When values are missing and no preset is named, or the preset fails.
     pub fn resolve(&self, blocks: &[&Block], precision: Precision) -> Result<ToleranceSet, SpecError> {
+        match self.preset {
+            Some(preset) if self.numbers.is_empty() && self.criteria.is_none() => {
+                Ok(preset::derive_checked(preset, blocks, precision)?)
+            }
+            _ => self.derive(blocks, precision),
+        }
+    }
+
+    /// As [`ToleranceSpec::resolve`], without regard to the rules.
+    ///
+    /// # Errors
+    /// When values are missing and no preset is named, or the preset cannot be derived.
+    pub fn derive(&self, blocks: &[&Block], precision: Precision) -> Result<ToleranceSet, SpecError> {
         let given = |name: &str| self.numbers.iter().find(|(n, _)| *n == name).map(|(_, value)| value);
         let mut set = blank();
         let mut missing: Vec<&'static str> =
@@ -220,11 +233,7 @@ impl ToleranceSpec {
         }
         if !missing.is_empty() {
             let preset = self.preset.ok_or(SpecError::Missing { missing })?;
-            let is_bare = self.numbers.is_empty() && self.criteria.is_none();
-            set = match is_bare {
-                true => preset::derive_checked(preset, blocks, precision)?,
-                false => preset::derive(preset, blocks, precision)?,
-            };
+            set = preset::derive(preset, blocks, precision)?;
         }
         for (name, number) in set.numbers_mut() {
             if let Some(value) = given(name) {

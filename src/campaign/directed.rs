@@ -214,11 +214,15 @@ impl Aim {
                 (spacing, (tolerance * f64::from(share) / 1000.0 / spacing).round())
             }
         };
-        let near = |c| round_rational(c, Precision::F64).map_or(0.0, |near| (near / spacing).round() * spacing);
-        let mut offset = self.root.each_ref().map(near);
+        let mut offset = self.approximate_root().map(|c| (c / spacing).round() * spacing);
         offset[self.axis] += steps * spacing;
         let offset = offset.map(|c| Number::from_f64(c).unwrap_or(Number::ZERO));
         Some(Step { margin: self.sign_at(&offset, spacing), offset })
+    }
+
+    /// The root in f64; infinite where that overflows.
+    pub(super) fn approximate_root(&self) -> [f64; 3] {
+        self.root.each_ref().map(|c| round_rational(c, Precision::F64).unwrap_or(f64::INFINITY))
     }
 
     fn sign_at(&self, offset: &[Number; 3], spacing: f64) -> Option<Sign> {

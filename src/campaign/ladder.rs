@@ -3,7 +3,7 @@
 
 use crate::campaign::directed::Rung;
 use crate::campaign::directed::exact::{Exact, Root};
-use crate::campaign::directed::shadow::{Shadow, quantum};
+use crate::campaign::directed::shadow::{Shadow, V, cross, length, minus, plus, quantum, times};
 use crate::campaign::families::Kit;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -29,6 +29,8 @@ pub struct Critical {
     pub value: Number,
     /// Whether `value` is the critical value itself.
     pub exact: bool,
+    /// How far B is to be moved first (m), where the pair as it stands would not ask the decision.
+    pub offset: Option<[Number; 3]>,
 }
 
 impl Critical {
@@ -46,7 +48,7 @@ impl Critical {
             let near = BigRational::new(product.root, squared.denom() << product.shift);
             Number::from_f64(round_rational(&near, Precision::F64)?).ok()?
         };
-        Some(Critical { decision, tolerance, squared, value, exact })
+        Some(Critical { decision, tolerance, squared, value, exact, offset: None })
     }
 
     /// The tolerance's value at a rung, and the margin there: positive where the answer is yes with room to spare.
@@ -90,12 +92,17 @@ pub fn critical(
     tolerance: &'static str,
 ) -> Option<Critical> {
     let shadow = Shadow::of(a, b);
-    let pair = Pair { shadow, set };
+    let precision =
+        if a.is_exact_in(Precision::F32) && b.is_exact_in(Precision::F32) { Precision::F32 } else { Precision::F64 };
+    let pair = Pair { shadow, set, precision };
+    let mut offset = None;
     let (decision, squared) = match tolerance {
         "search" => pair.reach(kit, Predicate::VertexVertexNear),
+        // Under `classic` the territory radius is the search distance.
+        "territory" if set.criteria == Criteria::Classic => None,
         "territory" => match kit.below(3) {
-            0 if set.criteria == Criteria::Revised => pair.nearly_parallel(kit, true),
-            0 | 1 => pair.reach(kit, Predicate::VertexTerritory),
+            0 => pair.nearly_parallel(kit, true),
+            1 => pair.reach(kit, Predicate::VertexTerritory),
             _ => pair.reach(kit, Predicate::EdgeTerritory),
         },
         "penetration" => match kit.below(4) {
@@ -105,34 +112,41 @@ pub fn critical(
             2 => pair.gap(kit, Predicate::VertexFaceDepth),
             _ => pair.gap(kit, Predicate::EdgeEdgeDepth),
         },
-        "overlap_sine" => {
-            if kit.chance(60) {
-                pair.cone(kit, false)
-            } else {
-                pair.wedges(kit, false)
-            }
-        }
+        "overlap_sine" => match kit.below(5) {
+            0 | 1 => pair.one_exit(kit).map(|(found, start)| {
+                offset = Some(start);
+                found
+            }),
+            2 => pair.wedges(kit, false),
+            _ => pair.cone(kit, false),
+        },
         "parallel_sine" => pair.nearly_parallel(kit, false),
         "equal" => pair.equal(kit),
         _ => None,
     }?;
-    let critical = Critical::new(decision, tolerance, squared)?;
+    let mut critical = Critical::new(decision, tolerance, squared)?;
+    critical.offset = offset.map(|o| o.map(|c| Number::from_f64(c).unwrap_or(Number::ZERO)));
     let value = critical.value.approximate();
     let fits = match tolerance {
         "search" => value <= 4.0 * set.search.approximate(),
         "territory" => value <= set.search.approximate(),
         "penetration" => value <= 4.0 * set.penetration.approximate(),
         "equal" => value <= 0.125,
-        _ => value <= 0.75,
+        _ => value <= 0.95,
     };
     fits.then_some(critical)
 }
+
+/// λ = 1/4, less a thousandth: what is measured against it is in f64.
+const QUARTER: f64 = 0.25 * 0.999;
 
 type Found = Option<(Decision, BigRational)>;
 
 struct Pair<'p> {
     shadow: Shadow<'p>,
     set: &'p ToleranceSet,
+    /// The coarsest precision that holds the pair: offsets are kept to its spacing.
+    precision: Precision,
 }
 
 impl Pair<'_> {
@@ -164,15 +178,38 @@ impl Pair<'_> {
         let (va, vb) = self.shadow.vertex_vertex(kit)?;
         let exact = self.exact(&[(Side::A, va), (Side::B, vb)]);
         let apart = exact.vertex(Side::A, va).minus(&exact.vertex(Side::B, vb));
+        let distance = length(minus(self.shadow.vertex(Side::A, va), self.shadow.vertex(Side::B, vb)));
+        let limit = self.quarter_edge(Side::A, va).min(self.quarter_edge(Side::B, vb));
+        if predicate == Predicate::VertexTerritory && distance >= limit {
+            return None;
+        }
         let decision = Decision::about(predicate, &[Feature::Vertex(Side::A, va), Feature::Vertex(Side::B, vb)]);
         Some((decision, square_metres(&exact, apart.norm_squared(), 1.into())))
+    }
+
+    /// λ times the shortest edge at a vertex, a little less to be sure.
+    fn quarter_edge(&self, side: Side, vertex: u32) -> f64 {
+        let edges = self.shadow.block(side).topology().vertex_edges(vertex).iter();
+        edges.map(|&e| length(self.shadow.edge(side, e).1)).fold(f64::INFINITY, f64::min) * QUARTER
+    }
+
+    /// λ times the smaller width of the faces at an edge, a little less to be sure.
+    fn quarter_width(&self, side: Side, edge: u32) -> f64 {
+        let e = self.shadow.block(side).topology().edges()[edge as usize];
+        let (p, d) = self.shadow.edge(side, edge);
+        let width = |face: u32| {
+            let far = |v: u32| length(cross(minus(self.shadow.vertex(side, v), p), d)) / length(d);
+            self.shadow.block(side).topology().faces()[face as usize].iter().map(|&v| far(v)).fold(0.0, f64::max)
+        };
+        width(e.left).min(width(e.right)) * QUARTER
     }
 
     fn distance_to_edge(&self, kit: &mut Kit<'_>, predicate: Predicate) -> Found {
         let asked = side(kit);
         let (v, e) = self.shadow.vertex_edge(kit, asked)?;
-        let (along, _) = self.shadow.foot(asked, v, e);
-        if !(0.0..1.0).contains(&along) {
+        let (along, distance) = self.shadow.foot(asked, v, e);
+        let too_far = predicate == Predicate::EdgeTerritory && distance >= self.quarter_width(asked.other(), e);
+        if !(0.0..1.0).contains(&along) || too_far {
             return None;
         }
         let edge = self.shadow.block(asked.other()).topology().edges()[e as usize];
@@ -260,6 +297,43 @@ impl Pair<'_> {
             }
         }
         Some((decision, worst?))
+    }
+
+    /// The sine between the two faces at a blunt edge of a convex block, and an offset of B that puts a vertex of the
+    /// other under both: the deeper overlap may be another way out than the shallower.
+    fn one_exit(&self, kit: &mut Kit<'_>) -> Option<((Decision, BigRational), V)> {
+        if !(self.shadow.a.is_convex() && self.shadow.b.is_convex()) {
+            return None;
+        }
+        let asked = side(kit);
+        let other = asked.other();
+        let (vertex, edge) = self.shadow.vertex_edge(kit, asked)?;
+        let e = self.shadow.block(other).topology().edges()[edge as usize];
+        let exact = self.exact(&self.beside(other, edge).collect::<Vec<_>>());
+        let (n, m) = (exact.normal(other, e.left), exact.normal(other, e.right));
+        if !n.dot(&m).is_positive() {
+            return None;
+        }
+        let (p, d) = self.shadow.edge(other, edge);
+        let depth = self.set.penetration.approximate() / 4.0;
+        // Deeper under one face than under the other, less than g under both.
+        let (n_left, n_right) = (self.shadow.normal(other, e.left), self.shadow.normal(other, e.right));
+        let inward = plus(times(n_left, kit.between(32, 64) as f64 / 64.0), times(n_right, 1.5));
+        let place = minus(plus(p, times(d, kit.between(4, 12) as f64 / 16.0)), times(inward, depth));
+        let way = minus(place, self.shadow.vertex(asked, vertex));
+        let way = if asked == Side::B { way } else { times(way, -1.0) };
+        let start = self.shadow.on_grid(way, self.precision);
+        let moved = self.shadow.moved(start);
+        let ((left, out_left), (right, out_right)) =
+            (moved.above_face(asked, vertex, e.left), moved.above_face(asked, vertex, e.right));
+        if out_left > 0.0 || out_right > 0.0 || left >= 0.0 || right >= 0.0 {
+            return None;
+        }
+        let face = if left < right { e.left } else { e.right };
+        let both = [Feature::Vertex(asked, vertex), Feature::Face(other, face)];
+        let features = if asked == Side::A { both } else { [both[1], both[0]] };
+        let sine = BigRational::new(n.cross(&m).norm_squared(), n.norm_squared() * m.norm_squared());
+        Some(((Decision::about(Predicate::OneExit, &features), sine), start))
     }
 
     /// The sine between two edges, or (`by_territory`) how far one drifts from the other over the longer's length.

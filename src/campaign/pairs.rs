@@ -3,12 +3,12 @@
 
 use crate::campaign::directed::{self, Rung};
 use crate::campaign::families::{self, Family, Kit, Style};
-use crate::campaign::ladder;
+use crate::campaign::ladder::{self, Critical};
 pub use crate::campaign::sets::{NamedSet, SetSource};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rockproof_model::decision::{Decision, Predicate};
-use rockproof_model::{Block, Criteria, Number, Precision, Sign, Vec3};
+use rockproof_model::{Block, Criteria, Number, Precision, Sign, ToleranceSet, Vec3};
 use std::sync::Arc;
 
 /// Pairs in a batch.
@@ -234,7 +234,8 @@ impl Rungs<'_, '_, '_> {
         let concave = !(self.base.a.is_convex() && self.base.b.is_convex());
         match self.kit.below(20) {
             0 | 1 if concave => Predicate::ShortestExit,
-            0..=2 => Predicate::EntranceChoice,
+            0 | 1 => Predicate::EntranceChoice,
+            2 => Predicate::EntranceDepth,
             _ => *self.kit.pick(&directed::MOVED),
         }
     }
@@ -243,10 +244,7 @@ impl Rungs<'_, '_, '_> {
         let set = self.set();
         let precision = self.precision();
         let chosen = set.of(precision).clone();
-        let critical = (0..TRIES).find_map(|_| {
-            let tolerance = self.kit.pick(&ladder::TOLERANCES);
-            ladder::critical(self.kit, (&self.base.a, &self.base.b), &chosen, tolerance)
-        })?;
+        let critical = (0..TRIES).find_map(|_| self.critical(&chosen))?;
         let rungs = self.rungs(precision, room);
         let cases = rungs.into_iter().filter_map(|rung| {
             let (rung, (value, margin)) = match critical.at(rung) {
@@ -259,9 +257,23 @@ impl Rungs<'_, '_, '_> {
                 f64: critical.applied(&set.f64, &value),
             };
             let form = Form::Ladder { tolerance: critical.tolerance, decision: critical.decision, rung };
-            Some(self.case(form, Some(margin), None, changed))
+            Some(self.case(form, Some(margin), critical.offset.clone(), changed))
         });
         Some(cases.collect())
+    }
+
+    /// A critical value of one tolerance; an exact one if a few tries meet one, for only there is a tie.
+    fn critical(&mut self, set: &ToleranceSet) -> Option<Critical> {
+        let tolerance = self.kit.pick(&ladder::TOLERANCES);
+        let mut found: Option<Critical> = None;
+        for _ in 0..3 {
+            let next = ladder::critical(self.kit, (&self.base.a, &self.base.b), set, tolerance);
+            if next.as_ref().is_some_and(|c| c.exact) {
+                return next;
+            }
+            found = found.or(next);
+        }
+        found
     }
 
     /// Random moves: of the order of a tolerance, or of a few steps of a number format.

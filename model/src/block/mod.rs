@@ -8,6 +8,8 @@ mod planarity;
 mod questions;
 mod simple;
 mod sure;
+#[cfg(test)]
+mod tests;
 
 pub use error::BlockError;
 pub use measure::Bounds;

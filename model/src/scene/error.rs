@@ -13,8 +13,7 @@ pub struct SceneError {
     pub file: PathBuf,
     /// The line, from 1, where one is to blame.
     pub line: Option<usize>,
-    /// What is wrong.
-    #[source]
+    /// What is wrong; part of this error's own message.
     pub problem: Problem,
 }
 

@@ -13,7 +13,7 @@ mod write;
 pub use error::{Problem, SceneError};
 pub use write::{FormatError, write_obj, write_tolerances, write_toml, write_vtk};
 
-use crate::block::{Block, Merged, Merging};
+use crate::block::{Block, BlockOptions, Merged, Merging};
 use crate::number::Number;
 use crate::spec::ToleranceSpec;
 use raw::{Assembly, RawBlock};
@@ -39,6 +39,8 @@ pub struct SceneBlock {
     pub fixed: bool,
     /// Where it was read from.
     pub origin: Origin,
+    /// The planarity it was read with; see [`crate::BlockOptions`].
+    pub planarity: Number,
     /// What was merged to bring it into canonical form.
     pub merged: Merged,
     /// The block.
@@ -174,7 +176,14 @@ impl Scene {
 impl SceneBlock {
     /// A block that was made, not read.
     pub fn new(name: impl Into<String>, block: Block) -> SceneBlock {
-        SceneBlock { name: name.into(), fixed: false, origin: Origin::default(), merged: Merged::default(), block }
+        SceneBlock {
+            name: name.into(),
+            fixed: false,
+            origin: Origin::default(),
+            planarity: BlockOptions::default().planarity,
+            merged: Merged::default(),
+            block,
+        }
     }
 }
 

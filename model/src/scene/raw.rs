@@ -42,6 +42,7 @@ impl Assembly<'_> {
                 name,
                 fixed: raw.fixed,
                 origin: Origin { file: self.file.to_path_buf(), line: raw.line, index },
+                planarity: options.planarity,
                 merged,
                 block,
             }),

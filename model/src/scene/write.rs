@@ -1,6 +1,6 @@
 //! Writing scenes. TOML keeps everything exactly; OBJ and VTK hold decimals, so only f64 coordinates can be exact there.
 
-use crate::block::Point;
+use crate::block::{BlockOptions, Point};
 use crate::number::Number;
 use crate::scene::{Scene, SceneBlock};
 use crate::spec::ToleranceSpec;
@@ -48,6 +48,9 @@ fn toml_block(out: &mut String, block: &SceneBlock) {
     push(out, format_args!("name = {}\n", toml::Value::from(block.name.as_str())));
     if block.fixed {
         out.push_str("fixed = true\n");
+    }
+    if block.planarity != BlockOptions::default().planarity {
+        push(out, format_args!("planarity = {}\n", toml_number(&block.planarity)));
     }
     out.push_str("vertices = [\n");
     for v in block.block.vertices() {

@@ -2,20 +2,14 @@
 
 use super::shadow::{dot, length, minus};
 use super::{Aim, Pair};
-use rockproof_model::Precision;
 use rockproof_model::decision::{Feature, Predicate, Side};
-use rockproof_model::number::round_rational;
 
 /// The share of a feature's length that a foot keeps from its ends, and a vertex from the other sides of a face.
 const MARGIN: f64 = 1.0 / 64.0;
 
 /// The aim, with its reach; `None` where it would not be asked.
 pub(super) fn checked(pair: &Pair<'_>, mut aim: Aim) -> Option<Aim> {
-    let at = aim.root.each_ref().map(|c| round_rational(c, Precision::F64).unwrap_or(f64::INFINITY));
-    if at.iter().any(|c| !c.is_finite()) {
-        return None;
-    }
-    let shadow = pair.shadow.moved(at);
+    let shadow = pair.shadow.moved(aim.approximate_root());
     let search = pair.search() * 1.001;
     let inside = |t: f64| (MARGIN..1.0 - MARGIN).contains(&t);
     let radial = |from: [f64; 3]| from[aim.axis].abs();

@@ -84,7 +84,8 @@ pub(super) fn entrance_depth(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> 
     let vertices: Vec<_> = corners(pair, corner.side.other(), face).chain([(corner.side, corner.vertex)]).collect();
     let exact = Exact::new(pair.blocks(), &vertices, start, pair.set);
     let margin = level(&exact, &exact.gap(corner.side, corner.vertex, face), Predicate::EntranceDepth);
-    linear(kit, &exact, about(Predicate::EntranceDepth, &corner.contact()), &margin)
+    let aim = linear(kit, &exact, about(Predicate::EntranceDepth, &corner.contact()), &margin)?;
+    (corner.shallowest(pair, aim.approximate_root()) == face).then_some(aim)
 }
 
 /// A vertex at a convex corner, two faces of the corner equally far from it, or by the share ε.
@@ -143,7 +144,11 @@ fn two_faces(
     let (h1, h2) = (exact.gap(asked, vertex, first), exact.gap(asked, vertex, second));
     let share = if kit.chance(50) { pair.set.equal.clone() } else { Number::ZERO };
     let margin = equal_gaps(&h1, &h2, &share)?;
-    linear(kit, &exact, decision, &margin)
+    let aim = linear(kit, &exact, decision, &margin)?;
+    // |h2| was opened on the side where it starts.
+    let there = pair.shadow.moved(aim.approximate_root()).above_face(asked, vertex, second).0;
+    let same_side = (there < 0.0) == (h2.0.constant.sign() == num_bigint::Sign::Minus);
+    (share.is_zero() || (same_side && there != 0.0)).then_some(aim)
 }
 
 /// `h1 − h2 + ε·|h2|` times a positive number, given each as `k·|N|·h`, `|N|²` and `k`.

@@ -213,7 +213,9 @@ impl<'r> Kit<'r> {
             0..=4 => self.cuboid(low, high),
             5 => self.hull(low, high),
             _ => {
-                let sides = self.lengths(low, high);
+                // Equal sides keep the whole ratios between a shape's own lengths, and so its rational angles.
+                let equal = [self.length(low, high); 3];
+                let sides = if self.chance(35) { equal } else { self.lengths(low, high) };
                 self.pick(catalogue::convex()).solid.stretched(sides, SIDE * self.denominator)
             }
         }

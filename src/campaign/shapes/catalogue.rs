@@ -17,7 +17,7 @@ pub struct Template {
     pub solid: Solid,
 }
 
-/// The convex shapes. The first is the cube; all have a bottom face in z = 0.
+/// The convex shapes. The first is the cube.
 pub fn convex() -> &'static [Template] {
     static SHAPES: OnceLock<Vec<Template>> = OnceLock::new();
     SHAPES.get_or_init(|| CONVEX.iter().filter_map(|&(name, points)| hull_template(name, points)).collect())
@@ -135,6 +135,31 @@ const CONVEX: &[(&str, &[[i8; 3]])] = &[
     (
         "cut corner",
         &[[0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0], [0, 0, 8], [8, 0, 8], [0, 8, 8], [8, 8, 4], [8, 4, 8], [4, 8, 8]],
+    ),
+    // Angles of 3, 4 and 5.
+    (
+        "chamfer",
+        &[[0, 0, 0], [8, 0, 0], [8, 4, 0], [5, 8, 0], [0, 8, 0], [0, 0, 8], [8, 0, 8], [8, 4, 8], [5, 8, 8], [0, 8, 8]],
+    ),
+    ("scarp", &[[0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0], [6, 0, 8], [8, 0, 8], [6, 8, 8], [8, 8, 8]]),
+    // Edges along face diagonals: with a rhombus, sines of exactly a half.
+    ("regular tetrahedron", &[[0, 0, 0], [8, 8, 0], [8, 0, 8], [0, 8, 8]]),
+    (
+        "cuboctahedron",
+        &[
+            [4, 0, 0],
+            [0, 4, 0],
+            [8, 4, 0],
+            [4, 8, 0],
+            [0, 0, 4],
+            [8, 0, 4],
+            [0, 8, 4],
+            [8, 8, 4],
+            [4, 0, 8],
+            [0, 4, 8],
+            [8, 4, 8],
+            [4, 8, 8],
+        ],
     ),
     ("half octahedron", &[[4, 0, 0], [8, 4, 0], [4, 8, 0], [0, 4, 0], [4, 4, 4], [4, 4, 8]]),
     ("trapezoid", &[[0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0], [0, 3, 8], [8, 3, 8], [8, 5, 8], [0, 5, 8]]),

@@ -1,0 +1,66 @@
+//! "Cone passes plane": the edges at a vertex against a face.
+
+use super::*;
+
+/// `e·N`, e an edge at the vertex, away from it: negative where the edge dips below the face's plane.
+pub(crate) struct EdgeAbovePlane {
+    pub(crate) vertex: Vertex,
+    pub(crate) edge: u32,
+    pub(crate) face: Face,
+}
+
+impl Polynomial for EdgeAbovePlane {
+    const FIRST_SLOT: usize = after::<NormalComponent>();
+    const VARIANTS: usize = 2;
+    const DEGREE: usize = 3;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        side_of(self.face.0)
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        away(view, (self.vertex.0, self.edge), self.vertex.1).dot(&view.normal(self.face.0, self.face.1))
+    }
+}
+
+/// `so²|e|²|N|² − (e·N)²`
+pub(crate) struct EdgeDipAngle {
+    pub(crate) edge: Edge,
+    pub(crate) face: Face,
+}
+
+impl Polynomial for EdgeDipAngle {
+    const FIRST_SLOT: usize = after::<EdgeAbovePlane>();
+    const VARIANTS: usize = 2;
+    const DEGREE: usize = 6;
+    fn variant(&self) -> usize {
+        side_of(self.face.0)
+    }
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let (e, n) = (view.direction(self.edge.0, self.edge.1), view.normal(self.face.0, self.face.1));
+        let scales = view.scales();
+        let allowed = scales.overlap.squared().times(&e.norm_squared()).times(&n.norm_squared());
+        allowed.minus(&scales.one.squared().times(&e.dot(&n).squared()))
+    }
+}
+
+/// `g²|N|² − (e·N)²`
+pub(crate) struct EdgeDipDepth {
+    pub(crate) edge: Edge,
+    pub(crate) face: Face,
+}
+
+impl Polynomial for EdgeDipDepth {
+    const FIRST_SLOT: usize = after::<EdgeDipAngle>();
+    const VARIANTS: usize = 2;
+    const DEGREE: usize = 6;
+    fn variant(&self) -> usize {
+        side_of(self.face.0)
+    }
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let (e, n) = (view.direction(self.edge.0, self.edge.1), view.normal(self.face.0, self.face.1));
+        let scales = view.scales();
+        let allowed = scales.penetration.squared().times(&n.norm_squared());
+        allowed.minus(&scales.unit.squared().times(&e.dot(&n).squared()))
+    }
+}

@@ -1,0 +1,138 @@
+//! Gaps of entrance planes, their limits and their order.
+
+use super::*;
+
+/// The gap of a plane, unnormalised: `P = h·√Q`.
+///
+/// v-f: `P = N·(k a − Σ v_k)`, `Q = k²|N|²`, k the loop's length; f-v with the roles exchanged. e-e: `P = n·(p_A − p_B)`
+/// and `Q = |n|²` with `n = d₁ × d₂`; its sign still wants σ.
+pub(crate) fn plane<V: View>(view: &V, entrance: &Entrance) -> (V::T, V::T) {
+    match entrance.kind {
+        EntranceKind::VertexFace => face_plane(view, (Side::A, entrance.a), (Side::B, entrance.b)),
+        EntranceKind::FaceVertex => face_plane(view, (Side::B, entrance.b), (Side::A, entrance.a)),
+        EntranceKind::EdgeEdge => {
+            let n = across(view, entrance.a, entrance.b);
+            let (a, b) = (start(view, (Side::A, entrance.a)), start(view, (Side::B, entrance.b)));
+            (n.dot(&view.between(b, a)), n.norm_squared())
+        }
+    }
+}
+
+#[inline(always)]
+fn face_plane<V: View>(view: &V, vertex: Vertex, face: Face) -> (V::T, V::T) {
+    let n = view.normal(face.0, face.1);
+    let count = view.loop_length(face.0, face.1);
+    (plane_value(view, vertex, face), count.squared().times(&n.norm_squared()))
+}
+
+#[inline(always)]
+fn plane_value<V: View>(view: &V, vertex: Vertex, face: Face) -> V::T {
+    let n = view.normal(face.0, face.1);
+    let count = view.loop_length(face.0, face.1);
+    let first = (face.0, view.topology(face.0).faces()[face.1 as usize][0]);
+    n.dot(&view.between(first, vertex).scaled(&count).minus(&view.centre(face.0, face.1)))
+}
+
+/// `N·(k v − Σ v_k)`: positive outside the face's plane.
+pub(crate) struct AbovePlane {
+    pub(crate) vertex: Vertex,
+    pub(crate) face: Face,
+}
+
+impl Polynomial for AbovePlane {
+    const FIRST_SLOT: usize = after::<FootBeyondVertex>();
+    const VARIANTS: usize = 2;
+    const DEGREE: usize = 3;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        side_of(self.face.0)
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        plane_value(view, self.vertex, self.face)
+    }
+}
+
+/// `limit²·Q − P²`: at least zero where the gap's size is within the limit.
+pub(crate) struct GapWithin {
+    pub(crate) entrance: Entrance,
+    pub(crate) limit: Limit,
+}
+
+impl Polynomial for GapWithin {
+    const FIRST_SLOT: usize = after::<AbovePlane>();
+    const VARIANTS: usize = 9;
+    const DEGREE: usize = 6;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        kind_of(&self.entrance) * 3 + self.limit as usize
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let (p, q) = plane(view, &self.entrance);
+        let limit = self.limit.of(view).squared().times(&q);
+        limit.minus(&view.scales().unit.squared().times(&p.squared()))
+    }
+}
+
+/// `n·(p_A − p_B)` with `n = d₁ × d₂`: the gap of two edges before σ.
+pub(crate) struct EdgesApart {
+    pub(crate) edge_a: u32,
+    pub(crate) edge_b: u32,
+}
+
+impl Polynomial for EdgesApart {
+    const FIRST_SLOT: usize = after::<WedgeDipDepth>();
+    const VARIANTS: usize = 1;
+    const DEGREE: usize = 3;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        0
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let (a, b) = (start(view, (Side::A, self.edge_a)), start(view, (Side::B, self.edge_b)));
+        across(view, self.edge_a, self.edge_b).dot(&view.between(b, a))
+    }
+}
+
+/// What the second gap of a comparison is multiplied by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Factor {
+    One,
+    OneMinusEqual,
+    OnePlusEqual,
+}
+
+impl Factor {
+    fn of<V: View>(self, view: &V) -> V::T {
+        let scales = view.scales();
+        match self {
+            Factor::One => scales.whole.clone(),
+            Factor::OneMinusEqual => scales.whole.minus(&scales.equal),
+            Factor::OnePlusEqual => scales.whole.plus(&scales.equal),
+        }
+    }
+}
+
+/// `P₁²Q₂ − f²P₂²Q₁`: compares the sizes of two gaps, the second multiplied by f.
+pub(crate) struct LargerGap {
+    pub(crate) first: Entrance,
+    pub(crate) second: Entrance,
+    pub(crate) factor: Factor,
+}
+
+impl Polynomial for LargerGap {
+    const FIRST_SLOT: usize = after::<EdgesApart>();
+    const VARIANTS: usize = 27;
+    const DEGREE: usize = 10;
+    fn variant(&self) -> usize {
+        (kind_of(&self.first) * 3 + kind_of(&self.second)) * 3 + self.factor as usize
+    }
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let ((p1, q1), (p2, q2)) = (plane(view, &self.first), plane(view, &self.second));
+        let whole = view.scales().whole.squared();
+        let factor = self.factor.of(view).squared();
+        whole.times(&p1.squared().times(&q2)).minus(&factor.times(&p2.squared().times(&q1)))
+    }
+}

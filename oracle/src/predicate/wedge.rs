@@ -1,0 +1,187 @@
+//! Two edges: nearly parallel, crossing, and whether their faces pass one another.
+
+use super::*;
+
+/// `sp²|d₁|²|d₂|² − |d₁ × d₂|²`: at least zero for nearly parallel edges.
+pub(crate) struct ParallelAngle {
+    pub(crate) edge_a: u32,
+    pub(crate) edge_b: u32,
+}
+
+impl Polynomial for ParallelAngle {
+    const FIRST_SLOT: usize = after::<EdgeDipDepth>();
+    const VARIANTS: usize = 1;
+    const DEGREE: usize = 4;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        0
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let (a, b) = (view.direction(Side::A, self.edge_a), view.direction(Side::B, self.edge_b));
+        let scales = view.scales();
+        let allowed = scales.parallel.squared().times(&a.norm_squared()).times(&b.norm_squared());
+        allowed.minus(&scales.one.squared().times(&a.cross(&b).norm_squared()))
+    }
+}
+
+/// `r²|d|² − |d₁ × d₂|²`, d the direction on `longer`: the gap between the edges varies by less than the territory.
+pub(crate) struct ParallelReach {
+    pub(crate) edge_a: u32,
+    pub(crate) edge_b: u32,
+    pub(crate) longer: Side,
+}
+
+impl Polynomial for ParallelReach {
+    const FIRST_SLOT: usize = after::<ParallelAngle>();
+    const VARIANTS: usize = 2;
+    const DEGREE: usize = 4;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        side_of(self.longer)
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let (a, b) = (view.direction(Side::A, self.edge_a), view.direction(Side::B, self.edge_b));
+        let longer = match self.longer {
+            Side::A => a.norm_squared(),
+            Side::B => b.norm_squared(),
+        };
+        let allowed = view.scales().territory.squared().times(&longer);
+        allowed.minus(&view.scales().unit.squared().times(&a.cross(&b).norm_squared()))
+    }
+}
+
+/// How far along `on` the foot of the common perpendicular lies: `t|n|²` from the start, `(1 − t)|n|²` from the end.
+pub(crate) struct CommonFoot {
+    pub(crate) edge_a: u32,
+    pub(crate) edge_b: u32,
+    pub(crate) on: Side,
+    pub(crate) from_end: bool,
+}
+
+impl Polynomial for CommonFoot {
+    const FIRST_SLOT: usize = after::<ParallelReach>();
+    const VARIANTS: usize = 2;
+    const DEGREE: usize = 4;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        side_of(self.on)
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let n = across(view, self.edge_a, self.edge_b);
+        let (on, other) = match self.on {
+            Side::A => ((Side::A, self.edge_a), (Side::B, self.edge_b)),
+            Side::B => ((Side::B, self.edge_b), (Side::A, self.edge_a)),
+        };
+        let other_direction = view.direction(other.0, other.1);
+        let from = if self.from_end { end(view, on) } else { start(view, on) };
+        // With r = p₂ − p₁: (r × d₂)·n = t₁|n|² and (r × d₁)·n = t₂|n|². Seen from B, r is reversed; seen from an
+        // end, one whole |n|² less remains.
+        let t = view.between(from, start(view, other)).cross(&other_direction).dot(&n);
+        let forward = (self.on == Side::A) != self.from_end;
+        if forward { t } else { t.negated() }
+    }
+}
+
+/// `n·(m_L + m_R)_A − n·(m_L + m_R)_B` with `n = d₁ × d₂`: its sign is σ, zero counting as +.
+pub(crate) struct Orientation {
+    pub(crate) edge_a: u32,
+    pub(crate) edge_b: u32,
+}
+
+impl Polynomial for Orientation {
+    const FIRST_SLOT: usize = after::<CommonFoot>();
+    const VARIANTS: usize = 1;
+    const DEGREE: usize = 5;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        0
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let inwards = |side, edge| view.inward(side, edge, false).plus(&view.inward(side, edge, true));
+        let n = across(view, self.edge_a, self.edge_b);
+        n.dot(&inwards(Side::A, self.edge_a)).minus(&n.dot(&inwards(Side::B, self.edge_b)))
+    }
+}
+
+/// `n·m` with `n = d₁ × d₂`, m an inward direction at one of the two edges.
+pub(crate) struct InwardAcross {
+    pub(crate) edge_a: u32,
+    pub(crate) edge_b: u32,
+    pub(crate) side: Side,
+    pub(crate) right: bool,
+}
+
+impl InwardAcross {
+    #[inline(always)]
+    fn edge(&self) -> Edge {
+        match self.side {
+            Side::A => (Side::A, self.edge_a),
+            Side::B => (Side::B, self.edge_b),
+        }
+    }
+}
+
+impl Polynomial for InwardAcross {
+    const FIRST_SLOT: usize = after::<Orientation>();
+    const VARIANTS: usize = 2;
+    const DEGREE: usize = 5;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        side_of(self.side)
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let edge = self.edge();
+        across(view, self.edge_a, self.edge_b).dot(&view.inward(edge.0, edge.1, self.right))
+    }
+}
+
+/// `so²|n|²|m|² − (n·m)²`
+pub(crate) struct WedgeDipAngle(pub(crate) InwardAcross);
+
+impl Polynomial for WedgeDipAngle {
+    const FIRST_SLOT: usize = after::<InwardAcross>();
+    const VARIANTS: usize = 2;
+    const DEGREE: usize = 10;
+    fn variant(&self) -> usize {
+        self.0.variant()
+    }
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let edge = self.0.edge();
+        let n = across(view, self.0.edge_a, self.0.edge_b);
+        let m = view.inward(edge.0, edge.1, self.0.right);
+        let scales = view.scales();
+        let allowed = scales.overlap.squared().times(&n.norm_squared()).times(&m.norm_squared());
+        allowed.minus(&scales.one.squared().times(&n.dot(&m).squared()))
+    }
+}
+
+/// `g²|n|²|m|²|d|² − (n·m)²|(w − p) × d|²` for one vertex w of the face: within depth when that holds for all of them.
+pub(crate) struct WedgeDipDepth {
+    pub(crate) inward: InwardAcross,
+    pub(crate) corner: u32,
+}
+
+impl Polynomial for WedgeDipDepth {
+    const FIRST_SLOT: usize = after::<WedgeDipAngle>();
+    const VARIANTS: usize = 2;
+    const DEGREE: usize = 14;
+    fn variant(&self) -> usize {
+        self.inward.variant()
+    }
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let edge = self.inward.edge();
+        let n = across(view, self.inward.edge_a, self.inward.edge_b);
+        let m = view.inward(edge.0, edge.1, self.inward.right);
+        let d = view.direction(edge.0, edge.1);
+        let height = view.between(start(view, edge), (edge.0, self.corner)).cross(&d).norm_squared();
+        let scales = view.scales();
+        let size = n.norm_squared().times(&m.norm_squared()).times(&d.norm_squared());
+        let dip = n.dot(&m).squared().times(&height);
+        scales.penetration.squared().times(&size).minus(&scales.unit.squared().times(&dip))
+    }
+}
