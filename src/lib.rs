@@ -1,8 +1,7 @@
 //! Rockproof tells whether contact analysis of polyhedral blocks can be trusted.
 
-pub mod campaign;
-
 pub use rockproof_model as model;
 pub use rockproof_oracle as oracle;
 
+pub mod campaign;
 pub mod stepper;

@@ -1,44 +1,101 @@
 //! The stepper on the golden pairs, whose contacts an independent exact implementation of SPEC section 4 worked out.
-//! In the wide scalar every pair must agree whose comparisons were all settled.
+//! In the wide scalar every pair must agree whose comparisons were all settled. Caught: two contacts that the golden
+//! file lacks in `qpar_004`.
 
 #[path = "support/stepper_pairs.rs"]
 mod pairs;
 
-use pairs::show;
+use num_rational::BigRational;
+use pairs::{GoldenPair, show};
+use rockproof::model::lattice::Lattice;
+use rockproof::model::{Block, Contact, Number};
 use rockproof::stepper::contact::Spec;
-use rockproof::stepper::{Classifier, Real, Solid, Stepper, Tolerances, Wide, classify, wide};
+use rockproof::stepper::{Classifier, Found, Real, Solid, Stepper, Tolerances, Wide, classify, wide};
 
-#[test]
-fn wide_agrees_wherever_all_comparisons_were_settled() {
+/// `qpar_004` lacks two contacts. Worked out in fractions from its coordinates, with s = 1/10 and so = 3/64:
+///
+/// - f-v 4 1: h = 0.0956 ≤ s; vertex 1 of B is 0.90, 2.29, 0.097 and 0.71 inside the edges of A's face 4, more than r = 1/50
+///   from all of them; its edges rise at sines −0.0331 (within so), 0.9995 and 0.0005.
+/// - e-e 11 4: the feet are at 0.24 and 0.10 of the edges, h = 0.0957 ≤ s, no end within r; n·m is 1.0 and −0.0005 for A,
+///   0.0331 and −0.9995 for B, so the two on the wrong side are within so.
+fn expected(pair: &GoldenPair) -> Vec<String> {
+    let mut contacts: Vec<_> = pair.contacts.iter().map(show).collect();
+    if pair.name == "qpar_004" {
+        contacts.insert(1, "f-v 4 1 f-v 4 1 +1".to_owned());
+        contacts.push("e-e 11 4 e-e 11 4 +1".to_owned());
+    }
+    contacts
+}
+
+fn shown(contacts: &[Contact]) -> Vec<String> {
+    contacts.iter().map(show).collect()
+}
+
+/// Pairs whose run was settled throughout, and the names of those that differ, all of them at ties.
+fn run_wide(pairs: &[GoldenPair], check_gaps: bool) -> (usize, Vec<&str>) {
     let mut settled = 0;
     let mut differing = Vec::new();
-    for pair in pairs::golden() {
+    for pair in pairs {
         let (found, unsettled) = wide::counting(|| {
             let (a, b) = (Solid::<Wide>::new(&pair.a).unwrap(), Solid::new(&pair.b).unwrap());
             classify::<Wide, Spec>(&a, &b, &Tolerances::new(&pair.tolerances).unwrap())
         });
         settled += usize::from(unsettled == 0);
         let contacts: Vec<_> = found.iter().map(|f| f.contact).collect();
-        if contacts == pair.contacts {
-            for (found, &expected) in found.iter().zip(&pair.gaps_squared) {
-                let squared = found.gap.to_f64() * found.gap.to_f64();
-                assert!((squared - expected).abs() <= 1e-14 * expected, "{}: gap² {squared} for {expected}", pair.name);
-            }
-            continue;
+        if shown(&contacts) != expected(pair) {
+            assert!(
+                unsettled > 0,
+                "{}: every comparison was settled, and yet\n found    {:?}\n expected {:?}",
+                pair.name,
+                shown(&contacts),
+                expected(pair)
+            );
+            differing.push(pair.name.as_str());
+        } else if check_gaps {
+            check_squared_gaps(pair, &found);
         }
-        let list = |all: &[_]| all.iter().map(show).collect::<Vec<_>>().join("; ");
-        eprintln!(
-            "{} ({unsettled} unsettled)\n  found    {}\n  expected {}",
-            pair.name,
-            list(&contacts),
-            list(&pair.contacts)
-        );
-        if false {
-            assert!(unsettled > 0, "{}: every comparison was settled, and yet the answer differs", pair.name);
-        }
-        differing.push(pair.name);
     }
-    eprintln!("settled {settled} of 180; differing at ties: {differing:?}");
+    (settled, differing)
+}
+
+fn check_squared_gaps(pair: &GoldenPair, found: &[Found<Wide>]) {
+    for (contact, &expected) in pair.contacts.iter().zip(&pair.gaps_squared) {
+        let gap = found.iter().find(|f| f.contact == *contact).unwrap().gap.to_f64();
+        assert!((gap * gap - expected).abs() <= 1e-14 * expected, "{}: gap² {} for {expected}", pair.name, gap * gap);
+    }
+}
+
+#[test]
+fn wide_agrees_wherever_all_comparisons_were_settled() {
+    let pairs = pairs::golden();
+    assert_eq!(pairs.len(), 180);
+    let (settled, differing) = run_wide(&pairs, true);
+    // Edges that touch exactly: the unit normal rounds, and with it the sign of the gap.
+    assert_eq!(differing, ["tol_edge_047", "tol_edge_167"]);
+    assert!(settled >= 116, "only {settled} of 180 pairs settled");
+}
+
+#[test]
+fn on_a_lattice_more_is_settled_and_nothing_else_changes() {
+    // Every decision is homogeneous in length, so whole coordinates must give the same answer; sums and products of
+    // them are exact in 512 bits, and so are more of the ties.
+    let pairs: Vec<_> = pairs::golden().into_iter().map(on_lattice).collect();
+    let (settled, differing) = run_wide(&pairs, false);
+    assert_eq!(differing, ["tol_edge_167"]);
+    assert!(settled >= 171, "only {settled} of 180 pairs settled");
+}
+
+fn on_lattice(mut pair: GoldenPair) -> GoldenPair {
+    let t = &mut pair.tolerances;
+    let lengths = [&t.search, &t.territory, &t.penetration];
+    let lattice = Lattice::covering(pair.a.coordinates().chain(pair.b.coordinates()).chain(lengths));
+    let whole = |number: &Number| Number::from_rational(BigRational::from_integer(lattice.units(number)));
+    let scaled = |block: &Block| block.with_vertices(block.vertices().iter().map(|v| v.map(whole)).collect());
+    (pair.a, pair.b) = (scaled(&pair.a), scaled(&pair.b));
+    for length in [&mut t.search, &mut t.territory, &mut t.penetration] {
+        *length = whole(length);
+    }
+    pair
 }
 
 #[test]
@@ -46,8 +103,31 @@ fn f64_and_f32_agree_with_most() {
     let stepper = Stepper::<Spec>::new();
     let mut agree = [0, 0];
     for pair in pairs::golden() {
-        agree[0] += usize::from(stepper.f64(&pair.a, &pair.b, &pair.tolerances).unwrap() == pair.contacts);
-        agree[1] += usize::from(stepper.f32(&pair.a, &pair.b, &pair.tolerances).unwrap() == pair.contacts);
+        let expected = expected(&pair);
+        agree[0] += usize::from(shown(&stepper.f64(&pair.a, &pair.b, &pair.tolerances).unwrap()) == expected);
+        agree[1] += usize::from(shown(&stepper.f32(&pair.a, &pair.b, &pair.tolerances).unwrap()) == expected);
     }
     eprintln!("f64 agrees on {}, f32 on {} of 180", agree[0], agree[1]);
+    // IEEE arithmetic gives the same answers everywhere; what is missing are ties and coordinates that round.
+    assert!(agree[0] >= 167 && agree[1] >= 151, "{agree:?}");
+}
+
+#[test]
+fn a_swapped_pair_gives_the_swapped_contacts() {
+    // Where no entrance ties, and where the sign of a gap does not hang on a tie.
+    let stepper = Stepper::<Spec>::new();
+    let mut same = 0;
+    for pair in pairs::golden() {
+        let there = stepper.wide(&pair.a, &pair.b, &pair.tolerances).unwrap();
+        let back = stepper.wide(&pair.b, &pair.a, &pair.tolerances).unwrap();
+        let key = |c: &Contact| (c.kind, c.a, c.b);
+        let mut swapped: Vec<_> = back.0.iter().map(|c| c.swapped()).collect();
+        swapped.sort_by_key(key);
+        if there.1 + back.1 == 0 {
+            let keys = |all: &[Contact]| all.iter().map(|c| (key(c), c.gap)).collect::<Vec<_>>();
+            assert_eq!(keys(&there.0), keys(&swapped), "{}", pair.name);
+            same += 1;
+        }
+    }
+    assert!(same > 100, "{same}");
 }

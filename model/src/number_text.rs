@@ -14,7 +14,7 @@ use std::str::FromStr;
 pub const EXPONENT_LIMIT: u32 = 1200;
 
 /// Largest number of digits in a numerator or denominator.
-pub const DIGIT_LIMIT: usize = 20_000;
+pub const DIGIT_LIMIT: usize = 10_000;
 
 impl Number {
     /// The exact value of `text`: a decimal (`"0.1"`, `"-2.5e-3"`), a hexadecimal float (`"0x1.8p-3"`), or a quotient

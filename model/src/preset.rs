@@ -102,10 +102,10 @@ pub fn derive(preset: Preset, blocks: &[&Block], precision: Precision) -> Result
     values.into_set(preset, &lengths)
 }
 
-/// As [`derive`], and for `auto` the rules hold.
+/// As [`derive()`], and for `auto` the rules hold.
 ///
 /// # Errors
-/// As [`derive`]; and when `auto` cannot meet a rule, with the rules it violates.
+/// As [`derive()`]; and when `auto` cannot meet a rule, with the rules it violates.
 pub fn derive_checked(preset: Preset, blocks: &[&Block], precision: Precision) -> Result<ToleranceSet, PresetError> {
     let set = derive(preset, blocks, precision)?;
     if preset == Preset::Auto {

@@ -7,6 +7,7 @@ use crate::block::Block;
 use crate::lattice::Lattice;
 use crate::number::{Number, Precision};
 use crate::tolerance::{Criteria, LAMBDA_INVERSE, ToleranceSet};
+use crate::topology::Edge;
 use crate::vector::Vec3;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -255,37 +256,40 @@ struct Extremes {
 
 impl Extremes {
     fn of(blocks: &[&Block]) -> Option<Extremes> {
-        let lattice = Lattice::covering(blocks.iter().flat_map(|b| b.coordinates()));
-        let (numerator, denominator) = lattice.units_per_metre();
-        let metres_squared = BigRational::new(&denominator * &denominator, &numerator * &numerator);
-        let mut edges: Vec<(BigInt, Place)> = Vec::new();
-        let mut radii: Vec<(BigRational, Place)> = Vec::new();
-        let mut reach: Vec<(BigInt, Place)> = Vec::new();
+        let (mut edges, mut radii, mut reach) = (Vec::new(), Vec::new(), Vec::new());
         for (block, shape) in blocks.iter().enumerate() {
+            // A lattice of its own for every block: one for all could need the product of all denominators.
+            let lattice = Lattice::covering(shape.coordinates());
+            let (numerator, denominator) = lattice.units_per_metre();
+            let metres = BigRational::new(denominator, numerator);
+            let metres_squared = &metres * &metres;
             let points: Vec<Vec3<BigInt>> = shape.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
-            for edge in shape.topology().edges() {
-                let squared = points[edge.q as usize].minus(&points[edge.p as usize]).norm_squared();
-                edges.push((squared, Place { block, edge: Some((edge.p, edge.q)) }));
+            let length = |edge: &Edge| points[edge.q as usize].minus(&points[edge.p as usize]).norm_squared();
+            let lengths = shape.topology().edges().iter().map(|e| (length(e), (e.p, e.q)));
+            let (shortest, longest) =
+                (lengths.clone().min()?, lengths.max_by(|a, b| a.0.cmp(&b.0).then(b.1.cmp(&a.1)))?);
+            for (squared, ends) in [shortest, longest] {
+                edges.push((BigRational::from_integer(squared) * &metres_squared, Place { block, edge: Some(ends) }));
             }
             let place = Place { block, edge: None };
-            radii.push((radius_squared(shape, &points), place));
+            radii.push((radius_squared(shape, &points) * &metres_squared, place));
             let largest = points.iter().flat_map(|p| p.components().map(|c| c.abs())).max()?;
-            reach.push((largest, place));
+            reach.push((BigRational::from_integer(largest) * metres, place));
         }
         // The first of equals, so that the place named does not depend on chance.
-        let shortest = edges.iter().min_by(|a, b| a.0.cmp(&b.0))?;
-        let longest = edges.iter().rev().max_by(|a, b| a.0.cmp(&b.0))?;
-        let widest = radii.iter().rev().max_by(|a, b| a.0.cmp(&b.0))?;
-        let furthest = reach.iter().rev().max_by(|a, b| a.0.cmp(&b.0))?;
+        let least = |all: &[(BigRational, Place)]| all.iter().min_by(|a, b| a.0.cmp(&b.0)).cloned();
+        let greatest = |all: &[(BigRational, Place)]| all.iter().rev().max_by(|a, b| a.0.cmp(&b.0)).cloned();
+        let ((shortest_squared, shortest), (longest_squared, longest)) = (least(&edges)?, greatest(&edges)?);
+        let ((radius_squared, widest), (largest_coordinate, furthest)) = (greatest(&radii)?, greatest(&reach)?);
         Some(Extremes {
-            shortest_squared: BigRational::from_integer(shortest.0.clone()) * &metres_squared,
-            shortest: shortest.1,
-            longest_squared: BigRational::from_integer(longest.0.clone()) * &metres_squared,
-            longest: longest.1,
-            radius_squared: &widest.0 * &metres_squared,
-            widest: widest.1,
-            largest_coordinate: BigRational::new(&furthest.0 * denominator, numerator),
-            furthest: furthest.1,
+            shortest_squared,
+            shortest,
+            longest_squared,
+            longest,
+            radius_squared,
+            widest,
+            largest_coordinate,
+            furthest,
         })
     }
 

@@ -5,6 +5,7 @@
 //! 1,024 bits, integers on the heap. No float takes a decision that its bound does not prove. [`plain`] does the same
 //! in plain rationals, to be compared with.
 
+pub mod combination;
 mod contact;
 mod gap;
 mod levels;

@@ -42,19 +42,25 @@ impl Pair<'_> {
 
     /// The exact margin of a decision, or `None` if [`Pair::classify`] does not come to make it.
     pub fn margin(&self, tolerances: &ToleranceSet, decision: &Decision) -> Option<Margin> {
-        let recorder = Recorder { wanted: Some(*decision), ..Recorder::default() };
+        self.margins(tolerances, std::slice::from_ref(decision)).pop().flatten()
+    }
+
+    /// The exact margins of several decisions, for the price of one classification and of the margins themselves.
+    pub fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<Margin>> {
+        let recorder = Recorder { wanted: decisions.to_vec(), margins: vec![None; decisions.len()], ..Recorder::default() };
         let mut run = Run::new(self, tolerances, recorder);
         run.classify();
-        run.observer.margin
+        run.observer.margins
     }
 }
 
 #[derive(Default)]
 struct Recorder {
     entries: Vec<TraceEntry>,
-    wanted: Option<Decision>,
-    margin: Option<Margin>,
-    measuring: bool,
+    wanted: Vec<Decision>,
+    margins: Vec<Option<Margin>>,
+    /// Place of the decision being made among those wanted.
+    measuring: Option<usize>,
     tie: bool,
 }
 
@@ -63,22 +69,22 @@ impl Observer for Recorder {
 
     fn begin(&mut self, decision: &Decision) {
         self.tie = false;
-        self.measuring = self.wanted.as_ref() == Some(decision);
+        self.measuring = self.wanted.iter().position(|wanted| wanted == decision);
     }
 
     fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> Magnitude) {
         self.tie |= sign.is_zero();
-        if self.measuring {
+        if let Some(at) = self.measuring {
             let relative = relative_size(&margin());
-            if self.margin.is_none_or(|nearest| relative < nearest.relative) {
-                self.margin = Some(Margin { sign, relative });
+            if self.margins[at].is_none_or(|nearest| relative < nearest.relative) {
+                self.margins[at] = Some(Margin { sign, relative });
             }
         }
     }
 
     fn end(&mut self, decision: &Decision, outcome: i8) {
         self.entries.push(TraceEntry { decision: *decision, outcome, tie: self.tie });
-        self.measuring = false;
+        self.measuring = None;
     }
 }
 

@@ -1,8 +1,26 @@
-//! Campaigns: pairs of blocks made to break contact classification.
+//! Campaigns: pairs of blocks made to break contact classification, run through every engine and compared with the
+//! oracle (DESIGN, "Campaigns").
 
+pub mod attribution;
+pub mod builtin;
+pub mod case_file;
+pub mod collapse;
+pub mod compare;
+pub mod config;
 pub mod directed;
+pub mod engine;
+pub mod explain;
 pub mod families;
+pub mod finding;
+pub mod journal;
 pub mod ladder;
+pub mod metamorphic;
 pub mod pairs;
+pub mod run;
 pub mod sets;
 pub mod shapes;
+pub mod shrink;
+pub mod source;
+pub mod subject;
+pub mod summary;
+pub mod transform;

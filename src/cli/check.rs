@@ -48,9 +48,24 @@ impl Check {
         let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
         let shapes = scene.shapes();
         let set = spec.derive(&shapes, self.precision)?;
+        self.check_range(&scene, &set)?;
         let violations = rules::check(&set, &shapes, self.precision);
         print(&self.table(&scene, &spec, &set, &violations))?;
         Ok(if violations.is_empty() { Verdict::Fine } else { Verdict::Objection })
+    }
+
+    /// A value whose rounding overflows is an error (SPEC section 1).
+    fn check_range(&self, scene: &Scene, set: &ToleranceSet) -> anyhow::Result<()> {
+        for (number, block) in scene.blocks.iter().enumerate() {
+            if block.block.rounded(self.precision).is_none() {
+                let (file, name, precision) = (self.file.display(), &block.name, self.precision);
+                anyhow::bail!("{file}: block {number} \"{name}\": a coordinate overflows when rounded to {precision}");
+            }
+        }
+        match set.rounded(self.precision) {
+            Ok(_) => Ok(()),
+            Err(name) => anyhow::bail!("tolerance `{name}` overflows when rounded to {}", self.precision),
+        }
     }
 
     fn table(&self, scene: &Scene, spec: &ToleranceSpec, set: &ToleranceSet, violations: &[Violation]) -> String {

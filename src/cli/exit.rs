@@ -13,6 +13,8 @@ pub(crate) enum Verdict {
     Fine,
     /// A rule violated, a gate failed, a denied finding: exit 1.
     Objection,
+    /// Stopped by Ctrl-C in good order: exit 130, as a shell has it.
+    Interrupted,
 }
 
 /// The exit code of an outcome; an error is told on stderr and exits 2.
@@ -20,6 +22,7 @@ pub(crate) fn code(outcome: Outcome) -> ExitCode {
     match outcome {
         Ok(Verdict::Fine) => ExitCode::SUCCESS,
         Ok(Verdict::Objection) => ExitCode::from(1),
+        Ok(Verdict::Interrupted) => ExitCode::from(130),
         Err(error) => {
             complain(&format!("{error:#}"));
             ExitCode::from(2)

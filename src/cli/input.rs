@@ -8,7 +8,7 @@ use std::path::Path;
 #[derive(clap::Args)]
 pub(crate) struct ReadArgs {
     /// How far a face may be from planar, as a share of its block's size [default: what the file says, or 1e-9]
-    #[arg(long, value_name = "SHARE", value_parser = planarity)]
+    #[arg(long, value_name = "SHARE", value_parser = planarity, allow_negative_numbers = true)]
     planarity: Option<Number>,
 }
 

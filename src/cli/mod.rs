@@ -1,9 +1,14 @@
 //! The command line: one file a command, and one place where an outcome becomes an exit code.
 
+mod campaign;
 mod check;
+mod classify;
 mod convert;
 mod exit;
 mod input;
+mod replay;
+mod shrink;
+mod table;
 
 use clap::{Parser, Subcommand};
 use exit::Outcome;
@@ -11,7 +16,7 @@ use std::process::ExitCode;
 
 /// Tells whether contact analysis of polyhedral blocks can be trusted.
 ///
-/// Exit codes: 0 done; 1 a rule is violated or something denied was found; 2 usage or input error.
+/// Exit codes: 0 done; 1 a rule is violated or something denied was found; 2 usage or input error; 130 interrupted.
 #[derive(Parser)]
 #[command(name = "rockproof", version, max_term_width = 120)]
 struct Cli {
@@ -21,14 +26,22 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Classify(classify::Classify),
     Check(check::Check),
+    Campaign(campaign::Campaign),
+    Replay(replay::Replay),
+    Shrink(shrink::Shrink),
     Convert(convert::Convert),
 }
 
 impl Command {
     fn run(&self) -> Outcome {
         match self {
+            Command::Classify(command) => command.run(),
             Command::Check(command) => command.run(),
+            Command::Campaign(command) => command.run(),
+            Command::Replay(command) => command.run(),
+            Command::Shrink(command) => command.run(),
             Command::Convert(command) => command.run(),
         }
     }

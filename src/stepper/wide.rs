@@ -9,7 +9,8 @@
 //! towards zero and add what they lost. A comparison is **settled** when the two intervals do not meet, or when both
 //! values are exact; every other comparison answers by the middles and is counted. So cancellation is judged by the
 //! size of what cancelled, not by the size of what is left: where no comparison of a run was unsettled, each decision
-//! is the one that exact arithmetic makes.
+//! is the one that exact arithmetic makes. ([`Wide::maximum`] and [`Wide::middle_below`] are not counted: they choose
+//! between values that differ, if at all, by less than the bounds.)
 
 use crate::model::number::split_f64;
 use crate::model::{Block, Contact, Number, ToleranceSet};

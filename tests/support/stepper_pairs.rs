@@ -9,18 +9,18 @@ use rockproof::model::{
 use serde_json::Value;
 
 /// A pair of blocks, its tolerances, and what is expected.
-pub struct GoldenPair {
-    pub name: String,
-    pub a: Block,
-    pub b: Block,
-    pub tolerances: ToleranceSet,
-    pub contacts: Vec<Contact>,
+pub(crate) struct GoldenPair {
+    pub(crate) name: String,
+    pub(crate) a: Block,
+    pub(crate) b: Block,
+    pub(crate) tolerances: ToleranceSet,
+    pub(crate) contacts: Vec<Contact>,
     /// Squared gaps, one a contact.
-    pub gaps_squared: Vec<f64>,
+    pub(crate) gaps_squared: Vec<f64>,
 }
 
 /// The pairs of `tests/golden/golden_contacts.json`.
-pub fn golden() -> Vec<GoldenPair> {
+pub(crate) fn golden() -> Vec<GoldenPair> {
     let text =
         std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/golden_contacts.json")).unwrap();
     let pairs: Value = serde_json::from_str(&text).unwrap();
@@ -85,32 +85,44 @@ fn number(value: &Value) -> Number {
     Number::from_rational(BigRational::new(integer(numerator), integer(denominator)))
 }
 
-pub fn exact() -> BlockOptions {
+pub(crate) fn exact() -> BlockOptions {
     BlockOptions { planarity: Number::ZERO }
 }
 
 /// A number from an f64.
-pub fn n(value: f64) -> Number {
+pub(crate) fn n(value: f64) -> Number {
     Number::from_f64(value).unwrap()
 }
 
-/// A block from f64 coordinates.
-pub fn block(vertices: &[[f64; 3]], faces: &[&[u32]]) -> Block {
+/// A block from f64 coordinates; loops that run clockwise seen from outside are turned round.
+pub(crate) fn block(vertices: &[[f64; 3]], faces: &[&[u32]]) -> Block {
+    let sub = |a: u32, b: u32| [0, 1, 2].map(|k| vertices[a as usize][k] - vertices[b as usize][k]);
+    let mut volume = 0.0;
+    for face in faces {
+        for k in 1..face.len() - 1 {
+            let ([a, b, c], [d, e, f], [g, h, i]) = (sub(face[0], 0), sub(face[k], 0), sub(face[k + 1], 0));
+            volume += a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
+        }
+    }
+    let mut faces: Vec<Vec<u32>> = faces.iter().map(|f| f.to_vec()).collect();
+    if volume < 0.0 {
+        faces.iter_mut().for_each(|f| f.reverse());
+    }
     let vertices = vertices.iter().map(|v| Vec3::new(n(v[0]), n(v[1]), n(v[2]))).collect();
-    Block::new(vertices, faces.iter().map(|f| f.to_vec()).collect(), &exact()).unwrap()
+    Block::new(vertices, faces, &exact()).unwrap()
 }
 
-pub const CUBOID_FACES: [&[u32]; 6] =
+pub(crate) const CUBOID_FACES: [&[u32]; 6] =
     [&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
 
 /// An axis-aligned box. Vertices 0 to 3 run round the bottom, 4 to 7 round the top; faces: bottom, top, then −y, +x, +y, −x.
 /// Edges: 0 0-1, 1 0-3, 2 0-4, 3 1-2, 4 1-5, 5 2-3, 6 2-6, 7 3-7, 8 4-5, 9 4-7, 10 5-6, 11 6-7.
-pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Block {
+pub(crate) fn cuboid(low: [f64; 3], high: [f64; 3]) -> Block {
     turned_cuboid(low, high, |v| v)
 }
 
 /// A box whose vertices a linear map has moved.
-pub fn turned_cuboid(low: [f64; 3], high: [f64; 3], map: impl Fn([f64; 3]) -> [f64; 3]) -> Block {
+pub(crate) fn turned_cuboid(low: [f64; 3], high: [f64; 3], map: impl Fn([f64; 3]) -> [f64; 3]) -> Block {
     let corner = |x: bool, y: bool, z: bool| {
         let pick = |k: usize, up: bool| if up { high[k] } else { low[k] };
         map([pick(0, x), pick(1, y), pick(2, z)])
@@ -121,7 +133,7 @@ pub fn turned_cuboid(low: [f64; 3], high: [f64; 3], map: impl Fn([f64; 3]) -> [f
 }
 
 /// A tetrahedron with a vertex 0 at `apex` pointing down and a level triangle above it.
-pub fn spike(apex: [f64; 3], width: f64, height: f64) -> Block {
+pub(crate) fn spike(apex: [f64; 3], width: f64, height: f64) -> Block {
     let [x, y, z] = apex;
     let top = z + height;
     block(
@@ -130,9 +142,31 @@ pub fn spike(apex: [f64; 3], width: f64, height: f64) -> Block {
     )
 }
 
+/// A tetrahedron with vertex 0 at `vertices[0]`.
+pub(crate) fn tetrahedron(vertices: [[f64; 3]; 4]) -> Block {
+    block(&vertices, &[&[0, 2, 1], &[0, 1, 3], &[0, 3, 2], &[1, 2, 3]])
+}
+
+/// A triangular prism: edge 0-1, and behind it the edges 3-2 and 5-4 of the back face.
+pub(crate) fn prism(vertices: [[f64; 3]; 6]) -> Block {
+    block(&vertices, &[&[0, 1, 2, 3], &[1, 0, 5, 4], &[3, 2, 4, 5], &[0, 3, 5], &[1, 4, 2]])
+}
+
+/// A prism whose edge 0-1 (number 0) along x points down at (1, 1, z).
+pub(crate) fn keel(z: f64, half: f64) -> Block {
+    let (low, high, top) = (1.0 - half, 1.0 + half, z + 0.5);
+    prism([[low, 1.0, z], [high, 1.0, z], [high, 1.5, top], [low, 1.5, top], [high, 0.5, top], [low, 0.5, top]])
+}
+
+/// A prism whose edge 0-1 (number 0) along y points up at (1, 1, z).
+pub(crate) fn ridge(z: f64) -> Block {
+    let foot = z - 0.5;
+    prism([[1.0, 0.5, z], [1.0, 1.5, z], [0.5, 1.5, foot], [0.5, 0.5, foot], [1.5, 1.5, foot], [1.5, 0.5, foot]])
+}
+
 /// An L-shaped prism over `[0, 4]² × [0, 1]` without `x > 1 and y > 1`: reflex edge 3-9 at (1, 1). Faces: bottom, top, then
 /// y = 0, x = 4, y = 1 (inner), x = 1 (inner), y = 4, x = 0.
-pub fn corner_block() -> Block {
+pub(crate) fn corner_block() -> Block {
     let outline = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [1.0, 1.0], [1.0, 4.0], [0.0, 4.0]];
     let vertices: Vec<_> = [0.0, 1.0].iter().flat_map(|&z| outline.map(|[x, y]| [x, y, z])).collect();
     block(
@@ -151,7 +185,7 @@ pub fn corner_block() -> Block {
 }
 
 /// Tolerances exact in every precision: s = 1/8, r = 1/64, g = 1/16, so = sp = 3/64, ε = 2⁻²⁰, revised.
-pub fn tolerances() -> ToleranceSet {
+pub(crate) fn tolerances() -> ToleranceSet {
     ToleranceSet {
         search: n(0.125),
         territory: n(0.015625),
@@ -168,12 +202,12 @@ pub fn tolerances() -> ToleranceSet {
 }
 
 /// The same, classic.
-pub fn classic() -> ToleranceSet {
+pub(crate) fn classic() -> ToleranceSet {
     ToleranceSet { criteria: Criteria::Classic, ..tolerances() }
 }
 
 /// `kind a b entrance entrance_a entrance_b sign`, to read and write expectations.
-pub fn show(contact: &Contact) -> String {
+pub(crate) fn show(contact: &Contact) -> String {
     let Contact { kind, a, b, entrance, gap } = contact;
     format!("{kind} {a} {b} {} {} {} {:+}", entrance.kind, entrance.a, entrance.b, gap.as_i8())
 }

@@ -9,7 +9,10 @@ use crate::block::sure::{Coordinates, Surface};
 use crate::block::{Block, BlockOptions, Merged, Merging, Point, Shape};
 use crate::sign::Sign;
 use crate::topology::{Edge, Topology};
+use num_bigint::BigInt;
+use num_integer::Integer;
 use num_rational::BigRational;
+use num_traits::One;
 use std::cmp::Ordering;
 use std::sync::Arc;
 
@@ -30,6 +33,7 @@ pub(super) fn build(
     options: &BlockOptions,
     merging: Merging,
 ) -> Result<(Block, Merged), BlockError> {
+    check_denominator(&vertices)?;
     let approximate = approximate(&vertices)?;
     check_distinct(&vertices, &approximate)?;
     let topology = Topology::new(vertices.len(), faces)?;
@@ -53,6 +57,27 @@ pub(super) fn build(
         Merged { faces: face_count - draft.topology.faces().len(), vertices: vertex_count - draft.vertices.len() };
     let shape = shape(&draft, &signs)?;
     Ok((Block { shape: Arc::new(shape), vertices: draft.vertices }, merged))
+}
+
+/// Bits of the common denominator of all coordinates: n fractions of d digits would otherwise cost n²·d.
+const MOST_BITS: u64 = 1 << 16;
+
+fn check_denominator(vertices: &[Point]) -> Result<(), BlockError> {
+    let ratios = || vertices.iter().flat_map(|v| v.components()).filter_map(|c| c.as_ratio());
+    // The product of all denominators bounds their least common multiple.
+    if ratios().map(|r| r.denom().bits()).sum::<u64>() <= MOST_BITS {
+        return Ok(());
+    }
+    let mut common = BigInt::one();
+    for ratio in ratios() {
+        if !common.is_multiple_of(ratio.denom()) {
+            common = common.lcm(ratio.denom());
+        }
+        if common.bits() > MOST_BITS {
+            return Err(BlockError::TooFine { limit: MOST_BITS });
+        }
+    }
+    Ok(())
 }
 
 fn approximate(vertices: &[Point]) -> Result<Vec<[f64; 3]>, BlockError> {

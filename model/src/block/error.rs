@@ -15,6 +15,12 @@ pub enum BlockError {
         /// The vertex.
         vertex: usize,
     },
+    /// Fractions with so many different denominators that exact arithmetic would take forever.
+    #[error("the coordinates have no common denominator below 2^{limit}; fewer or shorter fractions are needed")]
+    TooFine {
+        /// Most bits allowed.
+        limit: u64,
+    },
     /// Two vertices at one point.
     #[error(
         "vertices {first} and {second} are the same point ({x}, {y}, {z}); every vertex must be a point of its own"

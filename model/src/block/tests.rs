@@ -313,6 +313,37 @@ fn a_ring_is_not_a_face() {
     assert_eq!(error(vertices, faces), BlockError::FaceWithHole { face: 10, count: 4 });
 }
 
+/// The great dodecahedron: every vertex of an icosahedron's five neighbours make a face; all edges are convex.
+#[test]
+fn a_convex_surface_that_runs_through_itself_is_no_block() {
+    let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
+    let mut corners: Vec<[f64; 3]> = Vec::new();
+    for (one, other) in [(1.0, golden), (1.0, -golden), (-1.0, golden), (-1.0, -golden)] {
+        corners.extend([[0.0, one, other], [one, other, 0.0], [other, 0.0, one]]);
+    }
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let cross =
+        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    // Neighbours are 2 apart, so their product is that of φ.
+    let are_neighbours = |a: usize, b: usize| (dot(corners[a], corners[b]) - golden).abs() < 1e-6;
+    let pentagon = |top: usize| {
+        let ring: Vec<usize> = (0..12).filter(|&v| are_neighbours(top, v)).collect();
+        let mut face = vec![ring[0]];
+        while face.len() < 5 {
+            let last = face[face.len() - 1];
+            let follows =
+                |&&v: &&usize| are_neighbours(last, v) && dot(cross(corners[last], corners[v]), corners[top]) > 0.0;
+            face.push(*ring.iter().find(follows).unwrap());
+        }
+        face.into_iter().map(|v| v as u32).collect::<Vec<u32>>()
+    };
+    let faces: Vec<Vec<u32>> = (0..12).map(pentagon).collect();
+    let float = |v: f64| Number::from_f64(v).unwrap();
+    let vertices = corners.iter().map(|&[x, y, z]| Vec3::new(float(x), float(y), float(z))).collect();
+    let error = Block::new(vertices, faces, &BlockOptions::default()).unwrap_err();
+    assert_eq!(error, BlockError::RunsThroughItself { edges: 30, euler: -6 });
+}
+
 #[test]
 fn moving_and_rounding_keep_the_flags() {
     let (vertices, faces) = prism(&L_SHAPE);

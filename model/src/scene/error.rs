@@ -33,6 +33,14 @@ pub enum Problem {
     /// The operating system's answer.
     #[error("{0}")]
     Io(std::io::Error),
+    /// A file that a scene names and that cannot be read.
+    #[error("`file` {file}: {error}")]
+    NamedFile {
+        /// The file, as looked for.
+        file: String,
+        /// The operating system's answer.
+        error: std::io::Error,
+    },
     /// A name that says nothing about the format.
     #[error("cannot tell the format from the name; known are .toml, .dda, .obj, .vtk, and .txt or .voro for voro++")]
     UnknownFormat,

@@ -252,7 +252,10 @@ impl Gathered {
                             allowed: "a scene can take blocks from .dda, .obj, .vtk, .txt and .voro".to_string(),
                         })
                     })?;
-                    let text = read_text(&file, format)?;
+                    let text = read_text(&file, format).map_err(|error| match error.problem {
+                        Problem::Io(error) => refuse(Problem::NamedFile { file: file.display().to_string(), error }),
+                        _ => error,
+                    })?;
                     let mut raws = read_foreign(&text, format).unwrap_or(Ok(Vec::new())).map_err(|p| at(&file, p))?;
                     let several = raws.len() > 1;
                     for (i, raw) in raws.iter_mut().enumerate() {

@@ -1,0 +1,353 @@
+//! What several contacts amount to: face-to-face, edge-to-face and parallel edge-to-edge (SPEC section 4, "Derived").
+//!
+//! A contact *lies on* a face (an edge) of a block when its feature there is that face (edge) or bounds it. Each contact
+//! has a point on either block: the vertex; on an edge, the foot of the vertex or of the common perpendicular; on a face,
+//! the foot of the vertex in the face's plane. All of them exact. Points of several contacts *span* a line or a plane when
+//! they do so on both blocks: where the blocks are a gap apart, the points of one block alone are what lines up.
+//!
+//! - **face-face** of F and G: the faces look at each other (`N_F·N_G < 0`) and the contacts on both span a plane.
+//! - **edge-face** of e and G: the contacts on both span a line and do not all lie on one edge of G; no face-face joins G
+//!   and a face of e.
+//! - **parallel edge-edge** of e and e': the contacts on both span a line; no face-face joins a face of e and one of e',
+//!   and no edge-face joins one of the edges and a face of the other.
+//!
+//! So a box on a floor is one face-face, not also its four edges on the floor. A contact without a point (on an edge
+//! without length or a face without area, which rounding can make) is part of no combination.
+
+use num_rational::BigRational;
+use num_traits::{CheckedDiv, Signed, Zero};
+use rockproof_model::block::face_normal;
+use rockproof_model::topology::Edge;
+use rockproof_model::{Block, Contact, ContactKind, Vec3};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Which kinds of feature a combination joins; A's feature is named first. The order of the variants is the order in
+/// which combinations are sorted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum CombinationKind {
+    /// A face of each.
+    FaceFace,
+    /// An edge of A and a face of B.
+    EdgeFace,
+    /// A face of A and an edge of B.
+    FaceEdge,
+    /// Parallel edges of both.
+    EdgeEdge,
+}
+
+impl CombinationKind {
+    /// `face-face`, `edge-face`, `face-edge` or `edge-edge`, as written in tables and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            CombinationKind::FaceFace => "face-face",
+            CombinationKind::EdgeFace => "edge-face",
+            CombinationKind::FaceEdge => "face-edge",
+            CombinationKind::EdgeEdge => "edge-edge",
+        }
+    }
+}
+
+impl fmt::Display for CombinationKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Several contacts that together join two larger features. Combinations compare by kind, then feature of A, then of B.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Combination {
+    /// Which kinds of feature are joined.
+    pub kind: CombinationKind,
+    /// Index of A's face or edge.
+    pub a: u32,
+    /// Index of B's face or edge.
+    pub b: u32,
+    /// Positions, in the list of contacts given, of those that lie on both features, ascending.
+    pub contacts: Vec<usize>,
+}
+
+/// The combinations that the contacts of a pair form, sorted.
+///
+/// `contacts` is what a classification of the pair answers; the blocks are those that were classified. A contact that
+/// names a feature its block does not have is part of no combination.
+pub fn combinations(a: &Block, b: &Block, contacts: &[Contact]) -> Vec<Combination> {
+    let (a, b) = (Points::of(a), Points::of(b));
+    let touches: Vec<Touch> =
+        contacts.iter().enumerate().filter_map(|(index, contact)| touch(&a, &b, index, contact)).collect();
+    let mut found = face_faces(&a, &b, &touches);
+    let edge_faces = edge_faces(&a, &b, &touches, &found);
+    let face_edges = face_edges(&a, &b, &touches, &found);
+    found.extend(edge_faces);
+    found.extend(face_edges);
+    let edge_edges = edge_edges(&a, &b, &touches, &found);
+    found.extend(edge_edges);
+    found.sort();
+    found
+}
+
+type Exact = Vec3<BigRational>;
+
+/// A block with its vertices as rationals.
+struct Points<'a> {
+    block: &'a Block,
+    vertices: Vec<Exact>,
+}
+
+/// A contact's features and its point on either block.
+struct Touch {
+    index: usize,
+    /// Faces and edges of A on which the contact lies.
+    a: Support,
+    /// Faces and edges of B on which the contact lies.
+    b: Support,
+    point_a: Exact,
+    point_b: Exact,
+}
+
+/// What a contact's feature is or bounds.
+struct Support {
+    faces: Vec<u32>,
+    edges: Vec<u32>,
+}
+
+#[derive(Clone, Copy)]
+enum Feature {
+    Vertex(u32),
+    Edge(u32),
+    Face(u32),
+}
+
+impl<'a> Points<'a> {
+    fn of(block: &'a Block) -> Self {
+        Points { block, vertices: block.vertices().iter().map(|v| v.map(|c| c.to_rational())).collect() }
+    }
+
+    fn has(&self, feature: Feature) -> bool {
+        let topology = self.block.topology();
+        match feature {
+            Feature::Vertex(v) => (v as usize) < topology.vertex_count(),
+            Feature::Edge(e) => (e as usize) < topology.edges().len(),
+            Feature::Face(f) => (f as usize) < topology.faces().len(),
+        }
+    }
+
+    fn edge(&self, edge: u32) -> &Edge {
+        &self.block.topology().edges()[edge as usize]
+    }
+
+    fn faces_at(&self, edge: u32) -> [u32; 2] {
+        [self.edge(edge).left, self.edge(edge).right]
+    }
+
+    fn support(&self, feature: Feature) -> Support {
+        let topology = self.block.topology();
+        match feature {
+            Feature::Vertex(v) => {
+                Support { faces: topology.vertex_faces(v).to_vec(), edges: topology.vertex_edges(v).to_vec() }
+            }
+            Feature::Edge(e) => Support { faces: self.faces_at(e).to_vec(), edges: vec![e] },
+            Feature::Face(f) => Support { faces: vec![f], edges: Vec::new() },
+        }
+    }
+
+    /// Whether all of these lie on one and the same edge of a face.
+    fn lie_on_one_edge<'s>(&self, face: u32, supports: impl Iterator<Item = &'s Support> + Clone) -> bool {
+        let edges = self.block.topology().face_edges(face);
+        edges.iter().any(|edge| supports.clone().all(|support| support.edges.contains(edge)))
+    }
+
+    fn normal(&self, face: u32) -> Exact {
+        face_normal(&self.vertices, &self.block.topology().faces()[face as usize])
+    }
+
+    /// The edge's first point and its direction.
+    fn line(&self, edge: u32) -> (&Exact, Exact) {
+        let ends = self.edge(edge);
+        let start = &self.vertices[ends.p as usize];
+        (start, self.vertices[ends.q as usize].minus(start))
+    }
+
+    /// The foot of `x` on the line of an edge.
+    fn foot_on_edge(&self, edge: u32, x: &Exact) -> Option<Exact> {
+        let (start, direction) = self.line(edge);
+        let share = x.minus(start).dot(&direction).checked_div(&direction.norm_squared())?;
+        Some(start.plus(&direction.scaled(&share)))
+    }
+
+    /// The foot of `x` in the plane of a face: through the mean of its vertices, as SPEC section 2 has it.
+    fn foot_on_face(&self, face: u32, x: &Exact) -> Option<Exact> {
+        let normal = self.normal(face);
+        let boundary = &self.block.topology().faces()[face as usize];
+        let count = BigRational::from_integer(boundary.len().into());
+        let total = boundary.iter().fold(Vec3::zero(), |t: Exact, &v| t.plus(&self.vertices[v as usize]));
+        // N·(x − c)/|N|² with c = total/count, over one denominator.
+        let height = normal.dot(&x.scaled(&count).minus(&total));
+        let share = height.checked_div(&(normal.norm_squared() * count))?;
+        Some(x.minus(&normal.scaled(&share)))
+    }
+}
+
+fn touch(a: &Points<'_>, b: &Points<'_>, index: usize, contact: &Contact) -> Option<Touch> {
+    let (feature_a, feature_b) = features(contact);
+    if !a.has(feature_a) || !b.has(feature_b) {
+        return None;
+    }
+    let (point_a, point_b) = match (feature_a, feature_b) {
+        (Feature::Vertex(v), Feature::Vertex(w)) => (a.vertices[v as usize].clone(), b.vertices[w as usize].clone()),
+        (Feature::Vertex(v), other) => {
+            let vertex = &a.vertices[v as usize];
+            (vertex.clone(), foot(b, other, vertex)?)
+        }
+        (other, Feature::Vertex(v)) => {
+            let vertex = &b.vertices[v as usize];
+            (foot(a, other, vertex)?, vertex.clone())
+        }
+        (Feature::Edge(e), Feature::Edge(f)) => feet_of_edges(a.line(e), b.line(f))?,
+        _ => return None,
+    };
+    Some(Touch { index, a: a.support(feature_a), b: b.support(feature_b), point_a, point_b })
+}
+
+fn foot(block: &Points<'_>, feature: Feature, x: &Exact) -> Option<Exact> {
+    match feature {
+        Feature::Vertex(v) => Some(block.vertices[v as usize].clone()),
+        Feature::Edge(e) => block.foot_on_edge(e, x),
+        Feature::Face(f) => block.foot_on_face(f, x),
+    }
+}
+
+/// The feet of the common perpendicular of two lines; `None` when they are parallel.
+fn feet_of_edges((p1, d1): (&Exact, Exact), (p2, d2): (&Exact, Exact)) -> Option<(Exact, Exact)> {
+    let across = d1.cross(&d2);
+    let whole = across.norm_squared();
+    let between = p2.minus(p1);
+    let along_1 = between.cross(&d2).dot(&across).checked_div(&whole)?;
+    let along_2 = between.cross(&d1).dot(&across).checked_div(&whole)?;
+    Some((p1.plus(&d1.scaled(&along_1)), p2.plus(&d2.scaled(&along_2))))
+}
+
+fn features(contact: &Contact) -> (Feature, Feature) {
+    let (a, b) = (contact.a, contact.b);
+    match contact.kind {
+        ContactKind::VertexVertex => (Feature::Vertex(a), Feature::Vertex(b)),
+        ContactKind::VertexEdge => (Feature::Vertex(a), Feature::Edge(b)),
+        ContactKind::EdgeVertex => (Feature::Edge(a), Feature::Vertex(b)),
+        ContactKind::VertexFace => (Feature::Vertex(a), Feature::Face(b)),
+        ContactKind::FaceVertex => (Feature::Face(a), Feature::Vertex(b)),
+        ContactKind::EdgeEdge => (Feature::Edge(a), Feature::Edge(b)),
+    }
+}
+
+/// The contacts on each pair of a feature of A and a feature of B.
+fn grouped(
+    touches: &[Touch],
+    of_a: impl Fn(&Touch) -> &[u32],
+    of_b: impl Fn(&Touch) -> &[u32],
+) -> BTreeMap<(u32, u32), Vec<&Touch>> {
+    let mut groups: BTreeMap<(u32, u32), Vec<&Touch>> = BTreeMap::new();
+    for touch in touches {
+        for &a in of_a(touch) {
+            for &b in of_b(touch) {
+                groups.entry((a, b)).or_default().push(touch);
+            }
+        }
+    }
+    groups
+}
+
+fn face_faces(a: &Points<'_>, b: &Points<'_>, touches: &[Touch]) -> Vec<Combination> {
+    let groups = grouped(touches, |t| &t.a.faces, |t| &t.b.faces);
+    groups
+        .into_iter()
+        .filter(|((f, g), group)| spanned(group) == Span::Plane && a.normal(*f).dot(&b.normal(*g)).is_negative())
+        .map(|((f, g), group)| combination(CombinationKind::FaceFace, f, g, &group))
+        .collect()
+}
+
+/// Edges of A on faces of B.
+fn edge_faces(a: &Points<'_>, b: &Points<'_>, touches: &[Touch], found: &[Combination]) -> Vec<Combination> {
+    let groups = grouped(touches, |t| &t.a.edges, |t| &t.b.faces);
+    let is_new = |edge: u32, face: u32, group: &[&Touch]| {
+        spanned(group) != Span::Point
+            && !b.lie_on_one_edge(face, group.iter().map(|touch| &touch.b))
+            && !a.faces_at(edge).iter().any(|&own| has(found, CombinationKind::FaceFace, own, face))
+    };
+    groups
+        .into_iter()
+        .filter(|((edge, face), group)| is_new(*edge, *face, group))
+        .map(|((edge, face), group)| combination(CombinationKind::EdgeFace, edge, face, &group))
+        .collect()
+}
+
+/// Faces of A under edges of B.
+fn face_edges(a: &Points<'_>, b: &Points<'_>, touches: &[Touch], found: &[Combination]) -> Vec<Combination> {
+    let groups = grouped(touches, |t| &t.a.faces, |t| &t.b.edges);
+    let is_new = |face: u32, edge: u32, group: &[&Touch]| {
+        spanned(group) != Span::Point
+            && !a.lie_on_one_edge(face, group.iter().map(|touch| &touch.a))
+            && !b.faces_at(edge).iter().any(|&own| has(found, CombinationKind::FaceFace, face, own))
+    };
+    groups
+        .into_iter()
+        .filter(|((face, edge), group)| is_new(*face, *edge, group))
+        .map(|((face, edge), group)| combination(CombinationKind::FaceEdge, face, edge, &group))
+        .collect()
+}
+
+fn edge_edges(a: &Points<'_>, b: &Points<'_>, touches: &[Touch], found: &[Combination]) -> Vec<Combination> {
+    let groups = grouped(touches, |t| &t.a.edges, |t| &t.b.edges);
+    groups
+        .into_iter()
+        .filter(|((e, f), group)| {
+            let (faces_a, faces_b) = (a.faces_at(*e), b.faces_at(*f));
+            let within_faces =
+                faces_a.iter().any(|fa| faces_b.iter().any(|fb| has(found, CombinationKind::FaceFace, *fa, *fb)));
+            let within_edge_face = faces_b.iter().any(|fb| has(found, CombinationKind::EdgeFace, *e, *fb))
+                || faces_a.iter().any(|fa| has(found, CombinationKind::FaceEdge, *fa, *f));
+            spanned(group) != Span::Point && !within_faces && !within_edge_face
+        })
+        .map(|((e, f), group)| combination(CombinationKind::EdgeEdge, e, f, &group))
+        .collect()
+}
+
+fn has(found: &[Combination], kind: CombinationKind, a: u32, b: u32) -> bool {
+    found.iter().any(|c| (c.kind, c.a, c.b) == (kind, a, b))
+}
+
+fn combination(kind: CombinationKind, a: u32, b: u32, group: &[&Touch]) -> Combination {
+    Combination { kind, a, b, contacts: group.iter().map(|touch| touch.index).collect() }
+}
+
+/// What points span.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Span {
+    /// All coincide.
+    Point,
+    /// They lie on one line.
+    Line,
+    /// They lie on no line.
+    Plane,
+}
+
+/// The less of what the contacts' points span on A and on B.
+fn spanned(group: &[&Touch]) -> Span {
+    let on_a = span(group.iter().map(|touch| &touch.point_a));
+    let on_b = span(group.iter().map(|touch| &touch.point_b));
+    on_a.min(on_b)
+}
+
+fn span<'p>(mut points: impl Iterator<Item = &'p Exact>) -> Span {
+    let Some(first) = points.next() else { return Span::Point };
+    let mut direction: Option<Exact> = None;
+    for point in points {
+        let offset = point.minus(first);
+        match &direction {
+            None if offset.norm_squared().is_zero() => {}
+            None => direction = Some(offset),
+            Some(d) if d.cross(&offset).norm_squared().is_zero() => {}
+            Some(_) => return Span::Plane,
+        }
+    }
+    if direction.is_some() { Span::Line } else { Span::Point }
+}

@@ -1,0 +1,142 @@
+//! Which contacts make a face lie on a face, an edge on a face, or parallel edges meet.
+
+mod support;
+
+use num_rational::BigRational;
+use rockproof_model::{Block, Contact, ContactKind, ToleranceSet};
+use rockproof_oracle::combination::{Combination, CombinationKind, combinations};
+use rockproof_oracle::plain;
+use support::shapes::{Prism, WEDGE, cuboid, point, revised, slab, spike, step};
+
+/// The contacts that classification finds, by kind and features, and what they combine to.
+fn combined(a: &Block, b: &Block, tolerances: &ToleranceSet) -> (Vec<Contact>, Vec<Combination>) {
+    let contacts: Vec<Contact> =
+        plain::classify::<BigRational>(a, b, tolerances).into_iter().map(|f| f.contact).collect();
+    let found = combinations(a, b, &contacts);
+    let swapped: Vec<Contact> = contacts.iter().map(|c| c.swapped()).collect();
+    let mut back: Vec<Combination> = combinations(b, a, &swapped).into_iter().map(exchanged).collect();
+    back.sort();
+    assert_eq!(back, found, "combinations do not depend on which block is named first");
+    (contacts, found)
+}
+
+fn exchanged(combination: Combination) -> Combination {
+    let kind = match combination.kind {
+        CombinationKind::EdgeFace => CombinationKind::FaceEdge,
+        CombinationKind::FaceEdge => CombinationKind::EdgeFace,
+        same => same,
+    };
+    Combination { kind, a: combination.b, b: combination.a, contacts: combination.contacts }
+}
+
+fn combination(kind: CombinationKind, a: u32, b: u32, contacts: &[usize]) -> Combination {
+    Combination { kind, a, b, contacts: contacts.to_vec() }
+}
+
+#[test]
+fn a_box_on_a_larger_one_is_one_face_on_a_face() {
+    let (contacts, found) = combined(
+        &cuboid(["1", "1", "1/100"], ["2", "2", "2"]),
+        &cuboid(["0", "0", "-2"], ["3", "3", "0"]),
+        &revised(&[]),
+    );
+    assert_eq!(contacts.len(), 4);
+    assert_eq!(found, [combination(CombinationKind::FaceFace, 0, 1, &[0, 1, 2, 3])]);
+}
+
+#[test]
+fn equal_boxes_corner_to_corner_are_one_face_on_a_face() {
+    // Their edges coincide as well, within the faces that meet.
+    let (contacts, found) = combined(
+        &cuboid(["0", "0", "1/100"], ["2", "2", "2"]),
+        &cuboid(["0", "0", "-2"], ["2", "2", "0"]),
+        &revised(&[]),
+    );
+    assert!(contacts.iter().all(|c| c.kind == ContactKind::VertexVertex));
+    assert_eq!(found, [combination(CombinationKind::FaceFace, 0, 1, &[0, 1, 2, 3])]);
+}
+
+#[test]
+fn crossed_bars_meet_in_a_face() {
+    // Four e-e contacts, each on both faces.
+    let (_, found) = combined(
+        &cuboid(["0", "1", "1/100"], ["4", "2", "2"]),
+        &cuboid(["1", "0", "-2"], ["2", "4", "0"]),
+        &revised(&[]),
+    );
+    assert_eq!(found, [combination(CombinationKind::FaceFace, 0, 1, &[0, 1, 2, 3])]);
+}
+
+#[test]
+fn overhanging_corner_is_one_face_on_a_face() {
+    // A's corner 0 over B's top, B's corner 6 under A's bottom, and two crossings: the corners of the common rectangle.
+    let (contacts, found) = combined(
+        &cuboid(["1", "1", "1/100"], ["4", "4", "3"]),
+        &cuboid(["0", "0", "-2"], ["2", "2", "0"]),
+        &revised(&[]),
+    );
+    let kinds: Vec<ContactKind> = contacts.iter().map(|c| c.kind).collect();
+    use ContactKind::{EdgeEdge, FaceVertex, VertexFace};
+    assert_eq!(kinds, [VertexFace, FaceVertex, EdgeEdge, EdgeEdge]);
+    assert_eq!(found, [combination(CombinationKind::FaceFace, 0, 1, &[0, 1, 2, 3])]);
+}
+
+#[test]
+fn ridge_on_a_slab_is_an_edge_on_a_face() {
+    let (contacts, found) = combined(&WEDGE.along_x().translated(&point(["0", "0", "1/100"])), &slab(), &revised(&[]));
+    assert_eq!(contacts.len(), 2);
+    assert_eq!(found, [combination(CombinationKind::EdgeFace, 0, 1, &[0, 1])]);
+}
+
+#[test]
+fn ridge_longer_than_a_slab_is_an_edge_on_a_face() {
+    // Longer than the slab, whose top edges it crosses: e-e at x = ±4, whose feet on B span 8 and on A lie on the ridge.
+    let long = Prism { half: "6", ..WEDGE };
+    let (contacts, found) = combined(&long.along_x().translated(&point(["0", "0", "1/100"])), &slab(), &revised(&[]));
+    assert!(contacts.iter().all(|c| c.kind == ContactKind::EdgeEdge) && contacts.len() == 2, "{contacts:?}");
+    assert_eq!(found, [combination(CombinationKind::EdgeFace, 0, 1, &[0, 1])]);
+}
+
+#[test]
+fn parallel_ridges_meet_edge_to_edge() {
+    // One overhangs the other at either end: v-e and e-v.
+    let (contacts, found) =
+        combined(&WEDGE.along_x().translated(&point(["-1", "0", "1/20"])), &WEDGE.upside_down_along_x(), &revised(&[]));
+    let kinds: Vec<ContactKind> = contacts.iter().map(|c| c.kind).collect();
+    assert_eq!(kinds, [ContactKind::VertexEdge, ContactKind::EdgeVertex]);
+    assert_eq!(found, [combination(CombinationKind::EdgeEdge, 0, 0, &[0, 1])]);
+}
+
+#[test]
+fn ridge_along_a_slab_edge_meets_edge_to_edge() {
+    // Over edge 11 (y = 4), which bounds the top and a side: all contacts lie on that edge, so it is no edge on a face.
+    let (contacts, found) = combined(&WEDGE.along_x().translated(&point(["0", "4", "1/100"])), &slab(), &revised(&[]));
+    assert!(contacts.iter().all(|c| c.kind == ContactKind::VertexEdge && c.b == 11) && contacts.len() == 2);
+    assert_eq!(found, [combination(CombinationKind::EdgeEdge, 0, 11, &[0, 1])]);
+}
+
+#[test]
+fn step_on_its_lower_side_combines_with_each_face_it_meets() {
+    // A box in the notch touches floor and wall: two faces on faces, sharing the contacts of its lower left edge.
+    let (_, found) = combined(&cuboid(["201/100", "-1", "201/100"], ["3", "1", "3"]), &step(), &revised(&[]));
+    let kinds: Vec<_> = found.iter().map(|c| (c.kind, c.a, c.b, c.contacts.len())).collect();
+    assert_eq!(kinds, [(CombinationKind::FaceFace, 0, 4, 4), (CombinationKind::FaceFace, 5, 5, 4)]);
+}
+
+#[test]
+fn contacts_of_other_blocks_are_left_out() {
+    let (a, b) = (WEDGE.along_x().translated(&point(["0", "0", "1/100"])), slab());
+    let (contacts, found) = combined(&a, &b, &revised(&[]));
+    let foreign = Contact { a: 99, ..contacts[0] };
+    assert_eq!(combinations(&a, &b, &[contacts[0], contacts[1], foreign]), found);
+}
+
+#[test]
+fn single_contacts_combine_to_nothing() {
+    let ridges = (WEDGE.along_x(), WEDGE.upside_down_along_y());
+    assert_eq!(combined(&ridges.0, &ridges.1, &revised(&[])).1, []);
+    for tip in [["0", "0", "0"], ["4", "0", "0"], ["4", "4", "0"]] {
+        let (contacts, found) = combined(&spike(tip), &slab(), &revised(&[]));
+        assert_eq!((contacts.len(), found), (1, Vec::new()));
+    }
+}

@@ -1,0 +1,194 @@
+//! What must hold of any pair: the backends agree decision by decision, exchanging, moving and scaling the blocks changes
+//! nothing but names and lengths, and blocks that rounding has made degenerate still have an answer.
+
+mod support;
+
+use num_rational::BigRational;
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::{Block, ContactKind, Criteria, EntranceKind, Number, Precision, ToleranceSet, Vec3};
+use rockproof_oracle::plain::{self, Found};
+use rockproof_oracle::rational::Rational;
+use support::shapes::{
+    WEDGE, classic, cuboid, exact, leaning_spike, number, point, revised, slab, spike, step, step_between,
+};
+
+fn classified(a: &Block, b: &Block, t: &ToleranceSet) -> Vec<Found<BigRational>> {
+    plain::classify(a, b, t)
+}
+
+fn lower() -> impl Strategy<Value = Block> {
+    (0..5).prop_map(|shape| match shape {
+        0 => slab(),
+        1 => WEDGE.upside_down_along_x(),
+        2 => WEDGE.upside_down_along_y(),
+        3 => step(),
+        _ => step_between("0", "1/20"),
+    })
+}
+
+/// A lower block, and an upper one near one of its vertices: along each axis either within 5/100, in steps of 1/100 so that
+/// ties are common, or 1 away, so that edges and faces are met as well.
+fn blocks() -> impl Strategy<Value = (Block, Block)> {
+    let step_aside = || prop_oneof![3 => -5i32..=5, 1 => Just(100), 1 => Just(-100)];
+    let offset = (step_aside(), step_aside(), step_aside());
+    (0..5, lower(), any::<prop::sample::Index>(), offset).prop_map(|(shape, b, vertex, (x, y, z))| {
+        let a = match shape {
+            0 => spike(["0", "0", "0"]),
+            1 => leaning_spike(["0", "0", "0"]),
+            2 => WEDGE.turned(),
+            3 => step(),
+            _ => cuboid(["0", "0", "0"], ["2", "2", "1"]),
+        };
+        let near = vertex.get(b.vertices());
+        let hundredths = |steps: i32| number(&format!("{steps}/100"));
+        let place = Vec3::new(near.x.plus(&hundredths(x)), near.y.plus(&hundredths(y)), near.z.plus(&hundredths(z)));
+        (a.translated(&place), b)
+    })
+}
+
+fn tolerances() -> impl Strategy<Value = ToleranceSet> {
+    let sine = || prop::sample::select(vec!["0", "3/64", "3/5"]);
+    let territory = prop::sample::select(vec!["0", "1/50", "1/25"]);
+    (any::<bool>(), sine(), sine(), territory).prop_map(|(is_classic, overlap, parallel, territory)| {
+        let changes = [("overlap_sine", overlap), ("parallel_sine", parallel), ("territory", territory)];
+        if is_classic { classic(&changes) } else { revised(&changes) }
+    })
+}
+
+/// Whether a choice between planes or contacts hung on an exact tie, which the order of features then decides.
+fn chose_by_order(a: &Block, b: &Block, t: &ToleranceSet) -> bool {
+    const ORDERED: [Predicate; 3] = [Predicate::EntranceChoice, Predicate::ShortestExit, Predicate::OneExit];
+    plain::trace::<BigRational>(a, b, t).iter().any(|(d, _, tie)| *tie && ORDERED.contains(&d.predicate))
+}
+
+fn scaled(block: &Block, factor: &Number) -> Block {
+    block.with_vertices(block.vertices().iter().map(|v| v.map(|c| c.times(factor))).collect())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn exchanging_the_blocks_exchanges_the_contacts((a, b) in blocks(), t in tolerances()) {
+        prop_assume!(!chose_by_order(&a, &b, &t));
+        let mut expected: Vec<_> =
+            classified(&a, &b, &t).into_iter().map(|f| (f.contact.swapped(), f.gap_squared)).collect();
+        expected.sort_by_key(|(contact, _)| *contact);
+        let found: Vec<_> = classified(&b, &a, &t).into_iter().map(|f| (f.contact, f.gap_squared)).collect();
+        prop_assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn moving_and_scaling_change_lengths_only((a, b) in blocks(), t in tolerances()) {
+        let expected = classified(&a, &b, &t);
+        let offset = point(["1/3", "-12345/7", "1/1000000007"]);
+        prop_assert_eq!(&classified(&a.translated(&offset), &b.translated(&offset), &t), &expected);
+        let factor = number("7/3");
+        let mut longer = t.clone();
+        longer.search = t.search.times(&factor);
+        longer.territory = t.territory.times(&factor);
+        longer.penetration = t.penetration.times(&factor);
+        let found = classified(&scaled(&a, &factor), &scaled(&b, &factor), &longer);
+        let area = exact("49/9");
+        let expected: Vec<_> =
+            expected.into_iter().map(|f| Found { gap_squared: f.gap_squared * &area, ..f }).collect();
+        prop_assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn contacts_are_sorted_and_within_reach((a, b) in blocks(), t in tolerances()) {
+        let found = classified(&a, &b, &t);
+        prop_assert!(found.is_sorted_by(|f, g| f.contact < g.contact));
+        let (s, g) = (t.search.to_rational(), t.penetration.to_rational());
+        for f in found {
+            let reach = if f.contact.gap.is_negative() { &g } else { &s };
+            prop_assert!(f.gap_squared <= reach * reach);
+        }
+    }
+
+    #[test]
+    fn rounded_blocks_have_an_answer((a, b) in blocks(), t in tolerances()) {
+        let rounded = |block: &Block| block.translated(&point(["1/3", "1048576", "0"]))
+            .rounded(Precision::F32).unwrap();
+        let t = t.rounded(Precision::F32).unwrap();
+        let found = classified(&rounded(&a), &rounded(&b), &t);
+        prop_assert!(found.is_sorted_by(|f, g| f.contact < g.contact));
+    }
+}
+
+#[cfg(feature = "gmp")]
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_backends_agree_decision_by_decision((a, b) in blocks(), t in tolerances()) {
+        prop_assert_eq!(plain::trace::<BigRational>(&a, &b, &t), plain::trace::<rug::Rational>(&a, &b, &t));
+        let of_gmp: Vec<_> = plain::classify::<rug::Rational>(&a, &b, &t)
+            .into_iter()
+            .map(|f| Found { contact: f.contact, gap_squared: f.gap_squared.to_big_rational() })
+            .collect();
+        prop_assert_eq!(classified(&a, &b, &t), of_gmp);
+    }
+}
+
+/// Every kind of contact and entrance, both criteria: the properties above are about something.
+#[test]
+fn the_random_pairs_reach_every_kind() {
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let mut kinds = std::collections::BTreeSet::new();
+    let mut entrances = std::collections::BTreeSet::new();
+    for _ in 0..400 {
+        let ((a, b), t) = (blocks(), tolerances()).new_tree(&mut runner).unwrap().current();
+        for f in classified(&a, &b, &t) {
+            kinds.insert((f.contact.kind, t.criteria));
+            entrances.insert(f.contact.entrance.kind);
+        }
+    }
+    for criteria in [Criteria::Classic, Criteria::Revised] {
+        for kind in ContactKind::ALL {
+            assert!(kinds.contains(&(kind, criteria)), "{kind} under {}", criteria.name());
+        }
+    }
+    for kind in [EntranceKind::VertexFace, EntranceKind::FaceVertex, EntranceKind::EdgeEdge] {
+        assert!(entrances.contains(&kind), "{kind}");
+    }
+}
+
+/// The slab with its top drawn together into the point (0, 0, 0): face 1 has no area, its edges no length.
+///
+/// The tip is 1/100 straight above. Nothing projects strictly inside face 1 and no foot lies strictly inside its edges, so
+/// there is neither v-f nor v-e. Each of the four vertices there is within s, outside its territory (its shortest edge, and
+/// so r_b, is 0), and in its region. Its entrance is a side face, all of which have slope 1: h² = 1/2·(1/100)², more than
+/// the 0 of face 1, whose cone passes, and than any pair of edges; of its two side faces the lower. Edges of no length are
+/// nearly parallel to all others.
+#[test]
+fn collapsed_face_has_gap_zero_and_no_inside() {
+    let flat = slab();
+    let apex = || Vec3::new(Number::ZERO, Number::ZERO, Number::ZERO);
+    let vertices = flat.vertices().iter().enumerate().map(|(v, at)| if v < 4 { at.clone() } else { apex() }).collect();
+    let collapsed = flat.with_vertices(vertices);
+    let tip = spike(["0", "0", "1/100"]);
+    let found = classified(&tip, &collapsed, &revised(&[]));
+    let rows: Vec<_> = found
+        .iter()
+        .map(|f| (f.contact.kind, f.contact.a, f.contact.b, f.contact.entrance.kind, f.contact.entrance.b))
+        .collect();
+    let expected = [(4, 2), (5, 2), (6, 3), (7, 4)]
+        .map(|(vertex, face)| (ContactKind::VertexVertex, 0, vertex, EntranceKind::VertexFace, face));
+    assert_eq!(rows, expected);
+    assert!(found.iter().all(|f| f.gap_squared == exact("1/20000")));
+
+    let trace = plain::trace::<BigRational>(&tip, &collapsed, &revised(&[]));
+    let of_the_tip = [Some(Feature::Vertex(Side::A, 0)), Some(Feature::Face(Side::B, 1))];
+    let inside: Vec<_> = trace
+        .iter()
+        .filter(|(d, ..)| d.predicate == Predicate::InsideFace && d.features[..2] == of_the_tip)
+        .map(|(_, outcome, tie)| (*outcome, *tie))
+        .collect();
+    assert_eq!(inside, [(0, true)]);
+    for t in [classic(&[]), revised(&[("search", "0"), ("territory", "0"), ("penetration", "0")])] {
+        assert_eq!(classified(&collapsed, &tip, &t).len(), classified(&tip, &collapsed, &t).len());
+    }
+}

@@ -1,0 +1,222 @@
+//! The campaign itself: chunk by chunk, in parallel inside a chunk, results merged in the order of indices.
+
+use super::attribution::{Examined, Panel, examine};
+use super::case_file::Case;
+use super::config::CampaignConfig;
+use super::engine::Levels;
+use super::finding::Finding;
+use super::journal::{Journal, JournalError, Progress, at};
+use super::shrink::Shrinker;
+use super::subject::Source;
+use super::summary::{Origin, Summary};
+use crate::model::files::write_atomically;
+use rayon::prelude::*;
+use serde_json::{Map, Value, json};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// A campaign ready to run.
+pub struct Campaign<'c> {
+    /// What to do.
+    pub config: &'c CampaignConfig,
+    /// Where the pairs come from.
+    pub source: &'c dyn Source,
+    /// The oracle and the engines.
+    pub panel: &'c Panel,
+    /// A panel with one engine of the given name, or all of a precision: what a shrinker needs.
+    pub narrow: &'c (dyn Fn(&Finding) -> Panel + Sync),
+    /// Worker threads; 0 for one a core.
+    pub threads: usize,
+}
+
+/// How a campaign ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// All pairs are done.
+    Finished,
+    /// It was told to stop; the journal holds what is done.
+    Stopped,
+}
+
+/// Why a campaign cannot run.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The journal cannot be used.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// No worker threads.
+    #[error("cannot start the worker threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// A table cannot be written.
+    #[error("cannot write a table: {0}")]
+    Csv(#[from] csv::Error),
+    /// A case cannot be written.
+    #[error("cannot write a case: {0}")]
+    Toml(#[from] toml::ser::Error),
+    /// `run.json` cannot be written.
+    #[error("cannot write run.json: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+/// What one batch brought.
+#[derive(Default)]
+struct Batch {
+    findings: Vec<Finding>,
+    summary: Summary,
+    levels: Levels,
+    contacts: u64,
+    metamorphic_checks: u64,
+}
+
+impl Campaign<'_> {
+    /// Runs until all pairs are done or `stop` is set, calling `watch` with what is done after each chunk.
+    ///
+    /// # Errors
+    /// When a file cannot be written. What was committed before stays, and can be resumed.
+    pub fn run(
+        &self,
+        journal: &mut Journal,
+        stop: &AtomicBool,
+        watch: &mut dyn FnMut(&Progress),
+    ) -> Result<Ending, RunError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
+        let before = journal.progress().seconds;
+        let started = Instant::now();
+        let batch_len = self.source.batch_len();
+        let chunk = self.config.chunk.div_ceil(batch_len).max(1) * batch_len;
+        while journal.progress().pairs_done < self.config.pairs && !stop.load(Ordering::Relaxed) {
+            let first = journal.progress().pairs_done;
+            let end = (first + chunk).min(self.config.pairs);
+            let batches: Vec<Batch> = pool.install(|| {
+                (first / batch_len..end.div_ceil(batch_len)).into_par_iter().map(|n| self.batch(n, end)).collect()
+            });
+            let mut progress = journal.progress().clone();
+            let mut findings = Vec::new();
+            for batch in batches {
+                progress.summary.add(batch.summary);
+                let mut levels = Levels(progress.levels);
+                levels.add(&batch.levels);
+                progress.levels = levels.0;
+                progress.contacts += batch.contacts;
+                progress.metamorphic_checks += batch.metamorphic_checks;
+                findings.extend(batch.findings);
+            }
+            let names = self.choose_cases(&findings, &mut progress);
+            let rows = rows(&findings, &names)?;
+            pool.install(|| self.write_cases(&findings, &names, journal))?;
+            progress.pairs_done = end;
+            progress.seconds = before + started.elapsed().as_secs_f64();
+            journal.commit(&rows, progress)?;
+            watch(journal.progress());
+        }
+        let finished = journal.progress().pairs_done >= self.config.pairs;
+        journal.write("summary.csv", &journal.progress().summary.to_csv()?)?;
+        journal.write("run.json", &self.run_json(journal, finished)?)?;
+        Ok(if finished { Ending::Finished } else { Ending::Stopped })
+    }
+
+    fn batch(&self, number: u64, end: u64) -> Batch {
+        let mut batch = Batch::default();
+        for subject in self.source.batch(number).iter().filter(|s| s.index < end) {
+            for set in &subject.sets {
+                batch.summary.add_pair(Origin {
+                    family: subject.family.to_string(),
+                    form: subject.form.to_string(),
+                    tolerances: set.name.to_string(),
+                });
+            }
+            let Examined { findings, levels, contacts, metamorphic_checks } = examine(subject, self.panel);
+            for finding in &findings {
+                batch.summary.add_finding(finding);
+            }
+            batch.findings.extend(findings);
+            batch.levels.add(&levels);
+            batch.contacts += contacts;
+            batch.metamorphic_checks += metamorphic_checks;
+        }
+        batch
+    }
+
+    /// The name of the case file of each finding, where it gets one: the first few of each fingerprint.
+    fn choose_cases(&self, findings: &[Finding], progress: &mut Progress) -> Vec<Option<String>> {
+        let mut names: Vec<Option<String>> = Vec::with_capacity(findings.len());
+        for finding in findings {
+            let fingerprint = finding.fingerprint();
+            let of_cause = progress.cases.get(finding.cause.name()).copied().unwrap_or(0);
+            let alike = progress.fingerprints.entry(fingerprint.text()).or_default();
+            let name = format!("{}.toml", fingerprint.file_stem(&finding.set, finding.index));
+            let wanted = *alike < self.config.cases_per_fingerprint && of_cause < self.config.cases_per_cause;
+            // Two findings of one pair may be alike in everything the name tells; the first stands for both.
+            if wanted && !names.iter().flatten().any(|n| *n == name) {
+                *alike += 1;
+                *progress.cases.entry(finding.cause.name().to_owned()).or_default() += 1;
+                names.push(Some(name));
+            } else {
+                names.push(None);
+            }
+        }
+        names
+    }
+
+    fn write_cases(&self, findings: &[Finding], names: &[Option<String>], journal: &Journal) -> Result<(), RunError> {
+        let dir = journal.cases_dir();
+        findings.par_iter().zip(names).filter_map(|(f, name)| Some((f, name.as_ref()?))).try_for_each(
+            |(finding, name)| {
+                let number = finding.index / self.source.batch_len();
+                let subjects = self.source.batch(number);
+                let Some(subject) = subjects.iter().find(|s| s.index == finding.index) else { return Ok(()) };
+                let panel = (self.narrow)(finding);
+                let Some(case) = Case::of(finding, subject, self.config.seed, &panel) else { return Ok(()) };
+                let case = Shrinker::new(&panel, self.config.shrink_evaluations).shrink(case);
+                let path = dir.join(name);
+                write_atomically(&path, case.to_toml()?.as_bytes()).map_err(at(&path))?;
+                Ok(())
+            },
+        )
+    }
+
+    fn run_json(&self, journal: &Journal, finished: bool) -> Result<Vec<u8>, RunError> {
+        let progress = journal.progress();
+        let levels: Map<String, Value> =
+            Levels::NAMES.iter().zip(progress.levels).map(|(name, count)| ((*name).to_owned(), count.into())).collect();
+        let summary = &progress.summary;
+        let by_cause: Map<String, Value> = super::finding::Cause::ALL
+            .iter()
+            .map(|cause| (cause.name().to_owned(), summary.count_of(cause.name()).into()))
+            .collect();
+        let text = json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "seed": self.config.seed,
+            "configuration": progress.configuration,
+            "machine": {
+                "os": std::env::consts::OS,
+                "architecture": std::env::consts::ARCH,
+                "cores": std::thread::available_parallelism().map_or(1, usize::from),
+                "threads": self.threads,
+            },
+            "finished": finished,
+            "pairs": progress.pairs_done,
+            "contacts": progress.contacts,
+            "findings": { "total": summary.total(), "by_cause": by_cause },
+            "metamorphic_checks": progress.metamorphic_checks,
+            "oracle_levels": levels,
+            "case_files": progress.cases.values().sum::<u64>(),
+            "seconds": progress.seconds,
+            "pairs_per_second": progress.pairs_done as f64 / progress.seconds.max(1e-9),
+            "resumed": progress.resumed,
+        });
+        let mut bytes = serde_json::to_vec_pretty(&text)?;
+        bytes.push(b'\n');
+        Ok(bytes)
+    }
+}
+
+/// The rows of `findings.csv`.
+fn rows(findings: &[Finding], names: &[Option<String>]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    for (finding, name) in findings.iter().zip(names) {
+        let case = name.as_ref().map_or(String::new(), |n| format!("cases/{n}"));
+        writer.write_record(finding.row().iter().chain([&case]))?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}

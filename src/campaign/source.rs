@@ -1,0 +1,152 @@
+//! Where a campaign's pairs come from: the families, under the presets.
+
+use super::config::CampaignConfig;
+use super::families::{self, Real};
+use super::pairs::{self, PairConfig};
+use super::sets::SetSource;
+use super::subject::{Source, Subject, SubjectSet};
+use crate::model::preset::{self, Preset};
+use crate::model::{Block, Criteria, Scene, SceneError};
+use serde_json::{Map, Value};
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash, Hasher};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Why a configuration names no pairs.
+#[derive(Debug, thiserror::Error)]
+pub enum SourceError {
+    /// A family that does not exist.
+    #[error("family \"{found}\" does not exist; there are {allowed}")]
+    Family {
+        /// What was found.
+        found: String,
+        /// The families.
+        allowed: String,
+    },
+    /// A tolerance set that does not exist.
+    #[error("tolerance set \"{found}\" does not exist; there are {allowed}")]
+    Set {
+        /// What was found.
+        found: String,
+        /// The sets.
+        allowed: String,
+    },
+    /// A block file that cannot be read.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A block file without neighbours.
+    #[error("{file}: no two blocks are near enough to make a pair")]
+    NoNeighbours {
+        /// The file.
+        file: String,
+    },
+    /// The identity of the run cannot be written down.
+    #[error("the configuration cannot be written as JSON: {0}")]
+    Identity(#[from] serde_json::Error),
+}
+
+/// The sets a campaign may ask for: the presets, and sets of few binary digits, with which ties survive in f32.
+pub const SETS: [&str; 5] = ["auto", "shi", "zero", "dyadic", "dyadic-classic"];
+
+/// The sets of a campaign that names none.
+pub const DEFAULT_SETS: [&str; 5] = SETS;
+
+/// The pairs of a seed.
+pub struct FamilySource {
+    seed: u64,
+    pairs: PairConfig,
+}
+
+/// The pairs that a configuration asks for.
+///
+/// # Errors
+/// When it names what does not exist, or a file that holds no pairs.
+pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
+    let names: Vec<&str> = config.families.iter().map(String::as_str).collect();
+    let chosen = if names.is_empty() { Ok(families::all()) } else { families::named(&names) };
+    let mut families = chosen.map_err(|found| SourceError::Family {
+        found: found.to_owned(),
+        allowed: families::all().iter().map(|f| f.name()).collect::<Vec<_>>().join(", "),
+    })?;
+    if !config.real.is_empty() {
+        let mut blocks = Vec::new();
+        for file in &config.real {
+            // Pairs are sought within a file, so files are kept apart by a family of their own each.
+            let scene = Scene::load(file)?;
+            blocks.push(
+                Real::neighbours(&scene.shapes().into_iter().cloned().collect::<Vec<Block>>())
+                    .ok_or_else(|| SourceError::NoNeighbours { file: file.display().to_string() })?,
+            );
+        }
+        families.retain(|f| f.name() != "real");
+        families.extend(blocks.into_iter().map(|real| Arc::new(real) as Arc<dyn families::Family>));
+    }
+    let names: Vec<&str> = if config.tolerances.is_empty() {
+        DEFAULT_SETS.to_vec()
+    } else {
+        config.tolerances.iter().map(String::as_str).collect()
+    };
+    let sets = names.into_iter().map(set_source).collect::<Result<Vec<_>, _>>()?;
+    let sets_per_batch = sets.len().min(3);
+    Ok(FamilySource {
+        seed: config.seed,
+        pairs: PairConfig { families, sets, sets_per_batch, ..PairConfig::default() },
+    })
+}
+
+fn set_source(name: &str) -> Result<SetSource, SourceError> {
+    if let Some(preset) = Preset::from_name(name) {
+        return Ok(SetSource::new(name, move |a, b, precision| preset::derive(preset, &[a, b], precision).ok()));
+    }
+    match name {
+        "dyadic" => Ok(SetSource::dyadic(Criteria::Revised)),
+        "dyadic-classic" => Ok(SetSource::dyadic(Criteria::Classic)),
+        found => Err(SourceError::Set { found: found.to_owned(), allowed: SETS.join(", ") }),
+    }
+}
+
+/// What must be the same for a run to go on: the configuration, and the content of the block files.
+///
+/// # Errors
+/// When a path cannot be written as JSON.
+pub fn identity(config: &CampaignConfig) -> Result<Map<String, Value>, SourceError> {
+    let mut identity = config.identity()?;
+    for file in &config.real {
+        identity.insert(format!("content of {}", file.display()), content(file).into());
+    }
+    Ok(identity)
+}
+
+/// Length and hash of a file; empty if it cannot be read, which [`of`] reports.
+fn content(file: &Path) -> String {
+    std::fs::read(file).map_or(String::new(), |bytes| {
+        let mut hasher = DefaultHasher::new();
+        bytes.hash(&mut hasher);
+        format!("{} bytes, hash {:016x}", bytes.len(), hasher.finish())
+    })
+}
+
+impl Source for FamilySource {
+    fn batch_len(&self) -> u64 {
+        pairs::BATCH
+    }
+
+    fn batch(&self, number: u64) -> Vec<Subject> {
+        pairs::batch(self.seed, number, &self.pairs)
+            .into_iter()
+            .map(|case| Subject {
+                index: case.index,
+                family: case.family.into(),
+                form: case.form.name().into(),
+                a: case.a,
+                b: case.b,
+                sets: case
+                    .sets
+                    .into_iter()
+                    .map(|set| SubjectSet { name: set.name.into(), f32: set.f32, f64: set.f64 })
+                    .collect(),
+            })
+            .collect()
+    }
+}

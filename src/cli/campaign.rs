@@ -1,0 +1,263 @@
+//! `campaign`: generated and real pairs through every engine, differences explained, findings kept.
+
+use crate::cli::exit::{Outcome, Verdict, note, print};
+use crate::cli::table::{grouped, table};
+use anyhow::Context;
+use indicatif::{ProgressBar, ProgressStyle};
+use rockproof::campaign::attribution::Panel;
+use rockproof::campaign::builtin::{self, ENGINES};
+use rockproof::campaign::compare::Change;
+use rockproof::campaign::config::CampaignConfig;
+use rockproof::campaign::finding::{Cause, Finding};
+use rockproof::campaign::journal::{Journal, Progress, Start};
+use rockproof::campaign::run::{self, Ending};
+use rockproof::campaign::source::{self, FamilySource};
+use std::collections::BTreeMap;
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Compare engines with the oracle on generated and real pairs, and explain every difference
+///
+/// Writes findings.csv, summary.csv, run.json and the shrunk findings in cases/.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  rockproof campaign                                  every family, f32 and f64, all presets; about a minute
+  rockproof campaign --pairs 10000 --family sliver --engine stepper-f32 --tolerances shi
+  rockproof campaign --out reports/night --pairs 100000000 --resume
+  rockproof campaign --deny defect --deny collapsed   for CI: exit 1 if there is such a finding
+
+A finding's engine is `any` for a tolerance (it changes the exact answer for everyone), `f32` or `f64` for what rounding
+the input does, and an engine's name for its own arithmetic.
+
+Exit status: 0 done, 1 findings that --deny names, 2 usage or input error, 130 interrupted (go on with --resume).")]
+pub(crate) struct Campaign {
+    /// TOML file of settings; the options below override it
+    config: Option<PathBuf>,
+    /// How many pairs
+    #[arg(long)]
+    pairs: Option<u64>,
+    /// Seed of all pairs
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Directory of the results [default: reports/campaign-SEED]
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Engine to examine; may be repeated [default: all]
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    engine: Vec<String>,
+    /// Tolerance preset; may be repeated [default: all]
+    #[arg(long, value_name = "PRESET", value_delimiter = ',')]
+    tolerances: Vec<String>,
+    /// Family of pairs; may be repeated [default: all]
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    family: Vec<String>,
+    /// Block file for the family `real`; may be repeated [default: those that come with the program]
+    #[arg(long, value_name = "FILE")]
+    real: Vec<PathBuf>,
+    /// Go on with the run in the directory, or begin if there is none
+    #[arg(long, conflicts_with = "force")]
+    resume: bool,
+    /// Discard the run in the directory
+    #[arg(long)]
+    force: bool,
+    /// Exit with 1 if there is a finding of this cause or change, or `any`; may be repeated
+    #[arg(long, value_name = "KIND", value_delimiter = ',')]
+    deny: Vec<String>,
+    /// Worker threads [default: one a core]; the results do not depend on it
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    threads: usize,
+}
+
+impl Campaign {
+    pub(crate) fn run(&self) -> Outcome {
+        check_deny(&self.deny)?;
+        let config = self.configuration()?;
+        let panel = builtin::panel(&config.engines, config.metamorphic_every)
+            .map_err(|name| anyhow::anyhow!("engine \"{name}\" does not exist; there are {}", ENGINES.join(", ")))?;
+        let source = source::of(&config)?;
+        let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/campaign-{}", config.seed)));
+        let start = match (self.resume, self.force) {
+            (true, _) => Start::Resume,
+            (_, true) => Start::Force,
+            _ => Start::Fresh,
+        };
+        let mut journal = Journal::open(&out, source::identity(&config)?, start)?;
+        let stop = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&stop);
+        // A second Ctrl-C ends the program at once; the journal bears it.
+        ctrlc::set_handler(move || {
+            if flag.swap(true, Ordering::Relaxed) {
+                std::process::exit(130);
+            }
+        })
+        .context("cannot catch Ctrl-C")?;
+        let ending = work(&config, &panel, &source, self.threads, &mut journal, &stop)?;
+        let mut text = Vec::new();
+        report(&mut text, &journal, ending)?;
+        print(&String::from_utf8_lossy(&text))?;
+        if ending == Ending::Stopped {
+            return Ok(Verdict::Interrupted);
+        }
+        let summary = &journal.progress().summary;
+        let denied = |kind: &&String| if *kind == "any" { summary.total() > 0 } else { summary.count_of(kind) > 0 };
+        let denied: Vec<&String> = self.deny.iter().filter(denied).collect();
+        for kind in &denied {
+            note(&format!("denied: there are findings of kind {kind}"));
+        }
+        Ok(if denied.is_empty() { Verdict::Fine } else { Verdict::Objection })
+    }
+
+    fn configuration(&self) -> anyhow::Result<CampaignConfig> {
+        let mut config = match &self.config {
+            None => CampaignConfig::default(),
+            Some(path) => {
+                let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+                CampaignConfig::from_toml(&text).with_context(|| path.display().to_string())?
+            }
+        };
+        config.pairs = self.pairs.unwrap_or(config.pairs);
+        config.seed = self.seed.unwrap_or(config.seed);
+        for (given, setting) in [
+            (&self.engine, &mut config.engines),
+            (&self.tolerances, &mut config.tolerances),
+            (&self.family, &mut config.families),
+        ] {
+            if !given.is_empty() {
+                setting.clone_from(given);
+            }
+        }
+        if !self.real.is_empty() {
+            config.real.clone_from(&self.real);
+        }
+        Ok(config)
+    }
+}
+
+fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
+    let known = |kind: &str| kind == "any" || Cause::from_name(kind).is_some() || Change::from_name(kind).is_some();
+    if let Some(kind) = kinds.iter().find(|kind| !known(kind)) {
+        let names = Cause::ALL.map(Cause::name).into_iter().chain(Change::ALL.map(Change::name));
+        let allowed = std::iter::once("any").chain(names).collect::<Vec<_>>().join(", ");
+        anyhow::bail!("--deny {kind}: no such kind; known are {allowed}");
+    }
+    Ok(())
+}
+
+fn work(
+    config: &CampaignConfig,
+    panel: &Panel,
+    source: &FamilySource,
+    threads: usize,
+    journal: &mut Journal,
+    stop: &AtomicBool,
+) -> anyhow::Result<Ending> {
+    let narrow = |finding: &Finding| builtin::panel_for(&config.engines, finding);
+    let campaign = run::Campaign { config, source, panel, narrow: &narrow, threads };
+    let mut display = Display::new(config.pairs, journal.progress());
+    let ending = campaign.run(journal, stop, &mut |progress| display.show(progress))?;
+    display.end();
+    Ok(ending)
+}
+
+/// A bar on a terminal, a line now and then otherwise.
+struct Display {
+    bar: Option<ProgressBar>,
+    pairs: u64,
+    last: Instant,
+}
+
+impl Display {
+    fn new(pairs: u64, progress: &Progress) -> Display {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::new(pairs);
+            let template = "{bar:40} {human_pos}/{human_len} pairs, {msg}, {eta} left";
+            if let Ok(style) = ProgressStyle::with_template(template) {
+                bar.set_style(style);
+            }
+            bar.set_position(progress.pairs_done);
+            bar.reset_eta();
+            bar.set_message("0 findings");
+            bar
+        });
+        Display { bar, pairs, last: Instant::now() }
+    }
+
+    fn show(&mut self, progress: &Progress) {
+        let found = grouped(progress.summary.total());
+        match &self.bar {
+            Some(bar) => {
+                bar.set_position(progress.pairs_done);
+                bar.set_message(format!("{found} findings"));
+            }
+            None if self.last.elapsed() > Duration::from_secs(10) => {
+                self.last = Instant::now();
+                eprintln!("{} of {} pairs, {found} findings", grouped(progress.pairs_done), grouped(self.pairs));
+            }
+            None => {}
+        }
+    }
+
+    fn end(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn report(out: &mut impl Write, journal: &Journal, ending: Ending) -> std::io::Result<()> {
+    let progress = journal.progress();
+    let families = progress.summary.by_family();
+    let rows = families
+        .iter()
+        .map(|(family, [examined, findings])| vec![(*family).to_owned(), grouped(*examined), grouped(*findings)]);
+    writeln!(out, "{}\n", table(&["family", "examined", "findings"], &[1, 2], rows))?;
+    // One row for each engine, cause and change, the kinds side by side.
+    let mut sorts: BTreeMap<(&str, &str, &str), BTreeMap<&str, u64>> = BTreeMap::new();
+    for (sort, count) in progress.summary.by_sort() {
+        let row = sorts.entry((&sort.engine, cause_place(&sort.cause), &sort.change)).or_default();
+        *row.entry(&sort.kind).or_default() += count;
+    }
+    let kinds = ["v-v", "v-e", "e-v", "v-f", "f-v", "e-e", ""];
+    let rows = sorts.iter().map(|((engine, cause, change), counts)| {
+        let mut row = vec![(*engine).to_owned(), cause[1..].to_owned(), (*change).to_owned()];
+        row.extend(kinds.iter().map(|kind| counts.get(kind).map_or(String::new(), |c| grouped(*c))));
+        row.push(grouped(counts.values().sum()));
+        row
+    });
+    let header = ["engine", "cause", "change", "v-v", "v-e", "e-v", "v-f", "f-v", "e-e", "pair", "all"];
+    writeln!(out, "{}\n", table(&header, &[3, 4, 5, 6, 7, 8, 9, 10], rows))?;
+    let speed = progress.pairs_done as f64 / progress.seconds.max(1e-9);
+    let (pairs, seconds) = (grouped(progress.pairs_done), progress.seconds);
+    writeln!(
+        out,
+        "{pairs} pairs in {seconds:.1} s ({speed:.0} a second), {} findings",
+        grouped(progress.summary.total())
+    )?;
+    if ending == Ending::Stopped {
+        writeln!(out, "interrupted; --resume goes on")?;
+    }
+    let dir = journal.dir().display();
+    writeln!(out, "written to {dir}: findings.csv, summary.csv, run.json")?;
+    let cases: u64 = progress.cases.values().sum();
+    if cases > 0 {
+        writeln!(
+            out,
+            "{cases} shrunk findings in {dir}/cases; look at one with: rockproof replay {dir}/cases/NAME.toml"
+        )?;
+    }
+    Ok(())
+}
+
+/// A cause with its place in the chain before it, so that rows come in the order of the chain.
+fn cause_place(cause: &str) -> &'static str {
+    match Cause::from_name(cause) {
+        Some(Cause::Tolerance) => "0tolerance",
+        Some(Cause::Representation) => "1representation",
+        Some(Cause::Arithmetic) => "2arithmetic",
+        Some(Cause::Defect) => "3defect",
+        None => "4",
+    }
+}

@@ -1,0 +1,158 @@
+//! `replay`: what each engine and the oracle say about a case, side by side, and decision by decision where they part.
+
+use crate::cli::exit::{Outcome, Verdict, note, print};
+use crate::cli::table::table;
+use rockproof::campaign::builtin::{ENGINES, Exact, engine};
+use rockproof::campaign::case_file::{Case, contact_rows};
+use rockproof::campaign::engine::{EngineFailure, Oracle, Trace, guarded};
+use rockproof::campaign::explain::{Parted, parted};
+use rockproof::model::{Contact, Precision, ToleranceSet};
+use std::collections::BTreeSet;
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+/// Show what each engine and the oracle say about a case, decision by decision where they part
+#[derive(clap::Args)]
+#[command(after_help = "Example:
+  rockproof replay reports/campaign-1/cases/v-f-arithmetic-….toml
+
+Exit status: 0 the exact answer is the one the case records, 1 it is another, 2 input error.")]
+pub(crate) struct Replay {
+    /// The case
+    case: PathBuf,
+}
+
+/// One answer with the decisions behind it.
+struct Said {
+    name: String,
+    contacts: Result<Vec<Contact>, EngineFailure>,
+    trace: Option<Trace>,
+}
+
+/// The margins of the decisions that parted, and the unit to count them in.
+struct Parting {
+    title: String,
+    parted: Vec<Parted>,
+    margins: Vec<Option<f64>>,
+    roundoff: f64,
+}
+
+impl Replay {
+    pub(crate) fn run(&self) -> Outcome {
+        let case = Case::load(&self.case)?;
+        let (said, partings) = answers(&case);
+        let mut out = Vec::new();
+        show(&mut out, &case, &said, &partings)?;
+        print(&String::from_utf8_lossy(&out))?;
+        let recorded = match case.about.cause.as_str() {
+            "tolerance" => &said[0],
+            "representation" => &said[1],
+            _ => said.iter().find(|s| s.name == format!("exact {}", precision_name(&case))).unwrap_or(&said[1]),
+        };
+        if recorded.contacts.as_deref().is_ok_and(|contacts| contact_rows(contacts) == case.about.expected) {
+            return Ok(Verdict::Fine);
+        }
+        note(&format!("the answer of \"{}\" is not the one the case expects", recorded.name));
+        Ok(Verdict::Objection)
+    }
+}
+
+/// The precision of the engine the case is about.
+fn precision_name(case: &Case) -> String {
+    engine(&case.about.engine).map_or_else(|| case.about.engine.clone(), |e| e.precision().to_string())
+}
+
+fn answers(case: &Case) -> (Vec<Said>, Vec<Parting>) {
+    let solids = Exact.prepare(&case.a, &case.b);
+    let pair = solids.pair();
+    let exact = |name: &str, tolerances: &ToleranceSet| Said {
+        name: name.to_owned(),
+        contacts: Ok(pair.classify(tolerances).contacts),
+        trace: Some(pair.trace(tolerances)),
+    };
+    let mut said = vec![exact("ideal", &case.tolerances.ideal()), exact("exact", &case.tolerances)];
+    let mut partings = Vec::new();
+    let mut part = |title: String, one: &Said, other: &Said, roundoff, margins: &dyn Fn(&[_]) -> Vec<Option<f64>>| {
+        let (Some(before), Some(after)) = (&one.trace, &other.trace) else { return };
+        let parted = parted(before, after);
+        if !parted.is_empty() {
+            let decisions: Vec<_> = parted.iter().map(|p| p.decision).collect();
+            partings.push(Parting { title, margins: margins(&decisions), parted, roundoff });
+        }
+    };
+    let unit = |precision: Precision| precision.epsilon() / 2.0;
+    let given = |decisions: &[_]| pair.margins(&case.tolerances, decisions);
+    part("tolerance: ideal, exact".to_owned(), &said[0], &said[1], unit(Precision::F64), &given);
+    for precision in [Precision::F32, Precision::F64] {
+        let near =
+            || Some((case.a.rounded(precision)?, case.b.rounded(precision)?, case.tolerances.rounded(precision).ok()?));
+        let Some((a, b, tolerances)) = near() else { continue };
+        let solids = Exact.prepare(&a, &b);
+        let rounded = solids.pair();
+        let name = format!("exact {precision}");
+        let contacts = Ok(rounded.classify(&tolerances).contacts);
+        let here = Said { name: name.clone(), contacts, trace: Some(rounded.trace(&tolerances)) };
+        part(format!("representation in {precision}: exact, {name}"), &said[1], &here, unit(precision), &given);
+        let margins = |decisions: &[_]| rounded.margins(&tolerances, decisions);
+        let mut engines = Vec::new();
+        for engine in ENGINES.iter().filter_map(|name| engine(name)).filter(|e| e.precision() == precision) {
+            let prepared = guarded(|| engine.prepare(&a, &b));
+            let (contacts, trace) = match prepared {
+                Ok(prepared) => (guarded(|| prepared.classify(&tolerances)), prepared.trace(&tolerances)),
+                Err(failure) => (Err(failure), None),
+            };
+            let there = Said { name: engine.name().to_owned(), contacts, trace };
+            part(format!("arithmetic: {name}, {}", there.name), &here, &there, unit(precision), &margins);
+            engines.push(there);
+        }
+        said.push(here);
+        said.extend(engines);
+    }
+    (said, partings)
+}
+
+fn show(out: &mut impl Write, case: &Case, said: &[Said], partings: &[Parting]) -> io::Result<()> {
+    let about = &case.about;
+    writeln!(
+        out,
+        "{} {} by {}, decided by {} {}",
+        about.cause, about.change, about.engine, about.predicate, about.features
+    )?;
+    if let Some(margin) = about.margin {
+        let ulps = about.margin_ulps.map_or(String::new(), |u| format!(", {u:.3} roundoffs"));
+        writeln!(out, "margin {margin:e}{ulps}")?;
+    }
+    writeln!(out, "from {}\n", about.origin)?;
+    let keys: BTreeSet<_> = said.iter().flat_map(|s| s.contacts.iter().flatten()).map(|c| (c.kind, c.a, c.b)).collect();
+    let mut header = vec!["contact"];
+    header.extend(said.iter().map(|s| s.name.as_str()));
+    let cell = |answer: &Said, key| match &answer.contacts {
+        Err(failure) => failure.to_string(),
+        Ok(contacts) => contacts.iter().find(|c| (c.kind, c.a, c.b) == key).map_or("–".to_owned(), |c| {
+            let gap = ["overlap", "touch", "apart"][(c.gap.as_i8() + 1) as usize];
+            format!("{} {}/{} {gap}", c.entrance.kind, c.entrance.a, c.entrance.b)
+        }),
+    };
+    let rows = keys.iter().map(|&key| {
+        let mut row = vec![format!("{} {}/{}", key.0, key.1, key.2)];
+        row.extend(said.iter().map(|answer| cell(answer, key)));
+        row
+    });
+    writeln!(out, "{}", table(&header, &[], rows))?;
+    for failed in said {
+        if let Err(failure) = &failed.contacts {
+            writeln!(out, "{} gave no answer: {failure}", failed.name)?;
+        }
+    }
+    for parting in partings {
+        writeln!(out, "\n{}", parting.title)?;
+        let rows = parting.parted.iter().zip(&parting.margins).map(|(p, margin)| {
+            let margin_text = |scale: f64| margin.map_or("–".to_owned(), |m| format!("{:.3e}", m / scale));
+            let shown = if *margin == Some(0.0) { "tie".to_owned() } else { margin_text(1.0) };
+            let [before, after] = p.outcomes.map(|o| o.to_string());
+            vec![p.decision.to_string(), before, after, shown, margin_text(parting.roundoff)]
+        });
+        writeln!(out, "{}", table(&["decision", "first", "second", "margin", "roundoffs"], &[1, 2, 3, 4], rows))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,5 @@
+//! The campaign's machinery with toys in place of oracle and engines: causes, interruption, threads.
+
+mod attribution;
+mod resume;
+mod toys;
