@@ -47,7 +47,8 @@ impl Pair<'_> {
 
     /// The exact margins of several decisions, for the price of one classification and of the margins themselves.
     pub fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<Margin>> {
-        let recorder = Recorder { wanted: decisions.to_vec(), margins: vec![None; decisions.len()], ..Recorder::default() };
+        let recorder =
+            Recorder { wanted: decisions.to_vec(), margins: vec![None; decisions.len()], ..Recorder::default() };
         let mut run = Run::new(self, tolerances, recorder);
         run.classify();
         run.observer.margins
