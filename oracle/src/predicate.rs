@@ -83,19 +83,19 @@ fn side_of(side: Side) -> usize {
 
 #[inline(always)]
 fn start<V: View>(view: &V, edge: Edge) -> Vertex {
-    (edge.0, view.topology(edge.0).edges()[edge.1 as usize].p)
+    (edge.0, view.ends(edge.0, edge.1).0)
 }
 
 #[inline(always)]
 fn end<V: View>(view: &V, edge: Edge) -> Vertex {
-    (edge.0, view.topology(edge.0).edges()[edge.1 as usize].q)
+    (edge.0, view.ends(edge.0, edge.1).1)
 }
 
 /// The direction of an edge away from one of its ends.
 #[inline(always)]
 fn away<V: View>(view: &V, edge: Edge, from: u32) -> Vec3<V::T> {
     let d = view.direction(edge.0, edge.1);
-    if view.topology(edge.0).edges()[edge.1 as usize].p == from { d } else { d.negated() }
+    if view.ends(edge.0, edge.1).0 == from { d } else { d.negated() }
 }
 
 #[inline(always)]

@@ -16,6 +16,10 @@ pub struct Solid {
     pub(crate) normals: Vec<Vec3<Approx>>,
     pub(crate) centres: Vec<Vec3<Approx>>,
     pub(crate) inwards: Vec<[Vec3<Approx>; 2]>,
+    /// The ends of each edge: the topology's, without its indirections.
+    pub(crate) ends: Vec<(u32, u32)>,
+    /// The first vertex and the length of each face's loop, likewise.
+    pub(crate) loops: Vec<(u32, Approx)>,
     pub(crate) box_min: [f64; 3],
     pub(crate) box_max: [f64; 3],
     pub(crate) errors: Errors,
@@ -63,6 +67,8 @@ impl Solid {
             block: block.clone(),
             errors: Errors::of(block, &box_min, &box_max, &directions, &normals, &inwards),
             longest_loop: topology.faces().iter().map(Vec::len).max().unwrap_or(3),
+            ends: topology.edges().iter().map(|e| (e.p, e.q)).collect(),
+            loops: topology.faces().iter().map(|f| (f[0], Approx::from_i32(f.len() as i32))).collect(),
             vertices,
             directions,
             normals,

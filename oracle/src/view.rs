@@ -62,6 +62,19 @@ pub(crate) trait View {
     /// The tolerances.
     fn scales(&self) -> &Scales<Self::T>;
 
+    /// The vertices an edge starts and ends at.
+    #[inline(always)]
+    fn ends(&self, side: Side, edge: u32) -> (u32, u32) {
+        let edge = self.topology(side).edges()[edge as usize];
+        (edge.p, edge.q)
+    }
+
+    /// The first vertex of a face's loop.
+    #[inline(always)]
+    fn first_corner(&self, side: Side, face: u32) -> u32 {
+        self.topology(side).faces()[face as usize][0]
+    }
+
     /// The number of vertices of a face, as a number.
     #[inline(always)]
     fn loop_length(&self, side: Side, face: u32) -> Self::T {
@@ -115,6 +128,18 @@ impl View for FloatView<'_> {
     #[inline(always)]
     fn scales(&self) -> &Scales<Approx> {
         self.scales
+    }
+    #[inline(always)]
+    fn ends(&self, side: Side, edge: u32) -> (u32, u32) {
+        self.solid(side).ends[edge as usize]
+    }
+    #[inline(always)]
+    fn first_corner(&self, side: Side, face: u32) -> u32 {
+        self.solid(side).loops[face as usize].0
+    }
+    #[inline(always)]
+    fn loop_length(&self, side: Side, face: u32) -> Approx {
+        self.solid(side).loops[face as usize].1
     }
 }
 

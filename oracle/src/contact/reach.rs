@@ -56,8 +56,8 @@ impl<O: Observer> Run<'_, '_, O> {
                 reach.vertices.push(v);
             }
         }
-        for (e, edge) in solid.block.topology().edges().iter().enumerate() {
-            let (min, max) = span(solid, edge.p, edge.q);
+        for (e, &(p, q)) in solid.ends.iter().enumerate() {
+            let (min, max) = span(solid, p, q);
             if !grown.misses(&min, &max) {
                 reach.edges.push(e as u32);
             }
@@ -69,10 +69,10 @@ impl<O: Observer> Run<'_, '_, O> {
     #[inline(always)]
     pub(crate) fn edges_out_of_reach(&self, edge_a: u32, edge_b: u32, distance: f64) -> bool {
         let (a, b) = (self.pair.a, self.pair.b);
-        let ends_a = a.block.topology().edges()[edge_a as usize];
-        let ends_b = b.block.topology().edges()[edge_b as usize];
-        let (min_a, max_a) = span(a, ends_a.p, ends_a.q);
-        let (min_b, max_b) = span(b, ends_b.p, ends_b.q);
+        let (p_a, q_a) = a.ends[edge_a as usize];
+        let (p_b, q_b) = b.ends[edge_b as usize];
+        let (min_a, max_a) = span(a, p_a, q_a);
+        let (min_b, max_b) = span(b, p_b, q_b);
         (0..3).any(|k| max_a[k] + distance < min_b[k] || min_a[k] - distance > max_b[k])
     }
 
@@ -88,8 +88,8 @@ impl<O: Observer> Run<'_, '_, O> {
     pub(crate) fn vertex_out_of_reach_of_edge(&self, vertex: (Side, u32), edge: u32, distance: f64) -> bool {
         let at = point(self.pair.solid(vertex.0), vertex.1);
         let other = self.pair.solid(vertex.0.other());
-        let ends = other.block.topology().edges()[edge as usize];
-        let (min, max) = span(other, ends.p, ends.q);
+        let (p, q) = other.ends[edge as usize];
+        let (min, max) = span(other, p, q);
         (0..3).any(|k| at[k] + distance < min[k] || at[k] - distance > max[k])
     }
 }

@@ -29,7 +29,7 @@ fn face_plane<V: View>(view: &V, vertex: Vertex, face: Face) -> (V::T, V::T) {
 fn plane_value<V: View>(view: &V, vertex: Vertex, face: Face) -> V::T {
     let n = view.normal(face.0, face.1);
     let count = view.loop_length(face.0, face.1);
-    let first = (face.0, view.topology(face.0).faces()[face.1 as usize][0]);
+    let first = (face.0, view.first_corner(face.0, face.1));
     n.dot(&view.between(first, vertex).scaled(&count).minus(&view.centre(face.0, face.1)))
 }
 
