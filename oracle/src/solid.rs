@@ -24,6 +24,9 @@ pub struct Solid {
     pub(crate) box_max: [f64; 3],
     pub(crate) errors: Errors,
     longest_loop: usize,
+    /// For each face whether it is proved to be a convex polygon. The block's own flag is that of the block as loaded;
+    /// rounding its coordinates may have bent a straight corner inwards since.
+    pub(crate) surely_convex: Vec<bool>,
     /// Bounds the distance of a face's vertices from its plane.
     pub(crate) bulge: f64,
     /// For each axis the vertices with the least and the greatest coordinate, exactly.
@@ -76,9 +79,11 @@ impl Solid {
             inwards,
             box_min,
             box_max,
+            surely_convex: Vec::new(),
             bulge: 0.0,
             extremes: std::array::from_fn(|axis| extremes(block, axis)),
         };
+        solid.surely_convex = (0..topology.faces().len() as u32).map(|f| solid.turns_left_only(f)).collect();
         solid.bulge = solid.largest_bulge();
         solid
     }
@@ -86,6 +91,24 @@ impl Solid {
     /// The block itself.
     pub fn block(&self) -> &Block {
         &self.block
+    }
+
+    /// Whether every corner of a face certainly turns left: `m_k · d_{k+1} > 0` beyond its error.
+    fn turns_left_only(&self, face: u32) -> bool {
+        let topology = self.block.topology();
+        let edges = topology.face_edges(face);
+        if edges.len() == 3 {
+            return true;
+        }
+        let Errors { inward, direction, .. } = self.errors;
+        let bound = Vec3::new(inward, inward, inward).dot(&Vec3::new(direction, direction, direction)).error;
+        (0..edges.len()).all(|k| {
+            let [here, next] = [edges[k], edges[(k + 1) % edges.len()]].map(|e| e as usize);
+            let m = &self.inwards[here][usize::from(topology.edges()[here].right == face)];
+            let along = m.dot(&self.directions[next]).0;
+            let turn = if topology.edges()[next].right == face { -along } else { along };
+            turn > bound
+        })
     }
 
     /// Vertices of the face that has most.

@@ -34,7 +34,7 @@ impl<O: Observer> Run<'_, '_, O> {
         self.decide(
             || Decision::about(Predicate::InsideFace, &features),
             |run| {
-                if run.pair.solid(face.0).block.face_is_convex(face.1) {
+                if run.pair.solid(face.0).surely_convex[face.1 as usize] {
                     run.inside_all_edges(vertex, face)
                 } else {
                     run.inside_by_winding(vertex, face)
