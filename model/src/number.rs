@@ -237,6 +237,13 @@ impl Number {
     /// `self · other`, exactly.
     #[must_use]
     pub fn times(&self, other: &Number) -> Number {
+        if let (Repr::Float(a), Repr::Float(b)) = (&self.0, &other.0) {
+            // The fused product tells what the rounded one lost; well above underflow it loses nothing itself.
+            let product = a * b;
+            if product.is_finite() && product.abs() > 1e-250 && a.mul_add(*b, -product) == 0.0 {
+                return Number(Repr::Float(product));
+            }
+        }
         Number::from_rational(self.to_rational() * other.to_rational())
     }
 
@@ -408,6 +415,16 @@ mod tests {
                 let expected = Number::from_rational(ratio.to_rational() + float.to_rational());
                 assert_eq!((ratio.plus(&float), float.plus(&ratio)), (expected.clone(), expected));
             }
+        }
+    }
+
+    #[test]
+    fn products_stay_exact() {
+        let float = |x: f64| Number::from_f64(x).unwrap();
+        assert_eq!(float(0.1).times(&float(8.0)).as_f64(), Some(0.8));
+        assert_eq!(float(0.1).times(&float(-0.0)), Number::ZERO);
+        for (a, b) in [(0.1, 0.1), (3e-200, 7e-200), (1e300, 1e300), (0.1, 3.0), (1.5, 1.25), (5e-324, 0.5)] {
+            assert_eq!(float(a).times(&float(b)).to_rational(), rational_of_f64(a) * rational_of_f64(b), "{a} {b}");
         }
     }
 

@@ -121,7 +121,8 @@ impl<O: Observer> Run<'_, '_, O> {
         if first.gap != second_sign {
             return Sign::of_ordering(first.gap.cmp(&second_sign));
         }
-        if first.gap.is_zero() {
+        // One plane beside itself: equal, and never below `f` times itself, whatever Eq. (1)'s f.
+        if first.gap.is_zero() || first.entrance == second.entrance {
             return Sign::Zero;
         }
         let larger = LargerGap { first: first.entrance, second: second.entrance, factor };

@@ -90,8 +90,9 @@ impl<O: Observer> Run<'_, '_, O> {
     fn same_way_out(&mut self, one: &Candidate, other: &Candidate) -> bool {
         let (first, second) = (one.entrance, other.entrance);
         let turned = one.turn.times(other.turn);
+        // The angle of a normal with itself needs no measuring.
         self.sign(&NormalsAgree { first, second }).times(turned).is_positive()
-            && self.sign(&NormalsWithin { first, second }).is_at_least_zero()
+            && (first == second || self.sign(&NormalsWithin { first, second }).is_at_least_zero())
     }
 }
 
