@@ -4,4 +4,5 @@ pub use rockproof_model as model;
 pub use rockproof_oracle as oracle;
 
 pub mod campaign;
+pub mod speed;
 pub mod stepper;

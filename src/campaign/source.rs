@@ -95,7 +95,11 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
     })
 }
 
-fn set_source(name: &str) -> Result<SetSource, SourceError> {
+/// The tolerance set of a name out of [`SETS`].
+///
+/// # Errors
+/// When there is none of that name.
+pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
     if let Some(preset) = Preset::from_name(name) {
         return Ok(SetSource::new(name, move |a, b, precision| preset::derive(preset, &[a, b], precision).ok()));
     }

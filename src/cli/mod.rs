@@ -1,5 +1,6 @@
 //! The command line: one file a command, and one place where an outcome becomes an exit code.
 
+mod bench;
 mod campaign;
 mod check;
 mod classify;
@@ -32,6 +33,7 @@ enum Command {
     Replay(replay::Replay),
     Shrink(shrink::Shrink),
     Convert(convert::Convert),
+    Bench(bench::Bench),
 }
 
 impl Command {
@@ -43,6 +45,7 @@ impl Command {
             Command::Replay(command) => command.run(),
             Command::Shrink(command) => command.run(),
             Command::Convert(command) => command.run(),
+            Command::Bench(command) => command.run(),
         }
     }
 }

@@ -1,0 +1,210 @@
+//! `bench`: what classification costs, in floating point and exactly, and what a campaign manages.
+
+use crate::cli::exit::{Outcome, Verdict, note, print};
+use crate::cli::table::{grouped, table};
+use clap::ValueEnum;
+use rockproof::speed::{Contestant, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, race, throughput};
+use std::fmt::Write;
+
+/// Measure classification in f32, f64, exactly and in plain rationals, and the speed of campaigns
+///
+/// All engines take turns on the same pairs within one run, so that their ratios hold on a machine that is busy with
+/// other things. The generic pairs hold no exact tie; the directed ones are at or near the boundary of a decision.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  rockproof bench                            about a minute
+  rockproof bench --format csv > speed.csv
+  rockproof bench --quick                    a few seconds, rough figures
+
+Plain rationals of GMP take part in a build with --features gmp.
+
+CSV columns: measure (classify, prepare+classify, prepare or campaign), sample, engine, pairs, us_per_pair, ratio_to_f64,
+ratio_to_certified, the share of signs each level of the oracle decided (f64 … heap), pairs_per_second, findings.
+
+Exit status: 0 done, 2 usage error, or exact engines that disagree.")]
+pub(crate) struct Bench {
+    /// How the figures are printed
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+    /// Pairs of each sort
+    #[arg(long, default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pairs: u32,
+    /// Seed of all pairs
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Worker threads of the campaigns
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: u16,
+    /// Few pairs and rounds
+    #[arg(long, conflicts_with = "pairs")]
+    quick: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Format {
+    Table,
+    Csv,
+}
+
+/// Everything measured.
+struct Report {
+    races: Vec<(Sample, Vec<Figure>)>,
+    campaigns: Vec<Throughput>,
+}
+
+impl Bench {
+    pub(crate) fn run(&self) -> Outcome {
+        let report = self.measure()?;
+        print(&match self.format {
+            Format::Table => as_table(&report)?,
+            Format::Csv => as_csv(&report)?,
+        })?;
+        Ok(Verdict::Fine)
+    }
+
+    fn measure(&self) -> anyhow::Result<Report> {
+        let plan = match self.quick {
+            true => Plan { chunk: 16, rounds: 3, slow_rounds: 1, slow_every: 16 },
+            false => Plan { chunk: 64, rounds: 15, slow_rounds: 3, slow_every: 16 },
+        };
+        let pairs = if self.quick { 64 } else { self.pairs as usize };
+        let entrants: Vec<Contestant> = contestants();
+        let mut races = Vec::new();
+        for sort in Sort::ALL {
+            note(&format!("timing {} {} pairs", grouped(pairs as u64), sort.name()));
+            let sample = Sample::new(sort, self.seed, pairs)?;
+            let figures = race(&sample, &entrants, &plan)?;
+            races.push((sample, figures));
+        }
+        let mut campaigns = Vec::new();
+        for (sort, only_alike) in [(Sort::Generic, true), (Sort::Generic, false), (Sort::Directed, false)] {
+            let pairs = if self.quick { 512 } else { 65_536 };
+            note(&format!("running a campaign on {} {} pairs", grouped(pairs), sort.name()));
+            let times = if self.quick { 1 } else { 3 };
+            let run = Run { sort, seed: self.seed, pairs, threads: self.threads.into(), only_alike, times };
+            campaigns.push(throughput(&run, &std::env::temp_dir())?);
+        }
+        Ok(Report { races, campaigns })
+    }
+}
+
+/// Three significant digits, and all digits before the point.
+fn digits(value: f64) -> String {
+    match value {
+        v if v.is_nan() => String::new(),
+        v if v < 10.0 => format!("{v:.2}"),
+        v if v < 100.0 => format!("{v:.1}"),
+        v => format!("{v:.0}"),
+    }
+}
+
+fn as_table(report: &Report) -> Result<String, std::fmt::Error> {
+    let mut text = String::new();
+    let rows = report.races.iter().map(|(sample, _)| {
+        let counts = [sample.pairs.len() as u64, sample.touching, sample.contacts, sample.ties].map(grouped);
+        let total = sample.levels.total();
+        let shares = sample.levels.by_name().map(|(_, n)| share(n, total));
+        let signs = grouped(total / sample.pairs.len().max(1) as u64);
+        [sample.sort.name().to_owned()].into_iter().chain(counts).chain([signs]).chain(shares).collect()
+    });
+    let mut header = vec!["sample", "pairs", "touching", "contacts", "with ties", "signs a pair"];
+    header.extend(rockproof::oracle::LevelCounts::default().by_name().map(|(name, _)| name));
+    let numbers: Vec<usize> = (1..header.len()).collect();
+    writeln!(text, "{}\n", table(&header, &numbers, rows))?;
+    let rows = report.races.iter().flat_map(|(sample, figures)| {
+        figures.iter().map(|figure| {
+            vec![
+                sample.sort.name().to_owned(),
+                figure.mode.name().to_owned(),
+                figure.engine.to_owned(),
+                grouped(figure.pairs as u64),
+                digits(figure.micros),
+                digits(figure.to_f64),
+                digits(figure.to_certified),
+            ]
+        })
+    });
+    let header = ["sample", "work", "engine", "pairs", "µs a pair", "over f64", "over certified"];
+    writeln!(text, "{}\n", table(&header, &[3, 4, 5, 6], rows))?;
+    let rows = report.campaigns.iter().map(|campaign| {
+        vec![
+            campaign_name(campaign).to_owned(),
+            campaign.run.threads.to_string(),
+            grouped(campaign.pairs),
+            digits(campaign.examined as f64 / campaign.pairs.max(1) as f64),
+            grouped(campaign.findings),
+            grouped(campaign.pairs_with_findings),
+            grouped(campaign.pairs_per_second as u64),
+            digits(campaign.signs_per_pair),
+        ]
+    });
+    let header = [
+        "campaign",
+        "threads",
+        "pairs",
+        "sets a pair",
+        "findings",
+        "pairs that differ",
+        "pairs a second",
+        "signs a pair",
+    ];
+    writeln!(text, "{}", table(&header, &[1, 2, 3, 4, 5, 6, 7], rows))?;
+    Ok(text)
+}
+
+/// What a campaign ran on.
+fn campaign_name(campaign: &Throughput) -> &'static str {
+    match (campaign.run.sort, campaign.run.only_alike) {
+        (Sort::Generic, true) => "generic, nothing differs",
+        (Sort::Generic, false) => "generic",
+        (Sort::Directed, true) => "directed, nothing differs",
+        (Sort::Directed, false) => "directed",
+    }
+}
+
+/// A share in percent: enough digits to see a small one.
+fn share(count: u64, total: u64) -> String {
+    match count {
+        0 => "0".to_owned(),
+        n => format!("{:.3} %", 100.0 * n as f64 / total as f64),
+    }
+}
+
+fn as_csv(report: &Report) -> anyhow::Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let levels = rockproof::oracle::LevelCounts::default().by_name().map(|(name, _)| name);
+    let before = ["measure", "sample", "engine", "pairs", "us_per_pair", "ratio_to_f64", "ratio_to_certified"];
+    writer.write_record(before.iter().chain(&levels).chain(&["pairs_per_second", "findings"]))?;
+    let number = |value: f64| if value.is_nan() { String::new() } else { format!("{value:.4}") };
+    for (sample, figures) in &report.races {
+        for figure in figures {
+            let mut row = vec![
+                figure.mode.name().to_owned(),
+                sample.sort.name().to_owned(),
+                figure.engine.to_owned(),
+                figure.pairs.to_string(),
+                number(figure.micros),
+                number(figure.to_f64),
+                number(figure.to_certified),
+            ];
+            let filtered = figure.engine == "certified" && figure.mode != Mode::Preparation;
+            let total = sample.levels.total().max(1) as f64;
+            row.extend(
+                sample
+                    .levels
+                    .by_name()
+                    .map(|(_, count)| if filtered { format!("{:.8}", count as f64 / total) } else { String::new() }),
+            );
+            row.extend([String::new(), String::new()]);
+            writer.write_record(&row)?;
+        }
+    }
+    for campaign in &report.campaigns {
+        let mut row = ["campaign", campaign_name(campaign), "stepper-f32 and stepper-f64"].map(str::to_owned).to_vec();
+        row.extend([campaign.pairs.to_string(), number(1e6 / campaign.pairs_per_second)]);
+        row.extend(std::iter::repeat_n(String::new(), 2 + levels.len()));
+        row.extend([number(campaign.pairs_per_second), campaign.findings.to_string()]);
+        writer.write_record(&row)?;
+    }
+    Ok(String::from_utf8(writer.into_inner().map_err(|e| e.into_error())?)?)
+}

@@ -1,0 +1,92 @@
+//! `bench` runs on a tiny sample, says the same in both formats, and its CSV is one.
+//!
+//! What it cannot show is that the figures are right; it shows that every contestant takes part and that those that
+//! are exact agree, which the command itself checks.
+
+use assert_cmd::Command;
+use rockproof::model::decision::Predicate;
+use rockproof::oracle::Pair;
+use rockproof::speed::{Sample, Sort};
+use std::collections::BTreeSet;
+
+fn bench(format: &str) -> String {
+    let output =
+        Command::cargo_bin("rockproof").unwrap().args(["bench", "--quick", "--format", format]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn csv_holds_every_contestant_on_both_samples() {
+    let text = bench("csv");
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let header = reader.headers().unwrap().clone();
+    let column = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
+    let mut seen = BTreeSet::new();
+    let mut campaigns = 0;
+    for row in reader.records() {
+        let row = row.unwrap();
+        let micros: f64 = row[column("us_per_pair")].parse().unwrap();
+        assert!(micros > 0.0 && micros.is_finite(), "{row:?}");
+        if &row[column("measure")] == "campaign" {
+            campaigns += 1;
+            let speed: f64 = row[column("pairs_per_second")].parse().unwrap();
+            assert!((speed * micros / 1e6 - 1.0).abs() < 1e-2, "{row:?}");
+            if row[column("sample")].ends_with("nothing differs") {
+                assert_eq!(&row[column("findings")], "0");
+            }
+            continue;
+        }
+        let (measure, engine) = (row[column("measure")].to_owned(), row[column("engine")].to_owned());
+        if engine == "f64" {
+            assert_eq!(row[column("ratio_to_f64")].parse::<f64>().unwrap(), 1.0);
+        }
+        if engine == "certified" {
+            assert_eq!(row[column("ratio_to_certified")].parse::<f64>().unwrap(), 1.0);
+            if measure != "prepare" {
+                let shares: f64 = (column("f64")..=column("heap")).map(|c| row[c].parse::<f64>().unwrap()).sum();
+                assert!((shares - 1.0).abs() < 1e-6, "shares of the levels sum to {shares}");
+            }
+        }
+        assert!(seen.insert((row[column("sample")].to_owned(), measure, engine)), "twice: {row:?}");
+    }
+    assert_eq!(campaigns, 3);
+    for sample in ["generic", "directed"] {
+        for measure in ["classify", "prepare", "prepare+classify"] {
+            for engine in ["f32", "f64", "certified"] {
+                let wanted = (sample.to_owned(), measure.to_owned(), engine.to_owned());
+                assert!(seen.contains(&wanted), "missing: {wanted:?}");
+            }
+        }
+        let plain = (sample.to_owned(), "prepare+classify".to_owned(), "plain num-rational".to_owned());
+        assert!(seen.contains(&plain), "missing: {plain:?}");
+    }
+}
+
+#[test]
+fn table_has_its_three_parts() {
+    let text = bench("table");
+    for head in ["signs a pair", "µs a pair", "pairs a second"] {
+        assert!(text.contains(head), "no {head} in:\n{text}");
+    }
+}
+
+/// What ties in generic pairs is a gap compared with itself under ε = 0, when one exit is left to choose from.
+#[test]
+fn generic_pairs_hold_no_tie_of_two_different_things() {
+    let generic = Sample::new(Sort::Generic, 5, 200).unwrap();
+    assert!(generic.touching > 80, "only {} of 200 touch", generic.touching);
+    for ready in &generic.pairs {
+        let trace = Pair::new(&ready.exact[0], &ready.exact[1]).trace(&ready.tolerances);
+        for entry in trace.iter().filter(|entry| entry.tie) {
+            assert_eq!(entry.decision.predicate, Predicate::OneExit, "{entry:?}");
+            assert!(ready.tolerances.equal.is_zero(), "{entry:?}");
+        }
+    }
+}
+
+#[test]
+fn directed_pairs_hold_ties() {
+    let directed = Sample::new(Sort::Directed, 5, 100).unwrap();
+    assert!(directed.ties > 30, "only {} of 100 hold a tie", directed.ties);
+}
