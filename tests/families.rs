@@ -10,9 +10,10 @@ use rand_chacha::rand_core::SeedableRng;
 use rockproof::campaign::directed::{CHOSEN, MOVED, Rung};
 use rockproof::campaign::families::{self, Family};
 use rockproof::campaign::ladder::TOLERANCES;
-use rockproof::campaign::pairs::{BATCH, Form, PairCase, PairConfig, batch};
+use rockproof::campaign::pairs::{BATCH, Form, PairCase, PairConfig, SetSource, batch};
 use rockproof::model::decision::Predicate;
-use rockproof::model::{Block, BlockOptions, Number, Precision, Sign};
+use rockproof::model::{Block, BlockOptions, ContactKind, Criteria, Number, Precision, Sign};
+use rockproof::oracle::{Pair, Solid};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -52,6 +53,26 @@ fn a_pair_depends_on_seed_and_index_alone() {
     }
 }
 
+/// The same pairs on every machine and with every compiler: one number for the first batches, without presets. A change
+/// to a generator changes it, and every seed's meaning with it.
+#[test]
+fn the_first_pairs_are_pinned() {
+    let sets = [Criteria::Revised, Criteria::Classic].map(SetSource::dyadic).to_vec();
+    let config = PairConfig { sets, ..PairConfig::default() };
+    // FNV-1a, 64 bits.
+    let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
+    let mut eat = |text: String| text.bytes().for_each(|b| hash = (hash ^ u64::from(b)).wrapping_mul(0x100_0000_01b3));
+    for case in (0..42).flat_map(|k| batch(1, k, &config)) {
+        eat(format!("{} {} {:?}", case.index, case.family, case.form));
+        case.a.coordinates().chain(case.b.coordinates()).for_each(|c| eat(c.to_rational().to_string()));
+        let set = case.sets[0].of(case.aimed_for);
+        set.numbers().iter().for_each(|(name, value)| eat(format!("{name} {}", value.to_rational())));
+    }
+    assert_eq!(hash, PINNED, "{hash:#x}");
+}
+
+const PINNED: u64 = 0x657a_511b_13b6_7465;
+
 /// What aims at one predicate, or ladders across one tolerance, came to.
 #[derive(Default, Debug)]
 struct Hits {
@@ -86,10 +107,10 @@ fn aims_hit_and_ladders_turn_where_they_say() {
                 by_tolerance.entry(tolerance).or_default().add(case.margin);
             }
             by_predicate.entry(decision.predicate).or_default().add(case.margin);
-            if let (Some(said), Some(found)) = (case.margin, margin(&case)) {
-                if said != found {
-                    wrong.push(format!("{} {} {:?}: said {said:?}, is {found:?}", case.index, case.family, case.form));
-                }
+            if let (Some(said), Some(found)) = (case.margin, margin(&case))
+                && said != found
+            {
+                wrong.push(format!("{} {} {:?}: said {said:?}, is {found:?}", case.index, case.family, case.form));
             }
         }
     }
@@ -99,15 +120,16 @@ fn aims_hit_and_ladders_turn_where_they_say() {
         println!("{name:24} {:7} {:7} {:7} {:7}", h.ties, h.below, h.above, h.unknown);
     }
     assert!(wrong.is_empty(), "{} wrong, first {:#?}", wrong.len(), &wrong[..wrong.len().min(12)]);
-    let enough = |h: Option<&Hits>| h.is_some_and(|h| h.ties >= 5 && h.below >= 5 && h.above >= 5);
+    let enough = |h: Option<&Hits>, ties: u32| h.is_some_and(|h| h.ties >= ties && h.below >= 5 && h.above >= 5);
     for predicate in MOVED.iter().chain(&CHOSEN) {
-        assert!(enough(by_predicate.get(predicate)), "{predicate}");
+        assert!(enough(by_predicate.get(predicate), 10), "{predicate}");
     }
+    // Most sines are irrational: ties are rarer there, near-ties are not.
     for predicate in [Predicate::ConePasses, Predicate::NearlyParallel, Predicate::WedgesPass, Predicate::OneExit] {
-        assert!(enough(by_predicate.get(&predicate)), "{predicate}");
+        assert!(enough(by_predicate.get(&predicate), 2), "{predicate}");
     }
     for tolerance in TOLERANCES {
-        assert!(enough(by_tolerance.get(tolerance)), "{tolerance}");
+        assert!(enough(by_tolerance.get(tolerance), 2), "{tolerance}");
     }
 }
 
@@ -129,9 +151,57 @@ fn ties_that_f32_holds_are_frequent() {
             }
         }
     }
-    println!("{held:#?}");
+    for (predicate, count) in &held {
+        println!("{:20} {count:5}", predicate.name());
+    }
     for predicate in MOVED.iter().chain(&CHOSEN) {
-        assert!(held.get(predicate).copied().unwrap_or(0) >= 2, "{predicate}: {held:?}");
+        assert!(held.contains_key(predicate), "{predicate}: {held:?}");
+    }
+}
+
+/// What the oracle says of the base pairs and of the pairs made from them: every kind a family is for, and whether the
+/// decisions aimed at are asked at all, and tie where the aim is exact.
+#[test]
+fn the_oracle_sees_the_kinds_and_the_aims() {
+    let mut aims: BTreeMap<Predicate, [u32; 4]> = BTreeMap::new();
+    println!("{:22} {}", "pairs with", ContactKind::ALL.map(|k| format!("{:>5}", k.name())).join(" "));
+    for family in families::all() {
+        let (name, reaches) = (family.name(), family.reaches());
+        let mut kinds: BTreeMap<ContactKind, u32> = BTreeMap::new();
+        let config = only(family);
+        for case in (0..40).flat_map(|k| batch(21, k, &config)) {
+            let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
+            let pair = Pair::new(&a, &b);
+            let set = case.sets[0].of(case.aimed_for);
+            let contacts = pair.classify(set).contacts;
+            let found: std::collections::BTreeSet<ContactKind> = contacts.iter().map(|c| c.kind).collect();
+            for kind in found {
+                *kinds.entry(kind).or_default() += 1;
+            }
+            let Some(decision) = case.form.decision() else { continue };
+            let entry = pair.trace(set).into_iter().find(|e| e.decision == *decision);
+            let tie = case.margin == Some(Sign::Zero);
+            let counts = aims.entry(decision.predicate).or_default();
+            counts[0] += 1;
+            counts[1] += u32::from(entry.is_some());
+            counts[2] += u32::from(tie);
+            counts[3] += u32::from(tie && entry.is_some_and(|e| e.tie));
+        }
+        let count = |k: &ContactKind| kinds.get(k).copied().unwrap_or(0);
+        println!("{name:22} {}", ContactKind::ALL.map(|k| format!("{:5}", count(&k))).join(" "));
+        for kind in reaches {
+            assert!(count(kind) >= 8, "{name} is for {kind}, and has it in {} of 640 pairs", count(kind));
+        }
+    }
+    println!("{:20} {:>6} {:>6} {:>6} {:>6}", "aims", "all", "asked", "exact", "tie");
+    for (predicate, [all, asked, exact, tie]) in &aims {
+        println!("{:20} {all:6} {asked:6} {exact:6} {tie:6}", predicate.name());
+        assert!(asked * 2 > *all, "{predicate} is aimed at {all} times, and asked {asked} times");
+    }
+    // Aims at gaps and places tie as they say. Of two faces chosen between, others may be the better way in.
+    for predicate in MOVED.iter().filter(|p| **p != Predicate::EntranceDepth) {
+        let [_, _, exact, tie] = aims[predicate];
+        assert!(tie * 10 >= exact * 9, "{predicate}: {tie} ties of {exact}");
     }
 }
 

@@ -226,7 +226,12 @@ impl Number {
                 return Number(Repr::Float(sum + 0.0));
             }
         }
-        Number::from_rational(self.to_rational() + other.to_rational())
+        match (&self.0, &other.0) {
+            (Repr::Ratio(ratio), Repr::Float(float)) | (Repr::Float(float), Repr::Ratio(ratio)) => {
+                Number::from_rational(ratio_plus_float(ratio, *float))
+            }
+            _ => Number::from_rational(self.to_rational() + other.to_rational()),
+        }
     }
 
     /// `self · other`, exactly.
@@ -296,6 +301,19 @@ fn rational_of_f64(value: f64) -> BigRational {
     } else {
         BigRational::new_raw(significand, BigInt::one() << exponent.unsigned_abs() as usize)
     }
+}
+
+/// The exact sum, in lowest terms without a greatest common divisor: only twos can cancel.
+fn ratio_plus_float(ratio: &BigRational, float: f64) -> BigRational {
+    let (significand, exponent) = split_f64(float);
+    let below = (-exponent).max(0) as usize;
+    let twos = ratio.denom().trailing_zeros().unwrap_or(0) as usize;
+    let common = twos.max(below);
+    let odd = ratio.denom() >> twos;
+    let term = (BigInt::from(significand) << (common + exponent.max(0) as usize - below)) * &odd;
+    let numerator = (ratio.numer() << (common - twos)) + term;
+    let cancelled = (numerator.trailing_zeros().unwrap_or(common as u64) as usize).min(common);
+    BigRational::new_raw(numerator >> cancelled, odd << (common - cancelled))
 }
 
 /// The nearest number of the precision, ties to even; `None` when it overflows.
@@ -380,6 +398,17 @@ mod tests {
         assert_eq!(round_rational(&above, Precision::F64), Some(f64::from_bits(1)));
         assert_eq!(round_rational(&BigRational::from_integer(BigInt::one() << 1024usize), Precision::F64), None);
         assert_eq!(round_rational(&rational_of_f64(1e39), Precision::F32), None);
+    }
+
+    #[test]
+    fn sums_of_fractions_and_floats_are_in_lowest_terms() {
+        for (n, d) in [(1, 3), (-5, 6), (7, 12), (1 << 40, 3 << 20), (-11, 1 << 60)] {
+            for float in [0.5, -3.0, 12.0, 0.1, 1e20, -1e-20, 2f64.powi(-60), 1.0 / 3.0] {
+                let (ratio, float) = (Number::from_rational(ratio(n, d)), Number::from_f64(float).unwrap());
+                let expected = Number::from_rational(ratio.to_rational() + float.to_rational());
+                assert_eq!((ratio.plus(&float), float.plus(&ratio)), (expected.clone(), expected));
+            }
+        }
     }
 
     #[test]

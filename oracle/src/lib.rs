@@ -17,6 +17,8 @@ pub mod rational;
 mod run;
 mod scales;
 mod solid;
+#[cfg(test)]
+mod soundness;
 mod trace;
 mod unit_bounds;
 mod view;

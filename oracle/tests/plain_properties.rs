@@ -6,12 +6,12 @@ mod support;
 use num_rational::BigRational;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
-use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Block, ContactKind, Criteria, EntranceKind, Number, Precision, ToleranceSet, Vec3};
 use rockproof_oracle::plain::{self, Found};
-use rockproof_oracle::rational::Rational;
 use support::shapes::{
-    WEDGE, classic, cuboid, exact, leaning_spike, number, point, revised, slab, spike, step, step_between,
+    WEDGE, classic, cuboid, exact, flat_corner, flat_corner_upside_down, leaning_spike, number, point, revised, slab,
+    spike, step, step_between,
 };
 
 fn classified(a: &Block, b: &Block, t: &ToleranceSet) -> Vec<Found<BigRational>> {
@@ -119,6 +119,9 @@ proptest! {
 }
 
 #[cfg(feature = "gmp")]
+use rockproof_oracle::rational::Rational;
+
+#[cfg(feature = "gmp")]
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -154,6 +157,35 @@ fn the_random_pairs_reach_every_kind() {
     for kind in [EntranceKind::VertexFace, EntranceKind::FaceVertex, EntranceKind::EdgeEdge] {
         assert!(entrances.contains(&kind), "{kind}");
     }
+}
+
+/// Two flat corners, one upside down, whose tips are (1, −1, 1)/100 apart while their edges 1 (along x and along y) cross.
+///
+/// The tips are 0.0173 ≤ r = 1/50 from each other, so the edges' ends belong together. Neither tip is in the other edge's
+/// territory: that is λ·1/25 = 1/100, and each is 0.0141 from the other's line. So only the territory of the ends keeps
+/// these edges from being an e-e contact, whose feet lie inside both and whose wedges pass with h = 1/100.
+#[test]
+fn crossing_edges_yield_to_the_territory_of_their_ends() {
+    let a = flat_corner_upside_down(["1/100", "-1/100", "1/100"]);
+    let b = flat_corner();
+    let edges = |contacts: &[Found<BigRational>]| {
+        contacts.iter().any(|f| (f.contact.kind, f.contact.a, f.contact.b) == (ContactKind::EdgeEdge, 1, 1))
+    };
+    let set = |territory| revised(&[("territory", territory)]);
+    let found = classified(&a, &b, &set("1/50"));
+    assert_eq!((found[0].contact.kind, found[0].contact.a, found[0].contact.b), (ContactKind::VertexVertex, 0, 0));
+    assert!(!edges(&found));
+    // With r a little under the distance of the tips the edges cross.
+    assert!(edges(&classified(&a, &b, &set("17/1000"))));
+    let trace = plain::trace::<BigRational>(&a, &b, &set("17/1000"));
+    let outcome = |predicate, features: &[Feature]| {
+        let asked = Decision::about(predicate, features);
+        trace.iter().find(|(decision, ..)| *decision == asked).map(|(_, outcome, _)| *outcome)
+    };
+    let (edge_a, edge_b) = (Feature::Edge(Side::A, 1), Feature::Edge(Side::B, 1));
+    assert_eq!(outcome(Predicate::FeetInside, &[edge_a, edge_b]), Some(1));
+    assert_eq!(outcome(Predicate::EdgeTerritory, &[Feature::Vertex(Side::A, 0), edge_b]), Some(0));
+    assert_eq!(outcome(Predicate::EdgeTerritory, &[Feature::Vertex(Side::B, 0), edge_a]), Some(0));
 }
 
 /// The slab with its top drawn together into the point (0, 0, 0): face 1 has no area, its edges no length.

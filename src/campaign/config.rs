@@ -36,7 +36,7 @@ pub struct CampaignConfig {
 impl Default for CampaignConfig {
     fn default() -> Self {
         CampaignConfig {
-            pairs: 500_000,
+            pairs: 150_000,
             seed: 1,
             engines: vec!["stepper-f32".to_owned(), "stepper-f64".to_owned()],
             tolerances: Vec::new(),
@@ -45,7 +45,7 @@ impl Default for CampaignConfig {
             chunk: 4096,
             metamorphic_every: 16,
             cases_per_fingerprint: 1,
-            cases_per_cause: 100,
+            cases_per_cause: 50,
             shrink_evaluations: 300,
         }
     }

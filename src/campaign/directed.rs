@@ -20,20 +20,21 @@
 //! [`ladder`](super::ladder) changes the tolerance they are compared with instead.
 
 mod check;
-mod edges;
+pub(crate) mod edges;
 pub(crate) mod exact;
-mod faces;
+pub(crate) mod faces;
 pub(crate) mod shadow;
-mod vertices;
+pub(crate) mod vertices;
 
 use super::families::Kit;
-use exact::Affine;
+use exact::{Affine, Exact};
 use num_rational::BigRational;
 use num_traits::Zero;
-use rockproof_model::decision::{Decision, Predicate, Side};
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::number::{power_of_two, round_rational};
-use rockproof_model::{Block, Number, Precision, Sign, ToleranceSet};
-use shadow::{Shadow, quantum};
+use rockproof_model::ring::ExactRing;
+use rockproof_model::{Block, Criteria, Number, Precision, Sign, ToleranceSet};
+use shadow::{Shadow, V, dot, length, minus, quantum, times};
 
 /// Where B has to be for a decision to be on its boundary.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,23 +94,14 @@ pub const CHOSEN: [Predicate; 2] = [Predicate::EntranceChoice, Predicate::Shorte
 /// Where other decisions of the same test would keep this one from being asked, or from mattering, the answer is
 /// `None` too: try again.
 pub fn aim(kit: &mut Kit<'_>, (a, b): (&Block, &Block), set: &ToleranceSet, predicate: Predicate) -> Option<Aim> {
-    let shadow = Shadow::of(a, b);
-    let pair = Pair {
-        shadow: &shadow,
-        set,
-        precision: if a.is_exact_in(Precision::F32) && b.is_exact_in(Precision::F32) {
-            Precision::F32
-        } else {
-            Precision::F64
-        },
-    };
+    let pair = Pair::new(a, b, set);
     let aim = match predicate {
         Predicate::Neighbours => vertices::neighbours(kit, &pair),
         Predicate::VertexVertexNear | Predicate::VertexTerritory => vertices::distance(kit, &pair, predicate),
         Predicate::VertexRegion => vertices::region(kit, &pair),
-        Predicate::FootInside | Predicate::EdgeRegion | Predicate::FootRegion => {
-            edges::vertex_edge(kit, &pair, predicate)
-        }
+        Predicate::FootInside => edges::foot_inside(kit, &pair),
+        Predicate::EdgeRegion => edges::edge_region(kit, &pair),
+        Predicate::FootRegion => edges::foot_region(kit, &pair),
         Predicate::VertexEdgeNear | Predicate::EdgeTerritory => edges::distance(kit, &pair, predicate),
         Predicate::VertexFaceNear | Predicate::VertexFaceDepth | Predicate::InsideFace => {
             faces::vertex_face(kit, &pair, predicate)
@@ -127,47 +119,109 @@ pub fn aim(kit: &mut Kit<'_>, (a, b): (&Block, &Block), set: &ToleranceSet, pred
 }
 
 /// What every aim needs to know of the pair.
-struct Pair<'p> {
-    shadow: &'p Shadow<'p>,
-    set: &'p ToleranceSet,
+pub(in crate::campaign) struct Pair<'p> {
+    pub(in crate::campaign) shadow: Shadow<'p>,
+    pub(in crate::campaign) set: &'p ToleranceSet,
     /// The coarsest precision that holds the pair: offsets are kept to its spacing where they can be.
     precision: Precision,
 }
 
-impl Pair<'_> {
-    fn blocks(&self) -> (&Block, &Block) {
+impl<'p> Pair<'p> {
+    pub(in crate::campaign) fn new(a: &'p Block, b: &'p Block, set: &'p ToleranceSet) -> Pair<'p> {
+        let held = a.is_exact_in(Precision::F32) && b.is_exact_in(Precision::F32);
+        let precision = if held { Precision::F32 } else { Precision::F64 };
+        Pair { shadow: Shadow::of(a, b), set, precision }
+    }
+
+    fn blocks(&self) -> (&'p Block, &'p Block) {
         (self.shadow.a, self.shadow.b)
+    }
+
+    /// The lattice of these vertices with B moved by `start`.
+    pub(in crate::campaign) fn exact(&self, vertices: &[(Side, u32)], start: V) -> Exact<'p> {
+        Exact::new(self.blocks(), vertices, start, self.set)
     }
 
     fn search(&self) -> f64 {
         self.set.search.approximate()
     }
 
-    fn penetration(&self) -> f64 {
+    pub(in crate::campaign) fn penetration(&self) -> f64 {
         self.set.penetration.approximate()
     }
 
+    /// An upper bound of the territory radii.
+    pub(in crate::campaign) fn territory(&self) -> f64 {
+        match self.set.criteria {
+            Criteria::Classic => self.search(),
+            Criteria::Revised => self.set.territory.approximate(),
+        }
+    }
+
     /// A random vector of at most about `reach` in each component, on the grid.
-    fn jitter(&self, kit: &mut Kit<'_>, reach: f64) -> shadow::V {
+    fn jitter(&self, kit: &mut Kit<'_>, reach: f64) -> V {
         let part = |kit: &mut Kit<'_>| reach * kit.between(-64, 64) as f64 / 64.0;
-        self.shadow.on_grid([part(kit), part(kit), part(kit)], self.precision)
+        self.on_grid([part(kit), part(kit), part(kit)])
+    }
+
+    fn on_grid(&self, vector: V) -> V {
+        self.shadow.on_grid(vector, self.precision)
+    }
+
+    /// The offset of B, on the grid, that brings a vertex to `target` (where the other block's features are now).
+    pub(in crate::campaign) fn bring(&self, (side, vertex): (Side, u32), target: V) -> V {
+        let way = minus(target, self.shadow.vertex(side, vertex));
+        self.on_grid(if side == Side::B { way } else { times(way, -1.0) })
+    }
+
+    pub(in crate::campaign) fn corners(&self, side: Side, face: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
+        self.shadow.block(side).topology().faces()[face as usize].iter().map(move |&v| (side, v))
+    }
+
+    /// The vertices of the two faces at an edge, its ends among them.
+    pub(in crate::campaign) fn beside(&self, side: Side, edge: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
+        let e = self.shadow.block(side).topology().edges()[edge as usize];
+        self.corners(side, e.left).chain(self.corners(side, e.right))
+    }
+
+    /// How far the end of an edge at a vertex dips below the direction of a face's plane (m), in f64.
+    pub(in crate::campaign) fn dip(&self, (side, vertex): (Side, u32), face: u32, edge: u32) -> f64 {
+        let end = self.shadow.block(side).topology().edges()[edge as usize].other(vertex);
+        let arm = minus(self.shadow.vertex(side, end), self.shadow.vertex(side, vertex));
+        -dot(arm, self.shadow.normal(side.other(), face))
+    }
+
+    /// Whether the cone at a vertex passes a face plane, as far as f64 can tell; `but` one edge.
+    pub(in crate::campaign) fn cone_passes(&self, (side, vertex): (Side, u32), face: u32, but: Option<u32>) -> bool {
+        let edges = self.shadow.block(side).topology().vertex_edges(vertex).iter();
+        let (sine, depth) = (self.set.overlap_sine.approximate(), self.penetration());
+        edges.filter(|e| Some(**e) != but).all(|&e| {
+            let dip = self.dip((side, vertex), face, e);
+            let long = length(self.shadow.edge(side, e).1);
+            let slack = f64::EPSILON * 64.0 * long;
+            dip <= sine * long + slack || (self.set.criteria == Criteria::Revised && dip <= depth)
+        })
     }
 }
 
-/// The aim at the zero of an affine margin, by a move along one axis (mostly the one that matters most).
-fn linear(kit: &mut Kit<'_>, exact: &exact::Exact<'_>, decision: Decision, margin: &Affine) -> Option<Aim> {
+/// The aim at the zero of an affine margin, by a move along one axis: one that matters, and mostly one along which the
+/// place is binary if there is such, so that the tie survives in a float.
+fn linear(kit: &mut Kit<'_>, exact: &Exact<'_>, decision: Decision, margin: &Affine) -> Option<Aim> {
     let slopes = margin.gradient.components();
-    let weight = |i: &usize| slopes[*i].magnitude().clone();
-    let steepest = (0..3).max_by_key(weight)?;
-    let other = kit.below(3) as usize;
-    let axis = if slopes[other].magnitude() * 8u32 >= *slopes[steepest].magnitude() { other } else { steepest };
-    if slopes[axis].is_zero() {
+    let steepest = slopes.iter().map(|c| c.magnitude()).max()?;
+    if steepest.is_zero() {
         return None;
     }
-    let units = BigRational::new(-&margin.constant, slopes[axis].clone());
+    let first = kit.below(3) as usize;
+    let axes = (0..3).map(|i| (first + i) % 3).filter(|&i| slopes[i].magnitude() * 8u32 >= *steepest);
+    let places = axes.map(|i| (i, exact.metres(&-&margin.constant, slopes[i])));
+    let mut places: Vec<(usize, BigRational)> = places.collect();
+    let binary = |(_, place): &(usize, BigRational)| exact::is_power_of_two(place.denom());
+    let wanted = if kit.chance(75) { places.iter().position(binary).unwrap_or(0) } else { 0 };
+    let (axis, place) = places.swap_remove(wanted);
     Some(Aim {
         decision,
-        root: exact.offset(axis, &units),
+        root: exact.offset(axis, place),
         exact: margin.exact,
         axis,
         rising: slopes[axis].sign() == num_bigint::Sign::Plus,
@@ -176,12 +230,12 @@ fn linear(kit: &mut Kit<'_>, exact: &exact::Exact<'_>, decision: Decision, margi
 }
 
 /// A decision about features of the two sides.
-fn about(predicate: Predicate, features: &[rockproof_model::decision::Feature]) -> Decision {
+fn about(predicate: Predicate, features: &[Feature]) -> Decision {
     Decision::about(predicate, features)
 }
 
 /// One of the two sides.
-fn side(kit: &mut Kit<'_>) -> Side {
+pub(in crate::campaign) fn side(kit: &mut Kit<'_>) -> Side {
     if kit.chance(50) { Side::A } else { Side::B }
 }
 
@@ -226,20 +280,25 @@ impl Aim {
     }
 
     fn sign_at(&self, offset: &[Number; 3], spacing: f64) -> Option<Sign> {
-        let beyond: Vec<BigRational> = offset.iter().zip(&self.root).map(|(o, r)| o.to_rational() - r).collect();
-        let others_fit = (0..3).all(|i| i == self.axis || beyond[i].is_zero());
-        let along = &beyond[self.axis];
-        let small = Number::from_f64(spacing * power_of_two(-20)).ok()?.to_rational();
-        let certain = if others_fit {
-            self.exact || *along > small || -along > small
-        } else {
-            // Rounding the other coordinates moves them by half a step at most; four along a steep axis outdo that.
-            let four = Number::from_f64(4.0 * spacing).ok()?.to_rational();
-            *along > four || -along > four
+        let offset = offset.each_ref().map(Number::to_rational);
+        let others_fit = (0..3).all(|i| i == self.axis || offset[i] == self.root[i]);
+        // Beyond the root by `beyond / over`; no fraction is reduced for a sign.
+        let (at, root) = (&offset[self.axis], &self.root[self.axis]);
+        let beyond = at.numer() * root.denom() - root.numer() * at.denom();
+        let over = at.denom() * root.denom();
+        let further_than = |metres: f64| {
+            let limit = Number::from_f64(metres).unwrap_or(Number::ZERO).to_rational();
+            beyond.magnitude() * limit.denom().magnitude() > limit.numer().magnitude() * over.magnitude()
         };
-        let certain = certain && round_rational(along, Precision::F64)?.abs() < self.reach;
-        let sign = rockproof_model::ring::ExactRing::sign(along);
-        certain.then_some(if self.rising { sign } else { sign.reversed() })
+        // Rounding the other coordinates moves them by half a step at most; four along a steep axis outdo that.
+        let certain = match (others_fit, self.exact) {
+            (true, true) => true,
+            (true, false) => further_than(spacing * power_of_two(-20)),
+            (false, _) => further_than(4.0 * spacing),
+        };
+        let within = self.reach == f64::INFINITY || !further_than(self.reach);
+        let sign = ExactRing::sign(&beyond);
+        (certain && within).then_some(if self.rising { sign } else { sign.reversed() })
     }
 }
 

@@ -8,6 +8,7 @@ pub use crate::campaign::sets::{NamedSet, SetSource};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rockproof_model::decision::{Decision, Predicate};
+use rockproof_model::preset::Preset;
 use rockproof_model::{Block, Criteria, Number, Precision, Sign, ToleranceSet, Vec3};
 use std::sync::Arc;
 
@@ -71,9 +72,11 @@ pub struct PairCase {
     pub family: &'static str,
     /// How it came about.
     pub form: Form,
-    /// The sign of the margin (see [`directed`]) of the decision aimed at, for the exact input and `sets[0]` in the
-    /// precision aimed for, where the generator knows it.
+    /// The sign of the margin (see [`directed`]) of the decision aimed at, for the exact input and `sets[0]` for the
+    /// precision `aimed_for`, where the generator knows it.
     pub margin: Option<Sign>,
+    /// The precision whose tolerance set an aim or ladder was found with.
+    pub aimed_for: Precision,
     /// The first block.
     pub a: Block,
     /// The second block.
@@ -98,16 +101,22 @@ pub struct PairConfig {
 }
 
 impl Default for PairConfig {
-    /// Every family, the sets of few binary digits under both criteria, half of all pairs directed, a quarter ladders.
+    /// Every family, the presets and the sets of few binary digits, half of all pairs directed, a quarter ladders.
     fn default() -> Self {
         PairConfig {
             families: families::all(),
-            sets: vec![SetSource::dyadic(Criteria::Revised), SetSource::dyadic(Criteria::Classic)],
+            sets: default_sets(),
             sets_per_batch: 2,
             directed_percent: 50,
             ladder_percent: 25,
         }
     }
+}
+
+/// The presets, and the sets of few binary digits under either criteria.
+pub fn default_sets() -> Vec<SetSource> {
+    let dyadic = [Criteria::Revised, Criteria::Classic].map(SetSource::dyadic);
+    Preset::ALL.into_iter().map(SetSource::preset).chain(dyadic).collect()
 }
 
 /// The pairs `16·batch .. 16·batch + 16` of a seed.
@@ -117,7 +126,8 @@ pub fn batch(seed: u64, batch: u64, config: &PairConfig) -> Vec<PairCase> {
     let (a, b) = family.generate(&mut rng);
     let mut kit = Kit::with_style(&mut rng, Style::Grid);
     let sets = chosen_sets(&mut kit, (&a, &b), config);
-    let base = PairCase { index: batch * BATCH, family: family.name(), form: Form::Base, margin: None, a, b, sets };
+    let (form, margin, aimed_for) = (Form::Base, None, Precision::F64);
+    let base = PairCase { index: batch * BATCH, family: family.name(), form, margin, aimed_for, a, b, sets };
     let mut cases = Vec::with_capacity(BATCH as usize);
     let mut rungs = Rungs { kit: &mut kit, base: &base, magnitude: 0.0, held_by_f32: false };
     rungs.magnitude = directed::magnitude(&base.a, &base.b);
@@ -173,12 +183,18 @@ struct Rungs<'k, 'r, 'b> {
 }
 
 /// How often another predicate or other features are tried before a segment becomes random moves.
-const TRIES: usize = 6;
+const TRIES: usize = 4;
 
 impl Rungs<'_, '_, '_> {
-    fn case(&self, form: Form, margin: Option<Sign>, offset: Option<[Number; 3]>, set: NamedSet) -> PairCase {
+    fn case(
+        &self,
+        (form, aimed_for): (Form, Precision),
+        margin: Option<Sign>,
+        offset: Option<[Number; 3]>,
+        set: NamedSet,
+    ) -> PairCase {
         let b = offset.map_or_else(|| self.base.b.clone(), |[x, y, z]| self.base.b.translated(&Vec3::new(x, y, z)));
-        PairCase { form, margin, a: self.base.a.clone(), b, sets: vec![set], ..*self.base }
+        PairCase { form, margin, aimed_for, a: self.base.a.clone(), b, sets: vec![set], ..*self.base }
     }
 
     fn set(&mut self) -> NamedSet {
@@ -213,7 +229,8 @@ impl Rungs<'_, '_, '_> {
         let chosen = set.of(precision).clone();
         let aim = (0..TRIES).find_map(|_| {
             let predicate = self.predicate();
-            directed::aim(self.kit, (&self.base.a, &self.base.b), &chosen, predicate)
+            // Other features may serve where the first ones do not.
+            (0..3).find_map(|_| directed::aim(self.kit, (&self.base.a, &self.base.b), &chosen, predicate))
         })?;
         // A long fraction is carried now and then only: it makes every exact number after it long.
         let carry = aim.is_short() || self.kit.chance(10);
@@ -225,7 +242,7 @@ impl Rungs<'_, '_, '_> {
             let step = exact.or_else(|| aim.step(rung, self.magnitude, tolerance));
             let form = Form::Directed { decision: aim.decision, rung };
             let (offset, margin) = step.map_or((None, None), |s| (Some(s.offset), s.margin));
-            self.case(form, margin, offset, set.clone())
+            self.case((form, precision), margin, offset, set.clone())
         });
         Some(cases.collect())
     }
@@ -233,9 +250,8 @@ impl Rungs<'_, '_, '_> {
     fn predicate(&mut self) -> Predicate {
         let concave = !(self.base.a.is_convex() && self.base.b.is_convex());
         match self.kit.below(20) {
-            0 | 1 if concave => Predicate::ShortestExit,
-            0 | 1 => Predicate::EntranceChoice,
-            2 => Predicate::EntranceDepth,
+            0..=6 if concave => Predicate::ShortestExit,
+            0..=2 => Predicate::EntranceChoice,
             _ => *self.kit.pick(&directed::MOVED),
         }
     }
@@ -257,14 +273,18 @@ impl Rungs<'_, '_, '_> {
                 f64: critical.applied(&set.f64, &value),
             };
             let form = Form::Ladder { tolerance: critical.tolerance, decision: critical.decision, rung };
-            Some(self.case(form, Some(margin), critical.offset.clone(), changed))
+            Some(self.case((form, precision), Some(margin), critical.offset.clone(), changed))
         });
         Some(cases.collect())
     }
 
     /// A critical value of one tolerance; an exact one if a few tries meet one, for only there is a tie.
     fn critical(&mut self, set: &ToleranceSet) -> Option<Critical> {
-        let tolerance = self.kit.pick(&ladder::TOLERANCES);
+        // The angles settle four decisions, the edges' angle one that every pair has.
+        let [search, territory, penetration, overlap, parallel, equal] = ladder::TOLERANCES;
+        let weighted =
+            [search, territory, territory, penetration, penetration, overlap, overlap, overlap, parallel, equal];
+        let tolerance = self.kit.pick(&weighted);
         let mut found: Option<Critical> = None;
         for _ in 0..3 {
             let next = ladder::critical(self.kit, (&self.base.a, &self.base.b), set, tolerance);
@@ -295,7 +315,7 @@ impl Rungs<'_, '_, '_> {
                     let metres = if one_axis.is_none_or(|a| a == axis) { steps as f64 * spacing } else { 0.0 };
                     Number::from_f64(metres).unwrap_or(Number::ZERO)
                 });
-                self.case(Form::Moved, None, Some(offset), set)
+                self.case((Form::Moved, precision), None, Some(offset), set)
             })
             .collect()
     }

@@ -143,12 +143,13 @@ impl Campaign<'_> {
         for finding in findings {
             let fingerprint = finding.fingerprint();
             let of_cause = progress.cases.get(finding.cause.name()).copied().unwrap_or(0);
-            let alike = progress.fingerprints.entry(fingerprint.text()).or_default();
+            let text = fingerprint.text();
+            let alike = progress.fingerprints.get(&text).copied().unwrap_or(0);
             let name = format!("{}.toml", fingerprint.file_stem(&finding.set, finding.index));
-            let wanted = *alike < self.config.cases_per_fingerprint && of_cause < self.config.cases_per_cause;
+            let wanted = alike < self.config.cases_per_fingerprint && of_cause < self.config.cases_per_cause;
             // Two findings of one pair may be alike in everything the name tells; the first stands for both.
             if wanted && !names.iter().flatten().any(|n| *n == name) {
-                *alike += 1;
+                *progress.fingerprints.entry(text).or_default() += 1;
                 *progress.cases.entry(finding.cause.name().to_owned()).or_default() += 1;
                 names.push(Some(name));
             } else {

@@ -3,6 +3,7 @@
 
 use crate::campaign::directed::shadow::{length, minus};
 use rockproof_model::number::{power_of_two, split_f64};
+use rockproof_model::preset::{self, Preset};
 use rockproof_model::{Block, Criteria, Number, Precision, ToleranceSet};
 use std::fmt;
 use std::sync::Arc;
@@ -57,6 +58,11 @@ impl SetSource {
         SetSource::new(name, move |_, _, _| Some(set.clone()))
     }
 
+    /// What a preset derives from the pair, whether or not the rules of SPEC section 3 hold there.
+    pub fn preset(preset: Preset) -> SetSource {
+        SetSource::new(preset.name(), move |a, b, precision| preset::derive(preset, &[a, b], precision).ok())
+    }
+
     /// The set of [`dyadic`]: `dyadic` or `dyadic-classic`.
     pub fn dyadic(criteria: Criteria) -> SetSource {
         let name = if criteria == Criteria::Revised { "dyadic" } else { "dyadic-classic" };
@@ -68,8 +74,8 @@ impl SetSource {
         &self.name
     }
 
-    /// The sets for a pair. Where the rules of f32 cannot be met, engines in f32 get the set for f64, as a user who
-    /// ignores the rules would give them; `None` where those of f64 cannot be met either.
+    /// The sets for a pair. Where the source declines for f32, engines in f32 get the set for f64; `None` where it
+    /// declines for f64 as well.
     pub fn derive(&self, a: &Block, b: &Block) -> Option<NamedSet> {
         let f64 = (self.derive)(a, b, Precision::F64)?;
         let f32 = (self.derive)(a, b, Precision::F32).unwrap_or_else(|| f64.clone());

@@ -1,5 +1,6 @@
 //! The campaign's machinery with toys in place of oracle and engines: causes, interruption, threads.
 
 mod attribution;
+mod metamorphic;
 mod resume;
 mod toys;

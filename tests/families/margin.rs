@@ -241,7 +241,11 @@ impl Pair<'_> {
 /// The sign of the margin of the decision a pair was aimed at; `None` where its definition names no single value.
 pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
     let decision = case.form.decision()?;
-    let pair = Pair { blocks: [&case.a, &case.b], points: [points(&case.a), points(&case.b)], set: &case.sets[0].f64 };
+    let pair = Pair {
+        blocks: [&case.a, &case.b],
+        points: [points(&case.a), points(&case.b)],
+        set: case.sets[0].of(case.aimed_for),
+    };
     let set = pair.set;
     let (s, r, g) = (set.search.to_rational(), set.territory.to_rational(), set.penetration.to_rational());
     let sixteenth = Q::new(1.into(), 16.into());
@@ -321,14 +325,13 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
             }
         }
         (Predicate::EntranceDepth, Some(Vertex(_, a)), Some(Vertex(_, b))) => {
-            // Aimed at a face of one corner: the tie is with that face, which has the largest gap of its corner there.
-            let best = |side: Side, v: u32, owner: u32| {
+            // Which face is the way in is decided by others; at the tie one of the corners' faces is g away.
+            let tie = |side: Side, v: u32, owner: u32| {
                 let faces = pair.blocks[side.other() as usize].topology().vertex_faces(owner);
-                faces.iter().map(|&f| pair.signed_gap2(side, v, f)).max().unwrap()
+                faces.iter().any(|&f| pair.signed_gap2(side, v, f) == -(&g * &g))
             };
-            let depths = [best(Side::A, a, b), best(Side::B, b, a)].map(|h| sign(&(h + &g * &g)));
-            return (case.margin == Some(Sign::Zero))
-                .then(|| if depths.contains(&Sign::Zero) { Sign::Zero } else { depths[0] });
+            let hit = tie(Side::A, a, b) || tie(Side::B, b, a);
+            return (case.margin == Some(Sign::Zero)).then_some(if hit { Sign::Zero } else { Sign::Negative });
         }
         (Predicate::EntranceChoice, Some(Vertex(_, a)), Some(Vertex(_, b))) => {
             let (side, v, owner, first) = match (f2, f3) {
@@ -338,10 +341,15 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
             };
             let faces = pair.blocks[side.other() as usize].topology().vertex_faces(owner);
             if let Form::Ladder { .. } = case.form {
-                let best = faces.iter().map(|&f| pair.signed_gap2(side, v, f)).max().unwrap();
+                let edges = pair.blocks[side as usize].topology().vertex_edges(v);
+                let passes = |f: &&u32| edges.iter().all(|&e| pair.cone(side, v, **f, e) != Sign::Negative);
+                let best = faces.iter().filter(passes).map(|&f| pair.signed_gap2(side, v, f)).max()?;
                 let h = pair.signed_gap2(side, v, first);
                 // ε − |1 − √(h²/best²)| with a rational root.
                 let ratio = h / best;
+                if ratio.is_negative() {
+                    return None;
+                }
                 let root = Q::new((ratio.numer() * ratio.denom()).sqrt(), ratio.denom().clone());
                 sign(&(set.equal.to_rational() - (whole(1) - root).abs()))
             } else {

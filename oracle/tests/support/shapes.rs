@@ -52,6 +52,8 @@ pub(crate) fn slab() -> Block {
     cuboid(["-4", "-4", "-4"], ["4", "4", "0"])
 }
 
+const PYRAMID_FACES: [&[u32]; 5] = [&[1, 2, 3, 4], &[0, 2, 1], &[0, 3, 2], &[0, 4, 3], &[0, 1, 4]];
+
 /// A pyramid on its tip.
 ///
 /// Vertex 0 is the tip; 1 to 4 the base's corners (+,+), (−,+), (−,−), (+,−), at `tip + (±3, ±3, 4)`.
@@ -75,7 +77,24 @@ fn pyramid(tip: [&str; 3], base: [[i32; 2]; 4], unit: &str, height: &str) -> Blo
         Vec3::new(tip.x.plus(&along(x)), tip.y.plus(&along(y)), tip.z.plus(&height))
     };
     let vertices = std::iter::once(tip.clone()).chain(base.into_iter().map(corner)).collect();
-    block(vertices, &[&[1, 2, 3, 4], &[0, 2, 1], &[0, 3, 2], &[0, 4, 3], &[0, 1, 4]])
+    block(vertices, &PYRAMID_FACES)
+}
+
+/// A flat wedge-shaped corner: from vertex 0, the origin, edges 4 long to (0, 4, 0), (4, 0, 0), (4, 0, −1/25) and (0, 4, −1/25),
+/// vertices 1 to 4. Face 1 is its top; edges 0 (0-1, along y) and 1 (0-2, along x) bound it, each beside a face only 1/25 wide.
+/// Numbered as in [`spike`].
+pub(crate) fn flat_corner() -> Block {
+    block(flat_corner_vertices(), &PYRAMID_FACES)
+}
+
+/// The flat corner upside down, (y, x, −z), moved by `offset`: edge 1 is along y.
+pub(crate) fn flat_corner_upside_down(offset: [&str; 3]) -> Block {
+    let vertices = flat_corner_vertices().into_iter().map(|v| Vec3::new(v.y, v.x, v.z.negated())).collect();
+    block(vertices, &PYRAMID_FACES).translated(&point(offset))
+}
+
+fn flat_corner_vertices() -> Vec<Point> {
+    [["0", "0", "0"], ["0", "4", "0"], ["4", "0", "0"], ["4", "0", "-1/25"], ["0", "4", "-1/25"]].map(point).to_vec()
 }
 
 /// The tetrahedron of four points with `(v1 − v0) × (v2 − v0) · (v3 − v0) > 0`.

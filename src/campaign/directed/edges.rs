@@ -1,7 +1,7 @@
 //! Aims at decisions about vertices near edges, and about crossing edges.
 
 use super::exact::{Affine, Exact, Root, Z};
-use super::shadow::{V, cross, dot, minus, plus, times, unit};
+use super::shadow::{V, cross, dot, length, minus, plus, times, unit};
 use super::vertices::around;
 use super::{Aim, Pair, about, linear, side};
 use crate::campaign::families::Kit;
@@ -11,73 +11,106 @@ use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::tolerance::LAMBDA_INVERSE;
 use rockproof_model::{Criteria, Vec3};
 
-/// The vertices of the two faces at an edge, its ends among them.
-fn beside(pair: &Pair<'_>, side: Side, edge: u32) -> Vec<(Side, u32)> {
-    let topology = pair.shadow.block(side).topology();
-    let e = topology.edges()[edge as usize];
-    [e.left, e.right].iter().flat_map(|&f| &topology.faces()[f as usize]).map(|&v| (side, v)).collect()
-}
-
-/// An offset of B that brings a vertex beside an edge: foot inside, within the search distance. None if it is so.
-fn beside_edge(kit: &mut Kit<'_>, pair: &Pair<'_>, (x_side, vertex): (Side, u32), edge: u32) -> V {
-    let (along, distance) = pair.shadow.foot(x_side, vertex, edge);
-    if (0.02..0.98).contains(&along) && distance <= pair.search() {
-        return [0.0; 3];
-    }
-    let (p, d) = pair.shadow.edge(x_side.other(), edge);
-    let target = plus(p, times(d, kit.between(1, 15) as f64 / 16.0));
-    // From the vertex to its target, for a vertex of B; the other way round when the edge moves.
-    let way = minus(target, pair.shadow.vertex(x_side, vertex));
-    let way = if x_side == Side::B { way } else { times(way, -1.0) };
-    let jitter = pair.jitter(kit, pair.search() / 2.0);
-    plus(pair.shadow.on_grid(way, pair.precision), jitter)
-}
-
-/// Foot at an end, on the boundary of the edge's region, or of the vertex's.
-pub(super) fn vertex_edge(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Option<Aim> {
+/// A near vertex and edge, with the vertex's side.
+fn near(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<(Side, u32, u32)> {
     let asked = side(kit);
     let (vertex, edge) = pair.shadow.vertex_edge(kit, asked)?;
-    let start = beside_edge(kit, pair, (asked, vertex), edge);
-    let mut vertices = beside(pair, asked.other(), edge);
-    vertices.push((asked, vertex));
-    vertices.extend(around(pair, asked, vertex));
-    let exact = Exact::new(pair.blocks(), &vertices, start, pair.set);
-    let e = exact.edge(asked.other(), edge);
-    let d = exact.direction(asked.other(), edge);
-    let both = [Feature::Vertex(asked, vertex), Feature::Edge(asked.other(), edge)];
-    let (margin, decision) = match predicate {
-        Predicate::FootInside => {
-            let from_p = exact.along((asked, vertex), e.p, &d);
-            let near_p = kit.chance(50);
-            let margin = if near_p { from_p } else { from_p.negated().plus(&d.norm_squared()) };
-            (margin, about(predicate, &both))
-        }
-        Predicate::EdgeRegion => {
-            let face = if kit.chance(50) { e.left } else { e.right };
-            let m = exact.inward(asked.other(), edge, face);
-            let features = [both[0], both[1], Feature::Face(asked.other(), face)];
-            (exact.along((asked, vertex), e.p, &m).negated(), about(predicate, &features))
-        }
-        _ => {
-            let at = *kit.pick(pair.shadow.block(asked).topology().vertex_edges(vertex));
-            let end = exact.edge(asked, at).other(vertex);
-            let away = exact.vertex(asked, end).minus(&exact.vertex(asked, vertex));
-            // f − a = −(x − (x·d)d/d²) with x = a − p, so (f − a)·e = x·(d(d·e) − e d²)/d².
-            let w = d.scaled(&d.dot(&away)).minus(&away.scaled(&d.norm_squared()));
-            let features = [both[0], both[1], Feature::Edge(asked, at)];
-            (exact.along((asked, vertex), e.p, &w).negated(), about(predicate, &features))
-        }
+    Some((asked, vertex, edge))
+}
+
+/// The lattice of the edge's faces and of the edges at the vertex.
+fn exact_of<'p>(pair: &Pair<'p>, (asked, vertex, edge): (Side, u32, u32), start: V) -> Exact<'p> {
+    let vertices: Vec<_> =
+        pair.beside(asked.other(), edge).chain([(asked, vertex)]).chain(around(pair, asked, vertex)).collect();
+    pair.exact(&vertices, start)
+}
+
+/// A point of the edge some sixteenths along it.
+fn on_edge(kit: &mut Kit<'_>, pair: &Pair<'_>, side: Side, edge: u32) -> V {
+    let (p, d) = pair.shadow.edge(side, edge);
+    plus(p, times(d, kit.between(3, 13) as f64 / 16.0))
+}
+
+/// The foot of a vertex exactly at an end of an edge.
+pub(super) fn foot_inside(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
+    let (asked, vertex, edge) = near(kit, pair)?;
+    let other = asked.other();
+    let (_, distance) = pair.shadow.foot(asked, vertex, edge);
+    let start = if distance <= pair.search() {
+        [0.0; 3]
+    } else {
+        let target = plus(on_edge(kit, pair, other, edge), pair.jitter(kit, pair.search() / 2.0));
+        pair.bring((asked, vertex), target)
     };
-    linear(kit, &exact, decision, &margin)
+    let exact = exact_of(pair, (asked, vertex, edge), start);
+    let d = exact.direction(other, edge);
+    let from_p = exact.along((asked, vertex), exact.edge(other, edge).p, &d);
+    let margin = if kit.chance(50) { from_p } else { from_p.negated().plus(&d.norm_squared()) };
+    let features = [Feature::Vertex(asked, vertex), Feature::Edge(other, edge)];
+    linear(kit, &exact, about(Predicate::FootInside, &features), &margin)
+}
+
+/// How far from an edge a vertex is outside its territory and within the search distance; `None` if nowhere.
+fn beyond_territory(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<f64> {
+    let (low, high) = (pair.territory(), pair.search());
+    (low < 0.9 * high).then(|| low + (high - low) * kit.between(4, 60) as f64 / 64.0)
+}
+
+/// A vertex exactly on the boundary of an edge's region: in the direction of a face's normal from the edge.
+pub(super) fn edge_region(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
+    let (asked, vertex, edge) = near(kit, pair)?;
+    let other = asked.other();
+    let e = pair.shadow.block(other).topology().edges()[edge as usize];
+    let face = if kit.chance(50) { e.left } else { e.right };
+    let away = times(pair.shadow.normal(other, face), beyond_territory(kit, pair)?);
+    let target = plus(on_edge(kit, pair, other, edge), away);
+    let exact = exact_of(pair, (asked, vertex, edge), pair.bring((asked, vertex), target));
+    let m = exact.inward(other, edge, face);
+    let margin = exact.along((asked, vertex), e.p, &m).negated();
+    let features = [Feature::Vertex(asked, vertex), Feature::Edge(other, edge), Feature::Face(other, face)];
+    linear(kit, &exact, about(Predicate::EdgeRegion, &features), &margin)
+}
+
+/// The foot of a vertex exactly on the boundary of the vertex's region with respect to one edge there, and in it with
+/// respect to the others.
+pub(super) fn foot_region(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
+    let (asked, vertex, edge) = near(kit, pair)?;
+    let other = asked.other();
+    let (_, d) = pair.shadow.edge(other, edge);
+    let e = pair.shadow.block(other).topology().edges()[edge as usize];
+    let arms: Vec<V> = around(pair, asked, vertex)
+        .map(|(_, w)| minus(pair.shadow.vertex(asked, w), pair.shadow.vertex(asked, vertex)))
+        .collect();
+    // The way x from the foot to the vertex is square to the edge and to the arm; x·arm ≥ 0 for the other arms, and
+    // x is between the two faces' outward normals.
+    let inward = |face: u32, d: V| cross(pair.shadow.normal(other, face), d);
+    let (left, right) = (inward(e.left, d), inward(e.right, times(d, -1.0)));
+    let first = kit.below(arms.len() as u64) as usize;
+    let (k, x) = (0..2 * arms.len()).find_map(|i| {
+        let k = (first + i / 2) % arms.len();
+        let x = times(unit(cross(d, arms[k])), if i % 2 == 0 { 1.0 } else { -1.0 });
+        let in_regions = dot(x, left) <= 0.0
+            && dot(x, right) <= 0.0
+            && arms.iter().enumerate().all(|(j, arm)| j == k || dot(x, *arm) >= 0.0);
+        (in_regions && length(x) > 0.5).then_some((k, x))
+    })?;
+    let target = plus(on_edge(kit, pair, other, edge), times(x, beyond_territory(kit, pair)?));
+    let exact = exact_of(pair, (asked, vertex, edge), pair.bring((asked, vertex), target));
+    let at = pair.shadow.block(asked).topology().vertex_edges(vertex)[k];
+    let end = exact.edge(asked, at).other(vertex);
+    let away = exact.vertex(asked, end).minus(&exact.vertex(asked, vertex));
+    let d = exact.direction(other, edge);
+    // f − a = −(x − (x·d)d/d²) with x = a − p, so (f − a)·e = x·(d(d·e) − e d²)/d².
+    let w = d.scaled(&d.dot(&away)).minus(&away.scaled(&d.norm_squared()));
+    let margin = exact.along((asked, vertex), e.p, &w).negated();
+    let features = [Feature::Vertex(asked, vertex), Feature::Edge(other, edge), Feature::Edge(asked, at)];
+    linear(kit, &exact, about(Predicate::FootRegion, &features), &margin)
 }
 
 /// A vertex exactly the search distance or the territory radius from an edge's line.
 pub(super) fn distance(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Option<Aim> {
-    let asked = side(kit);
-    let (vertex, edge) = pair.shadow.vertex_edge(kit, asked)?;
-    let mut vertices = beside(pair, asked.other(), edge);
-    vertices.push((asked, vertex));
-    let exact = Exact::new(pair.blocks(), &vertices, [0.0; 3], pair.set);
+    let (asked, vertex, edge) = near(kit, pair)?;
+    let exact = exact_of(pair, (asked, vertex, edge), [0.0; 3]);
     let d = exact.direction(asked.other(), edge);
     let territory = predicate == Predicate::EdgeTerritory && pair.set.criteria == Criteria::Revised;
     let radius = if territory { &exact.territory } else { &exact.search };
@@ -126,17 +159,22 @@ fn outward(kit: &mut Kit<'_>, exact: &Exact<'_>, side: Side, edge: u32) -> Optio
     let e = exact.edge(side, edge);
     let mut choices: Vec<(Z, Root)> = Vec::new();
     for face in [e.left, e.right] {
-        for u in [exact.normal(side, face), exact.inward(side, edge, face).negated()] {
+        let n = exact.normal(side, face);
+        // A face that is not quite planar has a normal that is not quite square to the edge.
+        let square = n.dot(&exact.direction(side, edge)).is_zero();
+        for u in square.then_some(n).into_iter().chain([exact.inward(side, edge, face).negated()]) {
             let norm = Root::of(&u.norm_squared());
             choices.push((u, norm));
         }
     }
     // A 3-4-5 mixture of a normal and the in-plane direction square to it, where both lengths are whole.
-    if let [(n, n_norm), (m, m_norm), ..] = &choices[..] {
-        if n_norm.is_exact() && m_norm.is_exact() && kit.chance(50) {
-            let u = n.scaled(&(&m_norm.root * 3)).plus(&m.scaled(&(&n_norm.root * 4)));
-            choices.push((u, Root { root: &n_norm.root * &m_norm.root * 5, shift: 0 }));
-        }
+    if let [(n, n_norm), (m, m_norm), _, _] = &choices[..]
+        && n_norm.is_exact()
+        && m_norm.is_exact()
+        && kit.chance(50)
+    {
+        let u = n.scaled(&(&m_norm.root * 3)).plus(&m.scaled(&(&n_norm.root * 4)));
+        choices.push((u, Root { root: &n_norm.root * &m_norm.root * 5, shift: 0 }));
     }
     let whole: Vec<usize> = (0..choices.len()).filter(|&i| choices[i].1.is_exact()).collect();
     let i = if whole.is_empty() { kit.below(choices.len() as u64) as usize } else { *kit.pick(&whole) };
@@ -169,9 +207,7 @@ fn shorter_arm(exact: &Exact<'_>, side: Side, edge: u32, d: &Z, radius: &BigInt)
 pub(super) fn edge_edge(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Option<Aim> {
     let (ea, eb) = pair.shadow.edge_edge(kit)?;
     let start = across(kit, pair, ea, eb)?;
-    let mut vertices = beside(pair, Side::A, ea);
-    vertices.extend(beside(pair, Side::B, eb));
-    let exact = Exact::new(pair.blocks(), &vertices, start, pair.set);
+    let exact = pair.exact(&pair.beside(Side::A, ea).chain(pair.beside(Side::B, eb)).collect::<Vec<_>>(), start);
     let (d1, d2) = (exact.direction(Side::A, ea), exact.direction(Side::B, eb));
     let n = d1.cross(&d2);
     let (pa, pb) = (exact.edge(Side::A, ea).p, exact.edge(Side::B, eb).p);
@@ -202,7 +238,7 @@ pub(super) fn level(exact: &Exact<'_>, gap: &(Affine, BigInt, BigInt), predicate
 }
 
 /// An offset of B that makes the edges cross inside, about a gap apart; none if they do.
-fn across(kit: &mut Kit<'_>, pair: &Pair<'_>, ea: u32, eb: u32) -> Option<V> {
+pub(in crate::campaign) fn across(kit: &mut Kit<'_>, pair: &Pair<'_>, ea: u32, eb: u32) -> Option<V> {
     let (s, t, apart) = pair.shadow.feet(ea, eb)?;
     let inside = |x: f64| (0.05..0.95).contains(&x);
     if inside(s) && inside(t) && apart <= pair.search() {
@@ -216,5 +252,5 @@ fn across(kit: &mut Kit<'_>, pair: &Pair<'_>, ea: u32, eb: u32) -> Option<V> {
     let n = if dot(n, minus(q, p)) < 0.0 { times(n, -1.0) } else { n };
     let apart = pair.search() * kit.between(-16, 64) as f64 / 64.0;
     let way = minus(plus(p, times(d, s)), plus(q, times(e, t)));
-    Some(pair.shadow.on_grid(plus(way, times(n, apart)), pair.precision))
+    Some(pair.on_grid(plus(way, times(n, apart))))
 }

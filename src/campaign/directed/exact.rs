@@ -2,8 +2,9 @@
 
 use super::shadow::V;
 use num_bigint::BigInt;
+use num_integer::Integer;
 use num_rational::BigRational;
-use num_traits::Zero;
+use num_traits::{Signed, ToPrimitive, Zero};
 use rockproof_model::decision::Side;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::topology::Edge;
@@ -79,6 +80,30 @@ impl Root {
     pub(in crate::campaign) fn is_exact(&self) -> bool {
         self.shift == 0
     }
+}
+
+/// The fraction in lowest terms, without a greatest common divisor of long numbers where twos or 128 bits suffice.
+pub(in crate::campaign) fn fraction(numerator: BigInt, denominator: BigInt) -> BigRational {
+    let (numerator, denominator) =
+        if denominator.is_negative() { (-numerator, -denominator) } else { (numerator, denominator) };
+    let Some(twos) = numerator.trailing_zeros() else { return BigRational::zero() };
+    let twos = twos.min(denominator.trailing_zeros().unwrap_or(0));
+    let (numerator, denominator) = (numerator >> twos, denominator >> twos);
+    if is_power_of_two(&denominator) {
+        return BigRational::new_raw(numerator, denominator);
+    }
+    match (numerator.magnitude().to_u128(), denominator.to_u128()) {
+        (Some(n), Some(d)) => {
+            let common = n.gcd(&d);
+            BigRational::new_raw(numerator / common, BigInt::from(d / common))
+        }
+        _ => BigRational::new(numerator, denominator),
+    }
+}
+
+/// Whether a positive number is a power of two.
+pub(in crate::campaign) fn is_power_of_two(number: &BigInt) -> bool {
+    number.trailing_zeros().map(|twos| twos + 1) == Some(number.bits())
 }
 
 impl<'p> Exact<'p> {
@@ -191,24 +216,44 @@ impl<'p> Exact<'p> {
         margin
     }
 
-    /// The offset (m) of B from where the block is, when it is `units` lattice units beyond its start along `axis`.
-    pub(in crate::campaign) fn offset(&self, axis: usize, units: &BigRational) -> [BigRational; 3] {
+    /// The offset (m) of B from where the block is, when it is `metres` beyond its start along `axis`.
+    pub(in crate::campaign) fn offset(&self, axis: usize, metres: BigRational) -> [BigRational; 3] {
         let mut offset = self.start.each_ref().map(Number::to_rational);
-        offset[axis] += self.metres(units);
+        offset[axis] += metres;
         offset
     }
 
-    /// Lattice units to metres.
-    pub(in crate::campaign) fn metres(&self, units: &BigRational) -> BigRational {
+    /// `numerator / denominator` lattice units in metres.
+    pub(in crate::campaign) fn metres(&self, numerator: &BigInt, denominator: &BigInt) -> BigRational {
         let (per_metre, over) = self.lattice.units_per_metre();
-        units * BigRational::new(over, per_metre)
+        fraction(numerator * over, denominator * per_metre)
+    }
+
+    /// Square units of `numerator / denominator` to m².
+    pub(in crate::campaign) fn square_metres(&self, numerator: &BigInt, denominator: &BigInt) -> BigRational {
+        let (per_metre, over) = self.lattice.units_per_metre();
+        fraction(numerator * &over * &over, denominator * &per_metre * &per_metre)
     }
 
     /// The offset of B from where the block is, when it is `vector / over` lattice units from its start.
     pub(in crate::campaign) fn offset_by(&self, vector: &Z, over: &BigInt) -> [BigRational; 3] {
-        let part = |c: &BigInt| BigRational::new(c.clone(), over.clone());
-        let [x, y, z] = vector.components().map(|c| self.metres(&part(c)));
+        let [x, y, z] = vector.components().map(|c| self.metres(c, over));
         let [sx, sy, sz] = self.start.each_ref().map(Number::to_rational);
         [x + sx, y + sy, z + sz]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fractions_are_in_lowest_terms() {
+        let long = BigInt::from(3).pow(90);
+        for n in [BigInt::from(0), BigInt::from(-12), BigInt::from(90), long.clone() * 4, -long.clone()] {
+            for d in [BigInt::from(1), BigInt::from(-8), BigInt::from(36), long.clone() * 10, BigInt::from(1) << 200] {
+                assert_eq!(fraction(n.clone(), d.clone()), BigRational::new(n.clone(), d));
+            }
+        }
     }
 }

@@ -1,19 +1,17 @@
 //! Aims at decisions about vertices and faces, and about which of two faces is the way in.
 
 use super::edges::level;
-use super::exact::{Affine, Exact};
-use super::shadow::{V, dot, length, minus, plus, times};
+use super::exact::Affine;
+use super::shadow::{V, dot, length, minus, plus, times, unit};
+use super::vertices::DRAWS;
 use super::{Aim, Pair, about, linear, side};
 use crate::campaign::families::Kit;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::One;
-use rockproof_model::Number;
-use rockproof_model::decision::{Feature, Predicate, Side};
-
-fn corners(pair: &Pair<'_>, side: Side, face: u32) -> impl Iterator<Item = (Side, u32)> {
-    pair.shadow.block(side).topology().faces()[face as usize].iter().map(move |&v| (side, v))
-}
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::tolerance::LAMBDA_INVERSE;
+use rockproof_model::{Criteria, Number};
 
 /// A vertex over a face at a gap of exactly 0, s or −g, or over one of its sides.
 pub(super) fn vertex_face(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Option<Aim> {
@@ -23,8 +21,8 @@ pub(super) fn vertex_face(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predica
     let at_side = predicate == Predicate::InsideFace;
     let k = kit.below(pair.shadow.block(other).topology().faces()[face as usize].len() as u64) as usize;
     let start = over_face(kit, pair, (asked, vertex), face, at_side.then_some(k));
-    let vertices: Vec<_> = corners(pair, other, face).chain([(asked, vertex)]).collect();
-    let exact = Exact::new(pair.blocks(), &vertices, start, pair.set);
+    let vertices: Vec<_> = pair.corners(other, face).chain([(asked, vertex)]).collect();
+    let exact = pair.exact(&vertices, start);
     let both = [Feature::Vertex(asked, vertex), Feature::Face(other, face)];
     let margin = if at_side {
         let n = exact.normal(other, face);
@@ -45,7 +43,13 @@ pub(super) fn vertex_face(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predica
 
 /// An offset of B that brings a vertex over the inside of a face, or over the middle part of its side `k`, at a gap
 /// between −g and s; none if it is so.
-fn over_face(kit: &mut Kit<'_>, pair: &Pair<'_>, (asked, vertex): (Side, u32), face: u32, k: Option<usize>) -> V {
+pub(in crate::campaign) fn over_face(
+    kit: &mut Kit<'_>,
+    pair: &Pair<'_>,
+    (asked, vertex): (Side, u32),
+    face: u32,
+    k: Option<usize>,
+) -> V {
     let (gap, outside) = pair.shadow.above_face(asked, vertex, face);
     if k.is_none() && outside == 0.0 && gap.abs() <= 2.0 * pair.search() {
         return [0.0; 3];
@@ -70,62 +74,105 @@ fn over_face(kit: &mut Kit<'_>, pair: &Pair<'_>, (asked, vertex): (Side, u32), f
         share * if share < 0.0 { 2.0 * pair.penetration() } else { pair.search() }
     };
     let target = plus(foot, times(pair.shadow.normal(other, face), up));
-    let way = minus(target, pair.shadow.vertex(asked, vertex));
-    let way = if asked == Side::B { way } else { times(way, -1.0) };
-    pair.shadow.on_grid(way, pair.precision)
+    pair.bring((asked, vertex), target)
 }
 
-/// A vertex inside a convex corner, the shallowest face at a depth of exactly g.
+/// A vertex in the territory of a convex corner, as deep as g under the way in. Possible where g is within the territory.
 pub(super) fn entrance_depth(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
-    let corner = Corner::choose(kit, pair)?;
-    let depth = pair.penetration();
-    let start = corner.enter(kit, pair, depth, 1.5 * depth);
-    let face = corner.shallowest(pair, start);
-    let vertices: Vec<_> = corners(pair, corner.side.other(), face).chain([(corner.side, corner.vertex)]).collect();
-    let exact = Exact::new(pair.blocks(), &vertices, start, pair.set);
+    let corner = Corner::choose(kit, pair, 1)?;
+    let (g, r) = (pair.penetration(), corner.territory(pair));
+    if g >= 0.9 * r {
+        return None;
+    }
+    let face = *kit.pick(&corner.faces);
+    let n = pair.shadow.normal(corner.side.other(), face);
+    let start = (0..DRAWS).find_map(|_| {
+        let drawn = pair.jitter(kit, r);
+        let x = minus(drawn, times(n, dot(drawn, n) + g));
+        (length(x) < 0.98 * r && corner.best(pair, x) == face).then(|| corner.bring(pair, x))
+    })?;
+    let vertices: Vec<_> = pair.corners(corner.side.other(), face).chain([(corner.side, corner.vertex)]).collect();
+    let exact = pair.exact(&vertices, start);
     let margin = level(&exact, &exact.gap(corner.side, corner.vertex, face), Predicate::EntranceDepth);
-    let aim = linear(kit, &exact, about(Predicate::EntranceDepth, &corner.contact()), &margin)?;
-    (corner.shallowest(pair, aim.approximate_root()) == face).then_some(aim)
+    linear(kit, &exact, about(Predicate::EntranceDepth, &corner.contact()), &margin)
 }
 
-/// A vertex at a convex corner, two faces of the corner equally far from it, or by the share ε.
+/// A vertex in the territory of a convex corner, two faces of the corner the best ways in: equally far from it, or
+/// different by the share ε.
 pub(super) fn entrance_choice(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
-    let corner = Corner::choose(kit, pair)?;
-    let faces = pair.shadow.block(corner.side.other()).topology().vertex_faces(corner.owner);
-    let first = kit.below(faces.len() as u64) as usize;
-    let second = (first + 1 + kit.below(faces.len() as u64 - 1) as usize) % faces.len();
-    let start = corner.enter(kit, pair, 0.0, pair.penetration());
-    let (first, second) = (faces[first], faces[second]);
-    let [a, b] = corner.contact();
-    let candidate = match corner.side {
-        Side::A => [Feature::Vertex(Side::A, corner.vertex), Feature::Face(Side::B, first)],
-        Side::B => [Feature::Face(Side::A, first), Feature::Vertex(Side::B, corner.vertex)],
-    };
-    let decision = about(Predicate::EntranceChoice, &[a, b, candidate[0], candidate[1]]);
+    let corner = Corner::choose(kit, pair, 2)?;
+    let r = corner.territory(pair);
+    let i = kit.below(corner.faces.len() as u64) as usize;
+    let j = (i + 1 + kit.below(corner.faces.len() as u64 - 1) as usize) % corner.faces.len();
+    let (first, second) = (corner.faces[i], corner.faces[j]);
+    let normal = |face: u32| pair.shadow.normal(corner.side.other(), face);
+    let apart = unit(minus(normal(first), normal(second)));
+    let start = (0..DRAWS).find_map(|_| {
+        let drawn = pair.jitter(kit, r.min(pair.penetration()));
+        let x = minus(drawn, times(apart, dot(drawn, apart)));
+        let best = corner.best(pair, x);
+        let deepest = dot(normal(first), x) >= -pair.penetration();
+        (length(x) < 0.98 * r && deepest && (best == first || best == second)).then(|| corner.bring(pair, x))
+    })?;
+    let ([a, b], [c, d]) = (corner.contact(), corner.candidate(first));
+    let decision = about(Predicate::EntranceChoice, &[a, b, c, d]);
     two_faces(kit, pair, (corner.side, corner.vertex), [first, second], start, decision)
 }
 
 /// A vertex inside a concave block, as deep under one as under the other of two faces that a convex edge joins.
 pub(super) fn shortest_exit(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
-    let asked = side(kit);
-    let other = pair.shadow.block(asked.other());
     if pair.shadow.a.is_convex() && pair.shadow.b.is_convex() {
         return None;
     }
-    let (vertex, edge) = pair.shadow.vertex_edge(kit, asked)?;
-    let e = other.topology().edges()[edge as usize];
-    let (p, d) = pair.shadow.edge(asked.other(), edge);
-    let inward = plus(pair.shadow.normal(asked.other(), e.left), pair.shadow.normal(asked.other(), e.right));
-    let depth = pair.penetration() * kit.between(8, 60) as f64 / 64.0;
-    let place = plus(p, times(d, kit.between(4, 12) as f64 / 16.0));
-    let target = minus(place, times(inward, depth));
-    let way = minus(target, pair.shadow.vertex(asked, vertex));
-    let way = if asked == Side::B { way } else { times(way, -1.0) };
-    let start = pair.shadow.on_grid(way, pair.precision);
+    let (asked, vertex, edge) = (0..DRAWS).find_map(|_| ridge_under_vertex(kit, pair, false))?;
+    let other = asked.other();
+    let e = pair.shadow.block(other).topology().edges()[edge as usize];
+    let (low, high) = (pair.territory(), pair.penetration());
+    if low >= 0.9 * high {
+        return None;
+    }
+    let depth = low + (high - low) * kit.between(4, 60) as f64 / 64.0;
+    let start = under_faces(kit, pair, (asked, vertex, edge), [depth, depth])?;
     let [first, second] = if kit.chance(50) { [e.left, e.right] } else { [e.right, e.left] };
-    let decision =
-        about(Predicate::ShortestExit, &[Feature::Vertex(asked, vertex), Feature::Face(asked.other(), first)]);
+    let decision = about(Predicate::ShortestExit, &[Feature::Vertex(asked, vertex), Feature::Face(other, first)]);
     two_faces(kit, pair, (asked, vertex), [first, second], start, decision)
+}
+
+/// A vertex, and a convex edge of the other block (a `blunt` one, of more than 90 degrees) whose two faces its cone
+/// passes.
+pub(in crate::campaign) fn ridge_under_vertex(
+    kit: &mut Kit<'_>,
+    pair: &Pair<'_>,
+    blunt: bool,
+) -> Option<(Side, u32, u32)> {
+    let asked = side(kit);
+    let (vertex, edge) = pair.shadow.vertex_edge(kit, asked)?;
+    let e = pair.shadow.block(asked.other()).topology().edges()[edge as usize];
+    let passes = |face: u32| pair.cone_passes((asked, vertex), face, None);
+    let normal = |face: u32| pair.shadow.normal(asked.other(), face);
+    let shaped = !blunt || dot(normal(e.left), normal(e.right)) > 0.0;
+    (shaped && passes(e.left) && passes(e.right)).then_some((asked, vertex, edge))
+}
+
+/// An offset of B that puts a vertex under both faces at an edge, at these depths; `None` where the faces are nearly
+/// parallel.
+pub(in crate::campaign) fn under_faces(
+    kit: &mut Kit<'_>,
+    pair: &Pair<'_>,
+    (asked, vertex, edge): (Side, u32, u32),
+    [left, right]: [f64; 2],
+) -> Option<V> {
+    let other = asked.other();
+    let e = pair.shadow.block(other).topology().edges()[edge as usize];
+    let (n, m) = (pair.shadow.normal(other, e.left), pair.shadow.normal(other, e.right));
+    let (p, d) = pair.shadow.edge(other, edge);
+    let place = plus(p, times(d, kit.between(4, 12) as f64 / 16.0));
+    // x = −(α·n + β·m) with x·n = −left, x·m = −right.
+    let c = dot(n, m);
+    let square = 1.0 - c * c;
+    let (alpha, beta) = ((left - c * right) / square, (right - c * left) / square);
+    let target = minus(place, plus(times(n, alpha), times(m, beta)));
+    (square > 1e-3).then(|| pair.bring((asked, vertex), target))
 }
 
 /// The gap of the first face equal to that of the second, or smaller by the share ε of it (Eq. (1)).
@@ -135,12 +182,12 @@ fn two_faces(
     (asked, vertex): (Side, u32),
     [first, second]: [u32; 2],
     start: V,
-    decision: rockproof_model::decision::Decision,
+    decision: Decision,
 ) -> Option<Aim> {
     let other = asked.other();
     let vertices: Vec<_> =
-        corners(pair, other, first).chain(corners(pair, other, second)).chain([(asked, vertex)]).collect();
-    let exact = Exact::new(pair.blocks(), &vertices, start, pair.set);
+        pair.corners(other, first).chain(pair.corners(other, second)).chain([(asked, vertex)]).collect();
+    let exact = pair.exact(&vertices, start);
     let (h1, h2) = (exact.gap(asked, vertex, first), exact.gap(asked, vertex, second));
     let share = if kit.chance(50) { pair.set.equal.clone() } else { Number::ZERO };
     let margin = equal_gaps(&h1, &h2, &share)?;
@@ -171,51 +218,74 @@ fn equal_gaps(
 }
 
 /// A vertex and a convex corner of the other block that it is brought to.
-struct Corner {
-    side: Side,
-    vertex: u32,
+pub(in crate::campaign) struct Corner {
+    pub(in crate::campaign) side: Side,
+    pub(in crate::campaign) vertex: u32,
     owner: u32,
+    /// The faces of the corner that the vertex's cone passes.
+    pub(in crate::campaign) faces: Vec<u32>,
 }
 
 impl Corner {
-    fn choose(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Corner> {
-        let (va, vb) = pair.shadow.vertex_vertex(kit)?;
-        let side = side(kit);
-        let (vertex, owner) = if side == Side::A { (va, vb) } else { (vb, va) };
-        Some(Corner { side, vertex, owner })
+    /// A corner with at least `least` faces to enter by.
+    pub(in crate::campaign) fn choose(kit: &mut Kit<'_>, pair: &Pair<'_>, least: usize) -> Option<Corner> {
+        (0..DRAWS).find_map(|_| {
+            let (va, vb) = pair.shadow.vertex_vertex(kit)?;
+            let side = side(kit);
+            let (vertex, owner) = if side == Side::A { (va, vb) } else { (vb, va) };
+            let all = pair.shadow.block(side.other()).topology().vertex_faces(owner).iter().copied();
+            let faces: Vec<u32> = all.filter(|&f| pair.cone_passes((side, vertex), f, None)).collect();
+            (faces.len() >= least).then_some(Corner { side, vertex, owner, faces })
+        })
     }
 
     /// A's and B's feature.
-    fn contact(&self) -> [Feature; 2] {
+    pub(in crate::campaign) fn contact(&self) -> [Feature; 2] {
         match self.side {
             Side::A => [Feature::Vertex(Side::A, self.vertex), Feature::Vertex(Side::B, self.owner)],
             Side::B => [Feature::Vertex(Side::A, self.owner), Feature::Vertex(Side::B, self.vertex)],
         }
     }
 
-    /// An offset of B that puts the vertex behind every face of the corner, by between `low` and `high` for a corner
-    /// of a box.
-    fn enter(&self, kit: &mut Kit<'_>, pair: &Pair<'_>, low: f64, high: f64) -> V {
-        let other = self.side.other();
-        let mut target = pair.shadow.vertex(other, self.owner);
-        for &face in pair.shadow.block(other).topology().vertex_faces(self.owner) {
-            let depth = low + (high - low) * kit.between(0, 64) as f64 / 64.0;
-            target = minus(target, times(pair.shadow.normal(other, face), depth));
+    /// A's and B's feature of the candidate that one of the corner's faces is.
+    pub(in crate::campaign) fn candidate(&self, face: u32) -> [Feature; 2] {
+        match self.side {
+            Side::A => [Feature::Vertex(Side::A, self.vertex), Feature::Face(Side::B, face)],
+            Side::B => [Feature::Face(Side::A, face), Feature::Vertex(Side::B, self.vertex)],
         }
-        let way = minus(target, pair.shadow.vertex(self.side, self.vertex));
-        let way = if self.side == Side::B { way } else { times(way, -1.0) };
-        pair.shadow.on_grid(way, pair.precision)
     }
 
-    /// The face of the corner with the largest gap when B has moved by `offset`.
-    fn shallowest(&self, pair: &Pair<'_>, offset: V) -> u32 {
-        let other = self.side.other();
-        let moved = if self.side == Side::B { offset } else { times(offset, -1.0) };
-        let x = minus(plus(pair.shadow.vertex(self.side, self.vertex), moved), pair.shadow.vertex(other, self.owner));
-        let faces = pair.shadow.block(other).topology().vertex_faces(self.owner);
-        let gap = |f: &&u32| dot(pair.shadow.normal(other, **f), x);
-        debug_assert!(length(x).is_finite(), "coordinates are finite");
-        faces.iter().max_by(|f, g| gap(f).total_cmp(&gap(g))).copied().unwrap_or(faces[0])
+    /// An offset of B that puts the vertex somewhere in the corner's territory, no deeper than g.
+    pub(in crate::campaign) fn visit(&self, kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<V> {
+        let r = self.territory(pair);
+        (0..DRAWS).find_map(|_| {
+            let x = pair.jitter(kit, r.min(pair.penetration()));
+            (length(x) < 0.98 * r).then(|| self.bring(pair, x))
+        })
+    }
+
+    /// The offset of B that puts the vertex `x` away from the corner.
+    fn bring(&self, pair: &Pair<'_>, x: V) -> V {
+        pair.bring((self.side, self.vertex), plus(pair.shadow.vertex(self.side.other(), self.owner), x))
+    }
+
+    /// The face with the largest gap when the vertex is `x` away from the corner.
+    fn best(&self, pair: &Pair<'_>, x: V) -> u32 {
+        let gap = |f: &&u32| dot(pair.shadow.normal(self.side.other(), **f), x);
+        self.faces.iter().max_by(|f, g| gap(f).total_cmp(&gap(g))).copied().unwrap_or(self.faces[0])
+    }
+
+    /// The radius of the two vertices' common territory.
+    fn territory(&self, pair: &Pair<'_>) -> f64 {
+        if pair.set.criteria == Criteria::Classic {
+            return pair.territory();
+        }
+        let edges = |side: Side, v: u32| {
+            let all = pair.shadow.block(side).topology().vertex_edges(v).iter();
+            all.map(move |&e| length(pair.shadow.edge(side, e).1) / f64::from(LAMBDA_INVERSE))
+        };
+        let shortest = edges(self.side, self.vertex).chain(edges(self.side.other(), self.owner));
+        shortest.fold(pair.territory(), f64::min)
     }
 }
 

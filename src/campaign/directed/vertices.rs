@@ -1,10 +1,9 @@
 //! Aims at decisions about boxes, and about vertices near vertices.
 
 use super::exact::{Exact, Root, Z};
-use super::shadow::{V, length, minus, plus};
+use super::shadow::{V, dot, length, minus, plus, times, unit};
 use super::{Aim, Pair, about, linear, side};
 use crate::campaign::families::Kit;
-use crate::campaign::families::kit::apply;
 use crate::campaign::shapes::turn::cube_turn;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -52,14 +51,14 @@ fn extent(block: &Block, axis: usize) -> (&Number, &Number) {
 
 /// `|a − b|` exactly the search distance or the territory radius.
 pub(super) fn distance(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Option<Aim> {
-    let shadow = pair.shadow;
+    let shadow = &pair.shadow;
     let (va, vb) = shadow.vertex_vertex(kit)?;
     let mut vertices = vec![(Side::A, va), (Side::B, vb)];
     let territory = predicate == Predicate::VertexTerritory && pair.set.criteria == Criteria::Revised;
     if territory {
         vertices.extend(around(pair, Side::A, va).chain(around(pair, Side::B, vb)));
     }
-    let exact = Exact::new(pair.blocks(), &vertices, [0.0; 3], pair.set);
+    let exact = pair.exact(&vertices, [0.0; 3]);
     let apart = exact.vertex(Side::A, va).minus(&exact.vertex(Side::B, vb));
     let current = minus(shadow.vertex(Side::A, va), shadow.vertex(Side::B, vb));
     let decision = about(predicate, &[Feature::Vertex(Side::A, va), Feature::Vertex(Side::B, vb)]);
@@ -121,16 +120,27 @@ fn smallest_radius(exact: &Exact<'_>, va: u32, vb: u32) -> Option<(Radius, BigIn
 /// A vector of whole components and length that points from a to b about as the present one does, and its length.
 fn best_direction(kit: &mut Kit<'_>, current: V) -> (Z, BigInt) {
     let mut best: Option<(f64, [i128; 3], i128)> = None;
-    for _ in 0..6 {
-        let (u, whole) = kit.whole_vector();
+    // Along an axis half of the time: the place is binary then, and the tie survives in a float.
+    let axes = kit.chance(50);
+    for number in 0..6 {
+        let (u, whole) = if axes {
+            let mut axis = [0; 3];
+            axis[number % 3] = if number < 3 { 1 } else { -1 };
+            (axis, 1)
+        } else {
+            kit.whole_vector()
+        };
         let closeness = -u.iter().zip(current).map(|(c, x)| *c as f64 * x).sum::<f64>() / whole as f64;
         if best.as_ref().is_none_or(|(most, ..)| closeness > *most) {
             best = Some((closeness, u, whole));
         }
     }
-    let (_, [x, y, z], whole) = best.unwrap_or((0.0, apply(&cube_turn(0), [1, 0, 0]), 1));
+    let (_, [x, y, z], whole) = best.unwrap_or((0.0, [1, 0, 0], 1));
     (Vec3::new(BigInt::from(x), BigInt::from(y), BigInt::from(z)), BigInt::from(whole))
 }
+
+/// How many places are tried before the features are given up.
+pub(in crate::campaign) const DRAWS: usize = 12;
 
 /// The other ends of the edges at a vertex.
 pub(super) fn around<'p>(pair: &'p Pair<'_>, side: Side, vertex: u32) -> impl Iterator<Item = (Side, u32)> + 'p {
@@ -138,30 +148,42 @@ pub(super) fn around<'p>(pair: &'p Pair<'_>, side: Side, vertex: u32) -> impl It
     topology.vertex_edges(vertex).iter().map(move |&e| (side, topology.edges()[e as usize].other(vertex)))
 }
 
-/// A vertex exactly on the boundary of the region of another: `(a − b)·e = 0`.
+/// A vertex exactly on the boundary of the region of another, `(a − b)·e = 0`, and in both regions otherwise, outside the
+/// territory.
 pub(super) fn region(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
     let (va, vb) = pair.shadow.vertex_vertex(kit)?;
     let asked = side(kit);
     let (vertex, owner) = if asked == Side::A { (va, vb) } else { (vb, va) };
-    let topology = pair.shadow.block(asked.other()).topology();
+    let other = asked.other();
+    let topology = pair.shadow.block(other).topology();
     let edge = *kit.pick(topology.vertex_edges(owner));
     let end = topology.edges()[edge as usize].other(owner);
-    let start = together(kit, pair, va, vb);
-    let vertices = [(asked, vertex), (asked.other(), owner), (asked.other(), end)];
-    let exact = Exact::new(pair.blocks(), &vertices, start, pair.set);
-    let away = exact.vertex(asked.other(), end).minus(&exact.vertex(asked.other(), owner));
-    let margin = exact.along((asked, vertex), owner, &away).negated();
-    let features =
-        [Feature::Vertex(asked, vertex), Feature::Vertex(asked.other(), owner), Feature::Edge(asked.other(), edge)];
-    linear(kit, &exact, about(Predicate::VertexRegion, &features), &margin)
-}
-
-/// An offset of B that brings two vertices within the search distance; none if they are.
-pub(super) fn together(kit: &mut Kit<'_>, pair: &Pair<'_>, va: u32, vb: u32) -> V {
-    let apart = minus(pair.shadow.vertex(Side::A, va), pair.shadow.vertex(Side::B, vb));
-    if length(apart) <= pair.search() {
-        return [0.0; 3];
+    let e = unit(minus(pair.shadow.vertex(other, end), pair.shadow.vertex(other, owner)));
+    let (low, high) = (pair.territory(), pair.search());
+    if low >= 0.95 * high {
+        return None;
     }
-    let jitter = pair.jitter(kit, pair.search() / 2.0);
-    plus(pair.shadow.on_grid(apart, pair.precision), jitter)
+    let arms = |side: Side, v: u32| around(pair, side, v).map(move |(_, w)| (side, v, w));
+    let start = (0..DRAWS).find_map(|_| {
+        // Away from the corner's edges and along those of the vertex, square to the one edge.
+        let drawn = arms(other, owner).chain(arms(asked, vertex)).fold([0.0; 3], |sum, (side, v, w)| {
+            let arm = unit(minus(pair.shadow.vertex(side, w), pair.shadow.vertex(side, v)));
+            let weight = kit.between(0, 64) as f64 * if side == other { -1.0 } else { 1.0 };
+            plus(sum, times(arm, weight))
+        });
+        let x = unit(minus(drawn, times(e, dot(drawn, e))));
+        let x = times(x, low + (high - low) * kit.between(2, 62) as f64 / 64.0);
+        let in_regions = arms(other, owner).chain(arms(asked, vertex)).all(|(side, v, w)| {
+            let arm = minus(pair.shadow.vertex(side, w), pair.shadow.vertex(side, v));
+            let along = dot(x, arm) * if side == other { 1.0 } else { -1.0 };
+            (side == other && w == end) || along <= 0.0
+        });
+        let target = plus(pair.shadow.vertex(other, owner), x);
+        (length(x) > low && in_regions).then(|| pair.bring((asked, vertex), target))
+    })?;
+    let exact = pair.exact(&[(asked, vertex), (other, owner), (other, end)], start);
+    let away = exact.vertex(other, end).minus(&exact.vertex(other, owner));
+    let margin = exact.along((asked, vertex), owner, &away).negated();
+    let features = [Feature::Vertex(asked, vertex), Feature::Vertex(other, owner), Feature::Edge(other, edge)];
+    linear(kit, &exact, about(Predicate::VertexRegion, &features), &margin)
 }

@@ -1,6 +1,7 @@
 //! A corner of a block near a corner of another.
 
 use super::{Family, Kit};
+use crate::campaign::shapes::Solid;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 
@@ -22,12 +23,16 @@ impl Family for CornerCorner {
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
         let mut kit = Kit::new(rng);
-        let mut a = kit.convex(8, 40);
-        let mut b = kit.convex(8, 40);
-        if kit.chance(25) {
+        let diagonal = kit.chance(20);
+        let (mut a, mut b) = if diagonal {
+            (on_diagonals(&mut kit), on_diagonals(&mut kit))
+        } else {
+            (kit.convex(8, 40), kit.convex(8, 40))
+        };
+        if !diagonal && kit.chance(25) {
             a = kit.turned(&a);
         }
-        if kit.chance(35) {
+        if !diagonal && kit.chance(35) {
             b = kit.turned(&b);
         } else {
             b = kit.cube_turned(&b);
@@ -38,4 +43,11 @@ impl Family for CornerCorner {
         let (a, b) = kit.vertex_to_vertex((&a, va), (&b, vb), offset);
         kit.finish(a, b)
     }
+}
+
+/// A block whose edges or normals run along the diagonals of cubes: sines between those are exactly a half.
+fn on_diagonals(kit: &mut Kit<'_>) -> Solid {
+    let name = *kit.pick(&["rhombus", "rhombus", "regular tetrahedron", "cuboctahedron"]);
+    let sides = [kit.length(8, 40); 3];
+    kit.shape(name, sides)
 }

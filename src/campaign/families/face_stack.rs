@@ -1,7 +1,7 @@
 //! A block on the top face of another.
 
 use super::{Family, Kit};
-use crate::campaign::shapes::Solid;
+use crate::campaign::shapes::{Solid, Turn};
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 
@@ -24,7 +24,13 @@ impl Family for FaceStack {
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
         let mut kit = Kit::new(rng);
         let below = flat_topped(&mut kit);
-        let above = match kit.below(4) {
+        let above = match kit.below(5) {
+            4 => {
+                // Tipped about its lower edge by a few degrees of whole ratios.
+                let upright = kit.cuboid(8, 48);
+                let turn = Turn::from_quaternion([kit.between(3, 40) as i64, 1, 0, 0]);
+                kit.turned_by(&upright, turn)
+            }
             0 => {
                 // A block standing on a tip or an edge instead of a face.
                 let tilted = kit.convex(8, 48);

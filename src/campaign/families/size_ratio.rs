@@ -32,14 +32,14 @@ impl Family for SizeRatio {
         let size = 2 * kit.denominator();
         let mut offset = kit.small_vector(size);
         // Inward from the corner, by nothing, a small block's size, or anywhere.
-        for axis in 0..2 {
+        for (axis, offset) in offset.iter_mut().enumerate().take(2) {
             let width = (large.extent(axis).1 - large.extent(axis).0) * kit.denominator() / large.denominator();
             let inward =
                 if large.points()[top][axis] * 2 > large.extent(axis).0 + large.extent(axis).1 { -1 } else { 1 };
             match kit.below(4) {
                 0 => {}
-                1 => offset[axis] += inward * kit.length(0, 32),
-                _ => offset[axis] += inward * kit.between(0, width),
+                1 => *offset += inward * kit.length(0, 32),
+                _ => *offset += inward * kit.between(0, width),
             }
         }
         let (a, b) = kit.vertex_to_vertex((&large, top), (&small, sole), offset);

@@ -110,6 +110,9 @@ impl Cut {
     }
 }
 
+/// What is left of a face, and the directed edge that the cut's own face runs along it.
+type Clipped = (Vec<u32>, Option<(u32, u32)>);
+
 /// `normal·(x, y, z) − level·w`, of the sign of the distance; `None` beyond 126 bits.
 fn height(plane: &Plane, [x, y, z, w]: &Homogeneous) -> Option<i128> {
     let [a, b, c] = plane.normal;
@@ -127,8 +130,7 @@ struct Clipping<'a> {
 }
 
 impl Clipping<'_> {
-    /// What is left of a face, and the directed edge the cut's own face must run along it.
-    fn polygon(&mut self, face: &[u32]) -> Result<(Vec<u32>, Option<(u32, u32)>), ClipError> {
+    fn polygon(&mut self, face: &[u32]) -> Result<Clipped, ClipError> {
         let mut polygon = Vec::new();
         let mut on_plane = Vec::new();
         let mut inside = false;

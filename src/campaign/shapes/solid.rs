@@ -121,10 +121,12 @@ pub fn number_of(numerator: i128, denominator: i128, exponent: i32) -> Number {
     };
     let (numerator, denominator) = (numerator / common, denominator / common);
     let scale = exponent - denominator.trailing_zeros() as i32;
-    if denominator & (denominator - 1) == 0 && numerator.unsigned_abs() < 1 << 53 && (-900..900).contains(&scale) {
-        if let Ok(number) = Number::from_f64(numerator as f64 * power_of_two(scale)) {
-            return number;
-        }
+    if denominator & (denominator - 1) == 0
+        && numerator.unsigned_abs() < 1 << 53
+        && (-900..900).contains(&scale)
+        && let Ok(number) = Number::from_f64(numerator as f64 * power_of_two(scale))
+    {
+        return number;
     }
     let two = BigInt::from(1) << exponent.unsigned_abs() as usize;
     let fraction = BigRational::new_raw(BigInt::from(numerator), BigInt::from(denominator));

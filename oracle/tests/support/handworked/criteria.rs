@@ -15,8 +15,10 @@ pub(super) fn cases() -> Vec<Case> {
         let prism = Prism { half: "2", p: ["1/15", "-1/20"], q: ["0", "5"], offset: ["0", "0", "7/100"] };
         [prism.along_x(), WEDGE.upside_down_along_y()]
     };
-    let long = Prism { half: "20", ..WEDGE };
-    let long_turned = || [Prism { offset: ["0", "0", "1/20"], ..long }.turned(), long.upside_down_along_x()];
+    let long_turned = || {
+        let long = Prism { half: "20", offset: ["0", "0", "1/20"], ..WEDGE };
+        [long.turned(), Prism { half: "3", ..WEDGE }.upside_down_along_x()]
+    };
     vec![
         under_classic(
             "edge_territory_classic",
@@ -96,7 +98,7 @@ pub(super) fn cases() -> Vec<Case> {
             "parallel_length_classic",
             "exactly_parallel_length under classic: r plays no part, the ridges cross.",
             long_turned(),
-            &[("territory", "24")],
+            &[("territory", "18/5")],
             vec![("e-e", 0, 0, "e-e", 0, 0, "+1/400")],
         ),
     ]

@@ -35,6 +35,14 @@ pub(super) fn cases() -> Vec<Case> {
             through_the_top("-1/2500"),
         ),
         case(
+            "exit_perpendicular",
+            "The same with so = 1: every cone and wedge passes, which adds nothing here, and |n × n*|² ≤ so²·|n|²·|n*|² holds \
+             for n = x with equality; but n·n* = 0 is not > 0, so these go.",
+            box_at("99/25", "-1/50"),
+            &[("overlap_sine", "1")],
+            through_the_top("-1/2500"),
+        ),
+        case(
             "exit_through_the_side",
             "Overlap 1/50 in x, 1/25 in z: h* = −1/50, n* = x.",
             box_at("199/50", "-1/25"),

@@ -200,6 +200,15 @@ pub(super) fn cases() -> Vec<Case> {
             vec![("f-v", 2, 6, "f-v", 2, 6, "+1/625"), ("e-e", 2, 10, "e-e", 2, 10, "+1/625")],
         ),
         case(
+            "beside_an_edge",
+            "The tip is 1/20 beside the middle of edge 10, at its height: beyond r, and though the edge's region holds it, its \
+             foot f is not in the tip's: (f−a)·e = 3/20 > 0 for the edges towards −x. No v-e; those edges, 1 and 2, cross \
+             edge 10 at y = ±9/500 with n = (4, 0, 3)/5, h = 1/25.",
+            spike(["81/20", "0", "0"]),
+            slab(),
+            vec![("e-e", 1, 10, "e-e", 1, 10, "+1/625"), ("e-e", 2, 10, "e-e", 2, 10, "+1/625")],
+        ),
+        case(
             "ve_through_edges",
             "Ridge along x that ends 1/20 straight above a ridge along y: the foot of the common perpendicular is at the \
              ridge's end, not inside, so vertex 1 meets edge 0. Candidates: B's face 2, N = (−4, 0, 3)/5, with \

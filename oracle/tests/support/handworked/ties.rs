@@ -1,6 +1,6 @@
 //! Each tolerance exactly met, and missed by a little.
 
-use super::super::shapes::{Prism, WEDGE, cuboid, point, revised, slab, spike, tetrahedron};
+use super::super::shapes::{Prism, WEDGE, cuboid, flat_corner, point, revised, slab, spike, tetrahedron};
 use super::Case;
 use rockproof_model::{Block, ToleranceSet};
 
@@ -197,6 +197,33 @@ fn territory() -> Vec<Case> {
             vec![("v-e", 0, 10, "v-f", 0, 1, "+1/15625")],
         ),
         case(
+            "thin_corner_exactly_territory",
+            "The thin slab again: the shortest edge at its corner 6 is 1/25, r_b = 1/100, less than the tip's 1/50. The tip is at \
+             (−3/500, 0, 4/500) from it: distance 1/100. Face 1 gives 1/125, A's face 3 and e-e with (0, 4, 3)/5 give 3/625, \
+             A's face 2 and e-e with (4, 0, 3)/5 give 0.",
+            [spike(["1997/500", "4", "1/125"]), thin()],
+            small_g(),
+            vec![("v-v", 0, 6, "v-f", 0, 1, "+1/15625")],
+        ),
+        case(
+            "thin_corner_just_outside_territory",
+            "As thin_corner_exactly_territory, 1/1000 further along edge 11: beyond the smaller of the two radii, in the \
+             territory of that edge (1/125 ≤ λ·1/25).",
+            [spike(["3993/1000", "4", "1/125"]), thin()],
+            small_g(),
+            vec![("v-e", 0, 11, "v-f", 0, 1, "+1/15625")],
+        ),
+        case(
+            "corner_territory_beyond_edge_territory",
+            "The tip is at (1, 1, 1)/100 from vertex 0 of a flat corner: 0.0173 ≤ r, in the vertex's territory, while it is \
+             0.0141 from its edges 0 and 1, whose territory is λ·1/25 = 1/100. So v-v and not v-f, though it is over the inside of \
+             face 1 (N = +z, h = 1/100). Of the other candidates, A's faces 1 and 4 and edges 1 and 2 with x, 0 and 1 with y have \
+             sideways normals like (0, −4, 3)/5 and h < 1/100.",
+            [spike(["1/100", "1/100", "1/100"]), flat_corner()],
+            revised(&[]),
+            vec![("v-v", 0, 0, "v-f", 0, 1, "+1/10000")],
+        ),
+        case(
             "sliver_just_outside_territory",
             "As sliver_exactly_territory, 1/1000 further in: beyond r_e although within r.",
             [spike(["3993/1000", "0", "1/125"]), thin()],
@@ -217,9 +244,17 @@ fn angles() -> Vec<Case> {
         let prism = Prism { half: "2", p: ["4", "-3"], q: ["0", "5"], offset: ["0", "0", "1/20"] };
         [prism.along_x(), WEDGE.upside_down_along_y()]
     };
+    // A blade along x towards y+, 1/20 over a blade along y towards x+, each opening by 3 in 5 to either side.
+    let blades = || {
+        let blade = |half, offset| Prism { half, p: ["4", "-3"], q: ["4", "3"], offset };
+        [blade("3", ["0", "0", "1/20"]).along_x(), blade("2", ["0", "0", "0"]).upside_down_along_y()]
+    };
     let turned = || [Prism { offset: ["0", "0", "1/20"], ..WEDGE }.turned(), WEDGE.upside_down_along_x()];
-    let long = Prism { half: "20", ..WEDGE };
-    let long_turned = || [Prism { offset: ["0", "0", "1/20"], ..long }.turned(), long.upside_down_along_x()];
+    // Ridges 40 and 6 long.
+    let long_turned = || {
+        let long = Prism { half: "20", offset: ["0", "0", "1/20"], ..WEDGE };
+        [long.turned(), Prism { half: "3", ..WEDGE }.upside_down_along_x()]
+    };
     let with = |name, value| revised(&[(name, value)]);
     vec![
         case(
@@ -253,6 +288,15 @@ fn angles() -> Vec<Case> {
             vec![],
         ),
         case(
+            "wedges_on_no_side",
+            "Two blades lying flat, their sections symmetrical about the horizontal: n·(m_L + m_R) is 0 for both, so σ counts as \
+             +: n = d1 × d2 = 24 z, h = 1/20 (with − it would be −1/20). All four inward directions have sine ±3/5 along n, the \
+             two on the wrong side just within so. The blades' other edges are more than s from each other's.",
+            blades(),
+            with("overlap_sine", "3/5"),
+            vec![("e-e", 0, 0, "e-e", 0, 0, "+1/400")],
+        ),
+        case(
             "exactly_parallel_angle",
             "Ridges 1/20 apart at an angle of sine 3/5 = sp: nearly parallel, so not crossing; their ends are far from each \
              other.",
@@ -269,17 +313,17 @@ fn angles() -> Vec<Case> {
         ),
         case(
             "exactly_parallel_length",
-            "Ridges 40 long at sine 3/5: |d1 × d2| = 960 = r·40 with r = 24. The territories stay small, λ·5 for vertices and \
-             edges, so they decide nothing here.",
+            "Ridges 40 and 6 long at sine 3/5: |d1 × d2| = 144 = r·40 with r = 18/5. The territories stay small, λ·5 for \
+             vertices and edges, and the nearest end is 9/5 from the other ridge: they decide nothing here.",
             long_turned(),
-            with("territory", "24"),
+            with("territory", "18/5"),
             vec![],
         ),
         case(
             "just_beyond_parallel_length",
-            "As exactly_parallel_length with r = 2399/100.",
+            "As exactly_parallel_length with r = 359/100.",
             long_turned(),
-            with("territory", "2399/100"),
+            with("territory", "359/100"),
             vec![("e-e", 0, 0, "e-e", 0, 0, "+1/400")],
         ),
         case(

@@ -1,0 +1,397 @@
+//! Tests that no level of the ladder ever proves a wrong sign, on input made to tempt it: near-ties, ties, tiny and huge
+//! coordinates, far origins, fractions.
+
+use crate::number::{Approx, Ball, Bits, Bound, INFLATION};
+use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
+use crate::predicate::*;
+use crate::solid::Solid;
+use crate::unit_bounds::unit_bounds_for;
+use crate::view::{BallView, BitsView, BoundView, ExactView, FloatView, LazyScales, Scales};
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use rockproof_model::decision::Side;
+use rockproof_model::ring::ExactRing;
+use rockproof_model::{Block, BlockOptions, Criteria, Entrance, EntranceKind, Number, Sign, ToleranceSet, Vec3};
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
+
+/// A small generator of its own (SplitMix64): the tests must not depend on a library's stream.
+struct Dice(u64);
+
+impl Dice {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, n: u64) -> u64 {
+        self.next() % n
+    }
+
+    fn pick<T: Copy>(&mut self, of: &[T]) -> T {
+        of[self.below(of.len() as u64) as usize]
+    }
+}
+
+/// What kind of numbers the vertices are.
+#[derive(Clone, Copy, Debug)]
+enum Input {
+    SmallIntegers,
+    FullDoubles,
+    NearTies,
+    FarAway,
+    Tiny,
+    Huge,
+    Underflowing,
+    Fractions,
+}
+
+const INPUTS: [Input; 8] = [
+    Input::SmallIntegers,
+    Input::FullDoubles,
+    Input::NearTies,
+    Input::FarAway,
+    Input::Tiny,
+    Input::Huge,
+    Input::Underflowing,
+    Input::Fractions,
+];
+
+fn coordinate(dice: &mut Dice, corner: i32, input: Input) -> Number {
+    let float = |x: f64| Number::from_f64(x).unwrap();
+    let whole = f64::from(corner * 4) + dice.below(3) as f64 - 1.0;
+    let fraction = dice.below(1 << 50) as f64 / (1u64 << 50) as f64;
+    match input {
+        Input::SmallIntegers => float(whole),
+        Input::FullDoubles => float(whole + fraction),
+        Input::NearTies => float(whole * (1.0 + f64::EPSILON * (dice.below(5) as f64 - 2.0))),
+        Input::FarAway => float(1e8 + whole + fraction),
+        Input::Tiny => float((whole + fraction) * 2f64.powi(-55)),
+        Input::Huge => float((whole + fraction) * 2f64.powi(200)),
+        Input::Underflowing => float((whole + fraction) * 2f64.powi(-250)),
+        Input::Fractions => {
+            Number::from_rational(BigRational::new((whole as i64 * 7 + dice.below(3) as i64).into(), 21.into()))
+        }
+    }
+}
+
+/// A tetrahedron or a hexahedron whose quadrilaterals need not be planar: predicates must hold for those too.
+fn block(dice: &mut Dice, input: Input, shift: i32) -> Option<Block> {
+    let corners: Vec<[i32; 3]> = if dice.below(2) == 0 {
+        vec![[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    } else {
+        vec![[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
+    };
+    let faces = if corners.len() == 4 {
+        vec![vec![0, 2, 1], vec![0, 1, 3], vec![1, 2, 3], vec![2, 0, 3]]
+    } else {
+        vec![vec![0, 3, 2, 1], vec![4, 5, 6, 7], vec![0, 1, 5, 4], vec![1, 2, 6, 5], vec![2, 3, 7, 6], vec![3, 0, 4, 7]]
+    };
+    let vertices = corners
+        .iter()
+        .map(|&[x, y, z]| {
+            Vec3::new(coordinate(dice, x, input), coordinate(dice, y, input), coordinate(dice, z + shift, input))
+        })
+        .collect();
+    Block::new(vertices, faces, &BlockOptions { planarity: Number::from_integer(1) }).ok()
+}
+
+fn tolerances(dice: &mut Dice, size: f64) -> ToleranceSet {
+    let length = |dice: &mut Dice| Number::from_f64(size * dice.pick(&[0.0, 0.25, 1.0, 1.5, 0.1])).unwrap();
+    let sine = |dice: &mut Dice| dice.pick(&[(0, 1), (3, 64), (3, 5), (1, 3)]);
+    let ratio = |(n, d): (i64, i64)| Number::from_rational(BigRational::new(n.into(), d.into()));
+    ToleranceSet {
+        search: length(dice),
+        territory: length(dice),
+        penetration: length(dice),
+        overlap_sine: ratio(sine(dice)),
+        parallel_sine: ratio(sine(dice)),
+        equal: Number::from_f64(dice.pick(&[0.0, 1e-9, 0.5])).unwrap(),
+        open: Number::ZERO,
+        close: Number::ZERO,
+        max_displacement: Number::ZERO,
+        max_rotation: Number::ZERO,
+        criteria: Criteria::Revised,
+    }
+}
+
+/// What was seen of one polynomial.
+#[derive(Default)]
+struct Seen {
+    signs: [u64; 3],
+    by_unit_bound: u64,
+    by_pair_bound: u64,
+    by_ball: u64,
+}
+
+struct Checker<'p, 's> {
+    pair: &'p Pair<'s>,
+    tolerances: &'p ToleranceSet,
+    seen: &'p mut BTreeMap<usize, Seen>,
+    about: String,
+}
+
+impl Checker<'_, '_> {
+    fn in_integers<P: Polynomial, T: FromUnits + ExactRing>(&self, p: &P) -> Sign {
+        let exact = Scales::exact(self.tolerances, &self.pair.grid().lattice);
+        let scales = LazyScales { made: &OnceCell::new(), make: &|| exact.converted::<T>() };
+        ExactRing::sign(&p.value(&ExactView { geometry: &self.pair.exact::<T>(), scales }))
+    }
+
+    fn visit<P: Polynomial>(&mut self, p: &P) {
+        let (pair, t, about) = (self.pair, self.tolerances, &self.about);
+        let slot = P::FIRST_SLOT + p.variant();
+        assert!(p.variant() < P::VARIANTS && slot < SLOTS);
+        let exact = self.in_integers::<P, BigInt>(p);
+        let certain = |value: f64, bound: f64| {
+            if value > bound {
+                Some(Sign::Positive)
+            } else if value < -bound {
+                Some(Sign::Negative)
+            } else {
+                None
+            }
+        };
+        let floats: Scales<Approx> = Scales::approximate(t);
+        let float_view = FloatView { a: pair.a, b: pair.b, scales: &floats };
+        let value = p.value(&float_view).0;
+        let seen = self.seen.entry(slot).or_default();
+        seen.signs[(exact.as_i8() + 1) as usize] += 1;
+
+        let (unit, powers) = unit_bounds_for(pair, &floats);
+        let unit_bound = p.value(&BoundView::of_unit_size(pair.a, pair.b, unit.longest_loop)).error * INFLATION;
+        if let Some(sign) = certain(value, unit_bound * powers[P::DEGREE]) {
+            assert_eq!(sign, exact, "unit bound, slot {slot}, {about}");
+            seen.by_unit_bound += 1;
+        }
+        let pair_bound = p.value(&BoundView::of(pair.a, pair.b, Scales::<Bound>::bounds(t))).error;
+        if let Some(sign) = certain(value, pair_bound) {
+            assert_eq!(sign, exact, "bound of the pair, slot {slot}, {about}");
+            seen.by_pair_bound += 1;
+        }
+        let balls: OnceCell<Scales<Ball>> = OnceCell::new();
+        let ball_view =
+            BallView { floats: float_view, scales: LazyScales { made: &balls, make: &|| Scales::balls(t) } };
+        if let Some(sign) = p.value(&ball_view).certain_sign() {
+            assert_eq!(sign, exact, "ball, slot {slot}, {about}");
+            seen.by_ball += 1;
+        }
+        let bits = p.value(&BitsView {
+            a: &pair.a.block,
+            b: &pair.b.block,
+            coordinate: pair.grid().bits,
+            scales: LazyScales { made: &OnceCell::new(), make: &|| Scales::exact(t, &pair.grid().lattice).bits() },
+        });
+        for (width, sign) in [
+            (128, Self::in_integers::<P, i128> as fn(&Self, &P) -> Sign),
+            (256, Self::in_integers::<P, Int256>),
+            (512, Self::in_integers::<P, Int512>),
+            (1024, Self::in_integers::<P, Int1024>),
+        ] {
+            if bits < Bits(width) {
+                assert_eq!(sign(self, p), exact, "{width}-bit integers, slot {slot}, {about}");
+            }
+        }
+    }
+
+    /// Asks every polynomial about features drawn at random.
+    fn visit_all(&mut self, dice: &mut Dice) {
+        let any = |dice: &mut Dice, n: usize| dice.below(n as u64) as u32;
+        let of = |side| self.pair.topology(side);
+        let (ta, tb) = (of(Side::A), of(Side::B));
+        let (va, vb) = (any(dice, ta.vertex_count()), any(dice, tb.vertex_count()));
+        let (ea, eb) = (any(dice, ta.edges().len()), any(dice, tb.edges().len()));
+        let (fa, fb) = (any(dice, ta.faces().len()), any(dice, tb.faces().len()));
+        let axis = dice.below(3) as usize;
+        let flip = dice.below(2) == 0;
+        let (edge_a, edge_b) = (ea, eb);
+        self.visit(&BoxesMeet { low: (Side::A, va), high: (Side::B, vb), axis });
+        for limit in [Limit::Search, Limit::Territory, Limit::Penetration] {
+            self.visit(&Near { a: va, b: vb, limit });
+            for (vertex, edge) in [((Side::A, va), (Side::B, eb)), ((Side::B, vb), (Side::A, ea))] {
+                self.visit(&NearLine { vertex, edge, limit });
+            }
+        }
+        for (vertex, edge, face) in
+            [((Side::A, va), (Side::B, eb), (Side::B, fb)), ((Side::B, vb), (Side::A, ea), (Side::A, fa))]
+        {
+            let own = if vertex.0 == Side::A { ta } else { tb };
+            let other = if vertex.0 == Side::A { tb } else { ta };
+            let at_vertex = own.vertex_edges(vertex.1)[0];
+            let ends = other.edges()[edge.1 as usize];
+            let far = other.faces()[if flip { ends.right } else { ends.left } as usize]
+                .iter()
+                .copied()
+                .find(|&w| w != ends.p && w != ends.q)
+                .unwrap();
+            self.visit(&NearForEdge { a: va, b: vb, edge });
+            self.visit(&BeyondVertex { point: vertex, at: (edge.0, ends.p), edge: edge.1 });
+            self.visit(&FootAlong { vertex, edge, from_end: flip });
+            self.visit(&NearLineForHeight { vertex, edge, height_at: far });
+            self.visit(&InwardOf { vertex, edge, right: flip });
+            self.visit(&FootBeyondVertex { vertex, edge, at_vertex });
+            self.visit(&AbovePlane { vertex, face });
+            self.visit(&PolygonHeight { vertex, corner: other.faces()[face.1 as usize][0], face, axis });
+            self.visit(&NormalComponent { face, axis });
+            self.visit(&EdgeAbovePlane { vertex, edge: at_vertex, face });
+            self.visit(&EdgeDipAngle { edge: (vertex.0, at_vertex), face });
+            self.visit(&EdgeDipDepth { edge: (vertex.0, at_vertex), face });
+            self.visit(&ParallelReach { edge_a, edge_b, longer: vertex.0 });
+            self.visit(&CommonFoot { edge_a, edge_b, on: vertex.0, from_end: flip });
+            let inward = || InwardAcross { edge_a, edge_b, side: edge.0, right: flip };
+            self.visit(&inward());
+            self.visit(&WedgeDipAngle(inward()));
+            self.visit(&WedgeDipDepth { inward: inward(), corner: far });
+        }
+        self.visit(&ParallelAngle { edge_a, edge_b });
+        self.visit(&Orientation { edge_a, edge_b });
+        self.visit(&EdgesApart { edge_a, edge_b });
+        let entrances = [
+            Entrance { kind: EntranceKind::VertexFace, a: va, b: fb },
+            Entrance { kind: EntranceKind::FaceVertex, a: fa, b: vb },
+            Entrance { kind: EntranceKind::EdgeEdge, a: ea, b: eb },
+        ];
+        let (wa, wb) = (any(dice, ta.vertex_count()), any(dice, tb.vertex_count()));
+        let (da, db) = (any(dice, ta.edges().len()), any(dice, tb.edges().len()));
+        let (ga, gb) = (any(dice, ta.faces().len()), any(dice, tb.faces().len()));
+        let others = [
+            Entrance { kind: EntranceKind::VertexFace, a: wa, b: gb },
+            Entrance { kind: EntranceKind::FaceVertex, a: ga, b: wb },
+            Entrance { kind: EntranceKind::EdgeEdge, a: da, b: db },
+        ];
+        for first in entrances {
+            for limit in [Limit::Search, Limit::Territory, Limit::Penetration] {
+                self.visit(&GapWithin { entrance: first, limit });
+            }
+            for second in others {
+                self.visit(&NormalsAgree { first, second });
+                self.visit(&NormalsWithin { first, second });
+                for factor in [Factor::One, Factor::OneMinusEqual, Factor::OnePlusEqual] {
+                    self.visit(&LargerGap { first, second, factor });
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn no_level_proves_a_wrong_sign() {
+    let mut dice = Dice(7);
+    let mut seen = BTreeMap::new();
+    let rounds = if cfg!(debug_assertions) { 560 } else { 2_000 };
+    for round in 0..rounds {
+        let input = INPUTS[round % INPUTS.len()];
+        let shift = dice.below(3) as i32;
+        let (Some(a), Some(b)) = (block(&mut dice, input, 0), block(&mut dice, input, shift)) else { continue };
+        let size = match input {
+            Input::Tiny => 2f64.powi(-55),
+            Input::Huge => 2f64.powi(200),
+            Input::Underflowing => 2f64.powi(-250),
+            _ => 1.0,
+        };
+        let t = tolerances(&mut dice, size);
+        let (a, b) = (Solid::new(&a), Solid::new(&b));
+        let pair = Pair::new(&a, &b);
+        let about = format!("round {round}, {input:?}");
+        Checker { pair: &pair, tolerances: &t, seen: &mut seen, about }.visit_all(&mut dice);
+    }
+    for (slot, seen) in &seen {
+        assert!(
+            seen.by_unit_bound > 0 && seen.by_pair_bound > 0 && seen.by_ball > 0,
+            "slot {slot}: {} {} {} signs {:?}",
+            seen.by_unit_bound,
+            seen.by_pair_bound,
+            seen.by_ball,
+            seen.signs
+        );
+        assert!(seen.signs[0] > 0 && seen.signs[2] > 0, "slot {slot}: signs seen {:?}", seen.signs);
+    }
+    let ties: u64 = seen.values().map(|s| s.signs[1]).sum();
+    assert!(ties > 0 && seen.len() > 80, "{ties} ties in {} slots", seen.len());
+}
+
+#[test]
+fn polynomials_have_the_degree_they_say() {
+    struct Degree<'p> {
+        once: &'p Pair<'p>,
+        thrice: &'p Pair<'p>,
+        t: ToleranceSet,
+    }
+    impl Degree<'_> {
+        fn value<P: Polynomial>(&self, pair: &Pair<'_>, p: &P, factor: i32) -> BigInt {
+            let mut t = self.t.clone();
+            for length in [&mut t.search, &mut t.territory, &mut t.penetration] {
+                *length = length.times(&Number::from_integer(factor));
+            }
+            let scales = LazyScales {
+                made: &OnceCell::new(),
+                make: &|| Scales::exact(&t, &rockproof_model::lattice::Lattice::unity()),
+            };
+            p.value(&ExactView { geometry: &pair.exact::<BigInt>(), scales })
+        }
+
+        fn check<P: Polynomial>(&self, p: &P) {
+            let (once, thrice) = (self.value(self.once, p, 1), self.value(self.thrice, p, 3));
+            assert_ne!(once, BigInt::ZERO);
+            assert_eq!(once * BigInt::from(3).pow(P::DEGREE as u32), thrice, "slot {}", P::FIRST_SLOT);
+        }
+    }
+    let vertices = [[0, 0, 0], [5, 1, 0], [1, 7, 2], [2, 1, 9]];
+    let moved = [[3, 2, 1], [9, 5, 3], [4, 11, 2], [5, 4, 15]];
+    let faces = vec![vec![0, 2, 1], vec![0, 1, 3], vec![1, 2, 3], vec![2, 0, 3]];
+    let build = |corners: &[[i32; 3]; 4], factor: i32| {
+        let number = |n: i32| Number::from_integer(n * factor);
+        let vertices = corners.iter().map(|&[x, y, z]| Vec3::new(number(x), number(y), number(z))).collect();
+        Solid::new(&Block::new(vertices, faces.clone(), &BlockOptions { planarity: Number::ZERO }).unwrap())
+    };
+    let (a1, b1, a3, b3) = (build(&vertices, 1), build(&moved, 1), build(&vertices, 3), build(&moved, 3));
+    // Three times an odd coordinate is odd: both pairs are on the lattice of the integers.
+    let (once, thrice) = (Pair::new(&a1, &b1), Pair::new(&a3, &b3));
+    let mut t = tolerances(&mut Dice(3), 1.0);
+    t.search = Number::from_integer(3);
+    t.territory = Number::from_integer(2);
+    t.penetration = Number::from_integer(1);
+    t.overlap_sine = Number::from_f64(0.5).unwrap();
+    t.parallel_sine = Number::from_f64(0.25).unwrap();
+    t.equal = Number::from_f64(0.125).unwrap();
+    let degree = Degree { once: &once, thrice: &thrice, t };
+    let (vertex, edge, face) = ((Side::A, 1), (Side::B, 2), (Side::B, 3));
+    let entrance = |kind, a, b| Entrance { kind, a, b };
+    let (first, second) = (entrance(EntranceKind::VertexFace, 1, 2), entrance(EntranceKind::EdgeEdge, 1, 4));
+    let inward = || InwardAcross { edge_a: 1, edge_b: 4, side: Side::A, right: false };
+    degree.check(&BoxesMeet { low: vertex, high: (Side::B, 2), axis: 0 });
+    degree.check(&Near { a: 1, b: 2, limit: Limit::Search });
+    degree.check(&NearForEdge { a: 1, b: 2, edge });
+    degree.check(&BeyondVertex { point: vertex, at: (Side::B, b1.block.topology().edges()[2].p), edge: 2 });
+    degree.check(&FootAlong { vertex, edge, from_end: true });
+    degree.check(&NearLine { vertex, edge, limit: Limit::Territory });
+    let ends = b1.block.topology().edges()[2];
+    let far = (0..4).find(|&v| v != ends.p && v != ends.q).unwrap();
+    degree.check(&NearLineForHeight { vertex, edge, height_at: far });
+    degree.check(&InwardOf { vertex, edge, right: true });
+    degree.check(&FootBeyondVertex { vertex, edge, at_vertex: a1.block.topology().vertex_edges(1)[0] });
+    degree.check(&AbovePlane { vertex, face });
+    degree.check(&GapWithin { entrance: second, limit: Limit::Penetration });
+    degree.check(&GapWithin { entrance: first, limit: Limit::Search });
+    degree.check(&PolygonHeight { vertex, corner: 1, face, axis: 1 });
+    degree.check(&NormalComponent { face, axis: 0 });
+    degree.check(&EdgeAbovePlane { vertex, edge: a1.block.topology().vertex_edges(1)[0], face });
+    degree.check(&EdgeDipAngle { edge: (Side::A, 2), face });
+    degree.check(&EdgeDipDepth { edge: (Side::A, 2), face });
+    degree.check(&ParallelAngle { edge_a: 1, edge_b: 4 });
+    degree.check(&ParallelReach { edge_a: 1, edge_b: 4, longer: Side::B });
+    degree.check(&CommonFoot { edge_a: 1, edge_b: 4, on: Side::B, from_end: true });
+    degree.check(&Orientation { edge_a: 1, edge_b: 4 });
+    degree.check(&inward());
+    degree.check(&WedgeDipAngle(inward()));
+    let own = a1.block.topology().edges()[1];
+    let corner = a1.block.topology().faces()[own.left as usize].iter().copied().find(|&w| w != own.p && w != own.q);
+    degree.check(&WedgeDipDepth { inward: inward(), corner: corner.unwrap() });
+    degree.check(&EdgesApart { edge_a: 1, edge_b: 4 });
+    degree.check(&LargerGap { first, second, factor: Factor::OnePlusEqual });
+    degree.check(&NormalsAgree { first, second });
+    degree.check(&NormalsWithin { first, second });
+}
