@@ -18,6 +18,7 @@ pub mod metamorphic;
 pub mod pairs;
 pub mod run;
 pub mod sets;
+mod shake;
 pub mod shapes;
 pub mod shrink;
 pub mod source;

@@ -5,10 +5,10 @@ use crate::campaign::directed::{self, Rung};
 use crate::campaign::families::{self, Family, Kit, Style};
 use crate::campaign::ladder::{self, Critical};
 pub use crate::campaign::sets::{NamedSet, SetSource};
+use crate::campaign::{sets, shake};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rockproof_model::decision::{Decision, Predicate};
-use rockproof_model::preset::Preset;
 use rockproof_model::{Block, Criteria, Number, Precision, Sign, ToleranceSet, Vec3};
 use std::sync::Arc;
 
@@ -98,6 +98,9 @@ pub struct PairConfig {
     pub directed_percent: u64,
     /// Share of tolerance ladders, in percent. The rest are random moves.
     pub ladder_percent: u64,
+    /// Share of batches taken off their ties, in percent: their base is shaken by some steps of f32, and what is aimed
+    /// from there keeps an f32 step or more away from the boundary.
+    pub shaken_percent: u64,
 }
 
 impl Default for PairConfig {
@@ -109,27 +112,31 @@ impl Default for PairConfig {
             sets_per_batch: 2,
             directed_percent: 50,
             ladder_percent: 25,
+            shaken_percent: 85,
         }
     }
 }
 
-/// The presets, and the sets of few binary digits under either criteria.
+/// All of [`sets::NAMES`].
 pub fn default_sets() -> Vec<SetSource> {
-    let dyadic = [Criteria::Revised, Criteria::Classic].map(SetSource::dyadic);
-    Preset::ALL.into_iter().map(SetSource::preset).chain(dyadic).collect()
+    sets::NAMES.into_iter().filter_map(SetSource::named).collect()
 }
 
 /// The pairs `16·batch .. 16·batch + 16` of a seed.
 pub fn batch(seed: u64, batch: u64, config: &PairConfig) -> Vec<PairCase> {
     let mut rng = generator(seed, batch);
     let family = &config.families[(batch % config.families.len() as u64) as usize];
-    let (a, b) = family.generate(&mut rng);
+    let (a, mut b) = family.generate(&mut rng);
     let mut kit = Kit::with_style(&mut rng, Style::Grid);
+    let shaken = kit.chance(config.shaken_percent);
+    if shaken {
+        b = shake::shaken(&mut kit, &b, directed::magnitude(&a, &b));
+    }
     let sets = chosen_sets(&mut kit, (&a, &b), config);
     let (form, margin, aimed_for) = (Form::Base, None, Precision::F64);
     let base = PairCase { index: batch * BATCH, family: family.name(), form, margin, aimed_for, a, b, sets };
     let mut cases = Vec::with_capacity(BATCH as usize);
-    let mut rungs = Rungs { kit: &mut kit, base: &base, magnitude: 0.0, held_by_f32: false };
+    let mut rungs = Rungs { kit: &mut kit, base: &base, magnitude: 0.0, held_by_f32: false, shaken };
     rungs.magnitude = directed::magnitude(&base.a, &base.b);
     rungs.held_by_f32 = base.a.is_exact_in(Precision::F32) && base.b.is_exact_in(Precision::F32);
     let mut made = Vec::with_capacity(BATCH as usize - 1);
@@ -180,6 +187,7 @@ struct Rungs<'k, 'r, 'b> {
     base: &'b PairCase,
     magnitude: f64,
     held_by_f32: bool,
+    shaken: bool,
 }
 
 /// How often another predicate or other features are tried before a segment becomes random moves.
@@ -203,14 +211,22 @@ impl Rungs<'_, '_, '_> {
 
     /// The number format whose spacing the rungs step by.
     fn precision(&mut self) -> Precision {
-        let share = if self.held_by_f32 { 65 } else { 35 };
+        let share = match (self.shaken, self.held_by_f32) {
+            (true, _) => 100,
+            (false, true) => 65,
+            (false, false) => 35,
+        };
         if self.kit.chance(share) { Precision::F32 } else { Precision::F64 }
     }
 
-    /// The tie, one step to each side, and places further off: powers of two of steps, and thousandths.
+    /// The tie (but not off a shaken base), one step to each side, and places further off: powers of two of steps, and
+    /// thousandths.
     fn rungs(&mut self, precision: Precision, room: usize) -> Vec<Rung> {
         let far = if precision == Precision::F32 { 14 } else { 40 };
         let mut rungs = vec![Rung::Exact, Rung::Steps(precision, -1), Rung::Steps(precision, 1)];
+        if self.shaken {
+            rungs.remove(0);
+        }
         while rungs.len() < room {
             let away = self.kit.sign() as i64;
             rungs.push(match self.kit.below(3) {

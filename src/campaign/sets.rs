@@ -8,6 +8,10 @@ use rockproof_model::{Block, Criteria, Number, Precision, ToleranceSet};
 use std::fmt;
 use std::sync::Arc;
 
+/// The sets known by name: the presets, which a user would take, and four of few binary digits, with which ties survive
+/// in every number format and which reach what the presets cannot: [`dyadic`] under either criteria, [`coarse`], [`bare`].
+pub const NAMES: [&str; 7] = ["auto", "shi", "zero", "dyadic", "dyadic-classic", "dyadic-coarse", "dyadic-bare"];
+
 type Derive = dyn Fn(&Block, &Block, Precision) -> Option<ToleranceSet> + Send + Sync;
 
 /// A named way to a tolerance set for a pair of blocks.
@@ -69,6 +73,20 @@ impl SetSource {
         SetSource::new(name, move |a, b, _| Some(dyadic(a, b, criteria)))
     }
 
+    /// The source of one of [`NAMES`].
+    pub fn named(name: &str) -> Option<SetSource> {
+        if let Some(preset) = Preset::from_name(name) {
+            return Some(SetSource::preset(preset));
+        }
+        match name {
+            "dyadic" => Some(SetSource::dyadic(Criteria::Revised)),
+            "dyadic-classic" => Some(SetSource::dyadic(Criteria::Classic)),
+            "dyadic-coarse" => Some(SetSource::new(name, |a, b, _| Some(coarse(a, b)))),
+            "dyadic-bare" => Some(SetSource::new(name, |a, b, _| Some(bare(a, b)))),
+            _ => None,
+        }
+    }
+
     /// The source's name.
     pub fn name(&self) -> &str {
         &self.name
@@ -86,22 +104,10 @@ impl SetSource {
 /// A set like `auto`'s, of numbers with one or two binary digits: lengths are powers of two below those of `auto`,
 /// both sines 3/64, ε 2⁻¹³.
 pub fn dyadic(a: &Block, b: &Block, criteria: Criteria) -> ToleranceSet {
-    let size = |block: &Block| {
-        let points: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
-        let edges = block.topology().edges().iter();
-        let shortest =
-            edges.map(|e| length(minus(points[e.q as usize], points[e.p as usize]))).fold(f64::INFINITY, f64::min);
-        let side = |axis: usize| {
-            let along = || points.iter().map(|p| p[axis]);
-            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-        };
-        (shortest, (0..3).map(side).fold(0.0, f64::max))
-    };
     let ((edge_a, side_a), (edge_b, side_b)) = (size(a), size(b));
     let half = side_a.max(side_b) / 2.0;
     let u = binary_below((edge_a.min(edge_b) / 16.0).min(half / 100.0));
     let equal = power_of_two(-13);
-    let number = |value: f64| Number::from_f64(value).unwrap_or(Number::ZERO);
     let contact = number(equal * binary_below(half));
     ToleranceSet {
         search: number(2.0 * u),
@@ -118,6 +124,41 @@ pub fn dyadic(a: &Block, b: &Block, criteria: Criteria) -> ToleranceSet {
     }
 }
 
+/// [`dyadic`] with lengths as large as the shortest edge, beyond what the rules of SPEC section 3 allow: the territories
+/// are bounded by λ·edge and λ·width, edges are nearly parallel by their length, and slabs overlap right through.
+pub fn coarse(a: &Block, b: &Block) -> ToleranceSet {
+    let short = binary_below(size(a).0.min(size(b).0));
+    ToleranceSet {
+        search: number(2.0 * short),
+        territory: number(short),
+        penetration: number(short),
+        ..dyadic(a, b, Criteria::Revised)
+    }
+}
+
+/// [`dyadic`] under the classic criteria with both sines and ε 0: aligned blocks tie at the angles themselves.
+pub fn bare(a: &Block, b: &Block) -> ToleranceSet {
+    let none = || Number::ZERO;
+    ToleranceSet { overlap_sine: none(), parallel_sine: none(), equal: none(), ..dyadic(a, b, Criteria::Classic) }
+}
+
+/// The block's shortest edge and longest box side (m).
+fn size(block: &Block) -> (f64, f64) {
+    let points: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
+    let edges = block.topology().edges().iter();
+    let shortest =
+        edges.map(|e| length(minus(points[e.q as usize], points[e.p as usize]))).fold(f64::INFINITY, f64::min);
+    let side = |axis: usize| {
+        let along = || points.iter().map(|p| p[axis]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    };
+    (shortest, (0..3).map(side).fold(0.0, f64::max))
+}
+
+fn number(value: f64) -> Number {
+    Number::from_f64(value).unwrap_or(Number::ZERO)
+}
+
 /// The largest power of two that is at most `value`, which must be positive.
 fn binary_below(value: f64) -> f64 {
     let (significand, exponent) = split_f64(value);
@@ -127,6 +168,14 @@ fn binary_below(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_name_has_a_source() {
+        for name in NAMES {
+            assert_eq!(SetSource::named(name).map(|s| s.name().to_owned()).as_deref(), Some(name));
+        }
+        assert!(SetSource::named("nothing").is_none());
+    }
 
     #[test]
     fn binary_below_is_the_power_at_or_below() {

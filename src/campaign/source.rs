@@ -2,11 +2,10 @@
 
 use super::config::CampaignConfig;
 use super::families::{self, Real};
-use super::pairs::{self, PairConfig};
-use super::sets::SetSource;
+use super::pairs::{self, PairCase, PairConfig};
+use super::sets::{self, SetSource};
 use super::subject::{Source, Subject, SubjectSet};
-use crate::model::preset::{self, Preset};
-use crate::model::{Block, Criteria, Scene, SceneError};
+use crate::model::{Block, Scene, SceneError};
 use serde_json::{Map, Value};
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
@@ -46,12 +45,6 @@ pub enum SourceError {
     Identity(#[from] serde_json::Error),
 }
 
-/// The sets a campaign may ask for: the presets, and sets of few binary digits, with which ties survive in f32.
-pub const SETS: [&str; 5] = ["auto", "shi", "zero", "dyadic", "dyadic-classic"];
-
-/// The sets of a campaign that names none.
-pub const DEFAULT_SETS: [&str; 5] = SETS;
-
 /// The pairs of a seed.
 pub struct FamilySource {
     seed: u64,
@@ -83,7 +76,7 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
         families.extend(blocks.into_iter().map(|real| Arc::new(real) as Arc<dyn families::Family>));
     }
     let names: Vec<&str> = if config.tolerances.is_empty() {
-        DEFAULT_SETS.to_vec()
+        sets::NAMES.to_vec()
     } else {
         config.tolerances.iter().map(String::as_str).collect()
     };
@@ -95,19 +88,13 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
     })
 }
 
-/// The tolerance set of a name out of [`SETS`].
+/// The tolerance sets of a name.
 ///
 /// # Errors
 /// When there is none of that name.
 pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
-    if let Some(preset) = Preset::from_name(name) {
-        return Ok(SetSource::new(name, move |a, b, precision| preset::derive(preset, &[a, b], precision).ok()));
-    }
-    match name {
-        "dyadic" => Ok(SetSource::dyadic(Criteria::Revised)),
-        "dyadic-classic" => Ok(SetSource::dyadic(Criteria::Classic)),
-        found => Err(SourceError::Set { found: found.to_owned(), allowed: SETS.join(", ") }),
-    }
+    let unknown = || SourceError::Set { found: name.to_owned(), allowed: sets::NAMES.join(", ") };
+    SetSource::named(name).ok_or_else(unknown)
 }
 
 /// What must be the same for a run to go on: the configuration, and the content of the block files.
@@ -131,13 +118,20 @@ fn content(file: &Path) -> String {
     })
 }
 
+impl FamilySource {
+    /// The pairs of one batch with all that is known of how they were made.
+    pub fn cases(&self, number: u64) -> Vec<PairCase> {
+        pairs::batch(self.seed, number, &self.pairs)
+    }
+}
+
 impl Source for FamilySource {
     fn batch_len(&self) -> u64 {
         pairs::BATCH
     }
 
     fn batch(&self, number: u64) -> Vec<Subject> {
-        pairs::batch(self.seed, number, &self.pairs)
+        self.cases(number)
             .into_iter()
             .map(|case| Subject {
                 index: case.index,

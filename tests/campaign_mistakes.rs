@@ -1,0 +1,164 @@
+//! The default campaign finds every deliberate mistake: a stepper that makes one, examined on the campaign's pairs, has
+//! a finding with the cause `defect`; the stepper as it is has none.
+//!
+//! In release all mistakes are looked for, on a fraction of the default campaign's pairs; a debug build takes the first
+//! batches and asks for the mistakes that must show there.
+
+#[path = "support/mistakes.rs"]
+mod mistakes;
+
+use mistakes::{MistakenEngine, Stepper};
+use rayon::prelude::*;
+use rockproof::campaign::attribution::{Panel, examine};
+use rockproof::campaign::builtin::{self, Exact};
+use rockproof::campaign::config::CampaignConfig;
+use rockproof::campaign::engine::{Engine, EngineFailure, Prepared, Trace, WideAnswer};
+use rockproof::campaign::finding::{Cause, Finding};
+use rockproof::campaign::source::{self, FamilySource};
+use rockproof::campaign::subject::{Source, Subject};
+use rockproof::model::{Block, Contact, Precision, ToleranceSet};
+use rockproof::stepper::contact::Spec;
+use std::sync::Arc;
+
+/// Pairs looked at: a fraction of the default campaign's.
+const PAIRS: u64 = if cfg!(debug_assertions) { 512 } else { 32_768 };
+
+/// Batches examined together; mistakes already found are not looked for in the next ones.
+const CHUNK: u64 = 16;
+
+/// A mistaken stepper in f64 behind the campaign's trait.
+struct Mistaken(&'static str, Arc<dyn MistakenEngine>);
+
+struct MistakenPair<'p>(&'p dyn MistakenEngine, &'p Block, &'p Block);
+
+impl Engine for Mistaken {
+    fn name(&self) -> &str {
+        self.0
+    }
+
+    fn precision(&self) -> Precision {
+        Precision::F64
+    }
+
+    fn prepare<'p>(&'p self, a: &'p Block, b: &'p Block) -> Result<Box<dyn Prepared + 'p>, EngineFailure> {
+        Ok(Box::new(MistakenPair(&*self.1, a, b)))
+    }
+}
+
+impl Prepared for MistakenPair<'_> {
+    fn classify(&self, tolerances: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure> {
+        self.0.f64(self.1, self.2, tolerances).map_err(|e| EngineFailure::Failed(e.to_string()))
+    }
+
+    fn trace(&self, _: &ToleranceSet) -> Option<Trace> {
+        None
+    }
+
+    fn classify_wide(&self, tolerances: &ToleranceSet) -> Option<WideAnswer> {
+        let (contacts, unsettled) = self.0.wide(self.1, self.2, tolerances).ok()?;
+        Some(WideAnswer { contacts, unsettled })
+    }
+}
+
+/// A mistake, and where it was found.
+struct Sought {
+    name: &'static str,
+    engine: Arc<dyn MistakenEngine>,
+    found: Option<(u64, Finding)>,
+}
+
+fn sought() -> Vec<Sought> {
+    mistakes::all().into_iter().map(|(name, engine)| Sought { name, engine: engine.into(), found: None }).collect()
+}
+
+fn default_source() -> FamilySource {
+    source::of(&CampaignConfig::default()).expect("the default configuration names what exists")
+}
+
+/// The first defect that a campaign with this engine alone reports for the pair.
+fn defect(subject: &Subject, name: &'static str, engine: &Arc<dyn MistakenEngine>) -> Option<Finding> {
+    let engines: Vec<Box<dyn Engine>> = vec![Box::new(Mistaken(name, Arc::clone(engine)))];
+    let panel = Panel { oracle: Box::new(Exact), engines, metamorphic_every: 0 };
+    examine(subject, &panel).findings.into_iter().find(|f| f.cause == Cause::Defect)
+}
+
+/// Whether the mistake changes an answer of the stepper in f64 on this pair. Only then is it worth a full examination:
+/// what both answer is an error of rounding, or none.
+fn shows(subject: &Subject, rounded: &[Block; 2], engine: &dyn MistakenEngine, spec: &Spectrum) -> bool {
+    let [a, b] = rounded;
+    subject.sets.iter().zip(&spec.0).any(|(set, right)| engine.f64(a, b, &set.f64).ok() != *right)
+}
+
+/// The answers of the stepper as it is, one for each tolerance set.
+struct Spectrum(Vec<Option<Vec<Contact>>>);
+
+impl Spectrum {
+    fn of(subject: &Subject, [a, b]: &[Block; 2]) -> Spectrum {
+        let spec = Stepper::<Spec>::new();
+        Spectrum(subject.sets.iter().map(|set| spec.f64(a, b, &set.f64).ok()).collect())
+    }
+}
+
+/// Looks at one batch: the defects of the mistakes still sought, by their place in the list, and those of the stepper.
+fn look(
+    source: &FamilySource,
+    batch: u64,
+    list: &[Sought],
+    right: &Panel,
+) -> (Vec<(usize, u64, Finding)>, Vec<Finding>) {
+    let mut found: Vec<(usize, u64, Finding)> = Vec::new();
+    let mut wrong = Vec::new();
+    for subject in source.batch(batch) {
+        wrong.extend(examine(&subject, right).findings.into_iter().filter(|f| f.cause == Cause::Defect));
+        let (Some(a), Some(b)) = (subject.a.rounded(Precision::F64), subject.b.rounded(Precision::F64)) else {
+            continue;
+        };
+        let rounded = [a, b];
+        let spec = Spectrum::of(&subject, &rounded);
+        for (number, mistake) in list.iter().enumerate() {
+            if mistake.found.is_none()
+                && found.iter().all(|(n, _, _)| *n != number)
+                && shows(&subject, &rounded, &*mistake.engine, &spec)
+                && let Some(finding) = defect(&subject, mistake.name, &mistake.engine)
+            {
+                found.push((number, subject.index, finding));
+            }
+        }
+    }
+    (found, wrong)
+}
+
+#[test]
+fn the_default_campaign_finds_every_mistake() {
+    let pairs = PAIRS;
+    assert!(pairs <= CampaignConfig::default().pairs);
+    let source = default_source();
+    let names = CampaignConfig::default().engines;
+    let right = builtin::panel(&names, 0).expect("the engines of the default configuration");
+    let mut list = sought();
+    let batches = pairs / source.batch_len();
+    for chunk in 0..batches.div_ceil(CHUNK) {
+        let numbers: Vec<u64> = (chunk * CHUNK..((chunk + 1) * CHUNK).min(batches)).collect();
+        let results: Vec<_> = numbers.par_iter().map(|&batch| look(&source, batch, &list, &right)).collect();
+        for (found, wrong) in results {
+            assert!(wrong.is_empty(), "the stepper itself has a defect: {:?}", wrong[0]);
+            for (number, index, finding) in found {
+                list[number].found.get_or_insert((index, finding));
+            }
+        }
+    }
+    list.sort_by_key(|m| m.found.as_ref().map_or(u64::MAX, |(index, _)| *index));
+    for mistake in &list {
+        match &mistake.found {
+            Some((index, f)) => println!("{index:6}  {:60} {} {} {}", mistake.name, f.family, f.form, f.set),
+            None => println!("     -  {}", mistake.name),
+        }
+    }
+    let missed: Vec<&str> = list.iter().filter(|m| m.found.is_none()).map(|m| m.name).collect();
+    println!("{} of {} mistakes found in {pairs} pairs", list.len() - missed.len(), list.len());
+    if cfg!(debug_assertions) {
+        assert!(missed.len() * 2 < list.len(), "in {pairs} pairs too few are found; missed are {missed:#?}");
+    } else {
+        assert!(missed.is_empty(), "not found in {pairs} pairs: {missed:#?}");
+    }
+}
