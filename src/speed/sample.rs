@@ -35,7 +35,7 @@ impl Sort {
     /// # Errors
     /// When a default set does not exist.
     pub fn config(self) -> Result<PairConfig, SourceError> {
-        let sets = source::DEFAULT_SETS.into_iter().map(source::set_source).collect::<Result<Vec<_>, _>>()?;
+        let sets = crate::campaign::sets::NAMES.into_iter().map(source::set_source).collect::<Result<Vec<_>, _>>()?;
         let sets_per_batch = sets.len().min(3);
         let config = PairConfig { sets, sets_per_batch, ..PairConfig::default() };
         Ok(match self {
