@@ -108,7 +108,7 @@ fn all_paths_agree_on_many_pairs() {
                     let config = PairConfig::default();
                     let mut tally = Tally::default();
                     for number in (thread..batches).step_by(threads as usize) {
-                        compare_batch(1, number, &config, number / threads % pure_every == 0, &mut tally);
+                        compare_batch(1, number, &config, (number / threads).is_multiple_of(pure_every), &mut tally);
                         if number % 100 == 0 {
                             println!("batch {number} of {batches}");
                         }
