@@ -7,7 +7,7 @@ use rockproof_model::{Block, Ring, Vec3};
 /// A block with the f64 vectors its predicates start from, and how far those can be from the exact ones.
 ///
 /// The vectors are approximations on purpose: whatever is decided from them is decided only where the bounds in
-/// [`Errors`] prove the sign. Making one costs a few hundred operations; it serves every pair the block is in.
+/// `Errors` prove the sign. Making one costs a few hundred operations; it serves every pair the block is in.
 #[derive(Clone, Debug)]
 pub struct Solid {
     pub(crate) block: Block,
