@@ -1,6 +1,6 @@
 //! A pair of blocks, and its exact vectors for when f64 cannot decide.
 
-use crate::number::{Bits, Fixed};
+use crate::number::{Bits, Fixed, Magnitude};
 use crate::solid::Solid;
 use crate::view::{ExactPair, ExactSolid};
 use num_bigint::BigInt;
@@ -29,6 +29,7 @@ pub struct Pair<'s> {
     int512: OnceCell<ExactPair<'s, Int512>>,
     int1024: OnceCell<ExactPair<'s, Int1024>>,
     heap: OnceCell<ExactPair<'s, BigInt>>,
+    magnitudes: OnceCell<ExactPair<'s, Magnitude>>,
 }
 
 /// The vertices of a pair as integers, relative to A's first vertex.
@@ -80,7 +81,7 @@ impl FromUnits for BigInt {
     }
 }
 
-impl FromUnits for crate::number::Magnitude {
+impl FromUnits for Magnitude {
     fn from_small(value: i128) -> Self {
         BigInt::from(value).into()
     }
@@ -147,6 +148,7 @@ impl<'s> Pair<'s> {
             int512: OnceCell::new(),
             int1024: OnceCell::new(),
             heap: OnceCell::new(),
+            magnitudes: OnceCell::new(),
         }
     }
 
@@ -194,5 +196,10 @@ impl<'s> Pair<'s> {
 
     pub(crate) fn heap(&self) -> &ExactPair<'s, BigInt> {
         self.heap.get_or_init(|| self.exact())
+    }
+
+    /// For margins: integers with the sizes of their terms.
+    pub(crate) fn magnitudes(&self) -> &ExactPair<'s, Magnitude> {
+        self.magnitudes.get_or_init(|| self.exact())
     }
 }

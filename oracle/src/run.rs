@@ -132,7 +132,7 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
                 .get_or_init(|| Scales::exact(self.tolerances, &pair.grid().lattice));
             self.observer.sign(sign, &mut || {
                 let scales = LazyScales { made: &OnceCell::new(), make: &|| exact.converted() };
-                polynomial.value(&ExactView { geometry: &pair.exact::<Magnitude>(), scales })
+                polynomial.value(&ExactView { geometry: pair.magnitudes(), scales })
             });
         }
         sign
