@@ -20,7 +20,7 @@ use rockproof::oracle::{Pair, Solid};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Batches of the slice: fourteen families take turns.
-const BATCHES: u64 = if cfg!(debug_assertions) { 42 } else { 14 * 32 };
+const BATCHES: u64 = if cfg!(debug_assertions) { 42 } else { 14 * 128 };
 
 fn default_source() -> FamilySource {
     source::of(&CampaignConfig::default()).expect("the default configuration names what exists")

@@ -36,7 +36,7 @@ pub struct CampaignConfig {
 impl Default for CampaignConfig {
     fn default() -> Self {
         CampaignConfig {
-            pairs: 150_000,
+            pairs: 100_000,
             seed: 1,
             engines: vec!["stepper-f32".to_owned(), "stepper-f64".to_owned()],
             tolerances: Vec::new(),

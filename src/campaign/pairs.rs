@@ -112,7 +112,7 @@ impl Default for PairConfig {
             sets_per_batch: 2,
             directed_percent: 50,
             ladder_percent: 25,
-            shaken_percent: 85,
+            shaken_percent: 92,
         }
     }
 }

@@ -125,13 +125,13 @@ pub fn dyadic(a: &Block, b: &Block, criteria: Criteria) -> ToleranceSet {
 }
 
 /// [`dyadic`] with lengths as large as the shortest edge, beyond what the rules of SPEC section 3 allow: the territories
-/// are bounded by λ·edge and λ·width, edges are nearly parallel by their length, and slabs overlap right through.
+/// are bounded by λ·edge and λ·width, edges are nearly parallel by their length, and slabs may overlap right through.
 pub fn coarse(a: &Block, b: &Block) -> ToleranceSet {
     let short = binary_below(size(a).0.min(size(b).0));
     ToleranceSet {
         search: number(2.0 * short),
         territory: number(short),
-        penetration: number(short),
+        penetration: number(2.0 * short),
         ..dyadic(a, b, Criteria::Revised)
     }
 }

@@ -33,9 +33,9 @@ pub(super) fn found(kit: &mut Kit<'_>, pair: &Pair<'_>, tolerance: &str) -> Foun
             _ => edge_gap(kit, pair, Predicate::EdgeEdgeNear),
         },
         // Under `classic` every territory is the search distance.
-        "territory" if revised => match kit.below(3) {
-            0 => nearly_parallel(kit, pair, true),
-            1 => to_vertex(kit, pair, Predicate::VertexTerritory),
+        "territory" if revised => match kit.below(4) {
+            0 | 1 => nearly_parallel(kit, pair, true),
+            2 => to_vertex(kit, pair, Predicate::VertexTerritory),
             _ => to_edge(kit, pair, Predicate::EdgeTerritory),
         },
         "penetration" => match kit.below(4) {
