@@ -45,7 +45,8 @@ impl Sort {
                 ladder_percent: 0,
                 ..config
             },
-            Sort::Directed => PairConfig { directed_percent: 67, ladder_percent: 33, ..config },
+            // Onto the boundary itself as well as beside it.
+            Sort::Directed => PairConfig { directed_percent: 67, ladder_percent: 33, shaken_percent: 0, ..config },
         })
     }
 
