@@ -128,7 +128,7 @@ pub fn batch(seed: u64, batch: u64, config: &PairConfig) -> Vec<PairCase> {
     let family = &config.families[(batch % config.families.len() as u64) as usize];
     let (a, mut b) = family.generate(&mut rng);
     let mut kit = Kit::with_style(&mut rng, Style::Grid);
-    let shaken = kit.chance(config.shaken_percent);
+    let shaken = config.shaken_percent > 0 && kit.chance(config.shaken_percent);
     if shaken {
         b = shake::shaken(&mut kit, &b, directed::magnitude(&a, &b));
     }
