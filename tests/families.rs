@@ -71,7 +71,7 @@ fn the_first_pairs_are_pinned() {
     assert_eq!(hash, PINNED, "{hash:#x}");
 }
 
-const PINNED: u64 = 0x657a_511b_13b6_7465;
+const PINNED: u64 = 0x0982_4432_f6af_cb2e;
 
 /// What aims at one predicate, or ladders across one tolerance, came to.
 #[derive(Default, Debug)]
@@ -169,7 +169,7 @@ fn the_oracle_sees_the_kinds_and_the_aims() {
         let (name, reaches) = (family.name(), family.reaches());
         let mut kinds: BTreeMap<ContactKind, u32> = BTreeMap::new();
         let config = only(family);
-        for case in (0..40).flat_map(|k| batch(21, k, &config)) {
+        for case in (0..80).flat_map(|k| batch(21, k, &config)) {
             let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
             let pair = Pair::new(&a, &b);
             let set = case.sets[0].of(case.aimed_for);
@@ -190,7 +190,7 @@ fn the_oracle_sees_the_kinds_and_the_aims() {
         let count = |k: &ContactKind| kinds.get(k).copied().unwrap_or(0);
         println!("{name:22} {}", ContactKind::ALL.map(|k| format!("{:5}", count(&k))).join(" "));
         for kind in reaches {
-            assert!(count(kind) >= 8, "{name} is for {kind}, and has it in {} of 640 pairs", count(kind));
+            assert!(count(kind) >= 8, "{name} is for {kind}, and has it in {} of 1280 pairs", count(kind));
         }
     }
     println!("{:20} {:>6} {:>6} {:>6} {:>6}", "aims", "all", "asked", "exact", "tie");
