@@ -184,8 +184,8 @@ fn the_oracle_sees_the_kinds_and_the_aims() {
             let counts = aims.entry(decision.predicate).or_default();
             counts[0] += 1;
             counts[1] += u32::from(entry.is_some());
-            counts[2] += u32::from(tie);
-            counts[3] += u32::from(tie && entry.is_some_and(|e| e.tie));
+            counts[2] += u32::from(tie && entry.is_some());
+            counts[3] += u32::from(tie && entry.as_ref().is_some_and(|e| e.tie));
         }
         let count = |k: &ContactKind| kinds.get(k).copied().unwrap_or(0);
         println!("{name:22} {}", ContactKind::ALL.map(|k| format!("{:5}", count(&k))).join(" "));
@@ -193,7 +193,7 @@ fn the_oracle_sees_the_kinds_and_the_aims() {
             assert!(count(kind) >= 8, "{name} is for {kind}, and has it in {} of 1280 pairs", count(kind));
         }
     }
-    println!("{:20} {:>6} {:>6} {:>6} {:>6}", "aims", "all", "asked", "exact", "tie");
+    println!("{:20} {:>6} {:>6} {:>6} {:>6}", "aims", "all", "asked", "due", "tie");
     for (predicate, [all, asked, exact, tie]) in &aims {
         println!("{:20} {all:6} {asked:6} {exact:6} {tie:6}", predicate.name());
         assert!(asked * 2 > *all, "{predicate} is aimed at {all} times, and asked {asked} times");
