@@ -197,3 +197,18 @@ proptest! {
         prop_assert_eq!(bodies(&again), bodies(&scene));
     }
 }
+
+#[test]
+fn handmade_cases_load_and_meet_every_rule() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/handmade");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        let shapes = scene.shapes();
+        let set = scene.tolerances.as_ref().unwrap().derive(&shapes, Precision::F64).unwrap();
+        assert_eq!(rules::check_scene(&set, &scene, Precision::F64), [], "{}", path.display());
+        count += 1;
+    }
+    assert!(count >= 16, "{count}");
+}
