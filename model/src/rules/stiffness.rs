@@ -14,7 +14,7 @@ use num_traits::Zero;
 /// corners of its face of least area, and p the softest normal stiffness between its joint material and that of any
 /// other block, W/(p·n) must not exceed `penetration`; compared exactly, by squares. Joints without a stiffness have the
 /// one that [`derive_stiffness`] gives them. The violation is that of the block with the largest overlap, ties going to the
-/// lowest number; it has no place where |g| or the overlap is zero, for then the rule holds.
+/// lowest number; without gravity there is none.
 pub fn check_scene(set: &ToleranceSet, scene: &Scene, precision: Precision) -> Vec<Violation> {
     let mut violations = check(set, &scene.shapes(), precision);
     violations.extend(stiffness(set, scene));
