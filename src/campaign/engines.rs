@@ -40,7 +40,9 @@ pub enum EnginesError {
         allowed: String,
     },
     /// An external engine that does not answer a first question.
-    #[error("engine \"{name}\" ({command}) does not answer a first question about two boxes: {what}; docs/engines.md shows what is asked and what to answer")]
+    #[error(
+        "engine \"{name}\" ({command}) does not answer a first question about two boxes: {what}; docs/engines.md shows what is asked and what to answer"
+    )]
     Dumb {
         /// The engine.
         name: String,

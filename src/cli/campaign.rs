@@ -130,10 +130,7 @@ impl Campaign {
             config.engines = builtin;
             config.external.retain(|spec| external.contains(&spec.name));
         }
-        for (given, setting) in [
-            (&self.tolerances, &mut config.tolerances),
-            (&self.family, &mut config.families),
-        ] {
+        for (given, setting) in [(&self.tolerances, &mut config.tolerances), (&self.family, &mut config.families)] {
             if !given.is_empty() {
                 setting.clone_from(given);
             }

@@ -56,7 +56,9 @@ impl Replay {
         let recorded = match case.about.cause.as_str() {
             "tolerance" => &said[0],
             "representation" => &said[1],
-            _ => said.iter().find(|s| s.name == format!("exact {}", precision_name(&case, &engines))).unwrap_or(&said[1]),
+            _ => {
+                said.iter().find(|s| s.name == format!("exact {}", precision_name(&case, &engines))).unwrap_or(&said[1])
+            }
         };
         if recorded.contacts.as_deref().is_ok_and(|contacts| contact_rows(contacts) == case.about.expected) {
             return Ok(Verdict::Fine);
@@ -113,7 +115,9 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<Said>, Vec<Parting>) {
                 Err(failure) => (Err(failure), None),
             };
             let (contacts, state) = match answer {
-                Ok(Answer::Contacts(contacts)) => (Ok(completed(contacts, here.contacts.as_deref().unwrap_or(&[]))), None),
+                Ok(Answer::Contacts(contacts)) => {
+                    (Ok(completed(contacts, here.contacts.as_deref().unwrap_or(&[]))), None)
+                }
                 Ok(Answer::State(said)) => (Ok(Vec::new()), Some(said.to_string())),
                 Err(failure) => (Err(failure), None),
             };

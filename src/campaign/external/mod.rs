@@ -128,9 +128,7 @@ impl External {
     fn verdict(&self, silence: Silence) -> EngineFailure {
         match silence {
             Silence::NotStarted(why) | Silence::Ended(why) => EngineFailure::Crashed(why),
-            Silence::TimedOut => {
-                EngineFailure::TimedOut(format!("no answer within {} ms", self.0.spec.timeout_ms))
-            }
+            Silence::TimedOut => EngineFailure::TimedOut(format!("no answer within {} ms", self.0.spec.timeout_ms)),
             Silence::TooLong => {
                 EngineFailure::Malformed(format!("a line of more than {} bytes", process::LONGEST_ANSWER))
             }

@@ -16,8 +16,7 @@ pub fn blocks_text(a: &Block, b: &Block) -> String {
 
 fn block(block: &Block) -> Value {
     let topology = block.topology();
-    let vertices: Vec<[f64; 3]> =
-        block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
+    let vertices: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
     let numbered = topology.edges().iter().zip(0u32..);
     let reflex: Vec<[u32; 2]> =
         numbered.filter(|(_, number)| !block.edge_is_convex(*number)).map(|(e, _)| [e.p, e.q]).collect();
@@ -143,9 +142,7 @@ fn read_contact(contact: &Value, features: [&Topology; 2]) -> Result<Contact, St
             let (key, count) = (keys[at], count(features[at], names[at]));
             let found = object.get(key).and_then(Value::as_u64).and_then(|n| u32::try_from(n).ok());
             let allowed = || format!("allowed are 0 to {}, the block's {}", count - 1, plural(names[at]));
-            found
-                .filter(|n| *n < count)
-                .ok_or_else(|| format!("{key} is {}; {}", shown(object.get(key)), allowed()))
+            found.filter(|n| *n < count).ok_or_else(|| format!("{key} is {}; {}", shown(object.get(key)), allowed()))
         };
         Ok::<_, String>((number(0)?, number(1)?))
     };

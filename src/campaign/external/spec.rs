@@ -57,7 +57,9 @@ const fn default_accuracy() -> u64 {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SpecFault {
     /// Not `NAME=COMMAND`.
-    #[error("\"{0}\": expected NAME=COMMAND or NAME:f32=COMMAND, as in parry=./parry-client or mine:f32=python3 client.py")]
+    #[error(
+        "\"{0}\": expected NAME=COMMAND or NAME:f32=COMMAND, as in parry=./parry-client or mine:f32=python3 client.py"
+    )]
     Form(String),
     /// A precision that is none.
     #[error("\"{found}\" in \"{text}\": a precision is f32 or f64")]

@@ -158,8 +158,7 @@ impl Judged<'_> {
     /// Compares an answer with the exact one and, where asked for, with the engine's own for the same pair exchanged, numbered
     /// otherwise, moved, scaled, and for a block far away: the state may not change, and what is far is apart.
     pub fn judge(&self, said: Said) -> Judgement {
-        let asked =
-            Asked { blocks: self.blocks, precision: self.engine.precision(), accuracy: self.engine.accuracy() };
+        let asked = Asked { blocks: self.blocks, precision: self.engine.precision(), accuracy: self.engine.accuracy() };
         let mut judgement = Judgement::default();
         let Some((wrong, mapped)) = asked.compare(said) else {
             self.engine.not_compared();

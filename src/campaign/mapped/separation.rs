@@ -215,8 +215,7 @@ mod tests {
     }
 
     fn block(points: &[[f64; 3]]) -> Block {
-        let points: Vec<Point> =
-            points.iter().map(|p| Point::new(number(p[0]), number(p[1]), number(p[2]))).collect();
+        let points: Vec<Point> = points.iter().map(|p| Point::new(number(p[0]), number(p[1]), number(p[2]))).collect();
         convex_hull(&points).expect("a block")
     }
 
@@ -249,14 +248,24 @@ mod tests {
     #[test]
     fn crossing_edges_overlap_by_their_common_perpendicular() {
         // Two prisms, ridge on ridge at right angles: A's ridge along x at z = 0, B's along y at z = depth.
-        let a = block(&[[-4.0, -1.0, 1.0], [4.0, -1.0, 1.0], [-4.0, 1.0, 1.0], [4.0, 1.0, 1.0], [-4.0, 0.0, 0.0], [
-            4.0, 0.0, 0.0,
-        ]]);
+        let a = block(&[
+            [-4.0, -1.0, 1.0],
+            [4.0, -1.0, 1.0],
+            [-4.0, 1.0, 1.0],
+            [4.0, 1.0, 1.0],
+            [-4.0, 0.0, 0.0],
+            [4.0, 0.0, 0.0],
+        ]);
         let below = |depth: f64| {
             let z = depth - 1.0;
-            block(&[[-1.0, -4.0, z], [-1.0, 4.0, z], [1.0, -4.0, z], [1.0, 4.0, z], [0.0, -4.0, depth], [
-                0.0, 4.0, depth,
-            ]])
+            block(&[
+                [-1.0, -4.0, z],
+                [-1.0, 4.0, z],
+                [1.0, -4.0, z],
+                [1.0, 4.0, z],
+                [0.0, -4.0, depth],
+                [0.0, 4.0, depth],
+            ])
         };
         assert_eq!(gap(&a, &below(0.125)), (State::Overlapping, -0.125));
         assert_eq!(gap(&a, &below(0.0)), (State::Touching, 0.0));
@@ -265,9 +274,14 @@ mod tests {
 
     #[test]
     fn a_vertex_may_be_nearest_to_an_edge() {
-        let wedge = block(&[[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [-2.0, -1.0, 1.0], [-2.0, 1.0, 1.0], [-2.0, -1.0, -1.0], [
-            -2.0, 1.0, -1.0,
-        ]]);
+        let wedge = block(&[
+            [0.0, -1.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [-2.0, -1.0, 1.0],
+            [-2.0, 1.0, 1.0],
+            [-2.0, -1.0, -1.0],
+            [-2.0, 1.0, -1.0],
+        ]);
         let spike = block(&[[3.0, 0.0, 4.0], [9.0, 1.0, 5.0], [9.0, -1.0, 5.0], [9.0, 0.0, 4.5]]);
         assert_eq!(gap(&wedge, &spike), (State::Apart, 5.0));
     }
@@ -289,9 +303,16 @@ mod tests {
     fn faces_bent_by_rounding_are_hulls() {
         // A cube whose top has one corner a step too high: the hull's top is two triangles, and the corner is the highest point.
         let up = 1.0f64.next_up();
-        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [
-            1.0, 0.0, 1.0,
-        ], [1.0, 1.0, up], [0.0, 1.0, 1.0]];
+        let points = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [1.0, 0.0, 1.0],
+            [1.0, 1.0, up],
+            [0.0, 1.0, 1.0],
+        ];
         let faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
         let points = points.map(|p| Point::new(number(p[0]), number(p[1]), number(p[2]))).to_vec();
         let options = BlockOptions { planarity: number(1e-9) };
