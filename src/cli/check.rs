@@ -83,7 +83,7 @@ impl Check {
         let volume = blocks.iter().map(|b| b.block.volume()).sum();
         writeln!(out, "{}", self.file.display())?;
         writeln!(out, "  blocks    {:>12}", blocks.len())?;
-        writeln!(out, "  fixed     {:>12}", total(|b| usize::from(b.fixed)))?;
+        writeln!(out, "  fixed     {:>12}", total(|b| usize::from(b.body.is_fixed())))?;
         writeln!(out, "  concave   {:>12}", total(|b| usize::from(!b.block.is_convex())))?;
         writeln!(out, "  vertices  {:>12}", total(|b| b.block.vertices().len()))?;
         writeln!(out, "  edges     {:>12}", total(|b| b.block.topology().edges().len()))?;

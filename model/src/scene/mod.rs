@@ -15,6 +15,7 @@ pub use write::{FormatError, write_obj, write_tolerances, write_toml, write_vtk}
 
 use crate::block::{Block, BlockOptions, Merged, Merging};
 use crate::number::Number;
+use crate::simulation::{Body, Simulation};
 use crate::spec::ToleranceSpec;
 use raw::{Assembly, RawBlock};
 use std::ffi::OsStr;
@@ -28,6 +29,8 @@ pub struct Scene {
     pub blocks: Vec<SceneBlock>,
     /// The tolerances that the file asks for.
     pub tolerances: Option<ToleranceSpec>,
+    /// What makes the blocks move.
+    pub simulation: Simulation,
 }
 
 /// A block with what is known about it.
@@ -35,8 +38,8 @@ pub struct Scene {
 pub struct SceneBlock {
     /// Its name in the file, or `block_` and its number.
     pub name: String,
-    /// Whether it does not move.
-    pub fixed: bool,
+    /// How it moves, and in which state it starts.
+    pub body: Body,
     /// Where it was read from.
     pub origin: Origin,
     /// The planarity it was read with; see [`crate::BlockOptions`].
@@ -164,7 +167,7 @@ impl Scene {
         if gathered.count == 0 {
             return Err(at(path, (None, Problem::NoBlock)));
         }
-        Ok((Scene { blocks: gathered.blocks, tolerances }, gathered.problems))
+        Ok((Scene { blocks: gathered.blocks, tolerances, simulation: Simulation::default() }, gathered.problems))
     }
 
     /// The blocks alone, in order.
@@ -178,7 +181,7 @@ impl SceneBlock {
     pub fn new(name: impl Into<String>, block: Block) -> SceneBlock {
         SceneBlock {
             name: name.into(),
-            fixed: false,
+            body: Body::default(),
             origin: Origin::default(),
             planarity: BlockOptions::default().planarity,
             merged: Merged::default(),

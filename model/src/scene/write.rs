@@ -46,7 +46,7 @@ pub fn write_toml(scene: &Scene) -> String {
 fn toml_block(out: &mut String, block: &SceneBlock) {
     out.push_str("[[block]]\n");
     push(out, format_args!("name = {}\n", toml::Value::from(block.name.as_str())));
-    if block.fixed {
+    if block.body.is_fixed() {
         out.push_str("fixed = true\n");
     }
     if block.planarity != BlockOptions::default().planarity {
