@@ -108,7 +108,8 @@ fn the_corpus_is_always_run() {
 fn the_formats_are_what_their_readers_take() {
     let dir = tempfile::tempdir().expect("a directory");
     let dir = dir.path();
-    let limit = "[[limit]]\nengine = \"mine\"\nchange = \"crash\"\ncount = 0\n[[limit]]\ncause = \"defect\"\ncount = 0\n";
+    let limit =
+        "[[limit]]\nengine = \"mine\"\nchange = \"crash\"\ncount = 0\n[[limit]]\ncause = \"defect\"\ncount = 0\n";
     let ran = gate(dir, &planted("crash", limit), &["--rotating-seed", "7"], true);
     assert_eq!(ran.code, 1, "{}", ran.err);
     let text = fs::read_to_string(dir.join("junit.xml")).expect("JUnit");
@@ -129,9 +130,15 @@ fn the_formats_are_what_their_readers_take() {
     assert_eq!((tests, failures), (2, 1));
     assert!(quick_junit::Report::deserialize_from_str(&text).is_ok(), "a reader of JUnit takes it");
     let annotation = ran.out.lines().find(|line| line.starts_with("::error ")).expect("an annotation");
-    assert!(annotation.contains("file=gate.toml,line=10,") && annotation.contains("title=rockproof limit::"), "{annotation}");
+    assert!(
+        annotation.contains("file=gate.toml,line=10,") && annotation.contains("title=rockproof limit::"),
+        "{annotation}"
+    );
     let summary = fs::read_to_string(dir.join("summary.md")).expect("a summary");
-    assert!(summary.starts_with("## Rockproof gate: failed") && summary.contains("| FAIL | fixed: engine mine"), "{summary}");
+    assert!(
+        summary.starts_with("## Rockproof gate: failed") && summary.contains("| FAIL | fixed: engine mine"),
+        "{summary}"
+    );
 }
 
 #[test]
@@ -154,7 +161,10 @@ fn errors_exit_with_2_and_name_the_place_and_what_is_allowed() {
     for (text, told) in [
         ("pears = 3\n", vec!["line 1", "campaign"]),
         ("[campaign]\npears = 3\n", vec!["line 2", "pairs"]),
-        ("corpus = []\n[[limit]]\ncause = \"rounding\"\ncount = 0\n", vec!["gate.toml line 2", "arithmetic, defect, engine"]),
+        (
+            "corpus = []\n[[limit]]\ncause = \"rounding\"\ncount = 0\n",
+            vec!["gate.toml line 2", "arithmetic, defect, engine"],
+        ),
         ("corpus = []\n\n[[limit]]\nchange = \"lost\"\ncount = 0\n", vec!["line 3", "missing, extra"]),
         ("corpus = []\n[[limit]]\nkind = \"v-w\"\ncount = 0\n", vec!["v-v, v-e"]),
         ("corpus = []\n[[limit]]\nengine = \"abacus\"\ncount = 0\n", vec!["any, f32, f64, stepper-f32"]),

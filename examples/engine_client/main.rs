@@ -65,7 +65,8 @@ fn written(contact: &Contact) -> Value {
 /// A way to misbehave, on pairs whose first coordinate says so: about a third of them.
 fn trick(word: &str, question: &Value) -> Option<String> {
     let first = question["a"]["vertices"][0][0].as_f64().unwrap_or(0.0).to_bits();
-    let chosen = (first ^ (first >> 32) ^ (first >> 47)).is_multiple_of(3);
+    // Not the first question, whose first coordinate is 0.
+    let chosen = (first ^ (first >> 32) ^ (first >> 47)) % 3 == 1;
     let id = &question["id"];
     match word {
         "kinds" | "" => None,
