@@ -185,8 +185,8 @@ impl Campaign<'_> {
             .iter()
             .map(|cause| (cause.name().to_owned(), summary.count_of(cause.name()).into()))
             .collect();
-        let counted = |e: &Box<dyn super::engine::Engine>| Some((e.name().to_owned(), e.counts()?));
-        let external: Map<String, Value> = self.panel.engines.iter().filter_map(counted).collect();
+        let counted = |e: &dyn super::engine::Engine| Some((e.name().to_owned(), e.counts()?));
+        let external: Map<String, Value> = self.panel.engines.iter().filter_map(|e| counted(&**e)).collect();
         let text = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "seed": self.config.seed,
