@@ -2,6 +2,7 @@
 
 use super::attribution::{Panel, examine};
 use super::compare::Change;
+use super::external::protocol::completed;
 use super::finding::{Cause, Finding, Who};
 use super::subject::{Subject, SubjectSet};
 use crate::model::decision::Predicate;
@@ -53,6 +54,9 @@ pub struct About {
     /// What the engine said when it gave no answer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
+    /// How the blocks lie and how the engine says they do, where it says only that: `apart 0.5, said overlapping -0.1`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub states: Option<String>,
     /// The contacts before the link that is the cause: under tolerance the exact ones without tolerances, under
     /// representation the exact ones of the exact input, else the exact ones of the rounded input.
     pub expected: Vec<ContactRow>,
@@ -212,6 +216,7 @@ impl Case {
                 margin_ulps: None,
                 origin,
                 note: None,
+                states: None,
                 expected: Vec::new(),
                 found: Vec::new(),
             },
@@ -255,9 +260,10 @@ impl Case {
         self.about.features = finding.deciding.map_or(String::new(), |d| {
             d.decision.features.iter().flatten().map(ToString::to_string).collect::<Vec<_>>().join(" ")
         });
-        self.about.margin = finding.deciding.and_then(|d| d.margin);
-        self.about.margin_ulps = finding.deciding.and_then(|d| d.margin_ulps);
+        self.about.margin = finding.margin();
+        self.about.margin_ulps = finding.margin_ulps();
         self.about.note = finding.note.clone();
+        self.about.states = finding.mapped.map(|m| m.to_string());
         let answers = self.answers(finding, panel);
         [self.about.expected, self.about.found] = answers.map(|contacts| contact_rows(&contacts));
     }
@@ -274,10 +280,12 @@ impl Case {
             (Cause::Tolerance, _) => [exact(&self.a, &self.b, &self.tolerances.ideal()), given()],
             (_, None) => [given(), Vec::new()],
             (Cause::Representation, Some((a, b, t))) => [given(), exact(&a, &b, &t)],
-            (Cause::Arithmetic | Cause::Defect, Some((a, b, t))) => {
+            (Cause::Arithmetic | Cause::Defect | Cause::Engine, Some((a, b, t))) => {
                 let engine = panel.engines.iter().find(|e| finding.who == Who::Engine(e.name().into()));
                 let said = engine.and_then(|e| super::engine::guarded(|| e.prepare(&a, &b)?.classify(&t)).ok());
-                [exact(&a, &b, &t), said.unwrap_or_default()]
+                let right = exact(&a, &b, &t);
+                let said = completed(said.unwrap_or_default(), &right);
+                [right, said]
             }
         }
     }

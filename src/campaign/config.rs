@@ -1,5 +1,6 @@
 //! What a campaign is asked to do.
 
+use super::external::EngineSpec;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::path::PathBuf;
@@ -13,8 +14,14 @@ pub struct CampaignConfig {
     pub pairs: u64,
     /// The seed of all pairs.
     pub seed: u64,
-    /// The engines by name.
+    /// The built-in engines by name.
     pub engines: Vec<String>,
+    /// The external engines, which take part beside the built-in ones.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub external: Vec<EngineSpec>,
+    /// Whether external engines are asked everything twice, of two processes.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub ask_twice: bool,
     /// The tolerance presets; empty for all.
     pub tolerances: Vec<String>,
     /// The families; empty for all.
@@ -39,6 +46,8 @@ impl Default for CampaignConfig {
             pairs: 100_000,
             seed: 1,
             engines: vec!["stepper-f32".to_owned(), "stepper-f64".to_owned()],
+            external: Vec::new(),
+            ask_twice: false,
             tolerances: Vec::new(),
             families: Vec::new(),
             real: Vec::new(),
