@@ -7,6 +7,7 @@
 
 pub mod combination;
 mod contact;
+mod field;
 mod gap;
 mod levels;
 mod number;
@@ -17,6 +18,7 @@ pub mod rational;
 mod run;
 mod scales;
 mod solid;
+pub mod solve;
 #[cfg(test)]
 mod soundness;
 mod trace;
