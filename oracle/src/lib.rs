@@ -10,6 +10,7 @@ mod contact;
 mod field;
 mod gap;
 mod levels;
+mod mass;
 mod number;
 mod pair;
 pub mod plain;
@@ -21,6 +22,7 @@ mod solid;
 pub mod solve;
 #[cfg(test)]
 mod soundness;
+pub mod step;
 mod trace;
 mod unit_bounds;
 mod view;
