@@ -13,6 +13,7 @@ mod levels;
 mod mass;
 mod number;
 mod pair;
+pub mod penetration;
 pub mod plain;
 mod predicate;
 pub mod rational;

@@ -139,7 +139,9 @@ fn a_block_slides_with_rational_friction_to_the_last_digit() {
 
 #[test]
 fn a_settled_block_rests_where_friction_holds_it() {
-    let mut scene = incline("4/5", CARRIED);
+    // The moment of the weight unloads the two upper corners to 10 kN of 16; each carries 12 kN of shear. So tan φ must
+    // be above 6/5 for all four to lock, although 3/4 would hold the block.
+    let mut scene = incline("3/2", CARRIED);
     scene.simulation.control.settle = 60;
     let mut state = scene.start();
     let keep = Keep::Grid { exponent: 256 };

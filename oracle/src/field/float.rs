@@ -43,7 +43,7 @@ impl Field for Ball {
 
     fn over(&self, divisor: &Self) -> Option<Self> {
         let least = divisor.middle.abs() - divisor.radius;
-        if !(least > 0.0) {
+        if least.is_nan() || least <= 0.0 {
             return None;
         }
         if self.middle == 0.0 && self.radius == 0.0 {
@@ -60,7 +60,7 @@ impl Field for Ball {
             return Some(*self);
         }
         // |√x − √m| = |x − m| / (√x + √m) ≤ r / √m.
-        if !(self.middle > self.radius) || !self.middle.is_finite() {
+        if self.radius.is_nan() || !self.middle.is_finite() || self.middle <= self.radius {
             return None;
         }
         let middle = self.middle.sqrt();

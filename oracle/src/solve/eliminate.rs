@@ -20,8 +20,9 @@ pub(crate) fn eliminate<S: Field>(system: &BlockSystem<S>) -> Option<Vec<S>> {
                 continue;
             }
             let factor = rows[pivot][row].over(&rows[pivot][pivot])?;
-            for column in row..n {
-                rows[row][column] = rows[row][column].minus(&factor.times(&rows[pivot][column]));
+            let (above, below) = rows.split_at_mut(row);
+            for (entry, top) in below[0][row..].iter_mut().zip(&above[pivot][row..]) {
+                *entry = entry.minus(&factor.times(top));
             }
             right[row] = right[row].minus(&factor.times(&right[pivot]));
         }

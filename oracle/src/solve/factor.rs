@@ -27,7 +27,7 @@ impl Factor {
         let mut shift = 0.5 * smallest_eigenvalue(&cholesky, scaled.matrix.nrows());
         for _ in 0..TRIES {
             let least = shift - scaled.doubt;
-            if !(least > 0.0) {
+            if least.is_nan() || least <= 0.0 {
                 return None;
             }
             let mut shifted = scaled.matrix.clone();

@@ -57,7 +57,7 @@ impl<'a, S: Solvable> Chain<'a, S> {
     }
 
     /// A point relative to the centroid of a block.
-    pub(crate) fn from_centroid(&self, block: usize, point: &Point) -> Vec3<S> {
+    pub(crate) fn relative(&self, block: usize, point: &Point) -> Vec3<S> {
         difference(point, &self.attempt.blocks[block].vertices()[0], self.bits).minus(&self.moments[block].centroid)
     }
 
@@ -103,7 +103,7 @@ impl<'a, S: Solvable> Chain<'a, S> {
         }
         for (k, (block, force)) in attempt.loads.iter().enumerate() {
             if let Some(row) = attempt.rows[*block] {
-                let x = self.from_centroid(*block, &attempt.state.load_points[k]);
+                let x = self.relative(*block, &attempt.state.load_points[k]);
                 let pull = frame::pull(&x, &force.map(|f| self.fraction(f)));
                 self.base.add_right(row, |r| pull[r].clone());
             }
@@ -111,7 +111,7 @@ impl<'a, S: Solvable> Chain<'a, S> {
         for (k, fixed) in attempt.model.simulation.fixed_points.iter().enumerate() {
             if let Some(row) = attempt.rows[fixed.block] {
                 let at = &attempt.state.fixed_points[k];
-                let x = self.from_centroid(fixed.block, at);
+                let x = self.relative(fixed.block, at);
                 let stiffness = self.number(&attempt.fixed_stiffness[k]);
                 let lines = unit_pulls(&x);
                 let back = frame::pull(&x, &difference::<S>(&fixed.at, at, self.bits).scaled(&stiffness));
@@ -256,7 +256,7 @@ impl<'a, S: Solvable> Chain<'a, S> {
         let iterate = self.iterates.last()?;
         for (block, _) in self.attempt.moving() {
             for vertex in self.attempt.blocks[block].vertices() {
-                let moved = frame::displacement(&self.from_centroid(block, vertex), &iterate.d[block]);
+                let moved = frame::displacement(&self.relative(block, vertex), &iterate.d[block]);
                 if moved.norm_squared().minus(&limit).certain_sign()?.is_positive() {
                     return Some(Some(block));
                 }
@@ -283,7 +283,7 @@ impl<'a, S: Solvable> Chain<'a, S> {
     pub(crate) fn anchors(&self, k: usize) -> [Vec3<S>; 2] {
         let started = &self.attempt.started[k];
         match &started.anchors {
-            Some(anchors) => std::array::from_fn(|side| self.from_centroid(started.blocks[side], &anchors[side])),
+            Some(anchors) => std::array::from_fn(|side| self.relative(started.blocks[side], &anchors[side])),
             None => self.contacts[k].points.clone(),
         }
     }

@@ -26,7 +26,7 @@ pub(crate) fn transfer(found: &[([usize; 2], Contact)], old: &[ContactMemory]) -
     let mut from: Vec<Option<usize>> = vec![None; found.len()];
     let same_features = |one: &Contact, two: &Contact| (one.kind, one.a, one.b) == (two.kind, two.a, two.b);
     let same_entrance = |one: &Contact, two: &Contact| one.entrance == two.entrance;
-    let rules: [&dyn Fn(&Contact, &Contact) -> bool; 2] = [&same_features, &same_entrance];
+    let rules: [fn(&Contact, &Contact) -> bool; 2] = [same_features, same_entrance];
     for same in rules {
         for (place, (blocks, contact)) in from.iter_mut().zip(found) {
             if place.is_some() {

@@ -33,7 +33,7 @@ pub(crate) fn updated<S: Solvable>(
         point(&absolute, keep)
     };
     let given = |block: usize, at: &Point| -> Option<Point> {
-        if attempt.rows[block].is_none() { Some(at.clone()) } else { place(block, &chain.from_centroid(block, at)) }
+        if attempt.rows[block].is_none() { Some(at.clone()) } else { place(block, &chain.relative(block, at)) }
     };
     let simulation = attempt.model.simulation;
     let mut blocks = Vec::new();
@@ -81,7 +81,7 @@ pub(crate) fn updated<S: Solvable>(
 /// The centroid of A less that of B.
 fn between_centroids<S: Solvable>(attempt: &Attempt<'_>, chain: &Chain<'_, S>, a: usize, b: usize) -> Vec3<S> {
     let origin = &attempt.blocks[a].vertices()[0];
-    chain.from_centroid(b, origin).plus(&chain.moments[a].centroid)
+    chain.relative(b, origin).plus(&chain.moments[a].centroid)
 }
 
 fn rates<S: Solvable>(
