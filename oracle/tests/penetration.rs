@@ -35,7 +35,7 @@ fn cases() -> Vec<(Block, Block, Sign, BigRational)> {
     };
     // Two wedges' ridges crossing at right angles, 1/4 deep.
     let ridge = |z: &str| tetrahedron([["-2", "0", z], ["2", "0", z], ["0", "-2", "-4"], ["0", "2", "-4"]]);
-    let hanging = tetrahedron([["0", "-2", "0"], ["0", "2", "0"], ["2", "0", "4"], ["-2", "0", "4"]]);
+    let hanging = tetrahedron([["0", "-2", "0"], ["0", "2", "0"], ["-2", "0", "4"], ["2", "0", "4"]]);
     vec![
         // Overlap 1/4 × 1/2 × 1: the least is 1/4.
         (unit(), cuboid(["3/4", "1/2", "0"], ["2", "2", "1"]), Sign::Negative, exact("1/16")),
@@ -54,8 +54,8 @@ fn cases() -> Vec<(Block, Block, Sign, BigRational)> {
         // Apart by 1/3.
         (unit(), cuboid(["4/3", "0", "0"], ["2", "1", "1"]), Sign::Positive, exact("1/9")),
         // The corner (1,1,1) of the cube through the slanted face x + y + z = 3 of a tetrahedron moved by −1/2: the plane
-        // is at 3/2, the cube's corner at 0 lies 3/2 below: (3/2)²/3.
-        (corner("-1/2"), unit(), Sign::Negative, exact("1/4")),
+        // is x + y + z = 3/2 then, and the cube's corner at 0 lies 3/2 below: (3/2)²/3.
+        (corner("-1/2"), unit(), Sign::Negative, exact("3/4")),
         // Edge to edge: the ridge at 1/4 against the one at 0, normal z.
         (hanging, ridge("1/4"), Sign::Negative, exact("1/16")),
     ]
@@ -79,8 +79,8 @@ fn the_translation_it_names_parts_the_blocks_and_less_does_not() {
         }
         let found = penetration(&a, &b).unwrap();
         let length = found.direction.norm_squared();
-        // Depth over length is a root of a fraction; the cases are chosen so that it is rational where it is axis-parallel.
-        let share = square / length;
+        // Where depth over length is a fraction, the translation itself is one.
+        let share: BigRational = square / length;
         let root = BigRational::new(share.numer().sqrt(), share.denom().sqrt());
         if &root * &root != share {
             continue;
