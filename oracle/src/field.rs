@@ -10,6 +10,8 @@
 mod exact;
 mod float;
 mod magnitude;
+#[cfg(test)]
+mod tests;
 mod wide;
 
 pub(crate) use magnitude::Magnitude;
