@@ -3,7 +3,7 @@
 use num_rational::BigRational;
 use proptest::prelude::*;
 use rockproof::model::scene::{Format, write_obj, write_toml, write_vtk};
-use rockproof::model::{Block, Criteria, LoadOptions, Merged, Number, Precision, Scene, SceneBlock, Vec3};
+use rockproof::model::{Block, Criteria, LoadOptions, Merged, Motion, Number, Precision, Scene, SceneBlock, Vec3};
 use std::path::{Path, PathBuf};
 
 fn real(name: &str) -> PathBuf {
@@ -42,7 +42,7 @@ fn files_of_generators_load() {
         let scene = Scene::load(real(name)).unwrap();
         assert_eq!(scene.blocks.len(), blocks, "{name}");
         assert_eq!(scene.shapes().iter().map(|b| b.vertices().len()).sum::<usize>(), vertices, "{name}");
-        assert_eq!(scene.blocks.iter().filter(|b| b.fixed).count(), fixed, "{name}");
+        assert_eq!(scene.blocks.iter().filter(|b| b.body.is_fixed()).count(), fixed, "{name}");
         assert!(scene.blocks.iter().all(|b| b.block.is_convex() && b.merged == Merged::default()), "{name}");
     }
     let cells = voronoi();
@@ -74,7 +74,7 @@ fn a_scene_says_what_it_says() {
     let scene = Scene::load(fixture("scene.toml")).unwrap();
     let names: Vec<&str> = scene.blocks.iter().map(|b| b.name.as_str()).collect();
     assert_eq!(names, ["base", "block_1", "pile_0", "pile_1", "block_4", "block_5"]);
-    let fixed: Vec<bool> = scene.blocks.iter().map(|b| b.fixed).collect();
+    let fixed: Vec<bool> = scene.blocks.iter().map(|b| b.body.is_fixed()).collect();
     assert_eq!(fixed, [true, false, true, true, true, false]);
     assert_eq!(scene.blocks[0].block.vertices()[0].z, number("1/3"));
     assert_eq!(scene.blocks[1].block.volume(), BigRational::new(4.into(), 9.into()));
@@ -132,7 +132,7 @@ fn one_pile_of_cubes_in_three_files() {
 
 /// Everything but where it was read from and what was merged on the way.
 fn facts(scene: &Scene) -> Vec<(&str, bool, &Number, &Block)> {
-    scene.blocks.iter().map(|b| (b.name.as_str(), b.fixed, &b.planarity, &b.block)).collect()
+    scene.blocks.iter().map(|b| (b.name.as_str(), b.body.is_fixed(), &b.planarity, &b.block)).collect()
 }
 
 #[test]
@@ -183,10 +183,11 @@ proptest! {
         };
         let (min, max) = (corner(|a, b| a.min(b).clone()), corner(|a, b| a.max(b).clone()));
         if let Ok(block) = Block::cuboid(&min, &max) {
-            let scene = Scene {
-                blocks: vec![SceneBlock { fixed, ..SceneBlock::new("a \"quoted\" \\ name é", block) }],
-                tolerances: None,
-            };
+            let mut block = SceneBlock::new("a \"quoted\" \\ name é", block);
+            if fixed {
+                block.body.motion = Motion::Fixed;
+            }
+            let scene = Scene { blocks: vec![block], ..Scene::default() };
             let again = Scene::parse(&write_toml(&scene), Format::Toml, Path::new("again.toml")).unwrap();
             prop_assert_eq!(facts(&again), facts(&scene));
         }

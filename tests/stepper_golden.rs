@@ -61,7 +61,9 @@ fn run_wide(pairs: &[GoldenPair], check_gaps: bool) -> (usize, Vec<&str>) {
 fn check_squared_gaps(pair: &GoldenPair, found: &[Found<Wide>]) {
     for (contact, &expected) in pair.contacts.iter().zip(&pair.gaps_squared) {
         let gap = found.iter().find(|f| f.contact == *contact).unwrap().gap.to_f64();
-        assert!((gap * gap - expected).abs() <= 1e-14 * expected, "{}: gap² {} for {expected}", pair.name, gap * gap);
+        // The unit normal of touching edges rounds, so that a gap of 0 may come out as one of some 1e-150.
+        let near = (gap * gap - expected).abs() <= 1e-14 * expected + 1e-280;
+        assert!(near, "{}: gap² {} for {expected}", pair.name, gap * gap);
     }
 }
 
@@ -70,8 +72,7 @@ fn wide_agrees_wherever_all_comparisons_were_settled() {
     let pairs = pairs::golden();
     assert_eq!(pairs.len(), 180);
     let (settled, differing) = run_wide(&pairs, true);
-    // Edges that touch exactly: the unit normal rounds, and with it the sign of the gap.
-    assert_eq!(differing, ["tol_edge_047", "tol_edge_167"]);
+    assert!(differing.is_empty(), "{differing:?}");
     assert!(settled >= 116, "only {settled} of 180 pairs settled");
 }
 
@@ -81,7 +82,7 @@ fn on_a_lattice_more_is_settled_and_nothing_else_changes() {
     // them are exact in 512 bits, and so are more of the ties.
     let pairs: Vec<_> = pairs::golden().into_iter().map(on_lattice).collect();
     let (settled, differing) = run_wide(&pairs, false);
-    assert_eq!(differing, ["tol_edge_167"]);
+    assert!(differing.is_empty(), "{differing:?}");
     assert!(settled >= 171, "only {settled} of 180 pairs settled");
 }
 

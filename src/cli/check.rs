@@ -49,7 +49,7 @@ impl Check {
         let shapes = scene.shapes();
         let set = spec.derive(&shapes, self.precision)?;
         self.check_range(&scene, &set)?;
-        let violations = rules::check(&set, &shapes, self.precision);
+        let violations = rules::check_scene(&set, &scene, self.precision);
         print(&self.table(&scene, &spec, &set, &violations))?;
         Ok(if violations.is_empty() { Verdict::Fine } else { Verdict::Objection })
     }
@@ -83,7 +83,7 @@ impl Check {
         let volume = blocks.iter().map(|b| b.block.volume()).sum();
         writeln!(out, "{}", self.file.display())?;
         writeln!(out, "  blocks    {:>12}", blocks.len())?;
-        writeln!(out, "  fixed     {:>12}", total(|b| usize::from(b.fixed)))?;
+        writeln!(out, "  fixed     {:>12}", total(|b| usize::from(b.body.is_fixed())))?;
         writeln!(out, "  concave   {:>12}", total(|b| usize::from(!b.block.is_convex())))?;
         writeln!(out, "  vertices  {:>12}", total(|b| b.block.vertices().len()))?;
         writeln!(out, "  edges     {:>12}", total(|b| b.block.topology().edges().len()))?;

@@ -68,7 +68,7 @@ impl Convert {
 }
 
 fn note_losses(scene: &Scene) {
-    let fixed = scene.blocks.iter().filter(|b| b.fixed).count();
+    let fixed = scene.blocks.iter().filter(|b| b.body.is_fixed()).count();
     if fixed > 0 {
         note(&format!("this format does not keep which blocks are fixed ({fixed} are)"));
     }

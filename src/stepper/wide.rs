@@ -7,7 +7,7 @@
 //! A value is a middle and a bound: the number meant lies within `2^bound` of the middle. Sums, differences, products,
 //! quotients and roots that fit into 512 bits are exact and keep an exact operand's bound of nothing; all others round
 //! towards zero and add what they lost. A comparison is **settled** when the two intervals do not meet, or when both
-//! values are exact; every other comparison answers by the middles and is counted. So cancellation is judged by the
+//! values are exact; every other comparison answers that they are equal and is counted, for a tie is what leaves 512 bits in doubt. So cancellation is judged by the
 //! size of what cancelled, not by the size of what is left: where no comparison of a run was unsettled, each decision
 //! is the one that exact arithmetic makes. ([`Wide::maximum`] and [`Wide::middle_below`] are not counted: they choose
 //! between values that differ, if at all, by less than the bounds.)
@@ -305,7 +305,7 @@ impl Div for Wide {
 }
 
 impl PartialOrd for Wide {
-    /// The order of the middles, counted as unsettled where the intervals meet; `None` if either is unknown.
+    /// The order; equal, and counted as unsettled, where the intervals meet; `None` if either is unknown.
     fn partial_cmp(&self, other: &Wide) -> Option<Ordering> {
         let difference = *self - *other;
         if !difference.is_settled() {

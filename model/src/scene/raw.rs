@@ -4,6 +4,7 @@ use crate::block::{Block, BlockOptions, Merging, Point};
 use crate::number::Number;
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::{LoadOptions, Origin, SceneBlock};
+use crate::simulation::{Body, Motion};
 use std::path::Path;
 
 /// Vertices and faces as read.
@@ -40,7 +41,7 @@ impl Assembly<'_> {
         match Block::merged(raw.vertices, raw.faces, &options, self.merging) {
             Ok((block, merged)) => Ok(SceneBlock {
                 name,
-                fixed: raw.fixed,
+                body: Body { motion: if raw.fixed { Motion::Fixed } else { Motion::default() }, ..Body::default() },
                 origin: Origin { file: self.file.to_path_buf(), line: raw.line, index },
                 planarity: options.planarity,
                 merged,

@@ -1,0 +1,95 @@
+//! How time is cut into steps.
+
+use crate::number::Number;
+use crate::simulation::ratio;
+
+/// The controls of a run (SPEC section 5).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Control {
+    /// Δt of a full step in s, above 0.
+    pub time_step: Number,
+    /// k_d: the share of its velocity that a block keeps from step to step; 1 dynamic, 0 static.
+    pub dynamic: Number,
+    /// Static steps with every closed contact locked, before time starts.
+    pub settle: u32,
+    /// How displacements move the geometry.
+    pub kinematics: Kinematics,
+    /// What follows when the open–close iteration does not converge at the smallest Δt.
+    pub unconverged: Unconverged,
+    /// How many steps to run, where the command line does not say.
+    pub steps: Option<u64>,
+    /// How long to run in s, where the command line does not say.
+    pub duration: Option<Number>,
+}
+
+impl Control {
+    /// Iterations before a step starts again with a smaller Δt.
+    pub const ITERATIONS: u32 = 6;
+    /// How much smaller: 0.3, as numerator and denominator.
+    pub const CUT: (i32, i32) = (3, 10);
+    /// The smallest Δt is this many times smaller than the full one.
+    pub const SMALLEST: i32 = 1000;
+}
+
+impl Default for Control {
+    /// 10 ms, dynamic, not settled, `cayley`, stopping where the iteration fails; as long as the command line says.
+    fn default() -> Control {
+        Control {
+            time_step: ratio(1, 100),
+            dynamic: Number::from_integer(1),
+            settle: 0,
+            kinematics: Kinematics::Cayley,
+            unconverged: Unconverged::Stop,
+            steps: None,
+            duration: None,
+        }
+    }
+}
+
+/// How the displacement of a step moves a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kinematics {
+    /// x + T(x)·d: a block that turns swells by the square of the angle.
+    Linear,
+    /// Stretch, rational rotation `(I − [r]/2)⁻¹(I + [r]/2)`, translation: volume changes by strain alone.
+    Cayley,
+}
+
+impl Kinematics {
+    /// `linear` or `cayley`, as written in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kinematics::Linear => "linear",
+            Kinematics::Cayley => "cayley",
+        }
+    }
+
+    /// The kinematics written `name`, if there are any.
+    pub fn from_name(name: &str) -> Option<Kinematics> {
+        [Kinematics::Linear, Kinematics::Cayley].into_iter().find(|k| k.name() == name)
+    }
+}
+
+/// What follows a step whose open–close iteration did not converge at the smallest Δt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Unconverged {
+    /// The run stops and says where.
+    Stop,
+    /// The step is accepted and marked.
+    Accept,
+}
+
+impl Unconverged {
+    /// `stop` or `accept`, as written in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Unconverged::Stop => "stop",
+            Unconverged::Accept => "accept",
+        }
+    }
+
+    /// The choice written `name`, if there is one.
+    pub fn from_name(name: &str) -> Option<Unconverged> {
+        [Unconverged::Stop, Unconverged::Accept].into_iter().find(|u| u.name() == name)
+    }
+}
