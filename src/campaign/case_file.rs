@@ -36,6 +36,9 @@ pub struct About {
     pub cause: String,
     /// The change.
     pub change: String,
+    /// The kind of the contact it is about, or `v-v to v-e` where the kind changed; empty where any will do.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub kind: String,
     /// The deciding predicate; empty where no trace tells.
     #[serde(default)]
     pub predicate: String,
@@ -210,6 +213,7 @@ impl Case {
                 engine: finding.who.to_string(),
                 cause: finding.cause.to_string(),
                 change: finding.difference.change.to_string(),
+                kind: finding.difference.kinds(),
                 predicate: String::new(),
                 features: String::new(),
                 margin: None,
@@ -241,12 +245,13 @@ impl Case {
         }
     }
 
-    /// The findings of the same cause, change, predicate and engine that the pair shows now.
+    /// The findings of the same cause, change, kind, predicate and engine that the pair shows now.
     pub fn findings(&self, panel: &Panel) -> Vec<Finding> {
         let about = &self.about;
         let alike = |f: &Finding| {
             f.cause.name() == about.cause
                 && f.difference.change.name() == about.change
+                && (about.kind.is_empty() || f.difference.kinds() == about.kind)
                 && f.predicate().map_or("", Predicate::name) == about.predicate
                 // With one engine left, what a tolerance set for one precision does is the doing of all there are.
                 && (f.cause == Cause::Tolerance || f.who.to_string() == about.engine)
@@ -348,6 +353,9 @@ impl Case {
         };
         known("cause", &about.cause, &Cause::ALL.map(Cause::name))?;
         known("change", &about.change, &Change::ALL.map(Change::name))?;
+        if about.kind.split(" to ").any(|kind| !kind.is_empty() && ContactKind::from_name(kind).is_none()) {
+            known("kind", &about.kind, &ContactKind::ALL.map(ContactKind::name))?;
+        }
         known("criteria", &parsed.tolerances.criteria, &["classic", "revised"])?;
         if !about.predicate.is_empty() {
             known("predicate", &about.predicate, &Predicate::ALL.map(Predicate::name))?;

@@ -133,6 +133,14 @@ impl Difference {
     pub fn contact(&self) -> Option<Contact> {
         self.before.or(self.after)
     }
+
+    /// The kind of that contact, or `v-v to v-e` where the kind is what changed; empty where it is about no contact.
+    pub fn kinds(&self) -> String {
+        match (self.before, self.after) {
+            (Some(before), Some(after)) if before.kind != after.kind => format!("{} to {}", before.kind, after.kind),
+            _ => self.contact().map_or(String::new(), |contact| contact.kind.to_string()),
+        }
+    }
 }
 
 /// The features of a pair of blocks.

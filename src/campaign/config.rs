@@ -1,6 +1,7 @@
 //! What a campaign is asked to do.
 
 use super::external::EngineSpec;
+use crate::model::Number;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::path::PathBuf;
@@ -28,6 +29,9 @@ pub struct CampaignConfig {
     pub families: Vec<String>,
     /// Block files for the family `real`; empty for the ones that come with the program.
     pub real: Vec<PathBuf>,
+    /// How far a face in those files may be from planar, as a share of its block's size; what the file says by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub planarity: Option<Number>,
     /// Pairs between two states of the journal: what an interruption can lose.
     pub chunk: u64,
     /// One pair in this many goes through the metamorphic checks; 0 for none.
@@ -51,6 +55,7 @@ impl Default for CampaignConfig {
             tolerances: Vec::new(),
             families: Vec::new(),
             real: Vec::new(),
+            planarity: None,
             chunk: 4096,
             metamorphic_every: 16,
             cases_per_fingerprint: 1,

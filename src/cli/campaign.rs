@@ -1,7 +1,7 @@
 //! `campaign`: generated and real pairs through every engine, differences explained, findings kept.
 
 use crate::cli::exit::{Outcome, Verdict, note, print};
-use crate::cli::input::EngineArgs;
+use crate::cli::input::{EngineArgs, ReadArgs};
 use crate::cli::table::{grouped, table};
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -26,6 +26,7 @@ use std::time::{Duration, Instant};
 #[command(after_help = "Examples:
   rockproof campaign                                  every family, f32 and f64, all presets; about a minute
   rockproof campaign --pairs 10000 --family sliver --engine stepper-f32 --tolerances shi
+  rockproof campaign --family real --real cases/real/voronoi_120.txt --planarity 1e-4
   rockproof campaign --out reports/night --pairs 100000000 --resume
   rockproof campaign --deny defect --deny collapsed   for CI: exit 1 if there is such a finding
   rockproof campaign --engine-command mine:f32=./client --ask-twice   your own program (docs/engines.md)
@@ -60,6 +61,8 @@ pub(crate) struct Campaign {
     /// Block file for the family `real`; may be repeated [default: those that come with the program]
     #[arg(long, value_name = "FILE")]
     real: Vec<PathBuf>,
+    #[command(flatten)]
+    read: ReadArgs,
     /// Go on with the run in the directory, or begin if there is none
     #[arg(long, conflicts_with = "force")]
     resume: bool,
@@ -137,6 +140,10 @@ impl Campaign {
         }
         if !self.real.is_empty() {
             config.real.clone_from(&self.real);
+        }
+        if let Some(planarity) = self.read.options().planarity {
+            anyhow::ensure!(!config.real.is_empty(), "--planarity is about the files of --real, and there are none");
+            config.planarity = Some(planarity);
         }
         Ok(config)
     }
