@@ -1,9 +1,9 @@
 //! One step of SPEC section 5, exactly, as `docs/step.md` reads it: every decision of the open–close iteration is proved.
 //!
 //! A step is calculated in f64 balls first. A mode that these do not settle is asked of balls of 128 and 256 bits, then of
-//! fractions, then of 512 and 1,024 bits ([`ladder`]); what even these leave open is counted as undecided and changes
+//! fractions, then of 512 and 1,024 bits (`ladder`); what even these leave open is counted as undecided and changes
 //! nothing. Fractions fail only where a friction force is irrational, or where the system is larger than
-//! [`ladder::EXACT_UNKNOWNS`].
+//! `ladder::EXACT_UNKNOWNS`.
 
 mod attempt;
 mod chain;
