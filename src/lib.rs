@@ -4,5 +4,6 @@ pub use rockproof_model as model;
 pub use rockproof_oracle as oracle;
 
 pub mod campaign;
+pub mod simulate;
 pub mod speed;
 pub mod stepper;
