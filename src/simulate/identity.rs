@@ -1,7 +1,7 @@
 //! What must be the same for a run to go on.
 
 use crate::model::scene::write_toml;
-use crate::model::{Scene, ToleranceSet};
+use crate::model::{Scene, SpecError, ToleranceSet, ToleranceSpec};
 use crate::simulate::Plan;
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
@@ -21,6 +21,19 @@ pub fn identity(scene: &Scene, set: &ToleranceSet, engine: &str, plan: &Plan) ->
     map.insert("every".to_owned(), plan.every.into());
     map.insert("contacts".to_owned(), plan.contacts.into());
     map
+}
+
+/// The scene as it is run: a TOML text with the stiffness of joints derived and every tolerance as its exact value.
+///
+/// # Errors
+/// None for a set that [`ToleranceSpec::derive`] made.
+pub fn with_tolerances(scene: &Scene, set: &ToleranceSet) -> Result<String, SpecError> {
+    let mut spec = ToleranceSpec::default();
+    for (name, number) in set.numbers() {
+        spec.set_text(name, &number.to_string())?;
+    }
+    spec.set_text("criteria", set.criteria.name())?;
+    Ok(write_toml(&Scene { tolerances: Some(spec), ..scene.clone() }))
 }
 
 /// SHA-256 in hexadecimal digits.
