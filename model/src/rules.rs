@@ -1,7 +1,10 @@
 //! The rules a tolerance set must meet for the blocks it is used with (SPEC section 3), compared exactly.
 //!
-//! SPEC's rule on the penalty stiffness (a block's weight on its smallest face must not overlap by more than
-//! `penetration`) needs densities and stiffnesses, which scenes get together with the dynamics; it is not among these.
+//! [`check`] knows blocks alone; [`check_scene`] also knows what they weigh and how stiff their joints are.
+
+mod stiffness;
+
+pub use stiffness::check_scene;
 
 use crate::block::Block;
 use crate::lattice::Lattice;
@@ -36,6 +39,9 @@ pub enum Rule {
     ParallelEdges,
     /// `overlap_sine·L ≤ penetration`, under the classic criteria
     Overlap,
+    /// `W/(p·n) ≤ penetration`: W a block's weight, n the corners of its smallest face, p the softest normal stiffness
+    /// that its joint material can meet
+    Stiffness,
 }
 
 impl Rule {
@@ -51,6 +57,7 @@ impl Rule {
             Rule::Rotation => "max_rotation²·(block radius) ≤ 2·penetration",
             Rule::ParallelEdges => "parallel_sine·(longest edge) ≤ territory",
             Rule::Overlap => "overlap_sine·(longest edge) ≤ penetration",
+            Rule::Stiffness => "(block weight)/(normal_stiffness·corners of its smallest face) ≤ penetration",
         }
     }
 
@@ -66,6 +73,7 @@ impl Rule {
             Rule::Rotation => "first-order kinematics swells a block by max_rotation²·radius/2",
             Rule::ParallelEdges => "edges taken for parallel must stay within the territory of one another",
             Rule::Overlap => "a corner let through at an angle must not be deeper than a contact is followed",
+            Rule::Stiffness => "a block at rest on its smallest face must not sink deeper than a contact is followed",
         }
     }
 }

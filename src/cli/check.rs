@@ -49,7 +49,7 @@ impl Check {
         let shapes = scene.shapes();
         let set = spec.derive(&shapes, self.precision)?;
         self.check_range(&scene, &set)?;
-        let violations = rules::check(&set, &shapes, self.precision);
+        let violations = rules::check_scene(&set, &scene, self.precision);
         print(&self.table(&scene, &spec, &set, &violations))?;
         Ok(if violations.is_empty() { Verdict::Fine } else { Verdict::Objection })
     }

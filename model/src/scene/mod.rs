@@ -21,6 +21,7 @@ use raw::{Assembly, RawBlock};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use tokens::Located;
+use toml::Patch;
 
 /// Blocks, in the order of their file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -155,19 +156,30 @@ impl Scene {
         options: &LoadOptions,
     ) -> Result<(Scene, Vec<SceneError>), SceneError> {
         let mut gathered = Gathered::default();
-        let tolerances = match read_foreign(text, format) {
-            None => gathered.add_scene_file(text, path, options)?,
+        let mut scene = Scene::default();
+        let mut attached = None;
+        match read_foreign(text, format) {
+            None => {
+                let document = toml::read(text).map_err(|problem| at(path, problem))?;
+                gathered.add_entries(&document, path, options)?;
+                (scene.tolerances, scene.simulation) = (document.tolerances, document.simulation);
+                attached = Some(document.attached);
+            }
             Some(blocks) => {
                 let blocks = blocks.map_err(|problem| at(path, problem))?;
                 let assembly = Assembly { file: path, options, planarity: None, merging: format.merging() };
-                gathered.add_all(blocks, &assembly);
-                None
+                gathered.add_all(blocks, &assembly, &Patch::default());
             }
-        };
+        }
         if gathered.count == 0 {
             return Err(at(path, (None, Problem::NoBlock)));
         }
-        Ok((Scene { blocks: gathered.blocks, tolerances, simulation: Simulation::default() }, gathered.problems))
+        scene.blocks = gathered.blocks;
+        // Where blocks are missing the numbers of the others mean nothing.
+        if let (Some(attached), true) = (attached, gathered.problems.is_empty()) {
+            attached.attach(&mut scene.blocks, &mut scene.simulation).map_err(|problem| at(path, problem))?;
+        }
+        Ok((scene, gathered.problems))
     }
 
     /// The blocks alone, in order.
@@ -211,40 +223,30 @@ struct Gathered {
 }
 
 impl Gathered {
-    fn add_all(&mut self, raws: Vec<RawBlock>, assembly: &Assembly<'_>) {
+    fn add_all(&mut self, raws: Vec<RawBlock>, assembly: &Assembly<'_>, patch: &Patch) {
         for (index, raw) in raws.into_iter().enumerate() {
-            match assembly.build(raw, index, self.count) {
-                Ok(block) => self.blocks.push(block),
-                Err(problem) => self.problems.push(problem),
-            }
-            self.count += 1;
+            self.add_one(raw, index, assembly, patch);
         }
     }
 
-    fn add_scene_file(
-        &mut self,
-        text: &str,
-        path: &Path,
-        options: &LoadOptions,
-    ) -> Result<Option<ToleranceSpec>, SceneError> {
-        let document = toml::read(text).map_err(|problem| at(path, problem))?;
-        for (index, entry) in document.entries.into_iter().enumerate() {
+    fn add_entries(&mut self, document: &toml::Document, path: &Path, options: &LoadOptions) -> Result<(), SceneError> {
+        for (index, entry) in document.entries.iter().enumerate() {
             let planarity = entry.planarity.as_ref().or(document.planarity.as_ref());
             let assembly = Assembly { file: path, options, planarity, merging: Merging::Exact };
             let raw = |vertices, faces| RawBlock {
                 name: entry.name.clone(),
-                fixed: entry.fixed.unwrap_or(false),
+                fixed: false,
                 vertices,
                 faces,
                 line: entry.line,
             };
             match &entry.content {
                 toml::Content::Mesh { vertices, faces } => {
-                    self.add_one(raw(vertices.clone(), faces.clone()), index, &assembly);
+                    self.add_one(raw(vertices.clone(), faces.clone()), index, &assembly, &entry.patch);
                 }
                 toml::Content::Box { min, max } => {
                     let (vertices, faces) = crate::block::cuboid_mesh(min, max);
-                    self.add_one(raw(vertices, faces), index, &assembly);
+                    self.add_one(raw(vertices, faces), index, &assembly, &entry.patch);
                 }
                 toml::Content::File(name) => {
                     let refuse = |problem| at(path, (Some(entry.line), problem));
@@ -262,21 +264,24 @@ impl Gathered {
                     let mut raws = read_foreign(&text, format).unwrap_or(Ok(Vec::new())).map_err(|p| at(&file, p))?;
                     let several = raws.len() > 1;
                     for (i, raw) in raws.iter_mut().enumerate() {
-                        raw.fixed = entry.fixed.unwrap_or(raw.fixed);
                         if let Some(name) = &entry.name {
                             raw.name = Some(if several { format!("{name}_{i}") } else { name.clone() });
                         }
                     }
-                    self.add_all(raws, &Assembly { file: &file, merging: format.merging(), ..assembly });
+                    let assembly = Assembly { file: &file, merging: format.merging(), ..assembly };
+                    self.add_all(raws, &assembly, &entry.patch);
                 }
             }
         }
-        Ok(document.tolerances)
+        Ok(())
     }
 
-    fn add_one(&mut self, raw: RawBlock, index: usize, assembly: &Assembly<'_>) {
+    fn add_one(&mut self, raw: RawBlock, index: usize, assembly: &Assembly<'_>, patch: &Patch) {
         match assembly.build(raw, index, self.count) {
-            Ok(block) => self.blocks.push(block),
+            Ok(mut block) => {
+                patch.apply(&mut block.body);
+                self.blocks.push(block);
+            }
             Err(problem) => self.problems.push(problem),
         }
         self.count += 1;

@@ -1,8 +1,11 @@
 //! Writing scenes. TOML keeps everything exactly; OBJ and VTK hold decimals, so only f64 coordinates can be exact there.
 
+mod simulation;
+
 use crate::block::{BlockOptions, Point};
 use crate::number::Number;
 use crate::scene::{Scene, SceneBlock};
+use crate::simulation::Simulation;
 use crate::spec::ToleranceSpec;
 use std::fmt::Write;
 
@@ -34,21 +37,26 @@ pub fn write_toml(scene: &Scene) -> String {
         out.push_str(&write_tolerances(tolerances));
         out.push('\n');
     }
+    let is_moved = scene.simulation != Simulation::default();
+    if is_moved {
+        simulation::world(&mut out, &scene.simulation);
+    }
     for (i, block) in scene.blocks.iter().enumerate() {
         if i > 0 {
             out.push('\n');
         }
-        toml_block(&mut out, block);
+        toml_block(&mut out, block, &scene.simulation);
+    }
+    if is_moved {
+        simulation::attached(&mut out, &scene.simulation);
     }
     out
 }
 
-fn toml_block(out: &mut String, block: &SceneBlock) {
+fn toml_block(out: &mut String, block: &SceneBlock, scene: &Simulation) {
     out.push_str("[[block]]\n");
     push(out, format_args!("name = {}\n", toml::Value::from(block.name.as_str())));
-    if block.body.is_fixed() {
-        out.push_str("fixed = true\n");
-    }
+    simulation::body(out, &block.body, scene);
     if block.planarity != BlockOptions::default().planarity {
         push(out, format_args!("planarity = {}\n", toml_number(&block.planarity)));
     }

@@ -3,6 +3,15 @@
 use crate::number::Number;
 use crate::simulation::ratio;
 
+/// tan φ of an angle in degrees, below 90, as SPEC section 1 stores it: an f64, and exact from then on; 1 for 45.
+pub fn tangent_of_degrees(degrees: &Number) -> Number {
+    let tangent = match degrees.approximate() {
+        45.0 => 1.0,
+        degrees => libm::tan(degrees * (std::f64::consts::PI / 180.0)),
+    };
+    Number::from_f64(tangent).unwrap_or(Number::ZERO)
+}
+
 /// The properties of contacts, by the joint materials of both surfaces.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Joints {

@@ -6,8 +6,9 @@ mod joint;
 mod stiffness;
 
 pub use control::{Control, Kinematics, Unconverged};
-pub use joint::{JointPair, JointProperties, Joints};
+pub use joint::{JointPair, JointProperties, Joints, tangent_of_degrees};
 pub use stiffness::derive_stiffness;
+pub(crate) use stiffness::smallest_face;
 
 use crate::block::Point;
 use crate::number::Number;

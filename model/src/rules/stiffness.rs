@@ -1,0 +1,76 @@
+//! SPEC section 3's rule on the penalty stiffness.
+
+use super::{Bound, Place, Rule, Violation, Violations, check};
+use crate::block::Block;
+use crate::number::{Number, Precision};
+use crate::scene::{Scene, SceneBlock};
+use crate::simulation::{Simulation, derive_stiffness, smallest_face};
+use crate::tolerance::ToleranceSet;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::Zero;
+
+/// As [`check`], and the rule on the penalty stiffness: with W = ρ·V·|g| the weight of a block that can move, n the
+/// corners of its face of least area, and p the softest normal stiffness between its joint material and that of any
+/// other block, W/(p·n) must not exceed `penetration`; compared exactly, by squares. Joints without a stiffness have the
+/// one that [`derive_stiffness`] gives them. The violation is that of the block with the largest overlap, ties going to the
+/// lowest number; without gravity there is none.
+pub fn check_scene(set: &ToleranceSet, scene: &Scene, precision: Precision) -> Vec<Violation> {
+    let mut violations = check(set, &scene.shapes(), precision);
+    violations.extend(stiffness(set, scene));
+    violations
+}
+
+/// The overlap of one block under its weight.
+struct Overlap {
+    block: usize,
+    weight_squared: BigRational,
+    corners: usize,
+    /// Of the overlap in m.
+    squared: BigRational,
+}
+
+fn stiffness(set: &ToleranceSet, scene: &Scene) -> Option<Violation> {
+    let mut simulation = scene.simulation.clone();
+    let bodies: Vec<(&Block, _)> = scene.blocks.iter().map(|b| (&b.block, &b.body)).collect();
+    derive_stiffness(&mut simulation, &bodies, set);
+    let gravity = simulation.gravity.map(Number::to_rational).norm_squared();
+    if gravity.is_zero() {
+        return None;
+    }
+    let overlap = |(block, scene_block): (usize, &SceneBlock)| {
+        let softest = softest(&simulation, &scene.blocks, block)?;
+        let density = simulation.materials[scene_block.body.material].density.to_rational();
+        let mass = density * scene_block.block.volume();
+        let corners = smallest_face(&scene_block.block);
+        let weight_squared = &mass * &mass * &gravity;
+        let resistance = softest * BigRational::from_integer(BigInt::from(corners));
+        let squared = &weight_squared / (&resistance * &resistance);
+        Some(Overlap { block, weight_squared, corners, squared })
+    };
+    let overlaps = scene.blocks.iter().enumerate().filter(|(_, b)| !b.body.is_fixed()).filter_map(overlap);
+    let worst = overlaps.reduce(|worst, next| if next.squared > worst.squared { next } else { worst })?;
+    let allowed = set.penetration.to_rational();
+    let allowed_squared = &allowed * &allowed;
+    let corners = BigRational::from_integer(BigInt::from(worst.corners));
+    let mut remedies = vec![("penetration", Bound::RootOrMore(worst.squared.clone()))];
+    if !allowed.is_zero() {
+        let needed = &worst.weight_squared / (&allowed_squared * &corners * &corners);
+        remedies.insert(0, ("normal_stiffness", Bound::RootOrMore(needed)));
+    }
+    let mut violations = Violations::default();
+    let place = Place { block: worst.block, edge: None };
+    violations.at_most_squared(Rule::Stiffness, (&worst.squared, &allowed_squared), Some(place), &remedies);
+    violations.0.pop()
+}
+
+/// The least normal stiffness of a joint that the block can be part of; `None` where there is no other block.
+fn softest(simulation: &Simulation, blocks: &[SceneBlock], block: usize) -> Option<BigRational> {
+    let own = blocks[block].body.joint;
+    let met = |joint: usize| blocks.iter().enumerate().any(|(i, b)| i != block && b.body.joint == joint);
+    (0..simulation.joints.names.len())
+        .filter(|&joint| met(joint))
+        .filter_map(|joint| simulation.joints.between(own, joint).normal_stiffness.as_ref())
+        .min()
+        .map(Number::to_rational)
+}

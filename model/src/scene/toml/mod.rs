@@ -1,0 +1,182 @@
+//! The project's own scene files, in TOML.
+//!
+//! The document is walked with its spans rather than through serde, so that every message names a line.
+
+mod attach;
+mod body;
+mod lines;
+mod materials;
+
+pub(super) use attach::Attached;
+pub(super) use body::Patch;
+
+use crate::block::Point;
+use crate::number::Number;
+use crate::scene::error::Problem;
+use crate::scene::tokens::Located;
+use crate::simulation::Simulation;
+use crate::spec::{SpecError, ToleranceSpec};
+use lines::{Allowed, Lines, Value};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A scene file.
+pub(super) struct Document {
+    pub(super) tolerances: Option<ToleranceSpec>,
+    pub(super) planarity: Option<Number>,
+    pub(super) entries: Vec<Entry>,
+    /// Without loads and points: those are in `attached` until the blocks are known.
+    pub(super) simulation: Simulation,
+    pub(super) attached: Attached,
+}
+
+/// One `[[block]]`.
+pub(super) struct Entry {
+    pub(super) name: Option<String>,
+    pub(super) patch: Patch,
+    pub(super) planarity: Option<Number>,
+    pub(super) content: Content,
+    pub(super) line: usize,
+}
+
+/// Where the shape of a `[[block]]` comes from.
+pub(super) enum Content {
+    Mesh { vertices: Vec<Point>, faces: Vec<Vec<u32>> },
+    File(String),
+    Box { min: Point, max: Point },
+}
+
+/// What may stand in a scene.
+const SCENE: [&str; 11] = [
+    "simulation",
+    "material",
+    "joint",
+    "tolerances",
+    "planarity",
+    "block",
+    "set",
+    "load",
+    "fixed_point",
+    "measured_point",
+    "case",
+];
+
+/// Reads a scene.
+pub(super) fn read(text: &str) -> Result<Document, Located> {
+    let lines = Lines::new(text);
+    let document = parse(text, &lines)?;
+    let table = document.get_ref();
+    lines.only(table, "the scene", &SCENE)?;
+    let tolerances = match table.get("tolerances") {
+        Some(value) => Some(lines.tolerances(lines.table(value, "`tolerances`")?)?),
+        None => None,
+    };
+    let planarity = table.get("planarity").map(|value| lines.planarity(value)).transpose()?;
+    let simulation = lines.simulation(table)?;
+    let blocks = lines.tables(table, "block")?;
+    let entries = blocks.iter().map(|(value, block)| lines.entry(value, block, &simulation));
+    let entries = entries.collect::<Result<Vec<_>, _>>()?;
+    let attached = lines.attached(table, &simulation)?;
+    Ok(Document { tolerances, planarity, entries, simulation, attached })
+}
+
+/// Reads tolerances: the table `[tolerances]` of a file, or a file that is that table.
+pub(super) fn read_tolerances(text: &str) -> Result<ToleranceSpec, Located> {
+    let lines = Lines::new(text);
+    let document = parse(text, &lines)?;
+    match document.get_ref().get("tolerances") {
+        Some(value) => lines.tolerances(lines.table(value, "`tolerances`")?),
+        None => lines.tolerances(document.get_ref()),
+    }
+}
+
+fn parse<'i>(text: &'i str, lines: &Lines) -> Result<Spanned<DeTable<'i>>, Located> {
+    DeTable::parse(text).map_err(|error| {
+        let line = error.span().map(|span| lines.of(&span));
+        (line, Problem::Toml { message: error.message().lines().collect::<Vec<_>>().join(", ") })
+    })
+}
+
+impl Lines {
+    fn planarity(&self, value: &Value<'_>) -> Result<Number, Located> {
+        self.number_in(value, "`planarity`", Allowed::NotNegative)
+    }
+
+    fn tolerances(&self, table: &DeTable<'_>) -> Result<ToleranceSpec, Located> {
+        let mut spec = ToleranceSpec::empty();
+        for (first, second) in [("overlap_angle", "overlap_sine"), ("parallel_angle", "parallel_sine")] {
+            if let (Some(_), Some(value)) = (table.get(first), table.get(second)) {
+                return Err((Some(self.of(&value.span())), SpecError::GivenTwice { first, second }.into()));
+            }
+        }
+        for (key, value) in table {
+            let name = key.get_ref().as_ref();
+            let set = match value.get_ref() {
+                DeValue::String(text) => spec.set_text(name, text),
+                // An unknown name matters more than what stands behind it.
+                _ if !crate::spec::NAMES.contains(&name) => spec.set_text(name, ""),
+                _ => spec.set_number(name, self.number(value, &format!("tolerance `{name}`"))?),
+            };
+            set.map_err(|error| (Some(self.of(&key.span())), error.into()))?;
+        }
+        Ok(spec)
+    }
+
+    fn entry(&self, value: &Value<'_>, table: &DeTable<'_>, simulation: &Simulation) -> Result<Entry, Located> {
+        let line = self.of(&value.span());
+        let shape = ["vertices", "faces", "file", "box"];
+        let keys = ["name", "planarity"].into_iter().chain(body::KEYS).chain(shape);
+        self.only(table, "[[block]]", &keys.collect::<Vec<_>>())?;
+        let name = table.get("name").map(|value| self.name(value, "`name`")).transpose()?;
+        let planarity = table.get("planarity").map(|value| self.planarity(value)).transpose()?;
+        let patch = self.patch(table, "[[block]]", simulation)?;
+        let content = match shape.map(|key| table.get(key)) {
+            [Some(vertices), Some(faces), None, None] => {
+                Content::Mesh { vertices: self.vertices(vertices)?, faces: self.faces(faces)? }
+            }
+            [None, None, Some(file), None] => Content::File(self.text(file, "`file`")?.to_string()),
+            [None, None, None, Some(corners)] => self.corners(corners)?,
+            _ => {
+                let given: Vec<&str> = shape.into_iter().filter(|key| table.get(*key).is_some()).collect();
+                let found = if given.is_empty() { "a block without a shape".to_string() } else { given.join(" and ") };
+                let expected = "`vertices` and `faces`, or `file`, or `box`".to_string();
+                return Err((Some(line), Problem::Unexpected { found, expected }));
+            }
+        };
+        Ok(Entry { name, patch, planarity, content, line })
+    }
+
+    fn corners(&self, value: &Value<'_>) -> Result<Content, Located> {
+        let table = self.table(value, "`box`")?;
+        self.only(table, "`box`", &["min", "max"])?;
+        let corner = |key: &str| match table.get(key) {
+            Some(corner) => self.vector(corner, &format!("`{key}`"), "coordinate"),
+            None => Err(self.unexpected(value, "`box` with `min` and `max`")),
+        };
+        Ok(Content::Box { min: corner("min")?, max: corner("max")? })
+    }
+
+    fn vertices(&self, value: &Value<'_>) -> Result<Vec<Point>, Located> {
+        let vertices = self.array(value, "`vertices`")?;
+        vertices
+            .iter()
+            .enumerate()
+            .map(|(i, vertex)| self.vector(vertex, &format!("vertex {i}"), "coordinate"))
+            .collect()
+    }
+
+    fn faces(&self, value: &Value<'_>) -> Result<Vec<Vec<u32>>, Located> {
+        let faces = self.array(value, "`faces`")?;
+        let index = |(face, value): (usize, &Value<'_>)| {
+            let digits = value.get_ref().as_integer().filter(|integer| integer.radix() == 10);
+            digits.and_then(|integer| integer.as_str().parse::<u32>().ok()).ok_or_else(|| {
+                self.unexpected(value, &format!("a vertex number of face {face}, a whole number from 0"))
+            })
+        };
+        let boundary = |(face, value): (usize, &Value<'_>)| {
+            let vertices = self.array(value, &format!("face {face}"))?;
+            vertices.iter().map(|v| index((face, v))).collect::<Result<Vec<u32>, _>>()
+        };
+        faces.iter().enumerate().map(boundary).collect()
+    }
+}
