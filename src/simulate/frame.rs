@@ -126,7 +126,9 @@ mod tests {
 
     #[test]
     fn a_turned_box_has_its_volume_and_centroid() {
-        let corner = |x: i32, y: i32, z: i32| Vec3::new(Number::from_integer(x), Number::from_integer(y), Number::from_integer(z));
+        let corner = |x: i32, y: i32, z: i32| {
+            Vec3::new(Number::from_integer(x), Number::from_integer(y), Number::from_integer(z))
+        };
         let block = Block::cuboid(&corner(1, 2, 3), &corner(3, 5, 7)).expect("a box");
         let turned: Vec<Point> = block
             .vertices()

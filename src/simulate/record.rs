@@ -90,7 +90,7 @@ const PICTURES: [&str; 2] = ["blocks", "contacts"];
 const FRAMES: &str = "frames";
 const CHECKPOINT: &str = "checkpoint.jsonl";
 /// Every file of a run but the tables and frames.
-const OTHERS: [&str; 5] = [CHECKPOINT, "run.json", "scene.toml", "blocks.pvd", "contacts.pvd"];
+const OTHERS: [&str; 5] = ["blocks.pvd", "contacts.pvd", "scene.toml", "run.json", CHECKPOINT];
 
 /// How to begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -240,7 +240,7 @@ impl Record {
     /// Names of the files and folders it writes.
     pub fn names(&self) -> Vec<&'static str> {
         let tables = Table::ALL.into_iter().filter(|t| self.tables[*t as usize].is_some()).map(Table::name);
-        tables.chain(OTHERS.into_iter().rev()).chain([FRAMES]).collect()
+        tables.chain(OTHERS).chain([FRAMES]).collect()
     }
 
     /// Appends rows to a table; nothing for a table that is not written.

@@ -6,7 +6,7 @@ use crate::simulate::exact::Exact;
 use crate::simulate::record::{Frame, Record, RecordError, Table};
 use crate::simulate::{Plan, frame, tables, vtu};
 use crate::stepper::Real;
-use crate::stepper::dynamics::{State, StepReport, Stopped};
+use crate::stepper::dynamics::{Dynamics, Solve, State, StepReport, StepRules, Stopped};
 use serde_json::{Map, Value, json};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -21,6 +21,16 @@ pub trait Stepping<R> {
 
     /// The state after the last step.
     fn state(&self) -> &State<R>;
+}
+
+impl<R: Solve, M: StepRules> Stepping<R> for Dynamics<R, M> {
+    fn step(&mut self) -> Result<StepReport, Stopped> {
+        Dynamics::step(self)
+    }
+
+    fn state(&self) -> &State<R> {
+        Dynamics::state(self)
+    }
 }
 
 /// A run ready to go.
@@ -218,13 +228,10 @@ fn describe(stopped: &Stopped) -> Value {
         Stopped::TooFast { step, block, .. }
         | Stopped::Inverted { step, block, .. }
         | Stopped::Collapsed { step, block, .. }
-        | Stopped::NotFinite { step, block } => {
+        | Stopped::NotFinite { step, block }
+        | Stopped::Singular { step, block } => {
             value["step"] = (*step).into();
             value["block"] = (*block).into();
-        }
-        Stopped::Singular { step, unknown } => {
-            value["step"] = (*step).into();
-            value["unknown"] = (*unknown).into();
         }
     }
     value

@@ -152,7 +152,9 @@ fn attribute(key: impl Into<String>, value: impl Into<String>) -> (String, Strin
 
 fn array(xml: &mut Xml, array: &Array) -> io::Result<()> {
     let mut more = vec![attribute("Name", array.name)];
-    more.push(attribute("NumberOfComponents", array.components.len().to_string()));
+    if array.components.len() > 1 {
+        more.push(attribute("NumberOfComponents", array.components.len().to_string()));
+    }
     let named = array.components.iter().enumerate().filter(|(_, name)| !name.is_empty());
     more.extend(named.map(|(k, name)| attribute(format!("ComponentName{k}"), *name)));
     data_array(xml, array.values.type_name(), &more, &array.values.bytes())
