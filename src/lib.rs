@@ -4,6 +4,7 @@ pub use rockproof_model as model;
 pub use rockproof_oracle as oracle;
 
 pub mod campaign;
+pub mod gate;
 pub mod simulate;
 pub mod speed;
 pub mod stepper;

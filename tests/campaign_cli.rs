@@ -150,7 +150,16 @@ fn cases_replay_and_shrink() {
         assert!(text.starts_with("before: "), "{text}");
         let (code, _, err) = rockproof(&["replay", &small]);
         assert_eq!(code, 0, "{case} shrunk: {err}");
-        let length = |file: &str| fs::metadata(file).expect("a file").len();
+        let kind = |file: &str| {
+            let text = fs::read_to_string(file).expect("read");
+            text.lines().find(|line| line.starts_with("kind = ")).map(str::to_owned)
+        };
+        assert_eq!(kind(&small), kind(case), "{case} shrunk");
+        // What it is made of; contacts there may be more.
+        let length = |file: &str| {
+            let text = fs::read_to_string(file).expect("read");
+            text.len() - text.find("[tolerances]").expect("tolerances")
+        };
         assert!(length(&small) <= length(case) + 200, "{case}");
     }
     // Another expected answer is told, and is no input error.
@@ -160,4 +169,18 @@ fn cases_replay_and_shrink() {
     fs::write(&other, text.replacen("feature_a = ", "feature_a = 7", 1)).expect("write");
     let (code, _, err) = rockproof(&["replay", &other]);
     assert!(code == 1 && err.contains("not the one the case expects"), "{err}");
+}
+
+#[test]
+fn real_blocks_may_be_as_far_from_planar_as_the_planarity_says() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let config = path(dir.path(), "campaign.toml");
+    fs::write(&config, "cases_per_cause = 0\n").expect("write");
+    let args = [&config, "--family", "real", "--real", "cases/real/voronoi_120.txt"];
+    let (code, _, err) = campaign(&path(dir.path(), "strict"), &args);
+    assert!(code == 2 && err.contains("voronoi_120.txt") && err.contains("planar"), "{code}: {err}");
+    let (code, _, err) = campaign(&path(dir.path(), "loose"), &[&args[..], &["--planarity", "1e-4"]].concat());
+    assert_eq!(code, 0, "{err}");
+    let (code, _, err) = campaign(&path(dir.path(), "none"), &["--planarity", "1e-4"]);
+    assert!(code == 2 && err.contains("--real"), "{code}: {err}");
 }

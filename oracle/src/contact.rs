@@ -4,6 +4,7 @@ mod classify;
 mod edge_edge;
 mod entrance;
 mod exit;
+mod hopeless;
 mod no_overlap;
 mod reach;
 mod territory;

@@ -7,18 +7,23 @@
 
 pub mod combination;
 mod contact;
+mod field;
 mod gap;
 mod levels;
+mod mass;
 mod number;
 mod pair;
+pub mod penetration;
 pub mod plain;
 mod predicate;
 pub mod rational;
 mod run;
 mod scales;
 mod solid;
+pub mod solve;
 #[cfg(test)]
 mod soundness;
+pub mod step;
 mod trace;
 mod unit_bounds;
 mod view;

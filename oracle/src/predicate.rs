@@ -63,8 +63,9 @@ pub(crate) enum Limit {
 }
 
 impl Limit {
+    /// The tolerance in a view's number type.
     #[inline(always)]
-    fn of<V: View>(self, view: &V) -> V::T {
+    pub(crate) fn of<V: View>(self, view: &V) -> V::T {
         match self {
             Limit::Search => view.scales().search.clone(),
             Limit::Territory => view.scales().territory.clone(),

@@ -44,10 +44,11 @@ pub(crate) struct Run<'p, 's, O> {
     floats: Scales<Approx>,
     unit_bounds: &'static UnitBounds,
     size_powers: [f64; LARGEST_DEGREE + 1],
+    balls: OnceCell<Scales<Ball>>,
     careful: OnceCell<Box<Careful<'p>>>,
 }
 
-/// What only the levels above plain f64 need, made when the first sign gets there.
+/// What only the levels beyond balls need, and pairs without unit bounds, made when the first sign gets there.
 struct Careful<'p> {
     bounds: [f64; SLOTS],
     bound_view: OnceCell<BoundView<'p>>,
@@ -63,7 +64,6 @@ impl Default for Careful<'_> {
 #[derive(Default)]
 struct ScalesCache {
     bits: OnceCell<Scales<Bits>>,
-    ball: OnceCell<Scales<Ball>>,
     small: OnceCell<Scales<i128>>,
     int256: OnceCell<Scales<Int256>>,
     int512: OnceCell<Scales<Int512>>,
@@ -84,6 +84,7 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
             floats,
             unit_bounds,
             size_powers,
+            balls: OnceCell::new(),
             careful: OnceCell::new(),
         }
     }
@@ -138,12 +139,23 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
         sign
     }
 
+    /// The pair in f64.
+    #[inline(always)]
+    pub(crate) fn float_view(&self) -> FloatView<'_> {
+        FloatView { a: self.pair.a, b: self.pair.b, scales: &self.floats }
+    }
+
+    /// What the values of this variant of a polynomial are off by at most in f64; NaN until somebody has worked it out, so
+    /// that no comparison with it holds.
+    #[inline(always)]
+    pub(crate) fn bound_of<P: Polynomial>(&self, variant: usize) -> f64 {
+        self.unit_bounds.get(P::FIRST_SLOT + variant) * self.size_powers[P::DEGREE]
+    }
+
     #[inline(always)]
     fn quick_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
-        let floats = FloatView { a: self.pair.a, b: self.pair.b, scales: &self.floats };
-        let value = polynomial.value(&floats).0;
-        // NaN until the bound is known: then neither comparison holds.
-        let bound = self.unit_bounds.get(P::FIRST_SLOT + polynomial.variant()) * self.size_powers[P::DEGREE];
+        let value = polynomial.value(&self.float_view()).0;
+        let bound = self.bound_of::<P>(polynomial.variant());
         if value > bound {
             self.levels.float += 1;
             Sign::Positive
@@ -155,29 +167,45 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
         }
     }
 
-    /// Goes on with the bounds of this very pair, then exactly.
+    /// Goes on with the values themselves, as balls, then exactly.
     #[cold]
     #[inline(never)]
     fn careful_sign<P: Polynomial>(&mut self, polynomial: &P, value: f64) -> Sign {
         let slot = P::FIRST_SLOT + polynomial.variant();
         let (pair, tolerances) = (self.pair, self.tolerances);
         if self.unit_bounds.get(slot).is_nan() {
-            let view = BoundView::of_unit_size(pair.a, pair.b, self.unit_bounds.longest_loop);
-            self.unit_bounds.set(slot, polynomial.value(&view).error * INFLATION);
-        }
-        self.careful.get_or_init(Box::default);
-        if let Some(careful) = self.careful.get_mut() {
-            if careful.bounds[slot].is_nan() {
-                let view = careful
-                    .bound_view
-                    .get_or_init(|| BoundView::of(pair.a, pair.b, Scales::<crate::number::Bound>::bounds(tolerances)));
-                let bound = polynomial.value(view).error;
-                careful.bounds[slot] = if bound.is_nan() { f64::INFINITY } else { bound };
-            }
-            if value.abs() > careful.bounds[slot] {
+            let view = BoundView::of_unit_size(pair.a, pair.b, self.unit_bounds);
+            let bound = polynomial.value(&view).error * INFLATION;
+            self.unit_bounds.set(slot, bound);
+            if value.abs() > bound * self.size_powers[P::DEGREE] {
                 self.levels.float += 1;
                 return if value > 0.0 { Sign::Positive } else { Sign::Negative };
             }
+        }
+        // Where no unit bound applies, those of this very pair do. Otherwise a ball is as cheap, and sharper.
+        if self.size_powers[0] > 1.0 {
+            self.careful.get_or_init(Box::default);
+            if let Some(careful) = self.careful.get_mut() {
+                if careful.bounds[slot].is_nan() {
+                    let view = careful.bound_view.get_or_init(|| {
+                        BoundView::of(pair.a, pair.b, Scales::<crate::number::Bound>::bounds(tolerances))
+                    });
+                    let bound = polynomial.value(view).error;
+                    careful.bounds[slot] = if bound.is_nan() { f64::INFINITY } else { bound };
+                }
+                if value.abs() > careful.bounds[slot] {
+                    self.levels.float += 1;
+                    return if value > 0.0 { Sign::Positive } else { Sign::Negative };
+                }
+            }
+        }
+        let balls = BallView {
+            floats: self.float_view(),
+            scales: LazyScales { made: &self.balls, make: &|| Scales::balls(tolerances) },
+        };
+        if let Some(sign) = polynomial.value(&balls).certain_sign() {
+            self.levels.ball += 1;
+            return sign;
         }
         self.exact_sign(polynomial)
     }
@@ -196,14 +224,6 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
             self.levels.i128 += 1;
             let scales = LazyScales { made: &cache.small, make: &|| exact().converted() };
             return integer_sign(polynomial, pair.small(), scales);
-        }
-        let balls = BallView {
-            floats: FloatView { a: pair.a, b: pair.b, scales: &self.floats },
-            scales: LazyScales { made: &cache.ball, make: &|| Scales::balls(tolerances) },
-        };
-        if let Some(sign) = polynomial.value(&balls).certain_sign() {
-            self.levels.ball += 1;
-            return sign;
         }
         match bits.0 {
             ..256 => {

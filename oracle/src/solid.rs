@@ -2,6 +2,8 @@
 
 use crate::number::{Approx, Bound, UNDERFLOW, UNIT_ROUNDOFF};
 use rockproof_model::block::face_normal;
+use rockproof_model::number::split_f64;
+use rockproof_model::topology::Edge;
 use rockproof_model::{Block, Ring, Vec3};
 
 /// A block with the f64 vectors its predicates start from, and how far those can be from the exact ones.
@@ -18,6 +20,10 @@ pub struct Solid {
     pub(crate) inwards: Vec<[Vec3<Approx>; 2]>,
     /// The ends of each edge: the topology's, without its indirections.
     pub(crate) ends: Vec<(u32, u32)>,
+    /// The box around each edge: least and greatest coordinates.
+    pub(crate) edge_boxes: Vec<[[f64; 3]; 2]>,
+    /// `k²|N|²` of each face, k the length of its loop, calculated as [`crate::predicate::GapWithin`] does.
+    pub(crate) plane_sizes: Vec<Approx>,
     /// The first vertex and the length of each face's loop, likewise.
     pub(crate) loops: Vec<(u32, Approx)>,
     pub(crate) box_min: [f64; 3],
@@ -66,12 +72,21 @@ impl Solid {
             .zip(&directions)
             .map(|(e, d)| [normals[e.left as usize].cross(d), normals[e.right as usize].cross(&d.negated())])
             .collect();
+        let loops: Vec<(u32, Approx)> =
+            topology.faces().iter().map(|f| (f[0], Approx::from_i32(f.len() as i32))).collect();
+        let edge_box = |e: &Edge| {
+            let ends = [e.p, e.q].map(|v| &vertices[v as usize]);
+            let [p, q] = ends.map(|v| [v.x.0, v.y.0, v.z.0]);
+            [std::array::from_fn(|k| p[k].min(q[k])), std::array::from_fn(|k| p[k].max(q[k]))]
+        };
         let mut solid = Solid {
             block: block.clone(),
             errors: Errors::of(block, &box_min, &box_max, &directions, &normals, &inwards),
             longest_loop: topology.faces().iter().map(Vec::len).max().unwrap_or(3),
             ends: topology.edges().iter().map(|e| (e.p, e.q)).collect(),
-            loops: topology.faces().iter().map(|f| (f[0], Approx::from_i32(f.len() as i32))).collect(),
+            edge_boxes: topology.edges().iter().map(edge_box).collect(),
+            plane_sizes: loops.iter().zip(&normals).map(|((_, k), n)| k.squared().times(&n.norm_squared())).collect(),
+            loops,
             vertices,
             directions,
             normals,
@@ -160,12 +175,35 @@ impl Errors {
             if exact { 0.0 } else { largest_of(box_min.iter().chain(box_max).copied()) * UNIT_ROUNDOFF + UNDERFLOW };
         let extent = (0..3).map(|k| box_max[k] - box_min[k]).fold(0.0, f64::max);
         let longest_loop = block.topology().faces().iter().map(Vec::len).max().unwrap_or(3);
-        let worst = Errors::worst(extent, coordinate, longest_loop);
+        let mut worst = Errors::worst(extent, coordinate, longest_loop);
+        if exact {
+            worst.leave_out_what_is_exact(digits_of(block, extent), longest_loop);
+        }
         let direction = Bound::around(largest_component(directions), worst.difference.error);
         let normal = Bound::around(largest_component(normals), worst.normal.error);
         let across = Vec3::new(normal, normal, normal).cross(&Vec3::new(direction, direction, direction));
-        let inward = Bound::around(largest_component(inwards.iter().flatten()), across.x.error);
+        let inward_error = across.x.error.min(worst.inward.error);
+        let inward = Bound::around(largest_component(inwards.iter().flatten()), inward_error);
         Errors { direction, normal, inward, ..worst }
+    }
+
+    /// Takes the errors away from vectors that f64 holds exactly, intermediate values included: those of a block whose
+    /// differences are integers of so many binary digits, times a power of two.
+    fn leave_out_what_is_exact(&mut self, digits: Option<u32>, longest_loop: usize) {
+        const HELD: u32 = f64::MANTISSA_DIGITS;
+        let Some(difference) = digits.filter(|&d| d <= HELD) else { return };
+        let corners = usize::BITS - longest_loop.leading_zeros();
+        let normal = 2 * difference + 1 + corners;
+        self.difference.error = 0.0;
+        for (bound, digits) in [
+            (&mut self.centre, difference + corners),
+            (&mut self.normal, normal),
+            (&mut self.inward, normal + difference + 1),
+        ] {
+            if digits <= HELD {
+                bound.error = 0.0;
+            }
+        }
     }
 
     /// What holds for any block whose coordinates span at most `extent` along each axis, are off by at most
@@ -186,6 +224,22 @@ impl Errors {
         let reach = Vec3::new(reach, reach, reach).scaled(&Bound::from_i32(loop_length as i32));
         normal.dot(&reach.minus(&Vec3::new(self.centre, self.centre, self.centre))).error
     }
+}
+
+/// Binary digits of the block's extent, counted in the largest power of two that divides every coordinate. `None` where
+/// products of three of these might leave the range of f64.
+fn digits_of(block: &Block, extent: f64) -> Option<u32> {
+    let mut unit = i32::MAX;
+    for c in block.coordinates() {
+        let (significand, exponent) = split_f64(c.as_f64()?);
+        if significand != 0 {
+            unit = unit.min(exponent);
+        }
+    }
+    let (significand, exponent) = split_f64(extent);
+    let top = exponent + 64 - significand.leading_zeros() as i32;
+    // One more, as the extent may have been rounded down.
+    (significand > 0 && unit > -300 && top < 300).then(|| (top - unit).max(0) as u32 + 1)
 }
 
 /// The bound on a difference of two coordinates that are `extent` apart, each off by at most `coordinate`.

@@ -1,7 +1,8 @@
 //! Where a predicate finds its vectors, in whichever number type it is evaluated.
 
-use crate::number::{Approx, Ball, Bits, Bound, UNIT_ROUNDOFF};
+use crate::number::{Approx, Ball, Bits, Bound};
 use crate::solid::{Errors, Solid, centre_sum, subtracted};
+use crate::unit_bounds::UnitBounds;
 use rockproof_model::block::face_normal;
 use rockproof_model::decision::Side;
 use rockproof_model::{Block, Ring, Topology, Vec3};
@@ -168,10 +169,11 @@ impl<'p> BoundView<'p> {
         }
     }
 
-    /// For all pairs that span at most 1 along each axis, with coordinates off by at most one roundoff, faces of at most
-    /// `longest_loop` vertices, and tolerances of at most 1.
-    pub(crate) fn of_unit_size(a: &'p Solid, b: &'p Solid, longest_loop: usize) -> BoundView<'p> {
-        let errors = Errors::worst(1.0, UNIT_ROUNDOFF, longest_loop);
+    /// For all pairs that span at most 1 along each axis, with coordinates off by at most `unit.coordinate`, faces of at
+    /// most `unit.longest_loop` vertices, and tolerances of at most 1.
+    pub(crate) fn of_unit_size(a: &'p Solid, b: &'p Solid, unit: &UnitBounds) -> BoundView<'p> {
+        let longest_loop = unit.longest_loop;
+        let errors = Errors::worst(1.0, unit.coordinate, longest_loop);
         BoundView {
             a: a.block.topology(),
             b: b.block.topology(),
@@ -243,16 +245,15 @@ impl View for BallView<'_> {
         self.floats.topology(side)
     }
     fn between(&self, from: (Side, u32), to: (Side, u32)) -> Vec3<Ball> {
-        let input = self.floats.solid(from.0).errors.coordinate + self.floats.solid(to.0).errors.coordinate;
-        self.floats
-            .between(from, to)
-            .map(|c| Ball { middle: c.0, radius: (input + c.0.abs() * UNIT_ROUNDOFF) * crate::number::INFLATION })
+        let at = |(side, v): (Side, u32)| {
+            let solid = self.floats.solid(side);
+            balls(solid.vertices[v as usize], solid.errors.coordinate)
+        };
+        at(to).minus(&at(from))
     }
     fn direction(&self, side: Side, edge: u32) -> Vec3<Ball> {
-        let input = 2.0 * self.floats.solid(side).errors.coordinate;
-        self.floats
-            .direction(side, edge)
-            .map(|c| Ball { middle: c.0, radius: (input + c.0.abs() * UNIT_ROUNDOFF) * crate::number::INFLATION })
+        let (p, q) = self.floats.ends(side, edge);
+        self.between((side, p), (side, q))
     }
     fn normal(&self, side: Side, face: u32) -> Vec3<Ball> {
         balls(self.floats.normal(side, face), self.floats.solid(side).errors.normal.error)

@@ -7,9 +7,11 @@
 
 use super::collapse::collapsed_feature;
 use super::compare::{Change, Difference, Features, differences};
-use super::engine::{Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, guarded};
-use super::explain::{Link, explain};
+use super::engine::{Answer, Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, guarded};
+use super::explain::{Link, explain, suspect};
+use super::external::protocol::completed;
 use super::finding::{Cause, Deciding, Finding, Who};
+use super::mapped::{self, Said};
 use super::metamorphic;
 use super::subject::{Subject, SubjectSet};
 use crate::model::{Block, Contact, Precision, ToleranceSet};
@@ -196,6 +198,7 @@ impl<'p> Examination<'p> {
             cause,
             difference,
             deciding,
+            mapped: None,
             note: None,
         });
     }
@@ -305,18 +308,18 @@ impl<'p> Examination<'p> {
     ) {
         let who = Who::Engine(at.engine.name().into());
         let answer = match prepared {
-            Ok(prepared) => guarded(|| prepared.classify(at.tolerances)).map(|contacts| (prepared, contacts)),
+            Ok(prepared) => guarded(|| prepared.answer(at.tolerances)).map(|answer| (prepared, answer)),
             Err(failure) => Err(failure.clone()),
         };
-        let (prepared, contacts) = match answer {
-            Ok(answer) => answer,
+        let (prepared, said) = match answer {
+            Ok((prepared, Answer::Contacts(contacts))) => (prepared, contacts),
+            Ok((_, Answer::State(said))) => return self.state_link(at, &who, said),
             Err(failure) => {
-                let change =
-                    if matches!(failure, EngineFailure::Collapsed(_)) { Change::Collapsed } else { Change::Failure };
-                return self.report_failure(at.set, who, Cause::Arithmetic, change, failure.to_string());
+                return self.report_failure(at.set, who, at.engine.cause(), failure.change(), failure.to_string());
             }
         };
         let pair = &side.unwrap_or(&self.exact).pair;
+        let contacts = completed(said.clone(), at.rounded);
         if contacts != **at.rounded {
             let changed = differences(at.rounded, &contacts, self.features);
             let wide = guarded(|| Ok(prepared.classify_wide(at.tolerances))).ok().flatten();
@@ -326,20 +329,18 @@ impl<'p> Examination<'p> {
                 margins: &|decisions| pair.margins(at.tolerances, decisions),
                 roundoff: Some(at.engine.precision().epsilon() / 2.0),
             };
-            let reasons = explain(&changed, &link, self.features);
+            let outside = at.engine.cause() == Cause::Engine;
+            let told = if outside { suspect } else { explain };
+            let reasons = told(&changed, &link, self.features);
             for (difference, deciding) in changed.into_iter().zip(reasons) {
                 let remains = wide
                     .as_ref()
                     .is_some_and(|wide| wide.unsettled == 0 && answers_differ(at.rounded, &wide.contacts, &difference));
-                let cause = if remains { Cause::Defect } else { Cause::Arithmetic };
+                let cause = if remains { Cause::Defect } else { at.engine.cause() };
                 self.report(at.set, who.clone(), cause, difference, deciding);
             }
         }
-        let every = self.panel.metamorphic_every;
-        let sets = self.subject.sets.len() as u64;
-        // Each checked pair is checked under one of its sets, in turn.
-        let index = self.subject.index;
-        if every > 0 && index.is_multiple_of(every) && (index / every) % sets == at.number as u64 {
+        if self.is_checked(at.number) {
             let base = metamorphic::Base {
                 subject: self.subject,
                 engine: at.engine,
@@ -347,13 +348,40 @@ impl<'p> Examination<'p> {
                 blocks: at.blocks,
                 tolerances: at.tolerances,
                 exact: at.rounded,
-                contacts: &contacts,
+                contacts: &said,
                 prepared: &**prepared,
             };
             let checks = metamorphic::check(&base);
             self.found.metamorphic_checks += checks.made;
             for (cause, difference, deciding) in checks.violations {
                 self.report(at.set, who.clone(), cause, difference, deciding);
+            }
+        }
+    }
+
+    /// Whether metamorphic checks are due under the set of this number: each checked pair is checked under one of its
+    /// sets, in turn.
+    fn is_checked(&self, number: usize) -> bool {
+        let (every, index, sets) = (self.panel.metamorphic_every, self.subject.index, self.subject.sets.len() as u64);
+        every > 0 && index.is_multiple_of(every) && (index / every) % sets == number as u64
+    }
+
+    /// The arithmetic link of an engine that says only how the blocks lie.
+    fn state_link(&mut self, at: &EngineAt<'_>, who: &Who, said: Said) {
+        let pair = mapped::Judged {
+            engine: at.engine,
+            exact: [&self.subject.a, &self.subject.b],
+            blocks: at.blocks,
+            tolerances: at.tolerances,
+            metamorphic: self.is_checked(at.number),
+        };
+        let judgement = pair.judge(said);
+        self.found.metamorphic_checks += judgement.made;
+        for (change, mapped) in judgement.wrong {
+            let difference = Difference { change, before: None, after: None };
+            self.report(at.set, who.clone(), at.engine.cause(), difference, None);
+            if let Some(last) = self.found.findings.last_mut() {
+                last.mapped = Some(mapped);
             }
         }
     }

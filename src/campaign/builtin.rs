@@ -144,15 +144,20 @@ pub fn panel_for(names: &[String], finding: &Finding) -> Panel {
 
 /// The same for a finding about `who` with the given change.
 pub fn narrow_panel(names: &[String], who: &Who, change: Change) -> Panel {
-    let wanted = |engine: &dyn Engine| match who {
+    narrowed(names.iter().filter_map(|n| engine(n)).collect(), who, change)
+}
+
+/// The same of engines at hand. What tolerances or rounding the input do shows with any engine of the precision, so
+/// a built-in one stands for them all: it answers at once.
+pub(super) fn narrowed(mut engines: Vec<Box<dyn Engine>>, who: &Who, change: Change) -> Panel {
+    engines.retain(|engine| match who {
         Who::Any => true,
         Who::Rounded(precision) => engine.precision() == *precision,
         Who::Engine(name) => engine.name() == &**name,
-    };
-    let mut engines: Vec<Box<dyn Engine>> = names.iter().filter_map(|n| engine(n)).filter(|e| wanted(&**e)).collect();
+    });
     if !matches!(who, Who::Engine(_)) {
-        // What tolerances or rounding the input do shows with any one engine.
-        engines = engines.pop().into_iter().collect();
+        let finest = if engines.iter().any(|e| e.precision() == Precision::F64) { ENGINES[1] } else { ENGINES[0] };
+        engines = if engines.is_empty() { Vec::new() } else { engine(finest).into_iter().collect() };
     }
     Panel { oracle: Box::new(Exact), engines, metamorphic_every: u64::from(change.is_metamorphic()) }
 }

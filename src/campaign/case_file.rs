@@ -2,6 +2,7 @@
 
 use super::attribution::{Panel, examine};
 use super::compare::Change;
+use super::external::protocol::completed;
 use super::finding::{Cause, Finding, Who};
 use super::subject::{Subject, SubjectSet};
 use crate::model::decision::Predicate;
@@ -35,6 +36,9 @@ pub struct About {
     pub cause: String,
     /// The change.
     pub change: String,
+    /// The kind of the contact it is about, or `v-v to v-e` where the kind changed; empty where any will do.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub kind: String,
     /// The deciding predicate; empty where no trace tells.
     #[serde(default)]
     pub predicate: String,
@@ -53,6 +57,9 @@ pub struct About {
     /// What the engine said when it gave no answer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
+    /// How the blocks lie and how the engine says they do, where it says only that: `apart 0.5, said overlapping -0.1`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub states: Option<String>,
     /// The contacts before the link that is the cause: under tolerance the exact ones without tolerances, under
     /// representation the exact ones of the exact input, else the exact ones of the rounded input.
     pub expected: Vec<ContactRow>,
@@ -206,12 +213,14 @@ impl Case {
                 engine: finding.who.to_string(),
                 cause: finding.cause.to_string(),
                 change: finding.difference.change.to_string(),
+                kind: finding.difference.kinds(),
                 predicate: String::new(),
                 features: String::new(),
                 margin: None,
                 margin_ulps: None,
                 origin,
                 note: None,
+                states: None,
                 expected: Vec::new(),
                 found: Vec::new(),
             },
@@ -236,12 +245,13 @@ impl Case {
         }
     }
 
-    /// The findings of the same cause, change, predicate and engine that the pair shows now.
+    /// The findings of the same cause, change, kind, predicate and engine that the pair shows now.
     pub fn findings(&self, panel: &Panel) -> Vec<Finding> {
         let about = &self.about;
         let alike = |f: &Finding| {
             f.cause.name() == about.cause
                 && f.difference.change.name() == about.change
+                && (about.kind.is_empty() || f.difference.kinds() == about.kind)
                 && f.predicate().map_or("", Predicate::name) == about.predicate
                 // With one engine left, what a tolerance set for one precision does is the doing of all there are.
                 && (f.cause == Cause::Tolerance || f.who.to_string() == about.engine)
@@ -255,9 +265,10 @@ impl Case {
         self.about.features = finding.deciding.map_or(String::new(), |d| {
             d.decision.features.iter().flatten().map(ToString::to_string).collect::<Vec<_>>().join(" ")
         });
-        self.about.margin = finding.deciding.and_then(|d| d.margin);
-        self.about.margin_ulps = finding.deciding.and_then(|d| d.margin_ulps);
+        self.about.margin = finding.margin();
+        self.about.margin_ulps = finding.margin_ulps();
         self.about.note = finding.note.clone();
+        self.about.states = finding.mapped.map(|m| m.to_string());
         let answers = self.answers(finding, panel);
         [self.about.expected, self.about.found] = answers.map(|contacts| contact_rows(&contacts));
     }
@@ -274,10 +285,12 @@ impl Case {
             (Cause::Tolerance, _) => [exact(&self.a, &self.b, &self.tolerances.ideal()), given()],
             (_, None) => [given(), Vec::new()],
             (Cause::Representation, Some((a, b, t))) => [given(), exact(&a, &b, &t)],
-            (Cause::Arithmetic | Cause::Defect, Some((a, b, t))) => {
+            (Cause::Arithmetic | Cause::Defect | Cause::Engine, Some((a, b, t))) => {
                 let engine = panel.engines.iter().find(|e| finding.who == Who::Engine(e.name().into()));
                 let said = engine.and_then(|e| super::engine::guarded(|| e.prepare(&a, &b)?.classify(&t)).ok());
-                [exact(&a, &b, &t), said.unwrap_or_default()]
+                let right = exact(&a, &b, &t);
+                let said = completed(said.unwrap_or_default(), &right);
+                [right, said]
             }
         }
     }
@@ -340,6 +353,9 @@ impl Case {
         };
         known("cause", &about.cause, &Cause::ALL.map(Cause::name))?;
         known("change", &about.change, &Change::ALL.map(Change::name))?;
+        if about.kind.split(" to ").any(|kind| !kind.is_empty() && ContactKind::from_name(kind).is_none()) {
+            known("kind", &about.kind, &ContactKind::ALL.map(ContactKind::name))?;
+        }
         known("criteria", &parsed.tolerances.criteria, &["classic", "revised"])?;
         if !about.predicate.is_empty() {
             known("predicate", &about.predicate, &Predicate::ALL.map(Predicate::name))?;

@@ -19,8 +19,24 @@ pub enum Change {
     GapSign,
     /// Rounding the input destroyed a feature, so that there is no answer.
     Collapsed,
-    /// The engine gave no answer.
+    /// A built-in engine panicked, or the input or the tolerances overflow in the engine's format.
     Failure,
+    /// The engine's program ended instead of answering.
+    Crash,
+    /// The engine's program did not answer in time.
+    Timeout,
+    /// The engine's answer made no sense.
+    Malformed,
+    /// The engine says that it cannot do this pair.
+    Unsupported,
+    /// Asked twice about the same pair, the engine answered differently.
+    Unstable,
+    /// Apart, touching or overlapping: not as the blocks lie.
+    State,
+    /// The distance or depth is off by more than the engine's accuracy.
+    Gap,
+    /// The normal does not separate the blocks as it should.
+    Normal,
     /// The answer changed when A and B were exchanged.
     Swap,
     /// The answer changed when vertices and faces were numbered otherwise.
@@ -35,7 +51,7 @@ pub enum Change {
 
 impl Change {
     /// All changes in sorted order.
-    pub const ALL: [Change; 12] = [
+    pub const ALL: [Change; 20] = [
         Change::Missing,
         Change::Extra,
         Change::Kind,
@@ -43,6 +59,14 @@ impl Change {
         Change::GapSign,
         Change::Collapsed,
         Change::Failure,
+        Change::Crash,
+        Change::Timeout,
+        Change::Malformed,
+        Change::Unsupported,
+        Change::Unstable,
+        Change::State,
+        Change::Gap,
+        Change::Normal,
         Change::Swap,
         Change::Renumber,
         Change::Translate,
@@ -60,6 +84,14 @@ impl Change {
             Change::GapSign => "gap-sign",
             Change::Collapsed => "collapsed",
             Change::Failure => "failure",
+            Change::Crash => "crash",
+            Change::Timeout => "timeout",
+            Change::Malformed => "malformed",
+            Change::Unsupported => "unsupported",
+            Change::Unstable => "unstable",
+            Change::State => "state",
+            Change::Gap => "gap",
+            Change::Normal => "normal",
             Change::Swap => "swap",
             Change::Renumber => "renumber",
             Change::Translate => "translate",
@@ -100,6 +132,14 @@ impl Difference {
     /// The contact the difference is about: the first answer's, or else the second's.
     pub fn contact(&self) -> Option<Contact> {
         self.before.or(self.after)
+    }
+
+    /// The kind of that contact, or `v-v to v-e` where the kind is what changed; empty where it is about no contact.
+    pub fn kinds(&self) -> String {
+        match (self.before, self.after) {
+            (Some(before), Some(after)) if before.kind != after.kind => format!("{} to {}", before.kind, after.kind),
+            _ => self.contact().map_or(String::new(), |contact| contact.kind.to_string()),
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! What a campaign is asked to do.
 
+use super::external::EngineSpec;
+use crate::model::Number;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::path::PathBuf;
@@ -13,14 +15,23 @@ pub struct CampaignConfig {
     pub pairs: u64,
     /// The seed of all pairs.
     pub seed: u64,
-    /// The engines by name.
+    /// The built-in engines by name.
     pub engines: Vec<String>,
+    /// The external engines, which take part beside the built-in ones.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub external: Vec<EngineSpec>,
+    /// Whether external engines are asked everything twice, of two processes.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub ask_twice: bool,
     /// The tolerance presets; empty for all.
     pub tolerances: Vec<String>,
     /// The families; empty for all.
     pub families: Vec<String>,
     /// Block files for the family `real`; empty for the ones that come with the program.
     pub real: Vec<PathBuf>,
+    /// How far a face in those files may be from planar, as a share of its block's size; what the file says by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub planarity: Option<Number>,
     /// Pairs between two states of the journal: what an interruption can lose.
     pub chunk: u64,
     /// One pair in this many goes through the metamorphic checks; 0 for none.
@@ -39,9 +50,12 @@ impl Default for CampaignConfig {
             pairs: 100_000,
             seed: 1,
             engines: vec!["stepper-f32".to_owned(), "stepper-f64".to_owned()],
+            external: Vec::new(),
+            ask_twice: false,
             tolerances: Vec::new(),
             families: Vec::new(),
             real: Vec::new(),
+            planarity: None,
             chunk: 4096,
             metamorphic_every: 16,
             cases_per_fingerprint: 1,

@@ -3,6 +3,9 @@
 //! Everything the campaign knows about the stepper and the oracle is in `builtin`; the rest of the campaign sees these
 //! traits only, so that a mistaken stepper or an external program plugs in without a change elsewhere.
 
+use super::compare::Change;
+use super::finding::Cause;
+use super::mapped::Said;
 use crate::model::decision::Decision;
 use crate::model::{Block, Contact, Precision, ToleranceSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -23,6 +26,33 @@ pub trait Engine: Send + Sync {
     /// # Errors
     /// When the engine cannot take them; that is a verdict about the engine, never the end of a campaign.
     fn prepare<'p>(&'p self, a: &'p Block, b: &'p Block) -> Result<Box<dyn Prepared + 'p>, EngineFailure>;
+
+    /// The cause of what it answers otherwise than the oracle, as far as is known before looking closer.
+    fn cause(&self) -> Cause {
+        Cause::Arithmetic
+    }
+
+    /// How far a gap or a normal it states may be off, in units of eps times the largest coordinate.
+    fn accuracy(&self) -> u64 {
+        1024
+    }
+
+    /// Takes note that an answer of its could not be compared, for want of an exact one.
+    fn not_compared(&self) {}
+
+    /// What it was put through since the program began, for `run.json`; `None` for a built-in engine.
+    fn counts(&self) -> Option<serde_json::Value> {
+        None
+    }
+}
+
+/// What an engine answers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// The contacts, sorted as SPEC section 4 asks.
+    Contacts(Vec<Contact>),
+    /// Only how the blocks lie to one another, as a collision code tells.
+    State(Said),
 }
 
 /// A pair of blocks inside an engine.
@@ -32,6 +62,14 @@ pub trait Prepared {
     /// # Errors
     /// When the engine gives no answer.
     fn classify(&self, tolerances: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure>;
+
+    /// The answer, of whichever sort.
+    ///
+    /// # Errors
+    /// When the engine gives no answer.
+    fn answer(&self, tolerances: &ToleranceSet) -> Result<Answer, EngineFailure> {
+        self.classify(tolerances).map(Answer::Contacts)
+    }
 
     /// The decisions behind the answer, or `None` for an engine that does not tell.
     fn trace(&self, tolerances: &ToleranceSet) -> Option<Trace>;
@@ -58,9 +96,36 @@ pub enum EngineFailure {
     /// The engine says it cannot do this pair.
     #[error("unsupported: {0}")]
     Unsupported(String),
-    /// The engine crashed, or its answer made no sense.
+    /// A built-in engine panicked.
     #[error("failed: {0}")]
     Failed(String),
+    /// The engine's program could not be started, or ended instead of answering.
+    #[error("crashed: {0}")]
+    Crashed(String),
+    /// The engine's program did not answer in time.
+    #[error("timed out: {0}")]
+    TimedOut(String),
+    /// The answer made no sense.
+    #[error("malformed answer: {0}")]
+    Malformed(String),
+    /// Asked twice, the engine answered differently.
+    #[error("two answers: {0}")]
+    Unstable(String),
+}
+
+impl EngineFailure {
+    /// What a finding about it is called.
+    pub fn change(&self) -> Change {
+        match self {
+            EngineFailure::Collapsed(_) => Change::Collapsed,
+            EngineFailure::Unsupported(_) => Change::Unsupported,
+            EngineFailure::Failed(_) => Change::Failure,
+            EngineFailure::Crashed(_) => Change::Crash,
+            EngineFailure::TimedOut(_) => Change::Timeout,
+            EngineFailure::Malformed(_) => Change::Malformed,
+            EngineFailure::Unstable(_) => Change::Unstable,
+        }
+    }
 }
 
 /// The exact side.

@@ -75,6 +75,29 @@ pub fn explain(differences: &[Difference], link: &Link<'_>, features: Features<'
         .collect()
 }
 
+/// For an engine that tells no decisions: around each difference, the decision of the oracle nearest to a tie, which is the
+/// first to suspect. Its outcome after the change is not known and stands as before.
+pub fn suspect(differences: &[Difference], link: &Link<'_>, features: Features<'_>) -> Vec<Option<Deciding>> {
+    let Some(trace) = (link.before)() else { return vec![None; differences.len()] };
+    differences
+        .iter()
+        .map(|difference| {
+            let place = Place::of(difference, features);
+            let (near, outcomes): (Vec<Decision>, Vec<i8>) =
+                trace.iter().copied().filter(|(decision, _)| place.touches(decision, features)).unzip();
+            let margins = (link.margins)(&near);
+            let known = margins.iter().enumerate().filter_map(|(i, margin)| Some((i, (*margin)?)));
+            let (i, margin) = known.reduce(|best, next| if next.1.abs() < best.1.abs() { next } else { best })?;
+            Some(Deciding {
+                decision: near[i],
+                outcomes: [outcomes[i]; 2],
+                margin: Some(margin),
+                margin_ulps: link.roundoff.map(|unit| margin / unit),
+            })
+        })
+        .collect()
+}
+
 /// The vertices around a difference, in each block.
 struct Place {
     a: Vec<u32>,

@@ -1,6 +1,7 @@
 //! A finding: one difference between neighbouring links of the chain of SPEC section 6, its cause and what decided it.
 
 use super::compare::{Change, Difference};
+use super::mapped::{Mapped, State};
 use crate::model::decision::{Decision, Predicate};
 use crate::model::{ContactKind, Precision};
 use std::fmt;
@@ -18,11 +19,15 @@ pub enum Cause {
     /// As arithmetic, but the difference remains when the engine's code runs with a scalar of several hundred bits and
     /// no comparison there was close: a mistake in the code.
     Defect,
+    /// From the exact to an external engine's answer for the rounded input: its arithmetic or its code. Nobody can tell
+    /// which from outside, for a program cannot be run again with several hundred bits.
+    Engine,
 }
 
 impl Cause {
     /// All causes in the order of the chain.
-    pub const ALL: [Cause; 4] = [Cause::Tolerance, Cause::Representation, Cause::Arithmetic, Cause::Defect];
+    pub const ALL: [Cause; 5] =
+        [Cause::Tolerance, Cause::Representation, Cause::Arithmetic, Cause::Defect, Cause::Engine];
 
     /// The name in tables and files.
     pub fn name(self) -> &'static str {
@@ -31,6 +36,7 @@ impl Cause {
             Cause::Representation => "representation",
             Cause::Arithmetic => "arithmetic",
             Cause::Defect => "defect",
+            Cause::Engine => "engine",
         }
     }
 
@@ -113,6 +119,8 @@ pub struct Finding {
     pub difference: Difference,
     /// What decided it, where traces tell.
     pub deciding: Option<Deciding>,
+    /// What was said and what is so, where the engine says only apart, touching or overlapping.
+    pub mapped: Option<Mapped>,
     /// What the engine said when it gave no answer.
     pub note: Option<String>,
 }
@@ -136,13 +144,26 @@ impl Finding {
             change: self.difference.change,
             predicate: self.predicate(),
             kind: self.kind(),
+            states: self.mapped.map(|m| [m.exact, m.said.state]),
             family: Arc::clone(&self.family),
         }
     }
 
+    /// The exact margin, if there is one: that of the deciding predicate, or of touching.
+    pub fn margin(&self) -> Option<f64> {
+        self.deciding.and_then(|d| d.margin).or(self.mapped.map(|m| m.margin))
+    }
+
+    /// The margin in units of the engine's roundoff, if there is one.
+    pub fn margin_ulps(&self) -> Option<f64> {
+        self.deciding.and_then(|d| d.margin_ulps).or(self.mapped.map(|m| m.margin_ulps))
+    }
+
     /// The finding's row of `findings.csv`, without the case file.
     pub fn row(&self) -> [String; FINDING_COLUMNS.len() - 1] {
-        let kind = |c: Option<crate::model::Contact>| c.map_or(String::new(), |c| c.kind.name().to_owned());
+        let kind = |c: Option<crate::model::Contact>, state: Option<State>| {
+            c.map_or(state.map_or("", State::name), |c| c.kind.name()).to_owned()
+        };
         let number = |n: Option<f64>| n.map_or(String::new(), |n| format!("{n:e}"));
         let features = self.deciding.map_or(String::new(), |d| {
             d.decision.features.iter().flatten().map(ToString::to_string).collect::<Vec<_>>().join(" ")
@@ -155,12 +176,12 @@ impl Finding {
             self.who.to_string(),
             self.cause.to_string(),
             self.difference.change.to_string(),
-            kind(self.difference.before),
-            kind(self.difference.after),
+            kind(self.difference.before, self.mapped.map(|m| m.exact)),
+            kind(self.difference.after, self.mapped.map(|m| m.said.state)),
             self.predicate().map_or(String::new(), |p| p.to_string()),
             features,
-            number(self.deciding.and_then(|d| d.margin)),
-            number(self.deciding.and_then(|d| d.margin_ulps)),
+            number(self.margin()),
+            number(self.margin_ulps()),
         ]
     }
 }
@@ -196,24 +217,33 @@ pub struct Fingerprint {
     pub predicate: Option<Predicate>,
     /// The contact's kind.
     pub kind: Option<ContactKind>,
+    /// How the blocks lie, and how the engine says they do.
+    pub states: Option<[State; 2]>,
     /// The family that showed it.
     pub family: Arc<str>,
 }
 
 impl Fingerprint {
-    /// The fingerprint in one line.
+    /// The fingerprint in one line: what decided it, or how the blocks lie and how the engine says they do.
     pub fn text(&self) -> String {
-        let predicate = self.predicate.map_or("no-trace", Predicate::name);
         let kind = self.kind.map_or("pair", ContactKind::name);
-        format!("{kind} {} {} {predicate} {} {}", self.cause, self.change, self.who, self.family)
+        format!("{kind} {} {} {} {} {}", self.cause, self.change, self.decided(), self.who, self.family)
+    }
+
+    fn decided(&self) -> String {
+        match (self.predicate, self.states) {
+            (Some(predicate), _) => predicate.name().to_owned(),
+            (None, Some([exact, said])) => format!("{exact}-{said}"),
+            (None, None) => "no-trace".to_owned(),
+        }
     }
 
     /// `<kind>-<cause>-<slug>`, the stem of a case file; the pair's number makes it unique.
     pub fn file_stem(&self, set: &str, index: u64) -> String {
-        let predicate = self.predicate.map_or("no-trace", Predicate::name);
+        let decided = self.decided();
         let kind = self.kind.map_or("pair", ContactKind::name);
         let stem =
-            format!("{kind}-{}-{}-{predicate}-{}-{}-{set}-{index}", self.cause, self.change, self.who, self.family);
+            format!("{kind}-{}-{}-{decided}-{}-{}-{set}-{index}", self.cause, self.change, self.who, self.family);
         stem.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect()
     }
 }

@@ -104,6 +104,8 @@ pub fn critical(
         "territory" => value <= set.search.approximate(),
         "penetration" => value <= 4.0 * set.penetration.approximate(),
         "equal" => value <= 0.125,
+        // Edges at right angles: their sine is 1 in every number format, so this tie survives wherever they lie.
+        "parallel_sine" => value <= 1.0,
         _ => value <= 0.95,
     };
     fits.then_some(critical)

@@ -59,7 +59,7 @@ pub fn check(base: &Base<'_>) -> Checks {
             let answer = guarded(|| base.engine.prepare(a, b)?.classify(base.tolerances)).unwrap_or_default();
             let invented = answer.into_iter().map(|contact| {
                 let difference = Difference { change: Change::FarBlock, before: None, after: Some(contact) };
-                (Cause::Arithmetic, difference, None)
+                (base.engine.cause(), difference, None)
             });
             checks.violations.extend(invented);
         }
@@ -100,7 +100,7 @@ fn compare(base: &Base<'_>, change: Change, other: &Transformed, checks: &mut Ch
             said.unsettled == 0 && answers_differ(right, &said.contacts, &difference)
         };
         let remains = wide.as_ref().is_some_and(|[here, there]| wrong(here, base.exact) || wrong(there, &exact));
-        let cause = if remains { Cause::Defect } else { Cause::Arithmetic };
+        let cause = if remains { Cause::Defect } else { base.engine.cause() };
         let deciding = deciding(base, &difference, &Turned { other, tolerances: &tolerances, prepared: &*prepared });
         checks.violations.push((cause, Difference { change, ..difference }, deciding));
     }

@@ -185,6 +185,8 @@ impl Campaign<'_> {
             .iter()
             .map(|cause| (cause.name().to_owned(), summary.count_of(cause.name()).into()))
             .collect();
+        let counted = |e: &dyn super::engine::Engine| Some((e.name().to_owned(), e.counts()?));
+        let external: Map<String, Value> = self.panel.engines.iter().filter_map(|e| counted(&**e)).collect();
         let text = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "seed": self.config.seed,
@@ -200,6 +202,7 @@ impl Campaign<'_> {
             "contacts": progress.contacts,
             "findings": { "total": summary.total(), "by_cause": by_cause },
             "metamorphic_checks": progress.metamorphic_checks,
+            "external_engines_since_start": external,
             "oracle_levels": levels,
             "case_files": progress.cases.values().sum::<u64>(),
             "seconds": progress.seconds,

@@ -1,4 +1,5 @@
-//! Makes a case smaller while it still shows the same finding: engine, cause, change and deciding predicate.
+//! Makes a case smaller while it still shows the same finding: engine, cause, change, kind of
+//! contact and deciding predicate.
 //!
 //! Greedy and deterministic: each step proposes a simpler case, and it is kept if it still shows the finding. Steps are
 //! repeated until none helps or the allowed number of examinations is used up.

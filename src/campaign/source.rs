@@ -5,7 +5,7 @@ use super::families::{self, Real};
 use super::pairs::{self, PairCase, PairConfig};
 use super::sets::{self, SetSource};
 use super::subject::{Source, Subject, SubjectSet};
-use crate::model::{Block, Scene, SceneError};
+use crate::model::{Block, LoadOptions, Scene, SceneError};
 use serde_json::{Map, Value};
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
@@ -66,7 +66,7 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
         let mut blocks = Vec::new();
         for file in &config.real {
             // Pairs are sought within a file, so files are kept apart by a family of their own each.
-            let scene = Scene::load(file)?;
+            let scene = Scene::load_with(file, &LoadOptions { planarity: config.planarity.clone() })?;
             blocks.push(
                 Real::neighbours(&scene.shapes().into_iter().cloned().collect::<Vec<Block>>())
                     .ok_or_else(|| SourceError::NoNeighbours { file: file.display().to_string() })?,

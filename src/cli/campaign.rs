@@ -1,13 +1,13 @@
 //! `campaign`: generated and real pairs through every engine, differences explained, findings kept.
 
 use crate::cli::exit::{Outcome, Verdict, note, print};
+use crate::cli::input::{EngineArgs, ReadArgs};
 use crate::cli::table::{grouped, table};
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
-use rockproof::campaign::attribution::Panel;
-use rockproof::campaign::builtin::{self, ENGINES};
 use rockproof::campaign::compare::Change;
 use rockproof::campaign::config::CampaignConfig;
+use rockproof::campaign::engines::Engines;
 use rockproof::campaign::finding::{Cause, Finding};
 use rockproof::campaign::journal::{Journal, Progress, Start};
 use rockproof::campaign::run::{self, Ending};
@@ -26,8 +26,10 @@ use std::time::{Duration, Instant};
 #[command(after_help = "Examples:
   rockproof campaign                                  every family, f32 and f64, all presets; about a minute
   rockproof campaign --pairs 10000 --family sliver --engine stepper-f32 --tolerances shi
+  rockproof campaign --family real --real cases/real/voronoi_120.txt --planarity 1e-4
   rockproof campaign --out reports/night --pairs 100000000 --resume
   rockproof campaign --deny defect --deny collapsed   for CI: exit 1 if there is such a finding
+  rockproof campaign --engine-command mine:f32=./client --ask-twice   your own program (docs/engines.md)
 
 A finding's engine is `any` for a tolerance (it changes the exact answer for everyone), `f32` or `f64` for what rounding
 the input does, and an engine's name for its own arithmetic.
@@ -45,9 +47,11 @@ pub(crate) struct Campaign {
     /// Directory of the results [default: reports/campaign-SEED]
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Engine to examine; may be repeated [default: all]
+    /// Engine to examine, built-in or named by --engine-command; may be repeated [default: all]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     engine: Vec<String>,
+    #[command(flatten)]
+    external: EngineArgs,
     /// Tolerance preset; may be repeated [default: all]
     #[arg(long, value_name = "PRESET", value_delimiter = ',')]
     tolerances: Vec<String>,
@@ -57,6 +61,8 @@ pub(crate) struct Campaign {
     /// Block file for the family `real`; may be repeated [default: those that come with the program]
     #[arg(long, value_name = "FILE")]
     real: Vec<PathBuf>,
+    #[command(flatten)]
+    read: ReadArgs,
     /// Go on with the run in the directory, or begin if there is none
     #[arg(long, conflicts_with = "force")]
     resume: bool,
@@ -75,9 +81,9 @@ impl Campaign {
     pub(crate) fn run(&self) -> Outcome {
         check_deny(&self.deny)?;
         let config = self.configuration()?;
-        let panel = builtin::panel(&config.engines, config.metamorphic_every)
-            .map_err(|name| anyhow::anyhow!("engine \"{name}\" does not exist; there are {}", ENGINES.join(", ")))?;
+        let engines = Engines::of(&config)?;
         let source = source::of(&config)?;
+        engines.probe()?;
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/campaign-{}", config.seed)));
         let start = match (self.resume, self.force) {
             (true, _) => Start::Resume,
@@ -94,7 +100,7 @@ impl Campaign {
             }
         })
         .context("cannot catch Ctrl-C")?;
-        let ending = work(&config, &panel, &source, self.threads, &mut journal, &stop)?;
+        let ending = work(&config, &engines, &source, self.threads, &mut journal, &stop)?;
         let mut text = Vec::new();
         report(&mut text, &journal, ending)?;
         print(&String::from_utf8_lossy(&text))?;
@@ -120,17 +126,24 @@ impl Campaign {
         };
         config.pairs = self.pairs.unwrap_or(config.pairs);
         config.seed = self.seed.unwrap_or(config.seed);
-        for (given, setting) in [
-            (&self.engine, &mut config.engines),
-            (&self.tolerances, &mut config.tolerances),
-            (&self.family, &mut config.families),
-        ] {
+        self.external.add_to(&mut config)?;
+        if !self.engine.is_empty() {
+            let (external, builtin): (Vec<String>, Vec<String>) =
+                self.engine.iter().cloned().partition(|name| config.external.iter().any(|spec| spec.name == *name));
+            config.engines = builtin;
+            config.external.retain(|spec| external.contains(&spec.name));
+        }
+        for (given, setting) in [(&self.tolerances, &mut config.tolerances), (&self.family, &mut config.families)] {
             if !given.is_empty() {
                 setting.clone_from(given);
             }
         }
         if !self.real.is_empty() {
             config.real.clone_from(&self.real);
+        }
+        if let Some(planarity) = self.read.options().planarity {
+            anyhow::ensure!(!config.real.is_empty(), "--planarity is about the files of --real, and there are none");
+            config.planarity = Some(planarity);
         }
         Ok(config)
     }
@@ -148,14 +161,15 @@ fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
 
 fn work(
     config: &CampaignConfig,
-    panel: &Panel,
+    engines: &Engines,
     source: &FamilySource,
     threads: usize,
     journal: &mut Journal,
     stop: &AtomicBool,
 ) -> anyhow::Result<Ending> {
-    let narrow = |finding: &Finding| builtin::panel_for(&config.engines, finding);
-    let campaign = run::Campaign { config, source, panel, narrow: &narrow, threads };
+    let narrow = |finding: &Finding| engines.panel_for(finding);
+    let panel = engines.panel();
+    let campaign = run::Campaign { config, source, panel: &panel, narrow: &narrow, threads };
     let mut display = Display::new(config.pairs, journal.progress());
     let ending = campaign.run(journal, stop, &mut |progress| display.show(progress))?;
     display.end();
@@ -258,6 +272,7 @@ fn cause_place(cause: &str) -> &'static str {
         Some(Cause::Representation) => "1representation",
         Some(Cause::Arithmetic) => "2arithmetic",
         Some(Cause::Defect) => "3defect",
-        None => "4",
+        Some(Cause::Engine) => "4engine",
+        None => "5",
     }
 }

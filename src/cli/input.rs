@@ -1,6 +1,9 @@
 //! Arguments that several commands share.
 
 use anyhow::Context;
+use rockproof::campaign::config::CampaignConfig;
+use rockproof::campaign::engines::Engines;
+use rockproof::campaign::external::EngineSpec;
 use rockproof::model::{LoadOptions, Number, Precision, Preset, ToleranceSpec};
 use std::path::Path;
 
@@ -15,6 +18,50 @@ pub(crate) struct ReadArgs {
 impl ReadArgs {
     pub(crate) fn options(&self) -> LoadOptions {
         LoadOptions { planarity: self.planarity.clone() }
+    }
+}
+
+/// Engines that are programs of their own.
+#[derive(clap::Args)]
+pub(crate) struct EngineArgs {
+    /// Another engine, a program that is asked over stdin and stdout (docs/engines.md); may be repeated. Its input is
+    /// rounded to f64, or to f32 as NAME:f32=COMMAND says
+    #[arg(long, value_name = "NAME=COMMAND")]
+    engine_command: Vec<String>,
+    /// How long such a program may take for one answer, in seconds [default: 10, or what the configuration says]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    engine_timeout: Option<u64>,
+    /// Ask such programs everything twice, of two processes: whose answers differ is `unstable`
+    #[arg(long)]
+    ask_twice: bool,
+}
+
+impl EngineArgs {
+    /// Adds them to those of a configuration.
+    pub(crate) fn add_to(&self, config: &mut CampaignConfig) -> anyhow::Result<()> {
+        for text in &self.engine_command {
+            config.external.push(EngineSpec::parse(text).context("--engine-command")?);
+        }
+        if let Some(timeout_ms) = self.engine_timeout {
+            config.external.iter_mut().for_each(|spec| spec.timeout_ms = timeout_ms);
+        }
+        config.ask_twice |= self.ask_twice;
+        Ok(())
+    }
+
+    /// The built-in engines and these.
+    pub(crate) fn engines(&self) -> anyhow::Result<Engines> {
+        let mut config = CampaignConfig::default();
+        self.add_to(&mut config)?;
+        Ok(Engines::of(&config)?)
+    }
+}
+
+/// Seconds, as milliseconds.
+fn seconds(text: &str) -> Result<u64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (0.001..=86_400.0).contains(&seconds) => Ok((seconds * 1000.0).round() as u64),
+        _ => Err("allowed are 0.001 to 86400".to_string()),
     }
 }
 

@@ -6,6 +6,7 @@ mod check;
 mod classify;
 mod convert;
 mod exit;
+mod gate;
 mod input;
 mod replay;
 mod shrink;
@@ -35,6 +36,7 @@ enum Command {
     Replay(replay::Replay),
     Shrink(shrink::Shrink),
     Convert(convert::Convert),
+    Gate(gate::Gate),
     Bench(bench::Bench),
 }
 
@@ -48,6 +50,7 @@ impl Command {
             Command::Replay(command) => command.run(),
             Command::Shrink(command) => command.run(),
             Command::Convert(command) => command.run(),
+            Command::Gate(command) => command.run(),
             Command::Bench(command) => command.run(),
         }
     }

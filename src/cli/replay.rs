@@ -1,11 +1,15 @@
 //! `replay`: what each engine and the oracle say about a case, side by side, and decision by decision where they part.
 
 use crate::cli::exit::{Outcome, Verdict, note, print};
+use crate::cli::input::EngineArgs;
 use crate::cli::table::table;
-use rockproof::campaign::builtin::{ENGINES, Exact, engine};
+use rockproof::campaign::builtin::Exact;
 use rockproof::campaign::case_file::{Case, contact_rows};
-use rockproof::campaign::engine::{EngineFailure, Oracle, Trace, guarded};
+use rockproof::campaign::engine::{Answer, EngineFailure, Oracle, Trace, guarded};
+use rockproof::campaign::engines::Engines;
 use rockproof::campaign::explain::{Parted, parted};
+use rockproof::campaign::external::protocol::completed;
+use rockproof::campaign::mapped::separation::Separation;
 use rockproof::model::{Contact, Precision, ToleranceSet};
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -20,6 +24,8 @@ Exit status: 0 the exact answer is the one the case records, 1 it is another, 2 
 pub(crate) struct Replay {
     /// The case
     case: PathBuf,
+    #[command(flatten)]
+    external: EngineArgs,
 }
 
 /// One answer with the decisions behind it.
@@ -27,6 +33,8 @@ struct Said {
     name: String,
     contacts: Result<Vec<Contact>, EngineFailure>,
     trace: Option<Trace>,
+    /// How the blocks lie, where an engine is asked for that.
+    state: Option<String>,
 }
 
 /// The margins of the decisions that parted, and the unit to count them in.
@@ -40,14 +48,17 @@ struct Parting {
 impl Replay {
     pub(crate) fn run(&self) -> Outcome {
         let case = Case::load(&self.case)?;
-        let (said, partings) = answers(&case);
+        let engines = self.external.engines()?;
+        let (said, partings) = answers(&case, &engines);
         let mut out = Vec::new();
         show(&mut out, &case, &said, &partings)?;
         print(&String::from_utf8_lossy(&out))?;
         let recorded = match case.about.cause.as_str() {
             "tolerance" => &said[0],
             "representation" => &said[1],
-            _ => said.iter().find(|s| s.name == format!("exact {}", precision_name(&case))).unwrap_or(&said[1]),
+            _ => {
+                said.iter().find(|s| s.name == format!("exact {}", precision_name(&case, &engines))).unwrap_or(&said[1])
+            }
         };
         if recorded.contacts.as_deref().is_ok_and(|contacts| contact_rows(contacts) == case.about.expected) {
             return Ok(Verdict::Fine);
@@ -58,18 +69,20 @@ impl Replay {
 }
 
 /// The precision of the engine the case is about.
-fn precision_name(case: &Case) -> String {
-    engine(&case.about.engine).map_or_else(|| case.about.engine.clone(), |e| e.precision().to_string())
+fn precision_name(case: &Case, engines: &Engines) -> String {
+    engines.find(&case.about.engine).map_or_else(|| case.about.engine.clone(), |e| e.precision().to_string())
 }
 
-fn answers(case: &Case) -> (Vec<Said>, Vec<Parting>) {
+fn answers(case: &Case, engines: &Engines) -> (Vec<Said>, Vec<Parting>) {
     let solids = Exact.prepare(&case.a, &case.b);
     let pair = solids.pair();
     let exact = |name: &str, tolerances: &ToleranceSet| Said {
         name: name.to_owned(),
         contacts: Ok(pair.classify(tolerances).contacts),
         trace: Some(pair.trace(tolerances)),
+        state: None,
     };
+    let all: Vec<_> = engines.names().iter().filter_map(|name| engines.find(name)).collect();
     let mut said = vec![exact("ideal", &case.tolerances.ideal()), exact("exact", &case.tolerances)];
     let mut partings = Vec::new();
     let mut part = |title: String, one: &Said, other: &Said, roundoff, margins: &dyn Fn(&[_]) -> Vec<Option<f64>>| {
@@ -91,22 +104,33 @@ fn answers(case: &Case) -> (Vec<Said>, Vec<Parting>) {
         let rounded = solids.pair();
         let name = format!("exact {precision}");
         let contacts = Ok(rounded.classify(&tolerances).contacts);
-        let here = Said { name: name.clone(), contacts, trace: Some(rounded.trace(&tolerances)) };
+        let mut here = Said { name: name.clone(), contacts, trace: Some(rounded.trace(&tolerances)), state: None };
         part(format!("representation in {precision}: exact, {name}"), &said[1], &here, unit(precision), &given);
         let margins = |decisions: &[_]| rounded.margins(&tolerances, decisions);
-        let mut engines = Vec::new();
-        for engine in ENGINES.iter().filter_map(|name| engine(name)).filter(|e| e.precision() == precision) {
+        let mut others = Vec::new();
+        for engine in all.iter().filter(|e| e.precision() == precision) {
             let prepared = guarded(|| engine.prepare(&a, &b));
-            let (contacts, trace) = match prepared {
-                Ok(prepared) => (guarded(|| prepared.classify(&tolerances)), prepared.trace(&tolerances)),
+            let (answer, trace) = match prepared {
+                Ok(prepared) => (guarded(|| prepared.answer(&tolerances)), prepared.trace(&tolerances)),
                 Err(failure) => (Err(failure), None),
             };
-            let there = Said { name: engine.name().to_owned(), contacts, trace };
+            let (contacts, state) = match answer {
+                Ok(Answer::Contacts(contacts)) => {
+                    (Ok(completed(contacts, here.contacts.as_deref().unwrap_or(&[]))), None)
+                }
+                Ok(Answer::State(said)) => (Ok(Vec::new()), Some(said.to_string())),
+                Err(failure) => (Err(failure), None),
+            };
+            if let (Some(_), None) = (&state, &here.state) {
+                let exact = Separation::of(&a, &b);
+                here.state = exact.map(|exact| format!("{} {:?} m", exact.state, exact.gap_m()));
+            }
+            let there = Said { name: engine.name().to_owned(), contacts, trace, state };
             part(format!("arithmetic: {name}, {}", there.name), &here, &there, unit(precision), &margins);
-            engines.push(there);
+            others.push(there);
         }
         said.push(here);
-        said.extend(engines);
+        said.extend(others);
     }
     (said, partings)
 }
@@ -139,6 +163,11 @@ fn show(out: &mut impl Write, case: &Case, said: &[Said], partings: &[Parting]) 
         row
     });
     writeln!(out, "{}", table(&header, &[], rows))?;
+    for lying in said {
+        if let Some(state) = &lying.state {
+            writeln!(out, "{}: {state}", lying.name)?;
+        }
+    }
     for failed in said {
         if let Err(failure) = &failed.contacts {
             writeln!(out, "{} gave no answer: {failure}", failed.name)?;

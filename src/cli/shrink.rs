@@ -1,11 +1,9 @@
 //! `shrink`: a case made smaller while it shows the same finding.
 
 use crate::cli::exit::{Outcome, Verdict, print};
+use crate::cli::input::EngineArgs;
 use anyhow::Context;
-use rockproof::campaign::builtin::{self, ENGINES};
 use rockproof::campaign::case_file::{About, Case};
-use rockproof::campaign::compare::Change;
-use rockproof::campaign::finding::Who;
 use rockproof::campaign::shrink::Shrinker;
 use rockproof::model::Block;
 use rockproof::model::files::write_atomically;
@@ -26,19 +24,23 @@ pub(crate) struct Shrink {
     /// Pairs to examine at most
     #[arg(long, default_value_t = 5000)]
     evaluations: u64,
+    #[command(flatten)]
+    external: EngineArgs,
 }
 
 impl Shrink {
     pub(crate) fn run(&self) -> Outcome {
         let case = Case::load(&self.case)?;
         let about = &case.about;
-        let who = Who::from_name(&about.engine);
-        let change = Change::from_name(&about.change).context("no such change")?;
-        let panel = builtin::narrow_panel(&ENGINES.map(str::to_owned), &who, change);
+        let engines = self.external.engines()?;
         let file = self.case.display();
-        if panel.engines.is_empty() {
-            anyhow::bail!("{file}: engine is \"{}\"; known are any, f32, f64, {}", about.engine, ENGINES.join(", "));
-        }
+        let Some(panel) = engines.panel_of(&case) else {
+            let known = engines.names().join(", ");
+            anyhow::bail!(
+                "{file}: engine is \"{}\"; known are any, f32, f64, {known}, and what --engine-command names",
+                about.engine
+            );
+        };
         if case.findings(&panel).is_empty() {
             let About { cause, change, engine, predicate, .. } = about;
             anyhow::bail!("{file}: the pair does not show its finding: {cause} {change} by {engine} ({predicate})");

@@ -43,6 +43,8 @@ impl Sort {
                 families: vec![Arc::new(Generic::default())],
                 directed_percent: 0,
                 ladder_percent: 0,
+                // These have their last bits moved already; shaking would make their coordinates longer than f64 holds.
+                shaken_percent: 0,
                 ..config
             },
             // Onto the boundary itself as well as beside it.

@@ -86,11 +86,18 @@ fn an_error_that_undoes_a_tolerance_still_counts() {
 
 #[test]
 fn no_answer_is_a_verdict() {
-    for failure in [EngineFailure::Unsupported("concave".into()), EngineFailure::Failed("no JSON".into())] {
+    for (failure, change) in [
+        (EngineFailure::Unsupported("concave".into()), Change::Unsupported),
+        (EngineFailure::Failed("panic".into()), Change::Failure),
+        (EngineFailure::Crashed("signal 11".into()), Change::Crash),
+        (EngineFailure::TimedOut("10 s".into()), Change::Timeout),
+        (EngineFailure::Malformed("no JSON".into()), Change::Malformed),
+        (EngineFailure::Unstable("one, then two".into()), Change::Unstable),
+    ] {
         let script = Script { engine: Err(failure.clone()), ..Script::unanimous(&[base()]) };
         let examined = run(&script);
         assert_eq!(examined.findings.len(), 1);
-        assert_eq!(examined.findings[0].difference.change, Change::Failure);
+        assert_eq!(examined.findings[0].difference.change, change);
         assert_eq!(examined.findings[0].note, Some(failure.to_string()));
     }
     let script = Script { engine: Err(EngineFailure::Collapsed("edge 3".into())), ..Script::unanimous(&[base()]) };

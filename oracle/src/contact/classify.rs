@@ -57,6 +57,9 @@ impl<O: Observer> Run<'_, '_, O> {
     }
 
     fn neighbours(&mut self) -> bool {
+        if self.surely_neighbours() {
+            return true;
+        }
         self.decide(
             || Decision::about(Predicate::Neighbours, &[]),
             |run| {

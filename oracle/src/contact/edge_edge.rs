@@ -15,7 +15,10 @@ impl<O: Observer> Run<'_, '_, O> {
         if !(self.edge_is_convex(Side::A, edge_a) && self.edge_is_convex(Side::B, edge_b)) {
             return None;
         }
-        if self.nearly_parallel(edge_a, edge_b) || !self.feet_inside(edge_a, edge_b) {
+        if self.edges_hopeless(edge_a, edge_b)
+            || self.nearly_parallel(edge_a, edge_b)
+            || !self.feet_inside(edge_a, edge_b)
+        {
             return None;
         }
         let sigma = self.orientation(edge_a, edge_b);

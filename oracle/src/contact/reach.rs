@@ -10,7 +10,7 @@ use crate::solid::Solid;
 use rockproof_model::decision::Side;
 use smallvec::SmallVec;
 
-/// The features of one block that can take part in a contact.
+/// The features of one block that can take part in a contact: vertices, and edges that are convex.
 #[derive(Default)]
 pub(crate) struct Reach {
     pub(crate) vertices: SmallVec<[u32; 32]>,
@@ -56,9 +56,9 @@ impl<O: Observer> Run<'_, '_, O> {
                 reach.vertices.push(v);
             }
         }
-        for (e, &(p, q)) in solid.ends.iter().enumerate() {
-            let (min, max) = span(solid, p, q);
-            if !grown.misses(&min, &max) {
+        for (e, [min, max]) in solid.edge_boxes.iter().enumerate() {
+            // Reflex edges have no contacts of their own.
+            if !grown.misses(min, max) && solid.block.edge_is_convex(e as u32) {
                 reach.edges.push(e as u32);
             }
         }
@@ -68,11 +68,8 @@ impl<O: Observer> Run<'_, '_, O> {
     /// Whether two edges are certainly further apart than `distance`.
     #[inline(always)]
     pub(crate) fn edges_out_of_reach(&self, edge_a: u32, edge_b: u32, distance: f64) -> bool {
-        let (a, b) = (self.pair.a, self.pair.b);
-        let (p_a, q_a) = a.ends[edge_a as usize];
-        let (p_b, q_b) = b.ends[edge_b as usize];
-        let (min_a, max_a) = span(a, p_a, q_a);
-        let (min_b, max_b) = span(b, p_b, q_b);
+        let [min_a, max_a] = &self.pair.a.edge_boxes[edge_a as usize];
+        let [min_b, max_b] = &self.pair.b.edge_boxes[edge_b as usize];
         (0..3).any(|k| max_a[k] + distance < min_b[k] || min_a[k] - distance > max_b[k])
     }
 
@@ -87,9 +84,7 @@ impl<O: Observer> Run<'_, '_, O> {
     #[inline(always)]
     pub(crate) fn vertex_out_of_reach_of_edge(&self, vertex: (Side, u32), edge: u32, distance: f64) -> bool {
         let at = point(self.pair.solid(vertex.0), vertex.1);
-        let other = self.pair.solid(vertex.0.other());
-        let (p, q) = other.ends[edge as usize];
-        let (min, max) = span(other, p, q);
+        let [min, max] = &self.pair.solid(vertex.0.other()).edge_boxes[edge as usize];
         (0..3).any(|k| at[k] + distance < min[k] || at[k] - distance > max[k])
     }
 }
@@ -98,10 +93,4 @@ impl<O: Observer> Run<'_, '_, O> {
 fn point(solid: &Solid, vertex: u32) -> [f64; 3] {
     let v = &solid.vertices[vertex as usize];
     [v.x.0, v.y.0, v.z.0]
-}
-
-#[inline(always)]
-fn span(solid: &Solid, p: u32, q: u32) -> ([f64; 3], [f64; 3]) {
-    let (p, q) = (point(solid, p), point(solid, q));
-    (std::array::from_fn(|k| p[k].min(q[k])), std::array::from_fn(|k| p[k].max(q[k])))
 }

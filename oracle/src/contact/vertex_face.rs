@@ -12,6 +12,9 @@ impl<O: Observer> Run<'_, '_, O> {
     /// `−g ≤ h ≤ s`, the projection strictly inside the polygon, the vertex in no territory of the face's vertices and
     /// edges, and its cone passes the plane.
     pub(crate) fn vertex_face(&mut self, vertex: Vertex, face: Face) -> Option<Candidate> {
+        if self.vertex_face_hopeless(vertex, face) {
+            return None;
+        }
         let candidate = self.face_candidate(vertex, face.1);
         let features = [Feature::Vertex(vertex.0, vertex.1), Feature::Face(face.0, face.1)];
         let near = self.decide(

@@ -3,8 +3,9 @@ use rockproof_model::{Ring, Sign};
 
 /// A midpoint and a radius: the exact value is within `radius` of `middle`.
 ///
-/// The second level of the ladder: its bound follows the values that actually occur, at some four times the cost of
-/// plain f64. Overflow gives an infinite or NaN radius, which decides nothing.
+/// The second level of the ladder: its bound follows the values that actually occur, and operations that round nothing
+/// add nothing, so that values of few binary digits stay exact and even ties are decided. Overflow gives an infinite or
+/// NaN radius, which decides nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ball {
     /// The calculated value.
@@ -37,6 +38,32 @@ impl Ball {
     }
 }
 
+/// Significant binary digits of a number, from the first to the last that is not zero; far too many for zero, subnormal
+/// and non-finite numbers.
+#[inline]
+fn digits(value: f64) -> u32 {
+    let bits = value.to_bits();
+    match (bits >> 52) & 0x7FF {
+        0 | 0x7FF => 1000,
+        _ => 53 - (bits | 1 << 52).trailing_zeros(),
+    }
+}
+
+/// Whether `product` is the product of the two and not a rounding of it. May say no of some that are.
+#[inline]
+fn product_is_exact(one: f64, other: f64, product: f64) -> bool {
+    // Below, the last digit of the product might be lost to underflow.
+    const SAFE: f64 = f64::MIN_POSITIVE * (1u64 << 60) as f64;
+    digits(one) + digits(other) <= 53 && product.abs() >= SAFE && product.is_finite()
+}
+
+/// Whether `sum` is the sum of the two and not a rounding of it: the error that two-sum (Knuth 1969) finds is zero.
+#[inline]
+fn sum_is_exact(one: f64, other: f64, sum: f64) -> bool {
+    let from_other = sum - one;
+    (one - (sum - from_other)) + (other - from_other) == 0.0
+}
+
 impl Ring for Ball {
     #[inline]
     fn from_i32(value: i32) -> Self {
@@ -46,11 +73,15 @@ impl Ring for Ball {
     fn plus(&self, other: &Self) -> Self {
         // A floating-point sum never underflows to something inexact. The radius may: its rounding error is below
         // 2⁻¹⁰⁷⁵, and a nonzero one is kept above that by UNDERFLOW in `times`.
-        Ball::rounded(self.middle + other.middle, self.radius + other.radius)
+        let (sum, error) = (self.middle + other.middle, self.radius + other.radius);
+        if sum_is_exact(self.middle, other.middle, sum) {
+            return Ball { middle: sum, radius: error * INFLATION };
+        }
+        Ball::rounded(sum, error)
     }
     #[inline]
     fn minus(&self, other: &Self) -> Self {
-        Ball::rounded(self.middle - other.middle, self.radius + other.radius)
+        self.plus(&other.negated())
     }
     #[inline]
     fn times(&self, other: &Self) -> Self {
@@ -58,12 +89,61 @@ impl Ring for Ball {
         if exact_zero {
             return Ball { middle: 0.0, radius: 0.0 };
         }
+        let product = self.middle * other.middle;
+        if self.radius == 0.0 && other.radius == 0.0 && product_is_exact(self.middle, other.middle, product) {
+            return Ball { middle: product, radius: 0.0 };
+        }
         let error = self.middle.abs() * other.radius + other.middle.abs() * self.radius + self.radius * other.radius;
-        let product = Ball::rounded(self.middle * other.middle, error);
+        let product = Ball::rounded(product, error);
         Ball { middle: product.middle, radius: product.radius + UNDERFLOW }
     }
     #[inline]
     fn negated(&self) -> Self {
         Ball { middle: -self.middle, radius: self.radius }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_rational::BigRational;
+
+    fn rational(value: f64) -> BigRational {
+        BigRational::from_float(value).unwrap()
+    }
+
+    #[test]
+    fn nothing_is_called_exact_that_was_rounded() {
+        let tiny = f64::MIN_POSITIVE;
+        let odd = [1.0, 3.0, 1.0 + f64::EPSILON, 0.1, 5e-324, tiny, tiny * 3.0, 1e300, 2f64.powi(-540), 67_108_863.0];
+        let (mut exact, mut rounded) = (0, 0);
+        for x in odd {
+            for y in odd.into_iter().flat_map(|y| [y, -y, y * 2f64.powi(-30), y * 2f64.powi(27)]) {
+                let (sum, product) = (x + y, x * y);
+                if sum.is_finite() && sum_is_exact(x, y, sum) {
+                    assert_eq!(rational(sum), rational(x) + rational(y), "{x} + {y}");
+                    exact += 1;
+                } else {
+                    rounded += 1;
+                }
+                if product_is_exact(x, y, product) {
+                    assert_eq!(rational(product), rational(x) * rational(y), "{x} * {y}");
+                    exact += 1;
+                } else {
+                    rounded += 1;
+                }
+            }
+        }
+        assert!(exact > 100 && rounded > 100, "{exact} exact, {rounded} rounded");
+        assert!(!sum_is_exact(f64::MAX, f64::MAX, f64::INFINITY));
+    }
+
+    #[test]
+    fn ties_of_few_digits_are_decided() {
+        let ball = |middle| Ball { middle, radius: 0.0 };
+        let (a, b) = (ball(1.25), ball(-3.75));
+        assert_eq!(a.times(&ball(3.0)).plus(&b).certain_sign(), Some(Sign::Zero));
+        let third = ball(1.0 + f64::EPSILON).times(&ball(1.0 + f64::EPSILON));
+        assert_eq!(third.minus(&ball(1.0 + 2.0 * f64::EPSILON)).certain_sign(), None);
     }
 }

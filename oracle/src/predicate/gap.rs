@@ -10,12 +10,16 @@ pub(crate) fn plane<V: View>(view: &V, entrance: &Entrance) -> (V::T, V::T) {
     match entrance.kind {
         EntranceKind::VertexFace => face_plane(view, (Side::A, entrance.a), (Side::B, entrance.b)),
         EntranceKind::FaceVertex => face_plane(view, (Side::B, entrance.b), (Side::A, entrance.a)),
-        EntranceKind::EdgeEdge => {
-            let n = across(view, entrance.a, entrance.b);
-            let (a, b) = (start(view, (Side::A, entrance.a)), start(view, (Side::B, entrance.b)));
-            (n.dot(&view.between(b, a)), n.norm_squared())
-        }
+        EntranceKind::EdgeEdge => edges_plane(view, entrance.a, entrance.b),
     }
+}
+
+/// `P` and `Q` of the plane of two edges.
+#[inline(always)]
+pub(crate) fn edges_plane<V: View>(view: &V, edge_a: u32, edge_b: u32) -> (V::T, V::T) {
+    let n = across(view, edge_a, edge_b);
+    let (a, b) = (start(view, (Side::A, edge_a)), start(view, (Side::B, edge_b)));
+    (n.dot(&view.between(b, a)), n.norm_squared())
 }
 
 #[inline(always)]
@@ -25,8 +29,9 @@ fn face_plane<V: View>(view: &V, vertex: Vertex, face: Face) -> (V::T, V::T) {
     (plane_value(view, vertex, face), count.squared().times(&n.norm_squared()))
 }
 
+/// `P` of the plane of a face.
 #[inline(always)]
-fn plane_value<V: View>(view: &V, vertex: Vertex, face: Face) -> V::T {
+pub(crate) fn plane_value<V: View>(view: &V, vertex: Vertex, face: Face) -> V::T {
     let n = view.normal(face.0, face.1);
     let count = view.loop_length(face.0, face.1);
     let first = (face.0, view.first_corner(face.0, face.1));
@@ -39,13 +44,21 @@ pub(crate) struct AbovePlane {
     pub(crate) face: Face,
 }
 
+impl AbovePlane {
+    /// The variant of all faces of the block on `side`.
+    #[inline(always)]
+    pub(crate) fn variant_of(side: Side) -> usize {
+        side_of(side)
+    }
+}
+
 impl Polynomial for AbovePlane {
     const FIRST_SLOT: usize = after::<FootBeyondVertex>();
     const VARIANTS: usize = 2;
     const DEGREE: usize = 3;
     #[inline(always)]
     fn variant(&self) -> usize {
-        side_of(self.face.0)
+        AbovePlane::variant_of(self.face.0)
     }
     #[inline(always)]
     fn value<V: View>(&self, view: &V) -> V::T {
@@ -59,13 +72,21 @@ pub(crate) struct GapWithin {
     pub(crate) limit: Limit,
 }
 
+impl GapWithin {
+    /// The variant of all gaps of this kind of entrance.
+    #[inline(always)]
+    pub(crate) fn variant_of(kind: EntranceKind, limit: Limit) -> usize {
+        kind as usize * 3 + limit as usize
+    }
+}
+
 impl Polynomial for GapWithin {
     const FIRST_SLOT: usize = after::<AbovePlane>();
     const VARIANTS: usize = 9;
     const DEGREE: usize = 6;
     #[inline(always)]
     fn variant(&self) -> usize {
-        kind_of(&self.entrance) * 3 + self.limit as usize
+        GapWithin::variant_of(self.entrance.kind, self.limit)
     }
     #[inline(always)]
     fn value<V: View>(&self, view: &V) -> V::T {

@@ -28,7 +28,7 @@ impl Family for EdgeCross {
         let above = keel(&mut kit);
         let across = above.mapped(&[[0, -1, 0], [1, 0, 0], [0, 0, 1]], 1);
         let above = if kit.chance(60) { kit.turned_flat(&across) } else { across };
-        let (a, b) = crossing(&mut kit, &below, &above);
+        let (a, b) = crossing_ridges(&mut kit, &below, &above);
         kit.finish(a, b)
     }
 }
@@ -53,11 +53,19 @@ pub(super) fn keel(kit: &mut Kit<'_>) -> Solid {
     ridge(kit).mapped(&[[1, 0, 0], [0, -1, 0], [0, 0, -1]], 1)
 }
 
-/// `above` moved so that its lowest edge crosses the highest edge of `below`, at the middle of each or off by a share
-/// of its half, with a gap.
-pub(super) fn crossing(kit: &mut Kit<'_>, below: &Solid, above: &Solid) -> (Solid, Solid) {
-    let (p, half_p) = middle(below, below.extent(2).1);
-    let (q, half_q) = middle(above, above.extent(2).0);
+/// `above` moved so that its lowest edge crosses the highest edge of `below`.
+pub(super) fn crossing_ridges(kit: &mut Kit<'_>, below: &Solid, above: &Solid) -> (Solid, Solid) {
+    let (low, high) = (middle(below, 2, below.extent(2).1), middle(above, 2, above.extent(2).0));
+    crossing(kit, (below, low), (above, high))
+}
+
+/// `above` moved so that an edge of it crosses one of `below`, at the middle of each or off by a share of its half, with
+/// a gap along z. The edges are given as by [`middle`].
+pub(super) fn crossing(
+    kit: &mut Kit<'_>,
+    (below, (p, half_p)): (&Solid, (Units, Units)),
+    (above, (q, half_q)): (&Solid, (Units, Units)),
+) -> (Solid, Solid) {
     let slide = |kit: &mut Kit<'_>| match kit.below(6) {
         0 | 1 => 0,
         2 => 64 * kit.sign(),
@@ -72,9 +80,9 @@ pub(super) fn crossing(kit: &mut Kit<'_>, below: &Solid, above: &Solid) -> (Soli
     kit.point_to_point((&below, at(p, half_p, s)), (&above, at(q, half_q, t)), [0, 0, gap])
 }
 
-/// Twice the middle, and twice half the length, of the edge at this height.
-fn middle(solid: &Solid, height: i128) -> (Units, Units) {
-    let ends: Vec<Units> = solid.points().iter().copied().filter(|p| p[2] == height).collect();
+/// Twice the middle, and twice half the length, of the edge at this place along an axis.
+pub(super) fn middle(solid: &Solid, axis: usize, place: i128) -> (Units, Units) {
+    let ends: Vec<Units> = solid.points().iter().copied().filter(|p| p[axis] == place).collect();
     let (p, q) = (ends[0], ends[ends.len() - 1]);
     ([0, 1, 2].map(|i| p[i] + q[i]), [0, 1, 2].map(|i| q[i] - p[i]))
 }

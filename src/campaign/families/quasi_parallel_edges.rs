@@ -1,6 +1,6 @@
 //! Two ridges that are almost parallel.
 
-use super::edge_cross::{crossing, keel, ridge};
+use super::edge_cross::{crossing_ridges, keel, ridge};
 use super::{Family, Kit};
 use crate::campaign::shapes::Turn;
 use rand_chacha::ChaCha8Rng;
@@ -43,7 +43,7 @@ impl Family for QuasiParallelEdges {
                 kit.turned_by(&along, Turn::from_quaternion(quaternion))
             }
         };
-        let (a, b) = crossing(&mut kit, &below, &above);
+        let (a, b) = crossing_ridges(&mut kit, &below, &above);
         kit.finish(a, b)
     }
 }

@@ -1,5 +1,6 @@
 //! Wedges of a few degrees.
 
+use super::edge_cross::{crossing, middle};
 use super::{Family, Kit};
 use crate::campaign::shapes::Solid;
 use rand_chacha::ChaCha8Rng;
@@ -14,7 +15,7 @@ impl Family for SharpWedge {
     }
 
     fn describe(&self) -> &'static str {
-        "a wedge of some degrees, lying on, entering or pointing at another wedge or block"
+        "a wedge of some degrees, lying on, entering, pointing at or flat across another wedge or block"
     }
 
     fn reaches(&self) -> &'static [ContactKind] {
@@ -23,6 +24,9 @@ impl Family for SharpWedge {
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
         let mut kit = Kit::new(rng);
+        if kit.chance(15) {
+            return blades(&mut kit);
+        }
         let a = sharp(&mut kit);
         let other = if kit.chance(60) { sharp(&mut kit) } else { kit.convex(16, 64) };
         let b = kit.cube_turned(&other);
@@ -43,6 +47,23 @@ impl Family for SharpWedge {
         };
         kit.finish(a, b)
     }
+}
+
+/// Two blades that lie flat, one's edge across the other's. Each opens to both sides of its edge alike, so neither leans
+/// more to one side of the plane of both edges than the other: σ ties.
+fn blades(kit: &mut Kit<'_>) -> (Block, Block) {
+    let (a, b) = (blade(kit), blade(kit).mapped(&[[0, -1, 0], [1, 0, 0], [0, 0, 1]], 1));
+    let (edge_a, edge_b) = (middle(&a, 0, a.extent(0).0), middle(&b, 1, b.extent(1).0));
+    let (a, b) = crossing(kit, (&a, edge_a), (&b, edge_b));
+    kit.finish(a, b)
+}
+
+/// A blade with its edge along y, that opens along x as `sharp` does.
+fn blade(kit: &mut Kit<'_>) -> Solid {
+    let length = kit.length(32, 64);
+    let thickness = (length / kit.between(12, 100)).max(8);
+    let width = kit.length(16, 48);
+    kit.shape("ridge", [width, thickness, length]).mapped(&[[0, 0, -1], [1, 0, 0], [0, -1, 0]], 1)
 }
 
 /// A wedge or point along x, its tip at x = 0 and its thickness a twelfth to a hundredth of its length.

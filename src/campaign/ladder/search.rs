@@ -50,7 +50,8 @@ pub(super) fn found(kit: &mut Kit<'_>, pair: &Pair<'_>, tolerance: &str) -> Foun
             _ => cone(kit, pair, false),
         },
         "parallel_sine" => nearly_parallel(kit, pair, false),
-        "equal" => equal(kit, pair),
+        // Most gaps have an irrational ratio.
+        "equal" => (0..DRAWS).find_map(|_| equal(kit, pair)),
         _ => None,
     }
 }

@@ -125,20 +125,29 @@ impl<R: Real> Solid<R> {
             let near = |number| R::from_number(number).ok_or(Collapsed { what: Part::Vertex(v as u32) });
             points.push(Vector::new(near(&exact.x)?, near(&exact.y)?, near(&exact.z)?));
         }
+        Solid::with_points(block.clone(), &points)
+    }
+
+    /// Prepares a block whose vertices stand at these points; its convexity flags and what it touches stay as they are.
+    ///
+    /// # Errors
+    /// When a feature has no extent, naming it.
+    pub fn with_points(block: Block, points: &[Vector<R>]) -> Result<Solid<R>, Collapsed> {
+        let topology = block.topology();
         let mut areas = Vec::with_capacity(topology.faces().len());
         let mut faces = Vec::with_capacity(topology.faces().len());
         for (f, corners) in topology.faces().iter().enumerate() {
-            let area = area_vector(&points, corners);
+            let area = area_vector(points, corners);
             let size = area.length();
             if !has_extent(size) {
                 return Err(Collapsed { what: Part::Face(f as u32) });
             }
             areas.push(area);
-            faces.push(face(&points, corners, area / size));
+            faces.push(face(points, corners, area / size));
         }
         let mut edges = Vec::with_capacity(topology.edges().len());
         for e in 0..topology.edges().len() as u32 {
-            edges.push(ridge(block, &points, &Faces { flat: &faces, areas: &areas }, e)?);
+            edges.push(ridge(&block, points, &Faces { flat: &faces, areas: &areas }, e)?);
         }
         let mut spokes = Vec::with_capacity(2 * edges.len());
         let vertices = (0..points.len() as u32)
@@ -155,8 +164,8 @@ impl<R: Real> Solid<R> {
                 }
             })
             .collect();
-        let bounds = Bounds::around(&points);
-        Ok(Solid { block: block.clone(), bounds, vertices, spokes, edges, faces })
+        let bounds = Bounds::around(points);
+        Ok(Solid { block, bounds, vertices, spokes, edges, faces })
     }
 
     /// The block this was prepared from, with its own exact coordinates.

@@ -1,7 +1,32 @@
 //! SPEC section 5: a step of discontinuous deformation analysis, as read in `docs/step.md`.
+//!
+//! [`Dynamics`] holds a scene and its state. A step finds the contacts ([`crate::stepper::contact`]), lets each continue one of the step
+//! before (`transfer.rs`), and tries: `attempt.rs` is the open–close iteration at one Δt, `engine.rs` cuts Δt until an attempt is good, and
+//! moves the blocks (`kinematics.rs`). `contact.rs` is a contact's springs, `rules.rs` every comparison, `island.rs` and `solve.rs` the
+//! system of equations.
 
+mod alone;
+mod area;
+mod attempt;
+mod contact;
+pub mod displacement;
+mod engine;
+mod island;
+mod kinematics;
+mod material;
+pub mod moments;
+mod neighbours;
+mod plane;
 pub mod report;
+pub mod rules;
+mod setup;
+pub mod solve;
 pub mod state;
+mod transfer;
 
+pub use engine::{Dynamics, Phases};
 pub use report::{Concerned, Retry, RetryReason, StepReport, Stopped};
+pub use rules::StepRules;
+pub use setup::{Limits, SetupError};
+pub use solve::Solve;
 pub use state::{BlockState, ContactState, Mode, State};

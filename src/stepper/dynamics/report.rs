@@ -134,12 +134,12 @@ pub enum Stopped {
         block: usize,
     },
     /// The system of equations has no solution in this precision.
-    #[error("step {step}: the system cannot be solved: pivot {unknown} is not positive")]
+    #[error("step {step}: the system of block {block} cannot be solved: a pivot is not positive")]
     Singular {
         /// The step.
         step: i64,
-        /// The unknown.
-        unknown: usize,
+        /// A block of the system.
+        block: usize,
     },
 }
 

@@ -1,0 +1,104 @@
+//! A complete client for Rockproof in Rust, for a code that classifies contacts. The stepper in f64 stands for that code:
+//! replace `contacts` by a call of your own.
+//!
+//! `rockproof campaign --engine-command "mine=target/release/examples/engine_client"` must then find exactly what it finds about
+//! `stepper-f64`. A word as argument makes the client misbehave, for the tests: see `Trick`.
+
+use rockproof::model::{Block, BlockOptions, Contact, Criteria, Number, Point, ToleranceSet};
+use rockproof::stepper::contact::Spec;
+use rockproof::stepper::{Classifier, Stepper};
+use serde_json::{Value, json};
+use std::io::{BufRead, Write};
+
+type Failure = Box<dyn std::error::Error>;
+
+fn number(value: &Value) -> Result<Number, Failure> {
+    Ok(Number::from_f64(value.as_f64().ok_or("not a number")?)?)
+}
+
+fn block(value: &Value) -> Result<Block, Failure> {
+    let list = |key: &str| value[key].as_array().ok_or("not a list");
+    let point = |p: &Value| Ok::<_, Failure>(Point::new(number(&p[0])?, number(&p[1])?, number(&p[2])?));
+    let vertices = list("vertices")?.iter().map(point).collect::<Result<_, _>>()?;
+    let faces: Vec<Vec<u32>> = serde_json::from_value(value["faces"].clone())?;
+    // Rounding may have bent a face.
+    let options = BlockOptions { planarity: Number::from_integer(1) };
+    Ok(Block::new(vertices, faces, &options)?)
+}
+
+fn tolerances(value: &Value) -> Result<ToleranceSet, Failure> {
+    let zero = || Number::ZERO;
+    let criteria = if value["criteria"] == "classic" { Criteria::Classic } else { Criteria::Revised };
+    let mut set = ToleranceSet {
+        search: zero(),
+        territory: zero(),
+        penetration: zero(),
+        overlap_sine: zero(),
+        parallel_sine: zero(),
+        equal: zero(),
+        open: zero(),
+        close: zero(),
+        max_displacement: zero(),
+        max_rotation: zero(),
+        criteria,
+    };
+    for (name, place) in set.numbers_mut() {
+        *place = number(&value[name])?;
+    }
+    Ok(set)
+}
+
+/// Your code comes here.
+fn contacts(question: &Value) -> Result<Vec<Contact>, Failure> {
+    let (a, b) = (block(&question["a"])?, block(&question["b"])?);
+    Ok(Stepper::<Spec>::new().f64(&a, &b, &tolerances(&question["tolerances"])?)?)
+}
+
+fn written(contact: &Contact) -> Value {
+    json!({
+        "kind": contact.kind.name(), "feature_a": contact.a, "feature_b": contact.b,
+        "entrance": contact.entrance.kind.name(), "entrance_a": contact.entrance.a, "entrance_b": contact.entrance.b,
+        "gap_sign": contact.gap.as_i8(),
+    })
+}
+
+/// A way to misbehave, on pairs whose first coordinate says so: about a third of them.
+fn trick(word: &str, question: &Value) -> Option<String> {
+    let first = question["a"]["vertices"][0][0].as_f64().unwrap_or(0.0).to_bits();
+    // Not the first question, whose first coordinate is 0.
+    let chosen = (first ^ (first >> 32) ^ (first >> 47)) % 3 == 1;
+    let id = &question["id"];
+    match word {
+        "kinds" | "" => None,
+        _ if !chosen => None,
+        "crash" => std::process::exit(3),
+        "hang" => loop {
+            std::thread::sleep(std::time::Duration::from_secs(60));
+        },
+        "malformed" => Some(format!("{{\"id\":{id},\"contacts\":[{{\"kind\":\"v-w\"}}]}}")),
+        "unsupported" => Some(json!({ "id": id, "unsupported": "not today" }).to_string()),
+        "unstable" if std::process::id().is_multiple_of(2) => None,
+        "unstable" | "none" => Some(json!({ "id": id, "contacts": [] }).to_string()),
+        "state" => Some(json!({ "id": id, "state": "apart" }).to_string()),
+        _ => std::process::exit(2),
+    }
+}
+
+fn main() -> Result<(), Failure> {
+    let word = std::env::args().nth(1).unwrap_or_default();
+    let mut out = std::io::stdout().lock();
+    for line in std::io::stdin().lock().lines() {
+        let question: Value = serde_json::from_str(&line?)?;
+        let answer = trick(&word, &question).unwrap_or_else(|| {
+            let mut answer = match contacts(&question) {
+                Ok(contacts) => json!({ "contacts": contacts.iter().map(written).collect::<Vec<_>>() }),
+                Err(why) => json!({ "unsupported": why.to_string() }),
+            };
+            answer["id"] = question["id"].clone();
+            answer.to_string()
+        });
+        writeln!(out, "{answer}")?;
+        out.flush()?;
+    }
+    Ok(())
+}

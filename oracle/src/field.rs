@@ -1,0 +1,76 @@
+//! The number types in which a step is calculated: each quantity is written once, over [`Field`], and evaluated in
+//! whichever type is asked for, so that the cheap levels and the exact one cannot drift apart.
+//!
+//! | type | what it knows | level |
+//! | --- | --- | --- |
+//! | [`Ball`](crate::number::Ball) | an f64 and a radius | `f64` |
+//! | [`WideBall`] | a binary number of as many bits as asked for, and a radius | 128 bits to the cap |
+//! | `BigRational` | the value itself | exact |
+
+mod exact;
+mod float;
+mod magnitude;
+#[cfg(test)]
+mod tests;
+mod wide;
+
+pub(crate) use magnitude::Magnitude;
+pub(crate) use wide::WideBall;
+
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use rockproof_model::{Number, Ring, Sign};
+
+/// Real numbers, known exactly or within an enclosure that always holds the exact value.
+///
+/// Every operation on enclosures gives an enclosure of the result for all values the operands may have. `None` says
+/// that this type cannot tell, never that no result exists.
+pub(crate) trait Field: Ring {
+    /// The enclosure of a fraction to `bits` significant bits, as far as the type goes.
+    fn of_rational(value: &BigRational, bits: u32) -> Self;
+
+    /// The enclosure of an exact number.
+    fn of_number(value: &Number, bits: u32) -> Self {
+        Self::of_rational(&value.to_rational(), bits)
+    }
+
+    /// The enclosure of `a − b`: formed before anything is rounded, so that a far origin costs nothing.
+    fn of_difference(a: &Number, b: &Number, bits: u32) -> Self {
+        Self::of_number(&a.plus(&b.negated()), bits)
+    }
+
+    /// `self / divisor`; `None` where the divisor may be zero.
+    fn over(&self, divisor: &Self) -> Option<Self>;
+
+    /// `√self`; `None` where the value may be negative, or where the type has no such number.
+    fn root(&self) -> Option<Self>;
+
+    /// `self / 2`.
+    fn half(&self) -> Self;
+
+    /// The sign, where all values enclosed have the same.
+    fn certain_sign(&self) -> Option<Sign>;
+
+    /// The fraction this is, or lies next to: the middle of the enclosure, exactly.
+    fn middle(&self) -> BigRational;
+
+    /// At least the distance of the value from [`Field::middle`]; `None` where nothing is known.
+    fn radius(&self) -> Option<Magnitude>;
+
+    /// An f64 near the value and at least its distance from it; infinite or NaN where f64 does not reach.
+    fn nearby(&self) -> (f64, f64);
+
+    /// Whether the value is certainly zero: it may be left out of sums.
+    fn is_zero(&self) -> bool {
+        self.certain_sign() == Some(Sign::Zero)
+    }
+}
+
+/// The fraction `significand · 2^exponent`.
+pub(crate) fn dyadic(significand: BigInt, exponent: i64) -> BigRational {
+    if exponent >= 0 {
+        BigRational::from_integer(significand << exponent as usize)
+    } else {
+        BigRational::new(significand, BigInt::from(1) << exponent.unsigned_abs() as usize)
+    }
+}

@@ -1,0 +1,103 @@
+//! Random expressions: every enclosure holds the exact value, and no certain sign is wrong.
+
+use super::{Field, WideBall};
+use crate::number::Ball;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::Signed;
+use rockproof_model::Number;
+
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 >> 33
+    }
+}
+
+/// The same value in four types.
+#[derive(Clone)]
+struct Quartet {
+    exact: BigRational,
+    float: Option<Ball>,
+    wide: [Option<WideBall>; 2],
+}
+
+const BITS: [u32; 2] = [64, 200];
+
+impl Quartet {
+    fn leaf(random: &mut Random) -> Quartet {
+        let small = |r: &mut Random| BigInt::from(r.next() as i64 - (1 << 30));
+        let (mut n, mut d) = (small(random), BigInt::from(1 + random.next()));
+        match random.next() % 4 {
+            0 => d = BigInt::from(1u64 << (random.next() % 40)),
+            1 => n = BigInt::from(random.next() as i64 % 3 - 1),
+            _ => {}
+        }
+        let exact = BigRational::new(n, d);
+        let number = Number::from_rational(exact.clone());
+        let wide = BITS.map(|bits| Some(WideBall::of_rational(&exact, bits)));
+        Quartet { float: Some(Ball::of_number(&number, 53)), wide, exact }
+    }
+
+    fn check(&self) -> usize {
+        fn one<S: Field>(exact: &BigRational, ball: Option<&S>) -> usize {
+            let Some(ball) = ball else { return 0 };
+            if let Some(radius) = ball.radius() {
+                assert!((ball.middle() - exact).abs() <= radius.to_rational(), "an enclosure lost {exact}");
+            }
+            let (near, off) = ball.nearby();
+            if near.is_finite() && off.is_finite() {
+                let near = Number::from_f64(near).unwrap().to_rational();
+                assert!((near - exact).abs() <= Number::from_f64(off).unwrap().to_rational(), "nearby lost {exact}");
+            }
+            ball.certain_sign().map_or(0, |sign| {
+                assert_eq!(Some(sign), exact.certain_sign());
+                1
+            })
+        }
+        one(&self.exact, self.float.as_ref()) + self.wide.iter().map(|w| one(&self.exact, w.as_ref())).sum::<usize>()
+    }
+
+    fn combined(&self, other: &Quartet, operation: u64) -> Option<Quartet> {
+        fn go<S: Field>(a: &S, b: &S, operation: u64) -> Option<S> {
+            match operation {
+                0 => Some(a.plus(b)),
+                1 => Some(a.minus(b)),
+                2 => Some(a.times(b)),
+                3 => a.over(b),
+                4 => Some(a.half()),
+                // The root of a square, where the exact value has one too.
+                _ => a.squared().root(),
+            }
+        }
+        let wide =
+            [0, 1].map(|k| self.wide[k].as_ref().zip(other.wide[k].as_ref()).and_then(|(a, b)| go(a, b, operation)));
+        let float = self.float.as_ref().zip(other.float.as_ref()).and_then(|(a, b)| go(a, b, operation));
+        Some(Quartet { exact: go(&self.exact, &other.exact, operation)?, float, wide })
+    }
+}
+
+#[test]
+fn enclosures_hold_the_exact_value() {
+    let mut random = Random(7);
+    let (mut decided, mut asked) = (0, 0);
+    for _ in 0..3_000 {
+        let mut values = vec![Quartet::leaf(&mut random), Quartet::leaf(&mut random)];
+        for _ in 0..8 {
+            let pick = |r: &mut Random, n: usize| r.next() as usize % n;
+            let (i, j) = (pick(&mut random, values.len()), pick(&mut random, values.len()));
+            let next = match random.next() % 5 {
+                0 => Some(Quartet::leaf(&mut random)),
+                _ => values[i].combined(&values[j], random.next() % 6),
+            };
+            if let Some(next) = next.filter(|v| v.exact.numer().bits() + v.exact.denom().bits() < 3_000) {
+                decided += next.check();
+                asked += 3;
+                values.push(next);
+            }
+        }
+    }
+    assert!(asked > 30_000 && decided > asked / 2, "{decided} of {asked} signs decided");
+}

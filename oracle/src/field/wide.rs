@@ -1,0 +1,275 @@
+//! Balls of as many bits as asked for: a binary number and an upper bound of its distance from the exact value.
+
+use super::{Field, Magnitude, dyadic};
+use num_bigint::BigInt;
+use num_integer::Integer;
+use num_rational::BigRational;
+use num_traits::{Signed, ToPrimitive, Zero};
+use rockproof_model::number::split_f64;
+use rockproof_model::{Number, Ring, Sign};
+
+/// All values within `radius` of `significand · 2^exponent`.
+///
+/// A result that has more than `bits` bits is cut, and the radius takes up what was lost; results that fit are exact,
+/// so sums and products of short numbers keep the radius zero.
+#[derive(Clone, Debug)]
+pub(crate) struct WideBall {
+    significand: BigInt,
+    exponent: i64,
+    radius: Magnitude,
+    bits: u32,
+}
+
+/// Bits kept of a middle below the leading bit of its radius: more would say nothing.
+const GUARD: i64 = 24;
+/// Bits of a quotient of constants, which have no precision of their own.
+const LEAST_BITS: u32 = 64;
+
+impl WideBall {
+    /// The number `significand · 2^exponent` itself.
+    pub(crate) fn exactly(significand: BigInt, exponent: i64, bits: u32) -> WideBall {
+        WideBall { significand, exponent, radius: Magnitude::ZERO, bits }
+    }
+
+    /// The f64 itself; it must be finite.
+    pub(crate) fn of_f64(value: f64, bits: u32) -> WideBall {
+        let (significand, exponent) = split_f64(value);
+        WideBall::exactly(BigInt::from(significand), i64::from(exponent), bits)
+    }
+
+    /// Cuts a result to its bits.
+    fn cut(mut self) -> WideBall {
+        let length = self.significand.bits() as i64;
+        let mut excess = length - i64::from(self.bits.max(LEAST_BITS));
+        if let Some(top) = self.radius.top() {
+            excess = excess.max(top - GUARD - self.exponent);
+        }
+        if excess > 0 && length > 0 {
+            let excess = excess.min(length);
+            if self.significand.trailing_zeros().is_some_and(|zeros| (zeros as i64) < excess) {
+                self.radius = self.radius.plus(Magnitude::power_of_two(self.exponent + excess));
+            }
+            self.significand >>= excess as usize;
+            self.exponent += excess;
+        }
+        self
+    }
+
+    /// The exact number in the middle.
+    pub(crate) fn without_radius(&self) -> WideBall {
+        WideBall { radius: Magnitude::ZERO, ..self.clone() }
+    }
+
+    /// The ball with a radius larger by `more`.
+    pub(crate) fn widened(&self, more: Magnitude) -> WideBall {
+        WideBall { radius: self.radius.plus(more), ..self.clone() }
+    }
+
+    /// At least the size of every value enclosed.
+    pub(crate) fn most(&self) -> Magnitude {
+        Magnitude::of_integer(&self.significand, self.exponent).plus(self.radius)
+    }
+
+    /// The radius alone.
+    pub(crate) fn spread(&self) -> Magnitude {
+        self.radius
+    }
+
+    /// The place of the middle's leading bit; `None` for a middle of zero.
+    pub(crate) fn top(&self) -> Option<i64> {
+        (!self.significand.is_zero()).then(|| self.exponent + self.significand.bits() as i64)
+    }
+
+    /// The middle divided by `2^scale`, as the nearest f64 or one beside it; it must be within f64's range.
+    pub(crate) fn scaled_f64(&self, scale: i64) -> f64 {
+        let excess = (self.significand.bits() as i64 - 62).max(0);
+        let short = (&self.significand >> excess as usize).to_i64().unwrap_or(0);
+        let exponent = (self.exponent + excess - scale).clamp(-2_000, 2_000) as i32;
+        let half = exponent / 2;
+        short as f64 * 2f64.powi(half) * 2f64.powi(exponent - half)
+    }
+
+    fn bits_with(&self, other: &WideBall) -> u32 {
+        self.bits.max(other.bits)
+    }
+
+    fn is_exact_zero(&self) -> bool {
+        self.significand.is_zero() && self.radius.is_zero()
+    }
+
+    fn sum(&self, other: &WideBall, negate: bool) -> WideBall {
+        let bits = self.bits_with(other);
+        let signed = |v: &BigInt| if negate { -v } else { v.clone() };
+        if other.is_exact_zero() {
+            return WideBall { bits, ..self.clone() };
+        }
+        if self.is_exact_zero() {
+            return WideBall { significand: signed(&other.significand), bits, ..other.clone() };
+        }
+        let radius = self.radius.plus(other.radius);
+        // An addend far below the other's last bit only adds to the radius.
+        let reach = 2 * i64::from(bits.max(LEAST_BITS)) + 64;
+        match (self.top(), other.top()) {
+            (Some(mine), Some(theirs)) if mine - theirs > reach && self.exponent > theirs => {
+                let lost = Magnitude::of_integer(&other.significand, other.exponent);
+                return WideBall { radius: radius.plus(lost), bits, ..self.clone() }.cut();
+            }
+            (Some(mine), Some(theirs)) if theirs - mine > reach && other.exponent > mine => {
+                let lost = Magnitude::of_integer(&self.significand, self.exponent);
+                let significand = signed(&other.significand);
+                return WideBall { significand, exponent: other.exponent, radius: radius.plus(lost), bits }.cut();
+            }
+            _ => {}
+        }
+        let exponent = match (self.significand.is_zero(), other.significand.is_zero()) {
+            (true, false) => other.exponent,
+            (false, true) => self.exponent,
+            _ => self.exponent.min(other.exponent),
+        };
+        let place = |ball: &WideBall| {
+            if ball.significand.is_zero() {
+                BigInt::zero()
+            } else {
+                &ball.significand << (ball.exponent - exponent) as usize
+            }
+        };
+        let (mine, theirs) = (place(self), place(other));
+        let significand = if negate { mine - theirs } else { mine + theirs };
+        WideBall { significand, exponent, radius, bits }.cut()
+    }
+}
+
+impl Ring for WideBall {
+    fn from_i32(value: i32) -> Self {
+        WideBall::exactly(BigInt::from(value), 0, 0)
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        self.sum(other, false)
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        self.sum(other, true)
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        let bits = self.bits_with(other);
+        if self.is_exact_zero() || other.is_exact_zero() {
+            return WideBall::exactly(BigInt::zero(), 0, bits);
+        }
+        let size = |ball: &WideBall| Magnitude::of_integer(&ball.significand, ball.exponent);
+        let mut radius = self.radius.times(other.radius);
+        if !other.radius.is_zero() {
+            radius = radius.plus(size(self).times(other.radius));
+        }
+        if !self.radius.is_zero() {
+            radius = radius.plus(size(other).times(self.radius));
+        }
+        let significand = &self.significand * &other.significand;
+        WideBall { significand, exponent: self.exponent + other.exponent, radius, bits }.cut()
+    }
+
+    fn negated(&self) -> Self {
+        WideBall { significand: -&self.significand, ..self.clone() }
+    }
+}
+
+impl Field for WideBall {
+    fn of_rational(value: &BigRational, bits: u32) -> Self {
+        let part = |n: &BigInt| WideBall::exactly(n.clone(), 0, u32::MAX);
+        quotient(&part(value.numer()), &part(value.denom()), bits).unwrap_or_else(|| Self::from_i32(0))
+    }
+
+    fn of_number(value: &Number, bits: u32) -> Self {
+        match value.as_f64() {
+            Some(float) => WideBall::of_f64(float, bits),
+            None => Self::of_rational(&value.to_rational(), bits),
+        }
+    }
+
+    fn over(&self, divisor: &Self) -> Option<Self> {
+        quotient(self, divisor, self.bits_with(divisor))
+    }
+
+    fn root(&self) -> Option<Self> {
+        if self.is_exact_zero() {
+            return Some(self.clone());
+        }
+        let units = self.radius.in_units(self.exponent);
+        if !self.significand.is_positive() || (!units.is_zero() && self.significand <= units) {
+            return None;
+        }
+        let wanted = 2 * i64::from(self.bits.max(LEAST_BITS)) + 4;
+        let mut shift = (wanted - self.significand.bits() as i64).max(0);
+        shift += (self.exponent - shift).rem_euclid(2);
+        let widened = &self.significand << shift as usize;
+        let root = widened.sqrt();
+        let exponent = (self.exponent - shift) / 2;
+        let mut radius = Magnitude::ZERO;
+        if &root * &root != widened {
+            radius = Magnitude::power_of_two(exponent);
+        }
+        if !self.radius.is_zero() {
+            // |√x − √m| ≤ r/√m; the integer root, above zero, bounds √m from below.
+            radius = radius.plus(self.radius.over(floor(&root, exponent))?);
+        }
+        Some(WideBall { significand: root, exponent, radius, bits: self.bits }.cut())
+    }
+
+    fn half(&self) -> Self {
+        WideBall { exponent: self.exponent - 1, radius: self.radius.shifted(-1), ..self.clone() }
+    }
+
+    fn certain_sign(&self) -> Option<Sign> {
+        if self.radius.is_zero() || self.significand.magnitude() > self.radius.in_units(self.exponent).magnitude() {
+            return Some(rockproof_model::ring::ExactRing::sign(&self.significand));
+        }
+        None
+    }
+
+    fn middle(&self) -> BigRational {
+        dyadic(self.significand.clone(), self.exponent)
+    }
+
+    fn radius(&self) -> Option<Magnitude> {
+        Some(self.radius)
+    }
+
+    fn nearby(&self) -> (f64, f64) {
+        if self.most().top().is_some_and(|top| top > 1_000) {
+            return (f64::NAN, f64::INFINITY);
+        }
+        let middle = self.scaled_f64(0);
+        (middle, self.radius.to_f64() + middle.abs() * f64::EPSILON * 4.0 + f64::MIN_POSITIVE)
+    }
+}
+
+/// At most `|value| · 2^exponent`: the leading 32 bits.
+fn floor(value: &BigInt, exponent: i64) -> Magnitude {
+    let excess = value.bits().saturating_sub(32) as usize;
+    let whole: BigInt = BigInt::from(value.magnitude().clone()) >> excess << excess;
+    Magnitude::of_integer(&whole, exponent)
+}
+
+/// `a / b` to `bits` bits; `None` where b may be zero.
+fn quotient(a: &WideBall, b: &WideBall, bits: u32) -> Option<WideBall> {
+    // At most |b| − ρ, in units of b.
+    let least = BigInt::from(b.significand.magnitude().clone()) - b.radius.in_units(b.exponent);
+    if !least.is_positive() {
+        return None;
+    }
+    if a.is_exact_zero() {
+        return Some(WideBall::exactly(BigInt::zero(), 0, bits));
+    }
+    let wanted = i64::from(bits.max(LEAST_BITS)) + 2;
+    let shift = (wanted + b.significand.bits() as i64 - a.significand.bits() as i64).max(0);
+    let (significand, rest) = (&a.significand << shift as usize).div_rem(&b.significand);
+    let exponent = a.exponent - shift - b.exponent;
+    let mut radius = if rest.is_zero() { Magnitude::ZERO } else { Magnitude::power_of_two(exponent) };
+    if !a.radius.is_zero() || !b.radius.is_zero() {
+        // |x/y − m/w| ≤ (r + |m/w|·ρ) / (|w| − ρ), with one unit more for the quotient that was cut.
+        let size = Magnitude::of_integer(&significand, exponent).plus(Magnitude::power_of_two(exponent));
+        radius = radius.plus(a.radius.plus(size.times(b.radius)).over(floor(&least, b.exponent))?);
+    }
+    Some(WideBall { significand, exponent, radius, bits }.cut())
+}

@@ -1,0 +1,150 @@
+//! Exact mass moments of a polyhedron by simplex integration, and isotropic elasticity (SPEC section 5).
+
+use crate::field::Field;
+use num_rational::BigRational;
+use rockproof_model::simulation::Material;
+use rockproof_model::{Block, Vec3};
+
+/// Volume, centroid and second moments of a block; each face as the triangles from the first vertex of its loop.
+#[derive(Clone, Debug)]
+pub(crate) struct Moments<S> {
+    /// In m³.
+    pub(crate) volume: S,
+    /// The centroid relative to vertex 0, in m.
+    pub(crate) centroid: Vec3<S>,
+    /// `∫ X_a X_b dV` about the centroid, in m⁵.
+    pub(crate) second: [[S; 3]; 3],
+}
+
+impl<S: Field> Moments<S> {
+    /// The moments of a block; `None` where its volume may be zero.
+    pub(crate) fn of(block: &Block, bits: u32) -> Option<Moments<S>> {
+        let origin = &block.vertices()[0];
+        let points: Vec<Vec3<S>> = block.vertices().iter().map(|v| difference(v, origin, bits)).collect();
+        let zero = || S::from_i32(0);
+        let (mut six_volumes, mut first) = (zero(), Vec3::<S>::zero());
+        let mut second: [[S; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| zero()));
+        for face in block.topology().faces() {
+            let a = &points[face[0] as usize];
+            for pair in face[1..].windows(2) {
+                let [b, c] = [pair[0], pair[1]].map(|v| &points[v as usize]);
+                // The tetrahedron (0, a, b, c): ∫ 1 = w/6, ∫ x = w·s/24, ∫ x_p x_q = w·(s_p s_q + Σ v_p v_q)/120.
+                let w = a.dot(&b.cross(c));
+                let s = a.plus(b).plus(c);
+                six_volumes = six_volumes.plus(&w);
+                first = first.plus(&s.scaled(&w));
+                for (p, row) in second.iter_mut().enumerate() {
+                    for (q, entry) in row.iter_mut().enumerate() {
+                        let products = [&s, a, b, c].map(|v| v.components()[p].times(v.components()[q]));
+                        let sum = products.iter().fold(zero(), |sum, product| sum.plus(product));
+                        *entry = entry.plus(&w.times(&sum));
+                    }
+                }
+            }
+        }
+        let volume = six_volumes.over(&S::from_i32(6))?;
+        let weight = six_volumes.times(&S::from_i32(4));
+        let centroid = over(&first, &weight)?;
+        for (p, row) in second.iter_mut().enumerate() {
+            for (q, entry) in row.iter_mut().enumerate() {
+                let shift = volume.times(centroid.components()[p]).times(centroid.components()[q]);
+                *entry = entry.over(&S::from_i32(120))?.minus(&shift);
+            }
+        }
+        Some(Moments { volume, centroid, second })
+    }
+
+    /// `∫ TᵀT dV`: 12 × 12, to be multiplied by the density.
+    pub(crate) fn matrix(&self) -> Vec<Vec<S>> {
+        let mut matrix = vec![vec![S::from_i32(0); 12]; 12];
+        for (k, row) in matrix.iter_mut().enumerate() {
+            for (l, entry) in row.iter_mut().enumerate() {
+                if k < 3 || l < 3 {
+                    // First moments about the centroid vanish.
+                    if k == l {
+                        *entry = self.volume.clone();
+                    }
+                    continue;
+                }
+                for &(r1, a, f1) in TURNS_AND_STRAINS[k - 3] {
+                    for &(r2, b, f2) in TURNS_AND_STRAINS[l - 3] {
+                        if r1 == r2 {
+                            *entry = entry.plus(&self.second[a][b].times(&S::from_i32(f1 * f2)));
+                        }
+                    }
+                }
+                *entry = entry.half().half();
+            }
+        }
+        matrix
+    }
+}
+
+/// The columns of T from the fourth on: (row, coordinate of X, twice the factor).
+pub(crate) const TURNS_AND_STRAINS: [&[(usize, usize, i32)]; 9] = [
+    &[(1, 2, -2), (2, 1, 2)],
+    &[(0, 2, 2), (2, 0, -2)],
+    &[(0, 1, -2), (1, 0, 2)],
+    &[(0, 0, 2)],
+    &[(1, 1, 2)],
+    &[(2, 2, 2)],
+    &[(1, 2, 1), (2, 1, 1)],
+    &[(0, 2, 1), (2, 0, 1)],
+    &[(0, 1, 1), (1, 0, 1)],
+];
+
+/// The elasticity matrix of the six strains (εx, εy, εz, γyz, γzx, γxy), exactly; `None` for a Poisson's ratio that leaves none.
+pub(crate) fn elasticity(material: &Material) -> Option<[[BigRational; 6]; 6]> {
+    let (young, poisson) = (material.young.to_rational(), material.poisson.to_rational());
+    let whole = |v: i32| BigRational::from_integer(v.into());
+    let shear = Field::over(&young, &(whole(2) * (whole(1) + &poisson)))?;
+    let lame = Field::over(&(&young * &poisson), &((whole(1) + &poisson) * (whole(1) - whole(2) * &poisson)))?;
+    Some(std::array::from_fn(|row| {
+        std::array::from_fn(|column| match (row < 3 && column < 3, row == column) {
+            (true, true) => &lame + whole(2) * &shear,
+            (true, false) => lame.clone(),
+            (false, true) => shear.clone(),
+            (false, false) => whole(0),
+        })
+    }))
+}
+
+/// `a − b`, formed before anything is rounded.
+pub(crate) fn difference<S: Field>(a: &rockproof_model::Point, b: &rockproof_model::Point, bits: u32) -> Vec3<S> {
+    Vec3::new(
+        S::of_difference(&a.x, &b.x, bits),
+        S::of_difference(&a.y, &b.y, bits),
+        S::of_difference(&a.z, &b.z, bits),
+    )
+}
+
+/// `v / divisor`; `None` where the divisor may be zero.
+pub(crate) fn over<S: Field>(v: &Vec3<S>, divisor: &S) -> Option<Vec3<S>> {
+    Some(Vec3::new(v.x.over(divisor)?, v.y.over(divisor)?, v.z.over(divisor)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_model::Number;
+
+    #[test]
+    fn a_box_has_the_moments_of_the_textbook() {
+        let at = |x, y, z| Vec3::new(Number::from_integer(x), Number::from_integer(y), Number::from_integer(z));
+        let block = Block::cuboid(&at(1, 2, 3), &at(3, 6, 9)).unwrap();
+        let moments = Moments::<BigRational>::of(&block, 0).unwrap();
+        let q = |n: i64, d: i64| BigRational::new(n.into(), d.into());
+        assert_eq!(moments.volume, q(48, 1));
+        assert_eq!(moments.volume, block.volume());
+        assert_eq!(moments.centroid, Vec3::new(q(1, 1), q(2, 1), q(3, 1)));
+        for (p, side) in [2, 4, 6].into_iter().enumerate() {
+            for r in 0..3 {
+                assert_eq!(moments.second[p][r], if p == r { q(48 * side * side, 12) } else { q(0, 1) });
+            }
+        }
+        let mass = moments.matrix();
+        assert_eq!(mass[3][3], q(48 * (16 + 36), 12));
+        assert_eq!(mass[11][11], q(48 * (4 + 16), 48));
+        assert!((0..12).all(|k| (0..12).all(|l| mass[k][l] == mass[l][k])));
+    }
+}

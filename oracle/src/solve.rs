@@ -1,0 +1,19 @@
+//! Certified solution of symmetric positive definite systems: enclosures as narrow as asked for, and exact solutions.
+//!
+//! `docs/certified_solve.md` proves the bound. In short: one Cholesky factor in f64 serves every precision. It proves a
+//! lower bound of the smallest eigenvalue ([`factor`]) and corrects an approximate solution, whose residual is taken in
+//! as many bits as wanted ([`refine`]); residual over eigenvalue bounds the error. Where f64 cannot prove the matrix
+//! definite, elimination in balls takes over ([`eliminate`]), and the exact solution comes from elimination without
+//! fractions ([`fraction_free`]).
+
+mod blocks;
+mod eliminate;
+mod factor;
+mod fraction_free;
+mod refine;
+mod system;
+
+pub(crate) use blocks::BlockSystem;
+pub(crate) use factor::Factor;
+pub(crate) use refine::Solvable;
+pub use system::{Enclosed, SolveError, SpdSystem};

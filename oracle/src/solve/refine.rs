@@ -1,0 +1,137 @@
+//! Iterative refinement with a rigorous bound of what is left.
+
+use super::{BlockSystem, Factor, eliminate, fraction_free};
+use crate::field::{Field, Magnitude, WideBall};
+use crate::number::Ball;
+use num_rational::BigRational;
+
+/// A number type in which a certified system can be solved.
+pub(crate) trait Solvable: Field {
+    /// Encloses the solution; `None` where this type cannot.
+    fn solve(system: &BlockSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>>;
+}
+
+impl Solvable for Ball {
+    fn solve(system: &BlockSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>> {
+        refine(system, factor?, bits)
+    }
+}
+
+impl Solvable for WideBall {
+    fn solve(system: &BlockSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>> {
+        match factor {
+            Some(factor) => refine(system, factor, bits),
+            None => eliminate::eliminate(system),
+        }
+    }
+}
+
+impl Solvable for BigRational {
+    fn solve(system: &BlockSystem<Self>, _factor: Option<&Factor>, _bits: u32) -> Option<Vec<Self>> {
+        fraction_free::solve(&system.dense(), &system.right)
+    }
+}
+
+/// A ball whose middle can be corrected and whose radius can be set.
+trait Correctable: Field {
+    /// The middle of `self + correction · 2^exponent`, cut to the bits of the type: an exact number.
+    fn corrected(&self, correction: f64, exponent: i64, bits: u32) -> Self;
+    /// The ball with its radius larger by `more`.
+    fn widened_by(&self, more: Magnitude) -> Self;
+    /// At least the size of the middle.
+    fn middle_size(&self) -> Option<Magnitude>;
+    /// The middle over `2^exponent`, roughly.
+    fn middle_over(&self, exponent: i64) -> f64;
+}
+
+impl Correctable for Ball {
+    fn corrected(&self, correction: f64, exponent: i64, _bits: u32) -> Self {
+        let half = (exponent / 2) as i32;
+        let shifted = correction * 2f64.powi(half) * 2f64.powi(exponent as i32 - half);
+        Ball { middle: self.middle + shifted, radius: 0.0 }
+    }
+    fn widened_by(&self, more: Magnitude) -> Self {
+        Ball { middle: self.middle, radius: (self.radius + more.to_f64()) * (1.0 + 2.0 * f64::EPSILON) }
+    }
+    fn middle_size(&self) -> Option<Magnitude> {
+        Magnitude::of_f64(self.middle.abs())
+    }
+    fn middle_over(&self, exponent: i64) -> f64 {
+        let half = (exponent / 2) as i32;
+        self.middle * 2f64.powi(-half) * 2f64.powi(half - exponent as i32)
+    }
+}
+
+impl Correctable for WideBall {
+    fn corrected(&self, correction: f64, exponent: i64, bits: u32) -> Self {
+        use rockproof_model::Ring;
+        let correction = if correction.is_finite() { correction } else { 0.0 };
+        let shift = WideBall::exactly(1.into(), exponent, bits);
+        self.plus(&WideBall::of_f64(correction, bits).times(&shift)).without_radius()
+    }
+    fn widened_by(&self, more: Magnitude) -> Self {
+        self.widened(more)
+    }
+    fn middle_size(&self) -> Option<Magnitude> {
+        Some(self.without_radius().most())
+    }
+    fn middle_over(&self, exponent: i64) -> f64 {
+        self.scaled_f64(exponent)
+    }
+}
+
+/// What a residual says: the norms of its middles and of its radii, scaled by D.
+struct Residual {
+    middle: Magnitude,
+    radius: Magnitude,
+}
+
+fn norms<S: Correctable>(residual: &[S], scale: &[i32]) -> Option<Residual> {
+    let norm = |part: &dyn Fn(&S) -> Option<Magnitude>| {
+        let mut sum = Magnitude::ZERO;
+        for (value, &scale) in residual.iter().zip(scale) {
+            let size = part(value)?.shifted(i64::from(scale));
+            sum = sum.plus(size.times(size));
+        }
+        Some(sum.root())
+    };
+    Some(Residual { middle: norm(&S::middle_size)?, radius: norm(&S::radius)? })
+}
+
+/// Encloses the solution: corrects it until the residual is as small as its own doubt, then adds the bound
+/// `‖D·r‖ / λ` to every unknown.
+fn refine<S: Correctable>(system: &BlockSystem<S>, factor: &Factor, bits: u32) -> Option<Vec<S>> {
+    let (n, scale) = (system.unknowns(), factor.scale());
+    let mut x = vec![S::from_i32(0); n];
+    let mut residual = system.right.clone();
+    let mut norm = norms(&residual, scale)?;
+    let most_passes = 3 + bits / 8;
+    for _ in 0..most_passes {
+        if norm.middle <= norm.radius {
+            break;
+        }
+        let Some(top) = norm.middle.top() else { break };
+        let right = residual.iter().zip(scale).map(|(r, &s)| r.middle_over(top - i64::from(s))).collect();
+        let better: Vec<S> = factor
+            .approximate(right)
+            .into_iter()
+            .zip(&x)
+            .zip(scale)
+            .map(|((correction, x), &s)| x.corrected(correction, top + i64::from(s), bits))
+            .collect();
+        let next = system.residual(&better);
+        let Some(next_norm) = norms(&next, scale) else { break };
+        let helped = next_norm.middle.plus(next_norm.radius) < norm.middle.plus(norm.radius);
+        // A pass that does not halve the residual will not do better the next time.
+        let slow = next_norm.middle.shifted(1) > norm.middle;
+        if helped {
+            (x, residual, norm) = (better, next, next_norm);
+        }
+        if slow || !helped {
+            break;
+        }
+    }
+    let least = Magnitude::floor_of_f64(factor.least_eigenvalue())?;
+    let bound = norm.middle.plus(norm.radius).over(least)?;
+    Some(x.iter().zip(scale).map(|(x, &s)| x.widened_by(bound.shifted(i64::from(s)))).collect())
+}

@@ -1,0 +1,68 @@
+//! What a step starts from and ends with.
+
+use rockproof_model::{Contact, Number, Point};
+
+/// Whether a contact bears a force, and which.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Mode {
+    /// No spring.
+    Open,
+    /// Normal spring and the friction force.
+    Sliding,
+    /// Normal and shear spring.
+    Locked,
+}
+
+/// Everything that changes from step to step, exactly.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct State {
+    /// Time in s.
+    pub time: Number,
+    /// Static steps of settling still to do.
+    pub settling: u32,
+    /// One for each block of the scene.
+    pub blocks: Vec<BlockState>,
+    /// Where the points of the loads are (m), in the order of the scene.
+    pub load_points: Vec<Point>,
+    /// Where the fixed points are (m), in the order of the scene.
+    pub fixed_points: Vec<Point>,
+    /// The contacts of the last step, by pair and in SPEC order.
+    pub contacts: Vec<ContactMemory>,
+}
+
+/// The state of one block.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BlockState {
+    /// Where its vertices are (m).
+    pub vertices: Vec<Point>,
+    /// Rates of the twelve unknowns: m/s, rad/s, 1/s.
+    pub velocity: [Number; 12],
+    /// (σx, σy, σz, τyz, τzx, τxy) in Pa, tension positive.
+    pub stress: [Number; 6],
+}
+
+/// What the next step is told of a contact.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ContactMemory {
+    /// The blocks; the first has the lower number and is A of `contact`.
+    pub blocks: [usize; 2],
+    /// What touches, as it was classified when the step began.
+    pub contact: Contact,
+    /// Its mode in the last solve of the step.
+    pub mode: Mode,
+    /// The material points of A and of B from which the shear stretch is measured (m).
+    pub anchors: [Point; 2],
+}
+
+/// How coordinates are kept after a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// As the fractions they are. Impossible where a friction force was irrational.
+    Exact,
+    /// As multiples of `2^−exponent` m, each within one such unit of the exact value; velocities and stresses as binary
+    /// numbers of 256 bits.
+    Grid {
+        /// The exponent.
+        exponent: u32,
+    },
+}

@@ -1,0 +1,191 @@
+//! The state after a step (docs/step.md 12 and 13).
+
+use super::attempt::Attempt;
+use super::chain::Chain;
+use super::frame;
+use super::state::{BlockState, ContactMemory, Keep, Mode, State};
+use crate::field::{Field, dyadic};
+use crate::solve::Solvable;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::Signed;
+use rockproof_model::simulation::Kinematics;
+use rockproof_model::{Number, Point, Vec3};
+
+/// Significant bits of velocities and stresses where coordinates are kept on a grid.
+const RATE_BITS: i64 = 256;
+
+/// The state after the last solve of a chain; `None` where the chain is too wide for the grid.
+pub(crate) fn updated<S: Solvable>(
+    attempt: &Attempt<'_>,
+    chain: &Chain<'_, S>,
+    modes: &[Mode],
+    keep: Keep,
+) -> Option<State> {
+    let last = chain.iterates.last()?;
+    let maps: Vec<Map<'_, S>> = (0..attempt.blocks.len())
+        .map(|block| Map::new(attempt, chain, block, &last.d[block]))
+        .collect::<Option<_>>()?;
+    let place = |block: usize, x: &Vec3<S>| -> Option<Point> {
+        let origin = &attempt.blocks[block].vertices()[0];
+        let moved = maps[block].moved(x)?.plus(&chain.moments[block].centroid);
+        let absolute = moved.plus(&origin.map(|c| S::of_number(c, chain.bits)));
+        point(&absolute, keep)
+    };
+    let given = |block: usize, at: &Point| -> Option<Point> {
+        if attempt.rows[block].is_none() { Some(at.clone()) } else { place(block, &chain.relative(block, at)) }
+    };
+    let simulation = attempt.model.simulation;
+    let mut blocks = Vec::new();
+    for (block, old) in attempt.state.blocks.iter().enumerate() {
+        let vertices = old.vertices.iter().map(|v| given(block, v)).collect::<Option<_>>()?;
+        blocks.push(rates(attempt, chain, block, &last.d[block], old, vertices, keep)?);
+    }
+    let mut contacts = Vec::new();
+    for (k, started) in attempt.started.iter().enumerate() {
+        let anchors = chain.anchors(k);
+        let [a, b] = started.blocks;
+        let mut moved = [maps[a].moved(&anchors[0])?, maps[b].moved(&anchors[1])?];
+        if modes[k] == Mode::Sliding && !attempt.settling {
+            // q becomes p less the stretch that friction needs, in the frame of q's block.
+            let stretch = chain.remembered_stretch(k)?;
+            let between = between_centroids(attempt, chain, a, b);
+            if started.other_side() == 1 {
+                moved[1] = moved[0].minus(&stretch).plus(&between);
+            } else {
+                moved[0] = moved[1].plus(&stretch).minus(&between);
+            }
+        }
+        let to_point = |side: usize| -> Option<Point> {
+            let block = started.blocks[side];
+            let origin = attempt.blocks[block].vertices()[0].map(|c| S::of_number(c, chain.bits));
+            point(&moved[side].plus(&chain.moments[block].centroid).plus(&origin), keep)
+        };
+        let anchors = [to_point(0)?, to_point(1)?];
+        contacts.push(ContactMemory { blocks: started.blocks, contact: started.contact, mode: modes[k], anchors });
+    }
+    let points = |points: &[Point], blocks: Vec<usize>| -> Option<Vec<Point>> {
+        points.iter().zip(blocks).map(|(at, block)| given(block, at)).collect()
+    };
+    let time = attempt.state.time.to_rational();
+    Some(State {
+        time: Number::from_rational(if attempt.settling { time } else { time + &attempt.time_step }),
+        settling: attempt.state.settling.saturating_sub(1),
+        blocks,
+        load_points: points(&attempt.state.load_points, simulation.loads.iter().map(|l| l.block).collect())?,
+        fixed_points: points(&attempt.state.fixed_points, simulation.fixed_points.iter().map(|f| f.block).collect())?,
+        contacts,
+    })
+}
+
+/// The centroid of A less that of B.
+fn between_centroids<S: Solvable>(attempt: &Attempt<'_>, chain: &Chain<'_, S>, a: usize, b: usize) -> Vec3<S> {
+    let origin = &attempt.blocks[a].vertices()[0];
+    chain.relative(b, origin).plus(&chain.moments[a].centroid)
+}
+
+fn rates<S: Solvable>(
+    attempt: &Attempt<'_>,
+    chain: &Chain<'_, S>,
+    block: usize,
+    d: &[S],
+    old: &BlockState,
+    vertices: Vec<Point>,
+    keep: Keep,
+) -> Option<BlockState> {
+    let rate = S::of_rational(&attempt.rate(), chain.bits);
+    let zero = Number::ZERO;
+    let (mut velocity, mut stress) = (std::array::from_fn(|_| zero.clone()), old.stress.clone());
+    if !attempt.settling {
+        let kept = S::of_number(&attempt.model.simulation.control.dynamic, chain.bits);
+        for (k, value) in d.iter().enumerate() {
+            let before = S::of_number(&old.velocity[k], chain.bits);
+            velocity[k] = significant(&rate.times(value).minus(&before).times(&kept), keep);
+        }
+    }
+    if attempt.state.settling == 1 {
+        velocity = super::run::initial_rates(&attempt.model.bodies[block]);
+    }
+    if d.len() == frame::UNKNOWNS {
+        for (k, value) in stress.iter_mut().enumerate() {
+            let more = (0..6).fold(S::of_number(value, chain.bits), |sum, c| {
+                sum.plus(&S::of_rational(&attempt.elasticity[block][k][c], chain.bits).times(&d[6 + c]))
+            });
+            *value = significant(&more, keep);
+        }
+    }
+    Some(BlockState { vertices, velocity, stress })
+}
+
+/// How a block's points move: all relative to the centroid it had.
+struct Map<'d, S> {
+    d: &'d [S],
+    /// `R(I + ε)`, for `cayley`.
+    turned: Option<[Vec3<S>; 3]>,
+}
+
+impl<'d, S: Solvable> Map<'d, S> {
+    fn new(attempt: &Attempt<'_>, _chain: &Chain<'_, S>, block: usize, d: &'d [S]) -> Option<Map<'d, S>> {
+        if attempt.model.simulation.control.kinematics == Kinematics::Linear || attempt.rows[block].is_none() {
+            return Some(Map { d, turned: None });
+        }
+        let one = || S::from_i32(1);
+        let strain = |k: usize| d.get(6 + k).cloned().unwrap_or_else(|| S::from_i32(0));
+        let shear = |k: usize| strain(k).half();
+        let stretched = [
+            Vec3::new(one().plus(&strain(0)), shear(5), shear(4)),
+            Vec3::new(shear(5), one().plus(&strain(1)), shear(3)),
+            Vec3::new(shear(4), shear(3), one().plus(&strain(2))),
+        ];
+        // R v = v + (w × v + w × (w × v)) · 2/(1 + |w|²), w = r/2: Cayley's rotation without an inverse.
+        let w = Vec3::new(d[3].half(), d[4].half(), d[5].half());
+        let factor = S::from_i32(2).over(&one().plus(&w.norm_squared()))?;
+        let turn = |v: &Vec3<S>| {
+            let first = w.cross(v);
+            v.plus(&first.plus(&w.cross(&first)).scaled(&factor))
+        };
+        // Columns of R(I + ε); the stretch is symmetric, so its rows are its columns.
+        Some(Map { d, turned: Some(stretched.map(|column| turn(&column))) })
+    }
+
+    fn moved(&self, x: &Vec3<S>) -> Option<Vec3<S>> {
+        if self.d.is_empty() {
+            return Some(x.clone());
+        }
+        Some(match &self.turned {
+            None => x.plus(&frame::displacement(x, self.d)),
+            Some([a, b, c]) => Vec3::new(self.d[0].clone(), self.d[1].clone(), self.d[2].clone())
+                .plus(&a.scaled(&x.x))
+                .plus(&b.scaled(&x.y))
+                .plus(&c.scaled(&x.z)),
+        })
+    }
+}
+
+fn point<S: Field>(at: &Vec3<S>, keep: Keep) -> Option<Point> {
+    Some(Vec3::new(kept(&at.x, keep)?, kept(&at.y, keep)?, kept(&at.z, keep)?))
+}
+
+/// A coordinate as it is kept; `None` where its enclosure is wider than half a unit of the grid.
+fn kept<S: Field>(value: &S, keep: Keep) -> Option<Number> {
+    let middle = value.middle();
+    let Keep::Grid { exponent } = keep else { return Some(Number::from_rational(middle)) };
+    let half_unit = dyadic(BigInt::from(1), -i64::from(exponent) - 1);
+    if value.radius()?.to_rational() > half_unit {
+        return None;
+    }
+    let scale = BigInt::from(1) << exponent;
+    let units = (middle * &scale).round().to_integer();
+    Some(Number::from_rational(BigRational::new(units, scale)))
+}
+
+fn significant<S: Field>(value: &S, keep: Keep) -> Number {
+    let middle = value.middle();
+    if keep == Keep::Exact {
+        return Number::from_rational(middle);
+    }
+    let top = middle.numer().abs().bits() as i64 - middle.denom().bits() as i64;
+    let shift = RATE_BITS - top;
+    let units = (middle * dyadic(BigInt::from(1), shift)).round().to_integer();
+    Number::from_rational(dyadic(units, -shift))
+}

@@ -1,0 +1,193 @@
+//! The certified solver against plain rational elimination: whatever it encloses holds the exact solution, and its exact
+//! solution is the exact solution. Random systems of 6 to 24 unknowns, conditions from 1 to some 1e14; 10,000 of them in
+//! a release build.
+
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::{Signed, Zero};
+use rockproof_oracle::rational::Rational;
+use rockproof_oracle::solve::{SolveError, SpdSystem};
+
+const SYSTEMS: u64 = if cfg!(debug_assertions) { 300 } else { 10_000 };
+
+/// SplitMix64: the same systems everywhere.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, end: u64) -> u64 {
+        self.next() % end
+    }
+
+    fn small(&mut self) -> i64 {
+        self.below(15) as i64 - 7
+    }
+}
+
+struct Case {
+    matrix: Vec<Vec<BigRational>>,
+    right: Vec<BigRational>,
+    /// Decimal digits between the largest and the smallest weight.
+    spread: u32,
+}
+
+fn fraction(numerator: i64, denominator: i64) -> BigRational {
+    BigRational::new(numerator.into(), denominator.into())
+}
+
+/// `Σ w·u·uᵀ`, as contact springs make it: n weights in full ranks from 1 down to 10^−spread, and a few more.
+fn case(index: u64) -> Case {
+    let mut random = Random(index.wrapping_mul(0x1234_5678_9abc_def1));
+    let n = match random.below(10) {
+        0 => 24,
+        1 => 12 + random.below(12) as usize,
+        _ => 6 + random.below(7) as usize,
+    };
+    let spread = random.below(15) as u32;
+    let mut matrix = vec![vec![fraction(0, 1); n]; n];
+    let more = random.below(4) as usize;
+    for k in 0..n + more {
+        // The k-th vector has a leading entry of its own, so that the first n of them span everything.
+        let lead = k % n;
+        let filled = random.below(6) as usize;
+        let mut u = vec![0i64; n];
+        u[lead] = 1 + random.below(3) as i64;
+        for _ in 0..filled {
+            let place = random.below(lead as u64 + 1) as usize;
+            if place != lead {
+                u[place] = random.small();
+            }
+        }
+        let decades = if n > 1 { (spread as usize * lead / (n - 1)) as u32 } else { 0 };
+        let thirds = [1, 3, 7][random.below(3) as usize];
+        let weight =
+            BigRational::new(BigInt::from(1 + random.below(9)), BigInt::from(thirds) * BigInt::from(10).pow(decades));
+        for i in 0..n {
+            for j in 0..n {
+                if u[i] != 0 && u[j] != 0 {
+                    matrix[i][j] += &weight * BigInt::from(u[i] * u[j]);
+                }
+            }
+        }
+    }
+    let right = (0..n).map(|_| fraction(random.small(), 1 + random.below(5) as i64)).collect();
+    Case { matrix, right, spread }
+}
+
+/// Gauss–Jordan in fractions, row by row, with no thought of speed.
+fn plainly<Q: Rational>(case: &Case) -> Option<Vec<BigRational>> {
+    let exact = |v: &BigRational| Q::from_fraction(v.numer(), v.denom());
+    let n = case.right.len();
+    let mut rows: Vec<Vec<Q>> = Vec::new();
+    for (row, right) in case.matrix.iter().zip(&case.right) {
+        rows.push(row.iter().chain([right]).map(exact).collect::<Option<_>>()?);
+    }
+    for pivot in 0..n {
+        let found = (pivot..n).find(|&r| !rows[r][pivot].sign().is_zero())?;
+        rows.swap(pivot, found);
+        let top: Vec<Q> = rows[pivot].iter().map(|v| v.over(&rows[pivot][pivot])).collect::<Option<_>>()?;
+        for (r, row) in rows.iter_mut().enumerate() {
+            if r != pivot && !row[pivot].sign().is_zero() {
+                let factor = row[pivot].clone();
+                for c in pivot..=n {
+                    row[c] = row[c].minus(&factor.times(&top[c]));
+                }
+            }
+        }
+        rows[pivot] = top;
+    }
+    Some(rows.iter().map(|row| row[n].to_big_rational()).collect())
+}
+
+#[test]
+fn every_enclosure_holds_the_exact_solution() {
+    let (mut by_float, mut hard, mut hard_by_float, mut widths) = (0, 0, 0, Vec::new());
+    for index in 0..SYSTEMS {
+        let case = case(index);
+        let exact = plainly::<BigRational>(&case).unwrap();
+        #[cfg(feature = "gmp")]
+        assert_eq!(plainly::<rug::Rational>(&case).unwrap(), exact, "system {index}: the backends differ");
+        let system = SpdSystem::new(case.matrix.clone(), case.right.clone()).unwrap();
+        assert_eq!(system.exact().unwrap(), exact, "system {index}");
+        let largest = exact.iter().map(|x| x.abs()).max().unwrap();
+        hard += u64::from(case.spread >= 13);
+        if let Some(enclosure) = system.float_enclosure() {
+            by_float += 1;
+            hard_by_float += u64::from(case.spread >= 13);
+            for (x, exact) in enclosure.iter().zip(&exact) {
+                assert!(x.holds(exact), "system {index}: f64 lost the solution");
+            }
+            let widest = enclosure.iter().map(|x| x.radius.clone()).max().unwrap();
+            if !largest.is_zero() {
+                widths.push(log2(&(widest / &largest)));
+            }
+        }
+        for bits in [40, 150, 400] {
+            let enclosure = system.enclosure(bits).unwrap();
+            for (x, exact) in enclosure.iter().zip(&exact) {
+                assert!(x.holds(exact), "system {index}: {bits} bits lost the solution");
+                assert!(
+                    &x.radius * (BigInt::from(1) << (bits - 1)) <= largest,
+                    "system {index}: wider than {bits} bits"
+                );
+            }
+        }
+    }
+    widths.sort_unstable();
+    println!(
+        "{SYSTEMS} systems, {by_float} proved definite by f64; {hard_by_float} of {hard} with weights over 13 decades; \
+         f64 widths 2^{} median, 2^{} worst",
+        widths[widths.len() / 2],
+        widths[widths.len() - 1]
+    );
+    assert!(by_float * 2 > SYSTEMS, "f64 proves too few: {by_float}");
+    assert!(hard > SYSTEMS / 20, "only {hard} hard systems");
+}
+
+/// The exponent of a positive fraction, within one.
+fn log2(value: &BigRational) -> i64 {
+    value.numer().bits() as i64 - value.denom().bits() as i64
+}
+
+#[test]
+fn a_hilbert_matrix_is_solved_though_f64_cannot_prove_it_definite() {
+    let n = 14;
+    let matrix = (0..n).map(|i| (0..n).map(|j| fraction(1, i + j + 1)).collect()).collect();
+    let mut right = vec![fraction(0, 1); n as usize];
+    right[0] = fraction(1, 1);
+    let system = SpdSystem::new(matrix, right).unwrap();
+    assert!(system.float_enclosure().is_none());
+    let exact = system.exact().unwrap();
+    // The first column of the inverse is known: its first entry is n².
+    assert_eq!(exact[0], fraction(n * n, 1));
+    for (x, exact) in system.enclosure(300).unwrap().iter().zip(&exact) {
+        assert!(x.holds(exact));
+    }
+}
+
+#[test]
+fn what_is_not_definite_is_refused() {
+    let q = |rows: [[i64; 2]; 2]| rows.map(|r| r.map(|v| fraction(v, 1)).to_vec()).to_vec();
+    let right = || vec![fraction(1, 1), fraction(2, 1)];
+    let indefinite = SpdSystem::new(q([[1, 2], [2, 1]]), right()).unwrap();
+    assert_eq!(indefinite.enclosure(20), Err(SolveError::NotPositiveDefinite));
+    let singular = SpdSystem::new(q([[1, 1], [1, 1]]), right()).unwrap();
+    assert_eq!(singular.enclosure(20), Err(SolveError::NotPositiveDefinite));
+    assert_eq!(singular.exact(), Err(SolveError::NotPositiveDefinite));
+    assert_eq!(SpdSystem::new(q([[1, 2], [3, 9]]), right()).unwrap_err(), SolveError::NotSymmetric);
+    assert_eq!(SpdSystem::new(q([[1, 0], [0, 1]]), vec![fraction(1, 1)]).unwrap_err(), SolveError::Shape);
+}
+
+#[test]
+fn a_right_side_of_zeros_gives_zeros() {
+    let system = SpdSystem::new(vec![vec![fraction(1, 3)]], vec![fraction(0, 1)]).unwrap();
+    let enclosure = system.enclosure(64).unwrap();
+    assert!(enclosure[0].middle.is_zero() && enclosure[0].radius.is_zero());
+}

@@ -1,0 +1,59 @@
+//! The checks of a gate for other programs: JUnit XML, GitHub's annotations and step summary.
+
+use super::{Check, Verdict};
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+
+/// JUnit XML: a suite for each group, a case for each check.
+///
+/// # Errors
+/// Those of the XML writer.
+pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
+    let mut report = Report::new("rockproof gate");
+    for group in ["limit", "baseline", "corpus"] {
+        let mut suite = TestSuite::new(format!("rockproof.{group}"));
+        for check in checks.iter().filter(|check| check.group == group) {
+            let mut status = match check.verdict {
+                Verdict::Pass => TestCaseStatus::success(),
+                Verdict::Fail => TestCaseStatus::non_success(NonSuccessKind::Failure),
+                Verdict::Skip => TestCaseStatus::skipped(),
+            };
+            if check.verdict != Verdict::Pass {
+                status.set_message(check.told.as_str());
+            }
+            if check.verdict == Verdict::Fail {
+                status.set_type("gate");
+            }
+            let mut case = TestCase::new(check.name.as_str(), status);
+            case.set_classname(format!("rockproof.{group}"));
+            suite.add_test_case(case);
+        }
+        report.add_test_suite(suite);
+    }
+    report.to_string()
+}
+
+/// GitHub's annotations, a line for each check that fails.
+pub fn annotations(checks: &[Check]) -> String {
+    let data = |text: &str| text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A");
+    let property = |text: &str| data(text).replace(':', "%3A").replace(',', "%2C");
+    let failed = checks.iter().filter(|check| check.verdict == Verdict::Fail);
+    let line = |check: &Check| {
+        let (file, line) = &check.place;
+        let (file, title) = (property(file), property(&format!("rockproof {}", check.group)));
+        format!("::error file={file},line={line},title={title}::{}\n", data(&format!("{}: {}", check.name, check.told)))
+    };
+    failed.map(line).collect()
+}
+
+/// The summary in Markdown: one row for each check but the corpus' passes.
+pub fn markdown(checks: &[Check]) -> String {
+    let cell = |text: &str| text.replace('|', "\\|").replace('\n', " ");
+    let failed = checks.iter().filter(|check| check.verdict == Verdict::Fail).count();
+    let mut text = format!("## Rockproof gate: {}\n\n", if failed == 0 { "passed" } else { "failed" });
+    text += "| verdict | check | found |\n| --- | --- | --- |\n";
+    for check in checks.iter().filter(|c| c.group != "corpus" || c.verdict != Verdict::Pass) {
+        text += &format!("| {} | {} | {} |\n", check.verdict.name(), cell(&check.name), cell(&check.told));
+    }
+    let corpus = checks.iter().filter(|c| c.group == "corpus" && c.verdict == Verdict::Pass).count();
+    text + &format!("\n{failed} of {} checks failed; {corpus} cases of the corpus passed.\n", checks.len())
+}

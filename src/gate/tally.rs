@@ -1,0 +1,152 @@
+//! What a finished campaign found, counted for a gate out of its `findings.csv` and `summary.csv`.
+
+use super::config::{Baseline, Limit};
+use crate::campaign::finding::FINDING_COLUMNS;
+use crate::campaign::pairs::BATCH;
+use statrs::function::beta::checked_beta_reg;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// One row of `findings.csv`.
+#[derive(Clone, Debug)]
+pub struct Row(csv::StringRecord);
+
+impl Row {
+    /// The value in a column of [`FINDING_COLUMNS`]; empty for another.
+    pub fn get(&self, column: &str) -> &str {
+        FINDING_COLUMNS.iter().position(|name| *name == column).and_then(|at| self.0.get(at)).unwrap_or("")
+    }
+
+    /// The number of the pair.
+    pub fn index(&self) -> u64 {
+        self.get("index").parse().unwrap_or(u64::MAX)
+    }
+
+    /// What makes it like others, for a baseline.
+    pub fn fingerprint(&self, baseline: &Baseline) -> String {
+        baseline.fields.iter().map(|field| self.get(field)).collect::<Vec<_>>().join(" | ")
+    }
+
+    /// Whether a limit is about it.
+    pub fn is_of(&self, limit: &Limit) -> bool {
+        let same = |wanted: &Option<String>, column: &str| wanted.as_ref().is_none_or(|w| w == self.get(column));
+        let set = limit.tolerances.as_ref();
+        let beyond = |least: f64| self.get("margin_ulps").parse::<f64>().is_ok_and(|ulps| ulps.abs() > least);
+        let kind = limit.kind.as_ref();
+        same(&limit.engine, "engine")
+            && set.is_none_or(|set| of_set(self.get("tolerances"), set))
+            && same(&limit.family, "family")
+            && same(&limit.cause, "cause")
+            && same(&limit.change, "change")
+            && kind.is_none_or(|kind| [self.get("kind_before"), self.get("kind_after")].contains(&kind.as_str()))
+            && limit.beyond_ulps.is_none_or(beyond)
+    }
+}
+
+/// Whether a set is the wanted one, or that one changed by a ladder.
+fn of_set(found: &str, wanted: &str) -> bool {
+    found == wanted || found.split_once(':').is_some_and(|(base, _)| base == wanted)
+}
+
+/// What a campaign found.
+pub struct Tally {
+    /// Every finding.
+    pub rows: Vec<Row>,
+    /// Pairs examined by (family, set); a pair counts once for each set.
+    examined: BTreeMap<(String, String), u64>,
+}
+
+/// What is found of a limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// Findings.
+    pub findings: u64,
+    /// Pairs with such a finding.
+    pub pairs: u64,
+    /// Pairs examined.
+    pub examined: u64,
+    /// How much less than independent pairs they tell: 1 for independent ones.
+    pub design_effect: f64,
+}
+
+impl Tally {
+    /// Reads the run in a directory.
+    ///
+    /// # Errors
+    /// When its tables cannot be read.
+    pub fn read(dir: &Path) -> Result<Tally, csv::Error> {
+        let rows = csv::Reader::from_path(dir.join("findings.csv"))?.into_records();
+        let rows = rows.map(|row| row.map(Row)).collect::<Result<_, _>>()?;
+        let mut origins: BTreeMap<[String; 3], u64> = BTreeMap::new();
+        for row in csv::Reader::from_path(dir.join("summary.csv"))?.into_records() {
+            let row = row?;
+            let text = |at: usize| row.get(at).unwrap_or("").to_owned();
+            origins.insert([text(0), text(1), text(2)], text(3).parse().unwrap_or(0));
+        }
+        let mut examined = BTreeMap::new();
+        for ([family, _, set], pairs) in origins {
+            *examined.entry((family, set)).or_default() += pairs;
+        }
+        Ok(Tally { rows, examined })
+    }
+
+    /// Counts what a limit is about.
+    pub fn count(&self, limit: &Limit) -> Found {
+        let of = self.rows.iter().filter(|row| row.is_of(limit));
+        let findings = of.clone().count() as u64;
+        let hits: BTreeSet<(u64, &str)> = of.map(|row| (row.index(), row.get("tolerances"))).collect();
+        let mut batches: BTreeMap<u64, u64> = BTreeMap::new();
+        for (index, _) in &hits {
+            *batches.entry(index / BATCH).or_default() += 1;
+        }
+        let sum: u64 = batches.values().sum();
+        let squares: u64 = batches.values().map(|n| n * n).sum();
+        let wanted = |wanted: &Option<String>, found: &str| wanted.as_ref().is_none_or(|w| w == found);
+        let counted = self.examined.iter().filter(|((family, set), _)| {
+            wanted(&limit.family, family) && limit.tolerances.as_ref().is_none_or(|w| of_set(set, w))
+        });
+        Found {
+            findings,
+            pairs: hits.len() as u64,
+            examined: counted.map(|(_, pairs)| pairs).sum(),
+            design_effect: if sum == 0 { 1.0 } else { squares as f64 / sum as f64 },
+        }
+    }
+}
+
+impl Found {
+    /// The share of pairs with such a finding.
+    pub fn rate(&self) -> f64 {
+        if self.examined == 0 { 0.0 } else { self.pairs as f64 / self.examined as f64 }
+    }
+
+    /// How likely it is to find as many or more by chance where the true share is `rate`: the exact binomial tail (Clopper
+    /// and Pearson 1934). The sixteen pairs of a batch share a base and are not independent, so pairs found and examined are
+    /// first divided by the design effect (Korn and Graubard 1998), which for rare findings is Σx²/Σx over the batches.
+    pub fn chance(&self, rate: f64) -> f64 {
+        let (found, examined) = (self.pairs as f64 / self.design_effect, self.examined as f64 / self.design_effect);
+        if self.pairs == 0 || rate >= 1.0 {
+            return 1.0;
+        }
+        if rate <= 0.0 {
+            return 0.0;
+        }
+        checked_beta_reg(found, (examined - found + 1.0).max(1.0), rate).unwrap_or(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chance_is_the_binomial_tail() {
+        let found = |pairs, examined, design_effect| Found { findings: pairs, pairs, examined, design_effect };
+        // P(X ≥ 2), X binomial of 10 and 0.1: 1 − 0.9¹⁰ − 10·0.1·0.9⁹.
+        let tail = 1.0 - 0.9f64.powi(10) - 0.9f64.powi(9);
+        assert!((found(2, 10, 1.0).chance(0.1) - tail).abs() < 1e-12);
+        assert_eq!(found(0, 10, 1.0).chance(0.0), 1.0);
+        assert_eq!(found(1, 10, 1.0).chance(0.0), 0.0);
+        assert!(found(40, 1000, 8.0).chance(0.02) > found(40, 1000, 1.0).chance(0.02), "clustered pairs tell less");
+    }
+}

@@ -1,0 +1,73 @@
+//! What each block brings into the system without contacts (SPEC section 5): inertia, elasticity, weight, loads, fixed points.
+
+use crate::stepper::dynamics::displacement::{Twelve, generalized};
+use crate::stepper::dynamics::engine::Dynamics;
+use crate::stepper::dynamics::island::Alone;
+use crate::stepper::dynamics::rules::StepRules;
+use crate::stepper::dynamics::solve::Solve;
+use crate::stepper::vector::Vector;
+
+impl<R: Solve, M: StepRules> Dynamics<R, M> {
+    /// Every block's system without contacts: inertia, elasticity, stress, weight, loads, fixed points.
+    pub(super) fn alone(&self, time_step: R, settling: bool) -> Vec<Alone<R>> {
+        let two = R::from_f64(2.0);
+        let (once, twice) = (two / time_step, two / (time_step * time_step));
+        let block = |block: usize| {
+            let body = &self.setup.bodies[block];
+            let unknowns = body.motion.unknowns();
+            let mut alone = Alone { unknowns, stiffness: [[R::ZERO; 12]; 12], force: [R::ZERO; 12] };
+            if unknowns == 0 {
+                return alone;
+            }
+            let (state, moments) = (&self.state.blocks[block], &self.moments[block]);
+            let density = body.elastic.density;
+            for (row, inertia) in self.inertia[block].iter().enumerate() {
+                let mut momentum = R::ZERO;
+                for (column, &value) in inertia.iter().enumerate() {
+                    alone.stiffness[row][column] = twice * (density * value);
+                    momentum = momentum + density * value * state.velocity[column];
+                }
+                alone.force[row] = once * momentum;
+            }
+            for (force, pull) in alone.force.iter_mut().zip(self.setup.gravity.components()) {
+                *force = *force + density * moments.volume * pull;
+            }
+            for i in 0..6 {
+                alone.force[6 + i] = alone.force[6 + i] - moments.volume * state.stress[i];
+                for k in 0..6 {
+                    let stiffness = moments.volume * body.elastic.stiffness(i, k);
+                    alone.stiffness[6 + i][6 + k] = alone.stiffness[6 + i][6 + k] + stiffness;
+                }
+            }
+            alone
+        };
+        let mut all: Vec<Alone<R>> = (0..self.solids.len()).map(block).collect();
+        let time = if settling { self.state.time } else { self.state.time + time_step };
+        for (load, &at) in self.setup.loads.iter().zip(&self.state.load_points) {
+            let pull = generalized(at - self.moments[load.block].centroid, load.force(time));
+            add(&mut all[load.block].force, &pull);
+        }
+        for (held, &at) in self.setup.held.iter().zip(&self.state.fixed_points) {
+            let arm = at - self.moments[held.block].centroid;
+            let back = generalized(arm, (held.at - at) * held.stiffness);
+            let alone = &mut all[held.block];
+            add(&mut alone.force, &back);
+            let (zero, one) = (R::ZERO, R::from_f64(1.0));
+            for axis in [Vector::new(one, zero, zero), Vector::new(zero, one, zero), Vector::new(zero, zero, one)] {
+                let row = generalized(arm, axis);
+                for (line, &r) in alone.stiffness.iter_mut().zip(&row) {
+                    for (value, &c) in line.iter_mut().zip(&row) {
+                        *value = *value + held.stiffness * r * c;
+                    }
+                }
+            }
+        }
+        all
+    }
+}
+
+fn add<R: Solve>(total: &mut Twelve<R>, share: &Twelve<R>) {
+    for (total, &share) in total.iter_mut().zip(share) {
+        *total = *total + share;
+    }
+}

@@ -1,0 +1,78 @@
+//! The open–close iteration of one attempt at a step, with one Δt (SPEC section 5).
+
+use crate::stepper::dynamics::contact::Active;
+use crate::stepper::dynamics::displacement::Twelve;
+use crate::stepper::dynamics::island::{Alone, Unsolved, islands};
+use crate::stepper::dynamics::report::Concerned;
+use crate::stepper::dynamics::rules::StepRules;
+use crate::stepper::dynamics::setup::Limits;
+use crate::stepper::dynamics::solve::{Patterns, Solve};
+use crate::stepper::dynamics::state::Mode;
+
+/// What an iteration needs to know besides the contacts.
+pub(super) struct Iteration<'s, R> {
+    pub(super) alone: &'s [Alone<R>],
+    pub(super) limits: &'s Limits<R>,
+    pub(super) settling: bool,
+}
+
+/// How an iteration ended.
+#[derive(Clone, Debug)]
+pub(super) struct Ended<R> {
+    /// The displacement of every block.
+    pub(super) d: Vec<Twelve<R>>,
+    pub(super) iterations: u32,
+    /// Contacts whose mode the last solve changed; none when converged.
+    pub(super) changing: Vec<Concerned>,
+    /// The modes of all contacts after each solve.
+    pub(super) modes: Vec<Vec<Mode>>,
+}
+
+impl<R: Solve> Iteration<'_, R> {
+    /// Solves and judges until no mode changes, or the solves are used up.
+    pub(super) fn run<M: StepRules>(
+        &self,
+        contacts: &mut [Active<R>],
+        patterns: &mut Patterns,
+    ) -> Result<Ended<R>, Unsolved> {
+        let unknowns: Vec<usize> = self.alone.iter().map(|block| block.unknowns).collect();
+        let mut d = vec![[R::ZERO; 12]; unknowns.len()];
+        // Blocks whose system is not the one solved before.
+        let mut touched = vec![true; unknowns.len()];
+        let mut ended = Ended { d: Vec::new(), iterations: 0, changing: Vec::new(), modes: Vec::new() };
+        contacts.iter_mut().for_each(Active::reset);
+        loop {
+            for island in islands(&unknowns, contacts) {
+                // The friction force of a sliding contact is that of the last solve, so its system is a new one.
+                let slides = |k: &usize| contacts[*k].now.mode == Mode::Sliding;
+                if island.blocks.iter().any(|&block| touched[block]) || island.contacts.iter().any(slides) {
+                    let solved = island.solve(self.alone, contacts, patterns)?;
+                    for (&block, found) in island.blocks.iter().zip(solved) {
+                        d[block] = found;
+                    }
+                }
+            }
+            ended.iterations += 1;
+            ended.changing.clear();
+            touched.fill(false);
+            for contact in contacts.iter_mut() {
+                let [i, j] = contact.entering();
+                let from = contact.now.mode;
+                contact.judge::<M>([&d[i], &d[j]], self.limits, self.settling);
+                let to = contact.now.mode;
+                if from != to {
+                    (touched[i], touched[j]) = (true, true);
+                }
+                if M::counts_as_change(from, to) {
+                    let (kind, features) = (contact.contact.kind, [contact.contact.a, contact.contact.b]);
+                    ended.changing.push(Concerned { blocks: contact.blocks, kind, features, from, to });
+                }
+            }
+            ended.modes.push(contacts.iter().map(|contact| contact.now.mode).collect());
+            if ended.changing.is_empty() || ended.iterations >= M::iterations() {
+                ended.d = d;
+                return Ok(ended);
+            }
+        }
+    }
+}

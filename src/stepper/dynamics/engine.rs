@@ -1,0 +1,467 @@
+//! A scene and its state, step by step (SPEC section 5).
+
+use crate::model::{Contact, Scene, ToleranceSet};
+use crate::stepper::contact::{Solid, Spec, classify};
+use crate::stepper::dynamics::area;
+use crate::stepper::dynamics::attempt::{Ended, Iteration};
+use crate::stepper::dynamics::contact::{Active, Now};
+use crate::stepper::dynamics::displacement::{Twelve, displacement};
+use crate::stepper::dynamics::kinematics::Motion;
+use crate::stepper::dynamics::material::Joint;
+use crate::stepper::dynamics::moments::{Matrix, Moments};
+use crate::stepper::dynamics::neighbours::Neighbours;
+use crate::stepper::dynamics::plane::plane;
+use crate::stepper::dynamics::report::{Retry, RetryReason, StepReport, Stopped};
+use crate::stepper::dynamics::rules::StepRules;
+use crate::stepper::dynamics::setup::{Setup, SetupError};
+use crate::stepper::dynamics::solve::{Patterns, Solve};
+use crate::stepper::dynamics::state::{Mode, State};
+use crate::stepper::dynamics::transfer;
+use crate::stepper::vector::Vector;
+use rayon::prelude::*;
+use std::marker::PhantomData;
+use std::time::{Duration, Instant};
+
+/// A scene in motion, in the scalar `R` and by the rules `M`.
+#[derive(Clone, Debug)]
+pub struct Dynamics<R, M = Spec> {
+    pub(super) setup: Setup<R>,
+    pub(super) state: State<R>,
+    pub(super) solids: Vec<Solid<R>>,
+    pub(super) moments: Vec<Moments<R>>,
+    pub(super) inertia: Vec<Matrix<R>>,
+    neighbours: Neighbours,
+    patterns: Patterns,
+    modes: Vec<Vec<Vec<Mode>>>,
+    phases: Phases,
+    rules: PhantomData<fn() -> M>,
+}
+
+/// Where the time went, over all steps so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Phases {
+    /// Boxes, and pairs of neighbours.
+    pub rough: Duration,
+    /// Classification of neighbours, transfer, areas.
+    pub contacts: Duration,
+    /// Springs, assembly, solution, open–close iteration.
+    pub iteration: Duration,
+    /// Moving blocks, moments, energies.
+    pub update: Duration,
+}
+
+/// An attempt that was good, or the last one.
+struct Accepted<R> {
+    time_step: R,
+    ended: Ended<R>,
+    retries: Vec<Retry>,
+    /// The largest displacement of a vertex, squared (m²).
+    farthest: R,
+}
+
+impl<R: Solve> Dynamics<R> {
+    /// The scene at its beginning, by the rules of SPEC. Its joints have stiffnesses
+    /// ([`crate::model::simulation::derive_stiffness`]).
+    ///
+    /// # Errors
+    /// When a number overflows or a block collapses in the scalar.
+    pub fn new(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R>, SetupError> {
+        Dynamics::with_rules(scene, set)
+    }
+}
+
+impl<R: Solve, M: StepRules> Dynamics<R, M> {
+    /// As [`Dynamics::new`], by other rules.
+    ///
+    /// # Errors
+    /// When a number overflows or a block collapses in the scalar.
+    pub fn with_rules(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, M>, SetupError> {
+        let setup = Setup::new(scene, set)?;
+        let state = setup.begin(scene)?;
+        let mut dynamics = Dynamics {
+            setup,
+            state,
+            solids: Vec::new(),
+            moments: Vec::new(),
+            inertia: Vec::new(),
+            neighbours: Neighbours::default(),
+            patterns: Patterns::default(),
+            modes: Vec::new(),
+            phases: Phases::default(),
+            rules: PhantomData,
+        };
+        dynamics.prepare()?;
+        Ok(dynamics)
+    }
+
+    /// The state after the last step.
+    pub fn state(&self) -> &State<R> {
+        &self.state
+    }
+
+    /// Goes on from another state of the same scene: a checkpoint.
+    ///
+    /// # Errors
+    /// When the state does not fit the scene, or a block collapses.
+    pub fn restore(&mut self, state: State<R>) -> Result<(), SetupError> {
+        let fits = [
+            ("blocks", state.blocks.len(), self.state.blocks.len()),
+            ("load points", state.load_points.len(), self.state.load_points.len()),
+            ("fixed points", state.fixed_points.len(), self.state.fixed_points.len()),
+            ("measured points", state.measured_points.len(), self.state.measured_points.len()),
+            ("vertices", vertices(&state), vertices(&self.state)),
+        ];
+        if let Some((what, found, expected)) = fits.into_iter().find(|(_, found, expected)| found != expected) {
+            return Err(SetupError::Mismatch { what, found, expected });
+        }
+        self.state = state;
+        self.neighbours.forget();
+        self.prepare()
+    }
+
+    /// The volume of a block (m³).
+    pub fn volume(&self, block: usize) -> f64 {
+        self.moments[block].volume.to_f64()
+    }
+
+    /// The centroid of a block (m).
+    pub fn centroid(&self, block: usize) -> Vector<R> {
+        self.moments[block].centroid
+    }
+
+    /// The mass matrix of a block, in kg, kg·m and kg·m².
+    pub fn mass(&self, block: usize) -> Matrix<R> {
+        let density = self.setup.bodies[block].elastic.density;
+        self.inertia[block].map(|row| row.map(|value| value * density))
+    }
+
+    /// For each attempt at the last step, the modes of its contacts (in the order of the state) after each solve.
+    pub fn modes(&self) -> &[Vec<Vec<Mode>>] {
+        &self.modes
+    }
+
+    /// Where the time went.
+    pub fn phases(&self) -> Phases {
+        self.phases
+    }
+
+    fn prepare(&mut self) -> Result<(), SetupError> {
+        let solid = |(k, block): (usize, &crate::model::Block)| {
+            let points = self.state.blocks[k].vertices.clone();
+            Solid::with_points(block.clone(), &points).map_err(|what| SetupError::Collapsed { block: k, what })
+        };
+        self.solids = self.setup.blocks.iter().enumerate().map(solid).collect::<Result<_, _>>()?;
+        let moments = |(block, state): (&crate::model::Block, &crate::stepper::dynamics::BlockState<R>)| {
+            Moments::of(block.topology(), &state.vertices)
+        };
+        self.moments = self.setup.blocks.iter().zip(&self.state.blocks).map(moments).collect();
+        self.inertia = self.moments.iter().map(Moments::inertia).collect();
+        Ok(())
+    }
+
+    /// One step: of settling, while some are left, else of time. When it fails the state is as before.
+    ///
+    /// # Errors
+    /// When the run cannot go on.
+    pub fn step(&mut self) -> Result<StepReport, Stopped> {
+        let settling = self.state.settling > 0;
+        let number = if settling { 1 - i64::from(self.state.settling) } else { self.state.step as i64 + 1 };
+        let mut contacts = self.contacts();
+        let begun = Instant::now();
+        self.modes.clear();
+        let accepted = self.attempts(&mut contacts, number, settling)?;
+        self.phases.iteration += begun.elapsed();
+        let begun = Instant::now();
+        let report = self.accept(&contacts, accepted, number, settling);
+        self.phases.update += begun.elapsed();
+        report
+    }
+
+    /// The contacts at the start of a step, with what they remember.
+    fn contacts(&mut self) -> Vec<Active<R>> {
+        let begun = Instant::now();
+        let fixed: Vec<bool> = self.setup.bodies.iter().map(|body| body.motion.unknowns() == 0).collect();
+        let pairs = self.neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances).to_vec();
+        self.phases.rough += begun.elapsed();
+        let begun = Instant::now();
+        let found: Vec<Vec<Active<R>>> = pairs
+            .par_iter()
+            .map(|&pair| {
+                let [a, b] = pair.map(|block| &self.solids[block as usize]);
+                let found = classify::<R, M>(a, b, &self.setup.tolerances);
+                let contacts: Vec<Contact> = found.into_iter().map(|found| found.contact).collect();
+                self.of_pair(pair, &contacts)
+            })
+            .collect();
+        self.phases.contacts += begun.elapsed();
+        found.into_iter().flatten().collect()
+    }
+
+    fn of_pair(&self, pair: [u32; 2], contacts: &[Contact]) -> Vec<Active<R>> {
+        if contacts.is_empty() {
+            return Vec::new();
+        }
+        let solids = pair.map(|block| &self.solids[block as usize]);
+        let joint = *self.setup.joint(pair[0] as usize, pair[1] as usize);
+        let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
+        let memories = if M::transfers() { transfer::continued(contacts, old) } else { vec![None; contacts.len()] };
+        let active = contacts.iter().zip(memories).map(|(contact, memory)| {
+            let plane = plane::<R, M>(solids[0], solids[1], &contact.entrance);
+            let feet = [plane.p, plane.q];
+            let (begins, anchors) = match memory {
+                None => (M::begins(plane.gap), feet),
+                Some((Mode::Open, _)) => (Mode::Open, feet),
+                Some((mode, [a, b])) => (mode, if plane.a_enters { [a, b] } else { [b, a] }),
+            };
+            let now = Now { mode: begins, gap: plane.gap, stretch: Vector::ZERO, slip_force: Vector::ZERO };
+            let (arms, rows, zero) = ([Vector::ZERO; 2], [[R::ZERO; 12]; 2], R::ZERO);
+            let contact = *contact;
+            let (cohesive, tensile_gap, stretch) = (zero, zero, Vector::ZERO);
+            let mut active = Active {
+                blocks: pair,
+                contact,
+                plane,
+                joint,
+                cohesive,
+                tensile_gap,
+                anchors,
+                stretch,
+                begins,
+                arms,
+                rows,
+                now,
+            };
+            active.stretch = active.across(anchors[0] - anchors[1]);
+            active.measure_from(active.entering().map(|block| self.moments[block].centroid));
+            active
+        });
+        let mut active: Vec<Active<R>> = active.collect();
+        if joint.needs_area() {
+            share_areas(&mut active, solids, &joint, self.setup.tolerances.overlap_sine);
+        }
+        active
+    }
+
+    /// Tries until an attempt is good (SPEC section 5, step control).
+    fn attempts(&mut self, contacts: &mut [Active<R>], number: i64, settling: bool) -> Result<Accepted<R>, Stopped> {
+        let full = self.setup.control.time_step;
+        let smallest = M::smallest(full);
+        let mut time_step = full;
+        let mut retries = Vec::new();
+        loop {
+            let alone = self.alone(time_step, settling);
+            let iteration = Iteration { alone: &alone, limits: &self.setup.limits, settling };
+            let ended = iteration
+                .run::<M>(contacts, &mut self.patterns)
+                .map_err(|unsolved| Stopped::Singular { step: number, block: unsolved.block })?;
+            self.modes.push(ended.modes.clone());
+            if let Some(block) = ended.d.iter().position(|d| !d.iter().all(|x| x.is_finite())) {
+                return Err(Stopped::NotFinite { step: number, block });
+            }
+            let accepts = self.setup.control.unconverged == crate::model::simulation::Unconverged::Accept;
+            let at = time_step.to_f64();
+            let why = if ended.changing.is_empty() {
+                None
+            } else if M::cut(time_step) < smallest {
+                if !accepts {
+                    return Err(Stopped::NotConverged { step: number, time_step: at, contacts: ended.changing });
+                }
+                None
+            } else {
+                Some((RetryReason::NotConverged, M::cut(time_step)))
+            };
+            let why = match why {
+                Some(why) => Some(why),
+                None => match self.beyond_limits(&ended.d) {
+                    Err((block, why)) => {
+                        let half = time_step / R::from_f64(2.0);
+                        if half < smallest {
+                            return Err(Stopped::TooFast { step: number, time_step: at, block, why });
+                        }
+                        Some((why, half))
+                    }
+                    Ok(farthest) => {
+                        self.patterns.forget_unused();
+                        return Ok(Accepted { time_step, ended, retries, farthest });
+                    }
+                },
+            };
+            if let Some((why, next)) = why {
+                retries.push(Retry { time_step: at, why });
+                time_step = next;
+            }
+        }
+    }
+
+    /// The largest squared displacement of a vertex, or the block that exceeds a limit.
+    fn beyond_limits(&self, d: &[Twelve<R>]) -> Result<R, (usize, RetryReason)> {
+        let limits = &self.setup.limits;
+        let (far, turned) = (limits.displacement * limits.displacement, limits.rotation * limits.rotation);
+        let mut farthest = R::ZERO;
+        for (block, d) in d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block)) {
+            for &vertex in &self.state.blocks[block].vertices {
+                let moved = displacement(vertex - self.moments[block].centroid, d);
+                let squared = moved.dot(moved);
+                if M::too_far(squared, far) {
+                    return Err((block, RetryReason::Displacement));
+                }
+                farthest = farthest.larger(squared);
+            }
+            if M::turned_too_far(d[3] * d[3] + d[4] * d[4] + d[5] * d[5], turned) {
+                return Err((block, RetryReason::Rotation));
+            }
+        }
+        Ok(farthest)
+    }
+
+    pub(super) fn is_fixed(&self, block: usize) -> bool {
+        self.setup.bodies[block].motion.unknowns() == 0
+    }
+
+    /// Moves everything by an accepted attempt.
+    fn accept(
+        &mut self,
+        contacts: &[Active<R>],
+        accepted: Accepted<R>,
+        number: i64,
+        settling: bool,
+    ) -> Result<StepReport, Stopped> {
+        let Accepted { time_step, ended, retries, farthest } = accepted;
+        let motions: Vec<Motion<R>> = (0..self.solids.len())
+            .map(|block| Motion::new(self.setup.control.kinematics, self.moments[block].centroid, &ended.d[block]))
+            .collect();
+        let mut next = self.state.clone();
+        let dynamic = if settling { R::ZERO } else { self.setup.control.dynamic };
+        let twice = R::from_f64(2.0) / time_step;
+        let (mut solids, mut moments) = (self.solids.clone(), self.moments.clone());
+        for block in (0..motions.len()).filter(|&block| !self.is_fixed(block)) {
+            let (state, d) = (&mut next.blocks[block], &ended.d[block]);
+            for vertex in &mut state.vertices {
+                *vertex = motions[block].of(*vertex);
+            }
+            for (rate, &d) in state.velocity.iter_mut().zip(d) {
+                *rate = M::rate(dynamic, twice * d, *rate);
+            }
+            let added = self.setup.bodies[block].elastic.stress(&d[6..]);
+            for (stress, added) in state.stress.iter_mut().zip(added) {
+                *stress = *stress + added;
+            }
+            moments[block] = Moments::of(self.setup.blocks[block].topology(), &state.vertices);
+            let finite = state.velocity.iter().chain(&state.stress).all(|x| x.is_finite());
+            if !(finite && state.vertices.iter().all(|v| v.is_finite()) && moments[block].volume.is_finite()) {
+                return Err(Stopped::NotFinite { step: number, block });
+            }
+            if !R::ZERO.below(moments[block].volume) {
+                let volume = moments[block].volume.to_f64();
+                return Err(Stopped::Inverted { step: number, block, volume });
+            }
+            solids[block] = Solid::with_points(self.setup.blocks[block].clone(), &state.vertices)
+                .map_err(|what| Stopped::Collapsed { step: number, block, what })?;
+        }
+        let load_blocks = self.setup.loads.iter().map(|load| load.block);
+        let held_blocks = self.setup.held.iter().map(|held| held.block);
+        for (block, point) in load_blocks.zip(&mut next.load_points).chain(held_blocks.zip(&mut next.fixed_points)) {
+            *point = motions[block].of(*point);
+        }
+        for (&block, point) in self.setup.measured.iter().zip(&mut next.measured_points) {
+            *point = motions[block].of(*point);
+        }
+        next.contacts = contacts
+            .iter()
+            .map(|contact| {
+                contact.leave::<M>(|block, point| if self.is_fixed(block) { point } else { motions[block].of(point) })
+            })
+            .collect();
+        if settling {
+            next.settling -= 1;
+            if next.settling == 0 {
+                for (state, body) in next.blocks.iter_mut().zip(&self.setup.bodies) {
+                    state.velocity = body.velocity;
+                }
+            }
+        } else {
+            next.step += 1;
+            next.time = next.time + time_step;
+        }
+        self.state = next;
+        self.solids = solids;
+        self.inertia = moments.iter().map(Moments::inertia).collect();
+        self.moments = moments;
+        let farthest = farthest.to_f64().sqrt();
+        // The map of `cayley` differs from first order by less than this.
+        self.neighbours.moved(1.25 * farthest);
+        Ok(self.report(contacts, number, time_step.to_f64(), (&ended, retries), farthest))
+    }
+
+    fn report(
+        &self,
+        contacts: &[Active<R>],
+        step: i64,
+        time_step: f64,
+        (ended, retries): (&Ended<R>, Vec<Retry>),
+        max_displacement: f64,
+    ) -> StepReport {
+        let mut counts = [[0; 3]; 6];
+        let (mut deepest, mut springs) = (0.0f64, 0.0);
+        let half = R::from_f64(0.5);
+        for (contact, state) in contacts.iter().zip(&self.state.contacts) {
+            counts[contact.contact.kind as usize][contact.now.mode as usize] += 1;
+            deepest = deepest.max(-contact.now.gap.to_f64());
+            if contact.is_closed() {
+                let ([a, b], normal) = (state.anchors, state.normal);
+                let across = (a - b) - normal * normal.dot(a - b);
+                let squared =
+                    contact.now.gap * contact.now.gap * contact.joint.normal + across.dot(across) * contact.joint.shear;
+                springs += (half * squared).to_f64();
+            }
+        }
+        for (held, &at) in self.setup.held.iter().zip(&self.state.fixed_points) {
+            springs += (half * held.stiffness * (at - held.at).dot(at - held.at)).to_f64();
+        }
+        let (mut kinetic, mut gravitational, mut elastic) = (0.0, 0.0, 0.0);
+        for (block, state) in self.state.blocks.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block)) {
+            let (body, moments) = (&self.setup.bodies[block], &self.moments[block]);
+            let mass = body.elastic.density * moments.volume;
+            gravitational -= (mass * self.setup.gravity.dot(moments.centroid)).to_f64();
+            if body.motion.unknowns() == 12 {
+                elastic += (moments.volume * body.elastic.energy(&state.stress)).to_f64();
+            }
+            for (row, &rate) in self.inertia[block].iter().zip(&state.velocity) {
+                let momentum = row.iter().zip(&state.velocity).fold(R::ZERO, |sum, (&m, &v)| sum + m * v);
+                kinetic += (half * body.elastic.density * momentum * rate).to_f64();
+            }
+        }
+        StepReport {
+            step,
+            time: self.state.time.to_f64(),
+            time_step,
+            iterations: ended.iterations,
+            converged: ended.changing.is_empty(),
+            retries,
+            contacts: counts,
+            max_penetration: deepest,
+            max_displacement,
+            kinetic,
+            gravitational,
+            elastic,
+            springs,
+        }
+    }
+}
+
+fn vertices<R>(state: &State<R>) -> usize {
+    state.blocks.iter().map(|block| block.vertices.len()).sum()
+}
+
+/// Gives the contacts of a pair their shares of the areas in which the pair's faces overlap.
+fn share_areas<R: Solve>(active: &mut [Active<R>], solids: [&Solid<R>; 2], joint: &Joint<R>, overlap_sine: R) {
+    let faces: Vec<Option<[u32; 2]>> =
+        active.iter().map(|c| area::faces(solids, &c.contact, &c.plane, overlap_sine)).collect();
+    for (contact, both) in active.iter_mut().zip(&faces) {
+        let Some(both) = both else { continue };
+        let sharing = faces.iter().filter(|other| other.as_ref() == Some(both)).count();
+        let area = area::overlap(solids, *both, contact.plane.normal) / R::from_f64(sharing as f64);
+        contact.cohesive = joint.cohesion * area;
+        contact.tensile_gap = joint.tension * area / joint.normal;
+    }
+}
