@@ -5,5 +5,6 @@ pub use rockproof_oracle as oracle;
 
 pub mod campaign;
 pub mod gate;
+pub mod simulate;
 pub mod speed;
 pub mod stepper;

@@ -73,10 +73,12 @@ fn run(shown: &Shown, folder: &Path) -> Option<Vec<String>> {
 
 /// A line without what differs from run to run: how long it took.
 fn lasting(line: &str) -> String {
-    match (line.split_once(" pairs in "), line.split_once(" a second)")) {
-        (Some((before, _)), Some((_, after))) => format!("{before} pairs in … a second){after}"),
-        _ => line.to_owned(),
+    for counted in [" pairs in ", " steps in "] {
+        if let (Some((before, _)), Some((_, after))) = (line.split_once(counted), line.split_once(" a second)")) {
+            return format!("{before}{counted}… a second){after}");
+        }
     }
+    line.to_owned()
 }
 
 /// Whether lines are as shown, `…` standing for any number of lines.

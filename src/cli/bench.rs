@@ -3,7 +3,10 @@
 use crate::cli::exit::{Outcome, Verdict, note, print};
 use crate::cli::table::{grouped, table};
 use clap::ValueEnum;
-use rockproof::speed::{Contestant, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, race, throughput};
+use rockproof::model::Precision;
+use rockproof::speed::{
+    Contestant, Cost, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, race, stepping, throughput,
+};
 use std::fmt::Write;
 
 /// Measure classification in f32, f64, exactly and in plain rationals, and the speed of campaigns
@@ -15,6 +18,7 @@ use std::fmt::Write;
   rockproof bench                            two minutes or three
   rockproof bench --format csv > speed.csv
   rockproof bench --quick                    a few seconds, rough figures
+  rockproof bench --wall 100,1000,5000       steps of brick walls: time, shares of the phases in %, memory
 
 Plain rationals of GMP take part in a build with --features gmp.
 
@@ -38,6 +42,12 @@ pub(crate) struct Bench {
     /// Few pairs and rounds
     #[arg(long, conflicts_with = "pairs")]
     quick: bool,
+    /// Measure the steps of brick walls instead, of so many bricks; may be repeated
+    #[arg(long, value_name = "BRICKS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
+    wall: Vec<u16>,
+    /// Steps of each wall
+    #[arg(long, default_value_t = 100, requires = "wall", value_parser = clap::value_parser!(u32).range(1..))]
+    steps: u32,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -54,10 +64,40 @@ struct Report {
 
 impl Bench {
     pub(crate) fn run(&self) -> Outcome {
+        if !self.wall.is_empty() {
+            return self.walls();
+        }
         let report = self.measure()?;
         print(&match self.format {
             Format::Table => as_table(&report)?,
             Format::Csv => as_csv(&report)?,
+        })?;
+        Ok(Verdict::Fine)
+    }
+
+    /// Walls from small to large, so that the most memory held is that of the last one.
+    fn walls(&self) -> Outcome {
+        let mut bricks = self.wall.clone();
+        bricks.sort_unstable();
+        let mut rows = Vec::new();
+        for bricks in bricks {
+            note(&format!("{} steps of {} bricks", self.steps, grouped(u64::from(bricks))));
+            let cost = stepping::<f64>(bricks, self.steps, Precision::F64)?;
+            let micros = 1e6 * cost.step;
+            let mut row = vec![grouped(cost.blocks as u64), grouped(cost.contacts as u64)];
+            row.extend([digits(cost.iterations), digits(micros / 1e3), digits(micros / cost.blocks as f64)]);
+            row.extend(cost.shares.map(|share| digits(100.0 * share)));
+            row.push(cost.memory.map_or(String::new(), |m| digits(m as f64 / 1024.0 / cost.blocks as f64)));
+            rows.push(row);
+        }
+        let mut header = vec!["blocks", "contacts", "solves a step", "ms a step", "µs a block"];
+        header.extend(Cost::PHASES);
+        header.push("kB a block");
+        print(&match self.format {
+            Format::Table => format!("{}\n", table(&header, &(0..header.len()).collect::<Vec<_>>(), rows)),
+            Format::Csv => rows
+                .iter()
+                .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),
         })?;
         Ok(Verdict::Fine)
     }

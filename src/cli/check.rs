@@ -109,6 +109,14 @@ impl Check {
     }
 }
 
+/// The rules that are not met, each with its reason and what would satisfy it.
+pub(crate) fn violations_text(violations: &[Violation]) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_violations(&mut out, violations);
+    out.trim_start().to_owned()
+}
+
 fn write_violations(out: &mut String, violations: &[Violation]) -> std::fmt::Result {
     if violations.is_empty() {
         return writeln!(out, "\nrules: all met");

@@ -10,6 +10,7 @@ mod gate;
 mod input;
 mod replay;
 mod shrink;
+mod simulate;
 mod table;
 
 use clap::{Parser, Subcommand};
@@ -29,6 +30,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Classify(classify::Classify),
+    Simulate(simulate::Simulate),
     Check(check::Check),
     Campaign(campaign::Campaign),
     Replay(replay::Replay),
@@ -42,6 +44,7 @@ impl Command {
     fn run(&self) -> Outcome {
         match self {
             Command::Classify(command) => command.run(),
+            Command::Simulate(command) => command.run(),
             Command::Check(command) => command.run(),
             Command::Campaign(command) => command.run(),
             Command::Replay(command) => command.run(),

@@ -1,13 +1,16 @@
 //! How fast pairs are classified, in floating point and exactly: the cases, the contestants, and a race that compares
-//! them fairly on a busy machine. The command `bench` prints the figures; `benches/` runs the same cases in criterion.
+//! them fairly on a busy machine. Beside it, what a step of a large
+//! scene costs. The command `bench` prints the figures; `benches/` runs the same cases in criterion.
 
 pub mod contestant;
 pub mod generic;
 pub mod race;
 pub mod sample;
+pub mod stepping;
 pub mod throughput;
 
 pub use contestant::{Contestant, Mode, contestants};
 pub use race::{Disagreement, Figure, Plan, race};
 pub use sample::{Ready, Sample, Sort};
+pub use stepping::{Cost, SteppingError, stepping};
 pub use throughput::{Run, Throughput, ThroughputError, throughput};

@@ -1,0 +1,320 @@
+//! `simulate`: a scene in motion, step by step.
+
+use crate::cli::check::violations_text;
+use crate::cli::exit::{Outcome, Verdict, complain, note, print};
+use crate::cli::input::{ReadArgs, ToleranceArgs};
+use crate::cli::table::grouped;
+use anyhow::Context;
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressStyle};
+use rockproof::model::simulation::{Control, derive_stiffness};
+use rockproof::model::{Precision, Scene, ToleranceSet, rules};
+use rockproof::simulate::identity::{identity, with_tolerances};
+use rockproof::simulate::record::Progress;
+use rockproof::simulate::run::headers;
+use rockproof::simulate::{Ending, Plan, Record, Run, Start};
+use rockproof::stepper::Real;
+use rockproof::stepper::dynamics::{Dynamics, Solve, State, StepReport};
+use serde_json::{Map, Value};
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Simulate a scene step by step
+///
+/// Writes tables (steps.csv, measured.csv), pictures for ParaView (blocks.pvd, contacts.pvd) and checkpoints. The rules that
+/// `check` knows are checked first; where one is violated nothing is run, unless --force says so.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  rockproof simulate incline.toml --time 0.5
+  rockproof simulate slope.toml --steps 2000 --every 50 --contacts --out reports/slope
+  rockproof simulate slope.toml --steps 4000 --every 50 --contacts --out reports/slope --resume
+
+A run can be interrupted or killed at any moment; --resume goes on from its last checkpoint, to the same bytes.
+
+Exit status: 0 done, 1 rules violated or a run that cannot go on, 2 usage or input error, 130 interrupted (go on with
+--resume).")]
+pub(crate) struct Simulate {
+    /// Blocks and what moves them: .toml; or blocks alone: .dda, .obj, .vtk, .txt and .voro
+    scene: PathBuf,
+
+    #[command(flatten)]
+    read: ReadArgs,
+
+    #[command(flatten)]
+    tolerances: ToleranceArgs,
+
+    /// Precision of the stepper
+    #[arg(long, value_enum, default_value = "f64")]
+    engine: EngineChoice,
+
+    /// Run until this step, settling not counted [default: what the scene says]
+    #[arg(long, value_name = "N")]
+    steps: Option<u64>,
+
+    /// Run until this time in s [default: what the scene says]; with --steps, whichever comes first
+    #[arg(long, value_name = "T", value_parser = seconds)]
+    time: Option<f64>,
+
+    /// Directory of the results [default: reports/simulate-SCENE]
+    #[arg(long)]
+    out: Option<PathBuf>,
+
+    /// Steps between two checkpoints, and between two pictures
+    #[arg(long, value_name = "K", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
+    every: u64,
+
+    /// Write every contact of every step to contacts.csv
+    #[arg(long)]
+    contacts: bool,
+
+    /// Go on with the run in the directory, or begin if there is none
+    #[arg(long, conflicts_with = "overwrite")]
+    resume: bool,
+
+    /// Discard the run in the directory
+    #[arg(long)]
+    overwrite: bool,
+
+    /// Run although rules are violated
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum EngineChoice {
+    /// Double precision
+    F64,
+    /// Single precision
+    F32,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(time) if time.is_finite() && time > 0.0 => Ok(time),
+        _ => Err("must be a number of seconds above 0".to_string()),
+    }
+}
+
+/// What a run begins with.
+struct Ready {
+    scene: Scene,
+    set: ToleranceSet,
+    plan: Plan,
+    about: Map<String, Value>,
+}
+
+impl Simulate {
+    pub(crate) fn run(&self) -> Outcome {
+        let mut scene = Scene::load_with(&self.scene, &self.read.options())?;
+        let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
+        let shapes = scene.shapes();
+        let set = self.tolerances.spec(scene.tolerances.as_ref())?.derive(&shapes, precision)?;
+        let plan = self.plan(&scene.simulation.control)?;
+        let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
+        derive_stiffness(&mut scene.simulation, &bodies, &set);
+        let violations = rules::check_scene(&set, &scene, precision);
+        if !violations.is_empty() && !self.force {
+            print(&violations_text(&violations))?;
+            note("nothing was run; --force runs all the same");
+            return Ok(Verdict::Objection);
+        }
+        let violated: Vec<&str> = violations.iter().map(|violation| violation.rule.formula()).collect();
+        if !violated.is_empty() {
+            note(&format!("running with {} rules violated: {}", violated.len(), violated.join("; ")));
+        }
+        let mut about = Map::new();
+        about.insert("file".to_owned(), self.scene.display().to_string().into());
+        about.insert("violated".to_owned(), violated.into());
+        let ready = Ready { scene, set, plan, about };
+        match self.engine {
+            EngineChoice::F64 => self.go::<f64>("f64", ready),
+            EngineChoice::F32 => self.go::<f32>("f32", ready),
+        }
+    }
+
+    fn plan(&self, control: &Control) -> anyhow::Result<Plan> {
+        let time_step = control.time_step.approximate();
+        let (steps, time) = match (self.steps, self.time) {
+            (None, None) => (control.steps, control.duration.as_ref().map(|time| time.approximate())),
+            asked => asked,
+        };
+        if steps.is_none() && time.is_none() {
+            let file = self.scene.display();
+            anyhow::bail!("{file} does not say how long to run; say it with --steps N or --time T");
+        }
+        let smallest_step = time_step / f64::from(Control::SMALLEST);
+        Ok(Plan { steps, time, smallest_step, every: self.every, contacts: self.contacts })
+    }
+
+    fn directory(&self) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| {
+            let stem = self.scene.file_stem().unwrap_or_default().to_string_lossy();
+            PathBuf::from(format!("reports/simulate-{stem}"))
+        })
+    }
+
+    fn go<R: Solve>(&self, engine: &str, ready: Ready) -> Outcome {
+        let Ready { scene, set, plan, about } = ready;
+        let mut dynamics = Dynamics::<R>::new(&scene, &set).with_context(|| self.scene.display().to_string())?;
+        let begin = dynamics.state().clone();
+        let start = match (self.resume, self.overwrite) {
+            (true, _) => Start::Resume,
+            (_, true) => Start::Overwrite,
+            _ => Start::Fresh,
+        };
+        let dir = self.directory();
+        let identity = identity(&scene, &set, engine, &plan);
+        let (mut record, saved) = Record::open(&dir, identity, headers(&plan)?, start)?;
+        match saved {
+            None => record.write("scene.toml", with_tolerances(&scene, &set)?.as_bytes())?,
+            Some(saved) => saved
+                .state()
+                .map_err(anyhow::Error::from)
+                .and_then(|state| Ok(dynamics.restore(state)?))
+                .with_context(|| format!("{}: the checkpoint cannot be used", dir.display()))?,
+        }
+        let stop = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&stop);
+        // A second Ctrl-C ends the program at once; the record bears it.
+        ctrlc::set_handler(move || {
+            if flag.swap(true, Ordering::Relaxed) {
+                std::process::exit(130);
+            }
+        })
+        .context("cannot catch Ctrl-C")?;
+        let mut display = Display::new();
+        let run = Run { scene: &scene, begin: &begin, plan, about };
+        let ending = run.run(&mut dynamics, &mut record, &stop, &mut |report, state| {
+            display.show(report, &plan, state);
+        })?;
+        display.end();
+        print(&summary(&record, dynamics.state(), &ending))?;
+        Ok(match ending {
+            Ending::Finished => Verdict::Fine,
+            Ending::Interrupted => Verdict::Interrupted,
+            Ending::Stopped(stopped) => {
+                complain(&stopped.to_string());
+                Verdict::Objection
+            }
+        })
+    }
+}
+
+/// A bar on a terminal, a line now and then otherwise.
+struct Display {
+    bar: Option<ProgressBar>,
+    last: Instant,
+}
+
+impl Display {
+    /// Places of the bar.
+    const LENGTH: f64 = 1000.0;
+
+    fn new() -> Display {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::new(Self::LENGTH as u64);
+            if let Ok(style) = ProgressStyle::with_template("{bar:30} {msg}, {eta} left") {
+                bar.set_style(style);
+            }
+            bar
+        });
+        Display { bar, last: Instant::now() }
+    }
+
+    fn show<R: Real>(&mut self, report: &StepReport, plan: &Plan, state: &State<R>) {
+        match &self.bar {
+            Some(bar) => {
+                bar.set_position((plan.done(state) * Self::LENGTH) as u64);
+                bar.set_message(line(report));
+            }
+            None if self.last.elapsed() > Duration::from_secs(10) => {
+                self.last = Instant::now();
+                note(&format!("{:.0} % done: {}", 100.0 * plan.done(state), line(report)));
+            }
+            None => {}
+        }
+    }
+
+    fn end(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// A step in one line.
+fn line(report: &StepReport) -> String {
+    let contacts: u32 = report.contacts.iter().flatten().sum();
+    format!(
+        "step {}, {} s, Δt {} s, {contacts} contacts, {} iterations, {} J kinetic, {} J potential",
+        report.step,
+        short(report.time),
+        short(report.time_step),
+        report.iterations,
+        short(report.kinetic),
+        short(report.potential())
+    )
+}
+
+/// Three significant digits.
+fn short(value: f64) -> String {
+    let near: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+    let plain = near == 0.0 || (1e-4..1e6).contains(&near.abs());
+    if plain { near.to_string() } else { format!("{near:e}") }
+}
+
+fn summary<R: Real>(record: &Record, state: &State<R>, ending: &Ending) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_summary(&mut out, record, state, ending);
+    out
+}
+
+fn write_summary<R: Real>(out: &mut String, record: &Record, state: &State<R>, ending: &Ending) -> std::fmt::Result {
+    let Progress { totals, seconds, .. } = record.progress();
+    let all = totals.steps + totals.settling;
+    let time = state.time.to_f64();
+    writeln!(out, "time             {} s after {} steps", short(time), grouped(totals.steps))?;
+    if totals.settling > 0 {
+        writeln!(out, "settling         {} steps before", grouped(totals.settling))?;
+    }
+    let smallest = totals.smallest_step.map_or("–".to_owned(), |s| short(s.0));
+    writeln!(out, "smallest Δt      {smallest} s")?;
+    let mean = totals.iterations as f64 / all.max(1) as f64;
+    writeln!(out, "iterations       {mean:.2} a step, at most {}", totals.most_iterations)?;
+    writeln!(out, "unconverged      {} steps", grouped(totals.unconverged))?;
+    let retries: Vec<String> =
+        totals.retries_by_reason().iter().map(|(why, count)| format!("{} {why}", grouped(*count))).collect();
+    writeln!(out, "retries          {}", retries.join(", "))?;
+    let [open, sliding, locked] = totals.contacts.map(grouped);
+    writeln!(out, "contacts         {open} open, {sliding} sliding, {locked} locked")?;
+    for (name, extreme) in [("penetration", totals.deepest), ("displacement", totals.furthest)] {
+        let at = if extreme.value.0 > 0.0 { format!(" in step {}", extreme.step) } else { String::new() };
+        writeln!(out, "{:<16} {} m at most{at}", name, short(extreme.value.0))?;
+    }
+    writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;
+    let speed = all as f64 / seconds.max(1e-9);
+    writeln!(out, "\n{} steps in {seconds:.1} s ({speed:.0} a second)", grouped(all))?;
+    match ending {
+        Ending::Finished => {}
+        Ending::Interrupted => writeln!(out, "interrupted; --resume goes on")?,
+        Ending::Stopped(_) => writeln!(out, "stopped; the last good state is kept")?,
+    }
+    writeln!(out, "written to {}: {}", record.dir().display(), record.names().join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn shows_three_digits() {
+        let all = [0.0, 0.5, 0.009_999_999_776, -12.345, 1234.5, 6.76e-5, 1.3e6, -2e-300, f64::INFINITY];
+        let shown = ["0", "0.5", "0.01", "-12.3", "1230", "6.76e-5", "1.3e6", "-2e-300", "inf"];
+        assert_eq!(all.map(short), shown);
+    }
+}
