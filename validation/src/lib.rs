@@ -1,0 +1,21 @@
+//! The stepper against closed forms: each case runs a scene in f32 and f64 and says how far it is from the known answer.
+//!
+//! `cargo run --release -p rockproof-validation` writes the table of `docs/validation.md` and its plots; `tests/validation.rs` holds the
+//! figures. Scenes are those of `cases/handmade`; every case takes the rules of the step as a parameter, so that a test can plant a
+//! mistake and see the case fail.
+
+pub mod case;
+pub mod flight;
+pub mod incline;
+pub mod lab;
+pub mod rest;
+
+pub use case::{Case, Engine, Measured};
+pub use lab::{Failure, Lab};
+
+use rockproof::stepper::dynamics::StepRules;
+
+/// Every case, in the order of the table.
+pub fn cases<M: StepRules>() -> Vec<Case> {
+    [flight::cases::<M>(), incline::cases::<M>(), rest::cases::<M>()].into_iter().flatten().collect()
+}
