@@ -1,8 +1,8 @@
 //! A line of the table: what is known, what must hold, and how to measure it.
 
+use crate::lab::Failure;
 use rockproof::model::Precision;
 use rockproof::stepper::dynamics::{Solve, StepRules};
-use crate::lab::Failure;
 
 /// A precision in which the stepper runs a case.
 pub trait Engine: Solve {

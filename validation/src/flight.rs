@@ -1,8 +1,8 @@
 //! Blocks that touch nothing: weight, inertia, rotation.
 
-use rockproof::stepper::dynamics::StepRules;
 use crate::case::{Case, Engine, Measure, Measured};
 use crate::lab::{Failure, Lab, length, minus, relative, worst};
+use rockproof::stepper::dynamics::StepRules;
 
 /// The cases of this group.
 pub fn cases<M: StepRules>() -> Vec<Case> {
@@ -79,7 +79,8 @@ impl Measure for Turn {
             let all = lab.momenta(0);
             [all[3], all[4], all[5]]
         };
-        let energy = |lab: &Lab<R, M>| lab.momenta(0).iter().zip(lab.velocity(0)).map(|(p, v)| 0.5 * p * v).sum::<f64>();
+        let energy =
+            |lab: &Lab<R, M>| lab.momenta(0).iter().zip(lab.velocity(0)).map(|(p, v)| 0.5 * p * v).sum::<f64>();
         let (volume, spin, work) = (lab.dynamics.volume(0), momentum(&lab), energy(&lab));
         let angle_squared = {
             let rates = lab.velocity(0);

@@ -1,12 +1,12 @@
 //! A scene on the bench: loaded, its tolerances and stiffnesses derived as `simulate` does, and stepped.
 
+use crate::case::Engine;
 use rockproof::model::scene::Format;
 use rockproof::model::simulation::{Control, derive_stiffness};
 use rockproof::model::{Number, NumberError, Scene, SceneError, SpecError, ToleranceSpec, Vec3, rules};
 use rockproof::simulate::Plan;
 use rockproof::stepper::contact::Spec;
 use rockproof::stepper::dynamics::{ContactState, Dynamics, SetupError, StepReport, StepRules, Stopped};
-use crate::case::Engine;
 use std::path::Path;
 
 /// Why a case gives no figure.
@@ -255,7 +255,9 @@ pub fn relative(found: f64, expected: f64) -> f64 {
 
 /// The largest of several errors; one that is no number is the largest.
 pub fn worst(errors: impl IntoIterator<Item = f64>) -> f64 {
-    errors.into_iter().fold(0.0, |worst, error| if worst.is_nan() || error.is_nan() { f64::NAN } else { worst.max(error) })
+    errors
+        .into_iter()
+        .fold(0.0, |worst, error| if worst.is_nan() || error.is_nan() { f64::NAN } else { worst.max(error) })
 }
 
 /// The length of a vector.

@@ -9,6 +9,7 @@ pub mod flight;
 pub mod incline;
 pub mod lab;
 pub mod rest;
+pub mod table;
 
 pub use case::{Case, Engine, Measured};
 pub use lab::{Failure, Lab};

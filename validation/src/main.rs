@@ -1,12 +1,20 @@
-fn main() {
-    for case in rockproof_validation::cases::<rockproof::stepper::contact::Spec>() {
-        let begun = std::time::Instant::now();
-        let show = |m: &Result<rockproof_validation::Measured, _>| match m {
-            Ok(m) => format!("{:.2e} [{}]", m.error, m.seen),
-            Err::<_, rockproof_validation::Failure>(e) => format!("failed: {e}"),
-        };
-        let f64 = case.f64();
-        let verdict = if f64.as_ref().is_ok_and(|m| case.holds(m)) { "ok" } else { "MISSED" };
-        println!("{:<60} {:?} {} {verdict} | {} | {:.2} s", case.name, case.bound, show(&f64), show(&case.f32()), begun.elapsed().as_secs_f64());
-    }
+//! Renews the table and the plots of `docs/validation.md`: `cargo run --release -p rockproof-validation`.
+
+use anyhow::Context;
+use rockproof::stepper::contact::Spec;
+use rockproof_validation::{cases, table};
+use std::path::Path;
+use std::process::ExitCode;
+
+fn main() -> anyhow::Result<ExitCode> {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    let path = docs.join("validation.md");
+    let page = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let lines = table::measure(cases::<Spec>());
+    let text = table::markdown(&lines);
+    print!("{text}");
+    std::fs::write(&path, table::replace(&page, "closed forms", &text)?).with_context(|| path.display().to_string())?;
+    let missed = lines.iter().filter(|line| !line.holds()).count();
+    eprintln!("{} cases, {missed} of them miss their bound; written to {}", lines.len(), path.display());
+    Ok(if missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -1,8 +1,8 @@
 //! Blocks at rest on one another: forces in contacts carry the weight above.
 
-use rockproof::stepper::dynamics::StepRules;
 use crate::case::{Case, Engine, Measure, Measured};
 use crate::lab::{Failure, Lab, relative, worst};
+use rockproof::stepper::dynamics::StepRules;
 
 /// The cases of this group.
 pub fn cases<M: StepRules>() -> Vec<Case> {
@@ -17,7 +17,11 @@ pub fn cases<M: StepRules>() -> Vec<Case> {
             "W/(p·contacts)",
             ("relative", Some(1e-9)),
         ),
-        Stack.case::<M>("stack of 10 blocks: forces", "each interface bears the weight above", ("relative", Some(1e-6))),
+        Stack.case::<M>(
+            "stack of 10 blocks: forces",
+            "each interface bears the weight above",
+            ("relative", Some(1e-6)),
+        ),
     ]
 }
 
