@@ -51,6 +51,9 @@ macro_rules! scenes {
 
 scenes!(
     "compression",
+    "compression_confined",
+    "corner_impact",
+    "corner_impact_deformable",
     "free_fall",
     "head_on_impact",
     "incline_0_settled",
@@ -61,11 +64,14 @@ scenes!(
     "incline_1_4_unsettled",
     "incline_4_5_settled",
     "incline_4_5_unsettled",
+    "patch_inclined_joint",
+    "patch_joint",
     "rest_on_floor",
     "rotation_cayley",
     "rotation_linear",
     "rotation_skew",
     "stack_of_10",
+    "stress_release",
     "thrown_block",
 );
 

@@ -5,18 +5,29 @@
 //! mistake and see the case fail.
 
 pub mod case;
+pub mod elastic;
 pub mod flight;
+pub mod impact;
 pub mod incline;
 pub mod lab;
+pub mod report;
 pub mod rest;
-pub mod table;
 
 pub use case::{Case, Engine, Measured};
 pub use lab::{Failure, Lab};
 
+use rockproof::stepper::contact::Spec;
 use rockproof::stepper::dynamics::StepRules;
 
-/// Every case, in the order of the table.
+/// Every case by the rules of SPEC, in the order of the table.
+pub fn table() -> Vec<Case> {
+    cases::<Spec>()
+}
+
+/// Every case by other rules.
 pub fn cases<M: StepRules>() -> Vec<Case> {
-    [flight::cases::<M>(), incline::cases::<M>(), rest::cases::<M>()].into_iter().flatten().collect()
+    [flight::cases::<M>(), incline::cases::<M>(), rest::cases::<M>(), elastic::cases::<M>(), impact::cases::<M>()]
+        .into_iter()
+        .flatten()
+        .collect()
 }
