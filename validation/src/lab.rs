@@ -50,6 +50,8 @@ macro_rules! scenes {
 }
 
 scenes!(
+    "arch_falls",
+    "arch_stands",
     "compression",
     "compression_confined",
     "corner_impact",
@@ -64,6 +66,10 @@ scenes!(
     "incline_1_4_unsettled",
     "incline_4_5_settled",
     "incline_4_5_unsettled",
+    "inclined_rests",
+    "inclined_slides",
+    "inclined_slides_and_topples",
+    "inclined_topples",
     "patch_inclined_joint",
     "patch_joint",
     "rest_on_floor",
@@ -73,6 +79,7 @@ scenes!(
     "stack_of_10",
     "stress_release",
     "thrown_block",
+    "wedge",
 );
 
 /// A scene of `cases/handmade`, by its name.
