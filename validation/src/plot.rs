@@ -39,11 +39,13 @@ fn draw(text: &mut String, study: &Study, curve: &Curve) -> Result<(), Box<dyn s
         .build_cartesian_2d(across.log_scale(), up.log_scale())?;
     chart
         .configure_mesh()
-        .light_line_style(INK.mix(0.05))
+        .bold_line_style(INK.mix(0.12))
+        .light_line_style(TRANSPARENT)
+        .max_light_lines(0)
         .x_desc("Δt in s")
         .y_desc("relative error")
-        .x_label_formatter(&|value| short(*value))
-        .y_label_formatter(&|value| short(*value))
+        .x_label_formatter(&label)
+        .y_label_formatter(&label)
         .draw()?;
     let name = study.order.map_or_else(|| "f64".to_owned(), |_| format!("f64, order {:.2}", curve.order));
     let series = [(name, F64, 0), ("f32".to_owned(), F32, 1)];
@@ -54,7 +56,15 @@ fn draw(text: &mut String, study: &Study, curve: &Curve) -> Result<(), Box<dyn s
             .label(name)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
     }
-    chart.configure_series_labels().position(SeriesLabelPosition::UpperLeft).background_style(PAPER).draw()?;
+    chart.configure_series_labels().position(SeriesLabelPosition::LowerRight).background_style(PAPER).draw()?;
     root.present()?;
     Ok(())
+}
+
+/// What stands at an axis: 1, 2 and 5 of each decade, since all nine do not fit.
+fn label(value: &f64) -> String {
+    // Positions on the axis are powers, which rounding leaves a little beside the digit.
+    let text = format!("{value:.1e}");
+    let shown = ["1.0e", "2.0e", "5.0e"].iter().any(|digit| text.starts_with(digit));
+    if shown { short(*value) } else { String::new() }
 }
