@@ -11,6 +11,7 @@ mod input;
 mod replay;
 mod shrink;
 mod simulate;
+mod stress;
 mod table;
 
 use clap::{Parser, Subcommand};
