@@ -9,3 +9,4 @@ pub mod simulate;
 pub mod speed;
 pub mod stepper;
 pub mod stress;
+pub mod tune;

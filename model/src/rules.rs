@@ -45,6 +45,20 @@ pub enum Rule {
 }
 
 impl Rule {
+    /// All rules, in order.
+    pub const ALL: [Rule; 10] = [
+        Rule::Search,
+        Rule::Penetration,
+        Rule::TerritoryInSearch,
+        Rule::TerritoryOnEdge,
+        Rule::TerritoryResolved,
+        Rule::Displacement,
+        Rule::Rotation,
+        Rule::ParallelEdges,
+        Rule::Overlap,
+        Rule::Stiffness,
+    ];
+
     /// The rule in a formula.
     pub fn formula(self) -> &'static str {
         match self {
