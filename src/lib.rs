@@ -8,3 +8,5 @@ pub mod gate;
 pub mod simulate;
 pub mod speed;
 pub mod stepper;
+pub mod stress;
+pub mod tune;

@@ -27,6 +27,9 @@ pub struct CampaignConfig {
     pub tolerances: Vec<String>,
     /// The families; empty for all.
     pub families: Vec<String>,
+    /// Whether the pairs are those of the stress set ([`crate::stress`]) instead of the families'.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub stress: bool,
     /// Block files for the family `real`; empty for the ones that come with the program.
     pub real: Vec<PathBuf>,
     /// How far a face in those files may be from planar, as a share of its block's size; what the file says by default.
@@ -54,6 +57,7 @@ impl Default for CampaignConfig {
             ask_twice: false,
             tolerances: Vec::new(),
             families: Vec::new(),
+            stress: false,
             real: Vec::new(),
             planarity: None,
             chunk: 4096,

@@ -24,7 +24,9 @@ pub enum SourceError {
         allowed: String,
     },
     /// A tolerance set that does not exist.
-    #[error("tolerance set \"{found}\" does not exist; there are {allowed}")]
+    #[error(
+        "tolerance set \"{found}\" does not exist; there are {allowed}, and changes of them: auto@territory*1/2@criteria=classic"
+    )]
     Set {
         /// What was found.
         found: String,

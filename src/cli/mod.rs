@@ -11,7 +11,9 @@ mod input;
 mod replay;
 mod shrink;
 mod simulate;
+mod stress;
 mod table;
+mod tune;
 
 use clap::{Parser, Subcommand};
 use exit::Outcome;
@@ -38,6 +40,7 @@ enum Command {
     Convert(convert::Convert),
     Gate(gate::Gate),
     Bench(bench::Bench),
+    Tune(tune::Tune),
 }
 
 impl Command {
@@ -52,6 +55,7 @@ impl Command {
             Command::Convert(command) => command.run(),
             Command::Gate(command) => command.run(),
             Command::Bench(command) => command.run(),
+            Command::Tune(command) => command.run(),
         }
     }
 }
