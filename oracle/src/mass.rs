@@ -14,6 +14,8 @@ pub(crate) struct Moments<S> {
     pub(crate) centroid: Vec3<S>,
     /// `∫ X_a X_b dV` about the centroid, in m⁵.
     pub(crate) second: [[S; 3]; 3],
+    /// The vertices relative to vertex 0, in m.
+    pub(crate) points: Vec<Vec3<S>>,
 }
 
 impl<S: Field> Moments<S> {
@@ -51,7 +53,7 @@ impl<S: Field> Moments<S> {
                 *entry = entry.over(&S::from_i32(120))?.minus(&shift);
             }
         }
-        Some(Moments { volume, centroid, second })
+        Some(Moments { volume, centroid, second, points })
     }
 
     /// `∫ TᵀT dV`: 12 × 12, to be multiplied by the density.

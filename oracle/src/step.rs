@@ -12,6 +12,7 @@ mod frame;
 mod ladder;
 mod run;
 mod state;
+mod strength;
 mod transfer;
 mod update;
 

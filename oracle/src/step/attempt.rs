@@ -17,6 +17,10 @@ pub(crate) struct Joint {
     pub(crate) shear: BigRational,
     /// tan φ.
     pub(crate) friction: BigRational,
+    /// Cohesion on the contact's area, in N, times |N|.
+    pub(crate) cohesive: BigRational,
+    /// The gap that its tensile strength can stretch, in m, times |N|.
+    pub(crate) tensile: BigRational,
 }
 
 /// One Δt tried.

@@ -1,14 +1,14 @@
 //! The solves of one attempt at a step, in one number type.
 
 use super::attempt::Attempt;
-use super::contact::{Both, ContactGeometry};
+use super::contact::{ContactGeometry, Sides};
 use super::frame::{self, UNKNOWNS};
 use super::state::Mode;
 use crate::field::Field;
 use crate::mass::{Moments, difference, over};
 use crate::solve::{BlockSystem, Factor, Solvable};
 use num_rational::BigRational;
-use rockproof_model::{Number, Point, Sign, Vec3};
+use rockproof_model::{Number, Point, Vec3};
 
 /// What a solve left: displacements, and each contact's gap and stretch.
 pub(crate) struct Iterate<S> {
@@ -38,9 +38,10 @@ impl<'a, S: Solvable> Chain<'a, S> {
         let mut contacts = Vec::new();
         for started in attempt.started {
             let [i, j] = started.blocks;
-            let both =
-                Both { blocks: [&attempt.blocks[i], &attempt.blocks[j]], moments: [&moments[i], &moments[j]], bits };
-            contacts.push(ContactGeometry::new(&both, &started.contact, started.anchors.as_ref())?);
+            let sides =
+                Sides::new([&attempt.blocks[i], &attempt.blocks[j]], [&moments[i].points, &moments[j].points], bits);
+            let centroids = [&moments[i].centroid, &moments[j].centroid];
+            contacts.push(ContactGeometry::new(&sides, centroids, &started.contact, started.anchors.as_ref(), bits)?);
         }
         let mut chain =
             Chain { attempt, bits, moments, contacts, base: BlockSystem::zero(&attempt.sizes), iterates: Vec::new() };
@@ -172,15 +173,23 @@ impl<'a, S: Solvable> Chain<'a, S> {
     }
 
     fn friction_after(&self, k: usize, gap: &S, s: &Vec3<S>, joint: &super::attempt::Joint) -> Option<Vec3<S>> {
-        let friction = self.fraction(&joint.friction);
-        let length = s.norm_squared();
-        if friction.is_zero() || !gap.certain_sign()?.is_negative() || length.is_zero() {
+        let (strength, length) = (self.strength(joint, gap)?, s.norm_squared());
+        if strength.is_zero() || length.is_zero() {
             return Some(Vec3::zero());
         }
-        // τ/|s| = tan φ · p_n · (−h) / |s| with h = gap/|N|.
+        // τ/|s|, both times |N|.
         let root = length.times(&self.contacts[k].square).root()?;
-        let factor = friction.times(&self.fraction(&joint.normal)).times(&gap.negated()).over(&root)?;
-        Some(s.scaled(&factor))
+        Some(s.scaled(&strength.over(&root)?))
+    }
+
+    /// τ times |N| at a gap, that times |N| too: `tan φ·p_n·max(0, −h) + c·area`.
+    fn strength(&self, joint: &super::attempt::Joint, gap: &S) -> Option<S> {
+        let cohesive = self.fraction(&joint.cohesive);
+        let friction = self.fraction(&joint.friction);
+        if friction.is_zero() || !gap.certain_sign()?.is_negative() {
+            return Some(cohesive);
+        }
+        Some(cohesive.plus(&friction.times(&self.fraction(&joint.normal)).times(&gap.negated())))
     }
 
     /// The force a sliding contact remembers: `τ s/|s|` of the last solve.
@@ -225,14 +234,18 @@ impl<'a, S: Solvable> Chain<'a, S> {
         if square.minus(&equal.times(&contact.gap).squared()).certain_sign()?.is_at_most_zero() {
             return Some(mode);
         }
-        let sign = gap.certain_sign()?;
-        let beyond = |limit: &Number| -> Option<bool> {
-            let limit = self.number(limit).squared().times(&contact.square);
-            Some(square.minus(&limit).certain_sign()?.is_positive())
-        };
         let closed = match mode {
-            Mode::Open => sign.is_negative() && beyond(&tolerances.close)?,
-            _ => !(sign.is_positive() && beyond(&tolerances.open)?),
+            Mode::Open => {
+                let limit = self.number(&tolerances.close).squared().times(&contact.square);
+                gap.certain_sign()?.is_negative() && square.minus(&limit).certain_sign()?.is_positive()
+            }
+            _ => {
+                // h − tension·area/p_n beyond εo, times |N|.
+                let stretched = gap.minus(&self.fraction(&joint.tensile));
+                let limit = self.number(&tolerances.open).squared().times(&contact.square);
+                !(stretched.certain_sign()?.is_positive()
+                    && stretched.squared().minus(&limit).certain_sign()?.is_positive())
+            }
         };
         if !closed {
             return Some(Mode::Open);
@@ -240,13 +253,9 @@ impl<'a, S: Solvable> Chain<'a, S> {
         if self.attempt.settling {
             return Some(Mode::Locked);
         }
-        // p_s²|s|² ≤ τ², over p_n² and times |N|².
+        // p_s²|s|² ≤ τ², times |N|².
         let shear = self.fraction(&joint.shear).squared().times(&iterate.stretches[k].norm_squared());
-        let mut excess = shear.times(&contact.square);
-        if sign == Sign::Negative {
-            let friction = self.fraction(&joint.friction).times(&self.fraction(&joint.normal));
-            excess = excess.minus(&friction.times(gap).squared());
-        }
+        let excess = shear.times(&contact.square).minus(&self.strength(joint, gap)?.squared());
         Some(if excess.certain_sign()?.is_at_most_zero() { Mode::Locked } else { Mode::Sliding })
     }
 

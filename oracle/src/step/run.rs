@@ -3,12 +3,13 @@
 use super::attempt::{Attempt, Joint, force_at};
 use super::ladder::{Ladder, NextMode, StepLevels, TooFar, TooTurned};
 use super::state::{BlockState, Keep, Mode, State};
+use super::strength;
 use super::transfer::{Started, transfer};
 use super::update::updated;
 use crate::{LevelCounts, Pair, Solid, mass};
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use num_traits::Zero;
+use num_traits::{CheckedDiv, Zero};
 use rockproof_model::simulation::{Body, Control, Simulation, Unconverged};
 use rockproof_model::{Block, Contact, Number, ToleranceSet};
 use std::fmt;
@@ -65,8 +66,6 @@ pub struct StepAnswer {
 pub enum StepFailure {
     /// A block's volume is zero, or a contact's plane has no area.
     Degenerate,
-    /// Cohesion or tensile strength: the overlap area of faces is not calculated exactly.
-    Strength,
     /// A joint without a normal stiffness, or a fixed point for which no joint gives one.
     NoStiffness,
     /// A Poisson's ratio of −1 or 1/2.
@@ -88,7 +87,6 @@ impl fmt::Display for StepFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             StepFailure::Degenerate => write!(f, "a block has no volume, or a contact's plane no area"),
-            StepFailure::Strength => write!(f, "cohesion and tensile strength are not supported by the exact step"),
             StepFailure::NoStiffness => write!(f, "a joint has no normal stiffness"),
             StepFailure::NoElasticity => write!(f, "a Poisson's ratio leaves no elasticity"),
             StepFailure::NotConverged => {
@@ -115,7 +113,7 @@ pub fn exact_step(model: &StepModel<'_>, state: &State, keep: Keep) -> Result<St
         .collect();
     let (contacts, contact_levels) = contacts(model, &blocks);
     let started = transfer(&contacts, &state.contacts);
-    let joints = started.iter().map(|s| joint(model, s)).collect::<Result<Vec<_>, _>>()?;
+    let joints = joints(model, &blocks, &started)?;
     let elasticity = model
         .bodies
         .iter()
@@ -260,15 +258,33 @@ fn contacts(model: &StepModel<'_>, blocks: &[Block]) -> (Vec<([usize; 2], Contac
     (found, levels)
 }
 
-fn joint(model: &StepModel<'_>, started: &Started) -> Result<Joint, StepFailure> {
-    let [i, j] = started.blocks;
-    let properties = model.simulation.joints.between(model.bodies[i].joint, model.bodies[j].joint);
-    if !properties.cohesion.is_zero() || !properties.tension.is_zero() {
-        return Err(StepFailure::Strength);
+/// The joint of each contact.
+fn joints(model: &StepModel<'_>, blocks: &[Block], started: &[Started]) -> Result<Vec<Joint>, StepFailure> {
+    let mut joints = Vec::new();
+    for pair in started.chunk_by(|one, two| one.blocks == two.blocks) {
+        let [i, j] = pair[0].blocks;
+        let properties = model.simulation.joints.between(model.bodies[i].joint, model.bodies[j].joint);
+        let normal = properties.normal_stiffness.as_ref().ok_or(StepFailure::NoStiffness)?.to_rational();
+        let shear = &normal * properties.shear_ratio.to_rational();
+        let (cohesion, tension) = (properties.cohesion.to_rational(), properties.tension.to_rational());
+        let areas = if properties.cohesion.is_zero() && properties.tension.is_zero() {
+            vec![BigRational::zero(); pair.len()]
+        } else {
+            let contacts: Vec<Contact> = pair.iter().map(|started| started.contact).collect();
+            strength::shares([&blocks[i], &blocks[j]], &contacts, &model.tolerances.overlap_sine)
+                .ok_or(StepFailure::Degenerate)?
+        };
+        for area in areas {
+            joints.push(Joint {
+                tensile: (&tension * &area).checked_div(&normal).unwrap_or_default(),
+                cohesive: &cohesion * area,
+                normal: normal.clone(),
+                shear: shear.clone(),
+                friction: properties.friction.to_rational(),
+            });
+        }
     }
-    let normal = properties.normal_stiffness.as_ref().ok_or(StepFailure::NoStiffness)?.to_rational();
-    let shear = &normal * properties.shear_ratio.to_rational();
-    Ok(Joint { normal, shear, friction: properties.friction.to_rational() })
+    Ok(joints)
 }
 
 fn fixed_stiffness(model: &StepModel<'_>) -> Result<Vec<Number>, StepFailure> {
