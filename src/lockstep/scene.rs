@@ -48,6 +48,15 @@ impl ExactScene {
         ExactScene { tolerances: set, ..self.clone() }
     }
 
+    /// Whether another version of the same scene has the same numbers.
+    pub fn same_numbers(&self, other: &ExactScene) -> bool {
+        let blocks = self.scene.blocks.iter().zip(&other.scene.blocks);
+        self.tolerances == other.tolerances
+            && self.bodies == other.bodies
+            && self.scene.simulation == other.scene.simulation
+            && blocks.into_iter().all(|(one, two)| one.block.vertices() == two.block.vertices())
+    }
+
     /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene

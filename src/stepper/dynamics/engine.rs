@@ -24,7 +24,7 @@ use std::marker::PhantomData;
 use std::time::{Duration, Instant};
 
 /// A scene in motion, in the scalar `R` and by the rules `M`.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Dynamics<R, M = Spec> {
     pub(super) setup: Setup<R>,
     pub(super) state: State<R>,
@@ -36,6 +36,24 @@ pub struct Dynamics<R, M = Spec> {
     pub(super) modes: Vec<Vec<Vec<Mode>>>,
     phases: Phases,
     rules: PhantomData<fn() -> M>,
+}
+
+// Rules are no values, so M need not be Clone.
+impl<R: Clone, M> Clone for Dynamics<R, M> {
+    fn clone(&self) -> Self {
+        Dynamics {
+            setup: self.setup.clone(),
+            state: self.state.clone(),
+            solids: self.solids.clone(),
+            moments: self.moments.clone(),
+            inertia: self.inertia.clone(),
+            neighbours: self.neighbours.clone(),
+            patterns: self.patterns.clone(),
+            modes: self.modes.clone(),
+            phases: self.phases,
+            rules: PhantomData,
+        }
+    }
 }
 
 /// Where the time went, over all steps so far.
