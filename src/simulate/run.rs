@@ -216,15 +216,19 @@ impl<R: Real> Run<'_, R> {
             "stopped": if let Ending::Stopped(stopped) = ending { describe(stopped) } else { Value::Null },
             "step": state.step,
             "time_s": state.time.to_f64(),
-            "unproved": if let Ending::Unproved(why) = ending { why.as_str().into() } else { Value::Null },
             "totals": totals,
-            "lockstep": progress.beside,
             "frames": progress.frames.len() + usize::from(progress.last_frame.is_some()),
             "seconds": progress.seconds,
             "resumed": progress.resumed,
         });
         if let Value::Object(own) = own {
             map.extend(own);
+        }
+        if let Ending::Unproved(why) = ending {
+            map.insert("unproved".to_owned(), why.as_str().into());
+        }
+        if !progress.beside.is_empty() {
+            map.insert("lockstep".to_owned(), json!(progress.beside));
         }
         let mut bytes = serde_json::to_vec_pretty(&map)?;
         bytes.push(b'\n');
