@@ -9,6 +9,7 @@ mod exit;
 mod gate;
 mod input;
 mod replay;
+mod replay_step;
 mod shrink;
 mod simulate;
 mod stress;

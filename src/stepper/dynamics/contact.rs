@@ -100,7 +100,13 @@ impl<R: Real> Active<R> {
                 if slides { Mode::Sliding } else { Mode::Locked }
             }
         };
-        if self.now.mode == Mode::Sliding {
+        self.take::<M>(self.now.mode);
+    }
+
+    /// Takes a mode for the next solve, with the gap and the stretch of the last one.
+    pub(super) fn take<M: StepRules>(&mut self, mode: Mode) {
+        self.now.mode = mode;
+        if mode == Mode::Sliding {
             self.now.slip_force = self.along_slip(self.strength::<M>());
         }
     }

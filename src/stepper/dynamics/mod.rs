@@ -11,6 +11,7 @@ mod attempt;
 mod contact;
 pub mod displacement;
 mod engine;
+mod given;
 mod island;
 mod kinematics;
 mod material;
@@ -25,6 +26,7 @@ pub mod state;
 mod transfer;
 
 pub use engine::{Dynamics, Phases};
+pub use given::{Given, GivenAttempt};
 pub use report::{Concerned, Retry, RetryReason, StepReport, Stopped};
 pub use rules::StepRules;
 pub use setup::{Limits, SetupError};
