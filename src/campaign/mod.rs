@@ -1,6 +1,7 @@
 //! Campaigns: pairs of blocks made to break contact classification, run through every engine and compared with the
 //! oracle (DESIGN, "Campaigns").
 
+pub mod agreement;
 pub mod attribution;
 pub mod builtin;
 pub mod case_file;
