@@ -50,7 +50,12 @@ macro_rules! scenes {
 }
 
 scenes!(
+    "arch_falls",
+    "arch_stands",
     "compression",
+    "compression_confined",
+    "corner_impact",
+    "corner_impact_deformable",
     "free_fall",
     "head_on_impact",
     "incline_0_settled",
@@ -61,12 +66,20 @@ scenes!(
     "incline_1_4_unsettled",
     "incline_4_5_settled",
     "incline_4_5_unsettled",
+    "inclined_rests",
+    "inclined_slides",
+    "inclined_slides_and_topples",
+    "inclined_topples",
+    "patch_inclined_joint",
+    "patch_joint",
     "rest_on_floor",
     "rotation_cayley",
     "rotation_linear",
     "rotation_skew",
     "stack_of_10",
+    "stress_release",
     "thrown_block",
+    "wedge",
 );
 
 /// A scene of `cases/handmade`, by its name.
