@@ -6,6 +6,7 @@ pub use rockproof_oracle as oracle;
 pub mod campaign;
 pub mod gate;
 pub mod lockstep;
+pub mod plot;
 pub mod simulate;
 pub mod speed;
 pub mod stepper;
