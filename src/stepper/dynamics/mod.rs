@@ -13,6 +13,7 @@ pub mod displacement;
 mod engine;
 mod island;
 mod kinematics;
+mod layout;
 mod material;
 pub mod moments;
 mod neighbours;
