@@ -14,6 +14,7 @@ mod engine;
 mod given;
 mod island;
 mod kinematics;
+mod layout;
 mod material;
 pub mod moments;
 mod neighbours;
