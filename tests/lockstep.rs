@@ -39,8 +39,7 @@ struct Ties {
 
 /// Runs a scene in 512 bits, each state rounded to f64, beside the oracle.
 fn agree(name: &str, scene: &ExactScene, steps: usize) -> Ties {
-    let mut state: State<f64> =
-        Dynamics::<f64>::new(scene.scene(), scene.tolerances()).unwrap().state().clone();
+    let mut state: State<f64> = Dynamics::<f64>::new(scene.scene(), scene.tolerances()).unwrap().state().clone();
     let mut wide = WideStepper::<Spec>::new(scene).unwrap();
     let shapes = scene.scene().shapes();
     let mut ties = Ties::default();

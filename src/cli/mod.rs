@@ -12,6 +12,7 @@ mod replay;
 mod replay_step;
 mod shrink;
 mod simulate;
+mod simulate_exact;
 mod table;
 
 use clap::{Parser, Subcommand};

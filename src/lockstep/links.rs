@@ -65,7 +65,9 @@ impl Explainer<'_> {
             done = end;
             let differences: Vec<Difference> = caused[first..end]
                 .iter()
-                .filter_map(|c| if let Change::Contact(difference) = c.difference.change { Some(difference) } else { None })
+                .filter_map(
+                    |c| if let Change::Contact(difference) = c.difference.change { Some(difference) } else { None },
+                )
                 .collect();
             let Some(pair) = pair else { continue };
             let deciding = self.explain(pair, &differences, stepper);
