@@ -125,7 +125,6 @@ pub fn headers(plan: &Plan) -> Result<[Option<Vec<u8>>; Table::COUNT], csv::Erro
 
 impl<R: Real> Run<'_, R> {
     /// Runs until the plan is done, `stop` is set or a step cannot be made, calling `watch` after each step.
-
     ///
     /// # Errors
     /// When a file cannot be written. What was committed before stays, and can be resumed.
