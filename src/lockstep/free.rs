@@ -82,7 +82,7 @@ fn number(value: f64) -> String {
 fn distance(a: &[Point], b: &[Point]) -> f64 {
     let apart = |(a, b): (&Point, &Point)| {
         let sides = a.components().into_iter().zip(b.components());
-        sides.map(|(a, b)| a.plus(&b.negated()).approximate()).fold(0.0, |sum, d| f64::hypot(sum, d))
+        sides.map(|(a, b)| a.plus(&b.negated()).approximate()).fold(0.0, f64::hypot)
     };
     a.iter().zip(b).map(apart).fold(0.0, f64::max)
 }

@@ -52,7 +52,7 @@ impl Explainer<'_> {
         &self,
         found: Vec<StepDifference>,
         cause: Cause,
-        stepper: Option<&dyn Fn(&Block, &Block) -> Option<Trace>>,
+        stepper: Option<Tracer<'_>>,
     ) -> Vec<Caused> {
         let mut caused: Vec<Caused> =
             found.into_iter().map(|difference| Caused { cause, difference, deciding: None }).collect();
@@ -82,7 +82,7 @@ impl Explainer<'_> {
         &self,
         pair: [u32; 2],
         differences: &[Difference],
-        stepper: Option<&dyn Fn(&Block, &Block) -> Option<Trace>>,
+        stepper: Option<Tracer<'_>>,
     ) -> Vec<Option<Deciding>> {
         let of = |side: &Side<'_>| pair.map(|block| side.blocks[block as usize].clone());
         let ([a, b], [a_after, b_after]) = (of(&self.before), of(&self.after));
@@ -100,6 +100,9 @@ impl Explainer<'_> {
         explain(differences, &link, Features { a: a.topology(), b: b.topology() })
     }
 }
+
+/// Traces two blocks.
+pub(super) type Tracer<'t> = &'t dyn Fn(&Block, &Block) -> Option<Trace>;
 
 /// The decisions of the stepper about two blocks.
 pub(super) fn stepper_trace<R: Real, M: StepRules>(a: &Block, b: &Block, set: &ToleranceSet) -> Option<Trace> {

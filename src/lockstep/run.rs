@@ -318,7 +318,7 @@ fn displacement_error(before: &exact::State, found: &exact::State, right: &exact
         let apart = |a: &Number, b: &Number| a.plus(&b.negated()).approximate();
         let squares = a.iter().zip(b).map(|(a, b)| {
             let pairs = a.components().into_iter().zip(b.components());
-            pairs.map(|(a, b)| apart(a, b)).fold(0.0, |sum, d| f64::hypot(sum, d))
+            pairs.map(|(a, b)| apart(a, b)).fold(0.0, f64::hypot)
         });
         squares.fold(0.0, f64::max)
     };
