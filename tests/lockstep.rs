@@ -2,17 +2,15 @@
 //! solves and retries of every step must be the same, from the same state; exact ties aside, which are counted.
 
 use rockproof::lockstep::answer::{Answer, compare};
+use rockproof::lockstep::run::KEEP;
 use rockproof::lockstep::scene::ExactScene;
 use rockproof::lockstep::state::{converted, exact_state};
 use rockproof::lockstep::wide::WideStepper;
 use rockproof::model::simulation::derive_stiffness;
 use rockproof::model::{Precision, Scene};
-use rockproof::oracle::step::Keep;
 use rockproof::stepper::contact::Spec;
 use rockproof::stepper::dynamics::{Dynamics, State};
 use std::path::PathBuf;
-
-const KEEP: Keep = Keep::Grid { exponent: 160 };
 
 /// The scenes, by name.
 fn scenes() -> Vec<(String, ExactScene)> {

@@ -48,12 +48,7 @@ pub(super) struct Explainer<'s> {
 
 impl Explainer<'_> {
     /// The differences with their cause; `stepper` traces a pair of blocks in the stepper, where the link leads to it.
-    pub(super) fn caused(
-        &self,
-        found: Vec<StepDifference>,
-        cause: Cause,
-        stepper: Option<Tracer<'_>>,
-    ) -> Vec<Caused> {
+    pub(super) fn caused(&self, found: Vec<StepDifference>, cause: Cause, stepper: Option<Tracer<'_>>) -> Vec<Caused> {
         let mut caused: Vec<Caused> =
             found.into_iter().map(|difference| Caused { cause, difference, deciding: None }).collect();
         let mut done = 0;

@@ -15,7 +15,7 @@ use crate::stepper::dynamics::{
 use std::time::{Duration, Instant};
 
 /// What the oracle keeps of coordinates after a step: far finer than any engine, and cheaper than fractions.
-pub const KEEP: Keep = Keep::Grid { exponent: 160 };
+pub const KEEP: Keep = Keep::Grid { exponent: 96 };
 
 /// A step made on both sides.
 #[derive(Clone, Debug)]
