@@ -2,17 +2,15 @@
 //! solves and retries of every step must be the same, from the same state; exact ties aside, which are counted.
 
 use rockproof::lockstep::answer::{Answer, compare};
+use rockproof::lockstep::run::KEEP;
 use rockproof::lockstep::scene::ExactScene;
 use rockproof::lockstep::state::{converted, exact_state};
 use rockproof::lockstep::wide::WideStepper;
 use rockproof::model::simulation::derive_stiffness;
 use rockproof::model::{Precision, Scene};
-use rockproof::oracle::step::Keep;
 use rockproof::stepper::contact::Spec;
 use rockproof::stepper::dynamics::{Dynamics, State};
 use std::path::PathBuf;
-
-const KEEP: Keep = Keep::Grid { exponent: 160 };
 
 /// The scenes, by name.
 fn scenes() -> Vec<(String, ExactScene)> {
@@ -39,8 +37,7 @@ struct Ties {
 
 /// Runs a scene in 512 bits, each state rounded to f64, beside the oracle.
 fn agree(name: &str, scene: &ExactScene, steps: usize) -> Ties {
-    let mut state: State<f64> =
-        Dynamics::<f64>::new(scene.scene(), scene.tolerances()).unwrap().state().clone();
+    let mut state: State<f64> = Dynamics::<f64>::new(scene.scene(), scene.tolerances()).unwrap().state().clone();
     let mut wide = WideStepper::<Spec>::new(scene).unwrap();
     let shapes = scene.scene().shapes();
     let mut ties = Ties::default();

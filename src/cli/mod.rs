@@ -13,6 +13,7 @@ mod replay_step;
 mod shrink;
 mod simulate;
 mod stress;
+mod simulate_exact;
 mod table;
 mod tune;
 

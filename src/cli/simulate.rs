@@ -3,14 +3,17 @@
 use crate::cli::check::violations_text;
 use crate::cli::exit::{Outcome, Verdict, complain, note, print};
 use crate::cli::input::{ReadArgs, ToleranceArgs};
+use crate::cli::simulate_exact::ExactRun;
 use crate::cli::table::grouped;
 use anyhow::Context;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use rockproof::lockstep::beside::About;
-use rockproof::lockstep::{BesideRun, Links, Lockstep, table};
+use rockproof::lockstep::trajectory::default_grid;
+use rockproof::lockstep::{BesideRun, FreeRun, Links, Lockstep, Trajectory, free, table};
 use rockproof::model::simulation::{Control, derive_stiffness};
 use rockproof::model::{Precision, Scene, ToleranceSet, rules};
+use rockproof::oracle::step::Keep;
 use rockproof::simulate::identity::{identity, with_tolerances};
 use rockproof::simulate::record::{Progress, Table};
 use rockproof::simulate::run::headers;
@@ -53,7 +56,7 @@ pub(crate) struct Simulate {
     #[command(flatten)]
     tolerances: ToleranceArgs,
 
-    /// Precision of the stepper
+    /// What makes the steps: the stepper in a precision, or the oracle
     #[arg(long, value_enum, default_value = "f64")]
     engine: EngineChoice,
 
@@ -97,6 +100,18 @@ pub(crate) struct Simulate {
     #[arg(long, requires = "lockstep")]
     stop_at_first: bool,
 
+    /// Run the exact trajectory beside the stepper's, each from its own state: free.csv
+    #[arg(long, conflicts_with_all = ["lockstep", "resume"])]
+    free: bool,
+
+    /// Keep exact coordinates on a grid of 2^-N m [default: 2^-256 of the model's size, or the next finer]
+    #[arg(long, value_name = "N")]
+    grid_exponent: Option<u32>,
+
+    /// Keep exact coordinates as the fractions they are; they grow with every step
+    #[arg(long, conflicts_with = "grid_exponent")]
+    fractions: bool,
+
     /// Which causes to tell apart: all, or what the stepper's arithmetic alone does (faster)
     #[arg(long, value_enum, default_value = "all", requires = "lockstep")]
     links: LinksChoice,
@@ -120,6 +135,8 @@ enum EngineChoice {
     F64,
     /// Single precision
     F32,
+    /// No rounding but that of --grid-exponent: the oracle steps by itself
+    Exact,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -163,6 +180,27 @@ impl Simulate {
         match self.engine {
             EngineChoice::F64 => self.go::<f64>("f64", ready),
             EngineChoice::F32 => self.go::<f32>("f32", ready),
+            EngineChoice::Exact => self.exact(&ready),
+        }
+    }
+
+    /// The oracle by itself.
+    fn exact(&self, ready: &Ready) -> Outcome {
+        if self.lockstep || self.free || self.resume || self.contacts {
+            anyhow::bail!("--lockstep, --free, --resume and --contacts are for the stepper, not for --engine exact");
+        }
+        let points = &ready.scene.simulation.measured_points;
+        let names = points.iter().map(|point| point.name.clone()).collect();
+        let (file, dir) = (self.scene.clone(), self.directory());
+        let run = ExactRun { file, dir, plan: ready.plan, overwrite: self.overwrite, names };
+        run.go(Trajectory::new(&ready.scene, &ready.set, self.keep(&ready.scene)))
+    }
+
+    fn keep(&self, scene: &Scene) -> Keep {
+        match (self.fractions, self.grid_exponent) {
+            (true, _) => Keep::Exact,
+            (false, Some(exponent)) => Keep::Grid { exponent },
+            (false, None) => default_grid(scene),
         }
     }
 
@@ -205,6 +243,10 @@ impl Simulate {
             headers[Table::Lockstep as usize] = Some(lines([table::STEPS])?);
             headers[Table::Differences as usize] = Some(lines([table::DIFFERENCES])?);
         }
+        if self.free {
+            identity.insert("free".to_owned(), format!("{:?}", self.keep(&scene)).into());
+            headers[Table::Free as usize] = Some(lines([free::COLUMNS])?);
+        }
         let (mut record, saved) = Record::open(&dir, identity, headers, start)?;
         let text = with_tolerances(&scene, &set)?;
         match saved {
@@ -216,6 +258,7 @@ impl Simulate {
                 .with_context(|| format!("{}: the checkpoint cannot be used", dir.display()))?,
         }
         let mut stepping: Box<dyn Stepping<R>> = match self.lockstep {
+            false if self.free => Box::new(FreeRun::new(dynamics, Trajectory::new(&scene, &set, self.keep(&scene)))),
             false => Box::new(dynamics),
             true => {
                 let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };

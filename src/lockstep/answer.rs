@@ -186,8 +186,5 @@ fn contact_differences(before: &Answer, after: &Answer, blocks: &[&Block]) -> Ve
 pub fn described(contact: &Contact) -> String {
     let gap = ["overlap", "touch", "apart"][(contact.gap.as_i8() + 1).clamp(0, 2) as usize];
     let entrance = contact.entrance;
-    format!(
-        "{} {}/{} by {} {}/{} {gap}",
-        contact.kind, contact.a, contact.b, entrance.kind, entrance.a, entrance.b
-    )
+    format!("{} {}/{} by {} {}/{} {gap}", contact.kind, contact.a, contact.b, entrance.kind, entrance.a, entrance.b)
 }

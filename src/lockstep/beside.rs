@@ -6,6 +6,7 @@ use crate::lockstep::case_file::{Expected, StepCase};
 use crate::lockstep::run::{Compared, Lockstep};
 use crate::lockstep::table::{CAUSES, difference_rows, step_row};
 use crate::simulate::checkpoint::Saved;
+use crate::simulate::record::Table;
 use crate::simulate::run::{Beside, Ending, Stepping};
 use crate::stepper::dynamics::{Solve, State, StepReport, StepRules, Stopped};
 use std::collections::BTreeMap;
@@ -73,15 +74,18 @@ impl<R: Solve, M: StepRules> BesideRun<R, M> {
                 wanted = true;
             }
         }
-        let case = if wanted { compared.oracle.as_ref().and_then(|oracle| self.case(before, compared, oracle)) } else { None };
+        let case =
+            if wanted { compared.oracle.as_ref().and_then(|oracle| self.case(before, compared, oracle)) } else { None };
         let name = case.as_ref().map_or(String::new(), |(name, _)| name.clone());
         let end = match &compared.unproved {
             Some(failure) => Some(Ending::Unproved(failure.to_string())),
             None => (self.about.stop_at_first && compared.differs()).then_some(Ending::Parted),
         };
         Beside {
-            row: step_row(compared),
-            differences: difference_rows(compared, &name),
+            rows: vec![
+                (Table::Lockstep, vec![step_row(compared)]),
+                (Table::Differences, difference_rows(compared, &name)),
+            ],
             states: case.into_iter().collect(),
             counts,
             end,

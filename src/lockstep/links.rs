@@ -48,12 +48,7 @@ pub(super) struct Explainer<'s> {
 
 impl Explainer<'_> {
     /// The differences with their cause; `stepper` traces a pair of blocks in the stepper, where the link leads to it.
-    pub(super) fn caused(
-        &self,
-        found: Vec<StepDifference>,
-        cause: Cause,
-        stepper: Option<&dyn Fn(&Block, &Block) -> Option<Trace>>,
-    ) -> Vec<Caused> {
+    pub(super) fn caused(&self, found: Vec<StepDifference>, cause: Cause, stepper: Option<Tracer<'_>>) -> Vec<Caused> {
         let mut caused: Vec<Caused> =
             found.into_iter().map(|difference| Caused { cause, difference, deciding: None }).collect();
         let mut done = 0;
@@ -65,7 +60,9 @@ impl Explainer<'_> {
             done = end;
             let differences: Vec<Difference> = caused[first..end]
                 .iter()
-                .filter_map(|c| if let Change::Contact(difference) = c.difference.change { Some(difference) } else { None })
+                .filter_map(
+                    |c| if let Change::Contact(difference) = c.difference.change { Some(difference) } else { None },
+                )
                 .collect();
             let Some(pair) = pair else { continue };
             let deciding = self.explain(pair, &differences, stepper);
@@ -80,7 +77,7 @@ impl Explainer<'_> {
         &self,
         pair: [u32; 2],
         differences: &[Difference],
-        stepper: Option<&dyn Fn(&Block, &Block) -> Option<Trace>>,
+        stepper: Option<Tracer<'_>>,
     ) -> Vec<Option<Deciding>> {
         let of = |side: &Side<'_>| pair.map(|block| side.blocks[block as usize].clone());
         let ([a, b], [a_after, b_after]) = (of(&self.before), of(&self.after));
@@ -98,6 +95,9 @@ impl Explainer<'_> {
         explain(differences, &link, Features { a: a.topology(), b: b.topology() })
     }
 }
+
+/// Traces two blocks.
+pub(super) type Tracer<'t> = &'t dyn Fn(&Block, &Block) -> Option<Trace>;
 
 /// The decisions of the stepper about two blocks.
 pub(super) fn stepper_trace<R: Real, M: StepRules>(a: &Block, b: &Block, set: &ToleranceSet) -> Option<Trace> {

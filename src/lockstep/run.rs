@@ -9,11 +9,13 @@ use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::wide::{WideError, WideStepper};
 use crate::model::{Block, Number, Precision, Scene, ToleranceSet};
 use crate::oracle::step::{self as exact, Keep, StepAnswer, StepFailure};
-use crate::stepper::dynamics::{Dynamics, Given, GivenAttempt, SetupError, Solve, State, StepReport, StepRules, Stopped};
+use crate::stepper::dynamics::{
+    Dynamics, Given, GivenAttempt, SetupError, Solve, State, StepReport, StepRules, Stopped,
+};
 use std::time::{Duration, Instant};
 
 /// What the oracle keeps of coordinates after a step: far finer than any engine, and cheaper than fractions.
-pub const KEEP: Keep = Keep::Grid { exponent: 160 };
+pub const KEEP: Keep = Keep::Grid { exponent: 96 };
 
 /// A step made on both sides.
 #[derive(Clone, Debug)]
@@ -273,8 +275,11 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
     /// The same step with the oracle's contacts, and with its modes too.
     fn depths(&self, before: &State<R>, exact: &StepAnswer, [stepper, oracle]: [f64; 2]) -> Option<Depths> {
         let answer = Answer::of_oracle(exact);
-        let modes: Vec<Vec<_>> =
-            exact.modes.iter().map(|all| all.iter().map(|mode| crate::lockstep::state::float_mode(*mode)).collect()).collect();
+        let modes: Vec<Vec<_>> = exact
+            .modes
+            .iter()
+            .map(|all| all.iter().map(|mode| crate::lockstep::state::float_mode(*mode)).collect())
+            .collect();
         let attempt = GivenAttempt { time_step: answer.time_step, modes: &modes };
         let depth = |attempt| {
             let mut again = self.dynamics.clone();
@@ -313,7 +318,7 @@ fn displacement_error(before: &exact::State, found: &exact::State, right: &exact
         let apart = |a: &Number, b: &Number| a.plus(&b.negated()).approximate();
         let squares = a.iter().zip(b).map(|(a, b)| {
             let pairs = a.components().into_iter().zip(b.components());
-            pairs.map(|(a, b)| apart(a, b)).fold(0.0, |sum, d| f64::hypot(sum, d))
+            pairs.map(|(a, b)| apart(a, b)).fold(0.0, f64::hypot)
         });
         squares.fold(0.0, f64::max)
     };

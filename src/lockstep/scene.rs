@@ -112,7 +112,9 @@ impl Round {
         self.number("friction", &mut joint.friction)?;
         self.number("cohesion", &mut joint.cohesion)?;
         self.number("tension", &mut joint.tension)?;
-        let Some(normal) = &mut joint.normal_stiffness else { return self.number("shear_ratio", &mut joint.shear_ratio) };
+        let Some(normal) = &mut joint.normal_stiffness else {
+            return self.number("shear_ratio", &mut joint.shear_ratio);
+        };
         let mut shear = normal.times(&joint.shear_ratio);
         self.number("shear_stiffness", &mut shear)?;
         self.number("normal_stiffness", normal)?;

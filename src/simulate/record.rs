@@ -25,7 +25,7 @@ pub struct Progress {
     /// What must be the same for the run to go on.
     pub identity: Map<String, Value>,
     /// Lengths of the tables in bytes, by [`Table`].
-    pub bytes: [u64; 5],
+    pub bytes: [u64; Table::COUNT],
     /// The frames every so many steps.
     pub frames: Vec<Frame>,
     /// The frame at the end of the run, where none of the others is. A run that goes on does not keep it.
@@ -78,10 +78,16 @@ pub enum Table {
     Lockstep,
     /// `differences.csv`
     Differences,
+    /// `free.csv`
+    Free,
 }
 
 impl Table {
-    const ALL: [Table; 5] = [Table::Steps, Table::Measured, Table::Contacts, Table::Lockstep, Table::Differences];
+    /// How many there are.
+    pub const COUNT: usize = 6;
+
+    const ALL: [Table; Table::COUNT] =
+        [Table::Steps, Table::Measured, Table::Contacts, Table::Lockstep, Table::Differences, Table::Free];
 
     fn name(self) -> &'static str {
         match self {
@@ -90,6 +96,7 @@ impl Table {
             Table::Contacts => "contacts.csv",
             Table::Lockstep => "lockstep.csv",
             Table::Differences => "differences.csv",
+            Table::Free => "free.csv",
         }
     }
 }
@@ -165,7 +172,7 @@ fn damaged(file: &Path, what: impl ToString) -> RecordError {
 pub struct Record {
     dir: PathBuf,
     /// By [`Table`]; the contacts only where asked for.
-    tables: [Option<File>; 5],
+    tables: [Option<File>; Table::COUNT],
     progress: Progress,
 }
 
@@ -179,7 +186,7 @@ impl Record {
     pub fn open(
         dir: &Path,
         identity: Map<String, Value>,
-        headers: [Option<Vec<u8>>; 5],
+        headers: [Option<Vec<u8>>; Table::COUNT],
         start: Start,
     ) -> Result<(Record, Option<Saved>), RecordError> {
         let held = Table::ALL.iter().map(|t| t.name()).chain(OTHERS).any(|name| dir.join(name).exists());
@@ -192,7 +199,7 @@ impl Record {
         let frames = dir.join(FRAMES);
         fs::create_dir_all(&frames).map_err(at(&frames))?;
         let progress = Progress { identity, ..Progress::default() };
-        let mut record = Record { dir: dir.to_owned(), tables: [const { None }; 5], progress };
+        let mut record = Record { dir: dir.to_owned(), tables: [const { None }; Table::COUNT], progress };
         for (table, header) in Table::ALL.into_iter().zip(headers) {
             if let Some(header) = header {
                 let path = dir.join(table.name());
@@ -217,7 +224,7 @@ impl Record {
         if !differences.is_empty() {
             return Err(RecordError::OtherRun { dir: dir.to_owned(), differences });
         }
-        let mut tables = [const { None }; 5];
+        let mut tables = [const { None }; Table::COUNT];
         for table in Table::ALL {
             let bytes = progress.bytes[table as usize];
             if bytes > 0 {
@@ -347,7 +354,9 @@ fn is_picture(name: &str) -> bool {
 /// Whether a name is that of a state file.
 fn is_state(name: &str) -> bool {
     let step = name.strip_prefix("step_").and_then(|name| name.strip_suffix(".json"));
-    step.is_some_and(|step| step.trim_start_matches('-').len() >= 6 && step.bytes().all(|b| b.is_ascii_digit() || b == b'-'))
+    step.is_some_and(|step| {
+        step.trim_start_matches('-').len() >= 6 && step.bytes().all(|b| b.is_ascii_digit() || b == b'-')
+    })
 }
 
 /// Removes the files of `folder` that `unwanted` names.

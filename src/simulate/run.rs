@@ -31,10 +31,8 @@ pub trait Stepping<R> {
 /// What was found beside a step (`docs/lockstep.md`).
 #[derive(Clone, Debug, Default)]
 pub struct Beside {
-    /// The row of `lockstep.csv`.
-    pub row: Vec<String>,
-    /// The rows of `differences.csv`.
-    pub differences: Vec<Vec<String>>,
+    /// Rows, and the tables they belong to.
+    pub rows: Vec<(Table, Vec<Vec<String>>)>,
     /// State files: a name within `states/`, and what it holds.
     pub states: Vec<(String, Vec<u8>)>,
     /// What adds up over a run, by name.
@@ -113,9 +111,16 @@ pub enum RunError {
 ///
 /// # Errors
 /// None that writing to memory has.
-pub fn headers(plan: &Plan) -> Result<[Option<Vec<u8>>; 5], csv::Error> {
+pub fn headers(plan: &Plan) -> Result<[Option<Vec<u8>>; Table::COUNT], csv::Error> {
     let contacts = plan.contacts.then(|| tables::lines([tables::CONTACTS])).transpose()?;
-    Ok([Some(tables::lines([tables::step_columns()])?), Some(tables::lines([tables::MEASURED])?), contacts, None, None])
+    Ok([
+        Some(tables::lines([tables::step_columns()])?),
+        Some(tables::lines([tables::MEASURED])?),
+        contacts,
+        None,
+        None,
+        None,
+    ])
 }
 
 impl<R: Real> Run<'_, R> {
@@ -236,8 +241,9 @@ impl<R: Real> Run<'_, R> {
 }
 
 fn append_beside(beside: Beside, record: &mut Record) -> Result<Option<Ending>, RunError> {
-    record.append(Table::Lockstep, &tables::lines([beside.row])?)?;
-    record.append(Table::Differences, &tables::lines(beside.differences)?)?;
+    for (table, rows) in beside.rows {
+        record.append(table, &tables::lines(rows)?)?;
+    }
     for (name, bytes) in &beside.states {
         record.write_state(name, bytes)?;
     }
