@@ -12,8 +12,8 @@ mod replay;
 mod replay_step;
 mod shrink;
 mod simulate;
-mod stress;
 mod simulate_exact;
+mod stress;
 mod table;
 mod tune;
 

@@ -23,9 +23,7 @@ fn vertices_approach<R: Solve>(precision: Precision, relative: f64) {
         energy = total(&report);
         // v/√(2p/m) with the m of a block: two of them meet with half of it.
         assert!(report.max_penetration < 0.003, "{report:?}");
-        let velocity = |block: usize| {
-            [0, 1, 2].map(|k: usize| dynamics.state().blocks[block].velocity[k].to_f64())
-        };
+        let velocity = |block: usize| [0, 1, 2].map(|k: usize| dynamics.state().blocks[block].velocity[k].to_f64());
         let (one, other) = (velocity(0), velocity(1));
         let momentum: [f64; 3] = std::array::from_fn(|k| masses[0] * one[k] + masses[1] * other[k]);
         let expected = [0.0, 0.0, -masses[1]];
