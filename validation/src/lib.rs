@@ -6,6 +6,7 @@
 
 pub mod arch;
 pub mod case;
+pub mod convergence;
 pub mod elastic;
 pub mod flight;
 pub mod impact;

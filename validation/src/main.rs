@@ -14,6 +14,13 @@ fn main() -> anyhow::Result<ExitCode> {
     print!("{text}");
     std::fs::write(&path, report::replace(&page, "closed forms", &text)?)
         .with_context(|| path.display().to_string())?;
+    for study in rockproof_validation::convergence::studies() {
+        let curve = study.measure()?;
+        eprintln!("{} {} {:?}", study.name, curve.order, curve.points);
+    }
+    for (step, a, b) in rockproof_validation::convergence::start_up()? {
+        eprintln!("{step} {a:?} {b:?}");
+    }
     let missed = lines.iter().filter(|line| !line.holds()).count();
     eprintln!("{} cases, {missed} of them miss their bound; written to {}", lines.len(), path.display());
     Ok(if missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
