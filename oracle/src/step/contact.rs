@@ -15,8 +15,8 @@ pub(crate) struct ContactGeometry<S> {
     pub(crate) gap: S,
     /// The point of A and the point of B, each relative to its centroid.
     pub(crate) points: [Vec3<S>; 2],
-    /// `T(P)ᵀN` and `T(Q)ᵀN`.
-    pub(crate) pulls: [Vec<S>; 2],
+    /// `1/|N|²`.
+    pub(crate) over_square: S,
     /// s0: the stretch of A against B when the step begins.
     pub(crate) stretch: Vec3<S>,
 }
@@ -91,29 +91,29 @@ impl<'a, S: Field> Sides<'a, S> {
     }
 
     /// P on A and Q on B.
-    fn feet(&self, contact: &Contact, normal: &Vec3<S>, square: &S) -> Option<[Vec3<S>; 2]> {
+    fn feet(&self, contact: &Contact, normal: &Vec3<S>, over_square: &S) -> Option<[Vec3<S>; 2]> {
         let entrance = contact.entrance;
         let foot = |point: &Vec3<S>, middle: &Vec3<S>| {
-            let share = normal.dot(&point.minus(middle)).over(square)?;
-            Some(point.minus(&normal.scaled(&share)))
+            let share = normal.dot(&point.minus(middle)).times(over_square);
+            point.minus(&normal.scaled(&share))
         };
         match entrance.kind {
             EntranceKind::VertexFace => {
                 let p = self.point(0, entrance.a);
-                let q = foot(&p, &self.middle(1, entrance.b)?)?;
+                let q = foot(&p, &self.middle(1, entrance.b)?);
                 Some([p, q])
             }
             EntranceKind::FaceVertex => {
                 let q = self.point(1, entrance.b);
-                let p = foot(&q, &self.middle(0, entrance.a)?)?;
+                let p = foot(&q, &self.middle(0, entrance.a)?);
                 Some([p, q])
             }
             EntranceKind::EdgeEdge => {
                 let ((d1, p1), (d2, p2)) = (self.edge(0, entrance.a), self.edge(1, entrance.b));
                 let (cross, apart) = (d1.cross(&d2), p2.minus(&p1));
                 // p1 + t·d1 and p2 + s·d2 with t = (apart × d2)·n/|n|², s = (apart × d1)·n/|n|².
-                let t = apart.cross(&d2).dot(&cross).over(square)?;
-                let s = apart.cross(&d1).dot(&cross).over(square)?;
+                let t = apart.cross(&d2).dot(&cross).times(over_square);
+                let s = apart.cross(&d1).dot(&cross).times(over_square);
                 Some([p1.plus(&d1.scaled(&t)), p2.plus(&d2.scaled(&s))])
             }
         }
@@ -143,22 +143,28 @@ impl<S: Field> ContactGeometry<S> {
         let normal = sides.normal(contact)?;
         let square = normal.norm_squared();
         let gap = sides.gap(contact, &normal)?;
-        let [p, q] = sides.feet(contact, &normal, &square)?;
+        let over_square = S::from_i32(1).over(&square)?;
+        let [p, q] = sides.feet(contact, &normal, &over_square)?;
         let points = [p.minus(&sides.offset).minus(centroids[0]), q.minus(centroids[1])];
-        let pulls = [frame::pull(&points[0], &normal), frame::pull(&points[1], &normal)];
-        let stretch = match anchors {
-            None => Vec3::zero(),
-            Some([own, other]) => tangential(&difference(own, other, bits), &normal, &square)?,
-        };
-        Some(ContactGeometry { square, normal, gap, points, pulls, stretch })
+        let mut geometry = ContactGeometry { square, over_square, normal, gap, points, stretch: Vec3::zero() };
+        if let Some([own, other]) = anchors {
+            let between = difference(own, other, bits);
+            geometry.stretch = geometry.across(&between, &geometry.normal.dot(&between));
+        }
+        Some(geometry)
     }
 
-    /// The part of a vector across N.
-    pub(crate) fn across(&self, v: &Vec3<S>) -> Option<Vec3<S>> {
-        tangential(v, &self.normal, &self.square)
+    /// How A's point moves against B's with these displacements.
+    pub(crate) fn moved(&self, d: [&[S]; 2]) -> Vec3<S> {
+        match [d[0].is_empty(), d[1].is_empty()] {
+            [false, true] => frame::displacement(&self.points[0], d[0]),
+            [true, false] => frame::displacement(&self.points[1], d[1]).negated(),
+            _ => frame::displacement(&self.points[0], d[0]).minus(&frame::displacement(&self.points[1], d[1])),
+        }
     }
-}
 
-fn tangential<S: Field>(v: &Vec3<S>, normal: &Vec3<S>, square: &S) -> Option<Vec3<S>> {
-    Some(v.minus(&normal.scaled(&v.dot(normal).over(square)?)))
+    /// The part of a vector across N, `along` its product with N.
+    pub(crate) fn across(&self, v: &Vec3<S>, along: &S) -> Vec3<S> {
+        v.minus(&self.normal.scaled(&along.times(&self.over_square)))
+    }
 }

@@ -29,7 +29,7 @@ mod transfer;
 pub use engine::{Dynamics, Phases};
 pub use given::{Given, GivenAttempt};
 pub use report::{Concerned, Retry, RetryReason, StepReport, Stopped};
-pub use rules::StepRules;
+pub use rules::{Slip, StepRules};
 pub use setup::{Limits, SetupError};
 pub use solve::Solve;
 pub use state::{BlockState, ContactState, Mode, State};
