@@ -5,6 +5,7 @@ pub use rockproof_oracle as oracle;
 
 pub mod campaign;
 pub mod gate;
+pub mod report;
 pub mod simulate;
 pub mod speed;
 pub mod stepper;

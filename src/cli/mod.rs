@@ -9,6 +9,7 @@ mod exit;
 mod gate;
 mod input;
 mod replay;
+mod report;
 mod shrink;
 mod simulate;
 mod table;
@@ -34,6 +35,7 @@ enum Command {
     Check(check::Check),
     Campaign(campaign::Campaign),
     Replay(replay::Replay),
+    Report(report::Report),
     Shrink(shrink::Shrink),
     Convert(convert::Convert),
     Gate(gate::Gate),
@@ -48,6 +50,7 @@ impl Command {
             Command::Check(command) => command.run(),
             Command::Campaign(command) => command.run(),
             Command::Replay(command) => command.run(),
+            Command::Report(command) => command.run(),
             Command::Shrink(command) => command.run(),
             Command::Convert(command) => command.run(),
             Command::Gate(command) => command.run(),
