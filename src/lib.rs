@@ -7,6 +7,7 @@ pub mod campaign;
 pub mod gate;
 pub mod lockstep;
 pub mod plot;
+pub mod report;
 pub mod simulate;
 pub mod speed;
 pub mod stepper;

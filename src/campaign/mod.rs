@@ -15,6 +15,7 @@ pub mod explain;
 pub mod external;
 pub mod families;
 pub mod finding;
+pub mod grid;
 pub mod journal;
 pub mod ladder;
 pub mod mapped;

@@ -56,7 +56,8 @@ impl Clusters {
     pub fn effective(&self, hits: u64, trials: u64) -> f64 {
         let n = trials as f64;
         let p = hits as f64 / n.max(1.0);
-        let between = self.hits_squared as f64 - 2.0 * p * self.hits_times_trials as f64 + p * p * self.trials_squared as f64;
+        let between =
+            self.hits_squared as f64 - 2.0 * p * self.hits_times_trials as f64 + p * p * self.trials_squared as f64;
         let alone = p * (1.0 - p) * n;
         if alone > 0.0 { n / (between / alone).max(1.0) } else { n }
     }
@@ -69,7 +70,9 @@ mod tests {
     #[test]
     fn wilson_as_in_the_literature() {
         // R. G. Newcombe, Two-sided confidence intervals for the single proportion, 1998, table I.
-        for (hits, trials, low, high) in [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)] {
+        for (hits, trials, low, high) in
+            [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
+        {
             let share = Share::of(hits, trials, trials as f64).expect("trials");
             assert!((share.low - low).abs() < 5e-5 && (share.high - high).abs() < 5e-5, "{share:?}");
         }

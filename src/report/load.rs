@@ -132,7 +132,7 @@ impl Results {
         let mut results = Results::default();
         for dir in dirs {
             let has = |name: &str| dir.join(name).is_file();
-            let (campaign, lockstep, timing) = (has("findings.csv"), has("lockstep.csv"), has("error.csv"));
+            let (campaign, lockstep, timing) = (has("findings.csv"), has("lockstep.csv"), has(timing::FILE));
             if !campaign && !lockstep && !timing {
                 return Err(ReportError::NoRun { dir: dir.clone(), found: what_is_there(dir) });
             }

@@ -11,6 +11,10 @@ pub(super) struct Rows {
     file: PathBuf,
     reader: csv::Reader<BufReader<File>>,
     record: csv::StringRecord,
+    /// How many fields a row has.
+    width: usize,
+    /// Where the columns asked for are.
+    places: Vec<usize>,
 }
 
 /// One row of it.
@@ -18,6 +22,7 @@ pub(super) struct Row<'r> {
     file: &'r Path,
     names: &'r [&'static str],
     record: &'r csv::StringRecord,
+    places: &'r [usize],
 }
 
 impl Rows {
@@ -25,7 +30,8 @@ impl Rows {
     pub(super) fn open(file: PathBuf, columns: &[&str]) -> Result<Rows, ReportError> {
         let opened = File::open(&file).map_err(at(&file))?;
         let reader = csv::ReaderBuilder::new().flexible(true).from_reader(BufReader::new(opened));
-        let mut rows = Rows { file, reader, record: csv::StringRecord::new() };
+        let places = (0..columns.len()).collect();
+        let mut rows = Rows { file, reader, record: csv::StringRecord::new(), width: columns.len(), places };
         let header = rows.reader.headers().map_err(|e| damaged(&rows.file, &e))?;
         if header.iter().ne(columns.iter().copied()) {
             let found = header.iter().take(columns.len() + 3).collect::<Vec<_>>().join(",");
@@ -39,15 +45,32 @@ impl Rows {
         Ok(rows)
     }
 
+    /// Opens a table that must have these columns, in any order and beside others.
+    pub(super) fn open_wider(file: PathBuf, columns: &[&str]) -> Result<Rows, ReportError> {
+        let opened = File::open(&file).map_err(at(&file))?;
+        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(BufReader::new(opened));
+        let header = reader.headers().map_err(|e| damaged(&file, &e))?.clone();
+        let mut places = Vec::new();
+        for column in columns {
+            let Some(place) = header.iter().position(|name| name == *column) else {
+                let found = format!("there is no column \"{column}\"");
+                let expected = format!("the columns {}", columns.join(","));
+                return Err(ReportError::Damaged { file, line: 1, found, expected });
+            };
+            places.push(place);
+        }
+        Ok(Rows { file, reader, record: csv::StringRecord::new(), width: header.len(), places })
+    }
+
     /// The next row. `names` are the columns given to [`Rows::open`].
     pub(super) fn next<'r>(&'r mut self, names: &'r [&'static str]) -> Result<Option<Row<'r>>, ReportError> {
         if !self.reader.read_record(&mut self.record).map_err(|e| damaged(&self.file, &e))? {
             return Ok(None);
         }
-        let row = Row { file: &self.file, names, record: &self.record };
-        if self.record.len() != names.len() {
+        let row = Row { file: &self.file, names, record: &self.record, places: &self.places };
+        if self.record.len() != self.width {
             let found = format!("{} fields", self.record.len());
-            return Err(row.damaged(found, format!("{}", names.len())));
+            return Err(row.damaged(found, format!("{}", self.width)));
         }
         Ok(Some(row))
     }
@@ -55,7 +78,12 @@ impl Rows {
 
 fn damaged(file: &Path, error: &csv::Error) -> ReportError {
     let line = error.position().map_or(1, csv::Position::line);
-    ReportError::Damaged { file: file.to_owned(), line, found: error.to_string(), expected: "a row of a table".to_owned() }
+    ReportError::Damaged {
+        file: file.to_owned(),
+        line,
+        found: error.to_string(),
+        expected: "a row of a table".to_owned(),
+    }
 }
 
 fn shortened(text: &str, length: usize) -> String {
@@ -73,7 +101,7 @@ impl Row<'_> {
 
     /// A field as text.
     pub(super) fn text(&self, column: usize) -> &str {
-        self.record.get(column).unwrap_or("")
+        self.places.get(column).and_then(|&place| self.record.get(place)).unwrap_or("")
     }
 
     fn wrong(&self, column: usize, expected: &str) -> ReportError {
@@ -101,7 +129,8 @@ impl Row<'_> {
         if self.text(column).is_empty() {
             return Ok(None);
         }
-        self.of(column, "a finite number or nothing", |text| f64::from_str(text).ok().filter(|n| n.is_finite())).map(Some)
+        self.of(column, "a finite number or nothing", |text| f64::from_str(text).ok().filter(|n| n.is_finite()))
+            .map(Some)
     }
 
     /// A field that may not be empty.

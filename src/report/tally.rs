@@ -59,7 +59,11 @@ impl Worst {
         let size = |w: &Worst| w.margin_ulps.or(w.margin).map_or(f64::INFINITY, f64::abs);
         // Sets that a ladder put on an edge differ by design; a plain setting that differs is worse.
         let laddered = |w: &Worst| w.tolerances.contains(':');
-        size(other).total_cmp(&size(self)).then_with(|| laddered(self).cmp(&laddered(other))).then_with(|| self.index.cmp(&other.index)).then_with(|| self.case.cmp(&other.case))
+        size(other)
+            .total_cmp(&size(self))
+            .then_with(|| laddered(self).cmp(&laddered(other)))
+            .then_with(|| self.index.cmp(&other.index))
+            .then_with(|| self.case.cmp(&other.case))
     }
 }
 
