@@ -6,7 +6,8 @@
 
 Arguments: fcl-libccd, fcl-indep (FCL's two GJK solvers) or coal; `test` runs cases worked out by hand on all three.
 Transforms are identities: coordinates are those of the question. The signed distance is taken by its sign: positive apart, zero
-touching, negative overlapping. All three point their normals from the first object to the second, so A leaves B against them.
+touching, negative overlapping. FCL's normal is the line between its two witness points, Coal's its own, which points from the first
+object to the second: A leaves B against it.
 """
 import json
 import sys
@@ -28,12 +29,9 @@ def fcl_code(solver_name):
         found = fcl.DistanceResult()
         request = fcl.DistanceRequest(enable_nearest_points=True, enable_signed_distance=True, gjk_solver_type=solver)
         gap = fcl.distance(a, b, request, found)
-        if gap > 0:
-            return gap, found.nearest_points[0] - found.nearest_points[1]
-        found = fcl.CollisionResult()
-        request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=True, gjk_solver_type=solver)
-        fcl.collide(a, b, request, found)
-        return gap, -found.contacts[0].normal if found.contacts else None
+        # The witnesses of the same query: apart A leaves B from its own to the other, overlapping the other way round.
+        apart = found.nearest_points[0] - found.nearest_points[1]
+        return gap, apart if gap > 0 else -apart
 
     return say
 
@@ -65,11 +63,10 @@ CODES = {"fcl-libccd": lambda: fcl_code("GST_LIBCCD"), "fcl-indep": lambda: fcl_
 
 def written(gap, normal):
     state = "apart" if gap > 0 else "touching" if gap == 0 else "overlapping"
-    if not numpy.isfinite(gap):
-        return {"unsupported": f"the distance is {gap}"}
+    # A number that is none becomes NaN, which is no JSON: the answer is malformed, and counted so.
     answer = {"state": state, "gap_m": float(gap)}
-    # Where blocks touch there may be no direction to tell.
-    if normal is not None and numpy.isfinite(normal).all() and (gap != 0 or numpy.any(normal)):
+    # Witnesses may coincide; then there is no direction to tell.
+    if numpy.any(normal):
         answer["normal"] = [float(part) for part in normal]
     return answer
 
