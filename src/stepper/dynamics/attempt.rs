@@ -15,6 +15,8 @@ pub(super) struct Iteration<'s, R> {
     pub(super) alone: &'s [Alone<R>],
     pub(super) limits: &'s Limits<R>,
     pub(super) settling: bool,
+    /// The modes of each solve and those after the last, where they are not to be judged.
+    pub(super) given: Option<&'s [Vec<Mode>]>,
 }
 
 /// How an iteration ended.
@@ -42,6 +44,11 @@ impl<R: Solve> Iteration<'_, R> {
         let mut touched = vec![true; unknowns.len()];
         let mut ended = Ended { d: Vec::new(), iterations: 0, changing: Vec::new(), modes: Vec::new() };
         contacts.iter_mut().for_each(Active::reset);
+        let given = |solve: u32, contact: usize| self.given?.get(solve as usize)?.get(contact).copied();
+        for (k, contact) in contacts.iter_mut().enumerate() {
+            contact.now.mode = given(0, k).unwrap_or(contact.now.mode);
+        }
+        let most = self.given.map_or(M::iterations(), |modes| (modes.len() as u32).saturating_sub(1));
         loop {
             for island in islands(&unknowns, contacts) {
                 // The friction force of a sliding contact is that of the last solve, so its system is a new one.
@@ -56,10 +63,13 @@ impl<R: Solve> Iteration<'_, R> {
             ended.iterations += 1;
             ended.changing.clear();
             touched.fill(false);
-            for contact in contacts.iter_mut() {
+            for (k, contact) in contacts.iter_mut().enumerate() {
                 let [i, j] = contact.entering();
                 let from = contact.now.mode;
                 contact.judge::<M>([&d[i], &d[j]], self.limits, self.settling);
+                if let Some(mode) = given(ended.iterations, k) {
+                    contact.take::<M>(mode);
+                }
                 let to = contact.now.mode;
                 if from != to {
                     (touched[i], touched[j]) = (true, true);
@@ -70,7 +80,8 @@ impl<R: Solve> Iteration<'_, R> {
                 }
             }
             ended.modes.push(contacts.iter().map(|contact| contact.now.mode).collect());
-            if ended.changing.is_empty() || ended.iterations >= M::iterations() {
+            let settled = ended.changing.is_empty() && self.given.is_none();
+            if settled || ended.iterations >= most {
                 ended.d = d;
                 return Ok(ended);
             }

@@ -4,7 +4,7 @@ use crate::model::Contact;
 use crate::stepper::dynamics::displacement::{Twelve, displacement, dot, generalized};
 use crate::stepper::dynamics::material::Joint;
 use crate::stepper::dynamics::plane::Plane;
-use crate::stepper::dynamics::rules::StepRules;
+use crate::stepper::dynamics::rules::{Slip, StepRules};
 use crate::stepper::dynamics::setup::Limits;
 use crate::stepper::dynamics::state::{ContactState, Mode};
 use crate::stepper::real::Real;
@@ -97,14 +97,28 @@ impl<R: Real> Active<R> {
             false => Mode::Open,
             true if settling => Mode::Locked,
             true => {
-                let strength = self.strength::<M>();
-                let spring = self.joint.shear * self.joint.shear * stretch.dot(stretch);
-                let slides = if kept { before == Mode::Sliding } else { !M::locks(spring, strength * strength) };
+                let slides = if kept { before == Mode::Sliding } else { !M::holds(before, &self.slip::<M>()) };
                 if slides { Mode::Sliding } else { Mode::Locked }
             }
         };
-        if self.now.mode == Mode::Sliding {
+        self.take::<M>(self.now.mode);
+    }
+
+    /// Takes a mode for the next solve, with the gap and the stretch of the last one.
+    pub(super) fn take<M: StepRules>(&mut self, mode: Mode) {
+        self.now.mode = mode;
+        if mode == Mode::Sliding {
             self.now.slip_force = self.along_slip(self.strength::<M>());
+        }
+    }
+
+    fn slip<M: StepRules>(&self) -> Slip<R> {
+        Slip {
+            normal: self.joint.normal,
+            shear: self.joint.shear,
+            stretch_squared: self.now.stretch.dot(self.now.stretch),
+            friction: M::strength(self.joint.friction, self.joint.normal * M::pressing(self.now.gap), R::ZERO),
+            strength: self.strength::<M>(),
         }
     }
 

@@ -6,6 +6,7 @@ use crate::stepper::dynamics::area;
 use crate::stepper::dynamics::attempt::{Ended, Iteration};
 use crate::stepper::dynamics::contact::{Active, Now};
 use crate::stepper::dynamics::displacement::{Twelve, displacement};
+use crate::stepper::dynamics::given::Given;
 use crate::stepper::dynamics::kinematics::Motion;
 use crate::stepper::dynamics::layout::Layouts;
 use crate::stepper::dynamics::material::Joint;
@@ -24,17 +25,34 @@ use std::marker::PhantomData;
 use std::time::{Duration, Instant};
 
 /// A scene in motion, in the scalar `R` and by the rules `M`.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Dynamics<R, M = Spec> {
     pub(super) setup: Setup<R>,
     pub(super) state: State<R>,
     pub(super) solids: Vec<Solid<R>>,
     pub(super) moments: Vec<Moments<R>>,
     neighbours: Neighbours,
-    layouts: Layouts,
-    modes: Vec<Vec<Vec<Mode>>>,
+    pub(super) layouts: Layouts,
+    pub(super) modes: Vec<Vec<Vec<Mode>>>,
     phases: Phases,
     rules: PhantomData<fn() -> M>,
+}
+
+// Rules are no values, so M need not be Clone.
+impl<R: Clone, M> Clone for Dynamics<R, M> {
+    fn clone(&self) -> Self {
+        Dynamics {
+            setup: self.setup.clone(),
+            state: self.state.clone(),
+            solids: self.solids.clone(),
+            moments: self.moments.clone(),
+            neighbours: self.neighbours.clone(),
+            layouts: self.layouts.clone(),
+            modes: self.modes.clone(),
+            phases: self.phases,
+            rules: PhantomData,
+        }
+    }
 }
 
 /// Where the time went, over all steps so far.
@@ -51,12 +69,12 @@ pub struct Phases {
 }
 
 /// An attempt that was good, or the last one.
-struct Accepted<R> {
-    time_step: R,
-    ended: Ended<R>,
-    retries: Vec<Retry>,
+pub(super) struct Accepted<R> {
+    pub(super) time_step: R,
+    pub(super) ended: Ended<R>,
+    pub(super) retries: Vec<Retry>,
     /// The largest displacement of a vertex, squared (m²).
-    farthest: R,
+    pub(super) farthest: R,
 }
 
 impl<R: Solve> Dynamics<R> {
@@ -162,12 +180,22 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// # Errors
     /// When the run cannot go on.
     pub fn step(&mut self) -> Result<StepReport, Stopped> {
+        self.step_with(None)
+    }
+
+    pub(super) fn step_with(&mut self, given: Option<&Given<'_>>) -> Result<StepReport, Stopped> {
         let settling = self.state.settling > 0;
         let number = if settling { 1 - i64::from(self.state.settling) } else { self.state.step as i64 + 1 };
-        let mut contacts = self.contacts();
+        let mut contacts = match given {
+            None => self.contacts(),
+            Some(given) => self.given_contacts(given.contacts),
+        };
         let begun = Instant::now();
         self.modes.clear();
-        let accepted = self.attempts(&mut contacts, number, settling)?;
+        let accepted = match given.and_then(|given| given.attempt.as_ref()) {
+            None => self.attempts(&mut contacts, number, settling)?,
+            Some(attempt) => self.given_attempt(&mut contacts, attempt, number, settling)?,
+        };
         self.phases.iteration += begun.elapsed();
         let begun = Instant::now();
         let report = self.accept(&contacts, accepted, number, settling);
@@ -195,7 +223,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         found.into_iter().flatten().collect()
     }
 
-    fn of_pair(&self, pair: [u32; 2], contacts: &[Contact]) -> Vec<Active<R>> {
+    pub(super) fn of_pair(&self, pair: [u32; 2], contacts: &[Contact]) -> Vec<Active<R>> {
         if contacts.is_empty() {
             return Vec::new();
         }
@@ -247,7 +275,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let mut retries = Vec::new();
         loop {
             let alone = self.alone(time_step, settling);
-            let iteration = Iteration { alone: &alone, limits: &self.setup.limits, settling };
+            let iteration = Iteration { alone: &alone, limits: &self.setup.limits, settling, given: None };
             let ended = iteration
                 .run::<M>(contacts, &mut self.layouts)
                 .map_err(|unsolved| Stopped::Singular { step: number, block: unsolved.block })?;
@@ -290,12 +318,13 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         }
     }
 
-    /// The largest squared displacement of a vertex, or the block that exceeds a limit.
+    /// The largest squared displacement of a vertex, or the first block that exceeds a limit: first that of displacement.
     fn beyond_limits(&self, d: &[Twelve<R>]) -> Result<R, (usize, RetryReason)> {
         let limits = &self.setup.limits;
         let (far, turned) = (limits.displacement * limits.displacement, limits.rotation * limits.rotation);
+        let moving = || d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block));
         let mut farthest = R::ZERO;
-        for (block, d) in d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block)) {
+        for (block, d) in moving() {
             for &vertex in &self.state.blocks[block].vertices {
                 let moved = displacement(vertex - self.moments[block].centroid, d);
                 let squared = moved.dot(moved);
@@ -304,11 +333,12 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 }
                 farthest = farthest.larger(squared);
             }
-            if M::turned_too_far(d[3] * d[3] + d[4] * d[4] + d[5] * d[5], turned) {
-                return Err((block, RetryReason::Rotation));
-            }
         }
-        Ok(farthest)
+        let turns = |d: &Twelve<R>| M::turned_too_far(d[3] * d[3] + d[4] * d[4] + d[5] * d[5], turned);
+        match moving().find(|(_, d)| turns(d)) {
+            Some((block, _)) => Err((block, RetryReason::Rotation)),
+            None => Ok(farthest),
+        }
     }
 
     pub(super) fn is_fixed(&self, block: usize) -> bool {

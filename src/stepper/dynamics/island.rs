@@ -195,10 +195,10 @@ impl<'s, R: Real> System<'s, R> {
         let Some(behind) = self.layout.beside(place, other) else { return };
         let (own, count) = (self.layout.unknowns(place).len(), self.layout.unknowns(other).len());
         let scaled = later.map(|r| r * factor);
-        for column in 0..own {
+        for (column, &e) in earlier.iter().enumerate().take(own) {
             let begin = self.layout.diagonal(place, column) + own - column + behind;
             for (value, &r) in self.values[begin..begin + count].iter_mut().zip(&scaled) {
-                *value = *value + r * earlier[column];
+                *value = *value + r * e;
             }
         }
     }

@@ -11,6 +11,7 @@ mod attempt;
 mod contact;
 pub mod displacement;
 mod engine;
+mod given;
 mod island;
 mod kinematics;
 mod layout;
@@ -26,8 +27,9 @@ pub mod state;
 mod transfer;
 
 pub use engine::{Dynamics, Phases};
+pub use given::{Given, GivenAttempt};
 pub use report::{Concerned, Retry, RetryReason, StepReport, Stopped};
-pub use rules::StepRules;
+pub use rules::{Slip, StepRules};
 pub use setup::{Limits, SetupError};
 pub use solve::Solve;
 pub use state::{BlockState, ContactState, Mode, State};
