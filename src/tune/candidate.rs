@@ -113,7 +113,7 @@ impl Knobs {
 
 /// `2^(k/4)`, the same on every machine.
 fn quarter_power(k: i32) -> f64 {
-    const ROOTS: [f64; 4] = [1.0, 1.189_207_115_002_721, std::f64::consts::SQRT_2, 1.681_792_830_507_429_1];
+    const ROOTS: [f64; 4] = [1.0, 1.189_207_115_002_721, std::f64::consts::SQRT_2, 1.681_792_830_507_429];
     ROOTS[k.rem_euclid(4) as usize] * 2f64.powi(k.div_euclid(4))
 }
 
