@@ -44,9 +44,9 @@ fn crossing_ridges_press_each_other_apart() {
     // The upper ridge lies along y, its body above it, 1/1000 deep in the lower one, which lies along x.
     let lower = Prism { offset: ["0", "0", "0"], ..WEDGE }.upside_down_along_x();
     let upper_body = Prism { p: ["3", "4"], q: ["-3", "4"], half: "2", offset: ["0", "0", "0"] };
-    let upright = upper_body.along_x();
-    let turned = upright.vertices().iter().map(|v| Vec3::new(v.y.negated(), v.x.clone(), v.z.plus(&number("-1/1000"))));
-    let upper = upright.with_vertices(turned.collect());
+    let along = upper_body.along_x();
+    let turned = along.vertices().iter().map(|v| Vec3::new(v.y.negated(), v.x.clone(), v.z.plus(&number("-1/1000"))));
+    let upper = along.with_vertices(turned.collect());
     let mass = upper.volume() * exact("2000");
     for (exchanged, blocks) in [
         (false, vec![(lower.clone(), Motion::Fixed), (upper.clone(), Motion::Rigid)]),

@@ -2,7 +2,9 @@
 //! them fairly on a busy machine. Beside it, what a step of a large
 //! scene costs, and what a certified step does. The command `bench` prints the figures; `benches/` runs the same cases in criterion.
 
+pub mod closed;
 pub mod contestant;
+pub mod error;
 pub mod exact_stepping;
 pub mod generic;
 pub mod race;

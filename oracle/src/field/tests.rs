@@ -1,11 +1,11 @@
 //! Random expressions: every enclosure holds the exact value, and no certain sign is wrong.
 
-use super::{DoubleBall, Field, WideBall};
+use super::{DoubleBall, Field, Magnitude, WideBall};
 use crate::number::Ball;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Signed;
-use rockproof_model::Number;
+use rockproof_model::{Number, Sign};
 
 struct Random(u64);
 
@@ -109,4 +109,17 @@ fn enclosures_hold_the_exact_value() {
         }
     }
     assert!(asked > 30_000 && decided > asked / 2, "{decided} of {asked} signs decided");
+}
+
+#[test]
+fn a_middle_of_few_bits_is_told_from_a_far_smaller_radius() {
+    let one = WideBall::exactly(1.into(), 0, 200).widened(Magnitude::power_of_two(-300));
+    assert_eq!(one.certain_sign(), Some(Sign::Positive));
+    let exact = BigRational::from_integer(1.into());
+    for value in [one.over(&one), one.root()] {
+        let value = value.expect("not zero");
+        assert!((value.middle() - &exact).abs() <= value.radius().expect("known").to_rational());
+    }
+    let half = WideBall::exactly(1.into(), 0, 200).widened(Magnitude::power_of_two(0));
+    assert!(half.certain_sign().is_none() && half.root().is_none() && one.over(&half).is_none(), "it may be zero");
 }

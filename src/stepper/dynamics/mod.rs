@@ -11,8 +11,10 @@ mod attempt;
 mod contact;
 pub mod displacement;
 mod engine;
+mod given;
 mod island;
 mod kinematics;
+mod layout;
 mod material;
 pub mod moments;
 mod neighbours;
@@ -25,6 +27,7 @@ pub mod state;
 mod transfer;
 
 pub use engine::{Dynamics, Phases};
+pub use given::{Given, GivenAttempt};
 pub use report::{Concerned, Retry, RetryReason, StepReport, Stopped};
 pub use rules::{Slip, StepRules};
 pub use setup::{Limits, SetupError};
