@@ -86,6 +86,8 @@ pub enum Change {
     Converged,
     /// The attempts given up.
     Retries,
+    /// The Δt accepted, after the same retries: by more than [`SAME_TIME_STEP`].
+    TimeStep,
     /// One side cannot make the step.
     Stopped,
 }
@@ -99,10 +101,14 @@ impl Change {
             Change::Iterations => "iterations",
             Change::Converged => "converged",
             Change::Retries => "retries",
+            Change::TimeStep => "time-step",
             Change::Stopped => "stopped",
         }
     }
 }
+
+/// The largest relative difference of two Δt that is one of rounding.
+pub const SAME_TIME_STEP: f64 = 1e-5;
 
 /// One difference between two steps.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -157,6 +163,8 @@ pub fn compare(before: &Answer, after: &Answer, blocks: &[&Block]) -> Vec<StepDi
     }
     if before.retries != after.retries {
         found.push(StepDifference::of_step(Change::Retries, before.retries_text(), after.retries_text()));
+    } else if (before.time_step - after.time_step).abs() > SAME_TIME_STEP * before.time_step {
+        found.push(StepDifference::of_step(Change::TimeStep, before.time_step, after.time_step));
     }
     found
 }

@@ -3,11 +3,12 @@
 use crate::campaign::finding::Cause;
 use crate::lockstep::answer::{Answer, StepDifference, compare};
 use crate::lockstep::effect::{Depths, penetration};
+use crate::lockstep::errors::{anchor_error, displacement_error, velocity_error};
 use crate::lockstep::links::{Caused, Explainer, Links, Side, stepper_trace};
 use crate::lockstep::scene::{ExactScene, Overflow};
 use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::wide::{WideError, WideStepper};
-use crate::model::{Block, Number, Precision, Scene, ToleranceSet};
+use crate::model::{Block, Precision, Scene, ToleranceSet};
 use crate::oracle::step::{self as exact, Keep, StepAnswer, StepFailure};
 use crate::stepper::dynamics::{
     Dynamics, Given, GivenAttempt, SetupError, Solve, State, StepReport, StepRules, Stopped,
@@ -32,6 +33,10 @@ pub struct Compared {
     pub differences: Vec<Caused>,
     /// The largest relative error of a block's displacement, and the block; nothing where nothing moves.
     pub displacement: Option<(f64, usize)>,
+    /// The largest relative error of a block's velocity; nothing where nothing has one.
+    pub velocity: Option<f64>,
+    /// The largest error of an anchor of a closed contact (m).
+    pub anchors: Option<f64>,
     /// The exact penetration after the stepper's step and after the oracle's (m).
     pub penetration: [Option<f64>; 2],
     /// Penetrations with the oracle's contacts and modes, where these differ.
@@ -145,6 +150,8 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             oracle: None,
             differences: Vec::new(),
             displacement: None,
+            velocity: None,
+            anchors: None,
             penetration: [None; 2],
             depths: None,
             undecided: 0,
@@ -183,6 +190,8 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
                 let after = exact_state(self.dynamics.state());
                 if let Ok(after) = &after {
                     compared.displacement = displacement_error(start, after, &exact.state);
+                    compared.velocity = velocity_error(after, &exact.state);
+                    compared.anchors = anchor_error(after, &exact.state);
                 }
                 let oracle = penetration(&self.rounded, &exact.state);
                 let stepper = after.ok().and_then(|after| penetration(&self.rounded, &after));
@@ -309,23 +318,4 @@ fn exact_differences(before: &ExactStep, after: &ExactStep, shapes: &[&Block]) -
         (Ok(_), Err(after)) => vec![StepDifference::stopped("", after)],
         (Err(_), Err(_)) => Vec::new(),
     }
-}
-
-/// The largest distance of a vertex from where it should be over the largest displacement of a vertex of its block, and that
-/// block: the worst of all blocks that move.
-fn displacement_error(before: &exact::State, found: &exact::State, right: &exact::State) -> Option<(f64, usize)> {
-    let distance = |a: &[crate::model::Point], b: &[crate::model::Point]| {
-        let apart = |a: &Number, b: &Number| a.plus(&b.negated()).approximate();
-        let squares = a.iter().zip(b).map(|(a, b)| {
-            let pairs = a.components().into_iter().zip(b.components());
-            pairs.map(|(a, b)| apart(a, b)).fold(0.0, f64::hypot)
-        });
-        squares.fold(0.0, f64::max)
-    };
-    let blocks = before.blocks.iter().zip(&found.blocks).zip(&right.blocks).enumerate();
-    let errors = blocks.filter_map(|(block, ((before, found), right))| {
-        let moved = distance(&right.vertices, &before.vertices);
-        (moved > 0.0).then(|| (distance(&found.vertices, &right.vertices) / moved, block))
-    });
-    errors.reduce(|worst, next| if next.0 > worst.0 { next } else { worst })
 }

@@ -96,7 +96,8 @@ impl<R: Real> Active<R> {
             true => {
                 let strength = self.strength::<M>();
                 let spring = self.joint.shear * self.joint.shear * stretch.dot(stretch);
-                let slides = if kept { before == Mode::Sliding } else { !M::locks(spring, strength * strength) };
+                let slides =
+                    if kept { before == Mode::Sliding } else { !M::locks(before, spring, strength * strength) };
                 if slides { Mode::Sliding } else { Mode::Locked }
             }
         };

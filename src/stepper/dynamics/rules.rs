@@ -40,7 +40,8 @@ pub trait StepRules: Rules {
     }
 
     /// A closed contact is locked: the spring's force is at most τ. Both squared. **A tie locks.**
-    fn locks<R: Real>(force_squared: R, strength_squared: R) -> bool {
+    /// The mode in this solve plays no part.
+    fn locks<R: Real>(_before: Mode, force_squared: R, strength_squared: R) -> bool {
         force_squared <= strength_squared
     }
 
