@@ -1,272 +1,318 @@
-//! Deliberate mistakes in the stepper's iteration, step control and update, one at a time: each is found by making steps in 512 bits
-//! beside the oracle, from states of short runs. The rules without a mistake differ nowhere.
+//! Deliberate mistakes in the stepper's open–close iteration and step control, one at a time: each is found by comparing
+//! its steps with the oracle's on a few scenes, and without a mistake no step differs.
 
-use rockproof::lockstep::answer::{Answer, compare};
-use rockproof::lockstep::errors::{anchor_error, velocity_error};
-use rockproof::lockstep::run::KEEP;
-use rockproof::lockstep::scene::ExactScene;
-use rockproof::lockstep::state::exact_state;
-use rockproof::lockstep::wide::WideStepper;
-use rockproof::model::scene::Format;
-use rockproof::model::simulation::derive_stiffness;
-use rockproof::model::{Precision, Scene};
-use rockproof::oracle::step::StepAnswer;
+#[path = "support/beside.rs"]
+mod beside;
+
+use Mistake::*;
+use beside::first_difference;
+use rockproof::model::scene::SceneBlock;
+use rockproof::model::simulation::{PointLoad, Unconverged};
+use rockproof::model::{Block, Criteria, Motion, Number, Scene, ToleranceSet, Vec3};
 use rockproof::stepper::Real;
-use rockproof::stepper::contact::{Rules, Spec};
-use rockproof::stepper::dynamics::{Dynamics, Mode, State, StepRules};
-use std::path::Path;
+use rockproof::stepper::contact::Rules;
+use rockproof::stepper::dynamics::{Mode, Slip, StepRules};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Blocks that fall on a floor, askew and one on the other: they hit, slide, stick and part.
-const FALL: &str = r#"
-[simulation]
-gravity = [1, 0, -10]
-time_step = 0.005
-
-[[joint]]
-friction = 0.5
-normal_stiffness = 2e8
-
-[[block]]
-name = "floor"
-fixed = true
-box = { min = [-9, -9, -1], max = [9, 9, 0] }
-
-[[block]]
-name = "low"
-box = { min = [0, 0, 0.002], max = [1, 1, 1] }
-spin = [0.3, 0.1, 0]
-
-[[block]]
-name = "high"
-box = { min = [0.3, 0.2, 1.004], max = [1.3, 1.2, 2] }
-velocity = [0.5, 0, -1]
-"#;
-
-/// A block that turns and flies too fast for its Δt.
-const FAST: &str = r#"
-[simulation]
-gravity = [0, 0, 0]
-time_step = 0.05
-
-[[block]]
-name = "flying"
-box = { min = [0, 0, 0], max = [1, 1, 1] }
-velocity = [3, 0, 0]
-
-[[block]]
-name = "turning"
-box = { min = [9, 0, 0], max = [9.25, 0.25, 0.25] }
-spin = [0, 0, 9]
-"#;
-
-/// A block so fast that no Δt is small enough for it, and a little less fast.
-const TOO_FAST: &str = r#"
-[simulation]
-gravity = [0, 0, 0]
-time_step = 1
-
-[[block]]
-name = "shot"
-box = { min = [0, 0, 0], max = [1, 1, 1] }
-velocity = [20, 0, 0]
-"#;
-
-/// Scenes, tolerances set over those of `auto`, and steps.
-const BANK: [(&str, &str, &str, usize); 6] = [
-    ("fall", FALL, "", 40),
-    ("fall by large tolerances", FALL, "open = 1e-4\nclose = 1e-4\n", 40),
-    ("fall with Eq. (1)", FALL, "equal = 0.5\n", 30),
-    ("fall in large steps", FALL, "time_step = 0.02\n", 12),
-    ("fast", FAST, "", 2),
-    ("too fast", TOO_FAST, "", 1),
-];
-
 macro_rules! mistakes {
-    ($($name:ident $text:literal,)*) => {
+    ($($name:ident $what:literal,)*) => {
         /// What can be wrong.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        enum Mistake { Nothing, $($name),* }
+        enum Mistake { $($name),* }
 
-        const ALL: &[(Mistake, &str)] = &[$((Mistake::$name, $text)),*];
+        const ALL: &[(Mistake, &str)] = &[$(($name, $what)),*];
     };
 }
 
 mistakes! {
-    BeginsOpen "a new contact that overlaps is open",
-    IgnoresEquality "Eq. (1) is not asked",
-    EqualityOfLarger "Eq. (1) with the gap after the solve",
-    ClosesAtOnce "closes without epsilon_c",
-    OpensAtOnce "opens without epsilon_o",
-    NeverOpens "a closed contact never opens",
-    PressesOutside "the outer distance presses, not the overlap",
-    NoFriction "strength without friction",
-    DoubleFriction "strength with twice the friction",
-    BecomesLockedEasily "becoming locked ignores the stiffness ratio, staying locked does not",
-    ConvergesWhileSliding "changes between sliding and locked do not count for convergence",
-    TwoIterations "two solves, not six",
-    CutsByHalf "a half of the time step after no convergence",
-    NoFarthest "the displacement limit is not asked",
-    NoTurning "the rotation limit is not asked",
-    SmallestTenth "the smallest time step is a tenth of the full one",
-    NoDrag "a sliding contact's anchor is not dragged",
-    NoTransfer "contacts forget their mode",
-    MeanRate "the velocity after a step is its mean",
+    NoMistake "none",
+    SlidingLockedIgnored "convergence ignores changes between sliding and locked",
+    RelockForgets "becoming locked ignores the stiffness ratio and cohesion, staying locked uses them",
+    ThreeIterations "the iteration ends after 3 solves, whatever says that it failed",
+    TwelveIterations "the iteration goes on for 12 solves",
+    OuterDistance "contacts are recorded apart up to the penetration depth, overlapping up to the search distance",
+    BeginsOpen "a contact that begins touching is open",
+    BeginsLocked "every contact begins locked",
+    ClosesAtOnce "an open contact closes at any overlap",
+    OpensAtOnce "a closed contact opens at any gap",
+    TensionForgotten "tensile strength is forgotten",
+    CohesionForgotten "cohesion is forgotten",
+    FrictionForgotten "friction is forgotten",
+    PullPresses "a gap presses as an overlap does",
+    EqualAbsolute "Eq. (1): absolute",
+    EqualForgotten "Eq. (1) is forgotten",
+    UnsquaredStrength "the squared force is compared with the strength itself",
+    AnchorStays "the anchor of a sliding contact stays behind",
+    MemoryLost "contacts forget mode and anchor",
+    CutByHalf "an iteration that fails is cut by half",
+    NoDisplacementLimit "the displacement limit is forgotten",
+    NoRotationLimit "the rotation limit is forgotten",
+    RateOnce "the rate after a step is (2/Δt)·d",
 }
 
+/// The mistake that is planted. The stepper classifies in threads, so no thread can hold it.
 static PLANTED: AtomicUsize = AtomicUsize::new(0);
 
 fn planted(mistake: Mistake) -> bool {
     PLANTED.load(Ordering::SeqCst) == mistake as usize
 }
 
-/// The rules of SPEC with the mistake that is planted.
-#[derive(Clone, Debug)]
+/// SPEC's rules but for the mistake that is planted.
 struct Mistaken;
 
-impl Rules for Mistaken {}
+impl Rules for Mistaken {
+    fn vertex_face_near<R: Real>(gap: R, search: R) -> bool {
+        gap <= if planted(OuterDistance) { R::from_f64(PENETRATION) } else { search }
+    }
+    fn vertex_face_depth<R: Real>(gap: R, penetration: R) -> bool {
+        gap >= -if planted(OuterDistance) { R::from_f64(SEARCH) } else { penetration }
+    }
+}
 
 impl StepRules for Mistaken {
     fn begins<R: Real>(gap: R) -> Mode {
-        if planted(Mistake::BeginsOpen) { Mode::Open } else { Spec::begins(gap) }
+        let locked = (gap <= R::ZERO && !(planted(BeginsOpen) && gap >= R::ZERO)) || planted(BeginsLocked);
+        if locked { Mode::Locked } else { Mode::Open }
     }
     fn keeps_mode<R: Real>(gap: R, gap_before: R, equal: R) -> bool {
-        match () {
-            () if planted(Mistake::IgnoresEquality) => false,
-            () if planted(Mistake::EqualityOfLarger) => gap.abs() <= equal * gap.abs().larger(gap_before.abs()),
-            () => Spec::keeps_mode(gap, gap_before, equal),
-        }
+        let limit = if planted(EqualAbsolute) { equal } else { equal * gap_before.abs() };
+        gap.abs() <= limit && !planted(EqualForgotten)
     }
     fn closes<R: Real>(gap: R, close: R) -> bool {
-        Spec::closes(gap, if planted(Mistake::ClosesAtOnce) { R::ZERO } else { close })
+        gap < if planted(ClosesAtOnce) { R::ZERO } else { -close }
     }
     fn opens<R: Real>(gap: R, open: R, tensile_gap: R) -> bool {
-        !planted(Mistake::NeverOpens)
-            && Spec::opens(gap, if planted(Mistake::OpensAtOnce) { R::ZERO } else { open }, tensile_gap)
+        let open = if planted(OpensAtOnce) { R::ZERO } else { open };
+        gap > if planted(TensionForgotten) { open } else { open + tensile_gap }
     }
     fn pressing<R: Real>(gap: R) -> R {
-        Spec::pressing(if planted(Mistake::PressesOutside) { -gap } else { gap })
+        if planted(PullPresses) { gap.abs() } else { (-gap).larger(R::ZERO) }
     }
     fn strength<R: Real>(friction: R, normal_force: R, cohesive_force: R) -> R {
-        match () {
-            () if planted(Mistake::NoFriction) => cohesive_force,
-            () if planted(Mistake::DoubleFriction) => Spec::strength(friction + friction, normal_force, cohesive_force),
-            () => Spec::strength(friction, normal_force, cohesive_force),
-        }
+        let cohesive = if planted(CohesionForgotten) { R::ZERO } else { cohesive_force };
+        if planted(FrictionForgotten) { cohesive } else { friction * normal_force + cohesive }
     }
-    fn locks<R: Real>(before: Mode, force_squared: R, strength_squared: R) -> bool {
-        let easily = planted(Mistake::BecomesLockedEasily) && before != Mode::Locked;
-        let scale = R::from_f64(if easily { 0.16 } else { 1.0 });
-        Spec::locks(before, force_squared * scale, strength_squared)
+    fn locks<R: Real>(force_squared: R, strength_squared: R) -> bool {
+        force_squared <= if planted(UnsquaredStrength) { strength_squared.sqrt() } else { strength_squared }
+    }
+    fn holds<R: Real>(before: Mode, slip: &Slip<R>) -> bool {
+        if planted(RelockForgets) && before != Mode::Locked {
+            let force = slip.normal * slip.normal * slip.stretch_squared;
+            return Self::locks(force, slip.friction * slip.friction);
+        }
+        Self::locks(slip.shear * slip.shear * slip.stretch_squared, slip.strength * slip.strength)
     }
     fn counts_as_change(before: Mode, after: Mode) -> bool {
-        let both_closed = before.is_closed() && after.is_closed();
-        before != after && !(planted(Mistake::ConvergesWhileSliding) && both_closed)
+        before != after && !(planted(SlidingLockedIgnored) && before.is_closed() && after.is_closed())
     }
     fn iterations() -> u32 {
-        if planted(Mistake::TwoIterations) { 2 } else { Spec::iterations() }
+        if planted(ThreeIterations) {
+            3
+        } else if planted(TwelveIterations) {
+            12
+        } else {
+            6
+        }
     }
     fn cut<R: Real>(time_step: R) -> R {
-        if planted(Mistake::CutsByHalf) { time_step / R::from_f64(2.0) } else { Spec::cut(time_step) }
-    }
-    fn smallest<R: Real>(time_step: R) -> R {
-        if planted(Mistake::SmallestTenth) { time_step / R::from_f64(10.0) } else { Spec::smallest(time_step) }
+        time_step * R::from_f64(if planted(CutByHalf) { 0.5 } else { 0.3 })
     }
     fn too_far<R: Real>(distance_squared: R, limit_squared: R) -> bool {
-        !planted(Mistake::NoFarthest) && Spec::too_far(distance_squared, limit_squared)
+        distance_squared > limit_squared && !planted(NoDisplacementLimit)
     }
     fn turned_too_far<R: Real>(angle_squared: R, limit_squared: R) -> bool {
-        !planted(Mistake::NoTurning) && Spec::turned_too_far(angle_squared, limit_squared)
+        angle_squared > limit_squared && !planted(NoRotationLimit)
     }
     fn drags_anchor() -> bool {
-        !planted(Mistake::NoDrag)
+        !planted(AnchorStays)
     }
     fn transfers() -> bool {
-        !planted(Mistake::NoTransfer)
+        !planted(MemoryLost)
     }
     fn rate<R: Real>(dynamic: R, twice_mean: R, before: R) -> R {
-        if planted(Mistake::MeanRate) { twice_mean / R::from_f64(2.0) } else { Spec::rate(dynamic, twice_mean, before) }
+        if planted(RateOnce) { dynamic * twice_mean } else { dynamic * (twice_mean - before) }
     }
 }
 
-/// A scene with states, and what the oracle makes of each.
-struct Known {
+const SEARCH: f64 = 0.125;
+const PENETRATION: f64 = 0.0625;
+
+fn n(text: &str) -> Number {
+    Number::parse(text).unwrap()
+}
+
+fn v([x, y, z]: [&str; 3]) -> Vec3<Number> {
+    Vec3::new(n(x), n(y), n(z))
+}
+
+fn tolerances() -> ToleranceSet {
+    ToleranceSet {
+        search: n("1/8"),
+        territory: n("1/64"),
+        penetration: n("1/16"),
+        overlap_sine: n("1/16"),
+        parallel_sine: n("1/16"),
+        equal: n("0"),
+        open: n("0"),
+        close: n("0"),
+        max_displacement: n("1/16"),
+        max_rotation: n("1/8"),
+        criteria: Criteria::Revised,
+    }
+}
+
+fn cuboid(min: [&str; 3], max: [&str; 3], motion: Motion) -> SceneBlock {
+    let mut block = SceneBlock::new("block", Block::cuboid(&v(min), &v(max)).unwrap());
+    block.body.motion = motion;
+    block
+}
+
+/// A scene of f64 numbers throughout, so that the stepper has the same ones; after `equal` no number is rounded.
+struct Case {
     name: &'static str,
-    scene: ExactScene,
-    states: Vec<(State<f64>, Option<StepAnswer>)>,
+    scene: Scene,
+    set: ToleranceSet,
+    steps: u32,
 }
 
-fn known(&(name, text, over, steps): &(&'static str, &str, &str, usize)) -> Known {
-    let text = match over.split_once("time_step = ") {
-        Some((_, step)) => text.replacen("time_step = 0.005", &format!("time_step = {}", step.trim()), 1),
-        None => format!("{text}\n[tolerances]\npreset = \"auto\"\n{over}"),
-    };
-    let mut scene = Scene::parse(&text, Format::Toml, Path::new(name)).unwrap();
-    let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), Precision::F64).unwrap();
-    let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-    derive_stiffness(&mut scene.simulation, &bodies, &set);
-    let scene = ExactScene::new(&scene, &set).rounded(Precision::F64).unwrap();
-    let mut dynamics = Dynamics::<f64>::new(scene.scene(), scene.tolerances()).unwrap();
-    let mut states = Vec::new();
-    for _ in 0..steps {
-        let state = dynamics.state().clone();
-        states.push((state.clone(), scene.step(&exact_state(&state).unwrap(), KEEP).ok()));
-        if dynamics.step().is_err() {
-            break;
-        }
+fn case(name: &'static str, blocks: Vec<SceneBlock>, gravity: [&str; 3], steps: u32) -> Case {
+    let mut scene = Scene { blocks, ..Scene::default() };
+    scene.simulation.gravity = v(gravity);
+    scene.simulation.control.time_step = n("1/128");
+    scene.simulation.control.unconverged = Unconverged::Accept;
+    scene.simulation.materials[0].density = n("2048");
+    let joint = &mut scene.simulation.joints.other;
+    joint.normal_stiffness = Some(n("134217728"));
+    joint.shear_ratio = n("1/2");
+    joint.friction = n("1/2");
+    Case { name, scene, set: tolerances(), steps }
+}
+
+fn floor() -> SceneBlock {
+    cuboid(["-8", "-8", "-1"], ["8", "8", "0"], Motion::Fixed)
+}
+
+fn cases() -> Vec<Case> {
+    let mut all = Vec::new();
+    for friction in ["0", "1/4", "3/4", "1"] {
+        // An incline of 3-4-5, gravity turned: slides, creeps or sticks. It begins overlapping a little.
+        let mut incline = case(
+            "incline",
+            vec![floor(), cuboid(["0", "0", "-0.0001220703125"], ["1", "2", "1"], Motion::Rigid)],
+            ["6", "0.5", "-8"],
+            12,
+        );
+        incline.scene.simulation.joints.other.friction = n(friction);
+        all.push(incline);
     }
-    Known { name, scene, states }
-}
-
-/// The first state at which the planted mistake shows: what differs there. An unsettled comparison excuses a difference.
-fn found_in(known: &Known) -> Option<String> {
-    let mut wide = WideStepper::<Mistaken>::new(&known.scene).unwrap();
-    let shapes = known.scene.scene().shapes();
-    known.states.iter().enumerate().find_map(|(k, (state, exact))| {
-        let step = wide.step(state).unwrap();
-        if step.unsettled > 0 {
-            return None;
-        }
-        let said = match (exact, step.outcome) {
-            (None, Err(_)) => return None,
-            (Some(exact), Ok((answer, after))) => {
-                let after = exact_state(&after).unwrap();
-                let off = [
-                    velocity_error(&after, &exact.state)
-                        .filter(|error| *error > 1e-9)
-                        .map(|e| format!("velocity {e:e}")),
-                    anchor_error(&after, &exact.state)
-                        .filter(|error| *error > 1e-12)
-                        .map(|e| format!("anchor {e:e} m")),
-                ];
-                let names = compare(&Answer::of_oracle(exact), &answer, &shapes)
-                    .into_iter()
-                    .map(|d| d.change.name().to_owned());
-                let all: Vec<String> = names.chain(off.into_iter().flatten()).collect();
-                if all.is_empty() {
-                    return None;
-                }
-                all.join(", ")
-            }
-            (exact, stepped) => format!("stopped: oracle {}, stepper {}", exact.is_none(), stepped.is_err()),
-        };
-        Some(format!("{}, state {k}: {said}", known.name))
-    })
+    // A block falls on its corners, turning.
+    let mut falls = case(
+        "falls",
+        vec![floor(), cuboid(["0", "0", "0.015625"], ["1", "1.5", "1"], Motion::Deformable)],
+        ["1", "0", "-10"],
+        24,
+    );
+    falls.scene.blocks[1].body.velocity = v(["0.5", "0.25", "-1"]);
+    falls.scene.blocks[1].body.spin = v(["0.25", "-0.5", "0.125"]);
+    all.push(falls);
+    // The same with tolerances that are no zeros.
+    let mut dull = case(
+        "dull",
+        vec![floor(), cuboid(["0", "0", "0.00390625"], ["1", "1.5", "1"], Motion::Rigid)],
+        ["1", "0", "-10"],
+        24,
+    );
+    dull.scene.blocks[1].body.velocity = v(["0.25", "0", "-0.25"]);
+    dull.scene.blocks[1].body.spin = v(["0.125", "0.0625", "0"]);
+    dull.set.open = n("1/1024");
+    dull.set.close = n("1/1024");
+    dull.set.equal = n("1/4");
+    all.push(dull);
+    // Glued to the floor and pulled: up off the middle, and along.
+    for (force, cohesion, tension) in [
+        (["0", "0", "65536"], "8192", "32768"),
+        (["0", "0", "65536"], "8192", "131072"),
+        (["32768", "4096", "-1024"], "16384", "8192"),
+        (["131072", "4096", "1024"], "16384", "65536"),
+    ] {
+        let mut glued = case(
+            "glued",
+            vec![floor(), cuboid(["0", "0", "-0.0001220703125"], ["1", "1", "0.5"], Motion::Rigid)],
+            ["0", "0", "-10"],
+            8,
+        );
+        glued.scene.simulation.joints.other.cohesion = n(cohesion);
+        glued.scene.simulation.joints.other.tension = n(tension);
+        glued.scene.simulation.loads =
+            vec![PointLoad { block: 1, at: v(["0.625", "0.5", "0.5"]), table: vec![(n("0"), v(force))] }];
+        all.push(glued);
+    }
+    // Too fast, and turning too fast.
+    let mut fast = case("fast", vec![cuboid(["0", "0", "0"], ["1", "1", "2"], Motion::Rigid)], ["0", "0", "-10"], 2);
+    fast.scene.blocks[0].body.velocity = v(["0", "0", "-12"]);
+    all.push(fast);
+    let mut turning = case(
+        "turning",
+        vec![cuboid(["-0.25", "-0.25", "0"], ["0.25", "0.25", "0.25"], Motion::Rigid)],
+        ["0", "0", "0"],
+        2,
+    );
+    turning.scene.blocks[0].body.spin = v(["0", "0", "20"]);
+    turning.set.max_displacement = n("1/4");
+    all.push(turning);
+    // Two blocks on one another, one thrown: many modes change, and not all attempts converge.
+    for speed in ["1", "2", "3"] {
+        let mut pile = case(
+            "pile",
+            vec![
+                floor(),
+                cuboid(["0", "0", "-0.000030517578125"], ["1", "1", "1"], Motion::Deformable),
+                cuboid(["0.25", "0.125", "0.99993896484375"], ["1.25", "1.125", "1.5"], Motion::Rigid),
+            ],
+            ["0", "0", "-10"],
+            16,
+        );
+        pile.scene.blocks[2].body.velocity = v([speed, "0.5", "-0.5"]);
+        pile.scene.blocks[2].body.spin = v(["0.5", "1", "0.25"]);
+        all.push(pile);
+    }
+    // Touching exactly, pressed together.
+    all.push(case(
+        "touches",
+        vec![floor(), cuboid(["0", "0", "0"], ["1", "1", "1"], Motion::Rigid)],
+        ["1", "0", "-10"],
+        6,
+    ));
+    // Overlapping by more than `penetration`, and apart by more than it.
+    all.push(case(
+        "deep",
+        vec![floor(), cuboid(["0", "0", "-0.09375"], ["1", "1", "1"], Motion::Rigid)],
+        ["0", "0", "-10"],
+        2,
+    ));
+    all.push(case(
+        "near",
+        vec![floor(), cuboid(["0", "0", "0.09375"], ["1", "1", "1"], Motion::Rigid)],
+        ["0", "0", "-10"],
+        2,
+    ));
+    all
 }
 
 #[test]
-fn every_mistake_in_a_step_is_found() {
-    let bank: Vec<Known> = BANK.iter().map(known).collect();
-    let solves = bank.iter().flat_map(|known| &known.states).filter_map(|(_, exact)| exact.as_ref());
-    println!("{} solves at most", solves.map(|exact| exact.iterations).max().unwrap_or(0));
-    assert_eq!(bank.iter().find_map(found_in), None, "no mistake is planted");
-    let mut missed = Vec::new();
-    for &(mistake, text) in ALL {
+fn every_mistake_is_found_and_none_where_there_is_none() {
+    let cases = cases();
+    let mut lost = Vec::new();
+    for &(mistake, what) in ALL {
         PLANTED.store(mistake as usize, Ordering::SeqCst);
-        match bank.iter().find_map(found_in) {
-            Some(found) => println!("{text}: {found}"),
-            None => missed.push(text),
+        let found = cases
+            .iter()
+            .find_map(|case| Some((case.name, first_difference::<Mistaken>(&case.scene, &case.set, case.steps)?)));
+        println!("{what}: {found:?}");
+        if (mistake == NoMistake) != found.is_none() {
+            lost.push((what, found));
         }
     }
-    assert!(missed.is_empty(), "not found: {missed:#?}");
+    assert!(lost.is_empty(), "{lost:?}");
+    assert!(ALL.len() > 12);
 }

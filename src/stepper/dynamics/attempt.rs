@@ -3,10 +3,11 @@
 use crate::stepper::dynamics::contact::Active;
 use crate::stepper::dynamics::displacement::Twelve;
 use crate::stepper::dynamics::island::{Alone, Unsolved, islands};
+use crate::stepper::dynamics::layout::Layouts;
 use crate::stepper::dynamics::report::Concerned;
 use crate::stepper::dynamics::rules::StepRules;
 use crate::stepper::dynamics::setup::Limits;
-use crate::stepper::dynamics::solve::{Patterns, Solve};
+use crate::stepper::dynamics::solve::Solve;
 use crate::stepper::dynamics::state::Mode;
 
 /// What an iteration needs to know besides the contacts.
@@ -35,7 +36,7 @@ impl<R: Solve> Iteration<'_, R> {
     pub(super) fn run<M: StepRules>(
         &self,
         contacts: &mut [Active<R>],
-        patterns: &mut Patterns,
+        layouts: &mut Layouts,
     ) -> Result<Ended<R>, Unsolved> {
         let unknowns: Vec<usize> = self.alone.iter().map(|block| block.unknowns).collect();
         let mut d = vec![[R::ZERO; 12]; unknowns.len()];
@@ -53,7 +54,7 @@ impl<R: Solve> Iteration<'_, R> {
                 // The friction force of a sliding contact is that of the last solve, so its system is a new one.
                 let slides = |k: &usize| contacts[*k].now.mode == Mode::Sliding;
                 if island.blocks.iter().any(|&block| touched[block]) || island.contacts.iter().any(slides) {
-                    let solved = island.solve(self.alone, contacts, patterns)?;
+                    let solved = island.solve(self.alone, contacts, layouts)?;
                     for (&block, found) in island.blocks.iter().zip(solved) {
                         d[block] = found;
                     }
