@@ -95,8 +95,8 @@ pub struct Lockstep<R, M> {
     wide: Option<WideStepper<M>>,
 }
 
-/// The exact side of a step, and the time it took.
-type ExactStep = Result<StepAnswer, StepFailure>;
+/// What the oracle decided in a step, or why it cannot make it.
+type Decided = Result<Answer, StepFailure>;
 
 impl<R: Solve, M: StepRules> Lockstep<R, M> {
     /// A scene at its beginning, in the scalar R, which is that of `precision`.
@@ -178,7 +178,8 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
     ) {
         let exact = self.rounded.step(start, KEEP);
         if self.links == Links::All {
-            self.exact_links(before, start, &exact, compared);
+            let decided = exact.as_ref().map(Answer::of_oracle).map_err(Clone::clone);
+            self.exact_links(before, start, &decided, compared);
         }
         let attempts = self.dynamics.modes();
         compared.stepper = made.as_ref().ok().map(|r| Answer::of_stepper(r, attempts, self.dynamics.state()));
@@ -217,14 +218,14 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
     }
 
     /// Tolerance and representation.
-    fn exact_links(&self, before: &State<R>, start: &exact::State, rounded: &ExactStep, compared: &mut Compared) {
+    fn exact_links(&self, before: &State<R>, start: &exact::State, rounded: &Decided, compared: &mut Compared) {
         // The first step is made from the scene as it is; every later state is the engine's own.
         let own_begin = (*before == self.begin).then(|| self.given.begin());
         let unrounded = own_begin.as_ref().unwrap_or(start);
         let alike = self.same && unrounded == start;
-        let given = if alike { None } else { Some(self.given.step(unrounded, KEEP)) };
+        let given = if alike { None } else { Some(decided(&self.given, unrounded)) };
         let given = given.as_ref().unwrap_or(rounded);
-        let ideal = self.ideal.step(unrounded, KEEP);
+        let ideal = decided(&self.ideal, unrounded);
         let blocks = self.given.blocks_at(unrounded);
         let (ideal_side, given_side) = (self.ideal.tolerances(), self.given.tolerances());
         let side = |tolerances| Side { blocks: &blocks, tolerances };
@@ -311,9 +312,13 @@ fn wide_stepper<'w, M: StepRules>(
     wide.as_mut()
 }
 
-fn exact_differences(before: &ExactStep, after: &ExactStep, shapes: &[&Block]) -> Vec<StepDifference> {
+fn decided(scene: &ExactScene, state: &exact::State) -> Decided {
+    scene.decide(state).map(|step| Answer::of_certified(&step))
+}
+
+fn exact_differences(before: &Decided, after: &Decided, shapes: &[&Block]) -> Vec<StepDifference> {
     match (before, after) {
-        (Ok(before), Ok(after)) => compare(&Answer::of_oracle(before), &Answer::of_oracle(after), shapes),
+        (Ok(before), Ok(after)) => compare(before, after, shapes),
         (Err(before), Ok(_)) => vec![StepDifference::stopped(before, "")],
         (Ok(_), Err(after)) => vec![StepDifference::stopped("", after)],
         (Err(_), Err(_)) => Vec::new(),
