@@ -14,8 +14,8 @@ use crate::stepper::dynamics::{
 };
 use std::time::{Duration, Instant};
 
-/// What the oracle keeps of coordinates after a step: far finer than any engine, and cheaper than fractions.
-pub const KEEP: Keep = Keep::Grid { exponent: 96 };
+/// What the oracle keeps of coordinates after a step: far finer than any engine, and within reach of balls of two f64.
+pub const KEEP: Keep = Keep::Grid { exponent: 80 };
 
 /// A step made on both sides.
 #[derive(Clone, Debug)]
