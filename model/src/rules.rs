@@ -4,7 +4,7 @@
 
 mod stiffness;
 
-pub use stiffness::check_scene;
+pub use stiffness::{check_scene, stiffness_slack};
 
 use crate::block::Block;
 use crate::lattice::Lattice;
@@ -45,6 +45,20 @@ pub enum Rule {
 }
 
 impl Rule {
+    /// All rules, in order.
+    pub const ALL: [Rule; 10] = [
+        Rule::Search,
+        Rule::Penetration,
+        Rule::TerritoryInSearch,
+        Rule::TerritoryOnEdge,
+        Rule::TerritoryResolved,
+        Rule::Displacement,
+        Rule::Rotation,
+        Rule::ParallelEdges,
+        Rule::Overlap,
+        Rule::Stiffness,
+    ];
+
     /// The rule in a formula.
     pub fn formula(self) -> &'static str {
         match self {
@@ -122,9 +136,57 @@ impl fmt::Display for Violation {
     }
 }
 
+/// How far a tolerance set is from breaking a rule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slack {
+    /// The rule.
+    pub rule: Rule,
+    /// The side of its formula that must be the larger one over the other: 1 where the rule is just met, below 1 where it is not,
+    /// infinite where the smaller side is 0. Within some ulps of the exact ratio.
+    pub factor: f64,
+}
+
+/// What the rules need to know of some blocks, measured once for many sets.
+pub struct Measured(Option<Extremes>);
+
+impl Measured {
+    /// Measures the blocks.
+    pub fn of(blocks: &[&Block]) -> Measured {
+        Measured(Extremes::of(blocks))
+    }
+
+    /// As [`check`].
+    pub fn check(&self, set: &ToleranceSet, precision: Precision) -> Vec<Violation> {
+        self.compare(set, precision).found
+    }
+
+    /// How far the set is from breaking each rule of [`check`] that concerns it, in the order of [`Rule`].
+    pub fn slacks(&self, set: &ToleranceSet, precision: Precision) -> Vec<Slack> {
+        let mut slacks = self.compare(set, precision).slacks;
+        // Nothing is asked where both sides are 0.
+        slacks.iter_mut().filter(|slack| slack.factor.is_nan()).for_each(|slack| slack.factor = f64::INFINITY);
+        slacks.sort_by_key(|slack| slack.rule);
+        slacks
+    }
+
+    fn compare(&self, set: &ToleranceSet, precision: Precision) -> Violations {
+        let mut violations = between(set);
+        if let Some(extremes) = &self.0 {
+            extremes.check(set, precision, &mut violations);
+        }
+        violations.found.sort_by_key(|v| v.rule);
+        violations
+    }
+}
+
 /// Every rule that `set` does not meet for these blocks in this precision, in the order of [`Rule`]; all comparisons
 /// are exact. Without blocks, only the rules between tolerances.
 pub fn check(set: &ToleranceSet, blocks: &[&Block], precision: Precision) -> Vec<Violation> {
+    Measured::of(blocks).check(set, precision)
+}
+
+/// The rules between tolerances.
+fn between(set: &ToleranceSet) -> Violations {
     let two = BigRational::from_integer(2.into());
     let [search, territory, penetration, displacement] =
         [&set.search, &set.territory, &set.penetration, &set.max_displacement].map(Number::to_rational);
@@ -151,11 +213,7 @@ pub fn check(set: &ToleranceSet, blocks: &[&Block], precision: Precision) -> Vec
         None,
         &[("territory", Bound::OrLess(search.clone())), ("search", Bound::OrMore(territory.clone()))],
     );
-    if let Some(extremes) = Extremes::of(blocks) {
-        extremes.check(set, precision, &mut violations);
-    }
-    violations.0.sort_by_key(|v| v.rule);
-    violations.0
+    violations
 }
 
 /// What a tolerance would have to be.
@@ -201,7 +259,10 @@ fn plain(value: f64) -> String {
 }
 
 #[derive(Default)]
-struct Violations(Vec<Violation>);
+struct Violations {
+    found: Vec<Violation>,
+    slacks: Vec<Slack>,
+}
 
 impl Violations {
     fn at_least(
@@ -211,8 +272,9 @@ impl Violations {
         place: Option<Place>,
         remedies: &[(&str, Bound)],
     ) {
+        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
+        self.slacks.push(Slack { rule, factor: near(sides.0) / near(sides.1) });
         if sides.0 < sides.1 {
-            let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
             self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
         }
     }
@@ -224,8 +286,9 @@ impl Violations {
         place: Option<Place>,
         remedies: &[(&str, Bound)],
     ) {
+        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
+        self.slacks.push(Slack { rule, factor: near(sides.1) / near(sides.0) });
         if sides.0 > sides.1 {
-            let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
             self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
         }
     }
@@ -238,15 +301,16 @@ impl Violations {
         place: Option<Place>,
         remedies: &[(&str, Bound)],
     ) {
+        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate().sqrt();
+        self.slacks.push(Slack { rule, factor: near(sides.1) / near(sides.0) });
         if sides.0 > sides.1 {
-            let near = |value: &BigRational| Number::from_rational(value.clone()).approximate().sqrt();
             self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
         }
     }
 
     fn push(&mut self, rule: Rule, (found, allowed): (f64, f64), place: Option<Place>, remedies: &[(&str, Bound)]) {
         let remedy = remedies.iter().map(|(name, bound)| bound.text(name)).collect::<Vec<_>>().join(" or ");
-        self.0.push(Violation { rule, found, allowed, place, remedy });
+        self.found.push(Violation { rule, found, allowed, place, remedy });
     }
 }
 
@@ -361,9 +425,10 @@ impl Extremes {
         let rotation = set.max_rotation.to_rational().pow(2);
         let twice = set.penetration.to_rational() * BigRational::from_integer(2.into());
         let swelling_squared = &rotation * &rotation * &self.radius_squared;
+        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
+        let swelling = near(&swelling_squared).sqrt();
+        violations.slacks.push(Slack { rule: Rule::Rotation, factor: near(&twice) / swelling });
         if swelling_squared > &twice * &twice {
-            let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
-            let swelling = near(&swelling_squared).sqrt();
             // Six digits on the safe side leave room for the two roots taken here.
             let largest = (near(&twice) / near(&self.radius_squared).sqrt()).sqrt();
             let remedy = format!(
@@ -372,7 +437,7 @@ impl Extremes {
                 six_digits(swelling / 2.0, true, false)
             );
             let (found, allowed) = (swelling, near(&twice));
-            violations.0.push(Violation { rule: Rule::Rotation, found, allowed, place: Some(self.widest), remedy });
+            violations.found.push(Violation { rule: Rule::Rotation, found, allowed, place: Some(self.widest), remedy });
         }
     }
 }

@@ -4,7 +4,7 @@
 use crate::campaign::directed::shadow::{length, minus};
 use rockproof_model::number::{power_of_two, split_f64};
 use rockproof_model::preset::{self, Preset};
-use rockproof_model::{Block, Criteria, Number, Precision, ToleranceSet};
+use rockproof_model::{Block, Criteria, Number, Precision, ToleranceSet, ToleranceSpec};
 use std::fmt;
 use std::sync::Arc;
 
@@ -73,8 +73,17 @@ impl SetSource {
         SetSource::new(name, move |a, b, _| Some(dyadic(a, b, criteria)))
     }
 
-    /// The source of one of [`NAMES`].
+    /// The source of one of [`NAMES`], or of one with values changed: `auto@territory*1/2`, `shi@criteria=revised@overlap_angle=5`. After each `@` a
+    /// tolerance is multiplied, or set as on the command line; numbers are exact.
     pub fn named(name: &str) -> Option<SetSource> {
+        if let Some((base, changes)) = name.split_once('@') {
+            let base = SetSource::named(base)?;
+            let changes = changes.split('@').map(Changed::parse).collect::<Option<Vec<_>>>()?;
+            return Some(SetSource::new(name, move |a, b, precision| {
+                let set = (base.derive)(a, b, precision)?;
+                Some(changes.iter().fold(set, |set, change| change.apply(set)))
+            }));
+        }
         if let Some(preset) = Preset::from_name(name) {
             return Some(SetSource::preset(preset));
         }
@@ -98,6 +107,45 @@ impl SetSource {
         let f64 = (self.derive)(a, b, Precision::F64)?;
         let f32 = (self.derive)(a, b, Precision::F32).unwrap_or_else(|| f64.clone());
         Some(NamedSet { name: self.name.clone(), f32, f64 })
+    }
+}
+
+/// One change of a set.
+enum Changed {
+    /// A tolerance multiplied.
+    Times(&'static str, Number),
+    /// A tolerance set to a value.
+    Number(&'static str, Number),
+    /// Other criteria.
+    Criteria(Criteria),
+}
+
+impl Changed {
+    /// `NAME*FACTOR` or `NAME=VALUE`.
+    fn parse(text: &str) -> Option<Changed> {
+        let mut spec = ToleranceSpec::empty();
+        if let Some((name, factor)) = text.split_once('*') {
+            spec.set_text(name, "0").ok()?;
+            let factor = Number::parse(factor).ok().filter(|factor| !factor.is_negative())?;
+            return spec.numbers().first().map(|(name, _)| Changed::Times(name, factor));
+        }
+        spec.assign(text).ok()?;
+        let number = spec.numbers().first().map(|(name, number)| Changed::Number(name, number.clone()));
+        number.or(spec.criteria().map(Changed::Criteria))
+    }
+
+    fn apply(&self, mut set: ToleranceSet) -> ToleranceSet {
+        match self {
+            Changed::Criteria(criteria) => set.criteria = *criteria,
+            Changed::Times(changed, by) | Changed::Number(changed, by) => {
+                for (name, number) in set.numbers_mut() {
+                    if name == *changed {
+                        *number = if matches!(self, Changed::Times(..)) { number.times(by) } else { by.clone() };
+                    }
+                }
+            }
+        }
+        set
     }
 }
 
@@ -175,6 +223,23 @@ mod tests {
             assert_eq!(SetSource::named(name).map(|s| s.name().to_owned()).as_deref(), Some(name));
         }
         assert!(SetSource::named("nothing").is_none());
+    }
+
+    #[test]
+    fn a_name_can_change_values() {
+        let whole = Number::from_integer;
+        let corner = |x| rockproof_model::Vec3::new(whole(x), whole(x), whole(x));
+        let block = Block::cuboid(&corner(0), &corner(1)).unwrap();
+        let derived = |name: &str| SetSource::named(name).unwrap().derive(&block, &block).unwrap();
+        let (auto, changed) = (derived("auto").f64, derived("auto@territory*1/2@criteria=classic@overlap_angle=90"));
+        assert_eq!(changed.name, "auto@territory*1/2@criteria=classic@overlap_angle=90");
+        assert_eq!(changed.f64.territory.times(&whole(2)), auto.territory);
+        assert_eq!((changed.f64.criteria, &changed.f64.overlap_sine), (Criteria::Classic, &whole(1)));
+        assert_eq!(changed.f64.search, auto.search);
+        for wrong in ["auto@", "auto@nothing=1", "auto@search", "nothing@search=1", "auto@search*-1", "auto@preset=shi"]
+        {
+            assert!(SetSource::named(wrong).is_none(), "{wrong}");
+        }
     }
 
     #[test]

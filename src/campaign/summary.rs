@@ -97,6 +97,11 @@ impl Summary {
         }
     }
 
+    /// Pairs examined, by where they come from.
+    pub fn examined(&self) -> impl Iterator<Item = (&Origin, u64)> {
+        self.pairs.iter().map(|(origin, count)| (origin, *count))
+    }
+
     /// All findings.
     pub fn total(&self) -> u64 {
         self.findings.values().sum()

@@ -2,12 +2,19 @@
 
 use crate::cli::exit::{Outcome, Verdict, note, print};
 use crate::cli::table::{grouped, table};
+use anyhow::Context;
 use clap::ValueEnum;
 use rockproof::model::Precision;
+use rockproof::model::files::write_atomically;
+use rockproof::plot::PlotError;
+use rockproof::speed::error::{self, Effort};
+use rockproof::speed::exact_stepping::scenes;
 use rockproof::speed::{
-    Contestant, Cost, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, race, stepping, throughput,
+    Contestant, Cost, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, exact_stepping, race, stepping,
+    throughput,
 };
 use std::fmt::Write;
+use std::path::PathBuf;
 
 /// Measure classification in f32, f64, exactly and in plain rationals, and the speed of campaigns
 ///
@@ -18,7 +25,9 @@ use std::fmt::Write;
   rockproof bench                            two minutes or three
   rockproof bench --format csv > speed.csv
   rockproof bench --quick                    a few seconds, rough figures
+  rockproof bench --error --out reports/bench  run time against error, as CSV and plots (docs/bench.md)
   rockproof bench --wall 100,1000,5000       steps of brick walls: time, shares of the phases in %, memory
+  rockproof bench --exact-steps              certified steps of two blocks and of walls, beside those in f64
 
 Plain rationals of GMP take part in a build with --features gmp.
 
@@ -42,11 +51,20 @@ pub(crate) struct Bench {
     /// Few pairs and rounds
     #[arg(long, conflicts_with = "pairs")]
     quick: bool,
+    /// Measure run time against error instead: scenes with closed forms, and pairs, by every engine, tolerance set and Δt
+    #[arg(long, conflicts_with_all = ["wall", "threads"])]
+    error: bool,
+    /// Directory for bench.csv and the plots bench_scenes.svg and bench_pairs.svg
+    #[arg(long, requires = "error")]
+    out: Option<PathBuf>,
     /// Measure the steps of brick walls instead, of so many bricks; may be repeated
     #[arg(long, value_name = "BRICKS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
     wall: Vec<u16>,
-    /// Steps of each wall
-    #[arg(long, default_value_t = 100, requires = "wall", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Measure certified steps instead: of two blocks, and of walls of 10 and 100 bricks
+    #[arg(long, conflicts_with = "wall")]
+    exact_steps: bool,
+    /// Steps of each wall, or of each scene
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
     steps: u32,
 }
 
@@ -66,6 +84,12 @@ impl Bench {
     pub(crate) fn run(&self) -> Outcome {
         if !self.wall.is_empty() {
             return self.walls();
+        }
+        if self.error {
+            return self.errors();
+        }
+        if self.exact_steps {
+            return self.exact_steps();
         }
         let report = self.measure()?;
         print(&match self.format {
@@ -95,6 +119,88 @@ impl Bench {
         header.push("kB a block");
         print(&match self.format {
             Format::Table => format!("{}\n", table(&header, &(0..header.len()).collect::<Vec<_>>(), rows)),
+            Format::Csv => rows
+                .iter()
+                .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),
+        })?;
+        Ok(Verdict::Fine)
+    }
+
+    /// Run time against error.
+    fn errors(&self) -> Outcome {
+        // Of each family, under each preset; plain rationals take their time.
+        let pairs = if self.quick { 32 } else { (self.pairs as usize).min(512) };
+        let effort = Effort { pairs, seed: self.seed, quick: self.quick };
+        let rows = error::measure(effort, &mut |subject| note(&format!("measuring {subject}")))?;
+        let csv = error::to_csv(&rows)?;
+        if let Some(dir) = &self.out {
+            std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
+            let plots = [("bench_scenes.svg", "scene"), ("bench_pairs.svg", "family")];
+            let plots = plots.map(|(name, kind)| Ok((name, error::plot(&rows, kind)?.into_bytes())));
+            for file in plots.into_iter().chain([Ok(("bench.csv", csv.clone()))]) {
+                let (name, bytes) = file.map_err(|error: PlotError| anyhow::anyhow!(error))?;
+                let path = dir.join(name);
+                write_atomically(&path, bytes).with_context(|| path.display().to_string())?;
+            }
+        }
+        let shown = rows.iter().filter(|row| row.front || !row.note.is_empty()).map(|row| {
+            let step = row.time_step.map_or(String::new(), |step| format!("{step:.2e}"));
+            let start = [row.subject, row.engine.name(), row.tolerances, &step].map(str::to_owned);
+            let figures = [grouped(row.units), digits(row.micros), format!("{:.1e} {}", row.error, row.of.name())];
+            let last = if row.note.is_empty() { figures } else { [String::new(), String::new(), row.note.clone()] };
+            start.into_iter().chain(last).collect()
+        });
+        let header = ["subject", "engine", "tolerances", "Δt (s)", "steps or pairs", "µs each", "error"];
+        print(&match self.format {
+            Format::Csv => String::from_utf8(csv)?,
+            Format::Table => format!(
+                "What nothing beats in time and error at once:\n\n{}\n{} rows measured\n",
+                table(&header, &[3, 4, 5], shown),
+                rows.len()
+            ),
+        })?;
+        Ok(Verdict::Fine)
+    }
+
+    /// Certified steps beside the stepper's.
+    fn exact_steps(&self) -> Outcome {
+        let mut rows = Vec::new();
+        for (name, scene) in scenes(if self.quick { &[10] } else { &[10, 100] })? {
+            note(&format!("{} steps of {name}", self.steps));
+            let cost = exact_stepping(&name, &scene, self.steps)?;
+            let levels = &cost.levels;
+            let decided = [levels.float, levels.double, levels.wide.iter().sum(), levels.exact, levels.undecided];
+            let total: u64 = decided.iter().sum();
+            let mut row = vec![cost.name.clone(), cost.unknowns.to_string(), cost.contacts.to_string()];
+            row.push(digits(cost.iterations));
+            row.extend([cost.float, cost.conversion, cost.certified, cost.with_state].map(|s| digits(1e6 * s)));
+            row.push(cost.plain.map_or(String::new(), |s| digits(1e6 * s)));
+            row.extend([digits(cost.over_float()), digits(cost.lockstep())]);
+            row.push(cost.plain_over_certified().map_or(String::new(), digits));
+            row.extend(decided.map(|n| share(n, total)));
+            rows.push(row);
+        }
+        let header = [
+            "scene",
+            "unknowns",
+            "contacts",
+            "solves a step",
+            "f64 µs",
+            "conversion µs",
+            "certified µs",
+            "with state µs",
+            "plain solve µs",
+            "over f64",
+            "lockstep",
+            "plain over",
+            "f64",
+            "double",
+            "wide",
+            "fractions",
+            "undecided",
+        ];
+        print(&match self.format {
+            Format::Table => format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows)),
             Format::Csv => rows
                 .iter()
                 .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),

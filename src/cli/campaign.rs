@@ -2,6 +2,7 @@
 
 use crate::cli::exit::{Outcome, Verdict, note, print};
 use crate::cli::input::{EngineArgs, ReadArgs};
+use crate::cli::stress;
 use crate::cli::table::{grouped, table};
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -11,7 +12,9 @@ use rockproof::campaign::engines::Engines;
 use rockproof::campaign::finding::{Cause, Finding};
 use rockproof::campaign::journal::{Journal, Progress, Start};
 use rockproof::campaign::run::{self, Ending};
-use rockproof::campaign::source::{self, FamilySource};
+use rockproof::campaign::source;
+use rockproof::campaign::subject::Source;
+use rockproof::stress::StressSource;
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -29,6 +32,7 @@ use std::time::{Duration, Instant};
   rockproof campaign --family real --real cases/real/voronoi_120.txt --planarity 1e-4
   rockproof campaign --out reports/night --pairs 100000000 --resume
   rockproof campaign --deny defect --deny collapsed   for CI: exit 1 if there is such a finding
+  rockproof campaign --stress                         how far from the origin, how thin, how parallel (docs/stress.md)
   rockproof campaign --engine-command mine:f32=./client --ask-twice   your own program (docs/engines.md)
 
 A finding's engine is `any` for a tolerance (it changes the exact answer for everyone), `f32` or `f64` for what rounding
@@ -58,6 +62,9 @@ pub(crate) struct Campaign {
     /// Family of pairs; may be repeated [default: all]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     family: Vec<String>,
+    /// Examine the stress set instead: pairs more and more extreme, and steps at rest; writes stress.csv, limits.csv, steps.csv too
+    #[arg(long, conflicts_with_all = ["family", "real"])]
+    stress: bool,
     /// Block file for the family `real`; may be repeated [default: those that come with the program]
     #[arg(long, value_name = "FILE")]
     real: Vec<PathBuf>,
@@ -82,9 +89,13 @@ impl Campaign {
         check_deny(&self.deny)?;
         let config = self.configuration()?;
         let engines = Engines::of(&config)?;
-        let source = source::of(&config)?;
+        let source: Box<dyn Source> = match config.stress {
+            true => Box::new(StressSource::new(config.seed, &config.tolerances)?),
+            false => Box::new(source::of(&config)?),
+        };
         engines.probe()?;
-        let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/campaign-{}", config.seed)));
+        let name = if config.stress { "stress" } else { "campaign" };
+        let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/{name}-{}", config.seed)));
         let start = match (self.resume, self.force) {
             (true, _) => Start::Resume,
             (_, true) => Start::Force,
@@ -100,12 +111,15 @@ impl Campaign {
             }
         })
         .context("cannot catch Ctrl-C")?;
-        let ending = work(&config, &engines, &source, self.threads, &mut journal, &stop)?;
+        let ending = work(&config, &engines, &*source, self.threads, &mut journal, &stop)?;
         let mut text = Vec::new();
         report(&mut text, &journal, ending)?;
         print(&String::from_utf8_lossy(&text))?;
         if ending == Ending::Stopped {
             return Ok(Verdict::Interrupted);
+        }
+        if config.stress {
+            stress::finish(&journal, &engines)?;
         }
         let summary = &journal.progress().summary;
         let denied = |kind: &&String| if *kind == "any" { summary.total() > 0 } else { summary.count_of(kind) > 0 };
@@ -124,6 +138,17 @@ impl Campaign {
                 CampaignConfig::from_toml(&text).with_context(|| path.display().to_string())?
             }
         };
+        config.stress |= self.stress;
+        if config.stress {
+            anyhow::ensure!(
+                config.families.is_empty() && config.real.is_empty(),
+                "the stress set has pairs of its own: no families"
+            );
+            if self.config.is_none() {
+                (config.pairs, config.metamorphic_every, config.cases_per_cause) =
+                    (StressSource::default_pairs(), 0, 8);
+            }
+        }
         config.pairs = self.pairs.unwrap_or(config.pairs);
         config.seed = self.seed.unwrap_or(config.seed);
         self.external.add_to(&mut config)?;
@@ -162,7 +187,7 @@ fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
 fn work(
     config: &CampaignConfig,
     engines: &Engines,
-    source: &FamilySource,
+    source: &dyn Source,
     threads: usize,
     journal: &mut Journal,
     stop: &AtomicBool,

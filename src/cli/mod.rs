@@ -9,9 +9,14 @@ mod exit;
 mod gate;
 mod input;
 mod replay;
+mod replay_step;
+mod report;
 mod shrink;
 mod simulate;
+mod simulate_exact;
+mod stress;
 mod table;
+mod tune;
 
 use clap::{Parser, Subcommand};
 use exit::Outcome;
@@ -34,10 +39,12 @@ enum Command {
     Check(check::Check),
     Campaign(campaign::Campaign),
     Replay(replay::Replay),
+    Report(report::Report),
     Shrink(shrink::Shrink),
     Convert(convert::Convert),
     Gate(gate::Gate),
     Bench(bench::Bench),
+    Tune(tune::Tune),
 }
 
 impl Command {
@@ -48,10 +55,12 @@ impl Command {
             Command::Check(command) => command.run(),
             Command::Campaign(command) => command.run(),
             Command::Replay(command) => command.run(),
+            Command::Report(command) => command.run(),
             Command::Shrink(command) => command.run(),
             Command::Convert(command) => command.run(),
             Command::Gate(command) => command.run(),
             Command::Bench(command) => command.run(),
+            Command::Tune(command) => command.run(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! SPEC section 3's rule on the penalty stiffness.
 
-use super::{Bound, Place, Rule, Violation, Violations, check};
+use super::{Bound, Place, Rule, Slack, Violation, Violations, check};
 use crate::block::Block;
 use crate::number::{Number, Precision};
 use crate::scene::{Scene, SceneBlock};
@@ -17,8 +17,13 @@ use num_traits::Zero;
 /// lowest number; without gravity there is none.
 pub fn check_scene(set: &ToleranceSet, scene: &Scene, precision: Precision) -> Vec<Violation> {
     let mut violations = check(set, &scene.shapes(), precision);
-    violations.extend(stiffness(set, scene));
+    violations.extend(stiffness(set, scene).and_then(|mut compared| compared.found.pop()));
     violations
+}
+
+/// How far the set is from breaking the rule on the penalty stiffness; `None` where nothing has a weight that rests on anything.
+pub fn stiffness_slack(set: &ToleranceSet, scene: &Scene) -> Option<Slack> {
+    stiffness(set, scene)?.slacks.pop()
 }
 
 /// The overlap of one block under its weight.
@@ -30,7 +35,7 @@ struct Overlap {
     squared: BigRational,
 }
 
-fn stiffness(set: &ToleranceSet, scene: &Scene) -> Option<Violation> {
+fn stiffness(set: &ToleranceSet, scene: &Scene) -> Option<Violations> {
     let mut simulation = scene.simulation.clone();
     let bodies: Vec<(&Block, _)> = scene.blocks.iter().map(|b| (&b.block, &b.body)).collect();
     derive_stiffness(&mut simulation, &bodies, set);
@@ -61,7 +66,7 @@ fn stiffness(set: &ToleranceSet, scene: &Scene) -> Option<Violation> {
     let mut violations = Violations::default();
     let place = Place { block: worst.block, edge: None };
     violations.at_most_squared(Rule::Stiffness, (&worst.squared, &allowed_squared), Some(place), &remedies);
-    violations.0.pop()
+    Some(violations)
 }
 
 /// The least normal stiffness of a joint that the block can be part of; `None` where there is no other block.

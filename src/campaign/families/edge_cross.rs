@@ -34,7 +34,7 @@ impl Family for EdgeCross {
 }
 
 /// A block whose highest feature is an edge along x.
-pub(super) fn ridge(kit: &mut Kit<'_>) -> Solid {
+pub(crate) fn ridge(kit: &mut Kit<'_>) -> Solid {
     let sides = kit.lengths(12, 48);
     match kit.below(4) {
         0 => kit.shape("wedge", [sides[1], sides[0], sides[2]]).mapped(&[[0, 1, 0], [-1, 0, 0], [0, 0, 1]], 1),
@@ -49,12 +49,12 @@ pub(super) fn ridge(kit: &mut Kit<'_>) -> Solid {
 }
 
 /// A block whose lowest feature is an edge along x.
-pub(super) fn keel(kit: &mut Kit<'_>) -> Solid {
+pub(crate) fn keel(kit: &mut Kit<'_>) -> Solid {
     ridge(kit).mapped(&[[1, 0, 0], [0, -1, 0], [0, 0, -1]], 1)
 }
 
 /// `above` moved so that its lowest edge crosses the highest edge of `below`.
-pub(super) fn crossing_ridges(kit: &mut Kit<'_>, below: &Solid, above: &Solid) -> (Solid, Solid) {
+pub(crate) fn crossing_ridges(kit: &mut Kit<'_>, below: &Solid, above: &Solid) -> (Solid, Solid) {
     let (low, high) = (middle(below, 2, below.extent(2).1), middle(above, 2, above.extent(2).0));
     crossing(kit, (below, low), (above, high))
 }

@@ -3,7 +3,7 @@
 mod concave_notch;
 mod coplanar_slide;
 mod corner_corner;
-mod edge_cross;
+pub(crate) mod edge_cross;
 mod face_stack;
 mod far_origin;
 mod joint_cut;

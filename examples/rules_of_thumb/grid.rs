@@ -1,0 +1,165 @@
+//! One tolerance at a time around `auto`, under both criteria, on the same pairs.
+
+use rayon::prelude::*;
+use rockproof::campaign::attribution::{Panel, examine};
+use rockproof::campaign::builtin;
+use rockproof::campaign::finding::{Cause, Who};
+use rockproof::campaign::pairs::{self, PairConfig};
+use rockproof::campaign::sets::SetSource;
+use rockproof::campaign::subject::{Subject, SubjectSet};
+use rockproof::model::Precision;
+use rockproof::oracle;
+use rockproof::oracle::penetration::penetration;
+
+/// Pairs for every set.
+pub(crate) const PAIRS: u64 = 1024;
+
+/// The seed of the pairs.
+const SEED: u64 = 1;
+
+/// A tolerance and the values that it takes, as changes of `auto`; the last of each is what a plot shows on its axis.
+pub(crate) struct Ladder {
+    /// The tolerance.
+    pub(crate) name: &'static str,
+    /// What the axis shows.
+    pub(crate) label: &'static str,
+    /// Changes, and places on the axis.
+    pub(crate) rungs: Vec<(String, f64)>,
+}
+
+/// The tolerances that are changed.
+pub(crate) fn ladders() -> Vec<Ladder> {
+    let times = |name: &'static str, label, factors: &[(&str, f64)]| Ladder {
+        name,
+        label,
+        rungs: factors.iter().map(|(text, value)| (format!("{name}*{text}"), *value)).collect(),
+    };
+    let angles = |name: &'static str, label| Ladder {
+        name,
+        label,
+        rungs: [0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 5.0, 8.0]
+            .iter()
+            .map(|degrees| (format!("{name}={degrees}"), *degrees))
+            .collect(),
+    };
+    let factors = [("0", 0.0), ("1/8", 0.125), ("1/4", 0.25), ("1/2", 0.5), ("1", 1.0), ("2", 2.0), ("4", 4.0)];
+    vec![
+        times("territory", "territory over that of auto (s/4 or less)", &factors),
+        angles("overlap_angle", "overlap angle (degrees)"),
+        angles("parallel_angle", "parallel angle (degrees)"),
+        times("search", "search over that of auto (2.5 u)", &factors[2..]),
+        times("penetration", "penetration over that of auto (u)", &factors[1..]),
+    ]
+}
+
+/// What one set did on all pairs.
+#[derive(Clone, Debug)]
+pub(crate) struct Row {
+    /// The tolerance that is changed.
+    pub(crate) tolerance: &'static str,
+    /// Its place on the axis.
+    pub(crate) value: f64,
+    /// `revised` or `classic`.
+    pub(crate) criteria: &'static str,
+    /// Pairs.
+    pub(crate) pairs: u64,
+    /// Pairs whose exact contacts are not those of nearest features alone.
+    pub(crate) changed: u64,
+    /// Exact contacts.
+    pub(crate) contacts: u64,
+    /// Pairs that the engine answers otherwise than the oracle does for the exact input: f32, f64.
+    pub(crate) differ: [u64; 2],
+    /// Pairs of convex blocks that overlap, by no more than `penetration`, and have no contact.
+    pub(crate) missed: u64,
+    /// The deepest of them (m).
+    pub(crate) deepest: f64,
+}
+
+/// Measures every rung of every ladder.
+pub(crate) fn measure(count: u64) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
+    let names = [Precision::F32, Precision::F64].map(|p| builtin::ENGINES[usize::from(p == Precision::F64)].to_owned());
+    let panel: Panel = builtin::panel(&names, 0)?;
+    // Ordinary pairs: as generated, or moved at random; shaken off their ties as often as in a campaign.
+    let config = PairConfig { directed_percent: 0, ladder_percent: 0, ..PairConfig::default() };
+    let cases: Vec<pairs::PairCase> = (0..count.div_ceil(pairs::BATCH))
+        .into_par_iter()
+        .flat_map_iter(|batch| pairs::batch(SEED, batch, &config))
+        .collect();
+    let depths: Vec<Option<f64>> =
+        cases.par_iter().map(|case| penetration(&case.a, &case.b).and_then(|found| found.depth_m())).collect();
+    let mut rows = Vec::new();
+    for ladder in ladders() {
+        for (change, value) in &ladder.rungs {
+            for criteria in ["revised", "classic"] {
+                let name = format!("auto@{change}@criteria={criteria}");
+                let source = SetSource::named(&name).ok_or_else(|| format!("no set {name}"))?;
+                let none = Row {
+                    tolerance: ladder.name,
+                    value: *value,
+                    criteria,
+                    pairs: 0,
+                    changed: 0,
+                    contacts: 0,
+                    differ: [0; 2],
+                    missed: 0,
+                    deepest: 0.0,
+                };
+                let row = cases
+                    .par_iter()
+                    .zip(&depths)
+                    .map(|(case, depth)| look(case, *depth, &source, &panel, none.clone()))
+                    .reduce(|| none.clone(), Row::add);
+                rows.push(row);
+            }
+        }
+    }
+    Ok(rows)
+}
+
+impl Row {
+    fn add(mut self, other: Row) -> Row {
+        self.pairs += other.pairs;
+        self.changed += other.changed;
+        self.contacts += other.contacts;
+        self.missed += other.missed;
+        self.differ = [0, 1].map(|k| self.differ[k] + other.differ[k]);
+        self.deepest = self.deepest.max(other.deepest);
+        self
+    }
+}
+
+/// One pair under one set.
+fn look(case: &pairs::PairCase, depth: Option<f64>, source: &SetSource, panel: &Panel, none: Row) -> Row {
+    let Some(set) = source.derive(&case.a, &case.b) else { return none };
+    let solids = [oracle::Solid::new(&case.a), oracle::Solid::new(&case.b)];
+    let contacts = oracle::Pair::new(&solids[0], &solids[1]).classify(&set.f64).contacts.len() as u64;
+    let allowed = set.f64.penetration.approximate();
+    let subject = Subject {
+        index: case.index,
+        family: case.family.into(),
+        form: case.form.name().into(),
+        a: case.a.clone(),
+        b: case.b.clone(),
+        sets: vec![SubjectSet { name: set.name.into(), f32: set.f32, f64: set.f64 }],
+    };
+    let findings = examine(&subject, panel).findings;
+    let differs = |engine: &str, precision: Precision| {
+        findings.iter().any(|finding| match &finding.who {
+            Who::Any => false,
+            Who::Rounded(p) => *p == precision && finding.cause != Cause::Tolerance,
+            Who::Engine(name) => **name == *engine,
+        })
+    };
+    let changed = findings.iter().any(|f| f.cause == Cause::Tolerance && f.who != Who::Rounded(Precision::F32));
+    let missed = depth.filter(|depth| *depth > 0.0 && *depth <= allowed && contacts == 0);
+    Row {
+        pairs: 1,
+        changed: u64::from(changed),
+        contacts,
+        differ: [differs(builtin::ENGINES[0], Precision::F32), differs(builtin::ENGINES[1], Precision::F64)]
+            .map(u64::from),
+        missed: u64::from(missed.is_some()),
+        deepest: missed.unwrap_or(0.0),
+        ..none
+    }
+}

@@ -1,0 +1,224 @@
+//! Charts as SVG, in one style: points and lines over two axes, each linear or logarithmic.
+
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::ops::Range;
+
+/// An axis.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// What it shows, with its unit.
+    pub label: String,
+    /// Whether it is logarithmic. Values of 0 and below then lie at its lower end.
+    pub log: bool,
+}
+
+impl Axis {
+    /// A linear axis.
+    pub fn linear(label: impl Into<String>) -> Axis {
+        Axis { label: label.into(), log: false }
+    }
+
+    /// A logarithmic axis.
+    pub fn log(label: impl Into<String>) -> Axis {
+        Axis { label: label.into(), log: true }
+    }
+}
+
+/// Points of one name and colour.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// The name in the legend.
+    pub name: String,
+    /// The points.
+    pub points: Vec<[f64; 2]>,
+    /// Lower and upper ends of intervals around the points; as many, or none.
+    pub intervals: Vec<[f64; 2]>,
+    /// Whether the points are joined.
+    pub joined: bool,
+}
+
+/// A chart.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Its title.
+    pub title: String,
+    /// The axis to the right.
+    pub x: Axis,
+    /// The axis upwards.
+    pub y: Axis,
+    /// What it shows.
+    pub series: Vec<Series>,
+}
+
+/// Why a chart cannot be drawn.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cannot draw \"{title}\": {why}")]
+pub struct PlotError {
+    title: String,
+    why: String,
+}
+
+const SIZE: (u32, u32) = (720, 440);
+
+/// Colours that people with other colour vision tell apart (M. Okabe and K. Ito, 2008).
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(90, 90, 90),
+];
+
+impl Chart {
+    /// The chart as an SVG text.
+    ///
+    /// # Errors
+    /// When there is no point to draw, or the drawing library refuses.
+    pub fn svg(&self) -> Result<String, PlotError> {
+        let fail = |why: String| PlotError { title: self.title.clone(), why };
+        let (x_scale, y_scale) = (Scale::of(self, 0), Scale::of(self, 1));
+        let (Some(x), Some(y)) = (x_scale, y_scale) else { return Err(fail("there is no point".to_owned())) };
+        let mut text = String::new();
+        self.draw(&mut text, &x, &y).map_err(|error| fail(error.to_string()))?;
+        Ok(text)
+    }
+
+    fn draw(&self, text: &mut String, x: &Scale, y: &Scale) -> Result<(), Box<dyn std::error::Error>> {
+        let area = SVGBackend::with_string(text, SIZE).into_drawing_area();
+        area.fill(&WHITE)?;
+        let mut chart = ChartBuilder::on(&area)
+            .caption(&self.title, ("sans-serif", 18))
+            .margin(12)
+            .x_label_area_size(44)
+            .y_label_area_size(72)
+            .build_cartesian_2d(x.range.clone(), y.range.clone())?;
+        chart
+            .configure_mesh()
+            .x_desc(&self.x.label)
+            .y_desc(&self.y.label)
+            .x_labels(x.labels())
+            .y_labels(y.labels())
+            .x_label_formatter(&|value| x.shown(*value))
+            .y_label_formatter(&|value| y.shown(*value))
+            .label_style(("sans-serif", 12))
+            .light_line_style(TRANSPARENT)
+            .bold_line_style(RGBColor(225, 225, 225))
+            .draw()?;
+        for (series, colour) in self.series.iter().zip(COLOURS.iter().cycle()) {
+            let place = |p: &[f64; 2]| (x.place(p[0]), y.place(p[1]));
+            let points: Vec<(f64, f64)> = series.points.iter().map(place).collect();
+            for (point, [low, high]) in points.iter().zip(&series.intervals) {
+                let ends = vec![(point.0, y.place(*low)), (point.0, y.place(*high))];
+                chart.draw_series(LineSeries::new(ends, colour.stroke_width(1)))?;
+            }
+            if series.joined {
+                chart.draw_series(LineSeries::new(points.clone(), colour.stroke_width(2)))?;
+            }
+            let dots = points.into_iter().map(|point| Circle::new(point, 3, colour.filled()));
+            let colour = *colour;
+            chart
+                .draw_series(dots)?
+                .label(&series.name)
+                .legend(move |(x, y)| Circle::new((x + 10, y), 4, colour.filled()));
+        }
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .background_style(WHITE.mix(0.85))
+            .border_style(RGBColor(200, 200, 200))
+            .label_font(("sans-serif", 12).into_font().into_text_style(&area).pos(Pos::new(HPos::Left, VPos::Center)))
+            .draw()?;
+        area.present()?;
+        Ok(())
+    }
+}
+
+/// How values of an axis become places.
+struct Scale {
+    log: bool,
+    /// The least value above 0, where zeros lie one decade below.
+    floor: f64,
+    range: Range<f64>,
+}
+
+impl Scale {
+    fn of(chart: &Chart, axis: usize) -> Option<Scale> {
+        let log = if axis == 0 { chart.x.log } else { chart.y.log };
+        let values = || {
+            let ends = |s: &Series| if axis == 1 { s.intervals.concat() } else { Vec::new() };
+            let all = chart
+                .series
+                .iter()
+                .flat_map(move |s| s.points.iter().map(|p| p[axis]).chain(ends(s)).collect::<Vec<_>>());
+            all.filter(|value| value.is_finite())
+        };
+        let floor = values().filter(|value| *value > 0.0).fold(f64::INFINITY, f64::min);
+        let floor = if floor.is_finite() { floor / 10.0 } else { 1e-1 };
+        let mut scale = Scale { log, floor, range: 0.0..1.0 };
+        let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            let place = scale.place(value);
+            (low.min(place), high.max(place))
+        });
+        if low > high {
+            return None;
+        }
+        scale.range = match log {
+            true => low.floor()..if high.ceil() > low.floor() { high.ceil() } else { low.floor() + 1.0 },
+            false => {
+                let room = if high > low { (high - low) * 0.05 } else { 1.0 };
+                low - room..high + room
+            }
+        };
+        Some(scale)
+    }
+
+    fn place(&self, value: f64) -> f64 {
+        if self.log { value.max(self.floor).log10() } else { value }
+    }
+
+    fn labels(&self) -> usize {
+        if self.log { ((self.range.end - self.range.start) as usize + 1).min(12) } else { 8 }
+    }
+
+    fn shown(&self, place: f64) -> String {
+        match self.log {
+            true if place.fract().abs() < 1e-9 => format!("1e{place:.0}"),
+            true => String::new(),
+            false => {
+                let text = format!("{place:.3}");
+                text.trim_end_matches('0').trim_end_matches('.').to_owned()
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chart(points: Vec<[f64; 2]>) -> Chart {
+        let intervals = points.iter().map(|p| [p[1] / 2.0, p[1] * 2.0]).collect();
+        let series = vec![Series { name: "one & all".to_owned(), points, intervals, joined: true }];
+        Chart { title: "A title".to_owned(), x: Axis::log("x (m)"), y: Axis::linear("y"), series }
+    }
+
+    #[test]
+    fn a_chart_is_xml_with_its_words_and_points() {
+        let text = chart(vec![[0.0, 1.0], [1e-3, 2.0], [10.0, 0.0]]).svg().expect("a chart");
+        let document = roxmltree::Document::parse(&text).expect("XML");
+        let circles = document.descendants().filter(|n| n.has_tag_name("circle")).count();
+        assert_eq!(circles, 4, "three points and the legend's");
+        for word in ["A title", "x (m)", "one & all"] {
+            assert!(document.descendants().any(|n| n.text().is_some_and(|t| t.trim() == word)), "{word}");
+        }
+        assert_eq!(text, chart(vec![[0.0, 1.0], [1e-3, 2.0], [10.0, 0.0]]).svg().expect("the same chart"));
+    }
+
+    #[test]
+    fn nothing_to_draw_is_an_error() {
+        assert!(chart(Vec::new()).svg().is_err());
+    }
+}

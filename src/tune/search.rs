@@ -1,0 +1,194 @@
+//! Which candidate comes next, and which is the best.
+
+use super::TuneError;
+use super::candidate::{Knobs, Model};
+use super::measure::{Measurement, Workbench};
+use crate::campaign::families::{Kit, Style};
+use crate::model::rules::Rule;
+use crate::model::{Preset, ToleranceSet, ToleranceSpec};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+/// Draws before a candidate is taken although it breaks a rule or was there before.
+const TRIES: usize = 200;
+
+/// Where a candidate comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// What the author uses now.
+    Author,
+    /// A preset.
+    Preset(Preset),
+    /// Drawn at random.
+    Drawn,
+    /// The best so far with some knobs turned.
+    Turned,
+}
+
+impl Origin {
+    /// The name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Origin::Author => "author",
+            Origin::Preset(preset) => preset.name(),
+            Origin::Drawn => "drawn",
+            Origin::Turned => "turned",
+        }
+    }
+}
+
+/// A candidate and what was measured of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tried {
+    /// Where it comes from.
+    pub origin: Origin,
+    /// The set.
+    pub set: ToleranceSet,
+    /// Its place on the scales of the search; none for sets from outside.
+    pub knobs: Option<Knobs>,
+    /// What was measured.
+    pub measurement: Measurement,
+}
+
+/// A search over tolerance sets.
+pub struct Search<'w> {
+    bench: &'w Workbench,
+    model: Model,
+    seed: u64,
+    first: Vec<(Origin, ToleranceSet)>,
+    tried: Vec<Tried>,
+}
+
+/// A candidate that is still to be measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Next {
+    /// Where it comes from.
+    pub origin: Origin,
+    /// The set.
+    pub set: ToleranceSet,
+    /// Its place on the scales.
+    pub knobs: Option<Knobs>,
+}
+
+impl<'w> Search<'w> {
+    /// A search that begins with the author's set, then the presets that are not the same.
+    ///
+    /// # Errors
+    /// When the author's set cannot be derived.
+    pub fn new(bench: &'w Workbench, author: &ToleranceSpec, seed: u64) -> Result<Search<'w>, TuneError> {
+        let shapes = bench.scene().shapes();
+        let precision = bench.precision();
+        let model = Model::of(&shapes, precision).map_err(crate::model::SpecError::from)?;
+        let mut first = vec![(Origin::Author, author.derive(&shapes, precision)?)];
+        for preset in Preset::ALL {
+            let set = ToleranceSpec::from(preset).derive(&shapes, precision);
+            // A preset that cannot be derived is no candidate.
+            if let Ok(set) = set
+                && first.iter().all(|(_, known)| *known != set)
+            {
+                first.push((Origin::Preset(preset), set));
+            }
+        }
+        Ok(Search { bench, model, seed, first, tried: Vec::new() })
+    }
+
+    /// Candidates that are tried before any is drawn.
+    pub fn given(&self) -> usize {
+        self.first.len()
+    }
+
+    /// The next candidate: a function of the seed and of what was measured so far.
+    pub fn candidate(&self) -> Next {
+        let number = self.tried.len();
+        if let Some((origin, set)) = self.first.get(number) {
+            return Next { origin: *origin, set: set.clone(), knobs: None };
+        }
+        let mut key = *b"rockproof tuner, version 1......";
+        key[24..].copy_from_slice(&self.seed.to_le_bytes());
+        let mut rng = ChaCha8Rng::from_seed(key);
+        rng.set_stream(number as u64);
+        let mut kit = Kit::with_style(&mut rng, Style::Grid);
+        let best = self.best_knobs();
+        // One in three looks elsewhere.
+        let origin = if best.is_none() || number.is_multiple_of(3) { Origin::Drawn } else { Origin::Turned };
+        let mut draw = || match best {
+            Some(best) if origin == Origin::Turned => best.turned(&mut kit),
+            _ => Knobs::drawn(&mut kit),
+        };
+        let mut knobs = draw();
+        for _ in 0..TRIES {
+            let known = self.tried.iter().any(|tried| tried.knobs == Some(knobs));
+            if !known && self.bench.broken(&knobs.set(&self.model)).is_empty() {
+                break;
+            }
+            knobs = draw();
+        }
+        Next { origin, set: knobs.set(&self.model), knobs: Some(knobs) }
+    }
+
+    /// Takes in what was measured of the next candidate.
+    pub fn add(&mut self, next: Next, measurement: Measurement) {
+        let Next { origin, set, knobs } = next;
+        self.tried.push(Tried { origin, set, knobs, measurement });
+    }
+
+    /// Measures the next candidate and takes it in.
+    ///
+    /// # Errors
+    /// When it cannot be measured.
+    pub fn step(&mut self) -> Result<&Tried, TuneError> {
+        let next = self.candidate();
+        let measurement = self.bench.measure(&next.set)?;
+        self.add(next, measurement);
+        Ok(&self.tried[self.tried.len() - 1])
+    }
+
+    /// All candidates measured, in order.
+    pub fn tried(&self) -> &[Tried] {
+        &self.tried
+    }
+
+    /// The number of the best candidate, the first of equals; `None` before the first.
+    pub fn best(&self) -> Option<usize> {
+        (0..self.tried.len()).min_by_key(|&k| self.tried[k].measurement.merit())
+    }
+
+    /// Of the sets on the scales, the best.
+    fn best_knobs(&self) -> Option<Knobs> {
+        let searched = self.tried.iter().filter(|tried| tried.knobs.is_some());
+        searched.min_by_key(|tried| tried.measurement.merit()).and_then(|tried| tried.knobs)
+    }
+
+    /// The candidates that keep every rule and that no other beats in all of: pairs that differ, penetration, slack to the nearest rule, contacts
+    /// changed by tolerances. By pairs that differ, then penetration.
+    pub fn front(&self) -> Vec<usize> {
+        let fine: Vec<usize> = (0..self.tried.len())
+            .filter(|&k| {
+                let m = &self.tried[k].measurement;
+                m.violated.is_empty() && m.stepped.stopped.is_none()
+            })
+            .collect();
+        let costs = |k: usize| {
+            let m = &self.tried[k].measurement;
+            let d = &m.differences;
+            [d.avoidable() as f64, m.stepped.penetration, -m.tightest.factor, d.changed as f64]
+        };
+        let beaten = |k: usize| {
+            fine.iter().any(|&other| {
+                let (one, by) = (costs(k), costs(other));
+                let no_worse = one.iter().zip(&by).all(|(a, b)| b <= a);
+                no_worse && (one != by || other < k)
+            })
+        };
+        let mut front: Vec<usize> = fine.iter().copied().filter(|&k| !beaten(k)).collect();
+        front.sort_by(|&a, &b| {
+            costs(a)[0].total_cmp(&costs(b)[0]).then(costs(a)[1].total_cmp(&costs(b)[1])).then(a.cmp(&b))
+        });
+        front
+    }
+}
+
+/// The rules as a list of their formulas.
+pub(super) fn formulas(rules: &[Rule]) -> String {
+    rules.iter().map(|rule| rule.formula()).collect::<Vec<_>>().join("; ")
+}

@@ -1,0 +1,62 @@
+//! Pins `campaign --stress`: what it writes, that it is a function of seed and pairs alone, and that it goes on to the same bytes.
+
+use assert_cmd::Command;
+use std::fs;
+use std::path::Path;
+
+fn rockproof(args: &[&str]) -> (i32, String, String) {
+    let output = Command::cargo_bin("rockproof").expect("the program").args(args).output().expect("runs");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+}
+
+/// One batch for each of the 84 cells.
+const PAIRS: &str = "1344";
+
+const TABLES: [&str; 3] = ["stress.csv", "limits.csv", "steps.csv"];
+
+fn run(out: &Path, more: &[&str]) -> (i32, String, String) {
+    let mut args = vec!["campaign", "--stress", "--pairs", PAIRS, "--out", out.to_str().expect("UTF-8")];
+    args.extend(more);
+    rockproof(&args)
+}
+
+#[test]
+fn the_tables_are_those_kept_in_reports_and_do_not_depend_on_threads() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let (code, printed, err) = run(&dir.path().join("one"), &["--threads", "1"]);
+    assert_eq!(code, 0, "{err}");
+    for word in ["safe to", "offset", "sliver", "contrast", "limits.csv"] {
+        assert!(printed.contains(word), "{word}: {printed}");
+    }
+    let (code, _, err) = run(&dir.path().join("two"), &["--threads", "2"]);
+    assert_eq!(code, 0, "{err}");
+    for table in TABLES {
+        let read = |folder: &Path| fs::read_to_string(folder.join(table)).expect("a table");
+        let one = read(&dir.path().join("one"));
+        assert_eq!(one, read(&dir.path().join("two")), "{table}");
+        let kept = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/stress_quick"));
+        assert_eq!(one, kept, "{table}: after a change that is meant, run reports/regenerate");
+    }
+}
+
+#[test]
+fn a_stress_run_goes_on_and_refuses_families() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let out = dir.path().join("run");
+    let path = out.to_str().expect("UTF-8");
+    let (code, _, err) = rockproof(&["campaign", "--stress", "--pairs", "96", "--out", path]);
+    assert_eq!(code, 0, "{err}");
+    let (code, _, err) = rockproof(&["campaign", "--stress", "--pairs", "96", "--out", path]);
+    assert!(code == 2 && err.contains("--resume"), "{err}");
+    let (code, _, err) = rockproof(&["campaign", "--pairs", "96", "--out", path, "--resume"]);
+    assert!(code == 2 && err.contains("stress"), "{err}");
+    let (code, _, err) = rockproof(&["campaign", "--stress", "--pairs", "96", "--out", path, "--resume"]);
+    assert_eq!(code, 0, "{err}");
+    for wrong in [["--family", "sliver"], ["--tolerances", "nothing"]] {
+        let mut args = vec!["campaign", "--stress", "--pairs", "96", "--out", "/nonexistent/no"];
+        args.extend(wrong);
+        let (code, _, err) = rockproof(&args);
+        assert!(code == 2 && !err.is_empty(), "{wrong:?}: {err}");
+    }
+}
