@@ -5,7 +5,9 @@ pub use rockproof_oracle as oracle;
 
 pub mod campaign;
 pub mod gate;
+pub mod lockstep;
 pub mod plot;
+pub mod report;
 pub mod simulate;
 pub mod speed;
 pub mod stepper;

@@ -4,19 +4,22 @@
 //! In release all mistakes are looked for, on a fraction of the default campaign's pairs; a debug build takes the first
 //! batches and asks for the mistakes that must show there.
 
+#[path = "support/mistaken_engine.rs"]
+mod mistaken_engine;
 #[path = "support/mistakes.rs"]
 mod mistakes;
 
+use mistaken_engine::OneEngine;
 use mistakes::Mistaken;
 use rayon::prelude::*;
 use rockproof::campaign::attribution::{Panel, examine};
 use rockproof::campaign::builtin::{self, Exact};
 use rockproof::campaign::config::CampaignConfig;
-use rockproof::campaign::engine::{Engine, EngineFailure, Prepared, Trace, WideAnswer};
+use rockproof::campaign::engine::Engine;
 use rockproof::campaign::finding::{Cause, Finding};
 use rockproof::campaign::source::{self, FamilySource};
 use rockproof::campaign::subject::{Source, Subject};
-use rockproof::model::{Block, Contact, Precision, ToleranceSet};
+use rockproof::model::{Block, Contact, Precision};
 use rockproof::stepper::contact::Spec;
 use rockproof::stepper::{Classifier, Stepper};
 
@@ -25,40 +28,6 @@ const PAIRS: u64 = if cfg!(debug_assertions) { 512 } else { 65_536 };
 
 /// Batches examined together; mistakes already found are not looked for in the next ones.
 const CHUNK: u64 = 16;
-
-/// A mistaken stepper in f64 behind the campaign's trait.
-struct OneEngine(&'static str, Mistaken);
-
-struct MistakenPair<'p>(Mistaken, &'p Block, &'p Block);
-
-impl Engine for OneEngine {
-    fn name(&self) -> &str {
-        self.0
-    }
-
-    fn precision(&self) -> Precision {
-        Precision::F64
-    }
-
-    fn prepare<'p>(&'p self, a: &'p Block, b: &'p Block) -> Result<Box<dyn Prepared + 'p>, EngineFailure> {
-        Ok(Box::new(MistakenPair(self.1, a, b)))
-    }
-}
-
-impl Prepared for MistakenPair<'_> {
-    fn classify(&self, tolerances: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure> {
-        self.0.f64(self.1, self.2, tolerances).map_err(|e| EngineFailure::Failed(e.to_string()))
-    }
-
-    fn trace(&self, _: &ToleranceSet) -> Option<Trace> {
-        None
-    }
-
-    fn classify_wide(&self, tolerances: &ToleranceSet) -> Option<WideAnswer> {
-        let (contacts, unsettled) = self.0.wide(self.1, self.2, tolerances).ok()?;
-        Some(WideAnswer { contacts, unsettled })
-    }
-}
 
 /// A mistake, and where it was found.
 struct Sought {

@@ -1,35 +1,21 @@
 //! External engines over the line protocol: the right client agrees with the built-in stepper; every kind of misbehaviour is a
 //! finding and never the end of the run; threads and resuming change nothing; nonsense never panics.
 
+#[path = "support/engines.rs"]
+mod engines;
+
 use assert_cmd::Command;
+use engines::{client, cpp_client, example, skipped, there};
 use proptest::prelude::*;
 use rockproof::campaign::engine::EngineFailure;
 use rockproof::campaign::external::protocol;
 use rockproof::model::Topology;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 fn rockproof(args: &[&str]) -> (i32, String) {
     let output = Command::cargo_bin("rockproof").expect("the program").args(args).output().expect("runs");
     (output.status.code().expect("a code"), String::from_utf8_lossy(&output.stderr).into_owned())
-}
-
-/// The Rust client, built by `cargo test`, or now if only this test was built.
-fn client() -> String {
-    let mut folder = std::env::current_exe().expect("a test");
-    folder.pop();
-    folder.pop();
-    let path = folder.join("examples/engine_client");
-    if !path.exists() {
-        let profile: &[&str] = if cfg!(debug_assertions) { &[] } else { &["--release"] };
-        let built = std::process::Command::new(env!("CARGO"))
-            .args(["build", "--quiet", "--example", "engine_client"])
-            .args(profile)
-            .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .status();
-        assert!(built.is_ok_and(|status| status.success()), "the client cannot be built");
-    }
-    path.to_string_lossy().into_owned()
 }
 
 /// Runs a campaign with one external engine alone and gives the rows about it.
@@ -98,22 +84,101 @@ fn threads_and_resuming_change_nothing() {
     }
 }
 
-#[test]
-fn the_python_client_agrees_wherever_rounding_cannot_matter() {
-    if std::process::Command::new("python3").arg("--version").output().is_err() {
-        eprintln!("SKIPPED: there is no python3 to run examples/engines/client.py with");
-        return;
-    }
-    let dir = tempfile::tempdir().expect("a directory");
-    let client = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("examples/engines/client.py");
-    let found = rows(dir.path(), "python", &format!("python3 {}", client.display()), &ONLY);
-    let run = fs::read_to_string(dir.path().join("python/run.json")).expect("run.json");
+/// The campaign about a client that decides by separating axes has no finding far from a tie.
+fn agrees_wherever_rounding_cannot_matter(dir: &Path, command: &str) {
+    let found = rows(dir, "sat", command, &ONLY);
+    let run = fs::read_to_string(dir.join("sat/run.json")).expect("run.json");
     let run: serde_json::Value = serde_json::from_str(&run).expect("JSON");
     let asked = run["external_engines_since_start"]["mine"]["asked"].as_u64();
     assert!(asked.is_some_and(|asked| asked >= 256), "{run}");
     for row in &found {
         let far = row[12].parse::<f64>().is_ok_and(|ulps| ulps.abs() > 1e6);
         assert!(row[6] == "unsupported" || !far, "{row:?}");
+    }
+}
+
+#[test]
+fn the_python_client_agrees_wherever_rounding_cannot_matter() {
+    if !there("python3") {
+        return skipped("there is no python3 to run examples/engines/client.py with");
+    }
+    let dir = tempfile::tempdir().expect("a directory");
+    agrees_wherever_rounding_cannot_matter(dir.path(), &format!("python3 {}", example("client.py").display()));
+}
+
+#[test]
+fn the_cpp_client_agrees_wherever_rounding_cannot_matter() {
+    let dir = tempfile::tempdir().expect("a directory");
+    if let Some(client) = cpp_client(dir.path()) {
+        agrees_wherever_rounding_cannot_matter(dir.path(), &client);
+    }
+}
+
+/// What a client answers to lines, parsed, and its exit code.
+fn answers(command: &[&str], lines: &[u8]) -> (Option<i32>, Vec<serde_json::Value>) {
+    let output = Command::new(command[0]).args(&command[1..]).write_stdin(lines).output().expect("runs");
+    let text = String::from_utf8(output.stdout).expect("text");
+    let answers = text.lines().map(|line| serde_json::from_str(line).expect("JSON"));
+    (output.status.code(), answers.collect())
+}
+
+/// A value with every number as the f64 it is: 1 and 1.0 are the same.
+fn floats(value: &serde_json::Value) -> serde_json::Value {
+    use serde_json::Value;
+    match value {
+        Value::Number(number) => number.as_f64().map_or(Value::Null, Value::from),
+        Value::Array(list) => list.iter().map(floats).collect(),
+        Value::Object(object) => object.iter().map(|(key, value)| (key.clone(), floats(value))).collect(),
+        other => other.clone(),
+    }
+}
+
+#[test]
+fn the_cpp_client_and_the_python_client_say_the_same() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let Some(cpp) = cpp_client(dir.path()) else { return };
+    if !there("python3") {
+        return skipped("there is no python3 to run examples/engines/client.py with");
+    }
+    // The questions of a campaign, kept on their way to an engine.
+    let kept = dir.path().join("questions");
+    let command = format!("sh -c \"tee -a '{}' | '{cpp}'\"", kept.display());
+    let families = ["--family", "joint_cut,quasi_parallel_edges,concave_notch", "--threads", "1", "--engine", "mine"];
+    rows(dir.path(), "keeping", &command, &families);
+    let questions = fs::read(kept).expect("questions");
+    let python = example("client.py");
+    let (code, of_cpp) = answers(&[&cpp], &questions);
+    let (_, of_python) = answers(&["python3", &python.to_string_lossy()], &questions);
+    assert!(code == Some(0) && of_cpp.len() > 250, "{code:?}, {} answers", of_cpp.len());
+    for state in ["apart", "touching", "overlapping"] {
+        assert!(of_cpp.iter().any(|answer| answer["state"] == state), "no pair is {state}");
+    }
+    assert!(of_cpp.iter().any(|answer| answer["unsupported"].is_string()));
+    for (number, (one, other)) in of_cpp.iter().zip(&of_python).enumerate() {
+        assert_eq!(floats(one), floats(other), "question {number}");
+    }
+    assert_eq!(of_cpp.len(), of_python.len());
+}
+
+#[test]
+fn the_cpp_client_refuses_nonsense() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let Some(client) = cpp_client(dir.path()) else { return };
+    let block = |vertices: &str, faces: &str| format!(r#"{{"vertices":{vertices},"faces":{faces},"reflex":[]}}"#);
+    let empty = block("[]", "[]");
+    for line in [
+        "hello".to_owned(),
+        "{".to_owned(),
+        "[[[".to_owned(),
+        "{\"id\":1}".to_owned(),
+        "{\"id\":1,\"a\":\"\\".to_owned(),
+        format!("{{\"id\":1,\"a\":{empty},\"b\":{empty}}} more"),
+        format!("{{\"id\":1,\"a\":{empty},\"b\":{}}}", block("[[0,0]]", "[]")),
+        format!("{{\"id\":1,\"a\":{empty},\"b\":{}}}", block("[[0,0,0]]", "[[0,1,2]]")),
+        format!("{{\"id\":1,\"a\":{empty},\"b\":{}}}", block("[[0,0,0]]", "[[0,-1,0]]")),
+        format!("{{\"id\":1,\"a\":{empty},\"b\":{}}}", block("[[0,0,0]]", "[[0]]")),
+    ] {
+        assert_eq!(answers(&[&client], line.as_bytes()), (Some(1), Vec::new()), "{line}");
     }
 }
 

@@ -7,6 +7,7 @@ Replace `lie` by a call of your own code. One question a line on stdin, one answ
 goes to stderr.
 """
 import json
+import math
 import sys
 
 
@@ -37,7 +38,7 @@ def lie(a, b):
     axes = normals(a) + normals(b) + [cross(d, e) for d in edges(a) for e in edges(b)]
     widest, normal = None, None
     for axis in axes:
-        length = dot(axis, axis) ** 0.5
+        length = math.sqrt(dot(axis, axis))
         if length < 1e-12:  # parallel edges: a tolerance of the kind a campaign finds
             continue
         for sign in (1.0, -1.0):

@@ -4,9 +4,11 @@
 //! | type | what it knows | level |
 //! | --- | --- | --- |
 //! | [`Ball`](crate::number::Ball) | an f64 and a radius | `f64` |
+//! | [`DoubleBall`] | the sum of two f64 and a radius | some 100 bits |
 //! | [`WideBall`] | a binary number of as many bits as asked for, and a radius | 128 bits to the cap |
 //! | `BigRational` | the value itself | exact |
 
+mod double;
 mod exact;
 mod float;
 mod magnitude;
@@ -14,6 +16,7 @@ mod magnitude;
 mod tests;
 mod wide;
 
+pub(crate) use double::DoubleBall;
 pub(crate) use magnitude::Magnitude;
 pub(crate) use wide::WideBall;
 
@@ -69,8 +72,11 @@ pub(crate) trait Field: Ring {
 /// The fraction `significand · 2^exponent`.
 pub(crate) fn dyadic(significand: BigInt, exponent: i64) -> BigRational {
     if exponent >= 0 {
-        BigRational::from_integer(significand << exponent as usize)
-    } else {
-        BigRational::new(significand, BigInt::from(1) << exponent.unsigned_abs() as usize)
+        return BigRational::from_integer(significand << exponent as usize);
     }
+    // Lowest terms without a greatest common divisor: only twos can cancel.
+    let Some(zeros) = significand.trailing_zeros() else { return BigRational::default() };
+    let below = exponent.unsigned_abs();
+    let cancelled = zeros.min(below);
+    BigRational::new_raw(significand >> cancelled as usize, BigInt::from(1) << (below - cancelled) as usize)
 }

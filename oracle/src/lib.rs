@@ -12,6 +12,7 @@ mod gap;
 mod levels;
 mod mass;
 mod number;
+mod overlap;
 mod pair;
 pub mod penetration;
 pub mod plain;

@@ -1,9 +1,8 @@
 //! Exact mass moments of a polyhedron by simplex integration, and isotropic elasticity (SPEC section 5).
 
 use crate::field::Field;
-use num_rational::BigRational;
 use rockproof_model::simulation::Material;
-use rockproof_model::{Block, Vec3};
+use rockproof_model::{Block, Number, Vec3};
 
 /// Volume, centroid and second moments of a block; each face as the triangles from the first vertex of its loop.
 #[derive(Clone, Debug)]
@@ -14,6 +13,8 @@ pub(crate) struct Moments<S> {
     pub(crate) centroid: Vec3<S>,
     /// `∫ X_a X_b dV` about the centroid, in m⁵.
     pub(crate) second: [[S; 3]; 3],
+    /// The vertices relative to vertex 0, in m.
+    pub(crate) points: Vec<Vec3<S>>,
 }
 
 impl<S: Field> Moments<S> {
@@ -33,11 +34,11 @@ impl<S: Field> Moments<S> {
                 let s = a.plus(b).plus(c);
                 six_volumes = six_volumes.plus(&w);
                 first = first.plus(&s.scaled(&w));
-                for (p, row) in second.iter_mut().enumerate() {
-                    for (q, entry) in row.iter_mut().enumerate() {
-                        let products = [&s, a, b, c].map(|v| v.components()[p].times(v.components()[q]));
-                        let sum = products.iter().fold(zero(), |sum, product| sum.plus(product));
-                        *entry = entry.plus(&w.times(&sum));
+                for p in 0..3 {
+                    for q in p..3 {
+                        let product = |v: &Vec3<S>| v.components()[p].times(v.components()[q]);
+                        let sum = product(&s).plus(&product(a)).plus(&product(b)).plus(&product(c));
+                        second[p][q] = second[p][q].plus(&w.times(&sum));
                     }
                 }
             }
@@ -45,35 +46,39 @@ impl<S: Field> Moments<S> {
         let volume = six_volumes.over(&S::from_i32(6))?;
         let weight = six_volumes.times(&S::from_i32(4));
         let centroid = over(&first, &weight)?;
-        for (p, row) in second.iter_mut().enumerate() {
-            for (q, entry) in row.iter_mut().enumerate() {
+        for p in 0..3 {
+            for q in p..3 {
                 let shift = volume.times(centroid.components()[p]).times(centroid.components()[q]);
-                *entry = entry.over(&S::from_i32(120))?.minus(&shift);
+                second[p][q] = second[p][q].over(&S::from_i32(120))?.minus(&shift);
+                second[q][p] = second[p][q].clone();
             }
         }
-        Some(Moments { volume, centroid, second })
+        Some(Moments { volume, centroid, second, points })
     }
 
     /// `∫ TᵀT dV`: 12 × 12, to be multiplied by the density.
     pub(crate) fn matrix(&self) -> Vec<Vec<S>> {
         let mut matrix = vec![vec![S::from_i32(0); 12]; 12];
-        for (k, row) in matrix.iter_mut().enumerate() {
-            for (l, entry) in row.iter_mut().enumerate() {
-                if k < 3 || l < 3 {
-                    // First moments about the centroid vanish.
-                    if k == l {
-                        *entry = self.volume.clone();
-                    }
-                    continue;
-                }
+        for k in 0..3 {
+            // First moments about the centroid vanish.
+            matrix[k][k] = self.volume.clone();
+        }
+        for k in 3..12 {
+            for l in k..12 {
+                let mut entry = S::from_i32(0);
                 for &(r1, a, f1) in TURNS_AND_STRAINS[k - 3] {
-                    for &(r2, b, f2) in TURNS_AND_STRAINS[l - 3] {
-                        if r1 == r2 {
-                            *entry = entry.plus(&self.second[a][b].times(&S::from_i32(f1 * f2)));
-                        }
+                    for &(_, b, f2) in TURNS_AND_STRAINS[l - 3].iter().filter(|term| term.0 == r1) {
+                        // f1·f2/4 is ±1, ±1/2 or 1/4.
+                        let value = match (f1 * f2).abs() {
+                            4 => self.second[a][b].clone(),
+                            2 => self.second[a][b].half(),
+                            _ => self.second[a][b].half().half(),
+                        };
+                        entry = if f1 * f2 < 0 { entry.minus(&value) } else { entry.plus(&value) };
                     }
                 }
-                *entry = entry.half().half();
+                matrix[l][k] = entry.clone();
+                matrix[k][l] = entry;
             }
         }
         matrix
@@ -93,20 +98,26 @@ pub(crate) const TURNS_AND_STRAINS: [&[(usize, usize, i32)]; 9] = [
     &[(0, 1, 1), (1, 0, 1)],
 ];
 
-/// The elasticity matrix of the six strains (εx, εy, εz, γyz, γzx, γxy), exactly; `None` for a Poisson's ratio that leaves none.
-pub(crate) fn elasticity(material: &Material) -> Option<[[BigRational; 6]; 6]> {
-    let (young, poisson) = (material.young.to_rational(), material.poisson.to_rational());
-    let whole = |v: i32| BigRational::from_integer(v.into());
-    let shear = Field::over(&young, &(whole(2) * (whole(1) + &poisson)))?;
-    let lame = Field::over(&(&young * &poisson), &((whole(1) + &poisson) * (whole(1) - whole(2) * &poisson)))?;
+/// The elasticity matrix of the six strains (εx, εy, εz, γyz, γzx, γxy); `None` for a Poisson's ratio that leaves none.
+pub(crate) fn elasticity<S: Field>(material: &Material, bits: u32) -> Option<[[S; 6]; 6]> {
+    let (young, poisson) = (S::of_number(&material.young, bits), S::of_number(&material.poisson, bits));
+    let one = S::from_i32(1);
+    let twice_shear = young.over(&one.plus(&poisson))?;
+    let lame = twice_shear.times(&poisson).over(&one.minus(&poisson.plus(&poisson)))?;
     Some(std::array::from_fn(|row| {
         std::array::from_fn(|column| match (row < 3 && column < 3, row == column) {
-            (true, true) => &lame + whole(2) * &shear,
+            (true, true) => lame.plus(&twice_shear),
             (true, false) => lame.clone(),
-            (false, true) => shear.clone(),
-            (false, false) => whole(0),
+            (false, true) => twice_shear.half(),
+            (false, false) => S::from_i32(0),
         })
     }))
+}
+
+/// Whether a material's Poisson's ratio leaves an elasticity: it is neither −1 nor 1/2.
+pub(crate) fn is_elastic(material: &Material) -> bool {
+    let twice = material.poisson.plus(&material.poisson);
+    twice != Number::from_integer(-2) && twice != Number::from_integer(1)
 }
 
 /// `a − b`, formed before anything is rounded.
@@ -126,7 +137,7 @@ pub(crate) fn over<S: Field>(v: &Vec3<S>, divisor: &S) -> Option<Vec3<S>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockproof_model::Number;
+    use num_rational::BigRational;
 
     #[test]
     fn a_box_has_the_moments_of_the_textbook() {

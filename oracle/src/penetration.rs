@@ -1,29 +1,28 @@
-//! How deep two convex blocks overlap: the least translation that parts them, exactly.
-//!
-//! A translation along a unit vector n, from B to A, parts the blocks when it brings A's lowest point along n up to B's
-//! highest. The least one is along the normal of a face of the Minkowski difference of the blocks (S. Cameron and R.
-//! K. Culley, 1986): a face normal of A or of B, or a cross product of an edge of each. Every direction gives a
-//! translation that parts them, so trying all of these, whether or not they are faces there, gives the least.
-//! For blocks apart the same calculation gives the widest slab between them that is normal to one of these directions.
+//! How deep two blocks overlap (SPEC section 6), exactly: convex pairs by the least translation that parts them
+//! (`convex`), others by their deepest vertex (`vertices`); and the largest depth of a scene.
+
+mod convex;
+mod vertices;
 
 use crate::Gap;
 use crate::rational::Rational;
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use num_traits::Zero;
-use rockproof_model::block::face_normal;
+use num_traits::ToPrimitive;
 use rockproof_model::lattice::Lattice;
-use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Sign, Vec3};
+use rockproof_model::{Block, Vec3};
+use std::cmp::Ordering;
 
-/// How two convex blocks overlap.
+/// How two blocks overlap.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Penetration {
-    /// The largest gap over all directions: negative where they overlap, its square that of the least translation; zero
-    /// where they touch; positive apart.
+    /// Of two convex blocks the largest gap over all directions: negative where they overlap, its square that of the least
+    /// translation; zero where they touch; positive apart. Of others negative where a vertex is inside the other block, its
+    /// square that of the deepest one's distance from the other's surface; else zero.
     pub gap: Gap,
-    /// The direction in which A moves to get free, not of unit length. Of several least ones, the first: A's faces, B's
-    /// faces, then edges of A with edges of B.
+    /// The direction in which A moves to get free, not of unit length. Of several equally good ones, the first: A's faces,
+    /// B's faces, then edges of A with edges of B; of vertices A's, then B's, each with the first face, edge or vertex that
+    /// is nearest. Zero where no vertex is inside.
     pub direction: Vec3<BigRational>,
 }
 
@@ -32,67 +31,21 @@ impl Penetration {
     pub fn depth_m(&self) -> Option<f64> {
         if self.gap.sign.is_negative() { self.gap.squared.sqrt_rounded() } else { Some(0.0) }
     }
+
+    fn depth_squared(&self) -> BigRational {
+        if self.gap.sign.is_negative() { self.gap.squared.clone() } else { BigRational::default() }
+    }
 }
 
-/// The least translation that parts two convex blocks; `None` where one of them is not convex, or has no face with an area.
+/// How deep two blocks overlap; `None` where one of them has no face with an area.
 ///
 /// Convexity is that of the blocks as loaded.
 pub fn penetration(a: &Block, b: &Block) -> Option<Penetration> {
-    if !a.is_convex() || !b.is_convex() {
-        return None;
-    }
-    let lattice = Lattice::covering(a.coordinates().chain(b.coordinates()));
-    let [a_points, b_points] =
-        [a, b].map(|block| block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect::<Vec<Vec3<BigInt>>>());
-    let edges = |block: &Block, points: &[Vec3<BigInt>]| -> Vec<Vec3<BigInt>> {
-        let edges = block.topology().edges().iter();
-        edges.map(|e| points[e.q as usize].minus(&points[e.p as usize])).collect()
-    };
-    let faces = |block: &Block, points: &[Vec3<BigInt>]| -> Vec<Vec3<BigInt>> {
-        block.topology().faces().iter().map(|face| face_normal(points, face)).collect()
-    };
-    let mut best: Option<(Vec3<BigInt>, BigInt, BigInt)> = None;
-    let mut consider = |n: Vec3<BigInt>| {
-        let square = n.norm_squared();
-        if Zero::is_zero(&square) {
-            return;
-        }
-        let (Some(low), Some(high)) =
-            (a_points.iter().map(|p| n.dot(p)).min(), b_points.iter().map(|p| n.dot(p)).max())
-        else {
-            return;
-        };
-        let gap = low - high;
-        if best.as_ref().is_none_or(|(_, other, other_square)| above(&gap, &square, other, other_square)) {
-            best = Some((n, gap, square));
-        }
-    };
-    faces(a, &a_points).into_iter().for_each(|n| consider(n.negated()));
-    faces(b, &b_points).into_iter().for_each(&mut consider);
-    for one in edges(a, &a_points) {
-        for other in edges(b, &b_points) {
-            let n = one.cross(&other);
-            consider(n.clone());
-            consider(n.negated());
-        }
-    }
-    let (n, gap, square) = best?;
-    let (units, metres) = lattice.units_per_metre();
-    let squared = BigRational::new(&gap * &gap * &metres * &metres, square * &units * &units);
-    let direction = n.map(|c| BigRational::from_integer(c.clone()));
-    Some(Penetration { gap: Gap { sign: ExactRing::sign(&gap), squared }, direction })
+    let pair = Units::new(a, b);
+    if a.is_convex() && b.is_convex() { convex::least_translation(&pair) } else { vertices::deepest_vertex(&pair) }
 }
 
-/// Whether `gap/√square` is above `other/√other_square`; a tie says no.
-fn above(gap: &BigInt, square: &BigInt, other: &BigInt, other_square: &BigInt) -> bool {
-    let signed = |value: &BigInt, by: &BigInt| {
-        let size = value * value * by;
-        if ExactRing::sign(value) == Sign::Negative { -size } else { size }
-    };
-    signed(gap, other_square) > signed(other, square)
-}
-
-/// The deepest overlap in a scene of convex blocks.
+/// The deepest overlap in a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Deepest {
     /// The blocks, the lower number first; of several pairs equally deep, the first.
@@ -101,33 +54,127 @@ pub struct Deepest {
     pub penetration: Penetration,
 }
 
-/// The deepest overlap of a scene, `None` where no two convex blocks overlap, and how many pairs with boxes that
-/// overlap were left out because one of the blocks is not convex.
+/// The deepest overlap of a scene, `None` where no two blocks overlap, and how many pairs with boxes that overlap were left
+/// out because one of the blocks has no face with an area.
+///
+/// A pair is examined exactly only if f64 bounds do not prove it shallower than another: a convex pair is no deeper than
+/// its boxes overlap, and not much deeper or shallower than f64 finds.
 pub fn deepest(blocks: &[&Block]) -> (Option<Deepest>, usize) {
+    let mut pairs = overlapping_boxes(blocks);
+    pairs.sort_by(|one, two| two.most.total_cmp(&one.most).then(one.blocks.cmp(&two.blocks)));
+    // The greatest depth that some pair is proved to have, and the pairs that may be as deep.
+    let mut proved = 0.0f64;
+    for pair in &mut pairs {
+        if pair.most < proved {
+            break;
+        }
+        let [a, b] = pair.blocks.map(|k| blocks[k]);
+        if a.is_convex() && b.is_convex() {
+            let (least, most) = convex::rough_depth(&Units::new(a, b));
+            pair.most = pair.most.min(most);
+            proved = proved.max(least);
+        }
+    }
+    pairs.retain(|pair| pair.most >= proved);
+    pairs.sort_by_key(|pair| pair.blocks);
     let (mut best, mut left_out): (Option<Deepest>, usize) = (None, 0);
-    let bounds: Vec<_> = blocks.iter().map(|block| block.bounds()).collect();
-    for i in 0..blocks.len() {
-        for j in i + 1..blocks.len() {
-            let apart = |k: usize| {
-                let side = |v: usize, high: bool| {
-                    if high { bounds[v].max.components()[k] } else { bounds[v].min.components()[k] }
-                };
-                side(i, true) <= side(j, false) || side(j, true) <= side(i, false)
-            };
-            // Boxes that only touch hold no overlap.
-            if (0..3).any(apart) {
-                continue;
-            }
-            match penetration(blocks[i], blocks[j]) {
-                None => left_out += 1,
-                Some(found) if found.gap.sign.is_negative() => {
-                    if best.as_ref().is_none_or(|best| found.gap.squared > best.penetration.gap.squared) {
-                        best = Some(Deepest { blocks: [i, j], penetration: found });
-                    }
+    for Candidate { blocks: [i, j], .. } in pairs {
+        match penetration(blocks[i], blocks[j]) {
+            None => left_out += 1,
+            Some(found) if found.gap.sign.is_negative() => {
+                let deeper = |best: &Deepest| found.depth_squared() > best.penetration.depth_squared();
+                if best.as_ref().is_none_or(deeper) {
+                    best = Some(Deepest { blocks: [i, j], penetration: found });
                 }
-                Some(_) => {}
             }
+            Some(_) => {}
         }
     }
     (best, left_out)
+}
+
+/// Two blocks whose boxes overlap.
+struct Candidate {
+    blocks: [usize; 2],
+    /// They are certainly no deeper (m).
+    most: f64,
+}
+
+/// Pairs whose boxes share more than their surfaces.
+fn overlapping_boxes(blocks: &[&Block]) -> Vec<Candidate> {
+    // Numbers are rounded to nearest, so an end that f64 puts beyond another is not before it.
+    let boxes: Vec<[[f64; 2]; 3]> = blocks
+        .iter()
+        .map(|block| {
+            let bounds = block.bounds();
+            let ends = |k: usize| [bounds.min.components()[k].approximate(), bounds.max.components()[k].approximate()];
+            [ends(0), ends(1), ends(2)]
+        })
+        .collect();
+    let mut order: Vec<usize> = (0..blocks.len()).collect();
+    order.sort_by(|&i, &j| boxes[i][0][0].total_cmp(&boxes[j][0][0]));
+    let mut found = Vec::new();
+    for (place, &i) in order.iter().enumerate() {
+        for &j in order[place + 1..].iter().take_while(|&&j| boxes[j][0][0] <= boxes[i][0][1]) {
+            let common = |k: usize| boxes[i][k][1].min(boxes[j][k][1]) - boxes[i][k][0].max(boxes[j][k][0]);
+            let apart =
+                (0..3).any(|k| common(k) < 0.0 || (common(k) == 0.0 && exactly_apart([blocks[i], blocks[j]], k)));
+            if apart {
+                continue;
+            }
+            let convex = blocks[i].is_convex() && blocks[j].is_convex();
+            let out = |k: usize| (boxes[i][k][1] - boxes[j][k][0]).min(boxes[j][k][1] - boxes[i][k][0]);
+            // A few roundings of the ends and of their difference.
+            let size = boxes[i].iter().chain(&boxes[j]).flatten().fold(0.0f64, |most, end| most.max(end.abs()));
+            let most = if convex {
+                (0..3).map(out).fold(f64::INFINITY, f64::min) + 4.0 * f64::EPSILON * size
+            } else {
+                f64::INFINITY
+            };
+            found.push(Candidate { blocks: [i.min(j), i.max(j)], most });
+        }
+    }
+    found
+}
+
+/// Whether two boxes share no more than their surfaces along an axis, exactly.
+fn exactly_apart(blocks: [&Block; 2], axis: usize) -> bool {
+    let [one, two] = blocks.map(|block| {
+        let bounds = block.bounds();
+        [(*bounds.min.components()[axis]).clone(), (*bounds.max.components()[axis]).clone()]
+    });
+    one[1] <= two[0] || two[1] <= one[0]
+}
+
+/// Two blocks with their vertices on a common lattice.
+struct Units<'a> {
+    blocks: [&'a Block; 2],
+    /// Vertices in lattice units.
+    points: [Vec<Vec3<BigInt>>; 2],
+    /// Lattice units per metre.
+    scale: (BigInt, BigInt),
+}
+
+impl<'a> Units<'a> {
+    fn new(a: &'a Block, b: &'a Block) -> Units<'a> {
+        let lattice = Lattice::covering(a.coordinates().chain(b.coordinates()));
+        let units = |block: &Block| block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
+        Units { blocks: [a, b], points: [units(a), units(b)], scale: lattice.units_per_metre() }
+    }
+
+    /// A squared length in m², from lattice units squared.
+    fn square_metres(&self, numerator: BigInt, denominator: BigInt) -> BigRational {
+        let (units, metres) = &self.scale;
+        BigRational::new(numerator * metres * metres, denominator * units * units)
+    }
+}
+
+/// The f64 next to a lattice number, infinite beyond their range.
+fn near(value: &BigInt) -> f64 {
+    value.to_f64().unwrap_or(f64::INFINITY)
+}
+
+/// Compares two fractions with denominators above zero.
+fn compare((n1, d1): (&BigInt, &BigInt), (n2, d2): (&BigInt, &BigInt)) -> Ordering {
+    (n1 * d2).cmp(&(n2 * d1))
 }

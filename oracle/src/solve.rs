@@ -14,6 +14,8 @@ mod refine;
 mod system;
 
 pub(crate) use blocks::BlockSystem;
+pub(crate) use eliminate::eliminate;
 pub(crate) use factor::Factor;
-pub(crate) use refine::Solvable;
+pub(crate) use fraction_free::solve as fraction_free_solve;
+pub(crate) use refine::{Residual, Solvable, Support, refine};
 pub use system::{Enclosed, SolveError, SpdSystem};

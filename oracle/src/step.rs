@@ -1,20 +1,25 @@
 //! One step of SPEC section 5, exactly, as `docs/step.md` reads it: every decision of the open–close iteration is proved.
 //!
-//! A step is calculated in f64 balls first. A mode that these do not settle is asked of balls of 128 and 256 bits, then of
-//! fractions, then of 512 and 1,024 bits (`ladder`); what even these leave open is counted as undecided and changes
-//! nothing. Fractions fail only where a friction force is irrational, or where the system is larger than
-//! `ladder::EXACT_UNKNOWNS`.
+//! A step is calculated in f64 balls first. A mode that these do not settle is asked of balls of two f64, of 128 and 256
+//! bits, then of fractions, then of 512 and 1,024 bits (`ladder`); what even these leave open is counted as undecided and
+//! changes nothing. Fractions fail only where a friction force is irrational, or where an island has more than
+//! `ladder::EXACT_UNKNOWNS` unknowns.
 
+mod approximate;
 mod attempt;
 mod chain;
 mod contact;
 mod frame;
 mod ladder;
+mod prepare;
+mod questions;
 mod run;
 mod state;
+mod strength;
+mod system;
 mod transfer;
 mod update;
 
 pub use ladder::StepLevels;
-pub use run::{Cut, StepAnswer, StepFailure, StepModel, exact_step};
+pub use run::{CertifiedStep, Cut, StepAnswer, StepFailure, StepModel, certified_step, exact_step, first_system};
 pub use state::{BlockState, ContactMemory, Keep, Mode, State};

@@ -5,47 +5,11 @@ mod support;
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use rockproof_model::simulation::{Body, Control, Kinematics, Motion, Simulation};
-use rockproof_model::{Block, Number, Sign, ToleranceSet, Vec3};
-use rockproof_oracle::step::{Keep, Mode, State, StepAnswer, StepModel, exact_step};
-use support::shapes::{block, cuboid, exact, number, point, revised};
-
-struct Scene {
-    blocks: Vec<Block>,
-    bodies: Vec<Body>,
-    simulation: Simulation,
-    tolerances: ToleranceSet,
-}
-
-impl Scene {
-    /// Blocks with their motions; density 2000, E = 10¹⁰, ν = 1/4, p_n = 10⁹, p_s = p_n/2, Δt = 1/100, `linear`.
-    fn new(blocks: Vec<(Block, Motion)>, friction: &str, gravity: [&str; 3]) -> Scene {
-        let bodies = blocks.iter().map(|(_, motion)| Body { motion: *motion, ..Body::default() }).collect();
-        let mut simulation = Simulation { gravity: point(gravity), ..Simulation::default() };
-        simulation.materials[0].density = number("2000");
-        simulation.control = Control { kinematics: Kinematics::Linear, ..Control::default() };
-        let joint = &mut simulation.joints.other;
-        joint.normal_stiffness = Some(number("1000000000"));
-        joint.shear_ratio = number("1/2");
-        joint.friction = number(friction);
-        let tolerances = revised(&[("max_displacement", "1/10"), ("max_rotation", "1/10")]);
-        Scene { blocks: blocks.into_iter().map(|(b, _)| b).collect(), bodies, simulation, tolerances }
-    }
-
-    fn step(&self, state: &State, keep: Keep) -> StepAnswer {
-        let shapes: Vec<&Block> = self.blocks.iter().collect();
-        exact_step(&self.model(&shapes), state, keep).unwrap()
-    }
-
-    fn start(&self) -> State {
-        let shapes: Vec<&Block> = self.blocks.iter().collect();
-        State::initial(&self.model(&shapes))
-    }
-
-    fn model<'a>(&'a self, shapes: &'a [&'a Block]) -> StepModel<'a> {
-        StepModel { shapes, bodies: &self.bodies, simulation: &self.simulation, tolerances: &self.tolerances }
-    }
-}
+use rockproof_model::simulation::{Kinematics, Motion};
+use rockproof_model::{Block, Number, Sign, Vec3};
+use rockproof_oracle::step::{Keep, Mode};
+use support::shapes::{block, cuboid, exact, number, point};
+use support::steps::Scene;
 
 fn value(n: &Number) -> BigRational {
     n.to_rational()

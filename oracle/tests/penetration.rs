@@ -1,11 +1,12 @@
-//! Depths worked by hand, ties included, and what turning, scaling and moving the blocks may not change.
+//! Depths worked by hand, ties included, and what turning, scaling and moving the blocks may not change; and random pairs
+//! beside plain searches: of all directions, of all vertices, of all pairs.
 
 mod support;
 
 use num_rational::BigRational;
-use rockproof_model::{Block, Sign, Vec3};
+use rockproof_model::{Block, Number, Sign, Vec3};
 use rockproof_oracle::penetration::{deepest, penetration};
-use support::shapes::{cuboid, exact, number, point, step, tetrahedron};
+use support::shapes::{block, cuboid, exact, number, point, step, tetrahedron};
 
 fn squared(a: &Block, b: &Block) -> (Sign, BigRational) {
     let found = penetration(a, b).unwrap();
@@ -101,7 +102,7 @@ fn a_depth_is_rounded_to_the_nearest_float() {
 }
 
 #[test]
-fn a_scene_names_its_deepest_pair_and_what_it_left_out() {
+fn a_scene_names_its_deepest_pair() {
     let blocks = [
         cuboid(["0", "0", "0"], ["1", "1", "1"]),
         cuboid(["7/8", "0", "0"], ["2", "1", "1"]),
@@ -109,9 +110,204 @@ fn a_scene_names_its_deepest_pair_and_what_it_left_out() {
         cuboid(["5", "5", "5"], ["6", "6", "6"]),
         step().translated(&point(["5", "5", "5"])),
     ];
+    // The first three overlap by 1/8 and 1/4 as convex pairs; the cube's vertices at z = 5 and 6 are on the step's surface
+    // and 1 deep inside it.
     let (found, left_out) = deepest(&blocks.iter().collect::<Vec<_>>());
     let found = found.unwrap();
+    assert_eq!((found.blocks, found.penetration.depth_m(), left_out), ([3, 4], Some(1.0), 0));
+    let (found, _) = deepest(&blocks[..3].iter().collect::<Vec<_>>());
+    let found = found.unwrap();
     assert_eq!((found.blocks, found.penetration.depth_m()), ([0, 2], Some(0.25)));
-    assert_eq!(left_out, 1);
     assert_eq!(deepest(&[&blocks[0], &blocks[3]]), (None, 0));
+}
+
+/// SplitMix64: the same pairs everywhere.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: u64) -> i64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % end) as i64
+    }
+
+    fn fraction(&mut self, end: u64, denominator: i64) -> BigRational {
+        BigRational::new(self.below(end).into(), denominator.into())
+    }
+}
+
+/// A tetrahedron or a box with random corners near the origin, some of them turned, some far too thin.
+fn convex(random: &mut Random) -> Block {
+    let corner = |random: &mut Random| [0; 3].map(|_| random.fraction(33, 8) - exact("2"));
+    if random.below(3) > 0 {
+        loop {
+            let points = [0; 4].map(|_| corner(random));
+            let at = points.map(|[x, y, z]| Vec3::new(x, y, z));
+            let [a, b, c] = [1, 2, 3].map(|k| at[k].minus(&at[0]));
+            let vertices = |order: [usize; 4]| order.map(|k| at[k].map(|c| Number::from_rational(c.clone()))).to_vec();
+            let volume = a.cross(&b).dot(&c);
+            let faces: [&[u32]; 4] = [&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[0, 3, 2]];
+            if volume > exact("0") {
+                return block(vertices([0, 1, 2, 3]), &faces);
+            } else if volume < exact("0") {
+                return block(vertices([0, 2, 1, 3]), &faces);
+            }
+        }
+    }
+    let low = corner(random);
+    let at = |c: [BigRational; 3]| {
+        Vec3::new(c[0].clone(), c[1].clone(), c[2].clone()).map(|c| Number::from_rational(c.clone()))
+    };
+    let high = low.clone().map(|c| c + exact("1/16") + random.fraction(24, 8));
+    let cuboid = Block::cuboid(&at(low), &at(high)).unwrap();
+    if random.below(2) == 0 { cuboid } else { moved(&cuboid, "1") }
+}
+
+/// The largest gap over the faces' normals (from B to A) and products of edges, in plain fractions: its sign and square.
+fn over_all_directions(a: &Block, b: &Block) -> (Sign, BigRational) {
+    let points = [a, b].map(|block| block.vertices().iter().map(|v| v.map(Number::to_rational)).collect::<Vec<_>>());
+    let mut directions = Vec::new();
+    let along = |side: usize, block: &Block| -> Vec<Vec3<BigRational>> {
+        let ends = block.topology().edges().iter().map(|e| (e.p as usize, e.q as usize));
+        ends.map(|(p, q)| points[side][q].minus(&points[side][p])).collect()
+    };
+    for (side, block) in [a, b].into_iter().enumerate() {
+        for face in block.topology().faces() {
+            let [p, q, r] = [face[0], face[1], face[2]].map(|v| &points[side][v as usize]);
+            let outward = q.minus(p).cross(&r.minus(p));
+            directions.push(if side == 0 { outward.negated() } else { outward });
+        }
+    }
+    for one in along(0, a) {
+        directions.extend(along(1, b).iter().flat_map(|other| [one.cross(other), other.cross(&one)]));
+    }
+    let zero = exact("0");
+    let mut best: Option<BigRational> = None;
+    for n in directions {
+        let square = n.norm_squared();
+        if square == zero {
+            continue;
+        }
+        let low = points[0].iter().map(|p| n.dot(p)).min().unwrap();
+        let high = points[1].iter().map(|p| n.dot(p)).max().unwrap();
+        let gap = low - high;
+        let signed = if gap < zero { -(&gap * &gap) } else { &gap * &gap } / square;
+        best = Some(best.map_or(signed.clone(), |best| best.max(signed)));
+    }
+    let best = best.unwrap();
+    match best.cmp(&zero) {
+        std::cmp::Ordering::Less => (Sign::Negative, -best),
+        std::cmp::Ordering::Equal => (Sign::Zero, best),
+        std::cmp::Ordering::Greater => (Sign::Positive, best),
+    }
+}
+
+#[test]
+fn convex_depths_are_those_of_all_directions() {
+    let mut random = Random(7);
+    let mut signs = [0; 3];
+    for k in 0..150 {
+        let (a, b) = (convex(&mut random), convex(&mut random));
+        let found = squared(&a, &b);
+        assert_eq!(found, over_all_directions(&a, &b), "pair {k}");
+        signs[if found.0.is_negative() { 0 } else { 1 + usize::from(found.0.is_zero()) }] += 1;
+    }
+    assert!(signs[0] > 30 && signs[1] > 10, "{signs:?}");
+}
+
+#[test]
+fn the_deepest_of_a_scene_is_that_of_all_pairs() {
+    let mut random = Random(11);
+    for _ in 0..6 {
+        let mut blocks: Vec<Block> = (0..6).map(|_| convex(&mut random)).collect();
+        blocks.push(step().translated(&point(["-2", "0", "-1"])));
+        let all: Vec<&Block> = blocks.iter().collect();
+        let mut best: Option<([usize; 2], BigRational)> = None;
+        for i in 0..all.len() {
+            for j in i + 1..all.len() {
+                let (sign, square) = squared(all[i], all[j]);
+                if sign.is_negative() && best.as_ref().is_none_or(|(_, other)| square > *other) {
+                    best = Some(([i, j], square));
+                }
+            }
+        }
+        let (found, left_out) = deepest(&all);
+        assert_eq!(found.map(|d| (d.blocks, d.penetration.gap.squared)), best);
+        assert_eq!(left_out, 0);
+    }
+}
+
+/// The surface of [`step`] as rectangles along the axes, least and greatest corners, and its inside as two boxes.
+const STEP_RECTANGLES: [[[i64; 3]; 2]; 10] = [
+    [[0, -4, 0], [4, 4, 0]],
+    [[4, -4, 0], [4, 4, 2]],
+    [[2, -4, 2], [4, 4, 2]],
+    [[2, -4, 2], [2, 4, 4]],
+    [[0, -4, 4], [2, 4, 4]],
+    [[0, -4, 0], [0, 4, 4]],
+    [[0, -4, 0], [4, -4, 2]],
+    [[0, -4, 2], [2, -4, 4]],
+    [[0, 4, 0], [4, 4, 2]],
+    [[0, 4, 2], [2, 4, 4]],
+];
+const STEP_BOXES: [[[i64; 3]; 2]; 2] = [[[0, -4, 0], [4, 4, 2]], [[0, -4, 0], [2, 4, 4]]];
+
+fn beyond(value: &BigRational, low: i64, high: i64) -> BigRational {
+    let [low, high] = [low, high].map(|end| BigRational::from_integer(end.into()));
+    (low - value).max(value - high).max(exact("0"))
+}
+
+/// The squared distance of a point inside the step from its surface; zero outside.
+fn depth_in_step(at: &Vec3<BigRational>) -> BigRational {
+    let distance = |[low, high]: &[[i64; 3]; 2]| -> BigRational {
+        (0..3).map(|k| beyond(at.components()[k], low[k], high[k])).map(|d| &d * &d).sum()
+    };
+    if STEP_BOXES.iter().all(|inside| distance(inside) > exact("0")) {
+        return exact("0");
+    }
+    STEP_RECTANGLES.iter().map(distance).min().unwrap()
+}
+
+#[test]
+fn concave_depths_are_those_of_all_vertices() {
+    let mut random = Random(3);
+    let (mut deep, mut none) = (0, 0);
+    for k in 0..60 {
+        let (l, other) = (step(), convex(&mut random).translated(&point(["2", "1", "2"])));
+        let of_other = other.vertices().iter().map(|v| depth_in_step(&v.map(Number::to_rational))).max().unwrap();
+        // The step's vertices inside the other block, convex: inside all planes, the nearest plane the nearest point.
+        let points: Vec<_> = other.vertices().iter().map(|v| v.map(Number::to_rational)).collect();
+        let of_step = l.vertices().iter().map(|v| {
+            let v = v.map(Number::to_rational);
+            let depths = other.topology().faces().iter().map(|face| {
+                let [p, q, r] = [face[0], face[1], face[2]].map(|v| &points[v as usize]);
+                let n = q.minus(p).cross(&r.minus(p));
+                let off = n.dot(&p.minus(&v));
+                if off > exact("0") { &off * &off / n.norm_squared() } else { exact("0") }
+            });
+            depths.min().unwrap()
+        });
+        let expected = of_other.max(of_step.max().unwrap());
+        let sign = if expected > exact("0") { Sign::Negative } else { Sign::Zero };
+        assert_eq!(squared(&l, &other), (sign, expected.clone()), "pair {k}");
+        assert_eq!(squared(&other, &l), (sign, expected.clone()), "pair {k} exchanged");
+        let square = &expected * exact("4");
+        assert_eq!(squared(&moved(&l, "2"), &moved(&other, "2")), (sign, square), "pair {k} moved");
+        if expected > exact("0") { deep += 1 } else { none += 1 }
+    }
+    assert!(deep > 20 && none > 2, "{deep} deep, {none} not");
+}
+
+#[test]
+fn the_way_out_of_a_concave_block_leads_to_its_surface() {
+    // A cube's corner (3/2, −2, 1) is 1 inside the step, whose bottom is the nearest. Its other corners are no deeper.
+    let cube = cuboid(["3/2", "-2", "-2"], ["3", "3", "1"]);
+    for (a, b, down) in [(cube.clone(), step(), true), (step(), cube, false)] {
+        let found = penetration(&a, &b).unwrap();
+        assert_eq!((found.gap.sign, found.gap.squared.clone()), (Sign::Negative, exact("1")));
+        assert_eq!(found.direction.z < exact("0"), down);
+        assert!(found.direction.x == exact("0") && found.direction.y == exact("0"));
+    }
 }

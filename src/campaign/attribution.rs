@@ -5,6 +5,7 @@
 //! happens: tolerance, representation, arithmetic. So an error of an engine shows although a tolerance changed the same
 //! contact before it, and although it happens to undo that change.
 
+use super::agreement::{Agreement, Compared, Scribe, Span};
 use super::collapse::collapsed_feature;
 use super::compare::{Change, Difference, Features, differences};
 use super::engine::{Answer, Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, guarded};
@@ -50,6 +51,8 @@ pub struct Examined {
     pub contacts: u64,
     /// Metamorphic checks made.
     pub metamorphic_checks: u64,
+    /// How often the links of the chain agree.
+    pub agreement: Agreement,
 }
 
 /// Examines one pair under all its tolerance sets.
@@ -64,6 +67,7 @@ pub fn examine(subject: &Subject, panel: &Panel) -> Examined {
         features: Features { a: subject.a.topology(), b: subject.b.topology() },
         exact,
         found: Examined::default(),
+        scribe: Scribe::new(Arc::clone(&subject.family)),
     };
     for (number, set) in subject.sets.iter().enumerate() {
         examination.tolerance_link(set, &views);
@@ -72,6 +76,7 @@ pub fn examine(subject: &Subject, panel: &Panel) -> Examined {
         }
     }
     let mut found = examination.found;
+    found.agreement = examination.scribe.into_agreement();
     found.levels.add(&examination.exact.levels.into_inner());
     for view in views {
         if let Some(side) = view.exact.into_inner() {
@@ -185,6 +190,7 @@ struct Examination<'p> {
     features: Features<'p>,
     exact: ExactSide<'p>,
     found: Examined,
+    scribe: Scribe,
 }
 
 impl<'p> Examination<'p> {
@@ -221,6 +227,12 @@ impl<'p> Examination<'p> {
                 Some((shared, _)) => *shared = Who::Any,
                 None => sets.push((who, set.of(precision))),
             }
+        }
+        for &precision in &precisions {
+            let tolerances = set.of(precision);
+            let (ideal, given) = (self.exact.contacts(&tolerances.ideal()), self.exact.contacts(tolerances));
+            let compared = compared(set, Span::Tolerance, &precision.to_string());
+            self.scribe.answers(&compared, &ideal, &given, self.features);
         }
         let mut changed: Vec<(Who, &ToleranceSet, Difference)> = Vec::new();
         for (who, tolerances) in &sets {
@@ -262,6 +274,10 @@ impl<'p> Examination<'p> {
         let precision = view.rounded.precision;
         let given = set.of(precision);
         let mut lost = |change, note: String| {
+            self.scribe.silence(&compared(set, Span::Representation, &precision.to_string()));
+            for engine in self.panel.engines.iter().filter(|e| e.precision() == precision) {
+                self.scribe.silence(&compared(set, Span::Whole, engine.name()));
+            }
             self.report_failure(set, Who::Rounded(precision), Cause::Representation, change, note);
         };
         let blocks = match &view.rounded.blocks {
@@ -280,6 +296,8 @@ impl<'p> Examination<'p> {
         let side = || if view.rounded.same { &self.exact } else { view.exact_side(blocks) };
         let rounded = if same { Rc::clone(&exact) } else { side().contacts(&tolerances) };
         let roundoff = Some(precision.epsilon() / 2.0);
+        let represented = compared(set, Span::Representation, &precision.to_string());
+        self.scribe.answers(&represented, &exact, &rounded, self.features);
         let changed = differences(&exact, &rounded, self.features);
         if !changed.is_empty() {
             let link = Link {
@@ -294,7 +312,15 @@ impl<'p> Examination<'p> {
             }
         }
         for (engine, prepared) in &view.engines {
-            let at = EngineAt { set, number, engine: *engine, blocks, tolerances: &tolerances, rounded: &rounded };
+            let at = EngineAt {
+                set,
+                number,
+                engine: *engine,
+                blocks,
+                tolerances: &tolerances,
+                exact: &exact,
+                rounded: &rounded,
+            };
             let side = if view.rounded.same { None } else { Some(view.exact_side(blocks)) };
             self.arithmetic_link(&at, prepared, side);
         }
@@ -315,11 +341,16 @@ impl<'p> Examination<'p> {
             Ok((prepared, Answer::Contacts(contacts))) => (prepared, contacts),
             Ok((_, Answer::State(said))) => return self.state_link(at, &who, said),
             Err(failure) => {
+                self.scribe.silence(&at.compared(Span::Arithmetic));
+                self.scribe.silence(&at.compared(Span::Whole));
                 return self.report_failure(at.set, who, at.engine.cause(), failure.change(), failure.to_string());
             }
         };
         let pair = &side.unwrap_or(&self.exact).pair;
         let contacts = completed(said.clone(), at.rounded);
+        self.scribe.answers(&at.compared(Span::Arithmetic), at.rounded, &contacts, self.features);
+        let whole = completed(said.clone(), at.exact);
+        self.scribe.answers(&at.compared(Span::Whole), at.exact, &whole, self.features);
         if contacts != **at.rounded {
             let changed = differences(at.rounded, &contacts, self.features);
             let wide = guarded(|| Ok(prepared.classify_wide(at.tolerances))).ok().flatten();
@@ -377,6 +408,10 @@ impl<'p> Examination<'p> {
         };
         let judgement = pair.judge(said);
         self.found.metamorphic_checks += judgement.made;
+        if let Some(mapped) = &judgement.mapped {
+            let right = judgement.wrong.iter().all(|(change, _)| change.is_metamorphic());
+            self.scribe.state(&at.compared(Span::Arithmetic), mapped, right);
+        }
         for (change, mapped) in judgement.wrong {
             let difference = Difference { change, before: None, after: None };
             self.report(at.set, who.clone(), at.engine.cause(), difference, None);
@@ -394,7 +429,18 @@ struct EngineAt<'x> {
     engine: &'x dyn Engine,
     blocks: &'x [Block; 2],
     tolerances: &'x ToleranceSet,
+    exact: &'x Rc<Vec<Contact>>,
     rounded: &'x Rc<Vec<Contact>>,
+}
+
+impl EngineAt<'_> {
+    fn compared(&self, span: Span) -> Compared {
+        compared(self.set, span, self.engine.name())
+    }
+}
+
+fn compared(set: &SubjectSet, span: Span, engine: &str) -> Compared {
+    Compared { tolerances: set.name.to_string(), span, engine: engine.to_owned() }
 }
 
 /// Whether two answers differ in the contacts a difference is about.

@@ -1,6 +1,7 @@
 //! What a campaign is asked to do.
 
 use super::external::EngineSpec;
+use super::grid::Grid;
 use crate::model::Number;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -23,8 +24,11 @@ pub struct CampaignConfig {
     /// Whether external engines are asked everything twice, of two processes.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub ask_twice: bool,
-    /// The tolerance presets; empty for all.
+    /// The tolerance presets; empty for all, or for none beside a grid.
     pub tolerances: Vec<String>,
+    /// Tolerance sets on a grid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid: Option<Grid>,
     /// The families; empty for all.
     pub families: Vec<String>,
     /// Whether the pairs are those of the stress set ([`crate::stress`]) instead of the families'.
@@ -56,6 +60,7 @@ impl Default for CampaignConfig {
             external: Vec::new(),
             ask_twice: false,
             tolerances: Vec::new(),
+            grid: None,
             families: Vec::new(),
             stress: false,
             real: Vec::new(),

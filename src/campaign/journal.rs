@@ -4,6 +4,7 @@
 //! long `findings.csv` is and holds every count, is replaced in one step. What was appended after the last such step is
 //! cut off on resuming and made again, byte for byte, because it depends on seed and index alone.
 
+use super::agreement::Agreement;
 use super::config::identity_differences;
 use super::engine::Levels;
 use super::finding::FINDING_COLUMNS;
@@ -33,6 +34,8 @@ pub struct Progress {
     pub contacts: u64,
     /// Metamorphic checks made.
     pub metamorphic_checks: u64,
+    /// How often the links of the chain agree.
+    pub agreement: Agreement,
     /// Case files written for each fingerprint.
     pub fingerprints: BTreeMap<String, u64>,
     /// Case files written for each cause.
@@ -111,7 +114,7 @@ pub struct Journal {
 const FINDINGS: &str = "findings.csv";
 const PROGRESS: &str = "progress.json";
 const CASES: &str = "cases";
-const FILES: [&str; 4] = [FINDINGS, PROGRESS, "summary.csv", "run.json"];
+const FILES: [&str; 6] = [FINDINGS, PROGRESS, "summary.csv", "agreement.csv", "confusion.csv", "run.json"];
 
 impl Journal {
     /// Opens the run in `dir`, or makes one.
@@ -139,6 +142,7 @@ impl Journal {
             levels: Levels::default().0,
             contacts: 0,
             metamorphic_checks: 0,
+            agreement: Agreement::default(),
             fingerprints: BTreeMap::new(),
             cases: BTreeMap::new(),
             seconds: 0.0,

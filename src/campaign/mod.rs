@@ -1,6 +1,7 @@
 //! Campaigns: pairs of blocks made to break contact classification, run through every engine and compared with the
 //! oracle (DESIGN, "Campaigns").
 
+pub mod agreement;
 pub mod attribution;
 pub mod builtin;
 pub mod case_file;
@@ -14,6 +15,7 @@ pub mod explain;
 pub mod external;
 pub mod families;
 pub mod finding;
+pub mod grid;
 pub mod journal;
 pub mod ladder;
 pub mod mapped;

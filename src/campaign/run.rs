@@ -1,5 +1,6 @@
 //! The campaign itself: chunk by chunk, in parallel inside a chunk, results merged in the order of indices.
 
+use super::agreement::Agreement;
 use super::attribution::{Examined, Panel, examine};
 use super::case_file::Case;
 use super::config::CampaignConfig;
@@ -66,6 +67,7 @@ struct Batch {
     levels: Levels,
     contacts: u64,
     metamorphic_checks: u64,
+    agreement: Agreement,
 }
 
 impl Campaign<'_> {
@@ -99,6 +101,7 @@ impl Campaign<'_> {
                 progress.levels = levels.0;
                 progress.contacts += batch.contacts;
                 progress.metamorphic_checks += batch.metamorphic_checks;
+                progress.agreement.add(batch.agreement);
                 findings.extend(batch.findings);
             }
             let names = self.choose_cases(&findings, &mut progress);
@@ -111,6 +114,8 @@ impl Campaign<'_> {
         }
         let finished = journal.progress().pairs_done >= self.config.pairs;
         journal.write("summary.csv", &journal.progress().summary.to_csv()?)?;
+        journal.write("agreement.csv", &journal.progress().agreement.to_csv()?)?;
+        journal.write("confusion.csv", &journal.progress().agreement.confusion_to_csv()?)?;
         journal.write("run.json", &self.run_json(journal, finished)?)?;
         Ok(if finished { Ending::Finished } else { Ending::Stopped })
     }
@@ -125,7 +130,7 @@ impl Campaign<'_> {
                     tolerances: set.name.to_string(),
                 });
             }
-            let Examined { findings, levels, contacts, metamorphic_checks } = examine(subject, self.panel);
+            let Examined { findings, levels, contacts, metamorphic_checks, agreement } = examine(subject, self.panel);
             for finding in &findings {
                 batch.summary.add_finding(finding);
             }
@@ -133,7 +138,9 @@ impl Campaign<'_> {
             batch.levels.add(&levels);
             batch.contacts += contacts;
             batch.metamorphic_checks += metamorphic_checks;
+            batch.agreement.add(agreement);
         }
+        batch.agreement.close_batch();
         batch
     }
 

@@ -2,6 +2,7 @@
 
 use super::config::CampaignConfig;
 use super::families::{self, Real};
+use super::grid::GridFault;
 use super::pairs::{self, PairCase, PairConfig};
 use super::sets::{self, SetSource};
 use super::subject::{Source, Subject, SubjectSet};
@@ -33,6 +34,9 @@ pub enum SourceError {
         /// The sets.
         allowed: String,
     },
+    /// A grid of tolerance sets that is none.
+    #[error(transparent)]
+    Grid(#[from] GridFault),
     /// A block file that cannot be read.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -77,13 +81,17 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
         families.retain(|f| f.name() != "real");
         families.extend(blocks.into_iter().map(|real| Arc::new(real) as Arc<dyn families::Family>));
     }
-    let names: Vec<&str> = if config.tolerances.is_empty() {
+    let names: Vec<&str> = if config.tolerances.is_empty() && config.grid.is_none() {
         sets::NAMES.to_vec()
     } else {
         config.tolerances.iter().map(String::as_str).collect()
     };
-    let sets = names.into_iter().map(set_source).collect::<Result<Vec<_>, _>>()?;
-    let sets_per_batch = sets.len().min(3);
+    let mut sets = names.into_iter().map(set_source).collect::<Result<Vec<_>, _>>()?;
+    // On a grid sets are to be compared with one another, so every base pair gets all of them.
+    let sets_per_batch = if config.grid.is_some() { usize::MAX } else { sets.len().min(3) };
+    if let Some(grid) = &config.grid {
+        sets.extend(grid.sources()?);
+    }
     Ok(FamilySource {
         seed: config.seed,
         pairs: PairConfig { families, sets, sets_per_batch, ..PairConfig::default() },

@@ -8,8 +8,10 @@ use rockproof::model::Precision;
 use rockproof::model::files::write_atomically;
 use rockproof::plot::PlotError;
 use rockproof::speed::error::{self, Effort};
+use rockproof::speed::exact_stepping::scenes;
 use rockproof::speed::{
-    Contestant, Cost, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, race, stepping, throughput,
+    Contestant, Cost, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, exact_stepping, race, stepping,
+    throughput,
 };
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -25,6 +27,7 @@ use std::path::PathBuf;
   rockproof bench --quick                    a few seconds, rough figures
   rockproof bench --error --out reports/bench  run time against error, as CSV and plots (docs/bench.md)
   rockproof bench --wall 100,1000,5000       steps of brick walls: time, shares of the phases in %, memory
+  rockproof bench --exact-steps              certified steps of two blocks and of walls, beside those in f64
 
 Plain rationals of GMP take part in a build with --features gmp.
 
@@ -57,8 +60,11 @@ pub(crate) struct Bench {
     /// Measure the steps of brick walls instead, of so many bricks; may be repeated
     #[arg(long, value_name = "BRICKS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
     wall: Vec<u16>,
-    /// Steps of each wall
-    #[arg(long, default_value_t = 100, requires = "wall", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Measure certified steps instead: of two blocks, and of walls of 10 and 100 bricks
+    #[arg(long, conflicts_with = "wall")]
+    exact_steps: bool,
+    /// Steps of each wall, or of each scene
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
     steps: u32,
 }
 
@@ -81,6 +87,9 @@ impl Bench {
         }
         if self.error {
             return self.errors();
+        }
+        if self.exact_steps {
+            return self.exact_steps();
         }
         let report = self.measure()?;
         print(&match self.format {
@@ -149,6 +158,52 @@ impl Bench {
                 table(&header, &[3, 4, 5], shown),
                 rows.len()
             ),
+        })?;
+        Ok(Verdict::Fine)
+    }
+
+    /// Certified steps beside the stepper's.
+    fn exact_steps(&self) -> Outcome {
+        let mut rows = Vec::new();
+        for (name, scene) in scenes(if self.quick { &[10] } else { &[10, 100] })? {
+            note(&format!("{} steps of {name}", self.steps));
+            let cost = exact_stepping(&name, &scene, self.steps)?;
+            let levels = &cost.levels;
+            let decided = [levels.float, levels.double, levels.wide.iter().sum(), levels.exact, levels.undecided];
+            let total: u64 = decided.iter().sum();
+            let mut row = vec![cost.name.clone(), cost.unknowns.to_string(), cost.contacts.to_string()];
+            row.push(digits(cost.iterations));
+            row.extend([cost.float, cost.conversion, cost.certified, cost.with_state].map(|s| digits(1e6 * s)));
+            row.push(cost.plain.map_or(String::new(), |s| digits(1e6 * s)));
+            row.extend([digits(cost.over_float()), digits(cost.lockstep())]);
+            row.push(cost.plain_over_certified().map_or(String::new(), digits));
+            row.extend(decided.map(|n| share(n, total)));
+            rows.push(row);
+        }
+        let header = [
+            "scene",
+            "unknowns",
+            "contacts",
+            "solves a step",
+            "f64 µs",
+            "conversion µs",
+            "certified µs",
+            "with state µs",
+            "plain solve µs",
+            "over f64",
+            "lockstep",
+            "plain over",
+            "f64",
+            "double",
+            "wide",
+            "fractions",
+            "undecided",
+        ];
+        print(&match self.format {
+            Format::Table => format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows)),
+            Format::Csv => rows
+                .iter()
+                .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),
         })?;
         Ok(Verdict::Fine)
     }

@@ -84,7 +84,7 @@ impl Gate {
         checks.extend(gating.campaign("fixed", gating.config.campaign.clone(), known.as_ref())?);
         if let Some(campaign) = rotating {
             note(&format!("the rotating seed is {}", campaign.seed));
-            checks.extend(gating.campaign("rotating", campaign, None)?);
+            checks.extend(gating.campaign("rotating", campaign, known.as_ref())?);
         }
         self.tell(&checks)
     }
@@ -175,9 +175,9 @@ impl Gating<'_> {
         let mut checks = gate::limits(&self.config, (&file, &self.text), name, &tally);
         if let Some(baseline) = self.config.baseline.as_ref() {
             if let Some(known) = known {
-                checks.extend(known.check(&tally, baseline));
+                checks.extend(known.check(name, &tally, baseline));
             } else if self.gate.update_baseline && name == "fixed" {
-                let text = Known::of(&tally, baseline).to_toml()?;
+                let text = Known::of(&tally, baseline).to_toml();
                 write_atomically(&baseline.file, text).with_context(|| baseline.file.display().to_string())?;
                 note(&format!("written: {}", baseline.file.display()));
             }

@@ -9,8 +9,11 @@ mod exit;
 mod gate;
 mod input;
 mod replay;
+mod replay_step;
+mod report;
 mod shrink;
 mod simulate;
+mod simulate_exact;
 mod stress;
 mod table;
 mod tune;
@@ -36,6 +39,7 @@ enum Command {
     Check(check::Check),
     Campaign(campaign::Campaign),
     Replay(replay::Replay),
+    Report(report::Report),
     Shrink(shrink::Shrink),
     Convert(convert::Convert),
     Gate(gate::Gate),
@@ -51,6 +55,7 @@ impl Command {
             Command::Check(command) => command.run(),
             Command::Campaign(command) => command.run(),
             Command::Replay(command) => command.run(),
+            Command::Report(command) => command.run(),
             Command::Shrink(command) => command.run(),
             Command::Convert(command) => command.run(),
             Command::Gate(command) => command.run(),

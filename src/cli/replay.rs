@@ -2,6 +2,7 @@
 
 use crate::cli::exit::{Outcome, Verdict, note, print};
 use crate::cli::input::EngineArgs;
+use crate::cli::replay_step;
 use crate::cli::table::table;
 use rockproof::campaign::builtin::Exact;
 use rockproof::campaign::case_file::{Case, contact_rows};
@@ -10,6 +11,7 @@ use rockproof::campaign::engines::Engines;
 use rockproof::campaign::explain::{Parted, parted};
 use rockproof::campaign::external::protocol::completed;
 use rockproof::campaign::mapped::separation::Separation;
+use rockproof::lockstep::StepCase;
 use rockproof::model::{Contact, Precision, ToleranceSet};
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -17,12 +19,13 @@ use std::path::PathBuf;
 
 /// Show what each engine and the oracle say about a case, decision by decision where they part
 #[derive(clap::Args)]
-#[command(after_help = "Example:
+#[command(after_help = "Examples:
   rockproof replay reports/campaign-1/cases/v-f-arithmetic-….toml
+  rockproof replay reports/simulate-incline/states/step_000012.json
 
 Exit status: 0 the exact answer is the one the case records, 1 it is another, 2 input error.")]
 pub(crate) struct Replay {
-    /// The case
+    /// The case of a campaign (.toml), or a step of a lockstep run (.json)
     case: PathBuf,
     #[command(flatten)]
     external: EngineArgs,
@@ -47,6 +50,9 @@ struct Parting {
 
 impl Replay {
     pub(crate) fn run(&self) -> Outcome {
+        if StepCase::is_named(&self.case) {
+            return replay_step::run(&self.case);
+        }
         let case = Case::load(&self.case)?;
         let engines = self.external.engines()?;
         let (said, partings) = answers(&case, &engines);

@@ -3,19 +3,27 @@
 use crate::cli::check::violations_text;
 use crate::cli::exit::{Outcome, Verdict, complain, note, print};
 use crate::cli::input::{ReadArgs, ToleranceArgs};
+use crate::cli::simulate_exact::ExactRun;
 use crate::cli::table::grouped;
 use anyhow::Context;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
+use rockproof::lockstep::beside::About;
+use rockproof::lockstep::trajectory::default_grid;
+use rockproof::lockstep::{BesideRun, FreeRun, Links, Lockstep, Trajectory, free, table};
 use rockproof::model::simulation::{Control, derive_stiffness};
 use rockproof::model::{Precision, Scene, ToleranceSet, rules};
+use rockproof::oracle::step::Keep;
 use rockproof::simulate::identity::{identity, with_tolerances};
-use rockproof::simulate::record::Progress;
+use rockproof::simulate::record::{Progress, Table};
 use rockproof::simulate::run::headers;
-use rockproof::simulate::{Ending, Plan, Record, Run, Start};
+use rockproof::simulate::tables::lines;
+use rockproof::simulate::{Ending, Plan, Record, Run, Start, Stepping};
 use rockproof::stepper::Real;
+use rockproof::stepper::contact::Spec;
 use rockproof::stepper::dynamics::{Dynamics, Solve, State, StepReport};
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -32,6 +40,7 @@ use std::time::{Duration, Instant};
   rockproof simulate incline.toml --time 0.5
   rockproof simulate slope.toml --steps 2000 --every 50 --contacts --out reports/slope
   rockproof simulate slope.toml --steps 4000 --every 50 --contacts --out reports/slope --resume
+  rockproof simulate incline.toml --engine f32 --steps 200 --lockstep
 
 A run can be interrupted or killed at any moment; --resume goes on from its last checkpoint, to the same bytes.
 
@@ -47,7 +56,7 @@ pub(crate) struct Simulate {
     #[command(flatten)]
     tolerances: ToleranceArgs,
 
-    /// Precision of the stepper
+    /// What makes the steps: the stepper in a precision, or the oracle
     #[arg(long, value_enum, default_value = "f64")]
     engine: EngineChoice,
 
@@ -82,6 +91,42 @@ pub(crate) struct Simulate {
     /// Run although rules are violated
     #[arg(long)]
     force: bool,
+
+    /// Make every step exactly as well and compare: lockstep.csv, differences.csv, states/
+    #[arg(long)]
+    lockstep: bool,
+
+    /// End at the first step in which stepper and oracle differ
+    #[arg(long, requires = "lockstep")]
+    stop_at_first: bool,
+
+    /// Run the exact trajectory beside the stepper's, each from its own state: free.csv
+    #[arg(long, conflicts_with_all = ["lockstep", "resume"])]
+    free: bool,
+
+    /// Keep exact coordinates on a grid of 2^-N m [default: 2^-256 of the model's size, or the next finer]
+    #[arg(long, value_name = "N")]
+    grid_exponent: Option<u32>,
+
+    /// Keep exact coordinates as the fractions they are; they grow with every step
+    #[arg(long, conflicts_with = "grid_exponent")]
+    fractions: bool,
+
+    /// Which causes to tell apart: all, or what the stepper's arithmetic alone does (faster)
+    #[arg(long, value_enum, default_value = "all", requires = "lockstep")]
+    links: LinksChoice,
+
+    /// State files to write for each cause at most
+    #[arg(long, value_name = "N", default_value_t = 20, requires = "lockstep")]
+    states: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum LinksChoice {
+    /// Tolerance, representation, arithmetic
+    All,
+    /// Arithmetic
+    Arithmetic,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -90,6 +135,8 @@ enum EngineChoice {
     F64,
     /// Single precision
     F32,
+    /// No rounding but that of --grid-exponent: the oracle steps by itself
+    Exact,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -133,6 +180,27 @@ impl Simulate {
         match self.engine {
             EngineChoice::F64 => self.go::<f64>("f64", ready),
             EngineChoice::F32 => self.go::<f32>("f32", ready),
+            EngineChoice::Exact => self.exact(&ready),
+        }
+    }
+
+    /// The oracle by itself.
+    fn exact(&self, ready: &Ready) -> Outcome {
+        if self.lockstep || self.free || self.resume || self.contacts {
+            anyhow::bail!("--lockstep, --free, --resume and --contacts are for the stepper, not for --engine exact");
+        }
+        let points = &ready.scene.simulation.measured_points;
+        let names = points.iter().map(|point| point.name.clone()).collect();
+        let (file, dir) = (self.scene.clone(), self.directory());
+        let run = ExactRun { file, dir, plan: ready.plan, overwrite: self.overwrite, names };
+        run.go(Trajectory::new(&ready.scene, &ready.set, self.keep(&ready.scene)))
+    }
+
+    fn keep(&self, scene: &Scene) -> Keep {
+        match (self.fractions, self.grid_exponent) {
+            (true, _) => Keep::Exact,
+            (false, Some(exponent)) => Keep::Grid { exponent },
+            (false, None) => default_grid(scene),
         }
     }
 
@@ -159,7 +227,8 @@ impl Simulate {
 
     fn go<R: Solve>(&self, engine: &str, ready: Ready) -> Outcome {
         let Ready { scene, set, plan, about } = ready;
-        let mut dynamics = Dynamics::<R>::new(&scene, &set).with_context(|| self.scene.display().to_string())?;
+        let file = || self.scene.display().to_string();
+        let mut dynamics = Dynamics::<R>::new(&scene, &set).with_context(file)?;
         let begin = dynamics.state().clone();
         let start = match (self.resume, self.overwrite) {
             (true, _) => Start::Resume,
@@ -167,16 +236,40 @@ impl Simulate {
             _ => Start::Fresh,
         };
         let dir = self.directory();
-        let identity = identity(&scene, &set, engine, &plan);
-        let (mut record, saved) = Record::open(&dir, identity, headers(&plan)?, start)?;
+        let mut identity = identity(&scene, &set, engine, &plan);
+        let mut headers = headers(&plan)?;
+        if self.lockstep {
+            identity.extend(self.lockstep_identity());
+            headers[Table::Lockstep as usize] = Some(lines([table::STEPS])?);
+            headers[Table::Differences as usize] = Some(lines([table::DIFFERENCES])?);
+        }
+        if self.free {
+            identity.insert("free".to_owned(), format!("{:?}", self.keep(&scene)).into());
+            headers[Table::Free as usize] = Some(lines([free::COLUMNS])?);
+        }
+        let (mut record, saved) = Record::open(&dir, identity, headers, start)?;
+        let text = with_tolerances(&scene, &set)?;
         match saved {
-            None => record.write("scene.toml", with_tolerances(&scene, &set)?.as_bytes())?,
+            None => record.write("scene.toml", text.as_bytes())?,
             Some(saved) => saved
                 .state()
                 .map_err(anyhow::Error::from)
                 .and_then(|state| Ok(dynamics.restore(state)?))
                 .with_context(|| format!("{}: the checkpoint cannot be used", dir.display()))?,
         }
+        let mut stepping: Box<dyn Stepping<R>> = match self.lockstep {
+            false if self.free => Box::new(FreeRun::new(dynamics, Trajectory::new(&scene, &set, self.keep(&scene)))),
+            false => Box::new(dynamics),
+            true => {
+                let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
+                let links = if self.links == LinksChoice::All { Links::All } else { Links::Arithmetic };
+                let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, precision, links).with_context(file)?;
+                lockstep.restore(dynamics.state().clone())?;
+                let (engine, states, stop_at_first) = (engine.to_owned(), self.states, self.stop_at_first);
+                let about = About { scene: text, engine, states, stop_at_first };
+                Box::new(BesideRun::new(lockstep, about, &record.progress().beside))
+            }
+        };
         let stop = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&stop);
         // A second Ctrl-C ends the program at once; the record bears it.
@@ -188,11 +281,11 @@ impl Simulate {
         .context("cannot catch Ctrl-C")?;
         let mut display = Display::new();
         let run = Run { scene: &scene, begin: &begin, plan, about };
-        let ending = run.run(&mut dynamics, &mut record, &stop, &mut |report, state| {
+        let ending = run.run(&mut *stepping, &mut record, &stop, &mut |report, state| {
             display.show(report, &plan, state);
         })?;
         display.end();
-        print(&summary(&record, dynamics.state(), &ending))?;
+        print(&summary(&record, stepping.state(), &ending))?;
         Ok(match ending {
             Ending::Finished => Verdict::Fine,
             Ending::Interrupted => Verdict::Interrupted,
@@ -200,7 +293,19 @@ impl Simulate {
                 complain(&stopped.to_string());
                 Verdict::Objection
             }
+            Ending::Parted => Verdict::Objection,
+            Ending::Unproved(why) => {
+                complain(&format!("the oracle cannot make the step: {why}"));
+                Verdict::Objection
+            }
         })
+    }
+
+    /// What of lockstep must be the same for a run to go on.
+    fn lockstep_identity(&self) -> Map<String, Value> {
+        let links = if self.links == LinksChoice::All { "all" } else { "arithmetic" };
+        let all = [("lockstep", links.into()), ("states", self.states.into())];
+        all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }
 }
 
@@ -297,14 +402,32 @@ fn write_summary<R: Real>(out: &mut String, record: &Record, state: &State<R>, e
         writeln!(out, "{:<16} {} m at most{at}", name, short(extreme.value.0))?;
     }
     writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;
+    write_lockstep(out, &record.progress().beside)?;
     let speed = all as f64 / seconds.max(1e-9);
     writeln!(out, "\n{} steps in {seconds:.1} s ({speed:.0} a second)", grouped(all))?;
     match ending {
         Ending::Finished => {}
         Ending::Interrupted => writeln!(out, "interrupted; --resume goes on")?,
         Ending::Stopped(_) => writeln!(out, "stopped; the last good state is kept")?,
+        Ending::Parted => writeln!(out, "ended at the first difference")?,
+        Ending::Unproved(_) => writeln!(out, "ended: the oracle cannot make the step")?,
     }
     writeln!(out, "written to {}: {}", record.dir().display(), record.names().join(", "))
+}
+
+/// What lockstep found, where it was asked.
+fn write_lockstep(out: &mut String, counts: &BTreeMap<String, u64>) -> std::fmt::Result {
+    let Some(steps) = counts.get("steps") else { return Ok(()) };
+    let count = |name: &str| counts.get(name).copied().unwrap_or(0);
+    let by_cause: Vec<String> = table::CAUSES
+        .iter()
+        .map(|&cause| format!("{} {cause}", grouped(rockproof::lockstep::beside::differences(counts, cause))))
+        .collect();
+    writeln!(out, "lockstep         {} of {} steps differ", grouped(count("steps_differing")), grouped(*steps))?;
+    writeln!(out, "differences      {}", by_cause.join(", "))?;
+    writeln!(out, "undecided        {} decisions of the oracle", grouped(count("undecided")))?;
+    let ratio = count("oracle_microseconds") as f64 / count("stepper_microseconds").max(1) as f64;
+    writeln!(out, "cost             the oracle and comparing took {} times the stepper's time", short(ratio))
 }
 
 #[cfg(test)]

@@ -40,6 +40,8 @@ pub struct Baseline {
     /// The columns of `findings.csv` that make two findings alike.
     #[serde(default = "default_fields")]
     pub fields: Vec<String>,
+    /// How sure one must be that a known sort of finding became more frequent; [`CONFIDENCE`](super::CONFIDENCE) if absent.
+    pub confidence: Option<f64>,
 }
 
 /// How many findings of a sort there may be. What a limit leaves out may be anything.
@@ -104,9 +106,18 @@ impl GateConfig {
                     return Err(format!("{file}: baseline.{key}: \"{found}\"; allowed are {}", allowed.join(", ")));
                 }
             }
+            if !baseline.confidence.is_none_or(is_confidence) {
+                return Err(format!("{file}: baseline.confidence {NOT_CONFIDENCE}"));
+            }
         }
         Ok(config)
     }
+}
+
+const NOT_CONFIDENCE: &str = "is outside what is allowed: from 0.5 to below 1";
+
+fn is_confidence(value: f64) -> bool {
+    (0.5..1.0).contains(&value)
 }
 
 /// The line, from 1, of a place in a text.
@@ -129,8 +140,8 @@ impl Limit {
             (Some(_), None) if self.confidence.is_some() => Err("confidence belongs to a rate, not to a count".into()),
             (Some(_), None) => Ok(()),
             (None, Some(rate)) if !(0.0..=1.0).contains(&rate) => Err(format!("rate is {rate}; allowed are 0 to 1")),
-            (None, Some(_)) if !self.confidence.is_none_or(|c| (0.5..1.0).contains(&c)) => {
-                Err("confidence is outside what is allowed: from 0.5 to below 1".into())
+            (None, Some(_)) if !self.confidence.is_none_or(is_confidence) => {
+                Err(format!("confidence {NOT_CONFIDENCE}"))
             }
             (None, Some(_)) => Ok(()),
             _ => Err("a limit needs either count or rate".into()),

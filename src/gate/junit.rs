@@ -47,7 +47,8 @@ pub fn annotations(checks: &[Check]) -> String {
 
 /// The summary in Markdown: one row for each check but the corpus' passes.
 pub fn markdown(checks: &[Check]) -> String {
-    let cell = |text: &str| text.replace('|', "\\|").replace('\n', " ");
+    let special = |c: char| if "\\`*_{}[]<>&#|~".contains(c) { format!("\\{c}") } else { c.to_string() };
+    let cell = |text: &str| text.replace(['\n', '\r'], " ").chars().map(special).collect::<String>();
     let failed = checks.iter().filter(|check| check.verdict == Verdict::Fail).count();
     let mut text = format!("## Rockproof gate: {}\n\n", if failed == 0 { "passed" } else { "failed" });
     text += "| verdict | check | found |\n| --- | --- | --- |\n";

@@ -1,8 +1,10 @@
 //! What a finished campaign found, counted for a gate out of its `findings.csv` and `summary.csv`.
 
 use super::config::{Baseline, Limit};
+use super::known::SEPARATOR;
 use crate::campaign::finding::FINDING_COLUMNS;
 use crate::campaign::pairs::BATCH;
+use serde::Deserialize;
 use statrs::function::beta::checked_beta_reg;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -24,7 +26,7 @@ impl Row {
 
     /// What makes it like others, for a baseline.
     pub fn fingerprint(&self, baseline: &Baseline) -> String {
-        baseline.fields.iter().map(|field| self.get(field)).collect::<Vec<_>>().join(" | ")
+        baseline.fields.iter().map(|field| self.get(field)).collect::<Vec<_>>().join(SEPARATOR)
     }
 
     /// Whether a limit is about it.
@@ -54,6 +56,31 @@ pub struct Tally {
     pub rows: Vec<Row>,
     /// Pairs examined by (family, set); a pair counts once for each set.
     examined: BTreeMap<(String, String), u64>,
+}
+
+/// How often a sort of finding occurred.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sorted {
+    /// Findings.
+    pub findings: u64,
+    /// Pairs with such a finding; a pair counts once for each tolerance set.
+    pub pairs: u64,
+    /// The squares of these pairs' numbers in each batch, added up. Divided by `pairs` it is the design effect.
+    pub squares: u64,
+}
+
+impl Sorted {
+    /// Counts findings by their pair's number and tolerance set.
+    fn of(hits: &[(u64, &str)]) -> Sorted {
+        let pairs: BTreeSet<_> = hits.iter().collect();
+        let mut batches: BTreeMap<u64, u64> = BTreeMap::new();
+        for (index, _) in &pairs {
+            *batches.entry(index / BATCH).or_default() += 1;
+        }
+        let squares = batches.values().map(|n| n * n).sum();
+        Sorted { findings: hits.len() as u64, pairs: pairs.len() as u64, squares }
+    }
 }
 
 /// What is found of a limit.
@@ -90,26 +117,39 @@ impl Tally {
         Ok(Tally { rows, examined })
     }
 
+    /// Pairs examined of each family; a pair counts once for each set.
+    pub fn examined_by_family(&self) -> BTreeMap<String, u64> {
+        let mut families = BTreeMap::new();
+        for ((family, _), pairs) in &self.examined {
+            *families.entry(family.clone()).or_default() += pairs;
+        }
+        families
+    }
+
+    /// How often each sort of finding occurred whose causes a baseline holds, by fingerprint.
+    pub fn sorted(&self, baseline: &Baseline) -> BTreeMap<String, Sorted> {
+        let of = self.rows.iter().filter(|row| baseline.causes.iter().any(|cause| cause == row.get("cause")));
+        let mut hits: BTreeMap<String, Vec<(u64, &str)>> = BTreeMap::new();
+        for row in of {
+            hits.entry(row.fingerprint(baseline)).or_default().push((row.index(), row.get("tolerances")));
+        }
+        hits.into_iter().map(|(fingerprint, hits)| (fingerprint, Sorted::of(&hits))).collect()
+    }
+
     /// Counts what a limit is about.
     pub fn count(&self, limit: &Limit) -> Found {
         let of = self.rows.iter().filter(|row| row.is_of(limit));
-        let findings = of.clone().count() as u64;
-        let hits: BTreeSet<(u64, &str)> = of.map(|row| (row.index(), row.get("tolerances"))).collect();
-        let mut batches: BTreeMap<u64, u64> = BTreeMap::new();
-        for (index, _) in &hits {
-            *batches.entry(index / BATCH).or_default() += 1;
-        }
-        let sum: u64 = batches.values().sum();
-        let squares: u64 = batches.values().map(|n| n * n).sum();
+        let hits: Vec<(u64, &str)> = of.map(|row| (row.index(), row.get("tolerances"))).collect();
+        let sorted = Sorted::of(&hits);
         let wanted = |wanted: &Option<String>, found: &str| wanted.as_ref().is_none_or(|w| w == found);
         let counted = self.examined.iter().filter(|((family, set), _)| {
             wanted(&limit.family, family) && limit.tolerances.as_ref().is_none_or(|w| of_set(set, w))
         });
         Found {
-            findings,
-            pairs: hits.len() as u64,
+            findings: sorted.findings,
+            pairs: sorted.pairs,
             examined: counted.map(|(_, pairs)| pairs).sum(),
-            design_effect: if sum == 0 { 1.0 } else { squares as f64 / sum as f64 },
+            design_effect: if sorted.pairs == 0 { 1.0 } else { sorted.squares as f64 / sorted.pairs as f64 },
         }
     }
 }

@@ -13,6 +13,7 @@ use crate::simulate::totals::Totals;
 use crate::simulate::vtu;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -24,13 +25,15 @@ pub struct Progress {
     /// What must be the same for the run to go on.
     pub identity: Map<String, Value>,
     /// Lengths of the tables in bytes, by [`Table`].
-    pub bytes: [u64; 3],
+    pub bytes: [u64; Table::COUNT],
     /// The frames every so many steps.
     pub frames: Vec<Frame>,
     /// The frame at the end of the run, where none of the others is. A run that goes on does not keep it.
     pub last_frame: Option<Frame>,
     /// Sums over all steps.
     pub totals: Totals,
+    /// Sums over all steps of what lockstep found, by name; empty without it.
+    pub beside: BTreeMap<String, u64>,
     /// Seconds of work, over all sessions.
     pub seconds: f64,
     /// How often the run was taken up again.
@@ -71,16 +74,29 @@ pub enum Table {
     Measured,
     /// `contacts.csv`
     Contacts,
+    /// `lockstep.csv`
+    Lockstep,
+    /// `differences.csv`
+    Differences,
+    /// `free.csv`
+    Free,
 }
 
 impl Table {
-    const ALL: [Table; 3] = [Table::Steps, Table::Measured, Table::Contacts];
+    /// How many there are.
+    pub const COUNT: usize = 6;
+
+    const ALL: [Table; Table::COUNT] =
+        [Table::Steps, Table::Measured, Table::Contacts, Table::Lockstep, Table::Differences, Table::Free];
 
     fn name(self) -> &'static str {
         match self {
             Table::Steps => "steps.csv",
             Table::Measured => "measured.csv",
             Table::Contacts => "contacts.csv",
+            Table::Lockstep => "lockstep.csv",
+            Table::Differences => "differences.csv",
+            Table::Free => "free.csv",
         }
     }
 }
@@ -88,6 +104,7 @@ impl Table {
 /// The two pictures of a frame.
 const PICTURES: [&str; 2] = ["blocks", "contacts"];
 const FRAMES: &str = "frames";
+const STATES: &str = "states";
 const CHECKPOINT: &str = "checkpoint.jsonl";
 /// Every file of a run but the tables and frames.
 const OTHERS: [&str; 5] = ["blocks.pvd", "contacts.pvd", "scene.toml", "run.json", CHECKPOINT];
@@ -155,7 +172,7 @@ fn damaged(file: &Path, what: impl ToString) -> RecordError {
 pub struct Record {
     dir: PathBuf,
     /// By [`Table`]; the contacts only where asked for.
-    tables: [Option<File>; 3],
+    tables: [Option<File>; Table::COUNT],
     progress: Progress,
 }
 
@@ -169,7 +186,7 @@ impl Record {
     pub fn open(
         dir: &Path,
         identity: Map<String, Value>,
-        headers: [Option<Vec<u8>>; 3],
+        headers: [Option<Vec<u8>>; Table::COUNT],
         start: Start,
     ) -> Result<(Record, Option<Saved>), RecordError> {
         let held = Table::ALL.iter().map(|t| t.name()).chain(OTHERS).any(|name| dir.join(name).exists());
@@ -182,7 +199,7 @@ impl Record {
         let frames = dir.join(FRAMES);
         fs::create_dir_all(&frames).map_err(at(&frames))?;
         let progress = Progress { identity, ..Progress::default() };
-        let mut record = Record { dir: dir.to_owned(), tables: [const { None }; 3], progress };
+        let mut record = Record { dir: dir.to_owned(), tables: [const { None }; Table::COUNT], progress };
         for (table, header) in Table::ALL.into_iter().zip(headers) {
             if let Some(header) = header {
                 let path = dir.join(table.name());
@@ -207,7 +224,7 @@ impl Record {
         if !differences.is_empty() {
             return Err(RecordError::OtherRun { dir: dir.to_owned(), differences });
         }
-        let mut tables = [const { None }; 3];
+        let mut tables = [const { None }; Table::COUNT];
         for table in Table::ALL {
             let bytes = progress.bytes[table as usize];
             if bytes > 0 {
@@ -240,7 +257,8 @@ impl Record {
     /// Names of the files and folders it writes.
     pub fn names(&self) -> Vec<&'static str> {
         let tables = Table::ALL.into_iter().filter(|t| self.tables[*t as usize].is_some()).map(Table::name);
-        tables.chain(OTHERS).chain([FRAMES]).collect()
+        let states = self.tables[Table::Differences as usize].is_some().then_some(STATES);
+        tables.chain(OTHERS).chain([FRAMES]).chain(states).collect()
     }
 
     /// Appends rows to a table; nothing for a table that is not written.
@@ -260,6 +278,16 @@ impl Record {
     /// When they cannot be written.
     pub fn write_frame(&self, frame: Frame, pictures: [&[u8]; 2]) -> Result<(), RecordError> {
         PICTURES.iter().zip(pictures).try_for_each(|(name, bytes)| self.write(&picture(name, frame.step), bytes))
+    }
+
+    /// Writes a state file, beside its final name first.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write_state(&self, name: &str, bytes: &[u8]) -> Result<(), RecordError> {
+        let states = self.dir.join(STATES);
+        fs::create_dir_all(&states).map_err(at(&states))?;
+        self.write(&format!("{STATES}/{name}"), bytes)
     }
 
     /// Makes everything written so far what a resumed run goes on from, together with `state`.
@@ -323,6 +351,14 @@ fn is_picture(name: &str) -> bool {
     step.is_some_and(|step| step.len() >= 6 && step.bytes().all(|b| b.is_ascii_digit()))
 }
 
+/// Whether a name is that of a state file.
+fn is_state(name: &str) -> bool {
+    let step = name.strip_prefix("step_").and_then(|name| name.strip_suffix(".json"));
+    step.is_some_and(|step| {
+        step.trim_start_matches('-').len() >= 6 && step.bytes().all(|b| b.is_ascii_digit() || b == b'-')
+    })
+}
+
 /// Removes the files of `folder` that `unwanted` names.
 fn remove(folder: &Path, unwanted: impl Fn(&str) -> bool) -> Result<(), RecordError> {
     if folder.is_dir() {
@@ -357,12 +393,13 @@ fn sweep(dir: &Path, frames: &[Frame]) -> Result<(), RecordError> {
 /// Removes the files of a run, and nothing else.
 fn discard(dir: &Path) -> Result<(), RecordError> {
     sweep(dir, &[])?;
+    remove(&dir.join(STATES), |name| is_state(unfinished(name).unwrap_or(name)))?;
     remove(dir, |name| OTHERS.contains(&name) || Table::ALL.iter().any(|table| table.name() == name))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{is_picture, unfinished};
+    use super::{is_picture, is_state, unfinished};
 
     #[test]
     fn knows_its_own_files() {
@@ -370,6 +407,8 @@ mod tests {
         for other in ["blocks_10.vtu", "blocks_000010.vtk", "my_000010.vtu", "blocks_00001x.vtu", "blocks.pvd"] {
             assert!(!is_picture(other), "{other}");
         }
+        assert!(is_state("step_000012.json") && is_state("step_-000004.json"));
+        assert!(!is_state("step_12.json") && !is_state("my_000012.json") && !is_state("step_00001x.json"));
         assert_eq!(unfinished(".run.json.71.0.tmp"), Some("run.json"));
         assert_eq!(unfinished(".blocks_000010.vtu.71.12.tmp"), Some("blocks_000010.vtu"));
         assert_eq!([".run.json", "run.json.71.0.tmp", ".run.json.x.0.tmp", ".0.tmp"].map(unfinished), [None; 4]);

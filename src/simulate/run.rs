@@ -21,6 +21,24 @@ pub trait Stepping<R> {
 
     /// The state after the last step.
     fn state(&self) -> &State<R>;
+
+    /// What was found beside the last step, made or not; asked once after each. Nothing, for a stepper by itself.
+    fn beside(&mut self) -> Option<Beside> {
+        None
+    }
+}
+
+/// What was found beside a step (`docs/lockstep.md`).
+#[derive(Clone, Debug, Default)]
+pub struct Beside {
+    /// Rows, and the tables they belong to.
+    pub rows: Vec<(Table, Vec<Vec<String>>)>,
+    /// State files: a name within `states/`, and what it holds.
+    pub states: Vec<(String, Vec<u8>)>,
+    /// What adds up over a run, by name.
+    pub counts: Vec<(&'static str, u64)>,
+    /// Why the run ends here, if it does.
+    pub end: Option<Ending>,
 }
 
 impl<R: Solve, M: StepRules> Stepping<R> for Dynamics<R, M> {
@@ -54,6 +72,10 @@ pub enum Ending {
     Interrupted,
     /// It cannot go on.
     Stopped(Stopped),
+    /// Stepper and oracle differ, and the run was to end at the first such step.
+    Parted,
+    /// The oracle cannot make the step, and why.
+    Unproved(String),
 }
 
 impl Ending {
@@ -62,6 +84,8 @@ impl Ending {
             Ending::Finished => "finished",
             Ending::Interrupted => "interrupted",
             Ending::Stopped(_) => "stopped",
+            Ending::Parted => "parted",
+            Ending::Unproved(_) => "unproved",
         }
     }
 }
@@ -83,13 +107,20 @@ pub enum RunError {
     Json(#[from] serde_json::Error),
 }
 
-/// The first lines of the tables that a plan asks for.
+/// The first lines of the tables that a plan asks for; those of lockstep are not among them.
 ///
 /// # Errors
 /// None that writing to memory has.
-pub fn headers(plan: &Plan) -> Result<[Option<Vec<u8>>; 3], csv::Error> {
+pub fn headers(plan: &Plan) -> Result<[Option<Vec<u8>>; Table::COUNT], csv::Error> {
     let contacts = plan.contacts.then(|| tables::lines([tables::CONTACTS])).transpose()?;
-    Ok([Some(tables::lines([tables::step_columns()])?), Some(tables::lines([tables::MEASURED])?), contacts])
+    Ok([
+        Some(tables::lines([tables::step_columns()])?),
+        Some(tables::lines([tables::MEASURED])?),
+        contacts,
+        None,
+        None,
+        None,
+    ])
 }
 
 impl<R: Real> Run<'_, R> {
@@ -115,7 +146,9 @@ impl<R: Real> Run<'_, R> {
             if stop.load(Ordering::Relaxed) {
                 break Ending::Interrupted;
             }
-            match stepping.step() {
+            let made = stepping.step();
+            let end = stepping.beside().map(|beside| append_beside(beside, record)).transpose()?.flatten();
+            match made {
                 Err(stopped) => break Ending::Stopped(stopped),
                 Ok(report) => {
                     let state = stepping.state();
@@ -125,6 +158,9 @@ impl<R: Real> Run<'_, R> {
                         self.checkpoint(state, record, &clock)?;
                     }
                     watch(&report, state);
+                    if let Some(end) = end {
+                        break end;
+                    }
                 }
             }
         };
@@ -192,10 +228,30 @@ impl<R: Real> Run<'_, R> {
         if let Value::Object(own) = own {
             map.extend(own);
         }
+        if let Ending::Unproved(why) = ending {
+            map.insert("unproved".to_owned(), why.as_str().into());
+        }
+        if !progress.beside.is_empty() {
+            map.insert("lockstep".to_owned(), json!(progress.beside));
+        }
         let mut bytes = serde_json::to_vec_pretty(&map)?;
         bytes.push(b'\n');
         Ok(bytes)
     }
+}
+
+fn append_beside(beside: Beside, record: &mut Record) -> Result<Option<Ending>, RunError> {
+    for (table, rows) in beside.rows {
+        record.append(table, &tables::lines(rows)?)?;
+    }
+    for (name, bytes) in &beside.states {
+        record.write_state(name, bytes)?;
+    }
+    let counts = &mut record.progress_mut().beside;
+    for (name, count) in beside.counts {
+        *counts.entry(name.to_owned()).or_default() += count;
+    }
+    Ok(beside.end)
 }
 
 /// Counts the seconds of all sessions.

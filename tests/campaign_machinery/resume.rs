@@ -40,7 +40,7 @@ fn run(
 /// Every file that must not depend on how a run went.
 fn results(dir: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = BTreeMap::new();
-    for name in ["findings.csv", "summary.csv"] {
+    for name in ["findings.csv", "summary.csv", "agreement.csv", "confusion.csv"] {
         files.insert(name.to_owned(), fs::read(dir.join(name)).expect(name));
     }
     for entry in fs::read_dir(dir.join("cases")).expect("cases") {
@@ -64,7 +64,7 @@ fn finds_what_it_must_and_no_more() {
     // 0..203 holds 29 multiples of 7, and 19 of 11 of which 3 are multiples of 77.
     assert_eq!(findings.lines().count(), 1 + 29 + 16);
     assert!(findings.lines().any(|l| l.starts_with("198,three,random,toy,mistaken,arithmetic,gap-sign,v-v,v-v,")));
-    assert_eq!(results.len(), 2 + 4, "one case for each family and change");
+    assert_eq!(results.len(), 4 + 4, "one case for each family and change");
     let summary = String::from_utf8(results["summary.csv"].clone()).expect("text");
     assert!(summary.contains("three,random,toy,68,mistaken,arithmetic,missing,v-v,10"), "{summary}");
 }

@@ -49,6 +49,14 @@ impl Field for Ball {
         if self.middle == 0.0 && self.radius == 0.0 {
             return Some(*self);
         }
+        // A power of two divides without rounding, but for underflow.
+        let power = divisor.middle.to_bits() & ((1 << 52) - 1) == 0;
+        if power && self.radius == 0.0 && divisor.radius == 0.0 {
+            let middle = self.middle / divisor.middle;
+            if middle.abs() > 4.0 * UNDERFLOW && middle.is_finite() && divisor.middle.abs() >= f64::MIN_POSITIVE {
+                return Some(Ball { middle, radius: 0.0 });
+            }
+        }
         // |x/y − m/w| = |x·w − y·m| / |y·w| ≤ (r + |m/w|·ρ) / (|w| − ρ).
         let middle = self.middle / divisor.middle;
         let spread = (self.radius + middle.abs() * divisor.radius) / least;

@@ -1,11 +1,11 @@
 //! Random expressions: every enclosure holds the exact value, and no certain sign is wrong.
 
-use super::{Field, WideBall};
+use super::{DoubleBall, Field, Magnitude, WideBall};
 use crate::number::Ball;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Signed;
-use rockproof_model::Number;
+use rockproof_model::{Number, Sign};
 
 struct Random(u64);
 
@@ -16,18 +16,19 @@ impl Random {
     }
 }
 
-/// The same value in four types.
+/// The same value in five types.
 #[derive(Clone)]
-struct Quartet {
+struct Quintet {
     exact: BigRational,
     float: Option<Ball>,
+    double: Option<DoubleBall>,
     wide: [Option<WideBall>; 2],
 }
 
 const BITS: [u32; 2] = [64, 200];
 
-impl Quartet {
-    fn leaf(random: &mut Random) -> Quartet {
+impl Quintet {
+    fn leaf(random: &mut Random) -> Quintet {
         let small = |r: &mut Random| BigInt::from(r.next() as i64 - (1 << 30));
         let (mut n, mut d) = (small(random), BigInt::from(1 + random.next()));
         match random.next() % 4 {
@@ -38,7 +39,12 @@ impl Quartet {
         let exact = BigRational::new(n, d);
         let number = Number::from_rational(exact.clone());
         let wide = BITS.map(|bits| Some(WideBall::of_rational(&exact, bits)));
-        Quartet { float: Some(Ball::of_number(&number, 53)), wide, exact }
+        Quintet {
+            float: Some(Ball::of_number(&number, 53)),
+            double: Some(DoubleBall::of_number(&number, 106)),
+            wide,
+            exact,
+        }
     }
 
     fn check(&self) -> usize {
@@ -57,10 +63,12 @@ impl Quartet {
                 1
             })
         }
-        one(&self.exact, self.float.as_ref()) + self.wide.iter().map(|w| one(&self.exact, w.as_ref())).sum::<usize>()
+        one(&self.exact, self.float.as_ref())
+            + one(&self.exact, self.double.as_ref())
+            + self.wide.iter().map(|w| one(&self.exact, w.as_ref())).sum::<usize>()
     }
 
-    fn combined(&self, other: &Quartet, operation: u64) -> Option<Quartet> {
+    fn combined(&self, other: &Quintet, operation: u64) -> Option<Quintet> {
         fn go<S: Field>(a: &S, b: &S, operation: u64) -> Option<S> {
             match operation {
                 0 => Some(a.plus(b)),
@@ -75,7 +83,8 @@ impl Quartet {
         let wide =
             [0, 1].map(|k| self.wide[k].as_ref().zip(other.wide[k].as_ref()).and_then(|(a, b)| go(a, b, operation)));
         let float = self.float.as_ref().zip(other.float.as_ref()).and_then(|(a, b)| go(a, b, operation));
-        Some(Quartet { exact: go(&self.exact, &other.exact, operation)?, float, wide })
+        let double = self.double.as_ref().zip(other.double.as_ref()).and_then(|(a, b)| go(a, b, operation));
+        Some(Quintet { exact: go(&self.exact, &other.exact, operation)?, float, double, wide })
     }
 }
 
@@ -84,20 +93,33 @@ fn enclosures_hold_the_exact_value() {
     let mut random = Random(7);
     let (mut decided, mut asked) = (0, 0);
     for _ in 0..3_000 {
-        let mut values = vec![Quartet::leaf(&mut random), Quartet::leaf(&mut random)];
+        let mut values = vec![Quintet::leaf(&mut random), Quintet::leaf(&mut random)];
         for _ in 0..8 {
             let pick = |r: &mut Random, n: usize| r.next() as usize % n;
             let (i, j) = (pick(&mut random, values.len()), pick(&mut random, values.len()));
             let next = match random.next() % 5 {
-                0 => Some(Quartet::leaf(&mut random)),
+                0 => Some(Quintet::leaf(&mut random)),
                 _ => values[i].combined(&values[j], random.next() % 6),
             };
             if let Some(next) = next.filter(|v| v.exact.numer().bits() + v.exact.denom().bits() < 3_000) {
                 decided += next.check();
-                asked += 3;
+                asked += 4;
                 values.push(next);
             }
         }
     }
     assert!(asked > 30_000 && decided > asked / 2, "{decided} of {asked} signs decided");
+}
+
+#[test]
+fn a_middle_of_few_bits_is_told_from_a_far_smaller_radius() {
+    let one = WideBall::exactly(1.into(), 0, 200).widened(Magnitude::power_of_two(-300));
+    assert_eq!(one.certain_sign(), Some(Sign::Positive));
+    let exact = BigRational::from_integer(1.into());
+    for value in [one.over(&one), one.root()] {
+        let value = value.expect("not zero");
+        assert!((value.middle() - &exact).abs() <= value.radius().expect("known").to_rational());
+    }
+    let half = WideBall::exactly(1.into(), 0, 200).widened(Magnitude::power_of_two(0));
+    assert!(half.certain_sign().is_none() && half.root().is_none() && one.over(&half).is_none(), "it may be zero");
 }

@@ -89,6 +89,15 @@ impl WideBall {
         short as f64 * 2f64.powi(half) * 2f64.powi(exponent - half)
     }
 
+    /// The middle's size less the radius in units of `2^exponent`, with that exponent. The units are far below the middle, however
+    /// few its bits: rounding the radius up to a whole one must not use a short middle up.
+    fn least(&self) -> (BigInt, i64) {
+        let shift = (i64::from(LEAST_BITS) - self.significand.bits() as i64).max(0);
+        let exponent = self.exponent - shift;
+        let size = BigInt::from(self.significand.magnitude() << shift as usize);
+        (size - self.radius.in_units(exponent), exponent)
+    }
+
     fn bits_with(&self, other: &WideBall) -> u32 {
         self.bits.max(other.bits)
     }
@@ -195,8 +204,7 @@ impl Field for WideBall {
         if self.is_exact_zero() {
             return Some(self.clone());
         }
-        let units = self.radius.in_units(self.exponent);
-        if !self.significand.is_positive() || (!units.is_zero() && self.significand <= units) {
+        if !(self.significand.is_positive() && self.least().0.is_positive()) {
             return None;
         }
         let wanted = 2 * i64::from(self.bits.max(LEAST_BITS)) + 4;
@@ -221,7 +229,7 @@ impl Field for WideBall {
     }
 
     fn certain_sign(&self) -> Option<Sign> {
-        if self.radius.is_zero() || self.significand.magnitude() > self.radius.in_units(self.exponent).magnitude() {
+        if self.radius.is_zero() || self.least().0.is_positive() {
             return Some(rockproof_model::ring::ExactRing::sign(&self.significand));
         }
         None
@@ -253,8 +261,8 @@ fn floor(value: &BigInt, exponent: i64) -> Magnitude {
 
 /// `a / b` to `bits` bits; `None` where b may be zero.
 fn quotient(a: &WideBall, b: &WideBall, bits: u32) -> Option<WideBall> {
-    // At most |b| − ρ, in units of b.
-    let least = BigInt::from(b.significand.magnitude().clone()) - b.radius.in_units(b.exponent);
+    // At most |b| − ρ.
+    let (least, unit) = b.least();
     if !least.is_positive() {
         return None;
     }
@@ -269,7 +277,7 @@ fn quotient(a: &WideBall, b: &WideBall, bits: u32) -> Option<WideBall> {
     if !a.radius.is_zero() || !b.radius.is_zero() {
         // |x/y − m/w| ≤ (r + |m/w|·ρ) / (|w| − ρ), with one unit more for the quotient that was cut.
         let size = Magnitude::of_integer(&significand, exponent).plus(Magnitude::power_of_two(exponent));
-        radius = radius.plus(a.radius.plus(size.times(b.radius)).over(floor(&least, b.exponent))?);
+        radius = radius.plus(a.radius.plus(size.times(b.radius)).over(floor(&least, unit))?);
     }
     Some(WideBall { significand, exponent, radius, bits }.cut())
 }

@@ -89,6 +89,50 @@ impl<S: Field> BlockSystem<S> {
         residual
     }
 
+    /// The blocks that entries off the diagonal tie together, each list ascending: systems that can be solved apart.
+    fn islands(&self) -> Vec<Vec<usize>> {
+        let count = self.starts.len() - 1;
+        let mut island: Vec<usize> = (0..count).collect();
+        for &(i, j) in self.blocks.keys() {
+            let (from, to) = (island[i].max(island[j]), island[i].min(island[j]));
+            if from != to {
+                island.iter_mut().filter(|place| **place == from).for_each(|place| *place = to);
+            }
+        }
+        let members = |&lowest: &usize| (0..count).filter(|&block| island[block] == lowest).collect();
+        (0..count).filter(|&block| island[block] == block).collect::<Vec<_>>().iter().map(members).collect()
+    }
+
+    /// Solves each island apart by `solve`, which is given its matrix, row by row, and its right side; `None` where one of
+    /// them has no solution, or more than `most` unknowns.
+    pub(crate) fn solve_apart(&self, most: usize, solve: impl Fn(&[Vec<S>], &[S]) -> Option<Vec<S>>) -> Option<Vec<S>> {
+        let mut solution = vec![S::from_i32(0); self.unknowns()];
+        for island in self.islands() {
+            let unknowns: Vec<usize> = island.iter().flat_map(|&block| self.range(block)).collect();
+            if unknowns.len() > most {
+                return None;
+            }
+            let place: BTreeMap<usize, usize> = unknowns.iter().enumerate().map(|(place, &k)| (k, place)).collect();
+            let mut rows = vec![vec![S::from_i32(0); unknowns.len()]; unknowns.len()];
+            for &block in &island {
+                for ((_, other), values) in self.blocks.range((block, 0)..=(block, block)) {
+                    let columns = self.size(*other);
+                    for (k, value) in values.iter().enumerate() {
+                        let row = place[&(self.starts[block] + k / columns)];
+                        let column = place[&(self.starts[*other] + k % columns)];
+                        rows[row][column] = value.clone();
+                        rows[column][row] = value.clone();
+                    }
+                }
+            }
+            let right: Vec<S> = unknowns.iter().map(|&k| self.right[k].clone()).collect();
+            for (k, value) in unknowns.into_iter().zip(solve(&rows, &right)?) {
+                solution[k] = value;
+            }
+        }
+        Some(solution)
+    }
+
     /// The whole matrix, row by row.
     pub(crate) fn dense(&self) -> Vec<Vec<S>> {
         let n = self.unknowns();

@@ -1,6 +1,6 @@
 //! The f64 Cholesky factor: proves a lower bound of the smallest eigenvalue, and corrects approximate solutions.
 
-use super::BlockSystem;
+use super::{BlockSystem, Support};
 use crate::field::Field;
 use crate::number::{UNDERFLOW, UNIT_ROUNDOFF};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -41,19 +41,18 @@ impl Factor {
         }
         None
     }
+}
 
-    /// The exponents of D.
-    pub(crate) fn scale(&self) -> &[i32] {
+impl Support for Factor {
+    fn scale(&self) -> &[i32] {
         &self.scale
     }
 
-    /// A proved lower bound of the smallest eigenvalue of `D·K·D`, above zero.
-    pub(crate) fn least_eigenvalue(&self) -> f64 {
+    fn least_eigenvalue(&self) -> f64 {
         self.least_eigenvalue
     }
 
-    /// An approximate solution of `A·y = right`. Nothing is claimed about it.
-    pub(crate) fn approximate(&self, right: Vec<f64>) -> Vec<f64> {
+    fn approximate(&self, right: Vec<f64>) -> Vec<f64> {
         let mut vector = DVector::from_vec(right);
         self.cholesky.solve_mut(&mut vector);
         vector.as_slice().to_vec()

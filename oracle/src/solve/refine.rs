@@ -1,7 +1,7 @@
 //! Iterative refinement with a rigorous bound of what is left.
 
 use super::{BlockSystem, Factor, eliminate, fraction_free};
-use crate::field::{Field, Magnitude, WideBall};
+use crate::field::{DoubleBall, Field, Magnitude, WideBall};
 use crate::number::Ball;
 use num_rational::BigRational;
 
@@ -13,14 +13,14 @@ pub(crate) trait Solvable: Field {
 
 impl Solvable for Ball {
     fn solve(system: &BlockSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>> {
-        refine(system, factor?, bits)
+        refine(&Assembled(system), factor?, bits)
     }
 }
 
 impl Solvable for WideBall {
     fn solve(system: &BlockSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>> {
         match factor {
-            Some(factor) => refine(system, factor, bits),
+            Some(factor) => refine(&Assembled(system), factor, bits),
             None => eliminate::eliminate(system),
         }
     }
@@ -32,8 +32,37 @@ impl Solvable for BigRational {
     }
 }
 
+/// A system whose residual can be calculated: all that an error bound needs of it.
+pub(crate) trait Residual<S> {
+    /// The right side `F`: the residual of zero.
+    fn right(&self) -> Vec<S>;
+    /// `F − K·x`.
+    fn residual(&self, x: &[S]) -> Vec<S>;
+}
+
+struct Assembled<'s, S>(&'s BlockSystem<S>);
+
+impl<S: Field> Residual<S> for Assembled<'_, S> {
+    fn right(&self) -> Vec<S> {
+        self.0.right.clone()
+    }
+    fn residual(&self, x: &[S]) -> Vec<S> {
+        self.0.residual(x)
+    }
+}
+
+/// What f64 knows of a system: a scaling D by powers of two, a proved bound, and a solver that proves nothing.
+pub(crate) trait Support {
+    /// The exponents of D.
+    fn scale(&self) -> &[i32];
+    /// Proved: no eigenvalue of `D·K·D` is below this, and it is above zero.
+    fn least_eigenvalue(&self) -> f64;
+    /// An approximate solution of `(D·K·D)·y = right`. Nothing is claimed about it.
+    fn approximate(&self, right: Vec<f64>) -> Vec<f64>;
+}
+
 /// A ball whose middle can be corrected and whose radius can be set.
-trait Correctable: Field {
+pub(crate) trait Correctable: Field {
     /// The middle of `self + correction · 2^exponent`, cut to the bits of the type: an exact number.
     fn corrected(&self, correction: f64, exponent: i64, bits: u32) -> Self;
     /// The ball with its radius larger by `more`.
@@ -62,6 +91,26 @@ impl Correctable for Ball {
     }
 }
 
+impl Correctable for DoubleBall {
+    fn corrected(&self, correction: f64, exponent: i64, _bits: u32) -> Self {
+        use rockproof_model::Ring;
+        let half = (exponent / 2) as i32;
+        let shifted = correction * 2f64.powi(half) * 2f64.powi(exponent as i32 - half);
+        let shift = DoubleBall { high: shifted, low: 0.0, radius: 0.0 };
+        DoubleBall { radius: 0.0, ..self.plus(&shift) }
+    }
+    fn widened_by(&self, more: Magnitude) -> Self {
+        DoubleBall { radius: (self.radius + more.to_f64()) * (1.0 + 2.0 * f64::EPSILON), ..*self }
+    }
+    fn middle_size(&self) -> Option<Magnitude> {
+        Some(Magnitude::of_f64(self.high.abs())?.plus(Magnitude::of_f64(self.low.abs())?))
+    }
+    fn middle_over(&self, exponent: i64) -> f64 {
+        let half = (exponent / 2) as i32;
+        self.high * 2f64.powi(-half) * 2f64.powi(half - exponent as i32)
+    }
+}
+
 impl Correctable for WideBall {
     fn corrected(&self, correction: f64, exponent: i64, bits: u32) -> Self {
         use rockproof_model::Ring;
@@ -81,12 +130,12 @@ impl Correctable for WideBall {
 }
 
 /// What a residual says: the norms of its middles and of its radii, scaled by D.
-struct Residual {
+struct Norms {
     middle: Magnitude,
     radius: Magnitude,
 }
 
-fn norms<S: Correctable>(residual: &[S], scale: &[i32]) -> Option<Residual> {
+fn norms<S: Correctable>(residual: &[S], scale: &[i32]) -> Option<Norms> {
     let norm = |part: &dyn Fn(&S) -> Option<Magnitude>| {
         let mut sum = Magnitude::ZERO;
         for (value, &scale) in residual.iter().zip(scale) {
@@ -95,15 +144,15 @@ fn norms<S: Correctable>(residual: &[S], scale: &[i32]) -> Option<Residual> {
         }
         Some(sum.root())
     };
-    Some(Residual { middle: norm(&S::middle_size)?, radius: norm(&S::radius)? })
+    Some(Norms { middle: norm(&S::middle_size)?, radius: norm(&S::radius)? })
 }
 
 /// Encloses the solution: corrects it until the residual is as small as its own doubt, then adds the bound
 /// `‖D·r‖ / λ` to every unknown.
-fn refine<S: Correctable>(system: &BlockSystem<S>, factor: &Factor, bits: u32) -> Option<Vec<S>> {
-    let (n, scale) = (system.unknowns(), factor.scale());
-    let mut x = vec![S::from_i32(0); n];
-    let mut residual = system.right.clone();
+pub(crate) fn refine<S: Correctable>(system: &dyn Residual<S>, support: &dyn Support, bits: u32) -> Option<Vec<S>> {
+    let scale = support.scale();
+    let mut x = vec![S::from_i32(0); scale.len()];
+    let mut residual = system.right();
     let mut norm = norms(&residual, scale)?;
     let most_passes = 3 + bits / 8;
     for _ in 0..most_passes {
@@ -112,7 +161,7 @@ fn refine<S: Correctable>(system: &BlockSystem<S>, factor: &Factor, bits: u32) -
         }
         let Some(top) = norm.middle.top() else { break };
         let right = residual.iter().zip(scale).map(|(r, &s)| r.middle_over(top - i64::from(s))).collect();
-        let better: Vec<S> = factor
+        let better: Vec<S> = support
             .approximate(right)
             .into_iter()
             .zip(&x)
@@ -131,7 +180,7 @@ fn refine<S: Correctable>(system: &BlockSystem<S>, factor: &Factor, bits: u32) -
             break;
         }
     }
-    let least = Magnitude::floor_of_f64(factor.least_eigenvalue())?;
+    let least = Magnitude::floor_of_f64(support.least_eigenvalue())?;
     let bound = norm.middle.plus(norm.radius).over(least)?;
     Some(x.iter().zip(scale).map(|(x, &s)| x.widened_by(bound.shifted(i64::from(s)))).collect())
 }

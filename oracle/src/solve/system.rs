@@ -128,6 +128,29 @@ impl SpdSystem {
         fraction_free::solve(&self.exact.dense(), &self.exact.right).ok_or(SolveError::NotPositiveDefinite)
     }
 
+    /// The system as a step assembles it.
+    pub(crate) fn of_blocks(system: BlockSystem<BigRational>) -> SpdSystem {
+        let n = system.unknowns();
+        let dense = system.dense();
+        let mut exact = BlockSystem::zero(&[n]);
+        exact.add(0, 0, |row, column| dense[row][column].clone());
+        exact.right = system.right;
+        SpdSystem { exact }
+    }
+
+    /// Number of unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.exact.unknowns()
+    }
+
+    /// The exact solution by Gaussian elimination in fractions, with no thought of speed: to compare with.
+    ///
+    /// # Errors
+    /// When a pivot is not positive: the matrix is not definite.
+    pub fn plainly(&self) -> Result<Vec<BigRational>, SolveError> {
+        super::eliminate(&self.exact).ok_or(SolveError::NotPositiveDefinite)
+    }
+
     fn rounded<S: Field>(&self, bits: u32) -> BlockSystem<S> {
         let n = self.exact.unknowns();
         let dense = self.exact.dense();

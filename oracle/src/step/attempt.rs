@@ -3,20 +3,20 @@
 use super::run::StepModel;
 use super::state::State;
 use super::transfer::Started;
-use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Zero;
-use rockproof_model::simulation::{Material, PointLoad};
+use rockproof_model::simulation::{JointProperties, Material, PointLoad};
 use rockproof_model::{Block, Number, Vec3};
 
 /// The joint of a contact.
-pub(crate) struct Joint {
+pub(crate) struct Joint<'a> {
+    pub(crate) properties: &'a JointProperties,
     /// p_n in N/m.
-    pub(crate) normal: BigRational,
-    /// p_s in N/m.
-    pub(crate) shear: BigRational,
-    /// tan φ.
-    pub(crate) friction: BigRational,
+    pub(crate) normal: &'a Number,
+    /// Cohesion on the contact's area, in N, times |N|; `None` for none.
+    pub(crate) cohesive: Option<BigRational>,
+    /// The gap that its tensile strength can stretch, in m, times |N|; `None` for none.
+    pub(crate) tensile: Option<BigRational>,
 }
 
 /// One Δt tried.
@@ -25,25 +25,21 @@ pub(crate) struct Attempt<'a> {
     pub(crate) state: &'a State,
     pub(crate) blocks: &'a [Block],
     pub(crate) started: &'a [Started],
-    pub(crate) joints: &'a [Joint],
-    pub(crate) elasticity: &'a [[[BigRational; 6]; 6]],
+    pub(crate) joints: &'a [Joint<'a>],
     pub(crate) fixed_stiffness: &'a [Number],
     /// Unknowns of each moving block.
-    pub(crate) sizes: Vec<usize>,
+    pub(crate) sizes: &'a [usize],
     /// The place of each block among the moving ones.
-    pub(crate) rows: Vec<Option<usize>>,
+    pub(crate) rows: &'a [Option<usize>],
     pub(crate) time_step: BigRational,
+    /// 2/Δt.
+    pub(crate) rate: BigRational,
     pub(crate) settling: bool,
     /// Block and force (N) of each point load.
     pub(crate) loads: Vec<(usize, Vec3<BigRational>)>,
 }
 
 impl Attempt<'_> {
-    /// 2/Δt.
-    pub(crate) fn rate(&self) -> BigRational {
-        BigRational::from_integer(BigInt::from(2)) / &self.time_step
-    }
-
     /// The moving blocks and their places in the system.
     pub(crate) fn moving(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.rows.iter().enumerate().filter_map(|(block, row)| row.map(|row| (block, row)))

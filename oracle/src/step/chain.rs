@@ -1,14 +1,14 @@
-//! The solves of one attempt at a step, in one number type.
+//! One attempt at a step in one number type: its geometry, and what its solves left.
 
-use super::attempt::Attempt;
-use super::contact::{Both, ContactGeometry};
-use super::frame::{self, UNKNOWNS};
+use super::attempt::{Attempt, Joint};
+use super::contact::{ContactGeometry, Sides};
+use super::frame;
 use super::state::Mode;
 use crate::field::Field;
-use crate::mass::{Moments, difference, over};
-use crate::solve::{BlockSystem, Factor, Solvable};
+use crate::mass::{self, Moments, difference};
 use num_rational::BigRational;
-use rockproof_model::{Number, Point, Sign, Vec3};
+use rockproof_model::simulation::JointProperties;
+use rockproof_model::{Number, Point, Vec3};
 
 /// What a solve left: displacements, and each contact's gap and stretch.
 pub(crate) struct Iterate<S> {
@@ -20,35 +20,81 @@ pub(crate) struct Iterate<S> {
     pub(crate) stretches: Vec<Vec3<S>>,
 }
 
+/// What a moving block brings into the system without contacts.
+pub(crate) struct Base<S> {
+    /// Its block of K, row by row.
+    pub(crate) matrix: Vec<Vec<S>>,
+    /// Its part of F.
+    pub(crate) right: Vec<S>,
+}
+
+/// The joint of a contact.
+#[derive(Clone)]
+pub(crate) struct JointIn<S> {
+    /// p_n.
+    pub(crate) normal: S,
+    /// p_s.
+    pub(crate) shear: S,
+    /// tan φ·p_n.
+    pub(crate) friction: S,
+    /// Cohesion on the contact's area, times |N|.
+    pub(crate) cohesive: S,
+    /// The gap that its tensile strength can stretch, times |N|.
+    pub(crate) tensile: S,
+}
+
+/// Tolerances of the iteration, squared.
+pub(crate) struct Limits<S> {
+    pub(crate) equal: S,
+    pub(crate) open: S,
+    pub(crate) close: S,
+    pub(crate) displacement: S,
+    pub(crate) rotation: S,
+}
+
 /// Geometry, base system and solves in the number type S.
 pub(crate) struct Chain<'a, S> {
-    attempt: &'a Attempt<'a>,
+    pub(crate) attempt: &'a Attempt<'a>,
     pub(crate) bits: u32,
     pub(crate) moments: Vec<Moments<S>>,
     pub(crate) contacts: Vec<ContactGeometry<S>>,
-    base: BlockSystem<S>,
+    pub(crate) joints: Vec<JointIn<S>>,
+    pub(crate) limits: Limits<S>,
+    /// One for each moving block.
+    pub(crate) base: Vec<Base<S>>,
     pub(crate) iterates: Vec<Iterate<S>>,
 }
 
-impl<'a, S: Solvable> Chain<'a, S> {
+impl<'a, S: Field> Chain<'a, S> {
     /// The chain before its first solve; `None` where the type cannot tell a volume or a normal from zero.
     pub(crate) fn new(attempt: &'a Attempt<'a>, bits: u32) -> Option<Chain<'a, S>> {
         let moments: Vec<Moments<S>> =
             attempt.blocks.iter().map(|block| Moments::of(block, bits)).collect::<Option<_>>()?;
-        let mut contacts = Vec::new();
+        let mut contacts = Vec::with_capacity(attempt.started.len());
         for started in attempt.started {
             let [i, j] = started.blocks;
-            let both =
-                Both { blocks: [&attempt.blocks[i], &attempt.blocks[j]], moments: [&moments[i], &moments[j]], bits };
-            contacts.push(ContactGeometry::new(&both, &started.contact, started.anchors.as_ref())?);
+            let blocks = [&attempt.blocks[i], &attempt.blocks[j]];
+            let sides = Sides::new(blocks, [&moments[i].points, &moments[j].points], bits);
+            let centroids = [&moments[i].centroid, &moments[j].centroid];
+            contacts.push(ContactGeometry::new(&sides, centroids, &started.contact, started.anchors.as_ref(), bits)?);
         }
-        let mut chain =
-            Chain { attempt, bits, moments, contacts, base: BlockSystem::zero(&attempt.sizes), iterates: Vec::new() };
+        let number = |value: &Number| S::of_number(value, bits);
+        let tolerances = attempt.model.tolerances;
+        let limits = Limits {
+            equal: number(&tolerances.equal).squared(),
+            open: number(&tolerances.open).squared(),
+            close: number(&tolerances.close).squared(),
+            displacement: number(&tolerances.max_displacement).squared(),
+            rotation: number(&tolerances.max_rotation).squared(),
+        };
+        let joints = joints(attempt.joints, bits);
+        let iterates = Vec::new();
+        let mut chain = Chain { attempt, bits, moments, contacts, joints, limits, base: Vec::new(), iterates };
         chain.assemble_base()?;
         Some(chain)
     }
 
-    fn number(&self, value: &Number) -> S {
+    pub(crate) fn number(&self, value: &Number) -> S {
         S::of_number(value, self.bits)
     }
 
@@ -64,48 +110,50 @@ impl<'a, S: Solvable> Chain<'a, S> {
     /// Everything but contacts (docs/step.md 7).
     fn assemble_base(&mut self) -> Option<()> {
         let attempt = self.attempt;
-        let rate = self.fraction(&attempt.rate());
-        for (block, row) in attempt.moving() {
+        let rate = self.fraction(&attempt.rate);
+        let gravity = attempt.model.simulation.gravity.map(|g| self.number(g));
+        let mut base = Vec::new();
+        for (block, _) in attempt.moving() {
             let material = attempt.material(block);
             let (moments, state) = (&self.moments[block], &attempt.state.blocks[block]);
-            let volume = moments.volume.clone();
-            let density = self.number(&material.density);
-            let mass = moments.matrix();
+            let (volume, density) = (&moments.volume, self.number(&material.density));
+            let size = attempt.model.bodies[block].motion.unknowns();
+            let mut matrix = moments.matrix();
+            matrix.truncate(size);
             let inertia = rate.times(&density);
             let stiff = inertia.times(&rate).half();
-            let velocity: Vec<S> = state.velocity.iter().map(|v| self.number(v)).collect();
-            let gravity = attempt.model.simulation.gravity.map(|g| self.number(g));
+            let velocity: Vec<S> = state.velocity[..size].iter().map(|v| self.number(v)).collect();
             let weight = gravity.scaled(&volume.times(&density));
-            let stress: Vec<S> = state.stress.iter().map(|v| self.number(v)).collect();
-            let elastic = &attempt.elasticity[block];
-            let size = self.base.size(row);
-            let mut matrix = vec![vec![S::from_i32(0); size]; size];
-            for (r, line) in matrix.iter_mut().enumerate() {
-                for (c, entry) in line.iter_mut().enumerate() {
-                    *entry = mass[r][c].times(&stiff);
-                    if r >= 6 && c >= 6 {
-                        *entry = entry.plus(&volume.times(&self.fraction(&elastic[r - 6][c - 6])));
-                    }
+            let mut right: Vec<S> = matrix
+                .iter()
+                .map(|row| row.iter().zip(&velocity).fold(S::from_i32(0), |sum, (m, v)| sum.plus(&m.times(v))))
+                .map(|momentum| momentum.times(&inertia))
+                .collect();
+            for (place, pull) in right.iter_mut().zip(weight.components()) {
+                *place = place.plus(pull);
+            }
+            for row in &mut matrix {
+                row.truncate(size);
+                for entry in row.iter_mut().filter(|entry| !entry.is_zero()) {
+                    *entry = entry.times(&stiff);
                 }
             }
-            self.base.add(row, row, |r, c| matrix[r][c].clone());
-            self.base.add_right(row, |r| {
-                let terms = (0..size).fold(S::from_i32(0), |sum, c| sum.plus(&mass[r][c].times(&velocity[c])));
-                let mut sum = terms.times(&inertia);
-                if r < 3 {
-                    sum = sum.plus(weight.components()[r]);
+            if size == frame::UNKNOWNS {
+                let elastic = mass::elasticity::<S>(material, self.bits)?;
+                for r in 0..6 {
+                    for c in 0..6 {
+                        let entry = &mut matrix[6 + r][6 + c];
+                        *entry = entry.plus(&volume.times(&elastic[r][c]));
+                    }
+                    right[6 + r] = right[6 + r].minus(&volume.times(&self.number(&state.stress[r])));
                 }
-                if r >= 6 {
-                    sum = sum.minus(&volume.times(&stress[r - 6]));
-                }
-                sum
-            });
+            }
+            base.push(Base { matrix, right });
         }
         for (k, (block, force)) in attempt.loads.iter().enumerate() {
             if let Some(row) = attempt.rows[*block] {
                 let x = self.relative(*block, &attempt.state.load_points[k]);
-                let pull = frame::pull(&x, &force.map(|f| self.fraction(f)));
-                self.base.add_right(row, |r| pull[r].clone());
+                frame::add_pull(&mut base[row].right, &x, &force.map(|f| self.fraction(f)));
             }
         }
         for (k, fixed) in attempt.model.simulation.fixed_points.iter().enumerate() {
@@ -113,170 +161,68 @@ impl<'a, S: Solvable> Chain<'a, S> {
                 let at = &attempt.state.fixed_points[k];
                 let x = self.relative(fixed.block, at);
                 let stiffness = self.number(&attempt.fixed_stiffness[k]);
-                let lines = unit_pulls(&x);
-                let back = frame::pull(&x, &difference::<S>(&fixed.at, at, self.bits).scaled(&stiffness));
-                self.base.add(row, row, |r, c| along(&lines, &lines, r, c).times(&stiffness));
-                self.base.add_right(row, |r| back[r].clone());
-            }
-        }
-        Some(())
-    }
-
-    /// Adds the springs and forces of a contact with this mode (docs/step.md 8).
-    fn add_contact(&self, system: &mut BlockSystem<S>, k: usize, mode: Mode) -> Option<()> {
-        if mode == Mode::Open {
-            return Some(());
-        }
-        let (contact, started) = (&self.contacts[k], &self.attempt.started[k]);
-        let joint = &self.attempt.joints[k];
-        let rows = started.blocks.map(|block| self.attempt.rows[block]);
-        let stiffness = self.fraction(&joint.normal);
-        let shear = self.fraction(&joint.shear);
-        let weight = if mode == Mode::Locked { stiffness.minus(&shear) } else { stiffness.clone() };
-        let (weight, push) = (weight.over(&contact.square)?, stiffness.over(&contact.square)?.times(&contact.gap));
-        // The force of the contact on A, but for what the springs answer to d.
-        let tangential = match mode {
-            Mode::Locked => contact.stretch.scaled(&shear),
-            _ => self.friction(k)?,
-        };
-        let lines = [unit_pulls(&contact.points[0]), unit_pulls(&contact.points[1])];
-        for one in 0..2 {
-            let Some(row) = rows[one] else { continue };
-            let pull = &contact.pulls[one];
-            let force = frame::pull(&contact.points[one], &tangential);
-            system.add_right(row, |r| {
-                let sum = pull[r].times(&push).plus(&force[r]);
-                if one == 0 { sum.negated() } else { sum }
-            });
-            for two in 0..=one {
-                let Some(column) = rows[two] else { continue };
-                system.add(row, column, |r, c| {
-                    let mut sum = pull[r].times(&contact.pulls[two][c]).times(&weight);
-                    if mode == Mode::Locked {
-                        sum = sum.plus(&along(&lines[one], &lines[two], r, c).times(&shear));
+                let lines = frame::rows(&x);
+                let back = difference::<S>(&fixed.at, at, self.bits).scaled(&stiffness);
+                frame::add_pull(&mut base[row].right, &x, &back);
+                for (r, line) in base[row].matrix.iter_mut().enumerate() {
+                    for (c, entry) in line.iter_mut().enumerate() {
+                        *entry = entry.plus(&frame::along(&lines, &lines, r, c).times(&stiffness));
                     }
-                    if one == two { sum } else { sum.negated() }
-                });
+                }
             }
         }
+        self.base = base;
         Some(())
     }
 
-    /// `τ s/|s|` of the solve before, or `p_s s0` in the first; `None` where the root is none of this type.
-    fn friction(&self, k: usize) -> Option<Vec3<S>> {
-        let (contact, joint) = (&self.contacts[k], &self.attempt.joints[k]);
-        match self.iterates.last() {
-            None => Some(contact.stretch.scaled(&self.fraction(&joint.shear))),
-            Some(last) => self.friction_after(k, &last.gaps[k], &last.stretches[k], joint),
-        }
+    /// The friction force on A of each sliding contact, times −1: `τ s/|s|` of the solve before, or `p_s s0` in the first;
+    /// zero for other modes. `None` where a root is none of this type.
+    pub(crate) fn friction(&self, modes: &[Mode]) -> Option<Vec<Vec3<S>>> {
+        let of =
+            |(k, mode): (usize, &Mode)| if *mode == Mode::Sliding { self.slip_force(k) } else { Some(Vec3::zero()) };
+        modes.iter().enumerate().map(of).collect()
     }
 
-    fn friction_after(&self, k: usize, gap: &S, s: &Vec3<S>, joint: &super::attempt::Joint) -> Option<Vec3<S>> {
-        let friction = self.fraction(&joint.friction);
-        let length = s.norm_squared();
-        if friction.is_zero() || !gap.certain_sign()?.is_negative() || length.is_zero() {
+    /// The force that a sliding contact remembers: `τ s/|s|` of the last solve.
+    fn slip_force(&self, k: usize) -> Option<Vec3<S>> {
+        let (contact, joint) = (&self.contacts[k], &self.joints[k]);
+        let Some(last) = self.iterates.last() else { return Some(contact.stretch.scaled(&joint.shear)) };
+        let s = &last.stretches[k];
+        let (strength, length) = (self.strength(k, &last.gaps[k])?, s.norm_squared());
+        if strength.is_zero() || length.is_zero() {
             return Some(Vec3::zero());
         }
-        // τ/|s| = tan φ · p_n · (−h) / |s| with h = gap/|N|.
-        let root = length.times(&self.contacts[k].square).root()?;
-        let factor = friction.times(&self.fraction(&joint.normal)).times(&gap.negated()).over(&root)?;
-        Some(s.scaled(&factor))
+        // τ/|s|, both times |N|.
+        let root = length.times(&contact.square).root()?;
+        Some(s.scaled(&strength.over(&root)?))
     }
 
-    /// The force a sliding contact remembers: `τ s/|s|` of the last solve.
-    pub(crate) fn last_friction(&self, k: usize) -> Option<Vec3<S>> {
-        self.friction(k)
-    }
-
-    /// Solves once more, with these modes; `None` where this type cannot.
-    pub(crate) fn advance(&mut self, modes: &[Mode], factor: &mut Option<Option<Factor>>) -> Option<()> {
-        let mut system = self.base.clone();
-        for (k, &mode) in modes.iter().enumerate() {
-            self.add_contact(&mut system, k, mode)?;
+    /// τ times |N| at a gap, that times |N| too: `tan φ·p_n·max(0, −h) + c·area`.
+    pub(crate) fn strength(&self, k: usize, gap: &S) -> Option<S> {
+        let joint = &self.joints[k];
+        if joint.friction.is_zero() || !gap.certain_sign()?.is_negative() {
+            return Some(joint.cohesive.clone());
         }
-        let factor = factor.get_or_insert_with(|| Factor::new(&system));
-        let solution = S::solve(&system, factor.as_ref(), self.bits)?;
+        Some(joint.cohesive.minus(&joint.friction.times(gap)))
+    }
+
+    /// Takes a solution, by moving block, as the last iterate.
+    pub(crate) fn take(&mut self, solution: &[S]) {
         let mut d = vec![Vec::new(); self.attempt.blocks.len()];
+        let mut rest = solution;
         for (block, row) in self.attempt.moving() {
-            d[block] = solution[system.range(row)].to_vec();
+            let (own, others) = rest.split_at(self.base[row].right.len());
+            (d[block], rest) = (own.to_vec(), others);
         }
         let (mut gaps, mut stretches) = (Vec::new(), Vec::new());
         for (contact, started) in self.contacts.iter().zip(self.attempt.started) {
             let [i, j] = started.blocks;
-            let work =
-                |pull: &[S], d: &[S]| pull.iter().zip(d).fold(S::from_i32(0), |sum, (p, d)| sum.plus(&p.times(d)));
-            gaps.push(contact.gap.plus(&work(&contact.pulls[0], &d[i])).minus(&work(&contact.pulls[1], &d[j])));
-            let moved =
-                frame::displacement(&contact.points[0], &d[i]).minus(&frame::displacement(&contact.points[1], &d[j]));
-            stretches.push(contact.stretch.plus(&contact.across(&moved)?));
+            let moved = contact.moved([&d[i], &d[j]]);
+            let along = contact.normal.dot(&moved);
+            gaps.push(contact.gap.plus(&along));
+            stretches.push(contact.stretch.plus(&contact.across(&moved, &along)));
         }
         self.iterates.push(Iterate { d, gaps, stretches });
-        Some(())
-    }
-
-    /// The mode of a contact after the last solve; `None` where this type cannot tell (docs/step.md 9).
-    pub(crate) fn next_mode(&self, k: usize, mode: Mode) -> Option<Mode> {
-        let (contact, joint, iterate) = (&self.contacts[k], &self.attempt.joints[k], self.iterates.last()?);
-        let tolerances = self.attempt.model.tolerances;
-        let gap = &iterate.gaps[k];
-        let equal = self.number(&tolerances.equal);
-        // Homogeneous in |N|: squares are compared, so no root is taken.
-        let square = gap.squared();
-        if square.minus(&equal.times(&contact.gap).squared()).certain_sign()?.is_at_most_zero() {
-            return Some(mode);
-        }
-        let sign = gap.certain_sign()?;
-        let beyond = |limit: &Number| -> Option<bool> {
-            let limit = self.number(limit).squared().times(&contact.square);
-            Some(square.minus(&limit).certain_sign()?.is_positive())
-        };
-        let closed = match mode {
-            Mode::Open => sign.is_negative() && beyond(&tolerances.close)?,
-            _ => !(sign.is_positive() && beyond(&tolerances.open)?),
-        };
-        if !closed {
-            return Some(Mode::Open);
-        }
-        if self.attempt.settling {
-            return Some(Mode::Locked);
-        }
-        // p_s²|s|² ≤ τ², over p_n² and times |N|².
-        let shear = self.fraction(&joint.shear).squared().times(&iterate.stretches[k].norm_squared());
-        let mut excess = shear.times(&contact.square);
-        if sign == Sign::Negative {
-            let friction = self.fraction(&joint.friction).times(&self.fraction(&joint.normal));
-            excess = excess.minus(&friction.times(gap).squared());
-        }
-        Some(if excess.certain_sign()?.is_at_most_zero() { Mode::Locked } else { Mode::Sliding })
-    }
-
-    /// Whether a vertex moves beyond u; the block.
-    pub(crate) fn too_far(&self) -> Option<Option<usize>> {
-        let limit = self.number(&self.attempt.model.tolerances.max_displacement).squared();
-        let iterate = self.iterates.last()?;
-        for (block, _) in self.attempt.moving() {
-            for vertex in self.attempt.blocks[block].vertices() {
-                let moved = frame::displacement(&self.relative(block, vertex), &iterate.d[block]);
-                if moved.norm_squared().minus(&limit).certain_sign()?.is_positive() {
-                    return Some(Some(block));
-                }
-            }
-        }
-        Some(None)
-    }
-
-    /// Whether a block turns beyond ω; which.
-    pub(crate) fn too_turned(&self) -> Option<Option<usize>> {
-        let limit = self.number(&self.attempt.model.tolerances.max_rotation).squared();
-        let iterate = self.iterates.last()?;
-        for (block, _) in self.attempt.moving() {
-            let d = &iterate.d[block];
-            let turn = Vec3::new(d[3].clone(), d[4].clone(), d[5].clone());
-            if turn.norm_squared().minus(&limit).certain_sign()?.is_positive() {
-                return Some(Some(block));
-            }
-        }
-        Some(None)
     }
 
     /// The anchors that go on from here, before the update moves them: of A and of B, relative to their centroids.
@@ -290,28 +236,39 @@ impl<'a, S: Solvable> Chain<'a, S> {
 
     /// `τ/p_s · s/|s|` of a contact that slid; zero without a shear spring.
     pub(crate) fn remembered_stretch(&self, k: usize) -> Option<Vec3<S>> {
-        let shear = self.fraction(&self.attempt.joints[k].shear);
-        if shear.is_zero() { Some(Vec3::zero()) } else { over(&self.last_friction(k)?, &shear) }
+        let shear = &self.joints[k].shear;
+        if shear.is_zero() { Some(Vec3::zero()) } else { mass::over(&self.slip_force(k)?, shear) }
     }
 }
 
-/// The three rows of T(x).
-fn unit_pulls<S: Field>(x: &Vec3<S>) -> [Vec<S>; 3] {
-    std::array::from_fn(|axis| {
-        let unit: [S; 3] = std::array::from_fn(|k| S::from_i32(i32::from(k == axis)));
-        let [a, b, c] = unit;
-        frame::pull(x, &Vec3::new(a, b, c))
-    })
-}
-
-/// Entry (r, c) of `T_oneᵀ T_two`.
-fn along<S: Field>(one: &[Vec<S>; 3], two: &[Vec<S>; 3], r: usize, c: usize) -> S {
-    debug_assert!(r < UNKNOWNS && c < UNKNOWNS, "a block has twelve unknowns");
-    (0..3).fold(S::from_i32(0), |sum, axis| {
-        if one[axis][r].is_zero() || two[axis][c].is_zero() {
-            sum
-        } else {
-            sum.plus(&one[axis][r].times(&two[axis][c]))
-        }
-    })
+/// The joints in one number type; those of one pair of blocks, which stand together, are worked out once.
+fn joints<S: Field>(joints: &[Joint<'_>], bits: u32) -> Vec<JointIn<S>> {
+    let mut made: Vec<JointIn<S>> = Vec::with_capacity(joints.len());
+    let mut last: Option<&JointProperties> = None;
+    for joint in joints {
+        let number = |value: &Number| S::of_number(value, bits);
+        let area = |value: &Option<BigRational>| match value {
+            Some(value) => S::of_rational(value, bits),
+            None => S::from_i32(0),
+        };
+        let (cohesive, tensile) = (area(&joint.cohesive), area(&joint.tensile));
+        let next = match (made.last(), last) {
+            (Some(before), Some(known)) if std::ptr::eq(known, joint.properties) => {
+                JointIn { cohesive, tensile, ..before.clone() }
+            }
+            _ => {
+                let normal = number(joint.normal);
+                JointIn {
+                    shear: normal.times(&number(&joint.properties.shear_ratio)),
+                    friction: normal.times(&number(&joint.properties.friction)),
+                    normal,
+                    cohesive,
+                    tensile,
+                }
+            }
+        };
+        made.push(next);
+        last = Some(joint.properties);
+    }
+    made
 }

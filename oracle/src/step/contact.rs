@@ -2,7 +2,7 @@
 
 use super::frame;
 use crate::field::Field;
-use crate::mass::{Moments, difference, over};
+use crate::mass::{difference, over};
 use rockproof_model::block::face_normal;
 use rockproof_model::{Block, Contact, EntranceKind, Point, Vec3};
 
@@ -15,107 +15,156 @@ pub(crate) struct ContactGeometry<S> {
     pub(crate) gap: S,
     /// The point of A and the point of B, each relative to its centroid.
     pub(crate) points: [Vec3<S>; 2],
-    /// `T(P)ᵀN` and `T(Q)ᵀN`.
-    pub(crate) pulls: [Vec<S>; 2],
+    /// `1/|N|²`.
+    pub(crate) over_square: S,
     /// s0: the stretch of A against B when the step begins.
     pub(crate) stretch: Vec3<S>,
 }
 
-/// Both blocks of a contact, A first.
-pub(crate) struct Both<'a, S> {
+/// Both blocks of a contact, A first, in one number type.
+pub(crate) struct Sides<'a, S> {
     pub(crate) blocks: [&'a Block; 2],
-    pub(crate) moments: [&'a Moments<S>; 2],
-    pub(crate) bits: u32,
+    /// Vertices, each relative to its block's vertex 0.
+    pub(crate) points: [&'a [Vec3<S>]; 2],
+    /// A's vertex 0 relative to B's.
+    offset: Vec3<S>,
 }
 
-impl<S: Field> Both<'_, S> {
-    /// Vertices of a block relative to B's vertex 0.
-    fn points(&self, side: usize) -> Vec<Vec3<S>> {
-        let origin = &self.blocks[1].vertices()[0];
-        self.blocks[side].vertices().iter().map(|v| difference(v, origin, self.bits)).collect()
+impl<'a, S: Field> Sides<'a, S> {
+    /// Both sides; `points` are relative to the blocks' vertices 0.
+    pub(crate) fn new(blocks: [&'a Block; 2], points: [&'a [Vec3<S>]; 2], bits: u32) -> Sides<'a, S> {
+        let offset = difference(&blocks[0].vertices()[0], &blocks[1].vertices()[0], bits);
+        Sides { blocks, points, offset }
     }
 
-    /// A face's normal and its vertices' mean.
-    fn plane(&self, side: usize, face: u32) -> Option<(Vec3<S>, Vec3<S>)> {
-        let points = self.points(side);
+    /// A vertex relative to B's vertex 0.
+    pub(crate) fn point(&self, side: usize, vertex: u32) -> Vec3<S> {
+        let own = &self.points[side][vertex as usize];
+        if side == 0 { own.plus(&self.offset) } else { own.clone() }
+    }
+
+    fn face_normal(&self, side: usize, face: u32) -> Vec3<S> {
+        face_normal(self.points[side], &self.blocks[side].topology().faces()[face as usize])
+    }
+
+    /// The mean of a face's vertices.
+    fn middle(&self, side: usize, face: u32) -> Option<Vec3<S>> {
         let boundary = &self.blocks[side].topology().faces()[face as usize];
-        let sum = boundary.iter().fold(Vec3::zero(), |sum: Vec3<S>, &v| sum.plus(&points[v as usize]));
-        Some((face_normal(&points, boundary), over(&sum, &S::from_i32(boundary.len() as i32))?))
+        let sum = boundary.iter().fold(Vec3::zero(), |sum: Vec3<S>, &v| sum.plus(&self.points[side][v as usize]));
+        let mean = over(&sum, &S::from_i32(boundary.len() as i32))?;
+        Some(if side == 0 { mean.plus(&self.offset) } else { mean })
     }
 
+    /// An edge's direction and its first end.
     fn edge(&self, side: usize, edge: u32) -> (Vec3<S>, Vec3<S>) {
         let ends = &self.blocks[side].topology().edges()[edge as usize];
-        let points = self.points(side);
-        let start = points[ends.p as usize].clone();
-        (points[ends.q as usize].minus(&start), start)
+        let [p, q] = [ends.p, ends.q].map(|v| &self.points[side][v as usize]);
+        (q.minus(p), self.point(side, ends.p))
+    }
+
+    /// `m_L + m_R` of an edge.
+    fn lean(&self, side: usize, edge: u32) -> Vec3<S> {
+        let ends = &self.blocks[side].topology().edges()[edge as usize];
+        let (d, _) = self.edge(side, edge);
+        self.face_normal(side, ends.left).cross(&d).plus(&self.face_normal(side, ends.right).cross(&d.negated()))
+    }
+
+    /// N of a contact, from B to A.
+    pub(crate) fn normal(&self, contact: &Contact) -> Option<Vec3<S>> {
+        let entrance = contact.entrance;
+        match entrance.kind {
+            EntranceKind::VertexFace => Some(self.face_normal(1, entrance.b)),
+            EntranceKind::FaceVertex => Some(self.face_normal(0, entrance.a).negated()),
+            EntranceKind::EdgeEdge => {
+                let ((d1, p1), (d2, p2)) = (self.edge(0, entrance.a), self.edge(1, entrance.b));
+                let cross = d1.cross(&d2);
+                // σ is known from the sign of the gap that classification found, or, touching, from the wedges.
+                let turned = if contact.gap.is_zero() {
+                    let lean = cross.dot(&self.lean(0, entrance.a)).minus(&cross.dot(&self.lean(1, entrance.b)));
+                    lean.certain_sign()?.is_negative()
+                } else {
+                    cross.dot(&p1.minus(&p2)).certain_sign()?.is_negative() != contact.gap.is_negative()
+                };
+                Some(if turned { cross.negated() } else { cross })
+            }
+        }
+    }
+
+    /// P on A and Q on B.
+    fn feet(&self, contact: &Contact, normal: &Vec3<S>, over_square: &S) -> Option<[Vec3<S>; 2]> {
+        let entrance = contact.entrance;
+        let foot = |point: &Vec3<S>, middle: &Vec3<S>| {
+            let share = normal.dot(&point.minus(middle)).times(over_square);
+            point.minus(&normal.scaled(&share))
+        };
+        match entrance.kind {
+            EntranceKind::VertexFace => {
+                let p = self.point(0, entrance.a);
+                let q = foot(&p, &self.middle(1, entrance.b)?);
+                Some([p, q])
+            }
+            EntranceKind::FaceVertex => {
+                let q = self.point(1, entrance.b);
+                let p = foot(&q, &self.middle(0, entrance.a)?);
+                Some([p, q])
+            }
+            EntranceKind::EdgeEdge => {
+                let ((d1, p1), (d2, p2)) = (self.edge(0, entrance.a), self.edge(1, entrance.b));
+                let (cross, apart) = (d1.cross(&d2), p2.minus(&p1));
+                // p1 + t·d1 and p2 + s·d2 with t = (apart × d2)·n/|n|², s = (apart × d1)·n/|n|².
+                let t = apart.cross(&d2).dot(&cross).times(over_square);
+                let s = apart.cross(&d1).dot(&cross).times(over_square);
+                Some([p1.plus(&d1.scaled(&t)), p2.plus(&d2.scaled(&s))])
+            }
+        }
+    }
+
+    /// `N·(P − Q)`, from the features themselves: the feet would lose digits.
+    fn gap(&self, contact: &Contact, normal: &Vec3<S>) -> Option<S> {
+        let entrance = contact.entrance;
+        let apart = match entrance.kind {
+            EntranceKind::VertexFace => self.point(0, entrance.a).minus(&self.middle(1, entrance.b)?),
+            EntranceKind::FaceVertex => self.middle(0, entrance.a)?.minus(&self.point(1, entrance.b)),
+            EntranceKind::EdgeEdge => self.edge(0, entrance.a).1.minus(&self.edge(1, entrance.b).1),
+        };
+        Some(normal.dot(&apart))
     }
 }
 
 impl<S: Field> ContactGeometry<S> {
     /// The geometry of a contact; `anchors` are those it keeps, `None` for a stretch of zero.
-    pub(crate) fn new(both: &Both<'_, S>, contact: &Contact, anchors: Option<&[Point; 2]>) -> Option<Self> {
-        let entrance = contact.entrance;
-        let [normal, p, q] = match entrance.kind {
-            EntranceKind::VertexFace => {
-                let (normal, middle) = both.plane(1, entrance.b)?;
-                let p = both.points(0)[entrance.a as usize].clone();
-                let share = normal.dot(&p.minus(&middle)).over(&normal.norm_squared())?;
-                let q = p.minus(&normal.scaled(&share));
-                [normal, p, q]
-            }
-            EntranceKind::FaceVertex => {
-                let (outward, middle) = both.plane(0, entrance.a)?;
-                let q = both.points(1)[entrance.b as usize].clone();
-                let share = outward.dot(&q.minus(&middle)).over(&outward.norm_squared())?;
-                let p = q.minus(&outward.scaled(&share));
-                [outward.negated(), p, q]
-            }
-            EntranceKind::EdgeEdge => edges(both, entrance.a, entrance.b, contact)?,
-        };
+    pub(crate) fn new(
+        sides: &Sides<'_, S>,
+        centroids: [&Vec3<S>; 2],
+        contact: &Contact,
+        anchors: Option<&[Point; 2]>,
+        bits: u32,
+    ) -> Option<Self> {
+        let normal = sides.normal(contact)?;
         let square = normal.norm_squared();
-        let gap = normal.dot(&p.minus(&q));
-        let [a, b] = both.blocks.map(|block| &block.vertices()[0]);
-        let a_from_b: Vec3<S> = difference(a, b, both.bits);
-        let points = [p.minus(&a_from_b).minus(&both.moments[0].centroid), q.minus(&both.moments[1].centroid)];
-        let pulls = [frame::pull(&points[0], &normal), frame::pull(&points[1], &normal)];
-        let stretch = match anchors {
-            None => Vec3::zero(),
-            Some([own, other]) => tangential(&difference(own, other, both.bits), &normal, &square)?,
-        };
-        Some(ContactGeometry { square, normal, gap, points, pulls, stretch })
+        let gap = sides.gap(contact, &normal)?;
+        let over_square = S::from_i32(1).over(&square)?;
+        let [p, q] = sides.feet(contact, &normal, &over_square)?;
+        let points = [p.minus(&sides.offset).minus(centroids[0]), q.minus(centroids[1])];
+        let mut geometry = ContactGeometry { square, over_square, normal, gap, points, stretch: Vec3::zero() };
+        if let Some([own, other]) = anchors {
+            let between = difference(own, other, bits);
+            geometry.stretch = geometry.across(&between, &geometry.normal.dot(&between));
+        }
+        Some(geometry)
     }
 
-    /// The part of a vector across N.
-    pub(crate) fn across(&self, v: &Vec3<S>) -> Option<Vec3<S>> {
-        tangential(v, &self.normal, &self.square)
+    /// How A's point moves against B's with these displacements.
+    pub(crate) fn moved(&self, d: [&[S]; 2]) -> Vec3<S> {
+        match [d[0].is_empty(), d[1].is_empty()] {
+            [false, true] => frame::displacement(&self.points[0], d[0]),
+            [true, false] => frame::displacement(&self.points[1], d[1]).negated(),
+            _ => frame::displacement(&self.points[0], d[0]).minus(&frame::displacement(&self.points[1], d[1])),
+        }
     }
-}
 
-fn tangential<S: Field>(v: &Vec3<S>, normal: &Vec3<S>, square: &S) -> Option<Vec3<S>> {
-    Some(v.minus(&normal.scaled(&v.dot(normal).over(square)?)))
-}
-
-/// Normal and feet of two edges' lines. σ is known from the sign of the gap that classification found, or, touching or
-/// degenerate, from the wedges (SPEC section 4).
-fn edges<S: Field>(both: &Both<'_, S>, a: u32, b: u32, contact: &Contact) -> Option<[Vec3<S>; 3]> {
-    let ((d1, p1), (d2, p2)) = (both.edge(0, a), both.edge(1, b));
-    let cross = d1.cross(&d2);
-    let square = cross.norm_squared();
-    let apart = p2.minus(&p1);
-    // p1 + t·d1 and p2 + s·d2 with t = (apart × d2)·n/|n|², s = (apart × d1)·n/|n|².
-    let t = apart.cross(&d2).dot(&cross).over(&square)?;
-    let s = apart.cross(&d1).dot(&cross).over(&square)?;
-    let (p, q) = (p1.plus(&d1.scaled(&t)), p2.plus(&d2.scaled(&s)));
-    let value = if contact.gap.is_zero() {
-        let inward = |side: usize, edge: u32, d: &Vec3<S>| -> Option<Vec3<S>> {
-            let ends = &both.blocks[side].topology().edges()[edge as usize];
-            let left = both.plane(side, ends.left)?.0.cross(d);
-            Some(left.plus(&both.plane(side, ends.right)?.0.cross(&d.negated())))
-        };
-        cross.dot(&inward(0, a, &d1)?).minus(&cross.dot(&inward(1, b, &d2)?)).certain_sign()?.is_negative()
-    } else {
-        let raw = cross.dot(&p1.minus(&p2)).certain_sign()?;
-        raw.is_negative() != contact.gap.is_negative()
-    };
-    Some([if value { cross.negated() } else { cross }, p, q])
+    /// The part of a vector across N, `along` its product with N.
+    pub(crate) fn across(&self, v: &Vec3<S>, along: &S) -> Vec3<S> {
+        v.minus(&self.normal.scaled(&along.times(&self.over_square)))
+    }
 }

@@ -1,16 +1,19 @@
 //! Asks each decision of the cheapest number type that proves it.
 
+use super::approximate::{Approximate, Layout};
 use super::attempt::Attempt;
 use super::chain::Chain;
+use super::questions::Question;
 use super::state::Mode;
-use crate::field::WideBall;
+use super::system::{Bound, StepSupport, Stepwise, stiffness};
+use crate::field::{DoubleBall, WideBall};
 use crate::number::Ball;
-use crate::solve::{Factor, Solvable};
 use num_rational::BigRational;
+use std::rc::Rc;
 
 /// Bits of the wide levels; fractions stand between the second and the third.
 const WIDE_BITS: [u32; 4] = [128, 256, 512, 1024];
-/// The largest system that is solved in fractions.
+/// The largest island that is solved in fractions.
 pub(crate) const EXACT_UNKNOWNS: usize = 48;
 
 /// How many decisions of a step each level settled.
@@ -18,12 +21,30 @@ pub(crate) const EXACT_UNKNOWNS: usize = 48;
 pub struct StepLevels {
     /// Balls of f64.
     pub float: u64,
+    /// Balls of two f64, some 100 bits.
+    pub double: u64,
     /// Balls of 128, 256, 512 and 1,024 bits.
     pub wide: [u64; 4],
     /// Fractions.
     pub exact: u64,
     /// None: the mode stayed, the limit counted as kept.
     pub undecided: u64,
+}
+
+/// The solves of an attempt so far, and what f64 knows of each.
+struct History {
+    /// The modes of each solve.
+    modes: Vec<Vec<Mode>>,
+    /// The factor of each; `None` where f64 has none.
+    factors: Vec<Option<Rc<Approximate>>>,
+    /// `None` where f64 proves nothing.
+    bound: Option<Bound>,
+}
+
+impl History {
+    fn support(&self, solve: usize) -> Option<StepSupport<'_>> {
+        Some(StepSupport { bound: self.bound.as_ref()?, factor: self.factors[solve].as_deref()? })
+    }
 }
 
 /// One number type of the ladder, made when first asked.
@@ -34,23 +55,24 @@ enum Level<'a, S> {
     Failed,
 }
 
-impl<'a, S: Solvable> Level<'a, S> {
-    /// The chain with all solves up to now, if this type can make them.
-    fn caught_up(
-        &mut self,
-        attempt: &'a Attempt<'a>,
-        bits: u32,
-        history: &[Vec<Mode>],
-        factors: &mut [Option<Option<Factor>>],
-    ) -> Option<&mut Chain<'a, S>> {
+impl<'a, S: Stepwise> Level<'a, S> {
+    fn begin(&mut self, attempt: &'a Attempt<'a>, bits: u32) -> Option<&mut Chain<'a, S>> {
         if matches!(self, Level::Unused) {
             *self = Chain::new(attempt, bits).map_or(Level::Failed, |chain| Level::Ready(Box::new(chain)));
         }
+        match self {
+            Level::Ready(chain) => Some(chain),
+            _ => None,
+        }
+    }
+
+    /// The chain with all solves up to now, if this type can make them.
+    fn caught_up(&mut self, attempt: &'a Attempt<'a>, bits: u32, history: &History) -> Option<&Chain<'a, S>> {
         let mut failed = false;
-        if let Level::Ready(chain) = self {
-            while chain.iterates.len() < history.len() && !failed {
+        if let Some(chain) = self.begin(attempt, bits) {
+            while chain.iterates.len() < history.modes.len() && !failed {
                 let next = chain.iterates.len();
-                failed = chain.advance(&history[next], &mut factors[next]).is_none();
+                failed = chain.advance(&history.modes[next], history.support(next).as_ref()).is_none();
             }
         }
         if failed {
@@ -63,81 +85,65 @@ impl<'a, S: Solvable> Level<'a, S> {
     }
 }
 
-/// A question that any level can be asked.
-pub(crate) trait Question {
-    type Answer;
-    fn ask<S: Solvable>(&self, chain: &Chain<'_, S>) -> Option<Self::Answer>;
-}
-
-/// The mode of a contact after the last solve.
-pub(crate) struct NextMode {
-    pub(crate) contact: usize,
-    pub(crate) mode: Mode,
-}
-
-impl Question for NextMode {
-    type Answer = Mode;
-    fn ask<S: Solvable>(&self, chain: &Chain<'_, S>) -> Option<Mode> {
-        chain.next_mode(self.contact, self.mode)
-    }
-}
-
-/// Which block moves a vertex beyond u.
-pub(crate) struct TooFar;
-
-impl Question for TooFar {
-    type Answer = Option<usize>;
-    fn ask<S: Solvable>(&self, chain: &Chain<'_, S>) -> Option<Option<usize>> {
-        chain.too_far()
-    }
-}
-
-/// Which block turns beyond ω.
-pub(crate) struct TooTurned;
-
-impl Question for TooTurned {
-    type Answer = Option<usize>;
-    fn ask<S: Solvable>(&self, chain: &Chain<'_, S>) -> Option<Option<usize>> {
-        chain.too_turned()
-    }
-}
-
 /// All number types over one attempt.
 pub(crate) struct Ladder<'a> {
     attempt: &'a Attempt<'a>,
-    /// The modes of each solve so far.
-    pub(crate) history: Vec<Vec<Mode>>,
-    factors: Vec<Option<Option<Factor>>>,
+    layout: &'a Layout,
+    history: History,
     float: Level<'a, Ball>,
+    double: Level<'a, DoubleBall>,
     wide: [Level<'a, WideBall>; 4],
     exact: Level<'a, BigRational>,
     pub(crate) levels: StepLevels,
 }
 
 impl<'a> Ladder<'a> {
-    pub(crate) fn new(attempt: &'a Attempt<'a>, levels: StepLevels) -> Ladder<'a> {
+    pub(crate) fn new(attempt: &'a Attempt<'a>, layout: &'a Layout, levels: StepLevels) -> Ladder<'a> {
+        let mut float = Level::Unused;
+        let bound = float.begin(attempt, 53).and_then(|chain| Bound::new(chain));
         Ladder {
             attempt,
-            history: Vec::new(),
-            factors: Vec::new(),
-            float: Level::Unused,
+            layout,
+            history: History { modes: Vec::new(), factors: Vec::new(), bound },
+            float,
+            double: Level::Unused,
             wide: std::array::from_fn(|_| Level::Unused),
             exact: Level::Unused,
             levels,
         }
     }
 
+    /// The modes of each solve so far.
+    pub(crate) fn modes(&self) -> &[Vec<Mode>] {
+        &self.history.modes
+    }
+
     /// Adds a solve with these modes; each level makes it when it is asked.
     pub(crate) fn solve(&mut self, modes: Vec<Mode>) {
-        self.history.push(modes);
-        self.factors.push(None);
+        // The friction of a sliding contact is a force: equal modes have equal stiffnesses.
+        let known = self.history.modes.iter().position(|earlier| *earlier == modes);
+        let factor = match known {
+            Some(solve) => self.history.factors[solve].clone(),
+            None => self
+                .float
+                .begin(self.attempt, 53)
+                .and_then(|chain| stiffness(chain, &modes, self.layout).factor())
+                .map(Rc::new),
+        };
+        self.history.factors.push(factor);
+        self.history.modes.push(modes);
     }
 
     /// The answer of the cheapest level that has one; `None` is undecided, and counted.
     pub(crate) fn ask<Q: Question>(&mut self, question: &Q) -> Option<Q::Answer> {
-        let chain = self.float.caught_up(self.attempt, 53, &self.history, &mut self.factors);
+        let chain = self.float.caught_up(self.attempt, 53, &self.history);
         if let Some(answer) = chain.and_then(|chain| question.ask(chain)) {
             self.levels.float += 1;
+            return Some(answer);
+        }
+        let chain = self.double.caught_up(self.attempt, 106, &self.history);
+        if let Some(answer) = chain.and_then(|chain| question.ask(chain)) {
+            self.levels.double += 1;
             return Some(answer);
         }
         for (k, bits) in WIDE_BITS.into_iter().enumerate() {
@@ -147,7 +153,7 @@ impl<'a> Ladder<'a> {
                 self.levels.exact += 1;
                 return Some(answer);
             }
-            let chain = self.wide[k].caught_up(self.attempt, bits, &self.history, &mut self.factors);
+            let chain = self.wide[k].caught_up(self.attempt, bits, &self.history);
             if let Some(answer) = chain.and_then(|chain| question.ask(chain)) {
                 self.levels.wide[k] += 1;
                 return Some(answer);
@@ -157,20 +163,28 @@ impl<'a> Ladder<'a> {
         None
     }
 
-    /// The chain in fractions, where the forces are rational and the system is not too large.
-    pub(crate) fn exact(&mut self) -> Option<&Chain<'a, BigRational>> {
-        if self.attempt.sizes.iter().sum::<usize>() > EXACT_UNKNOWNS {
-            return None;
-        }
-        self.exact.caught_up(self.attempt, 0, &self.history, &mut self.factors).map(|chain| &*chain)
+    /// The chain in f64 balls.
+    pub(crate) fn float(&mut self) -> Option<&Chain<'a, Ball>> {
+        self.float.caught_up(self.attempt, 53, &self.history)
     }
 
-    /// A chain of its own with so many bits.
-    pub(crate) fn with_bits(&mut self, bits: u32) -> Option<Chain<'a, WideBall>> {
-        let mut level = Level::Unused;
-        level.caught_up(self.attempt, bits, &self.history, &mut self.factors)?;
+    /// The chain in balls of two f64.
+    pub(crate) fn double(&mut self) -> Option<&Chain<'a, DoubleBall>> {
+        self.double.caught_up(self.attempt, 106, &self.history)
+    }
+
+    /// The chain in fractions, where the forces are rational and no island is too large.
+    pub(crate) fn exact(&mut self) -> Option<&Chain<'a, BigRational>> {
+        self.exact.caught_up(self.attempt, 0, &self.history)
+    }
+
+    /// A chain with so many bits.
+    pub(crate) fn with_bits(&mut self, bits: u32) -> Option<Box<Chain<'a, WideBall>>> {
+        let known = WIDE_BITS.iter().position(|&known| known == bits);
+        let mut level = known.map_or(Level::Unused, |k| std::mem::replace(&mut self.wide[k], Level::Unused));
+        level.caught_up(self.attempt, bits, &self.history)?;
         match level {
-            Level::Ready(chain) => Some(*chain),
+            Level::Ready(chain) => Some(chain),
             _ => None,
         }
     }

@@ -1,11 +1,14 @@
-//! A whole step: contacts, attempts with their cuts of Δt, and the new state (docs/step.md 9 to 11).
+//! A whole step: attempts with their cuts of Δt, and the new state (docs/step.md 9 to 12).
 
-use super::attempt::{Attempt, Joint, force_at};
-use super::ladder::{Ladder, NextMode, StepLevels, TooFar, TooTurned};
+use super::attempt::Attempt;
+use super::chain::Chain;
+use super::ladder::{Ladder, StepLevels};
+use super::prepare::Begun;
+use super::questions::{NextMode, TooFar, TooTurned};
 use super::state::{BlockState, Keep, Mode, State};
-use super::transfer::{Started, transfer};
 use super::update::updated;
-use crate::{LevelCounts, Pair, Solid, mass};
+use crate::LevelCounts;
+use crate::solve::SpdSystem;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Zero;
@@ -65,8 +68,6 @@ pub struct StepAnswer {
 pub enum StepFailure {
     /// A block's volume is zero, or a contact's plane has no area.
     Degenerate,
-    /// Cohesion or tensile strength: the overlap area of faces is not calculated exactly.
-    Strength,
     /// A joint without a normal stiffness, or a fixed point for which no joint gives one.
     NoStiffness,
     /// A Poisson's ratio of −1 or 1/2.
@@ -88,7 +89,6 @@ impl fmt::Display for StepFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             StepFailure::Degenerate => write!(f, "a block has no volume, or a contact's plane no area"),
-            StepFailure::Strength => write!(f, "cohesion and tensile strength are not supported by the exact step"),
             StepFailure::NoStiffness => write!(f, "a joint has no normal stiffness"),
             StepFailure::NoElasticity => write!(f, "a Poisson's ratio leaves no elasticity"),
             StepFailure::NotConverged => {
@@ -102,39 +102,105 @@ impl fmt::Display for StepFailure {
 
 impl std::error::Error for StepFailure {}
 
+/// What a step decides, and how it moves the blocks, without the state after it.
+#[derive(Clone, Debug)]
+pub struct CertifiedStep {
+    /// Its contacts with their blocks, by pair and in SPEC order.
+    pub contacts: Vec<([usize; 2], Contact)>,
+    /// As in [`StepAnswer::modes`].
+    pub modes: Vec<Vec<Mode>>,
+    /// Whether no mode changed in the last solve.
+    pub converged: bool,
+    /// Attempts given up, each with its Δt (s) and why.
+    pub cuts: Vec<(BigRational, Cut)>,
+    /// The Δt accepted (s).
+    pub time_step: BigRational,
+    /// Of each block the unknowns that it has, each as an f64 and at least its distance from the exact value (m, rad, strain);
+    /// `None` where f64 did not enclose the last solve.
+    pub displacements: Option<Vec<Vec<[f64; 2]>>>,
+    /// Which level settled how many decisions of all attempts.
+    pub levels: StepLevels,
+    /// The same of the classification.
+    pub contact_levels: LevelCounts,
+}
+
+/// Decides one step from `state`, exactly: all that [`exact_step`] does but for the state after it.
+///
+/// # Errors
+/// When the step cannot be made: see [`StepFailure`].
+pub fn certified_step(model: &StepModel<'_>, state: &State) -> Result<CertifiedStep, StepFailure> {
+    let begun = Begun::new(model, state)?;
+    let mut certified = attempts(&begun, |mut ladder, attempt, end, cuts| {
+        let displacements = ladder.float().and_then(|chain| chain.iterates.last()).map(|last| {
+            let pairs = |d: &Vec<crate::number::Ball>| d.iter().map(|ball| [ball.middle, ball.radius]).collect();
+            last.d.iter().map(pairs).collect()
+        });
+        let modes = modes(&ladder, &end);
+        Ok(CertifiedStep {
+            contacts: Vec::new(),
+            converged: end.cut.is_none(),
+            modes,
+            cuts,
+            time_step: attempt.time_step.clone(),
+            displacements,
+            levels: ladder.levels,
+            contact_levels: begun.contact_levels,
+        })
+    })?;
+    certified.contacts = begun.contacts;
+    Ok(certified)
+}
+
+/// The system of the first solve of a step, exactly; `None` where the step cannot be made.
+pub fn first_system(model: &StepModel<'_>, state: &State) -> Option<SpdSystem> {
+    let begun = Begun::new(model, state).ok()?;
+    let attempt = begun.attempt(model.simulation.control.time_step.to_rational());
+    let modes: Vec<Mode> = attempt.started.iter().map(|started| started.mode).collect();
+    let chain: Chain<'_, BigRational> = Chain::new(&attempt, 0)?;
+    Some(SpdSystem::of_blocks(chain.assembled(&modes)?))
+}
+
 /// Makes one step from `state`, exactly.
 ///
 /// # Errors
 /// When the step cannot be made or its state not be kept as asked: see [`StepFailure`].
 pub fn exact_step(model: &StepModel<'_>, state: &State, keep: Keep) -> Result<StepAnswer, StepFailure> {
-    let blocks: Vec<Block> = model
-        .shapes
-        .iter()
-        .zip(&state.blocks)
-        .map(|(shape, block)| shape.with_vertices(block.vertices.clone()))
-        .collect();
-    let (contacts, contact_levels) = contacts(model, &blocks);
-    let started = transfer(&contacts, &state.contacts);
-    let joints = started.iter().map(|s| joint(model, s)).collect::<Result<Vec<_>, _>>()?;
-    let elasticity = model
-        .bodies
-        .iter()
-        .map(|body| mass::elasticity(&model.simulation.materials[body.material]).ok_or(StepFailure::NoElasticity))
-        .collect::<Result<Vec<_>, _>>()?;
-    let fixed_stiffness = fixed_stiffness(model)?;
-    let full = model.simulation.control.time_step.to_rational();
+    let begun = Begun::new(model, state)?;
+    let mut answer = attempts(&begun, |mut ladder, attempt, end, cuts| {
+        let last = ladder.modes().last().cloned().unwrap_or_default();
+        let state = kept(&mut ladder, attempt, &last, keep).ok_or(StepFailure::NotKept)?;
+        let modes = modes(&ladder, &end);
+        Ok(StepAnswer {
+            contacts: Vec::new(),
+            iterations: modes.len() as u32 - 1,
+            converged: end.cut.is_none(),
+            modes,
+            cuts,
+            time_step: attempt.time_step.clone(),
+            state,
+            levels: ladder.levels,
+            contact_levels: begun.contact_levels,
+        })
+    })?;
+    answer.contacts = begun.contacts;
+    Ok(answer)
+}
+
+/// Tries until an attempt is good, or the last one allowed (docs/step.md 10 and 11), and hands it on.
+fn attempts<T>(
+    begun: &Begun<'_>,
+    finish: impl FnOnce(Ladder<'_>, &Attempt<'_>, End, Vec<(BigRational, Cut)>) -> Result<T, StepFailure>,
+) -> Result<T, StepFailure> {
+    let control = &begun.model.simulation.control;
+    let full = control.time_step.to_rational();
     let smallest = &full / BigInt::from(Control::SMALLEST);
     let (mut time_step, mut cuts, mut levels) = (full, Vec::new(), StepLevels::default());
     loop {
-        let attempt =
-            prepare(model, state, &blocks, &started, &joints, &elasticity, &fixed_stiffness, time_step.clone());
-        let mut ladder = Ladder::new(&attempt, levels);
-        let end = iterate(&mut ladder, &started, &attempt);
+        let attempt = begun.attempt(time_step.clone());
+        let mut ladder = Ladder::new(&attempt, &begun.layout, levels);
+        let end = iterate(&mut ladder, &attempt);
         levels = ladder.levels;
-        let (why, block) = match end.cut {
-            Some(found) => found,
-            None => return finish(ladder, &attempt, end, cuts, contacts, contact_levels, keep),
-        };
+        let Some((why, block)) = end.cut else { return finish(ladder, &attempt, end, cuts) };
         let factor = match why {
             Cut::NotConverged => BigRational::new(Control::CUT.0.into(), Control::CUT.1.into()),
             _ => BigRational::new(1.into(), 2.into()),
@@ -144,10 +210,18 @@ pub fn exact_step(model: &StepModel<'_>, state: &State, keep: Keep) -> Result<St
             if why != Cut::NotConverged {
                 return Err(StepFailure::TooFast { block, limit: why });
             }
-            if model.simulation.control.unconverged == Unconverged::Stop {
+            if control.unconverged == Unconverged::Stop {
                 return Err(StepFailure::NotConverged);
             }
-            return finish(ladder, &attempt, end, cuts, contacts, contact_levels, keep);
+            // The last attempt is taken, if it keeps the limits.
+            let Some((limit, block)) = beyond_limits(&mut ladder) else { return finish(ladder, &attempt, end, cuts) };
+            levels = ladder.levels;
+            let half = &time_step / BigInt::from(2);
+            if half < smallest {
+                return Err(StepFailure::TooFast { block, limit });
+            }
+            cuts.push((std::mem::replace(&mut time_step, half), limit));
+            continue;
         }
         cuts.push((std::mem::replace(&mut time_step, shorter), why));
     }
@@ -160,8 +234,9 @@ struct End {
     cut: Option<(Cut, usize)>,
 }
 
-fn iterate(ladder: &mut Ladder<'_>, started: &[Started], attempt: &Attempt<'_>) -> End {
-    let mut modes: Vec<Mode> = started
+fn iterate(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>) -> End {
+    let mut modes: Vec<Mode> = attempt
+        .started
         .iter()
         .map(|s| if attempt.settling && s.mode == Mode::Sliding { Mode::Locked } else { s.mode })
         .collect();
@@ -173,108 +248,40 @@ fn iterate(ladder: &mut Ladder<'_>, started: &[Started], attempt: &Attempt<'_>) 
             .map(|(contact, &mode)| ladder.ask(&NextMode { contact, mode }).unwrap_or(mode))
             .collect();
         if after == modes {
-            let far = ladder.ask(&TooFar).flatten().map(|block| (Cut::Displacement, block));
-            let cut = far.or_else(|| ladder.ask(&TooTurned).flatten().map(|block| (Cut::Rotation, block)));
-            return End { after, cut };
+            return End { after, cut: beyond_limits(ladder) };
         }
         modes = after;
     }
     End { after: modes, cut: Some((Cut::NotConverged, 0)) }
 }
 
-fn finish(
-    mut ladder: Ladder<'_>,
-    attempt: &Attempt<'_>,
-    end: End,
-    cuts: Vec<(BigRational, Cut)>,
-    contacts: Vec<([usize; 2], Contact)>,
-    contact_levels: LevelCounts,
-    keep: Keep,
-) -> Result<StepAnswer, StepFailure> {
-    // The modes that the last solve was made with are those that are remembered.
-    let last = ladder.history.last().cloned().unwrap_or_default();
-    let state = match keep {
-        Keep::Exact => ladder.exact().and_then(|chain| updated(attempt, chain, &last, keep)),
-        Keep::Grid { exponent } => [512, 1024, 2048, 4096]
-            .into_iter()
-            .filter(|&bits| bits > exponent)
-            .find_map(|bits| updated(attempt, &ladder.with_bits(bits)?, &last, keep)),
+fn beyond_limits(ladder: &mut Ladder<'_>) -> Option<(Cut, usize)> {
+    let far = ladder.ask(&TooFar).flatten().map(|block| (Cut::Displacement, block));
+    far.or_else(|| ladder.ask(&TooTurned).flatten().map(|block| (Cut::Rotation, block)))
+}
+
+/// The modes of each solve, and those after the last.
+fn modes(ladder: &Ladder<'_>, end: &End) -> Vec<Vec<Mode>> {
+    let mut modes = ladder.modes().to_vec();
+    modes.push(end.after.clone());
+    modes
+}
+
+/// Grids up to this exponent may be reached by balls of two f64.
+const DOUBLE_GRID: u32 = 96;
+
+/// The state after the last solve. The modes that this was made with are those that are remembered.
+fn kept(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>, last: &[Mode], keep: Keep) -> Option<State> {
+    let Keep::Grid { exponent } = keep else {
+        return ladder.exact().and_then(|chain| updated(attempt, chain, last, keep));
     };
-    let levels = ladder.levels;
-    let mut modes = std::mem::take(&mut ladder.history);
-    let iterations = modes.len() as u32;
-    let converged = end.after == last;
-    modes.push(end.after);
-    let time_step = attempt.time_step.clone();
-    let state = state.ok_or(StepFailure::NotKept)?;
-    Ok(StepAnswer { contacts, modes, iterations, converged, cuts, time_step, state, levels, contact_levels })
-}
-
-#[allow(clippy::too_many_arguments, reason = "a struct of its own would be Attempt again")]
-fn prepare<'a>(
-    model: &'a StepModel<'a>,
-    state: &'a State,
-    blocks: &'a [Block],
-    started: &'a [Started],
-    joints: &'a [Joint],
-    elasticity: &'a [[[BigRational; 6]; 6]],
-    fixed_stiffness: &'a [Number],
-    time_step: BigRational,
-) -> Attempt<'a> {
-    let sizes: Vec<usize> = model.bodies.iter().map(|b| b.motion.unknowns()).filter(|&n| n > 0).collect();
-    let mut next = 0..sizes.len();
-    let rows = model.bodies.iter().map(|b| if b.is_fixed() { None } else { next.next() }).collect();
-    let settling = state.settling > 0;
-    let begin = state.time.to_rational();
-    let time = if settling { begin } else { begin + &time_step };
-    let loads = model.simulation.loads.iter().map(|load| (load.block, force_at(load, &time))).collect();
-    Attempt {
-        model,
-        state,
-        blocks,
-        started,
-        joints,
-        elasticity,
-        fixed_stiffness,
-        sizes,
-        rows,
-        time_step,
-        settling,
-        loads,
+    if exponent <= DOUBLE_GRID
+        && let Some(state) = ladder.double().and_then(|chain| updated(attempt, chain, last, keep))
+    {
+        return Some(state);
     }
-}
-
-fn contacts(model: &StepModel<'_>, blocks: &[Block]) -> (Vec<([usize; 2], Contact)>, LevelCounts) {
-    let solids: Vec<Solid> = blocks.iter().map(Solid::new).collect();
-    let (mut found, mut levels) = (Vec::new(), LevelCounts::default());
-    for i in 0..solids.len() {
-        for j in i + 1..solids.len() {
-            if model.bodies[i].is_fixed() && model.bodies[j].is_fixed() {
-                continue;
-            }
-            let answer = Pair::new(&solids[i], &solids[j]).classify(model.tolerances);
-            levels += answer.levels;
-            found.extend(answer.contacts.into_iter().map(|contact| ([i, j], contact)));
-        }
-    }
-    (found, levels)
-}
-
-fn joint(model: &StepModel<'_>, started: &Started) -> Result<Joint, StepFailure> {
-    let [i, j] = started.blocks;
-    let properties = model.simulation.joints.between(model.bodies[i].joint, model.bodies[j].joint);
-    if !properties.cohesion.is_zero() || !properties.tension.is_zero() {
-        return Err(StepFailure::Strength);
-    }
-    let normal = properties.normal_stiffness.as_ref().ok_or(StepFailure::NoStiffness)?.to_rational();
-    let shear = &normal * properties.shear_ratio.to_rational();
-    Ok(Joint { normal, shear, friction: properties.friction.to_rational() })
-}
-
-fn fixed_stiffness(model: &StepModel<'_>) -> Result<Vec<Number>, StepFailure> {
-    let stiffest = model.simulation.joints.all().filter_map(|joint| joint.normal_stiffness.as_ref()).max();
-    let fixed = model.simulation.fixed_points.iter();
-    fixed.map(|f| f.stiffness.as_ref().or(stiffest).cloned().ok_or(StepFailure::NoStiffness)).collect()
+    let enough = [128, 256, 512, 1024, 2048, 4096].into_iter().filter(|&bits| bits > exponent);
+    enough.into_iter().find_map(|bits| updated(attempt, &*ladder.with_bits(bits)?, last, keep))
 }
 
 /// The velocity that the scene gives a block.

@@ -5,9 +5,8 @@ use super::chain::Chain;
 use super::frame;
 use super::state::{BlockState, ContactMemory, Keep, Mode, State};
 use crate::field::{Field, dyadic};
-use crate::solve::Solvable;
+use crate::mass;
 use num_bigint::BigInt;
-use num_rational::BigRational;
 use num_traits::Signed;
 use rockproof_model::simulation::Kinematics;
 use rockproof_model::{Number, Point, Vec3};
@@ -16,7 +15,7 @@ use rockproof_model::{Number, Point, Vec3};
 const RATE_BITS: i64 = 256;
 
 /// The state after the last solve of a chain; `None` where the chain is too wide for the grid.
-pub(crate) fn updated<S: Solvable>(
+pub(crate) fn updated<S: Field>(
     attempt: &Attempt<'_>,
     chain: &Chain<'_, S>,
     modes: &[Mode],
@@ -79,12 +78,12 @@ pub(crate) fn updated<S: Solvable>(
 }
 
 /// The centroid of A less that of B.
-fn between_centroids<S: Solvable>(attempt: &Attempt<'_>, chain: &Chain<'_, S>, a: usize, b: usize) -> Vec3<S> {
+fn between_centroids<S: Field>(attempt: &Attempt<'_>, chain: &Chain<'_, S>, a: usize, b: usize) -> Vec3<S> {
     let origin = &attempt.blocks[a].vertices()[0];
     chain.relative(b, origin).plus(&chain.moments[a].centroid)
 }
 
-fn rates<S: Solvable>(
+fn rates<S: Field>(
     attempt: &Attempt<'_>,
     chain: &Chain<'_, S>,
     block: usize,
@@ -93,7 +92,7 @@ fn rates<S: Solvable>(
     vertices: Vec<Point>,
     keep: Keep,
 ) -> Option<BlockState> {
-    let rate = S::of_rational(&attempt.rate(), chain.bits);
+    let rate = S::of_rational(&attempt.rate, chain.bits);
     let zero = Number::ZERO;
     let (mut velocity, mut stress) = (std::array::from_fn(|_| zero.clone()), old.stress.clone());
     if !attempt.settling {
@@ -107,10 +106,9 @@ fn rates<S: Solvable>(
         velocity = super::run::initial_rates(&attempt.model.bodies[block]);
     }
     if d.len() == frame::UNKNOWNS {
+        let elastic = mass::elasticity::<S>(attempt.material(block), chain.bits)?;
         for (k, value) in stress.iter_mut().enumerate() {
-            let more = (0..6).fold(S::of_number(value, chain.bits), |sum, c| {
-                sum.plus(&S::of_rational(&attempt.elasticity[block][k][c], chain.bits).times(&d[6 + c]))
-            });
+            let more = (0..6).fold(S::of_number(value, chain.bits), |sum, c| sum.plus(&elastic[k][c].times(&d[6 + c])));
             *value = significant(&more, keep);
         }
     }
@@ -124,7 +122,7 @@ struct Map<'d, S> {
     turned: Option<[Vec3<S>; 3]>,
 }
 
-impl<'d, S: Solvable> Map<'d, S> {
+impl<'d, S: Field> Map<'d, S> {
     fn new(attempt: &Attempt<'_>, _chain: &Chain<'_, S>, block: usize, d: &'d [S]) -> Option<Map<'d, S>> {
         if attempt.model.simulation.control.kinematics == Kinematics::Linear || attempt.rows[block].is_none() {
             return Some(Map { d, turned: None });
@@ -175,8 +173,8 @@ fn kept<S: Field>(value: &S, keep: Keep) -> Option<Number> {
         return None;
     }
     let scale = BigInt::from(1) << exponent;
-    let units = (middle * &scale).round().to_integer();
-    Some(Number::from_rational(BigRational::new(units, scale)))
+    let units = (middle * scale).round().to_integer();
+    Some(Number::from_rational(dyadic(units, -i64::from(exponent))))
 }
 
 fn significant<S: Field>(value: &S, keep: Keep) -> Number {

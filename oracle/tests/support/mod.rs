@@ -4,3 +4,4 @@
 pub(crate) mod golden;
 pub(crate) mod handworked;
 pub(crate) mod shapes;
+pub(crate) mod steps;

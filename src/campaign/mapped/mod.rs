@@ -148,6 +148,8 @@ pub struct Judged<'x> {
 /// What is wrong with an answer.
 #[derive(Debug, Default)]
 pub struct Judgement {
+    /// What the engine said about the pair itself and what is so; `None` where the exact side has no answer.
+    pub mapped: Option<Mapped>,
     /// What is wrong, and how it is.
     pub wrong: Vec<(Change, Mapped)>,
     /// Metamorphic checks made.
@@ -164,6 +166,7 @@ impl Judged<'_> {
             self.engine.not_compared();
             return judgement;
         };
+        judgement.mapped = Some(mapped);
         judgement.wrong.extend(wrong.map(|change| (change, mapped)));
         if !self.metamorphic {
             return judgement;

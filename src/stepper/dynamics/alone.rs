@@ -2,7 +2,7 @@
 
 use crate::stepper::dynamics::displacement::{Twelve, generalized};
 use crate::stepper::dynamics::engine::Dynamics;
-use crate::stepper::dynamics::island::Alone;
+use crate::stepper::dynamics::island::{Alone, packed};
 use crate::stepper::dynamics::rules::StepRules;
 use crate::stepper::dynamics::solve::Solve;
 use crate::stepper::vector::Vector;
@@ -15,16 +15,18 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let block = |block: usize| {
             let body = &self.setup.bodies[block];
             let unknowns = body.motion.unknowns();
-            let mut alone = Alone { unknowns, stiffness: [[R::ZERO; 12]; 12], force: [R::ZERO; 12] };
+            let mut alone = Alone { unknowns, stiffness: [R::ZERO; 78], force: [R::ZERO; 12] };
             if unknowns == 0 {
                 return alone;
             }
             let (state, moments) = (&self.state.blocks[block], &self.moments[block]);
             let density = body.elastic.density;
-            for (row, inertia) in self.inertia[block].iter().enumerate() {
+            for (row, inertia) in moments.inertia().iter().enumerate() {
                 let mut momentum = R::ZERO;
                 for (column, &value) in inertia.iter().enumerate() {
-                    alone.stiffness[row][column] = twice * (density * value);
+                    if column <= row {
+                        alone.stiffness[packed(row, column)] = twice * (density * value);
+                    }
                     momentum = momentum + density * value * state.velocity[column];
                 }
                 alone.force[row] = once * momentum;
@@ -34,9 +36,9 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             }
             for i in 0..6 {
                 alone.force[6 + i] = alone.force[6 + i] - moments.volume * state.stress[i];
-                for k in 0..6 {
-                    let stiffness = moments.volume * body.elastic.stiffness(i, k);
-                    alone.stiffness[6 + i][6 + k] = alone.stiffness[6 + i][6 + k] + stiffness;
+                for k in 0..=i {
+                    let value = &mut alone.stiffness[packed(6 + i, 6 + k)];
+                    *value = *value + moments.volume * body.elastic.stiffness(i, k);
                 }
             }
             alone
@@ -55,8 +57,9 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             let (zero, one) = (R::ZERO, R::from_f64(1.0));
             for axis in [Vector::new(one, zero, zero), Vector::new(zero, one, zero), Vector::new(zero, zero, one)] {
                 let row = generalized(arm, axis);
-                for (line, &r) in alone.stiffness.iter_mut().zip(&row) {
-                    for (value, &c) in line.iter_mut().zip(&row) {
+                for (k, &r) in row.iter().enumerate() {
+                    for (m, &c) in row[..=k].iter().enumerate() {
+                        let value = &mut alone.stiffness[packed(k, m)];
                         *value = *value + held.stiffness * r * c;
                     }
                 }

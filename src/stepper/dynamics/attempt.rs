@@ -3,10 +3,11 @@
 use crate::stepper::dynamics::contact::Active;
 use crate::stepper::dynamics::displacement::Twelve;
 use crate::stepper::dynamics::island::{Alone, Unsolved, islands};
+use crate::stepper::dynamics::layout::Layouts;
 use crate::stepper::dynamics::report::Concerned;
 use crate::stepper::dynamics::rules::StepRules;
 use crate::stepper::dynamics::setup::Limits;
-use crate::stepper::dynamics::solve::{Patterns, Solve};
+use crate::stepper::dynamics::solve::Solve;
 use crate::stepper::dynamics::state::Mode;
 
 /// What an iteration needs to know besides the contacts.
@@ -14,6 +15,8 @@ pub(super) struct Iteration<'s, R> {
     pub(super) alone: &'s [Alone<R>],
     pub(super) limits: &'s Limits<R>,
     pub(super) settling: bool,
+    /// The modes of each solve and those after the last, where they are not to be judged.
+    pub(super) given: Option<&'s [Vec<Mode>]>,
 }
 
 /// How an iteration ended.
@@ -33,7 +36,7 @@ impl<R: Solve> Iteration<'_, R> {
     pub(super) fn run<M: StepRules>(
         &self,
         contacts: &mut [Active<R>],
-        patterns: &mut Patterns,
+        layouts: &mut Layouts,
     ) -> Result<Ended<R>, Unsolved> {
         let unknowns: Vec<usize> = self.alone.iter().map(|block| block.unknowns).collect();
         let mut d = vec![[R::ZERO; 12]; unknowns.len()];
@@ -41,12 +44,17 @@ impl<R: Solve> Iteration<'_, R> {
         let mut touched = vec![true; unknowns.len()];
         let mut ended = Ended { d: Vec::new(), iterations: 0, changing: Vec::new(), modes: Vec::new() };
         contacts.iter_mut().for_each(Active::reset);
+        let given = |solve: u32, contact: usize| self.given?.get(solve as usize)?.get(contact).copied();
+        for (k, contact) in contacts.iter_mut().enumerate() {
+            contact.now.mode = given(0, k).unwrap_or(contact.now.mode);
+        }
+        let most = self.given.map_or(M::iterations(), |modes| (modes.len() as u32).saturating_sub(1));
         loop {
             for island in islands(&unknowns, contacts) {
                 // The friction force of a sliding contact is that of the last solve, so its system is a new one.
                 let slides = |k: &usize| contacts[*k].now.mode == Mode::Sliding;
                 if island.blocks.iter().any(|&block| touched[block]) || island.contacts.iter().any(slides) {
-                    let solved = island.solve(self.alone, contacts, patterns)?;
+                    let solved = island.solve(self.alone, contacts, layouts)?;
                     for (&block, found) in island.blocks.iter().zip(solved) {
                         d[block] = found;
                     }
@@ -55,10 +63,13 @@ impl<R: Solve> Iteration<'_, R> {
             ended.iterations += 1;
             ended.changing.clear();
             touched.fill(false);
-            for contact in contacts.iter_mut() {
+            for (k, contact) in contacts.iter_mut().enumerate() {
                 let [i, j] = contact.entering();
                 let from = contact.now.mode;
                 contact.judge::<M>([&d[i], &d[j]], self.limits, self.settling);
+                if let Some(mode) = given(ended.iterations, k) {
+                    contact.take::<M>(mode);
+                }
                 let to = contact.now.mode;
                 if from != to {
                     (touched[i], touched[j]) = (true, true);
@@ -69,7 +80,8 @@ impl<R: Solve> Iteration<'_, R> {
                 }
             }
             ended.modes.push(contacts.iter().map(|contact| contact.now.mode).collect());
-            if ended.changing.is_empty() || ended.iterations >= M::iterations() {
+            let settled = ended.changing.is_empty() && self.given.is_none();
+            if settled || ended.iterations >= most {
                 ended.d = d;
                 return Ok(ended);
             }

@@ -4,7 +4,7 @@ use crate::model::Contact;
 use crate::stepper::dynamics::displacement::{Twelve, displacement, dot, generalized};
 use crate::stepper::dynamics::material::Joint;
 use crate::stepper::dynamics::plane::Plane;
-use crate::stepper::dynamics::rules::StepRules;
+use crate::stepper::dynamics::rules::{Slip, StepRules};
 use crate::stepper::dynamics::setup::Limits;
 use crate::stepper::dynamics::state::{ContactState, Mode};
 use crate::stepper::real::Real;
@@ -30,8 +30,6 @@ pub(super) struct Active<R> {
     pub(super) begins: Mode,
     /// P − x₀ of block i and Q − x₀ of block j.
     pub(super) arms: [Vector<R>; 2],
-    /// `T_iᵀn` and `T_jᵀn`.
-    pub(super) rows: [Twelve<R>; 2],
     /// What the last solve says.
     pub(super) now: Now<R>,
 }
@@ -59,7 +57,11 @@ impl<R: Real> Active<R> {
     /// Takes the centroids of i and j, from which displacements are measured.
     pub(super) fn measure_from(&mut self, [i, j]: [Vector<R>; 2]) {
         self.arms = [self.plane.p - i, self.plane.q - j];
-        self.rows = self.arms.map(|arm| generalized(arm, self.plane.normal));
+    }
+
+    /// `T_iᵀn` and `T_jᵀn`.
+    pub(super) fn rows(&self) -> [Twelve<R>; 2] {
+        self.arms.map(|arm| generalized(arm, self.plane.normal))
     }
 
     /// As it was when the step began.
@@ -80,7 +82,8 @@ impl<R: Real> Active<R> {
     /// Reads h and s of a solve, and decides the mode for the next. While settling, what is closed is locked.
     pub(super) fn judge<M: StepRules>(&mut self, d: [&Twelve<R>; 2], limits: &Limits<R>, settling: bool) {
         let before = self.now.mode;
-        let gap = self.plane.gap + dot(&self.rows[0], d[0], 12) - dot(&self.rows[1], d[1], 12);
+        let [e, g] = self.rows();
+        let gap = self.plane.gap + dot(&e, d[0], 12) - dot(&g, d[1], 12);
         let moved = displacement(self.arms[0], d[0]) - displacement(self.arms[1], d[1]);
         let stretch = self.stretch + self.across(moved);
         (self.now.gap, self.now.stretch) = (gap, stretch);
@@ -94,14 +97,28 @@ impl<R: Real> Active<R> {
             false => Mode::Open,
             true if settling => Mode::Locked,
             true => {
-                let strength = self.strength::<M>();
-                let spring = self.joint.shear * self.joint.shear * stretch.dot(stretch);
-                let slides = if kept { before == Mode::Sliding } else { !M::locks(spring, strength * strength) };
+                let slides = if kept { before == Mode::Sliding } else { !M::holds(before, &self.slip::<M>()) };
                 if slides { Mode::Sliding } else { Mode::Locked }
             }
         };
-        if self.now.mode == Mode::Sliding {
+        self.take::<M>(self.now.mode);
+    }
+
+    /// Takes a mode for the next solve, with the gap and the stretch of the last one.
+    pub(super) fn take<M: StepRules>(&mut self, mode: Mode) {
+        self.now.mode = mode;
+        if mode == Mode::Sliding {
             self.now.slip_force = self.along_slip(self.strength::<M>());
+        }
+    }
+
+    fn slip<M: StepRules>(&self) -> Slip<R> {
+        Slip {
+            normal: self.joint.normal,
+            shear: self.joint.shear,
+            stretch_squared: self.now.stretch.dot(self.now.stretch),
+            friction: M::strength(self.joint.friction, self.joint.normal * M::pressing(self.now.gap), R::ZERO),
+            strength: self.strength::<M>(),
         }
     }
 

@@ -6,7 +6,9 @@ use crate::stepper::dynamics::area;
 use crate::stepper::dynamics::attempt::{Ended, Iteration};
 use crate::stepper::dynamics::contact::{Active, Now};
 use crate::stepper::dynamics::displacement::{Twelve, displacement};
+use crate::stepper::dynamics::given::Given;
 use crate::stepper::dynamics::kinematics::Motion;
+use crate::stepper::dynamics::layout::Layouts;
 use crate::stepper::dynamics::material::Joint;
 use crate::stepper::dynamics::moments::{Matrix, Moments};
 use crate::stepper::dynamics::neighbours::Neighbours;
@@ -14,7 +16,7 @@ use crate::stepper::dynamics::plane::plane;
 use crate::stepper::dynamics::report::{Retry, RetryReason, StepReport, Stopped};
 use crate::stepper::dynamics::rules::StepRules;
 use crate::stepper::dynamics::setup::{Setup, SetupError};
-use crate::stepper::dynamics::solve::{Patterns, Solve};
+use crate::stepper::dynamics::solve::Solve;
 use crate::stepper::dynamics::state::{Mode, State};
 use crate::stepper::dynamics::transfer;
 use crate::stepper::vector::Vector;
@@ -23,18 +25,34 @@ use std::marker::PhantomData;
 use std::time::{Duration, Instant};
 
 /// A scene in motion, in the scalar `R` and by the rules `M`.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Dynamics<R, M = Spec> {
     pub(super) setup: Setup<R>,
     pub(super) state: State<R>,
     pub(super) solids: Vec<Solid<R>>,
     pub(super) moments: Vec<Moments<R>>,
-    pub(super) inertia: Vec<Matrix<R>>,
     neighbours: Neighbours,
-    patterns: Patterns,
-    modes: Vec<Vec<Vec<Mode>>>,
+    pub(super) layouts: Layouts,
+    pub(super) modes: Vec<Vec<Vec<Mode>>>,
     phases: Phases,
     rules: PhantomData<fn() -> M>,
+}
+
+// Rules are no values, so M need not be Clone.
+impl<R: Clone, M> Clone for Dynamics<R, M> {
+    fn clone(&self) -> Self {
+        Dynamics {
+            setup: self.setup.clone(),
+            state: self.state.clone(),
+            solids: self.solids.clone(),
+            moments: self.moments.clone(),
+            neighbours: self.neighbours.clone(),
+            layouts: self.layouts.clone(),
+            modes: self.modes.clone(),
+            phases: self.phases,
+            rules: PhantomData,
+        }
+    }
 }
 
 /// Where the time went, over all steps so far.
@@ -51,12 +69,12 @@ pub struct Phases {
 }
 
 /// An attempt that was good, or the last one.
-struct Accepted<R> {
-    time_step: R,
-    ended: Ended<R>,
-    retries: Vec<Retry>,
+pub(super) struct Accepted<R> {
+    pub(super) time_step: R,
+    pub(super) ended: Ended<R>,
+    pub(super) retries: Vec<Retry>,
     /// The largest displacement of a vertex, squared (m²).
-    farthest: R,
+    pub(super) farthest: R,
 }
 
 impl<R: Solve> Dynamics<R> {
@@ -83,9 +101,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             state,
             solids: Vec::new(),
             moments: Vec::new(),
-            inertia: Vec::new(),
             neighbours: Neighbours::default(),
-            patterns: Patterns::default(),
+            layouts: Layouts::default(),
             modes: Vec::new(),
             phases: Phases::default(),
             rules: PhantomData,
@@ -132,7 +149,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// The mass matrix of a block, in kg, kg·m and kg·m².
     pub fn mass(&self, block: usize) -> Matrix<R> {
         let density = self.setup.bodies[block].elastic.density;
-        self.inertia[block].map(|row| row.map(|value| value * density))
+        self.moments[block].inertia().map(|row| row.map(|value| value * density))
     }
 
     /// For each attempt at the last step, the modes of its contacts (in the order of the state) after each solve.
@@ -155,7 +172,6 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             Moments::of(block.topology(), &state.vertices)
         };
         self.moments = self.setup.blocks.iter().zip(&self.state.blocks).map(moments).collect();
-        self.inertia = self.moments.iter().map(Moments::inertia).collect();
         Ok(())
     }
 
@@ -164,12 +180,22 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// # Errors
     /// When the run cannot go on.
     pub fn step(&mut self) -> Result<StepReport, Stopped> {
+        self.step_with(None)
+    }
+
+    pub(super) fn step_with(&mut self, given: Option<&Given<'_>>) -> Result<StepReport, Stopped> {
         let settling = self.state.settling > 0;
         let number = if settling { 1 - i64::from(self.state.settling) } else { self.state.step as i64 + 1 };
-        let mut contacts = self.contacts();
+        let mut contacts = match given {
+            None => self.contacts(),
+            Some(given) => self.given_contacts(given.contacts),
+        };
         let begun = Instant::now();
         self.modes.clear();
-        let accepted = self.attempts(&mut contacts, number, settling)?;
+        let accepted = match given.and_then(|given| given.attempt.as_ref()) {
+            None => self.attempts(&mut contacts, number, settling)?,
+            Some(attempt) => self.given_attempt(&mut contacts, attempt, number, settling)?,
+        };
         self.phases.iteration += begun.elapsed();
         let begun = Instant::now();
         let report = self.accept(&contacts, accepted, number, settling);
@@ -197,7 +223,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         found.into_iter().flatten().collect()
     }
 
-    fn of_pair(&self, pair: [u32; 2], contacts: &[Contact]) -> Vec<Active<R>> {
+    pub(super) fn of_pair(&self, pair: [u32; 2], contacts: &[Contact]) -> Vec<Active<R>> {
         if contacts.is_empty() {
             return Vec::new();
         }
@@ -214,7 +240,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 Some((mode, [a, b])) => (mode, if plane.a_enters { [a, b] } else { [b, a] }),
             };
             let now = Now { mode: begins, gap: plane.gap, stretch: Vector::ZERO, slip_force: Vector::ZERO };
-            let (arms, rows, zero) = ([Vector::ZERO; 2], [[R::ZERO; 12]; 2], R::ZERO);
+            let (arms, zero) = ([Vector::ZERO; 2], R::ZERO);
             let contact = *contact;
             let (cohesive, tensile_gap, stretch) = (zero, zero, Vector::ZERO);
             let mut active = Active {
@@ -228,7 +254,6 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 stretch,
                 begins,
                 arms,
-                rows,
                 now,
             };
             active.stretch = active.across(anchors[0] - anchors[1]);
@@ -250,9 +275,9 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let mut retries = Vec::new();
         loop {
             let alone = self.alone(time_step, settling);
-            let iteration = Iteration { alone: &alone, limits: &self.setup.limits, settling };
+            let iteration = Iteration { alone: &alone, limits: &self.setup.limits, settling, given: None };
             let ended = iteration
-                .run::<M>(contacts, &mut self.patterns)
+                .run::<M>(contacts, &mut self.layouts)
                 .map_err(|unsolved| Stopped::Singular { step: number, block: unsolved.block })?;
             self.modes.push(ended.modes.clone());
             if let Some(block) = ended.d.iter().position(|d| !d.iter().all(|x| x.is_finite())) {
@@ -281,7 +306,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                         Some((why, half))
                     }
                     Ok(farthest) => {
-                        self.patterns.forget_unused();
+                        self.layouts.forget_unused();
                         return Ok(Accepted { time_step, ended, retries, farthest });
                     }
                 },
@@ -293,12 +318,13 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         }
     }
 
-    /// The largest squared displacement of a vertex, or the block that exceeds a limit.
+    /// The largest squared displacement of a vertex, or the first block that exceeds a limit: first that of displacement.
     fn beyond_limits(&self, d: &[Twelve<R>]) -> Result<R, (usize, RetryReason)> {
         let limits = &self.setup.limits;
         let (far, turned) = (limits.displacement * limits.displacement, limits.rotation * limits.rotation);
+        let moving = || d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block));
         let mut farthest = R::ZERO;
-        for (block, d) in d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block)) {
+        for (block, d) in moving() {
             for &vertex in &self.state.blocks[block].vertices {
                 let moved = displacement(vertex - self.moments[block].centroid, d);
                 let squared = moved.dot(moved);
@@ -307,11 +333,12 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 }
                 farthest = farthest.larger(squared);
             }
-            if M::turned_too_far(d[3] * d[3] + d[4] * d[4] + d[5] * d[5], turned) {
-                return Err((block, RetryReason::Rotation));
-            }
         }
-        Ok(farthest)
+        let turns = |d: &Twelve<R>| M::turned_too_far(d[3] * d[3] + d[4] * d[4] + d[5] * d[5], turned);
+        match moving().find(|(_, d)| turns(d)) {
+            Some((block, _)) => Err((block, RetryReason::Rotation)),
+            None => Ok(farthest),
+        }
     }
 
     pub(super) fn is_fixed(&self, block: usize) -> bool {
@@ -330,10 +357,22 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let motions: Vec<Motion<R>> = (0..self.solids.len())
             .map(|block| Motion::new(self.setup.control.kinematics, self.moments[block].centroid, &ended.d[block]))
             .collect();
-        let mut next = self.state.clone();
+        let now = &self.state;
+        let mut next = State {
+            step: now.step,
+            time: now.time,
+            settling: now.settling,
+            blocks: now.blocks.clone(),
+            load_points: now.load_points.clone(),
+            fixed_points: now.fixed_points.clone(),
+            measured_points: now.measured_points.clone(),
+            contacts: Vec::new(),
+        };
         let dynamic = if settling { R::ZERO } else { self.setup.control.dynamic };
         let twice = R::from_f64(2.0) / time_step;
-        let (mut solids, mut moments) = (self.solids.clone(), self.moments.clone());
+        let mut moments = self.moments.clone();
+        // Prepared again, all but the fixed ones.
+        let mut solids: Vec<(usize, Solid<R>)> = Vec::with_capacity(self.solids.len());
         for block in (0..motions.len()).filter(|&block| !self.is_fixed(block)) {
             let (state, d) = (&mut next.blocks[block], &ended.d[block]);
             for vertex in &mut state.vertices {
@@ -355,8 +394,9 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 let volume = moments[block].volume.to_f64();
                 return Err(Stopped::Inverted { step: number, block, volume });
             }
-            solids[block] = Solid::with_points(self.setup.blocks[block].clone(), &state.vertices)
+            let solid = Solid::with_points(self.setup.blocks[block].clone(), &state.vertices)
                 .map_err(|what| Stopped::Collapsed { step: number, block, what })?;
+            solids.push((block, solid));
         }
         let load_blocks = self.setup.loads.iter().map(|load| load.block);
         let held_blocks = self.setup.held.iter().map(|held| held.block);
@@ -384,8 +424,9 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             next.time = next.time + time_step;
         }
         self.state = next;
-        self.solids = solids;
-        self.inertia = moments.iter().map(Moments::inertia).collect();
+        for (block, solid) in solids {
+            self.solids[block] = solid;
+        }
         self.moments = moments;
         let farthest = farthest.to_f64().sqrt();
         // The map of `cayley` differs from first order by less than this.
@@ -426,7 +467,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             if body.motion.unknowns() == 12 {
                 elastic += (moments.volume * body.elastic.energy(&state.stress)).to_f64();
             }
-            for (row, &rate) in self.inertia[block].iter().zip(&state.velocity) {
+            for (row, &rate) in moments.inertia().iter().zip(&state.velocity) {
                 let momentum = row.iter().zip(&state.velocity).fold(R::ZERO, |sum, (&m, &v)| sum + m * v);
                 kinetic += (half * body.elastic.density * momentum * rate).to_f64();
             }

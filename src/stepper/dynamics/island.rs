@@ -3,18 +3,17 @@
 use crate::stepper::dynamics::area::tangents;
 use crate::stepper::dynamics::contact::Active;
 use crate::stepper::dynamics::displacement::{Twelve, generalized};
-use crate::stepper::dynamics::moments::Matrix;
-use crate::stepper::dynamics::solve::{DENSE, Lower, Patterns, Singular, Solve, dense};
+use crate::stepper::dynamics::layout::{Layout, Layouts, Ties};
+use crate::stepper::dynamics::solve::{Lower, Singular, Solve, dense};
 use crate::stepper::dynamics::state::Mode;
 use crate::stepper::real::Real;
-use std::collections::BTreeMap;
 
 /// What a block brings into its system, without contacts.
 #[derive(Clone, Debug)]
 pub(super) struct Alone<R> {
     /// 12, 6 or 0.
     pub(super) unknowns: usize,
-    pub(super) stiffness: Matrix<R>,
+    pub(super) stiffness: Packed<R>,
     pub(super) force: Twelve<R>,
 }
 
@@ -67,21 +66,38 @@ impl Island {
         &self,
         alone: &[Alone<R>],
         contacts: &[Active<R>],
-        patterns: &mut Patterns,
+        layouts: &mut Layouts,
     ) -> Result<Vec<Twelve<R>>, Unsolved> {
-        let mut system = System::new(&self.blocks, alone);
+        let first = Unsolved { block: self.blocks[0] };
+        let layout = layouts.of(self.ties(alone, contacts)).ok_or(first)?;
+        let mut system = System::new(&self.blocks, &layout, alone);
         for &k in &self.contacts {
             system.add(&contacts[k]);
         }
-        let matrix = system.lower();
-        let mut unknowns = system.right_side();
-        let solved = if matrix.size() <= DENSE {
-            dense(&matrix, &mut unknowns)
-        } else {
-            R::sparse(&matrix, &mut unknowns, patterns)
+        let matrix = Lower { columns: &layout.columns, rows: &layout.rows, values: &system.values };
+        let solved = match &layout.factor {
+            None => dense(matrix, &mut system.force),
+            Some(factor) => R::sparse(matrix, factor, &mut system.force),
         };
-        solved.map_err(|Singular { unknown }| Unsolved { block: system.block_of(unknown) })?;
-        Ok(system.by_block(&unknowns))
+        solved.map_err(|Singular { unknown }| {
+            let place = layout.place_of(unknown);
+            let block = layout.places.iter().position(|&p| p as usize == place);
+            Unsolved { block: self.blocks[block.unwrap_or(0)] }
+        })?;
+        Ok(system.by_block())
+    }
+
+    /// Which of its blocks contacts tie together.
+    fn ties<R: Real>(&self, alone: &[Alone<R>], contacts: &[Active<R>]) -> Ties {
+        let within = |block: u32| self.blocks.binary_search(&(block as usize)).ok();
+        let pair = |&k: &usize| {
+            let [a, b] = contacts[k].blocks.map(within);
+            Some([a? as u32, b? as u32])
+        };
+        let mut pairs: Vec<[u32; 2]> = self.contacts.iter().filter_map(pair).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        Ties { unknowns: self.blocks.iter().map(|&block| alone[block].unknowns as u8).collect(), pairs }
     }
 }
 
@@ -93,32 +109,34 @@ pub(super) struct Unsolved {
 
 struct System<'s, R> {
     blocks: &'s [usize],
-    /// Where the unknowns of each block begin, and where the last end.
-    begins: Vec<usize>,
-    diagonal: Vec<Matrix<R>>,
-    /// By (column, row) of the blocks' places, column < row.
-    beside: BTreeMap<(usize, usize), Matrix<R>>,
-    force: Vec<Twelve<R>>,
+    layout: &'s Layout,
+    /// Of the lower triangle, as the layout has it.
+    values: Vec<R>,
+    force: Vec<R>,
 }
 
 impl<'s, R: Real> System<'s, R> {
-    fn new(blocks: &'s [usize], alone: &[Alone<R>]) -> System<'s, R> {
-        let mut begins = vec![0];
-        for &block in blocks {
-            begins.push(begins[begins.len() - 1] + alone[block].unknowns);
+    fn new(blocks: &'s [usize], layout: &'s Layout, alone: &[Alone<R>]) -> System<'s, R> {
+        let mut system =
+            System { blocks, layout, values: vec![R::ZERO; layout.rows.len()], force: vec![R::ZERO; layout.size()] };
+        for (&block, &place) in blocks.iter().zip(&layout.places) {
+            let (alone, place) = (&alone[block], place as usize);
+            let unknowns = layout.unknowns(place);
+            system.force[unknowns.clone()].copy_from_slice(&alone.force[..unknowns.len()]);
+            for column in 0..unknowns.len() {
+                let diagonal = layout.diagonal(place, column);
+                for row in column..unknowns.len() {
+                    system.values[diagonal + row - column] = alone.stiffness[packed(row, column)];
+                }
+            }
         }
-        System {
-            blocks,
-            begins,
-            diagonal: blocks.iter().map(|&block| alone[block].stiffness).collect(),
-            beside: BTreeMap::new(),
-            force: blocks.iter().map(|&block| alone[block].force).collect(),
-        }
+        system
     }
 
     fn add(&mut self, contact: &Active<R>) {
-        let [i, j] = contact.entering().map(|block| self.blocks.binary_search(&block).ok());
-        let [e, g] = contact.rows;
+        let place = |block: usize| self.blocks.binary_search(&block).ok().map(|k| self.layout.places[k] as usize);
+        let [i, j] = contact.entering().map(place);
+        let [e, g] = contact.rows();
         self.spring([i, j], [&e, &g], contact.joint.normal, contact.plane.gap);
         match contact.now.mode {
             Mode::Locked => {
@@ -133,7 +151,8 @@ impl<'s, R: Real> System<'s, R> {
                 let force = contact.now.slip_force;
                 for (place, arm, force) in [(i, contact.arms[0], -force), (j, contact.arms[1], force)] {
                     let Some(place) = place else { continue };
-                    for (total, share) in self.force[place].iter_mut().zip(generalized(arm, force)) {
+                    let share = generalized(arm, force);
+                    for (total, share) in self.force[self.layout.unknowns(place)].iter_mut().zip(share) {
                         *total = *total + share;
                     }
                 }
@@ -145,78 +164,66 @@ impl<'s, R: Real> System<'s, R> {
     /// A spring of length `before + e·d_i − g·d_j`.
     fn spring(&mut self, [i, j]: [Option<usize>; 2], [e, g]: [&Twelve<R>; 2], stiffness: R, before: R) {
         if let Some(i) = i {
-            product(&mut self.diagonal[i], e, e, stiffness);
-            pull(&mut self.force[i], e, -stiffness * before);
+            self.own(i, e, stiffness);
+            pull(&mut self.force[self.layout.unknowns(i)], e, -stiffness * before);
         }
         if let Some(j) = j {
-            product(&mut self.diagonal[j], g, g, stiffness);
-            pull(&mut self.force[j], g, stiffness * before);
+            self.own(j, g, stiffness);
+            pull(&mut self.force[self.layout.unknowns(j)], g, stiffness * before);
         }
         if let (Some(i), Some(j)) = (i, j) {
-            // Rows belong to the later block.
-            let (column, row, (of_row, of_column)) = if i < j { (i, j, (g, e)) } else { (j, i, (e, g)) };
-            let beside = self.beside.entry((column, row)).or_insert([[R::ZERO; 12]; 12]);
-            product(beside, of_row, of_column, -stiffness);
+            // Rows belong to the later place.
+            if i < j { self.beside([i, j], [e, g], -stiffness) } else { self.beside([j, i], [g, e], -stiffness) }
         }
     }
 
-    fn unknowns(&self, place: usize) -> usize {
-        self.begins[place + 1] - self.begins[place]
-    }
-
-    fn lower(&self) -> Lower<R> {
-        let mut lower = Lower { columns: vec![0], rows: Vec::new(), values: Vec::new() };
-        for place in 0..self.blocks.len() {
-            let below: Vec<_> = self.beside.range((place, 0)..(place + 1, 0)).collect();
-            for column in 0..self.unknowns(place) {
-                for row in column..self.unknowns(place) {
-                    lower.rows.push((self.begins[place] + row) as u32);
-                    lower.values.push(self.diagonal[place][row][column]);
-                }
-                for ((_, other), matrix) in &below {
-                    for (row, values) in matrix.iter().enumerate().take(self.unknowns(*other)) {
-                        lower.rows.push((self.begins[*other] + row) as u32);
-                        lower.values.push(values[column]);
-                    }
-                }
-                lower.columns.push(lower.rows.len() as u32);
+    /// Adds `factor·rows·rowsᵀ` to the diagonal part of a place.
+    fn own(&mut self, place: usize, rows: &Twelve<R>, factor: R) {
+        let count = self.layout.unknowns(place).len();
+        let scaled = rows.map(|r| r * factor);
+        for column in 0..count {
+            let diagonal = self.layout.diagonal(place, column);
+            let values = &mut self.values[diagonal..diagonal + count - column];
+            for (value, &r) in values.iter_mut().zip(&scaled[column..]) {
+                *value = *value + r * rows[column];
             }
         }
-        lower
     }
 
-    fn right_side(&self) -> Vec<R> {
-        let of = |place: usize| self.force[place][..self.unknowns(place)].to_vec();
-        (0..self.blocks.len()).flat_map(of).collect()
-    }
-
-    fn by_block(&self, unknowns: &[R]) -> Vec<Twelve<R>> {
-        let of = |place: usize| {
-            let mut d = [R::ZERO; 12];
-            d[..self.unknowns(place)].copy_from_slice(&unknowns[self.begins[place]..self.begins[place + 1]]);
-            d
-        };
-        (0..self.blocks.len()).map(of).collect()
-    }
-
-    fn block_of(&self, unknown: usize) -> usize {
-        let place = self.begins.partition_point(|&begin| begin <= unknown).saturating_sub(1);
-        self.blocks[place.min(self.blocks.len() - 1)]
-    }
-}
-
-/// `K += factor·rows·columnsᵀ`
-fn product<R: Real>(matrix: &mut Matrix<R>, rows: &Twelve<R>, columns: &Twelve<R>, factor: R) {
-    for (line, &r) in matrix.iter_mut().zip(rows) {
-        let scaled = r * factor;
-        for (value, &c) in line.iter_mut().zip(columns) {
-            *value = *value + scaled * c;
+    /// Adds `factor·later·earlierᵀ` to the part that ties two places together.
+    fn beside(&mut self, [place, other]: [usize; 2], [earlier, later]: [&Twelve<R>; 2], factor: R) {
+        let Some(behind) = self.layout.beside(place, other) else { return };
+        let (own, count) = (self.layout.unknowns(place).len(), self.layout.unknowns(other).len());
+        let scaled = later.map(|r| r * factor);
+        for (column, &e) in earlier.iter().enumerate().take(own) {
+            let begin = self.layout.diagonal(place, column) + own - column + behind;
+            for (value, &r) in self.values[begin..begin + count].iter_mut().zip(&scaled) {
+                *value = *value + r * e;
+            }
         }
     }
+
+    fn by_block(&self) -> Vec<Twelve<R>> {
+        let of = |&place: &u32| {
+            let unknowns = self.layout.unknowns(place as usize);
+            let mut d = [R::ZERO; 12];
+            d[..unknowns.len()].copy_from_slice(&self.force[unknowns]);
+            d
+        };
+        self.layout.places.iter().map(of).collect()
+    }
 }
 
-fn pull<R: Real>(force: &mut Twelve<R>, row: &Twelve<R>, factor: R) {
+fn pull<R: Real>(force: &mut [R], row: &Twelve<R>, factor: R) {
     for (total, &r) in force.iter_mut().zip(row) {
         *total = *total + r * factor;
     }
+}
+
+/// The lower triangle of a 12 × 12 matrix, row by row.
+pub(super) type Packed<R> = [R; 78];
+
+/// Where a row and a column, which is not greater, stand in it.
+pub(super) fn packed(row: usize, column: usize) -> usize {
+    row * (row + 1) / 2 + column
 }

@@ -7,6 +7,21 @@ use crate::stepper::contact::{Rules, Spec};
 use crate::stepper::dynamics::state::Mode;
 use crate::stepper::real::Real;
 
+/// What a closed contact bears across its normal.
+#[derive(Clone, Copy, Debug)]
+pub struct Slip<R> {
+    /// p_n in N/m.
+    pub normal: R,
+    /// p_s in N/m.
+    pub shear: R,
+    /// |s|² in m².
+    pub stretch_squared: R,
+    /// tan φ·p_n·max(0, −h) in N.
+    pub friction: R,
+    /// τ in N.
+    pub strength: R,
+}
+
 /// The rules of SPEC section 5 as the step asks them. The defaults are SPEC's.
 pub trait StepRules: Rules {
     /// Mode of a contact that continues none: locked when its gap is at most 0. **A tie locks.**
@@ -42,6 +57,12 @@ pub trait StepRules: Rules {
     /// A closed contact is locked: the spring's force is at most τ. Both squared. **A tie locks.**
     fn locks<R: Real>(force_squared: R, strength_squared: R) -> bool {
         force_squared <= strength_squared
+    }
+
+    /// Whether a closed contact is locked, with its mode in this solve, which plays no part.
+    fn holds<R: Real>(_before: Mode, slip: &Slip<R>) -> bool {
+        let spring = slip.shear * slip.shear * slip.stretch_squared;
+        Self::locks(spring, slip.strength * slip.strength)
     }
 
     /// Which changes of mode count against convergence: all of them.

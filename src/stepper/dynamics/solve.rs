@@ -2,62 +2,86 @@
 
 use crate::stepper::real::Real;
 use crate::stepper::wide::Wide;
-use faer::Side;
-use faer::linalg::solvers::Solve as _;
-use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::linalg::amd;
+use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use std::collections::HashMap;
+use faer::{Conj, Par, Side};
 
 /// Systems of up to this many unknowns are solved as dense ones, by sums in an order of our own: the same bits on every machine.
 /// Larger ones take the fastest kernels that the processor has, whose last bits may differ from machine to machine.
 pub const DENSE: usize = 96;
 
 /// The lower triangle of a symmetric matrix by columns; row numbers ascend within a column and begin with the diagonal.
-#[derive(Clone, Debug)]
-pub struct Lower<R> {
+#[derive(Clone, Copy, Debug)]
+pub struct Lower<'s, R> {
     /// Where each column begins in `rows`, and where the last ends.
-    pub columns: Vec<u32>,
+    pub columns: &'s [u32],
     /// Row numbers.
-    pub rows: Vec<u32>,
+    pub rows: &'s [u32],
     /// Values.
-    pub values: Vec<R>,
+    pub values: &'s [R],
 }
 
-impl<R> Lower<R> {
+impl<R> Lower<'_, R> {
     /// The number of unknowns.
     pub fn size(&self) -> usize {
         self.columns.len().saturating_sub(1)
     }
 }
 
-/// Orderings and patterns of factors, kept from solve to solve while the pattern stays the same.
-#[derive(Clone, Debug, Default)]
-pub struct Patterns {
-    known: HashMap<Vec<u32>, (SymbolicLlt<u32>, bool)>,
+/// The pattern of a sparse factor, for matrices of one pattern.
+#[derive(Debug)]
+pub struct Factor {
+    symbolic: SymbolicCholesky<u32>,
 }
 
-impl Patterns {
-    /// Forgets patterns that were not used since the last call.
-    pub fn forget_unused(&mut self) {
-        self.known.retain(|_, (_, used)| std::mem::take(used));
+impl Factor {
+    /// The factor of matrices with this lower triangle, eliminated in the order of their unknowns. `None` when it exceeds memory.
+    pub fn new(columns: &[u32], rows: &[u32]) -> Option<Factor> {
+        // Without an ordering of its own, faer takes the upper triangle here.
+        let (columns, rows) = transposed(columns, rows);
+        let size = columns.len() - 1;
+        let upper = SymbolicSparseColMatRef::new_checked(size, size, &columns, None, &rows);
+        let ordering = SymmetricOrdering::Identity;
+        let symbolic = factorize_symbolic_cholesky(upper, Side::Upper, ordering, Default::default()).ok()?;
+        Some(Factor { symbolic })
     }
 
-    fn of<R>(&mut self, matrix: &Lower<R>) -> Option<SymbolicLlt<u32>> {
-        let mut key = Vec::with_capacity(matrix.columns.len() + matrix.rows.len());
-        key.extend_from_slice(&matrix.columns);
-        key.extend_from_slice(&matrix.rows);
-        if let Some((symbolic, used)) = self.known.get_mut(&key) {
-            *used = true;
-            return Some(symbolic.clone());
+    /// The values that a factor has.
+    pub fn values(&self) -> usize {
+        self.symbolic.len_val()
+    }
+}
+
+fn transposed(columns: &[u32], rows: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let size = columns.len() - 1;
+    let mut begins = vec![0u32; size + 1];
+    for &row in rows {
+        begins[row as usize + 1] += 1;
+    }
+    for k in 0..size {
+        begins[k + 1] += begins[k];
+    }
+    let (mut next, mut found) = (begins.clone(), vec![0u32; rows.len()]);
+    for column in 0..size {
+        for &row in &rows[columns[column] as usize..columns[column + 1] as usize] {
+            found[next[row as usize] as usize] = column as u32;
+            next[row as usize] += 1;
         }
-        let symbolic = SymbolicLlt::try_new(pattern(matrix), Side::Lower).ok()?;
-        self.known.insert(key, (symbolic.clone(), true));
-        Some(symbolic)
     }
+    (begins, found)
 }
 
-fn pattern<R>(matrix: &Lower<R>) -> SymbolicSparseColMatRef<'_, u32> {
-    SymbolicSparseColMatRef::new_checked(matrix.size(), matrix.size(), &matrix.columns, None, &matrix.rows)
+/// An order of elimination of a graph's nodes that fills little (approximate minimum degree, Amestoy, Davis and Duff 1996). The
+/// graph is given as a lower triangle without its diagonal. `None` when it exceeds memory.
+pub fn elimination_order(columns: &[u32], rows: &[u32]) -> Option<Vec<u32>> {
+    let size = columns.len() - 1;
+    let graph = SymbolicSparseColMatRef::new_checked(size, size, columns, None, rows);
+    let mut buffer = MemBuffer::try_new(amd::order_scratch::<u32>(size, rows.len())).ok()?;
+    let (mut order, mut inverse) = (vec![0u32; size], vec![0u32; size]);
+    amd::order(&mut order, &mut inverse, graph, amd::Control::default(), MemStack::new(&mut buffer)).ok()?;
+    Some(order)
 }
 
 /// A pivot that is not positive and finite: the system is singular, or became so by rounding.
@@ -69,22 +93,34 @@ pub struct Singular {
 
 /// A scalar in which systems can be solved.
 pub trait Solve: Real + Send + Sync {
-    /// Solves in place a system too large for [`dense`].
+    /// Solves in place a system too large for [`dense`], by the factor of its pattern.
     ///
     /// # Errors
     /// When the matrix is not positive definite in this precision.
-    fn sparse(matrix: &Lower<Self>, rhs: &mut [Self], patterns: &mut Patterns) -> Result<(), Singular>;
+    fn sparse(matrix: Lower<'_, Self>, factor: &Factor, rhs: &mut [Self]) -> Result<(), Singular>;
 }
 
 macro_rules! solve_by_faer {
     ($type:ty) => {
         impl Solve for $type {
-            fn sparse(matrix: &Lower<Self>, rhs: &mut [Self], patterns: &mut Patterns) -> Result<(), Singular> {
+            fn sparse(matrix: Lower<'_, Self>, factor: &Factor, rhs: &mut [Self]) -> Result<(), Singular> {
                 let singular = Singular { unknown: 0 };
-                let symbolic = patterns.of(matrix).ok_or(singular)?;
-                let values = SparseColMatRef::new(pattern(matrix), &matrix.values);
-                let factor = Llt::try_new_with_symbolic(symbolic, values, Side::Lower).map_err(|_| singular)?;
-                factor.solve_in_place(faer::ColMut::from_slice_mut(rhs).as_mat_mut());
+                let Factor { symbolic } = factor;
+                let size = matrix.size();
+                let pattern = SymbolicSparseColMatRef::new_checked(size, size, matrix.columns, None, matrix.rows);
+                let lower = SparseColMatRef::new(pattern, matrix.values);
+                let par = Par::Seq;
+                let scratch = symbolic.factorize_numeric_llt_scratch::<$type>(par, Default::default());
+                let scratch = scratch.or(symbolic.solve_in_place_scratch::<$type>(1, par));
+                let mut buffer = MemBuffer::try_new(scratch).map_err(|_| singular)?;
+                let stack = MemStack::new(&mut buffer);
+                let mut values = vec![0.0; symbolic.len_val()];
+                let (whole, spec) = (Default::default(), Default::default());
+                symbolic
+                    .factorize_numeric_llt(&mut values, lower, Side::Lower, whole, par, stack, spec)
+                    .map_err(|_| singular)?;
+                let solution = faer::ColMut::from_slice_mut(rhs).as_mat_mut();
+                LltRef::new(symbolic, &values).solve_in_place_with_conj(Conj::No, solution, par, stack);
                 Ok(())
             }
         }
@@ -95,7 +131,7 @@ solve_by_faer!(f32);
 solve_by_faer!(f64);
 
 impl Solve for Wide {
-    fn sparse(matrix: &Lower<Self>, rhs: &mut [Self], _: &mut Patterns) -> Result<(), Singular> {
+    fn sparse(matrix: Lower<'_, Self>, _: &Factor, rhs: &mut [Self]) -> Result<(), Singular> {
         dense(matrix, rhs)
     }
 }
@@ -104,7 +140,7 @@ impl Solve for Wide {
 ///
 /// # Errors
 /// When a pivot is not positive and finite.
-pub fn dense<R: Real>(matrix: &Lower<R>, rhs: &mut [R]) -> Result<(), Singular> {
+pub fn dense<R: Real>(matrix: Lower<'_, R>, rhs: &mut [R]) -> Result<(), Singular> {
     let n = matrix.size();
     let mut l = vec![R::ZERO; n * n];
     for column in 0..n {

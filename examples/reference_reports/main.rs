@@ -1,0 +1,178 @@
+//! Makes the reports in `reports/reference/` anew, or checks that their tables have not drifted:
+//!
+//! ```text
+//! cargo run --release --example reference_reports            all of them, some minutes
+//! cargo run --release --example reference_reports -- small   one
+//! cargo run --release --example reference_reports -- --check the small one, compared with what is committed
+//! ```
+//!
+//! Runs are made in a directory for temporary files, by the commands that `reports/reference/README.md` shows.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+/// A reference report.
+struct Reference {
+    name: &'static str,
+    /// Commands of `rockproof`, run one after the other.
+    commands: &'static [&'static [&'static str]],
+    /// Whether the page is kept: it holds 3 MB of library.
+    page: bool,
+}
+
+const REFERENCES: [Reference; 3] = [
+    Reference { name: "campaign", commands: &[&["campaign", "--seed", "1"]], page: true },
+    Reference { name: "small", commands: &[&["campaign", "--seed", "7", "--pairs", "2048"]], page: false },
+    Reference { name: "sweep", commands: &[&["campaign", "reports/reference/sweep.toml"]], page: false },
+];
+
+/// What goes wrong, told.
+type Told<T> = Result<T, String>;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let outcome = match arguments.first().map(String::as_str) {
+        Some("--check") => check("small"),
+        _ => REFERENCES
+            .iter()
+            .filter(|r| arguments.is_empty() || arguments.iter().any(|a| a == r.name))
+            .try_for_each(renew),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(told) => {
+            eprintln!("{told}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn rockproof(arguments: &[String], directory: &Path) -> Told<()> {
+    let mut command = Command::new(env!("CARGO"));
+    command.args(["run", "--release", "--locked", "--quiet", "--manifest-path"]).arg(root().join("Cargo.toml"));
+    command.args(["--bin", "rockproof", "--"]).args(arguments).current_dir(directory);
+    let status = command.status().map_err(|e| format!("cargo does not run: {e}"))?;
+    if status.success() { Ok(()) } else { Err(format!("rockproof {} failed", arguments.join(" "))) }
+}
+
+/// Makes the runs of a reference and its report; gives the directory of the report.
+fn make(reference: &Reference, directory: &Path) -> Told<PathBuf> {
+    // The same paths as in the repository, so that the commands in the page work there.
+    let run = format!("reports/reference/{}", reference.name);
+    fs::create_dir_all(directory.join("reports/reference")).map_err(|e| e.to_string())?;
+    for command in reference.commands {
+        let mut arguments: Vec<String> = command.iter().map(|a| absolute(a)).collect();
+        arguments.extend(["--out".to_owned(), run.clone(), "--force".to_owned()]);
+        rockproof(&arguments, directory)?;
+    }
+    for format in ["markdown", "html"] {
+        let arguments = ["report", &run, "--out", &format!("{run}-{format}"), "--format", format, "--force"];
+        rockproof(&arguments.map(str::to_owned), directory)?;
+    }
+    Ok(directory.join("reports/reference"))
+}
+
+/// Files of the repository by their whole path.
+fn absolute(argument: &str) -> String {
+    let path = root().join(argument);
+    if argument.contains('/') && path.is_file() { path.display().to_string() } else { argument.to_owned() }
+}
+
+fn temporary(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("rockproof-{name}-{}", std::process::id()))
+}
+
+fn renew(reference: &Reference) -> Told<()> {
+    println!("{}", reference.name);
+    let directory = temporary(reference.name);
+    let made = make(reference, &directory)?;
+    let (html, markdown) =
+        (made.join(format!("{}-html", reference.name)), made.join(format!("{}-markdown", reference.name)));
+    let kept = root().join("reports/reference").join(reference.name);
+    if kept.exists() {
+        fs::remove_dir_all(&kept).map_err(|e| e.to_string())?;
+    }
+    copy_all(&html.join("tables"), &kept.join("tables"), &|_| true)?;
+    copy(&markdown.join("report.md"), &kept.join("report.md"))?;
+    if reference.page {
+        copy(&html.join("report.html"), &kept.join("report.html"))?;
+        // The cases that the page shows how to replay.
+        let page = fs::read_to_string(html.join("report.html")).map_err(|e| e.to_string())?;
+        copy_all(&made.join(reference.name).join("cases"), &kept.join("cases"), &|name| {
+            page.contains(&format!("/cases/{name}<"))
+        })?;
+    }
+    fs::remove_dir_all(&directory).map_err(|e| e.to_string())
+}
+
+/// Compares the tables of a reference with those committed.
+fn check(name: &str) -> Told<()> {
+    let reference = REFERENCES.iter().find(|r| r.name == name).ok_or("no such reference")?;
+    let directory = temporary(name);
+    let made = make(reference, &directory)?.join(format!("{name}-html/tables"));
+    let kept = root().join("reports/reference").join(name).join("tables");
+    let (made, known) = (tables(&made)?, tables(&kept)?);
+    let mut drifted = Vec::new();
+    for (table, bytes) in &made {
+        match known.iter().find(|(name, _)| name == table) {
+            None => drifted.push(format!("{table}: not in {}", kept.display())),
+            Some((_, old)) if old != bytes => drifted.push(first_difference(table, old, bytes)),
+            Some(_) => {}
+        }
+    }
+    drifted.extend(
+        known
+            .iter()
+            .filter(|(name, _)| !made.iter().any(|(new, _)| new == name))
+            .map(|(name, _)| format!("{name}: no longer made")),
+    );
+    fs::remove_dir_all(&directory).map_err(|e| e.to_string())?;
+    if drifted.is_empty() {
+        println!("{} tables as committed", made.len());
+        return Ok(());
+    }
+    Err(format!(
+        "the tables of reports/reference/{name} have drifted; if that is meant: cargo run --release --example reference_reports\n  {}",
+        drifted.join("\n  ")
+    ))
+}
+
+fn first_difference(table: &str, old: &[u8], new: &[u8]) -> String {
+    let lines = |bytes: &[u8]| String::from_utf8_lossy(bytes).lines().map(str::to_owned).collect::<Vec<_>>();
+    let (old, new) = (lines(old), lines(new));
+    let at = old.iter().zip(&new).position(|(old, new)| old != new).unwrap_or(old.len().min(new.len()));
+    let line = |lines: &[String]| lines.get(at).cloned().unwrap_or_else(|| "(end)".to_owned());
+    format!("{table}: line {}: {}, committed {}", at + 1, line(&new), line(&old))
+}
+
+/// The files of a directory by name.
+fn tables(directory: &Path) -> Told<Vec<(String, Vec<u8>)>> {
+    let told = |e: std::io::Error| format!("{}: {e}", directory.display());
+    let mut found = Vec::new();
+    for entry in fs::read_dir(directory).map_err(told)? {
+        let entry = entry.map_err(told)?;
+        found.push((entry.file_name().to_string_lossy().into_owned(), fs::read(entry.path()).map_err(told)?));
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn copy(from: &Path, to: &Path) -> Told<()> {
+    let parent = to.parent().ok_or("no directory")?;
+    fs::create_dir_all(parent).map_err(|e| e.to_string())?;
+    fs::copy(from, to).map(drop).map_err(|e| format!("{}: {e}", from.display()))
+}
+
+fn copy_all(from: &Path, to: &Path, wanted: &dyn Fn(&str) -> bool) -> Told<()> {
+    for (name, _) in tables(from)? {
+        if wanted(&name) {
+            copy(&from.join(&name), &to.join(&name))?;
+        }
+    }
+    Ok(())
+}

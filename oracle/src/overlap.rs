@@ -1,0 +1,133 @@
+//! The area that two polygons of the plane have in common, exactly.
+//!
+//! The plane is cut into strips at every corner of both and at every point where their sides cross. Within a strip the
+//! sides keep their order, so the length that both polygons share of a vertical line is linear across it: the strip
+//! contributes its width times that length in its middle. Polygons may be concave and go round either way.
+
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::Zero;
+use std::cmp::{max, min};
+
+/// A point of the plane.
+pub(crate) type Flat = [BigRational; 2];
+
+/// The common area of two simple polygons.
+pub(crate) fn common_area(one: &[Flat], two: &[Flat]) -> BigRational {
+    let mut cuts: Vec<BigRational> = one.iter().chain(two).map(|corner| corner[0].clone()).collect();
+    for side in sides(one) {
+        cuts.extend(sides(two).filter_map(|other| crossing(side, other)));
+    }
+    cuts.sort_unstable();
+    cuts.dedup();
+    let two_of = BigInt::from(2);
+    cuts.windows(2).fold(BigRational::zero(), |area, strip| {
+        let (width, middle) = (&strip[1] - &strip[0], (&strip[0] + &strip[1]) / &two_of);
+        area + width * shared(&inside(one, &middle), &inside(two, &middle))
+    })
+}
+
+fn sides(polygon: &[Flat]) -> impl Iterator<Item = [&Flat; 2]> {
+    (0..polygon.len()).map(|k| [&polygon[k], &polygon[(k + 1) % polygon.len()]])
+}
+
+/// Where two sides cross, by its first coordinate; parallel ones do not.
+fn crossing([p, q]: [&Flat; 2], [r, s]: [&Flat; 2]) -> Option<BigRational> {
+    if max(&p[0], &q[0]) < min(&r[0], &s[0]) || max(&r[0], &s[0]) < min(&p[0], &q[0]) {
+        return None;
+    }
+    if max(&p[1], &q[1]) < min(&r[1], &s[1]) || max(&r[1], &s[1]) < min(&p[1], &q[1]) {
+        return None;
+    }
+    let (d, e) = ([&q[0] - &p[0], &q[1] - &p[1]], [&s[0] - &r[0], &s[1] - &r[1]]);
+    let across = &d[0] * &e[1] - &d[1] * &e[0];
+    if across.is_zero() {
+        return None;
+    }
+    let apart = [&r[0] - &p[0], &r[1] - &p[1]];
+    let share = (&apart[0] * &e[1] - &apart[1] * &e[0]) / across;
+    Some(&p[0] + share * &d[0])
+}
+
+/// What a vertical line, through no corner, has inside a polygon: ends of intervals, ascending.
+fn inside(polygon: &[Flat], x: &BigRational) -> Vec<BigRational> {
+    let mut ends: Vec<BigRational> = sides(polygon)
+        .filter(|[p, q]| (p[0] < *x) != (q[0] < *x))
+        .map(|[p, q]| &p[1] + (x - &p[0]) * (&q[1] - &p[1]) / (&q[0] - &p[0]))
+        .collect();
+    ends.sort_unstable();
+    ends
+}
+
+/// The length that two unions of intervals share.
+fn shared(one: &[BigRational], two: &[BigRational]) -> BigRational {
+    let intervals =
+        |ends: &'_ [BigRational]| ends.chunks_exact(2).map(|two| (two[0].clone(), two[1].clone())).collect();
+    let (one, two): (Vec<_>, Vec<_>) = (intervals(one), intervals(two));
+    let mut length = BigRational::zero();
+    for (low, high) in &one {
+        for (other_low, other_high) in &two {
+            let (low, high) = (max(low, other_low), min(high, other_high));
+            if low < high {
+                length += high - low;
+            }
+        }
+    }
+    length
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn polygon(corners: &[[i64; 2]], by: (i64, i64)) -> Vec<Flat> {
+        let at = |value: i64| BigRational::new(value.into(), 1.into());
+        let by = BigRational::new(by.0.into(), by.1.into());
+        corners.iter().map(|c| [at(c[0]) + &by, at(c[1])]).collect()
+    }
+
+    fn area(value: (i64, i64)) -> BigRational {
+        BigRational::new(value.0.into(), value.1.into())
+    }
+
+    /// The polygon turned by the angle of cosine 3/5.
+    fn turned(polygon: &[Flat]) -> Vec<Flat> {
+        let (c, s) = (area((3, 5)), area((4, 5)));
+        polygon.iter().map(|[x, y]| [x * &c - y * &s, x * &s + y * &c]).collect()
+    }
+
+    #[test]
+    fn overlaps_worked_by_hand_come_out_turned_and_reversed() {
+        let square = polygon(&[[0, 0], [1, 0], [1, 1], [0, 1]], (0, 1));
+        let shifted = polygon(&[[0, 0], [1, 0], [1, 1], [0, 1]], (1, 3));
+        // A U of two prongs 1 wide on a base 1 high, and a bar of height 1 across both prongs.
+        let prongs = polygon(&[[0, 0], [3, 0], [3, 3], [2, 3], [2, 1], [1, 1], [1, 3], [0, 3]], (0, 1));
+        let bar = polygon(&[[0, 2], [3, 2], [3, 3], [0, 3]], (1, 2));
+        let diamond = polygon(&[[1, 0], [2, 1], [1, 2], [0, 1]], (0, 1));
+        let cases = [
+            (&square, &square, (1, 1)),
+            (&square, &shifted, (2, 3)),
+            // The bar from 1/2 to 7/2: half of the first prong, all of the second.
+            (&prongs, &bar, (3, 2)),
+            (&prongs, &prongs, (7, 1)),
+            (&square, &diamond, (1, 2)),
+            // Sharing a corner or a side only.
+            (&square, &polygon(&[[1, 1], [2, 1], [2, 2]], (0, 1)), (0, 1)),
+            (&square, &polygon(&[[1, 0], [2, 0], [2, 1], [1, 1]], (0, 1)), (0, 1)),
+        ];
+        for (k, (one, two, expected)) in cases.into_iter().enumerate() {
+            let backwards: Vec<Flat> = two.iter().rev().cloned().collect();
+            for (a, b) in [(one, two), (two, one), (one, &backwards), (&turned(one), &turned(two))] {
+                assert_eq!(common_area(a, b), area(expected), "case {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_square_turned_in_a_square_leaves_an_octagon() {
+        // Side 2, turned by 3-4-5 about the middle: each corner cut off is a right triangle. With the distances of the
+        // turned corners from the axes 1/5 and 7/5, the triangles' legs are 1/2 and 2/3 long.
+        let square = polygon(&[[-1, -1], [1, -1], [1, 1], [-1, 1]], (0, 1));
+        assert_eq!(common_area(&square, &turned(&square)), area((4, 1)) - area((2, 3)));
+    }
+}

@@ -1,0 +1,184 @@
+//! The least translation that parts two convex blocks.
+//!
+//! A translation along a unit vector n, from B to A, parts the blocks when it brings A's lowest point along n up to B's
+//! highest. The least one is along the normal of a face of the Minkowski difference of the blocks (S. Cameron and R.
+//! K. Culley, 1986): a face normal of A or of B, or a cross product of an edge of each. Every direction gives a
+//! translation that parts them, so trying all of these, whether or not they are faces there, gives the least.
+//! For blocks apart the same calculation gives the widest slab between them that is normal to one of these directions.
+//!
+//! f64 first measures all directions; those that it does not prove worse than another are measured exactly.
+
+use super::{Penetration, Units, compare, near};
+use crate::Gap;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::{Signed, Zero};
+use rockproof_model::block::face_normal;
+use rockproof_model::ring::ExactRing;
+use rockproof_model::{Block, Vec3};
+
+/// The direction with the largest gap; `None` where no direction has a length.
+pub(super) fn least_translation(pair: &Units<'_>) -> Option<Penetration> {
+    let rough = Rough::new(pair);
+    let gaps: Vec<(Direction, f64)> = rough.gaps().collect();
+    let best = gaps.iter().map(|&(_, gap)| gap - rough.doubt).fold(f64::NEG_INFINITY, f64::max);
+    let mut found: Option<(Vec3<BigInt>, BigInt, BigInt)> = None;
+    // Whatever is not a number decides nothing.
+    for (direction, _) in gaps.iter().filter(|&&(_, gap)| gap.is_nan() || best.is_nan() || gap + rough.doubt >= best) {
+        let n = direction.exactly(pair);
+        let square = n.norm_squared();
+        if Zero::is_zero(&square) {
+            continue;
+        }
+        let (Some(low), Some(high)) =
+            (pair.points[0].iter().map(|p| n.dot(p)).min(), pair.points[1].iter().map(|p| n.dot(p)).max())
+        else {
+            continue;
+        };
+        let gap = low - high;
+        let signed = |gap: &BigInt| gap * gap.abs();
+        let above = |(_, other, other_square): &(Vec3<BigInt>, BigInt, BigInt)| {
+            compare((&signed(&gap), &square), (&signed(other), other_square)).is_gt()
+        };
+        if found.as_ref().is_none_or(above) {
+            found = Some((n, gap, square));
+        }
+    }
+    let (n, gap, square) = found?;
+    let direction = n.map(|c| BigRational::from_integer(c.clone()));
+    Some(Penetration {
+        gap: Gap { sign: ExactRing::sign(&gap), squared: pair.square_metres(&gap * &gap, square) },
+        direction,
+    })
+}
+
+/// At least and at most how deep the blocks overlap, in m; zero for blocks apart.
+pub(super) fn rough_depth(pair: &Units<'_>) -> (f64, f64) {
+    let rough = Rough::new(pair);
+    let gap =
+        rough.gaps().map(|(_, gap)| if gap.is_nan() { f64::INFINITY } else { gap }).fold(f64::NEG_INFINITY, f64::max);
+    if !gap.is_finite() {
+        return (0.0, f64::INFINITY);
+    }
+    let metre = near(&pair.scale.0) / near(&pair.scale.1);
+    let (least, most) = ((-gap - rough.doubt) / metre, (-gap + rough.doubt) / metre);
+    let slack = 8.0 * f64::EPSILON;
+    (least.max(0.0) * (1.0 - slack), if most.is_nan() { f64::INFINITY } else { most.max(0.0) * (1.0 + slack) })
+}
+
+/// A direction in which the blocks may part.
+#[derive(Clone, Copy, Debug)]
+enum Direction {
+    /// Against a face of A.
+    OfA(u32),
+    /// Along a face of B.
+    OfB(u32),
+    /// Along the cross product of an edge of A with one of B, or against it.
+    Edges(u32, u32, bool),
+}
+
+impl Direction {
+    fn exactly(self, pair: &Units<'_>) -> Vec3<BigInt> {
+        let face = |side: usize, face: u32| {
+            face_normal(&pair.points[side], &pair.blocks[side].topology().faces()[face as usize])
+        };
+        match self {
+            Direction::OfA(f) => face(0, f).negated(),
+            Direction::OfB(f) => face(1, f),
+            Direction::Edges(one, two, against) => {
+                let n = edge(pair, 0, one).cross(&edge(pair, 1, two));
+                if against { n.negated() } else { n }
+            }
+        }
+    }
+}
+
+fn edge(pair: &Units<'_>, side: usize, edge: u32) -> Vec3<BigInt> {
+    let ends = &pair.blocks[side].topology().edges()[edge as usize];
+    pair.points[side][ends.q as usize].minus(&pair.points[side][ends.p as usize])
+}
+
+/// Both blocks in f64, in lattice units from the first vertex of A.
+struct Rough<'p, 'a> {
+    pair: &'p Units<'a>,
+    points: [Vec<[f64; 3]>; 2],
+    /// No gap is off by more (lattice units).
+    doubt: f64,
+}
+
+/// A cross product shorter than this share of its factors' lengths is formed exactly, then rounded.
+const PARALLEL: f64 = 1.0 / 1024.0;
+
+impl<'p, 'a> Rough<'p, 'a> {
+    fn new(pair: &'p Units<'a>) -> Rough<'p, 'a> {
+        let origin = &pair.points[0][0];
+        let side = |side: usize| -> Vec<[f64; 3]> {
+            let relative = pair.points[side].iter().map(|p| p.minus(origin));
+            relative.map(|p| [near(&p.x), near(&p.y), near(&p.z)]).collect()
+        };
+        let points = [side(0), side(1)];
+        let size = points.iter().flatten().flatten().fold(0.0f64, |most, c| most.max(c.abs()));
+        // Edges and face normals are within a roundoff of the exact ones, cross products no shorter than
+        // `PARALLEL`, or exact: the angle to the exact direction is below 2⁻³⁶. Turning a direction by an angle moves a gap
+        // by that angle times the distance of two points, below 4·size.
+        Rough { pair, points, doubt: size * 2f64.powi(-33) }
+    }
+
+    /// Edge directions, rounded once: the difference of rounded ends would lose a short one.
+    fn edges(&self, side: usize) -> Vec<[f64; 3]> {
+        let count = self.pair.blocks[side].topology().edges().len() as u32;
+        (0..count).map(|e| edge(self.pair, side, e)).map(|d| [near(&d.x), near(&d.y), near(&d.z)]).collect()
+    }
+
+    /// The gap along each direction, in lattice units.
+    fn gaps(&self) -> impl Iterator<Item = (Direction, f64)> + '_ {
+        let faces = |block: &Block| 0..block.topology().faces().len() as u32;
+        let [a, b] = self.pair.blocks;
+        let of_a = faces(a).map(Direction::OfA);
+        let of_faces = of_a.chain(faces(b).map(Direction::OfB)).map(|direction| (direction, self.exact_gap(direction)));
+        let (ones, twos) = (self.edges(0), self.edges(1));
+        let of_edges = (0..ones.len()).flat_map(move |one| {
+            let first = ones[one];
+            let twos = twos.clone();
+            (0..twos.len()).flat_map(move |two| {
+                let n = cross(first, twos[two]);
+                let places = [false, true].map(|against| Direction::Edges(one as u32, two as u32, against));
+                let long = dot(n, n) > PARALLEL * PARALLEL * dot(first, first) * dot(twos[two], twos[two]);
+                if long {
+                    [(places[0], self.gap(n)), (places[1], self.gap(n.map(|c| -c)))]
+                } else {
+                    places.map(|place| (place, self.exact_gap(place)))
+                }
+            })
+        });
+        of_faces.chain(of_edges)
+    }
+
+    /// The gap along a direction that is formed exactly; minus infinity for one without length.
+    fn exact_gap(&self, direction: Direction) -> f64 {
+        let n = direction.exactly(self.pair);
+        if Zero::is_zero(&n.norm_squared()) {
+            return f64::NEG_INFINITY;
+        }
+        // Scaled by a power of two, so that no square leaves f64.
+        let top = n.components().iter().map(|c| c.bits()).max().unwrap_or(0).saturating_sub(900);
+        self.gap([&n.x, &n.y, &n.z].map(|c| near(&(c >> top))))
+    }
+
+    fn gap(&self, n: [f64; 3]) -> f64 {
+        let most = n.iter().fold(0.0f64, |most, c| most.max(c.abs()));
+        let n = n.map(|c| c / most);
+        let along =
+            |points: &[[f64; 3]], sign: f64| points.iter().map(|&p| sign * dot(n, p)).fold(f64::INFINITY, f64::min);
+        let gap = along(&self.points[0], 1.0) + along(&self.points[1], -1.0);
+        gap / dot(n, n).sqrt()
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

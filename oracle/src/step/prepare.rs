@@ -1,0 +1,160 @@
+//! What a step begins with: contacts, what they remember, joints (docs/step.md 2 to 6 and 15).
+
+use super::approximate::Layout;
+use super::attempt::{Attempt, Joint, force_at};
+use super::run::{StepFailure, StepModel};
+use super::state::State;
+use super::strength;
+use super::transfer::{Started, transfer};
+use crate::{LevelCounts, Pair, Solid, mass};
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::CheckedDiv;
+use rockproof_model::{Block, Contact, Number};
+
+/// Everything that the attempts at a step share.
+pub(crate) struct Begun<'a> {
+    pub(crate) model: &'a StepModel<'a>,
+    state: &'a State,
+    blocks: Vec<Block>,
+    pub(crate) contacts: Vec<([usize; 2], Contact)>,
+    pub(crate) contact_levels: LevelCounts,
+    started: Vec<Started>,
+    joints: Vec<Joint<'a>>,
+    fixed_stiffness: Vec<Number>,
+    /// Unknowns of each moving block.
+    sizes: Vec<usize>,
+    /// The place of each block among the moving ones.
+    rows: Vec<Option<usize>>,
+    pub(crate) layout: Layout,
+}
+
+impl<'a> Begun<'a> {
+    /// Finds the contacts of a state and what they remember.
+    pub(crate) fn new(model: &'a StepModel<'a>, state: &'a State) -> Result<Begun<'a>, StepFailure> {
+        let moved = |(shape, block): (&&Block, &super::BlockState)| shape.with_vertices(block.vertices.clone());
+        let blocks: Vec<Block> = model.shapes.iter().zip(&state.blocks).map(moved).collect();
+        if !model.bodies.iter().all(|body| mass::is_elastic(&model.simulation.materials[body.material])) {
+            return Err(StepFailure::NoElasticity);
+        }
+        let (contacts, contact_levels) = contacts(model, &blocks);
+        let started = transfer(&contacts, &state.contacts);
+        let joints = joints(model, &blocks, &started)?;
+        let sizes: Vec<usize> = model.bodies.iter().map(|b| b.motion.unknowns()).filter(|&n| n > 0).collect();
+        let mut next = 0..sizes.len();
+        let rows: Vec<Option<usize>> =
+            model.bodies.iter().map(|b| if b.is_fixed() { None } else { next.next() }).collect();
+        let pairs = started.iter().filter_map(|s| Some([rows[s.blocks[0]]?, rows[s.blocks[1]]?]));
+        let layout = Layout::new(&sizes, pairs);
+        let fixed_stiffness = fixed_stiffness(model)?;
+        Ok(Begun {
+            model,
+            state,
+            blocks,
+            contacts,
+            contact_levels,
+            started,
+            joints,
+            fixed_stiffness,
+            sizes,
+            rows,
+            layout,
+        })
+    }
+
+    /// An attempt with this Δt.
+    pub(crate) fn attempt(&self, time_step: BigRational) -> Attempt<'_> {
+        let settling = self.state.settling > 0;
+        let loads = if self.model.simulation.loads.is_empty() {
+            Vec::new()
+        } else {
+            let begin = self.state.time.to_rational();
+            let time = if settling { begin } else { begin + &time_step };
+            self.model.simulation.loads.iter().map(|load| (load.block, force_at(load, &time))).collect()
+        };
+        Attempt {
+            model: self.model,
+            state: self.state,
+            blocks: &self.blocks,
+            started: &self.started,
+            joints: &self.joints,
+            fixed_stiffness: &self.fixed_stiffness,
+            sizes: &self.sizes,
+            rows: &self.rows,
+            rate: BigRational::from_integer(BigInt::from(2)) / &time_step,
+            time_step,
+            settling,
+            loads,
+        }
+    }
+}
+
+fn contacts(model: &StepModel<'_>, blocks: &[Block]) -> (Vec<([usize; 2], Contact)>, LevelCounts) {
+    let solids: Vec<Solid> = blocks.iter().map(Solid::new).collect();
+    let (mut found, mut levels) = (Vec::new(), LevelCounts::default());
+    for [i, j] in neighbours(model, &solids) {
+        let answer = Pair::new(&solids[i], &solids[j]).classify(model.tolerances);
+        levels += answer.levels;
+        found.extend(answer.contacts.into_iter().map(|contact| ([i, j], contact)));
+    }
+    (found, levels)
+}
+
+/// Pairs of blocks, not both fixed, that f64 does not prove to be out of reach; ascending.
+fn neighbours(model: &StepModel<'_>, solids: &[Solid]) -> Vec<[usize; 2]> {
+    let ends = solids.iter().flat_map(|solid| solid.box_min.iter().chain(&solid.box_max));
+    let size = ends.fold(0.0f64, |most, end| most.max(end.abs()));
+    let search = model.tolerances.search.approximate();
+    // A few roundings: of each end, of their difference, of the reach.
+    let reach = search + 16.0 * f64::EPSILON * (size + search);
+    let mut order: Vec<usize> = (0..solids.len()).collect();
+    order.sort_by(|&i, &j| solids[i].box_min[0].total_cmp(&solids[j].box_min[0]));
+    let mut pairs = Vec::new();
+    for (place, &i) in order.iter().enumerate() {
+        for &j in &order[place + 1..] {
+            if solids[j].box_min[0] - solids[i].box_max[0] > reach {
+                break;
+            }
+            let apart = |k: usize| {
+                solids[j].box_min[k] - solids[i].box_max[k] > reach
+                    || solids[i].box_min[k] - solids[j].box_max[k] > reach
+            };
+            let fixed = model.bodies[i].is_fixed() && model.bodies[j].is_fixed();
+            if !fixed && !apart(1) && !apart(2) {
+                pairs.push([i.min(j), i.max(j)]);
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs
+}
+
+/// The joint of each contact.
+fn joints<'a>(model: &StepModel<'a>, blocks: &[Block], started: &[Started]) -> Result<Vec<Joint<'a>>, StepFailure> {
+    let mut joints = Vec::with_capacity(started.len());
+    for pair in started.chunk_by(|one, two| one.blocks == two.blocks) {
+        let [i, j] = pair[0].blocks;
+        let properties = model.simulation.joints.between(model.bodies[i].joint, model.bodies[j].joint);
+        let normal = properties.normal_stiffness.as_ref().ok_or(StepFailure::NoStiffness)?;
+        if properties.cohesion.is_zero() && properties.tension.is_zero() {
+            joints.extend(pair.iter().map(|_| Joint { properties, normal, cohesive: None, tensile: None }));
+            continue;
+        }
+        let contacts: Vec<Contact> = pair.iter().map(|started| started.contact).collect();
+        let areas = strength::shares([&blocks[i], &blocks[j]], &contacts, &model.tolerances.overlap_sine)
+            .ok_or(StepFailure::Degenerate)?;
+        let over_normal = BigRational::from_integer(1.into()).checked_div(&normal.to_rational());
+        for area in areas {
+            let stretched = over_normal.as_ref().map(|over| &area * properties.tension.to_rational() * over);
+            let cohesive = Some(area * properties.cohesion.to_rational());
+            joints.push(Joint { properties, normal, cohesive, tensile: stretched });
+        }
+    }
+    Ok(joints)
+}
+
+fn fixed_stiffness(model: &StepModel<'_>) -> Result<Vec<Number>, StepFailure> {
+    let stiffest = model.simulation.joints.all().filter_map(|joint| joint.normal_stiffness.as_ref()).max();
+    let fixed = model.simulation.fixed_points.iter();
+    fixed.map(|f| f.stiffness.as_ref().or(stiffest).cloned().ok_or(StepFailure::NoStiffness)).collect()
+}

@@ -1,0 +1,120 @@
+//! The areas on which cohesion and tensile strength act (docs/step.md 15), exactly.
+
+use super::contact::Sides;
+use crate::overlap::{Flat, common_area};
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::{Signed, Zero};
+use rockproof_model::block::face_normal;
+use rockproof_model::{Block, Contact, EntranceKind, Number, Vec3};
+use std::cmp::Ordering;
+
+/// For each contact of a pair its share of the overlap area of its two faces, **times |N|**, N the contact's normal: a
+/// fraction even where the area is none.
+pub(crate) fn shares(blocks: [&Block; 2], contacts: &[Contact], overlap_sine: &Number) -> Option<Vec<BigRational>> {
+    let points = blocks.map(|block| {
+        let origin = &block.vertices()[0];
+        block.vertices().iter().map(|v| crate::mass::difference(v, origin, 0)).collect::<Vec<Vec3<BigRational>>>()
+    });
+    let sides = Sides::new(blocks, [&points[0], &points[1]], 0);
+    let sine = overlap_sine.to_rational();
+    let mut facing = Vec::new();
+    for contact in contacts {
+        let normal = sides.normal(contact)?;
+        let faces = faces(&sides, contact, &normal, &sine);
+        facing.push((normal, faces));
+    }
+    // Contacts of one face have one normal: their area is worked out once.
+    let mut known: Vec<(&Vec3<BigRational>, [u32; 2], BigRational)> = Vec::new();
+    let mut shares = Vec::new();
+    for (normal, faces) in &facing {
+        let Some(faces) = faces else {
+            shares.push(BigRational::zero());
+            continue;
+        };
+        let sharing = facing.iter().filter(|(_, other)| other.as_ref() == Some(faces)).count();
+        let whole = match known.iter().find(|(n, f, _)| *n == normal && f == faces) {
+            Some((_, _, area)) => area.clone(),
+            None => {
+                let area = area_times_length(&sides, *faces, normal);
+                known.push((normal, *faces, area.clone()));
+                area
+            }
+        };
+        shares.push(whole / BigInt::from(sharing));
+    }
+    Some(shares)
+}
+
+/// The faces of A and of B that a contact joins, if they face each other within the overlap angle. `normal` points from
+/// B to A.
+fn faces(
+    sides: &Sides<'_, BigRational>,
+    contact: &Contact,
+    normal: &Vec3<BigRational>,
+    sine: &BigRational,
+) -> Option<[u32; 2]> {
+    let entrance = contact.entrance;
+    let at_vertex = |side: usize, vertex: u32| sides.blocks[side].topology().vertex_faces(vertex).to_vec();
+    let at_edge = |side: usize, edge: u32| {
+        let edge = &sides.blocks[side].topology().edges()[edge as usize];
+        vec![edge.left.min(edge.right), edge.left.max(edge.right)]
+    };
+    let candidates = match entrance.kind {
+        EntranceKind::VertexFace => [at_vertex(0, entrance.a), vec![entrance.b]],
+        EntranceKind::FaceVertex => [vec![entrance.a], at_vertex(1, entrance.b)],
+        EntranceKind::EdgeEdge => [at_edge(0, entrance.a), at_edge(1, entrance.b)],
+    };
+    let towards = [normal.negated(), normal.clone()];
+    let squarest = |side: usize| {
+        let measured = |face: u32| {
+            let outward = outward(sides, side, face);
+            let cosine = outward.dot(&towards[side]);
+            (face, cosine, outward)
+        };
+        let mut all = candidates[side].iter().map(|&face| measured(face));
+        let first = all.next()?;
+        let (face, cosine, outward) = all.fold(first, |best, next| {
+            let squarer = by_cosine((&next.1, &next.2), (&best.1, &best.2)) == Ordering::Greater;
+            if squarer { next } else { best }
+        });
+        let limit = sine * sine * outward.norm_squared() * normal.norm_squared();
+        (cosine.is_positive() && outward.cross(normal).norm_squared() <= limit).then_some(face)
+    };
+    Some([squarest(0)?, squarest(1)?])
+}
+
+fn outward(sides: &Sides<'_, BigRational>, side: usize, face: u32) -> Vec3<BigRational> {
+    face_normal(sides.points[side], &sides.blocks[side].topology().faces()[face as usize])
+}
+
+/// Compares `c/|N|` of two faces, c their product with one direction.
+fn by_cosine(one: (&BigRational, &Vec3<BigRational>), two: (&BigRational, &Vec3<BigRational>)) -> Ordering {
+    let size = |cosine: &BigRational, by: &Vec3<BigRational>| cosine * cosine.abs() * by.norm_squared();
+    size(one.0, two.1).cmp(&size(two.0, one.1))
+}
+
+/// The area in which two faces overlap, seen along N, times |N|.
+///
+/// Seen along N in the coordinate plane across axis k, lengths are not true, but areas are the true ones times
+/// |N|/|N_k|. Multiplied by N_k, what is seen there of a point p is `p_a·N_k − N_a·p_k`.
+fn area_times_length(sides: &Sides<'_, BigRational>, faces: [u32; 2], normal: &Vec3<BigRational>) -> BigRational {
+    let n = normal.components();
+    let axis = (0..3).max_by_key(|&k| n[k].abs()).unwrap_or(0);
+    let others = [(axis + 1) % 3, (axis + 2) % 3];
+    if n[axis].is_zero() {
+        return BigRational::zero();
+    }
+    // Shorter numbers give the same picture: N scaled so that N_k is 1.
+    let slopes = others.map(|k| n[k] / n[axis]);
+    let flat = |side: usize| -> Vec<Flat> {
+        let corners = &sides.blocks[side].topology().faces()[faces[side] as usize];
+        let seen = |&v: &u32| {
+            let at = sides.point(side, v);
+            let at = at.components();
+            std::array::from_fn(|k| at[others[k]] - at[axis] * &slopes[k])
+        };
+        corners.iter().map(seen).collect()
+    };
+    common_area(&flat(0), &flat(1)) * n[axis].abs()
+}

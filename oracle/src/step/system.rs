@@ -1,0 +1,269 @@
+//! The system of one solve: its residual without a matrix, its matrix where elimination wants one, and its f64 stiffness.
+
+use super::approximate::{Approximate, Layout, Square, Stiffness};
+use super::chain::Chain;
+use super::frame;
+use super::ladder::EXACT_UNKNOWNS;
+use super::state::Mode;
+use crate::field::{DoubleBall, Field, WideBall};
+use crate::number::Ball;
+use crate::solve::{BlockSystem, Factor, Residual, Support, eliminate, fraction_free_solve, refine};
+use num_rational::BigRational;
+use rockproof_model::Vec3;
+
+/// Contacts in these modes, with these friction forces.
+pub(crate) struct System<'c, 'a, S> {
+    chain: &'c Chain<'a, S>,
+    modes: &'c [Mode],
+    friction: Vec<Vec3<S>>,
+}
+
+/// A number type in which a solve of a step can be enclosed.
+pub(crate) trait Stepwise: Field {
+    /// The displacements of the moving blocks; `None` where this type cannot.
+    fn solve(system: &System<'_, '_, Self>, support: Option<&StepSupport<'_>>) -> Option<Vec<Self>>;
+}
+
+impl Stepwise for Ball {
+    fn solve(system: &System<'_, '_, Self>, support: Option<&StepSupport<'_>>) -> Option<Vec<Self>> {
+        refine(system, support?, system.chain.bits)
+    }
+}
+
+impl Stepwise for DoubleBall {
+    fn solve(system: &System<'_, '_, Self>, support: Option<&StepSupport<'_>>) -> Option<Vec<Self>> {
+        refine(system, support?, system.chain.bits)
+    }
+}
+
+impl Stepwise for WideBall {
+    fn solve(system: &System<'_, '_, Self>, support: Option<&StepSupport<'_>>) -> Option<Vec<Self>> {
+        match support {
+            Some(support) => refine(system, support, system.chain.bits),
+            None => eliminate(&system.assembled()),
+        }
+    }
+}
+
+impl Stepwise for BigRational {
+    fn solve(system: &System<'_, '_, Self>, _support: Option<&StepSupport<'_>>) -> Option<Vec<Self>> {
+        system.assembled().solve_apart(EXACT_UNKNOWNS, fraction_free_solve)
+    }
+}
+
+impl<S: Stepwise> Chain<'_, S> {
+    /// Solves once more, with these modes; `None` where this type cannot.
+    pub(crate) fn advance(&mut self, modes: &[Mode], support: Option<&StepSupport<'_>>) -> Option<()> {
+        let solution = S::solve(&System { chain: self, modes, friction: self.friction(modes)? }, support)?;
+        self.take(&solution);
+        Some(())
+    }
+
+    /// The system of the next solve with these modes, as a matrix.
+    pub(crate) fn assembled(&self, modes: &[Mode]) -> Option<BlockSystem<S>> {
+        Some(System { chain: self, modes, friction: self.friction(modes)? }.assembled())
+    }
+}
+
+impl<S: Field> Residual<S> for System<'_, '_, S> {
+    fn right(&self) -> Vec<S> {
+        let count = self.chain.base.iter().map(|base| base.right.len()).sum();
+        self.residual(&vec![S::from_i32(0); count])
+    }
+
+    /// `F − K·x`, contact by contact: the force that each would bear is calculated from its gap and stretch. Neither loses
+    /// digits to large stiffnesses, as a product with the assembled matrix would.
+    fn residual(&self, x: &[S]) -> Vec<S> {
+        let chain = self.chain;
+        let mut residual = Vec::with_capacity(x.len());
+        let mut starts = Vec::with_capacity(chain.base.len());
+        for base in &chain.base {
+            let start = residual.len();
+            starts.push(start);
+            let own = &x[start..start + base.right.len()];
+            for (row, right) in base.matrix.iter().zip(&base.right) {
+                let terms = row.iter().zip(own).filter(|(entry, x)| !entry.is_zero() && !x.is_zero());
+                residual.push(terms.fold(right.clone(), |sum, (entry, x)| sum.minus(&entry.times(x))));
+            }
+        }
+        for (k, &mode) in self.modes.iter().enumerate().filter(|(_, mode)| **mode != Mode::Open) {
+            let (contact, joint) = (&chain.contacts[k], &chain.joints[k]);
+            let rows = chain.attempt.started[k].blocks.map(|block| chain.attempt.rows[block]);
+            let ranges = rows.map(|row| row.map(|row| starts[row]..starts[row] + chain.base[row].right.len()));
+            let of = |side: usize| ranges[side].as_ref().map_or(&x[0..0], |range| &x[range.clone()]);
+            let moved = contact.moved([of(0), of(1)]);
+            let along = contact.normal.dot(&moved);
+            // Minus the force on A.
+            let push = joint.normal.times(&contact.over_square).times(&contact.gap.plus(&along));
+            let tangential = match mode {
+                Mode::Locked => contact.stretch.plus(&contact.across(&moved, &along)).scaled(&joint.shear),
+                _ => self.friction[k].clone(),
+            };
+            let force = contact.normal.scaled(&push).plus(&tangential);
+            let forces = [force.negated(), force];
+            for (side, force) in forces.iter().enumerate() {
+                if let Some(range) = &ranges[side] {
+                    frame::add_pull(&mut residual[range.clone()], &contact.points[side], force);
+                }
+            }
+        }
+        residual
+    }
+}
+
+impl<S: Field> System<'_, '_, S> {
+    /// The system as a matrix and a right side.
+    fn assembled(&self) -> BlockSystem<S> {
+        let chain = self.chain;
+        let mut system = BlockSystem::zero(&chain.attempt.sizes);
+        for (row, base) in chain.base.iter().enumerate() {
+            system.add(row, row, |r, c| base.matrix[r][c].clone());
+            system.add_right(row, |r| base.right[r].clone());
+        }
+        for (k, &mode) in self.modes.iter().enumerate().filter(|(_, mode)| **mode != Mode::Open) {
+            let (contact, joint) = (&chain.contacts[k], &chain.joints[k]);
+            let rows = chain.attempt.started[k].blocks.map(|block| chain.attempt.rows[block]);
+            let pulls = [0, 1].map(|side: usize| frame::pull(&contact.points[side], &contact.normal));
+            let stiffness = joint.normal.times(&contact.over_square);
+            let shear = joint.shear.times(&contact.over_square);
+            let (weight, tangential) = match mode {
+                Mode::Locked => (stiffness.minus(&shear), contact.stretch.scaled(&joint.shear)),
+                _ => (stiffness.clone(), self.friction[k].clone()),
+            };
+            let push = stiffness.times(&contact.gap);
+            let lines = [0, 1].map(|side: usize| frame::rows(&contact.points[side]));
+            for one in 0..2 {
+                let Some(row) = rows[one] else { continue };
+                let force = frame::pull(&contact.points[one], &tangential);
+                system.add_right(row, |r| {
+                    let sum = pulls[one][r].times(&push).plus(&force[r]);
+                    if one == 0 { sum.negated() } else { sum }
+                });
+                for two in 0..=one {
+                    let Some(column) = rows[two] else { continue };
+                    system.add(row, column, |r, c| {
+                        let mut sum = pulls[one][r].times(&pulls[two][c]).times(&weight);
+                        if mode == Mode::Locked {
+                            sum = sum.plus(&frame::along(&lines[one], &lines[two], r, c).times(&joint.shear));
+                        }
+                        if one == two { sum } else { sum.negated() }
+                    });
+                }
+            }
+        }
+        system
+    }
+}
+
+/// What f64 proves of all systems of one attempt: a scaling and a lower bound of the smallest eigenvalue.
+///
+/// Springs only add to the stiffness (`vᵀKv ≥ vᵀBv`, B the system without contacts), so the bound of B, block by
+/// block, is one of every K.
+pub(crate) struct Bound {
+    scale: Vec<i32>,
+    least: f64,
+}
+
+impl Bound {
+    /// The bound of a chain's base; `None` where f64 proves none, or a stiffness is negative.
+    pub(crate) fn new(chain: &Chain<'_, Ball>) -> Option<Bound> {
+        let springs = |joint: &super::chain::JointIn<Ball>| {
+            [joint.normal, joint.shear].iter().all(|spring| spring.middle - spring.radius >= 0.0)
+        };
+        if !chain.joints.iter().all(springs) {
+            return None;
+        }
+        let mut bound = Bound { scale: Vec::new(), least: f64::INFINITY };
+        for base in &chain.base {
+            let mut system = BlockSystem::zero(&[base.right.len()]);
+            system.add(0, 0, |r, c| base.matrix[r][c]);
+            let factor = Factor::new(&system)?;
+            bound.scale.extend_from_slice(factor.scale());
+            bound.least = bound.least.min(factor.least_eigenvalue());
+        }
+        Some(bound)
+    }
+}
+
+/// What f64 knows of one system.
+pub(crate) struct StepSupport<'s> {
+    pub(crate) bound: &'s Bound,
+    pub(crate) factor: &'s Approximate,
+}
+
+impl Support for StepSupport<'_> {
+    fn scale(&self) -> &[i32] {
+        &self.bound.scale
+    }
+
+    fn least_eigenvalue(&self) -> f64 {
+        self.bound.least
+    }
+
+    fn approximate(&self, mut right: Vec<f64>) -> Vec<f64> {
+        // The factor is that of K, not of D·K·D.
+        let unscale = |values: &mut [f64]| {
+            for (value, &scale) in values.iter_mut().zip(&self.bound.scale) {
+                *value *= 2f64.powi(-scale);
+            }
+        };
+        unscale(&mut right);
+        let mut solution = self.factor.solve(right);
+        unscale(&mut solution);
+        solution
+    }
+}
+
+/// The f64 stiffness of contacts in these modes.
+pub(crate) fn stiffness<'l>(chain: &Chain<'_, Ball>, modes: &[Mode], layout: &'l Layout) -> Stiffness<'l> {
+    let diagonal = chain.base.iter().map(|base| {
+        let mut square: Square = [[0.0; 12]; 12];
+        for (line, row) in square.iter_mut().zip(&base.matrix) {
+            for (place, entry) in line.iter_mut().zip(row) {
+                *place = entry.middle;
+            }
+        }
+        square
+    });
+    let mut stiffness = Stiffness::new(layout, diagonal.collect());
+    for (k, &mode) in modes.iter().enumerate().filter(|(_, mode)| **mode != Mode::Open) {
+        let (contact, joint) = (&chain.contacts[k], &chain.joints[k]);
+        let rows = chain.attempt.started[k].blocks.map(|block| chain.attempt.rows[block]);
+        let n = contact.normal.map(|c| c.middle);
+        let n = [n.x, n.y, n.z].map(|c| c / contact.square.middle.sqrt());
+        let shear = if mode == Mode::Locked { joint.shear.middle } else { 0.0 };
+        // The force of a displacement of A against B: shear across n, and what is more along it.
+        let bent: [[f64; 3]; 3] = std::array::from_fn(|r| {
+            std::array::from_fn(|c| (joint.normal.middle - shear) * n[r] * n[c] + if r == c { shear } else { 0.0 })
+        });
+        let lines = [0, 1].map(|side: usize| frame::float_rows(&contact.points[side].map(|c| c.middle)));
+        for one in 0..2 {
+            let Some(row) = rows[one] else { continue };
+            let forced: [[f64; 12]; 3] = std::array::from_fn(|r| {
+                std::array::from_fn(|c| (0..3).fold(0.0, |sum, axis| sum + bent[r][axis] * lines[one][axis][c]))
+            });
+            add(&mut stiffness.diagonal[row], &lines[one], &forced, 1.0);
+            let Some(other) = rows[1 - one] else { continue };
+            // The later block's rows and this one's columns.
+            if other > row
+                && let Some(square) = stiffness.beside(row, other)
+            {
+                add(square, &lines[1 - one], &forced, -1.0);
+            }
+        }
+    }
+    stiffness
+}
+
+/// Adds `sign · rowsᵀ·columns`.
+fn add(square: &mut Square, rows: &[[f64; 12]; 3], columns: &[[f64; 12]; 3], sign: f64) {
+    for axis in 0..3 {
+        for (line, &factor) in square.iter_mut().zip(&rows[axis]) {
+            if factor != 0.0 {
+                for (place, &value) in line.iter_mut().zip(&columns[axis]) {
+                    *place += sign * factor * value;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,134 @@
+"use strict";
+(() => {
+  const root = document.documentElement;
+  const libraries = {};
+
+  // The libraries stand in the page as text and are run when first needed: a phone need not read 3 MB before the verdict shows.
+  function library(name) {
+    if (!(name in libraries)) {
+      const text = document.getElementById("library-" + name);
+      const script = document.createElement("script");
+      script.textContent = text.textContent;
+      document.body.append(script);
+      libraries[name] = window.Plotly;
+      text.remove();
+    }
+    return libraries[name];
+  }
+
+  // Colours: names like $series0 stand for the theme's.
+  const color = name => getComputedStyle(root).getPropertyValue("--" + name).trim();
+  function painted(value) {
+    if (value === "$scale") return [[0, color("scale0")], [.5, color("scale1")], [1, color("scale2")]];
+    if (typeof value === "string" && value[0] === "$") return color(value.slice(1));
+    if (Array.isArray(value)) return typeof value[0] === "object" ? value.map(painted) : value;
+    if (value && typeof value === "object") return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, painted(v)]));
+    return value;
+  }
+
+  const config = { responsive: true, displaylogo: false, displayModeBar: false };
+
+  function layoutOf(layout, narrow) {
+    const axis = given => ({
+      automargin: true, gridcolor: color("line"), zerolinecolor: color("line"), linecolor: color("line"), fixedrange: true, ...given,
+    });
+    const full = {
+      paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", margin: { l: 10, r: 12, t: 10, b: 10 },
+      font: { color: color("text"), size: narrow ? 11 : 12, family: "system-ui, sans-serif" },
+      hoverlabel: { bgcolor: color("card"), font: { color: color("text") } }, ...layout,
+    };
+    for (const key of ["xaxis", "yaxis"]) full[key] = axis(full[key]);
+    delete full.wide;
+    return full;
+  }
+
+  async function drawChart(figure) {
+    const plot = figure.querySelector(".plot");
+    const { data, layout } = JSON.parse(figure.querySelector("script").textContent);
+    if (layout.wide) plot.style.minWidth = layout.wide + "px";
+    const narrow = plot.clientWidth < 500;
+    await library("cartesian").react(plot, painted(data), painted(layoutOf(layout, narrow)), config);
+    figure.dataset.drawn = "yes";
+  }
+
+  // Browsers keep some 8 to 16 views at a time; the ones opened longest ago give way.
+  const views = [];
+  const most = 6;
+
+  async function drawView(finding) {
+    const plot = finding.querySelector(".plot");
+    const traces = JSON.parse(finding.querySelector("script").textContent);
+    const axis = title => ({ title: { text: title }, gridcolor: color("line"), color: color("muted"), showbackground: false, exponentformat: "power" });
+    const camera = plot.layout?.scene?.camera;
+    const layout = {
+      paper_bgcolor: "rgba(0,0,0,0)", margin: { l: 0, r: 0, t: 0, b: 0 }, font: { color: color("text"), size: 11 },
+      scene: { aspectmode: "data", xaxis: axis("x, m"), yaxis: axis("y, m"), zaxis: axis("z, m"), ...(camera ? { camera } : {}) },
+      legend: { orientation: "h", y: 0, yanchor: "top" }, hoverlabel: { bgcolor: color("card"), font: { color: color("text") } },
+    };
+    const plotly = library("gl3d");
+    await plotly.react(plot, painted(traces), layout, config);
+    const at = views.indexOf(finding);
+    if (at >= 0) views.splice(at, 1);
+    views.push(finding);
+    while (views.length > most) {
+      const old = views.shift();
+      old.open = false;
+      plotly.purge(old.querySelector(".plot"));
+      delete old.dataset.drawn;
+    }
+    // Paper cannot be turned: it gets a picture.
+    const still = finding.querySelector(".still");
+    still.src = await plotly.toImage(plot, { format: "png", width: 900, height: 560 });
+    finding.dataset.drawn = "yes";
+  }
+
+  const draw = element => (element.matches(".chart") ? drawChart(element) : drawView(element)).catch(error => {
+    element.querySelector(".plot").textContent = "This view cannot be drawn here: " + error.message;
+    element.dataset.drawn = "failed";
+  });
+
+  // Draw what comes into sight.
+  const pending = new Map();
+  const once = element => {
+    if (!pending.has(element)) pending.set(element, draw(element));
+    return pending.get(element);
+  };
+  const seen = new IntersectionObserver(entries => {
+    for (const entry of entries) if (entry.isIntersecting) { seen.unobserve(entry.target); once(entry.target); }
+  }, { rootMargin: "400px" });
+  for (const chart of document.querySelectorAll(".chart")) seen.observe(chart);
+  for (const finding of document.querySelectorAll(".finding")) {
+    if (finding.open) seen.observe(finding);
+    finding.addEventListener("toggle", () => {
+      if (finding.open && finding.dataset.drawn !== "yes") { pending.delete(finding); once(finding); }
+    });
+  }
+  const drawAll = () => Promise.all([...document.querySelectorAll(".chart, .finding[open]")].map(once));
+  // For printing, and for whoever wants everything at once: report.html#all
+  addEventListener("beforeprint", drawAll);
+  if (location.hash === "#all") drawAll().then(() => { root.dataset.drawn = "all"; });
+
+  // Theme: the system's, or the reader's choice, kept where the browser allows.
+  const button = document.getElementById("theme");
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const store = { get() { try { return localStorage.getItem("rockproof-theme"); } catch { return null; } }, set(v) { try { localStorage.setItem("rockproof-theme", v); } catch { /* not kept */ } } };
+  let choice = store.get() || "system";
+  function apply() {
+    root.dataset.theme = choice === "system" ? (dark.matches ? "dark" : "light") : choice;
+    button.textContent = "Theme: " + choice;
+    for (const element of document.querySelectorAll("[data-drawn=yes]")) draw(element);
+  }
+  button.addEventListener("click", () => {
+    choice = { system: "dark", dark: "light", light: "system" }[choice] || "system";
+    store.set(choice);
+    apply();
+  });
+  dark.addEventListener("change", apply);
+  apply();
+
+  for (const copy of document.querySelectorAll(".copy")) {
+    copy.addEventListener("click", async () => {
+      try { await navigator.clipboard.writeText(copy.previousElementSibling.textContent); copy.textContent = "Copied"; } catch { copy.textContent = "Select it and copy"; }
+    });
+  }
+})();

@@ -1,0 +1,173 @@
+//! How often engines are right: by tolerance setting, and by family of pairs.
+
+use super::{Part, Section, label};
+use crate::campaign::agreement::Span;
+use crate::report::chart::{Chart, color, error_bars, heat_map};
+use crate::report::interval::Share;
+use crate::report::load::{CampaignRun, Sums};
+use crate::report::table::{Cell, Table};
+use serde_json::json;
+use std::collections::BTreeSet;
+
+pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
+    let mut section = Section::new(
+        "agreement",
+        "How often is the answer right?",
+        "The share of pairs whose contacts are exactly those of the oracle: number, kinds, features, entrances and signs of gaps. \
+         Most pairs of a campaign are put on the very edge of a decision, so these are shares of hard questions.",
+    );
+    section.parts.push(Part::Chart(by_setting(campaigns)));
+    section.parts.push(Part::Table(table(campaigns), 60));
+    let families = families(campaigns);
+    section.parts.push(Part::Chart(family_map(campaigns)));
+    section.parts.push(Part::Quiet(families));
+    section
+}
+
+/// The row's share, or blank cells.
+fn share_cells(sums: &Sums) -> [Cell; 3] {
+    sums.agreement().map_or([Cell::Empty, Cell::Empty, Cell::Empty], |Share { value, low, high }| {
+        [value, low, high].map(Cell::Share)
+    })
+}
+
+fn table(campaigns: &[CampaignRun]) -> Table {
+    let mut table = Table::new(
+        "agreement",
+        "Agreement by tolerance setting. whole: what a user of the engine sees; tolerance, representation, arithmetic: \
+         what one link of the chain leaves as it was. Intervals are Wilson's, 95 %.",
+        &[
+            "run",
+            "setting",
+            "engine",
+            "compared",
+            "pairs",
+            "agreement",
+            "low",
+            "high",
+            "no_answer",
+            "contacts",
+            "entrance_differs",
+            "gap_sign_differs",
+        ],
+    );
+    for campaign in campaigns {
+        for (compared, sums) in campaign.by_setting() {
+            let [value, low, high] = share_cells(&sums);
+            table.push(vec![
+                campaign.name.as_str().into(),
+                compared.tolerances.into(),
+                compared.engine.into(),
+                compared.span.name().into(),
+                sums.pairs.into(),
+                value,
+                low,
+                high,
+                sums.silent.into(),
+                sums.contacts.into(),
+                sums.entrance.into(),
+                sums.gap_sign.into(),
+            ]);
+        }
+    }
+    table
+}
+
+fn by_setting(campaigns: &[CampaignRun]) -> Chart {
+    let (mut data, mut settings) = (Vec::new(), BTreeSet::new());
+    for campaign in campaigns {
+        let sums = campaign.by_setting();
+        for engine in campaign.engines() {
+            // An engine that says only how blocks lie has no answers along the whole chain.
+            let has = |span| sums.iter().any(|(c, s)| c.span == span && c.engine == engine && s.pairs > s.silent);
+            let span = if has(Span::Whole) { Span::Whole } else { Span::Arithmetic };
+            let of: Vec<(&str, Share)> = sums
+                .iter()
+                .filter(|(c, _)| c.span == span && c.engine == engine)
+                .filter_map(|(c, s)| Some((c.tolerances.as_str(), s.agreement()?)))
+                .collect();
+            settings.extend(of.iter().map(|(setting, _)| (*setting).to_owned()));
+            let shares: Vec<Share> = of.iter().map(|(_, share)| *share).collect();
+            data.push(json!({
+                "type": "scatter", "mode": "markers", "name": label(campaigns.len(), &campaign.name, &engine),
+                "y": of.iter().map(|(setting, _)| setting).collect::<Vec<_>>(),
+                "x": shares.iter().map(|s| s.value * 100.0).collect::<Vec<_>>(),
+                "error_x": error_bars(&shares),
+                "marker": { "size": 9, "color": color(data.len()), "symbol": data.len() % 8 },
+                "hovertemplate": "%{y}: %{x:.2f} %<extra>%{fullData.name}</extra>",
+            }));
+        }
+    }
+    let height = 110 + 26 * settings.len().max(2);
+    let layout = json!({
+        "xaxis": { "title": { "text": "pairs answered exactly right, %" }, "range": [0, 101] },
+        "yaxis": { "type": "category", "autorange": "reversed", "categoryorder": "array", "categoryarray": settings },
+        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    });
+    Chart::new(
+        "chart-agreement",
+        "Agreement of each engine under each tolerance setting, with 95 % intervals",
+        height,
+        data,
+        layout,
+    )
+}
+
+fn families(campaigns: &[CampaignRun]) -> Table {
+    let mut table = Table::new(
+        "families",
+        "Agreement by family of pairs, over all tolerance settings.",
+        &["run", "family", "engine", "compared", "pairs", "agreement", "low", "high", "no_answer"],
+    );
+    for campaign in campaigns {
+        for ((family, span, engine), sums) in campaign.by_family() {
+            let [value, low, high] = share_cells(&sums);
+            let names = [campaign.name.as_str(), family, engine, span.name()].map(Cell::from);
+            table.push(names.into_iter().chain([sums.pairs.into(), value, low, high, sums.silent.into()]).collect());
+        }
+    }
+    table
+}
+
+fn family_map(campaigns: &[CampaignRun]) -> Chart {
+    let mut columns = Vec::new();
+    let mut families = BTreeSet::new();
+    for campaign in campaigns {
+        let sums = campaign.by_family();
+        families.extend(sums.keys().map(|(family, ..)| (*family).to_owned()));
+        let lines = sums.keys().map(|(_, span, engine)| (*span, (*engine).to_owned())).collect::<BTreeSet<_>>();
+        for (span, engine) in lines {
+            let what = if span == Span::Whole { engine.clone() } else { format!("{engine}, {span}") };
+            columns.push((campaign, span, engine, label(campaigns.len(), &campaign.name, &what)));
+        }
+    }
+    // What an engine's user sees first, then its links.
+    columns.sort_by_key(|(_, span, ..)| *span != Span::Whole);
+    let families: Vec<String> = families.into_iter().collect();
+    let sums: Vec<_> = columns.iter().map(|(campaign, ..)| campaign.by_family()).collect();
+    let shares: Vec<Vec<Option<f64>>> = families
+        .iter()
+        .map(|family| {
+            let column =
+                |(sums, (_, span, engine, _)): (&std::collections::BTreeMap<_, Sums>, &(_, Span, String, _))| {
+                    sums.get(&(family.as_str(), *span, engine.as_str()))?.agreement().map(|share| share.value)
+                };
+            sums.iter().zip(&columns).map(column).collect()
+        })
+        .collect();
+    let names: Vec<String> = columns.into_iter().map(|(.., name)| name.replace(", ", "<br>")).collect();
+    let height = 150 + 24 * families.len();
+    let layout = json!({
+        "yaxis": { "type": "category", "autorange": "reversed" },
+        "xaxis": { "type": "category", "side": "top", "tickangle": -40 },
+        "wide": 70 * names.len() + 140,
+    });
+    let data = vec![heat_map(&names, &families, &shares, false)];
+    Chart::new(
+        "chart-families",
+        "Agreement by family of pairs, in percent: engines first, then what each link leaves as it was",
+        height,
+        data,
+        layout,
+    )
+}

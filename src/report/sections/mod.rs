@@ -1,0 +1,92 @@
+//! The sections of a report, each made of tables, charts and views.
+
+mod agreement;
+mod causes;
+mod confusion;
+mod lockstep;
+mod margins;
+mod runs;
+mod sweep;
+mod timing;
+mod worst;
+
+pub use confusion::{Matrix, MatrixCell, MatrixRow};
+pub use worst::{FindingView, SeenRow};
+
+use super::chart::Chart;
+use super::fault::ReportError;
+use super::load::Results;
+use super::table::Table;
+
+/// A part of a section.
+#[derive(Clone, Debug)]
+pub enum Part {
+    /// A paragraph.
+    Text(String),
+    /// A table, of which the page shows so many rows.
+    Table(Table, usize),
+    /// A table that goes into a CSV file only.
+    Quiet(Table),
+    /// A chart.
+    Chart(Chart),
+    /// Confusion matrices.
+    Matrices(Vec<Matrix>),
+    /// Findings to look at.
+    Findings(Vec<FindingView>),
+}
+
+/// A section.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// Its place in the page.
+    pub id: &'static str,
+    /// Its title.
+    pub title: &'static str,
+    /// What it answers, in a sentence or two.
+    pub lead: String,
+    /// What it holds.
+    pub parts: Vec<Part>,
+}
+
+impl Section {
+    fn new(id: &'static str, title: &'static str, lead: impl Into<String>) -> Section {
+        Section { id, title, lead: lead.into(), parts: Vec::new() }
+    }
+
+    /// Its tables.
+    pub fn tables(&self) -> impl Iterator<Item = &Table> {
+        self.parts.iter().filter_map(|part| match part {
+            Part::Table(table, _) | Part::Quiet(table) => Some(table),
+            _ => None,
+        })
+    }
+}
+
+/// All sections that the results have something for.
+///
+/// # Errors
+/// When a case file of a run cannot be read.
+pub fn all(results: &Results) -> Result<Vec<Section>, ReportError> {
+    let mut sections = Vec::new();
+    if !results.campaigns.is_empty() {
+        sections.push(agreement::section(&results.campaigns));
+        sections.push(confusion::section(&results.campaigns));
+        sections.push(causes::section(&results.campaigns));
+        sections.push(margins::section(&results.campaigns));
+        sections.push(worst::section(&results.campaigns)?);
+        sections.extend(sweep::section(&results.campaigns));
+    }
+    if !results.locksteps.is_empty() {
+        sections.push(lockstep::section(&results.locksteps));
+    }
+    if !results.timings.is_empty() {
+        sections.push(timing::section(&results.timings));
+    }
+    sections.push(runs::section(results));
+    Ok(sections)
+}
+
+/// The name of a run before what it is about, where there are several.
+pub(super) fn label(runs: usize, run: &str, what: &str) -> String {
+    if runs > 1 { format!("{run}: {what}") } else { what.to_owned() }
+}

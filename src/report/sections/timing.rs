@@ -1,0 +1,84 @@
+//! Run time against error.
+
+use super::{Part, Section};
+use crate::report::chart::{Chart, color};
+use crate::report::table::{Cell, Table};
+use crate::report::timing::{Measurement, TimingRun};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+
+pub(super) fn section(runs: &[TimingRun]) -> Section {
+    let mut section = Section::new(
+        "timing",
+        "What does accuracy cost?",
+        "Run time against error. The line joins what is efficient: nothing else measured there is both faster and less wrong. Times are \
+         those of one machine; compare them with one another only.",
+    );
+    let mut table = Table::new(
+        "timing",
+        "Run time against error",
+        &["run", "case", "engine", "tolerances", "time_step_s", "seconds_per_unit", "error", "error_of", "efficient"],
+    );
+    for (number, run) in runs.iter().enumerate() {
+        for (n, case) in run.cases().into_iter().enumerate() {
+            section.parts.push(Part::Chart(chart(format!("chart-timing-{number}-{n}"), run, case)));
+        }
+        for m in &run.measurements {
+            table.push(vec![
+                run.name.as_str().into(),
+                m.case.as_str().into(),
+                m.engine.as_str().into(),
+                m.tolerances.as_str().into(),
+                Cell::number(m.time_step_s),
+                Cell::Number(m.seconds),
+                Cell::Number(m.error),
+                m.error_of.as_str().into(),
+                if m.efficient { "yes".into() } else { Cell::Empty },
+            ]);
+        }
+    }
+    section.parts.push(Part::Table(table, 60));
+    let blank: u64 = runs.iter().map(|run| run.blank).sum();
+    if blank > 0 {
+        section
+            .parts
+            .push(Part::Text(format!("{blank} measurements have no figure, for the run stopped; bench.csv says why.")));
+    }
+    section
+}
+
+fn chart(id: String, run: &TimingRun, case: &str) -> Chart {
+    let of: Vec<&Measurement> = run.measurements.iter().filter(|m| m.case == case).collect();
+    // A logarithmic axis has no zero: what is exact lies below the least error.
+    let least = of.iter().map(|m| m.error).filter(|e| *e > 0.0).fold(f64::INFINITY, f64::min);
+    let floor = if least.is_finite() { least / 10.0 } else { 1.0 };
+    let height = |m: &&Measurement| if m.error > 0.0 { m.error } else { floor };
+    let text = |m: &&Measurement| {
+        let step = m.time_step_s.map_or(String::new(), |dt| format!(", Δt {dt:?} s"));
+        let error = if m.error == 0.0 { "exact".to_owned() } else { format!("error {:.3e}", m.error) };
+        format!("{} {}{step}: {:.3e} s, {error}", m.engine, m.tolerances, m.seconds)
+    };
+    let engines: BTreeSet<&str> = of.iter().map(|m| &*m.engine).collect();
+    let mut data: Vec<Value> = Vec::new();
+    for (at, engine) in engines.into_iter().enumerate() {
+        let of: Vec<&Measurement> = of.iter().filter(|m| m.engine == engine).copied().collect();
+        data.push(json!({
+            "type": "scatter", "mode": "markers", "name": engine, "marker": { "size": 9, "color": color(at), "symbol": at % 8 },
+            "x": of.iter().map(|m| m.seconds).collect::<Vec<_>>(), "y": of.iter().map(height).collect::<Vec<_>>(),
+            "text": of.iter().map(text).collect::<Vec<_>>(), "hovertemplate": "%{text}<extra></extra>",
+        }));
+    }
+    let mut front: Vec<&Measurement> = of.iter().filter(|m| m.efficient).copied().collect();
+    front.sort_by(|m, n| m.seconds.total_cmp(&n.seconds));
+    data.push(json!({
+        "type": "scatter", "mode": "lines", "name": "efficient", "line": { "shape": "hv", "color": "$muted", "width": 1.5, "dash": "dash" },
+        "x": front.iter().map(|m| m.seconds).collect::<Vec<_>>(), "y": front.iter().map(height).collect::<Vec<_>>(), "hoverinfo": "skip",
+    }));
+    let error_of = of.first().map_or("", |m| m.error_of.as_str());
+    let layout = json!({
+        "xaxis": { "type": "log", "title": { "text": "time for a step or a pair, s" }, "exponentformat": "power" },
+        "yaxis": { "type": "log", "title": { "text": if error_of.is_empty() { "error".to_owned() } else { format!("error: {error_of}") } }, "exponentformat": "power" },
+        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    });
+    Chart::new(id, format!("{case}: run time against error"), 380, data, layout)
+}

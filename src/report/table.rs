@@ -1,0 +1,208 @@
+//! Tables as they go into the page, into CSV files and into Markdown: one source for all three.
+
+use serde::Serialize;
+
+/// What a cell holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Nothing.
+    Empty,
+    /// Words.
+    Text(String),
+    /// A count.
+    Count(u64),
+    /// A share from 0 to 1, shown in percent.
+    Share(f64),
+    /// Any other number.
+    Number(f64),
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Cell {
+        Cell::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Cell {
+        Cell::Text(text)
+    }
+}
+
+impl From<u64> for Cell {
+    fn from(count: u64) -> Cell {
+        Cell::Count(count)
+    }
+}
+
+impl Cell {
+    /// A number, or nothing.
+    pub fn number(value: Option<f64>) -> Cell {
+        value.map_or(Cell::Empty, Cell::Number)
+    }
+
+    /// As in a CSV file: numbers the shortest that give the value back, shares to six digits.
+    pub fn raw(&self) -> String {
+        match self {
+            Cell::Empty => String::new(),
+            Cell::Text(text) => text.clone(),
+            Cell::Count(count) => count.to_string(),
+            Cell::Share(share) => format!("{share:.6}"),
+            Cell::Number(number) => format!("{number:?}"),
+        }
+    }
+
+    /// As a reader likes it: thousands apart, shares in percent, numbers to three digits.
+    pub fn shown(&self) -> String {
+        match self {
+            Cell::Empty => "–".to_owned(),
+            Cell::Text(text) => text.clone(),
+            Cell::Count(count) => grouped(*count),
+            Cell::Share(share) => percent(*share),
+            Cell::Number(number) => short(*number),
+        }
+    }
+
+    fn is_number(&self) -> bool {
+        !matches!(self, Cell::Text(_))
+    }
+}
+
+/// A count with its thousands apart: `1 234 567`.
+pub fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A share in percent. Never rounded to all or nothing: what is not all is shown as less.
+pub fn percent(share: f64) -> String {
+    match share * 100.0 {
+        p if p == 0.0 || p == 100.0 => format!("{p} %"),
+        p if p > 99.99 => "> 99.99 %".to_owned(),
+        p if p < 0.01 => "< 0.01 %".to_owned(),
+        p => format!("{p:.2} %"),
+    }
+}
+
+/// A number to three digits.
+pub fn short(number: f64) -> String {
+    match number.abs() {
+        0.0 => "0".to_owned(),
+        size if (0.01..10.0).contains(&size) => format!("{number:.3}"),
+        size if (10.0..10_000.0).contains(&size) => format!("{number:.1}"),
+        _ => format!("{number:.2e}"),
+    }
+}
+
+/// A table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// The stem of its CSV file.
+    pub name: &'static str,
+    /// What it shows, in one line.
+    pub caption: String,
+    /// The names of the columns.
+    pub columns: Vec<&'static str>,
+    /// The rows, each as long as `columns`.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A table as the page's template takes it.
+#[derive(Debug, Serialize)]
+pub(super) struct Shown {
+    name: &'static str,
+    caption: String,
+    head: Vec<Head>,
+    rows: Vec<Vec<String>>,
+    left_out: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct Head {
+    name: String,
+    number: bool,
+}
+
+impl Table {
+    /// An empty table.
+    pub fn new(name: &'static str, caption: impl Into<String>, columns: &[&'static str]) -> Table {
+        Table { name, caption: caption.into(), columns: columns.to_vec(), rows: Vec::new() }
+    }
+
+    /// Adds a row.
+    pub fn push(&mut self, row: Vec<Cell>) {
+        self.rows.push(row);
+    }
+
+    fn is_number(&self, column: usize) -> bool {
+        !self.rows.is_empty() && self.rows.iter().all(|row| row.get(column).is_some_and(Cell::is_number))
+    }
+
+    /// The table for the page, at most `most` rows of it.
+    pub(super) fn page(&self, most: usize) -> Shown {
+        let head = self.columns.iter().enumerate();
+        Shown {
+            name: self.name,
+            caption: self.caption.clone(),
+            head: head.map(|(i, name)| Head { name: name.replace('_', " "), number: self.is_number(i) }).collect(),
+            rows: self.rows.iter().take(most).map(|row| row.iter().map(Cell::shown).collect()).collect(),
+            left_out: self.rows.len().saturating_sub(most),
+        }
+    }
+
+    /// The table as CSV.
+    ///
+    /// # Errors
+    /// Those of the CSV writer.
+    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(&self.columns)?;
+        for row in &self.rows {
+            writer.write_record(row.iter().map(Cell::raw))?;
+        }
+        writer.into_inner().map_err(|e| e.into_error().into())
+    }
+
+    /// The table as Markdown, at most `most` rows of it.
+    pub fn to_markdown(&self, most: usize) -> String {
+        let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+        let clean = |text: &str| text.replace('|', "\\|").replace(['\n', '\r'], " ").replace('<', "&lt;");
+        let mut text = line(self.columns.iter().map(|name| name.replace('_', " ")).collect());
+        let rule = |i| if self.is_number(i) { "--:".to_owned() } else { "---".to_owned() };
+        text += &line((0..self.columns.len()).map(rule).collect());
+        for row in self.rows.iter().take(most) {
+            text += &line(row.iter().map(|cell| clean(&cell.shown())).collect());
+        }
+        if self.rows.len() > most {
+            text += &format!("\n{} more rows in {}.csv\n", self.rows.len() - most, self.name);
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cell, Table, percent};
+
+    #[test]
+    fn nearly_all_is_not_all() {
+        assert_eq!([0.0, 1e-9, 0.5, 0.999_999, 1.0].map(percent), ["0 %", "< 0.01 %", "50.00 %", "> 99.99 %", "100 %"]);
+    }
+
+    #[test]
+    fn the_same_table_in_each_form() {
+        let mut table = Table::new("t", "a table", &["who", "so_many"]);
+        table.push(vec!["a|b <c>".into(), Cell::Count(12_345)]);
+        table.push(vec!["d".into(), Cell::Empty]);
+        assert_eq!(table.to_csv().expect("csv"), b"who,so_many\na|b <c>,12345\nd,\n");
+        let text = table.to_markdown(1);
+        assert!(text.contains("| a\\|b &lt;c> | 12\u{202f}345 |") && text.contains("1 more rows in t.csv"), "{text}");
+    }
+}

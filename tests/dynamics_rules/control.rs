@@ -1,0 +1,157 @@
+//! Step control at its edges: limits that are just met, retries, the smallest Δt, and what is left when a run stops.
+
+use crate::support::{begin, cube, floor, n, scene, tolerances, v, weightless};
+use rockproof::model::simulation::Unconverged;
+use rockproof::model::{Scene, ToleranceSet};
+use rockproof::stepper::contact::Rules;
+use rockproof::stepper::dynamics::{Dynamics, Mode, RetryReason, StepReport, StepRules, Stopped};
+
+/// A cube that flies at this speed, with Δt = 1/128 s, so that a limit of 1/16 m is 8 m/s. Everything is a power of two, and exact.
+fn flying(speed: &str) -> Scene {
+    let mut scene = weightless(vec![cube()]);
+    scene.simulation.materials[0].density = n("2048");
+    scene.simulation.control.time_step = n("1/128");
+    scene.blocks[0].body.velocity = v(speed, "0", "0");
+    scene
+}
+
+fn first_step(scene: &Scene, set: &ToleranceSet) -> StepReport {
+    Dynamics::<f64>::new(scene, set).unwrap().step().unwrap()
+}
+
+fn given_up(report: &StepReport) -> Vec<(RetryReason, f64)> {
+    report.retries.iter().map(|retry| (retry.why, retry.time_step)).collect()
+}
+
+#[test]
+fn a_displacement_of_just_the_limit_is_allowed() {
+    let report = first_step(&flying("8"), &tolerances());
+    assert_eq!((report.max_displacement, report.time_step), (0.0625, 1.0 / 128.0));
+    assert!(report.retries.is_empty());
+    let report = first_step(&flying("0x1.0000000000001p3"), &tolerances());
+    assert_eq!(given_up(&report), [(RetryReason::Displacement, 1.0 / 128.0)]);
+    assert_eq!(report.time_step, 1.0 / 256.0);
+}
+
+#[test]
+fn a_step_is_halved_until_it_fits_and_the_next_begins_full() {
+    let mut dynamics = begin::<f64>(&flying("60"));
+    for step in 1..=3 {
+        let report = dynamics.step().unwrap();
+        let halves = [1.0, 2.0, 4.0].map(|part| (RetryReason::Displacement, 1.0 / 128.0 / part));
+        assert_eq!(given_up(&report), halves, "step {step}");
+        assert_eq!(report.time_step, 1.0 / 1024.0);
+        assert_eq!(report.time, f64::from(step as i32) / 1024.0);
+    }
+}
+
+#[test]
+fn a_rotation_of_just_the_limit_is_allowed() {
+    // ω = 1/8 in 1/128 s is 16 rad/s. Vertices on a circle of 1/√2 m would move too far: the limit on displacement is lifted.
+    let set = ToleranceSet { max_displacement: n("1"), ..tolerances() };
+    let mut scene = flying("0");
+    scene.blocks[0].body.spin = v("0", "0", "16");
+    assert!(first_step(&scene, &set).retries.is_empty());
+    scene.blocks[0].body.spin = v("0", "0", "20");
+    assert_eq!(given_up(&first_step(&scene, &set)), [(RetryReason::Rotation, 1.0 / 128.0)]);
+}
+
+#[test]
+fn below_the_smallest_step_the_run_stops_and_its_state_is_the_last_good_one() {
+    let mut dynamics = begin::<f64>(&flying("100000"));
+    let before = dynamics.state().clone();
+    // A thousandth of Δt lies between its 512th and its 1024th part.
+    let stopped =
+        Stopped::TooFast { step: 1, time_step: 1.0 / 128.0 / 512.0, block: 0, why: RetryReason::Displacement };
+    assert_eq!(dynamics.step(), Err(stopped.clone()));
+    assert_eq!(dynamics.state(), &before);
+    // It stops there again.
+    assert_eq!(dynamics.step(), Err(stopped));
+    assert_eq!(dynamics.state(), &before);
+}
+
+/// One solve only.
+#[derive(Clone, Copy, Debug)]
+struct Hasty;
+
+impl Rules for Hasty {}
+
+impl StepRules for Hasty {
+    fn iterations() -> u32 {
+        1
+    }
+}
+
+/// A cube that touches the floor and flies up: the contact begins locked, and the first solve opens it, whatever Δt.
+fn leaving(unconverged: Unconverged) -> Dynamics<f64, Hasty> {
+    let mut scene = weightless(vec![floor(), cube()]);
+    scene.blocks[1].body.velocity = v("0", "0", "1");
+    scene.simulation.control.unconverged = unconverged;
+    Dynamics::with_rules(&scene, &tolerances()).unwrap()
+}
+
+/// Δt after this many cuts.
+fn cut(times: usize) -> f64 {
+    (0..times).fold(0.01, |time_step, _| time_step * 3.0 / 10.0)
+}
+
+#[test]
+fn what_does_not_converge_is_cut_five_times_and_stops() {
+    let mut dynamics = leaving(Unconverged::Stop);
+    let before = dynamics.state().clone();
+    let Err(Stopped::NotConverged { step, time_step, contacts }) = dynamics.step() else { panic!("it went on") };
+    // 0.3⁵ is 0.00243, 0.3⁶ is less than a thousandth.
+    assert_eq!((step, time_step), (1, cut(5)));
+    assert_eq!(contacts.len(), 4);
+    assert!(contacts.iter().all(|c| (c.blocks, c.from, c.to) == ([0, 1], Mode::Locked, Mode::Open)), "{contacts:?}");
+    assert_eq!(dynamics.state(), &before);
+    let attempts: Vec<usize> = dynamics.modes().iter().map(Vec::len).collect();
+    assert_eq!(attempts, [1; 6]);
+}
+
+#[test]
+fn what_does_not_converge_can_be_accepted_and_is_marked() {
+    let report = leaving(Unconverged::Accept).step().unwrap();
+    assert!(!report.converged);
+    let expected: Vec<_> = (0..5).map(|k| (RetryReason::NotConverged, cut(k))).collect();
+    assert_eq!(given_up(&report), expected);
+    assert_eq!(report.time_step, cut(5));
+}
+
+#[test]
+fn cuts_and_halvings_of_a_step_multiply() {
+    // Up at 30 m/s: one solve never converges, so Δt falls to 0.0000243 s; there nothing is too fast. At 6000 m/s that is 0.146 m, and twice half
+    // of it is still too much; half again would be below a thousandth.
+    let mut scene = weightless(vec![floor(), cube()]);
+    scene.simulation.control.unconverged = Unconverged::Accept;
+    scene.blocks[1].body.velocity = v("0", "0", "6000");
+    let mut dynamics: Dynamics<f64, Hasty> = Dynamics::with_rules(&scene, &tolerances()).unwrap();
+    let Err(Stopped::TooFast { time_step, block, .. }) = dynamics.step() else { panic!("it went on") };
+    assert_eq!(block, 1);
+    assert!(time_step >= 1e-5 && time_step < 2e-5, "{time_step}");
+}
+
+#[test]
+fn a_block_that_turns_inside_out_stops_the_run() {
+    // A stress of a thousand times Young's modulus lets go: the strain of one step is beyond -1. Limits are lifted to let it happen.
+    let set = ToleranceSet { max_displacement: n("1e6"), ..tolerances() };
+    let mut scene = weightless(vec![cube()]);
+    scene.blocks[0].body.motion = rockproof::model::Motion::Deformable;
+    scene.simulation.materials[0].poisson = n("0");
+    scene.blocks[0].body.stress = ["1e13", "0", "0", "0", "0", "0"].map(n);
+    let mut dynamics: Dynamics<f64> = Dynamics::new(&scene, &set).unwrap();
+    let before = dynamics.state().clone();
+    let stopped = dynamics.step();
+    assert!(matches!(stopped, Err(Stopped::Inverted { step: 1, block: 0, volume }) if volume < 0.0), "{stopped:?}");
+    assert_eq!(dynamics.state(), &before);
+}
+
+#[test]
+fn settling_counts_up_to_zero_and_takes_no_time() {
+    let mut scene = scene(vec![floor(), cube()]);
+    scene.simulation.control.settle = 3;
+    scene.blocks[1].body.velocity = v("1/2", "0", "0");
+    let mut dynamics = begin::<f64>(&scene);
+    let steps: Vec<(i64, f64)> = (0..5).map(|_| dynamics.step().unwrap()).map(|r| (r.step, r.time)).collect();
+    assert_eq!(steps, [(-2, 0.0), (-1, 0.0), (0, 0.0), (1, 0.01), (2, 0.02)]);
+}

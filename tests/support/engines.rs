@@ -1,0 +1,57 @@
+//! The example engines, for tests that run them as programs.
+#![allow(dead_code, reason = "each test uses its part")]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The Rust client, built by `cargo test`, or now if only one test was built.
+pub(crate) fn client() -> String {
+    let mut folder = std::env::current_exe().expect("a test");
+    folder.pop();
+    folder.pop();
+    let path = folder.join("examples/engine_client");
+    if !path.exists() {
+        let profile: &[&str] = if cfg!(debug_assertions) { &[] } else { &["--release"] };
+        let built = Command::new(env!("CARGO"))
+            .args(["build", "--quiet", "--example", "engine_client"])
+            .args(profile)
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .status();
+        assert!(built.is_ok_and(|status| status.success()), "the client cannot be built");
+    }
+    path.to_string_lossy().into_owned()
+}
+
+/// Builds the C++ client as docs/engines.md says, warnings being errors, sums in the order written; `None` where there is no
+/// compiler.
+pub(crate) fn cpp_client(dir: &Path) -> Option<String> {
+    let compiler = std::env::var("CXX").unwrap_or_else(|_| "c++".to_owned());
+    if !there(&compiler) {
+        skipped(&format!("there is no {compiler} to build examples/engines/client.cpp with"));
+        return None;
+    }
+    let built = Command::new(compiler)
+        .args(["-std=c++17", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off", "-o", "client"])
+        .arg(example("client.cpp"))
+        .current_dir(dir)
+        .output()
+        .expect("runs");
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    Some(dir.join("client").to_string_lossy().into_owned())
+}
+
+/// A file under examples/engines.
+pub(crate) fn example(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("examples/engines").join(name)
+}
+
+/// Whether a program is there.
+pub(crate) fn there(program: &str) -> bool {
+    Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success())
+}
+
+/// Says that a test could not be made, which `.ci/run` does not accept.
+pub(crate) fn skipped(why: &str) {
+    assert!(std::env::var_os("ROCKPROOF_NO_SKIP").is_none(), "skipped: {why}");
+    eprintln!("SKIPPED: {why}");
+}

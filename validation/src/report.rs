@@ -1,0 +1,101 @@
+//! The table of `docs/validation.md`.
+
+use crate::case::{Case, Measured};
+use crate::lab::Failure;
+use rayon::prelude::*;
+use std::fmt::Write;
+
+/// A case and what it showed in either precision.
+pub struct Line {
+    /// The case.
+    pub case: Case,
+    /// In f64.
+    pub f64: Result<Measured, Failure>,
+    /// In f32.
+    pub f32: Result<Measured, Failure>,
+}
+
+impl Line {
+    /// Whether the case keeps its bound in f64.
+    pub fn holds(&self) -> bool {
+        self.f64.as_ref().is_ok_and(|measured| self.case.holds(measured))
+    }
+}
+
+/// Runs every case in both precisions.
+pub fn measure(cases: Vec<Case>) -> Vec<Line> {
+    cases.into_par_iter().map(|case| Line { f64: case.f64(), f32: case.f32(), case }).collect()
+}
+
+/// The table in Markdown.
+pub fn markdown(lines: &[Line]) -> String {
+    let mut out = String::from(
+        "| case | closed form | error | must be | f64 | f32 | |\n| --- | --- | --- | ---: | ---: | ---: | --- |\n",
+    );
+    for line in lines {
+        let case = &line.case;
+        let bound = case.bound.map_or("–".to_owned(), |bound| format!("≤ {}", short(bound)));
+        let seen = line.f64.as_ref().map_or_else(ToString::to_string, |measured| measured.seen.clone());
+        let mark = if line.holds() { "" } else { "**missed** " };
+        let [f64, f32] = [&line.f64, &line.f32].map(shown);
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            out,
+            "| {} | {} | {} | {bound} | {mark}{f64} | {f32} | {seen} |",
+            case.name, case.known, case.error
+        );
+    }
+    out
+}
+
+fn shown(measured: &Result<Measured, Failure>) -> String {
+    measured.as_ref().map_or_else(|failure| format!("none: {failure}"), |measured| short(measured.error))
+}
+
+/// Two digits.
+pub fn short(value: f64) -> String {
+    match value {
+        0.0 => "0".to_owned(),
+        value if (0.01..1000.0).contains(&value) => {
+            let near: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+            near.to_string()
+        }
+        value => {
+            let text = format!("{value:.1e}");
+            text.replace(".0e", "e")
+        }
+    }
+}
+
+/// Puts a text between two marks of a page.
+///
+/// # Errors
+/// When the page has not both marks in order.
+pub fn replace(page: &str, name: &str, text: &str) -> Result<String, Failure> {
+    let marks = [format!("<!-- {name}: begin -->\n"), format!("<!-- {name}: end -->\n")];
+    let missing = || Failure::Unexpected(format!("the page lacks the marks of `{name}`"));
+    let begin = page.find(&marks[0]).ok_or_else(missing)? + marks[0].len();
+    let end = begin + page[begin..].find(&marks[1]).ok_or_else(missing)?;
+    Ok(format!("{}{text}{}", &page[..begin], &page[end..]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn replaces_between_marks_only() {
+        let page = "a\n<!-- t: begin -->\nold\n<!-- t: end -->\nb\n";
+        let renewed = replace(page, "t", "new\n").unwrap();
+        assert_eq!(renewed, "a\n<!-- t: begin -->\nnew\n<!-- t: end -->\nb\n");
+        assert!(replace(page, "u", "").is_err());
+    }
+
+    #[test]
+    fn shows_two_digits() {
+        assert_eq!(
+            [0.0, 1e-12, 1.24e-15, 0.1234, 1.0, 12.0, f64::NAN].map(short),
+            ["0", "1e-12", "1.2e-15", "0.12", "1", "12", "NaN"]
+        );
+    }
+}
