@@ -53,14 +53,15 @@ fn limits_table(limits: &[Limit]) -> String {
 }
 
 fn steps_table(measured: &[Measured]) -> String {
+    let shown = |value: f64| if value.is_finite() { format!("{value:.1e}") } else { String::new() };
     let rows = measured.iter().map(|m| {
         let start = [m.case, m.motion.name(), m.engine].map(str::to_owned);
         let figures = [
             grouped(m.level),
-            format!("{:.3e}", m.overlap),
+            if m.overlap.is_finite() { format!("{:.3e}", m.overlap) } else { String::new() },
             format!("{:.3e}", m.expected),
-            format!("{:.1e}", m.error()),
-            format!("{:.1e}", m.drift),
+            shown(m.error()),
+            shown(m.drift),
             m.stopped.clone().unwrap_or_else(|| format!("{} unconverged", m.unconverged)),
         ];
         start.into_iter().chain(figures).collect()

@@ -11,8 +11,8 @@ use rand_chacha::rand_core::SeedableRng;
 /// Pairs of one batch: of one cell.
 const BATCH: u64 = 16;
 
-/// Pairs of each cell unless a campaign says otherwise.
-pub const PAIRS_PER_CELL: u64 = 1024;
+/// Pairs of each cell unless a campaign says otherwise: if none of so many differs, the share is below 1 % (Wilson).
+pub const PAIRS_PER_CELL: u64 = 416;
 
 /// The stress pairs of a seed: batch `n` belongs to cell `n` modulo the number of cells, so that any number of pairs is spread evenly.
 #[derive(Debug)]
