@@ -111,6 +111,7 @@ pub fn exact_stepping(name: &str, scene: &Scene, steps: u32) -> Result<ExactCost
     let shapes = scene.shapes();
     let bodies: Vec<Body> = scene.blocks.iter().map(|block| block.body.clone()).collect();
     let model = exact::StepModel { shapes: &shapes, bodies: &bodies, simulation: &scene.simulation, tolerances: &set };
+    let unknowns: usize = bodies.iter().map(|body| body.motion.unknowns()).sum();
     let mut times: [Vec<f64>; 5] = Default::default();
     let (mut levels, mut iterations, mut made) = (exact::StepLevels::default(), 0, 0);
     for _ in 0..steps {
@@ -126,9 +127,10 @@ pub fn exact_stepping(name: &str, scene: &Scene, steps: u32) -> Result<ExactCost
             times[2].push(seconds);
             times[3].push(with_state);
         }
-        if times[4].len() < 3
+        // Fractions of large systems would take longer than all the rest.
+        let wanted = if unknowns <= 12 { 3 } else { usize::from(unknowns <= 24) };
+        if times[4].len() < wanted
             && let Some(system) = exact::first_system(&model, &state)
-            && system.unknowns() <= 24
         {
             times[4].push(timed(|| system.plainly()).1);
         }
@@ -139,7 +141,7 @@ pub fn exact_stepping(name: &str, scene: &Scene, steps: u32) -> Result<ExactCost
     let [float, conversion, certified, with_state, plain] = times.map(median);
     Ok(ExactCost {
         name: name.to_owned(),
-        unknowns: bodies.iter().map(|body| body.motion.unknowns()).sum(),
+        unknowns,
         contacts: dynamics.state().contacts.len(),
         steps: made,
         iterations: iterations as f64 / made.max(1) as f64,
