@@ -70,7 +70,7 @@ fn look(browser: &Path, dir: &Path, page: &str, width: u32, theme: &str) -> Valu
         ])
         // Software rendering: machines of a CI have no graphics card.
         .args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
-        .args(["--virtual-time-budget=60000", "--dump-dom"])
+        .args(["--virtual-time-budget=20000", "--dump-dom"])
         .arg(format!("--user-data-dir={}", dir.join("profile").display()))
         .arg(format!("--window-size={},1300", width.max(500)))
         .arg(format!("file://{}", frame.display()))
