@@ -145,14 +145,27 @@ impl Table {
         !self.rows.is_empty() && self.rows.iter().all(|row| row.get(column).is_some_and(Cell::is_number))
     }
 
+    /// The columns a reader needs: without the run where there is only one.
+    fn needed(&self) -> std::ops::Range<usize> {
+        let one = self.columns.first() == Some(&"run") && self.name != "runs";
+        let same = self.rows.iter().all(|row| row.first() == self.rows[0].first());
+        usize::from(one && same)..self.columns.len()
+    }
+
     /// The table for the page, at most `most` rows of it.
     pub(super) fn page(&self, most: usize) -> Shown {
-        let head = self.columns.iter().enumerate();
+        let needed = self.needed();
+        let head = self.columns.iter().enumerate().skip(needed.start);
         Shown {
             name: self.name,
             caption: self.caption.clone(),
             head: head.map(|(i, name)| Head { name: name.replace('_', " "), number: self.is_number(i) }).collect(),
-            rows: self.rows.iter().take(most).map(|row| row.iter().map(Cell::shown).collect()).collect(),
+            rows: self
+                .rows
+                .iter()
+                .take(most)
+                .map(|row| row.iter().skip(needed.start).map(Cell::shown).collect())
+                .collect(),
             left_out: self.rows.len().saturating_sub(most),
         }
     }
@@ -174,11 +187,12 @@ impl Table {
     pub fn to_markdown(&self, most: usize) -> String {
         let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
         let clean = |text: &str| text.replace('|', "\\|").replace(['\n', '\r'], " ").replace('<', "&lt;");
-        let mut text = line(self.columns.iter().map(|name| name.replace('_', " ")).collect());
+        let needed = self.needed();
+        let mut text = line(self.columns[needed.clone()].iter().map(|name| name.replace('_', " ")).collect());
         let rule = |i| if self.is_number(i) { "--:".to_owned() } else { "---".to_owned() };
-        text += &line((0..self.columns.len()).map(rule).collect());
+        text += &line(needed.clone().map(rule).collect());
         for row in self.rows.iter().take(most) {
-            text += &line(row.iter().map(|cell| clean(&cell.shown())).collect());
+            text += &line(row.iter().skip(needed.start).map(|cell| clean(&cell.shown())).collect());
         }
         if self.rows.len() > most {
             text += &format!("\n{} more rows in {}.csv\n", self.rows.len() - most, self.name);

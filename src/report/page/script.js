@@ -3,6 +3,20 @@
   const root = document.documentElement;
   const libraries = {};
 
+  // Theme: the system's, or the reader's choice, kept where the browser allows. Set before anything is drawn.
+  const button = document.getElementById("theme");
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const store = {
+    get() { try { return localStorage.getItem("rockproof-theme"); } catch { return null; } },
+    set(value) { try { localStorage.setItem("rockproof-theme", value); } catch { /* not kept */ } },
+  };
+  let choice = store.get() || "system";
+  function theme() {
+    root.dataset.theme = choice === "system" ? (dark.matches ? "dark" : "light") : choice;
+    button.textContent = "Theme: " + choice;
+  }
+  theme();
+
   // The libraries stand in the page as text and are run when first needed: a phone need not read 3 MB before the verdict shows.
   function library(name) {
     if (!(name in libraries)) {
@@ -108,23 +122,16 @@
   addEventListener("beforeprint", drawAll);
   if (location.hash === "#all") drawAll().then(() => { root.dataset.drawn = "all"; });
 
-  // Theme: the system's, or the reader's choice, kept where the browser allows.
-  const button = document.getElementById("theme");
-  const dark = matchMedia("(prefers-color-scheme: dark)");
-  const store = { get() { try { return localStorage.getItem("rockproof-theme"); } catch { return null; } }, set(v) { try { localStorage.setItem("rockproof-theme", v); } catch { /* not kept */ } } };
-  let choice = store.get() || "system";
-  function apply() {
-    root.dataset.theme = choice === "system" ? (dark.matches ? "dark" : "light") : choice;
-    button.textContent = "Theme: " + choice;
+  function repaint() {
+    theme();
     for (const element of document.querySelectorAll("[data-drawn=yes]")) draw(element);
   }
   button.addEventListener("click", () => {
     choice = { system: "dark", dark: "light", light: "system" }[choice] || "system";
     store.set(choice);
-    apply();
+    repaint();
   });
-  dark.addEventListener("change", apply);
-  apply();
+  dark.addEventListener("change", repaint);
 
   for (const copy of document.querySelectorAll(".copy")) {
     copy.addEventListener("click", async () => {

@@ -17,7 +17,8 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
          Most pairs of a campaign are put on the very edge of a decision, so these are shares of hard questions.",
     );
     section.parts.push(Part::Chart(by_setting(campaigns)));
-    section.parts.push(Part::Table(table(campaigns), 60));
+    let (table, whole) = table(campaigns);
+    section.parts.push(Part::Table(table, whole.min(MOST)));
     let families = families(campaigns);
     section.parts.push(Part::Chart(family_map(campaigns)));
     section.parts.push(Part::Quiet(families));
@@ -31,7 +32,11 @@ fn share_cells(sums: &Sums) -> [Cell; 3] {
     })
 }
 
-fn table(campaigns: &[CampaignRun]) -> Table {
+/// How many rows of agreement the page shows.
+const MOST: usize = 48;
+
+/// All rows, those about what users see first, and how many these are.
+fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
     let mut table = Table::new(
         "agreement",
         "Agreement by tolerance setting. whole: what a user of the engine sees; tolerance, representation, arithmetic: \
@@ -51,8 +56,12 @@ fn table(campaigns: &[CampaignRun]) -> Table {
             "gap_sign_differs",
         ],
     );
-    for campaign in campaigns {
-        for (compared, sums) in campaign.by_setting() {
+    let mut whole = 0;
+    for seen in [true, false] {
+        let all =
+            campaigns.iter().flat_map(|campaign| campaign.by_setting().into_iter().map(move |row| (campaign, row)));
+        for (campaign, (compared, sums)) in all.filter(|(_, (compared, _))| (compared.span == Span::Whole) == seen) {
+            whole += usize::from(seen);
             let [value, low, high] = share_cells(&sums);
             table.push(vec![
                 campaign.name.as_str().into(),
@@ -70,7 +79,7 @@ fn table(campaigns: &[CampaignRun]) -> Table {
             ]);
         }
     }
-    table
+    (table, whole)
 }
 
 fn by_setting(campaigns: &[CampaignRun]) -> Chart {

@@ -16,7 +16,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
          the engine's arithmetic, or by a mistake in its code (defect).",
     );
     section.parts.push(Part::Chart(by_setting(campaigns)));
-    section.parts.push(Part::Table(changes(campaigns), 40));
+    section.parts.push(Part::Table(changes(campaigns), 16));
     section.parts.push(Part::Text("Which questions decide most findings:".to_owned()));
     section.parts.push(Part::Chart(predicate_chart(campaigns)));
     section.parts.push(Part::Quiet(predicates(campaigns)));

@@ -15,6 +15,8 @@ pub struct Matrix {
     pub title: String,
     /// How many are off the diagonal, of how many.
     pub note: String,
+    /// Whether the page shows it at once.
+    pub open: bool,
     /// The columns.
     pub kinds: Vec<&'static str>,
     /// The rows.
@@ -77,7 +79,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
                 *all.entry(became.clone()).or_default() += count;
             }
             let name = super::label(campaigns.len(), &campaign.name, &engine);
-            matrices.push(matrix(format!("{name}, all settings"), &all));
+            matrices.push(Matrix { open: true, ..matrix(format!("{name}, all settings"), &all) });
             matrices.extend(of().map(|(c, confusion)| matrix(format!("{name}, {}", c.tolerances), confusion)));
         }
     }
@@ -110,5 +112,11 @@ fn matrix(title: String, confusion: &Confusion) -> Matrix {
             MatrixRow { kind: before, cells: cells.collect() }
         })
         .collect();
-    Matrix { title, note: format!("{} of {} not as they should be", grouped(wrong), grouped(all)), kinds, rows }
+    Matrix {
+        title,
+        note: format!("{} of {} not as they should be", grouped(wrong), grouped(all)),
+        open: false,
+        kinds,
+        rows,
+    }
 }
