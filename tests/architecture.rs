@@ -224,7 +224,7 @@ fn implementations_mirror_each_other() {
 
 #[test]
 fn files_can_be_read_in_a_sitting() {
-    let folders = ["model", "oracle", "src", "tests", "examples", "benches", "fuzz"];
+    let folders = ["model", "oracle", "src", "tests", "examples", "benches", "fuzz", "validation"];
     let files: Vec<PathBuf> = folders.iter().flat_map(|folder| rust_files(&root().join(folder))).collect();
     assert!(files.len() > 50, "found only {} files", files.len());
     for file in files {

@@ -90,3 +90,23 @@ fn directed_pairs_hold_ties() {
     let directed = Sample::new(Sort::Directed, 5, 100).unwrap();
     assert!(directed.ties > 30, "only {} of 100 hold a tie", directed.ties);
 }
+
+#[test]
+fn certified_steps_stand_beside_those_in_f64() {
+    let arguments = ["bench", "--exact-steps", "--quick", "--steps", "3", "--format", "csv"];
+    let output = Command::cargo_bin("rockproof").unwrap().args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let header = reader.headers().unwrap().clone();
+    let column = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    // Three pairs of blocks and a wall; only the small systems are eliminated plainly.
+    assert_eq!(rows.len(), 4);
+    for (row, small) in rows.iter().zip([true, true, true, false]) {
+        let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        assert!(number("f64 µs") > 0.0 && number("certified µs") > 0.0 && number("lockstep") > 1.0, "{row:?}");
+        assert!(number("contacts") >= 4.0 && number("solves a step") >= 1.0, "{row:?}");
+        assert_eq!(!row[column("plain solve µs")].is_empty(), small, "{row:?}");
+    }
+}

@@ -3,7 +3,9 @@
 //!
 //! mdBook itself is not run: it builds for minutes, and gives only warnings for what is checked here.
 
-use pulldown_cmark::{Event, HeadingLevel, Options, Parser, Tag, TagEnd};
+use pulldown_cmark::{CodeBlockKind, Event, HeadingLevel, Options, Parser, Tag, TagEnd};
+use rockproof::campaign::config::CampaignConfig;
+use rockproof::gate::config::GateConfig;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -122,6 +124,65 @@ fn links_lead_somewhere() {
     wrong.extend(outside.iter().flat_map(|(path, page)| broken(path, page, &all, None)));
     assert!(wrong.is_empty(), "{wrong:#?}");
     assert!(all.values().map(|page| page.links.len()).sum::<usize>() > 60);
+}
+
+/// The code blocks of a page in a language.
+fn blocks(page: &str, language: &str) -> Vec<String> {
+    let text = fs::read_to_string(root().join(page)).expect(page);
+    let mut found: Vec<String> = Vec::new();
+    let mut inside = false;
+    for event in Parser::new_ext(&text, Options::ENABLE_TABLES) {
+        match event {
+            Event::Start(Tag::CodeBlock(CodeBlockKind::Fenced(info))) if *info == *language => {
+                inside = true;
+                found.push(String::new());
+            }
+            Event::End(TagEnd::CodeBlock) => inside = false,
+            Event::Text(text) if inside => found.last_mut().expect("a block").push_str(&text),
+            _ => {}
+        }
+    }
+    found
+}
+
+#[test]
+fn settings_on_the_pages_are_read() {
+    for path in pages(&root().join("docs")).into_keys() {
+        let page = format!("docs/{}", path.file_name().expect("a name").display());
+        for block in blocks(&page, "toml") {
+            let read: Result<toml::Table, _> = toml::from_str(&block);
+            assert!(read.is_ok(), "{page}: {}", read.unwrap_err());
+        }
+        for block in blocks(&page, "yaml") {
+            assert!(yaml_rust2::YamlLoader::load_from_str(&block).is_ok(), "{page}: {block}");
+        }
+    }
+    let gates = blocks("docs/gate.md", "toml");
+    assert!(!gates.is_empty() && gates.iter().all(|gate| GateConfig::from_toml(gate, "docs/gate.md").is_ok()));
+    let settings = blocks("docs/formats.md", "toml").into_iter().filter(|block| block.starts_with("pairs"));
+    let settings: Vec<CampaignConfig> = settings.map(|text| CampaignConfig::from_toml(&text).expect("good")).collect();
+    let [settings] = &settings[..] else { panic!("one block of settings") };
+    // What the page calls defaults is.
+    let defaults = CampaignConfig::default();
+    let listed = CampaignConfig {
+        tolerances: Vec::new(),
+        families: Vec::new(),
+        real: Vec::new(),
+        planarity: None,
+        external: Vec::new(),
+        ..settings.clone()
+    };
+    assert_eq!(listed, defaults);
+    // The job on GitLab asks the gate for what there is.
+    let jobs = blocks("docs/gitlab.md", "yaml");
+    let help = std::process::Command::new(env!("CARGO_BIN_EXE_rockproof")).args(["gate", "--help"]).output();
+    let help = String::from_utf8(help.expect("runs").stdout).expect("text");
+    for flag in ["--junit", "--rotating-seed", "--update-baseline"] {
+        assert!(jobs.iter().any(|job| job.contains(flag)) && help.contains(flag), "{flag}");
+    }
+    let job = &yaml_rust2::YamlLoader::load_from_str(&jobs[0]).expect("YAML")[0]["contacts"];
+    assert_eq!(job["artifacts"]["reports"]["junit"].as_str(), Some("junit.xml"));
+    assert!(job["script"].as_vec().is_some_and(|lines| lines.iter().all(|line| line.as_str().is_some())));
 }
 
 #[test]

@@ -156,7 +156,7 @@ fn who_changes_their_mind_fails() {
         let text = around(&words, limit).replace("[campaign]", "[campaign]\nask_twice = true");
         gate(dir.path(), &text, &["--threads", "1"], false)
     };
-    let ran = twice(&[client.clone()]);
+    let ran = twice(std::slice::from_ref(&client));
     assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
     let ran = twice(&moody);
     assert!(ran.code == 1 && ran.out.contains("change unstable"), "{}{}", ran.out, ran.err);

@@ -2,15 +2,20 @@
 //! solves and retries of every step must be the same, from the same state; exact ties aside, which are counted.
 
 use rockproof::lockstep::answer::{Answer, compare};
+use rockproof::lockstep::errors::{anchor_error, largest_distance, velocity_error};
 use rockproof::lockstep::run::KEEP;
 use rockproof::lockstep::scene::ExactScene;
 use rockproof::lockstep::state::{converted, exact_state};
 use rockproof::lockstep::wide::WideStepper;
 use rockproof::model::simulation::derive_stiffness;
 use rockproof::model::{Precision, Scene};
+use rockproof::oracle::step as exact;
 use rockproof::stepper::contact::Spec;
 use rockproof::stepper::dynamics::{Dynamics, State};
 use std::path::PathBuf;
+
+/// Unknowns of the largest scene in the quick test.
+const MOST_UNKNOWNS: usize = 150;
 
 /// The scenes, by name.
 fn scenes() -> Vec<(String, ExactScene)> {
@@ -51,7 +56,10 @@ fn agree(name: &str, scene: &ExactScene, steps: usize) -> Ties {
             (exact, stepped) => panic!("{name}, step {number}: {:?}, {:?}", exact.err(), stepped.err()),
         };
         let found = compare(&Answer::of_oracle(&exact), &answer, &shapes);
-        if !found.is_empty() {
+        let own = exact_state(&after).unwrap();
+        if found.is_empty() {
+            same_state(&format!("{name}, step {number}"), &own, &exact.state);
+        } else {
             let text = format!("{name}, step {number}, {} unsettled: {found:?}", stepped.unsettled);
             assert!(stepped.unsettled > 0, "{text}");
             ties.differing.push(text);
@@ -61,11 +69,29 @@ fn agree(name: &str, scene: &ExactScene, steps: usize) -> Ties {
     ties
 }
 
+/// The states after a step are the same but for what rounding the wide one to f64 changes.
+fn same_state(step: &str, own: &exact::State, right: &exact::State) {
+    for (a, b) in own.blocks.iter().zip(&right.blocks) {
+        let apart = largest_distance(a.vertices.iter().zip(&b.vertices));
+        assert!(apart < 1e-13, "{step}: a vertex is off by {apart:e} m");
+    }
+    let velocity = velocity_error(own, right).unwrap_or(0.0);
+    assert!(velocity < 1e-9, "{step}: a velocity is off by {velocity:e}");
+    let anchor = anchor_error(own, right).unwrap_or(0.0);
+    assert!(anchor < 1e-13, "{step}: an anchor is off by {anchor:e} m");
+    let modes = |state: &exact::State| state.contacts.iter().map(|contact| contact.mode).collect::<Vec<_>>();
+    assert_eq!(modes(own), modes(right), "{step}: what is remembered of modes");
+}
+
 #[test]
 fn stepper_and_oracle_make_the_same_first_steps() {
     for (name, scene) in scenes() {
-        let ties = agree(&name, &scene, 4);
-        println!("{name}: {ties:#?}");
+        // 512 bits solve the arches' systems in minutes.
+        let unknowns: usize = scene.scene().blocks.iter().map(|block| block.body.motion.unknowns()).sum();
+        if unknowns <= MOST_UNKNOWNS {
+            let ties = agree(&name, &scene, 4);
+            println!("{name}: {ties:#?}");
+        }
     }
 }
 

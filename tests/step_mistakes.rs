@@ -25,7 +25,7 @@ macro_rules! mistakes {
 }
 
 mistakes! {
-    NoMistake "none",
+    Nothing "none",
     SlidingLockedIgnored "convergence ignores changes between sliding and locked",
     RelockForgets "becoming locked ignores the stiffness ratio and cohesion, staying locked uses them",
     ThreeIterations "the iteration ends after 3 solves, whatever says that it failed",
@@ -309,7 +309,7 @@ fn every_mistake_is_found_and_none_where_there_is_none() {
             .iter()
             .find_map(|case| Some((case.name, first_difference::<Mistaken>(&case.scene, &case.set, case.steps)?)));
         println!("{what}: {found:?}");
-        if (mistake == NoMistake) != found.is_none() {
+        if (mistake == Nothing) != found.is_none() {
             lost.push((what, found));
         }
     }

@@ -19,6 +19,7 @@ pub(crate) struct Moments<S> {
 
 impl<S: Field> Moments<S> {
     /// The moments of a block; `None` where its volume may be zero.
+    #[expect(clippy::needless_range_loop, reason = "p and q are directions of space, as in the formula")]
     pub(crate) fn of(block: &Block, bits: u32) -> Option<Moments<S>> {
         let origin = &block.vertices()[0];
         let points: Vec<Vec3<S>> = block.vertices().iter().map(|v| difference(v, origin, bits)).collect();
@@ -57,6 +58,7 @@ impl<S: Field> Moments<S> {
     }
 
     /// `∫ TᵀT dV`: 12 × 12, to be multiplied by the density.
+    #[expect(clippy::needless_range_loop, reason = "k and l number unknowns")]
     pub(crate) fn matrix(&self) -> Vec<Vec<S>> {
         let mut matrix = vec![vec![S::from_i32(0); 12]; 12];
         for k in 0..3 {

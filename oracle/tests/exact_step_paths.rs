@@ -289,18 +289,17 @@ fn heap() -> Scene {
     scene
 }
 
-/// Contacts by their blocks, with the modes after each solve; the order of blocks does not count.
-fn history(
-    scene: &Scene,
-    order: &[usize],
-    steps: usize,
-) -> (Vec<Vec<([usize; 2], Vec<Mode>)>>, rockproof_oracle::step::State) {
+/// The blocks of a contact, and its modes after each solve.
+type History = ([usize; 2], Vec<Mode>);
+
+/// The contacts of each step; the order of blocks does not count.
+fn history(scene: &Scene, order: &[usize], steps: usize) -> (Vec<Vec<History>>, rockproof_oracle::step::State) {
     let mut state = scene.start();
     let mut all = Vec::new();
     for _ in 0..steps {
         let answer = scene.step(&state, FINE);
         assert_eq!(answer.levels.undecided, 0);
-        let mut modes: Vec<([usize; 2], Vec<Mode>)> = answer
+        let mut modes: Vec<History> = answer
             .contacts
             .iter()
             .enumerate()

@@ -2,10 +2,11 @@
 
 use crate::campaign::compare::{Difference, Features, differences};
 use crate::lockstep::state::float_mode;
-use crate::model::{Block, Contact};
-use crate::oracle::step::{Cut, StepAnswer};
+use crate::model::{Block, Contact, Number};
+use crate::oracle::step::{self as exact, CertifiedStep, Cut, StepAnswer};
 use crate::stepper::Real;
 use crate::stepper::dynamics::{Mode, RetryReason, State, StepReport};
+use num_rational::BigRational;
 
 /// The decisions of one step.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,18 +37,35 @@ impl Answer {
 
     /// The oracle's.
     pub fn of_oracle(answer: &StepAnswer) -> Answer {
-        let modes = answer.modes.iter().skip(1);
+        let StepAnswer { contacts, modes, converged, cuts, time_step, .. } = answer;
+        Answer::exact(contacts, modes, *converged, cuts, time_step)
+    }
+
+    /// The oracle's, of a step whose state was not asked for.
+    pub fn of_certified(step: &CertifiedStep) -> Answer {
+        let CertifiedStep { contacts, modes, converged, cuts, time_step, .. } = step;
+        Answer::exact(contacts, modes, *converged, cuts, time_step)
+    }
+
+    fn exact(
+        contacts: &[([usize; 2], Contact)],
+        modes: &[Vec<exact::Mode>],
+        converged: bool,
+        cuts: &[(BigRational, Cut)],
+        time_step: &BigRational,
+    ) -> Answer {
         let reason = |cut: Cut| match cut {
             Cut::NotConverged => RetryReason::NotConverged,
             Cut::Displacement => RetryReason::Displacement,
             Cut::Rotation => RetryReason::Rotation,
         };
+        let after_solves = modes.iter().skip(1);
         Answer {
-            contacts: answer.contacts.iter().map(|(pair, c)| (pair.map(|block| block as u32), *c)).collect(),
-            modes: modes.map(|all| all.iter().map(|mode| float_mode(*mode)).collect()).collect(),
-            converged: answer.converged,
-            retries: answer.cuts.iter().map(|(_, cut)| reason(*cut)).collect(),
-            time_step: crate::model::Number::from_rational(answer.time_step.clone()).approximate(),
+            contacts: contacts.iter().map(|(pair, c)| (pair.map(|block| block as u32), *c)).collect(),
+            modes: after_solves.map(|all| all.iter().map(|mode| float_mode(*mode)).collect()).collect(),
+            converged,
+            retries: cuts.iter().map(|(_, cut)| reason(*cut)).collect(),
+            time_step: Number::from_rational(time_step.clone()).approximate(),
         }
     }
 
@@ -86,6 +104,8 @@ pub enum Change {
     Converged,
     /// The attempts given up.
     Retries,
+    /// The Δt accepted, after the same retries: by more than [`SAME_TIME_STEP`].
+    TimeStep,
     /// One side cannot make the step.
     Stopped,
 }
@@ -99,10 +119,14 @@ impl Change {
             Change::Iterations => "iterations",
             Change::Converged => "converged",
             Change::Retries => "retries",
+            Change::TimeStep => "time-step",
             Change::Stopped => "stopped",
         }
     }
 }
+
+/// The largest relative difference of two Δt that is one of rounding.
+pub const SAME_TIME_STEP: f64 = 1e-5;
 
 /// One difference between two steps.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -157,6 +181,8 @@ pub fn compare(before: &Answer, after: &Answer, blocks: &[&Block]) -> Vec<StepDi
     }
     if before.retries != after.retries {
         found.push(StepDifference::of_step(Change::Retries, before.retries_text(), after.retries_text()));
+    } else if (before.time_step - after.time_step).abs() > SAME_TIME_STEP * before.time_step {
+        found.push(StepDifference::of_step(Change::TimeStep, before.time_step, after.time_step));
     }
     found
 }

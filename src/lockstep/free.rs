@@ -2,9 +2,9 @@
 
 use crate::lockstep::answer::{Answer, compare};
 use crate::lockstep::effect::penetration;
+use crate::lockstep::errors::largest_distance;
 use crate::lockstep::state::exact_state;
 use crate::lockstep::trajectory::Trajectory;
-use crate::model::Point;
 use crate::oracle::step as exact;
 use crate::simulate::record::Table;
 use crate::simulate::run::{Beside, Ending, Stepping};
@@ -56,13 +56,22 @@ impl<R: Solve, M: StepRules> FreeRun<R, M> {
         match exact_state(state) {
             Err(_) => row.extend([String::new(), String::new()]),
             Ok(own) => {
-                let apart = own.blocks.iter().zip(&right.blocks).map(|(a, b)| distance(&a.vertices, &b.vertices));
+                let apart = own
+                    .blocks
+                    .iter()
+                    .zip(&right.blocks)
+                    .map(|(a, b)| largest_distance(a.vertices.iter().zip(&b.vertices)));
                 let worst = apart.enumerate().reduce(|worst, next| if next.1 > worst.1 { next } else { worst });
                 row.push(worst.map_or(String::new(), |(_, apart)| number(apart)));
                 row.push(worst.map_or(String::new(), |(block, _)| block.to_string()));
             }
         }
-        let moved = self.begin.blocks.iter().zip(&right.blocks).map(|(a, b)| distance(&a.vertices, &b.vertices));
+        let moved = self
+            .begin
+            .blocks
+            .iter()
+            .zip(&right.blocks)
+            .map(|(a, b)| largest_distance(a.vertices.iter().zip(&b.vertices)));
         row.push(number(moved.fold(0.0, f64::max)));
         row.push(found.iter().filter(|d| d.is_of_contacts()).count().to_string());
         row.push(found.iter().filter(|d| d.solve.is_some()).count().to_string());
@@ -76,15 +85,6 @@ impl<R: Solve, M: StepRules> FreeRun<R, M> {
 
 fn number(value: f64) -> String {
     format!("{value:?}")
-}
-
-/// The largest distance of two points of the same place (m).
-fn distance(a: &[Point], b: &[Point]) -> f64 {
-    let apart = |(a, b): (&Point, &Point)| {
-        let sides = a.components().into_iter().zip(b.components());
-        sides.map(|(a, b)| a.plus(&b.negated()).approximate()).fold(0.0, f64::hypot)
-    };
-    a.iter().zip(b).map(apart).fold(0.0, f64::max)
 }
 
 impl<R: Solve, M: StepRules> Stepping<R> for FreeRun<R, M> {

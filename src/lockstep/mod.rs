@@ -5,6 +5,7 @@ pub mod answer;
 pub mod beside;
 pub mod case_file;
 pub mod effect;
+pub mod errors;
 pub mod free;
 pub mod links;
 pub mod run;

@@ -3,19 +3,20 @@
 use crate::campaign::finding::Cause;
 use crate::lockstep::answer::{Answer, StepDifference, compare};
 use crate::lockstep::effect::{Depths, penetration};
+use crate::lockstep::errors::{anchor_error, displacement_error, velocity_error};
 use crate::lockstep::links::{Caused, Explainer, Links, Side, stepper_trace};
 use crate::lockstep::scene::{ExactScene, Overflow};
 use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::wide::{WideError, WideStepper};
-use crate::model::{Block, Number, Precision, Scene, ToleranceSet};
+use crate::model::{Block, Precision, Scene, ToleranceSet};
 use crate::oracle::step::{self as exact, Keep, StepAnswer, StepFailure};
 use crate::stepper::dynamics::{
     Dynamics, Given, GivenAttempt, SetupError, Solve, State, StepReport, StepRules, Stopped,
 };
 use std::time::{Duration, Instant};
 
-/// What the oracle keeps of coordinates after a step: far finer than any engine, and cheaper than fractions.
-pub const KEEP: Keep = Keep::Grid { exponent: 96 };
+/// What the oracle keeps of coordinates after a step: far finer than any engine, and within reach of balls of two f64.
+pub const KEEP: Keep = Keep::Grid { exponent: 80 };
 
 /// A step made on both sides.
 #[derive(Clone, Debug)]
@@ -32,6 +33,10 @@ pub struct Compared {
     pub differences: Vec<Caused>,
     /// The largest relative error of a block's displacement, and the block; nothing where nothing moves.
     pub displacement: Option<(f64, usize)>,
+    /// The largest relative error of a block's velocity; nothing where nothing has one.
+    pub velocity: Option<f64>,
+    /// The largest error of an anchor of a closed contact (m).
+    pub anchors: Option<f64>,
     /// The exact penetration after the stepper's step and after the oracle's (m).
     pub penetration: [Option<f64>; 2],
     /// Penetrations with the oracle's contacts and modes, where these differ.
@@ -90,8 +95,8 @@ pub struct Lockstep<R, M> {
     wide: Option<WideStepper<M>>,
 }
 
-/// The exact side of a step, and the time it took.
-type ExactStep = Result<StepAnswer, StepFailure>;
+/// What the oracle decided in a step, or why it cannot make it.
+type Decided = Result<Answer, StepFailure>;
 
 impl<R: Solve, M: StepRules> Lockstep<R, M> {
     /// A scene at its beginning, in the scalar R, which is that of `precision`.
@@ -145,6 +150,8 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             oracle: None,
             differences: Vec::new(),
             displacement: None,
+            velocity: None,
+            anchors: None,
             penetration: [None; 2],
             depths: None,
             undecided: 0,
@@ -171,7 +178,8 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
     ) {
         let exact = self.rounded.step(start, KEEP);
         if self.links == Links::All {
-            self.exact_links(before, start, &exact, compared);
+            let decided = exact.as_ref().map(Answer::of_oracle).map_err(Clone::clone);
+            self.exact_links(before, start, &decided, compared);
         }
         let attempts = self.dynamics.modes();
         compared.stepper = made.as_ref().ok().map(|r| Answer::of_stepper(r, attempts, self.dynamics.state()));
@@ -183,6 +191,8 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
                 let after = exact_state(self.dynamics.state());
                 if let Ok(after) = &after {
                     compared.displacement = displacement_error(start, after, &exact.state);
+                    compared.velocity = velocity_error(after, &exact.state);
+                    compared.anchors = anchor_error(after, &exact.state);
                 }
                 let oracle = penetration(&self.rounded, &exact.state);
                 let stepper = after.ok().and_then(|after| penetration(&self.rounded, &after));
@@ -208,14 +218,14 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
     }
 
     /// Tolerance and representation.
-    fn exact_links(&self, before: &State<R>, start: &exact::State, rounded: &ExactStep, compared: &mut Compared) {
+    fn exact_links(&self, before: &State<R>, start: &exact::State, rounded: &Decided, compared: &mut Compared) {
         // The first step is made from the scene as it is; every later state is the engine's own.
         let own_begin = (*before == self.begin).then(|| self.given.begin());
         let unrounded = own_begin.as_ref().unwrap_or(start);
         let alike = self.same && unrounded == start;
-        let given = if alike { None } else { Some(self.given.step(unrounded, KEEP)) };
+        let given = if alike { None } else { Some(decided(&self.given, unrounded)) };
         let given = given.as_ref().unwrap_or(rounded);
-        let ideal = self.ideal.step(unrounded, KEEP);
+        let ideal = decided(&self.ideal, unrounded);
         let blocks = self.given.blocks_at(unrounded);
         let (ideal_side, given_side) = (self.ideal.tolerances(), self.given.tolerances());
         let side = |tolerances| Side { blocks: &blocks, tolerances };
@@ -302,30 +312,15 @@ fn wide_stepper<'w, M: StepRules>(
     wide.as_mut()
 }
 
-fn exact_differences(before: &ExactStep, after: &ExactStep, shapes: &[&Block]) -> Vec<StepDifference> {
+fn decided(scene: &ExactScene, state: &exact::State) -> Decided {
+    scene.decide(state).map(|step| Answer::of_certified(&step))
+}
+
+fn exact_differences(before: &Decided, after: &Decided, shapes: &[&Block]) -> Vec<StepDifference> {
     match (before, after) {
-        (Ok(before), Ok(after)) => compare(&Answer::of_oracle(before), &Answer::of_oracle(after), shapes),
+        (Ok(before), Ok(after)) => compare(before, after, shapes),
         (Err(before), Ok(_)) => vec![StepDifference::stopped(before, "")],
         (Ok(_), Err(after)) => vec![StepDifference::stopped("", after)],
         (Err(_), Err(_)) => Vec::new(),
     }
-}
-
-/// The largest distance of a vertex from where it should be over the largest displacement of a vertex of its block, and that
-/// block: the worst of all blocks that move.
-fn displacement_error(before: &exact::State, found: &exact::State, right: &exact::State) -> Option<(f64, usize)> {
-    let distance = |a: &[crate::model::Point], b: &[crate::model::Point]| {
-        let apart = |a: &Number, b: &Number| a.plus(&b.negated()).approximate();
-        let squares = a.iter().zip(b).map(|(a, b)| {
-            let pairs = a.components().into_iter().zip(b.components());
-            pairs.map(|(a, b)| apart(a, b)).fold(0.0, f64::hypot)
-        });
-        squares.fold(0.0, f64::max)
-    };
-    let blocks = before.blocks.iter().zip(&found.blocks).zip(&right.blocks).enumerate();
-    let errors = blocks.filter_map(|(block, ((before, found), right))| {
-        let moved = distance(&right.vertices, &before.vertices);
-        (moved > 0.0).then(|| (distance(&found.vertices, &right.vertices) / moved, block))
-    });
-    errors.reduce(|worst, next| if next.0 > worst.0 { next } else { worst })
 }

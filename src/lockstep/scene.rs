@@ -2,7 +2,7 @@
 
 use crate::model::simulation::{JointProperties, Simulation};
 use crate::model::{Block, Body, Number, Precision, Scene, ToleranceSet, Vec3};
-use crate::oracle::step::{self, Keep, StepAnswer, StepFailure, StepModel};
+use crate::oracle::step::{self, CertifiedStep, Keep, StepAnswer, StepFailure, StepModel};
 
 /// A number that an engine's precision cannot hold, by its name in files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -78,6 +78,14 @@ impl ExactScene {
     /// Why the oracle cannot make it.
     pub fn step(&self, state: &step::State, keep: Keep) -> Result<StepAnswer, StepFailure> {
         self.with_model(|model| step::exact_step(model, state, keep))
+    }
+
+    /// What one step decides, without the state after it.
+    ///
+    /// # Errors
+    /// Why the oracle cannot make it.
+    pub fn decide(&self, state: &step::State) -> Result<CertifiedStep, StepFailure> {
+        self.with_model(|model| step::certified_step(model, state))
     }
 
     /// The blocks where a state has them.

@@ -5,7 +5,7 @@ use crate::lockstep::links::Caused;
 use crate::lockstep::run::Compared;
 
 /// Columns of `lockstep.csv`.
-pub const STEPS: [&str; 28] = [
+pub const STEPS: [&str; 30] = [
     "step",
     "time_s",
     "contacts_stepper",
@@ -34,6 +34,8 @@ pub const STEPS: [&str; 28] = [
     "penetration_contacts_m",
     "penetration_modes_m",
     "failure",
+    "velocity_error",
+    "anchor_error_m",
 ];
 
 /// Columns of `differences.csv`.
@@ -92,6 +94,7 @@ pub fn step_row(step: &Compared) -> Vec<String> {
     row.push(cell(step.depths, |depths| number(depths.contacts)));
     row.push(cell(step.depths, |depths| number(depths.modes)));
     row.push(step.failure.clone());
+    row.extend([step.velocity, step.anchors].map(|error| cell(error, number)));
     row
 }
 

@@ -114,9 +114,6 @@ pub const SETS: [&str; 2] = ["scene", "shi"];
 /// Δt over that of the file.
 pub const TIME_STEPS: [f64; 3] = [4.0, 1.0, 0.25];
 
-/// The longest that one exact run may take: then its figure is left out.
-const PATIENCE: Duration = Duration::from_secs(8);
-
 impl Closed {
     /// The scene of the file.
     ///
@@ -126,11 +123,17 @@ impl Closed {
         Scene::parse(self.text, Format::Toml, Path::new(self.name))
     }
 
-    /// Runs the scene by an engine, under a set of [`SETS`], with Δt so many times that of the file.
+    /// Runs the scene by an engine, under a set of [`SETS`], with Δt so many times that of the file. An exact run that takes longer than
+    /// `patience` has no figures.
     ///
     /// # Errors
     /// When the scene or its tolerances cannot be had. A run that stops is a result.
-    pub fn run(&self, engine: Engine, set: &'static str, factor: f64) -> Result<ErrorRow, TradeError> {
+    pub fn run(
+        &self,
+        engine: Engine,
+        (set, factor): (&'static str, f64),
+        patience: Duration,
+    ) -> Result<ErrorRow, TradeError> {
         let mut scene = self.scene()?;
         let control = &mut scene.simulation.control;
         let time_step = control.time_step.approximate() * factor;
@@ -147,7 +150,7 @@ impl Closed {
         let ran = match engine {
             Engine::F32 => self.float::<f32>(&scene, &tolerances),
             Engine::F64 => self.float::<f64>(&scene, &tolerances),
-            Engine::Certified | Engine::Exact => self.exactly(&scene, &tolerances),
+            Engine::Certified | Engine::Exact => self.exactly(&scene, &tolerances, patience),
         };
         match ran {
             Ok((ends, steps, seconds)) => {
@@ -193,7 +196,7 @@ impl Closed {
     }
 
     /// The same by the oracle's step, coordinates kept to 2⁻¹⁰⁰ m.
-    fn exactly(&self, scene: &Scene, set: &ToleranceSet) -> Result<(Ends, u64, f64), String> {
+    fn exactly(&self, scene: &Scene, set: &ToleranceSet, patience: Duration) -> Result<(Ends, u64, f64), String> {
         let shapes = scene.shapes();
         let bodies: Vec<_> = scene.blocks.iter().map(|block| block.body.clone()).collect();
         let model = StepModel { shapes: &shapes, bodies: &bodies, simulation: &scene.simulation, tolerances: set };
@@ -214,8 +217,8 @@ impl Closed {
                 (begin, before) = (Some(points(&state)), volumes(&state));
                 begun = Instant::now();
             }
-            if begun.elapsed() > PATIENCE {
-                return Err(format!("stopped after {steps} steps: it takes more than {} s", PATIENCE.as_secs()));
+            if begun.elapsed() > patience {
+                return Err(format!("stopped after {steps} steps: it takes more than {} s", patience.as_secs()));
             }
             let counts = state.settling == 0;
             state = exact_step(&model, &state, Keep::Grid { exponent: 100 }).map_err(|e| e.to_string())?.state;
@@ -237,10 +240,12 @@ fn volume(block: &Block) -> f64 {
 mod tests {
     use super::*;
 
+    const LONG: Duration = Duration::from_secs(600);
+
     #[test]
     fn every_scene_meets_its_closed_form_in_f64() {
         for closed in SCENES {
-            let row = closed.run(Engine::F64, "scene", 1.0).expect("a run");
+            let row = closed.run(Engine::F64, ("scene", 1.0), LONG).expect("a run");
             let allowed = if closed.name.starts_with("rotation") { 1e-2 } else { 2e-3 };
             assert!(row.note.is_empty() && row.error < allowed && row.units > 0, "{row:?}");
         }
@@ -248,7 +253,7 @@ mod tests {
 
     #[test]
     fn the_exact_step_falls_as_the_parabola_says() {
-        let row = SCENES[0].run(Engine::Certified, "scene", 4.0).expect("a run");
+        let row = SCENES[0].run(Engine::Certified, ("scene", 4.0), LONG).expect("a run");
         assert!(row.note.is_empty() && row.error < 1e-15, "{row:?}");
     }
 }

@@ -11,7 +11,7 @@ use crate::plot::{Axis, Chart, PlotError, Series};
 use num_rational::BigRational;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Who answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -174,13 +174,14 @@ const PLAIN_EVERY: usize = 8;
 /// When a subject cannot be had.
 pub fn measure(effort: Effort, watch: &mut dyn FnMut(&str)) -> Result<Vec<ErrorRow>, TradeError> {
     let mut rows = Vec::new();
+    let patience = Duration::from_secs(if effort.quick { 1 } else { 8 });
     for closed in SCENES {
         watch(closed.name);
         for engine in [Engine::F32, Engine::F64, Engine::Certified] {
             for set in SETS {
                 for factor in TIME_STEPS {
                     if !effort.quick || (factor == TIME_STEPS[0] && set == SETS[0]) {
-                        rows.push(closed.run(engine, set, factor)?);
+                        rows.push(closed.run(engine, (set, factor), patience)?);
                     }
                 }
             }

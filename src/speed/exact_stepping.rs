@@ -1,11 +1,11 @@
 //! What a step costs exactly: certified, in f64, and with plain rational elimination, from the same states.
 
+use crate::lockstep::state::exact_state;
 use crate::model::simulation::{Body, derive_stiffness};
-use crate::model::{Block, BlockError, Motion, Number, Point, Precision, Scene, SceneBlock, ToleranceSpec, Vec3};
+use crate::model::{Block, BlockError, Motion, Number, Precision, Scene, SceneBlock, ToleranceSpec, Vec3};
 use crate::oracle::step as exact;
 use crate::speed::stepping::{SteppingError, wall};
-use crate::stepper::Vector;
-use crate::stepper::dynamics::{ContactState, Dynamics, Mode, State};
+use crate::stepper::dynamics::Dynamics;
 use std::time::Instant;
 
 /// Figures of one scene; times in s, each the median over the steps.
@@ -115,6 +115,7 @@ pub fn exact_stepping(name: &str, scene: &Scene, steps: u32) -> Result<ExactCost
     let (mut levels, mut iterations, mut made) = (exact::StepLevels::default(), 0, 0);
     for _ in 0..steps {
         let (state, conversion) = timed(|| exact_state(dynamics.state()));
+        let state = state?;
         let (certified, seconds) = timed(|| exact::certified_step(&model, &state));
         if let Ok(certified) = certified {
             let (_, with_state) = timed(|| exact::exact_step(&model, &state, exact::Keep::Grid { exponent: 80 }));
@@ -168,39 +169,6 @@ fn add(sum: &mut exact::StepLevels, more: &exact::StepLevels) {
     sum.wide.iter_mut().zip(more.wide).for_each(|(sum, more)| *sum += more);
     sum.exact += more.exact;
     sum.undecided += more.undecided;
-}
-
-/// A state of the stepper with every number as the exact one it is; what is not finite becomes zero.
-fn exact_state(state: &State<f64>) -> exact::State {
-    let number = |value: f64| Number::from_f64(value).unwrap_or(Number::ZERO);
-    let point = |v: Vector<f64>| -> Point { Vec3::new(number(v.x), number(v.y), number(v.z)) };
-    let points = |all: &[Vector<f64>]| all.iter().map(|&v| point(v)).collect::<Vec<_>>();
-    let contact = |c: &ContactState<f64>| exact::ContactMemory {
-        blocks: c.blocks.map(|block| block as usize),
-        contact: c.contact,
-        mode: match c.mode {
-            Mode::Open => exact::Mode::Open,
-            Mode::Sliding => exact::Mode::Sliding,
-            Mode::Locked => exact::Mode::Locked,
-        },
-        anchors: c.anchors.map(point),
-    };
-    exact::State {
-        time: number(state.time),
-        settling: state.settling,
-        blocks: state
-            .blocks
-            .iter()
-            .map(|block| exact::BlockState {
-                vertices: points(&block.vertices),
-                velocity: block.velocity.map(number),
-                stress: block.stress.map(number),
-            })
-            .collect(),
-        load_points: points(&state.load_points),
-        fixed_points: points(&state.fixed_points),
-        contacts: state.contacts.iter().map(contact).collect(),
-    }
 }
 
 #[cfg(test)]

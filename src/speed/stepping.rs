@@ -1,5 +1,6 @@
 //! What a step of a large scene costs: time by phase, and memory.
 
+use crate::lockstep::state::NotFinite;
 use crate::model::simulation::derive_stiffness;
 use crate::model::{Block, BlockError, Motion, Number, Precision, Scene, SceneBlock, SpecError, ToleranceSpec, Vec3};
 use crate::stepper::dynamics::{Dynamics, SetupError, Solve, Stopped};
@@ -20,6 +21,9 @@ pub enum SteppingError {
     /// A step cannot be made.
     #[error(transparent)]
     Stopped(#[from] Stopped),
+    /// A state is not finite.
+    #[error(transparent)]
+    NotFinite(#[from] NotFinite),
 }
 
 /// A brick wall in running bond on a fixed floor: bricks of 2 m × 1 m × 1 m, about as many courses as bricks in a course.

@@ -79,7 +79,7 @@ fn write_all(out: &mut String, name: &str, bench: &Workbench, search: &Search<'_
 
 const NOTES: &str = "`differ`: pairs that engine and oracle answer differently, as they stand + moved + beside a boundary; in brackets those on a boundary, where \
 rounding the input decides whatever the tolerances. `slack`: how many times the nearest rule is met. `changed`: contacts that the \
-tolerances add, remove or change, compared with nearest features alone. `penetration`: the deepest overlap after the steps.";
+tolerances add, remove or change, compared with nearest features alone. `penetration`: the deepest overlap after the steps. A larger u means longer steps, and fewer of them.";
 
 fn verdict(out: &mut String, best: &Tried, is_author: bool) -> std::fmt::Result {
     let m = &best.measurement;

@@ -159,7 +159,7 @@ impl<'w> Search<'w> {
         searched.min_by_key(|tried| tried.measurement.merit()).and_then(|tried| tried.knobs)
     }
 
-    /// The candidates that keep every rule and that no other beats in all of: pairs that differ, penetration, slack to the nearest rule, contacts
+    /// The candidates that keep every rule and that no other beats in all of: pairs that differ, penetration, slack to the nearest rule, length of a step, contacts
     /// changed by tolerances. By pairs that differ, then penetration.
     pub fn front(&self) -> Vec<usize> {
         let fine: Vec<usize> = (0..self.tried.len())
@@ -171,7 +171,8 @@ impl<'w> Search<'w> {
         let costs = |k: usize| {
             let m = &self.tried[k].measurement;
             let d = &m.differences;
-            [d.avoidable() as f64, m.stepped.penetration, -m.tightest.factor, d.changed as f64]
+            let step_limit = self.tried[k].set.max_displacement.approximate();
+            [d.avoidable() as f64, m.stepped.penetration, -m.tightest.factor, d.changed as f64, -step_limit]
         };
         let beaten = |k: usize| {
             fine.iter().any(|&other| {

@@ -1,10 +1,8 @@
-//! The sparse solution against the dense one, by faer and in 512 bits.
+//! The sparse solution against the dense one.
 
-use crate::support::{cuboid, floor, near, scene};
+use crate::support::{cuboid, floor, near, run, scene};
 use rockproof::model::Motion;
 use rockproof::stepper::dynamics::solve::{DENSE, Factor, Lower, Singular, Solve, dense, elimination_order};
-use rockproof::stepper::dynamics::{Dynamics, Mode};
-use rockproof::stepper::{Real, Wide};
 
 /// A generator of whole numbers that needs no library: Knuth's multiplier.
 struct Numbers(u64);
@@ -84,37 +82,28 @@ fn an_order_of_elimination_is_a_permutation_that_spares_the_hub() {
     assert!(order[18..].contains(&0), "{order:?}");
 }
 
-/// A stack of deformable blocks, more than a dense system holds.
-fn stack<R: Solve>(count: i32) -> Dynamics<R> {
+/// A settled stack of deformable blocks, more than a dense system holds: the normal force on each block from below is the weight above.
+fn stack<R: Solve>(relative: f64) {
+    let count = (DENSE / 12 + 1) as i32;
     let mut blocks = vec![floor()];
     for k in 0..count {
         let (low, high) = (k.to_string(), (k + 1).to_string());
         blocks.push(cuboid(&format!("block {k}"), ["0", "0", &low], ["1", "1", &high], Motion::Deformable));
     }
-    let mut dynamics = crate::support::begin::<R>(&scene(blocks));
-    for _ in 0..4 {
-        dynamics.step().unwrap();
+    let mut scene = scene(blocks);
+    scene.simulation.control.settle = 400;
+    let (dynamics, _) = run::<R>(&scene, 400);
+    for k in 0..count {
+        let pair = [k as u32, k as u32 + 1];
+        let below = dynamics.state().contacts.iter().filter(|c| c.blocks == pair);
+        let force: f64 = below.map(|c| -c.force.z.to_f64()).sum();
+        let above = (k + 1..=count).map(|block| 20_000.0 * dynamics.volume(block as usize));
+        near(force, above.sum(), relative);
     }
-    dynamics
 }
 
 #[test]
-fn a_stack_moves_the_same_in_sparse_f64_and_in_dense_512_bits() {
-    let count = (DENSE / 12 + 1) as i32;
-    let (double, wide) = (stack::<f64>(count), stack::<Wide>(count));
-    for (one, other) in double.state().blocks.iter().zip(&wide.state().blocks) {
-        for (a, b) in one.vertices.iter().zip(&other.vertices) {
-            for (a, b) in a.components().into_iter().zip(b.components()) {
-                assert!((a - b.to_f64()).abs() < 1e-12, "{a} {b:?}");
-            }
-        }
-    }
-
-    let double: Vec<(Mode, f64)> = double.state().contacts.iter().map(|c| (c.mode, c.force.z)).collect();
-    let wide: Vec<(Mode, f64)> = wide.state().contacts.iter().map(|c| (c.mode, c.force.z.to_f64())).collect();
-    assert!(double.len() >= 4 * count as usize && double.len() == wide.len());
-    for ((mode, force), (other, wide)) in double.iter().zip(&wide) {
-        assert_eq!(mode, other);
-        near(force + 1e6, wide + 1e6, 1e-9);
-    }
+fn a_stack_solved_sparsely_bears_its_weight() {
+    stack::<f64>(1e-8);
+    stack::<f32>(1e-2);
 }

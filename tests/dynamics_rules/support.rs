@@ -6,16 +6,16 @@ use rockproof::model::{Block, Criteria, Motion, Number, Precision, Scene, Tolera
 use rockproof::stepper::dynamics::{Dynamics, Solve, StepReport};
 use std::path::Path;
 
-pub fn n(text: &str) -> Number {
+pub(crate) fn n(text: &str) -> Number {
     Number::parse(text).unwrap()
 }
 
-pub fn v(x: &str, y: &str, z: &str) -> Vec3<Number> {
+pub(crate) fn v(x: &str, y: &str, z: &str) -> Vec3<Number> {
     Vec3::new(n(x), n(y), n(z))
 }
 
 /// Without Eq. (1), εo and εc; displacements up to 1/16 m, rotations up to 1/8.
-pub fn tolerances() -> ToleranceSet {
+pub(crate) fn tolerances() -> ToleranceSet {
     ToleranceSet {
         search: n("1/8"),
         territory: n("1/100"),
@@ -31,7 +31,7 @@ pub fn tolerances() -> ToleranceSet {
     }
 }
 
-pub fn cuboid(name: &str, min: [&str; 3], max: [&str; 3], motion: Motion) -> SceneBlock {
+pub(crate) fn cuboid(name: &str, min: [&str; 3], max: [&str; 3], motion: Motion) -> SceneBlock {
     let corner = |c: [&str; 3]| v(c[0], c[1], c[2]);
     let mut block = SceneBlock::new(name, Block::cuboid(&corner(min), &corner(max)).unwrap());
     block.body.motion = motion;
@@ -39,16 +39,16 @@ pub fn cuboid(name: &str, min: [&str; 3], max: [&str; 3], motion: Motion) -> Sce
 }
 
 /// A rigid cube of 1 m³ with its low corner at the origin.
-pub fn cube() -> SceneBlock {
+pub(crate) fn cube() -> SceneBlock {
     cuboid("cube", ["0", "0", "0"], ["1", "1", "1"], Motion::Rigid)
 }
 
-pub fn floor() -> SceneBlock {
+pub(crate) fn floor() -> SceneBlock {
     cuboid("floor", ["-5", "-5", "-1"], ["5", "5", "0"], Motion::Fixed)
 }
 
 /// Gravity 10 m/s² downwards, 2000 kg/m³, springs of 1e8 N/m, shear springs of 2/5 of that.
-pub fn scene(blocks: Vec<SceneBlock>) -> Scene {
+pub(crate) fn scene(blocks: Vec<SceneBlock>) -> Scene {
     let mut scene = Scene { blocks, ..Scene::default() };
     scene.simulation.gravity = v("0", "0", "-10");
     scene.simulation.materials[0].density = n("2000");
@@ -56,29 +56,29 @@ pub fn scene(blocks: Vec<SceneBlock>) -> Scene {
     scene
 }
 
-pub fn weightless(blocks: Vec<SceneBlock>) -> Scene {
+pub(crate) fn weightless(blocks: Vec<SceneBlock>) -> Scene {
     let mut scene = scene(blocks);
     scene.simulation.gravity = v("0", "0", "0");
     scene
 }
 
 /// A force by a table of (time, force).
-pub fn load(block: usize, at: Vec3<Number>, table: &[(&str, Vec3<Number>)]) -> PointLoad {
+pub(crate) fn load(block: usize, at: Vec3<Number>, table: &[(&str, Vec3<Number>)]) -> PointLoad {
     PointLoad { block, at, table: table.iter().map(|(time, force)| (n(time), force.clone())).collect() }
 }
 
-pub fn begin<R: Solve>(scene: &Scene) -> Dynamics<R> {
+pub(crate) fn begin<R: Solve>(scene: &Scene) -> Dynamics<R> {
     Dynamics::new(scene, &tolerances()).unwrap()
 }
 
-pub fn run<R: Solve>(scene: &Scene, steps: usize) -> (Dynamics<R>, Vec<StepReport>) {
+pub(crate) fn run<R: Solve>(scene: &Scene, steps: usize) -> (Dynamics<R>, Vec<StepReport>) {
     let mut dynamics = begin(scene);
     let reports = (0..steps).map(|_| dynamics.step().unwrap()).collect();
     (dynamics, reports)
 }
 
 /// A scene of `cases/handmade` with its tolerances.
-pub fn handmade(name: &str, precision: Precision) -> (Scene, ToleranceSet) {
+pub(crate) fn handmade(name: &str, precision: Precision) -> (Scene, ToleranceSet) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/handmade").join(name);
     let scene = Scene::load(file).unwrap();
     let set = scene.tolerances.clone().unwrap().derive(&scene.shapes(), precision).unwrap();
@@ -86,13 +86,13 @@ pub fn handmade(name: &str, precision: Precision) -> (Scene, ToleranceSet) {
 }
 
 /// Its stiffnesses chosen, and at its beginning.
-pub fn beginning<R: Solve>(mut scene: Scene, set: &ToleranceSet) -> Dynamics<R> {
+pub(crate) fn beginning<R: Solve>(mut scene: Scene, set: &ToleranceSet) -> Dynamics<R> {
     let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
     derive_stiffness(&mut scene.simulation, &bodies, set);
     Dynamics::new(&scene, set).unwrap()
 }
 
 #[track_caller]
-pub fn near(found: f64, expected: f64, relative: f64) {
+pub(crate) fn near(found: f64, expected: f64, relative: f64) {
     assert!((found - expected).abs() <= relative * expected.abs(), "{found} for {expected}");
 }

@@ -1,49 +1,10 @@
 //! A step of the stepper beside the oracle's step from the same state.
 
+use rockproof::lockstep::state::{exact_mode, exact_state};
 use rockproof::model::simulation::derive_stiffness;
-use rockproof::model::{Body, Number, Point, Scene, ToleranceSet, Vec3};
+use rockproof::model::{Body, Number, Point, Scene, ToleranceSet};
 use rockproof::oracle::step as exact;
-use rockproof::stepper::Vector;
-use rockproof::stepper::dynamics::{BlockState, ContactState, Dynamics, Mode, State, StepRules};
-
-fn number(value: f64) -> Number {
-    Number::from_f64(value).unwrap()
-}
-
-fn point(v: Vector<f64>) -> Point {
-    Vec3::new(number(v.x), number(v.y), number(v.z))
-}
-
-fn mode(mode: Mode) -> exact::Mode {
-    match mode {
-        Mode::Open => exact::Mode::Open,
-        Mode::Sliding => exact::Mode::Sliding,
-        Mode::Locked => exact::Mode::Locked,
-    }
-}
-
-/// A state of the stepper, every number as the exact one it is.
-fn exact_state(state: &State<f64>) -> exact::State {
-    let block = |block: &BlockState<f64>| exact::BlockState {
-        vertices: block.vertices.iter().map(|&v| point(v)).collect(),
-        velocity: block.velocity.map(number),
-        stress: block.stress.map(number),
-    };
-    let contact = |c: &ContactState<f64>| exact::ContactMemory {
-        blocks: c.blocks.map(|block| block as usize),
-        contact: c.contact,
-        mode: mode(c.mode),
-        anchors: c.anchors.map(point),
-    };
-    exact::State {
-        time: number(state.time),
-        settling: state.settling,
-        blocks: state.blocks.iter().map(block).collect(),
-        load_points: state.load_points.iter().map(|&v| point(v)).collect(),
-        fixed_points: state.fixed_points.iter().map(|&v| point(v)).collect(),
-        contacts: state.contacts.iter().map(contact).collect(),
-    }
-}
+use rockproof::stepper::dynamics::{Dynamics, StepRules};
 
 /// Lengths that differ by less are the same: f64 leaves 10⁻¹² or so in scenes of a few metres.
 const CLOSE: f64 = 1e-8;
@@ -59,7 +20,7 @@ pub(crate) fn first_difference<M: StepRules>(scene: &Scene, set: &ToleranceSet, 
     let bodies: Vec<Body> = scene.blocks.iter().map(|block| block.body.clone()).collect();
     let model = exact::StepModel { shapes: &shapes, bodies: &bodies, simulation: &scene.simulation, tolerances: set };
     for step in 1..=steps {
-        let before = exact_state(dynamics.state());
+        let before = exact_state(dynamics.state()).unwrap();
         let answer = exact::exact_step(&model, &before, exact::Keep::Grid { exponent: 80 });
         let report = dynamics.step();
         let (answer, report) = match (answer, report) {
@@ -87,11 +48,11 @@ pub(crate) fn first_difference<M: StepRules>(scene: &Scene, set: &ToleranceSet, 
         }
         let attempt = dynamics.modes().last().unwrap();
         let modes: Vec<Vec<exact::Mode>> =
-            attempt.iter().map(|modes| modes.iter().map(|&m| mode(m)).collect()).collect();
+            attempt.iter().map(|modes| modes.iter().map(|&m| exact_mode(m)).collect()).collect();
         if modes != answer.modes[1..] || report.iterations != answer.iterations {
             return differs("modes");
         }
-        if let Some(what) = moved_apart(&exact_state(dynamics.state()), &answer.state) {
+        if let Some(what) = moved_apart(&exact_state(dynamics.state()).unwrap(), &answer.state) {
             return differs(what);
         }
     }

@@ -1,8 +1,9 @@
 //! How errors shrink with Δt: measured orders, and what start-up costs on an incline.
 
-use crate::case::{Engine, Measured};
-use crate::incline::Slide;
+use crate::case::Engine;
+use crate::incline::{Slide, Start};
 use crate::lab::{Failure, Lab, number, relative, scene};
+use rayon::prelude::*;
 use rockproof::stepper::contact::Spec;
 
 /// Error against Δt for one quantity.
@@ -13,6 +14,8 @@ pub struct Study {
     pub title: &'static str,
     /// The closed form.
     pub known: &'static str,
+    /// The order in Δt that is expected, where there is one.
+    pub order: Option<f64>,
     /// What to say of it.
     pub why: &'static str,
     time_steps: &'static [f64],
@@ -35,7 +38,7 @@ impl Study {
     /// When a run fails.
     pub fn measure(&self) -> Result<Curve, Failure> {
         let point = |&step: &f64| Ok((step, (self.f64)(step)?, (self.f32)(step)?));
-        let points = self.time_steps.iter().map(point).collect::<Result<Vec<_>, Failure>>()?;
+        let points = self.time_steps.par_iter().map(point).collect::<Result<Vec<_>, Failure>>()?;
         let order = slope(points.iter().map(|&(step, error, _)| (step.ln(), error.ln())));
         Ok(Curve { points, order })
     }
@@ -49,6 +52,8 @@ fn slope(points: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
     above / below
 }
 
+/// Fine enough that no step is cut by `max_rotation`.
+const TURNING: &[f64] = &[0.01, 0.005, 0.002, 0.001, 0.0005];
 const COARSE: &[f64] = &[0.02, 0.01, 0.005, 0.002, 0.001];
 const SLIDING: &[f64] = &[0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002];
 
@@ -59,6 +64,7 @@ pub fn studies() -> Vec<Study> {
             name: "ramp",
             title: "a free block under a force that grows with time: distance in 1 s",
             known: "F₁t³/6m",
+            order: Some(1.0),
             why: "The load is that at the end of the step.",
             time_steps: COARSE,
             f64: ramp::<f64>,
@@ -68,6 +74,7 @@ pub fn studies() -> Vec<Study> {
             name: "spring",
             title: "a block dropped onto springs (fixed points): where it is after 0.5 s",
             known: "g/ω² (1 − cos ωt)",
+            order: Some(1.0),
             why: "The spring's force is that at the end of the step, too: it damps like a dashpot of k Δt/2.",
             time_steps: COARSE,
             f64: spring::<f64>,
@@ -77,16 +84,28 @@ pub fn studies() -> Vec<Study> {
             name: "turn",
             title: "a block that turns freely: its angle after 1 s",
             known: "ωt",
+            order: Some(2.0),
             why: "A step turns by 2 atan(ωΔt/2).",
-            time_steps: COARSE,
+            time_steps: TURNING,
             f64: turn::<f64>,
             f32: turn::<f32>,
         },
         Study {
-            name: "incline-settled",
-            title: "incline, tan φ = 1/2, settled: distance in 0.5 s",
+            name: "incline-well-settled",
+            title: "incline, tan φ = 1/2, settled to a millionth: distance in 0.5 s",
             known: "½g(sin α − cos α tan φ)t²",
-            why: "",
+            order: None,
+            why: "Large Δt damp the rocking that begins with the slip; small ones converge to it.",
+            time_steps: SLIDING,
+            f64: well_settled::<f64>,
+            f32: well_settled::<f32>,
+        },
+        Study {
+            name: "incline-settled",
+            title: "incline, tan φ = 1/2, five settling steps: distance in 0.5 s",
+            known: "½g(sin α − cos α tan φ)t²",
+            order: None,
+            why: "Five static steps leave the more of the imbalance the smaller Δt is.",
             time_steps: SLIDING,
             f64: settled::<f64>,
             f32: settled::<f32>,
@@ -95,7 +114,8 @@ pub fn studies() -> Vec<Study> {
             name: "incline-unsettled",
             title: "incline, tan φ = 1/2, not settled: distance in 0.5 s",
             known: "½g(sin α − cos α tan φ)t²",
-            why: "",
+            order: None,
+            why: "The block bounces on its springs, and the less it is damped the smaller Δt is.",
             time_steps: SLIDING,
             f64: unsettled::<f64>,
             f32: unsettled::<f32>,
@@ -142,30 +162,47 @@ fn turn<R: Engine>(time_step: f64) -> Result<f64, Failure> {
     Ok(relative(angle(&lab) - begin, lab.velocity(0)[5] * lab.time()))
 }
 
-fn sliding<R: Engine>(settled: bool, time_step: f64) -> Result<f64, Failure> {
-    let slid = Slide { friction: "1_2", settled, time_step: Some(time_step) }.run::<R, Spec>()?;
+fn sliding<R: Engine>(start: Start, time_step: f64) -> Result<f64, Failure> {
+    let slid = Slide { friction: "1_2", start, time_step: Some(time_step) }.run::<R, Spec>()?;
     Ok(relative(slid.way, slid.known))
 }
 
+fn well_settled<R: Engine>(time_step: f64) -> Result<f64, Failure> {
+    sliding::<R>(Start::WellSettled, time_step)
+}
+
 fn settled<R: Engine>(time_step: f64) -> Result<f64, Failure> {
-    sliding::<R>(true, time_step)
+    sliding::<R>(Start::Settled, time_step)
 }
 
 fn unsettled<R: Engine>(time_step: f64) -> Result<f64, Failure> {
-    sliding::<R>(false, time_step)
+    sliding::<R>(Start::Unsettled, time_step)
 }
 
-/// What start-up costs: sliding distances by Δt, settled and not.
+/// What start-up costs at one Δt.
+pub struct StartUp {
+    /// Δt (s).
+    pub time_step: f64,
+    /// For each [`Start`]: the error, positive when the block went too far, and the share of steps with an open contact.
+    pub errors: [(f64, f64); 3],
+}
+
+/// Sliding distances on the incline, tan φ = 1/2, by Δt and start, in f64.
 ///
 /// # Errors
 /// When a run fails.
-pub fn start_up() -> Result<Vec<(f64, Measured, Measured)>, Failure> {
-    let one = |settled: bool, step: f64| -> Result<Measured, Failure> {
-        let slid = Slide { friction: "1_2", settled, time_step: Some(step) }.run::<f64, Spec>()?;
-        let seen = format!("{} of {}", slid.open, slid.steps);
-        Ok(Measured::new((slid.way - slid.known) / slid.known, seen))
+pub fn start_up() -> Result<Vec<StartUp>, Failure> {
+    let one = |start: Start, step: f64| -> Result<(f64, f64), Failure> {
+        let slid = Slide { friction: "1_2", start, time_step: Some(step) }.run::<f64, Spec>()?;
+        Ok(((slid.way - slid.known) / slid.known, slid.open as f64 / slid.steps as f64))
     };
-    SLIDING.iter().map(|&step| Ok((step, one(true, step)?, one(false, step)?))).collect()
+    let all = |&time_step: &f64| {
+        let starts = [Start::Unsettled, Start::Settled, Start::WellSettled];
+        let errors = starts.map(|start| one(start, time_step));
+        let [a, b, c] = errors;
+        Ok(StartUp { time_step, errors: [a?, b?, c?] })
+    };
+    SLIDING.par_iter().map(all).collect()
 }
 
 #[cfg(test)]

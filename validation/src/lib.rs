@@ -12,6 +12,7 @@ pub mod flight;
 pub mod impact;
 pub mod incline;
 pub mod lab;
+pub mod plot;
 pub mod regimes;
 pub mod report;
 pub mod rest;

@@ -1,6 +1,7 @@
 //! The table of `docs/validation.md`.
 
 use crate::case::{Case, Measured};
+use crate::convergence::{Curve, StartUp, Study};
 use crate::lab::Failure;
 use rayon::prelude::*;
 use std::fmt::Write;
@@ -44,6 +45,40 @@ pub fn markdown(lines: &[Line]) -> String {
             "| {} | {} | {} | {bound} | {mark}{f64} | {f32} | {seen} |",
             case.name, case.known, case.error
         );
+    }
+    out
+}
+
+/// The studies of convergence in Markdown.
+pub fn orders(studies: &[(Study, Curve)]) -> String {
+    let mut out = String::from(
+        "| quantity | closed form | order in f64 | error at Δt | and at Δt | |\n| --- | --- | ---: | ---: | ---: | --- |\n",
+    );
+    for (study, curve) in studies {
+        let order = study.order.map_or("none".to_owned(), |_| format!("{:.2}", curve.order));
+        let at = |point: Option<&(f64, f64, f64)>| {
+            point.map_or(String::new(), |&(step, error, _)| format!("{} at {} s", short(error), short(step)))
+        };
+        let (first, last) = (at(curve.points.first()), at(curve.points.last()));
+        let plot = format!("[{}](images/validation/{}.svg)", study.title, study.name);
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "| {plot} | {} | {order} | {first} | {last} | {} |", study.known, study.why);
+    }
+    out
+}
+
+/// What start-up costs, in Markdown.
+pub fn start_up(all: &[StartUp]) -> String {
+    let mut out = String::from(
+        "| Δt | not settled | open | 5 settling steps | open | settled to a millionth | open |\n| ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
+    );
+    for one in all {
+        let _ = write!(out, "| {} ms |", 1e3 * one.time_step);
+        for (error, open) in one.errors {
+            let sign = if error < 0.0 { "−" } else { "+" };
+            let _ = write!(out, " {sign}{} | {:.0} % |", short(error.abs()), 100.0 * open);
+        }
+        out.push('\n');
     }
     out
 }

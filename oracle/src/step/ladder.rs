@@ -16,6 +16,10 @@ const WIDE_BITS: [u32; 4] = [128, 256, 512, 1024];
 /// The largest island that is solved in fractions.
 pub(crate) const EXACT_UNKNOWNS: usize = 48;
 
+/// Steps of more unknowns than this are asked no further than [`WIDE_BITS`]' second level: where 256 bits leave a sign open, it is a
+/// tie in all likelihood, and four times the bits cost minutes.
+const LARGE: usize = 96;
+
 /// How many decisions of a step each level settled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepLevels {
@@ -146,7 +150,8 @@ impl<'a> Ladder<'a> {
             self.levels.double += 1;
             return Some(answer);
         }
-        for (k, bits) in WIDE_BITS.into_iter().enumerate() {
+        let asked = if self.attempt.sizes.iter().sum::<usize>() > LARGE { 2 } else { WIDE_BITS.len() };
+        for (k, bits) in WIDE_BITS.into_iter().enumerate().take(asked) {
             if k == 2
                 && let Some(answer) = self.exact().and_then(|chain| question.ask(chain))
             {
@@ -158,6 +163,12 @@ impl<'a> Ladder<'a> {
                 self.levels.wide[k] += 1;
                 return Some(answer);
             }
+        }
+        if asked <= 2
+            && let Some(answer) = self.exact().and_then(|chain| question.ask(chain))
+        {
+            self.levels.exact += 1;
+            return Some(answer);
         }
         self.levels.undecided += 1;
         None

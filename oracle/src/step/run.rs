@@ -167,8 +167,7 @@ pub fn first_system(model: &StepModel<'_>, state: &State) -> Option<SpdSystem> {
 pub fn exact_step(model: &StepModel<'_>, state: &State, keep: Keep) -> Result<StepAnswer, StepFailure> {
     let begun = Begun::new(model, state)?;
     let mut answer = attempts(&begun, |mut ladder, attempt, end, cuts| {
-        let last = ladder.modes().last().cloned().unwrap_or_default();
-        let state = kept(&mut ladder, attempt, &last, keep).ok_or(StepFailure::NotKept)?;
+        let state = kept(&mut ladder, attempt, &end.after, keep).ok_or(StepFailure::NotKept)?;
         let modes = modes(&ladder, &end);
         Ok(StepAnswer {
             contacts: Vec::new(),
@@ -270,18 +269,18 @@ fn modes(ladder: &Ladder<'_>, end: &End) -> Vec<Vec<Mode>> {
 /// Grids up to this exponent may be reached by balls of two f64.
 const DOUBLE_GRID: u32 = 96;
 
-/// The state after the last solve. The modes that this was made with are those that are remembered.
-fn kept(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>, last: &[Mode], keep: Keep) -> Option<State> {
+/// The state after the last solve. The modes that followed from it are those that are remembered.
+fn kept(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>, after: &[Mode], keep: Keep) -> Option<State> {
     let Keep::Grid { exponent } = keep else {
-        return ladder.exact().and_then(|chain| updated(attempt, chain, last, keep));
+        return ladder.exact().and_then(|chain| updated(attempt, chain, after, keep));
     };
     if exponent <= DOUBLE_GRID
-        && let Some(state) = ladder.double().and_then(|chain| updated(attempt, chain, last, keep))
+        && let Some(state) = ladder.double().and_then(|chain| updated(attempt, chain, after, keep))
     {
         return Some(state);
     }
     let enough = [128, 256, 512, 1024, 2048, 4096].into_iter().filter(|&bits| bits > exponent);
-    enough.into_iter().find_map(|bits| updated(attempt, &*ladder.with_bits(bits)?, last, keep))
+    enough.into_iter().find_map(|bits| updated(attempt, &*ladder.with_bits(bits)?, after, keep))
 }
 
 /// The velocity that the scene gives a block.

@@ -115,7 +115,7 @@ impl<S: Field> System<'_, '_, S> {
     /// The system as a matrix and a right side.
     fn assembled(&self) -> BlockSystem<S> {
         let chain = self.chain;
-        let mut system = BlockSystem::zero(&chain.attempt.sizes);
+        let mut system = BlockSystem::zero(chain.attempt.sizes);
         for (row, base) in chain.base.iter().enumerate() {
             system.add(row, row, |r, c| base.matrix[r][c].clone());
             system.add_right(row, |r| base.right[r].clone());

@@ -74,7 +74,8 @@ macro_rules! adapter {
             #[allow(clippy::unnecessary_cast, reason = "f32 needs it, f64 does not")]
             pub fn say(a: &Solid, b: &Solid) -> Result<Said, Failure> {
                 let here = Pose::identity();
-                let found = contact(&here, &shape(a)?, &here, &shape(b)?, <$real>::MAX).map_err(|why| why.to_string())?;
+                let found =
+                    contact(&here, &shape(a)?, &here, &shape(b)?, <$real>::MAX).map_err(|why| why.to_string())?;
                 let wide = |v: Vector| [v.x as f64, v.y as f64, v.z as f64];
                 Ok(match found {
                     Some(contact) => Said { gap_m: Some(contact.dist as f64), normal: Some(wide(contact.normal2)) },
@@ -105,8 +106,7 @@ fn main() -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     for line in std::io::stdin().lock().lines() {
         let question: Value = serde_json::from_str(&line?)?;
-        let mut said =
-            answer(&precision, &question).unwrap_or_else(|why| json!({ "unsupported": why.to_string() }));
+        let mut said = answer(&precision, &question).unwrap_or_else(|why| json!({ "unsupported": why.to_string() }));
         said["id"] = question["id"].clone();
         writeln!(out, "{said}")?;
         out.flush()?;
