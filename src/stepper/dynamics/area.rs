@@ -3,9 +3,25 @@
 use crate::model::Contact;
 use crate::model::EntranceKind;
 use crate::stepper::contact::Solid;
+use crate::stepper::dynamics::contact::Active;
+use crate::stepper::dynamics::material::Joint;
 use crate::stepper::dynamics::plane::Plane;
+use crate::stepper::dynamics::solve::Solve;
 use crate::stepper::real::Real;
 use crate::stepper::vector::Vector;
+
+/// Gives the contacts of a pair their shares of the areas in which the pair's faces overlap.
+pub(super) fn share<R: Solve>(active: &mut [Active<R>], solids: [&Solid<R>; 2], joint: &Joint<R>, overlap_sine: R) {
+    let joined: Vec<Option<[u32; 2]>> =
+        active.iter().map(|c| faces(solids, &c.contact, &c.plane, overlap_sine)).collect();
+    for (contact, both) in active.iter_mut().zip(&joined) {
+        let Some(both) = both else { continue };
+        let sharing = joined.iter().filter(|other| other.as_ref() == Some(both)).count();
+        let area = overlap(solids, *both, contact.plane.normal) / R::from_f64(sharing as f64);
+        contact.cohesive = joint.cohesion * area;
+        contact.tensile_gap = joint.tension * area / joint.normal;
+    }
+}
 
 /// The faces of A and B that a contact joins, if they face each other within the overlap angle.
 pub(super) fn faces<R: Real>(

@@ -9,7 +9,6 @@ use crate::stepper::dynamics::displacement::{Twelve, displacement};
 use crate::stepper::dynamics::given::Given;
 use crate::stepper::dynamics::kinematics::Motion;
 use crate::stepper::dynamics::layout::Layouts;
-use crate::stepper::dynamics::material::Joint;
 use crate::stepper::dynamics::moments::{Matrix, Moments};
 use crate::stepper::dynamics::neighbours::Neighbours;
 use crate::stepper::dynamics::plane::plane;
@@ -262,7 +261,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         });
         let mut active: Vec<Active<R>> = active.collect();
         if joint.needs_area() {
-            share_areas(&mut active, solids, &joint, self.setup.tolerances.overlap_sine);
+            area::share(&mut active, solids, &joint, self.setup.tolerances.overlap_sine);
         }
         active
     }
@@ -433,76 +432,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         self.neighbours.moved(1.25 * farthest);
         Ok(self.report(contacts, number, time_step.to_f64(), (&ended, retries), farthest))
     }
-
-    fn report(
-        &self,
-        contacts: &[Active<R>],
-        step: i64,
-        time_step: f64,
-        (ended, retries): (&Ended<R>, Vec<Retry>),
-        max_displacement: f64,
-    ) -> StepReport {
-        let mut counts = [[0; 3]; 6];
-        let (mut deepest, mut springs) = (0.0f64, 0.0);
-        let half = R::from_f64(0.5);
-        for (contact, state) in contacts.iter().zip(&self.state.contacts) {
-            counts[contact.contact.kind as usize][contact.now.mode as usize] += 1;
-            deepest = deepest.max(-contact.now.gap.to_f64());
-            if contact.is_closed() {
-                let ([a, b], normal) = (state.anchors, state.normal);
-                let across = (a - b) - normal * normal.dot(a - b);
-                let squared =
-                    contact.now.gap * contact.now.gap * contact.joint.normal + across.dot(across) * contact.joint.shear;
-                springs += (half * squared).to_f64();
-            }
-        }
-        for (held, &at) in self.setup.held.iter().zip(&self.state.fixed_points) {
-            springs += (half * held.stiffness * (at - held.at).dot(at - held.at)).to_f64();
-        }
-        let (mut kinetic, mut gravitational, mut elastic) = (0.0, 0.0, 0.0);
-        for (block, state) in self.state.blocks.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block)) {
-            let (body, moments) = (&self.setup.bodies[block], &self.moments[block]);
-            let mass = body.elastic.density * moments.volume;
-            gravitational -= (mass * self.setup.gravity.dot(moments.centroid)).to_f64();
-            if body.motion.unknowns() == 12 {
-                elastic += (moments.volume * body.elastic.energy(&state.stress)).to_f64();
-            }
-            for (row, &rate) in moments.inertia().iter().zip(&state.velocity) {
-                let momentum = row.iter().zip(&state.velocity).fold(R::ZERO, |sum, (&m, &v)| sum + m * v);
-                kinetic += (half * body.elastic.density * momentum * rate).to_f64();
-            }
-        }
-        StepReport {
-            step,
-            time: self.state.time.to_f64(),
-            time_step,
-            iterations: ended.iterations,
-            converged: ended.changing.is_empty(),
-            retries,
-            contacts: counts,
-            max_penetration: deepest,
-            max_displacement,
-            kinetic,
-            gravitational,
-            elastic,
-            springs,
-        }
-    }
 }
 
 fn vertices<R>(state: &State<R>) -> usize {
     state.blocks.iter().map(|block| block.vertices.len()).sum()
-}
-
-/// Gives the contacts of a pair their shares of the areas in which the pair's faces overlap.
-fn share_areas<R: Solve>(active: &mut [Active<R>], solids: [&Solid<R>; 2], joint: &Joint<R>, overlap_sine: R) {
-    let faces: Vec<Option<[u32; 2]>> =
-        active.iter().map(|c| area::faces(solids, &c.contact, &c.plane, overlap_sine)).collect();
-    for (contact, both) in active.iter_mut().zip(&faces) {
-        let Some(both) = both else { continue };
-        let sharing = faces.iter().filter(|other| other.as_ref() == Some(both)).count();
-        let area = area::overlap(solids, *both, contact.plane.normal) / R::from_f64(sharing as f64);
-        contact.cohesive = joint.cohesion * area;
-        contact.tensile_gap = joint.tension * area / joint.normal;
-    }
 }

@@ -24,6 +24,7 @@ pub mod rules;
 mod setup;
 pub mod solve;
 pub mod state;
+mod summed;
 mod transfer;
 
 pub use engine::{Dynamics, Phases};
