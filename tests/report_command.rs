@@ -129,7 +129,7 @@ fn markdown_is_short_and_goes_to_stdout() {
     let (code, out, err) = rockproof(&["report", path, "--format", "markdown"]);
     assert_eq!(code, 0, "{err}");
     assert!(out.starts_with("## Rockproof: small\n\n- "), "{out}");
-    assert!(out.len() < 20_000 && out.contains("| run | setting |") && out.contains("<details>"), "{out}");
+    assert!(out.len() < 20_000 && out.contains("| setting | engine |") && out.contains("<details>"), "{out}");
     assert!(!run().join("report").exists(), "nothing is written");
 }
 
@@ -176,8 +176,8 @@ fn damage_is_named_with_file_and_line() {
             &["agreement.csv: line 2:", "pairs is \"x", "a count"],
         ),
         ("confusion.csv", ",tolerance,f32,", ",sideways,f32,", &["confusion.csv: line 2:", "span is \"sideways\""]),
-        ("run.json", "\"version\": \"0.1.0\"", "\"version\": \"7.2.0\"", &["run.json: line", "7.2.0", "0.1.0"]),
-        ("run.json", "\"seed\":", "\"seeds\":", &["run.json: line", "seed"]),
+        ("run.json", "\n  \"version\": \"0.1.0\"", "\n  \"version\": \"7.2.0\"", &["run.json: line", "7.2.0", "0.1.0"]),
+        ("run.json", "\n  \"seed\":", "\n  \"seeds\":", &["run.json: line", "seed"]),
         ("run.json", "{", "[", &["run.json: line"]),
     ];
     for (name, from, to, wanted) in damages {

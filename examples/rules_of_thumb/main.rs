@@ -1,6 +1,6 @@
 //! Measures what each tolerance does to contact types and penetration, and writes the tables and plots of docs/rules_of_thumb.md.
 //!
-//! `cargo run --release --example rules_of_thumb [FOLDER]`: writes `rules_of_thumb_tables.md` and `images/rules_*.svg` into the folder, `docs` by
+//! `cargo run --release --example rules_of_thumb [FOLDER]`: writes `rules_of_thumb_tables.md` and `images/rules/*.svg` into the folder, `docs` by
 //! default. No figure depends on the machine or on time.
 
 mod grid;
@@ -14,10 +14,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rows = grid::measure(grid::PAIRS)?;
     let approaches = steps::approaches()?;
     let crossings = steps::crossings()?;
-    let images = folder.join("images");
+    let images = folder.join("images/rules");
     std::fs::create_dir_all(&images)?;
     for (name, chart) in page::charts(&rows, &approaches, &crossings) {
-        rockproof::model::files::write_atomically(images.join(format!("rules_{name}.svg")), chart.svg()?)?;
+        rockproof::model::files::write_atomically(images.join(format!("{name}.svg")), chart.svg()?)?;
     }
     let text = page::tables(&rows, &approaches, &crossings);
     rockproof::model::files::write_atomically(folder.join("rules_of_thumb_tables.md"), text)?;
