@@ -16,7 +16,7 @@ const PROBE: &str = r#"<script>
     scroll: document.documentElement.scrollWidth,
     errors,
     requests: performance.getEntriesByType("resource").map(e => e.name).filter(name => !/^(data|blob):/.test(name)),
-    charts: [...document.querySelectorAll(".chart")].map(f => [f.id, f.dataset.drawn || "no", f.querySelectorAll(".main-svg .plot path, .main-svg .plot image, .main-svg .heatmaplayer image").length]),
+    charts: [...document.querySelectorAll(".chart")].map(f => [f.id, f.dataset.drawn || "no", f.querySelectorAll(".main-svg .point, .main-svg .heatmaplayer image").length]),
     views: [...document.querySelectorAll(".finding[open]")].map(f => [f.id, f.dataset.drawn || "no", f.querySelector(".still").src.length]),
     closed: document.querySelectorAll(".finding:not([open])").length,
     theme: document.documentElement.dataset.theme,

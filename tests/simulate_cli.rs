@@ -171,8 +171,10 @@ fn options_choose_precision_length_and_place() {
     assert!((0.05 - 5e-6..0.055).contains(&time), "{:?}", last("time"));
     place.finishes(&["fall.toml", "--time", "0.05", "--steps", "4", "--out", "both"]);
     assert_eq!(last("both")["step"], "4");
-    place.finishes(&["fall.toml", "--steps", "7", "--engine", "f32", "--out", "f32"]);
-    let (single, double) = (last("f32"), last("steps"));
+    // Before anything touches: an impact is nothing that two precisions share to a per cent.
+    place.finishes(&["fall.toml", "--steps", "5", "--engine", "f32", "--out", "f32"]);
+    let (single, double) = (last("f32"), rows(&place.path("steps").join("steps.csv")).remove(6));
+    assert_eq!(single["step"], double["step"]);
     let energy = |row: &BTreeMap<String, String>| row["kinetic_J"].parse::<f64>().expect("a number");
     assert!(single != double && (energy(&single) / energy(&double) - 1.0).abs() < 1e-2, "{single:?} {double:?}");
     place.finishes(&["fall.toml", "--steps", "7", "--set", "max_displacement=1/100", "--out", "set"]);
@@ -196,7 +198,7 @@ fn mistakes_exit_with_2_and_say_where() {
         (vec!["none.toml"], "none.toml"),
         (vec!["endless.toml"], "--steps N or --time T"),
         (vec!["wrong.toml"], "wrong.toml:6: "),
-        (vec!["huge.toml", "--engine", "f32", "--force"], "gravity"),
+        (vec!["huge.toml", "--engine", "f32", "--force"], "overflows in the stepper's precision"),
         (vec!["fall.toml", "--time", "0"], "above 0"),
         (vec!["fall.toml", "--time", "soon"], "above 0"),
         (vec!["fall.toml", "--steps", "-3"], "--steps"),
