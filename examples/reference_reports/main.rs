@@ -104,7 +104,7 @@ fn renew(reference: &Reference) -> Told<()> {
         // The cases that the page shows how to replay.
         let page = fs::read_to_string(html.join("report.html")).map_err(|e| e.to_string())?;
         copy_all(&made.join(reference.name).join("cases"), &kept.join("cases"), &|name| {
-            page.contains(&format!("/cases/{name}<"))
+            page.contains(&format!("{name}<"))
         })?;
     }
     fs::remove_dir_all(&directory).map_err(|e| e.to_string())
