@@ -1,40 +1,17 @@
 //! The float dynamics against closed forms that need no scene file, one for each part: inertia, weight, normal springs,
 //! friction, elasticity, kinematics, areas, transfer.
 
+#[path = "support/boxes.rs"]
+mod boxes;
+
+use boxes::{cuboid, n, tolerances};
 use rockproof::model::scene::SceneBlock;
 use rockproof::model::simulation::{Kinematics, derive_stiffness};
-use rockproof::model::{Block, Criteria, Motion, Number, Scene, ToleranceSet, Vec3};
+use rockproof::model::{Motion, Number, Scene, Vec3};
 use rockproof::stepper::dynamics::{Dynamics, Mode, Solve, StepReport};
-
-fn n(text: &str) -> Number {
-    Number::parse(text).unwrap()
-}
 
 fn v(x: &str, y: &str, z: &str) -> Vec3<Number> {
     Vec3::new(n(x), n(y), n(z))
-}
-
-fn tolerances() -> ToleranceSet {
-    ToleranceSet {
-        search: n("1/10"),
-        territory: n("1/100"),
-        penetration: n("1/20"),
-        overlap_sine: n("1/20"),
-        parallel_sine: n("1/20"),
-        equal: n("0"),
-        open: n("0"),
-        close: n("0"),
-        max_displacement: n("1/20"),
-        max_rotation: n("1/10"),
-        criteria: Criteria::Revised,
-    }
-}
-
-fn cuboid(name: &str, min: [&str; 3], max: [&str; 3], motion: Motion) -> SceneBlock {
-    let corner = |c: [&str; 3]| v(c[0], c[1], c[2]);
-    let mut block = SceneBlock::new(name, Block::cuboid(&corner(min), &corner(max)).unwrap());
-    block.body.motion = motion;
-    block
 }
 
 fn floor() -> SceneBlock {

@@ -1,16 +1,16 @@
 //! Exact trajectories reproduce closed forms as equal fractions: free fall, a block on a 3-4-5 incline at rest and sliding with
 //! rational friction, Hooke's law.
 
+#[path = "support/boxes.rs"]
+mod boxes;
+
+use boxes::{cuboid, n, tolerances};
 use num_rational::BigRational;
 use rockproof::lockstep::Trajectory;
 use rockproof::model::scene::SceneBlock;
 use rockproof::model::simulation::{Material, PointLoad};
-use rockproof::model::{Block, Criteria, Motion, Number, Point, Scene, ToleranceSet, Vec3};
+use rockproof::model::{Block, Motion, Number, Point, Scene, Vec3};
 use rockproof::oracle::step::{ContactMemory, Keep, Mode};
-
-fn n(text: &str) -> Number {
-    Number::parse(text).unwrap()
-}
 
 fn q(text: &str) -> BigRational {
     n(text).to_rational()
@@ -26,28 +26,6 @@ fn number(value: &BigRational) -> Number {
 
 fn v(c: [&str; 3]) -> Vec3<Number> {
     Vec3::new(n(c[0]), n(c[1]), n(c[2]))
-}
-
-fn cuboid(name: &str, min: [&str; 3], max: [&str; 3], motion: Motion) -> SceneBlock {
-    let mut block = SceneBlock::new(name, Block::cuboid(&v(min), &v(max)).unwrap());
-    block.body.motion = motion;
-    block
-}
-
-fn tolerances() -> ToleranceSet {
-    ToleranceSet {
-        search: n("1/10"),
-        territory: n("1/100"),
-        penetration: n("1/20"),
-        overlap_sine: n("1/20"),
-        parallel_sine: n("1/20"),
-        equal: n("0"),
-        open: n("0"),
-        close: n("0"),
-        max_displacement: n("1/20"),
-        max_rotation: n("1/10"),
-        criteria: Criteria::Revised,
-    }
 }
 
 /// Blocks of 2000 kg/m³, E = 10¹⁰ Pa, ν = 1/4, joints of 10⁹ N/m, steps of 1/100 s.

@@ -2,9 +2,9 @@
 
 use crate::grid::{Row, ladders};
 use crate::steps::{Approach, Crossing};
+use rockproof::campaign::interval::wilson;
 use rockproof::model::Criteria;
 use rockproof::plot::{Axis, Chart, Series};
-use rockproof::stress::wilson;
 use std::fmt::Write;
 
 /// The charts by the names of their files.

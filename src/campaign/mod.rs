@@ -16,6 +16,7 @@ pub mod external;
 pub mod families;
 pub mod finding;
 pub mod grid;
+pub mod interval;
 pub mod journal;
 pub mod ladder;
 pub mod mapped;

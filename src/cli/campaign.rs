@@ -2,6 +2,7 @@
 
 use crate::cli::exit::{Outcome, Verdict, note, print};
 use crate::cli::input::{EngineArgs, ReadArgs};
+use crate::cli::stop::on_ctrl_c;
 use crate::cli::stress;
 use crate::cli::table::{grouped, table};
 use anyhow::Context;
@@ -18,8 +19,7 @@ use rockproof::stress::StressSource;
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// Compare engines with the oracle on generated and real pairs, and explain every difference
@@ -102,15 +102,7 @@ impl Campaign {
             _ => Start::Fresh,
         };
         let mut journal = Journal::open(&out, source::identity(&config)?, start)?;
-        let stop = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&stop);
-        // A second Ctrl-C ends the program at once; the journal bears it.
-        ctrlc::set_handler(move || {
-            if flag.swap(true, Ordering::Relaxed) {
-                std::process::exit(130);
-            }
-        })
-        .context("cannot catch Ctrl-C")?;
+        let stop = on_ctrl_c()?;
         let ending = work(&config, &engines, &*source, self.threads, &mut journal, &stop)?;
         let mut text = Vec::new();
         report(&mut text, &journal, ending)?;

@@ -14,6 +14,7 @@ mod report;
 mod shrink;
 mod simulate;
 mod simulate_exact;
+mod stop;
 mod stress;
 mod table;
 mod tune;

@@ -4,6 +4,7 @@ use crate::cli::check::violations_text;
 use crate::cli::exit::{Outcome, Verdict, complain, note, print};
 use crate::cli::input::{ReadArgs, ToleranceArgs};
 use crate::cli::simulate_exact::ExactRun;
+use crate::cli::stop::on_ctrl_c;
 use crate::cli::table::grouped;
 use anyhow::Context;
 use clap::ValueEnum;
@@ -27,8 +28,6 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Simulate a scene step by step
@@ -270,15 +269,7 @@ impl Simulate {
                 Box::new(BesideRun::new(lockstep, about, &record.progress().beside))
             }
         };
-        let stop = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&stop);
-        // A second Ctrl-C ends the program at once; the record bears it.
-        ctrlc::set_handler(move || {
-            if flag.swap(true, Ordering::Relaxed) {
-                std::process::exit(130);
-            }
-        })
-        .context("cannot catch Ctrl-C")?;
+        let stop = on_ctrl_c()?;
         let mut display = Display::new();
         let run = Run { scene: &scene, begin: &begin, plan, about };
         let ending = run.run(&mut *stepping, &mut record, &stop, &mut |report, state| {

@@ -1,6 +1,7 @@
 //! `simulate --engine exact`: the oracle steps by itself.
 
 use crate::cli::exit::{Outcome, Verdict, complain, print};
+use crate::cli::stop::on_ctrl_c;
 use anyhow::Context;
 use rockproof::lockstep::Trajectory;
 use rockproof::lockstep::effect::penetration;
@@ -11,8 +12,7 @@ use rockproof::simulate::Plan;
 use rockproof::simulate::tables::{MEASURED, lines};
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 /// Columns of `trajectory.csv`.
 const COLUMNS: [&str; 12] = [
@@ -49,14 +49,7 @@ impl ExactRun {
             anyhow::bail!("{} holds a run already; --overwrite discards it, --out DIR writes elsewhere", dir.display());
         }
         std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
-        let stop = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&stop);
-        ctrlc::set_handler(move || {
-            if flag.swap(true, Ordering::Relaxed) {
-                std::process::exit(130);
-            }
-        })
-        .context("cannot catch Ctrl-C")?;
+        let stop = on_ctrl_c()?;
         let (mut steps, mut measured) = (lines([COLUMNS])?, lines([MEASURED])?);
         let begin = trajectory.measured().to_vec();
         let (mut undecided, mut failure, mut ending) = (0, None, "finished");

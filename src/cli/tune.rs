@@ -2,17 +2,18 @@
 
 use crate::cli::exit::{Outcome, Verdict, note, print};
 use crate::cli::input::{ReadArgs, ToleranceArgs, precision};
+use crate::cli::stop::on_ctrl_c;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
+use rockproof::campaign::journal::Start;
 use rockproof::model::scene::write_toml;
 use rockproof::model::{Precision, Scene};
 use rockproof::simulate::identity::digest;
 use rockproof::tune::report::{as_toml, markdown};
-use rockproof::tune::{Record, Search, Start, Workbench};
+use rockproof::tune::{Record, Search, Workbench};
 use serde_json::{Map, Value};
 use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -82,15 +83,7 @@ impl Tune {
         let dir = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/tune-{stem}")));
         let author_set = search.candidate().set;
         let record = Record::open(&dir, &self.identity(&scene, &as_toml(&author_set)), start, &mut search)?;
-        let stop = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&stop);
-        // A second Ctrl-C ends the program at once; the record bears it.
-        ctrlc::set_handler(move || {
-            if flag.swap(true, Ordering::Relaxed) {
-                std::process::exit(130);
-            }
-        })
-        .context("cannot catch Ctrl-C")?;
+        let stop = on_ctrl_c()?;
         let interrupted = self.work(&mut search, &record, &stop)?;
         let text = markdown(&self.file.file_name().unwrap_or_default().to_string_lossy(), &bench, &search);
         let Some(best) = search.best().map(|best| &search.tried()[best]) else {

@@ -1,12 +1,12 @@
 //! Reads the directories of runs.
 
 use super::fault::{ReportError, at};
-use super::interval::{Clusters, Share};
 use super::rows::Rows;
 use super::tally::Tally;
 use super::{lockstep, timing};
 use crate::campaign::agreement::{AGREEMENT_COLUMNS, CONFUSION_COLUMNS, Compared, Span};
 use crate::campaign::finding::FINDING_COLUMNS;
+use crate::campaign::interval::{Clusters, Share};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;

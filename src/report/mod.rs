@@ -7,7 +7,6 @@
 pub mod chart;
 pub mod fault;
 pub mod glossary;
-pub mod interval;
 pub mod load;
 pub mod lockstep;
 pub mod markdown;

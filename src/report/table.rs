@@ -203,7 +203,12 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cell, Table, percent};
+    use super::{Cell, Table, grouped, percent};
+
+    #[test]
+    fn groups_by_three() {
+        assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1\u{202f}000", "1\u{202f}234\u{202f}567"]);
+    }
 
     #[test]
     fn nearly_all_is_not_all() {

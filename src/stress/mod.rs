@@ -6,7 +6,6 @@
 //! measured in [`steps`].
 
 mod axis;
-mod interval;
 mod pairs;
 mod scenes;
 mod source;
@@ -14,5 +13,4 @@ pub mod steps;
 pub mod table;
 
 pub use axis::{Axis, Cell, Form, Level, cells};
-pub use interval::wilson;
 pub use source::{PAIRS_PER_CELL, StressSource};

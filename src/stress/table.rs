@@ -1,7 +1,7 @@
 //! The stress table: how many pairs of each cell an engine answers otherwise than the oracle, and up to where it does not.
 
 use super::axis::{Axis, Cell, Form, Level, cells};
-use super::interval::wilson;
+use crate::campaign::interval::wilson;
 use crate::campaign::summary::Summary;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;

@@ -16,7 +16,7 @@ pub use candidate::{Knobs, Model};
 pub use cluster::Cluster;
 pub use measure::{Measurement, Stepped, Workbench};
 pub use probes::{Differences, Probes};
-pub use record::{COLUMNS, Record, RecordError, Start};
+pub use record::{COLUMNS, Record, RecordError};
 pub use search::{Next, Origin, Search, Tried};
 
 use crate::model::SpecError;

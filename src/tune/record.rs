@@ -5,21 +5,11 @@ use super::measure::{Measurement, Stepped};
 use super::probes::Differences;
 use super::search::{Next, Search, Tried};
 use crate::campaign::config::identity_differences;
+use crate::campaign::journal::Start;
 use crate::model::files::write_atomically;
 use crate::model::rules::{Rule, Slack};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
-
-/// How to begin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Start {
-    /// In a directory that holds no search.
-    Fresh,
-    /// Where the same search stopped; from the beginning if there is none.
-    Resume,
-    /// From the beginning, over the search in the directory.
-    Force,
-}
 
 /// Why a search cannot be started, taken up or written.
 #[derive(Debug, thiserror::Error)]

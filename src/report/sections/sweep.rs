@@ -3,8 +3,8 @@
 use super::{Part, Section, label};
 use crate::campaign::agreement::Span;
 use crate::campaign::grid::axes_of;
+use crate::campaign::interval::Share;
 use crate::report::chart::{Chart, color, error_bars, heat_map};
-use crate::report::interval::Share;
 use crate::report::load::{CampaignRun, Sums};
 use crate::report::table::{Cell, Table};
 use serde_json::{Value, json};

@@ -32,6 +32,11 @@ impl Share {
     }
 }
 
+/// The ends of [`Share`]'s interval for `hits` of as many independent `trials`; 0 and 1 without trials.
+pub fn wilson(hits: u64, trials: u64) -> [f64; 2] {
+    Share::of(hits, trials, trials as f64).map_or([0.0, 1.0], |share| [share.low, share.high])
+}
+
 /// Sums over batches of trials that hang together: a hits among n trials of each batch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Clusters {
@@ -65,7 +70,7 @@ impl Clusters {
 
 #[cfg(test)]
 mod tests {
-    use super::{Clusters, Share};
+    use super::{Clusters, Share, wilson};
 
     #[test]
     fn wilson_as_in_the_literature() {
@@ -79,6 +84,17 @@ mod tests {
         assert_eq!(Share::of(0, 0, 0.0), None);
         let all = Share::of(7, 7, 7.0).expect("trials");
         assert_eq!((all.value, all.high), (1.0, 1.0));
+    }
+
+    #[test]
+    fn ends_are_those_of_the_textbook() {
+        // A. Agresti and B. A. Coull (1998), and the closed form z²/(n + z²) for none.
+        let [low, high] = wilson(0, 1024);
+        assert!(low == 0.0 && (high - 0.003_737_4).abs() < 1e-6, "{high}");
+        let [low, high] = wilson(1, 10);
+        assert!((low - 0.017_876).abs() < 1e-5 && (high - 0.404_150).abs() < 1e-5, "{low} {high}");
+        assert_eq!(wilson(0, 0), [0.0, 1.0]);
+        assert_eq!(wilson(7, 7)[1], 1.0);
     }
 
     #[test]
