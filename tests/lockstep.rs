@@ -14,8 +14,8 @@ use rockproof::stepper::contact::Spec;
 use rockproof::stepper::dynamics::{Dynamics, State};
 use std::path::PathBuf;
 
-/// Unknowns of the largest scene in the quick test.
-const MOST_UNKNOWNS: usize = 70;
+/// Unknowns of the largest scene in the quick test: 512 bits take seconds a step beyond.
+const MOST_UNKNOWNS: usize = 150;
 
 /// The scenes, by name.
 fn scenes() -> Vec<(String, ExactScene)> {
@@ -86,7 +86,6 @@ fn same_state(step: &str, own: &exact::State, right: &exact::State) {
 #[test]
 fn stepper_and_oracle_make_the_same_first_steps() {
     for (name, scene) in scenes() {
-        // The bound of the wide scalar grows with every sum: larger systems leave nothing settled.
         let unknowns: usize = scene.scene().blocks.iter().map(|block| block.body.motion.unknowns()).sum();
         if unknowns <= MOST_UNKNOWNS {
             let ties = agree(&name, &scene, 4);

@@ -149,3 +149,50 @@ fn range_is_wider_than_that_of_f64() {
         &BigRational::zero(),
     );
 }
+
+/// Elimination in a system of 150 unknowns, as springs tie a chain of blocks, keeps its pivots certain and its solution narrow.
+#[test]
+fn the_radius_stays_small_through_a_long_elimination() {
+    const SIZE: usize = 150;
+    let stiff = Wide::of_f64(1e9) / Wide::of_f64(3.0);
+    let soft = Wide::of_f64(1.0) / Wide::of_f64(7.0);
+    let mut rows: Vec<Vec<Wide>> = (0..SIZE)
+        .map(|i| {
+            (0..SIZE)
+                .map(|j| {
+                    if i == j {
+                        stiff + stiff + soft
+                    } else if i.abs_diff(j) == 1 {
+                        -stiff
+                    } else {
+                        soft / Wide::of_f64(SIZE as f64)
+                    }
+                })
+                .collect()
+        })
+        .collect();
+    let right: Vec<Wide> = (0..SIZE).map(|i| rows[i].iter().fold(Wide::EXACT_ZERO, |sum, &a| sum + a)).collect();
+    let mut rhs = right;
+    let (_, unsettled) = wide::counting(|| {
+        for k in 0..SIZE {
+            assert!(Wide::EXACT_ZERO < rows[k][k], "pivot {k}");
+            for i in k + 1..SIZE {
+                let share = rows[i][k] / rows[k][k];
+                for j in k..SIZE {
+                    let removed = share * rows[k][j];
+                    rows[i][j] = rows[i][j] - removed;
+                }
+                rhs[i] = rhs[i] - share * rhs[k];
+            }
+        }
+    });
+    assert_eq!(unsettled, 0);
+    for k in (0..SIZE).rev() {
+        for j in k + 1..SIZE {
+            rhs[k] = rhs[k] - rows[k][j] * rhs[j];
+        }
+        rhs[k] = rhs[k] / rows[k][k];
+        let (order, unsettled) = wide::counting(|| (rhs[k] - Wide::of_f64(1.0)).abs() < Wide::of_f64(1e-30));
+        assert!(order && unsettled == 0, "unknown {k}: {:?}", rhs[k]);
+    }
+}

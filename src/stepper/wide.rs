@@ -4,14 +4,17 @@
 //! `Wide` is `Copy` like f64 and the generic code reads the same for both, and are not the integers the oracle
 //! uses. `dashu-float` and `astro-float` keep their digits on the heap and are not `Copy`.
 //!
-//! A value is a middle and a bound: the number meant lies within `2^bound` of the middle. Sums, differences, products,
-//! quotients and roots that fit into 512 bits are exact and keep an exact operand's bound of nothing; all others round
+//! A value is a middle and a [`Radius`]: the number meant lies within the radius of the middle. Sums, differences, products,
+//! quotients and roots that fit into 512 bits are exact and keep an exact operand's radius of nothing; all others round
 //! towards zero and add what they lost. A comparison is **settled** when the two intervals do not meet, or when both
 //! values are exact; every other comparison answers that they are equal and is counted, for a tie is what leaves 512 bits in doubt. So cancellation is judged by the
 //! size of what cancelled, not by the size of what is left: where no comparison of a run was unsettled, each decision
 //! is the one that exact arithmetic makes. ([`Wide::maximum`] and [`Wide::middle_below`] are not counted: they choose
-//! between values that differ, if at all, by less than the bounds.)
+//! between values that differ, if at all, by less than the radii.)
 
+mod radius;
+
+use self::radius::Radius;
 use crate::model::number::split_f64;
 use crate::model::{Block, Contact, Number, ToleranceSet};
 use crate::stepper::contact::Rules;
@@ -32,14 +35,9 @@ pub struct Wide {
     /// Zero, or with the top bit set: the middle is ±significand·2^exponent.
     significand: U512,
     exponent: i64,
-    /// The error is below 2^bound.
-    bound: i64,
+    /// The error is not above it. Unknown for a quotient by something that may be zero, and for the root of a negative number.
+    radius: Radius,
 }
-
-/// The bound of a value without error.
-const EXACT: i64 = i64::MIN;
-/// The bound of a value nothing is known about: a quotient by something that may be zero, the root of a negative number.
-const UNKNOWN: i64 = i64::MAX;
 
 thread_local! {
     static UNSETTLED: Cell<u64> = const { Cell::new(0) };
@@ -66,9 +64,9 @@ pub fn classify<M: Rules>(a: &Block, b: &Block, t: &ToleranceSet) -> Result<(Vec
 
 impl Wide {
     /// Zero, exactly.
-    pub const EXACT_ZERO: Wide = Wide { negative: false, significand: U512::ZERO, exponent: 0, bound: EXACT };
+    pub const EXACT_ZERO: Wide = Wide { negative: false, significand: U512::ZERO, exponent: 0, radius: Radius::EXACT };
 
-    const NOT_KNOWN: Wide = Wide { bound: UNKNOWN, ..Wide::EXACT_ZERO };
+    const NOT_KNOWN: Wide = Wide { radius: Radius::UNKNOWN, ..Wide::EXACT_ZERO };
 
     /// The number an f64 stands for, exactly; unknown for NaN and infinities.
     pub fn of_f64(value: f64) -> Wide {
@@ -77,7 +75,7 @@ impl Wide {
         }
         let (significand, exponent) = split_f64(value);
         let digits = U1024::from_u64(significand.unsigned_abs());
-        Wide::rounded(significand < 0, digits, i64::from(exponent), EXACT)
+        Wide::rounded(significand < 0, digits, i64::from(exponent), Radius::EXACT)
     }
 
     /// An exact number, rounded where 512 bits cannot hold it.
@@ -93,20 +91,21 @@ impl Wide {
     pub fn of_integer(value: &BigInt) -> Wide {
         let surplus = value.bits().saturating_sub(u64::from(BITS));
         let kept = value.magnitude() >> surplus;
-        let bound = if &kept << surplus == *value.magnitude() { EXACT } else { surplus as i64 };
+        let exact = &kept << surplus == *value.magnitude();
+        let radius = if exact { Radius::EXACT } else { Radius::power(surplus as i64) };
         let mut bytes = kept.to_bytes_le();
         bytes.resize(U1024::BYTES, 0);
-        Wide::rounded(value.sign() == BigSign::Minus, U1024::from_le_slice(&bytes), surplus as i64, bound)
+        Wide::rounded(value.sign() == BigSign::Minus, U1024::from_le_slice(&bytes), surplus as i64, radius)
     }
 
     /// Whether no operation that led here rounded.
     pub fn is_exact(self) -> bool {
-        self.bound == EXACT
+        self.radius.is_exact()
     }
 
     /// Whether the value is a number at all.
     pub fn is_known(self) -> bool {
-        self.bound != UNKNOWN
+        self.radius.is_known()
     }
 
     /// The middle, rounded to f64; NaN if unknown.
@@ -128,7 +127,7 @@ impl Wide {
         Wide { negative: false, ..self }
     }
 
-    /// The larger of two numbers. Not a decision: where the intervals meet, the bound grows to cover both.
+    /// The larger of two numbers. Not a decision: where the intervals meet, the radius grows to cover both.
     #[must_use]
     pub fn maximum(self, other: Wide) -> Wide {
         let difference = self - other;
@@ -139,7 +138,7 @@ impl Wide {
         if difference.is_settled() {
             larger
         } else {
-            Wide { bound: total(&[self.bound, other.bound, difference.bound]), ..larger }
+            Wide { radius: self.radius.plus(other.radius).plus(difference.radius), ..larger }
         }
     }
 
@@ -155,74 +154,68 @@ impl Wide {
         if !self.is_known() || (self.negative && self.is_settled()) {
             return Wide::NOT_KNOWN;
         }
+        // |√x − √y| ≤ √|x − y|
         if self.negative || self.significand.is_zero_vartime() {
-            return Wide { bound: root_bound(self.bound), ..Wide::EXACT_ZERO };
+            return Wide { radius: self.radius.root(), ..Wide::EXACT_ZERO };
         }
         // An even exponent, and 1023 or 1024 bits below the root, which then has 512.
         let shift = BITS - self.exponent.rem_euclid(2) as u32;
         let square = self.significand.resize::<{ U1024::LIMBS }>().shl_vartime(shift);
         let root = square.floor_sqrt_vartime();
         let exponent = (self.exponent - i64::from(shift)) / 2;
-        let lost = if root.wrapping_mul(&root) == square { EXACT } else { exponent };
-        let inherited = match self.top() {
-            _ if self.bound == EXACT => EXACT,
-            // |√(x+δ) − √x| ≤ |δ| / √x, and √x ≥ 2^⌊(top − 1)/2⌋
-            top if self.is_settled() => self.bound - (top - 1).div_euclid(2),
-            _ => root_bound(self.bound),
+        let lost = if root.wrapping_mul(&root) == square { Radius::EXACT } else { Radius::power(exponent) };
+        let middle = Wide::rounded(false, root, exponent, lost);
+        let inherited = if self.is_settled() {
+            // |√(x+δ) − √x| ≤ |δ| / √x
+            self.radius.over(middle.at_least())
+        } else {
+            self.radius.root()
         };
-        Wide::rounded(false, root, exponent, total(&[lost, inherited]))
+        Wide { radius: middle.radius.plus(inherited), ..middle }
     }
 
     /// `digits·2^exponent`, cut to [`BITS`] bits.
-    fn rounded(negative: bool, digits: U1024, exponent: i64, bound: i64) -> Wide {
+    fn rounded(negative: bool, digits: U1024, exponent: i64, radius: Radius) -> Wide {
         let bits = digits.bits_vartime();
         if bits == 0 {
-            return Wide { bound, ..Wide::EXACT_ZERO };
+            return Wide { radius, ..Wide::EXACT_ZERO };
         }
         if bits <= BITS {
             let shift = BITS - bits;
             let significand = digits.resize::<{ U512::LIMBS }>().shl_vartime(shift);
-            return Wide { negative, significand, exponent: exponent - i64::from(shift), bound };
+            return Wide { negative, significand, exponent: exponent - i64::from(shift), radius };
         }
         let shift = bits - BITS;
         let exponent = exponent + i64::from(shift);
-        let lost = if digits.trailing_zeros_vartime() < shift { exponent } else { EXACT };
+        let cut = digits.trailing_zeros_vartime() < shift;
+        let lost = if cut { Radius::power(exponent) } else { Radius::EXACT };
         let significand = digits.shr_vartime(shift).resize::<{ U512::LIMBS }>();
-        Wide { negative, significand, exponent, bound: total(&[bound, lost]) }
+        Wide { negative, significand, exponent, radius: radius.plus(lost) }
     }
 
-    /// The middle is below 2^top, and at least 2^(top − 1); [`EXACT`] for zero.
-    fn top(self) -> i64 {
-        if self.significand.is_zero_vartime() { EXACT } else { self.exponent + i64::from(BITS) }
+    /// The leading 64 bits of the middle's magnitude, and their exponent.
+    fn leading(self) -> (u64, i64) {
+        let top = self.significand.shr_vartime(BITS - 64).resize::<{ U64::LIMBS }>();
+        (u64::from(top), self.exponent + i64::from(BITS) - 64)
+    }
+
+    /// Not above the middle's magnitude.
+    fn at_least(self) -> Radius {
+        let (digits, exponent) = self.leading();
+        Radius::below(digits, exponent)
+    }
+
+    /// Not below the middle's magnitude.
+    fn at_most(self) -> Radius {
+        let (digits, exponent) = self.leading();
+        // The bits behind these are less than one of them.
+        if digits == 0 { Radius::EXACT } else { Radius::above(digits, exponent).plus(Radius::power(exponent)) }
     }
 
     /// Whether the sign is certain.
     fn is_settled(self) -> bool {
-        self.bound == EXACT || (self.is_known() && self.top() != EXACT && self.top() - 1 > self.bound)
+        self.radius.is_exact() || self.radius < self.at_least()
     }
-}
-
-/// An exponent that bounds the sum of powers of two; [`EXACT`] terms are nothing.
-fn total(exponents: &[i64]) -> i64 {
-    let largest = exponents.iter().copied().max().unwrap_or(EXACT);
-    if largest == EXACT || largest == UNKNOWN {
-        return largest;
-    }
-    match exponents.iter().filter(|&&e| e != EXACT).count() {
-        1 => largest,
-        2 => largest + 1,
-        _ => largest + 2,
-    }
-}
-
-/// The exponent of a product of two bounded magnitudes.
-fn product(a: i64, b: i64) -> i64 {
-    if a == EXACT || b == EXACT { EXACT } else { a + b }
-}
-
-/// A bound for the root of a number that is zero within 2^bound: |√x − √y| ≤ √|x − y|, and |x|, |y| ≤ 2^(bound + 2).
-fn root_bound(bound: i64) -> i64 {
-    if bound == EXACT { EXACT } else { (bound + 3).div_euclid(2) + 1 }
 }
 
 impl Neg for Wide {
@@ -238,26 +231,26 @@ impl Add for Wide {
         if !self.is_known() || !other.is_known() {
             return Wide::NOT_KNOWN;
         }
-        let bound = total(&[self.bound, other.bound]);
+        let radius = self.radius.plus(other.radius);
         if self.significand.is_zero_vartime() {
-            return Wide { bound, ..other };
+            return Wide { radius, ..other };
         }
         if other.significand.is_zero_vartime() {
-            return Wide { bound, ..self };
+            return Wide { radius, ..self };
         }
         let (large, small) = if self.exponent >= other.exponent { (self, other) } else { (other, self) };
         let shift = large.exponent - small.exponent;
         if shift >= i64::from(BITS) - 1 {
-            return Wide { bound: total(&[bound, small.top()]), ..large };
+            return Wide { radius: radius.plus(small.at_most()), ..large };
         }
         let upper = large.significand.resize::<{ U1024::LIMBS }>().shl_vartime(shift as u32);
         let lower = small.significand.resize::<{ U1024::LIMBS }>();
         if large.negative == small.negative {
-            return Wide::rounded(large.negative, upper.wrapping_add(&lower), small.exponent, bound);
+            return Wide::rounded(large.negative, upper.wrapping_add(&lower), small.exponent, radius);
         }
         match upper.cmp_vartime(&lower) {
-            Ordering::Less => Wide::rounded(small.negative, lower.wrapping_sub(&upper), small.exponent, bound),
-            _ => Wide::rounded(large.negative, upper.wrapping_sub(&lower), small.exponent, bound),
+            Ordering::Less => Wide::rounded(small.negative, lower.wrapping_sub(&upper), small.exponent, radius),
+            _ => Wide::rounded(large.negative, upper.wrapping_sub(&lower), small.exponent, radius),
         }
     }
 }
@@ -275,13 +268,14 @@ impl Mul for Wide {
         if !self.is_known() || !other.is_known() {
             return Wide::NOT_KNOWN;
         }
-        let bound = total(&[
-            product(self.top(), other.bound),
-            product(other.top(), self.bound),
-            product(self.bound, other.bound),
-        ]);
+        let radius = if self.is_exact() && other.is_exact() {
+            Radius::EXACT
+        } else {
+            let (own, foreign) = (self.at_most().plus(self.radius), other.at_most());
+            own.times(other.radius).plus(foreign.times(self.radius))
+        };
         let digits: U1024 = self.significand.concatenating_mul(&other.significand);
-        Wide::rounded(self.negative != other.negative, digits, self.exponent + other.exponent, bound)
+        Wide::rounded(self.negative != other.negative, digits, self.exponent + other.exponent, radius)
     }
 }
 
@@ -295,12 +289,15 @@ impl Div for Wide {
         let dividend = self.significand.resize::<{ U1024::LIMBS }>().shl_vartime(BITS);
         let (quotient, remainder) = dividend.div_rem_vartime(&divisor);
         let exponent = self.exponent - i64::from(BITS) - other.exponent;
-        let lost = if remainder.is_zero_vartime() { EXACT } else { exponent };
+        let lost = if remainder.is_zero_vartime() { Radius::EXACT } else { Radius::power(exponent) };
         let middle = Wide::rounded(self.negative != other.negative, quotient, exponent, lost);
-        // The divisor is at least 2^(top − 1) and its error at most half of that, so 1/divisor ≤ 2^(2 − top).
-        let inverse = 2 - other.top();
-        let inherited = total(&[product(self.bound, inverse), product(product(middle.top(), other.bound), inverse)]);
-        Wide { bound: total(&[middle.bound, inherited]), ..middle }
+        if self.is_exact() && other.is_exact() {
+            return middle;
+        }
+        // |(A+α)/(B+β) − A/B| ≤ (|α| + |A/B|·|β|) / (|B| − |β|)
+        let quotient = middle.at_most().plus(middle.radius);
+        let inherited = self.radius.plus(quotient.times(other.radius)).over(other.at_least().less(other.radius));
+        Wide { radius: middle.radius.plus(inherited), ..middle }
     }
 }
 
