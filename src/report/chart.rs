@@ -12,6 +12,8 @@ pub struct Chart {
     pub caption: String,
     /// Height in CSS pixels.
     pub height: u32,
+    /// Whether two stand beside each other on a wide screen.
+    pub half: bool,
     /// `{ data, layout }`.
     pub spec: Value,
 }
@@ -31,7 +33,18 @@ impl Chart {
         layout: Value,
     ) -> Chart {
         let height = u32::try_from(height).unwrap_or(u32::MAX);
-        Chart { id: id.into(), caption: caption.into(), height, spec: json!({ "data": data, "layout": layout }) }
+        Chart {
+            id: id.into(),
+            caption: caption.into(),
+            height,
+            half: false,
+            spec: json!({ "data": data, "layout": layout }),
+        }
+    }
+
+    /// The chart, to stand beside another one on a wide screen.
+    pub fn half(self) -> Chart {
+        Chart { half: true, ..self }
     }
 }
 
