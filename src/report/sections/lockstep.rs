@@ -23,9 +23,9 @@ pub(super) fn section(runs: &[LockstepRun]) -> Section {
         section.parts.push(Part::Text(format!("{} more steps differ: see lockstep.csv of the runs.", grouped(left))));
     }
     for (number, run) in runs.iter().enumerate() {
-        section.parts.push(Part::Chart(penetration(number, run)));
+        section.parts.push(Part::Chart(penetration(number, run).half()));
         if run.iterations_differ > 0 {
-            section.parts.push(Part::Chart(iterations(number, run)));
+            section.parts.push(Part::Chart(iterations(number, run).half()));
         }
     }
     section

@@ -30,11 +30,11 @@ pub(super) fn section(runs: &[StressRun]) -> Section {
     section.parts.push(Part::Table(limits(runs), 60));
     for (number, run) in runs.iter().enumerate() {
         let asked = [
-            ("rest", "steps made", "a block at rest: relative error of its overlap after so many steps"),
+            ("rest", "steps made", "A block at rest: relative error of its overlap after so many steps"),
             (
                 "contrast",
                 "ratio of the stiffnesses",
-                "stiff contacts above soft ones: relative error of the small overlap",
+                "Stiff contacts above soft ones: relative error of the small overlap",
             ),
         ];
         for (case, axis, what) in asked {
@@ -76,11 +76,33 @@ pub(in crate::report) fn up_to(axis: Axis, level: &str) -> String {
     match axis {
         Axis::Offset if level == "0" => "at the origin".to_owned(),
         Axis::Offset => format!("to {level} times the pair's size from the origin"),
-        Axis::ScaleDown => format!("in units that make coordinates {level} of theirs"),
-        Axis::ScaleUp => format!("in units that make coordinates {level} times theirs"),
+        Axis::ScaleDown | Axis::ScaleUp => format!("with all coordinates times {level}"),
         Axis::Ratio => format!("with one block {level} times as large as the other"),
         Axis::Sliver => format!("with blocks of thickness {level} of their length"),
         Axis::Angle => format!("at angles down to {level} rad"),
+    }
+}
+
+/// An axis in short, for captions.
+fn noun(axis: Axis) -> &'static str {
+    match axis {
+        Axis::Offset => "Far from the origin",
+        Axis::ScaleDown => "Smaller units",
+        Axis::ScaleUp => "Larger units",
+        Axis::Ratio => "A small block at a large one",
+        Axis::Sliver => "Thin blocks",
+        Axis::Angle => "Small angles",
+    }
+}
+
+/// What the levels of an axis are, short enough for a phone.
+fn levels_are(axis: Axis) -> &'static str {
+    match axis {
+        Axis::Offset => "distance over size of the pair",
+        Axis::ScaleDown | Axis::ScaleUp => "factor on every coordinate",
+        Axis::Ratio => "size over size",
+        Axis::Sliver => "thickness over length",
+        Axis::Angle => "angle, rad",
     }
 }
 
@@ -99,7 +121,8 @@ pub(in crate::report) fn reach<'r>(limits: impl Iterator<Item = &'r StressLimit>
         match (&limit.safe_to, &limit.beyond) {
             (Some(level), _) => safe.push(up_to(limit.curve.axis, level)),
             (None, Some((level, share))) => {
-                never.push(format!("{} ({} differ)", up_to(limit.curve.axis, level), percent(*share)));
+                let what = noun(limit.curve.axis).to_lowercase();
+                never.push(format!("{what} ({} differ at {})", percent(*share), power(level)));
             }
             (None, None) => {}
         }
@@ -123,7 +146,7 @@ fn told(run: &StressRun) -> Vec<String> {
             let mut words = format!("{engine}, {} ({setting}): ", ties(form));
             words += &if safe.is_empty() { "safe nowhere".to_owned() } else { format!("safe {}", list(&safe)) };
             if !never.is_empty() {
-                words += &format!(". Not safe even {}", list(&never));
+                words += &format!(". Not even at the mildest level: {}", list(&never));
             }
             words + "."
         })
@@ -137,19 +160,19 @@ fn text_of(level: Option<&String>) -> Cell {
 fn limits(runs: &[StressRun]) -> Table {
     let mut table = Table::new(
         "stress_limits",
-        "How far each engine agrees. none differs to, safe to: the last level before the first at which any pair differs, or at which it \
-         is not safe; beyond: that level, and the share of pairs that differ there",
+        "How far each engine agrees. safe to, none differs to: the last level before the first that is not safe, or at which any pair differs; \
+         beyond: the first level that is not safe, and the share of pairs that differ there",
         &[
             "run",
-            "what",
-            "pairs_are",
-            "setting",
+            "axis",
             "engine",
-            "none_differs_to",
+            "pairs_are",
             "safe_to",
-            "pairs_to_there",
             "beyond",
             "differ_beyond",
+            "none_differs_to",
+            "pairs_to_safe",
+            "setting",
         ],
     );
     for run in runs {
@@ -157,15 +180,15 @@ fn limits(runs: &[StressRun]) -> Table {
             let Curve { axis, form, setting, engine } = &limit.curve;
             table.push(vec![
                 run.name.as_str().into(),
-                axis.meaning().into(),
-                ties(*form).into(),
-                setting.as_str().into(),
+                axis.name().into(),
                 engine.as_str().into(),
-                text_of(limit.clean_to.as_ref()),
+                ties(*form).into(),
                 text_of(limit.safe_to.as_ref()),
-                limit.pairs.into(),
                 text_of(limit.beyond.as_ref().map(|(level, _)| level)),
                 limit.beyond.as_ref().map_or(Cell::Empty, |(_, share)| Cell::Share(*share)),
+                text_of(limit.clean_to.as_ref()),
+                limit.pairs.into(),
+                setting.as_str().into(),
             ]);
         }
     }
@@ -287,7 +310,7 @@ fn chart(number: usize, run: &StressRun, axis: Axis, runs: usize) -> Option<Char
     let words: Vec<String> = std::iter::once("0".to_owned()).chain(ticks.iter().skip(1).map(f64::to_string)).collect();
     let safe = 100.0 * SAFE_SHARE;
     let layout = json!({
-        "xaxis": { "type": "category", "categoryorder": "array", "categoryarray": levels, "title": { "text": axis.meaning() } },
+        "xaxis": { "type": "category", "categoryorder": "array", "categoryarray": levels, "title": { "text": levels_are(axis) } },
         "yaxis": {
             "type": "log", "range": [f64::from(decade) - 0.1, 2.1], "tickvals": ticks, "ticktext": words,
             "title": { "text": "pairs that differ, %" },
@@ -297,11 +320,8 @@ fn chart(number: usize, run: &StressRun, axis: Axis, runs: usize) -> Option<Char
         }],
         "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
     });
-    let caption = label(
-        runs,
-        &run.name,
-        &format!("pairs that differ by {}, with 95 % intervals; safe below the dashed line", axis.meaning()),
-    );
+    let what = format!("{}: pairs that differ; safe where the interval ends below the dashed line", noun(axis));
+    let caption = label(runs, &run.name, &what);
     Some(Chart::new(format!("chart-stress-{number}-{}", axis.name()), caption, 380, data.collect(), layout))
 }
 

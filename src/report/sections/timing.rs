@@ -11,8 +11,8 @@ pub(super) fn section(runs: &[TimingRun]) -> Section {
     let mut section = Section::new(
         "timing",
         "What does accuracy cost?",
-        "Run time against error. The line joins what is efficient: nothing else measured there is both faster and less wrong. Times are \
-         those of one machine; compare them with one another only.",
+        "Run time against error. Ringed, and joined by the line, is what is efficient: nothing else measured there is both faster and less \
+         wrong. What is exact lies at the lower edge. Times are those of one machine; compare them with one another only.",
     );
     let mut table = Table::new(
         "timing",
@@ -21,7 +21,7 @@ pub(super) fn section(runs: &[TimingRun]) -> Section {
     );
     for (number, run) in runs.iter().enumerate() {
         for (n, case) in run.cases().into_iter().enumerate() {
-            section.parts.push(Part::Chart(chart(format!("chart-timing-{number}-{n}"), run, case)));
+            section.parts.push(Part::Chart(chart(format!("chart-timing-{number}-{n}"), run, case).half()));
         }
         for m in &run.measurements {
             table.push(vec![
@@ -58,12 +58,18 @@ fn chart(id: String, run: &TimingRun, case: &str) -> Chart {
         let error = if m.error == 0.0 { "exact".to_owned() } else { format!("error {:.3e}", m.error) };
         format!("{} {}{step}: {:.3e} s, {error}", m.engine, m.tolerances, m.seconds)
     };
-    let engines: BTreeSet<&str> = of.iter().map(|m| &*m.engine).collect();
+    // Of the whole run, so that an engine looks the same in every chart.
+    let engines: BTreeSet<&str> = run.measurements.iter().map(|m| &*m.engine).collect();
     let mut data: Vec<Value> = Vec::new();
     for (at, engine) in engines.into_iter().enumerate() {
         let of: Vec<&Measurement> = of.iter().filter(|m| m.engine == engine).copied().collect();
+        if of.is_empty() {
+            continue;
+        }
+        let rings: Vec<f64> = of.iter().map(|m| if m.efficient { 2.5 } else { 0.0 }).collect();
         data.push(json!({
-            "type": "scatter", "mode": "markers", "name": engine, "marker": { "size": 9, "color": color(at), "symbol": at % 8 },
+            "type": "scatter", "mode": "markers", "name": engine,
+            "marker": { "size": 10, "color": color(at), "symbol": at % 8, "line": { "color": "$text", "width": rings } },
             "x": of.iter().map(|m| m.seconds).collect::<Vec<_>>(), "y": of.iter().map(height).collect::<Vec<_>>(),
             "text": of.iter().map(text).collect::<Vec<_>>(), "hovertemplate": "%{text}<extra></extra>",
         }));
