@@ -42,7 +42,7 @@ const EXAMPLES: [(&str, &str); 7] = [
     ("incline_4_5_settled", "195"),
     ("approaching_vertices", "200"),
     ("quasi_parallel_edges", "180"),
-    ("slope_failure", "20"),
+    ("slope_failure", "40"),
 ];
 
 const REFERENCES: [Reference; 6] = [

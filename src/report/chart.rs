@@ -23,6 +23,12 @@ pub fn color(number: usize) -> String {
     format!("$series{}", number % 8)
 }
 
+/// The colour of an engine: the same in every chart. `at` is its place among those that are not built in.
+pub fn engine_color(engine: &str, at: usize) -> String {
+    let known = ["stepper-f32", "stepper-f64", "certified", "exact"];
+    color(known.iter().position(|name| *name == engine).unwrap_or(known.len() + at))
+}
+
 impl Chart {
     /// A chart.
     pub fn new(

@@ -302,6 +302,11 @@ fn mark_front(rows: &mut [ErrorRow]) {
     }
 }
 
+/// A figure as the table has it.
+fn as_written(value: f64) -> String {
+    format!("{value:.4e}")
+}
+
 /// `bench.csv`.
 ///
 /// # Errors
@@ -309,7 +314,7 @@ fn mark_front(rows: &mut [ErrorRow]) {
 pub fn to_csv(rows: &[ErrorRow]) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(ERROR_COLUMNS)?;
-    let number = |value: f64| if value.is_finite() { format!("{value:.4e}") } else { String::new() };
+    let number = |value: f64| if value.is_finite() { as_written(value) } else { String::new() };
     for row in rows {
         writer.write_record([
             row.kind.to_owned(),
@@ -329,13 +334,14 @@ pub fn to_csv(rows: &[ErrorRow]) -> Result<Vec<u8>, csv::Error> {
 }
 
 /// Time and error of the rows of one kind, by engine, with rings around those that nothing beats for their subject. An error of 0
-/// lies at the lower end.
+/// lies at the lower end. Points lie where the figures of `bench.csv` put them, so that the plot can be made from the table alone.
 ///
 /// # Errors
 /// When there is nothing to draw.
 pub fn plot(rows: &[ErrorRow], kind: &str) -> Result<String, PlotError> {
+    let point = |r: &ErrorRow| [r.micros, r.error].map(|value| as_written(value).parse().unwrap_or(value));
     let of = |wanted: &dyn Fn(&ErrorRow) -> bool| -> Vec<[f64; 2]> {
-        rows.iter().filter(|r| r.kind == kind && r.has_figures() && wanted(r)).map(|r| [r.micros, r.error]).collect()
+        rows.iter().filter(|r| r.kind == kind && r.has_figures() && wanted(r)).map(point).collect()
     };
     let series = |name: &str, points, marks| Series { name: name.to_owned(), points, intervals: Vec::new(), marks };
     let mut all: Vec<Series> =

@@ -44,7 +44,7 @@ pub struct MatrixCell {
 }
 
 /// How many settings of an engine have a matrix of their own.
-const MOST: usize = 12;
+const MOST: usize = 16;
 
 pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
     let mut section = Section::new(

@@ -1,7 +1,7 @@
 //! Where floats stop agreeing with the exact answer: the stress set.
 
 use super::{Part, Section, label};
-use crate::report::chart::{Chart, color};
+use crate::report::chart::{Chart, engine_color};
 use crate::report::stress::{Curve, StressCell, StressLimit, StressRun, StressStep};
 use crate::report::table::{Cell, Table, percent};
 use crate::stress::table::SAFE_SHARE;
@@ -250,15 +250,10 @@ fn share_of(cell: &StressCell) -> f64 {
     cell.differ as f64 / cell.pairs.max(1) as f64
 }
 
-/// The engines of a run, for their colours.
-fn engines(run: &StressRun) -> Vec<&str> {
-    let cells = run.cells.iter().map(|cell| &*cell.curve.engine);
-    cells.chain(run.steps.iter().map(|step| &*step.engine)).collect::<BTreeSet<_>>().into_iter().collect()
-}
-
+/// The colour of an engine in a run.
 fn color_of(run: &StressRun, engine: &str) -> String {
-    // Two engines: the first is f32, which is the one to worry about.
-    color(engines(run).iter().position(|known| *known == engine).map_or(0, |at| if at < 2 { 1 - at } else { at }))
+    let engines: BTreeSet<&str> = run.cells.iter().map(|cell| &*cell.curve.engine).collect();
+    engine_color(engine, engines.iter().position(|known| *known == engine).unwrap_or(0))
 }
 
 /// The share that differs over the levels of an axis. Nothing lies at 0 on a logarithmic scale: it is drawn at the lower end, marked so.
@@ -332,14 +327,12 @@ fn steps_chart(id: String, caption: String, axis: &str, of: &[&StressStep]) -> C
             curves.entry((&step.engine, &step.motion)).or_default().push([step.level, error]);
         }
     }
-    let engines: Vec<&str> = curves.keys().map(|(engine, _)| *engine).collect::<BTreeSet<_>>().into_iter().collect();
     let data: Vec<Value> = curves
         .iter()
         .map(|((engine, motion), points)| {
-            let at = engines.iter().position(|known| known == engine).unwrap_or(0);
             json!({
                 "type": "scatter", "mode": "lines+markers", "name": format!("{engine}, {motion}"),
-                "line": { "color": color(if at < 2 { 1 - at } else { at }), "dash": if *motion == "rigid" { "solid" } else { "dot" }, "width": 1.5 },
+                "line": { "color": engine_color(engine, 0), "dash": if *motion == "rigid" { "solid" } else { "dot" }, "width": 1.5 },
                 "x": points.iter().map(|p| p[0]).collect::<Vec<_>>(), "y": points.iter().map(|p| p[1]).collect::<Vec<_>>(),
             })
         })
