@@ -25,6 +25,26 @@ impl Axis {
     }
 }
 
+/// How the points of a series are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marks {
+    /// Dots.
+    Dots,
+    /// Dots, joined by a line.
+    Joined,
+    /// Dark rings around points of other series, which keep their colours.
+    Rings,
+}
+
+/// Where the legend is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Legend {
+    /// In the upper right corner of the chart.
+    Inside,
+    /// To the right of it, where it hides no point.
+    Beside,
+}
+
 /// Points of one name and colour.
 #[derive(Clone, Debug)]
 pub struct Series {
@@ -34,8 +54,8 @@ pub struct Series {
     pub points: Vec<[f64; 2]>,
     /// Lower and upper ends of intervals around the points; as many, or none.
     pub intervals: Vec<[f64; 2]>,
-    /// Whether the points are joined.
-    pub joined: bool,
+    /// How they are drawn.
+    pub marks: Marks,
 }
 
 /// A chart.
@@ -49,6 +69,8 @@ pub struct Chart {
     pub y: Axis,
     /// What it shows.
     pub series: Vec<Series>,
+    /// Where the legend is.
+    pub legend: Legend,
 }
 
 /// Why a chart cannot be drawn.
@@ -60,6 +82,12 @@ pub struct PlotError {
 }
 
 const SIZE: (u32, u32) = (720, 440);
+
+/// The width of a legend beside the chart.
+const BESIDE: u32 = 190;
+
+/// Rings.
+const DARK: RGBColor = RGBColor(30, 30, 30);
 
 /// Colours that people with other colour vision tell apart (M. Okabe and K. Ito, 2008).
 const COLOURS: [RGBColor; 7] = [
@@ -87,9 +115,14 @@ impl Chart {
     }
 
     fn draw(&self, text: &mut String, x: &Scale, y: &Scale) -> Result<(), Box<dyn std::error::Error>> {
-        let area = SVGBackend::with_string(text, SIZE).into_drawing_area();
+        let beside = self.legend == Legend::Beside;
+        let size = (SIZE.0 + if beside { BESIDE } else { 0 }, SIZE.1);
+        let area = SVGBackend::with_string(text, size).into_drawing_area();
         area.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(&area)
+        let (left, right) = area.split_horizontally(SIZE.0);
+        let words =
+            |size: i32| ("sans-serif", size).into_font().into_text_style(&area).pos(Pos::new(HPos::Left, VPos::Center));
+        let mut chart = ChartBuilder::on(&left)
             .caption(&self.title, ("sans-serif", 18))
             .margin(12)
             .x_label_area_size(44)
@@ -107,29 +140,40 @@ impl Chart {
             .light_line_style(TRANSPARENT)
             .bold_line_style(RGBColor(225, 225, 225))
             .draw()?;
-        for (series, colour) in self.series.iter().zip(COLOURS.iter().cycle()) {
+        for ((series, colour), line) in self.series.iter().zip(COLOURS.iter().cycle()).zip(0i32..) {
             let place = |p: &[f64; 2]| (x.place(p[0]), y.place(p[1]));
             let points: Vec<(f64, f64)> = series.points.iter().map(place).collect();
             for (point, [low, high]) in points.iter().zip(&series.intervals) {
                 let ends = vec![(point.0, y.place(*low)), (point.0, y.place(*high))];
                 chart.draw_series(LineSeries::new(ends, colour.stroke_width(1)))?;
             }
-            if series.joined {
+            if series.marks == Marks::Joined {
                 chart.draw_series(LineSeries::new(points.clone(), colour.stroke_width(2)))?;
             }
-            let dots = points.into_iter().map(|point| Circle::new(point, 3, colour.filled()));
-            let colour = *colour;
+            let (radius, style) = match series.marks {
+                Marks::Rings => (6, DARK.stroke_width(1)),
+                Marks::Dots | Marks::Joined => (3, colour.filled()),
+            };
             chart
-                .draw_series(dots)?
+                .draw_series(points.into_iter().map(|point| Circle::new(point, radius, style)))?
                 .label(&series.name)
-                .legend(move |(x, y)| Circle::new((x + 10, y), 4, colour.filled()));
+                .legend(move |(x, y)| Circle::new((x + 10, y), radius.max(4), style));
+            if beside {
+                let y = 60 + 22 * line;
+                right.draw(&Circle::new((12, y), radius.max(4), style))?;
+                right.draw(&Text::new(series.name.clone(), (26, y), words(12)))?;
+            }
+        }
+        if beside {
+            area.present()?;
+            return Ok(());
         }
         chart
             .configure_series_labels()
             .position(SeriesLabelPosition::UpperRight)
             .background_style(WHITE.mix(0.85))
             .border_style(RGBColor(200, 200, 200))
-            .label_font(("sans-serif", 12).into_font().into_text_style(&area).pos(Pos::new(HPos::Left, VPos::Center)))
+            .label_font(words(12))
             .draw()?;
         area.present()?;
         Ok(())
@@ -201,8 +245,9 @@ mod tests {
 
     fn chart(points: Vec<[f64; 2]>) -> Chart {
         let intervals = points.iter().map(|p| [p[1] / 2.0, p[1] * 2.0]).collect();
-        let series = vec![Series { name: "one & all".to_owned(), points, intervals, joined: true }];
-        Chart { title: "A title".to_owned(), x: Axis::log("x (m)"), y: Axis::linear("y"), series }
+        let series = vec![Series { name: "one & all".to_owned(), points, intervals, marks: Marks::Joined }];
+        let (x, y, legend) = (Axis::log("x (m)"), Axis::linear("y"), Legend::Inside);
+        Chart { title: "A title".to_owned(), x, y, series, legend }
     }
 
     #[test]
@@ -215,6 +260,24 @@ mod tests {
             assert!(document.descendants().any(|n| n.text().is_some_and(|t| t.trim() == word)), "{word}");
         }
         assert_eq!(text, chart(vec![[0.0, 1.0], [1e-3, 2.0], [10.0, 0.0]]).svg().expect("the same chart"));
+    }
+
+    #[test]
+    fn a_legend_beside_the_chart_and_rings_hide_no_point() {
+        let mut beside = chart(vec![[0.5, 1.0], [2.0, 2.0]]);
+        let ring = Series { name: "ringed".to_owned(), marks: Marks::Rings, ..beside.series[0].clone() };
+        beside.series.push(ring);
+        beside.legend = Legend::Beside;
+        let text = beside.svg().expect("a chart");
+        let document = roxmltree::Document::parse(&text).expect("XML");
+        let circles: Vec<_> = document.descendants().filter(|n| n.has_tag_name("circle")).collect();
+        let at = |n: &roxmltree::Node<'_, '_>| n.attribute("cx").and_then(|x| x.parse::<u32>().ok()).expect("a place");
+        assert_eq!(circles.iter().filter(|n| at(n) > SIZE.0).count(), 2, "the legend's");
+        assert_eq!(
+            circles.iter().filter(|n| n.attribute("fill") == Some("none") && at(n) < SIZE.0).count(),
+            2,
+            "rings"
+        );
     }
 
     #[test]

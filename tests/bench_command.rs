@@ -6,8 +6,11 @@
 use assert_cmd::Command;
 use rockproof::model::decision::Predicate;
 use rockproof::oracle::Pair;
+use rockproof::speed::error::{self, Engine, ErrorOf, ErrorRow};
 use rockproof::speed::{Sample, Sort};
 use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
 
 fn bench(format: &str) -> String {
     let output =
@@ -108,5 +111,41 @@ fn certified_steps_stand_beside_those_in_f64() {
         assert!(number("f64 µs") > 0.0 && number("certified µs") > 0.0 && number("lockstep") > 1.0, "{row:?}");
         assert!(number("contacts") >= 4.0 && number("solves a step") >= 1.0, "{row:?}");
         assert_eq!(!row[column("plain solve µs")].is_empty(), small, "{row:?}");
+    }
+}
+
+/// The plots of reports/bench are those of its table, drawn by the code as it is. `RENEW=1` draws them anew, without measuring anything.
+#[test]
+fn the_committed_plots_are_those_of_the_committed_table() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/bench");
+    let text = fs::read_to_string(folder.join("bench.csv")).unwrap();
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let number = |text: &str| text.parse().unwrap_or(f64::NAN);
+    let rows: Vec<ErrorRow> = reader
+        .records()
+        .map(|row| {
+            let row = row.unwrap();
+            ErrorRow {
+                kind: if &row[0] == "scene" { "scene" } else { "family" },
+                // A plot does not tell subjects, sets and Δt apart.
+                subject: "any",
+                engine: Engine::ALL.into_iter().find(|engine| engine.name() == &row[2]).unwrap(),
+                tolerances: "any",
+                time_step: None,
+                units: row[5].parse().unwrap(),
+                micros: number(&row[6]),
+                error: number(&row[7]),
+                of: ErrorOf::Contacts,
+                front: &row[9] == "1",
+                note: row[10].to_owned(),
+            }
+        })
+        .collect();
+    for (name, kind) in [("bench_scenes.svg", "scene"), ("bench_pairs.svg", "family")] {
+        let (drawn, file) = (error::plot(&rows, kind).unwrap(), folder.join(name));
+        if std::env::var_os("RENEW").is_some() {
+            fs::write(&file, &drawn).unwrap();
+        }
+        assert!(fs::read_to_string(&file).unwrap() == drawn, "{name}: RENEW=1 cargo test --test bench_command plots");
     }
 }

@@ -1,7 +1,7 @@
 //! The pages in docs/ are a book: the table of contents has each of them once, every link leads to a file and a heading that is
 //! there, and pages link only to pages and pictures of the book, so that `mdbook build` shows what the repository shows.
 //!
-//! mdBook itself is not run: it builds for minutes, and gives only warnings for what is checked here.
+//! mdBook itself is run by `.ci/run`, where it can be had.
 
 use pulldown_cmark::{CodeBlockKind, Event, HeadingLevel, Options, Parser, Tag, TagEnd};
 use rockproof::campaign::config::CampaignConfig;

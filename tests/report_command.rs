@@ -225,3 +225,69 @@ fn names_are_escaped() {
     let (_, out, _) = rockproof(&["report", &path, "--format", "markdown"]);
     assert!(!out.contains(evil));
 }
+
+#[test]
+fn a_stress_set_and_measurements_are_read_from_their_tables_alone() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let out = dir.path().join("report");
+    let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports");
+    let [stress, bench] = ["stress", "bench"].map(|name| reports.join(name).to_str().expect("text").to_owned());
+    let (code, verdict, err) = rockproof(&["report", &stress, &bench, "--out", out.to_str().expect("text")]);
+    assert_eq!(code, 0, "{err}");
+    assert!(
+        verdict.starts_with("stepper-f64, no ties: safe to 10⁸ times the pair's size from the origin; "),
+        "{verdict}"
+    );
+    assert_eq!(verdict.lines().count(), 3, "{verdict}");
+    for (kept, made, rows) in
+        [("stress", "stress", 180), ("limits", "stress_limits", 24), ("steps", "stress_steps", 42)]
+    {
+        let kept = table(&reports.join("stress"), &format!("{kept}.csv"));
+        let made = table(&out, &format!("tables/{made}.csv"));
+        assert_eq!((kept.len(), made.len()), (rows, rows));
+    }
+    let differ = |rows: Vec<std::collections::BTreeMap<String, String>>| -> u64 {
+        rows.iter().map(|row| row["differ"].parse::<u64>().expect("a count")).sum()
+    };
+    assert_eq!(differ(table(&out, "tables/stress.csv")), differ(table(&reports.join("stress"), "stress.csv")));
+    // Every subject has something that nothing beats, and what has no figure has no row.
+    let measured = table(&out, "tables/timing.csv");
+    for row in &measured {
+        let efficient = |other: &&std::collections::BTreeMap<String, String>| {
+            other["case"] == row["case"] && other["efficient"] == "yes"
+        };
+        assert!(measured.iter().any(|other| efficient(&other)), "{row:?}");
+    }
+    let page = fs::read_to_string(out.join("report.html")).expect("a page");
+    for id in [
+        "chart-stress-0-offset",
+        "chart-stress-0-angle",
+        "chart-stress-0-contrast",
+        "chart-timing-0-0",
+        "table-stress_limits",
+    ] {
+        assert!(page.contains(&format!("id=\"{id}\"")), "{id}");
+    }
+}
+
+#[test]
+fn damage_of_a_stress_set_is_named() {
+    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/stress_quick");
+    for (name, from, to, wanted) in [
+        ("stress.csv", "offset,0,", "sideways,0,", "axis is \"sideways\""),
+        ("stress.csv", ",0.062500,0.011119,", ",0.062500,-1,", "low is \"-1\""),
+        ("limits.csv", "clean_to", "clean", "clean_to"),
+        ("steps.csv", "rest,rigid,stepper-f32,1,", "rest,rigid,stepper-f32,many,", "level is \"many\""),
+    ] {
+        let dir = tempfile::tempdir().expect("a directory");
+        for file in ["stress.csv", "limits.csv", "steps.csv"] {
+            fs::copy(kept.join(file), dir.path().join(file)).expect(file);
+        }
+        let file = dir.path().join(name);
+        let text = fs::read_to_string(&file).expect("read");
+        assert!(text.contains(from), "{name} has no {from}");
+        fs::write(&file, text.replacen(from, to, 1)).expect("written");
+        let (code, _, err) = rockproof(&["report", dir.path().to_str().expect("text")]);
+        assert!(code == 2 && err.contains(&format!("{name}: line ")) && err.contains(wanted), "{name}: {err}");
+    }
+}

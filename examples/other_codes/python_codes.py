@@ -4,7 +4,7 @@
     pip install python-fcl==0.7.0.11 coal==3.0.3 numpy
     rockproof campaign --engine-command "fcl=python3 examples/other_codes/python_codes.py fcl-libccd"
 
-Arguments: fcl-libccd, fcl-indep (FCL's two GJK solvers) or coal; `test` runs cases worked out by hand on all three.
+Arguments: fcl-libccd, fcl-indep (FCL's two GJK solvers) or coal; `test` runs cases worked out by hand on all three, or on those named.
 Transforms are identities: coordinates are those of the question. The signed distance is taken by its sign: positive apart, zero
 touching, negative overlapping. FCL's normal is the line between its two witness points, Coal's its own, which points from the first
 object to the second: A leaves B against it.
@@ -71,15 +71,15 @@ def written(gap, normal):
     return answer
 
 
-def test():
+def test(names):
     def cube(x, y, z):
         corners = [[x + (n & 1), y + (n >> 1 & 1), z + (n >> 2 & 1)] for n in range(8)]
         faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
         return {"vertices": corners, "faces": faces}
 
     unit = cube(0.0, 0.0, 0.0)
-    for name, code in CODES.items():
-        say = code()
+    for name in names or CODES:
+        say = CODES[name]()
         for a, b, state, gap, direction in [
             (cube(0.25, 0.375, 1.5), unit, "apart", 0.5, (0, 0, 1)),
             (cube(0.25, 0.375, 0.75), unit, "overlapping", -0.25, (0, 0, 1)),
@@ -95,10 +95,10 @@ def test():
 
 
 def main():
-    if sys.argv[1:] == ["test"]:
-        return test()
+    if sys.argv[1:2] == ["test"] and set(sys.argv[2:]) <= set(CODES):
+        return test(sys.argv[2:])
     if len(sys.argv) != 2 or sys.argv[1] not in CODES:
-        sys.exit(f"usage: python_codes.py {'|'.join(CODES)}|test")
+        sys.exit(f"usage: python_codes.py {'|'.join(CODES)}|test [CODE…]")
     say = CODES[sys.argv[1]]()
     for line in sys.stdin:
         question = json.loads(line)

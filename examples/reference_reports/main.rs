@@ -3,28 +3,65 @@
 //! ```text
 //! cargo run --release --example reference_reports            all of them, some minutes
 //! cargo run --release --example reference_reports -- small   one
-//! cargo run --release --example reference_reports -- --check the small one, compared with what is committed
+//! cargo run --release --example reference_reports -- --check those that are quick, compared with what is committed
 //! ```
 //!
-//! Runs are made in a directory for temporary files, by the commands that `reports/reference/README.md` shows.
+//! Runs are made in a directory for temporary files, by `cargo run --release`, or the program that the variable ROCKPROOF names, and by the commands that `reports/reference/README.md` shows.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
+use std::time::Instant;
 
 /// A reference report.
 struct Reference {
     name: &'static str,
-    /// Commands of `rockproof`, run one after the other.
-    commands: &'static [&'static [&'static str]],
-    /// Whether the page is kept: it holds 3 MB of library.
+    made_of: MadeOf,
+    /// Whether the page is kept: it holds megabytes of library.
     page: bool,
+    /// Whether it is quick enough to be made again by `--check`.
+    quick: bool,
 }
 
-const REFERENCES: [Reference; 3] = [
-    Reference { name: "campaign", commands: &[&["campaign", "--seed", "1"]], page: true },
-    Reference { name: "small", commands: &[&["campaign", "--seed", "7", "--pairs", "2048"]], page: false },
-    Reference { name: "sweep", commands: &[&["campaign", "reports/reference/sweep.toml"]], page: false },
+/// What a report is about.
+enum MadeOf {
+    /// One run: arguments of `rockproof`.
+    Run(&'static [&'static str]),
+    /// Scenes in lockstep, in f64 and f32: the scene, and so many steps after settling.
+    Lockstep(&'static [(&'static str, &'static str)]),
+    /// Tables that are committed already.
+    Committed(&'static str),
+}
+
+/// The paper's four examples: sliding block, approaching vertices, quasi-parallel edges, failure of a block system. 200 steps with those of
+/// settling, but of the last, which is slow.
+const EXAMPLES: [(&str, &str); 7] = [
+    ("incline_0_settled", "195"),
+    ("incline_1_4_settled", "195"),
+    ("incline_1_2_settled", "195"),
+    ("incline_4_5_settled", "195"),
+    ("approaching_vertices", "200"),
+    ("quasi_parallel_edges", "180"),
+    ("slope_failure", "40"),
+];
+
+const REFERENCES: [Reference; 6] = [
+    Reference { name: "campaign", made_of: MadeOf::Run(&["campaign", "--seed", "1"]), page: true, quick: false },
+    Reference {
+        name: "small",
+        made_of: MadeOf::Run(&["campaign", "--seed", "7", "--pairs", "2048"]),
+        page: false,
+        quick: true,
+    },
+    Reference {
+        name: "sweep",
+        made_of: MadeOf::Run(&["campaign", "reports/reference/sweep.toml"]),
+        page: false,
+        quick: false,
+    },
+    Reference { name: "examples", made_of: MadeOf::Lockstep(&EXAMPLES), page: true, quick: true },
+    Reference { name: "stress", made_of: MadeOf::Committed("reports/stress"), page: true, quick: true },
+    Reference { name: "bench", made_of: MadeOf::Committed("reports/bench"), page: false, quick: true },
 ];
 
 /// What goes wrong, told.
@@ -37,7 +74,7 @@ fn root() -> &'static Path {
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let outcome = match arguments.first().map(String::as_str) {
-        Some("--check") => check("small"),
+        Some("--check") => REFERENCES.iter().filter(|r| r.quick).try_for_each(check),
         _ => REFERENCES
             .iter()
             .filter(|r| arguments.is_empty() || arguments.iter().any(|a| a == r.name))
@@ -53,10 +90,18 @@ fn main() -> ExitCode {
 }
 
 fn rockproof(arguments: &[String], directory: &Path) -> Told<()> {
-    let mut command = Command::new(env!("CARGO"));
-    command.args(["run", "--release", "--locked", "--quiet", "--manifest-path"]).arg(root().join("Cargo.toml"));
-    command.args(["--bin", "rockproof", "--"]).args(arguments).current_dir(directory);
-    let status = command.status().map_err(|e| format!("cargo does not run: {e}"))?;
+    // A program that is built already, or this repository's.
+    let mut command = match std::env::var_os("ROCKPROOF") {
+        Some(program) => Command::new(program),
+        None => {
+            let mut command = Command::new(env!("CARGO"));
+            command.args(["run", "--release", "--locked", "--quiet", "--manifest-path"]).arg(root().join("Cargo.toml"));
+            command.args(["--bin", "rockproof", "--"]);
+            command
+        }
+    };
+    let status =
+        command.args(arguments).current_dir(directory).status().map_err(|e| format!("it does not run: {e}"))?;
     if status.success() { Ok(()) } else { Err(format!("rockproof {} failed", arguments.join(" "))) }
 }
 
@@ -65,14 +110,44 @@ fn make(reference: &Reference, directory: &Path) -> Told<PathBuf> {
     // The same paths as in the repository, so that the commands in the page work there.
     let run = format!("reports/reference/{}", reference.name);
     fs::create_dir_all(directory.join("reports/reference")).map_err(|e| e.to_string())?;
-    for command in reference.commands {
-        let mut arguments: Vec<String> = command.iter().map(|a| absolute(a)).collect();
-        arguments.extend(["--out".to_owned(), run.clone(), "--force".to_owned()]);
-        rockproof(&arguments, directory)?;
+    let mut runs = Vec::new();
+    match reference.made_of {
+        MadeOf::Run(command) => {
+            let mut arguments: Vec<String> = command.iter().map(|a| absolute(a)).collect();
+            arguments.extend(["--out".to_owned(), run.clone()]);
+            rockproof(&arguments, directory)?;
+            runs.push(run.clone());
+        }
+        MadeOf::Lockstep(scenes) => {
+            for (scene, steps) in scenes {
+                for engine in ["f64", "f32"] {
+                    let (out, scene) = (format!("{run}/{scene}-{engine}"), format!("cases/handmade/{scene}.toml"));
+                    let arguments = [
+                        "simulate",
+                        &absolute(&scene),
+                        "--engine",
+                        engine,
+                        "--lockstep",
+                        "--steps",
+                        steps,
+                        "--out",
+                        &out,
+                    ];
+                    rockproof(&arguments.map(str::to_owned), directory)?;
+                    runs.push(out);
+                }
+            }
+        }
+        MadeOf::Committed(tables) => {
+            copy_all(&root().join(tables), &directory.join(tables), &|name| name.ends_with(".csv"))?;
+            runs.push(tables.to_owned());
+        }
     }
     for format in ["markdown", "html"] {
-        let arguments = ["report", &run, "--out", &format!("{run}-{format}"), "--format", format, "--force"];
-        rockproof(&arguments.map(str::to_owned), directory)?;
+        let mut arguments = vec!["report".to_owned()];
+        arguments.extend(runs.iter().cloned());
+        arguments.extend(["--out", &format!("{run}-{format}"), "--format", format].map(str::to_owned));
+        rockproof(&arguments, directory)?;
     }
     Ok(directory.join("reports/reference"))
 }
@@ -103,16 +178,17 @@ fn renew(reference: &Reference) -> Told<()> {
         copy(&html.join("report.html"), &kept.join("report.html"))?;
         // The cases that the page shows how to replay.
         let page = fs::read_to_string(html.join("report.html")).map_err(|e| e.to_string())?;
-        copy_all(&made.join(reference.name).join("cases"), &kept.join("cases"), &|name| {
-            page.contains(&format!("{name}<"))
-        })?;
+        let cases = made.join(reference.name).join("cases");
+        if cases.is_dir() {
+            copy_all(&cases, &kept.join("cases"), &|name| page.contains(&format!("{name}<")))?;
+        }
     }
     fs::remove_dir_all(&directory).map_err(|e| e.to_string())
 }
 
 /// Compares the tables of a reference with those committed.
-fn check(name: &str) -> Told<()> {
-    let reference = REFERENCES.iter().find(|r| r.name == name).ok_or("no such reference")?;
+fn check(reference: &Reference) -> Told<()> {
+    let (name, begun) = (reference.name, Instant::now());
     let directory = temporary(name);
     let made = make(reference, &directory)?.join(format!("{name}-html/tables"));
     let kept = root().join("reports/reference").join(name).join("tables");
@@ -133,7 +209,7 @@ fn check(name: &str) -> Told<()> {
     );
     fs::remove_dir_all(&directory).map_err(|e| e.to_string())?;
     if drifted.is_empty() {
-        println!("{} tables as committed", made.len());
+        println!("{name}: {} tables as committed ({} s)", made.len(), begun.elapsed().as_secs());
         return Ok(());
     }
     Err(format!(

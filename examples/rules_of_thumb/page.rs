@@ -4,7 +4,7 @@ use crate::grid::{Row, ladders};
 use crate::steps::{Approach, Crossing};
 use rockproof::campaign::interval::wilson;
 use rockproof::model::Criteria;
-use rockproof::plot::{Axis, Chart, Series};
+use rockproof::plot::{Axis, Chart, Legend, Marks, Series};
 use std::fmt::Write;
 
 /// The charts by the names of their files.
@@ -16,7 +16,7 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
             let percent = |row: &Row| 100.0 * count(row) as f64 / row.pairs.max(1) as f64;
             let interval = |row: &Row| wilson(count(row), row.pairs).map(|end| 100.0 * end);
             let (points, intervals) = mine.map(|row| ([row.value, percent(row)], interval(row))).unzip();
-            Series { name: format!("{name}, {criteria}"), points, intervals, joined: true }
+            Series { name: format!("{name}, {criteria}"), points, intervals, marks: Marks::Joined }
         };
         let both =
             |count: &dyn Fn(&Row) -> u64, name: &str| ["revised", "classic"].map(|criteria| of(criteria, count, name));
@@ -26,7 +26,13 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
         let title = format!("What {} does to contact types", ladder.name);
         all.push((
             ladder.name.to_owned(),
-            Chart { title, x: Axis::linear(ladder.label), y: Axis::linear("pairs (%)"), series },
+            Chart {
+                title,
+                x: Axis::linear(ladder.label),
+                y: Axis::linear("pairs (%)"),
+                series,
+                legend: Legend::Inside,
+            },
         ));
     }
     let limits = [1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0];
@@ -35,12 +41,18 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
             .iter()
             .filter(|a| a.step_limit == limit && a.penetration == 1.0 && a.run.engine == "stepper-f64");
         let points = mine.map(|a| [a.search, a.run.depth / limit]).collect();
-        Series { name: format!("u = {limit} of the edge"), points, intervals: Vec::new(), joined: true }
+        Series { name: format!("u = {limit} of the edge"), points, intervals: Vec::new(), marks: Marks::Joined }
     });
     let (x, y) = (Axis::linear("search / max_displacement"), Axis::linear("deepest overlap / max_displacement"));
     all.push((
         "approach".to_owned(),
-        Chart { title: "Two blocks approach one another, g = u".to_owned(), x, y, series: series.into() },
+        Chart {
+            title: "Two blocks approach one another, g = u".to_owned(),
+            x,
+            y,
+            series: series.into(),
+            legend: Legend::Inside,
+        },
     ));
     let kinds = [
         (Criteria::Revised, 0.0),
@@ -58,13 +70,19 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
             name: format!("{}, parallel below {parallel}°", criteria.name()),
             points,
             intervals: Vec::new(),
-            joined: true,
+            marks: Marks::Joined,
         }
     });
     let (x, y) = (Axis::log("angle between the edges (degrees)"), Axis::log("deepest overlap (m)"));
     all.push((
         "crossing".to_owned(),
-        Chart { title: "A keel across a ridge of 2 m, after 0.1 s".to_owned(), x, y, series: series.into() },
+        Chart {
+            title: "A keel across a ridge of 2 m, after 0.1 s".to_owned(),
+            x,
+            y,
+            series: series.into(),
+            legend: Legend::Inside,
+        },
     ));
     all
 }

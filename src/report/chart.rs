@@ -12,6 +12,8 @@ pub struct Chart {
     pub caption: String,
     /// Height in CSS pixels.
     pub height: u32,
+    /// Whether two stand beside each other on a wide screen.
+    pub half: bool,
     /// `{ data, layout }`.
     pub spec: Value,
 }
@@ -19,6 +21,12 @@ pub struct Chart {
 /// The colours of a series of things.
 pub fn color(number: usize) -> String {
     format!("$series{}", number % 8)
+}
+
+/// The colour of an engine: the same in every chart. `at` is its place among those that are not built in.
+pub fn engine_color(engine: &str, at: usize) -> String {
+    let known = ["stepper-f32", "stepper-f64", "certified", "exact"];
+    color(known.iter().position(|name| *name == engine).unwrap_or(known.len() + at))
 }
 
 impl Chart {
@@ -31,7 +39,18 @@ impl Chart {
         layout: Value,
     ) -> Chart {
         let height = u32::try_from(height).unwrap_or(u32::MAX);
-        Chart { id: id.into(), caption: caption.into(), height, spec: json!({ "data": data, "layout": layout }) }
+        Chart {
+            id: id.into(),
+            caption: caption.into(),
+            height,
+            half: false,
+            spec: json!({ "data": data, "layout": layout }),
+        }
+    }
+
+    /// The chart, to stand beside another one on a wide screen.
+    pub fn half(self) -> Chart {
+        Chart { half: true, ..self }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::fault::{ReportError, at};
 use super::rows::Rows;
 use super::tally::Tally;
-use super::{lockstep, timing};
+use super::{lockstep, stress, timing};
 use crate::campaign::agreement::{AGREEMENT_COLUMNS, CONFUSION_COLUMNS, Compared, Span};
 use crate::campaign::finding::FINDING_COLUMNS;
 use crate::campaign::interval::{Clusters, Share};
@@ -19,6 +19,8 @@ pub struct Results {
     pub campaigns: Vec<CampaignRun>,
     /// Runs in which stepper and oracle made the same steps.
     pub locksteps: Vec<lockstep::LockstepRun>,
+    /// Stress sets.
+    pub stresses: Vec<stress::StressRun>,
     /// Measurements of run time against error.
     pub timings: Vec<timing::TimingRun>,
 }
@@ -133,7 +135,8 @@ impl Results {
         for dir in dirs {
             let has = |name: &str| dir.join(name).is_file();
             let (campaign, lockstep, timing) = (has("findings.csv"), has("lockstep.csv"), has(timing::FILE));
-            if !campaign && !lockstep && !timing {
+            let stress = has(stress::FILE);
+            if !campaign && !lockstep && !timing && !stress {
                 return Err(ReportError::NoRun { dir: dir.clone(), found: what_is_there(dir) });
             }
             if campaign {
@@ -141,6 +144,9 @@ impl Results {
             }
             if lockstep {
                 results.locksteps.push(lockstep::LockstepRun::read(dir)?);
+            }
+            if stress {
+                results.stresses.push(stress::StressRun::read(dir)?);
             }
             if timing {
                 results.timings.push(timing::TimingRun::read(dir)?);

@@ -11,7 +11,10 @@ use std::path::{Path, PathBuf};
 /// How many steps a chart shows; of neighbours that do not fit, the one with the larger difference stays.
 const POINTS: usize = 2048;
 
-const COLUMNS: [&str; 18] = [
+/// How many steps that differ are kept for the table of them.
+const KEPT: usize = 200;
+
+const COLUMNS: [&str; 20] = [
     "step",
     "time_s",
     "contacts_differ",
@@ -30,7 +33,39 @@ const COLUMNS: [&str; 18] = [
     "failure",
     "converged_stepper",
     "converged_oracle",
+    "penetration_contacts_m",
+    "penetration_modes_m",
 ];
+
+/// What is read of `differences.csv`.
+const DIFFERENCES: [&str; 4] = ["step", "cause", "change", "predicate"];
+
+/// A step in which the stepper has other contacts, modes or iterations.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DifferingStep {
+    /// Its number.
+    pub step: i64,
+    /// Differences of its contacts; contacts whose mode differs.
+    pub contacts_modes: [u64; 2],
+    /// Solves of the stepper, of the oracle.
+    pub iterations: [u64; 2],
+    /// What made the penetration another one.
+    pub effect: String,
+    /// The deepest overlap after the step (m): the stepper's, the oracle's, the stepper's with the oracle's contacts, and with its modes too.
+    pub depths_m: [Option<f64>; 4],
+    /// The largest relative error of a displacement.
+    pub displacement_error: Option<f64>,
+}
+
+/// Differences of one sort.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sort {
+    /// How many.
+    pub differences: u64,
+    /// In how many steps.
+    pub steps: u64,
+    last: Option<i64>,
+}
 
 /// One step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -87,6 +122,12 @@ pub struct LockstepRun {
     pub penetration_difference_m: f64,
     /// Why one side could not make a step.
     pub failure: Option<String>,
+    /// Differences by cause, change and the predicate behind it, if there is one.
+    pub sorts: BTreeMap<(Cause, String, String), Sort>,
+    /// The first steps that differ.
+    pub differing: Vec<DifferingStep>,
+    /// How many more there are.
+    pub more_differing: u64,
     /// What charts show.
     pub points: Vec<StepPoint>,
 }
@@ -120,7 +161,21 @@ impl LockstepRun {
                 stride *= 2;
             }
         }
+        run.read_differences(dir)?;
         Ok(run)
+    }
+
+    fn read_differences(&mut self, dir: &Path) -> Result<(), ReportError> {
+        let mut rows = Rows::open_wider(dir.join("differences.csv"), &DIFFERENCES)?;
+        while let Some(row) = rows.next(&DIFFERENCES)? {
+            let step = row.of(0, "the number of a step", |text| text.parse::<i64>().ok())?;
+            let cause = row.of(1, "a cause", Cause::from_name)?;
+            let sort = self.sorts.entry((cause, row.name(2)?.to_owned(), row.text(3).to_owned())).or_default();
+            sort.differences += 1;
+            sort.steps += u64::from(sort.last != Some(step));
+            sort.last = Some(step);
+        }
+        Ok(())
     }
 
     fn add(&mut self, row: &Row<'_>) -> Result<StepPoint, ReportError> {
@@ -151,6 +206,21 @@ impl LockstepRun {
         }
         if let (Some(stepper), Some(oracle)) = (stepper_m, oracle_m) {
             self.penetration_difference_m = self.penetration_difference_m.max((stepper - oracle).abs());
+        }
+        let contacts_modes = [count(2)?, count(3)?];
+        if contacts_modes != [0, 0] || iterations[0] != iterations[1] || row.text(16) != row.text(17) {
+            if self.differing.len() < KEPT {
+                self.differing.push(DifferingStep {
+                    step,
+                    contacts_modes,
+                    iterations,
+                    effect: row.text(14).to_owned(),
+                    depths_m: [stepper_m, oracle_m, row.number(18)?, row.number(19)?],
+                    displacement_error: row.number(6)?,
+                });
+            } else {
+                self.more_differing += 1;
+            }
         }
         let more_iterations = iterations[0] as i64 - iterations[1] as i64;
         Ok(StepPoint { step, time_s: row.number(1)?.unwrap_or(0.0), stepper_m, oracle_m, more_iterations })

@@ -13,6 +13,7 @@ pub mod markdown;
 pub mod page;
 mod rows;
 pub mod sections;
+pub mod stress;
 pub mod table;
 pub mod tally;
 pub mod timing;
@@ -53,6 +54,7 @@ impl Report {
         let results = Results::read(dirs)?;
         let names = results.campaigns.iter().map(|run| &run.name);
         let names = names.chain(results.locksteps.iter().map(|run| &run.name));
+        let names = names.chain(results.stresses.iter().map(|run| &run.name));
         let names = names.chain(results.timings.iter().map(|run| &run.name));
         let mut names: Vec<&str> = names.map(String::as_str).collect();
         names.dedup();

@@ -1,10 +1,13 @@
 //! The verdict: three lines for a tired engineer.
 
 use super::load::{CampaignRun, Results};
+use super::sections::stress::reach;
 use super::table::{grouped, percent, short};
 use crate::campaign::agreement::Span;
 use crate::campaign::finding::Cause;
+use crate::stress::Form;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// How a line is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -40,6 +43,10 @@ pub fn verdict(results: &Results) -> Vec<Line> {
         lines.push(mistakes(&results.campaigns));
         lines.extend(tolerances(&results.campaigns).filter(|_| steps.is_empty()));
     }
+    if !results.stresses.is_empty() {
+        // Its pairs make a campaign as well; what it was made for comes first.
+        lines = stress(results);
+    }
     lines.extend(steps);
     if lines.is_empty() {
         lines.extend(times(results));
@@ -58,6 +65,45 @@ fn times(results: &Results) -> Option<Line> {
             format!("{} measurements of run time against error, {efficient} of them efficient.", all.len()),
         )
     })
+}
+
+/// How far each engine is safe without ties, and how it is with them.
+fn stress(results: &Results) -> Vec<Line> {
+    let limits = || results.stresses.iter().flat_map(|run| &run.limits);
+    let engines: BTreeSet<&str> = limits().map(|limit| &*limit.curve.engine).collect();
+    let of = |engine: &str, form| -> [Vec<String>; 2] {
+        reach(limits().filter(|limit| limit.curve.engine == engine && limit.curve.form == form))
+    };
+    let mut lines: Vec<Line> = engines
+        .iter()
+        .rev()
+        .take(2)
+        .map(|engine| match of(engine, Form::Generic) {
+            [safe, never] if never.is_empty() => {
+                line(Mood::Good, format!("{engine}, no ties: safe {}.", safe.join("; ")))
+            }
+            [safe, _] if safe.is_empty() => {
+                line(Mood::Bad, format!("{engine}, no ties: safe in none of the ways tried."))
+            }
+            [safe, _] => {
+                line(Mood::Fair, format!("{engine}, no ties: safe {}; not in the other ways tried.", safe.join("; ")))
+            }
+        })
+        .collect();
+    let tied: Vec<&str> = engines.iter().copied().filter(|engine| of(engine, Form::Aligned)[0].is_empty()).collect();
+    let shares = limits().filter(|limit| limit.curve.form == Form::Aligned && limit.safe_to.is_none());
+    let most = shares.filter_map(|limit| limit.beyond.as_ref()).map(|(_, share)| *share).fold(0.0, f64::max);
+    if !tied.is_empty() && most > 0.0 {
+        lines.push(line(
+            Mood::Fair,
+            format!(
+                "With ties (faces flush, corners on edges) {} safe nowhere: up to {} of the pairs differ even at the mildest levels.",
+                if tied.len() == 1 { format!("{} is", tied[0]) } else { format!("{} are", tied.join(" and ")) },
+                percent(most)
+            ),
+        ));
+    }
+    lines
 }
 
 /// How often engines are right.

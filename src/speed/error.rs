@@ -7,7 +7,7 @@ use crate::campaign::source::{SourceError, set_source};
 use crate::campaign::{builtin, engine};
 use crate::model::{Block, Contact, Precision, SceneError, SpecError, ToleranceSet};
 use crate::oracle::{self, Pair, plain};
-use crate::plot::{Axis, Chart, PlotError, Series};
+use crate::plot::{Axis, Chart, Legend, Marks, PlotError, Series};
 use num_rational::BigRational;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -302,6 +302,11 @@ fn mark_front(rows: &mut [ErrorRow]) {
     }
 }
 
+/// A figure as the table has it.
+fn as_written(value: f64) -> String {
+    format!("{value:.4e}")
+}
+
 /// `bench.csv`.
 ///
 /// # Errors
@@ -309,7 +314,7 @@ fn mark_front(rows: &mut [ErrorRow]) {
 pub fn to_csv(rows: &[ErrorRow]) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(ERROR_COLUMNS)?;
-    let number = |value: f64| if value.is_finite() { format!("{value:.4e}") } else { String::new() };
+    let number = |value: f64| if value.is_finite() { as_written(value) } else { String::new() };
     for row in rows {
         writer.write_record([
             row.kind.to_owned(),
@@ -328,24 +333,26 @@ pub fn to_csv(rows: &[ErrorRow]) -> Result<Vec<u8>, csv::Error> {
     writer.into_inner().map_err(|e| e.into_error().into())
 }
 
-/// Time and error of the rows of one kind, by engine, with the rows that nothing beats for their subject as a series of their own. An error of 0
-/// lies at the lower end.
+/// Time and error of the rows of one kind, by engine, with rings around those that nothing beats for their subject. An error of 0
+/// lies at the lower end. Points lie where the figures of `bench.csv` put them, so that the plot can be made from the table alone.
 ///
 /// # Errors
 /// When there is nothing to draw.
 pub fn plot(rows: &[ErrorRow], kind: &str) -> Result<String, PlotError> {
+    let point = |r: &ErrorRow| [r.micros, r.error].map(|value| as_written(value).parse().unwrap_or(value));
     let of = |wanted: &dyn Fn(&ErrorRow) -> bool| -> Vec<[f64; 2]> {
-        rows.iter().filter(|r| r.kind == kind && r.has_figures() && wanted(r)).map(|r| [r.micros, r.error]).collect()
+        rows.iter().filter(|r| r.kind == kind && r.has_figures() && wanted(r)).map(point).collect()
     };
-    let series = |name: &str, points| Series { name: name.to_owned(), points, intervals: Vec::new(), joined: false };
+    let series = |name: &str, points, marks| Series { name: name.to_owned(), points, intervals: Vec::new(), marks };
     let mut all: Vec<Series> =
-        Engine::ALL.into_iter().map(|engine| series(engine.name(), of(&|r| r.engine == engine && !r.front))).collect();
-    all.push(series("on the front of its subject", of(&|r| r.front)));
+        Engine::ALL.into_iter().map(|engine| series(engine.name(), of(&|r| r.engine == engine), Marks::Dots)).collect();
+    all.push(series("nothing beats it", of(&|r| r.front), Marks::Rings));
     all.retain(|series| !series.points.is_empty());
     let (unit, error) =
         if kind == "scene" { ("step", "relative error") } else { ("pair", "share of pairs with wrong contacts") };
     let title = format!("Run time against error, one point a {kind}, engine, tolerance set and Δt");
-    Chart { title, x: Axis::log(format!("µs a {unit}")), y: Axis::log(error), series: all }.svg()
+    Chart { title, x: Axis::log(format!("µs a {unit}")), y: Axis::log(error), series: all, legend: Legend::Beside }
+        .svg()
 }
 
 #[cfg(test)]

@@ -119,7 +119,10 @@
   }
   const drawAll = () => Promise.all([...document.querySelectorAll(".chart, .finding[open]")].map(once));
   // For printing, and for whoever wants everything at once: report.html#all
-  addEventListener("beforeprint", drawAll);
+  addEventListener("beforeprint", () => {
+    for (const table of document.querySelectorAll("details.table")) table.open = true;
+    drawAll();
+  });
   if (location.hash === "#all") drawAll().then(() => { root.dataset.drawn = "all"; });
 
   function repaint() {

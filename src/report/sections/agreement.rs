@@ -7,7 +7,7 @@ use crate::report::chart::{Chart, color, error_bars, heat_map};
 use crate::report::load::{CampaignRun, Sums};
 use crate::report::table::{Cell, Table};
 use serde_json::json;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
     let mut section = Section::new(
@@ -82,8 +82,24 @@ fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
     (table, whole)
 }
 
+/// Of so many settings and more a chart shows those at both ends.
+const MANY: usize = 24;
+/// So many of each.
+const ENDS: usize = 10;
+
+/// The settings that a chart shows: all, or where there are many those under which the engines are right most seldom and most often.
+fn chosen(shares: &BTreeMap<String, f64>) -> Vec<String> {
+    let mut order: Vec<(&String, f64)> = shares.iter().map(|(setting, share)| (setting, *share)).collect();
+    if order.len() >= MANY {
+        order.sort_by(|(a, x), (b, y)| x.total_cmp(y).then_with(|| a.cmp(b)));
+        order.drain(ENDS..order.len() - ENDS);
+    }
+    order.into_iter().map(|(setting, _)| setting.clone()).collect()
+}
+
 fn by_setting(campaigns: &[CampaignRun]) -> Chart {
-    let (mut data, mut settings) = (Vec::new(), BTreeSet::new());
+    let mut least: BTreeMap<String, f64> = BTreeMap::new();
+    let mut curves = Vec::new();
     for campaign in campaigns {
         let sums = campaign.by_setting();
         for engine in campaign.engines() {
@@ -95,31 +111,40 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
                 .filter(|(c, _)| c.span == span && c.engine == engine)
                 .filter_map(|(c, s)| Some((c.tolerances.as_str(), s.agreement()?)))
                 .collect();
-            settings.extend(of.iter().map(|(setting, _)| (*setting).to_owned()));
-            let shares: Vec<Share> = of.iter().map(|(_, share)| *share).collect();
-            data.push(json!({
-                "type": "scatter", "mode": "markers", "name": label(campaigns.len(), &campaign.name, &engine),
-                "y": of.iter().map(|(setting, _)| setting).collect::<Vec<_>>(),
-                "x": shares.iter().map(|s| s.value * 100.0).collect::<Vec<_>>(),
-                "error_x": error_bars(&shares),
-                "marker": { "size": 9, "color": color(data.len()), "symbol": data.len() % 8 },
-                "hovertemplate": "%{y}: %{x:.2f} %<extra>%{fullData.name}</extra>",
-            }));
+            for (setting, share) in &of {
+                let known = least.entry((*setting).to_owned()).or_insert(1.0);
+                *known = known.min(share.value);
+            }
+            let of: Vec<(String, Share)> = of.into_iter().map(|(setting, share)| (setting.to_owned(), share)).collect();
+            curves.push((label(campaigns.len(), &campaign.name, &engine), of));
         }
     }
+    let settings = chosen(&least);
+    let data = curves.iter().enumerate().map(|(number, (name, of))| {
+        let of: Vec<&(String, Share)> = of.iter().filter(|(setting, _)| settings.contains(setting)).collect();
+        let shares: Vec<Share> = of.iter().map(|(_, share)| *share).collect();
+        json!({
+            "type": "scatter", "mode": "markers", "name": name,
+            "y": of.iter().map(|(setting, _)| setting).collect::<Vec<_>>(),
+            "x": shares.iter().map(|s| s.value * 100.0).collect::<Vec<_>>(),
+            "error_x": error_bars(&shares),
+            "marker": { "size": 9, "color": color(number), "symbol": number % 8 },
+            "hovertemplate": "%{y}: %{x:.2f} %<extra>%{fullData.name}</extra>",
+        })
+    });
+    let caption = match least.len() - settings.len() {
+        0 => "Agreement of each engine under each tolerance setting, with 95 % intervals".to_owned(),
+        left => format!(
+            "Agreement of each engine with 95 % intervals, under the {ENDS} settings where it is least and the {ENDS} where it is most, by the worse engine; the {left} between them are in agreement.csv"
+        ),
+    };
     let height = 110 + 26 * settings.len().max(2);
     let layout = json!({
         "xaxis": { "title": { "text": "pairs answered exactly right, %" }, "range": [0, 101] },
         "yaxis": { "type": "category", "autorange": "reversed", "categoryorder": "array", "categoryarray": settings },
         "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
     });
-    Chart::new(
-        "chart-agreement",
-        "Agreement of each engine under each tolerance setting, with 95 % intervals",
-        height,
-        data,
-        layout,
-    )
+    Chart::new("chart-agreement", caption, height, data.collect(), layout)
 }
 
 fn families(campaigns: &[CampaignRun]) -> Table {
@@ -157,10 +182,9 @@ fn family_map(campaigns: &[CampaignRun]) -> Chart {
     let shares: Vec<Vec<Option<f64>>> = families
         .iter()
         .map(|family| {
-            let column =
-                |(sums, (_, span, engine, _)): (&std::collections::BTreeMap<_, Sums>, &(_, Span, String, _))| {
-                    sums.get(&(family.as_str(), *span, engine.as_str()))?.agreement().map(|share| share.value)
-                };
+            let column = |(sums, (_, span, engine, _)): (&BTreeMap<_, Sums>, &(_, Span, String, _))| {
+                sums.get(&(family.as_str(), *span, engine.as_str()))?.agreement().map(|share| share.value)
+            };
             sums.iter().zip(&columns).map(column).collect()
         })
         .collect();

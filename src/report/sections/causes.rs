@@ -23,6 +23,9 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
     section
 }
 
+/// How many settings the chart shows.
+const MOST: usize = 20;
+
 /// The colour of a cause.
 pub(super) fn color_of(cause: Cause) -> String {
     format!("$cause{}", Cause::ALL.iter().position(|c| *c == cause).unwrap_or(0))
@@ -38,10 +41,17 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
             *counts.entry(sort.cause).or_default().entry(row).or_default() += count;
         }
     }
+    // Of many settings those with the most findings.
+    let sum = |row: &String| -> u64 { counts.values().filter_map(|counts| counts.get(row)).sum() };
+    let mut order: Vec<String> = rows.iter().cloned().collect();
+    order.sort_by_key(|row| std::cmp::Reverse(sum(row)));
+    let left = order.len().saturating_sub(MOST);
+    let rows: BTreeSet<String> = order.into_iter().take(MOST).collect();
     let data = counts.iter().map(|(cause, counts)| {
+        let shown: Vec<(&String, &u64)> = counts.iter().filter(|(row, _)| rows.contains(*row)).collect();
         json!({
             "type": "bar", "orientation": "h", "name": cause.name(), "marker": { "color": color_of(*cause) },
-            "y": counts.keys().collect::<Vec<_>>(), "x": counts.values().collect::<Vec<_>>(),
+            "y": shown.iter().map(|(row, _)| row).collect::<Vec<_>>(), "x": shown.iter().map(|(_, n)| n).collect::<Vec<_>>(),
             "hovertemplate": "%{y}: %{x:,}<extra>%{fullData.name}</extra>",
         })
     });
@@ -50,7 +60,11 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
         "yaxis": { "type": "category", "autorange": "reversed", "categoryorder": "array", "categoryarray": rows },
         "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
     });
-    Chart::new("chart-causes", "Findings by tolerance setting and cause", 130 + 26 * rows.len(), data.collect(), layout)
+    let caption = match left {
+        0 => "Findings by tolerance setting and cause".to_owned(),
+        left => format!("Findings by cause, of the {MOST} tolerance settings with the most; {left} more in causes.csv"),
+    };
+    Chart::new("chart-causes", caption, 130 + 26 * rows.len(), data.collect(), layout)
 }
 
 fn changes(campaigns: &[CampaignRun]) -> Table {

@@ -43,6 +43,9 @@ pub struct MatrixCell {
     pub right: bool,
 }
 
+/// How many settings of an engine have a matrix of their own.
+const MOST: usize = 16;
+
 pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
     let mut section = Section::new(
         "kinds",
@@ -56,6 +59,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
         &["run", "setting", "engine", "compared", "true_kind", "seen_kind", "contacts"],
     );
     let mut matrices = Vec::new();
+    let mut left_out = 0;
     for campaign in campaigns {
         for (compared, confusion) in &campaign.confusion {
             for ((before, after), count) in confusion {
@@ -80,10 +84,27 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
             }
             let name = super::label(campaigns.len(), &campaign.name, &engine);
             matrices.push(Matrix { open: true, ..matrix(format!("{name}, all settings"), &all) });
-            matrices.extend(of().map(|(c, confusion)| matrix(format!("{name}, {}", c.tolerances), confusion)));
+            // Of many settings those with the largest share that is wrong.
+            let wrong = |confusion: &Confusion| {
+                let all: u64 = confusion.values().sum();
+                let wrong: u64 = confusion.iter().filter(|((before, after), _)| before != after).map(|(_, n)| n).sum();
+                wrong as f64 / all.max(1) as f64
+            };
+            let mut settings: Vec<_> = of().collect();
+            if settings.len() > MOST {
+                settings.sort_by(|(_, a), (_, b)| wrong(b).total_cmp(&wrong(a)));
+                left_out += settings.drain(MOST..).count();
+            }
+            let shown = settings.into_iter();
+            matrices.extend(shown.map(|(c, confusion)| matrix(format!("{name}, {}", c.tolerances), confusion)));
         }
     }
     section.parts.push(Part::Matrices(matrices));
+    if left_out > 0 {
+        section.parts.push(Part::Text(format!(
+            "Setting by setting are the {MOST} of each engine with the largest share of wrong kinds; {left_out} more in confusion.csv."
+        )));
+    }
     section.parts.push(Part::Quiet(table));
     section
 }

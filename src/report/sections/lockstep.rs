@@ -4,7 +4,7 @@ use super::{Part, Section};
 use crate::campaign::finding::Cause;
 use crate::report::chart::{Chart, color};
 use crate::report::lockstep::LockstepRun;
-use crate::report::table::{Cell, Table};
+use crate::report::table::{Cell, Table, grouped};
 use serde_json::{Value, json};
 
 pub(super) fn section(runs: &[LockstepRun]) -> Section {
@@ -16,10 +16,16 @@ pub(super) fn section(runs: &[LockstepRun]) -> Section {
     );
     section.parts.push(Part::Table(table(runs), 60));
     section.parts.push(Part::Table(causes(runs), 60));
+    section.parts.push(Part::Table(sorts(runs), 24));
+    section.parts.push(Part::Table(differing(runs), 24));
+    let left: u64 = runs.iter().map(|run| run.more_differing).sum();
+    if left > 0 {
+        section.parts.push(Part::Text(format!("{} more steps differ: see lockstep.csv of the runs.", grouped(left))));
+    }
     for (number, run) in runs.iter().enumerate() {
-        section.parts.push(Part::Chart(penetration(number, run)));
+        section.parts.push(Part::Chart(penetration(number, run).half()));
         if run.iterations_differ > 0 {
-            section.parts.push(Part::Chart(iterations(number, run)));
+            section.parts.push(Part::Chart(iterations(number, run).half()));
         }
     }
     section
@@ -87,6 +93,57 @@ fn causes(runs: &[LockstepRun]) -> Table {
         let effects = ["classification", "iteration", "arithmetic", "none"].map(effect);
         let names = [run.name.as_str().into(), run.engine.as_str().into()];
         table.push(names.into_iter().chain(causes.into_iter().chain(effects).map(Cell::Count)).collect());
+    }
+    table
+}
+
+fn sorts(runs: &[LockstepRun]) -> Table {
+    let mut table = Table::new(
+        "lockstep_changes",
+        "What differs: by cause, change and the predicate behind it",
+        &["run", "engine", "cause", "change", "predicate", "differences", "in_steps"],
+    );
+    for run in runs {
+        for ((cause, change, predicate), sort) in &run.sorts {
+            let names = [run.name.as_str(), &run.engine, cause.name(), change].map(Cell::from);
+            let predicate = if predicate.is_empty() { Cell::Empty } else { Cell::Text(predicate.clone()) };
+            let counts = [sort.differences, sort.steps].map(Cell::Count);
+            table.push(names.into_iter().chain([predicate]).chain(counts).collect());
+        }
+    }
+    table
+}
+
+fn differing(runs: &[LockstepRun]) -> Table {
+    let mut table = Table::new(
+        "lockstep_steps",
+        "Steps in which the stepper has other contacts, modes or iterations, and the deepest overlap after them: the stepper's, the \
+         oracle's, the stepper's with the oracle's contacts, and with its modes too",
+        &[
+            "run",
+            "engine",
+            "step",
+            "contacts",
+            "modes",
+            "iterations_stepper",
+            "iterations_oracle",
+            "effect",
+            "stepper_m",
+            "oracle_m",
+            "with_contacts_m",
+            "with_modes_m",
+            "displacement_error",
+        ],
+    );
+    for run in runs {
+        for step in &run.differing {
+            let counts = step.contacts_modes.into_iter().chain(step.iterations).map(Cell::Count);
+            let effect = if step.effect.is_empty() { Cell::Empty } else { Cell::Text(step.effect.clone()) };
+            let mut row = vec![run.name.as_str().into(), run.engine.as_str().into(), Cell::Text(step.step.to_string())];
+            row.extend(counts.chain([effect]).chain(step.depths_m.map(Cell::number)));
+            row.push(Cell::number(step.displacement_error));
+            table.push(row);
+        }
     }
     table
 }

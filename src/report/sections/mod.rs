@@ -6,6 +6,7 @@ mod confusion;
 mod lockstep;
 mod margins;
 mod runs;
+pub(super) mod stress;
 mod sweep;
 mod timing;
 mod worst;
@@ -78,6 +79,9 @@ pub fn all(results: &Results) -> Result<Vec<Section>, ReportError> {
     }
     if !results.locksteps.is_empty() {
         sections.push(lockstep::section(&results.locksteps));
+    }
+    if !results.stresses.is_empty() {
+        sections.push(stress::section(&results.stresses));
     }
     if !results.timings.is_empty() {
         sections.push(timing::section(&results.timings));

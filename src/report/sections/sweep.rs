@@ -41,10 +41,12 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
     );
     for (number, sweep) in sweeps.iter().enumerate() {
         for (at, (axis, factors)) in sweep.axes.iter().enumerate() {
-            section.parts.push(Part::Chart(sweep.lines(number, at, axis, factors, campaigns.len())));
+            section.parts.push(Part::Chart(sweep.lines(number, at, axis, factors, campaigns.len()).half()));
         }
         for (one, other) in pairs_of(sweep.axes.len()) {
-            section.parts.extend(sweep.maps(number, one, other, campaigns.len()).into_iter().map(Part::Chart));
+            section
+                .parts
+                .extend(sweep.maps(number, one, other, campaigns.len()).into_iter().map(|map| Part::Chart(map.half())));
         }
         for ((span, engine), points) in &sweep.curves {
             for (point, sums) in points {
