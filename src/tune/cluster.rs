@@ -1,11 +1,29 @@
 //! The part of a scene that is stepped for every candidate: a block that moves, those around it, and a ring that holds still.
 
 use crate::model::simulation::Unconverged;
-use crate::model::{Motion, Number, Scene};
+use crate::model::{Block, Motion, Number, Scene, ToleranceSet, Vec3};
+use crate::stepper::contact::{Solid, Spec, Tolerances, classify};
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// Blocks of a cluster at most.
 const MOST: usize = 14;
+
+/// Contacts of a cluster at most, if fewer blocks have fewer: an exact step takes time for each of them, and more than in proportion.
+const MOST_CONTACTS: usize = 192;
+
+/// What holds a cluster.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// What the scene has as fixed.
+    Given,
+    /// Nothing in the scene is fixed: so many of its blocks, the lowest.
+    Lowest(usize),
+    /// Nothing in the scene is fixed, and all blocks are as low as one another: the largest.
+    Largest,
+    /// Nothing in the part is fixed: so many of its blocks, those further out.
+    Ring(usize),
+}
 
 /// A part of a scene.
 #[derive(Clone, Debug)]
@@ -16,6 +34,10 @@ pub struct Cluster {
     pub members: Vec<usize>,
     /// Whether it is the whole scene.
     pub is_whole: bool,
+    /// What holds it.
+    pub held: Held,
+    /// Contacts of the part as it stands, but those of two blocks that are held, in f64.
+    pub contacts: usize,
 }
 
 /// Pairs of blocks whose boxes, grown by a hundredth of their longest side, meet; the lower number first, ascending.
@@ -39,11 +61,10 @@ pub(super) fn neighbours(scene: &Scene) -> Vec<[usize; 2]> {
 
 impl Cluster {
     /// The cluster around the block that has the most neighbours of those that can move, the first of several; the whole scene where that
-    /// is small. Where nothing in it is fixed, the further two thirds of it are.
-    pub fn of(scene: &Scene, neighbours: &[[usize; 2]]) -> Cluster {
+    /// is small. Where nothing in the whole scene is fixed, its lowest blocks are held, or the largest; where nothing in a part is, the further
+    /// two thirds of it. Of a part with many contacts under `set`, fewer blocks are taken.
+    pub fn of(scene: &Scene, neighbours: &[[usize; 2]], set: &ToleranceSet) -> Cluster {
         let count = scene.blocks.len();
-        let is_whole = count <= MOST;
-        let mut part = scene.clone();
         let beside = |block: usize| {
             neighbours
                 .iter()
@@ -63,14 +84,35 @@ impl Cluster {
             }
             at += 1;
         }
-        if is_whole {
+        if count <= MOST {
             members.extend((0..count).filter(|block| !seen.contains(block)));
         }
-        part.blocks = members.iter().map(|&block| scene.blocks[block].clone()).collect();
-        if part.blocks.iter().all(|block| !block.body.is_fixed()) && part.blocks.len() > 1 {
-            let free = part.blocks.len().div_ceil(3);
-            part.blocks[free..].iter_mut().for_each(|block| block.body.motion = Motion::Fixed);
+        let mut cluster = Cluster::part(scene, &members);
+        let mut found = Contacts::of(scene, &members, set);
+        cluster.contacts = found.between(&cluster.scene);
+        while cluster.contacts > MOST_CONTACTS && members.len() > 2 {
+            members.pop();
+            cluster = Cluster::part(scene, &members);
+            found.0.retain(|([_, j], _)| *j < members.len());
+            cluster.contacts = found.between(&cluster.scene);
         }
+        cluster
+    }
+
+    fn part(scene: &Scene, members: &[usize]) -> Cluster {
+        let is_whole = members.len() == scene.blocks.len();
+        let mut part = scene.clone();
+        part.blocks = members.iter().map(|&block| scene.blocks[block].clone()).collect();
+        let nothing_fixed = part.blocks.iter().all(|block| !block.body.is_fixed());
+        let held = match nothing_fixed && members.len() > 1 {
+            false => Held::Given,
+            true if is_whole => hold_lowest(&mut part),
+            true => {
+                let free = members.len().div_ceil(3);
+                part.blocks[free..].iter_mut().for_each(|block| block.body.motion = Motion::Fixed);
+                Held::Ring(members.len() - free)
+            }
+        };
         // What is attached to blocks by number stays only where all of them are there.
         let place = |block: usize| members.iter().position(|member| *member == block);
         part.simulation.loads.retain_mut(|load| {
@@ -90,21 +132,95 @@ impl Cluster {
         control.settle = control.settle.clamp(2, 5);
         control.dynamic = Number::from_integer(1);
         control.unconverged = Unconverged::Accept;
-        Cluster { scene: part, members, is_whole }
+        Cluster { scene: part, members: members.to_vec(), is_whole, held, contacts: 0 }
+    }
+
+    /// As many steps as exact ones of the likely candidates take a part of `seconds`, by a rule of thumb that knows no clock: between 4 and 32.
+    pub fn steps_for(&self, seconds: u64) -> u64 {
+        let each = (self.contacts as u64 * self.unknowns() as u64).max(1);
+        (2_000 * seconds / each).clamp(4, 32)
+    }
+
+    /// Unknowns of a step.
+    pub fn unknowns(&self) -> usize {
+        self.scene.blocks.iter().map(|block| block.body.motion.unknowns()).sum()
+    }
+}
+
+/// Fixes the blocks that reach as far down along gravity as any, to a thousandth of the scene's height; where that is all of them, or gravity
+/// pulls nowhere, the largest.
+fn hold_lowest(scene: &mut Scene) -> Held {
+    let gravity = scene.simulation.gravity.map(Number::approximate);
+    let depths: Vec<[f64; 2]> = scene
+        .blocks
+        .iter()
+        .map(|block| {
+            let along = |v: &Vec3<Number>| {
+                let v = v.map(Number::approximate);
+                gravity.x * v.x + gravity.y * v.y + gravity.z * v.z
+            };
+            let fold = |[low, high]: [f64; 2], depth: f64| [low.min(depth), high.max(depth)];
+            block.block.vertices().iter().map(along).fold([f64::INFINITY, f64::NEG_INFINITY], fold)
+        })
+        .collect();
+    let top = depths.iter().map(|[low, _]| *low).fold(f64::INFINITY, f64::min);
+    let bottom = depths.iter().map(|[_, high]| *high).fold(f64::NEG_INFINITY, f64::max);
+    let is_low: Vec<bool> = depths.iter().map(|[_, high]| *high >= bottom - (bottom - top) / 1000.0).collect();
+    let low = is_low.iter().filter(|low| **low).count();
+    if low < depths.len() {
+        let blocks = scene.blocks.iter_mut().zip(&is_low).filter(|(_, low)| **low);
+        blocks.for_each(|(block, _)| block.body.motion = Motion::Fixed);
+        return Held::Lowest(low);
+    }
+    let volumes: Vec<_> = scene.blocks.iter().map(|block| block.block.volume()).collect();
+    let largest = (0..volumes.len()).rev().max_by(|&i, &j| volumes[i].cmp(&volumes[j]));
+    if let Some(largest) = largest {
+        scene.blocks[largest].body.motion = Motion::Fixed;
+    }
+    Held::Largest
+}
+
+/// The number of contacts of each pair of members, by their places.
+struct Contacts(Vec<([usize; 2], usize)>);
+
+impl Contacts {
+    fn of(scene: &Scene, members: &[usize], set: &ToleranceSet) -> Contacts {
+        let solid = |block: &Block| Solid::<f64>::new(block).ok();
+        let solids: Vec<_> = members.iter().map(|&block| solid(&scene.blocks[block].block)).collect();
+        let Ok(tolerances) = Tolerances::new(set) else { return Contacts(Vec::new()) };
+        let pairs: Vec<[usize; 2]> =
+            (0..members.len()).flat_map(|i| (i + 1..members.len()).map(move |j| [i, j])).collect();
+        let count = |[i, j]: [usize; 2]| {
+            let both = solids[i].as_ref().zip(solids[j].as_ref());
+            ([i, j], both.map_or(0, |(a, b)| classify::<f64, Spec>(a, b, &tolerances).len()))
+        };
+        Contacts(pairs.into_par_iter().map(count).collect())
+    }
+
+    /// Those that a step has to do with.
+    fn between(&self, part: &Scene) -> usize {
+        let moves = |[i, j]: &[usize; 2]| !(part.blocks[*i].body.is_fixed() && part.blocks[*j].body.is_fixed());
+        self.0.iter().filter(|(pair, _)| moves(pair)).map(|(_, count)| count).sum()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Precision;
+    use crate::model::preset::{Preset, derive};
     use crate::speed::stepping::wall;
+
+    fn auto(scene: &Scene) -> ToleranceSet {
+        derive(Preset::Auto, &scene.shapes(), Precision::F64).expect("a set")
+    }
 
     #[test]
     fn a_cluster_is_connected_and_holds_on_to_something() {
         let scene = wall(60).expect("a wall");
         let near = neighbours(&scene);
-        let cluster = Cluster::of(&scene, &near);
-        assert!(!cluster.is_whole && cluster.scene.blocks.len() == MOST);
+        let cluster = Cluster::of(&scene, &near, &auto(&scene));
+        assert!(!cluster.is_whole && cluster.scene.blocks.len() == MOST && cluster.contacts > 0);
         let fixed = cluster.scene.blocks.iter().filter(|block| block.body.is_fixed()).count();
         assert!(fixed > 0 && fixed < MOST, "{fixed}");
         let touches = |k: usize| {
@@ -119,8 +235,28 @@ mod tests {
     #[test]
     fn a_small_scene_is_its_own_cluster() {
         let scene = wall(4).expect("a wall");
-        let cluster = Cluster::of(&scene, &neighbours(&scene));
+        let cluster = Cluster::of(&scene, &neighbours(&scene), &auto(&scene));
         assert!(cluster.is_whole && cluster.scene.blocks.len() == 5);
         assert_eq!(cluster.scene.blocks.iter().filter(|block| block.body.is_fixed()).count(), 1);
+    }
+
+    #[test]
+    fn what_nobody_fixed_is_held_at_its_lowest_or_largest() {
+        let whole = Number::from_integer;
+        let cuboid = |low: [i32; 3], high: [i32; 3]| {
+            let [low, high] = [low, high].map(|[x, y, z]| Vec3::new(whole(x), whole(y), whole(z)));
+            crate::model::SceneBlock::new("block", Block::cuboid(&low, &high).expect("a box"))
+        };
+        let fixed = |blocks: Vec<crate::model::SceneBlock>| {
+            let scene = Scene { blocks, ..Scene::default() };
+            let cluster = Cluster::of(&scene, &neighbours(&scene), &auto(&scene));
+            let held: Vec<usize> =
+                (0..cluster.members.len()).filter(|&at| cluster.scene.blocks[at].body.is_fixed()).collect();
+            (cluster.held, held.into_iter().map(|at| cluster.members[at]).collect::<BTreeSet<_>>())
+        };
+        let low = [cuboid([0, 0, 1], [2, 1, 2]), cuboid([0, 0, 0], [1, 1, 1]), cuboid([1, 0, 0], [2, 1, 1])];
+        assert_eq!(fixed(low.to_vec()), (Held::Lowest(2), BTreeSet::from([1, 2])));
+        let level = [cuboid([0, 0, 0], [1, 1, 1]), cuboid([1, 0, 0], [3, 1, 1]), cuboid([3, 0, 0], [4, 1, 1])];
+        assert_eq!(fixed(level.to_vec()), (Held::Largest, BTreeSet::from([1])));
     }
 }
