@@ -54,11 +54,13 @@ impl Model {
     /// A set with as little changed as the rules of SPEC section 3 ask for; `max_displacement` gives way to `search` and `penetration`.
     pub fn mended(&self, set: &ToleranceSet) -> ToleranceSet {
         let mut mended = set.clone();
-        let quarter = self.shortest_edge / 4.0;
-        let [search, penetration] = [&set.search, &set.penetration].map(Number::approximate);
+        let (quarter, resolved) = (self.shortest_edge / 4.0, self.resolved_territory());
+        if set.search.approximate() < resolved && resolved <= quarter {
+            mended.search = number(digits(resolved, true));
+        }
+        let [search, penetration] = [&mended.search, &mended.penetration].map(Number::approximate);
         lower(&mut mended.max_displacement, quarter.min(search / 2.0).min(penetration));
         lower(&mut mended.territory, quarter.min(search));
-        let resolved = self.resolved_territory();
         if mended.territory.approximate() < resolved {
             mended.territory = number(digits(resolved, true));
         }
@@ -81,7 +83,7 @@ impl Model {
         };
         if territory {
             let least = digits(2.0 * self.resolved_territory(), true);
-            proposed.territory = number(least.min(self.shortest_edge / 4.0).min(set.search.approximate()));
+            proposed.territory = number(least.min(BELOW * (self.shortest_edge / 4.0).min(set.search.approximate())));
         }
         proposed
     }
@@ -95,9 +97,12 @@ impl Model {
 /// Lowers a tolerance to a limit, to three digits below it; what is below stays as it is.
 fn lower(tolerance: &mut Number, limit: f64) {
     if tolerance.approximate() > limit {
-        *tolerance = number(digits(limit, false));
+        *tolerance = number(digits(limit * BELOW, false));
     }
 }
+
+/// So little below 1 that no one minds, and more than an exact number and the f64 nearest to it are apart.
+const BELOW: f64 = 1.0 - 1.0 / 1_099_511_627_776.0;
 
 fn number(value: f64) -> Number {
     Number::from_f64(value).unwrap_or(Number::ZERO)

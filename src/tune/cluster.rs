@@ -1,7 +1,7 @@
 //! The part of a scene that is stepped for every candidate: a block that moves, those around it, and a ring that holds still.
 
 use crate::model::simulation::Unconverged;
-use crate::model::{Block, Motion, Number, Scene, ToleranceSet, Vec3};
+use crate::model::{Motion, Number, Scene, ToleranceSet, Vec3};
 use crate::stepper::contact::{Solid, Spec, Tolerances, classify};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -60,24 +60,28 @@ pub(super) fn neighbours(scene: &Scene) -> Vec<[usize; 2]> {
 }
 
 impl Cluster {
-    /// The cluster around the block that has the most neighbours of those that can move, the first of several; the whole scene where that
+    /// The cluster around the block that has the most contacts of those that can move, the first of several; the whole scene where that
     /// is small. Where nothing in the whole scene is fixed, its lowest blocks are held, or the largest; where nothing in a part is, the further
-    /// two thirds of it. Of a part with many contacts under `set`, fewer blocks are taken.
+    /// two thirds of it. Of a part with many contacts fewer blocks are taken. `neighbours` may touch; contacts are those under `set`.
     pub fn of(scene: &Scene, neighbours: &[[usize; 2]], set: &ToleranceSet) -> Cluster {
         let count = scene.blocks.len();
-        let beside = |block: usize| {
-            neighbours
-                .iter()
-                .filter(move |pair| pair.contains(&block))
-                .map(move |[i, j]| if *i == block { *j } else { *i })
-        };
+        let contacts = contacts(scene, neighbours, set);
+        let none_touch = contacts.iter().all(|(_, count)| *count == 0);
+        let mut beside: Vec<Vec<usize>> = vec![Vec::new(); count];
+        let mut touched = vec![0; count];
+        for &([i, j], count) in contacts.iter().filter(|(_, count)| none_touch || *count > 0) {
+            beside[i].push(j);
+            beside[j].push(i);
+            touched[i] += count;
+            touched[j] += count;
+        }
         let movable = |block: &usize| !scene.blocks[*block].body.is_fixed();
-        let busiest = (0..count).filter(movable).rev().max_by_key(|block| beside(*block).count()).unwrap_or(0);
+        let busiest = (0..count).filter(movable).rev().max_by_key(|block| touched[*block]).unwrap_or(0);
         let mut members: Vec<usize> = vec![busiest];
         let mut seen: BTreeSet<usize> = members.iter().copied().collect();
         let mut at = 0;
         while at < members.len() && members.len() < MOST {
-            for next in beside(members[at]) {
+            for &next in &beside[members[at]] {
                 if members.len() < MOST && seen.insert(next) {
                     members.push(next);
                 }
@@ -87,16 +91,25 @@ impl Cluster {
         if count <= MOST {
             members.extend((0..count).filter(|block| !seen.contains(block)));
         }
-        let mut cluster = Cluster::part(scene, &members);
-        let mut found = Contacts::of(scene, &members, set);
-        cluster.contacts = found.between(&cluster.scene);
-        while cluster.contacts > MOST_CONTACTS && members.len() > 2 {
+        loop {
+            let mut cluster = Cluster::part(scene, &members);
+            cluster.contacts = cluster.between(&contacts);
+            if cluster.contacts <= MOST_CONTACTS || members.len() <= 2 {
+                return cluster;
+            }
             members.pop();
-            cluster = Cluster::part(scene, &members);
-            found.0.retain(|([_, j], _)| *j < members.len());
-            cluster.contacts = found.between(&cluster.scene);
         }
-        cluster
+    }
+
+    /// Of the contacts of pairs those that its steps have to do with.
+    fn between(&self, contacts: &[([usize; 2], usize)]) -> usize {
+        let place = |block: usize| self.members.iter().position(|member| *member == block);
+        let moves = |block: usize| place(block).map(|at| !self.scene.blocks[at].body.is_fixed());
+        let counts = contacts.iter().filter_map(|&([i, j], count)| {
+            let (one, other) = (moves(i)?, moves(j)?);
+            (one || other).then_some(count)
+        });
+        counts.sum()
     }
 
     fn part(scene: &Scene, members: &[usize]) -> Cluster {
@@ -180,35 +193,22 @@ fn hold_lowest(scene: &mut Scene) -> Held {
     Held::Largest
 }
 
-/// The number of contacts of each pair of members, by their places.
-struct Contacts(Vec<([usize; 2], usize)>);
-
-impl Contacts {
-    fn of(scene: &Scene, members: &[usize], set: &ToleranceSet) -> Contacts {
-        let solid = |block: &Block| Solid::<f64>::new(block).ok();
-        let solids: Vec<_> = members.iter().map(|&block| solid(&scene.blocks[block].block)).collect();
-        let Ok(tolerances) = Tolerances::new(set) else { return Contacts(Vec::new()) };
-        let pairs: Vec<[usize; 2]> =
-            (0..members.len()).flat_map(|i| (i + 1..members.len()).map(move |j| [i, j])).collect();
-        let count = |[i, j]: [usize; 2]| {
-            let both = solids[i].as_ref().zip(solids[j].as_ref());
-            ([i, j], both.map_or(0, |(a, b)| classify::<f64, Spec>(a, b, &tolerances).len()))
-        };
-        Contacts(pairs.into_par_iter().map(count).collect())
-    }
-
-    /// Those that a step has to do with.
-    fn between(&self, part: &Scene) -> usize {
-        let moves = |[i, j]: &[usize; 2]| !(part.blocks[*i].body.is_fixed() && part.blocks[*j].body.is_fixed());
-        self.0.iter().filter(|(pair, _)| moves(pair)).map(|(_, count)| count).sum()
-    }
+/// The number of contacts of each pair in f64; none where the set or a block cannot be had in it.
+fn contacts(scene: &Scene, pairs: &[[usize; 2]], set: &ToleranceSet) -> Vec<([usize; 2], usize)> {
+    let solids: Vec<_> = scene.blocks.iter().map(|block| Solid::<f64>::new(&block.block).ok()).collect();
+    let tolerances = Tolerances::new(set).ok();
+    let count = |&[i, j]: &[usize; 2]| {
+        let both = solids[i].as_ref().zip(solids[j].as_ref()).zip(tolerances.as_ref());
+        ([i, j], both.map_or(0, |((a, b), tolerances)| classify::<f64, Spec>(a, b, tolerances).len()))
+    };
+    pairs.par_iter().map(count).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Precision;
     use crate::model::preset::{Preset, derive};
+    use crate::model::{Block, Precision};
     use crate::speed::stepping::wall;
 
     fn auto(scene: &Scene) -> ToleranceSet {

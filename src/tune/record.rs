@@ -52,7 +52,7 @@ pub enum RecordError {
 
 /// The columns of `candidates.csv`: number and origin, the set, then what was measured. Lengths in m. Those that begin with `lock_` are empty
 /// for candidates whose steps the oracle was not asked about.
-pub const COLUMNS: [&str; 40] = [
+pub const COLUMNS: [&str; 39] = [
     "candidate",
     "origin",
     "search",
@@ -90,7 +90,6 @@ pub const COLUMNS: [&str; 40] = [
     "lock_modes",
     "lock_failed",
     "lock_penetration_m",
-    "lock_sunk_m",
     "knobs",
     "best",
 ];
@@ -197,8 +196,7 @@ fn row(number: usize, tried: &Tried, best: bool) -> Vec<String> {
     let locked = m.locked.as_ref();
     let counts = locked.map(|l| [l.steps, l.differ, l.contacts, l.modes, l.failed].map(|count| count.to_string()));
     row.extend(counts.unwrap_or_default());
-    let overlaps = locked.and_then(|locked| locked.overlaps);
-    row.extend(overlaps.map(|o| [o.deepest, o.sunk].map(|depth| format!("{depth:?}"))).unwrap_or_default());
+    row.push(locked.and_then(|locked| locked.deepest).map(|depth| format!("{depth:?}")).unwrap_or_default());
     row.extend([tried.knobs.map_or(String::new(), Knobs::text), u8::from(best).to_string()]);
     row
 }
@@ -237,8 +235,8 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
     let rule = |text: &str| Rule::ALL.get(text.parse::<usize>().ok()?).copied();
     let number = |name: &str| field(name)?.parse::<f64>().ok();
     let is_there = |name: &str| field(name).is_some_and(|text| !text.is_empty());
-    let overlaps = match is_there("lock_penetration_m") {
-        true => Some(Overlaps { deepest: number("lock_penetration_m")?, sunk: number("lock_sunk_m")? }),
+    let deepest = match is_there("lock_penetration_m") {
+        true => Some(number("lock_penetration_m")?),
         false => None,
     };
     let locked = match is_there("lock_steps") {
@@ -248,7 +246,7 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
             contacts: count("lock_contacts")?,
             modes: count("lock_modes")?,
             failed: count("lock_failed")?,
-            overlaps,
+            deepest,
         }),
         false => None,
     };

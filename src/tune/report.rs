@@ -86,7 +86,7 @@ fn write_all(out: &mut String, name: &str, bench: &Workbench, search: &Search<'_
 
 const NOTES: &str = "`differ`: pairs that engine and oracle answer differently, as they stand + moved + beside a boundary; in brackets those on a boundary, where \
 rounding the input decides whatever the tolerances. `slack`: how many times the nearest rule is met. `changed`: contacts that the \
-tolerances add, remove or change, compared with nearest features alone. `sinks`: the most by which a pair of blocks overlaps deeper after the steps than in the scene as \
+tolerances add, remove or change, compared with nearest features alone. `sinks`: the most by which a pair of blocks overlaps deeper after a step than in the scene as \
 given. `lockstep`: steps that differ from the oracle's, of those compared; – where the oracle was not asked. A larger u means longer steps, and fewer of them.";
 
 /// The part that is stepped, and what holds it.
@@ -133,11 +133,13 @@ fn sides(out: &mut String, sets: &[(&str, &Tried)]) -> std::fmt::Result {
     row(out, "unconverged, attempts given up", |tried| {
         format!("{}, {}", tried.measurement.stepped.unconverged, tried.measurement.stepped.retries)
     })?;
-    row(out, "deepest overlap after them", |tried| format!("{:.3e} m", tried.measurement.stepped.overlaps.deepest))?;
     row(out, "some pair sinks by", |tried| format!("{:.3e} m", tried.measurement.stepped.overlaps.sunk))?;
-    row(out, "by the oracle's last step", |tried| {
-        let overlaps = tried.measurement.locked.as_ref().and_then(|locked| locked.overlaps);
-        overlaps.map_or("–".to_owned(), |overlaps| format!("{:.3e} m", overlaps.sunk))
+    row(out, "deepest overlap after the last", |tried| {
+        format!("{:.3e} m", tried.measurement.stepped.overlaps.deepest)
+    })?;
+    row(out, "the same by the oracle", |tried| {
+        let deepest = tried.measurement.locked.as_ref().and_then(|locked| locked.deepest);
+        deepest.map_or("–".to_owned(), |deepest| format!("{deepest:.3e} m"))
     })?;
     row(out, "steps that differ from the oracle's", |tried| lockstep(&tried.measurement))?;
     row(out, "contacts, modes that differ in them", |tried| {
@@ -207,7 +209,7 @@ fn verdict(out: &mut String, best: &Tried, is_author: bool) -> std::fmt::Result 
     match &m.stepped.stopped {
         None => writeln!(
             out,
-            "After {} steps no pair of blocks overlaps by more than {:.3e} m deeper than in the scene as given.",
+            "In {} steps no pair of blocks sinks by more than {:.3e} m: overlaps deeper than in the scene as given.",
             m.stepped.steps, m.stepped.overlaps.sunk
         )?,
         Some(why) => writeln!(out, "The steps stopped after {}: {why}.", m.stepped.steps)?,

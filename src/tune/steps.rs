@@ -15,7 +15,7 @@ use rayon::prelude::*;
 pub struct Stepped {
     /// Steps made, settling not counted.
     pub steps: u64,
-    /// The exact overlaps after the last step.
+    /// The exact overlaps.
     pub overlaps: Overlaps,
     /// Steps accepted without converging.
     pub unconverged: u64,
@@ -38,16 +38,17 @@ pub struct Locked {
     pub modes: u64,
     /// Steps that one side made and the other could not.
     pub failed: u64,
-    /// The exact overlaps after the oracle's last step; none where it could not make it.
-    pub overlaps: Option<Overlaps>,
+    /// The exact depth of the deepest overlap after the oracle's last step (m); none where it could not make it.
+    pub deepest: Option<f64>,
 }
 
 /// How deep blocks overlap, one of the two free to move (m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Overlaps {
-    /// The deepest.
+    /// The deepest after the last step.
     pub deepest: f64,
-    /// The most by which some pair overlaps deeper than in the scene as given.
+    /// The most by which some pair overlaps deeper after a step, settling too, than in the scene as given. After any step, since blocks that
+    /// went through one another may have been thrown apart by the last.
     pub sunk: f64,
 }
 
@@ -93,7 +94,7 @@ fn boxes_overlap(a: &Block, b: &Block) -> bool {
     below(&a.min, &b.max) && below(&b.min, &a.max)
 }
 
-/// Steps the part and looks how deep its blocks overlap then.
+/// Steps the part and looks after each step how deep its blocks overlap.
 pub(super) fn stepped<R: Solve>(
     part: &Scene,
     set: &ToleranceSet,
@@ -105,6 +106,8 @@ pub(super) fn stepped<R: Solve>(
     while found.steps < steps && found.stopped.is_none() {
         match dynamics.step() {
             Ok(report) => {
+                let now = begun.overlaps(&placed(part, dynamics.state()));
+                found.overlaps = Overlaps { deepest: now.deepest, sunk: now.sunk.max(found.overlaps.sunk) };
                 found.steps = dynamics.state().step;
                 found.unconverged += u64::from(!report.converged);
                 found.retries += report.retries.len() as u64;
@@ -112,7 +115,6 @@ pub(super) fn stepped<R: Solve>(
             Err(error) => found.stopped = Some(error.to_string()),
         }
     }
-    found.overlaps = begun.overlaps(&placed(part, dynamics.state()));
     Ok(found)
 }
 
@@ -150,7 +152,7 @@ pub(super) fn locked<R: Solve>(
         let made = dynamics.step();
         let exact = if is_last {
             rounded.step(&before, KEEP).map(|step| {
-                found.overlaps = Some(begun.overlaps(&rounded.blocks_at(&step.state)));
+                found.deepest = Some(begun.overlaps(&rounded.blocks_at(&step.state)).deepest);
                 Answer::of_oracle(&step)
             })
         } else {
