@@ -19,9 +19,9 @@ use std::time::{Duration, Instant};
 
 /// Search for the tolerances that suit a model
 ///
-/// Tries tolerance sets on the model's own neighbouring pairs, on relatives moved to the boundaries of decisions, and in steps, and prints the
-/// one with no difference between engine and oracle, the least penetration and the largest margin to every rule, ready to paste, beside what
-/// the model's current set does.
+/// Tries tolerance sets on the model's own neighbouring pairs, on relatives moved to the boundaries of decisions, and in steps that the oracle makes
+/// as well, and prints the one with no difference between engine and oracle, the least sinking and the largest margin to every rule, ready to paste,
+/// beside what the model's current set does.
 ///
 /// Writes tolerances.toml, tune.md, candidates.csv and tune.json. The same number of candidates gives the same bytes; only that number depends on
 /// the clock.
@@ -32,7 +32,7 @@ use std::time::{Duration, Instant};
   rockproof tune slope.toml --candidates 50           always the same answer, however long it takes
   rockproof tune slope.toml --candidates 200 --resume
 
-Exit status: 0 done, 1 no set met every rule without a difference, 2 usage or input error, 130 interrupted (go on with --resume).")]
+Exit status: 0 done, 1 no set kept every rule without a difference, 2 usage or input error, 130 interrupted (go on with --resume).")]
 pub(crate) struct Tune {
     /// The model: .toml, .dda, .obj, .vtk, or .txt and .voro for voro++
     file: PathBuf,
@@ -53,6 +53,9 @@ pub(crate) struct Tune {
     /// Try so many candidates in all, however long it takes
     #[arg(long, value_name = "COUNT", conflicts_with = "budget", value_parser = clap::value_parser!(u32).range(1..))]
     candidates: Option<u32>,
+    /// Steps of a part of the model for each candidate, after its settling [default: 4 to 32, as the budget and the part allow]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    steps: Option<u32>,
     /// Directory of the results [default: reports/tune-MODEL]
     #[arg(long)]
     out: Option<PathBuf>,
@@ -72,17 +75,21 @@ impl Tune {
         let scene = Scene::load_with(&self.file, &self.read.options())?;
         let author = self.tolerances.spec(scene.tolerances.as_ref())?;
         let here = || self.file.display().to_string();
-        let bench = Workbench::new(&scene, self.engine, self.seed).with_context(here)?;
+        let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let dir = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/tune-{stem}")));
+        // A search goes on with the steps it began with, whatever the budget is now.
+        let held = if self.resume { Record::steps(&dir) } else { None };
+        let steps = self.steps.map(u64::from).or(held);
+        let bench = Workbench::new(&scene, self.engine, self.seed, steps, self.budget).with_context(here)?;
         let mut search = Search::new(&bench, &author, self.seed).with_context(here)?;
         let start = match (self.resume, self.force) {
             (true, _) => Start::Resume,
             (_, true) => Start::Force,
             _ => Start::Fresh,
         };
-        let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let dir = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/tune-{stem}")));
         let author_set = search.candidate().set;
-        let record = Record::open(&dir, &self.identity(&scene, &as_toml(&author_set)), start, &mut search)?;
+        let record =
+            Record::open(&dir, &self.identity(&scene, &as_toml(&author_set), bench.steps()), start, &mut search)?;
         let stop = on_ctrl_c()?;
         let interrupted = self.work(&mut search, &record, &stop)?;
         let text = markdown(&self.file.file_name().unwrap_or_default().to_string_lossy(), &bench, &search);
@@ -98,8 +105,7 @@ impl Tune {
             search.tried().len(),
             dir.display()
         ))?;
-        let fine = best.measurement.violated.is_empty() && best.measurement.differences.avoidable() == 0;
-        Ok(match (interrupted, fine) {
+        Ok(match (interrupted, best.measurement.is_clean()) {
             (true, _) => Verdict::Interrupted,
             (_, true) => Verdict::Fine,
             (_, false) => Verdict::Objection,
@@ -107,13 +113,14 @@ impl Tune {
     }
 
     /// Everything that determines what candidate `n` is and measures.
-    fn identity(&self, scene: &Scene, author: &str) -> Map<String, Value> {
+    fn identity(&self, scene: &Scene, author: &str, steps: u64) -> Map<String, Value> {
         let mut map = Map::new();
         map.insert("version".to_owned(), env!("CARGO_PKG_VERSION").into());
         map.insert("model".to_owned(), digest(write_toml(scene).as_bytes()).into());
         map.insert("engine".to_owned(), self.engine.to_string().into());
         map.insert("seed".to_owned(), self.seed.into());
         map.insert("author".to_owned(), author.into());
+        map.insert("steps".to_owned(), steps.into());
         map
     }
 

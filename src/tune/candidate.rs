@@ -15,6 +15,10 @@ pub struct Model {
     radius: f64,
     /// `max_displacement` of `auto`
     displacement: f64,
+    /// L
+    longest_edge: f64,
+    /// M
+    coordinate: f64,
     /// eps of the precision in use
     eps: f64,
 }
@@ -28,19 +32,80 @@ impl Model {
         let auto = preset::derive(Preset::Auto, blocks, precision)?;
         let [displacement, penetration, rotation] =
             [&auto.max_displacement, &auto.penetration, &auto.max_rotation].map(Number::approximate);
-        let edge = |block: &Block| {
+        let edges = |block: &Block, fold: fn(f64, f64) -> f64, first: f64| {
             let squared = |e: &crate::model::topology::Edge| {
                 let [p, q] = [e.p, e.q].map(|v| block.vertices()[v as usize].map(Number::approximate));
                 [q.x - p.x, q.y - p.y, q.z - p.z].iter().map(|c| c * c).sum::<f64>()
             };
-            block.topology().edges().iter().map(squared).fold(f64::INFINITY, f64::min)
+            block.topology().edges().iter().map(squared).fold(first, fold)
         };
-        let shortest_edge = blocks.iter().map(|b| edge(b)).fold(f64::INFINITY, f64::min).sqrt();
+        let least = blocks.iter().map(|b| edges(b, f64::min, f64::INFINITY)).fold(f64::INFINITY, f64::min);
+        let greatest = blocks.iter().map(|b| edges(b, f64::max, 0.0)).fold(0.0, f64::max);
+        let (shortest_edge, longest_edge) = (least.sqrt(), greatest.sqrt());
+        let coordinate = blocks.iter().flat_map(|b| b.coordinates()).map(|c| c.approximate().abs()).fold(0.0, f64::max);
         let eps = precision.epsilon();
         // `auto` has ω² = 2g/R and εo = 2¹⁰·eps·H.
         let (radius, half_side) = (2.0 * penetration / (rotation * rotation), auto.open.approximate() / (1024.0 * eps));
-        Ok(Model { shortest_edge, half_side, radius, displacement, eps })
+        Ok(Model { shortest_edge, half_side, radius, displacement, longest_edge, coordinate, eps })
     }
+}
+
+impl Model {
+    /// A set with as little changed as the rules of SPEC section 3 ask for; `max_displacement` gives way to `search` and `penetration`.
+    pub fn mended(&self, set: &ToleranceSet) -> ToleranceSet {
+        let mut mended = set.clone();
+        let (quarter, resolved) = (self.shortest_edge / 4.0, self.resolved_territory());
+        if set.search.approximate() < resolved && resolved <= quarter {
+            mended.search = number(digits(resolved, true));
+        }
+        let [search, penetration] = [&mended.search, &mended.penetration].map(Number::approximate);
+        lower(&mut mended.max_displacement, quarter.min(search / 2.0).min(penetration));
+        lower(&mut mended.territory, quarter.min(search));
+        if mended.territory.approximate() < resolved {
+            mended.territory = number(digits(resolved, true));
+        }
+        lower(&mut mended.max_rotation, (2.0 * penetration / self.radius).sqrt());
+        if set.criteria == Criteria::Classic {
+            lower(&mut mended.parallel_sine, mended.territory.approximate() / self.longest_edge);
+            lower(&mut mended.overlap_sine, penetration / self.longest_edge);
+        }
+        mended
+    }
+
+    /// A set with what docs/rules_of_thumb.md proposes: the revised criteria, an overlap angle of a quarter of a degree, no parallel angle,
+    /// and, if `territory`, twice the least territory that rounding does not decide.
+    pub fn by_thumb(&self, set: &ToleranceSet, territory: bool) -> ToleranceSet {
+        let mut proposed = ToleranceSet {
+            overlap_sine: number(sine_of_degrees(0.25)),
+            parallel_sine: Number::ZERO,
+            criteria: Criteria::Revised,
+            ..set.clone()
+        };
+        if territory {
+            let least = digits(2.0 * self.resolved_territory(), true);
+            proposed.territory = number(least.min(BELOW * (self.shortest_edge / 4.0).min(set.search.approximate())));
+        }
+        proposed
+    }
+
+    /// The least territory that SPEC section 3 allows.
+    fn resolved_territory(&self) -> f64 {
+        256.0 * self.eps * self.coordinate
+    }
+}
+
+/// Lowers a tolerance to a limit, to three digits below it; what is below stays as it is.
+fn lower(tolerance: &mut Number, limit: f64) {
+    if tolerance.approximate() > limit {
+        *tolerance = number(digits(limit * BELOW, false));
+    }
+}
+
+/// So little below 1 that no one minds, and more than an exact number and the f64 nearest to it are apart.
+const BELOW: f64 = 1.0 - 1.0 / 1_099_511_627_776.0;
+
+fn number(value: f64) -> Number {
+    Number::from_f64(value).unwrap_or(Number::ZERO)
 }
 
 /// A tolerance set as places on scales of its own.
@@ -80,6 +145,47 @@ impl Knobs {
         Knobs(places)
     }
 
+    /// The place nearest to a set.
+    pub fn nearest(set: &ToleranceSet, model: &Model) -> Knobs {
+        let [search, territory, penetration, displacement, rotation] =
+            [&set.search, &set.territory, &set.penetration, &set.max_displacement, &set.max_rotation]
+                .map(Number::approximate);
+        let quarter = model.shortest_edge / 4.0;
+        // The place whose power is the least times off. Zero is at the end of its scale.
+        let place = |from: f64, to: f64, last: i32| {
+            let off = |place: i32| {
+                let share = from * quarter_power(place) / to;
+                share.max(1.0 / share)
+            };
+            (0..=last).min_by(|&i, &j| off(i).total_cmp(&off(j))).filter(|_| from > 0.0 && to > 0.0).unwrap_or(last)
+        };
+        let angle = |sine: &Number| {
+            let off = |degrees: f64| (sine_of_degrees(degrees) - sine.approximate()).abs();
+            (0..ANGLES.len()).min_by(|&i, &j| off(ANGLES[i]).total_cmp(&off(ANGLES[j]))).unwrap_or(0) as i32
+        };
+        let equal = match set.equal.is_zero() {
+            true => 0,
+            false => {
+                let off = |k: usize| {
+                    let share = set.equal.approximate() / (model.eps * quarter_power(4 * EQUAL[k]));
+                    share.max(1.0 / share)
+                };
+                (1..EQUAL.len()).min_by(|&i, &j| off(i).total_cmp(&off(j))).unwrap_or(0) as i32
+            }
+        };
+        Knobs([
+            place(displacement, quarter, LAST[0]),
+            place(2.0 * displacement, search, LAST[1]),
+            place(displacement, penetration, LAST[2]),
+            place(territory, quarter.min(search), LAST[3]),
+            angle(&set.overlap_sine),
+            angle(&set.parallel_sine),
+            equal,
+            place(rotation, (2.0 * penetration / model.radius).sqrt(), LAST[7]),
+            i32::from(set.criteria == Criteria::Classic),
+        ])
+    }
+
     /// The set for a model: every value an f64 of three digits. Lengths: u from ℓ/4 down in steps of 2^¼ but not below a quarter of `auto`'s, s
     /// from 2u up, g from u up, r from its limit down.
     pub fn set(&self, model: &Model) -> ToleranceSet {
@@ -94,7 +200,6 @@ impl Knobs {
         };
         let contact = digits(equal.max(model.eps) * model.half_side, true);
         let largest_rotation = (2.0 * penetration / model.radius).sqrt();
-        let number = |value: f64| Number::from_f64(value).unwrap_or(Number::ZERO);
         ToleranceSet {
             search: number(search),
             territory: number(digits(quarter.min(search) * quarter_power(-r), false)),
@@ -159,6 +264,8 @@ mod tests {
         for _ in 0..200 {
             let knobs = Knobs::drawn(&mut kit).turned(&mut kit);
             let broken = rules::check(&knobs.set(&model), &[&block], Precision::F64);
+            let near = Knobs::nearest(&knobs.set(&model), &model);
+            assert_eq!(Knobs::nearest(&near.set(&model), &model), near, "{knobs:?}");
             // Only what angles have to do with lengths under the classic criteria is left to chance.
             let chance = |v: &rules::Violation| matches!(v.rule, rules::Rule::ParallelEdges | rules::Rule::Overlap);
             assert!(broken.iter().all(chance), "{knobs:?}: {broken:?}");

@@ -6,18 +6,21 @@
 
 mod candidate;
 mod cluster;
+mod look;
 mod measure;
 mod probes;
 mod record;
 pub mod report;
 mod search;
+mod steps;
 
 pub use candidate::{Knobs, Model};
-pub use cluster::Cluster;
-pub use measure::{Measurement, Stepped, Workbench};
+pub use cluster::{Cluster, Held};
+pub use measure::{Measurement, Workbench};
 pub use probes::{Differences, Probes};
 pub use record::{COLUMNS, Record, RecordError};
 pub use search::{Next, Origin, Search, Tried};
+pub use steps::{Locked, Overlaps, Stepped};
 
 use crate::model::SpecError;
 use crate::stepper::dynamics::SetupError;

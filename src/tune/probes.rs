@@ -2,13 +2,12 @@
 
 use super::TuneError;
 use super::cluster;
-use crate::campaign::attribution::{Panel, examine};
+use super::look::{Ready, Seen, Sets};
 use crate::campaign::directed::Rung;
+use crate::campaign::engine::Engine;
 use crate::campaign::families::{Family, Kit, Real, Style};
-use crate::campaign::finding::Cause;
 use crate::campaign::pairs::{self, Form, PairConfig, SetSource};
-use crate::campaign::subject::{Subject, SubjectSet};
-use crate::model::{Block, Scene, ToleranceSet};
+use crate::model::{Block, Precision, Scene, ToleranceSet};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rayon::prelude::*;
@@ -66,7 +65,8 @@ impl Differences {
 /// The pairs of one scene.
 pub struct Probes {
     seed: u64,
-    standing: Vec<(Block, Block)>,
+    precision: Precision,
+    standing: Vec<Ready>,
     relatives: Arc<dyn Family>,
     /// Neighbouring pairs of the scene, whether looked at or not.
     pub neighbours: usize,
@@ -77,7 +77,7 @@ impl Probes {
     ///
     /// # Errors
     /// When there are no neighbours.
-    pub fn of(scene: &Scene, seed: u64) -> Result<Probes, TuneError> {
+    pub fn of(scene: &Scene, precision: Precision, seed: u64) -> Result<Probes, TuneError> {
         let blocks: Vec<Block> = scene.blocks.iter().map(|block| block.block.clone()).collect();
         let relatives = Real::neighbours(&blocks).ok_or(TuneError::NoNeighbours)?;
         let mut pairs = cluster::neighbours(scene);
@@ -93,18 +93,19 @@ impl Probes {
         }
         pairs.truncate(STANDING);
         pairs.sort_unstable();
-        let standing = pairs.into_iter().map(|[i, j]| (blocks[i].clone(), blocks[j].clone())).collect();
-        Ok(Probes { seed, standing, relatives: Arc::new(relatives), neighbours })
+        let standing = pairs.into_par_iter().map(|[i, j]| Ready::new(&blocks[i], &blocks[j], precision)).collect();
+        Ok(Probes { seed, precision, standing, relatives: Arc::new(relatives), neighbours })
     }
 
-    /// Compares the engine of the panel with the oracle under a set.
-    pub fn compare(&self, set: &ToleranceSet, panel: &Panel) -> Differences {
-        let given = || vec![SubjectSet { name: "candidate".into(), f32: set.clone(), f64: set.clone() }];
-        let standing = self.standing.par_iter().map(|(a, b)| {
-            let (a, b) = (a.clone(), b.clone());
-            let subject = Subject { index: 0, family: "real".into(), form: "standing".into(), a, b, sets: given() };
-            let [differs, changed] = look(&subject, panel);
-            Differences { standing: [1, differs], changed, ..Differences::default() }
+    /// Compares an engine of the precision with the oracle under a set.
+    ///
+    /// # Errors
+    /// The name of a tolerance that overflows in the precision.
+    pub fn compare(&self, set: &ToleranceSet, engine: &dyn Engine) -> Result<Differences, &'static str> {
+        let sets = Sets::new(set, self.precision)?;
+        let standing = self.standing.par_iter().map(|pair| {
+            let Seen { differs, changed } = pair.look(&sets, engine);
+            Differences { standing: [1, differs.into()], changed, ..Differences::default() }
         });
         let config = PairConfig {
             families: vec![Arc::clone(&self.relatives)],
@@ -116,12 +117,10 @@ impl Probes {
         };
         let relatives = (0..BATCHES).into_par_iter().flat_map_iter(|batch| {
             pairs::batch(self.seed, batch, &config).into_iter().map(|case| {
-                let form = case.form.clone();
-                let (index, family) = (case.index, case.family.into());
-                let subject = Subject { index, family, form: form.name().into(), a: case.a, b: case.b, sets: given() };
-                let [differs, changed] = look(&subject, panel);
+                let Seen { differs, changed } = Ready::new(&case.a, &case.b, self.precision).look(&sets, engine);
                 let none = Differences { changed, ..Differences::default() };
-                match form {
+                let differs = differs.into();
+                match case.form {
                     Form::Directed { rung, .. } if is_on_boundary(rung) => {
                         Differences { boundary: [1, differs], ..none }
                     }
@@ -134,7 +133,7 @@ impl Probes {
             standing.reduce(Differences::default, Differences::add),
             relatives.reduce(Differences::default, Differences::add),
         ];
-        standing.add(relatives)
+        Ok(standing.add(relatives))
     }
 }
 
@@ -144,11 +143,4 @@ fn is_on_boundary(rung: Rung) -> bool {
         Rung::Steps(_, steps) => steps.abs() <= 1,
         Rung::Permille(_) => false,
     }
-}
-
-/// Whether the pair differs (1 or 0), and contacts changed by tolerances.
-fn look(subject: &Subject, panel: &Panel) -> [u64; 2] {
-    let found = examine(subject, panel).findings;
-    let changed = found.iter().filter(|finding| finding.cause == Cause::Tolerance).count() as u64;
-    [u64::from(found.len() as u64 > changed), changed]
 }

@@ -1,9 +1,10 @@
 //! The search on disk: one row for each candidate, so that it can be killed at any moment and go on.
 
 use super::candidate::Knobs;
-use super::measure::{Measurement, Stepped};
+use super::measure::Measurement;
 use super::probes::Differences;
 use super::search::{Next, Search, Tried};
+use super::steps::{Locked, Overlaps, Stepped};
 use crate::campaign::config::identity_differences;
 use crate::campaign::journal::Start;
 use crate::model::files::write_atomically;
@@ -49,8 +50,9 @@ pub enum RecordError {
     Csv(#[from] csv::Error),
 }
 
-/// The columns of `candidates.csv`: number and origin, the set, then what was measured. Lengths in m.
-pub const COLUMNS: [&str; 32] = [
+/// The columns of `candidates.csv`: number and origin, the set, then what was measured. Lengths in m. Those that begin with `lock_` are empty
+/// for candidates whose steps the oracle was not asked about.
+pub const COLUMNS: [&str; 39] = [
     "candidate",
     "origin",
     "search",
@@ -78,9 +80,16 @@ pub const COLUMNS: [&str; 32] = [
     "changed_contacts",
     "steps",
     "penetration_m",
+    "sunk_m",
     "unconverged",
     "retries",
     "stopped",
+    "lock_steps",
+    "lock_differ",
+    "lock_contacts",
+    "lock_modes",
+    "lock_failed",
+    "lock_penetration_m",
     "knobs",
     "best",
 ];
@@ -139,6 +148,13 @@ impl Record {
         Ok(record)
     }
 
+    /// The steps of the search that a directory holds, if it holds one.
+    pub fn steps(dir: &Path) -> Option<u64> {
+        let text = std::fs::read(dir.join(ABOUT)).ok()?;
+        let about: Map<String, Value> = serde_json::from_slice(&text).ok()?;
+        about.get("steps")?.as_u64()
+    }
+
     /// Writes all candidates so far.
     ///
     /// # Errors
@@ -174,8 +190,13 @@ fn row(number: usize, tried: &Tried, best: bool) -> Vec<String> {
     row.extend([format!("{:?}", m.tightest.factor), (m.tightest.rule as usize).to_string()]);
     row.extend([d.standing, d.moved, d.near, d.boundary].into_iter().flatten().map(|count| count.to_string()));
     let s = &m.stepped;
-    row.extend([d.changed.to_string(), s.steps.to_string(), format!("{:?}", s.penetration)]);
+    row.extend([d.changed.to_string(), s.steps.to_string()]);
+    row.extend([format!("{:?}", s.overlaps.deepest), format!("{:?}", s.overlaps.sunk)]);
     row.extend([s.unconverged.to_string(), s.retries.to_string(), s.stopped.clone().unwrap_or_default()]);
+    let locked = m.locked.as_ref();
+    let counts = locked.map(|l| [l.steps, l.differ, l.contacts, l.modes, l.failed].map(|count| count.to_string()));
+    row.extend(counts.unwrap_or_default());
+    row.push(locked.and_then(|locked| locked.deepest).map(|depth| format!("{depth:?}")).unwrap_or_default());
     row.extend([tried.knobs.map_or(String::new(), Knobs::text), u8::from(best).to_string()]);
     row
 }
@@ -213,6 +234,22 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
     let pair = |sort: &str| Some([count(&format!("{sort}_pairs"))?, count(&format!("{sort}_differ"))?]);
     let rule = |text: &str| Rule::ALL.get(text.parse::<usize>().ok()?).copied();
     let number = |name: &str| field(name)?.parse::<f64>().ok();
+    let is_there = |name: &str| field(name).is_some_and(|text| !text.is_empty());
+    let deepest = match is_there("lock_penetration_m") {
+        true => Some(number("lock_penetration_m")?),
+        false => None,
+    };
+    let locked = match is_there("lock_steps") {
+        true => Some(Locked {
+            steps: count("lock_steps")?,
+            differ: count("lock_differ")?,
+            contacts: count("lock_contacts")?,
+            modes: count("lock_modes")?,
+            failed: count("lock_failed")?,
+            deepest,
+        }),
+        false => None,
+    };
     Some(Measurement {
         violated: field("violated")?.split_whitespace().map(rule).collect::<Option<_>>()?,
         tightest: Slack { rule: rule(field("tightest")?)?, factor: number("slack")? },
@@ -225,10 +262,11 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
         },
         stepped: Stepped {
             steps: count("steps")?,
-            penetration: number("penetration_m")?,
+            overlaps: Overlaps { deepest: number("penetration_m")?, sunk: number("sunk_m")? },
             unconverged: count("unconverged")?,
             retries: count("retries")?,
             stopped: Some(field("stopped")?.to_owned()).filter(|text| !text.is_empty()),
         },
+        locked,
     })
 }

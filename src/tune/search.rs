@@ -12,11 +12,18 @@ use rand_chacha::rand_core::SeedableRng;
 /// Draws before a candidate is taken although it breaks a rule or was there before.
 const TRIES: usize = 200;
 
+/// Candidates that are put to the lockstep although as many as a quarter of all have been.
+const LOCKED: usize = 4;
+
 /// Where a candidate comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// What the author uses now.
     Author,
+    /// What the author uses, with as little changed as the rules ask for.
+    Mended,
+    /// The same with what docs/rules_of_thumb.md proposes.
+    Thumb,
     /// A preset.
     Preset(Preset),
     /// Drawn at random.
@@ -30,6 +37,8 @@ impl Origin {
     pub fn name(self) -> &'static str {
         match self {
             Origin::Author => "author",
+            Origin::Mended => "mended",
+            Origin::Thumb => "thumb",
             Origin::Preset(preset) => preset.name(),
             Origin::Drawn => "drawn",
             Origin::Turned => "turned",
@@ -71,7 +80,7 @@ pub struct Next {
 }
 
 impl<'w> Search<'w> {
-    /// A search that begins with the author's set, then the presets that are not the same.
+    /// A search that begins with the author's set, what becomes of it by the rules and by thumb, and the presets; none of them twice.
     ///
     /// # Errors
     /// When the author's set cannot be derived.
@@ -79,14 +88,21 @@ impl<'w> Search<'w> {
         let shapes = bench.scene().shapes();
         let precision = bench.precision();
         let model = Model::of(&shapes, precision).map_err(crate::model::SpecError::from)?;
-        let mut first = vec![(Origin::Author, author.derive(&shapes, precision)?)];
-        for preset in Preset::ALL {
+        let author = author.derive(&shapes, precision)?;
+        let mended = if bench.broken(&author).is_empty() { author.clone() } else { model.mended(&author) };
+        let thumbs = [false, true].map(|territory| (Origin::Thumb, model.by_thumb(&mended, territory)));
+        // A preset that cannot be derived is no candidate.
+        let preset = |preset: Preset| {
             let set = ToleranceSpec::from(preset).derive(&shapes, precision);
-            // A preset that cannot be derived is no candidate.
-            if let Ok(set) = set
-                && first.iter().all(|(_, known)| *known != set)
-            {
-                first.push((Origin::Preset(preset), set));
+            set.ok().map(|set| (Origin::Preset(preset), set))
+        };
+        let mut first = vec![(Origin::Author, author), (Origin::Mended, mended)];
+        first.extend(thumbs);
+        first.extend(Preset::ALL.into_iter().filter_map(preset));
+        let all = std::mem::take(&mut first);
+        for (origin, set) in all {
+            if first.iter().all(|(_, known)| *known != set) {
+                first.push((origin, set));
             }
         }
         Ok(Search { bench, model, seed, first, tried: Vec::new() })
@@ -108,7 +124,8 @@ impl<'w> Search<'w> {
         let mut rng = ChaCha8Rng::from_seed(key);
         rng.set_stream(number as u64);
         let mut kit = Kit::with_style(&mut rng, Style::Grid);
-        let best = self.best_knobs();
+        let best = self.best().map(|best| &self.tried[best]);
+        let best = best.map(|best| best.knobs.unwrap_or_else(|| Knobs::nearest(&best.set, &self.model)));
         // One in three looks elsewhere.
         let origin = if best.is_none() || number.is_multiple_of(3) { Origin::Drawn } else { Origin::Turned };
         let mut draw = || match best {
@@ -138,9 +155,26 @@ impl<'w> Search<'w> {
     /// When it cannot be measured.
     pub fn step(&mut self) -> Result<&Tried, TuneError> {
         let next = self.candidate();
-        let measurement = self.bench.measure(&next.set)?;
+        let mut measurement = self.bench.measure(&next.set)?;
+        if self.may_be_best(&measurement) {
+            measurement.locked = Some(self.bench.lock(&next.set)?);
+        }
         self.add(next, measurement);
         Ok(&self.tried[self.tried.len() - 1])
+    }
+
+    /// Whether the oracle is asked about the steps of the next candidate, which takes much longer than all else: always for the first; later if it is better
+    /// than the best so far in what is cheap, or no worse in pairs and rules where the steps of the best differ from the oracle's; and no more often than
+    /// for a quarter of all candidates.
+    fn may_be_best(&self, measurement: &Measurement) -> bool {
+        let Some(best) = self.best().map(|best| &self.tried[best].measurement) else { return true };
+        let locked = self.tried.iter().filter(|tried| tried.measurement.locked.is_some()).count();
+        if locked >= LOCKED + self.tried.len() / 4 {
+            return false;
+        }
+        let (new, old) = (measurement.screened(), best.screened());
+        let faulty = best.locked.as_ref().is_some_and(|locked| locked.failed + locked.differ > 0);
+        new < old || (faulty && (new.0, new.1, new.2) <= (old.0, old.1, old.2))
     }
 
     /// All candidates measured, in order.
@@ -148,19 +182,14 @@ impl<'w> Search<'w> {
         &self.tried
     }
 
-    /// The number of the best candidate, the first of equals; `None` before the first.
+    /// The number of the best candidate of those whose steps the oracle was asked about, the first of equals; `None` before the first.
     pub fn best(&self) -> Option<usize> {
-        (0..self.tried.len()).min_by_key(|&k| self.tried[k].measurement.merit())
+        let locked = (0..self.tried.len()).filter(|&k| self.tried[k].measurement.locked.is_some());
+        locked.min_by_key(|&k| self.tried[k].measurement.merit())
     }
 
-    /// Of the sets on the scales, the best.
-    fn best_knobs(&self) -> Option<Knobs> {
-        let searched = self.tried.iter().filter(|tried| tried.knobs.is_some());
-        searched.min_by_key(|tried| tried.measurement.merit()).and_then(|tried| tried.knobs)
-    }
-
-    /// The candidates that keep every rule and that no other beats in all of: pairs that differ, penetration, slack to the nearest rule, length of a step, contacts
-    /// changed by tolerances. By pairs that differ, then penetration.
+    /// The candidates that keep every rule and that no other beats in all of: pairs that differ, sinking, slack to the nearest rule, length of a step, contacts
+    /// changed by tolerances. By pairs that differ, then sinking.
     pub fn front(&self) -> Vec<usize> {
         let fine: Vec<usize> = (0..self.tried.len())
             .filter(|&k| {
@@ -172,7 +201,7 @@ impl<'w> Search<'w> {
             let m = &self.tried[k].measurement;
             let d = &m.differences;
             let step_limit = self.tried[k].set.max_displacement.approximate();
-            [d.avoidable() as f64, m.stepped.penetration, -m.tightest.factor, d.changed as f64, -step_limit]
+            [d.avoidable() as f64, m.stepped.overlaps.sunk, -m.tightest.factor, d.changed as f64, -step_limit]
         };
         let beaten = |k: usize| {
             fine.iter().any(|&other| {
