@@ -152,10 +152,13 @@ fn an_order_of_elimination_is_a_permutation_that_spares_the_hub() {
     assert!(order[18..].contains(&0), "{order:?}");
 }
 
-/// A square grid in which each node is tied to its neighbours at sides and corners.
+/// A square grid in which each node is tied to its neighbours at sides and at two of four corners, like bricks in a wall.
 fn grid(side: u32) -> (Vec<[u32; 2]>, Vec<[f64; 3]>) {
     let at: Vec<[f64; 3]> = (0..side * side).map(|n| [f64::from(n % side), 0.0, f64::from(n / side)]).collect();
-    let near = |a: &[f64; 3], b: &[f64; 3]| (a[0] - b[0]).abs() <= 1.0 && (a[2] - b[2]).abs() <= 1.0;
+    let near = |a: &[f64; 3], b: &[f64; 3]| {
+        let (x, z) = (b[0] - a[0], b[2] - a[2]);
+        x.abs() <= 1.0 && z.abs() <= 1.0 && x * z <= 0.0
+    };
     let pairs = (0..side * side).flat_map(|a| (a + 1..side * side).map(move |b| [a, b]));
     (pairs.filter(|&[a, b]| near(&at[a as usize], &at[b as usize])).collect(), at)
 }

@@ -171,21 +171,22 @@ const WIDE: usize = 36;
 /// Forth through the factor, and back through its transpose.
 fn substitute<R: Real>(pattern: &Pattern, values: &[R], rhs: &mut [R]) {
     let mut below: Vec<R> = Vec::new();
-    for panel in pattern.panels() {
-        let values = &values[panel.values..panel.values + panel.height * panel.width];
+    for (k, panel) in pattern.panels().iter().enumerate() {
         below.clear();
         below.resize(panel.height - panel.width, R::ZERO);
         let own = &mut rhs[panel.begin..panel.begin + panel.width];
-        for (k, column) in values.chunks_exact(panel.height).enumerate() {
-            let known = own[k] / column[k];
-            own[k] = known;
-            let (inner, outer) = column.split_at(panel.width);
-            for (x, &l) in own[k + 1..].iter_mut().zip(&inner[k + 1..]) {
-                *x = *x - l * known;
+        for (four, columns) in values[pattern.range(k)].chunks(COLUMNS * panel.height).enumerate() {
+            let begin = COLUMNS * four;
+            let mut known = [R::ZERO; COLUMNS];
+            for (c, column) in columns.chunks_exact(panel.height).enumerate() {
+                let here = begin + c;
+                known[c] = own[here] / column[here];
+                own[here] = known[c];
+                for (x, &l) in own[here + 1..].iter_mut().zip(&column[here + 1..panel.width]) {
+                    *x = *x - l * known[c];
+                }
             }
-            for (x, &l) in below.iter_mut().zip(outer) {
-                *x = *x + l * known;
-            }
+            add_columns(&mut below, columns, panel, &known);
         }
         for node in pattern.below(panel) {
             let unknowns = pattern.unknowns(node.node as usize);
@@ -194,27 +195,46 @@ fn substitute<R: Real>(pattern: &Pattern, values: &[R], rhs: &mut [R]) {
             }
         }
     }
-    for panel in pattern.panels().iter().rev() {
-        let values = &values[panel.values..panel.values + panel.height * panel.width];
+    for (k, panel) in pattern.panels().iter().enumerate().rev() {
         below.clear();
         for node in pattern.below(panel) {
             below.extend_from_slice(&rhs[pattern.unknowns(node.node as usize)]);
         }
         let own = &mut rhs[panel.begin..panel.begin + panel.width];
-        for (k, column) in values.chunks_exact(panel.height).enumerate().rev() {
+        for (here, column) in values[pattern.range(k)].chunks_exact(panel.height).enumerate().rev() {
             let (inner, outer) = column.split_at(panel.width);
-            let sum = own[k] - dot(&inner[k + 1..], &own[k + 1..]) - dot(outer, &below);
-            own[k] = sum / column[k];
+            let sum = own[here] - dot(&inner[here + 1..], &own[here + 1..]) - dot(outer, &below);
+            own[here] = sum / column[here];
         }
     }
 }
 
-/// A scalar product in four strands, which do not wait for one another.
+/// So many columns are added at once, since the sums would be fetched and stored for each.
+const COLUMNS: usize = 4;
+
+/// Adds what lies below a panel's own rows in some columns, each times its factor.
+fn add_columns<R: Real>(sums: &mut [R], columns: &[R], panel: &Panel, factors: &[R; COLUMNS]) {
+    let below = |c: usize| columns.get(c * panel.height + panel.width..(c + 1) * panel.height);
+    if let (Some(a), Some(b), Some(c), Some(d)) = (below(0), below(1), below(2), below(3)) {
+        let products = a.iter().zip(b).zip(c.iter().zip(d));
+        for (sum, ((&a, &b), (&c, &d))) in sums.iter_mut().zip(products) {
+            *sum = *sum + ((a * factors[0] + b * factors[1]) + (c * factors[2] + d * factors[3]));
+        }
+        return;
+    }
+    for (column, &factor) in columns.chunks_exact(panel.height).zip(factors) {
+        for (sum, &l) in sums.iter_mut().zip(&column[panel.width..]) {
+            *sum = *sum + l * factor;
+        }
+    }
+}
+
+/// A scalar product in eight strands, which do not wait for one another.
 fn dot<R: Real>(a: &[R], b: &[R]) -> R {
-    let mut strands = [R::ZERO; 4];
-    let (fours, other) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest = fours.remainder().iter().zip(other.remainder()).fold(R::ZERO, |sum, (&a, &b)| sum + a * b);
-    for (a, b) in fours.zip(other) {
+    let mut strands = [R::ZERO; 8];
+    let (parts, others) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest = parts.remainder().iter().zip(others.remainder()).fold(R::ZERO, |sum, (&a, &b)| sum + a * b);
+    for (a, b) in parts.zip(others) {
         for (strand, (&a, &b)) in strands.iter_mut().zip(a.iter().zip(b)) {
             *strand = *strand + a * b;
         }
