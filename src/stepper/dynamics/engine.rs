@@ -229,8 +229,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 self.of_pair(pair, &contacts)
             })
             .collect();
+        let mut contacts = Vec::with_capacity(found.iter().map(Vec::len).sum());
+        found.into_iter().for_each(|pair| contacts.extend(pair));
         self.phases.contacts += begun.elapsed();
-        found.into_iter().flatten().collect()
+        contacts
     }
 
     pub(super) fn of_pair(&self, pair: [u32; 2], contacts: &[Contact]) -> Vec<Active<R>> {

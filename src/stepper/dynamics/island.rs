@@ -284,15 +284,17 @@ impl<'s, R: Real> System<'s, R> {
         let scaled = later.map(|r| r * factor);
         for (column, &e) in earlier[..own].iter().enumerate() {
             let begin = at + stride * column;
+            let values = &mut self.values[begin..begin + count];
             // Of a known length, so that the loop can be unrolled.
-            match self.values[begin..begin + count].as_mut_array::<12>() {
-                Some(values) => add(values, &scaled, e),
-                None => add(&mut self.values[begin..begin + count], &scaled, e),
+            match <&mut Twelve<R>>::try_from(&mut *values) {
+                Ok(values) => add(values, &scaled, e),
+                Err(_) => add(values, &scaled, e),
             }
         }
     }
 }
 
+#[inline(always)]
 fn add<R: Real>(values: &mut [R], row: &Twelve<R>, factor: R) {
     for (value, &r) in values.iter_mut().zip(row) {
         *value = *value + r * factor;

@@ -29,7 +29,6 @@ pub(super) struct Panel {
     pub(super) width: usize,
     /// Where its values begin: column by column.
     pub(super) values: usize,
-    nodes: [u32; 2],
     below: [u32; 2],
     updates: [u32; 2],
 }
@@ -131,8 +130,7 @@ impl Pattern {
             let (width, height) = (width as usize, height as usize);
             let below = [from, pattern.below.len() as u32];
             let (begin, values) = (begin as usize, pattern.values);
-            let nodes = [first, end];
-            pattern.panels.push(Panel { begin, height, width, values, nodes, below, updates: [0; 2] });
+            pattern.panels.push(Panel { begin, height, width, values, below, updates: [0; 2] });
             pattern.values = (values + width * height).next_multiple_of(Pattern::ALIGNED);
         }
         pattern.begins = begins;

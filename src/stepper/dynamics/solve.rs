@@ -158,7 +158,7 @@ fn take_updates<R: Real + RealField>(
             let target = &mut values[there * panel.height..(there + 1) * panel.height];
             for &[from, to, length] in &runs {
                 for (value, &taken) in target[to..to + length].iter_mut().zip(&source[from..from + length]) {
-                    *value = *value - taken;
+                    *value -= taken;
                 }
             }
         }
