@@ -4,14 +4,14 @@ use crate::cli::exit::{Outcome, Verdict, note, print};
 use crate::cli::table::{grouped, table};
 use anyhow::Context;
 use clap::ValueEnum;
-use rockproof::model::Precision;
 use rockproof::model::files::write_atomically;
+use rockproof::model::{Motion, Precision};
 use rockproof::plot::PlotError;
 use rockproof::speed::error::{self, Effort};
 use rockproof::speed::exact_stepping::scenes;
 use rockproof::speed::{
-    Contestant, Cost, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, exact_stepping, race, stepping,
-    throughput,
+    Contestant, Cost, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, exact_stepping, race, rock,
+    stepping, throughput, wall,
 };
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -27,6 +27,7 @@ use std::path::PathBuf;
   rockproof bench --quick                    a few seconds, rough figures
   rockproof bench --error --out reports/bench  run time against error, as CSV and plots (docs/bench.md)
   rockproof bench --wall 100,1000,5000       steps of brick walls: time, shares of the phases in %, memory
+  rockproof bench --rock 1000 --rigid        steps of rock cut by joints, of rigid blocks
   rockproof bench --exact-steps              certified steps of two blocks and of walls, beside those in f64
 
 Plain rationals of GMP take part in a build with --features gmp.
@@ -52,7 +53,7 @@ pub(crate) struct Bench {
     #[arg(long, conflicts_with = "pairs")]
     quick: bool,
     /// Measure run time against error instead: scenes with closed forms, and pairs, by every engine, tolerance set and Δt
-    #[arg(long, conflicts_with_all = ["wall", "threads"])]
+    #[arg(long, conflicts_with_all = ["wall", "rock", "threads"])]
     error: bool,
     /// Directory for bench.csv and the plots bench_scenes.svg and bench_pairs.svg
     #[arg(long, requires = "error")]
@@ -60,8 +61,17 @@ pub(crate) struct Bench {
     /// Measure the steps of brick walls instead, of so many bricks; may be repeated
     #[arg(long, value_name = "BRICKS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
     wall: Vec<u16>,
+    /// The same of rock cut by joints, of so many blocks; may be repeated
+    #[arg(long, value_name = "BLOCKS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
+    rock: Vec<u16>,
+    /// Rigid blocks in walls and rock, instead of deformable ones
+    #[arg(long)]
+    rigid: bool,
+    /// Steps of walls and rock in single precision
+    #[arg(long)]
+    single: bool,
     /// Measure certified steps instead: of two blocks, and of walls of 10 and 100 bricks
-    #[arg(long, conflicts_with = "wall")]
+    #[arg(long, conflicts_with_all = ["wall", "rock"])]
     exact_steps: bool,
     /// Steps of each wall, or of each scene
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
@@ -82,8 +92,8 @@ struct Report {
 
 impl Bench {
     pub(crate) fn run(&self) -> Outcome {
-        if !self.wall.is_empty() {
-            return self.walls();
+        if !(self.wall.is_empty() && self.rock.is_empty()) {
+            return self.steps();
         }
         if self.error {
             return self.errors();
@@ -99,26 +109,37 @@ impl Bench {
         Ok(Verdict::Fine)
     }
 
-    /// Walls from small to large, so that the most memory held is that of the last one.
-    fn walls(&self) -> Outcome {
-        let mut bricks = self.wall.clone();
-        bricks.sort_unstable();
+    /// Scenes from small to large, so that the most memory held is that of the last one.
+    fn steps(&self) -> Outcome {
+        let mut scenes: Vec<(&str, u16)> = self.wall.iter().map(|&bricks| ("wall", bricks)).collect();
+        scenes.extend(self.rock.iter().map(|&blocks| ("rock", blocks)));
+        scenes.sort_by_key(|&(_, blocks)| blocks);
         let mut rows = Vec::new();
-        for bricks in bricks {
-            note(&format!("{} steps of {} bricks", self.steps, grouped(u64::from(bricks))));
-            let cost = stepping::<f64>(bricks, self.steps, Precision::F64)?;
+        for (name, blocks) in scenes {
+            note(&format!("{} steps of {name} {}", self.steps, grouped(u64::from(blocks))));
+            let make = || {
+                let mut scene = if name == "wall" { wall(blocks) } else { rock(blocks) }?;
+                let moving = scene.blocks.iter_mut().filter(|block| self.rigid && !block.body.is_fixed());
+                moving.for_each(|block| block.body.motion = Motion::Rigid);
+                Ok(scene)
+            };
+            let cost = match self.single {
+                true => stepping::<f32>(make, self.steps, Precision::F32)?,
+                false => stepping::<f64>(make, self.steps, Precision::F64)?,
+            };
             let micros = 1e6 * cost.step;
-            let mut row = vec![grouped(cost.blocks as u64), grouped(cost.contacts as u64)];
-            row.extend([digits(cost.iterations), digits(micros / 1e3), digits(micros / cost.blocks as f64)]);
+            let mut row = vec![name.to_owned(), grouped(cost.blocks as u64), grouped(cost.contacts as u64)];
+            row.extend([cost.retries, cost.solves, micros / 1e3, micros / cost.blocks as f64].map(digits));
             row.extend(cost.shares.map(|share| digits(100.0 * share)));
-            row.push(cost.memory.map_or(String::new(), |m| digits(m as f64 / 1024.0 / cost.blocks as f64)));
+            row.push(cost.memory.map_or(String::new(), |m| digits(m as f64 / 1000.0 / cost.blocks as f64)));
             rows.push(row);
         }
-        let mut header = vec!["blocks", "contacts", "solves a step", "ms a step", "µs a block"];
+        let mut header =
+            vec!["scene", "blocks", "contacts", "retries a step", "solves a step", "ms a step", "µs a block"];
         header.extend(Cost::PHASES);
         header.push("kB a block");
         print(&match self.format {
-            Format::Table => format!("{}\n", table(&header, &(0..header.len()).collect::<Vec<_>>(), rows)),
+            Format::Table => format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows)),
             Format::Csv => rows
                 .iter()
                 .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),

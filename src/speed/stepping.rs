@@ -2,20 +2,22 @@
 
 use crate::lockstep::state::NotFinite;
 use crate::model::simulation::derive_stiffness;
-use crate::model::{Block, BlockError, Motion, Number, Precision, Scene, SceneBlock, SpecError, ToleranceSpec, Vec3};
+use crate::model::{
+    Block, BlockError, BlockOptions, Motion, Number, Precision, Scene, SceneBlock, SpecError, ToleranceSpec, Vec3,
+};
 use crate::stepper::dynamics::{Dynamics, SetupError, Solve, Stopped};
 use std::time::{Duration, Instant};
 
 /// Why steps cannot be timed.
 #[derive(Debug, thiserror::Error)]
 pub enum SteppingError {
-    /// A brick is no block.
+    /// A brick or a piece is no block.
     #[error(transparent)]
     Block(#[from] BlockError),
-    /// There are no tolerances for the wall.
+    /// There are no tolerances for the scene.
     #[error(transparent)]
     Tolerances(#[from] SpecError),
-    /// The wall cannot be stepped.
+    /// The scene cannot be stepped.
     #[error(transparent)]
     Setup(#[from] SetupError),
     /// A step cannot be made.
@@ -47,6 +49,39 @@ pub fn wall(bricks: u16) -> Result<Scene, BlockError> {
     Ok(scene)
 }
 
+/// A mass of rock cut by three sets of inclined joints, on a fixed base that dips by 14°: parallelepipeds in layers, each layer moved by
+/// half a block against the one below; about as many layers as blocks along each side of a layer.
+///
+/// # Errors
+/// When a piece is no block.
+pub fn rock(blocks: u16) -> Result<Scene, BlockError> {
+    let blocks = i64::from(blocks);
+    let side = (1..).find(|n| n * n * n >= blocks).unwrap_or(1);
+    // Sixteenths of a metre; all corners are sums of these and of their halves.
+    let edges: [[i64; 3]; 3] = [[32, 0, 8], [4, 32, 0], [-4, 4, 16]];
+    let corner = |halves: [i64; 3]| {
+        let along = |axis: usize| (0..3).map(|k| halves[k] * edges[k][axis]).sum::<i64>() as f64 / 32.0;
+        let number = |axis| Number::from_f64(along(axis)).unwrap_or(Number::ZERO);
+        Vec3::new(number(0), number(1), number(2))
+    };
+    let piece = |low: [i64; 3], size: [i64; 3]| {
+        let far = |k: usize, axis: usize| low[axis] + if k >> axis & 1 == 1 { size[axis] } else { 0 };
+        let vertices = (0..8).map(|k| corner([0, 1, 2].map(|axis| far(k, axis)))).collect();
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
+        Block::new(vertices, faces.map(Vec::from).to_vec(), &BlockOptions { planarity: Number::ZERO })
+    };
+    let mut base = SceneBlock::new("base", piece([-2, -2, -2], [2 * side + 5, 2 * side + 5, 2])?);
+    base.body.motion = Motion::Fixed;
+    let mut scene = Scene { blocks: vec![base], ..Scene::default() };
+    for number in 0..blocks {
+        let (layer, place) = (number / (side * side), number % (side * side));
+        let moved = layer % 2;
+        let block = piece([2 * (place % side) + moved, 2 * (place / side) + moved, 2 * layer], [2; 3])?;
+        scene.blocks.push(SceneBlock::new(format!("piece_{number}"), block));
+    }
+    Ok(scene)
+}
+
 /// What the steps of one scene cost.
 #[derive(Clone, Debug)]
 pub struct Cost {
@@ -56,62 +91,74 @@ pub struct Cost {
     pub contacts: usize,
     /// Steps that were timed.
     pub steps: u32,
-    /// Solves a step.
-    pub iterations: f64,
+    /// Attempts given up, a step.
+    pub retries: f64,
+    /// Solves a step, those of attempts given up included.
+    pub solves: f64,
     /// A step (s).
     pub step: f64,
     /// Shares of the time of [`Cost::PHASES`].
-    pub shares: [f64; 4],
+    pub shares: [f64; 8],
     /// The most memory that the process held, without what it held before the scene was made (bytes); none where the system does not
     /// tell.
     pub memory: Option<u64>,
 }
 
 impl Cost {
-    /// What a step is made of.
-    pub const PHASES: [&'static str; 4] = ["rough", "contacts", "iteration", "update"];
+    /// What a step is made of: boxes and pairs; classification; then the open–close iteration: orders of elimination, adding up matrices,
+    /// factors, solving by them, judging the contacts; and moving the blocks.
+    pub const PHASES: [&'static str; 8] =
+        ["rough", "contacts", "order", "assembly", "factor", "solve", "judge", "update"];
 }
 
-/// Makes `steps` steps of a wall after two of settling, and says what they cost. For memory to mean something, larger walls must come
+/// Makes `steps` steps of a scene after two of settling, and says what they cost. For memory to mean something, larger scenes must come
 /// after smaller ones.
 ///
 /// # Errors
 /// When a step cannot be made.
-pub fn stepping<R: Solve>(bricks: u16, steps: u32, precision: Precision) -> Result<Cost, SteppingError> {
+pub fn stepping<R: Solve>(
+    make: impl FnOnce() -> Result<Scene, BlockError>,
+    steps: u32,
+    precision: Precision,
+) -> Result<Cost, SteppingError> {
     let before = memory("VmRSS:");
-    let mut scene = wall(bricks)?;
+    let mut scene = make()?;
     scene.simulation.control.settle = 2;
     let set = ToleranceSpec::default().derive(&scene.shapes(), precision)?;
     let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
     derive_stiffness(&mut scene.simulation, &bodies, &set);
     let mut dynamics = Dynamics::<R>::new(&scene, &set)?;
+    drop(scene);
     while dynamics.state().settling > 0 {
         dynamics.step()?;
     }
-    let earlier = phases(&dynamics);
+    let (earlier, solves) = (phases(&dynamics), dynamics.spent().solves);
     let begun = Instant::now();
-    let mut iterations = 0;
+    let mut retries = 0;
     for _ in 0..steps {
-        iterations += dynamics.step()?.iterations;
+        retries += dynamics.step()?.retries.len();
     }
     let seconds = begun.elapsed().as_secs_f64();
-    let spent: [f64; 4] = std::array::from_fn(|k| (phases(&dynamics)[k] - earlier[k]).as_secs_f64());
+    let now = phases(&dynamics);
     let memory = memory("VmHWM:").zip(before).map(|(most, before)| most.saturating_sub(before));
     let count = f64::from(steps.max(1));
     Ok(Cost {
-        blocks: scene.blocks.len(),
+        blocks: dynamics.state().blocks.len(),
         contacts: dynamics.state().contacts.len(),
         steps,
-        iterations: f64::from(iterations) / count,
+        retries: retries as f64 / count,
+        solves: (dynamics.spent().solves - solves) as f64 / count,
         step: seconds / count,
-        shares: spent.map(|phase| phase / seconds.max(f64::MIN_POSITIVE)),
+        shares: std::array::from_fn(|k| (now[k] - earlier[k]).as_secs_f64() / seconds.max(f64::MIN_POSITIVE)),
         memory,
     })
 }
 
-fn phases<R: Solve>(dynamics: &Dynamics<R>) -> [Duration; 4] {
-    let phases = dynamics.phases();
-    [phases.rough, phases.contacts, phases.iteration, phases.update]
+fn phases<R: Solve>(dynamics: &Dynamics<R>) -> [Duration; 8] {
+    let (phases, spent) = (dynamics.phases(), dynamics.spent());
+    let iteration = [spent.order, spent.assembly, spent.factor, spent.substitution, spent.judgement];
+    let [order, assembly, factor, substitution, judgement] = iteration;
+    [phases.rough, phases.contacts, order, assembly, factor, substitution, judgement, phases.update]
 }
 
 /// An entry of Linux's `/proc/self/status` in bytes.
@@ -134,11 +181,27 @@ mod tests {
     }
 
     #[test]
-    fn steps_of_a_wall_are_counted_and_timed() {
-        let cost = stepping::<f64>(6, 2, Precision::F64).expect("steps");
-        assert_eq!((cost.blocks, cost.steps), (7, 2));
-        assert!(cost.contacts > 20 && cost.iterations >= 1.0 && cost.step > 0.0, "{cost:?}");
-        let all: f64 = cost.shares.iter().sum();
-        assert!(all > 0.2 && all < 1.01, "{cost:?}");
+    fn pieces_of_rock_share_their_joints() {
+        let scene = rock(27).expect("a mass");
+        assert_eq!(scene.blocks.len(), 28);
+        // Every piece has the volume of the first, and the first layer lies on the base.
+        let volumes: Vec<_> = scene.blocks[1..].iter().map(|block| block.block.volume()).collect();
+        assert!(volumes.iter().all(|volume| *volume == volumes[0]));
+        let vertices = |block: usize| scene.blocks[block].block.vertices();
+        assert_eq!(vertices(1)[1], vertices(2)[0]);
+        assert_eq!(vertices(1)[2], vertices(4)[0]);
+    }
+
+    #[test]
+    fn steps_are_counted_and_timed() {
+        let wall = stepping::<f64>(|| wall(6), 2, Precision::F64).expect("steps");
+        assert_eq!((wall.blocks, wall.steps), (7, 2));
+        let rock = stepping::<f32>(|| rock(12), 2, Precision::F32).expect("steps");
+        assert_eq!((rock.blocks, rock.steps), (13, 2));
+        for cost in [wall, rock] {
+            assert!(cost.contacts > 20 && cost.solves >= 1.0 && cost.step > 0.0, "{cost:?}");
+            let all: f64 = cost.shares.iter().sum();
+            assert!(all > 0.2 && all < 1.01, "{cost:?}");
+        }
     }
 }

@@ -2,13 +2,15 @@
 
 use crate::stepper::dynamics::contact::Active;
 use crate::stepper::dynamics::displacement::Twelve;
-use crate::stepper::dynamics::island::{Alone, Unsolved, islands};
+use crate::stepper::dynamics::island::{Alone, Kept, Unsolved, Work, islands};
 use crate::stepper::dynamics::layout::Layouts;
-use crate::stepper::dynamics::report::Concerned;
+use crate::stepper::dynamics::report::{Concerned, Spent};
 use crate::stepper::dynamics::rules::StepRules;
 use crate::stepper::dynamics::setup::Limits;
 use crate::stepper::dynamics::solve::Solve;
 use crate::stepper::dynamics::state::Mode;
+use std::collections::HashMap;
+use std::time::Instant;
 
 /// What an iteration needs to know besides the contacts.
 pub(super) struct Iteration<'s, R> {
@@ -37,6 +39,7 @@ impl<R: Solve> Iteration<'_, R> {
         &self,
         contacts: &mut [Active<R>],
         layouts: &mut Layouts,
+        spent: &mut Spent,
     ) -> Result<Ended<R>, Unsolved> {
         let unknowns: Vec<usize> = self.alone.iter().map(|block| block.unknowns).collect();
         let mut d = vec![[R::ZERO; 12]; unknowns.len()];
@@ -48,18 +51,32 @@ impl<R: Solve> Iteration<'_, R> {
         for (k, contact) in contacts.iter_mut().enumerate() {
             contact.now.mode = given(0, k).unwrap_or(contact.now.mode);
         }
+        // What solving the islands left, by their lowest block, and contacts whose mode is not that of the solve before.
+        let mut kept: HashMap<usize, Kept<R>> = HashMap::new();
+        let mut changed = vec![false; contacts.len()];
         let most = self.given.map_or(M::iterations(), |modes| (modes.len() as u32).saturating_sub(1));
         loop {
+            let mut before = std::mem::take(&mut kept);
             for island in islands(&unknowns, contacts) {
+                let lowest = island.lowest();
+                let left = before.remove(&lowest);
                 // The friction force of a sliding contact is that of the last solve, so its system is a new one.
                 let slides = |k: &usize| contacts[*k].now.mode == Mode::Sliding;
-                if island.blocks.iter().any(|&block| touched[block]) || island.contacts.iter().any(slides) {
-                    let solved = island.solve(self.alone, contacts, layouts)?;
-                    for (&block, found) in island.blocks.iter().zip(solved) {
-                        d[block] = found;
-                    }
+                let touches = |block: &u32| touched[*block as usize];
+                if !(island.ties.blocks.iter().any(touches) || island.contacts.iter().any(slides)) {
+                    kept.extend(left.map(|left| (lowest, left)));
+                    continue;
+                }
+                let mut work = Work { alone: self.alone, layouts, spent };
+                let (solved, left) = island.solve(contacts, &changed, left, &mut work)?;
+                kept.insert(lowest, left);
+                for (&block, found) in island.ties.blocks.iter().zip(solved) {
+                    d[block as usize] = found;
                 }
             }
+            drop(before);
+            let begun = Instant::now();
+            spent.solves += 1;
             ended.iterations += 1;
             ended.changing.clear();
             touched.fill(false);
@@ -71,7 +88,8 @@ impl<R: Solve> Iteration<'_, R> {
                     contact.take::<M>(mode);
                 }
                 let to = contact.now.mode;
-                if from != to {
+                changed[k] = from != to;
+                if changed[k] {
                     (touched[i], touched[j]) = (true, true);
                 }
                 if M::counts_as_change(from, to) {
@@ -80,6 +98,7 @@ impl<R: Solve> Iteration<'_, R> {
                 }
             }
             ended.modes.push(contacts.iter().map(|contact| contact.now.mode).collect());
+            spent.judgement += begun.elapsed();
             let settled = ended.changing.is_empty() && self.given.is_none();
             if settled || ended.iterations >= most {
                 ended.d = d;

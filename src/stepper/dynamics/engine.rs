@@ -12,12 +12,13 @@ use crate::stepper::dynamics::layout::Layouts;
 use crate::stepper::dynamics::moments::{Matrix, Moments};
 use crate::stepper::dynamics::neighbours::Neighbours;
 use crate::stepper::dynamics::plane::plane;
-use crate::stepper::dynamics::report::{Retry, RetryReason, StepReport, Stopped};
+use crate::stepper::dynamics::report::{Retry, RetryReason, Spent, StepReport, Stopped};
 use crate::stepper::dynamics::rules::StepRules;
 use crate::stepper::dynamics::setup::{Setup, SetupError};
 use crate::stepper::dynamics::solve::Solve;
 use crate::stepper::dynamics::state::{Mode, State};
 use crate::stepper::dynamics::transfer;
+use crate::stepper::real::Real;
 use crate::stepper::vector::Vector;
 use rayon::prelude::*;
 use std::marker::PhantomData;
@@ -34,6 +35,7 @@ pub struct Dynamics<R, M = Spec> {
     pub(super) layouts: Layouts,
     pub(super) modes: Vec<Vec<Vec<Mode>>>,
     phases: Phases,
+    pub(super) spent: Spent,
     rules: PhantomData<fn() -> M>,
 }
 
@@ -49,6 +51,7 @@ impl<R: Clone, M> Clone for Dynamics<R, M> {
             layouts: self.layouts.clone(),
             modes: self.modes.clone(),
             phases: self.phases,
+            spent: self.spent,
             rules: PhantomData,
         }
     }
@@ -101,12 +104,15 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             solids: Vec::new(),
             moments: Vec::new(),
             neighbours: Neighbours::default(),
-            layouts: Layouts::default(),
+            layouts: Layouts::new(Vec::new()),
             modes: Vec::new(),
             phases: Phases::default(),
+            spent: Spent::default(),
             rules: PhantomData,
         };
         dynamics.prepare()?;
+        let at = |moments: &Moments<R>| moments.centroid.components().map(Real::to_f64);
+        dynamics.layouts = Layouts::new(dynamics.moments.iter().map(at).collect());
         Ok(dynamics)
     }
 
@@ -159,6 +165,11 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// Where the time went.
     pub fn phases(&self) -> Phases {
         self.phases
+    }
+
+    /// Where the time of the open–close iteration went.
+    pub fn spent(&self) -> Spent {
+        self.spent
     }
 
     fn prepare(&mut self) -> Result<(), SetupError> {
@@ -218,8 +229,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 self.of_pair(pair, &contacts)
             })
             .collect();
+        let mut contacts = Vec::with_capacity(found.iter().map(Vec::len).sum());
+        found.into_iter().for_each(|pair| contacts.extend(pair));
         self.phases.contacts += begun.elapsed();
-        found.into_iter().flatten().collect()
+        contacts
     }
 
     pub(super) fn of_pair(&self, pair: [u32; 2], contacts: &[Contact]) -> Vec<Active<R>> {
@@ -276,7 +289,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             let alone = self.alone(time_step, settling);
             let iteration = Iteration { alone: &alone, limits: &self.setup.limits, settling, given: None };
             let ended = iteration
-                .run::<M>(contacts, &mut self.layouts)
+                .run::<M>(contacts, &mut self.layouts, &mut self.spent)
                 .map_err(|unsolved| Stopped::Singular { step: number, block: unsolved.block })?;
             self.modes.push(ended.modes.clone());
             if let Some(block) = ended.d.iter().position(|d| !d.iter().all(|x| x.is_finite())) {

@@ -4,9 +4,13 @@ use crate::stepper::dynamics::area::tangents;
 use crate::stepper::dynamics::contact::Active;
 use crate::stepper::dynamics::displacement::{Twelve, generalized};
 use crate::stepper::dynamics::layout::{Layout, Layouts, Ties};
-use crate::stepper::dynamics::solve::{Lower, Singular, Solve, dense};
+use crate::stepper::dynamics::pattern::{Part, Pattern};
+use crate::stepper::dynamics::report::Spent;
+use crate::stepper::dynamics::solve::{Singular, Solve, dense};
 use crate::stepper::dynamics::state::Mode;
 use crate::stepper::real::Real;
+use std::sync::Arc;
+use std::time::Instant;
 
 /// What a block brings into its system, without contacts.
 #[derive(Clone, Debug)]
@@ -17,14 +21,14 @@ pub(super) struct Alone<R> {
     pub(super) force: Twelve<R>,
 }
 
-/// Blocks, ascending, and the closed contacts between them and to fixed blocks.
+/// Blocks that closed contacts tie together, what is tied within them, and the closed contacts between them and to fixed blocks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Island {
-    pub(super) blocks: Vec<usize>,
+    pub(super) ties: Ties,
     pub(super) contacts: Vec<usize>,
 }
 
-/// The islands, by their lowest block.
+/// The islands, by their lowest block. Contacts are sorted by pair.
 pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[Active<R>]) -> Vec<Island> {
     let mut root: Vec<usize> = (0..unknowns.len()).collect();
     fn find(root: &mut [usize], mut block: usize) -> usize {
@@ -42,63 +46,137 @@ pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[Active<R>]) -> Ve
             root[a.max(b)] = a.min(b);
         }
     }
-    let mut place = vec![usize::MAX; unknowns.len()];
+    // The island of each block, and its place there.
+    let mut place = vec![[u32::MAX; 2]; unknowns.len()];
     let mut all: Vec<Island> = Vec::new();
     for block in (0..unknowns.len()).filter(|&block| unknowns[block] > 0) {
         let lowest = find(&mut root, block);
         if lowest == block {
-            place[block] = all.len();
+            place[block][0] = all.len() as u32;
             all.push(Island::default());
         }
-        all[place[lowest]].blocks.push(block);
+        let ties = &mut all[place[lowest][0] as usize].ties;
+        place[block] = [place[lowest][0], ties.blocks.len() as u32];
+        ties.blocks.push(block as u32);
+        ties.unknowns.push(unknowns[block] as u8);
+    }
+    for same in contacts.chunk_by(|one, other| one.blocks == other.blocks) {
+        let [[a, first], [b, second]] = same[0].blocks.map(|block| place[block as usize]);
+        if a == b && a != u32::MAX {
+            all[a as usize].ties.pairs.push([first, second]);
+        }
     }
     for (k, contact) in closed() {
         let [a, b] = contact.blocks.map(|block| block as usize);
         let moving = if unknowns[a] > 0 { a } else { b };
-        all[place[find(&mut root, moving)]].contacts.push(k);
+        all[place[moving][0] as usize].contacts.push(k);
     }
     all
 }
 
+/// What is left of an island's solution for the next one.
+#[derive(Debug)]
+pub(super) struct Kept<R> {
+    layout: Arc<Layout>,
+    /// The factor begins at `aligned`.
+    values: Vec<R>,
+    aligned: usize,
+}
+
+impl<R: Solve> Kept<R> {
+    fn new(layout: Arc<Layout>) -> Kept<R> {
+        let spare = Pattern::ALIGNED;
+        let values = vec![R::ZERO; layout.pattern.values() + spare];
+        let aligned = values.as_ptr().align_offset(64);
+        Kept { layout, values, aligned: if aligned <= spare { aligned } else { 0 } }
+    }
+}
+
+/// What a solution follows from besides the contacts of the island.
+pub(super) struct Work<'s, R> {
+    pub(super) alone: &'s [Alone<R>],
+    pub(super) layouts: &'s mut Layouts,
+    pub(super) spent: &'s mut Spent,
+}
+
 impl Island {
-    /// The displacements of its blocks: twelve numbers each, zero where a block has no such unknown.
+    /// The lowest of its blocks.
+    pub(super) fn lowest(&self) -> usize {
+        self.ties.blocks.first().map_or(0, |&block| block as usize)
+    }
+
+    /// The displacements of its blocks: twelve numbers each, zero where a block has no such unknown. What the solution before left is
+    /// that of the same blocks by the same contacts, of which those that `changed` says had another mode.
     pub(super) fn solve<R: Solve>(
         &self,
-        alone: &[Alone<R>],
         contacts: &[Active<R>],
-        layouts: &mut Layouts,
-    ) -> Result<Vec<Twelve<R>>, Unsolved> {
-        let first = Unsolved { block: self.blocks[0] };
-        let layout = layouts.of(self.ties(alone, contacts)).ok_or(first)?;
-        let mut system = System::new(&self.blocks, &layout, alone);
+        changed: &[bool],
+        before: Option<Kept<R>>,
+        work: &mut Work<'_, R>,
+    ) -> Result<(Vec<Twelve<R>>, Kept<R>), Unsolved> {
+        let begun = Instant::now();
+        let first = Unsolved { block: self.lowest() };
+        let layout = work.layouts.of(&self.ties).ok_or(first)?;
+        work.spent.order += begun.elapsed();
+        let begun = Instant::now();
+        let (mut kept, marked) = match before {
+            Some(kept) if Arc::ptr_eq(&kept.layout, &layout) && !layout.is_small() => {
+                let mut marked = vec![false; layout.pattern.panel_count()];
+                let touched = contacts.iter().zip(changed).filter(|(_, changed)| **changed);
+                for block in touched.flat_map(|(contact, _)| contact.blocks) {
+                    if let Ok(place) = self.ties.blocks.binary_search(&block) {
+                        marked[layout.pattern.panel(layout.places[place] as usize)] = true;
+                    }
+                }
+                layout.pattern.mark_dependent(&mut marked);
+                (kept, marked)
+            }
+            other => {
+                drop(other);
+                let marked = vec![true; layout.pattern.panel_count()];
+                (Kept::new(layout.clone()), marked)
+            }
+        };
+        let aligned = kept.aligned;
+        let values = &mut kept.values[aligned..];
+        let mut system = System::new(&self.ties.blocks, &layout, values, &marked, work.alone);
         for &k in &self.contacts {
             system.add(&contacts[k]);
         }
-        let matrix = Lower { columns: &layout.columns, rows: &layout.rows, values: &system.values };
-        let solved = match &layout.factor {
-            None => dense(matrix, &mut system.force),
-            Some(factor) => R::sparse(matrix, factor, &mut system.force),
+        let mut force = system.force;
+        work.spent.assembly += begun.elapsed();
+        let solved = if layout.is_small() {
+            let begun = Instant::now();
+            let solved = dense(&layout.pattern, values, &mut force);
+            work.spent.factor += begun.elapsed();
+            solved
+        } else {
+            let begun = Instant::now();
+            let factored = R::factorize(&layout.pattern, values, &marked);
+            work.spent.factor += begun.elapsed();
+            let begun = Instant::now();
+            let solved = factored.and_then(|()| R::substitute(&layout.pattern, values, &mut force));
+            work.spent.substitution += begun.elapsed();
+            solved
         };
         solved.map_err(|Singular { unknown }| {
-            let place = layout.place_of(unknown);
+            let place = layout.pattern.node_of(unknown);
             let block = layout.places.iter().position(|&p| p as usize == place);
-            Unsolved { block: self.blocks[block.unwrap_or(0)] }
+            Unsolved { block: self.ties.blocks[block.unwrap_or(0)] as usize }
         })?;
-        Ok(system.by_block())
+        Ok((by_block(&layout, &force), kept))
     }
+}
 
-    /// Which of its blocks contacts tie together.
-    fn ties<R: Real>(&self, alone: &[Alone<R>], contacts: &[Active<R>]) -> Ties {
-        let within = |block: u32| self.blocks.binary_search(&(block as usize)).ok();
-        let pair = |&k: &usize| {
-            let [a, b] = contacts[k].blocks.map(within);
-            Some([a? as u32, b? as u32])
-        };
-        let mut pairs: Vec<[u32; 2]> = self.contacts.iter().filter_map(pair).collect();
-        pairs.sort_unstable();
-        pairs.dedup();
-        Ties { unknowns: self.blocks.iter().map(|&block| alone[block].unknowns as u8).collect(), pairs }
-    }
+/// The solution by blocks.
+fn by_block<R: Real>(layout: &Layout, solution: &[R]) -> Vec<Twelve<R>> {
+    let of = |&place: &u32| {
+        let unknowns = layout.pattern.unknowns(place as usize);
+        let mut d = [R::ZERO; 12];
+        d[..unknowns.len()].copy_from_slice(&solution[unknowns]);
+        d
+    };
+    layout.places.iter().map(of).collect()
 }
 
 /// The block at which elimination failed.
@@ -108,33 +186,54 @@ pub(super) struct Unsolved {
 }
 
 struct System<'s, R> {
-    blocks: &'s [usize],
+    blocks: &'s [u32],
     layout: &'s Layout,
-    /// Of the lower triangle, as the layout has it.
-    values: Vec<R>,
+    /// As the layout's pattern has them.
+    values: &'s mut [R],
+    /// The panels whose values are to be found; the others hold a factor.
+    marked: &'s [bool],
     force: Vec<R>,
 }
 
 impl<'s, R: Real> System<'s, R> {
-    fn new(blocks: &'s [usize], layout: &'s Layout, alone: &[Alone<R>]) -> System<'s, R> {
-        let mut system =
-            System { blocks, layout, values: vec![R::ZERO; layout.rows.len()], force: vec![R::ZERO; layout.size()] };
+    fn new(
+        blocks: &'s [u32],
+        layout: &'s Layout,
+        values: &'s mut [R],
+        marked: &'s [bool],
+        alone: &[Alone<R>],
+    ) -> System<'s, R> {
+        for (panel, _) in layout.pattern.panels().iter().zip(marked).filter(|(_, marked)| **marked) {
+            values[panel.values..panel.values + panel.width * panel.height].fill(R::ZERO);
+        }
+        let force = vec![R::ZERO; layout.pattern.size()];
+        let mut system = System { blocks, layout, values, marked, force };
         for (&block, &place) in blocks.iter().zip(&layout.places) {
-            let (alone, place) = (&alone[block], place as usize);
-            let unknowns = layout.unknowns(place);
+            let (alone, place) = (&alone[block as usize], place as usize);
+            let unknowns = layout.pattern.unknowns(place);
             system.force[unknowns.clone()].copy_from_slice(&alone.force[..unknowns.len()]);
+            let Some(part) = system.part(place, place) else { continue };
             for column in 0..unknowns.len() {
-                let diagonal = layout.diagonal(place, column);
-                for row in column..unknowns.len() {
-                    system.values[diagonal + row - column] = alone.stiffness[packed(row, column)];
+                let values = &mut system.values[part.at + part.stride * column..][..unknowns.len()];
+                for (row, value) in values.iter_mut().enumerate().skip(column) {
+                    *value = alone.stiffness[packed(row, column)];
                 }
             }
         }
         system
     }
 
+    /// Where the rows of a place in the columns of one that is not later stand, if they are to be found.
+    fn part(&self, row: usize, column: usize) -> Option<Part> {
+        if !self.marked[self.layout.pattern.panel(column)] {
+            return None;
+        }
+        self.layout.pattern.part(row, column)
+    }
+
     fn add(&mut self, contact: &Active<R>) {
-        let place = |block: usize| self.blocks.binary_search(&block).ok().map(|k| self.layout.places[k] as usize);
+        let place =
+            |block: usize| self.blocks.binary_search(&(block as u32)).ok().map(|k| self.layout.places[k] as usize);
         let [i, j] = contact.entering().map(place);
         let [e, g] = contact.rows();
         self.spring([i, j], [&e, &g], contact.joint.normal, contact.plane.gap);
@@ -152,7 +251,7 @@ impl<'s, R: Real> System<'s, R> {
                 for (place, arm, force) in [(i, contact.arms[0], -force), (j, contact.arms[1], force)] {
                     let Some(place) = place else { continue };
                     let share = generalized(arm, force);
-                    for (total, share) in self.force[self.layout.unknowns(place)].iter_mut().zip(share) {
+                    for (total, share) in self.force[self.layout.pattern.unknowns(place)].iter_mut().zip(share) {
                         *total = *total + share;
                     }
                 }
@@ -164,53 +263,41 @@ impl<'s, R: Real> System<'s, R> {
     /// A spring of length `before + e·d_i − g·d_j`.
     fn spring(&mut self, [i, j]: [Option<usize>; 2], [e, g]: [&Twelve<R>; 2], stiffness: R, before: R) {
         if let Some(i) = i {
-            self.own(i, e, stiffness);
-            pull(&mut self.force[self.layout.unknowns(i)], e, -stiffness * before);
+            self.tie([i, i], [e, e], stiffness);
+            pull(&mut self.force[self.layout.pattern.unknowns(i)], e, -stiffness * before);
         }
         if let Some(j) = j {
-            self.own(j, g, stiffness);
-            pull(&mut self.force[self.layout.unknowns(j)], g, stiffness * before);
+            self.tie([j, j], [g, g], stiffness);
+            pull(&mut self.force[self.layout.pattern.unknowns(j)], g, stiffness * before);
         }
         if let (Some(i), Some(j)) = (i, j) {
             // Rows belong to the later place.
-            if i < j { self.beside([i, j], [e, g], -stiffness) } else { self.beside([j, i], [g, e], -stiffness) }
+            if i < j { self.tie([i, j], [e, g], -stiffness) } else { self.tie([j, i], [g, e], -stiffness) }
         }
     }
 
-    /// Adds `factor·rows·rowsᵀ` to the diagonal part of a place.
-    fn own(&mut self, place: usize, rows: &Twelve<R>, factor: R) {
-        let count = self.layout.unknowns(place).len();
-        let scaled = rows.map(|r| r * factor);
-        for column in 0..count {
-            let diagonal = self.layout.diagonal(place, column);
-            let values = &mut self.values[diagonal..diagonal + count - column];
-            for (value, &r) in values.iter_mut().zip(&scaled[column..]) {
-                *value = *value + r * rows[column];
-            }
-        }
-    }
-
-    /// Adds `factor·later·earlierᵀ` to the part that ties two places together.
-    fn beside(&mut self, [place, other]: [usize; 2], [earlier, later]: [&Twelve<R>; 2], factor: R) {
-        let Some(behind) = self.layout.beside(place, other) else { return };
-        let (own, count) = (self.layout.unknowns(place).len(), self.layout.unknowns(other).len());
+    /// Adds `factor·later·earlierᵀ` to the part of two places, which may be one.
+    fn tie(&mut self, [place, other]: [usize; 2], [earlier, later]: [&Twelve<R>; 2], factor: R) {
+        let Some(Part { at, stride, .. }) = self.part(other, place) else { return };
+        let unknowns = |place| self.layout.pattern.unknowns(place).len();
+        let (own, count) = (unknowns(place), unknowns(other));
         let scaled = later.map(|r| r * factor);
-        for (column, &e) in earlier.iter().enumerate().take(own) {
-            let begin = self.layout.diagonal(place, column) + own - column + behind;
-            for (value, &r) in self.values[begin..begin + count].iter_mut().zip(&scaled) {
-                *value = *value + r * e;
+        for (column, &e) in earlier[..own].iter().enumerate() {
+            let begin = at + stride * column;
+            let values = &mut self.values[begin..begin + count];
+            // Of a known length, so that the loop can be unrolled.
+            match <&mut Twelve<R>>::try_from(&mut *values) {
+                Ok(values) => add(values, &scaled, e),
+                Err(_) => add(values, &scaled, e),
             }
         }
     }
+}
 
-    fn by_block(&self) -> Vec<Twelve<R>> {
-        let of = |&place: &u32| {
-            let unknowns = self.layout.unknowns(place as usize);
-            let mut d = [R::ZERO; 12];
-            d[..unknowns.len()].copy_from_slice(&self.force[unknowns]);
-            d
-        };
-        self.layout.places.iter().map(of).collect()
+#[inline(always)]
+fn add<R: Real>(values: &mut [R], row: &Twelve<R>, factor: R) {
+    for (value, &r) in values.iter_mut().zip(row) {
+        *value = *value + r * factor;
     }
 }
 

@@ -18,6 +18,8 @@ mod layout;
 mod material;
 pub mod moments;
 mod neighbours;
+pub mod order;
+pub mod pattern;
 mod plane;
 pub mod report;
 pub mod rules;
@@ -29,7 +31,7 @@ mod transfer;
 
 pub use engine::{Dynamics, Phases};
 pub use given::{Given, GivenAttempt};
-pub use report::{Concerned, Retry, RetryReason, StepReport, Stopped};
+pub use report::{Concerned, Retry, RetryReason, Spent, StepReport, Stopped};
 pub use rules::{Slip, StepRules};
 pub use setup::{Limits, SetupError};
 pub use solve::Solve;

@@ -2,6 +2,7 @@
 
 use crate::model::ContactKind;
 use crate::stepper::dynamics::state::Mode;
+use std::time::Duration;
 
 /// One accepted step. Numbers in SI units, as f64 whatever the stepper's scalar.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +45,23 @@ impl StepReport {
     pub fn potential(&self) -> f64 {
         self.gravitational + self.elastic + self.springs
     }
+}
+
+/// Where the time of the open–close iteration went, over all steps so far, those of attempts given up included.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Spent {
+    /// Finding orders of elimination and the patterns of factors.
+    pub order: Duration,
+    /// Adding up matrices and forces.
+    pub assembly: Duration,
+    /// Factoring matrices; of small systems, their whole solution.
+    pub factor: Duration,
+    /// Solving by the factors.
+    pub substitution: Duration,
+    /// Reading the solution at the contacts, and deciding their modes.
+    pub judgement: Duration,
+    /// Solves of all blocks.
+    pub solves: u64,
 }
 
 /// An attempt at a step that was given up.

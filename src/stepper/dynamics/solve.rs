@@ -1,153 +1,254 @@
-//! Solving `K d = F`: dense Cholesky for small systems, sparse for large ones.
+//! Solving `K d = F`: dense Cholesky for small systems, by panels for large ones.
 
+use crate::stepper::dynamics::pattern::{Panel, Pattern};
 use crate::stepper::real::Real;
 use crate::stepper::wide::Wide;
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::linalg::amd;
-use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, Par, Side};
+use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::triangular::BlockStructure;
+use faer::linalg::matmul::{matmul, triangular};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::traits::RealField;
+use faer::{Accum, MatMut, MatRef, Par};
 
 /// Systems of up to this many unknowns are solved as dense ones, by sums in an order of our own: the same bits on every machine.
 /// Larger ones take the fastest kernels that the processor has, whose last bits may differ from machine to machine.
 pub const DENSE: usize = 96;
 
-/// The lower triangle of a symmetric matrix by columns; row numbers ascend within a column and begin with the diagonal.
-#[derive(Clone, Copy, Debug)]
-pub struct Lower<'s, R> {
-    /// Where each column begins in `rows`, and where the last ends.
-    pub columns: &'s [u32],
-    /// Row numbers.
-    pub rows: &'s [u32],
-    /// Values.
-    pub values: &'s [R],
-}
-
-impl<R> Lower<'_, R> {
-    /// The number of unknowns.
-    pub fn size(&self) -> usize {
-        self.columns.len().saturating_sub(1)
-    }
-}
-
-/// The pattern of a sparse factor, for matrices of one pattern.
-#[derive(Debug)]
-pub struct Factor {
-    symbolic: SymbolicCholesky<u32>,
-}
-
-impl Factor {
-    /// The factor of matrices with this lower triangle, eliminated in the order of their unknowns. `None` when it exceeds memory.
-    pub fn new(columns: &[u32], rows: &[u32]) -> Option<Factor> {
-        // Without an ordering of its own, faer takes the upper triangle here.
-        let (columns, rows) = transposed(columns, rows);
-        let size = columns.len() - 1;
-        let upper = SymbolicSparseColMatRef::new_checked(size, size, &columns, None, &rows);
-        let ordering = SymmetricOrdering::Identity;
-        let symbolic = factorize_symbolic_cholesky(upper, Side::Upper, ordering, Default::default()).ok()?;
-        Some(Factor { symbolic })
-    }
-
-    /// The values that a factor has.
-    pub fn values(&self) -> usize {
-        self.symbolic.len_val()
-    }
-}
-
-fn transposed(columns: &[u32], rows: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let size = columns.len() - 1;
-    let mut begins = vec![0u32; size + 1];
-    for &row in rows {
-        begins[row as usize + 1] += 1;
-    }
-    for k in 0..size {
-        begins[k + 1] += begins[k];
-    }
-    let (mut next, mut found) = (begins.clone(), vec![0u32; rows.len()]);
-    for column in 0..size {
-        for &row in &rows[columns[column] as usize..columns[column + 1] as usize] {
-            found[next[row as usize] as usize] = column as u32;
-            next[row as usize] += 1;
-        }
-    }
-    (begins, found)
-}
-
-/// An order of elimination of a graph's nodes that fills little (approximate minimum degree, Amestoy, Davis and Duff 1996). The
-/// graph is given as a lower triangle without its diagonal. `None` when it exceeds memory.
-pub fn elimination_order(columns: &[u32], rows: &[u32]) -> Option<Vec<u32>> {
-    let size = columns.len() - 1;
-    let graph = SymbolicSparseColMatRef::new_checked(size, size, columns, None, rows);
-    let mut buffer = MemBuffer::try_new(amd::order_scratch::<u32>(size, rows.len())).ok()?;
-    let (mut order, mut inverse) = (vec![0u32; size], vec![0u32; size]);
-    amd::order(&mut order, &mut inverse, graph, amd::Control::default(), MemStack::new(&mut buffer)).ok()?;
-    Some(order)
-}
-
 /// A pivot that is not positive and finite: the system is singular, or became so by rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Singular {
-    /// The unknown, where it is known.
+    /// The unknown.
     pub unknown: usize,
 }
 
 /// A scalar in which systems can be solved.
 pub trait Solve: Real + Send + Sync {
-    /// Solves in place a system too large for [`dense`], by the factor of its pattern.
+    /// Replaces the values of the panels that are marked, which are those of the matrix, by those of its factor. All others are so
+    /// already, and depend on none that is marked.
     ///
     /// # Errors
     /// When the matrix is not positive definite in this precision.
-    fn sparse(matrix: Lower<'_, Self>, factor: &Factor, rhs: &mut [Self]) -> Result<(), Singular>;
+    fn factorize(pattern: &Pattern, values: &mut [Self], marked: &[bool]) -> Result<(), Singular>;
+
+    /// Solves in place by what [`Solve::factorize`] left.
+    ///
+    /// # Errors
+    /// When the matrix is not positive definite in this precision.
+    fn substitute(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular>;
 }
 
-macro_rules! solve_by_faer {
+macro_rules! solve_by_panels {
     ($type:ty) => {
         impl Solve for $type {
-            fn sparse(matrix: Lower<'_, Self>, factor: &Factor, rhs: &mut [Self]) -> Result<(), Singular> {
-                let singular = Singular { unknown: 0 };
-                let Factor { symbolic } = factor;
-                let size = matrix.size();
-                let pattern = SymbolicSparseColMatRef::new_checked(size, size, matrix.columns, None, matrix.rows);
-                let lower = SparseColMatRef::new(pattern, matrix.values);
-                let par = Par::Seq;
-                let scratch = symbolic.factorize_numeric_llt_scratch::<$type>(par, Default::default());
-                let scratch = scratch.or(symbolic.solve_in_place_scratch::<$type>(1, par));
-                let mut buffer = MemBuffer::try_new(scratch).map_err(|_| singular)?;
-                let stack = MemStack::new(&mut buffer);
-                let mut values = vec![0.0; symbolic.len_val()];
-                let (whole, spec) = (Default::default(), Default::default());
-                symbolic
-                    .factorize_numeric_llt(&mut values, lower, Side::Lower, whole, par, stack, spec)
-                    .map_err(|_| singular)?;
-                let solution = faer::ColMut::from_slice_mut(rhs).as_mat_mut();
-                LltRef::new(symbolic, &values).solve_in_place_with_conj(Conj::No, solution, par, stack);
+            fn factorize(pattern: &Pattern, values: &mut [Self], marked: &[bool]) -> Result<(), Singular> {
+                factor(pattern, values, marked)
+            }
+
+            fn substitute(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
+                substitute(pattern, values, rhs);
                 Ok(())
             }
         }
     };
 }
 
-solve_by_faer!(f32);
-solve_by_faer!(f64);
+solve_by_panels!(f32);
+solve_by_panels!(f64);
 
+/// Its values stay those of the matrix.
 impl Solve for Wide {
-    fn sparse(matrix: Lower<'_, Self>, _: &Factor, rhs: &mut [Self]) -> Result<(), Singular> {
-        dense(matrix, rhs)
+    fn factorize(_: &Pattern, _: &mut [Self], _: &[bool]) -> Result<(), Singular> {
+        Ok(())
+    }
+
+    fn substitute(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
+        dense(pattern, values, rhs)
     }
 }
 
-/// Solves in place, by Cholesky's method without square roots (LDLᵀ), row by row.
+/// Cholesky's method, left-looking: each panel gathers what the earlier ones take from it, then is factored as a dense one.
+fn factor<R: Real + RealField>(pattern: &Pattern, values: &mut [R], marked: &[bool]) -> Result<(), Singular> {
+    let widest = pattern.panels().iter().map(|panel| panel.width).max().unwrap_or(0);
+    let scratch = cholesky_in_place_scratch::<R>(widest, Par::Seq, Default::default());
+    let mut buffer = MemBuffer::try_new(scratch).map_err(|_| Singular { unknown: 0 })?;
+    let mut taken = Vec::new();
+    for (panel, _) in pattern.panels().iter().zip(marked).filter(|(_, marked)| **marked) {
+        let (earlier, rest) = values.split_at_mut(panel.values);
+        let values = &mut rest[..panel.height * panel.width];
+        take_updates(pattern, panel, earlier, values, &mut taken);
+        let whole = MatMut::from_column_major_slice_mut(values, panel.height, panel.width);
+        let (mut own, below) = whole.split_at_row_mut(panel.width);
+        let stack = MemStack::new(&mut buffer);
+        let (whole, spec) = (Default::default(), Default::default());
+        cholesky_in_place(own.as_mut(), whole, Par::Seq, stack, spec)
+            .map_err(|LltError::NonPositivePivot { index }| Singular { unknown: panel.begin + index })?;
+        solve_lower_triangular_in_place(own.as_ref(), below.transpose_mut(), Par::Seq);
+    }
+    Ok(())
+}
+
+/// Subtracts `L Lᵀ` of the earlier panels from a panel.
+fn take_updates<R: Real + RealField>(
+    pattern: &Pattern,
+    panel: &Panel,
+    earlier: &[R],
+    values: &mut [R],
+    taken: &mut Vec<R>,
+) {
+    let one = R::from_f64(1.0);
+    let mut runs: Vec<[usize; 3]> = Vec::new();
+    for &update in pattern.updates(panel) {
+        let from = &pattern.panels()[update.from as usize];
+        let (inside, after) = pattern.updating(update);
+        let first = inside[0].row as usize;
+        let end = after.first().map_or(from.height, |below| below.row as usize);
+        let (height, width) = (from.height - first, end - first);
+        if taken.len() < height * width {
+            taken.resize(height * width, R::ZERO);
+        }
+        let factor = MatRef::from_column_major_slice(
+            &earlier[from.values..from.values + from.height * from.width],
+            from.height,
+            from.width,
+        );
+        let rows = factor.subrows(first, height);
+        let across = factor.subrows(first, width).transpose();
+        let into = MatMut::from_column_major_slice_mut(&mut taken[..height * width], height, width);
+        // Half of a wide square is not needed.
+        if width > WIDE {
+            let (square, rest) = into.split_at_row_mut(width);
+            let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
+            triangular::matmul(
+                square,
+                lower,
+                Accum::Replace,
+                rows.subrows(0, width),
+                full,
+                across,
+                full,
+                one,
+                Par::Seq,
+            );
+            matmul(rest, Accum::Replace, rows.subrows(width, height - width), across, one, Par::Seq);
+        } else {
+            matmul(into, Accum::Replace, rows, across, one, Par::Seq);
+        }
+        // Rows that follow one another in both: where they begin here and there, and how many they are.
+        runs.clear();
+        let own = inside.iter().map(|below| (below, pattern.unknowns(below.node as usize).start - panel.begin));
+        let mut below = pattern.below(panel).iter();
+        let later = after.iter().filter_map(|node| {
+            let found = below.find(|below| below.node == node.node)?;
+            Some((node, found.row as usize))
+        });
+        for (node, row) in own.chain(later) {
+            let (here, count) = (node.row as usize - first, pattern.unknowns(node.node as usize).len());
+            match runs.last_mut() {
+                Some([from, to, length]) if *from + *length == here && *to + *length == row => *length += count,
+                _ => runs.push([here, row, count]),
+            }
+        }
+        let columns = inside.iter().flat_map(|below| {
+            let unknowns = pattern.unknowns(below.node as usize);
+            (0..unknowns.len()).map(move |k| (below.row as usize - first + k, unknowns.start - panel.begin + k))
+        });
+        for (here, there) in columns {
+            let source = &taken[here * height..(here + 1) * height];
+            let target = &mut values[there * panel.height..(there + 1) * panel.height];
+            for &[from, to, length] in &runs {
+                for (value, &taken) in target[to..to + length].iter_mut().zip(&source[from..from + length]) {
+                    *value -= taken;
+                }
+            }
+        }
+    }
+}
+
+/// Of updates that are wider than this, the square is worked out by half.
+const WIDE: usize = 36;
+
+/// Forth through the factor, and back through its transpose.
+fn substitute<R: Real>(pattern: &Pattern, values: &[R], rhs: &mut [R]) {
+    let mut below: Vec<R> = Vec::new();
+    for (k, panel) in pattern.panels().iter().enumerate() {
+        below.clear();
+        below.resize(panel.height - panel.width, R::ZERO);
+        let own = &mut rhs[panel.begin..panel.begin + panel.width];
+        for (four, columns) in values[pattern.range(k)].chunks(COLUMNS * panel.height).enumerate() {
+            let begin = COLUMNS * four;
+            let mut known = [R::ZERO; COLUMNS];
+            for (c, column) in columns.chunks_exact(panel.height).enumerate() {
+                let here = begin + c;
+                known[c] = own[here] / column[here];
+                own[here] = known[c];
+                for (x, &l) in own[here + 1..].iter_mut().zip(&column[here + 1..panel.width]) {
+                    *x = *x - l * known[c];
+                }
+            }
+            add_columns(&mut below, columns, panel, &known);
+        }
+        for node in pattern.below(panel) {
+            let unknowns = pattern.unknowns(node.node as usize);
+            for (x, &sum) in rhs[unknowns].iter_mut().zip(&below[node.row as usize - panel.width..]) {
+                *x = *x - sum;
+            }
+        }
+    }
+    for (k, panel) in pattern.panels().iter().enumerate().rev() {
+        below.clear();
+        for node in pattern.below(panel) {
+            below.extend_from_slice(&rhs[pattern.unknowns(node.node as usize)]);
+        }
+        let own = &mut rhs[panel.begin..panel.begin + panel.width];
+        for (here, column) in values[pattern.range(k)].chunks_exact(panel.height).enumerate().rev() {
+            let (inner, outer) = column.split_at(panel.width);
+            let sum = own[here] - dot(&inner[here + 1..], &own[here + 1..]) - dot(outer, &below);
+            own[here] = sum / column[here];
+        }
+    }
+}
+
+/// So many columns are added at once, since the sums would be fetched and stored for each.
+const COLUMNS: usize = 4;
+
+/// Adds what lies below a panel's own rows in some columns, each times its factor.
+fn add_columns<R: Real>(sums: &mut [R], columns: &[R], panel: &Panel, factors: &[R; COLUMNS]) {
+    let below = |c: usize| columns.get(c * panel.height + panel.width..(c + 1) * panel.height);
+    if let (Some(a), Some(b), Some(c), Some(d)) = (below(0), below(1), below(2), below(3)) {
+        let products = a.iter().zip(b).zip(c.iter().zip(d));
+        for (sum, ((&a, &b), (&c, &d))) in sums.iter_mut().zip(products) {
+            *sum = *sum + ((a * factors[0] + b * factors[1]) + (c * factors[2] + d * factors[3]));
+        }
+        return;
+    }
+    for (column, &factor) in columns.chunks_exact(panel.height).zip(factors) {
+        for (sum, &l) in sums.iter_mut().zip(&column[panel.width..]) {
+            *sum = *sum + l * factor;
+        }
+    }
+}
+
+/// A scalar product in eight strands, which do not wait for one another.
+fn dot<R: Real>(a: &[R], b: &[R]) -> R {
+    let mut strands = [R::ZERO; 8];
+    let (parts, others) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest = parts.remainder().iter().zip(others.remainder()).fold(R::ZERO, |sum, (&a, &b)| sum + a * b);
+    for (a, b) in parts.zip(others) {
+        for (strand, (&a, &b)) in strands.iter_mut().zip(a.iter().zip(b)) {
+            *strand = *strand + a * b;
+        }
+    }
+    strands.into_iter().fold(rest, |sum, strand| sum + strand)
+}
+
+/// Solves in place, by Cholesky's method without square roots (LDLᵀ), row by row. The values are those of the matrix.
 ///
 /// # Errors
 /// When a pivot is not positive and finite.
-pub fn dense<R: Real>(matrix: Lower<'_, R>, rhs: &mut [R]) -> Result<(), Singular> {
-    let n = matrix.size();
-    let mut l = vec![R::ZERO; n * n];
-    for column in 0..n {
-        for k in matrix.columns[column] as usize..matrix.columns[column + 1] as usize {
-            l[matrix.rows[k] as usize * n + column] = matrix.values[k];
-        }
-    }
+pub fn dense<R: Real>(pattern: &Pattern, values: &[R], rhs: &mut [R]) -> Result<(), Singular> {
+    let n = pattern.size();
+    let mut l = pattern.square(values, R::ZERO);
     let mut scaled = vec![R::ZERO; n];
     let mut pivots: Vec<R> = Vec::with_capacity(n);
     for i in 0..n {
