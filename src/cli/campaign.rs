@@ -14,6 +14,7 @@ use rockproof::campaign::finding::{Cause, Finding};
 use rockproof::campaign::journal::{Journal, Progress, Start};
 use rockproof::campaign::run::{self, Ending};
 use rockproof::campaign::source;
+use rockproof::campaign::steps::{self, StepChange, StepSummary};
 use rockproof::campaign::subject::Source;
 use rockproof::stress::StressSource;
 use std::collections::BTreeMap;
@@ -79,6 +80,12 @@ pub(crate) struct Campaign {
     /// Exit with 1 if there is a finding of this cause or change, or `any`; may be repeated
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     deny: Vec<String>,
+    /// One pair in this many makes steps as well; 0 for none
+    #[arg(long, value_name = "N")]
+    steps_every: Option<u64>,
+    /// How many steps such a pair makes
+    #[arg(long, value_name = "COUNT")]
+    steps: Option<u32>,
     /// Worker threads [default: one a core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     threads: usize,
@@ -113,8 +120,11 @@ impl Campaign {
         if config.stress {
             stress::finish(&journal, &engines)?;
         }
-        let summary = &journal.progress().summary;
-        let denied = |kind: &&String| if *kind == "any" { summary.total() > 0 } else { summary.count_of(kind) > 0 };
+        let (summary, steps) = (&journal.progress().summary, &journal.progress().steps);
+        let denied = |kind: &&String| match kind.as_str() {
+            "any" => summary.total() + steps.total() > 0,
+            kind => summary.count_of(kind) + steps.count_of(kind) > 0,
+        };
         let denied: Vec<&String> = self.deny.iter().filter(denied).collect();
         for kind in &denied {
             note(&format!("denied: there are findings of kind {kind}"));
@@ -143,6 +153,8 @@ impl Campaign {
         }
         config.pairs = self.pairs.unwrap_or(config.pairs);
         config.seed = self.seed.unwrap_or(config.seed);
+        config.steps_every = self.steps_every.unwrap_or(config.steps_every);
+        config.steps = self.steps.unwrap_or(config.steps);
         self.external.add_to(&mut config)?;
         if !self.engine.is_empty() {
             let (external, builtin): (Vec<String>, Vec<String>) =
@@ -167,9 +179,10 @@ impl Campaign {
 }
 
 fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
-    let known = |kind: &str| kind == "any" || Cause::from_name(kind).is_some() || Change::from_name(kind).is_some();
+    let known = |kind: &str| kind == "any" || Cause::from_name(kind).is_some() || StepChange::is_known(kind);
     if let Some(kind) = kinds.iter().find(|kind| !known(kind)) {
-        let names = Cause::ALL.map(Cause::name).into_iter().chain(Change::ALL.map(Change::name));
+        let names =
+            Cause::ALL.map(Cause::name).into_iter().chain(Change::ALL.map(Change::name)).chain(StepChange::NAMES);
         let allowed = std::iter::once("any").chain(names).collect::<Vec<_>>().join(", ");
         anyhow::bail!("--deny {kind}: no such kind; known are {allowed}");
     }
@@ -186,7 +199,9 @@ fn work(
 ) -> anyhow::Result<Ending> {
     let narrow = |finding: &Finding| engines.panel_for(finding);
     let panel = engines.panel();
-    let campaign = run::Campaign { config, source, panel: &panel, narrow: &narrow, threads };
+    let names = engines.names();
+    let steppers = steps::engines(names.iter().map(String::as_str));
+    let campaign = run::Campaign { config, source, panel: &panel, narrow: &narrow, steppers: &steppers, threads };
     let mut display = Display::new(config.pairs, journal.progress());
     let ending = campaign.run(journal, stop, &mut |progress| display.show(progress))?;
     display.end();
@@ -260,6 +275,9 @@ fn report(out: &mut impl Write, journal: &Journal, ending: Ending) -> std::io::R
     });
     let header = ["engine", "cause", "change", "v-v", "v-e", "e-v", "v-f", "f-v", "e-e", "pair", "all"];
     writeln!(out, "{}\n", table(&header, &[3, 4, 5, 6, 7, 8, 9, 10], rows))?;
+    if !progress.steps.is_empty() {
+        writeln!(out, "{}\n", steps_table(&progress.steps))?;
+    }
     let speed = progress.pairs_done as f64 / progress.seconds.max(1e-9);
     let (pairs, seconds) = (grouped(progress.pairs_done), progress.seconds);
     writeln!(
@@ -280,6 +298,26 @@ fn report(out: &mut impl Write, journal: &Journal, ending: Ending) -> std::io::R
         )?;
     }
     Ok(())
+}
+
+/// One row for each engine: its steps, and how many of them differ from the exact ones.
+fn steps_table(steps: &StepSummary) -> String {
+    let rows = steps.by_engine().into_iter().map(|(engine, counts)| {
+        let numbers = [
+            counts.compared,
+            counts.contacts_differ,
+            counts.modes_differ,
+            counts.iterations_differ,
+            counts.retries_differ,
+            counts.deeper,
+            counts.shallower,
+            counts.defect,
+        ];
+        std::iter::once(engine.to_owned()).chain(numbers.map(grouped)).collect()
+    });
+    let header =
+        ["engine", "steps", "other contacts", "modes", "iterations", "retries", "deeper", "shallower", "defects"];
+    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8], rows).to_string()
 }
 
 /// A cause with its place in the chain before it, so that rows come in the order of the chain.

@@ -167,8 +167,14 @@ impl Gating<'_> {
         let mut journal = Journal::open(&dir, source::identity(&config)?, Start::Force)?;
         let (panel, engines) = (self.engines.panel(), &self.engines);
         let narrow = |finding: &Finding| engines.panel_for(finding);
-        let campaign =
-            Campaign { config: &config, source: &source, panel: &panel, narrow: &narrow, threads: self.gate.threads };
+        let campaign = Campaign {
+            config: &config,
+            source: &source,
+            panel: &panel,
+            narrow: &narrow,
+            steppers: &[],
+            threads: self.gate.threads,
+        };
         campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {})?;
         let tally = Tally::read(&dir)?;
         let file = self.gate.file.display().to_string();

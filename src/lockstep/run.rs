@@ -3,7 +3,7 @@
 use crate::campaign::finding::Cause;
 use crate::lockstep::answer::{Answer, StepDifference, compare};
 use crate::lockstep::effect::{Depths, penetration};
-use crate::lockstep::errors::{anchor_error, displacement_error, velocity_error};
+use crate::lockstep::errors::{anchor_error, displacement_error, largest_distance, velocity_error};
 use crate::lockstep::links::{Caused, Explainer, Links, Side, stepper_trace};
 use crate::lockstep::scene::{ExactScene, Overflow};
 use crate::lockstep::state::{NotFinite, exact_state};
@@ -63,6 +63,17 @@ impl Compared {
     pub fn differs(&self) -> bool {
         self.count(Cause::Arithmetic) + self.count(Cause::Defect) > 0
     }
+}
+
+/// How far two states after a step are apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drift {
+    /// The largest distance of a vertex (m).
+    pub vertices: f64,
+    /// As [`Compared::velocity`].
+    pub velocity: f64,
+    /// As [`Compared::anchors`] (m).
+    pub anchors: f64,
 }
 
 /// Why a scene cannot be run in lockstep.
@@ -134,6 +145,28 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
     /// The scene as the engine has it.
     pub fn rounded(&self) -> &ExactScene {
         &self.rounded
+    }
+
+    /// How far the stepper's own code, in 512 bits, comes from the oracle's step from a state, where no comparison there is left
+    /// unsettled and the decisions are the same: what is there is no rounding. `None` otherwise.
+    pub fn drift_in_wide(&mut self, before: &State<R>) -> Option<Drift> {
+        let start = exact_state(before).ok()?;
+        let exact = self.rounded.step(&start, KEEP).ok()?;
+        let step = wide_stepper(&mut self.wide, &self.rounded)?.step(before).ok()?;
+        let (answer, after) = step.outcome.ok()?;
+        if step.unsettled > 0
+            || !compare(&Answer::of_oracle(&exact), &answer, &self.rounded.scene().shapes()).is_empty()
+        {
+            return None;
+        }
+        let after = exact_state(&after).ok()?;
+        let distance =
+            |(a, b): (&exact::BlockState, &exact::BlockState)| largest_distance(a.vertices.iter().zip(&b.vertices));
+        Some(Drift {
+            vertices: after.blocks.iter().zip(&exact.state.blocks).map(distance).fold(0.0, f64::max),
+            velocity: velocity_error(&after, &exact.state).unwrap_or(0.0),
+            anchors: anchor_error(&after, &exact.state).unwrap_or(0.0),
+        })
     }
 
     /// One step on both sides. The state goes on with the stepper's.
