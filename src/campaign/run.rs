@@ -33,6 +33,9 @@ pub struct Campaign<'c> {
     pub threads: usize,
 }
 
+/// Of findings about steps one case is kept where of others so many are: they are larger, and each is a step made some ten times.
+const STEP_CASES: u64 = 4;
+
 /// How a campaign ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
@@ -118,7 +121,7 @@ impl Campaign<'_> {
             pool.install(|| self.write_cases(&findings, &names, journal))?;
             let names = self.choose_step_cases(&stepped, &mut progress);
             let step_rows = step_rows(&stepped, &names)?;
-            self.write_step_cases(&stepped, &names, journal)?;
+            pool.install(|| self.write_step_cases(&stepped, &names, journal))?;
             progress.pairs_done = end;
             progress.seconds = before + started.elapsed().as_secs_f64();
             journal.commit(&rows, &step_rows, progress)?;
@@ -218,7 +221,8 @@ impl Campaign<'_> {
             let of_cause = progress.step_cases.get(cause).copied().unwrap_or(0);
             let alike = progress.step_fingerprints.get(&text).copied().unwrap_or(0);
             let name = finding.file_name();
-            let wanted = alike < self.config.cases_per_fingerprint && of_cause < self.config.cases_per_cause;
+            let wanted =
+                alike < self.config.cases_per_fingerprint && of_cause < self.config.cases_per_cause / STEP_CASES;
             let wanted = wanted && !names.iter().flatten().any(|n| *n == name);
             if wanted {
                 *progress.step_fingerprints.entry(text).or_default() += 1;
@@ -236,16 +240,17 @@ impl Campaign<'_> {
         journal: &Journal,
     ) -> Result<(), RunError> {
         let dir = journal.cases_dir();
-        for (finding, name) in findings.iter().zip(names) {
-            let Some(name) = name else { continue };
-            let subjects = self.source.batch(finding.index / self.source.batch_len());
-            let Some(subject) = subjects.iter().find(|s| s.index == finding.index) else { continue };
-            let Some(motion) = self.source.motion(subject) else { continue };
-            let Some(case) = steps::case::of(finding, subject, &motion, self.steppers) else { continue };
-            let path = dir.join(name);
-            write_atomically(&path, case.text()?).map_err(at(&path))?;
-        }
-        Ok(())
+        findings.par_iter().zip(names).filter_map(|(f, name)| Some((f, name.as_ref()?))).try_for_each(
+            |(finding, name)| {
+                let subjects = self.source.batch(finding.index / self.source.batch_len());
+                let Some(subject) = subjects.iter().find(|s| s.index == finding.index) else { return Ok(()) };
+                let Some(motion) = self.source.motion(subject) else { return Ok(()) };
+                let Some(case) = steps::case::of(finding, subject, &motion, self.steppers) else { return Ok(()) };
+                let path = dir.join(name);
+                write_atomically(&path, case.text()?).map_err(at(&path))?;
+                Ok(())
+            },
+        )
     }
 
     fn run_json(&self, journal: &Journal, finished: bool) -> Result<Vec<u8>, RunError> {

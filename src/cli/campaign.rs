@@ -25,7 +25,8 @@ use std::time::{Duration, Instant};
 
 /// Compare engines with the oracle on generated and real pairs, and explain every difference
 ///
-/// Writes findings.csv, summary.csv, run.json and the shrunk findings in cases/.
+/// Writes findings.csv, summary.csv, run.json and the shrunk findings in cases/; of pairs that make steps, step_findings.csv and
+/// step_summary.csv.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   rockproof campaign                                  every family, f32 and f64, all presets; about a minute
@@ -33,6 +34,7 @@ use std::time::{Duration, Instant};
   rockproof campaign --family real --real cases/real/voronoi_120.txt --planarity 1e-4
   rockproof campaign --out reports/night --pairs 100000000 --resume
   rockproof campaign --deny defect --deny collapsed   for CI: exit 1 if there is such a finding
+  rockproof campaign --pairs 2000 --steps-every 1 --steps 3   every pair moves for three steps (docs/campaign_steps.md)
   rockproof campaign --stress                         how far from the origin, how thin, how parallel (docs/stress.md)
   rockproof campaign --engine-command mine:f32=./client --ask-twice   your own program (docs/engines.md)
 
@@ -289,13 +291,18 @@ fn report(out: &mut impl Write, journal: &Journal, ending: Ending) -> std::io::R
         writeln!(out, "interrupted; --resume goes on")?;
     }
     let dir = journal.dir().display();
-    writeln!(out, "written to {dir}: findings.csv, summary.csv, run.json")?;
+    let tables = if progress.steps.is_empty() { "" } else { "step_findings.csv, step_summary.csv, " };
+    writeln!(out, "written to {dir}: findings.csv, summary.csv, {tables}run.json")?;
     let cases: u64 = progress.cases.values().sum();
     if cases > 0 {
         writeln!(
             out,
             "{cases} shrunk findings in {dir}/cases; look at one with: rockproof replay {dir}/cases/NAME.toml"
         )?;
+    }
+    let cases: u64 = progress.step_cases.values().sum();
+    if cases > 0 {
+        writeln!(out, "{cases} steps in {dir}/cases; look at one with: rockproof replay {dir}/cases/NAME.json")?;
     }
     Ok(())
 }

@@ -12,8 +12,20 @@ use crate::model::{Body, Motion, Number, Precision, Vec3};
 use crate::simulate::identity::with_tolerances;
 
 /// Makes the case of a finding: its step alone, from the state before it, with as little motion as still shows it. `None` where
-/// the engine does not take part, or the step cannot be made exactly.
+/// the engine does not take part, or the step cannot be made exactly. It is made on a thread of its own ([`super::examine_all`]).
 pub fn of(
+    finding: &StepFinding,
+    subject: &Subject,
+    motion: &PairMotion,
+    engines: &[Box<dyn StepEngine>],
+) -> Option<StepCase> {
+    std::thread::scope(|scope| match scope.spawn(|| made(finding, subject, motion, engines)).join() {
+        Ok(case) => case,
+        Err(panic) => std::panic::resume_unwind(panic),
+    })
+}
+
+fn made(
     finding: &StepFinding,
     subject: &Subject,
     motion: &PairMotion,

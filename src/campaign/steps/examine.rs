@@ -152,7 +152,7 @@ fn deepened(subject: &Subject, precision: Precision, made: &Made) -> Option<Step
 /// What tolerances and rounding do is counted once, not once an engine: the same tolerance difference in every precision is
 /// about everyone, the same difference of rounding once for its precision.
 fn shared(findings: &mut Vec<StepFinding>, first: usize, engines: &[Box<dyn StepEngine>]) {
-    let alone = engines.iter().all(|engine| engine.precision() == engines[0].precision());
+    let alone = engines.windows(2).all(|two| two[0].precision() == two[1].precision());
     let mut kept: Vec<StepFinding> = Vec::new();
     for mut finding in findings.drain(first..) {
         let of_engine = matches!(finding.who, Who::Engine(_));

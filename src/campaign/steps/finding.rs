@@ -22,7 +22,7 @@ pub enum StepChange {
 
 impl StepChange {
     /// The names of changes that only steps have.
-    pub const NAMES: [&'static str; 10] = [
+    pub const NAMES: [&'static str; 11] = [
         "mode",
         "iterations",
         "converged",
@@ -31,6 +31,7 @@ impl StepChange {
         "stopped",
         "deeper",
         "shallower",
+        "anchors",
         "velocity",
         "displacement",
     ];
@@ -47,7 +48,7 @@ impl StepChange {
 
     /// Whether a change of this name may be found in steps.
     pub fn is_known(name: &str) -> bool {
-        name == "anchors" || StepChange::NAMES.contains(&name) || compare::Change::from_name(name).is_some()
+        StepChange::NAMES.contains(&name) || compare::Change::from_name(name).is_some()
     }
 }
 

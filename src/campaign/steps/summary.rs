@@ -66,6 +66,12 @@ macro_rules! counts {
             /// The names of the counts.
             pub const NAMES: &'static [&'static str] = &[$(stringify!($name)),*];
 
+            /// Counts of these numbers, in the order of their names.
+            pub fn of(numbers: impl IntoIterator<Item = u64>, depths: [Depths; 2]) -> Counts {
+                let mut numbers = numbers.into_iter();
+                Counts { $($name: numbers.next().unwrap_or(0),)* depths }
+            }
+
             /// The counts in the order of their names.
             pub fn numbers(&self) -> Vec<u64> {
                 vec![$(self.$name),*]
