@@ -21,6 +21,7 @@ use rockproof::stepper::dynamics::{Dynamics, RetryReason, State, StepRules};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use step_mistakes::{ALL, Mistake, Mistaken, plant};
 
@@ -179,8 +180,12 @@ fn states<M: StepRules>(subject: &Subject, motion: &PairMotion, set: usize) -> V
     (0..motion.steps).map(|_| dynamics.step().ok().map(|_| dynamics.state().clone())).collect()
 }
 
+/// One test at a time plants mistakes.
+static PLANTING: Mutex<()> = Mutex::new(());
+
 /// Looks for every mistake in the moving pairs of a campaign: what was found first of each, and the mistakes not found.
 fn found(config: &CampaignConfig, batches: u64) -> (Vec<(u64, &'static str, String)>, Vec<&'static str>) {
+    let _alone = PLANTING.lock();
     let source = source_of(config);
     let engines: Vec<Box<dyn StepEngine>> = vec![Box::new(StepperSteps::<f64, Mistaken>::f64("stepper-f64"))];
     let mut sought: Vec<(Mistake, &'static str)> =
