@@ -4,7 +4,7 @@ use crate::campaign::finding::Cause;
 use crate::lockstep::answer::{Answer, StepDifference, compare};
 use crate::lockstep::effect::{Depths, penetration};
 use crate::lockstep::errors::{anchor_error, displacement_error, largest_distance, velocity_error};
-use crate::lockstep::links::{Caused, Explainer, Links, Side, stepper_trace};
+use crate::lockstep::links::{Caused, Explainer, Links, Side, measure_modes, stepper_trace};
 use crate::lockstep::scene::{ExactScene, Overflow};
 use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::wide::{WideError, WideStepper};
@@ -244,7 +244,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
                 compared.failure = format!("stepper: {stopped}");
                 let difference = StepDifference::stopped("", stopped);
                 let cause = self.cause_of_stop(before, compared);
-                compared.differences.push(Caused { cause, difference, deciding: None });
+                compared.differences.push(Caused::new(cause, difference));
             }
             (Err(failure), Err(stopped)) => compared.failure = format!("stepper: {stopped}; oracle: {failure}"),
         }
@@ -272,7 +272,11 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let after = Side { blocks: &rounded_blocks, tolerances: self.rounded.tolerances() };
         let explainer = Explainer { before: side(given_side), after, roundoff: Some(self.precision.epsilon() / 2.0) };
         let found = exact_differences(given, rounded, &self.given.scene().shapes());
-        compared.differences.extend(explainer.caused(found, Cause::Representation, None));
+        let mut caused = explainer.caused(found, Cause::Representation, None);
+        if let Ok(given) = given {
+            measure_modes(&mut caused, given, (&self.given, unrounded), self.precision.epsilon() / 2.0);
+        }
+        compared.differences.extend(caused);
     }
 
     /// Arithmetic and defects.
@@ -303,6 +307,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         for caused in caused.iter_mut().filter(|c| remaining.contains(&c.difference)) {
             caused.cause = Cause::Defect;
         }
+        measure_modes(&mut caused, oracle, (&self.rounded, start), self.precision.epsilon() / 2.0);
         compared.differences.extend(caused);
     }
 

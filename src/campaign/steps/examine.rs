@@ -6,7 +6,6 @@ use super::motion::PairMotion;
 use super::summary::{Place, StepSummary, half_side};
 use crate::campaign::finding::{Cause, Who};
 use crate::campaign::subject::{Subject, SubjectSet};
-use crate::lockstep::Caused;
 use crate::lockstep::effect::Depths;
 use crate::model::Precision;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -91,6 +90,7 @@ fn blank(subject: &Subject, set: &SubjectSet, engine: &dyn StepEngine, cause: Ca
         before: String::new(),
         after: String::new(),
         deciding: None,
+        margins: [None; 2],
         penetration: [None; 2],
         effect: "",
     }
@@ -117,10 +117,10 @@ fn told(
         }
         finding
     };
-    for Caused { cause, difference, deciding } in &compared.differences {
-        if compared.step > 1 || !difference.is_of_contacts() {
-            let mut finding = new(*cause);
-            finding.tell(difference, *deciding);
+    for caused in &compared.differences {
+        if compared.step > 1 || !caused.difference.is_of_contacts() {
+            let mut finding = new(caused.cause);
+            finding.tell(caused);
             findings.push(finding);
         }
     }

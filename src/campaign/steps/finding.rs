@@ -3,7 +3,8 @@
 
 use crate::campaign::compare;
 use crate::campaign::finding::{Cause, Deciding, Who};
-use crate::lockstep::answer::{Change, StepDifference};
+use crate::lockstep::Caused;
+use crate::lockstep::answer::Change;
 use crate::model::{Contact, ContactKind};
 use std::sync::Arc;
 
@@ -83,6 +84,8 @@ pub struct StepFinding {
     pub after: String,
     /// What decided a difference of contacts.
     pub deciding: Option<Deciding>,
+    /// The exact margin of what decided a difference of contacts or of a mode, **0 at a tie**, and the same in roundoffs.
+    pub margins: [Option<f64>; 2],
     /// The exact penetration after the stepper's step and after the oracle's (m).
     pub penetration: [Option<f64>; 2],
     /// What made the penetration another one.
@@ -117,12 +120,14 @@ pub const STEP_FINDING_COLUMNS: [&str; 22] = [
 
 impl StepFinding {
     /// Takes over what a difference of two steps says.
-    pub(super) fn tell(&mut self, difference: &StepDifference, deciding: Option<Deciding>) {
+    pub(super) fn tell(&mut self, caused: &Caused) {
+        let difference = &caused.difference;
         self.change = StepChange::Decision(difference.change);
         self.contact = difference.contact.map(|(_, contact)| contact);
         self.solve = difference.solve;
         (self.before, self.after) = (difference.before.clone(), difference.after.clone());
-        self.deciding = deciding;
+        self.deciding = caused.deciding;
+        self.margins = [caused.margin(), caused.margin_ulps()];
     }
 
     /// What makes two findings alike, in one line.
@@ -174,8 +179,8 @@ impl StepFinding {
             self.after.clone(),
             deciding.map_or(String::new(), |d| d.decision.predicate.name().to_owned()),
             deciding.map_or(String::new(), features),
-            number(deciding.and_then(|d| d.margin)),
-            number(deciding.and_then(|d| d.margin_ulps)),
+            number(self.margins[0]),
+            number(self.margins[1]),
             number(self.penetration[0]),
             number(self.penetration[1]),
             self.effect.to_owned(),
