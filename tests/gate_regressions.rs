@@ -52,7 +52,7 @@ fn tally(dir: &Path, config: &CampaignConfig, engine: Option<OneEngine>) -> Tall
         mistaken.engines = vec![Box::new(engine) as Box<dyn Engine>];
     }
     let narrow = |_: &Finding| -> Panel { panel() };
-    let campaign = Campaign { config, source: &source, panel: &mistaken, narrow: &narrow, threads: 0 };
+    let campaign = Campaign { config, source: &source, panel: &mistaken, narrow: &narrow, steppers: &[], threads: 0 };
     let identity = source::identity(config).expect("a map");
     let mut journal = Journal::open(dir, identity, Start::Force).expect("a folder");
     campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {}).expect("runs");

@@ -3,139 +3,14 @@
 
 #[path = "support/beside.rs"]
 mod beside;
+#[path = "support/step_mistakes.rs"]
+mod step_mistakes;
 
-use Mistake::*;
 use beside::first_difference;
 use rockproof::model::scene::SceneBlock;
 use rockproof::model::simulation::{PointLoad, Unconverged};
 use rockproof::model::{Block, Criteria, Motion, Number, Scene, ToleranceSet, Vec3};
-use rockproof::stepper::Real;
-use rockproof::stepper::contact::Rules;
-use rockproof::stepper::dynamics::{Mode, Slip, StepRules};
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-macro_rules! mistakes {
-    ($($name:ident $what:literal,)*) => {
-        /// What can be wrong.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        enum Mistake { $($name),* }
-
-        const ALL: &[(Mistake, &str)] = &[$(($name, $what)),*];
-    };
-}
-
-mistakes! {
-    Nothing "none",
-    SlidingLockedIgnored "convergence ignores changes between sliding and locked",
-    RelockForgets "becoming locked ignores the stiffness ratio and cohesion, staying locked uses them",
-    ThreeIterations "the iteration ends after 3 solves, whatever says that it failed",
-    TwelveIterations "the iteration goes on for 12 solves",
-    OuterDistance "contacts are recorded apart up to the penetration depth, overlapping up to the search distance",
-    BeginsOpen "a contact that begins touching is open",
-    BeginsLocked "every contact begins locked",
-    ClosesAtOnce "an open contact closes at any overlap",
-    OpensAtOnce "a closed contact opens at any gap",
-    TensionForgotten "tensile strength is forgotten",
-    CohesionForgotten "cohesion is forgotten",
-    FrictionForgotten "friction is forgotten",
-    PullPresses "a gap presses as an overlap does",
-    EqualAbsolute "Eq. (1): absolute",
-    EqualForgotten "Eq. (1) is forgotten",
-    UnsquaredStrength "the squared force is compared with the strength itself",
-    AnchorStays "the anchor of a sliding contact stays behind",
-    MemoryLost "contacts forget mode and anchor",
-    CutByHalf "an iteration that fails is cut by half",
-    NoDisplacementLimit "the displacement limit is forgotten",
-    NoRotationLimit "the rotation limit is forgotten",
-    RateOnce "the rate after a step is (2/Δt)·d",
-}
-
-/// The mistake that is planted. The stepper classifies in threads, so no thread can hold it.
-static PLANTED: AtomicUsize = AtomicUsize::new(0);
-
-fn planted(mistake: Mistake) -> bool {
-    PLANTED.load(Ordering::SeqCst) == mistake as usize
-}
-
-/// SPEC's rules but for the mistake that is planted.
-struct Mistaken;
-
-impl Rules for Mistaken {
-    fn vertex_face_near<R: Real>(gap: R, search: R) -> bool {
-        gap <= if planted(OuterDistance) { R::from_f64(PENETRATION) } else { search }
-    }
-    fn vertex_face_depth<R: Real>(gap: R, penetration: R) -> bool {
-        gap >= -if planted(OuterDistance) { R::from_f64(SEARCH) } else { penetration }
-    }
-}
-
-impl StepRules for Mistaken {
-    fn begins<R: Real>(gap: R) -> Mode {
-        let locked = (gap <= R::ZERO && !(planted(BeginsOpen) && gap >= R::ZERO)) || planted(BeginsLocked);
-        if locked { Mode::Locked } else { Mode::Open }
-    }
-    fn keeps_mode<R: Real>(gap: R, gap_before: R, equal: R) -> bool {
-        let limit = if planted(EqualAbsolute) { equal } else { equal * gap_before.abs() };
-        gap.abs() <= limit && !planted(EqualForgotten)
-    }
-    fn closes<R: Real>(gap: R, close: R) -> bool {
-        gap < if planted(ClosesAtOnce) { R::ZERO } else { -close }
-    }
-    fn opens<R: Real>(gap: R, open: R, tensile_gap: R) -> bool {
-        let open = if planted(OpensAtOnce) { R::ZERO } else { open };
-        gap > if planted(TensionForgotten) { open } else { open + tensile_gap }
-    }
-    fn pressing<R: Real>(gap: R) -> R {
-        if planted(PullPresses) { gap.abs() } else { (-gap).larger(R::ZERO) }
-    }
-    fn strength<R: Real>(friction: R, normal_force: R, cohesive_force: R) -> R {
-        let cohesive = if planted(CohesionForgotten) { R::ZERO } else { cohesive_force };
-        if planted(FrictionForgotten) { cohesive } else { friction * normal_force + cohesive }
-    }
-    fn locks<R: Real>(force_squared: R, strength_squared: R) -> bool {
-        force_squared <= if planted(UnsquaredStrength) { strength_squared.sqrt() } else { strength_squared }
-    }
-    fn holds<R: Real>(before: Mode, slip: &Slip<R>) -> bool {
-        if planted(RelockForgets) && before != Mode::Locked {
-            let force = slip.normal * slip.normal * slip.stretch_squared;
-            return Self::locks(force, slip.friction * slip.friction);
-        }
-        Self::locks(slip.shear * slip.shear * slip.stretch_squared, slip.strength * slip.strength)
-    }
-    fn counts_as_change(before: Mode, after: Mode) -> bool {
-        before != after && !(planted(SlidingLockedIgnored) && before.is_closed() && after.is_closed())
-    }
-    fn iterations() -> u32 {
-        if planted(ThreeIterations) {
-            3
-        } else if planted(TwelveIterations) {
-            12
-        } else {
-            6
-        }
-    }
-    fn cut<R: Real>(time_step: R) -> R {
-        time_step * R::from_f64(if planted(CutByHalf) { 0.5 } else { 0.3 })
-    }
-    fn too_far<R: Real>(distance_squared: R, limit_squared: R) -> bool {
-        distance_squared > limit_squared && !planted(NoDisplacementLimit)
-    }
-    fn turned_too_far<R: Real>(angle_squared: R, limit_squared: R) -> bool {
-        angle_squared > limit_squared && !planted(NoRotationLimit)
-    }
-    fn drags_anchor() -> bool {
-        !planted(AnchorStays)
-    }
-    fn transfers() -> bool {
-        !planted(MemoryLost)
-    }
-    fn rate<R: Real>(dynamic: R, twice_mean: R, before: R) -> R {
-        if planted(RateOnce) { dynamic * twice_mean } else { dynamic * (twice_mean - before) }
-    }
-}
-
-const SEARCH: f64 = 0.125;
-const PENETRATION: f64 = 0.0625;
+use step_mistakes::{ALL, Mistake, Mistaken, plant};
 
 fn n(text: &str) -> Number {
     Number::parse(text).unwrap()
@@ -304,12 +179,12 @@ fn every_mistake_is_found_and_none_where_there_is_none() {
     let cases = cases();
     let mut lost = Vec::new();
     for &(mistake, what) in ALL {
-        PLANTED.store(mistake as usize, Ordering::SeqCst);
+        plant(mistake);
         let found = cases
             .iter()
             .find_map(|case| Some((case.name, first_difference::<Mistaken>(&case.scene, &case.set, case.steps)?)));
         println!("{what}: {found:?}");
-        if (mistake == Nothing) != found.is_none() {
+        if (mistake == Mistake::Nothing) != found.is_none() {
             lost.push((what, found));
         }
     }

@@ -11,6 +11,7 @@ mod chain;
 mod contact;
 mod frame;
 mod ladder;
+mod margin;
 mod prepare;
 mod questions;
 mod run;
@@ -21,5 +22,6 @@ mod transfer;
 mod update;
 
 pub use ladder::StepLevels;
+pub use margin::{ModeMargin, mode_margins};
 pub use run::{CertifiedStep, Cut, StepAnswer, StepFailure, StepModel, certified_step, exact_step, first_system};
 pub use state::{BlockState, ContactMemory, Keep, Mode, State};

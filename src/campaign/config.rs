@@ -43,6 +43,10 @@ pub struct CampaignConfig {
     pub chunk: u64,
     /// One pair in this many goes through the metamorphic checks; 0 for none.
     pub metamorphic_every: u64,
+    /// One pair in this many makes steps; 0 for none.
+    pub steps_every: u64,
+    /// How many steps such a pair makes.
+    pub steps: u32,
     /// Findings of each fingerprint that are shrunk and written as case files.
     pub cases_per_fingerprint: u64,
     /// Case files of each cause at most.
@@ -67,6 +71,8 @@ impl Default for CampaignConfig {
             planarity: None,
             chunk: 4096,
             metamorphic_every: 16,
+            steps_every: 64,
+            steps: 1,
             cases_per_fingerprint: 1,
             cases_per_cause: 50,
             shrink_evaluations: 300,

@@ -8,6 +8,7 @@ use super::agreement::Agreement;
 use super::config::identity_differences;
 use super::engine::Levels;
 use super::finding::FINDING_COLUMNS;
+use super::steps::{STEP_FINDING_COLUMNS, StepSummary};
 use super::summary::Summary;
 use crate::model::files::write_atomically;
 use serde::{Deserialize, Serialize};
@@ -40,6 +41,18 @@ pub struct Progress {
     pub fingerprints: BTreeMap<String, u64>,
     /// Case files written for each cause.
     pub cases: BTreeMap<String, u64>,
+    /// Length of `step_findings.csv`; 0 where no pair makes steps.
+    #[serde(default)]
+    pub step_findings_bytes: u64,
+    /// Counts of steps.
+    #[serde(default)]
+    pub steps: StepSummary,
+    /// Case files of steps written for each fingerprint.
+    #[serde(default)]
+    pub step_fingerprints: BTreeMap<String, u64>,
+    /// Case files of steps written for each cause.
+    #[serde(default)]
+    pub step_cases: BTreeMap<String, u64>,
     /// Seconds of work so far, over all sessions.
     pub seconds: f64,
     /// How often the run was taken up again.
@@ -108,13 +121,25 @@ pub(super) fn at(file: &Path) -> impl FnOnce(io::Error) -> JournalError {
 pub struct Journal {
     dir: PathBuf,
     findings: File,
+    /// `step_findings.csv`, where pairs make steps.
+    step_findings: Option<File>,
     progress: Progress,
 }
 
 const FINDINGS: &str = "findings.csv";
+const STEP_FINDINGS: &str = "step_findings.csv";
 const PROGRESS: &str = "progress.json";
 const CASES: &str = "cases";
-const FILES: [&str; 6] = [FINDINGS, PROGRESS, "summary.csv", "agreement.csv", "confusion.csv", "run.json"];
+const FILES: [&str; 8] = [
+    FINDINGS,
+    STEP_FINDINGS,
+    PROGRESS,
+    "summary.csv",
+    "step_summary.csv",
+    "agreement.csv",
+    "confusion.csv",
+    "run.json",
+];
 
 impl Journal {
     /// Opens the run in `dir`, or makes one.
@@ -145,11 +170,15 @@ impl Journal {
             agreement: Agreement::default(),
             fingerprints: BTreeMap::new(),
             cases: BTreeMap::new(),
+            step_findings_bytes: 0,
+            steps: StepSummary::default(),
+            step_fingerprints: BTreeMap::new(),
+            step_cases: BTreeMap::new(),
             seconds: 0.0,
             resumed: 0,
         };
-        let mut journal = Journal { dir: dir.to_owned(), findings, progress: progress.clone() };
-        journal.commit(&[], Progress { findings_bytes: header.len() as u64, ..progress })?;
+        let mut journal = Journal { dir: dir.to_owned(), findings, step_findings: None, progress: progress.clone() };
+        journal.commit(&[], &[], Progress { findings_bytes: header.len() as u64, ..progress })?;
         Ok(journal)
     }
 
@@ -162,17 +191,13 @@ impl Journal {
         if !differences.is_empty() {
             return Err(JournalError::OtherConfiguration { dir: dir.to_owned(), differences });
         }
-        let path = dir.join(FINDINGS);
-        let mut findings = OpenOptions::new().read(true).write(true).open(&path).map_err(at(&path))?;
-        let length = findings.metadata().map_err(at(&path))?.len();
-        if length < progress.findings_bytes {
-            let what = format!("{length} bytes long, but {} were written", progress.findings_bytes);
-            return Err(JournalError::Damaged { file: path, what });
-        }
-        findings.set_len(progress.findings_bytes).map_err(at(&path))?;
-        findings.seek(SeekFrom::End(0)).map_err(at(&path))?;
+        let findings = cut(dir.join(FINDINGS), progress.findings_bytes)?;
+        let step_findings = match progress.step_findings_bytes {
+            0 => None,
+            bytes => Some(cut(dir.join(STEP_FINDINGS), bytes)?),
+        };
         progress.resumed += 1;
-        Ok(Journal { dir: dir.to_owned(), findings, progress })
+        Ok(Journal { dir: dir.to_owned(), findings, step_findings, progress })
     }
 
     /// What is done.
@@ -190,16 +215,41 @@ impl Journal {
         self.dir.join(CASES)
     }
 
-    /// Appends rows to `findings.csv` and makes `progress` the state to resume from. The length of `findings.csv` is
-    /// seen to here.
+    /// Begins `step_findings.csv`, if it has not begun. Until the next commit it counts for nothing.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn keep_steps(&mut self) -> Result<(), JournalError> {
+        if self.step_findings.is_some() {
+            return Ok(());
+        }
+        let path = self.dir.join(STEP_FINDINGS);
+        let mut file = File::create(&path).map_err(at(&path))?;
+        let header = format!("{}\n", STEP_FINDING_COLUMNS.join(","));
+        file.write_all(header.as_bytes()).map_err(at(&path))?;
+        self.progress.step_findings_bytes = header.len() as u64;
+        self.step_findings = Some(file);
+        Ok(())
+    }
+
+    /// Appends rows to `findings.csv` and `step_findings.csv` and makes `progress` the state to resume from. The lengths of both
+    /// are seen to here; rows of steps are for a journal that keeps them.
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn commit(&mut self, rows: &[u8], progress: Progress) -> Result<(), JournalError> {
+    pub fn commit(&mut self, rows: &[u8], step_rows: &[u8], progress: Progress) -> Result<(), JournalError> {
         let path = self.dir.join(FINDINGS);
         self.findings.write_all(rows).map_err(at(&path))?;
         self.findings.sync_data().map_err(at(&path))?;
-        self.progress = Progress { findings_bytes: progress.findings_bytes + rows.len() as u64, ..progress };
+        let mut step_findings_bytes = progress.step_findings_bytes;
+        if let Some(file) = &mut self.step_findings {
+            let path = self.dir.join(STEP_FINDINGS);
+            file.write_all(step_rows).map_err(at(&path))?;
+            file.sync_data().map_err(at(&path))?;
+            step_findings_bytes += step_rows.len() as u64;
+        }
+        let findings_bytes = progress.findings_bytes + rows.len() as u64;
+        self.progress = Progress { findings_bytes, step_findings_bytes, ..progress };
         let text = serde_json::to_vec(&self.progress)
             .map_err(|e| JournalError::Io { file: self.dir.join(PROGRESS), source: e.into() })?;
         self.write(PROGRESS, &text)
@@ -215,6 +265,19 @@ impl Journal {
     }
 }
 
+/// Opens a table to go on with, without what was appended after the last commit.
+fn cut(path: PathBuf, bytes: u64) -> Result<File, JournalError> {
+    let mut file = OpenOptions::new().read(true).write(true).open(&path).map_err(at(&path))?;
+    let length = file.metadata().map_err(at(&path))?.len();
+    if length < bytes {
+        let what = format!("{length} bytes long, but {bytes} were written");
+        return Err(JournalError::Damaged { file: path, what });
+    }
+    file.set_len(bytes).map_err(at(&path))?;
+    file.seek(SeekFrom::End(0)).map_err(at(&path))?;
+    Ok(file)
+}
+
 /// Removes the files of a run, and nothing else.
 fn discard(dir: &Path) -> Result<(), JournalError> {
     for name in FILES {
@@ -227,7 +290,7 @@ fn discard(dir: &Path) -> Result<(), JournalError> {
     if cases.is_dir() {
         for entry in fs::read_dir(&cases).map_err(at(&cases))? {
             let path = entry.map_err(at(&cases))?.path();
-            if path.extension().is_some_and(|e| e == "toml") {
+            if path.extension().is_some_and(|e| e == "toml" || e == "json") {
                 fs::remove_file(&path).map_err(at(&path))?;
             }
         }

@@ -28,6 +28,7 @@ mod shake;
 pub mod shapes;
 pub mod shrink;
 pub mod source;
+pub mod steps;
 pub mod subject;
 pub mod summary;
 pub mod transform;

@@ -8,6 +8,7 @@ use super::engine::Levels;
 use super::finding::Finding;
 use super::journal::{Journal, JournalError, Progress, at};
 use super::shrink::Shrinker;
+use super::steps::{self, StepEngine, StepFinding};
 use super::subject::Source;
 use super::summary::{Origin, Summary};
 use crate::model::files::write_atomically;
@@ -26,9 +27,14 @@ pub struct Campaign<'c> {
     pub panel: &'c Panel,
     /// A panel with one engine of the given name, or all of a precision: what a shrinker needs.
     pub narrow: &'c (dyn Fn(&Finding) -> Panel + Sync),
+    /// What makes the steps of pairs that the source moves; empty for no steps.
+    pub steppers: &'c [Box<dyn StepEngine>],
     /// Worker threads; 0 for one a core.
     pub threads: usize,
 }
+
+/// Of findings about steps one case is kept where of others so many are: they are larger, and each is a step made some ten times.
+const STEP_CASES: u64 = 4;
 
 /// How a campaign ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +74,7 @@ struct Batch {
     contacts: u64,
     metamorphic_checks: u64,
     agreement: Agreement,
+    steps: steps::Examined,
 }
 
 impl Campaign<'_> {
@@ -82,6 +89,9 @@ impl Campaign<'_> {
         watch: &mut dyn FnMut(&Progress),
     ) -> Result<Ending, RunError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
+        if self.makes_steps() {
+            journal.keep_steps()?;
+        }
         let before = journal.progress().seconds;
         let started = Instant::now();
         let batch_len = self.source.batch_len();
@@ -93,7 +103,7 @@ impl Campaign<'_> {
                 (first / batch_len..end.div_ceil(batch_len)).into_par_iter().map(|n| self.batch(n, end)).collect()
             });
             let mut progress = journal.progress().clone();
-            let mut findings = Vec::new();
+            let (mut findings, mut stepped) = (Vec::new(), Vec::new());
             for batch in batches {
                 progress.summary.add(batch.summary);
                 let mut levels = Levels(progress.levels);
@@ -103,26 +113,39 @@ impl Campaign<'_> {
                 progress.metamorphic_checks += batch.metamorphic_checks;
                 progress.agreement.add(batch.agreement);
                 findings.extend(batch.findings);
+                progress.steps.add(batch.steps.summary);
+                stepped.extend(batch.steps.findings);
             }
             let names = self.choose_cases(&findings, &mut progress);
             let rows = rows(&findings, &names)?;
             pool.install(|| self.write_cases(&findings, &names, journal))?;
+            let names = self.choose_step_cases(&stepped, &mut progress);
+            let step_rows = step_rows(&stepped, &names)?;
+            pool.install(|| self.write_step_cases(&stepped, &names, journal))?;
             progress.pairs_done = end;
             progress.seconds = before + started.elapsed().as_secs_f64();
-            journal.commit(&rows, progress)?;
+            journal.commit(&rows, &step_rows, progress)?;
             watch(journal.progress());
         }
         let finished = journal.progress().pairs_done >= self.config.pairs;
         journal.write("summary.csv", &journal.progress().summary.to_csv()?)?;
         journal.write("agreement.csv", &journal.progress().agreement.to_csv()?)?;
         journal.write("confusion.csv", &journal.progress().agreement.confusion_to_csv()?)?;
+        if self.makes_steps() {
+            journal.write("step_summary.csv", &journal.progress().steps.to_csv()?)?;
+        }
         journal.write("run.json", &self.run_json(journal, finished)?)?;
         Ok(if finished { Ending::Finished } else { Ending::Stopped })
     }
 
+    fn makes_steps(&self) -> bool {
+        !self.steppers.is_empty() && self.config.steps_every > 0 && self.config.steps > 0
+    }
+
     fn batch(&self, number: u64, end: u64) -> Batch {
         let mut batch = Batch::default();
-        for subject in self.source.batch(number).iter().filter(|s| s.index < end) {
+        let subjects = self.source.batch(number);
+        for subject in subjects.iter().filter(|s| s.index < end) {
             for set in &subject.sets {
                 batch.summary.add_pair(Origin {
                     family: subject.family.to_string(),
@@ -141,6 +164,13 @@ impl Campaign<'_> {
             batch.agreement.add(agreement);
         }
         batch.agreement.close_batch();
+        if self.makes_steps() {
+            let moving = subjects.iter().filter(|s| s.index < end);
+            let moving: Vec<_> = moving.filter_map(|s| Some((s, self.source.motion(s)?))).collect();
+            if !moving.is_empty() {
+                batch.steps = steps::examine_all(&moving, self.steppers);
+            }
+        }
         batch
     }
 
@@ -183,6 +213,46 @@ impl Campaign<'_> {
         )
     }
 
+    /// The name of the case file of each finding about a step, where it gets one.
+    fn choose_step_cases(&self, findings: &[StepFinding], progress: &mut Progress) -> Vec<Option<String>> {
+        let mut names: Vec<Option<String>> = Vec::with_capacity(findings.len());
+        for finding in findings {
+            let (text, cause) = (finding.fingerprint(), finding.cause.name());
+            let of_cause = progress.step_cases.get(cause).copied().unwrap_or(0);
+            let alike = progress.step_fingerprints.get(&text).copied().unwrap_or(0);
+            let name = finding.file_name();
+            let wanted =
+                alike < self.config.cases_per_fingerprint && of_cause < self.config.cases_per_cause / STEP_CASES;
+            let wanted = wanted && !names.iter().flatten().any(|n| *n == name);
+            if wanted {
+                *progress.step_fingerprints.entry(text).or_default() += 1;
+                *progress.step_cases.entry(cause.to_owned()).or_default() += 1;
+            }
+            names.push(wanted.then_some(name));
+        }
+        names
+    }
+
+    fn write_step_cases(
+        &self,
+        findings: &[StepFinding],
+        names: &[Option<String>],
+        journal: &Journal,
+    ) -> Result<(), RunError> {
+        let dir = journal.cases_dir();
+        findings.par_iter().zip(names).filter_map(|(f, name)| Some((f, name.as_ref()?))).try_for_each(
+            |(finding, name)| {
+                let subjects = self.source.batch(finding.index / self.source.batch_len());
+                let Some(subject) = subjects.iter().find(|s| s.index == finding.index) else { return Ok(()) };
+                let Some(motion) = self.source.motion(subject) else { return Ok(()) };
+                let Some(case) = steps::case::of(finding, subject, &motion, self.steppers) else { return Ok(()) };
+                let path = dir.join(name);
+                write_atomically(&path, case.text()?).map_err(at(&path))?;
+                Ok(())
+            },
+        )
+    }
+
     fn run_json(&self, journal: &Journal, finished: bool) -> Result<Vec<u8>, RunError> {
         let progress = journal.progress();
         let levels: Map<String, Value> =
@@ -194,7 +264,7 @@ impl Campaign<'_> {
             .collect();
         let counted = |e: &dyn super::engine::Engine| Some((e.name().to_owned(), e.counts()?));
         let external: Map<String, Value> = self.panel.engines.iter().filter_map(|e| counted(&**e)).collect();
-        let text = json!({
+        let mut text = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "seed": self.config.seed,
             "configuration": progress.configuration,
@@ -216,10 +286,29 @@ impl Campaign<'_> {
             "pairs_per_second": progress.pairs_done as f64 / progress.seconds.max(1e-9),
             "resumed": progress.resumed,
         });
+        if self.makes_steps() {
+            let counts = progress.steps.by_engine();
+            let made: u64 = counts.values().map(|counts| counts.steps).sum();
+            text["steps"] = json!({
+                "made": made,
+                "findings": progress.steps.total(),
+                "case_files": progress.step_cases.values().sum::<u64>(),
+            });
+        }
         let mut bytes = serde_json::to_vec_pretty(&text)?;
         bytes.push(b'\n');
         Ok(bytes)
     }
+}
+
+/// The rows of `step_findings.csv`.
+fn step_rows(findings: &[StepFinding], names: &[Option<String>]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    for (finding, name) in findings.iter().zip(names) {
+        let case = name.as_ref().map_or(String::new(), |n| format!("cases/{n}"));
+        writer.write_record(finding.row().iter().chain([&case]))?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
 }
 
 /// The rows of `findings.csv`.

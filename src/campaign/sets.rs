@@ -191,7 +191,7 @@ pub fn bare(a: &Block, b: &Block) -> ToleranceSet {
 }
 
 /// The block's shortest edge and longest box side (m).
-fn size(block: &Block) -> (f64, f64) {
+pub(super) fn size(block: &Block) -> (f64, f64) {
     let points: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
     let edges = block.topology().edges().iter();
     let shortest =
@@ -203,12 +203,12 @@ fn size(block: &Block) -> (f64, f64) {
     (shortest, (0..3).map(side).fold(0.0, f64::max))
 }
 
-fn number(value: f64) -> Number {
+pub(super) fn number(value: f64) -> Number {
     Number::from_f64(value).unwrap_or(Number::ZERO)
 }
 
 /// The largest power of two that is at most `value`, which must be positive.
-fn binary_below(value: f64) -> f64 {
+pub(super) fn binary_below(value: f64) -> f64 {
     let (significand, exponent) = split_f64(value);
     power_of_two((exponent + 63 - significand.unsigned_abs().max(1).leading_zeros() as i32).clamp(-1000, 1000))
 }

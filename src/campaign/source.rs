@@ -5,6 +5,7 @@ use super::families::{self, Real};
 use super::grid::GridFault;
 use super::pairs::{self, PairCase, PairConfig};
 use super::sets::{self, SetSource};
+use super::steps::motion::{self, PairMotion};
 use super::subject::{Source, Subject, SubjectSet};
 use crate::model::{Block, LoadOptions, Scene, SceneError};
 use serde_json::{Map, Value};
@@ -55,6 +56,8 @@ pub enum SourceError {
 pub struct FamilySource {
     seed: u64,
     pairs: PairConfig,
+    /// One pair in so many moves, for so many steps.
+    steps: (u64, u32),
 }
 
 /// The pairs that a configuration asks for.
@@ -95,6 +98,7 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
     Ok(FamilySource {
         seed: config.seed,
         pairs: PairConfig { families, sets, sets_per_batch, ..PairConfig::default() },
+        steps: (config.steps_every, config.steps),
     })
 }
 
@@ -156,5 +160,16 @@ impl Source for FamilySource {
                     .collect(),
             })
             .collect()
+    }
+
+    fn motion(&self, subject: &Subject) -> Option<PairMotion> {
+        let (every, steps) = self.steps;
+        let mut rng = motion::generator(self.seed, subject.index);
+        if steps == 0 || !motion::moves(&mut rng, every) {
+            return None;
+        }
+        let family = self.pairs.families.iter().find(|family| family.name() == &*subject.family);
+        let manner = family.map(|family| family.manner()).unwrap_or_default();
+        Some(motion::drawn(&mut rng, manner, &subject.a, &subject.b, steps))
     }
 }

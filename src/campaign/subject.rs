@@ -1,5 +1,6 @@
 //! What a campaign looks at: pairs of blocks, each with the tolerance sets it is examined under.
 
+use super::steps::PairMotion;
 use crate::model::{Block, Precision, ToleranceSet};
 use std::sync::Arc;
 
@@ -48,4 +49,9 @@ pub trait Source: Sync {
 
     /// The pairs of one batch, in the order of their indices.
     fn batch(&self, number: u64) -> Vec<Subject>;
+
+    /// How a pair moves, for those of the source that do: a function of the pair alone.
+    fn motion(&self, _subject: &Subject) -> Option<PairMotion> {
+        None
+    }
 }

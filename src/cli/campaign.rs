@@ -14,6 +14,7 @@ use rockproof::campaign::finding::{Cause, Finding};
 use rockproof::campaign::journal::{Journal, Progress, Start};
 use rockproof::campaign::run::{self, Ending};
 use rockproof::campaign::source;
+use rockproof::campaign::steps::{self, StepChange, StepSummary};
 use rockproof::campaign::subject::Source;
 use rockproof::stress::StressSource;
 use std::collections::BTreeMap;
@@ -24,7 +25,8 @@ use std::time::{Duration, Instant};
 
 /// Compare engines with the oracle on generated and real pairs, and explain every difference
 ///
-/// Writes findings.csv, summary.csv, run.json and the shrunk findings in cases/.
+/// Writes findings.csv, summary.csv, run.json and the shrunk findings in cases/; of pairs that make steps, step_findings.csv and
+/// step_summary.csv.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   rockproof campaign                                  every family, f32 and f64, all presets; about a minute
@@ -32,6 +34,7 @@ use std::time::{Duration, Instant};
   rockproof campaign --family real --real cases/real/voronoi_120.txt --planarity 1e-4
   rockproof campaign --out reports/night --pairs 100000000 --resume
   rockproof campaign --deny defect --deny collapsed   for CI: exit 1 if there is such a finding
+  rockproof campaign --pairs 2000 --steps-every 1 --steps 3   every pair moves for three steps (docs/campaign_steps.md)
   rockproof campaign --stress                         how far from the origin, how thin, how parallel (docs/stress.md)
   rockproof campaign --engine-command mine:f32=./client --ask-twice   your own program (docs/engines.md)
 
@@ -79,6 +82,12 @@ pub(crate) struct Campaign {
     /// Exit with 1 if there is a finding of this cause or change, or `any`; may be repeated
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     deny: Vec<String>,
+    /// One pair in this many makes steps as well; 0 for none
+    #[arg(long, value_name = "N")]
+    steps_every: Option<u64>,
+    /// How many steps such a pair makes
+    #[arg(long, value_name = "COUNT")]
+    steps: Option<u32>,
     /// Worker threads [default: one a core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     threads: usize,
@@ -113,8 +122,11 @@ impl Campaign {
         if config.stress {
             stress::finish(&journal, &engines)?;
         }
-        let summary = &journal.progress().summary;
-        let denied = |kind: &&String| if *kind == "any" { summary.total() > 0 } else { summary.count_of(kind) > 0 };
+        let (summary, steps) = (&journal.progress().summary, &journal.progress().steps);
+        let denied = |kind: &&String| match kind.as_str() {
+            "any" => summary.total() + steps.total() > 0,
+            kind => summary.count_of(kind) + steps.count_of(kind) > 0,
+        };
         let denied: Vec<&String> = self.deny.iter().filter(denied).collect();
         for kind in &denied {
             note(&format!("denied: there are findings of kind {kind}"));
@@ -143,6 +155,8 @@ impl Campaign {
         }
         config.pairs = self.pairs.unwrap_or(config.pairs);
         config.seed = self.seed.unwrap_or(config.seed);
+        config.steps_every = self.steps_every.unwrap_or(config.steps_every);
+        config.steps = self.steps.unwrap_or(config.steps);
         self.external.add_to(&mut config)?;
         if !self.engine.is_empty() {
             let (external, builtin): (Vec<String>, Vec<String>) =
@@ -167,9 +181,10 @@ impl Campaign {
 }
 
 fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
-    let known = |kind: &str| kind == "any" || Cause::from_name(kind).is_some() || Change::from_name(kind).is_some();
+    let known = |kind: &str| kind == "any" || Cause::from_name(kind).is_some() || StepChange::is_known(kind);
     if let Some(kind) = kinds.iter().find(|kind| !known(kind)) {
-        let names = Cause::ALL.map(Cause::name).into_iter().chain(Change::ALL.map(Change::name));
+        let names =
+            Cause::ALL.map(Cause::name).into_iter().chain(Change::ALL.map(Change::name)).chain(StepChange::NAMES);
         let allowed = std::iter::once("any").chain(names).collect::<Vec<_>>().join(", ");
         anyhow::bail!("--deny {kind}: no such kind; known are {allowed}");
     }
@@ -186,7 +201,9 @@ fn work(
 ) -> anyhow::Result<Ending> {
     let narrow = |finding: &Finding| engines.panel_for(finding);
     let panel = engines.panel();
-    let campaign = run::Campaign { config, source, panel: &panel, narrow: &narrow, threads };
+    let names = engines.names();
+    let steppers = steps::engines(names.iter().map(String::as_str));
+    let campaign = run::Campaign { config, source, panel: &panel, narrow: &narrow, steppers: &steppers, threads };
     let mut display = Display::new(config.pairs, journal.progress());
     let ending = campaign.run(journal, stop, &mut |progress| display.show(progress))?;
     display.end();
@@ -260,6 +277,9 @@ fn report(out: &mut impl Write, journal: &Journal, ending: Ending) -> std::io::R
     });
     let header = ["engine", "cause", "change", "v-v", "v-e", "e-v", "v-f", "f-v", "e-e", "pair", "all"];
     writeln!(out, "{}\n", table(&header, &[3, 4, 5, 6, 7, 8, 9, 10], rows))?;
+    if !progress.steps.is_empty() {
+        writeln!(out, "{}\n", steps_table(&progress.steps))?;
+    }
     let speed = progress.pairs_done as f64 / progress.seconds.max(1e-9);
     let (pairs, seconds) = (grouped(progress.pairs_done), progress.seconds);
     writeln!(
@@ -271,7 +291,8 @@ fn report(out: &mut impl Write, journal: &Journal, ending: Ending) -> std::io::R
         writeln!(out, "interrupted; --resume goes on")?;
     }
     let dir = journal.dir().display();
-    writeln!(out, "written to {dir}: findings.csv, summary.csv, run.json")?;
+    let tables = if progress.steps.is_empty() { "" } else { "step_findings.csv, step_summary.csv, " };
+    writeln!(out, "written to {dir}: findings.csv, summary.csv, {tables}run.json")?;
     let cases: u64 = progress.cases.values().sum();
     if cases > 0 {
         writeln!(
@@ -279,7 +300,31 @@ fn report(out: &mut impl Write, journal: &Journal, ending: Ending) -> std::io::R
             "{cases} shrunk findings in {dir}/cases; look at one with: rockproof replay {dir}/cases/NAME.toml"
         )?;
     }
+    let cases: u64 = progress.step_cases.values().sum();
+    if cases > 0 {
+        writeln!(out, "{cases} steps in {dir}/cases; look at one with: rockproof replay {dir}/cases/NAME.json")?;
+    }
     Ok(())
+}
+
+/// One row for each engine: its steps, and how many of them differ from the exact ones.
+fn steps_table(steps: &StepSummary) -> String {
+    let rows = steps.by_engine().into_iter().map(|(engine, counts)| {
+        let numbers = [
+            counts.compared,
+            counts.contacts_differ,
+            counts.modes_differ,
+            counts.iterations_differ,
+            counts.retries_differ,
+            counts.deeper,
+            counts.shallower,
+            counts.defect,
+        ];
+        std::iter::once(engine.to_owned()).chain(numbers.map(grouped)).collect()
+    });
+    let header =
+        ["engine", "steps", "other contacts", "modes", "iterations", "retries", "deeper", "shallower", "defects"];
+    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8], rows).to_string()
 }
 
 /// A cause with its place in the chain before it, so that rows come in the order of the chain.

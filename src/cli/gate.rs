@@ -12,7 +12,8 @@ use rockproof::campaign::journal::{Journal, Start};
 use rockproof::campaign::run::Campaign;
 use rockproof::campaign::shrink::Shrinker;
 use rockproof::campaign::source::{self, FamilySource};
-use rockproof::campaign::subject::Source;
+use rockproof::campaign::steps::{self, STEP_FINDING_COLUMNS, StepFinding};
+use rockproof::campaign::subject::{Source, Subject};
 use rockproof::gate::config::{Baseline, GateConfig};
 use rockproof::gate::known::Known;
 use rockproof::gate::tally::{Row, Tally};
@@ -167,8 +168,16 @@ impl Gating<'_> {
         let mut journal = Journal::open(&dir, source::identity(&config)?, Start::Force)?;
         let (panel, engines) = (self.engines.panel(), &self.engines);
         let narrow = |finding: &Finding| engines.panel_for(finding);
-        let campaign =
-            Campaign { config: &config, source: &source, panel: &panel, narrow: &narrow, threads: self.gate.threads };
+        let names = engines.names();
+        let steppers = steps::engines(names.iter().map(String::as_str));
+        let campaign = Campaign {
+            config: &config,
+            source: &source,
+            panel: &panel,
+            narrow: &narrow,
+            steppers: &steppers,
+            threads: self.gate.threads,
+        };
         campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {})?;
         let tally = Tally::read(&dir)?;
         let file = self.gate.file.display().to_string();
@@ -198,6 +207,9 @@ impl Gating<'_> {
         let panel = self.engines.panel();
         let subjects = source.batch(row.index() / source.batch_len());
         let Some(subject) = subjects.iter().find(|s| s.index == row.index()) else { return Ok(()) };
+        if row.is_of_step() {
+            return self.keep_step(dir, source, subject, row);
+        }
         let same = |finding: &Finding| {
             let cells = finding.row();
             rockproof::campaign::finding::FINDING_COLUMNS
@@ -212,6 +224,25 @@ impl Gating<'_> {
         let stem = finding.fingerprint().file_stem(&finding.set, finding.index);
         let path = dir.join("cases").join(format!("{stem}.toml"));
         write_atomically(&path, case.to_toml()?).with_context(|| path.display().to_string())?;
+        note(&format!("to replay: rockproof replay {}", path.display()));
+        self.written += 1;
+        Ok(())
+    }
+
+    /// Writes the case of a row about a step.
+    fn keep_step(&mut self, dir: &Path, source: &FamilySource, subject: &Subject, row: &Row) -> anyhow::Result<()> {
+        let names = self.engines.names();
+        let steppers = steps::engines(names.iter().map(String::as_str));
+        let Some(motion) = source.motion(subject) else { return Ok(()) };
+        let found = steps::examine_all(&[(subject, motion.clone())], &steppers).findings;
+        let same = |finding: &StepFinding| {
+            let cells = finding.row();
+            STEP_FINDING_COLUMNS.iter().zip(&cells).all(|(column, cell)| row.get(column) == cell)
+        };
+        let Some(finding) = found.into_iter().find(same) else { return Ok(()) };
+        let Some(case) = steps::case::of(&finding, subject, &motion, &steppers) else { return Ok(()) };
+        let path = dir.join("cases").join(finding.file_name());
+        write_atomically(&path, case.text()?).with_context(|| path.display().to_string())?;
         note(&format!("to replay: rockproof replay {}", path.display()));
         self.written += 1;
         Ok(())

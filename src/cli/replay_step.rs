@@ -64,10 +64,11 @@ fn show(out: &mut String, case: &StepCase, step: &Compared) -> std::fmt::Result 
         let about = d.contact.map_or(String::new(), |([a, b], c)| format!(" {a}-{b} {} {}/{}", c.kind, c.a, c.b));
         let solve = d.solve.map_or(String::new(), |solve| format!(" after solve {solve}"));
         write!(out, "{}: {}{about}{solve}: {} → {}", caused.cause, d.change.name(), d.before, d.after)?;
-        match caused.deciding.as_ref().and_then(|d| d.margin.map(|margin| (d, margin))) {
-            Some((deciding, margin)) => writeln!(out, "; {}, margin {margin:e}", deciding.decision)?,
-            None => writeln!(out)?,
-        }
+        let decision = caused.deciding.map_or(String::new(), |deciding| format!("; {}", deciding.decision));
+        let margin = caused.margin().map_or(String::new(), |margin| {
+            format!("{} margin {margin:e}", if decision.is_empty() { ";" } else { "," })
+        });
+        writeln!(out, "{decision}{margin}")?;
     }
     if let Some(depths) = &step.depths {
         let [with_contacts, with_modes] = [depths.contacts, depths.modes];

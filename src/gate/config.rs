@@ -3,6 +3,7 @@
 use crate::campaign::compare::Change;
 use crate::campaign::config::CampaignConfig;
 use crate::campaign::finding::Cause;
+use crate::campaign::steps::StepChange;
 use crate::model::ContactKind;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -12,7 +13,7 @@ use toml::Spanned;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GateConfig {
-    /// The campaign behind the gate; its seed is the fixed one.
+    /// The campaign behind the gate; its seed is the fixed one. Without `steps_every` no pair makes steps.
     #[serde(default)]
     pub campaign: CampaignConfig,
     /// Pairs of a second campaign, whose seed changes from run to run; 0 for none.
@@ -92,7 +93,11 @@ impl GateConfig {
     /// # Errors
     /// What is wrong, with the line, and what is allowed.
     pub fn from_toml(text: &str, file: &str) -> Result<GateConfig, String> {
-        let config: GateConfig = toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
+        let mut config: GateConfig = toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
+        let asked = |table: &toml::Table| table.get("campaign")?.get("steps_every").cloned();
+        if toml::from_str::<toml::Table>(text).ok().as_ref().and_then(asked).is_none() {
+            config.campaign.steps_every = 0;
+        }
         for limit in &config.limit {
             let place = format!("{file} line {}", line_of(text, limit.span().start));
             limit.get_ref().check().map_err(|what| format!("{place}: {what}"))?;
@@ -134,7 +139,8 @@ impl Limit {
             _ => Ok(()),
         };
         one_of("cause", &self.cause, &Cause::ALL.map(Cause::name))?;
-        one_of("change", &self.change, &Change::ALL.map(Change::name))?;
+        let changes: Vec<&str> = Change::ALL.map(Change::name).into_iter().chain(StepChange::NAMES).collect();
+        one_of("change", &self.change, &changes)?;
         one_of("kind", &self.kind, &ContactKind::ALL.map(ContactKind::name))?;
         match (self.count, self.rate) {
             (Some(_), None) if self.confidence.is_some() => Err("confidence belongs to a rate, not to a count".into()),

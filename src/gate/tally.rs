@@ -4,19 +4,30 @@ use super::config::{Baseline, Limit};
 use super::known::SEPARATOR;
 use crate::campaign::finding::FINDING_COLUMNS;
 use crate::campaign::pairs::BATCH;
+use crate::campaign::steps::STEP_FINDING_COLUMNS;
 use serde::Deserialize;
 use statrs::function::beta::checked_beta_reg;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// One row of `findings.csv`.
+/// One row of `findings.csv` or of `step_findings.csv`.
 #[derive(Clone, Debug)]
-pub struct Row(csv::StringRecord);
+pub struct Row {
+    record: csv::StringRecord,
+    columns: &'static [&'static str],
+}
 
 impl Row {
-    /// The value in a column of [`FINDING_COLUMNS`]; empty for another.
+    /// The value in a column of [`FINDING_COLUMNS`], or of [`STEP_FINDING_COLUMNS`], whose `kind` counts as before and after; empty
+    /// for another.
     pub fn get(&self, column: &str) -> &str {
-        FINDING_COLUMNS.iter().position(|name| *name == column).and_then(|at| self.0.get(at)).unwrap_or("")
+        let name = if self.is_of_step() && column.starts_with("kind_") { "kind" } else { column };
+        self.columns.iter().position(|known| *known == name).and_then(|at| self.record.get(at)).unwrap_or("")
+    }
+
+    /// Whether it is about a step.
+    pub fn is_of_step(&self) -> bool {
+        self.columns.len() == STEP_FINDING_COLUMNS.len()
     }
 
     /// The number of the pair.
@@ -102,8 +113,11 @@ impl Tally {
     /// # Errors
     /// When its tables cannot be read.
     pub fn read(dir: &Path) -> Result<Tally, csv::Error> {
-        let rows = csv::Reader::from_path(dir.join("findings.csv"))?.into_records();
-        let rows = rows.map(|row| row.map(Row)).collect::<Result<_, _>>()?;
+        let mut rows = table(&dir.join("findings.csv"), &FINDING_COLUMNS)?;
+        let steps = dir.join("step_findings.csv");
+        if steps.is_file() {
+            rows.extend(table(&steps, &STEP_FINDING_COLUMNS)?);
+        }
         let mut origins: BTreeMap<[String; 3], u64> = BTreeMap::new();
         for row in csv::Reader::from_path(dir.join("summary.csv"))?.into_records() {
             let row = row?;
@@ -126,9 +140,11 @@ impl Tally {
         families
     }
 
-    /// How often each sort of finding occurred whose causes a baseline holds, by fingerprint.
+    /// How often each sort of finding occurred whose causes a baseline holds, by fingerprint; findings about steps are none of
+    /// them.
     pub fn sorted(&self, baseline: &Baseline) -> BTreeMap<String, Sorted> {
-        let of = self.rows.iter().filter(|row| baseline.causes.iter().any(|cause| cause == row.get("cause")));
+        let known = |row: &&Row| baseline.causes.iter().any(|cause| cause == row.get("cause"));
+        let of = self.rows.iter().filter(|row| !row.is_of_step()).filter(known);
         let mut hits: BTreeMap<String, Vec<(u64, &str)>> = BTreeMap::new();
         for row in of {
             hits.entry(row.fingerprint(baseline)).or_default().push((row.index(), row.get("tolerances")));
@@ -152,6 +168,11 @@ impl Tally {
             design_effect: if sorted.pairs == 0 { 1.0 } else { sorted.squares as f64 / sorted.pairs as f64 },
         }
     }
+}
+
+fn table(file: &Path, columns: &'static [&'static str]) -> Result<Vec<Row>, csv::Error> {
+    let rows = csv::Reader::from_path(file)?.into_records();
+    rows.map(|row| row.map(|record| Row { record, columns })).collect()
 }
 
 impl Found {

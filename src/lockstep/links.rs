@@ -5,10 +5,12 @@ use crate::campaign::compare::{Difference, Features};
 use crate::campaign::engine::{Oracle, Trace};
 use crate::campaign::explain::{Link, explain};
 use crate::campaign::finding::{Cause, Deciding};
-use crate::lockstep::answer::{Change, StepDifference};
-use crate::model::{Block, ToleranceSet};
+use crate::lockstep::answer::{Answer, Change, StepDifference};
+use crate::lockstep::scene::ExactScene;
+use crate::model::{Block, Contact, ToleranceSet};
+use crate::oracle::step::{self as exact, ModeMargin};
 use crate::stepper::contact::{Solid, Tolerances, classify_traced};
-use crate::stepper::dynamics::StepRules;
+use crate::stepper::dynamics::{Mode, StepRules};
 use crate::stepper::real::Real;
 
 /// Which links of the chain are compared in every step.
@@ -29,6 +31,48 @@ pub struct Caused {
     pub difference: StepDifference,
     /// The decision behind a difference of contacts, where traces tell.
     pub deciding: Option<Deciding>,
+    /// Of a mode that rounding or arithmetic changed: how far the exact quantity behind it, gap or Mohr–Coulomb, was from deciding
+    /// otherwise at the solve where modes part ([`ModeMargin`]), and the same in roundoffs.
+    pub mode_margin: Option<[f64; 2]>,
+}
+
+impl Caused {
+    /// A difference of which nothing more is known.
+    pub fn new(cause: Cause, difference: StepDifference) -> Caused {
+        Caused { cause, difference, deciding: None, mode_margin: None }
+    }
+
+    /// The margin of what decided it, if there is one.
+    pub fn margin(&self) -> Option<f64> {
+        self.deciding.and_then(|d| d.margin).or(self.mode_margin.map(|[margin, _]| margin))
+    }
+
+    /// The same in roundoffs.
+    pub fn margin_ulps(&self) -> Option<f64> {
+        self.deciding.and_then(|d| d.margin_ulps).or(self.mode_margin.map(|[_, ulps]| ulps))
+    }
+}
+
+/// Gives modes their margins: `before` is the exact answer of a link, made of a scene from a state.
+pub(super) fn measure_modes(
+    caused: &mut [Caused],
+    before: &Answer,
+    (scene, state): (&ExactScene, &exact::State),
+    roundoff: f64,
+) {
+    let of_mode = |c: &&mut Caused| c.difference.change == Change::Mode;
+    let mut margins: Option<Vec<Vec<ModeMargin>>> = None;
+    for caused in caused.iter_mut().filter(of_mode) {
+        let difference = &caused.difference;
+        let (Some(contact), Some(solve)) = (difference.contact, difference.solve) else { continue };
+        let margins = margins.get_or_insert_with(|| scene.mode_margins(state));
+        let key = |(pair, c): &([u32; 2], Contact)| (*pair, c.kind, c.a, c.b);
+        let place = before.contacts.iter().position(|known| key(known) == key(&contact));
+        let margin = place.and_then(|place| margins.get(solve - 1)?.get(place).copied());
+        let opens = [&difference.before, &difference.after].iter().any(|mode| *mode == Mode::Open.name());
+        let margin = margin.and_then(|margin| if opens { margin.gap } else { margin.slip });
+        caused.mode_margin = margin.map(|margin| [margin, margin / roundoff]);
+    }
 }
 
 /// One side of a link: blocks in their state and the tolerances they are classified with.
@@ -49,8 +93,7 @@ pub(super) struct Explainer<'s> {
 impl Explainer<'_> {
     /// The differences with their cause; `stepper` traces a pair of blocks in the stepper, where the link leads to it.
     pub(super) fn caused(&self, found: Vec<StepDifference>, cause: Cause, stepper: Option<Tracer<'_>>) -> Vec<Caused> {
-        let mut caused: Vec<Caused> =
-            found.into_iter().map(|difference| Caused { cause, difference, deciding: None }).collect();
+        let mut caused: Vec<Caused> = found.into_iter().map(|difference| Caused::new(cause, difference)).collect();
         let mut done = 0;
         while let Some(first) = caused[done..].iter().position(|c| c.difference.is_of_contacts()) {
             let first = done + first;

@@ -3,8 +3,8 @@
 use crate::campaign::finding::Cause;
 use crate::lockstep::answer::{Answer, StepDifference, compare};
 use crate::lockstep::effect::{Depths, penetration};
-use crate::lockstep::errors::{anchor_error, displacement_error, velocity_error};
-use crate::lockstep::links::{Caused, Explainer, Links, Side, stepper_trace};
+use crate::lockstep::errors::{anchor_error, displacement_error, largest_distance, velocity_error};
+use crate::lockstep::links::{Caused, Explainer, Links, Side, measure_modes, stepper_trace};
 use crate::lockstep::scene::{ExactScene, Overflow};
 use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::wide::{WideError, WideStepper};
@@ -63,6 +63,17 @@ impl Compared {
     pub fn differs(&self) -> bool {
         self.count(Cause::Arithmetic) + self.count(Cause::Defect) > 0
     }
+}
+
+/// How far two states after a step are apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drift {
+    /// The largest distance of a vertex (m).
+    pub vertices: f64,
+    /// As [`Compared::velocity`].
+    pub velocity: f64,
+    /// As [`Compared::anchors`] (m).
+    pub anchors: f64,
 }
 
 /// Why a scene cannot be run in lockstep.
@@ -134,6 +145,28 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
     /// The scene as the engine has it.
     pub fn rounded(&self) -> &ExactScene {
         &self.rounded
+    }
+
+    /// How far the stepper's own code, in 512 bits, comes from the oracle's step from a state, where no comparison there is left
+    /// unsettled and the decisions are the same: what is there is no rounding. `None` otherwise.
+    pub fn drift_in_wide(&mut self, before: &State<R>) -> Option<Drift> {
+        let start = exact_state(before).ok()?;
+        let exact = self.rounded.step(&start, KEEP).ok()?;
+        let step = wide_stepper(&mut self.wide, &self.rounded)?.step(before).ok()?;
+        let (answer, after) = step.outcome.ok()?;
+        if step.unsettled > 0
+            || !compare(&Answer::of_oracle(&exact), &answer, &self.rounded.scene().shapes()).is_empty()
+        {
+            return None;
+        }
+        let after = exact_state(&after).ok()?;
+        let distance =
+            |(a, b): (&exact::BlockState, &exact::BlockState)| largest_distance(a.vertices.iter().zip(&b.vertices));
+        Some(Drift {
+            vertices: after.blocks.iter().zip(&exact.state.blocks).map(distance).fold(0.0, f64::max),
+            velocity: velocity_error(&after, &exact.state).unwrap_or(0.0),
+            anchors: anchor_error(&after, &exact.state).unwrap_or(0.0),
+        })
     }
 
     /// One step on both sides. The state goes on with the stepper's.
@@ -211,7 +244,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
                 compared.failure = format!("stepper: {stopped}");
                 let difference = StepDifference::stopped("", stopped);
                 let cause = self.cause_of_stop(before, compared);
-                compared.differences.push(Caused { cause, difference, deciding: None });
+                compared.differences.push(Caused::new(cause, difference));
             }
             (Err(failure), Err(stopped)) => compared.failure = format!("stepper: {stopped}; oracle: {failure}"),
         }
@@ -239,7 +272,11 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let after = Side { blocks: &rounded_blocks, tolerances: self.rounded.tolerances() };
         let explainer = Explainer { before: side(given_side), after, roundoff: Some(self.precision.epsilon() / 2.0) };
         let found = exact_differences(given, rounded, &self.given.scene().shapes());
-        compared.differences.extend(explainer.caused(found, Cause::Representation, None));
+        let mut caused = explainer.caused(found, Cause::Representation, None);
+        if let Ok(given) = given {
+            measure_modes(&mut caused, given, (&self.given, unrounded), self.precision.epsilon() / 2.0);
+        }
+        compared.differences.extend(caused);
     }
 
     /// Arithmetic and defects.
@@ -270,6 +307,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         for caused in caused.iter_mut().filter(|c| remaining.contains(&c.difference)) {
             caused.cause = Cause::Defect;
         }
+        measure_modes(&mut caused, oracle, (&self.rounded, start), self.precision.epsilon() / 2.0);
         compared.differences.extend(caused);
     }
 

@@ -2,7 +2,7 @@
 
 use crate::model::simulation::{JointProperties, Simulation};
 use crate::model::{Block, Body, Number, Precision, Scene, ToleranceSet, Vec3};
-use crate::oracle::step::{self, CertifiedStep, Keep, StepAnswer, StepFailure, StepModel};
+use crate::oracle::step::{self, CertifiedStep, Keep, ModeMargin, StepAnswer, StepFailure, StepModel};
 
 /// A number that an engine's precision cannot hold, by its name in files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -86,6 +86,11 @@ impl ExactScene {
     /// Why the oracle cannot make it.
     pub fn decide(&self, state: &step::State) -> Result<CertifiedStep, StepFailure> {
         self.with_model(|model| step::certified_step(model, state))
+    }
+
+    /// How close the modes of one step were, solve by solve and contact by contact; empty where that is not known.
+    pub fn mode_margins(&self, state: &step::State) -> Vec<Vec<ModeMargin>> {
+        self.with_model(|model| step::mode_margins(model, state)).unwrap_or_default()
     }
 
     /// The blocks where a state has them.

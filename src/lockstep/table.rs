@@ -115,8 +115,8 @@ pub fn difference_rows(step: &Compared, state: &str) -> Vec<Vec<String>> {
         row.push(cell(deciding, |d| d.decision.predicate.name().to_owned()));
         let features = |d: &Deciding| d.decision.features.iter().flatten().map(ToString::to_string).collect::<Vec<_>>();
         row.push(cell(deciding, |d| features(d).join(" ")));
-        row.push(cell(deciding.and_then(|d| d.margin), number));
-        row.push(cell(deciding.and_then(|d| d.margin_ulps), number));
+        row.push(cell(caused.margin(), number));
+        row.push(cell(caused.margin_ulps(), number));
         let own = matches!(caused.cause, Cause::Arithmetic | Cause::Defect);
         row.push(cell(step.unsettled.filter(|_| own), |count| count.to_string()));
         row.push(state.to_owned());

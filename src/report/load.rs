@@ -7,6 +7,8 @@ use super::{lockstep, stress, timing};
 use crate::campaign::agreement::{AGREEMENT_COLUMNS, CONFUSION_COLUMNS, Compared, Span};
 use crate::campaign::finding::FINDING_COLUMNS;
 use crate::campaign::interval::{Clusters, Share};
+use crate::campaign::steps::STEP_SUMMARY_COLUMNS;
+use crate::campaign::steps::summary::{Counts, Depths, Place};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -123,6 +125,8 @@ pub struct CampaignRun {
     pub confusion: BTreeMap<Compared, Confusion>,
     /// The findings, counted.
     pub tally: Tally,
+    /// Counts of steps by family, tolerance set and engine; empty where no pair made any.
+    pub steps: Vec<(Place, Counts)>,
 }
 
 impl Results {
@@ -226,7 +230,9 @@ impl CampaignRun {
             });
         }
         let name = name_of(dir);
-        Ok(CampaignRun { dir: dir.to_owned(), name, run, agreement, confusion, tally })
+        let file = dir.join("step_summary.csv");
+        let steps = if file.is_file() { read_steps(&file)? } else { Vec::new() };
+        Ok(CampaignRun { dir: dir.to_owned(), name, run, agreement, confusion, tally, steps })
     }
 
     /// Sums over families and over the rungs of ladders, by what was compared; see [`setting`].
@@ -305,6 +311,25 @@ fn read_agreement(file: &Path) -> Result<Vec<(String, Compared, Sums)>, ReportEr
             return Err(row.nonsense(&found, &format!("at most {} together, as there are pairs", sums.pairs)));
         }
         found.push((row.name(0)?.to_owned(), compared, sums));
+    }
+    Ok(found)
+}
+
+fn read_steps(file: &Path) -> Result<Vec<(Place, Counts)>, ReportError> {
+    let columns = &STEP_SUMMARY_COLUMNS;
+    let mut rows = Rows::open(file.to_owned(), columns)?;
+    let mut found = Vec::new();
+    while let Some(row) = rows.next(columns)? {
+        let name = |column: usize| row.name(column).map(str::to_owned);
+        let place = Place { family: name(0)?, tolerances: name(1)?, engine: name(2)? };
+        let first = 3 + Counts::NAMES.len();
+        let numbers = (3..first).map(|column| row.count(column)).collect::<Result<Vec<u64>, _>>()?;
+        let depth = |column: usize| row.number(column).map(|depth| depth.unwrap_or(0.0));
+        let depths = |side: usize| -> Result<Depths, ReportError> {
+            let [deepest, relative, sum] = [first + side, first + 2 + side, first + 4 + side].map(depth);
+            Ok(Depths { deepest: deepest?, relative: relative?, sum: sum? })
+        };
+        found.push((place, Counts::of(numbers, [depths(0)?, depths(1)?])));
     }
     Ok(found)
 }

@@ -139,7 +139,12 @@ fn mistakes(campaigns: &[CampaignRun]) -> Line {
         .map(|cause| format!("{cause} {}", share(cause)))
         .collect();
     let rest = rest.join(", ");
+    let in_steps: u64 = campaigns.iter().flat_map(|c| &c.steps).map(|(_, counts)| counts.defect).sum();
     match count(Cause::Defect) {
+        0 if in_steps > 0 => line(
+            Mood::Bad,
+            format!("{} differences of the pairs' steps are mistakes in code: look at these first.", grouped(in_steps)),
+        ),
         0 => line(
             Mood::Good,
             format!("No mistake in code. What differs ({} findings) is due to: {rest}.", grouped(total)),

@@ -148,7 +148,14 @@ pub fn throughput(run: &Run, scratch: &Path) -> Result<Throughput, ThroughputErr
     let go = |source: &dyn Source| {
         in_directory(scratch, |directory| {
             let mut journal = Journal::open(directory, serde_json::Map::new(), Start::Force)?;
-            let campaign = Campaign { config: &config, source, panel: &panel, narrow: &narrow, threads: run.threads };
+            let campaign = Campaign {
+                config: &config,
+                source,
+                panel: &panel,
+                narrow: &narrow,
+                steppers: &[],
+                threads: run.threads,
+            };
             campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {})?;
             Ok(journal.progress().clone())
         })

@@ -26,7 +26,7 @@ fn run(
 ) -> Result<Ending, JournalError> {
     let panel = counting();
     let narrow = |_: &Finding| counting();
-    let campaign = Campaign { config, source: &Counting, panel: &panel, narrow: &narrow, threads };
+    let campaign = Campaign { config, source: &Counting, panel: &panel, narrow: &narrow, steppers: &[], threads };
     let mut journal = Journal::open(dir, config.identity().expect("a map"), start)?;
     let stop = AtomicBool::new(chunks == 0);
     let mut done = 0;

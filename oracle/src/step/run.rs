@@ -186,7 +186,7 @@ pub fn exact_step(model: &StepModel<'_>, state: &State, keep: Keep) -> Result<St
 }
 
 /// Tries until an attempt is good, or the last one allowed (docs/step.md 10 and 11), and hands it on.
-fn attempts<T>(
+pub(super) fn attempts<T>(
     begun: &Begun<'_>,
     finish: impl FnOnce(Ladder<'_>, &Attempt<'_>, End, Vec<(BigRational, Cut)>) -> Result<T, StepFailure>,
 ) -> Result<T, StepFailure> {
@@ -227,7 +227,7 @@ fn attempts<T>(
 }
 
 /// How an attempt ended.
-struct End {
+pub(super) struct End {
     /// The modes after the last solve.
     after: Vec<Mode>,
     cut: Option<(Cut, usize)>,

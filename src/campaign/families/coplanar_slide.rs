@@ -1,6 +1,7 @@
 //! Blocks side by side with faces in one plane.
 
 use super::{Family, Kit};
+use crate::campaign::steps::Manner;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 
@@ -18,6 +19,10 @@ impl Family for CoplanarSlide {
 
     fn reaches(&self) -> &'static [ContactKind] {
         &ContactKind::ALL
+    }
+
+    fn manner(&self) -> Manner {
+        Manner::Sliding
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {

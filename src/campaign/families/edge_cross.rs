@@ -3,6 +3,7 @@
 use super::{Family, Kit};
 use crate::campaign::shapes::Solid;
 use crate::campaign::shapes::solid::Units;
+use crate::campaign::steps::Manner;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 
@@ -20,6 +21,10 @@ impl Family for EdgeCross {
 
     fn reaches(&self) -> &'static [ContactKind] {
         &[ContactKind::EdgeEdge]
+    }
+
+    fn manner(&self) -> Manner {
+        Manner::Pressing
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {

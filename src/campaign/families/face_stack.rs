@@ -2,6 +2,7 @@
 
 use super::{Family, Kit};
 use crate::campaign::shapes::{Solid, Turn};
+use crate::campaign::steps::Manner;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 
@@ -19,6 +20,10 @@ impl Family for FaceStack {
 
     fn reaches(&self) -> &'static [ContactKind] {
         &ContactKind::ALL
+    }
+
+    fn manner(&self) -> Manner {
+        Manner::Pressing
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {

@@ -2,6 +2,7 @@
 
 use super::{Family, Kit, Style};
 use crate::campaign::shapes::{Cut, Plane};
+use crate::campaign::steps::Manner;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind, Number, Vec3};
 
@@ -19,6 +20,10 @@ impl Family for JointCut {
 
     fn reaches(&self) -> &'static [ContactKind] {
         &[ContactKind::VertexVertex, ContactKind::VertexEdge, ContactKind::EdgeVertex]
+    }
+
+    fn manner(&self) -> Manner {
+        Manner::Sliding
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {

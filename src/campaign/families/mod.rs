@@ -19,6 +19,7 @@ mod vertex_on_edge;
 pub use kit::{Kit, Style};
 pub use real::Real;
 
+use crate::campaign::steps::Manner;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 use std::fmt;
@@ -35,6 +36,10 @@ pub trait Family: fmt::Debug + Send + Sync {
     /// The next pair: two canonical blocks, near enough for contacts to be likely. A function of the generator's
     /// state alone.
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block);
+    /// How its pairs move, where they do.
+    fn manner(&self) -> Manner {
+        Manner::Any
+    }
 }
 
 /// Every family, with `real` on the pairs the program carries. The order is part of what a seed means.

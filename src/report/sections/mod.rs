@@ -6,6 +6,7 @@ mod confusion;
 mod lockstep;
 mod margins;
 mod runs;
+mod steps;
 pub(super) mod stress;
 mod sweep;
 mod timing;
@@ -76,6 +77,7 @@ pub fn all(results: &Results) -> Result<Vec<Section>, ReportError> {
         sections.push(margins::section(&results.campaigns));
         sections.push(worst::section(&results.campaigns)?);
         sections.extend(sweep::section(&results.campaigns));
+        sections.extend(steps::section(&results.campaigns));
     }
     if !results.locksteps.is_empty() {
         sections.push(lockstep::section(&results.locksteps));

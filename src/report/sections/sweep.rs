@@ -68,7 +68,7 @@ fn pairs_of(axes: usize) -> Vec<(usize, usize)> {
 }
 
 /// Factors are numbers, criteria are words.
-fn order(one: &str, other: &str) -> std::cmp::Ordering {
+pub(super) fn order(one: &str, other: &str) -> std::cmp::Ordering {
     match (one.parse::<f64>(), other.parse::<f64>()) {
         (Ok(one), Ok(other)) => one.total_cmp(&other),
         _ => one.cmp(other),

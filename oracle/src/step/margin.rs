@@ -1,0 +1,76 @@
+//! How close the decisions about modes were.
+
+use super::chain::Chain;
+use super::prepare::Begun;
+use super::run::{StepFailure, StepModel, attempts};
+use super::state::{Mode, State};
+use crate::field::Field;
+
+/// How far the quantities behind a contact's mode were from deciding otherwise, after one solve: value over the sum of the
+/// magnitudes of its terms, **0 at a tie**. `None` where all terms are zero, or where balls of two f64 do not reach.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ModeMargin {
+    /// Of the gap against the distance at which an open contact closes, or a closed one opens; positive is further open. The gap's terms
+    /// are the one before the step and its change.
+    pub gap: Option<f64>,
+    /// Of Mohr–Coulomb, p_s²·|s|² against τ²; positive slides.
+    pub slip: Option<f64>,
+}
+
+/// The margins of the accepted attempt of a step, solve by solve and contact by contact, nearly exact: of balls of two f64. Empty where
+/// these do not enclose the step.
+///
+/// # Errors
+/// When the step cannot be made: see [`StepFailure`].
+pub fn mode_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Vec<ModeMargin>>, StepFailure> {
+    let begun = Begun::new(model, state)?;
+    attempts(&begun, |mut ladder, _, _, _| {
+        let solves = ladder.modes().to_vec();
+        let Some(chain) = ladder.double() else { return Ok(Vec::new()) };
+        let of_solve = |(solve, modes): (usize, &Vec<Mode>)| {
+            modes.iter().enumerate().map(|(contact, mode)| margin(chain, solve, contact, *mode)).collect()
+        };
+        Ok(solves.iter().enumerate().map(of_solve).collect())
+    })
+}
+
+fn margin<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize, mode: Mode) -> ModeMargin {
+    ModeMargin { gap: gap(chain, solve, k, mode), slip: slip(chain, solve, k) }
+}
+
+fn near<S: Field>(value: &S) -> f64 {
+    value.nearby().0
+}
+
+fn share(value: f64, terms: f64) -> Option<f64> {
+    let share = value / terms;
+    share.is_finite().then_some(share)
+}
+
+fn gap<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize, mode: Mode) -> Option<f64> {
+    let (contact, joint) = (&chain.contacts[k], &chain.joints[k]);
+    let gap = &chain.iterates.get(solve)?.gaps[k];
+    let length = |square: &S| match square.is_zero() {
+        true => Some(square.clone()),
+        false => Some(square.root()?.times(&contact.square.root()?)),
+    };
+    let (value, limit) = match mode {
+        Mode::Open => {
+            let limit = length(&chain.limits.close)?;
+            (gap.plus(&limit), limit)
+        }
+        _ => {
+            let limit = length(&chain.limits.open)?.plus(&joint.tensile);
+            (gap.minus(&limit), limit)
+        }
+    };
+    let change = gap.minus(&contact.gap);
+    share(near(&value), near(&contact.gap).abs() + near(&change).abs() + near(&limit).abs())
+}
+
+fn slip<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize) -> Option<f64> {
+    let (contact, joint, iterate) = (&chain.contacts[k], &chain.joints[k], chain.iterates.get(solve)?);
+    let shear = joint.shear.squared().times(&iterate.stretches[k].norm_squared()).times(&contact.square);
+    let strength = chain.strength(k, &iterate.gaps[k])?.squared();
+    share(near(&shear.minus(&strength)), near(&shear).abs() + near(&strength).abs())
+}
