@@ -76,14 +76,14 @@ impl Sum {
     }
 }
 
-fn run<R: Solve>(path: &Path, precision: Precision, steps: usize) -> Sum {
+fn run<R: Solve>(path: &Path, precision: Precision) -> Sum {
     let mut scene = Scene::load(path).unwrap();
     let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), precision).unwrap();
     let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
     derive_stiffness(&mut scene.simulation, &bodies, &set);
     let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, precision, Links::All).unwrap();
     let mut sum = Sum::default();
-    for _ in 0..steps {
+    for _ in 0..STEPS {
         let (made, compared) = lockstep.step();
         sum.add(&compared);
         if made.is_err() || compared.unproved.is_some() {
@@ -93,12 +93,8 @@ fn run<R: Solve>(path: &Path, precision: Precision, steps: usize) -> Sum {
     sum
 }
 
-/// 200 steps, but fewer of scenes with many blocks.
-fn steps_of(path: &Path) -> usize {
-    let scene = Scene::load(path).unwrap();
-    let unknowns: usize = scene.blocks.iter().map(|block| block.body.motion.unknowns()).sum();
-    if unknowns > 150 { 20 } else { 200 }
-}
+/// How many steps of each scene.
+const STEPS: usize = 200;
 
 #[test]
 #[ignore = "minutes; the command is at the head of this file"]
@@ -116,8 +112,7 @@ fn the_table_of_lockstep_is_what_runs_give() {
     let mut defects = Vec::new();
     for path in &files {
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
-        let steps = steps_of(path);
-        let both = [("f64", run::<f64>(path, Precision::F64, steps)), ("f32", run::<f32>(path, Precision::F32, steps))];
+        let both = [("f64", run::<f64>(path, Precision::F64)), ("f32", run::<f32>(path, Precision::F32))];
         for (engine, sum) in both {
             write!(table, "{}", sum.row(&name, engine)).unwrap();
             println!("{name} {engine}: {}", sum.beside());

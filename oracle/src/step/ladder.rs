@@ -41,7 +41,7 @@ struct History {
     modes: Vec<Vec<Mode>>,
     /// The factor of each; `None` where f64 has none.
     factors: Vec<Option<Rc<Approximate>>>,
-    /// `None` where f64 proves nothing.
+    /// `None` where f64 proves nothing, even of numbers that a wider type has calculated.
     bound: Option<Bound>,
 }
 
@@ -103,18 +103,36 @@ pub(crate) struct Ladder<'a> {
 
 impl<'a> Ladder<'a> {
     pub(crate) fn new(attempt: &'a Attempt<'a>, layout: &'a Layout, levels: StepLevels) -> Ladder<'a> {
-        let mut float = Level::Unused;
-        let bound = float.begin(attempt, 53).and_then(|chain| Bound::new(chain));
-        Ladder {
+        let mut ladder = Ladder {
             attempt,
             layout,
-            history: History { modes: Vec::new(), factors: Vec::new(), bound },
-            float,
+            history: History { modes: Vec::new(), factors: Vec::new(), bound: None },
+            float: Level::Unused,
             double: Level::Unused,
             wide: std::array::from_fn(|_| Level::Unused),
             exact: Level::Unused,
             levels,
+        };
+        ladder.history.bound = ladder.first(Bound::new, Bound::new, Bound::new);
+        ladder
+    }
+
+    /// What the cheapest type says that can calculate the geometry: f64 cannot where a plane is nearly none, as that of edges all
+    /// but parallel.
+    fn first<T>(
+        &mut self,
+        float: impl FnOnce(&Chain<'a, Ball>) -> Option<T>,
+        double: impl FnOnce(&Chain<'a, DoubleBall>) -> Option<T>,
+        wide: impl FnOnce(&Chain<'a, WideBall>) -> Option<T>,
+    ) -> Option<T> {
+        if let Some(chain) = self.float.begin(self.attempt, 53) {
+            return float(chain);
         }
+        if let Some(chain) = self.double.begin(self.attempt, 106) {
+            return double(chain);
+        }
+        let [least, ..] = WIDE_BITS;
+        self.wide[0].begin(self.attempt, least).and_then(|chain| wide(chain))
     }
 
     /// The modes of each solve so far.
@@ -128,11 +146,15 @@ impl<'a> Ladder<'a> {
         let known = self.history.modes.iter().position(|earlier| *earlier == modes);
         let factor = match known {
             Some(solve) => self.history.factors[solve].clone(),
-            None => self
-                .float
-                .begin(self.attempt, 53)
-                .and_then(|chain| stiffness(chain, &modes, self.layout).factor())
-                .map(Rc::new),
+            None => {
+                let layout = self.layout;
+                let factor = self.first(
+                    |chain| stiffness(chain, &modes, layout).factor(),
+                    |chain| stiffness(chain, &modes, layout).factor(),
+                    |chain| stiffness(chain, &modes, layout).factor(),
+                );
+                factor.map(Rc::new)
+            }
         };
         self.history.factors.push(factor);
         self.history.modes.push(modes);

@@ -165,10 +165,11 @@ pub(crate) struct Bound {
 }
 
 impl Bound {
-    /// The bound of a chain's base; `None` where f64 proves none, or a stiffness is negative.
-    pub(crate) fn new(chain: &Chain<'_, Ball>) -> Option<Bound> {
-        let springs = |joint: &super::chain::JointIn<Ball>| {
-            [joint.normal, joint.shear].iter().all(|spring| spring.middle - spring.radius >= 0.0)
+    /// The bound of a chain's base; `None` where f64 proves none, or a stiffness may be negative.
+    pub(crate) fn new<S: Field>(chain: &Chain<'_, S>) -> Option<Bound> {
+        let springs = |joint: &super::chain::JointIn<S>| {
+            let mut signs = [&joint.normal, &joint.shear].into_iter().map(Field::certain_sign);
+            signs.all(|sign| sign.is_some_and(|sign| !sign.is_negative()))
         };
         if !chain.joints.iter().all(springs) {
             return None;
@@ -176,7 +177,7 @@ impl Bound {
         let mut bound = Bound { scale: Vec::new(), least: f64::INFINITY };
         for base in &chain.base {
             let mut system = BlockSystem::zero(&[base.right.len()]);
-            system.add(0, 0, |r, c| base.matrix[r][c]);
+            system.add(0, 0, |r, c| base.matrix[r][c].clone());
             let factor = Factor::new(&system)?;
             bound.scale.extend_from_slice(factor.scale());
             bound.least = bound.least.min(factor.least_eigenvalue());
@@ -215,12 +216,13 @@ impl Support for StepSupport<'_> {
 }
 
 /// The f64 stiffness of contacts in these modes.
-pub(crate) fn stiffness<'l>(chain: &Chain<'_, Ball>, modes: &[Mode], layout: &'l Layout) -> Stiffness<'l> {
+pub(crate) fn stiffness<'l, S: Field>(chain: &Chain<'_, S>, modes: &[Mode], layout: &'l Layout) -> Stiffness<'l> {
+    let near = |value: &S| value.nearby().0;
     let diagonal = chain.base.iter().map(|base| {
         let mut square: Square = [[0.0; 12]; 12];
         for (line, row) in square.iter_mut().zip(&base.matrix) {
             for (place, entry) in line.iter_mut().zip(row) {
-                *place = entry.middle;
+                *place = near(entry);
             }
         }
         square
@@ -229,14 +231,14 @@ pub(crate) fn stiffness<'l>(chain: &Chain<'_, Ball>, modes: &[Mode], layout: &'l
     for (k, &mode) in modes.iter().enumerate().filter(|(_, mode)| **mode != Mode::Open) {
         let (contact, joint) = (&chain.contacts[k], &chain.joints[k]);
         let rows = chain.attempt.started[k].blocks.map(|block| chain.attempt.rows[block]);
-        let n = contact.normal.map(|c| c.middle);
-        let n = [n.x, n.y, n.z].map(|c| c / contact.square.middle.sqrt());
-        let shear = if mode == Mode::Locked { joint.shear.middle } else { 0.0 };
+        let n = contact.normal.map(near);
+        let n = [n.x, n.y, n.z].map(|c| c / near(&contact.square).sqrt());
+        let (normal, shear) = (near(&joint.normal), if mode == Mode::Locked { near(&joint.shear) } else { 0.0 });
         // The force of a displacement of A against B: shear across n, and what is more along it.
         let bent: [[f64; 3]; 3] = std::array::from_fn(|r| {
-            std::array::from_fn(|c| (joint.normal.middle - shear) * n[r] * n[c] + if r == c { shear } else { 0.0 })
+            std::array::from_fn(|c| (normal - shear) * n[r] * n[c] + if r == c { shear } else { 0.0 })
         });
-        let lines = [0, 1].map(|side: usize| frame::float_rows(&contact.points[side].map(|c| c.middle)));
+        let lines = [0, 1].map(|side: usize| frame::float_rows(&contact.points[side].map(near)));
         for one in 0..2 {
             let Some(row) = rows[one] else { continue };
             let forced: [[f64; 12]; 3] = std::array::from_fn(|r| {
