@@ -5,8 +5,18 @@ use super::sections::Part;
 use super::verdict::Mood;
 
 /// Tables of a pull request's text, and how many rows of each it shows.
-const SHOWN: [(&str, usize); 7] =
-    [("agreement", 24), ("causes", 8), ("worst", 6), ("sweep", 24), ("steps", 24), ("lockstep", 20), ("runs", 10)];
+const SHOWN: [(&str, usize); 10] = [
+    ("agreement", 24),
+    ("causes", 8),
+    ("worst", 6),
+    ("sweep", 24),
+    ("steps", 24),
+    ("lockstep", 20),
+    ("lockstep_causes", 20),
+    ("lockstep_steps", 12),
+    ("stress_limits", 24),
+    ("runs", 10),
+];
 
 /// The report in Markdown: the verdict, and the first rows of the tables that matter.
 pub fn markdown(report: &Report) -> String {

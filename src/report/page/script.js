@@ -69,14 +69,35 @@
   const views = [];
   const most = 6;
 
+  // What a view shows: both blocks, or the surroundings of the smaller one where the other is much larger. True proportions, and never flat.
+  function stage(traces) {
+    const boxes = traces.filter(t => t.type === "mesh3d").map(t => ["x", "y", "z"].map(k => t[k].reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity])));
+    const size = box => Math.max(...box.map(([low, high]) => high - low));
+    boxes.sort((a, b) => size(a) - size(b));
+    const small = boxes[0];
+    const near = size(boxes[boxes.length - 1]) > 8 * size(small);
+    const shown = [0, 1, 2].map(k => {
+      const of = near ? [small] : boxes;
+      return [Math.min(...of.map(b => b[k][0])), Math.max(...of.map(b => b[k][1]))];
+    });
+    const longest = size(shown) || 1;
+    const half = shown.map(([low, high]) => near ? 1.5 * longest : Math.max(0.54 * (high - low), 0.2 * longest));
+    const most = Math.max(...half);
+    return {
+      range: shown.map(([low, high], k) => [(low + high) / 2 - half[k], (low + high) / 2 + half[k]]),
+      ratio: { x: half[0] / most, y: half[1] / most, z: half[2] / most },
+    };
+  }
+
   async function drawView(finding) {
     const plot = finding.querySelector(".plot");
     const traces = JSON.parse(finding.querySelector("script").textContent);
-    const axis = title => ({ title: { text: title }, gridcolor: color("line"), color: color("muted"), showbackground: false, exponentformat: "power" });
+    const { range, ratio } = stage(traces);
+    const axis = (title, k) => ({ title: { text: title }, range: range[k], gridcolor: color("line"), color: color("muted"), showbackground: false, exponentformat: "power" });
     const camera = plot.layout?.scene?.camera;
     const layout = {
       paper_bgcolor: "rgba(0,0,0,0)", margin: { l: 0, r: 0, t: 0, b: 0 }, font: { color: color("text"), size: 11 },
-      scene: { aspectmode: "data", xaxis: axis("x, m"), yaxis: axis("y, m"), zaxis: axis("z, m"), ...(camera ? { camera } : {}) },
+      scene: { aspectmode: "manual", aspectratio: ratio, xaxis: axis("x, m", 0), yaxis: axis("y, m", 1), zaxis: axis("z, m", 2), ...(camera ? { camera } : {}) },
       legend: { orientation: "h", y: 0, yanchor: "top" }, hoverlabel: { bgcolor: color("card"), font: { color: color("text") } },
     };
     const plotly = library("gl3d");

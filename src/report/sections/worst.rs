@@ -53,7 +53,8 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError>
         "worst",
         "The worst findings",
         "Of each cause the findings furthest from a tie, which rounding excuses least, among those that were shrunk to a case. Open one to \
-         see both blocks: drag to turn, scroll or pinch to come nearer. Green is the true contact, orange the one that was seen.",
+         see both blocks, or where one is much larger the surroundings of the smaller: drag to turn, scroll or pinch to come nearer. Green is \
+         the true contact, orange the one that was seen.",
     );
     let mut table = Table::new(
         "worst",
@@ -83,7 +84,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError>
                 table.push(row(campaign, finding));
             }
             for finding in worst.iter().take(SHOWN) {
-                let name = label(campaigns.len(), &campaign.name, &format!("{} {}", finding.cause, finding.change));
+                let name = label(campaigns.len(), &campaign.name, finding.change.name());
                 views.push(show(&campaign.dir, finding, name, views.len())?);
             }
         }
@@ -129,7 +130,7 @@ fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<Find
         facts.push(("decided by", format!("{} of {}", about.predicate, about.features)));
     }
     if let Some(margin) = about.margin {
-        let size = if margin == 0.0 { "0, a tie".to_owned() } else { format!("{margin:e}") };
+        let size = if margin == 0.0 { "0, a tie".to_owned() } else { short(margin) };
         facts.push(("margin", size));
     }
     if let Some(ulps) = about.margin_ulps {
@@ -140,7 +141,7 @@ fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<Find
         facts.extend(text.iter().map(|text| (what, text.clone())));
     }
     facts.push(("axes from", format!("({})", centre.map(|c| format!("{c:?}")).join(", "))));
-    let row = |c: &view::SeenContact| SeenRow { who: c.who(), name: c.name(), gap: format!("{:?}", c.gap_m) };
+    let row = |c: &view::SeenContact| SeenRow { who: c.who(), name: c.name(), gap: nine_digits(c.gap_m) };
     Ok(FindingView {
         id: format!("finding-{number}"),
         title: format!("{name}: {kinds}, {}", finding.engine),
@@ -150,6 +151,11 @@ fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<Find
         replay: format!("rockproof replay {}", quoted(&path.display().to_string())),
         traces,
     })
+}
+
+/// A gap as a reader likes it; the command below gives it in full.
+fn nine_digits(gap_m: f64) -> String {
+    format!("{:?}", format!("{gap_m:.8e}").parse().unwrap_or(gap_m))
 }
 
 /// For a shell.
