@@ -48,7 +48,7 @@ pub struct Overlaps {
     /// The deepest after the last step.
     pub deepest: f64,
     /// The most by which some pair overlaps deeper after a step, settling too, than in the scene as given. After any step, since blocks that
-    /// went through one another may have been thrown apart by the last.
+    /// went through one another may have been thrown apart by the last. Zero where it is no more than eight roundings of a coordinate.
     pub sunk: f64,
 }
 
@@ -56,15 +56,22 @@ pub struct Overlaps {
 pub(super) struct Begun {
     /// Pairs of which one can move, and how deep they overlap.
     pairs: Vec<([usize; 2], f64)>,
+    /// Sinking that is none: eight roundings of the largest coordinate (m).
+    nothing: f64,
 }
 
 impl Begun {
-    pub(super) fn of(part: &Scene) -> Begun {
+    pub(super) fn of(part: &Scene, precision: Precision) -> Begun {
         let is_fixed = |block: usize| part.blocks[block].body.is_fixed();
         let count = part.blocks.len();
         let all: Vec<[usize; 2]> = (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j])).collect();
         let free = all.into_par_iter().filter(|[i, j]| !(is_fixed(*i) && is_fixed(*j)));
-        Begun { pairs: free.map(|pair| (pair, depth(pair.map(|k| &part.blocks[k].block)))).collect() }
+        let coordinates = part.blocks.iter().flat_map(|block| block.block.coordinates());
+        let largest = coordinates.map(|c| c.approximate().abs()).fold(0.0, f64::max);
+        Begun {
+            pairs: free.map(|pair| (pair, depth(pair.map(|k| &part.blocks[k].block)))).collect(),
+            nothing: 4.0 * precision.epsilon() * largest,
+        }
     }
 
     /// The overlaps of the blocks where they are now.
@@ -77,7 +84,8 @@ impl Begun {
             deepest: one.deepest.max(other.deepest),
             sunk: one.sunk.max(other.sunk),
         };
-        now.reduce(Overlaps::default, worse)
+        let found = now.reduce(Overlaps::default, worse);
+        Overlaps { sunk: if found.sunk > self.nothing { found.sunk } else { 0.0 }, ..found }
     }
 }
 
