@@ -29,24 +29,24 @@ pub struct Measurement {
 }
 
 /// The order of merit; smaller is better. See [`Measurement::merit`].
-pub(super) type Merit = (usize, [u64; 2], [u64; 4], u64, Reverse<u64>, u64);
+pub(super) type Merit = (usize, [u64; 2], [u64; 3], u64, Reverse<u64>, u64);
 
 impl Measurement {
-    /// Rules broken; pairs that differ as they stand, and moved; steps that could not be made, and that differ from the oracle's; contacts and modes
-    /// that differ in them; steps that did not converge; the most by which a pair sinks; slack to the nearest rule; pairs that differ on a
-    /// boundary. What has a sample or a range counts in steps, so that what comes after it has a say: moved pairs in those of twice their root,
-    /// which is what chance makes of such a count; contacts and modes, depth, and slack in sixteenths.
+    /// Rules broken; pairs that differ as they stand, and moved; steps that could not be made; the share of contacts that differ in steps from the oracle's,
+    /// in themselves or in their mode; steps that did not converge; the most by which a pair sinks; slack to the nearest rule; pairs that differ on
+    /// a boundary. What has a sample or a range counts in steps, so that what comes after it has a say: moved pairs in those of twice their root,
+    /// which is what chance makes of such a count; shares, depth, and slack in sixteenths. A share and no count, since a set under which fewer
+    /// contacts are found has fewer that can differ.
     pub(super) fn merit(&self) -> Merit {
         // The leading digits of a positive f64, in order: sign, exponent and four binary digits.
         let coarse = |value: f64| value.max(0.0).to_bits() >> 48;
-        let [failed, differ, parts] = self.locked.as_ref().map_or([0, 0, 0], |locked| {
-            [locked.failed, locked.differ, coarse((locked.contacts + locked.modes) as f64)]
-        });
+        let failed = self.locked.as_ref().map_or(0, |locked| locked.failed);
+        let share = coarse(self.locked.as_ref().map_or(0.0, Locked::share));
         let d = &self.differences;
         (
             self.violated.len(),
             [d.standing[1], (4 * (d.moved[1] + d.near[1])).isqrt()],
-            [failed + u64::from(self.stepped.stopped.is_some()), differ, parts, self.stepped.unconverged],
+            [failed + u64::from(self.stepped.stopped.is_some()), share, self.stepped.unconverged],
             coarse(self.stepped.overlaps.sunk),
             Reverse(coarse(self.tightest.factor)),
             d.boundary[1],
