@@ -60,7 +60,7 @@ fn a_search_goes_on_to_the_same_bytes_and_its_set_keeps_the_rules() {
     assert_eq!(code, 0, "{printed}{err}");
 }
 
-/// The row of `candidates.csv` that answers, by the names of its columns.
+/// The rows of `candidates.csv` by the names of its columns.
 fn rows(dir: &str) -> Vec<HashMap<String, String>> {
     let mut reader = csv::Reader::from_path(Path::new(dir).join("candidates.csv")).expect("a table");
     reader.deserialize().collect::<Result<_, _>>().expect("rows")
@@ -117,7 +117,7 @@ fn tolerances_below_roundoff_are_replaced() {
     let rows = rows(&out);
     let (author, best) = (&rows[0], best(&rows));
     assert!(!author["violated"].is_empty() && best["violated"].is_empty(), "{author:?} {best:?}");
-    assert!(number(best, "territory") > 10.0 * number(author, "territory"), "{best:?}");
+    assert!(best["territory"] != author["territory"] && number(best, "slack") >= 1.0, "{best:?}");
     assert!(printed.contains("breaks 1 rules"), "{printed}");
 }
 

@@ -122,10 +122,13 @@ const EQUAL: [i32; 8] = [0, 2, 4, 6, 8, 10, 14, 18];
 /// `territory` below its limit, both angles, ε, `max_rotation` below its limit, criteria.
 const LAST: [i32; 9] = [40, 12, 12, 24, 10, 10, 7, 8, 1];
 
+/// The first place on each scale: an overlap angle of 0 loses contacts (docs/rules_of_thumb.md), and what is not found cannot differ.
+const FIRST: [i32; 9] = [0, 0, 0, 0, 1, 0, 0, 0, 0];
+
 impl Knobs {
     /// Anything.
     pub fn drawn(kit: &mut Kit<'_>) -> Knobs {
-        Knobs(LAST.map(|last| kit.between(0, last.into()) as i32))
+        Knobs(std::array::from_fn(|knob| kit.between(FIRST[knob].into(), LAST[knob].into()) as i32))
     }
 
     /// The places, apart by spaces.
@@ -140,7 +143,7 @@ impl Knobs {
         for _ in 0..kit.between(1, 3) {
             let knob = kit.below(places.len() as u64) as usize;
             let by = kit.between(1, 4) * kit.sign();
-            places[knob] = (places[knob] + by as i32).clamp(0, LAST[knob]);
+            places[knob] = (places[knob] + by as i32).clamp(FIRST[knob], LAST[knob]);
         }
         Knobs(places)
     }
@@ -178,7 +181,7 @@ impl Knobs {
             place(2.0 * displacement, search, LAST[1]),
             place(displacement, penetration, LAST[2]),
             place(territory, quarter.min(search), LAST[3]),
-            angle(&set.overlap_sine),
+            angle(&set.overlap_sine).max(FIRST[4]),
             angle(&set.parallel_sine),
             equal,
             place(rotation, (2.0 * penetration / model.radius).sqrt(), LAST[7]),

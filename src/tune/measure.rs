@@ -32,19 +32,21 @@ pub struct Measurement {
 pub(super) type Merit = (usize, [u64; 2], [u64; 3], u64, Reverse<u64>, u64);
 
 impl Measurement {
-    /// Rules broken; pairs that differ as they stand, and moved; steps that could not be made, that differ from the oracle's, that did not
-    /// converge; the most by which a pair sinks; slack to the nearest rule; pairs that differ on a boundary. What has a sample or a range counts
-    /// in steps, so that what comes after it has a say: moved pairs in those of twice their root, which is what chance makes of such a count,
-    /// depth and slack in sixteenths.
+    /// Rules broken; pairs that differ as they stand, and moved; steps that could not be made; the share of contacts that differ in steps from the oracle's,
+    /// in themselves or in their mode; steps that did not converge; the most by which a pair sinks; slack to the nearest rule; pairs that differ on
+    /// a boundary. What has a sample or a range counts in steps, so that what comes after it has a say: moved pairs in those of twice their root,
+    /// which is what chance makes of such a count; shares, depth, and slack in sixteenths. A share and no count, since a set under which fewer
+    /// contacts are found has fewer that can differ.
     pub(super) fn merit(&self) -> Merit {
         // The leading digits of a positive f64, in order: sign, exponent and four binary digits.
         let coarse = |value: f64| value.max(0.0).to_bits() >> 48;
-        let [failed, differ] = self.locked.as_ref().map_or([0, 0], |locked| [locked.failed, locked.differ]);
+        let failed = self.locked.as_ref().map_or(0, |locked| locked.failed);
+        let share = coarse(self.locked.as_ref().map_or(0.0, Locked::share));
         let d = &self.differences;
         (
             self.violated.len(),
             [d.standing[1], (4 * (d.moved[1] + d.near[1])).isqrt()],
-            [failed + u64::from(self.stepped.stopped.is_some()), differ, self.stepped.unconverged],
+            [failed + u64::from(self.stepped.stopped.is_some()), share, self.stepped.unconverged],
             coarse(self.stepped.overlaps.sunk),
             Reverse(coarse(self.tightest.factor)),
             d.boundary[1],
@@ -101,7 +103,7 @@ impl Workbench {
             Precision::F64 => Box::new(StepperEngine::<f64, Spec>::f64(ENGINES[1])),
         };
         let lengths = Measured::of(&scene.shapes());
-        let (begun, steps) = (Begun::of(&cluster.scene), steps.unwrap_or_else(|| cluster.steps_for(budget)));
+        let (begun, steps) = (Begun::of(&cluster.scene, precision), steps.unwrap_or_else(|| cluster.steps_for(budget)));
         Ok(Workbench { scene: scene.clone(), precision, lengths, probes, cluster, begun, steps, engine })
     }
 

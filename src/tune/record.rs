@@ -52,7 +52,7 @@ pub enum RecordError {
 
 /// The columns of `candidates.csv`: number and origin, the set, then what was measured. Lengths in m. Those that begin with `lock_` are empty
 /// for candidates whose steps the oracle was not asked about.
-pub const COLUMNS: [&str; 39] = [
+pub const COLUMNS: [&str; 40] = [
     "candidate",
     "origin",
     "search",
@@ -86,6 +86,7 @@ pub const COLUMNS: [&str; 39] = [
     "stopped",
     "lock_steps",
     "lock_differ",
+    "lock_found",
     "lock_contacts",
     "lock_modes",
     "lock_failed",
@@ -194,7 +195,8 @@ fn row(number: usize, tried: &Tried, best: bool) -> Vec<String> {
     row.extend([format!("{:?}", s.overlaps.deepest), format!("{:?}", s.overlaps.sunk)]);
     row.extend([s.unconverged.to_string(), s.retries.to_string(), s.stopped.clone().unwrap_or_default()]);
     let locked = m.locked.as_ref();
-    let counts = locked.map(|l| [l.steps, l.differ, l.contacts, l.modes, l.failed].map(|count| count.to_string()));
+    let counts =
+        locked.map(|l| [l.steps, l.differ, l.found, l.contacts, l.modes, l.failed].map(|count| count.to_string()));
     row.extend(counts.unwrap_or_default());
     row.push(locked.and_then(|locked| locked.deepest).map(|depth| format!("{depth:?}")).unwrap_or_default());
     row.extend([tried.knobs.map_or(String::new(), Knobs::text), u8::from(best).to_string()]);
@@ -243,6 +245,7 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
         true => Some(Locked {
             steps: count("lock_steps")?,
             differ: count("lock_differ")?,
+            found: count("lock_found")?,
             contacts: count("lock_contacts")?,
             modes: count("lock_modes")?,
             failed: count("lock_failed")?,

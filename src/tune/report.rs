@@ -144,7 +144,9 @@ fn sides(out: &mut String, sets: &[(&str, &Tried)]) -> std::fmt::Result {
     row(out, "steps that differ from the oracle's", |tried| lockstep(&tried.measurement))?;
     row(out, "contacts, modes that differ in them", |tried| {
         let locked = tried.measurement.locked.as_ref();
-        locked.map_or("–".to_owned(), |locked| format!("{}, {}", locked.contacts, locked.modes))
+        locked.map_or("–".to_owned(), |l| {
+            format!("{}, {} of {} ({:.1} %)", l.contacts, l.modes, l.found, 100.0 * l.share())
+        })
     })?;
     row(out, "steps that one side could not make", |tried| {
         tried.measurement.locked.as_ref().map_or("–".to_owned(), |locked| locked.failed.to_string())
@@ -220,8 +222,8 @@ fn verdict(out: &mut String, best: &Tried, is_author: bool) -> std::fmt::Result 
         }
         Some(locked) => writeln!(
             out,
-            "{} of {} steps, settling among them, differ from the oracle's ({} contacts, {} modes), {} could not be made on one side.",
-            locked.differ, locked.steps, locked.contacts, locked.modes, locked.failed
+            "{} of {} steps, settling among them, differ from the oracle's ({} of {} contacts, and {} modes), {} could not be made on one side.",
+            locked.differ, locked.steps, locked.contacts, locked.found, locked.modes, locked.failed
         ),
         None => Ok(()),
     }
@@ -278,17 +280,17 @@ fn compare(out: &mut String, best: &Measurement, author: &Measurement) -> std::f
         let (ours_of, theirs_of) = (best.differences.examined(), author.differences.examined());
         writeln!(out, "- has {theirs} pairs of {theirs_of} that differ, instead of {ours} of {ours_of}")?;
     }
-    let steps = |m: &Measurement| m.locked.as_ref().map_or(0, |locked| locked.differ + locked.failed);
-    if steps(best) != steps(author) {
-        writeln!(out, "- has {} steps that are not the oracle's, instead of {}", steps(author), steps(best))?;
+    let share = |m: &Measurement| m.locked.as_ref().map_or(0.0, |locked| 100.0 * locked.share());
+    if share(best) != share(author) {
+        let (theirs, ours) = (share(author), share(best));
+        writeln!(out, "- has {theirs:.1} % of contacts in steps that are not the oracle's, instead of {ours:.1} %")?;
     }
     let sunk = |m: &Measurement| m.stepped.overlaps.sunk;
     match &author.stepped.stopped {
         Some(why) => writeln!(out, "- stops after {} steps: {why}", author.stepped.steps)?,
-        None if sunk(best) > 0.0 => {
-            writeln!(out, "- lets blocks sink {:.2} times as deep", sunk(author) / sunk(best))?;
+        None if sunk(author) != sunk(best) => {
+            writeln!(out, "- lets blocks sink {:.2e} m instead of {:.2e} m", sunk(author), sunk(best))?;
         }
-        None if sunk(author) > 0.0 => writeln!(out, "- lets blocks sink {:.2e} m instead of nothing", sunk(author))?,
         None => {}
     }
     writeln!(

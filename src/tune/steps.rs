@@ -32,6 +32,8 @@ pub struct Locked {
     pub steps: u64,
     /// Steps that differ in anything: contacts, modes, solves, retries, Δt.
     pub differ: u64,
+    /// Contacts of the oracle in all of them.
+    pub found: u64,
     /// Contacts that differ.
     pub contacts: u64,
     /// Contacts whose modes differ.
@@ -42,13 +44,21 @@ pub struct Locked {
     pub deepest: Option<f64>,
 }
 
+impl Locked {
+    /// What differs, of all contacts: contacts, modes, and steps that differ in something else. Zero only where nothing differs.
+    pub fn share(&self) -> f64 {
+        let differ = (self.contacts + self.modes).max(self.differ);
+        if differ == 0 { 0.0 } else { differ as f64 / self.found.max(differ) as f64 }
+    }
+}
+
 /// How deep blocks overlap, one of the two free to move (m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Overlaps {
     /// The deepest after the last step.
     pub deepest: f64,
     /// The most by which some pair overlaps deeper after a step, settling too, than in the scene as given. After any step, since blocks that
-    /// went through one another may have been thrown apart by the last.
+    /// went through one another may have been thrown apart by the last. Zero where it is no more than 2⁸·eps times the largest coordinate.
     pub sunk: f64,
 }
 
@@ -56,15 +66,22 @@ pub struct Overlaps {
 pub(super) struct Begun {
     /// Pairs of which one can move, and how deep they overlap.
     pairs: Vec<([usize; 2], f64)>,
+    /// Sinking that is none: 2⁸·eps times the largest coordinate (m), as for what a territory resolves.
+    nothing: f64,
 }
 
 impl Begun {
-    pub(super) fn of(part: &Scene) -> Begun {
+    pub(super) fn of(part: &Scene, precision: Precision) -> Begun {
         let is_fixed = |block: usize| part.blocks[block].body.is_fixed();
         let count = part.blocks.len();
         let all: Vec<[usize; 2]> = (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j])).collect();
         let free = all.into_par_iter().filter(|[i, j]| !(is_fixed(*i) && is_fixed(*j)));
-        Begun { pairs: free.map(|pair| (pair, depth(pair.map(|k| &part.blocks[k].block)))).collect() }
+        let coordinates = part.blocks.iter().flat_map(|block| block.block.coordinates());
+        let largest = coordinates.map(|c| c.approximate().abs()).fold(0.0, f64::max);
+        Begun {
+            pairs: free.map(|pair| (pair, depth(pair.map(|k| &part.blocks[k].block)))).collect(),
+            nothing: 256.0 * precision.epsilon() * largest,
+        }
     }
 
     /// The overlaps of the blocks where they are now.
@@ -77,7 +94,8 @@ impl Begun {
             deepest: one.deepest.max(other.deepest),
             sunk: one.sunk.max(other.sunk),
         };
-        now.reduce(Overlaps::default, worse)
+        let found = now.reduce(Overlaps::default, worse);
+        Overlaps { sunk: if found.sunk > self.nothing { found.sunk } else { 0.0 }, ..found }
     }
 }
 
@@ -173,6 +191,7 @@ pub(super) fn locked<R: Solve>(
         };
         let stepper = Answer::of_stepper(&made, dynamics.modes(), dynamics.state());
         let differences = compare(&exact, &stepper, &shapes);
+        found.found += exact.contacts.len() as u64;
         found.differ += u64::from(!differences.is_empty());
         found.contacts += differences.iter().filter(|difference| difference.is_of_contacts()).count() as u64;
         found.modes += differences.iter().filter(|difference| difference.change == Change::Mode).count() as u64;
