@@ -42,8 +42,12 @@ fn both() -> Vec<Box<dyn StepEngine>> {
 #[test]
 fn motions_reach_what_steps_can_do() {
     let source = source_of(&CampaignConfig { steps_every: 4, ..CampaignConfig::default() });
-    let pairs = moving(&source, 0..56);
+    let mut pairs = moving(&source, 0..56);
     assert!(pairs.len() > 150 && pairs.len() < 300, "{} of 896 pairs move", pairs.len());
+    // Only blocks much smaller than their neighbour reach the limit of rotation before that of displacement.
+    let unequal =
+        CampaignConfig { families: vec!["size_ratio".to_owned()], steps_every: 4, ..CampaignConfig::default() };
+    pairs.extend(moving(&source_of(&unequal), 0..12));
     let engine = StepperSteps::<f64, Spec>::f64("stepper-f64");
     let (mut reasons, mut most) = (BTreeMap::new(), 0);
     for (subject, motion) in &pairs {
@@ -230,7 +234,7 @@ fn mistakes_in_the_iteration_are_found() {
     let config = CampaignConfig { steps_every: 1, steps: 2, ..CampaignConfig::default() };
     let outcome = found(&config, if cfg!(debug_assertions) { 14 } else { 14 * 8 });
     told(&outcome);
-    assert!(outcome.0.len() >= 15, "{outcome:?}");
+    assert!(outcome.0.len() >= 16, "{outcome:?}");
 }
 
 #[test]

@@ -45,6 +45,18 @@ pub fn velocity_error(found: &State, right: &State) -> Option<f64> {
     worst(errors).map(|(error, _)| error)
 }
 
+/// The largest error of one of a block's twelve rates over the largest of them before and after the step, or over `floor` where they
+/// are smaller: the worst of all blocks. What comes to rest, or nearly, does not make it large.
+pub fn rate_error(before: &State, found: &State, right: &State, floor: f64) -> f64 {
+    let blocks = before.blocks.iter().zip(&found.blocks).zip(&right.blocks);
+    let errors = blocks.map(|((before, found), right)| {
+        let rates = before.velocity.iter().chain(&right.velocity).map(|v| v.approximate().abs());
+        let off = found.velocity.iter().zip(&right.velocity).map(|(a, b)| apart(a, b)).fold(0.0, f64::max);
+        off / rates.fold(floor, f64::max)
+    });
+    errors.filter(|error| error.is_finite()).fold(0.0, f64::max)
+}
+
 /// The largest distance of an anchor from where it should be (m), over contacts that both states have and have closed.
 pub fn anchor_error(found: &State, right: &State) -> Option<f64> {
     let mut most: Option<f64> = None;

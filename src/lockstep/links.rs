@@ -31,7 +31,7 @@ pub struct Caused {
     pub difference: StepDifference,
     /// The decision behind a difference of contacts, where traces tell.
     pub deciding: Option<Deciding>,
-    /// Of a mode that rounding or arithmetic changed: how far the exact quantity behind it, gap or Mohr–Coulomb, was from deciding
+    /// Of a mode that rounding or arithmetic changed: how far the exact quantity behind it, gap, Mohr–Coulomb or Eq. (1), was from deciding
     /// otherwise at the solve where modes part ([`ModeMargin`]), and the same in roundoffs.
     pub mode_margin: Option<[f64; 2]>,
 }
@@ -70,7 +70,11 @@ pub(super) fn measure_modes(
         let place = before.contacts.iter().position(|known| key(known) == key(&contact));
         let margin = place.and_then(|place| margins.get(solve - 1)?.get(place).copied());
         let opens = [&difference.before, &difference.after].iter().any(|mode| *mode == Mode::Open.name());
-        let margin = margin.and_then(|margin| if opens { margin.gap } else { margin.slip });
+        let margin = margin.and_then(|margin| match margin.equal {
+            Some(kept) if kept <= 0.0 => Some(kept),
+            _ if opens => margin.gap,
+            _ => margin.slip,
+        });
         caused.mode_margin = margin.map(|margin| [margin, margin / roundoff]);
     }
 }

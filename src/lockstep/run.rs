@@ -3,12 +3,12 @@
 use crate::campaign::finding::Cause;
 use crate::lockstep::answer::{Answer, StepDifference, compare};
 use crate::lockstep::effect::{Depths, penetration};
-use crate::lockstep::errors::{anchor_error, displacement_error, largest_distance, velocity_error};
+use crate::lockstep::errors::{anchor_error, displacement_error, largest_distance, rate_error, velocity_error};
 use crate::lockstep::links::{Caused, Explainer, Links, Side, measure_modes, stepper_trace};
 use crate::lockstep::scene::{ExactScene, Overflow};
 use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::wide::{WideError, WideStepper};
-use crate::model::{Block, Precision, Scene, ToleranceSet};
+use crate::model::{Block, Number, Precision, Scene, ToleranceSet};
 use crate::oracle::step::{self as exact, Keep, StepAnswer, StepFailure};
 use crate::stepper::dynamics::{
     Dynamics, Given, GivenAttempt, SetupError, Solve, State, StepReport, StepRules, Stopped,
@@ -65,12 +65,15 @@ impl Compared {
     }
 }
 
+/// The share of the largest displacement that a step may make below which a block is nearly at rest.
+const NEARLY_AT_REST: f64 = 1e-12;
+
 /// How far two states after a step are apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
     /// The largest distance of a vertex (m).
     pub vertices: f64,
-    /// As [`Compared::velocity`].
+    /// The largest error of a rate over the largest rate of its block, before or after the step.
     pub velocity: f64,
     /// As [`Compared::anchors`] (m).
     pub anchors: f64,
@@ -162,9 +165,11 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let after = exact_state(&after).ok()?;
         let distance =
             |(a, b): (&exact::BlockState, &exact::BlockState)| largest_distance(a.vertices.iter().zip(&b.vertices));
+        let time_step = Number::from_rational(exact.time_step.clone()).approximate();
+        let slow = self.rounded.tolerances().max_displacement.approximate() / time_step * NEARLY_AT_REST;
         Some(Drift {
             vertices: after.blocks.iter().zip(&exact.state.blocks).map(distance).fold(0.0, f64::max),
-            velocity: velocity_error(&after, &exact.state).unwrap_or(0.0),
+            velocity: rate_error(&start, &after, &exact.state, slow),
             anchors: anchor_error(&after, &exact.state).unwrap_or(0.0),
         })
     }

@@ -321,9 +321,9 @@ fn read_steps(file: &Path) -> Result<Vec<(Place, Counts)>, ReportError> {
     let mut found = Vec::new();
     while let Some(row) = rows.next(columns)? {
         let name = |column: usize| row.name(column).map(str::to_owned);
-        let place = Place { family: name(0)?, tolerances: name(1)?, engine: name(2)? };
-        let first = 3 + Counts::NAMES.len();
-        let numbers = (3..first).map(|column| row.count(column)).collect::<Result<Vec<u64>, _>>()?;
+        let place = Place { family: name(0)?, form: name(1)?, tolerances: name(2)?, engine: name(3)? };
+        let first = 4 + Counts::NAMES.len();
+        let numbers = (4..first).map(|column| row.count(column)).collect::<Result<Vec<u64>, _>>()?;
         let depth = |column: usize| row.number(column).map(|depth| depth.unwrap_or(0.0));
         let depths = |side: usize| -> Result<Depths, ReportError> {
             let [deepest, relative, sum] = [first + side, first + 2 + side, first + 4 + side].map(depth);

@@ -10,6 +10,8 @@ use crate::field::Field;
 /// magnitudes of its terms, **0 at a tie**. `None` where all terms are zero, or where balls of two f64 do not reach.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModeMargin {
+    /// Of Eq. (1), h² against ε²·h0²; at most zero keeps the mode.
+    pub equal: Option<f64>,
     /// Of the gap against the distance at which an open contact closes, or a closed one opens; positive is further open. The gap's terms
     /// are the one before the step and its change.
     pub gap: Option<f64>,
@@ -35,7 +37,7 @@ pub fn mode_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Vec<Mode
 }
 
 fn margin<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize, mode: Mode) -> ModeMargin {
-    ModeMargin { gap: gap(chain, solve, k, mode), slip: slip(chain, solve, k) }
+    ModeMargin { equal: equal(chain, solve, k), gap: gap(chain, solve, k, mode), slip: slip(chain, solve, k) }
 }
 
 fn near<S: Field>(value: &S) -> f64 {
@@ -45,6 +47,12 @@ fn near<S: Field>(value: &S) -> f64 {
 fn share(value: f64, terms: f64) -> Option<f64> {
     let share = value / terms;
     share.is_finite().then_some(share)
+}
+
+fn equal<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize) -> Option<f64> {
+    let square = chain.iterates.get(solve)?.gaps[k].squared();
+    let limit = chain.limits.equal.times(&chain.contacts[k].gap.squared());
+    share(near(&square.minus(&limit)), near(&square).abs() + near(&limit).abs())
 }
 
 fn gap<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize, mode: Mode) -> Option<f64> {

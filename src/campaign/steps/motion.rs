@@ -94,6 +94,8 @@ struct Draw<'k, 'r> {
     reach: f64,
     /// Half the longest side (m); a power of two at most.
     half: f64,
+    /// The same of each block.
+    halves: [f64; 2],
     /// Makes numbers that f32 does not hold; 1 where they are to stay short.
     long: f64,
 }
@@ -113,7 +115,8 @@ impl<'k, 'r> Draw<'k, 'r> {
             if next.0 > best.1.0 { (axis, next) } else { best }
         });
         let long = if kit.chance(30) { 1.0 + kit.between(1, 999) as f64 / 65_537.0 } else { 1.0 };
-        Draw { kit, blocks: [a, b], axis, side: side.1, reach, half: binary_below(half), long }
+        let (half, halves) = (binary_below(half), [side_a, side_b].map(|side| binary_below(side / 2.0)));
+        Draw { kit, blocks: [a, b], axis, side: side.1, reach, half, halves, long }
     }
 
     /// A number, short or long.
@@ -165,7 +168,7 @@ impl<'k, 'r> Draw<'k, 'r> {
                 v
             };
             body.velocity = self.vector(times(toward(velocity), speed));
-            body.spin = self.vector(times(spin, speed / self.half));
+            body.spin = self.vector(times(spin, speed / self.halves[number]));
         }
         self.joint(&mut simulation, &bodies);
         PairMotion { bodies, simulation, steps }
@@ -175,7 +178,7 @@ impl<'k, 'r> Draw<'k, 'r> {
     fn velocity(&mut self, manner: Manner) -> (V, V) {
         const NORMAL: [f64; 8] = [0.0, 0.0, 0.015625, 0.125, 0.5, -0.0625, -0.5, 1.5];
         const ALONG: [f64; 6] = [0.0, 0.0, 0.0009765625, 0.0625, 0.5, 0.75];
-        const SPIN: [f64; 5] = [0.0, 0.0, 0.015625, 0.25, 2.0];
+        const SPIN: [f64; 6] = [0.0, 0.0, 0.015625, 0.25, 0.75, 2.0];
         let (normal, along, spin) = match manner {
             Manner::Any => (self.pick(&NORMAL), self.pick(&ALONG), self.pick(&SPIN)),
             Manner::Sliding => (self.pick(&NORMAL[..4]), self.pick(&ALONG[2..]), self.pick(&SPIN[..3])),
@@ -228,7 +231,7 @@ impl<'k, 'r> Draw<'k, 'r> {
         let inertia = 2.0 * mass / (time_step * time_step);
         let stress = inertia * self.reach / (self.half * self.half);
         let stiff = self.pick(&[0.0, 0.0, 0.0625, 1.0, 64.0, 4096.0, 1_048_576.0]);
-        let strong = |kit: &mut Kit<'_>| if kit.chance(25) { *kit.pick(&[0.0009765625, 0.0625, 1.0]) } else { 0.0 };
+        let strong = |kit: &mut Kit<'_>| if kit.chance(35) { *kit.pick(&[0.0009765625, 0.0625, 1.0]) } else { 0.0 };
         let (cohesion, tension) = (strong(self.kit), strong(self.kit));
         let (ratio, friction) = (self.pick(&[0.4, 0.5, 1.0]), self.pick(&[0.0, 0.25, 0.6, 1.0]));
         let (cohesion, tension) =

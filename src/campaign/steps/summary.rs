@@ -8,13 +8,15 @@ use crate::campaign::subject::{Subject, SubjectSet};
 use crate::lockstep::answer::Change;
 use crate::lockstep::table::CAUSES;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Of which pairs and by which engine steps were made.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Place {
     /// The family.
     pub family: String,
+    /// The form.
+    pub form: String,
     /// The tolerance set.
     pub tolerances: String,
     /// The engine.
@@ -23,8 +25,8 @@ pub struct Place {
 
 impl Place {
     pub(super) fn new(subject: &Subject, set: &SubjectSet, engine: &str) -> Place {
-        let (family, tolerances) = (subject.family.to_string(), set.name.to_string());
-        Place { family, tolerances, engine: engine.to_owned() }
+        let [family, form, tolerances] = [&subject.family, &subject.form, &set.name].map(ToString::to_string);
+        Place { family, form, tolerances, engine: engine.to_owned() }
     }
 }
 
@@ -151,8 +153,9 @@ impl From<StepSummary> for Rows {
 }
 
 /// The columns of `step_summary.csv`.
-pub const STEP_SUMMARY_COLUMNS: [&str; 32] = [
+pub const STEP_SUMMARY_COLUMNS: [&str; 33] = [
     "family",
+    "form",
     "tolerances",
     "engine",
     "steps",
@@ -271,11 +274,6 @@ impl StepSummary {
         engines
     }
 
-    /// The families with steps.
-    pub fn families(&self) -> BTreeSet<&str> {
-        self.places.keys().map(|place| place.family.as_str()).collect()
-    }
-
     /// Findings by whom, cause and change.
     pub fn sorts(&self) -> &BTreeMap<StepSort, u64> {
         &self.sorts
@@ -301,7 +299,8 @@ impl StepSummary {
         for (place, counts) in &self.places {
             let [stepper, oracle] = counts.depths;
             let depths = [stepper.deepest, oracle.deepest, stepper.relative, oracle.relative, stepper.sum, oracle.sum];
-            let mut row = vec![place.family.clone(), place.tolerances.clone(), place.engine.clone()];
+            let mut row =
+                vec![place.family.clone(), place.form.clone(), place.tolerances.clone(), place.engine.clone()];
             row.extend(counts.numbers().iter().map(u64::to_string));
             row.extend(depths.iter().map(|depth| format!("{depth:e}")));
             writer.write_record(&row)?;
@@ -316,6 +315,6 @@ mod tests {
 
     #[test]
     fn the_columns_are_the_counts() {
-        assert_eq!(STEP_SUMMARY_COLUMNS[3..26], *Counts::NAMES);
+        assert_eq!(STEP_SUMMARY_COLUMNS[4..27], *Counts::NAMES);
     }
 }

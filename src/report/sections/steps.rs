@@ -10,6 +10,9 @@ use crate::report::table::{Cell, Table};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// The form of the pairs that are examined under every set.
+const BASE: &str = "base";
+
 /// The section, where pairs of a campaign made steps.
 pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
     if campaigns.iter().all(|run| run.steps.is_empty()) {
@@ -109,11 +112,12 @@ fn by_setting(run: &CampaignRun) -> BTreeMap<(String, &str), Counts> {
     sums
 }
 
-/// Of a grid of tolerance sets, a chart for each tolerance: the mean penetration after a step over its factors.
+/// Of a grid of tolerance sets, a chart for each tolerance: the mean penetration after a step over its factors. Only base pairs count:
+/// they step under every set, so that the same steps are compared.
 fn charts(number: usize, run: &CampaignRun, runs: usize) -> Vec<Chart> {
     let mut axes: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     let mut sums: BTreeMap<(&str, &str, &str), Counts> = BTreeMap::new();
-    for (place, counts) in run.steps.iter().filter(|(place, _)| !place.tolerances.contains(':')) {
+    for (place, counts) in run.steps.iter().filter(|(place, _)| place.form == BASE) {
         for (axis, factor) in axes_of(&place.tolerances).unwrap_or_default() {
             axes.entry(axis).or_default().insert(factor);
             sums.entry((axis, factor, &place.engine)).or_default().add(counts);
@@ -146,7 +150,7 @@ fn charts(number: usize, run: &CampaignRun, runs: usize) -> Vec<Chart> {
                 "yaxis": { "title": { "text": "mean penetration over half the side" }, "exponentformat": "power" },
                 "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
             });
-            let caption = label(runs, &run.name, &format!("penetration after a step, by {axis}"));
+            let caption = label(runs, &run.name, &format!("penetration after the same steps, by {axis}"));
             Chart::new(format!("chart-steps-{number}-{at}"), caption, 340, data, layout)
         })
         .collect()
