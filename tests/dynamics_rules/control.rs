@@ -1,8 +1,9 @@
 //! Step control at its edges: limits that are just met, retries, the smallest Δt, and what is left when a run stops.
 
 use crate::support::{begin, cube, floor, n, scene, tolerances, v, weightless};
+use rockproof::model::scene::SceneBlock;
 use rockproof::model::simulation::Unconverged;
-use rockproof::model::{Scene, ToleranceSet};
+use rockproof::model::{Block, BlockOptions, Motion, Scene, ToleranceSet};
 use rockproof::stepper::contact::Rules;
 use rockproof::stepper::dynamics::{Dynamics, Mode, RetryReason, StepReport, StepRules, Stopped};
 
@@ -154,4 +155,36 @@ fn settling_counts_up_to_zero_and_takes_no_time() {
     let mut dynamics = begin::<f64>(&scene);
     let steps: Vec<(i64, f64)> = (0..5).map(|_| dynamics.step().unwrap()).map(|r| (r.step, r.time)).collect();
     assert_eq!(steps, [(-2, 0.0), (-1, 0.0), (0, 0.0), (1, 0.01), (2, 0.02)]);
+}
+
+/// A rigid block on its tip, which slides forward and sinks: its centroid stands before the tip and above it, so that friction at the tip
+/// turns the block forward and lifts the tip.
+fn tipped(friction: &str) -> Scene {
+    let vertices = vec![v("0", "0", "1/1024"), v("1/4", "-1/2", "1"), v("3/2", "0", "1"), v("1/4", "1/2", "1")];
+    let faces = vec![vec![0, 2, 1], vec![0, 3, 2], vec![0, 1, 3], vec![1, 2, 3]];
+    let block = Block::new(vertices, faces, &BlockOptions::default()).unwrap();
+    let mut tip = SceneBlock::new("tip", block);
+    tip.body.motion = Motion::Rigid;
+    tip.body.velocity = v("1", "0", "-1/2");
+    let mut scene = weightless(vec![floor(), tip]);
+    scene.simulation.control.time_step = n("1/128");
+    scene.simulation.joints.other.friction = n(friction);
+    scene
+}
+
+#[test]
+fn friction_of_the_solve_before_makes_an_impact_open_and_close_for_ever() {
+    // By hand (docs/step.md): moving freely the tip overlaps by 1/256 − 1/1024 m and slips 1/128 m, so it closes and slides. The friction
+    // of that overlap lifts it, so it opens; and then it moves freely again.
+    let mut dynamics = begin::<f64>(&tipped("3/5"));
+    let report = dynamics.step().unwrap();
+    assert_eq!(given_up(&report)[0], (RetryReason::NotConverged, 1.0 / 128.0));
+    let modes: Vec<Mode> = dynamics.modes()[0].iter().map(|all| all[0]).collect();
+    use Mode::{Open, Sliding};
+    assert_eq!(modes, [Sliding, Open, Sliding, Open, Sliding, Open]);
+    // Without friction the overlap that is left keeps it closed.
+    let mut dynamics = begin::<f64>(&tipped("0"));
+    let report = dynamics.step().unwrap();
+    assert!(report.retries.is_empty() && report.iterations == 2, "{report:?}");
+    assert_eq!(dynamics.state().contacts[0].mode, Sliding);
 }
