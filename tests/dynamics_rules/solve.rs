@@ -113,7 +113,7 @@ fn a_factor_that_is_renewed_in_part_is_bit_for_bit_a_new_one() {
             let part = sample.pattern.part(node, node).unwrap();
             for k in 0..usize::from(sample.unknowns[node]) {
                 let place = part.at + (part.stride + 1) * k;
-                sample.values[place] = sample.values[place] * 1.25;
+                sample.values[place] *= 1.25;
             }
             let mut marked = vec![false; sample.pattern.panel_count()];
             marked[part.panel] = true;

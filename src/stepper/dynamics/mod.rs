@@ -2,8 +2,8 @@
 //!
 //! [`Dynamics`] holds a scene and its state. A step finds the contacts ([`crate::stepper::contact`]), lets each continue one of the step
 //! before (`transfer.rs`), and tries: `attempt.rs` is the open–close iteration at one Δt, `engine.rs` cuts Δt until an attempt is good, and
-//! moves the blocks (`kinematics.rs`). `contact.rs` is a contact's springs, `rules.rs` every comparison, `island.rs` and `solve.rs` the
-//! system of equations.
+//! moves the blocks (`kinematics.rs`). `contact.rs` is a contact's springs, `rules.rs` every comparison. Of the system of equations
+//! `island.rs` adds up the matrix, `order.rs` finds an order of elimination, `pattern.rs` where values stand, `solve.rs` the solution.
 
 mod alone;
 mod area;
