@@ -261,6 +261,7 @@ fn a_stress_set_and_measurements_are_read_from_their_tables_alone() {
         assert!(measured.iter().any(|other| efficient(&other)), "{row:?}");
     }
     let page = fs::read_to_string(out.join("report.html")).expect("a page");
+    assert!(page.contains("<h1>Stress &amp; time</h1>"));
     for id in [
         "chart-stress-0-offset",
         "chart-stress-0-angle",
