@@ -232,7 +232,9 @@ fn a_stress_set_and_measurements_are_read_from_their_tables_alone() {
     let out = dir.path().join("report");
     let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports");
     let [stress, bench] = ["stress", "bench"].map(|name| reports.join(name).to_str().expect("text").to_owned());
-    let (code, verdict, err) = rockproof(&["report", &stress, &bench, "--out", out.to_str().expect("text")]);
+    let title = "Stress & time";
+    let (code, verdict, err) =
+        rockproof(&["report", &stress, &bench, "--title", title, "--out", out.to_str().expect("text")]);
     assert_eq!(code, 0, "{err}");
     assert!(
         verdict.starts_with("stepper-f64, no ties: safe to 10⁸ times the pair's size from the origin; "),
@@ -259,6 +261,7 @@ fn a_stress_set_and_measurements_are_read_from_their_tables_alone() {
         assert!(measured.iter().any(|other| efficient(&other)), "{row:?}");
     }
     let page = fs::read_to_string(out.join("report.html")).expect("a page");
+    assert!(page.contains("<h1>Stress &amp; time</h1>"));
     for id in [
         "chart-stress-0-offset",
         "chart-stress-0-angle",

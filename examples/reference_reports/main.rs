@@ -147,6 +147,9 @@ fn make(reference: &Reference, directory: &Path) -> Told<PathBuf> {
         let mut arguments = vec!["report".to_owned()];
         arguments.extend(runs.iter().cloned());
         arguments.extend(["--out", &format!("{run}-{format}"), "--format", format].map(str::to_owned));
+        if let MadeOf::Lockstep(_) = reference.made_of {
+            arguments.extend(["--title", "The paper's four examples, step by step"].map(str::to_owned));
+        }
         rockproof(&arguments, directory)?;
     }
     Ok(directory.join("reports/reference"))

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 /// Turn the results of runs into a page that needs no network, with its tables as CSV
 ///
-/// Takes the directories of campaigns, of lockstep runs and of benches, in any mixture.
+/// Takes the directories of campaigns, of lockstep runs, of stress sets and of benches, in any mixture.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   rockproof report reports/campaign-1                  writes reports/campaign-1/report/report.html and tables/
@@ -26,6 +26,9 @@ pub(crate) struct Report {
     /// What to write
     #[arg(long, value_enum, default_value_t = Format::Html)]
     format: Format,
+    /// What the report is called [default: the names of the runs]
+    #[arg(long)]
+    title: Option<String>,
     /// Replace the report in the directory
     #[arg(long)]
     force: bool,
@@ -41,7 +44,10 @@ enum Format {
 
 impl Report {
     pub(crate) fn run(&self) -> Outcome {
-        let report = Made::of(&self.runs)?;
+        let mut report = Made::of(&self.runs)?;
+        if let Some(title) = &self.title {
+            report.title.clone_from(title);
+        }
         let (name, contents) = match self.format {
             Format::Html => (PAGE, page(&report)?),
             Format::Markdown => (TEXT, markdown(&report)),

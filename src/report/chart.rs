@@ -29,6 +29,19 @@ pub fn engine_color(engine: &str, at: usize) -> String {
     color(known.iter().position(|name| *name == engine).unwrap_or(known.len() + at))
 }
 
+/// A long name in lines of some 24 characters, as plotly breaks them, and how many lines.
+pub fn in_lines(name: &str) -> (String, usize) {
+    let mut lines = vec![String::new()];
+    for word in name.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.is_empty() => line.push_str(word),
+            Some(line) if line.len() + word.len() < 24 => *line += &format!(" {word}"),
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    (lines.join("<br>"), lines.len())
+}
+
 impl Chart {
     /// A chart.
     pub fn new(

@@ -3,7 +3,7 @@
 use super::{Part, Section, label};
 use crate::campaign::agreement::Span;
 use crate::campaign::interval::Share;
-use crate::report::chart::{Chart, color, error_bars, heat_map};
+use crate::report::chart::{Chart, color, error_bars, heat_map, in_lines};
 use crate::report::load::{CampaignRun, Sums};
 use crate::report::table::{Cell, Table};
 use serde_json::json;
@@ -87,18 +87,21 @@ const MANY: usize = 24;
 /// So many of each.
 const ENDS: usize = 10;
 
-/// The settings that a chart shows: all, or where there are many those under which the engines are right most seldom and most often.
-fn chosen(shares: &BTreeMap<String, f64>) -> Vec<String> {
-    let mut order: Vec<(&String, f64)> = shares.iter().map(|(setting, share)| (setting, *share)).collect();
+/// The settings that a chart shows: all, or where there are many those under which the worse engine is right most seldom and most often, beyond
+/// chance: by the upper and by the lower end of its interval.
+fn chosen(shares: &BTreeMap<String, Share>) -> Vec<String> {
+    let mut order: Vec<(&String, &Share)> = shares.iter().collect();
     if order.len() >= MANY {
-        order.sort_by(|(a, x), (b, y)| x.total_cmp(y).then_with(|| a.cmp(b)));
-        order.drain(ENDS..order.len() - ENDS);
+        order.sort_by(|(_, x), (_, y)| x.high.total_cmp(&y.high));
+        let mut rest = order.split_off(ENDS);
+        rest.sort_by(|(_, x), (_, y)| x.low.total_cmp(&y.low));
+        order.extend(rest.split_off(rest.len() - ENDS));
     }
     order.into_iter().map(|(setting, _)| setting.clone()).collect()
 }
 
 fn by_setting(campaigns: &[CampaignRun]) -> Chart {
-    let mut least: BTreeMap<String, f64> = BTreeMap::new();
+    let mut least: BTreeMap<String, Share> = BTreeMap::new();
     let mut curves = Vec::new();
     for campaign in campaigns {
         let sums = campaign.by_setting();
@@ -112,8 +115,10 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
                 .filter_map(|(c, s)| Some((c.tolerances.as_str(), s.agreement()?)))
                 .collect();
             for (setting, share) in &of {
-                let known = least.entry((*setting).to_owned()).or_insert(1.0);
-                *known = known.min(share.value);
+                let known = least.entry((*setting).to_owned()).or_insert(*share);
+                if share.value < known.value {
+                    *known = *share;
+                }
             }
             let of: Vec<(String, Share)> = of.into_iter().map(|(setting, share)| (setting.to_owned(), share)).collect();
             curves.push((label(campaigns.len(), &campaign.name, &engine), of));
@@ -125,7 +130,7 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
         let shares: Vec<Share> = of.iter().map(|(_, share)| *share).collect();
         json!({
             "type": "scatter", "mode": "markers", "name": name,
-            "y": of.iter().map(|(setting, _)| setting).collect::<Vec<_>>(),
+            "y": of.iter().map(|(setting, _)| in_lines(setting).0).collect::<Vec<_>>(),
             "x": shares.iter().map(|s| s.value * 100.0).collect::<Vec<_>>(),
             "error_x": error_bars(&shares),
             "marker": { "size": 9, "color": color(number), "symbol": number % 8 },
@@ -135,10 +140,11 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
     let caption = match least.len() - settings.len() {
         0 => "Agreement of each engine under each tolerance setting, with 95 % intervals".to_owned(),
         left => format!(
-            "Agreement of each engine with 95 % intervals, under the {ENDS} settings where it is least and the {ENDS} where it is most, by the worse engine; the {left} between them are in agreement.csv"
+            "Agreement of each engine with 95 % intervals, under the {ENDS} settings where the worse engine's is least beyond chance and the {ENDS} where it is most; the {left} others are in agreement.csv"
         ),
     };
-    let height = 110 + 26 * settings.len().max(2);
+    let (settings, lines): (Vec<String>, Vec<usize>) = settings.iter().map(|setting| in_lines(setting)).unzip();
+    let height = 110 + (12 + 14 * lines.into_iter().max().unwrap_or(1)) * settings.len().max(2);
     let layout = json!({
         "xaxis": { "title": { "text": "pairs answered exactly right, %" }, "range": [0, 101] },
         "yaxis": { "type": "category", "autorange": "reversed", "categoryorder": "array", "categoryarray": settings },

@@ -2,7 +2,7 @@
 
 use super::{Part, Section, label};
 use crate::campaign::finding::Cause;
-use crate::report::chart::Chart;
+use crate::report::chart::{Chart, in_lines};
 use crate::report::load::CampaignRun;
 use crate::report::table::Table;
 use serde_json::json;
@@ -51,20 +51,22 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
         let shown: Vec<(&String, &u64)> = counts.iter().filter(|(row, _)| rows.contains(*row)).collect();
         json!({
             "type": "bar", "orientation": "h", "name": cause.name(), "marker": { "color": color_of(*cause) },
-            "y": shown.iter().map(|(row, _)| row).collect::<Vec<_>>(), "x": shown.iter().map(|(_, n)| n).collect::<Vec<_>>(),
+            "y": shown.iter().map(|(row, _)| in_lines(row).0).collect::<Vec<_>>(), "x": shown.iter().map(|(_, n)| n).collect::<Vec<_>>(),
             "hovertemplate": "%{y}: %{x:,}<extra>%{fullData.name}</extra>",
         })
     });
+    let (rows, lines): (Vec<String>, Vec<usize>) = rows.iter().map(|row| in_lines(row)).unzip();
     let layout = json!({
         "barmode": "stack", "xaxis": { "title": { "text": "findings" } },
         "yaxis": { "type": "category", "autorange": "reversed", "categoryorder": "array", "categoryarray": rows },
         "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
     });
+    let height = 130 + (12 + 14 * lines.into_iter().max().unwrap_or(1)) * rows.len();
     let caption = match left {
         0 => "Findings by tolerance setting and cause".to_owned(),
         left => format!("Findings by cause, of the {MOST} tolerance settings with the most; {left} more in causes.csv"),
     };
-    Chart::new("chart-causes", caption, 130 + 26 * rows.len(), data.collect(), layout)
+    Chart::new("chart-causes", caption, height, data.collect(), layout)
 }
 
 fn changes(campaigns: &[CampaignRun]) -> Table {
