@@ -75,7 +75,7 @@ fn write_all(out: &mut String, name: &str, bench: &Workbench, search: &Search<'_
     } else {
         writeln!(
             out,
-            "{} candidates keep every rule and are beaten by no other in everything at once; the first {} by pairs that differ, then sinking:\n",
+            "{} candidates keep every rule and are beaten by no other in everything at once, or are the one recommended, which comes first; {} of them, by pairs that differ, then sinking:\n",
             front.len(),
             shown.len()
         )?;
@@ -209,6 +209,13 @@ fn verdict(out: &mut String, best: &Tried, is_author: bool) -> std::fmt::Result 
         false => writeln!(out, "No candidate met every rule; this one breaks: {}.", formulas(&m.violated))?,
     }
     match &m.stepped.stopped {
+        None if m.stepped.overlaps.sunk == 0.0 => {
+            writeln!(
+                out,
+                "In {} steps no pair of blocks sinks: overlaps deeper than in the scene as given.",
+                m.stepped.steps
+            )?;
+        }
         None => writeln!(
             out,
             "In {} steps no pair of blocks sinks by more than {:.3e} m: overlaps deeper than in the scene as given.",

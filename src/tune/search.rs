@@ -188,8 +188,8 @@ impl<'w> Search<'w> {
         locked.min_by_key(|&k| self.tried[k].measurement.merit())
     }
 
-    /// The candidates that keep every rule and that no other beats in all of: pairs that differ, sinking, slack to the nearest rule, length of a step, contacts
-    /// changed by tolerances. By pairs that differ, then sinking.
+    /// The best candidate, then those that no other beats in all of: pairs that differ, sinking, slack to the nearest rule, length of a step, contacts
+    /// changed by tolerances; by pairs that differ, then sinking. All keep every rule.
     pub fn front(&self) -> Vec<usize> {
         let fine: Vec<usize> = (0..self.tried.len())
             .filter(|&k| {
@@ -210,9 +210,12 @@ impl<'w> Search<'w> {
                 no_worse && (one != by || other < k)
             })
         };
-        let mut front: Vec<usize> = fine.iter().copied().filter(|&k| !beaten(k)).collect();
+        let is_best = |k: usize| self.best() == Some(k);
+        let mut front: Vec<usize> = fine.iter().copied().filter(|&k| is_best(k) || !beaten(k)).collect();
         front.sort_by(|&a, &b| {
-            costs(a)[0].total_cmp(&costs(b)[0]).then(costs(a)[1].total_cmp(&costs(b)[1])).then(a.cmp(&b))
+            let (one, other) = (costs(a), costs(b));
+            let first = is_best(b).cmp(&is_best(a));
+            first.then(one[0].total_cmp(&other[0])).then(one[1].total_cmp(&other[1])).then(a.cmp(&b))
         });
         front
     }
