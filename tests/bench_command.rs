@@ -149,3 +149,25 @@ fn the_committed_plots_are_those_of_the_committed_table() {
         assert!(fs::read_to_string(&file).unwrap() == drawn, "{name}: RENEW=1 cargo test --test bench_command plots");
     }
 }
+
+#[test]
+fn steps_of_walls_and_rock_are_told_by_phases() {
+    let arguments = ["bench", "--wall", "12", "--rock", "8", "--single", "--steps", "2", "--format", "csv"];
+    let output = Command::cargo_bin("rockproof").unwrap().args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let header = reader.headers().unwrap().clone();
+    let column = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    // The smaller one first.
+    let told = |row: &csv::StringRecord| (row[column("scene")].to_owned(), row[column("blocks")].to_owned());
+    let expected = [("rock", "9"), ("wall", "13")].map(|(scene, blocks)| (scene.to_owned(), blocks.to_owned()));
+    assert_eq!(rows.iter().map(told).collect::<Vec<_>>(), expected);
+    for row in &rows {
+        let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        assert!(number("contacts") > 20.0 && number("solves a step") >= 1.0 && number("ms a step") > 0.0, "{row:?}");
+        let shares = ["rough", "contacts", "order", "assembly", "factor", "solve", "judge", "update"].map(number);
+        assert!(shares.iter().sum::<f64>() < 101.0 && number("factor") > 0.0, "{row:?}");
+    }
+}

@@ -129,13 +129,23 @@ impl Bench {
             };
             let micros = 1e6 * cost.step;
             let mut row = vec![name.to_owned(), grouped(cost.blocks as u64), grouped(cost.contacts as u64)];
-            row.extend([cost.retries, cost.solves, micros / 1e3, micros / cost.blocks as f64].map(digits));
+            row.extend([cost.retries, cost.solves, micros / 1e3].map(digits));
+            row.push(cost.processor.map_or(String::new(), |s| digits(1e3 * s)));
+            row.push(digits(micros / cost.blocks as f64));
             row.extend(cost.shares.map(|share| digits(100.0 * share)));
             row.push(cost.memory.map_or(String::new(), |m| digits(m as f64 / 1000.0 / cost.blocks as f64)));
             rows.push(row);
         }
-        let mut header =
-            vec!["scene", "blocks", "contacts", "retries a step", "solves a step", "ms a step", "µs a block"];
+        let mut header = vec![
+            "scene",
+            "blocks",
+            "contacts",
+            "retries a step",
+            "solves a step",
+            "ms a step",
+            "processor ms",
+            "µs a block",
+        ];
         header.extend(Cost::PHASES);
         header.push("kB a block");
         print(&match self.format {

@@ -97,6 +97,9 @@ pub struct Cost {
     pub solves: f64,
     /// A step (s).
     pub step: f64,
+    /// A step, in time of processors (s), to hundredths of a second for all steps; none where the system does not tell. Other programs
+    /// bear on it less.
+    pub processor: Option<f64>,
     /// Shares of the time of [`Cost::PHASES`].
     pub shares: [f64; 8],
     /// The most memory that the process held, without what it held before the scene was made (bytes); none where the system does not
@@ -133,12 +136,13 @@ pub fn stepping<R: Solve>(
         dynamics.step()?;
     }
     let (earlier, solves) = (phases(&dynamics), dynamics.spent().solves);
-    let begun = Instant::now();
+    let (begun, busy) = (Instant::now(), processor());
     let mut retries = 0;
     for _ in 0..steps {
         retries += dynamics.step()?.retries.len();
     }
     let seconds = begun.elapsed().as_secs_f64();
+    let busy = processor().zip(busy).map(|(now, before)| now - before);
     let now = phases(&dynamics);
     let memory = memory("VmHWM:").zip(before).map(|(most, before)| most.saturating_sub(before));
     let count = f64::from(steps.max(1));
@@ -149,6 +153,7 @@ pub fn stepping<R: Solve>(
         retries: retries as f64 / count,
         solves: (dynamics.spent().solves - solves) as f64 / count,
         step: seconds / count,
+        processor: busy.map(|seconds| seconds / count),
         shares: std::array::from_fn(|k| (now[k] - earlier[k]).as_secs_f64() / seconds.max(f64::MIN_POSITIVE)),
         memory,
     })
@@ -166,6 +171,15 @@ fn memory(entry: &str) -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix(entry))?;
     line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kilobytes| 1024 * kilobytes)
+}
+
+/// The time that processors gave to this process (s), from Linux's `/proc/self/stat`, which counts in hundredths of a second.
+fn processor() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The second entry, the name, is in brackets and may hold anything.
+    let mut entries = text.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let mut next = || entries.next()?.parse::<f64>().ok();
+    Some((next()? + next()?) / 100.0)
 }
 
 #[cfg(test)]
