@@ -60,6 +60,11 @@ impl WideBall {
         WideBall { radius: Magnitude::ZERO, ..self.clone() }
     }
 
+    /// The same number in the middle as one of so many bits, exactly.
+    pub(crate) fn with_bits(&self, bits: u32) -> WideBall {
+        WideBall { bits, ..self.without_radius() }
+    }
+
     /// The ball with a radius larger by `more`.
     pub(crate) fn widened(&self, more: Magnitude) -> WideBall {
         WideBall { radius: self.radius.plus(more), ..self.clone() }

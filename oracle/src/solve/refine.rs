@@ -13,14 +13,14 @@ pub(crate) trait Solvable: Field {
 
 impl Solvable for Ball {
     fn solve(system: &BlockSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>> {
-        refine(&Assembled(system), factor?, bits)
+        refine(&Assembled(system), factor?, None, bits)
     }
 }
 
 impl Solvable for WideBall {
     fn solve(system: &BlockSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>> {
         match factor {
-            Some(factor) => refine(&Assembled(system), factor, bits),
+            Some(factor) => refine(&Assembled(system), factor, None, bits),
             None => eliminate::eliminate(system),
         }
     }
@@ -148,12 +148,24 @@ fn norms<S: Correctable>(residual: &[S], scale: &[i32]) -> Option<Norms> {
 }
 
 /// Encloses the solution: corrects it until the residual is as small as its own doubt, then adds the bound
-/// `‖D·r‖ / λ` to every unknown.
-pub(crate) fn refine<S: Correctable>(system: &dyn Residual<S>, support: &dyn Support, bits: u32) -> Option<Vec<S>> {
+/// `‖D·r‖ / λ` to every unknown. It begins with numbers without radius that are thought to be near the solution, or with zeros.
+pub(crate) fn refine<S: Correctable>(
+    system: &dyn Residual<S>,
+    support: &dyn Support,
+    start: Option<Vec<S>>,
+    bits: u32,
+) -> Option<Vec<S>> {
     let scale = support.scale();
-    let mut x = vec![S::from_i32(0); scale.len()];
-    let mut residual = system.right();
-    let mut norm = norms(&residual, scale)?;
+    let with_norm = |x: Vec<S>, residual: Vec<S>| {
+        let norm = norms(&residual, scale)?;
+        Some((x, residual, norm))
+    };
+    let begun = start.and_then(|x| {
+        let residual = system.residual(&x);
+        with_norm(x, residual)
+    });
+    let zeros = || with_norm(vec![S::from_i32(0); scale.len()], system.right());
+    let (mut x, mut residual, mut norm) = begun.or_else(zeros)?;
     let most_passes = 3 + bits / 8;
     for _ in 0..most_passes {
         if norm.middle <= norm.radius {

@@ -9,6 +9,7 @@ use super::system::{Bound, StepSupport, Stepwise, stiffness};
 use crate::field::{DoubleBall, WideBall};
 use crate::number::Ball;
 use num_rational::BigRational;
+use rockproof_model::Ring;
 use std::rc::Rc;
 
 /// Bits of the wide levels; fractions stand between the second and the third.
@@ -70,22 +71,38 @@ impl<'a, S: Stepwise> Level<'a, S> {
         }
     }
 
-    /// The chain with all solves up to now, if this type can make them.
-    fn caught_up(&mut self, attempt: &'a Attempt<'a>, bits: u32, history: &History) -> Option<&Chain<'a, S>> {
+    /// The chain with all solves up to now, if this type can make them; `start` has what a cheaper type found in a solve.
+    fn caught_up(
+        &mut self,
+        attempt: &'a Attempt<'a>,
+        bits: u32,
+        history: &History,
+        start: impl Fn(usize) -> Option<Vec<S>>,
+    ) -> Option<&Chain<'a, S>> {
         let mut failed = false;
         if let Some(chain) = self.begin(attempt, bits) {
             while chain.iterates.len() < history.modes.len() && !failed {
                 let next = chain.iterates.len();
-                failed = chain.advance(&history.modes[next], history.support(next).as_ref()).is_none();
+                failed = chain.advance(&history.modes[next], history.support(next).as_ref(), start(next)).is_none();
             }
         }
         if failed {
             *self = Level::Failed;
         }
+        self.ready()
+    }
+
+    fn ready(&self) -> Option<&Chain<'a, S>> {
         match self {
             Level::Ready(chain) => Some(chain),
             _ => None,
         }
+    }
+
+    /// What it found in a solve, in another type.
+    fn found<T>(&self, solve: usize, convert: impl Fn(&S) -> Option<T>) -> Option<Vec<T>> {
+        let iterate = self.ready()?.iterates.get(solve)?;
+        iterate.d.iter().flatten().map(convert).collect()
     }
 }
 
@@ -162,26 +179,23 @@ impl<'a> Ladder<'a> {
 
     /// The answer of the cheapest level that has one; `None` is undecided, and counted.
     pub(crate) fn ask<Q: Question>(&mut self, question: &Q) -> Option<Q::Answer> {
-        let chain = self.float.caught_up(self.attempt, 53, &self.history);
-        if let Some(answer) = chain.and_then(|chain| question.ask(chain)) {
+        if let Some(answer) = self.float().and_then(|chain| question.ask(chain)) {
             self.levels.float += 1;
             return Some(answer);
         }
-        let chain = self.double.caught_up(self.attempt, 106, &self.history);
-        if let Some(answer) = chain.and_then(|chain| question.ask(chain)) {
+        if let Some(answer) = self.double().and_then(|chain| question.ask(chain)) {
             self.levels.double += 1;
             return Some(answer);
         }
         let asked = if self.attempt.sizes.iter().sum::<usize>() > LARGE { 2 } else { WIDE_BITS.len() };
-        for (k, bits) in WIDE_BITS.into_iter().enumerate().take(asked) {
+        for k in 0..asked {
             if k == 2
                 && let Some(answer) = self.exact().and_then(|chain| question.ask(chain))
             {
                 self.levels.exact += 1;
                 return Some(answer);
             }
-            let chain = self.wide[k].caught_up(self.attempt, bits, &self.history);
-            if let Some(answer) = chain.and_then(|chain| question.ask(chain)) {
+            if let Some(answer) = self.wide(k).and_then(|chain| question.ask(chain)) {
                 self.levels.wide[k] += 1;
                 return Some(answer);
             }
@@ -198,25 +212,50 @@ impl<'a> Ladder<'a> {
 
     /// The chain in f64 balls.
     pub(crate) fn float(&mut self) -> Option<&Chain<'a, Ball>> {
-        self.float.caught_up(self.attempt, 53, &self.history)
+        self.float.caught_up(self.attempt, 53, &self.history, |_| None)
     }
 
     /// The chain in balls of two f64.
     pub(crate) fn double(&mut self) -> Option<&Chain<'a, DoubleBall>> {
-        self.double.caught_up(self.attempt, 106, &self.history)
+        let float = &self.float;
+        let near = |x: &Ball| x.middle.is_finite().then_some(DoubleBall { high: x.middle, low: 0.0, radius: 0.0 });
+        let start = |solve| float.found(solve, near);
+        self.double.caught_up(self.attempt, 106, &self.history, start)
+    }
+
+    /// The chain in balls of [`WIDE_BITS`]`[k]`.
+    fn wide(&mut self, k: usize) -> Option<&Chain<'a, WideBall>> {
+        let level = std::mem::replace(&mut self.wide[k], Level::Unused);
+        self.wide[k] = self.wider(level, WIDE_BITS[k]);
+        self.wide[k].ready()
+    }
+
+    /// A level caught up, beginning each solve with what the widest type below it has found.
+    fn wider(&self, mut level: Level<'a, WideBall>, bits: u32) -> Level<'a, WideBall> {
+        let below = WIDE_BITS.iter().filter(|&&known| known < bits).count();
+        let near = |x: &DoubleBall| {
+            let part = |value: f64| value.is_finite().then(|| WideBall::of_f64(value, bits));
+            Some(part(x.high)?.plus(&part(x.low)?).without_radius())
+        };
+        let start = |solve| {
+            let mut wide = self.wide[..below].iter().rev();
+            let found = wide.find_map(|level| level.found(solve, |x| Some(x.with_bits(bits))));
+            found.or_else(|| self.double.found(solve, near))
+        };
+        level.caught_up(self.attempt, bits, &self.history, start);
+        level
     }
 
     /// The chain in fractions, where the forces are rational and no island is too large.
     pub(crate) fn exact(&mut self) -> Option<&Chain<'a, BigRational>> {
-        self.exact.caught_up(self.attempt, 0, &self.history)
+        self.exact.caught_up(self.attempt, 0, &self.history, |_| None)
     }
 
     /// A chain with so many bits.
     pub(crate) fn with_bits(&mut self, bits: u32) -> Option<Box<Chain<'a, WideBall>>> {
         let known = WIDE_BITS.iter().position(|&known| known == bits);
-        let mut level = known.map_or(Level::Unused, |k| std::mem::replace(&mut self.wide[k], Level::Unused));
-        level.caught_up(self.attempt, bits, &self.history)?;
-        match level {
+        let level = known.map_or(Level::Unused, |k| std::mem::replace(&mut self.wide[k], Level::Unused));
+        match self.wider(level, bits) {
             Level::Ready(chain) => Some(chain),
             _ => None,
         }

@@ -20,41 +20,66 @@ pub(crate) struct System<'c, 'a, S> {
 
 /// A number type in which a solve of a step can be enclosed.
 pub(crate) trait Stepwise: Field {
-    /// The displacements of the moving blocks; `None` where this type cannot.
-    fn solve(system: &System<'_, '_, Self>, support: Option<&StepSupport<'_>>) -> Option<Vec<Self>>;
+    /// The displacements of the moving blocks; `None` where this type cannot. `start` is what a cheaper type has found, without radius.
+    fn solve(
+        system: &System<'_, '_, Self>,
+        support: Option<&StepSupport<'_>>,
+        start: Option<Vec<Self>>,
+    ) -> Option<Vec<Self>>;
 }
 
 impl Stepwise for Ball {
-    fn solve(system: &System<'_, '_, Self>, support: Option<&StepSupport<'_>>) -> Option<Vec<Self>> {
-        refine(system, support?, system.chain.bits)
+    fn solve(
+        system: &System<'_, '_, Self>,
+        support: Option<&StepSupport<'_>>,
+        start: Option<Vec<Self>>,
+    ) -> Option<Vec<Self>> {
+        refine(system, support?, start, system.chain.bits)
     }
 }
 
 impl Stepwise for DoubleBall {
-    fn solve(system: &System<'_, '_, Self>, support: Option<&StepSupport<'_>>) -> Option<Vec<Self>> {
-        refine(system, support?, system.chain.bits)
+    fn solve(
+        system: &System<'_, '_, Self>,
+        support: Option<&StepSupport<'_>>,
+        start: Option<Vec<Self>>,
+    ) -> Option<Vec<Self>> {
+        refine(system, support?, start, system.chain.bits)
     }
 }
 
 impl Stepwise for WideBall {
-    fn solve(system: &System<'_, '_, Self>, support: Option<&StepSupport<'_>>) -> Option<Vec<Self>> {
+    fn solve(
+        system: &System<'_, '_, Self>,
+        support: Option<&StepSupport<'_>>,
+        start: Option<Vec<Self>>,
+    ) -> Option<Vec<Self>> {
         match support {
-            Some(support) => refine(system, support, system.chain.bits),
+            Some(support) => refine(system, support, start, system.chain.bits),
             None => eliminate(&system.assembled()),
         }
     }
 }
 
 impl Stepwise for BigRational {
-    fn solve(system: &System<'_, '_, Self>, _support: Option<&StepSupport<'_>>) -> Option<Vec<Self>> {
+    fn solve(
+        system: &System<'_, '_, Self>,
+        _support: Option<&StepSupport<'_>>,
+        _start: Option<Vec<Self>>,
+    ) -> Option<Vec<Self>> {
         system.assembled().solve_apart(EXACT_UNKNOWNS, fraction_free_solve)
     }
 }
 
 impl<S: Stepwise> Chain<'_, S> {
     /// Solves once more, with these modes; `None` where this type cannot.
-    pub(crate) fn advance(&mut self, modes: &[Mode], support: Option<&StepSupport<'_>>) -> Option<()> {
-        let solution = S::solve(&System { chain: self, modes, friction: self.friction(modes)? }, support)?;
+    pub(crate) fn advance(
+        &mut self,
+        modes: &[Mode],
+        support: Option<&StepSupport<'_>>,
+        start: Option<Vec<S>>,
+    ) -> Option<()> {
+        let solution = S::solve(&System { chain: self, modes, friction: self.friction(modes)? }, support, start)?;
         self.take(&solution);
         Some(())
     }
