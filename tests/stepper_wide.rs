@@ -176,13 +176,14 @@ fn the_radius_stays_small_through_a_long_elimination() {
     let (_, unsettled) = wide::counting(|| {
         for k in 0..SIZE {
             assert!(Wide::EXACT_ZERO < rows[k][k], "pivot {k}");
-            for i in k + 1..SIZE {
-                let share = rows[i][k] / rows[k][k];
-                for j in k..SIZE {
-                    let removed = share * rows[k][j];
-                    rows[i][j] = rows[i][j] - removed;
+            let (above, below) = rows.split_at_mut(k + 1);
+            let pivot = &above[k];
+            for (i, row) in below.iter_mut().enumerate() {
+                let share = row[k] / pivot[k];
+                for (entry, &over) in row.iter_mut().zip(pivot).skip(k) {
+                    *entry = *entry - share * over;
                 }
-                rhs[i] = rhs[i] - share * rhs[k];
+                rhs[k + 1 + i] = rhs[k + 1 + i] - share * rhs[k];
             }
         }
     });
