@@ -4,7 +4,7 @@
 //! `Wide` is `Copy` like f64 and the generic code reads the same for both, and are not the integers the oracle
 //! uses. `dashu-float` and `astro-float` keep their digits on the heap and are not `Copy`.
 //!
-//! A value is a middle and a [`Radius`]: the number meant lies within the radius of the middle. Sums, differences, products,
+//! A value is a middle and a radius: the number meant lies within the radius of the middle. Sums, differences, products,
 //! quotients and roots that fit into 512 bits are exact and keep an exact operand's radius of nothing; all others round
 //! towards zero and add what they lost. A comparison is **settled** when the two intervals do not meet, or when both
 //! values are exact; every other comparison answers that they are equal and is counted, for a tie is what leaves 512 bits in doubt. So cancellation is judged by the
