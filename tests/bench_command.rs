@@ -167,7 +167,7 @@ fn steps_of_walls_and_rock_are_told_by_phases() {
     for row in &rows {
         let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
         assert!(number("contacts") > 20.0 && number("solves a step") >= 1.0 && number("ms a step") > 0.0, "{row:?}");
-        let shares = ["rough", "contacts", "order", "assembly", "factor", "solve", "judge", "update"].map(number);
+        let shares = ["rough", "detection", "order", "assembly", "factor", "solve", "judge", "update"].map(number);
         assert!(shares.iter().sum::<f64>() < 101.0 && number("factor") > 0.0, "{row:?}");
     }
 }

@@ -111,7 +111,7 @@ impl Cost {
     /// What a step is made of: boxes and pairs; classification; then the open–close iteration: orders of elimination, adding up matrices,
     /// factors, solving by them, judging the contacts; and moving the blocks.
     pub const PHASES: [&'static str; 8] =
-        ["rough", "contacts", "order", "assembly", "factor", "solve", "judge", "update"];
+        ["rough", "detection", "order", "assembly", "factor", "solve", "judge", "update"];
 }
 
 /// Makes `steps` steps of a scene after two of settling, and says what they cost. For memory to mean something, larger scenes must come
