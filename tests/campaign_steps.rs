@@ -243,5 +243,6 @@ fn mistakes_in_the_iteration_are_found_by_the_default_campaign() {
     let config = CampaignConfig::default();
     let outcome = found(&config, config.pairs / 16);
     told(&outcome);
-    assert!(outcome.0.len() >= 15, "{outcome:?}");
+    // Contacts that forget show from the second step on only.
+    assert!(outcome.0.len() >= 21, "{outcome:?}");
 }
