@@ -46,7 +46,7 @@ const EXAMPLES: [(&str, &str); 7] = [
 ];
 
 const REFERENCES: [Reference; 6] = [
-    Reference { name: "campaign", made_of: MadeOf::Run(&["campaign", "--seed", "1"]), page: true, quick: false },
+    Reference { name: "campaign", made_of: MadeOf::Run(&["campaign", "--seed", "1"]), page: true, quick: true },
     Reference {
         name: "small",
         made_of: MadeOf::Run(&["campaign", "--seed", "7", "--pairs", "2048"]),
