@@ -396,3 +396,26 @@ fn moving_scaling_and_turning_a_scene_changes_nothing() {
         }
     }
 }
+
+#[test]
+fn a_body_too_thin_for_f64_does_not_send_the_others_to_wider_types() {
+    // The plate is 2⁻⁷⁰ thick and stands askew on all axes but y, by 3-4-5, in thirds: f64 cannot tell its volume from zero, so balls of f64
+    // calculate nothing. Those of two f64 can; bound and factor are theirs.
+    let height = "1/1180591620717411303424";
+    let (cosine, sine) = (number("4/5"), number("3/5"));
+    let turned = |block: Block| {
+        let vertices = block.vertices().iter().map(|v| {
+            let x = v.x.times(&cosine).plus(&v.z.times(&sine).negated());
+            Vec3::new(x, v.y.clone(), v.x.times(&sine).plus(&v.z.times(&cosine)))
+        });
+        block.with_vertices(vertices.collect())
+    };
+    let plate = turned(cuboid(["-4/3", "-4/3", "0"], ["4/3", "4/3", height]));
+    let upper = turned(cuboid(["-1/3", "-1/3", height], ["1/3", "1/3", "1"]));
+    let scene = Scene::new(vec![(plate, Motion::Fixed), (upper, Motion::Rigid)], "1/2", ["0", "0", "-10"]);
+    let shapes: Vec<&Block> = scene.blocks.iter().collect();
+    let certified = certified_step(&scene.model(&shapes), &scene.start()).unwrap();
+    let levels = certified.levels;
+    assert!(levels.float == 0 && levels.double > 0, "{levels:?}");
+    assert_eq!((levels.wide, levels.undecided), ([0; 4], 0), "{levels:?}");
+}
