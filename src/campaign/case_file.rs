@@ -262,9 +262,7 @@ impl Case {
     /// Takes what decided it, and both answers, from a finding about this pair.
     pub fn describe(&mut self, finding: &Finding, panel: &Panel) {
         self.about.predicate = finding.predicate().map_or(String::new(), |p| p.to_string());
-        self.about.features = finding.deciding.map_or(String::new(), |d| {
-            d.decision.features.iter().flatten().map(ToString::to_string).collect::<Vec<_>>().join(" ")
-        });
+        self.about.features = finding.deciding.map_or(String::new(), |d| d.features());
         self.about.margin = finding.margin();
         self.about.margin_ulps = finding.margin_ulps();
         self.about.note = finding.note.clone();

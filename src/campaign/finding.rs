@@ -100,6 +100,13 @@ pub struct Deciding {
     pub margin_ulps: Option<f64>,
 }
 
+impl Deciding {
+    /// The features of the decision, one after the other.
+    pub fn features(&self) -> String {
+        self.decision.features.iter().flatten().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+    }
+}
+
 /// One finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
@@ -165,9 +172,7 @@ impl Finding {
             c.map_or(state.map_or("", State::name), |c| c.kind.name()).to_owned()
         };
         let number = |n: Option<f64>| n.map_or(String::new(), |n| format!("{n:e}"));
-        let features = self.deciding.map_or(String::new(), |d| {
-            d.decision.features.iter().flatten().map(ToString::to_string).collect::<Vec<_>>().join(" ")
-        });
+        let features = self.deciding.map_or(String::new(), |d| d.features());
         [
             self.index.to_string(),
             self.family.to_string(),

@@ -113,8 +113,7 @@ pub fn difference_rows(step: &Compared, state: &str) -> Vec<Vec<String>> {
         row.extend([difference.before.clone(), difference.after.clone()]);
         let deciding = caused.deciding.as_ref();
         row.push(cell(deciding, |d| d.decision.predicate.name().to_owned()));
-        let features = |d: &Deciding| d.decision.features.iter().flatten().map(ToString::to_string).collect::<Vec<_>>();
-        row.push(cell(deciding, |d| features(d).join(" ")));
+        row.push(cell(deciding, Deciding::features));
         row.push(cell(caused.margin(), number));
         row.push(cell(caused.margin_ulps(), number));
         let own = matches!(caused.cause, Cause::Arithmetic | Cause::Defect);

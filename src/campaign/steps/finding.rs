@@ -159,8 +159,6 @@ impl StepFinding {
     pub fn row(&self) -> [String; STEP_FINDING_COLUMNS.len() - 1] {
         let number = |n: Option<f64>| n.map_or(String::new(), |n| format!("{n:e}"));
         let deciding = self.deciding.as_ref();
-        let features =
-            |d: &Deciding| d.decision.features.iter().flatten().map(ToString::to_string).collect::<Vec<_>>().join(" ");
         let contact = |text: fn(&Contact) -> String| self.contact.as_ref().map_or(String::new(), text);
         [
             self.index.to_string(),
@@ -178,7 +176,7 @@ impl StepFinding {
             self.before.clone(),
             self.after.clone(),
             deciding.map_or(String::new(), |d| d.decision.predicate.name().to_owned()),
-            deciding.map_or(String::new(), features),
+            deciding.map_or(String::new(), Deciding::features),
             number(self.margins[0]),
             number(self.margins[1]),
             number(self.penetration[0]),
