@@ -18,6 +18,7 @@ pub mod finding;
 pub mod grid;
 pub mod interval;
 pub mod journal;
+mod kept;
 pub mod ladder;
 pub mod mapped;
 pub mod metamorphic;

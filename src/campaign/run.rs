@@ -6,14 +6,15 @@ use super::case_file::Case;
 use super::config::CampaignConfig;
 use super::engine::Levels;
 use super::finding::Finding;
-use super::journal::{Journal, JournalError, Progress, at};
+use super::journal::{Journal, JournalError, Progress};
+use super::kept::{Counts, Most, Wish, keep};
 use super::shrink::Shrinker;
 use super::steps::{self, StepEngine, StepFinding};
-use super::subject::Source;
+use super::subject::{Source, Subject};
 use super::summary::{Origin, Summary};
-use crate::model::files::write_atomically;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -116,15 +117,14 @@ impl Campaign<'_> {
                 progress.steps.add(batch.steps.summary);
                 stepped.extend(batch.steps.findings);
             }
-            let names = self.choose_cases(&findings, &mut progress);
-            let rows = rows(&findings, &names)?;
-            pool.install(|| self.write_cases(&findings, &names, journal))?;
-            let names = self.choose_step_cases(&stepped, &mut progress);
-            let step_rows = step_rows(&stepped, &names)?;
-            pool.install(|| self.write_step_cases(&stepped, &names, journal))?;
+            let dir = journal.cases_dir();
+            let names = pool.install(|| self.keep_cases(&findings, &mut progress, &dir))?;
+            let finding_rows = rows(findings.iter().map(Finding::row), &names)?;
+            let names = pool.install(|| self.keep_step_cases(&stepped, &mut progress, &dir))?;
+            let step_rows = rows(stepped.iter().map(StepFinding::row), &names)?;
             progress.pairs_done = end;
             progress.seconds = before + started.elapsed().as_secs_f64();
-            journal.commit(&rows, &step_rows, progress)?;
+            journal.commit(&finding_rows, &step_rows, progress)?;
             watch(journal.progress());
         }
         let finished = journal.progress().pairs_done >= self.config.pairs;
@@ -174,83 +174,61 @@ impl Campaign<'_> {
         batch
     }
 
-    /// The name of the case file of each finding, where it gets one: the first few of each fingerprint.
-    fn choose_cases(&self, findings: &[Finding], progress: &mut Progress) -> Vec<Option<String>> {
-        let mut names: Vec<Option<String>> = Vec::with_capacity(findings.len());
-        for finding in findings {
+    /// Keeps case files of findings: the first few of each fingerprint.
+    fn keep_cases(
+        &self,
+        findings: &[Finding],
+        progress: &mut Progress,
+        dir: &Path,
+    ) -> Result<Vec<Option<String>>, RunError> {
+        let wish = |finding: &Finding| {
             let fingerprint = finding.fingerprint();
-            let of_cause = progress.cases.get(finding.cause.name()).copied().unwrap_or(0);
-            let text = fingerprint.text();
-            let alike = progress.fingerprints.get(&text).copied().unwrap_or(0);
             let name = format!("{}.toml", fingerprint.file_stem(&finding.set, finding.index));
-            let wanted = alike < self.config.cases_per_fingerprint && of_cause < self.config.cases_per_cause;
-            // Two findings of one pair may be alike in everything the name tells; the first stands for both.
-            if wanted && !names.iter().flatten().any(|n| *n == name) {
-                *progress.fingerprints.entry(text).or_default() += 1;
-                *progress.cases.entry(finding.cause.name().to_owned()).or_default() += 1;
-                names.push(Some(name));
-            } else {
-                names.push(None);
-            }
-        }
-        names
+            Wish { fingerprint: fingerprint.text(), cause: finding.cause.name(), name }
+        };
+        let most = Most { of_cause: self.config.cases_per_cause, alike: self.config.cases_per_fingerprint };
+        let counts = Counts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
+        keep(findings, wish, most, counts, dir, |finding| self.case(finding))
     }
 
-    fn write_cases(&self, findings: &[Finding], names: &[Option<String>], journal: &Journal) -> Result<(), RunError> {
-        let dir = journal.cases_dir();
-        findings.par_iter().zip(names).filter_map(|(f, name)| Some((f, name.as_ref()?))).try_for_each(
-            |(finding, name)| {
-                let number = finding.index / self.source.batch_len();
-                let subjects = self.source.batch(number);
-                let Some(subject) = subjects.iter().find(|s| s.index == finding.index) else { return Ok(()) };
-                let panel = (self.narrow)(finding);
-                let Some(case) = Case::of(finding, subject, self.config.seed, &panel) else { return Ok(()) };
-                let case = Shrinker::new(&panel, self.config.shrink_evaluations).shrink(case);
-                let path = dir.join(name);
-                write_atomically(&path, case.to_toml()?.as_bytes()).map_err(at(&path))?;
-                Ok(())
-            },
-        )
-    }
-
-    /// The name of the case file of each finding about a step, where it gets one.
-    fn choose_step_cases(&self, findings: &[StepFinding], progress: &mut Progress) -> Vec<Option<String>> {
-        let mut names: Vec<Option<String>> = Vec::with_capacity(findings.len());
-        for finding in findings {
-            let (text, cause) = (finding.fingerprint(), finding.cause.name());
-            let of_cause = progress.step_cases.get(cause).copied().unwrap_or(0);
-            let alike = progress.step_fingerprints.get(&text).copied().unwrap_or(0);
-            let name = finding.file_name();
-            let wanted =
-                alike < self.config.cases_per_fingerprint && of_cause < self.config.cases_per_cause / STEP_CASES;
-            let wanted = wanted && !names.iter().flatten().any(|n| *n == name);
-            if wanted {
-                *progress.step_fingerprints.entry(text).or_default() += 1;
-                *progress.step_cases.entry(cause.to_owned()).or_default() += 1;
-            }
-            names.push(wanted.then_some(name));
-        }
-        names
-    }
-
-    fn write_step_cases(
+    /// The same of findings about steps.
+    fn keep_step_cases(
         &self,
         findings: &[StepFinding],
-        names: &[Option<String>],
-        journal: &Journal,
-    ) -> Result<(), RunError> {
-        let dir = journal.cases_dir();
-        findings.par_iter().zip(names).filter_map(|(f, name)| Some((f, name.as_ref()?))).try_for_each(
-            |(finding, name)| {
-                let subjects = self.source.batch(finding.index / self.source.batch_len());
-                let Some(subject) = subjects.iter().find(|s| s.index == finding.index) else { return Ok(()) };
-                let Some(motion) = self.source.motion(subject) else { return Ok(()) };
-                let Some(case) = steps::case::of(finding, subject, &motion, self.steppers) else { return Ok(()) };
-                let path = dir.join(name);
-                write_atomically(&path, case.text()?).map_err(at(&path))?;
-                Ok(())
-            },
-        )
+        progress: &mut Progress,
+        dir: &Path,
+    ) -> Result<Vec<Option<String>>, RunError> {
+        let wish = |finding: &StepFinding| Wish {
+            fingerprint: finding.fingerprint(),
+            cause: finding.cause.name(),
+            name: finding.file_name(),
+        };
+        let of_cause = self.config.cases_per_cause / STEP_CASES;
+        let most = Most { of_cause, alike: self.config.cases_per_fingerprint };
+        let counts = Counts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
+        keep(findings, wish, most, counts, dir, |finding| self.step_case(finding))
+    }
+
+    /// The subject of a pair.
+    fn subject(&self, index: u64) -> Option<Subject> {
+        let subjects = self.source.batch(index / self.source.batch_len());
+        subjects.into_iter().find(|subject| subject.index == index)
+    }
+
+    /// The case file of a finding, made small; none where its pair is no case.
+    fn case(&self, finding: &Finding) -> Result<Option<Vec<u8>>, RunError> {
+        let panel = (self.narrow)(finding);
+        let case = self.subject(finding.index).and_then(|s| Case::of(finding, &s, self.config.seed, &panel));
+        let Some(case) = case else { return Ok(None) };
+        Ok(Some(Shrinker::new(&panel, self.config.shrink_evaluations).shrink(case).to_toml()?.into_bytes()))
+    }
+
+    /// The case file of a finding about a step; none where the oracle's step cannot be made to its end, so that it has no answer.
+    fn step_case(&self, finding: &StepFinding) -> Result<Option<Vec<u8>>, RunError> {
+        let Some(subject) = self.subject(finding.index) else { return Ok(None) };
+        let Some(motion) = self.source.motion(&subject) else { return Ok(None) };
+        let case = steps::case::of(finding, &subject, &motion, self.steppers);
+        Ok(case.map(|case| case.text()).transpose()?)
     }
 
     fn run_json(&self, journal: &Journal, finished: bool) -> Result<Vec<u8>, RunError> {
@@ -301,22 +279,15 @@ impl Campaign<'_> {
     }
 }
 
-/// The rows of `step_findings.csv`.
-fn step_rows(findings: &[StepFinding], names: &[Option<String>]) -> Result<Vec<u8>, csv::Error> {
+/// Rows of `findings.csv` or `step_findings.csv`, each with the case file of its finding.
+fn rows<const N: usize>(
+    findings: impl Iterator<Item = [String; N]>,
+    names: &[Option<String>],
+) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    for (finding, name) in findings.iter().zip(names) {
+    for (row, name) in findings.zip(names) {
         let case = name.as_ref().map_or(String::new(), |n| format!("cases/{n}"));
-        writer.write_record(finding.row().iter().chain([&case]))?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
-}
-
-/// The rows of `findings.csv`.
-fn rows(findings: &[Finding], names: &[Option<String>]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    for (finding, name) in findings.iter().zip(names) {
-        let case = name.as_ref().map_or(String::new(), |n| format!("cases/{n}"));
-        writer.write_record(finding.row().iter().chain([&case]))?;
+        writer.write_record(row.iter().chain([&case]))?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())
 }
