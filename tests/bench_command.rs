@@ -12,11 +12,22 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-fn bench(format: &str) -> String {
-    let output =
-        Command::cargo_bin("rockproof").unwrap().args(["bench", "--quick", "--format", format]).output().unwrap();
+fn output_of(arguments: &[&str]) -> String {
+    let output = Command::cargo_bin("rockproof").unwrap().args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
+}
+
+fn bench(format: &str) -> String {
+    output_of(&["bench", "--quick", "--format", format])
+}
+
+/// What a command prints as CSV: header and rows.
+fn table_of(arguments: &[&str]) -> (csv::StringRecord, Vec<csv::StringRecord>) {
+    let text = output_of(arguments);
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let header = reader.headers().unwrap().clone();
+    (header, reader.records().map(Result::unwrap).collect())
 }
 
 #[test]
@@ -97,13 +108,8 @@ fn directed_pairs_hold_ties() {
 #[test]
 fn certified_steps_stand_beside_those_in_f64() {
     let arguments = ["bench", "--exact-steps", "--quick", "--steps", "3", "--format", "csv"];
-    let output = Command::cargo_bin("rockproof").unwrap().args(arguments).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).unwrap();
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let header = reader.headers().unwrap().clone();
+    let (header, rows) = table_of(&arguments);
     let column = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
-    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     // Three pairs of blocks and a wall; only the small systems are eliminated plainly.
     assert_eq!(rows.len(), 4);
     for (row, small) in rows.iter().zip([true, true, true, false]) {
@@ -150,19 +156,30 @@ fn the_committed_plots_are_those_of_the_committed_table() {
     }
 }
 
+/// What a block may take at most (kB), everything counted that the process did not hold before.
+const MEMORY_A_BLOCK: f64 = 20.0;
+
+#[test]
+#[cfg(target_os = "linux")]
+#[cfg_attr(debug_assertions, ignore = "a thousand cubes: with --release")]
+fn a_stack_of_a_thousand_deformable_cubes_stays_within_its_memory() {
+    let (header, rows) = table_of(&["bench", "--stack", "1000", "--steps", "5", "--format", "csv"]);
+    let column = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
+    let number = |name: &str| rows[0][column(name)].parse::<f64>().unwrap();
+    assert_eq!((number("blocks"), number("contacts")), (1001.0, 4000.0));
+    // Coordinates, speeds and stresses alone take half a kilobyte.
+    assert!((0.5..=MEMORY_A_BLOCK).contains(&number("kB a block")), "{:?}", rows[0]);
+}
+
 #[test]
 fn steps_of_walls_and_rock_are_told_by_phases() {
-    let arguments = ["bench", "--wall", "12", "--rock", "8", "--single", "--steps", "2", "--format", "csv"];
-    let output = Command::cargo_bin("rockproof").unwrap().args(arguments).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).unwrap();
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let header = reader.headers().unwrap().clone();
+    let arguments = ["bench", "--wall=12", "--stack=7", "--rock=8", "--single", "--steps=2", "--format=csv"];
+    let (header, rows) = table_of(&arguments);
     let column = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
-    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
-    // The smaller one first.
+    // The smallest one first.
     let told = |row: &csv::StringRecord| (row[column("scene")].to_owned(), row[column("blocks")].to_owned());
-    let expected = [("rock", "9"), ("wall", "13")].map(|(scene, blocks)| (scene.to_owned(), blocks.to_owned()));
+    let expected =
+        [("stack", "8"), ("rock", "9"), ("wall", "13")].map(|(scene, blocks)| (scene.to_owned(), blocks.to_owned()));
     assert_eq!(rows.iter().map(told).collect::<Vec<_>>(), expected);
     for row in &rows {
         let number = |name: &str| row[column(name)].parse::<f64>().unwrap();

@@ -33,7 +33,7 @@ fn measures<R: Real>() {
     // m_L + m_R = N × d: twice the areas 2·3 and 2·4 times the length 2.
     assert_eq!(list(edge.lean), [0.0, 24.0, 32.0]);
     assert_eq!(solid.vertex(6).shortest.to_f64(), 2.0);
-    let away: Vec<_> = solid.spokes(6).iter().map(|s| list(s.away)).collect();
+    let away: Vec<_> = solid.edges_at(6).iter().map(|&e| list(solid.spoke(6, e).away)).collect();
     assert_eq!(away, [[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0]]);
     assert_eq!((list(solid.bounds().low), list(solid.bounds().high)), ([1.0, 2.0, 3.0], [3.0, 5.0, 7.0]));
 }

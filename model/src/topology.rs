@@ -8,10 +8,35 @@ use std::collections::BTreeMap;
 pub struct Topology {
     vertex_count: usize,
     faces: Vec<Vec<u32>>,
-    face_edges: Vec<Vec<u32>>,
+    face_edges: Lists,
     edges: Vec<Edge>,
-    vertex_edges: Vec<Vec<u32>>,
-    vertex_faces: Vec<Vec<u32>>,
+    vertex_edges: Lists,
+    vertex_faces: Lists,
+}
+
+/// Lists of numbers, one behind the other: of a small block, vectors of vectors would take several times the memory.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Lists {
+    ends: Vec<u32>,
+    numbers: Vec<u32>,
+}
+
+impl Lists {
+    fn new(lists: &[Vec<u32>]) -> Lists {
+        let mut all = Lists { ends: Vec::with_capacity(lists.len()), numbers: lists.concat() };
+        let mut end = 0;
+        all.ends.extend(lists.iter().map(|list| {
+            end += list.len() as u32;
+            end
+        }));
+        all
+    }
+
+    #[inline]
+    fn of(&self, k: u32) -> &[u32] {
+        let begin = if k == 0 { 0 } else { self.ends[k as usize - 1] };
+        &self.numbers[begin as usize..self.ends[k as usize] as usize]
+    }
 }
 
 /// An edge from vertex `p` to vertex `q`, `p < q`, with its direction `d = q − p`.
@@ -135,10 +160,10 @@ impl Topology {
         }
         let mut topology = Topology {
             vertex_count,
-            face_edges: Vec::new(),
+            face_edges: Lists::default(),
             faces,
-            vertex_edges: vec![Vec::new(); vertex_count],
-            vertex_faces: vec![Vec::new(); vertex_count],
+            vertex_edges: Lists::default(),
+            vertex_faces: Lists::default(),
             edges,
         };
         topology.link();
@@ -148,24 +173,27 @@ impl Topology {
     }
 
     fn link(&mut self) {
-        for (i, edge) in self.edges.iter().enumerate() {
-            self.vertex_edges[edge.p as usize].push(i as u32);
-            self.vertex_edges[edge.q as usize].push(i as u32);
+        let mut at_vertices = vec![Vec::new(); self.vertex_count];
+        for (i, edge) in (0..).zip(&self.edges) {
+            at_vertices[edge.p as usize].push(i);
+            at_vertices[edge.q as usize].push(i);
         }
-        for (i, face) in self.faces.iter().enumerate() {
+        self.vertex_edges = Lists::new(&at_vertices);
+        at_vertices.iter_mut().for_each(Vec::clear);
+        for (i, face) in (0..).zip(&self.faces) {
             for &v in face {
-                self.vertex_faces[v as usize].push(i as u32);
+                at_vertices[v as usize].push(i);
             }
         }
-        self.face_edges = self
-            .faces
-            .iter()
-            .map(|face| loop_pairs(face).map(|(p, q)| self.edge_between(p, q).unwrap_or(u32::MAX)).collect())
-            .collect();
+        self.vertex_faces = Lists::new(&at_vertices);
+        let of_face =
+            |face: &Vec<u32>| loop_pairs(face).map(|(p, q)| self.edge_between(p, q).unwrap_or(u32::MAX)).collect();
+        self.face_edges = Lists::new(&self.faces.iter().map(of_face).collect::<Vec<Vec<u32>>>());
     }
 
     fn check_vertices(&self) -> Result<(), TopologyError> {
-        for (vertex, faces) in self.vertex_faces.iter().enumerate() {
+        for vertex in 0..self.vertex_count {
+            let faces = self.vertex_faces(vertex as u32);
             if faces.is_empty() {
                 return Err(TopologyError::UnusedVertex { vertex });
             }
@@ -175,8 +203,7 @@ impl Topology {
             loop {
                 let boundary = &self.faces[face as usize];
                 let at = boundary.iter().position(|&v| v as usize == vertex).unwrap_or(0);
-                let edge =
-                    &self.edges[self.face_edges[face as usize][(at + boundary.len() - 1) % boundary.len()] as usize];
+                let edge = &self.edges[self.face_edges(face)[(at + boundary.len() - 1) % boundary.len()] as usize];
                 face = if edge.left == face { edge.right } else { edge.left };
                 steps += 1;
                 if face == faces[0] || steps > faces.len() {
@@ -195,7 +222,7 @@ impl Topology {
         let mut queue = vec![0u32];
         seen[0] = true;
         while let Some(face) = queue.pop() {
-            for &edge in &self.face_edges[face as usize] {
+            for &edge in self.face_edges(face) {
                 let edge = &self.edges[edge as usize];
                 for next in [edge.left, edge.right] {
                     if !std::mem::replace(&mut seen[next as usize], true) {
@@ -227,17 +254,17 @@ impl Topology {
 
     /// Edge numbers of a face: entry k joins loop vertices k and k + 1.
     pub fn face_edges(&self, face: u32) -> &[u32] {
-        &self.face_edges[face as usize]
+        self.face_edges.of(face)
     }
 
     /// Edges at a vertex, ascending.
     pub fn vertex_edges(&self, vertex: u32) -> &[u32] {
-        &self.vertex_edges[vertex as usize]
+        self.vertex_edges.of(vertex)
     }
 
     /// Faces at a vertex, ascending.
     pub fn vertex_faces(&self, vertex: u32) -> &[u32] {
-        &self.vertex_faces[vertex as usize]
+        self.vertex_faces.of(vertex)
     }
 
     /// The edge that joins two vertices.

@@ -5,13 +5,13 @@ use crate::cli::table::{grouped, table};
 use anyhow::Context;
 use clap::ValueEnum;
 use rockproof::model::files::write_atomically;
-use rockproof::model::{Motion, Precision};
+use rockproof::model::{BlockError, Motion, Precision, Scene};
 use rockproof::plot::PlotError;
 use rockproof::speed::error::{self, Effort};
 use rockproof::speed::exact_stepping::scenes;
 use rockproof::speed::{
     Contestant, Cost, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, exact_stepping, race, rock,
-    stepping, throughput, wall,
+    stack, stepping, throughput, wall,
 };
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -27,6 +27,7 @@ use std::path::PathBuf;
   rockproof bench --quick                    a few seconds, rough figures
   rockproof bench --error --out reports/bench  run time against error, as CSV and plots (docs/bench.md)
   rockproof bench --wall 100,1000,5000       steps of brick walls: time, shares of the phases in %, memory
+  rockproof bench --stack 1000               steps of cubes on one another, after they have settled
   rockproof bench --rock 1000 --rigid        steps of rock cut by joints, of rigid blocks
   rockproof bench --exact-steps              certified steps of two blocks and of walls, beside those in f64
 
@@ -53,7 +54,7 @@ pub(crate) struct Bench {
     #[arg(long, conflicts_with = "pairs")]
     quick: bool,
     /// Measure run time against error instead: scenes with closed forms, and pairs, by every engine, tolerance set and Δt
-    #[arg(long, conflicts_with_all = ["wall", "rock", "threads"])]
+    #[arg(long, conflicts_with_all = ["wall", "stack", "rock", "threads"])]
     error: bool,
     /// Directory for bench.csv and the plots bench_scenes.svg and bench_pairs.svg
     #[arg(long, requires = "error")]
@@ -61,6 +62,9 @@ pub(crate) struct Bench {
     /// Measure the steps of brick walls instead, of so many bricks; may be repeated
     #[arg(long, value_name = "BRICKS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
     wall: Vec<u16>,
+    /// The same of cubes on one another; may be repeated
+    #[arg(long, value_name = "CUBES", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
+    stack: Vec<u16>,
     /// The same of rock cut by joints, of so many blocks; may be repeated
     #[arg(long, value_name = "BLOCKS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
     rock: Vec<u16>,
@@ -71,7 +75,7 @@ pub(crate) struct Bench {
     #[arg(long)]
     single: bool,
     /// Measure certified steps instead: of two blocks, and of walls of 10 and 100 bricks
-    #[arg(long, conflicts_with_all = ["wall", "rock"])]
+    #[arg(long, conflicts_with_all = ["wall", "stack", "rock"])]
     exact_steps: bool,
     /// Steps of each wall, or of each scene
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
@@ -84,6 +88,9 @@ enum Format {
     Csv,
 }
 
+/// Makes a scene of so many blocks.
+type Make = fn(u16) -> Result<Scene, BlockError>;
+
 /// Everything measured.
 struct Report {
     races: Vec<(Sample, Vec<Figure>)>,
@@ -92,7 +99,7 @@ struct Report {
 
 impl Bench {
     pub(crate) fn run(&self) -> Outcome {
-        if !(self.wall.is_empty() && self.rock.is_empty()) {
+        if !(self.wall.is_empty() && self.stack.is_empty() && self.rock.is_empty()) {
             return self.steps();
         }
         if self.error {
@@ -111,14 +118,18 @@ impl Bench {
 
     /// Scenes from small to large, so that the most memory held is that of the last one.
     fn steps(&self) -> Outcome {
-        let mut scenes: Vec<(&str, u16)> = self.wall.iter().map(|&bricks| ("wall", bricks)).collect();
-        scenes.extend(self.rock.iter().map(|&blocks| ("rock", blocks)));
-        scenes.sort_by_key(|&(_, blocks)| blocks);
+        let kinds: [(&str, Make, &[u16]); 3] =
+            [("wall", wall, &self.wall), ("stack", stack, &self.stack), ("rock", rock, &self.rock)];
+        let of_kind = |(name, make, sizes): (&'static str, Make, &'_ [u16])| -> Vec<(&str, Make, u16)> {
+            sizes.iter().map(|&blocks| (name, make, blocks)).collect()
+        };
+        let mut scenes: Vec<(&str, Make, u16)> = kinds.into_iter().flat_map(of_kind).collect();
+        scenes.sort_by_key(|&(_, _, blocks)| blocks);
         let mut rows = Vec::new();
-        for (name, blocks) in scenes {
+        for (name, scene, blocks) in scenes {
             note(&format!("{} steps of {name} {}", self.steps, grouped(u64::from(blocks))));
             let make = || {
-                let mut scene = if name == "wall" { wall(blocks) } else { rock(blocks) }?;
+                let mut scene = scene(blocks)?;
                 let moving = scene.blocks.iter_mut().filter(|block| self.rigid && !block.body.is_fixed());
                 moving.for_each(|block| block.body.motion = Motion::Rigid);
                 Ok(scene)

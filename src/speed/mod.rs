@@ -16,5 +16,5 @@ pub use contestant::{Contestant, Mode, contestants};
 pub use exact_stepping::{ExactCost, exact_stepping};
 pub use race::{Disagreement, Figure, Plan, race};
 pub use sample::{Ready, Sample, Sort};
-pub use stepping::{Cost, SteppingError, rock, stepping, wall};
+pub use stepping::{Cost, SteppingError, rock, stack, stepping, wall};
 pub use throughput::{Run, Throughput, ThroughputError, throughput};

@@ -5,7 +5,6 @@
 
 use Mistake::*;
 use rockproof::model::{Block, Contact, EntranceKind, Sign, ToleranceSet};
-use rockproof::stepper::contact::solid::Spoke;
 use rockproof::stepper::contact::{Rules, Spec, Tolerances};
 use rockproof::stepper::{Classifier, EngineError, Real, Stepper, Vector};
 use std::cell::Cell;
@@ -262,11 +261,11 @@ impl Rules for MistakenRules {
         fn edges_before_faces_and_edges() -> bool {
             FacesBeforeEdges => false
         }
-        fn cone<R>(spokes: &[Spoke<R>]) -> &[Spoke<R>] {
-            ConeForgetsAnEdge => &spokes[..spokes.len() - 1]
+        fn cone(edges: &[u32]) -> &[u32] {
+            ConeForgetsAnEdge => &edges[..edges.len() - 1]
         }
-        fn region<R>(spokes: &[Spoke<R>]) -> &[Spoke<R>] {
-            RegionForgetsAnEdge => &spokes[..spokes.len() - 1]
+        fn region(edges: &[u32]) -> &[u32] {
+            RegionForgetsAnEdge => &edges[..edges.len() - 1]
         }
         fn cone_passes<R>(rise: R, length: R, t: &Tolerances<R>) -> bool {
             ConeFlipped => {

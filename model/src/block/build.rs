@@ -56,7 +56,7 @@ pub(super) fn build(
     let merged =
         Merged { faces: face_count - draft.topology.faces().len(), vertices: vertex_count - draft.vertices.len() };
     let shape = shape(&draft, &signs)?;
-    Ok((Block { shape: Arc::new(shape), vertices: draft.vertices }, merged))
+    Ok((Block { shape: Arc::new(shape), vertices: draft.vertices.into() }, merged))
 }
 
 /// Bits of the common denominator of all coordinates: n fractions of d digits would otherwise cost n²·d.

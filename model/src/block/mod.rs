@@ -28,7 +28,7 @@ pub type Point = Vec3<Number>;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Block {
     shape: Arc<Shape>,
-    vertices: Vec<Point>,
+    vertices: Arc<[Point]>,
 }
 
 /// What does not change when a block is moved or its coordinates are rounded.
@@ -103,7 +103,7 @@ impl Block {
     #[must_use]
     pub fn with_vertices(&self, vertices: Vec<Point>) -> Block {
         assert_eq!(vertices.len(), self.vertices.len(), "a moved block keeps its vertices");
-        Block { shape: Arc::clone(&self.shape), vertices }
+        Block { shape: Arc::clone(&self.shape), vertices: vertices.into() }
     }
 
     /// The block moved by `offset`, exactly.

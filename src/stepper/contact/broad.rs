@@ -95,13 +95,13 @@ fn widest_axis<R: Real>(solids: &[Solid<R>]) -> usize {
 
 /// The features of two neighbours that are within reach of the other block's box.
 #[derive(Debug)]
-pub(super) struct Near {
+pub(super) struct Near<R> {
     vertices: [Vec<u32>; 2],
-    edges: [Vec<u32>; 2],
+    edges: [Vec<(u32, Bounds<R>)>; 2],
 }
 
-impl Near {
-    pub(super) fn new<R: Real, M: Rules>(a: &Solid<R>, b: &Solid<R>, reach: R) -> Near {
+impl<R: Real> Near<R> {
+    pub(super) fn new<M: Rules>(a: &Solid<R>, b: &Solid<R>, reach: R) -> Near<R> {
         Near {
             vertices: [near_vertices(a, b.bounds(), reach), near_vertices(b, a.bounds(), reach)],
             edges: [near_edges::<R, M>(a, b.bounds(), reach), near_edges::<R, M>(b, a.bounds(), reach)],
@@ -113,8 +113,8 @@ impl Near {
         &self.vertices[side as usize]
     }
 
-    /// Edges of the block on `side` that take part in contacts, ascending.
-    pub(super) fn edges(&self, side: Side) -> &[u32] {
+    /// Edges of the block on `side` that take part in contacts, ascending, with their boxes.
+    pub(super) fn edges(&self, side: Side) -> &[(u32, Bounds<R>)] {
         &self.edges[side as usize]
     }
 }
@@ -125,9 +125,9 @@ fn near_vertices<R: Real>(solid: &Solid<R>, other: &Bounds<R>, reach: R) -> Vec<
     near
 }
 
-fn near_edges<R: Real, M: Rules>(solid: &Solid<R>, other: &Bounds<R>, reach: R) -> Vec<u32> {
+fn near_edges<R: Real, M: Rules>(solid: &Solid<R>, other: &Bounds<R>, reach: R) -> Vec<(u32, Bounds<R>)> {
     let mut near = Vec::with_capacity(solid.edges().len());
     let takes_part = (0..).zip(solid.edges()).filter(|(_, e)| M::edge_takes_part(e.convex));
-    near.extend(takes_part.filter(|(_, e)| !other.beyond(&e.bounds, reach)).map(|(i, _)| i));
+    near.extend(takes_part.map(|(i, e)| (i, e.bounds())).filter(|(_, bounds)| !other.beyond(bounds, reach)));
     near
 }

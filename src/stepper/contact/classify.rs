@@ -48,7 +48,7 @@ pub fn classify_observed<R: Real, M: Rules, O: Observer>(
     if !adjacent {
         return Vec::new();
     }
-    let near = Near::new::<R, M>(a, b, t.reach);
+    let near = Near::<R>::new::<M>(a, b, t.reach);
     let mut pair: Pair<'_, R, M, O> =
         Pair { a, b, t, seen, candidates: Vec::new(), hits: Vec::new(), rules: PhantomData };
     pair.vertices_and_vertices(&near);
@@ -65,7 +65,7 @@ pub fn classify_observed<R: Real, M: Rules, O: Observer>(
 }
 
 impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
-    fn vertices_and_vertices(&mut self, near: &Near) {
+    fn vertices_and_vertices(&mut self, near: &Near<R>) {
         for &v in near.vertices(Side::A) {
             for &w in near.vertices(Side::B) {
                 self.vertex_vertex(v, w);
@@ -73,18 +73,18 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         }
     }
 
-    fn vertices_and_edges(&mut self, near: &Near, side: Side) {
-        let (own, other) = (self.solid(side), self.solid(side.other()));
+    fn vertices_and_edges(&mut self, near: &Near<R>, side: Side) {
+        let own = self.solid(side);
         for &v in near.vertices(side) {
-            for &e in near.edges(side.other()) {
-                if !other.edge(e).bounds.is_beyond(own.vertex(v).at, self.t.reach) {
+            for &(e, bounds) in near.edges(side.other()) {
+                if !bounds.is_beyond(own.vertex(v).at, self.t.reach) {
                     self.vertex_edge(side, v, e);
                 }
             }
         }
     }
 
-    fn vertices_and_faces(&mut self, near: &Near, side: Side) {
+    fn vertices_and_faces(&mut self, near: &Near<R>, side: Side) {
         let exits = M::shortest_exit_applies(self.both_convex());
         let faces = self.solid(side.other()).faces().len() as u32;
         for &v in near.vertices(side) {
@@ -98,11 +98,11 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         }
     }
 
-    fn edges_and_edges(&mut self, near: &Near) {
-        for &e in near.edges(Side::A) {
-            for &f in near.edges(Side::B) {
-                if !self.a.edge(e).bounds.beyond(&self.b.edge(f).bounds, self.t.reach) {
-                    self.edge_edge(e, f);
+    fn edges_and_edges(&mut self, near: &Near<R>) {
+        for (e, bounds) in near.edges(Side::A) {
+            for (f, other) in near.edges(Side::B) {
+                if !bounds.beyond(other, self.t.reach) {
+                    self.edge_edge(*e, *f);
                 }
             }
         }

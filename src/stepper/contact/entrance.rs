@@ -39,8 +39,10 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
     /// than the tolerance.
     pub(super) fn cone_passes(&mut self, side: Side, v: u32, f: u32) -> bool {
         let normal = self.solid(side.other()).face(f).normal;
-        M::cone(self.solid(side).spokes(v)).iter().all(|spoke| {
-            let about = [Feature::Vertex(side, v), Feature::Face(side.other(), f), Feature::Edge(side, spoke.edge)];
+        let own = self.solid(side);
+        M::cone(own.edges_at(v)).iter().all(|&e| {
+            let about = [Feature::Vertex(side, v), Feature::Face(side.other(), f), Feature::Edge(side, e)];
+            let spoke = own.spoke(v, e);
             self.ask(Predicate::ConePasses, &about, M::cone_passes(spoke.away.dot(normal), spoke.length, self.t))
         })
     }

@@ -8,7 +8,6 @@
 //! Distances, gaps and radii are in metres; `u`, `n` and `m` are unit vectors; sines have no unit.
 
 use crate::model::{EntranceKind, Sign};
-use crate::stepper::contact::solid::Spoke;
 use crate::stepper::contact::tolerances::Tolerances;
 use crate::stepper::real::Real;
 use crate::stepper::vector::Vector;
@@ -162,14 +161,14 @@ pub trait Rules: 'static {
 
     /// The edges at a vertex that "cone passes plane" looks at: all.
     #[inline(always)]
-    fn cone<R: Real>(spokes: &[Spoke<R>]) -> &[Spoke<R>] {
-        spokes
+    fn cone(edges: &[u32]) -> &[u32] {
+        edges
     }
 
     /// The edges at a vertex that bound its region: all.
     #[inline(always)]
-    fn region<R: Real>(spokes: &[Spoke<R>]) -> &[Spoke<R>] {
-        spokes
+    fn region(edges: &[u32]) -> &[u32] {
+        edges
     }
 
     /// One edge at a vertex passes a face plane: its unit direction rises, `u·n ≥ 0`, or dips by at most the angle so, or

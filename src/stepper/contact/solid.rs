@@ -12,7 +12,6 @@ pub struct Solid<R> {
     block: Block,
     bounds: Bounds<R>,
     vertices: Vec<Vertex<R>>,
-    spokes: Vec<Spoke<R>>,
     edges: Vec<Ridge<R>>,
     faces: Vec<Face<R>>,
 }
@@ -26,15 +25,11 @@ pub struct Vertex<R> {
     pub shortest: R,
     /// Whether all its edges are convex.
     pub convex: bool,
-    first_spoke: u32,
-    last_spoke: u32,
 }
 
 /// An edge seen from one of its vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct Spoke<R> {
-    /// The edge's number.
-    pub edge: u32,
     /// Unit direction away from the vertex.
     pub away: Vector<R>,
     /// The edge's length.
@@ -66,8 +61,14 @@ pub struct Ridge<R> {
     pub width_left: R,
     /// Greatest distance of a vertex of the right face from the edge's line.
     pub width_right: R,
+}
+
+impl<R: Real> Ridge<R> {
     /// The box around the edge.
-    pub bounds: Bounds<R>,
+    #[inline]
+    pub fn bounds(&self) -> Bounds<R> {
+        Bounds { low: self.p.smaller(self.q), high: self.p.larger(self.q) }
+    }
 }
 
 /// A face of a prepared block.
@@ -149,23 +150,16 @@ impl<R: Real> Solid<R> {
         for e in 0..topology.edges().len() as u32 {
             edges.push(ridge(&block, points, &Faces { flat: &faces, areas: &areas }, e)?);
         }
-        let mut spokes = Vec::with_capacity(2 * edges.len());
-        let vertices = (0..points.len() as u32)
-            .map(|v| {
-                let first_spoke = spokes.len() as u32;
-                spokes.extend(topology.vertex_edges(v).iter().map(|&e| spoke(&edges[e as usize], e, v)));
-                let here = &spokes[first_spoke as usize..];
-                Vertex {
-                    at: points[v as usize],
-                    shortest: here.iter().skip(1).fold(here[0].length, |least, s| least.smaller(s.length)),
-                    convex: block.vertex_is_convex(v),
-                    first_spoke,
-                    last_spoke: spokes.len() as u32,
-                }
+        let vertices = (0..)
+            .zip(points)
+            .map(|(v, &at)| {
+                let lengths = topology.vertex_edges(v).iter().map(|&e| edges[e as usize].length);
+                let shortest = lengths.reduce(R::smaller).unwrap_or(R::ZERO);
+                Vertex { at, shortest, convex: block.vertex_is_convex(v) }
             })
             .collect();
         let bounds = Bounds::around(points);
-        Ok(Solid { block, bounds, vertices, spokes, edges, faces })
+        Ok(Solid { block, bounds, vertices, edges, faces })
     }
 
     /// The block this was prepared from, with its own exact coordinates.
@@ -218,9 +212,16 @@ impl<R: Real> Solid<R> {
 
     /// The edges at a vertex, ascending.
     #[inline]
-    pub fn spokes(&self, vertex: u32) -> &[Spoke<R>] {
-        let vertex = &self.vertices[vertex as usize];
-        &self.spokes[vertex.first_spoke as usize..vertex.last_spoke as usize]
+    pub fn edges_at(&self, vertex: u32) -> &[u32] {
+        self.block.topology().vertex_edges(vertex)
+    }
+
+    /// An edge seen from one of its vertices.
+    #[inline]
+    pub fn spoke(&self, vertex: u32, edge: u32) -> Spoke<R> {
+        let ridge = self.edge(edge);
+        let away = if ridge.edge.p == vertex { ridge.direction } else { -ridge.direction };
+        Spoke { away, length: ridge.length }
     }
 }
 
@@ -299,11 +300,5 @@ fn ridge<R: Real>(block: &Block, points: &[Vector<R>], faces: &Faces<'_, R>, e: 
         lean: (faces.areas[edge.left as usize] - faces.areas[edge.right as usize]).cross(along),
         width_left: width(edge.left),
         width_right: width(edge.right),
-        bounds: Bounds { low: p.smaller(q), high: p.larger(q) },
     })
-}
-
-fn spoke<R: Real>(ridge: &Ridge<R>, edge: u32, vertex: u32) -> Spoke<R> {
-    let away = if ridge.edge.p == vertex { ridge.direction } else { -ridge.direction };
-    Spoke { edge, away, length: ridge.length }
 }

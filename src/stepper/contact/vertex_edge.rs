@@ -38,10 +38,10 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
             self.offer_vertex_face(side, v, face);
         }
         if M::edge_entrances() {
-            for spoke in own.spokes(v) {
+            for &at in own.edges_at(v) {
                 match side {
-                    Side::A => self.offer_edge_edge(spoke.edge, e),
-                    Side::B => self.offer_edge_edge(e, spoke.edge),
+                    Side::A => self.offer_edge_edge(at, e),
+                    Side::B => self.offer_edge_edge(e, at),
                 }
             }
         }
@@ -67,9 +67,9 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         let (own, ridge) = (self.solid(side), self.solid(side.other()).edge(e));
         let from_p = own.vertex(v).at - ridge.p;
         let to_foot = ridge.direction * from_p.dot(ridge.direction) - from_p;
-        M::region(own.spokes(v)).iter().all(|spoke| {
-            let about = [Feature::Vertex(side, v), Feature::Edge(side.other(), e), Feature::Edge(side, spoke.edge)];
-            self.ask(Predicate::FootRegion, &about, M::foot_region(to_foot.dot(spoke.away)))
+        M::region(own.edges_at(v)).iter().all(|&at| {
+            let about = [Feature::Vertex(side, v), Feature::Edge(side.other(), e), Feature::Edge(side, at)];
+            self.ask(Predicate::FootRegion, &about, M::foot_region(to_foot.dot(own.spoke(v, at).away)))
         })
     }
 }

@@ -30,9 +30,9 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
             self.offer_vertex_face(Side::B, w, face);
         }
         if M::edge_entrances() {
-            for own in self.a.spokes(v) {
-                for other in self.b.spokes(w) {
-                    self.offer_edge_edge(own.edge, other.edge);
+            for &own in self.a.edges_at(v) {
+                for &other in self.b.edges_at(w) {
+                    self.offer_edge_edge(own, other);
                 }
             }
         }
@@ -48,10 +48,9 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
     fn in_vertex_region(&mut self, side: Side, v: u32, w: u32) -> bool {
         let (own, other) = (self.solid(side), self.solid(side.other()));
         let offset = own.vertex(v).at - other.vertex(w).at;
-        M::region(other.spokes(w)).iter().all(|spoke| {
-            let about =
-                [Feature::Vertex(side, v), Feature::Vertex(side.other(), w), Feature::Edge(side.other(), spoke.edge)];
-            self.ask(Predicate::VertexRegion, &about, M::vertex_region(offset.dot(spoke.away)))
+        M::region(other.edges_at(w)).iter().all(|&e| {
+            let about = [Feature::Vertex(side, v), Feature::Vertex(side.other(), w), Feature::Edge(side.other(), e)];
+            self.ask(Predicate::VertexRegion, &about, M::vertex_region(offset.dot(other.spoke(w, e).away)))
         })
     }
 }

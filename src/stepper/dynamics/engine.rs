@@ -1,7 +1,10 @@
 //! A scene and its state, step by step (SPEC section 5).
 
+#[cfg(test)]
+mod tests;
+
 use crate::model::{Contact, Scene, ToleranceSet};
-use crate::stepper::contact::{Solid, Spec, classify};
+use crate::stepper::contact::{Collapsed, Solid, Spec, classify};
 use crate::stepper::dynamics::area;
 use crate::stepper::dynamics::attempt::{Ended, Iteration};
 use crate::stepper::dynamics::contact::{Active, Now};
@@ -16,12 +19,13 @@ use crate::stepper::dynamics::report::{Retry, RetryReason, Spent, StepReport, St
 use crate::stepper::dynamics::rules::StepRules;
 use crate::stepper::dynamics::setup::{Setup, SetupError};
 use crate::stepper::dynamics::solve::Solve;
-use crate::stepper::dynamics::state::{Mode, State};
+use crate::stepper::dynamics::state::{BlockState, Mode, State};
 use crate::stepper::dynamics::transfer;
 use crate::stepper::real::Real;
 use crate::stepper::vector::Vector;
 use rayon::prelude::*;
 use std::marker::PhantomData;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// A scene in motion, in the scalar `R` and by the rules `M`.
@@ -69,6 +73,9 @@ pub struct Phases {
     /// Moving blocks, moments, energies.
     pub update: Duration,
 }
+
+/// So many pairs are classified before their contacts go to the others. All at once would take the memory of the contacts twice.
+const PAIRS_AT_ONCE: usize = 512;
 
 /// An attempt that was good, or the last one.
 pub(super) struct Accepted<R> {
@@ -178,9 +185,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             Solid::with_points(block.clone(), &points).map_err(|what| SetupError::Collapsed { block: k, what })
         };
         self.solids = self.setup.blocks.iter().enumerate().map(solid).collect::<Result<_, _>>()?;
-        let moments = |(block, state): (&crate::model::Block, &crate::stepper::dynamics::BlockState<R>)| {
-            Moments::of(block.topology(), &state.vertices)
-        };
+        let moments =
+            |(block, state): (&crate::model::Block, &BlockState<R>)| Moments::of(block.topology(), &state.vertices);
         self.moments = self.setup.blocks.iter().zip(&self.state.blocks).map(moments).collect();
         Ok(())
     }
@@ -220,17 +226,17 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let pairs = self.neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances).to_vec();
         self.phases.rough += begun.elapsed();
         let begun = Instant::now();
-        let found: Vec<Vec<Active<R>>> = pairs
-            .par_iter()
-            .map(|&pair| {
-                let [a, b] = pair.map(|block| &self.solids[block as usize]);
-                let found = classify::<R, M>(a, b, &self.setup.tolerances);
-                let contacts: Vec<Contact> = found.into_iter().map(|found| found.contact).collect();
-                self.of_pair(pair, &contacts)
-            })
-            .collect();
-        let mut contacts = Vec::with_capacity(found.iter().map(Vec::len).sum());
-        found.into_iter().for_each(|pair| contacts.extend(pair));
+        let of_pair = |&pair: &[u32; 2]| {
+            let [a, b] = pair.map(|block| &self.solids[block as usize]);
+            let found = classify::<R, M>(a, b, &self.setup.tolerances);
+            let contacts: Vec<Contact> = found.into_iter().map(|found| found.contact).collect();
+            self.of_pair(pair, &contacts)
+        };
+        let mut contacts = Vec::with_capacity(self.state.contacts.len());
+        for part in pairs.chunks(PAIRS_AT_ONCE) {
+            let found: Vec<Vec<Active<R>>> = part.par_iter().map(of_pair).collect();
+            found.into_iter().for_each(|pair| contacts.extend(pair));
+        }
         self.phases.contacts += begun.elapsed();
         contacts
     }
@@ -357,6 +363,19 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         self.setup.bodies[block].motion.unknowns() == 0
     }
 
+    /// Prepares those of some blocks that are not fixed again, one in place of the other: two of each would take twice the memory. Tells
+    /// which one collapsed; those before it are replaced.
+    fn prepare_moving(&mut self, states: &[BlockState<R>], blocks: Range<usize>) -> Result<(), (usize, Collapsed)> {
+        for block in blocks {
+            if !self.is_fixed(block) {
+                let shape = self.setup.blocks[block].clone();
+                self.solids[block] =
+                    Solid::with_points(shape, &states[block].vertices).map_err(|what| (block, what))?;
+            }
+        }
+        Ok(())
+    }
+
     /// Moves everything by an accepted attempt.
     fn accept(
         &mut self,
@@ -383,8 +402,6 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let dynamic = if settling { R::ZERO } else { self.setup.control.dynamic };
         let twice = R::from_f64(2.0) / time_step;
         let mut moments = self.moments.clone();
-        // Prepared again, all but the fixed ones.
-        let mut solids: Vec<(usize, Solid<R>)> = Vec::with_capacity(self.solids.len());
         for block in (0..motions.len()).filter(|&block| !self.is_fixed(block)) {
             let (state, d) = (&mut next.blocks[block], &ended.d[block]);
             for vertex in &mut state.vertices {
@@ -406,9 +423,6 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 let volume = moments[block].volume.to_f64();
                 return Err(Stopped::Inverted { step: number, block, volume });
             }
-            let solid = Solid::with_points(self.setup.blocks[block].clone(), &state.vertices)
-                .map_err(|what| Stopped::Collapsed { step: number, block, what })?;
-            solids.push((block, solid));
         }
         let load_blocks = self.setup.loads.iter().map(|load| load.block);
         let held_blocks = self.setup.held.iter().map(|held| held.block);
@@ -435,10 +449,15 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             next.step += 1;
             next.time = next.time + time_step;
         }
-        self.state = next;
-        for (block, solid) in solids {
-            self.solids[block] = solid;
+        if let Err((block, what)) = self.prepare_moving(&next.blocks, 0..motions.len()) {
+            // What they were before did not collapse.
+            let before = std::mem::take(&mut self.state.blocks);
+            let restored = self.prepare_moving(&before, 0..block);
+            self.state.blocks = before;
+            debug_assert!(restored.is_ok(), "a state that was prepared once is prepared again");
+            return Err(Stopped::Collapsed { step: number, block, what });
         }
+        self.state = next;
         self.moments = moments;
         let farthest = farthest.to_f64().sqrt();
         // The map of `cayley` differs from first order by less than this.
