@@ -12,10 +12,16 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-fn output_of(arguments: &[&str]) -> String {
-    let output = Command::cargo_bin("rockproof").unwrap().args(arguments).output().unwrap();
+fn text_of(mut command: Command) -> String {
+    let output = command.output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
+}
+
+fn output_of(arguments: &[&str]) -> String {
+    let mut command = Command::cargo_bin("rockproof").unwrap();
+    command.args(arguments);
+    text_of(command)
 }
 
 fn bench(format: &str) -> String {
@@ -24,7 +30,10 @@ fn bench(format: &str) -> String {
 
 /// What a command prints as CSV: header and rows.
 fn table_of(arguments: &[&str]) -> (csv::StringRecord, Vec<csv::StringRecord>) {
-    let text = output_of(arguments);
+    table_in(&output_of(arguments))
+}
+
+fn table_in(text: &str) -> (csv::StringRecord, Vec<csv::StringRecord>) {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let header = reader.headers().unwrap().clone();
     (header, reader.records().map(Result::unwrap).collect())
@@ -156,19 +165,19 @@ fn the_committed_plots_are_those_of_the_committed_table() {
     }
 }
 
-/// What a block may take at most (kB), everything counted that the process did not hold before.
-const MEMORY_A_BLOCK: f64 = 20.0;
-
 #[test]
 #[cfg(target_os = "linux")]
 #[cfg_attr(debug_assertions, ignore = "a thousand cubes: with --release")]
 fn a_stack_of_a_thousand_deformable_cubes_stays_within_its_memory() {
-    let (header, rows) = table_of(&["bench", "--stack", "1000", "--steps", "5", "--format", "csv"]);
+    // Threads bring memory of their own, and this is about blocks.
+    let mut command = Command::cargo_bin("rockproof").unwrap();
+    command.env("RAYON_NUM_THREADS", "2").args(["bench", "--stack", "1000", "--steps", "5", "--format", "csv"]);
+    let (header, rows) = table_in(&text_of(command));
     let column = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
     let number = |name: &str| rows[0][column(name)].parse::<f64>().unwrap();
     assert_eq!((number("blocks"), number("contacts")), (1001.0, 4000.0));
-    // Coordinates, speeds and stresses alone take half a kilobyte.
-    assert!((0.5..=MEMORY_A_BLOCK).contains(&number("kB a block")), "{:?}", rows[0]);
+    // All that the process did not hold before. Coordinates, speeds and stresses alone take a third of a kilobyte.
+    assert!((0.3..=20.0).contains(&number("kB a block")), "{:?}", rows[0]);
 }
 
 #[test]

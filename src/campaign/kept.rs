@@ -4,7 +4,7 @@ use super::journal::at;
 use super::run::RunError;
 use crate::model::files::write_atomically;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The case file that a finding would get.
@@ -43,16 +43,31 @@ impl Counts<'_> {
 
     fn take_back(&mut self, wish: &Wish) {
         for (counts, key) in [(&mut *self.alike, wish.fingerprint.as_str()), (&mut *self.of_cause, wish.cause)] {
-            if let Some(count) = counts.get_mut(key) {
-                *count -= 1;
+            let left = counts.get(key).map_or(0, |count| count - 1);
+            if left == 0 {
+                counts.remove(key);
+            } else {
+                counts.insert(key.to_owned(), left);
             }
-            counts.retain(|_, count| *count > 0);
         }
     }
 }
 
-/// Grants the first wishes, writes the files, and counts and names those that are there afterwards. A file that cannot be made (`None`)
-/// takes nobody's place among later findings.
+/// So often files of other findings are tried in place of those that could not be made.
+const ROUNDS: usize = 4;
+
+/// Where a finding stands.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Waiting,
+    Granted,
+    Written,
+    /// Its file cannot be made.
+    None,
+}
+
+/// Grants the first wishes, writes the files, and counts and names those that are there afterwards. Where a file cannot be made (`None`)
+/// the place is free again, for the next findings and for later calls.
 pub(super) fn keep<F: Sync>(
     findings: &[F],
     wish: impl Fn(&F) -> Wish,
@@ -61,33 +76,42 @@ pub(super) fn keep<F: Sync>(
     dir: &Path,
     file: impl Fn(&F) -> Result<Option<Vec<u8>>, RunError> + Sync,
 ) -> Result<Vec<Option<String>>, RunError> {
-    let mut wishes: Vec<Option<Wish>> = Vec::with_capacity(findings.len());
-    for finding in findings {
-        let wish = wish(finding);
-        // Two findings of one pair may be alike in everything the name tells; the first stands for both.
-        let granted = counts.allow(&wish, &most) && !wishes.iter().flatten().any(|other| other.name == wish.name);
-        if granted {
-            counts.add(&wish);
+    let wishes: Vec<Wish> = findings.iter().map(wish).collect();
+    let mut places = vec![Place::Waiting; findings.len()];
+    let mut names: BTreeSet<&str> = BTreeSet::new();
+    for _ in 0..ROUNDS {
+        for (wish, place) in wishes.iter().zip(&mut places).filter(|(_, place)| **place == Place::Waiting) {
+            // Two findings of one pair may be alike in everything the name tells; the first stands for both.
+            if counts.allow(wish, &most) && names.insert(&wish.name) {
+                counts.add(wish);
+                *place = Place::Granted;
+            }
         }
-        wishes.push(granted.then_some(wish));
+        let write = |((finding, wish), place): ((&F, &Wish), &Place)| -> Result<Place, RunError> {
+            if *place != Place::Granted {
+                return Ok(*place);
+            }
+            let Some(bytes) = file(finding)? else { return Ok(Place::None) };
+            let path = dir.join(&wish.name);
+            write_atomically(&path, &bytes).map_err(at(&path))?;
+            Ok(Place::Written)
+        };
+        let after: Vec<Place> = findings.par_iter().zip(&wishes).zip(&places).map(write).collect::<Result<_, _>>()?;
+        let mut freed = false;
+        for ((wish, before), after) in wishes.iter().zip(&places).zip(&after) {
+            if *before == Place::Granted && *after == Place::None {
+                counts.take_back(wish);
+                names.remove(wish.name.as_str());
+                freed = true;
+            }
+        }
+        places = after;
+        if !freed {
+            break;
+        }
     }
-    let write = |(finding, wish): (&F, &Option<Wish>)| -> Result<bool, RunError> {
-        let Some(wish) = wish else { return Ok(false) };
-        let Some(bytes) = file(finding)? else { return Ok(false) };
-        let path = dir.join(&wish.name);
-        write_atomically(&path, &bytes).map_err(at(&path))?;
-        Ok(true)
-    };
-    let written: Vec<bool> = findings.par_iter().zip(&wishes).map(write).collect::<Result<_, _>>()?;
-    let name = |(wish, written): (Option<Wish>, bool)| {
-        let wish = wish?;
-        if !written {
-            counts.take_back(&wish);
-            return None;
-        }
-        Some(wish.name)
-    };
-    Ok(wishes.into_iter().zip(written).map(name).collect())
+    let name = |(wish, place): (Wish, Place)| (place == Place::Written).then_some(wish.name);
+    Ok(wishes.into_iter().zip(places).map(name).collect())
 }
 
 #[cfg(test)]
@@ -111,10 +135,10 @@ mod tests {
             assert!(names.iter().all(there), "{names:?}");
             names.iter().map(Option::is_some).collect::<Vec<_>>()
         };
-        // The even ones are 0 and 2 (a third would be one too many), the odd one 1; of them only 0 can be made.
-        assert_eq!(kept(&[0, 1, 2, 4]), [true, false, false, false]);
-        // The places of 1 and 2 are free: for 6 as the second of its kind, for 3; then three of the cause are there.
-        assert_eq!(kept(&[6, 8, 3, 5]), [true, false, true, false]);
+        // Of 0, 2 and 4 two may have a file, and 2 cannot be made: 4 has its place. 1 cannot be made, and no other odd one is there.
+        assert_eq!(kept(&[0, 1, 2, 4]), [true, false, false, true]);
+        // Nothing is left for even ones. Three of the cause may be there: one more, 3.
+        assert_eq!(kept(&[6, 8, 1, 3, 5]), [false, false, false, true, false]);
         assert_eq!(alike, BTreeMap::from([("kind 0".to_owned(), 2), ("kind 1".to_owned(), 1)]));
         assert_eq!(of_cause, BTreeMap::from([("tolerance".to_owned(), 3)]));
     }

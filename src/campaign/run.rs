@@ -215,7 +215,7 @@ impl Campaign<'_> {
         subjects.into_iter().find(|subject| subject.index == index)
     }
 
-    /// The case file of a finding, made small; none where its pair is no case.
+    /// The case file of a finding, made small; none where the pair alone does not show the finding again.
     fn case(&self, finding: &Finding) -> Result<Option<Vec<u8>>, RunError> {
         let panel = (self.narrow)(finding);
         let case = self.subject(finding.index).and_then(|s| Case::of(finding, &s, self.config.seed, &panel));
@@ -223,7 +223,8 @@ impl Campaign<'_> {
         Ok(Some(Shrinker::new(&panel, self.config.shrink_evaluations).shrink(case).to_toml()?.into_bytes()))
     }
 
-    /// The case file of a finding about a step; none where the oracle's step cannot be made to its end, so that it has no answer.
+    /// The case file of a finding about a step; none where the oracle's step ends in a stop, so that there is no answer to record, or where
+    /// the step does not show the finding again.
     fn step_case(&self, finding: &StepFinding) -> Result<Option<Vec<u8>>, RunError> {
         let Some(subject) = self.subject(finding.index) else { return Ok(None) };
         let Some(motion) = self.source.motion(&subject) else { return Ok(None) };

@@ -27,7 +27,7 @@ use std::path::PathBuf;
   rockproof bench --quick                    a few seconds, rough figures
   rockproof bench --error --out reports/bench  run time against error, as CSV and plots (docs/bench.md)
   rockproof bench --wall 100,1000,5000       steps of brick walls: time, shares of the phases in %, memory
-  rockproof bench --stack 1000               steps of cubes on one another, after they have settled
+  rockproof bench --stack 1000               steps of cubes on one another; memory is sure with one scene at a time
   rockproof bench --rock 1000 --rigid        steps of rock cut by joints, of rigid blocks
   rockproof bench --exact-steps              certified steps of two blocks and of walls, beside those in f64
 
@@ -68,10 +68,10 @@ pub(crate) struct Bench {
     /// The same of rock cut by joints, of so many blocks; may be repeated
     #[arg(long, value_name = "BLOCKS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
     rock: Vec<u16>,
-    /// Rigid blocks in walls and rock, instead of deformable ones
+    /// Rigid blocks in walls, stacks and rock, instead of deformable ones
     #[arg(long)]
     rigid: bool,
-    /// Steps of walls and rock in single precision
+    /// Steps of walls, stacks and rock in single precision
     #[arg(long)]
     single: bool,
     /// Measure certified steps instead: of two blocks, and of walls of 10 and 100 bricks
@@ -116,10 +116,10 @@ impl Bench {
         Ok(Verdict::Fine)
     }
 
-    /// Scenes from small to large, so that the most memory held is that of the last one.
+    /// Scenes from small to large, so that the most memory held is mostly that of the last one.
     fn steps(&self) -> Outcome {
         let kinds: [(&str, Make, &[u16]); 3] =
-            [("wall", wall, &self.wall), ("stack", stack, &self.stack), ("rock", rock, &self.rock)];
+            [("stack", stack, &self.stack), ("wall", wall, &self.wall), ("rock", rock, &self.rock)];
         let of_kind = |(name, make, sizes): (&'static str, Make, &'_ [u16])| -> Vec<(&str, Make, u16)> {
             sizes.iter().map(|&blocks| (name, make, blocks)).collect()
         };

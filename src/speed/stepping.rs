@@ -50,7 +50,8 @@ pub fn wall(bricks: u16) -> Result<Scene, BlockError> {
 }
 
 /// Cubes of 1 m on one another, on a fixed floor. They settle for a tenth as many steps as there are cubes, at least for 100: let go at
-/// once, a tower springs back, and where its cubes hardly touch they lock and slide in turn at every Δt.
+/// once, a tower of a thousand springs back, and where its cubes hardly touch they lock and slide in turn at every Δt. Of more cubes, or
+/// in f32, some still do, and Δt is cut.
 ///
 /// # Errors
 /// When a cube is no block.
@@ -134,8 +135,8 @@ impl Cost {
         ["rough", "detection", "order", "assembly", "factor", "solve", "judge", "update"];
 }
 
-/// Makes `steps` steps of a scene after settling, for at least two steps, and says what they cost. For memory to mean something, larger scenes must come
-/// after smaller ones.
+/// Makes `steps` steps of a scene after settling for two steps, or for more if the scene wants it, and says what they cost. For memory to
+/// mean something, larger scenes must come after smaller ones.
 ///
 /// # Errors
 /// When a step cannot be made.

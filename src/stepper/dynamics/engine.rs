@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use crate::model::{Contact, Scene, ToleranceSet};
+use crate::model::{Block, Contact, Scene, ToleranceSet};
 use crate::stepper::contact::{Collapsed, Solid, Spec, classify};
 use crate::stepper::dynamics::area;
 use crate::stepper::dynamics::attempt::{Ended, Iteration};
@@ -77,6 +77,26 @@ pub struct Phases {
 /// So many pairs are classified before their contacts go to the others. All at once would take the memory of the contacts twice.
 const PAIRS_AT_ONCE: usize = 512;
 
+/// What is known of blocks where they stand.
+struct Prepared<R> {
+    solids: Vec<Solid<R>>,
+    moments: Vec<Moments<R>>,
+}
+
+impl<R: Real> Prepared<R> {
+    fn new(blocks: &[Block], states: &[BlockState<R>]) -> Result<Prepared<R>, SetupError> {
+        let both = || blocks.iter().zip(states);
+        let solid = |(k, (block, state)): (usize, (&Block, &BlockState<R>))| {
+            Solid::with_points(block.clone(), &state.vertices).map_err(|what| SetupError::Collapsed { block: k, what })
+        };
+        let moments = |(block, state): (&Block, &BlockState<R>)| Moments::of(block.topology(), &state.vertices);
+        Ok(Prepared {
+            solids: both().enumerate().map(solid).collect::<Result<_, _>>()?,
+            moments: both().map(moments).collect(),
+        })
+    }
+}
+
 /// An attempt that was good, or the last one.
 pub(super) struct Accepted<R> {
     pub(super) time_step: R,
@@ -105,22 +125,21 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     pub fn with_rules(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, M>, SetupError> {
         let setup = Setup::new(scene, set)?;
         let state = setup.begin(scene)?;
-        let mut dynamics = Dynamics {
+        let Prepared { solids, moments } = Prepared::new(&setup.blocks, &state.blocks)?;
+        let at = |moments: &Moments<R>| moments.centroid.components().map(Real::to_f64);
+        let layouts = Layouts::new(moments.iter().map(at).collect());
+        Ok(Dynamics {
             setup,
             state,
-            solids: Vec::new(),
-            moments: Vec::new(),
+            solids,
+            moments,
             neighbours: Neighbours::default(),
-            layouts: Layouts::new(Vec::new()),
+            layouts,
             modes: Vec::new(),
             phases: Phases::default(),
             spent: Spent::default(),
             rules: PhantomData,
-        };
-        dynamics.prepare()?;
-        let at = |moments: &Moments<R>| moments.centroid.components().map(Real::to_f64);
-        dynamics.layouts = Layouts::new(dynamics.moments.iter().map(at).collect());
-        Ok(dynamics)
+        })
     }
 
     /// The state after the last step.
@@ -131,7 +150,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// Goes on from another state of the same scene: a checkpoint.
     ///
     /// # Errors
-    /// When the state does not fit the scene, or a block collapses.
+    /// When the state does not fit the scene, or a block collapses. Then nothing changes.
     pub fn restore(&mut self, state: State<R>) -> Result<(), SetupError> {
         let fits = [
             ("blocks", state.blocks.len(), self.state.blocks.len()),
@@ -143,9 +162,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         if let Some((what, found, expected)) = fits.into_iter().find(|(_, found, expected)| found != expected) {
             return Err(SetupError::Mismatch { what, found, expected });
         }
-        self.state = state;
+        let Prepared { solids, moments } = Prepared::new(&self.setup.blocks, &state.blocks)?;
+        (self.state, self.solids, self.moments) = (state, solids, moments);
         self.neighbours.forget();
-        self.prepare()
+        Ok(())
     }
 
     /// The volume of a block (m³).
@@ -177,18 +197,6 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// Where the time of the open–close iteration went.
     pub fn spent(&self) -> Spent {
         self.spent
-    }
-
-    fn prepare(&mut self) -> Result<(), SetupError> {
-        let solid = |(k, block): (usize, &crate::model::Block)| {
-            let points = self.state.blocks[k].vertices.clone();
-            Solid::with_points(block.clone(), &points).map_err(|what| SetupError::Collapsed { block: k, what })
-        };
-        self.solids = self.setup.blocks.iter().enumerate().map(solid).collect::<Result<_, _>>()?;
-        let moments =
-            |(block, state): (&crate::model::Block, &BlockState<R>)| Moments::of(block.topology(), &state.vertices);
-        self.moments = self.setup.blocks.iter().zip(&self.state.blocks).map(moments).collect();
-        Ok(())
     }
 
     /// One step: of settling, while some are left, else of time. When it fails the state is as before.
@@ -232,7 +240,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             let contacts: Vec<Contact> = found.into_iter().map(|found| found.contact).collect();
             self.of_pair(pair, &contacts)
         };
-        let mut contacts = Vec::with_capacity(self.state.contacts.len());
+        let before = self.state.contacts.len();
+        let mut contacts = Vec::with_capacity(before + before / 8);
         for part in pairs.chunks(PAIRS_AT_ONCE) {
             let found: Vec<Vec<Active<R>>> = part.par_iter().map(of_pair).collect();
             found.into_iter().for_each(|pair| contacts.extend(pair));
@@ -376,7 +385,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         Ok(())
     }
 
-    /// Moves everything by an accepted attempt.
+    /// Moves everything by an accepted attempt. Of blocks that end not finite or inverted the first is told, and before any that collapsed.
     fn accept(
         &mut self,
         contacts: &[Active<R>],
