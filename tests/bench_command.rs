@@ -28,6 +28,11 @@ fn bench(format: &str) -> String {
     output_of(&["bench", "--quick", "--format", format])
 }
 
+/// Where a column of a table stands.
+fn column(header: &csv::StringRecord, name: &str) -> usize {
+    header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"))
+}
+
 /// What a command prints as CSV: header and rows.
 fn table_of(arguments: &[&str]) -> (csv::StringRecord, Vec<csv::StringRecord>) {
     table_in(&output_of(arguments))
@@ -41,14 +46,11 @@ fn table_in(text: &str) -> (csv::StringRecord, Vec<csv::StringRecord>) {
 
 #[test]
 fn csv_holds_every_contestant_on_both_samples() {
-    let text = bench("csv");
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let header = reader.headers().unwrap().clone();
-    let column = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
+    let (header, rows) = table_in(&bench("csv"));
+    let column = |name: &str| column(&header, name);
     let mut seen = BTreeSet::new();
     let mut campaigns = 0;
-    for row in reader.records() {
-        let row = row.unwrap();
+    for row in rows {
         let micros: f64 = row[column("us_per_pair")].parse().unwrap();
         assert!(micros > 0.0 && micros.is_finite(), "{row:?}");
         if &row[column("measure")] == "campaign" {
@@ -118,7 +120,7 @@ fn directed_pairs_hold_ties() {
 fn certified_steps_stand_beside_those_in_f64() {
     let arguments = ["bench", "--exact-steps", "--quick", "--steps", "3", "--format", "csv"];
     let (header, rows) = table_of(&arguments);
-    let column = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
+    let column = |name: &str| column(&header, name);
     // Three pairs of blocks and a wall; only the small systems are eliminated plainly.
     assert_eq!(rows.len(), 4);
     for (row, small) in rows.iter().zip([true, true, true, false]) {
@@ -173,7 +175,7 @@ fn a_stack_of_a_thousand_deformable_cubes_stays_within_its_memory() {
     let mut command = Command::cargo_bin("rockproof").unwrap();
     command.env("RAYON_NUM_THREADS", "2").args(["bench", "--stack", "1000", "--steps", "5", "--format", "csv"]);
     let (header, rows) = table_in(&text_of(command));
-    let column = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
+    let column = |name: &str| column(&header, name);
     let number = |name: &str| rows[0][column(name)].parse::<f64>().unwrap();
     assert_eq!((number("blocks"), number("contacts")), (1001.0, 4000.0));
     // All that the process did not hold before. Coordinates, speeds and stresses alone take a third of a kilobyte.
@@ -184,7 +186,7 @@ fn a_stack_of_a_thousand_deformable_cubes_stays_within_its_memory() {
 fn steps_of_walls_and_rock_are_told_by_phases() {
     let arguments = ["bench", "--wall=12", "--stack=7", "--rock=8", "--single", "--steps=2", "--format=csv"];
     let (header, rows) = table_of(&arguments);
-    let column = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
+    let column = |name: &str| column(&header, name);
     // The smallest one first.
     let told = |row: &csv::StringRecord| (row[column("scene")].to_owned(), row[column("blocks")].to_owned());
     let expected =

@@ -6,7 +6,7 @@ mod boxes;
 
 use boxes::{cuboid, n, tolerances};
 use rockproof::model::scene::SceneBlock;
-use rockproof::model::simulation::{Kinematics, derive_stiffness};
+use rockproof::model::simulation::Kinematics;
 use rockproof::model::{Motion, Number, Scene, Vec3};
 use rockproof::stepper::dynamics::{Dynamics, Mode, Solve, StepReport};
 
@@ -28,8 +28,7 @@ fn scene(blocks: Vec<SceneBlock>) -> Scene {
 
 fn run<R: Solve>(scene: &Scene, steps: usize) -> (Dynamics<R>, Vec<StepReport>) {
     let mut scene = scene.clone();
-    let blocks: Vec<_> = scene.blocks.iter().map(|b| (&b.block, &b.body)).collect();
-    derive_stiffness(&mut scene.simulation, &blocks, &tolerances());
+    scene.derive_stiffness(&tolerances());
     let mut dynamics = Dynamics::<R>::new(&scene, &tolerances()).unwrap();
     let reports = (0..steps).map(|_| dynamics.step().unwrap()).collect();
     (dynamics, reports)

@@ -7,7 +7,6 @@ use rockproof::lockstep::run::KEEP;
 use rockproof::lockstep::scene::ExactScene;
 use rockproof::lockstep::state::{converted, exact_state};
 use rockproof::lockstep::wide::WideStepper;
-use rockproof::model::simulation::derive_stiffness;
 use rockproof::model::{Precision, Scene};
 use rockproof::oracle::step as exact;
 use rockproof::stepper::contact::Spec;
@@ -25,8 +24,7 @@ fn scenes() -> Vec<(String, ExactScene)> {
     let load = |path: &PathBuf| {
         let mut scene = Scene::load(path).unwrap();
         let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), Precision::F64).unwrap();
-        let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-        derive_stiffness(&mut scene.simulation, &bodies, &set);
+        scene.derive_stiffness(&set);
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         (name, ExactScene::new(&scene, &set).rounded(Precision::F64).unwrap())
     };

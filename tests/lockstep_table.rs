@@ -4,7 +4,6 @@
 
 use rockproof::lockstep::table::CAUSES;
 use rockproof::lockstep::{Compared, Links, Lockstep};
-use rockproof::model::simulation::derive_stiffness;
 use rockproof::model::{Precision, Scene};
 use rockproof::stepper::contact::Spec;
 use rockproof::stepper::dynamics::Solve;
@@ -79,8 +78,7 @@ impl Sum {
 fn run<R: Solve>(path: &Path, precision: Precision) -> Sum {
     let mut scene = Scene::load(path).unwrap();
     let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), precision).unwrap();
-    let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-    derive_stiffness(&mut scene.simulation, &bodies, &set);
+    scene.derive_stiffness(&set);
     let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, precision, Links::All).unwrap();
     let mut sum = Sum::default();
     for _ in 0..STEPS {

@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rockproof::lockstep::beside::About;
 use rockproof::lockstep::trajectory::default_grid;
 use rockproof::lockstep::{BesideRun, FreeRun, Links, Lockstep, Trajectory, free, table};
-use rockproof::model::simulation::{Control, derive_stiffness};
+use rockproof::model::simulation::Control;
 use rockproof::model::{Precision, Scene, ToleranceSet, rules};
 use rockproof::oracle::step::Keep;
 use rockproof::simulate::identity::{identity, with_tolerances};
@@ -160,8 +160,7 @@ impl Simulate {
         let shapes = scene.shapes();
         let set = self.tolerances.spec(scene.tolerances.as_ref())?.derive(&shapes, precision)?;
         let plan = self.plan(&scene.simulation.control)?;
-        let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-        derive_stiffness(&mut scene.simulation, &bodies, &set);
+        scene.derive_stiffness(&set);
         let violations = rules::check_scene(&set, &scene, precision);
         if !violations.is_empty() && !self.force {
             print(&violations_text(&violations))?;

@@ -1,7 +1,6 @@
 //! Scenes whose end is known by a closed form, for weighing run time against error.
 
 use crate::model::scene::Format;
-use crate::model::simulation::derive_stiffness;
 use crate::model::{Block, Number, Precision, Preset, Scene, SceneError, ToleranceSet, ToleranceSpec, Vec3};
 use crate::oracle::step::{Keep, State, StepModel, exact_step};
 use crate::speed::error::{Engine, ErrorOf, ErrorRow, TradeError};
@@ -144,8 +143,7 @@ impl Closed {
             (_, own) => own.clone().unwrap_or_default(),
         };
         let tolerances = spec.derive(&scene.shapes(), precision)?;
-        let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-        derive_stiffness(&mut scene.simulation, &bodies, &tolerances);
+        scene.derive_stiffness(&tolerances);
         let mut row = ErrorRow::of_scene(self.name, engine, set, time_step, self.of);
         let ran = match engine {
             Engine::F32 => self.float::<f32>(&scene, &tolerances),

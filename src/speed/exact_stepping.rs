@@ -1,7 +1,7 @@
 //! What a step costs exactly: certified, in f64, and with plain rational elimination, from the same states.
 
 use crate::lockstep::state::exact_state;
-use crate::model::simulation::{Body, derive_stiffness};
+use crate::model::simulation::Body;
 use crate::model::{Block, BlockError, Motion, Number, Precision, Scene, SceneBlock, ToleranceSpec, Vec3};
 use crate::oracle::step as exact;
 use crate::speed::stepping::{SteppingError, wall};
@@ -105,8 +105,7 @@ fn pair(lower: Motion, upper: Motion) -> Result<Scene, BlockError> {
 pub fn exact_stepping(name: &str, scene: &Scene, steps: u32) -> Result<ExactCost, SteppingError> {
     let mut scene = scene.clone();
     let set = ToleranceSpec::default().derive(&scene.shapes(), Precision::F64)?;
-    let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-    derive_stiffness(&mut scene.simulation, &bodies, &set);
+    scene.derive_stiffness(&set);
     let mut dynamics = Dynamics::<f64>::new(&scene, &set)?;
     let shapes = scene.shapes();
     let bodies: Vec<Body> = scene.blocks.iter().map(|block| block.body.clone()).collect();

@@ -1,9 +1,8 @@
 //! What a step of a large scene costs: time by phase, and memory.
 
 use crate::lockstep::state::NotFinite;
-use crate::model::simulation::derive_stiffness;
 use crate::model::{
-    Block, BlockError, BlockOptions, Motion, Number, Precision, Scene, SceneBlock, SpecError, ToleranceSpec, Vec3,
+    Block, BlockError, BlockOptions, Number, Precision, Scene, SceneBlock, SpecError, ToleranceSpec, Vec3,
 };
 use crate::stepper::dynamics::{Dynamics, SetupError, Solve, Stopped};
 use std::time::{Duration, Instant};
@@ -28,6 +27,15 @@ pub enum SteppingError {
     NotFinite(#[from] NotFinite),
 }
 
+/// The cuboid of two corners (m).
+fn cuboid(low: [i32; 3], high: [i32; 3]) -> Result<Block, BlockError> {
+    let [low, high] = [low, high].map(|corner| {
+        let [x, y, z] = corner.map(Number::from_integer);
+        Vec3::new(x, y, z)
+    });
+    Block::cuboid(&low, &high)
+}
+
 /// A brick wall in running bond on a fixed floor: bricks of 2 m × 1 m × 1 m, about as many courses as bricks in a course.
 ///
 /// # Errors
@@ -35,15 +43,11 @@ pub enum SteppingError {
 pub fn wall(bricks: u16) -> Result<Scene, BlockError> {
     let bricks = i32::from(bricks);
     let per_course = (1..).find(|n| n * n >= bricks).unwrap_or(1);
-    let corner = |x, y, z| Vec3::new(Number::from_integer(x), Number::from_integer(y), Number::from_integer(z));
-    let length = 2 * per_course + 1;
-    let mut floor = SceneBlock::new("floor", Block::cuboid(&corner(0, 0, 0), &corner(length, 1, 1))?);
-    floor.body.motion = Motion::Fixed;
-    let mut scene = Scene { blocks: vec![floor], ..Scene::default() };
+    let mut scene = Scene::on_fixed("floor", cuboid([0, 0, 0], [2 * per_course + 1, 1, 1])?);
     for brick in 0..bricks {
         let (course, place) = (brick / per_course, brick % per_course);
         let (x, z) = (2 * place + course % 2, course + 1);
-        let block = Block::cuboid(&corner(x, 0, z), &corner(x + 2, 1, z + 1))?;
+        let block = cuboid([x, 0, z], [x + 2, 1, z + 1])?;
         scene.blocks.push(SceneBlock::new(format!("brick_{brick}"), block));
     }
     Ok(scene)
@@ -56,13 +60,8 @@ pub fn wall(bricks: u16) -> Result<Scene, BlockError> {
 /// # Errors
 /// When a cube is no block.
 pub fn stack(cubes: u16) -> Result<Scene, BlockError> {
-    let cube = |low: i32| {
-        let corner = |x, z| Vec3::new(Number::from_integer(x), Number::from_integer(x), Number::from_integer(z));
-        Block::cuboid(&corner(0, low), &corner(1, low + 1))
-    };
-    let mut floor = SceneBlock::new("floor", cube(0)?);
-    floor.body.motion = Motion::Fixed;
-    let mut scene = Scene { blocks: vec![floor], ..Scene::default() };
+    let cube = |low: i32| cuboid([0, 0, low], [1, 1, low + 1]);
+    let mut scene = Scene::on_fixed("floor", cube(0)?);
     scene.simulation.control.settle = u32::from(cubes / 10).max(100);
     for number in 1..=i32::from(cubes) {
         scene.blocks.push(SceneBlock::new(format!("cube_{number}"), cube(number)?));
@@ -91,9 +90,7 @@ pub fn rock(blocks: u16) -> Result<Scene, BlockError> {
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
         Block::new(vertices, faces.map(Vec::from).to_vec(), &BlockOptions { planarity: Number::ZERO })
     };
-    let mut base = SceneBlock::new("base", piece([-2, -2, -2], [2 * side + 5, 2 * side + 5, 2])?);
-    base.body.motion = Motion::Fixed;
-    let mut scene = Scene { blocks: vec![base], ..Scene::default() };
+    let mut scene = Scene::on_fixed("base", piece([-2, -2, -2], [2 * side + 5, 2 * side + 5, 2])?);
     for number in 0..blocks {
         let (layer, place) = (number / (side * side), number % (side * side));
         let moved = layer % 2;
@@ -150,8 +147,7 @@ pub fn stepping<R: Solve>(
     let settle = &mut scene.simulation.control.settle;
     *settle = (*settle).max(2);
     let set = ToleranceSpec::default().derive(&scene.shapes(), precision)?;
-    let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-    derive_stiffness(&mut scene.simulation, &bodies, &set);
+    scene.derive_stiffness(&set);
     let mut dynamics = Dynamics::<R>::new(&scene, &set)?;
     drop(scene);
     while dynamics.state().settling > 0 {

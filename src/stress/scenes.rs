@@ -1,6 +1,6 @@
 //! Scenes with closed forms: blocks of 1 m on one another, on a fixed floor.
 
-use crate::model::simulation::{JointPair, JointProperties, derive_stiffness};
+use crate::model::simulation::{JointPair, JointProperties};
 use crate::model::{
     Block, BlockError, Motion, Number, Precision, Scene, SceneBlock, SpecError, ToleranceSet, ToleranceSpec, Vec3,
 };
@@ -30,9 +30,7 @@ pub(super) const WEIGHT: f64 = 26_000.0;
 /// stiffness of the contacts under block `k + 1`, 20 static steps come first.
 pub(super) fn column(stiffness: &[Number], motion: Motion) -> Result<Scene, BlockError> {
     let corner = |x, y, z| Vec3::new(Number::from_integer(x), Number::from_integer(y), Number::from_integer(z));
-    let mut floor = SceneBlock::new("floor", Block::cuboid(&corner(-1, -1, -1), &corner(2, 2, 0))?);
-    floor.body.motion = Motion::Fixed;
-    let mut scene = Scene { blocks: vec![floor], ..Scene::default() };
+    let mut scene = Scene::on_fixed("floor", Block::cuboid(&corner(-1, -1, -1), &corner(2, 2, 0))?);
     let joints = &mut scene.simulation.joints;
     for (k, stiffness) in (0..).zip(stiffness) {
         let mut block =
@@ -53,8 +51,7 @@ pub(super) fn column(stiffness: &[Number], motion: Motion) -> Result<Scene, Bloc
 pub(super) fn settled<R: Solve>(scene: &Scene, precision: Precision) -> Result<Dynamics<R>, StepsError> {
     let mut scene = scene.clone();
     let set: ToleranceSet = ToleranceSpec::default().derive(&scene.shapes(), precision)?;
-    let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-    derive_stiffness(&mut scene.simulation, &bodies, &set);
+    scene.derive_stiffness(&set);
     let mut dynamics = Dynamics::<R>::new(&scene, &set)?;
     while dynamics.state().settling > 0 {
         dynamics.step()?;

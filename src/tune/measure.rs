@@ -8,7 +8,6 @@ use crate::campaign::builtin::{ENGINES, StepperEngine};
 use crate::campaign::engine::Engine;
 use crate::model::preset::{self, Preset};
 use crate::model::rules::{self, Measured, Rule, Slack};
-use crate::model::simulation::derive_stiffness;
 use crate::model::{Precision, Scene, SpecError, ToleranceSet};
 use crate::stepper::contact::Spec;
 use std::cmp::Reverse;
@@ -169,8 +168,7 @@ impl Workbench {
     /// A scene whose joints have stiffnesses: those that suit a set where the scene names none.
     fn stiff(&self, set: &ToleranceSet) -> Scene {
         let mut scene = self.scene.clone();
-        let bodies: Vec<_> = self.scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-        derive_stiffness(&mut scene.simulation, &bodies, set);
+        scene.derive_stiffness(set);
         scene
     }
 

@@ -1,7 +1,7 @@
 //! Small scenes.
 
 use rockproof::model::scene::SceneBlock;
-use rockproof::model::simulation::{PointLoad, derive_stiffness};
+use rockproof::model::simulation::PointLoad;
 use rockproof::model::{Block, Criteria, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof::stepper::dynamics::{Dynamics, Solve, StepReport};
 use std::path::Path;
@@ -87,8 +87,7 @@ pub(crate) fn handmade(name: &str, precision: Precision) -> (Scene, ToleranceSet
 
 /// Its stiffnesses chosen, and at its beginning.
 pub(crate) fn beginning<R: Solve>(mut scene: Scene, set: &ToleranceSet) -> Dynamics<R> {
-    let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-    derive_stiffness(&mut scene.simulation, &bodies, set);
+    scene.derive_stiffness(set);
     Dynamics::new(&scene, set).unwrap()
 }
 

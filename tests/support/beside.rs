@@ -1,7 +1,6 @@
 //! A step of the stepper beside the oracle's step from the same state.
 
 use rockproof::lockstep::state::{exact_mode, exact_state};
-use rockproof::model::simulation::derive_stiffness;
 use rockproof::model::{Body, Number, Point, Scene, ToleranceSet};
 use rockproof::oracle::step as exact;
 use rockproof::stepper::dynamics::{Dynamics, StepRules};
@@ -13,8 +12,7 @@ const CLOSE: f64 = 1e-8;
 /// difference in words, if there is one.
 pub(crate) fn first_difference<M: StepRules>(scene: &Scene, set: &ToleranceSet, steps: u32) -> Option<String> {
     let mut scene = scene.clone();
-    let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-    derive_stiffness(&mut scene.simulation, &bodies, set);
+    scene.derive_stiffness(set);
     let mut dynamics = Dynamics::<f64, M>::with_rules(&scene, set).unwrap();
     let shapes = scene.shapes();
     let bodies: Vec<Body> = scene.blocks.iter().map(|block| block.body.clone()).collect();

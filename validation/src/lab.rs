@@ -2,7 +2,7 @@
 
 use crate::case::Engine;
 use rockproof::model::scene::Format;
-use rockproof::model::simulation::{Control, derive_stiffness};
+use rockproof::model::simulation::Control;
 use rockproof::model::{Number, NumberError, Scene, SceneError, SpecError, ToleranceSpec, Vec3, rules};
 use rockproof::simulate::Plan;
 use rockproof::stepper::contact::Spec;
@@ -128,8 +128,7 @@ impl<R: Engine, M: StepRules> Lab<R, M> {
     pub fn new(mut scene: Scene) -> Result<Lab<R, M>, Failure> {
         let default = ToleranceSpec::default();
         let set = scene.tolerances.as_ref().unwrap_or(&default).derive(&scene.shapes(), R::PRECISION)?;
-        let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-        derive_stiffness(&mut scene.simulation, &bodies, &set);
+        scene.derive_stiffness(&set);
         if let Some(violation) = rules::check_scene(&set, &scene, R::PRECISION).first() {
             return Err(Failure::Violated(violation.to_string()));
         }

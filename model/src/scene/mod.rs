@@ -15,8 +15,9 @@ pub use write::{FormatError, write_obj, write_tolerances, write_toml, write_vtk}
 
 use crate::block::{Block, BlockOptions, Merged, Merging};
 use crate::number::Number;
-use crate::simulation::{Body, Simulation};
+use crate::simulation::{Body, Motion, Simulation, derive_stiffness};
 use crate::spec::ToleranceSpec;
+use crate::tolerance::ToleranceSet;
 use raw::{Assembly, RawBlock};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -107,6 +108,19 @@ impl Format {
 }
 
 impl Scene {
+    /// A scene that begins with a fixed block, on which others can stand.
+    pub fn on_fixed(name: impl Into<String>, block: Block) -> Scene {
+        let mut base = SceneBlock::new(name, block);
+        base.body.motion = Motion::Fixed;
+        Scene { blocks: vec![base], ..Scene::default() }
+    }
+
+    /// Gives every joint without a normal stiffness one that suits the blocks and a tolerance set ([`derive_stiffness`]).
+    pub fn derive_stiffness(&mut self, set: &ToleranceSet) {
+        let bodies: Vec<_> = self.blocks.iter().map(|block| (&block.block, &block.body)).collect();
+        derive_stiffness(&mut self.simulation, &bodies, set);
+    }
+
     /// Reads a file, its format told by its extension.
     ///
     /// # Errors

@@ -1,5 +1,4 @@
 use super::*;
-use crate::model::simulation::derive_stiffness;
 use crate::model::{Block, BlockOptions, Number, Precision, SceneBlock, ToleranceSpec, Vec3};
 
 fn block(points: &[[f64; 3]], faces: &[&[u32]]) -> SceneBlock {
@@ -24,8 +23,7 @@ fn a_step_that_collapses_a_block_leaves_all_as_before() {
     }
     let mut set = ToleranceSpec::default().derive(&scene.shapes(), Precision::F32).expect("tolerances");
     set.max_displacement = Number::from_integer(10);
-    let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-    derive_stiffness(&mut scene.simulation, &bodies, &set);
+    scene.derive_stiffness(&set);
     let mut dynamics = Dynamics::<f32>::new(&scene, &set).expect("a scene");
     let agrees =
         |dynamics: &Dynamics<f32>| {
