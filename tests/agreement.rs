@@ -7,12 +7,12 @@
 //! `ROCKPROOF_AGREEMENT_PARTS` it can be done in pieces: what is done is written there, and a run that is killed, or ends
 //! after `ROCKPROOF_AGREEMENT_SECONDS`, is gone on with by the same command. `ROCKPROOF_AGREEMENT_THREADS` is 1 for each core.
 
-use rockproof::campaign::pairs::{PairConfig, batch};
-use rockproof::model::{Block, Contact, Precision, ToleranceSet};
-use rockproof::oracle::rational::Rational;
-use rockproof::oracle::{LevelCounts, Pair, Solid, plain};
-use rockproof::stepper::contact::Spec;
-use rockproof::stepper::wide;
+use rockproof_campaign::pairs::{PairConfig, batch};
+use rockproof_model::{Block, Contact, Precision, ToleranceSet};
+use rockproof_oracle::rational::Rational;
+use rockproof_oracle::{LevelCounts, Pair, Solid, plain};
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::wide;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Write;

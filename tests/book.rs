@@ -4,8 +4,8 @@
 //! mdBook itself is run by `.ci/run`, where it can be had.
 
 use pulldown_cmark::{CodeBlockKind, Event, HeadingLevel, Options, Parser, Tag, TagEnd};
-use rockproof::campaign::config::CampaignConfig;
-use rockproof::gate::config::GateConfig;
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_gate::config::GateConfig;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};

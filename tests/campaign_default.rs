@@ -5,18 +5,18 @@
 //! Without a look at the shares, a campaign of exact ties alone reported as many differences in f64 as in f32.
 
 use rayon::prelude::*;
-use rockproof::campaign::attribution::examine;
-use rockproof::campaign::builtin;
-use rockproof::campaign::config::CampaignConfig;
-use rockproof::campaign::directed::CHOSEN;
-use rockproof::campaign::families;
-use rockproof::campaign::finding::{Cause, Who};
-use rockproof::campaign::pairs::{Form, PairCase};
-use rockproof::campaign::source::{self, FamilySource};
-use rockproof::campaign::subject::Source;
-use rockproof::model::decision::Predicate;
-use rockproof::model::{ContactKind, Precision, Sign};
-use rockproof::oracle::{Pair, Solid};
+use rockproof_differential::attribution::examine;
+use rockproof_differential::builtin;
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_campaign::directed::CHOSEN;
+use rockproof_campaign::families;
+use rockproof_differential::finding::{Cause, Who};
+use rockproof_campaign::pairs::{Form, PairCase};
+use rockproof_campaign::source::{self, FamilySource};
+use rockproof_differential::subject::Source;
+use rockproof_model::decision::Predicate;
+use rockproof_model::{ContactKind, Precision, Sign};
+use rockproof_oracle::{Pair, Solid};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Batches of the slice: fourteen families take turns.

@@ -12,16 +12,16 @@ mod mistakes;
 use mistaken_engine::OneEngine;
 use mistakes::Mistaken;
 use rayon::prelude::*;
-use rockproof::campaign::attribution::{Panel, examine};
-use rockproof::campaign::builtin::{self, Exact};
-use rockproof::campaign::config::CampaignConfig;
-use rockproof::campaign::engine::Engine;
-use rockproof::campaign::finding::{Cause, Finding};
-use rockproof::campaign::source::{self, FamilySource};
-use rockproof::campaign::subject::{Source, Subject};
-use rockproof::model::{Block, Contact, Precision};
-use rockproof::stepper::contact::Spec;
-use rockproof::stepper::{Classifier, Stepper};
+use rockproof_differential::attribution::{Panel, examine};
+use rockproof_differential::builtin::{self, Exact};
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_differential::engine::Engine;
+use rockproof_differential::finding::{Cause, Finding};
+use rockproof_campaign::source::{self, FamilySource};
+use rockproof_differential::subject::{Source, Subject};
+use rockproof_model::{Block, Contact, Precision};
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::{Classifier, Stepper};
 
 /// Pairs looked at: a fraction of the default campaign's.
 const PAIRS: u64 = if cfg!(debug_assertions) { 512 } else { 65_536 };

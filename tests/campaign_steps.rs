@@ -4,20 +4,20 @@
 #[path = "support/step_mistakes.rs"]
 mod step_mistakes;
 
-use rockproof::campaign::builtin;
-use rockproof::campaign::config::CampaignConfig;
-use rockproof::campaign::finding::{Cause, Finding};
-use rockproof::campaign::journal::{Journal, Start};
-use rockproof::campaign::run::Campaign;
-use rockproof::campaign::source::{self, FamilySource};
-use rockproof::campaign::steps::summary::Counts;
-use rockproof::campaign::steps::{self, Examined, PairMotion, StepEngine, StepperSteps, examine, examine_all};
-use rockproof::campaign::subject::{Source, Subject};
-use rockproof::lockstep::case_file::{Expected, StepCase};
-use rockproof::lockstep::{Links, Lockstep};
-use rockproof::model::Precision;
-use rockproof::stepper::contact::Spec;
-use rockproof::stepper::dynamics::{Dynamics, RetryReason, State, StepRules};
+use rockproof_differential::builtin;
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_differential::finding::{Cause, Finding};
+use rockproof_campaign::journal::{Journal, Start};
+use rockproof_campaign::run::Campaign;
+use rockproof_campaign::source::{self, FamilySource};
+use rockproof_campaign::steps::summary::Counts;
+use rockproof_campaign::steps::{self, Examined, PairMotion, StepEngine, StepperSteps, examine, examine_all};
+use rockproof_differential::subject::{Source, Subject};
+use rockproof_differential::lockstep::case_file::{Expected, StepCase};
+use rockproof_differential::lockstep::{Links, Lockstep};
+use rockproof_model::Precision;
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::dynamics::{Dynamics, RetryReason, State, StepRules};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
@@ -169,7 +169,7 @@ fn the_same_bytes_however_it_runs_and_the_same_classification_without() {
     }
 }
 
-fn again<R: rockproof::stepper::dynamics::Solve>(case: &StepCase) -> Expected {
+fn again<R: rockproof_stepper::dynamics::Solve>(case: &StepCase) -> Expected {
     let (scene, set) = case.scene().unwrap();
     let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, case.precision().unwrap(), Links::Arithmetic).unwrap();
     lockstep.restore(case.state.state().unwrap()).unwrap();

@@ -5,10 +5,10 @@
 mod boxes;
 
 use boxes::{cuboid, n, tolerances};
-use rockproof::model::scene::SceneBlock;
-use rockproof::model::simulation::Kinematics;
-use rockproof::model::{Motion, Number, Scene, Vec3};
-use rockproof::stepper::dynamics::{Dynamics, Mode, Solve, StepReport};
+use rockproof_model::scene::SceneBlock;
+use rockproof_model::simulation::Kinematics;
+use rockproof_model::{Motion, Number, Scene, Vec3};
+use rockproof_stepper::dynamics::{Dynamics, Mode, Solve, StepReport};
 
 fn v(x: &str, y: &str, z: &str) -> Vec3<Number> {
     Vec3::new(n(x), n(y), n(z))

@@ -6,11 +6,11 @@ mod boxes;
 
 use boxes::{cuboid, n, tolerances};
 use num_rational::BigRational;
-use rockproof::lockstep::Trajectory;
-use rockproof::model::scene::SceneBlock;
-use rockproof::model::simulation::{Material, PointLoad};
-use rockproof::model::{Block, Motion, Number, Point, Scene, Vec3};
-use rockproof::oracle::step::{ContactMemory, Keep, Mode};
+use rockproof_differential::lockstep::Trajectory;
+use rockproof_model::scene::SceneBlock;
+use rockproof_model::simulation::{Material, PointLoad};
+use rockproof_model::{Block, Motion, Number, Point, Scene, Vec3};
+use rockproof_oracle::step::{ContactMemory, Keep, Mode};
 
 fn q(text: &str) -> BigRational {
     n(text).to_rational()
@@ -57,7 +57,7 @@ fn a_block_falls_half_g_t_squared() {
     block.body.velocity = v(["3", "0", "1/3"]);
     let mut scene = scene(vec![block], ["0", "0", "-10"], "0");
     let middle =
-        rockproof::model::simulation::MeasuredPoint { name: "middle".to_owned(), block: 0, at: v(["1/2", "1", "3/2"]) };
+        rockproof_model::simulation::MeasuredPoint { name: "middle".to_owned(), block: 0, at: v(["1/2", "1", "3/2"]) };
     scene.simulation.measured_points.push(middle);
     let mut trajectory = trajectory(&scene);
     for k in 1..=10 {

@@ -7,9 +7,9 @@ mod engines;
 use assert_cmd::Command;
 use engines::{client, cpp_client, example, skipped, there};
 use proptest::prelude::*;
-use rockproof::campaign::engine::EngineFailure;
-use rockproof::campaign::external::protocol;
-use rockproof::model::Topology;
+use rockproof_differential::engine::EngineFailure;
+use rockproof_differential::external::protocol;
+use rockproof_model::Topology;
 use std::fs;
 use std::path::Path;
 

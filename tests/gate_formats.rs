@@ -3,8 +3,8 @@
 //! summary by a Markdown parser.
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
-use rockproof::gate::junit::{annotations, junit, markdown};
-use rockproof::gate::{Check, Verdict};
+use rockproof_gate::junit::{annotations, junit, markdown};
+use rockproof_gate::{Check, Verdict};
 use std::collections::BTreeMap;
 
 const NASTY: &str = "50%: a,b::c | d_e_f *g* `h` <i> & \"j\" [k](l) \\ m%0An";

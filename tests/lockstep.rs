@@ -1,16 +1,16 @@
 //! The stepper's code in 512 bits beside the oracle, on the scenes of cases/handmade: contacts, modes after each solve, number of
 //! solves and retries of every step must be the same, from the same state; exact ties aside, which are counted.
 
-use rockproof::lockstep::answer::{Answer, compare};
-use rockproof::lockstep::errors::{anchor_error, largest_distance, velocity_error};
-use rockproof::lockstep::run::KEEP;
-use rockproof::lockstep::scene::ExactScene;
-use rockproof::lockstep::state::{converted, exact_state};
-use rockproof::lockstep::wide::WideStepper;
-use rockproof::model::{Precision, Scene};
-use rockproof::oracle::step as exact;
-use rockproof::stepper::contact::Spec;
-use rockproof::stepper::dynamics::{Dynamics, State};
+use rockproof_differential::lockstep::answer::{Answer, compare};
+use rockproof_differential::lockstep::errors::{anchor_error, largest_distance, velocity_error};
+use rockproof_differential::lockstep::run::KEEP;
+use rockproof_differential::lockstep::scene::ExactScene;
+use rockproof_differential::lockstep::state::{converted, exact_state};
+use rockproof_differential::lockstep::wide::WideStepper;
+use rockproof_model::{Precision, Scene};
+use rockproof_oracle::step as exact;
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::dynamics::{Dynamics, State};
 use std::path::PathBuf;
 
 /// Unknowns of the largest scene in the quick test: 512 bits take seconds a step beyond.

@@ -2,7 +2,7 @@
 //! same bytes, state files replay, and exact runs are exact.
 
 use assert_cmd::cargo::cargo_bin_cmd;
-use rockproof::lockstep::{free, table};
+use rockproof_differential::lockstep::{free, table};
 use std::fs;
 use std::path::{Path, PathBuf};
 

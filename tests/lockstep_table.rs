@@ -2,11 +2,11 @@
 //!
 //!     RENEW=1 cargo test --release --test lockstep_table -- --ignored --nocapture
 
-use rockproof::lockstep::table::CAUSES;
-use rockproof::lockstep::{Compared, Links, Lockstep};
-use rockproof::model::{Precision, Scene};
-use rockproof::stepper::contact::Spec;
-use rockproof::stepper::dynamics::Solve;
+use rockproof_differential::lockstep::table::CAUSES;
+use rockproof_differential::lockstep::{Compared, Links, Lockstep};
+use rockproof_model::{Precision, Scene};
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::dynamics::Solve;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

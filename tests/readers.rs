@@ -2,8 +2,8 @@
 
 use num_rational::BigRational;
 use proptest::prelude::*;
-use rockproof::model::scene::{Format, write_obj, write_toml, write_vtk};
-use rockproof::model::{Block, Criteria, LoadOptions, Merged, Motion, Number, Precision, Scene, SceneBlock, Vec3};
+use rockproof_model::scene::{Format, write_obj, write_toml, write_vtk};
+use rockproof_model::{Block, Criteria, LoadOptions, Merged, Motion, Number, Precision, Scene, SceneBlock, Vec3};
 use std::path::{Path, PathBuf};
 
 fn real(name: &str) -> PathBuf {

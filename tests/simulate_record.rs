@@ -3,14 +3,14 @@
 //! good state; a checkpoint of another run, or a damaged one, is refused.
 
 use base64::Engine;
-use rockproof::model::{
+use rockproof_model::{
     Block, Contact, ContactKind, Entrance, EntranceKind, Number, Scene, SceneBlock, Sign, ToleranceSpec, Vec3,
 };
-use rockproof::simulate::identity::identity;
-use rockproof::simulate::run::{Ending, Run, Stepping, headers};
-use rockproof::simulate::{Plan, Record, RecordError, Start};
-use rockproof::stepper::Vector;
-use rockproof::stepper::dynamics::{
+use rockproof_simulate::identity::identity;
+use rockproof_simulate::run::{Ending, Run, Stepping, headers};
+use rockproof_simulate::{Plan, Record, RecordError, Start};
+use rockproof_stepper::Vector;
+use rockproof_stepper::dynamics::{
     BlockState, Concerned, ContactState, Mode, Retry, RetryReason, State, StepReport, Stopped,
 };
 use std::collections::BTreeMap;
@@ -28,7 +28,7 @@ fn scene() -> Scene {
     let block = |(name, min, max): (&str, _, _)| SceneBlock::new(name, Block::cuboid(&min, &max).expect("a box"));
     let mut scene = Scene { blocks: boxes.into_iter().map(block).collect(), ..Scene::default() };
     let corner =
-        rockproof::model::simulation::MeasuredPoint { name: "corner, top".into(), block: 1, at: point(2, 3, 2) };
+        rockproof_model::simulation::MeasuredPoint { name: "corner, top".into(), block: 1, at: point(2, 3, 2) };
     scene.simulation.measured_points.push(corner);
     scene
 }
@@ -139,7 +139,7 @@ const JOB: Job = Job { steps: 13, settling: 4, wall: NOWHERE, start: Start::Fres
 fn run(dir: &Path, job: Job, stop: &AtomicBool, watch: &mut dyn FnMut(i64)) -> Result<Ending, RecordError> {
     let scene = scene();
     let plan = Plan { steps: Some(job.steps), time: None, smallest_step: 1e-5, every: 4, contacts: true };
-    let set = ToleranceSpec::default().derive(&scene.shapes(), rockproof::model::Precision::F64).expect("a set");
+    let set = ToleranceSpec::default().derive(&scene.shapes(), rockproof_model::Precision::F64).expect("a set");
     let identity = identity(&scene, &set, "f64", &plan);
     let (mut record, saved) = Record::open(dir, identity, headers(&plan).expect("headers"), job.start)?;
     let begin = begin(&scene, job.settling);
@@ -293,7 +293,7 @@ fn other_runs_and_damaged_ones_are_refused() {
     refused("", "no checkpoint");
     refused(&good.replacen("\"step\":13", "\"step\":12", 1), "not as it was written");
     let reseal = |line: &str| {
-        let sha256 = rockproof::simulate::identity::digest(line.as_bytes());
+        let sha256 = rockproof_simulate::identity::digest(line.as_bytes());
         format!("{line}\n{{\"sha256\":\"{sha256}\"}}\n")
     };
     let first = good.lines().next().expect("a line");

@@ -7,9 +7,9 @@ mod beside;
 mod step_mistakes;
 
 use beside::first_difference;
-use rockproof::model::scene::SceneBlock;
-use rockproof::model::simulation::{PointLoad, Unconverged};
-use rockproof::model::{Block, Criteria, Motion, Number, Scene, ToleranceSet, Vec3};
+use rockproof_model::scene::SceneBlock;
+use rockproof_model::simulation::{PointLoad, Unconverged};
+use rockproof_model::{Block, Criteria, Motion, Number, Scene, ToleranceSet, Vec3};
 use step_mistakes::{ALL, Mistake, Mistaken, plant};
 
 fn n(text: &str) -> Number {

@@ -7,9 +7,9 @@
 mod pairs;
 
 use pairs::{classic, corner_block, cuboid, keel, n, prism, ridge, show, spike, tetrahedron, tolerances};
-use rockproof::model::{Block, ToleranceSet};
-use rockproof::stepper::contact::Spec;
-use rockproof::stepper::{Classifier, Stepper};
+use rockproof_model::{Block, ToleranceSet};
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::{Classifier, Stepper};
 
 fn check(name: &str, a: &Block, b: &Block, t: &ToleranceSet, expected: &[&str]) {
     let stepper = Stepper::<Spec>::new();

@@ -7,10 +7,10 @@ mod pairs;
 
 use num_rational::BigRational;
 use pairs::{GoldenPair, show};
-use rockproof::model::lattice::Lattice;
-use rockproof::model::{Block, Contact, Number};
-use rockproof::stepper::contact::Spec;
-use rockproof::stepper::{Classifier, Found, Real, Solid, Stepper, Tolerances, Wide, classify, wide};
+use rockproof_model::lattice::Lattice;
+use rockproof_model::{Block, Contact, Number};
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::{Classifier, Found, Real, Solid, Stepper, Tolerances, Wide, classify, wide};
 
 /// `qpar_004` lacks two contacts. Worked out in fractions from its coordinates, with s = 1/10 and so = 3/64:
 ///

@@ -6,9 +6,9 @@ mod mistakes;
 mod pairs;
 
 use pairs::{classic, corner_block, cuboid, keel, n, prism, ridge, spike, tetrahedron, tolerances, turned_cuboid};
-use rockproof::model::{Block, ToleranceSet};
-use rockproof::stepper::contact::Spec;
-use rockproof::stepper::{Classifier, Stepper};
+use rockproof_model::{Block, ToleranceSet};
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::{Classifier, Stepper};
 
 type Case = (&'static str, Block, Block, ToleranceSet);
 

@@ -5,11 +5,11 @@ mod pairs;
 
 use pairs::{block, cuboid, n, spike, tolerances};
 use proptest::prelude::*;
-use rockproof::model::decision::{Decision, Feature, Predicate, Side};
-use rockproof::model::{Block, ToleranceSet};
-use rockproof::stepper::contact::solid::Part;
-use rockproof::stepper::contact::{Spec, ToleranceOverflow, neighbouring_pairs, neighbours};
-use rockproof::stepper::{
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{Block, ToleranceSet};
+use rockproof_stepper::contact::solid::Part;
+use rockproof_stepper::contact::{Spec, ToleranceOverflow, neighbouring_pairs, neighbours};
+use rockproof_stepper::{
     Classifier, Collapsed, EngineError, Real, Solid, Stepper, Tolerances, Vector, Wide, classify, classify_traced,
 };
 
@@ -108,7 +108,7 @@ fn a_trace_names_every_decision_and_changes_nothing() {
     let t = Tolerances::new(&tolerances()).unwrap();
     let plain = classify::<f64, Spec>(&a, &b, &t);
     let (traced, decisions) = classify_traced::<f64, Spec>(&a, &b, &t);
-    let contacts = |found: &[rockproof::stepper::Found<f64>]| found.iter().map(|f| f.contact).collect::<Vec<_>>();
+    let contacts = |found: &[rockproof_stepper::Found<f64>]| found.iter().map(|f| f.contact).collect::<Vec<_>>();
     assert_eq!(contacts(&plain), contacts(&traced));
     assert_eq!(plain[0].gap, 0.0625);
     let (vertex, face) = (Feature::Vertex(Side::A, 0), Feature::Face(Side::B, 1));

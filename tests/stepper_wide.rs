@@ -5,8 +5,8 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use proptest::prelude::*;
-use rockproof::model::Number;
-use rockproof::stepper::{Real, Wide, wide};
+use rockproof_model::Number;
+use rockproof_stepper::{Real, Wide, wide};
 
 fn rational(value: f64) -> BigRational {
     BigRational::from_float(value).unwrap()

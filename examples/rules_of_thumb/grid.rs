@@ -1,15 +1,15 @@
 //! One tolerance at a time around `auto`, under both criteria, on the same pairs.
 
 use rayon::prelude::*;
-use rockproof::campaign::attribution::{Panel, examine};
-use rockproof::campaign::builtin;
-use rockproof::campaign::finding::{Cause, Who};
-use rockproof::campaign::pairs::{self, PairConfig};
-use rockproof::campaign::sets::SetSource;
-use rockproof::campaign::subject::{Subject, SubjectSet};
-use rockproof::model::Precision;
-use rockproof::oracle;
-use rockproof::oracle::penetration::penetration;
+use rockproof_differential::attribution::{Panel, examine};
+use rockproof_differential::builtin;
+use rockproof_differential::finding::{Cause, Who};
+use rockproof_campaign::pairs::{self, PairConfig};
+use rockproof_campaign::sets::SetSource;
+use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_model::Precision;
+use rockproof_oracle;
+use rockproof_oracle::penetration::penetration;
 
 /// Pairs for every set.
 pub(crate) const PAIRS: u64 = 1024;

@@ -1,11 +1,11 @@
 //! Pins which cause and change each difference gets, link by link of SPEC section 6's chain, with scripted answers.
 
 use crate::toys::{Said, Script, contact, cube, decision, scripted, subject};
-use rockproof::campaign::attribution::{Examined, examine};
-use rockproof::campaign::compare::Change;
-use rockproof::campaign::engine::{EngineFailure, WideAnswer};
-use rockproof::campaign::finding::{Cause, Who};
-use rockproof::model::{Contact, ContactKind, Entrance, EntranceKind, Precision, Sign};
+use rockproof_differential::attribution::{Examined, examine};
+use rockproof_differential::compare::Change;
+use rockproof_differential::engine::{EngineFailure, WideAnswer};
+use rockproof_differential::finding::{Cause, Who};
+use rockproof_model::{Contact, ContactKind, Entrance, EntranceKind, Precision, Sign};
 
 fn run(script: &Script) -> Examined {
     // 0.1 is not an f32, so the oracle can tell the exact pair from the rounded one.

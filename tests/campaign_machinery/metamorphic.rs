@@ -2,12 +2,12 @@
 //! that an engine which is always right violates none.
 
 use crate::toys::{cube, subject};
-use rockproof::campaign::attribution::{Panel, examine};
-use rockproof::campaign::builtin::Exact;
-use rockproof::campaign::compare::Change;
-use rockproof::campaign::engine::{Engine, EngineFailure, Oracle, Prepared, Trace, WideAnswer};
-use rockproof::campaign::finding::Cause;
-use rockproof::model::{Block, Contact, ContactKind, Precision, ToleranceSet};
+use rockproof_differential::attribution::{Panel, examine};
+use rockproof_differential::builtin::Exact;
+use rockproof_differential::compare::Change;
+use rockproof_differential::engine::{Engine, EngineFailure, Oracle, Prepared, Trace, WideAnswer};
+use rockproof_differential::finding::Cause;
+use rockproof_model::{Block, Contact, ContactKind, Precision, ToleranceSet};
 
 /// Answers as the oracle does, but loses every contact of a pair changed in the given way.
 struct Upset(Option<Change>);

@@ -2,10 +2,10 @@
 //! `findings.csv`, a lost rename, any number of threads. Answers are toys; only the machinery is tested.
 
 use crate::toys::{Counting, counting};
-use rockproof::campaign::config::CampaignConfig;
-use rockproof::campaign::finding::Finding;
-use rockproof::campaign::journal::{Journal, JournalError, Start};
-use rockproof::campaign::run::{Campaign, Ending};
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_differential::finding::Finding;
+use rockproof_campaign::journal::{Journal, JournalError, Start};
+use rockproof_campaign::run::{Campaign, Ending};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write;

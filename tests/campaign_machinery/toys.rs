@@ -1,13 +1,13 @@
 //! Toys for the tests of the campaign's machinery: a scripted oracle and engine, whose answers a test chooses, and a
 //! counting pair of them, whose answers follow from the pair's index. No geometry is decided here.
 
-use rockproof::campaign::attribution::Panel;
-use rockproof::campaign::engine::{
+use rockproof_differential::attribution::Panel;
+use rockproof_differential::engine::{
     Engine, EngineFailure, ExactAnswer, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, WideAnswer,
 };
-use rockproof::campaign::subject::{Source, Subject, SubjectSet};
-use rockproof::model::decision::{Decision, Feature, Predicate, Side};
-use rockproof::model::{
+use rockproof_differential::subject::{Source, Subject, SubjectSet};
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{
     Block, BlockOptions, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, Point, Precision, Sign,
     ToleranceSet,
 };

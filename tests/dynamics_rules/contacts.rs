@@ -1,9 +1,9 @@
 //! e-e contacts, what a contact carries from step to step, islands.
 
 use crate::support::{begin, cube, cuboid, floor, n, near, run, scene, v, weightless};
-use rockproof::model::scene::SceneBlock;
-use rockproof::model::{Block, BlockOptions, ContactKind, Motion, Number, Scene, Vec3};
-use rockproof::stepper::dynamics::{Dynamics, Mode};
+use rockproof_model::scene::SceneBlock;
+use rockproof_model::{Block, BlockOptions, ContactKind, Motion, Number, Scene, Vec3};
+use rockproof_stepper::dynamics::{Dynamics, Mode};
 
 /// A roof of 2 m length whose ridge lies in the plane z = 0: along x from below, or along y from above.
 fn roof(name: &str, from_below: bool, motion: Motion) -> SceneBlock {

@@ -1,11 +1,11 @@
 //! Step control at its edges: limits that are just met, retries, the smallest Δt, and what is left when a run stops.
 
 use crate::support::{begin, cube, floor, n, scene, tolerances, v, weightless};
-use rockproof::model::scene::SceneBlock;
-use rockproof::model::simulation::Unconverged;
-use rockproof::model::{Block, BlockOptions, Motion, Scene, ToleranceSet};
-use rockproof::stepper::contact::Rules;
-use rockproof::stepper::dynamics::{Dynamics, Mode, RetryReason, StepReport, StepRules, Stopped};
+use rockproof_model::scene::SceneBlock;
+use rockproof_model::simulation::Unconverged;
+use rockproof_model::{Block, BlockOptions, Motion, Scene, ToleranceSet};
+use rockproof_stepper::contact::Rules;
+use rockproof_stepper::dynamics::{Dynamics, Mode, RetryReason, StepReport, StepRules, Stopped};
 
 /// A cube that flies at this speed, with Δt = 1/128 s, so that a limit of 1/16 m is 8 m/s. Everything is a power of two, and exact.
 fn flying(speed: &str) -> Scene {
@@ -137,7 +137,7 @@ fn a_block_that_turns_inside_out_stops_the_run() {
     // A stress of a thousand times Young's modulus lets go: the strain of one step is beyond -1. Limits are lifted to let it happen.
     let set = ToleranceSet { max_displacement: n("1e6"), ..tolerances() };
     let mut scene = weightless(vec![cube()]);
-    scene.blocks[0].body.motion = rockproof::model::Motion::Deformable;
+    scene.blocks[0].body.motion = rockproof_model::Motion::Deformable;
     scene.simulation.materials[0].poisson = n("0");
     scene.blocks[0].body.stress = ["1e13", "0", "0", "0", "0", "0"].map(n);
     let mut dynamics: Dynamics<f64> = Dynamics::new(&scene, &set).unwrap();

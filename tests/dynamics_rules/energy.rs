@@ -19,10 +19,10 @@
 //! The bound: E' − E ≤ J + L, and rounding.
 
 use crate::support::{begin, cube, cuboid, floor, n, scene, v};
-use rockproof::model::{Motion, Scene};
-use rockproof::stepper::Vector;
-use rockproof::stepper::dynamics::displacement::{Twelve, displacement, generalized};
-use rockproof::stepper::dynamics::{ContactState, Dynamics, StepReport};
+use rockproof_model::{Motion, Scene};
+use rockproof_stepper::Vector;
+use rockproof_stepper::dynamics::displacement::{Twelve, displacement, generalized};
+use rockproof_stepper::dynamics::{ContactState, Dynamics, StepReport};
 
 const STEPS: usize = 1000;
 /// Stiffness of normal and shear springs (N/m).

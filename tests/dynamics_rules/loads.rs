@@ -3,9 +3,9 @@
 //! Without contacts a step is d = vΔt + FΔt²/2m and v' = v + FΔt/m with the force F at its end.
 
 use crate::support::{begin, cube, load, n, near, run, scene, tolerances, v, weightless};
-use rockproof::model::simulation::{FixedPoint, MeasuredPoint};
-use rockproof::model::{Motion, Scene};
-use rockproof::stepper::dynamics::Dynamics;
+use rockproof_model::simulation::{FixedPoint, MeasuredPoint};
+use rockproof_model::{Motion, Scene};
+use rockproof_stepper::dynamics::Dynamics;
 
 /// m = 2000 kg, Δt = 1/100 s.
 const MASS: f64 = 2000.0;

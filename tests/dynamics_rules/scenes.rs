@@ -1,9 +1,9 @@
 //! The paper's examples (cases/handmade): what their comments say must come.
 
 use crate::support::{beginning, handmade, n, near};
-use rockproof::model::{ContactKind, Number, Precision, Scene};
-use rockproof::stepper::Vector;
-use rockproof::stepper::dynamics::{Mode, Solve, StepReport};
+use rockproof_model::{ContactKind, Number, Precision, Scene};
+use rockproof_stepper::Vector;
+use rockproof_stepper::dynamics::{Mode, Solve, StepReport};
 
 fn total(report: &StepReport) -> f64 {
     report.kinetic + report.potential()
@@ -157,7 +157,7 @@ fn the_slope_holds_the_blocks_of_its_file() {
     // The file repeats blocks: 6 of 16 are distinct, and those are among the 16 of the scene. Corners to 1e-12 m.
     let corners = |scene: &Scene| -> Vec<Vec<[i64; 3]>> {
         let rounded = |x: &Number| (x.approximate() * 1e12).round() as i64;
-        let block = |block: &rockproof::model::Block| {
+        let block = |block: &rockproof_model::Block| {
             let mut corners: Vec<[i64; 3]> = block.vertices().iter().map(|v| v.components().map(rounded)).collect();
             corners.sort_unstable();
             corners

@@ -1,10 +1,10 @@
 //! The sparse solution against the dense one.
 
 use crate::support::{cuboid, floor, near, run, scene};
-use rockproof::model::Motion;
-use rockproof::stepper::dynamics::order::{Graph, elimination_order};
-use rockproof::stepper::dynamics::pattern::Pattern;
-use rockproof::stepper::dynamics::solve::{DENSE, Singular, Solve, dense};
+use rockproof_model::Motion;
+use rockproof_stepper::dynamics::order::{Graph, elimination_order};
+use rockproof_stepper::dynamics::pattern::Pattern;
+use rockproof_stepper::dynamics::solve::{DENSE, Singular, Solve, dense};
 
 /// A generator of whole numbers that needs no library: Knuth's multiplier.
 struct Numbers(u64);

@@ -1,8 +1,8 @@
 //! Cohesion and tensile strength on the area in which two faces overlap.
 
 use crate::support::{cube, cuboid, floor, load, n, near, run, scene, v};
-use rockproof::model::{Motion, Scene};
-use rockproof::stepper::dynamics::Mode;
+use rockproof_model::{Motion, Scene};
+use rockproof_stepper::dynamics::Mode;
 
 /// A block of 2000 kg on a smooth floor, glued by `cohesion`, pushed at the height of the floor from the first step on.
 fn glued(cohesion: &str, push: &str) -> Scene {

@@ -1,9 +1,9 @@
 //! Small scenes.
 
-use rockproof::model::scene::SceneBlock;
-use rockproof::model::simulation::PointLoad;
-use rockproof::model::{Block, Criteria, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
-use rockproof::stepper::dynamics::{Dynamics, Solve, StepReport};
+use rockproof_model::scene::SceneBlock;
+use rockproof_model::simulation::PointLoad;
+use rockproof_model::{Block, Criteria, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
+use rockproof_stepper::dynamics::{Dynamics, Solve, StepReport};
 use std::path::Path;
 
 pub(crate) fn n(text: &str) -> Number {

@@ -1,11 +1,11 @@
-//! The margins of `rockproof::campaign::directed`, evaluated in plain fractions straight from SPEC section 4.
+//! The margins of `rockproof_campaign::directed`, evaluated in plain fractions straight from SPEC section 4.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use rockproof::campaign::pairs::{Form, PairCase};
-use rockproof::model::decision::{Feature, Predicate, Side};
-use rockproof::model::{Block, Criteria, Sign, ToleranceSet};
+use rockproof_campaign::pairs::{Form, PairCase};
+use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::{Block, Criteria, Sign, ToleranceSet};
 
 pub(crate) type Q = BigRational;
 pub(crate) type V = [Q; 3];

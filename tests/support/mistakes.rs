@@ -4,9 +4,9 @@
 //! once for each mistake.
 
 use Mistake::*;
-use rockproof::model::{Block, Contact, EntranceKind, Sign, ToleranceSet};
-use rockproof::stepper::contact::{Rules, Spec, Tolerances};
-use rockproof::stepper::{Classifier, EngineError, Real, Stepper, Vector};
+use rockproof_model::{Block, Contact, EntranceKind, Sign, ToleranceSet};
+use rockproof_stepper::contact::{Rules, Spec, Tolerances};
+use rockproof_stepper::{Classifier, EngineError, Real, Stepper, Vector};
 use std::cell::Cell;
 
 macro_rules! mistakes {

@@ -1,9 +1,9 @@
 //! Deliberate mistakes in the stepper's open–close iteration and step control, one at a time.
 
 use Mistake::*;
-use rockproof::stepper::Real;
-use rockproof::stepper::contact::Rules;
-use rockproof::stepper::dynamics::{Mode, Slip, StepRules};
+use rockproof_stepper::Real;
+use rockproof_stepper::contact::Rules;
+use rockproof_stepper::dynamics::{Mode, Slip, StepRules};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 macro_rules! mistakes {

@@ -3,7 +3,7 @@
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use rockproof::model::{
+use rockproof_model::{
     Block, BlockOptions, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, Sign, ToleranceSet, Vec3,
 };
 use serde_json::Value;
