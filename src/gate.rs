@@ -123,9 +123,9 @@ impl Gate {
     }
 
     fn tell(&self, checks: &[Check]) -> Outcome {
-        let rows = checks.iter().filter(|c| c.group != "corpus" || c.verdict != gate::Verdict::Pass);
+        let rows = checks.iter().filter(|c| c.group != "corpus" || c.verdict != rockproof_gate::Verdict::Pass);
         let rows = rows.map(|c| vec![c.verdict.name().to_owned(), c.name.clone(), c.told.clone()]);
-        let failed = checks.iter().filter(|c| c.verdict == gate::Verdict::Fail).count();
+        let failed = checks.iter().filter(|c| c.verdict == rockproof_gate::Verdict::Fail).count();
         let verdict = if failed == 0 { "passed" } else { "failed" };
         let head = table(&["verdict", "check", "found"], &[], rows);
         print(&format!("{head}\n\ngate {verdict}: {failed} of {} checks failed\n", checks.len()))?;
@@ -181,7 +181,7 @@ impl Gating<'_> {
         campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {})?;
         let tally = Tally::read(&dir)?;
         let file = self.gate.file.display().to_string();
-        let mut checks = gate::limits(&self.config, (&file, &self.text), name, &tally);
+        let mut checks = rockproof_gate::limits(&self.config, (&file, &self.text), name, &tally);
         if let Some(baseline) = self.config.baseline.as_ref() {
             if let Some(known) = known {
                 checks.extend(known.check(name, &tally, baseline));

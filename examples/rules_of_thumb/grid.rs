@@ -8,7 +8,6 @@ use rockproof_campaign::pairs::{self, PairConfig};
 use rockproof_campaign::sets::SetSource;
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::Precision;
-use rockproof_oracle;
 use rockproof_oracle::penetration::penetration;
 
 /// Pairs for every set.
@@ -131,8 +130,8 @@ impl Row {
 /// One pair under one set.
 fn look(case: &pairs::PairCase, depth: Option<f64>, source: &SetSource, panel: &Panel, none: Row) -> Row {
     let Some(set) = source.derive(&case.a, &case.b) else { return none };
-    let solids = [oracle::Solid::new(&case.a), oracle::Solid::new(&case.b)];
-    let contacts = oracle::Pair::new(&solids[0], &solids[1]).classify(&set.f64).contacts.len() as u64;
+    let solids = [rockproof_oracle::Solid::new(&case.a), rockproof_oracle::Solid::new(&case.b)];
+    let contacts = rockproof_oracle::Pair::new(&solids[0], &solids[1]).classify(&set.f64).contacts.len() as u64;
     let allowed = set.f64.penetration.approximate();
     let subject = Subject {
         index: case.index,

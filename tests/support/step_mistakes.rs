@@ -4,6 +4,7 @@ use Mistake::*;
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::Rules;
 use rockproof_stepper::dynamics::{Mode, Slip, StepRules};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 macro_rules! mistakes {
@@ -41,6 +42,9 @@ mistakes! {
     NoRotationLimit "the rotation limit is forgotten",
     RateOnce "the rate after a step is (2/Δt)·d",
 }
+
+/// Held by a test as long as it plants mistakes: one test at a time does.
+pub(crate) static PLANTING: Mutex<()> = Mutex::new(());
 
 /// The mistake that is planted. The stepper classifies in threads, so no thread can hold it.
 static PLANTED: AtomicUsize = AtomicUsize::new(0);

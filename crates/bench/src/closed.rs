@@ -35,7 +35,7 @@ struct Ends {
 pub const SCENES: [Closed; 6] = [
     Closed {
         name: "free_fall",
-        text: include_str!("../../cases/handmade/free_fall.toml"),
+        text: include_str!("../../../cases/handmade/free_fall.toml"),
         duration: 0.25,
         of: ErrorOf::Displacement,
         // z = −g t²/2 with g = 10 m/s².
@@ -43,7 +43,7 @@ pub const SCENES: [Closed; 6] = [
     },
     Closed {
         name: "incline_1_4_settled",
-        text: include_str!("../../cases/handmade/incline_1_4_settled.toml"),
+        text: include_str!("../../../cases/handmade/incline_1_4_settled.toml"),
         duration: 0.25,
         of: ErrorOf::Displacement,
         // a = g (sin α − cos α tan φ) = 4 m/s² along −x.
@@ -51,7 +51,7 @@ pub const SCENES: [Closed; 6] = [
     },
     Closed {
         name: "rest_on_floor",
-        text: include_str!("../../cases/handmade/rest_on_floor.toml"),
+        text: include_str!("../../../cases/handmade/rest_on_floor.toml"),
         duration: 0.1,
         of: ErrorOf::Overlap,
         // W/(4 p_n).
@@ -59,7 +59,7 @@ pub const SCENES: [Closed; 6] = [
     },
     Closed {
         name: "stack_of_10",
-        text: include_str!("../../cases/handmade/stack_of_10.toml"),
+        text: include_str!("../../../cases/handmade/stack_of_10.toml"),
         duration: 0.1,
         of: ErrorOf::Overlap,
         // Ten weights on four contacts of 10⁹ N/m.
@@ -67,14 +67,14 @@ pub const SCENES: [Closed; 6] = [
     },
     Closed {
         name: "rotation_cayley",
-        text: include_str!("../../cases/handmade/rotation_cayley.toml"),
+        text: include_str!("../../../cases/handmade/rotation_cayley.toml"),
         duration: 0.5,
         of: ErrorOf::Displacement,
         error: Ends::turned,
     },
     Closed {
         name: "rotation_linear",
-        text: include_str!("../../cases/handmade/rotation_linear.toml"),
+        text: include_str!("../../../cases/handmade/rotation_linear.toml"),
         duration: 0.5,
         of: ErrorOf::Volume,
         error: |ends| (ends.swelling[0] - 1.0).abs(),

@@ -88,11 +88,11 @@ fn from_blocks<R: Real>(pair: &Ready) -> Option<InStepper<R>> {
     Some(([solid(&pair.a)?, solid(&pair.b)?], Tolerances::new(set).ok()?))
 }
 
-fn solids(pair: &Ready) -> [oracle::Solid; 2] {
-    [oracle::Solid::new(&pair.a), oracle::Solid::new(&pair.b)]
+fn solids(pair: &Ready) -> [rockproof_oracle::Solid; 2] {
+    [rockproof_oracle::Solid::new(&pair.a), rockproof_oracle::Solid::new(&pair.b)]
 }
 
-fn certified([a, b]: &[oracle::Solid; 2], pair: &Ready) -> usize {
+fn certified([a, b]: &[rockproof_oracle::Solid; 2], pair: &Ready) -> usize {
     black_box(Pair::new(a, b).classify(&pair.tolerances)).contacts.len()
 }
 

@@ -4,7 +4,7 @@ use super::closed::{SCENES, SETS, TIME_STEPS};
 use rockproof_campaign::families::{self, Family};
 use rockproof_campaign::pairs::{self, PairConfig};
 use rockproof_campaign::source::{SourceError, set_source};
-use rockproof_campaign::{builtin, engine};
+use rockproof_differential::{builtin, engine};
 use rockproof_model::{Block, Contact, Precision, SceneError, SpecError, ToleranceSet};
 use rockproof_oracle::{self, Pair, plain};
 use crate::plot::{Axis, Chart, Legend, Marks, PlotError, Series};
@@ -251,7 +251,7 @@ fn family(name: &'static str, preset: &'static str, effort: Effort) -> Result<Ve
 
 fn certified((a, b): (&Block, &Block), set: &ToleranceSet) -> (Vec<Contact>, f64) {
     let begun = Instant::now();
-    let solids = [oracle::Solid::new(a), oracle::Solid::new(b)];
+    let solids = [rockproof_oracle::Solid::new(a), rockproof_oracle::Solid::new(b)];
     let contacts = Pair::new(&solids[0], &solids[1]).classify(set).contacts;
     (contacts, begun.elapsed().as_secs_f64())
 }

@@ -75,7 +75,7 @@ pub struct Ready {
     /// The blocks in the stepper in f64, and the tolerances rounded.
     pub f64: ([Solid<f64>; 2], Tolerances<f64>),
     /// The blocks in the oracle.
-    pub exact: [oracle::Solid; 2],
+    pub exact: [rockproof_oracle::Solid; 2],
 }
 
 impl Ready {
@@ -83,7 +83,7 @@ impl Ready {
     fn new(case: PairCase) -> Option<Ready> {
         let NamedSet { f32: tolerances_f32, f64: tolerances, .. } =
             case.sets.get(case.index as usize % case.sets.len())?.clone();
-        let exact = [oracle::Solid::new(&case.a), oracle::Solid::new(&case.b)];
+        let exact = [rockproof_oracle::Solid::new(&case.a), rockproof_oracle::Solid::new(&case.b)];
         if !Pair::new(&exact[0], &exact[1]).are_neighbours(&tolerances) {
             return None;
         }

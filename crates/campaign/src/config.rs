@@ -123,6 +123,7 @@ mod tests {
 
     #[test]
     fn says_what_differs() {
+        use rockproof_results::identity_differences;
         let one = CampaignConfig::default();
         let other = CampaignConfig { seed: 2, ..one.clone() };
         let differences = identity_differences(&one.identity().expect("a map"), &other.identity().expect("a map"));

@@ -119,15 +119,15 @@ pub fn aim(kit: &mut Kit<'_>, (a, b): (&Block, &Block), set: &ToleranceSet, pred
 }
 
 /// What every aim needs to know of the pair.
-pub(in rockproof_campaign) struct Pair<'p> {
-    pub(in rockproof_campaign) shadow: Shadow<'p>,
-    pub(in rockproof_campaign) set: &'p ToleranceSet,
+pub(crate) struct Pair<'p> {
+    pub(crate) shadow: Shadow<'p>,
+    pub(crate) set: &'p ToleranceSet,
     /// The coarsest precision that holds the pair: offsets are kept to its spacing where they can be.
     precision: Precision,
 }
 
 impl<'p> Pair<'p> {
-    pub(in rockproof_campaign) fn new(a: &'p Block, b: &'p Block, set: &'p ToleranceSet) -> Pair<'p> {
+    pub(crate) fn new(a: &'p Block, b: &'p Block, set: &'p ToleranceSet) -> Pair<'p> {
         let held = a.is_exact_in(Precision::F32) && b.is_exact_in(Precision::F32);
         let precision = if held { Precision::F32 } else { Precision::F64 };
         Pair { shadow: Shadow::of(a, b), set, precision }
@@ -138,7 +138,7 @@ impl<'p> Pair<'p> {
     }
 
     /// The lattice of these vertices with B moved by `start`.
-    pub(in rockproof_campaign) fn exact(&self, vertices: &[(Side, u32)], start: V) -> Exact<'p> {
+    pub(crate) fn exact(&self, vertices: &[(Side, u32)], start: V) -> Exact<'p> {
         Exact::new(self.blocks(), vertices, start, self.set)
     }
 
@@ -146,12 +146,12 @@ impl<'p> Pair<'p> {
         self.set.search.approximate()
     }
 
-    pub(in rockproof_campaign) fn penetration(&self) -> f64 {
+    pub(crate) fn penetration(&self) -> f64 {
         self.set.penetration.approximate()
     }
 
     /// An upper bound of the territory radii.
-    pub(in rockproof_campaign) fn territory(&self) -> f64 {
+    pub(crate) fn territory(&self) -> f64 {
         match self.set.criteria {
             Criteria::Classic => self.search(),
             Criteria::Revised => self.set.territory.approximate(),
@@ -169,30 +169,30 @@ impl<'p> Pair<'p> {
     }
 
     /// The offset of B, on the grid, that brings a vertex to `target` (where the other block's features are now).
-    pub(in rockproof_campaign) fn bring(&self, (side, vertex): (Side, u32), target: V) -> V {
+    pub(crate) fn bring(&self, (side, vertex): (Side, u32), target: V) -> V {
         let way = minus(target, self.shadow.vertex(side, vertex));
         self.on_grid(if side == Side::B { way } else { times(way, -1.0) })
     }
 
-    pub(in rockproof_campaign) fn corners(&self, side: Side, face: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
+    pub(crate) fn corners(&self, side: Side, face: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
         self.shadow.block(side).topology().faces()[face as usize].iter().map(move |&v| (side, v))
     }
 
     /// The vertices of the two faces at an edge, its ends among them.
-    pub(in rockproof_campaign) fn beside(&self, side: Side, edge: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
+    pub(crate) fn beside(&self, side: Side, edge: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
         let e = self.shadow.block(side).topology().edges()[edge as usize];
         self.corners(side, e.left).chain(self.corners(side, e.right))
     }
 
     /// How far the end of an edge at a vertex dips below the direction of a face's plane (m), in f64.
-    pub(in rockproof_campaign) fn dip(&self, (side, vertex): (Side, u32), face: u32, edge: u32) -> f64 {
+    pub(crate) fn dip(&self, (side, vertex): (Side, u32), face: u32, edge: u32) -> f64 {
         let end = self.shadow.block(side).topology().edges()[edge as usize].other(vertex);
         let arm = minus(self.shadow.vertex(side, end), self.shadow.vertex(side, vertex));
         -dot(arm, self.shadow.normal(side.other(), face))
     }
 
     /// Whether the cone at a vertex passes a face plane, as far as f64 can tell; `but` one edge.
-    pub(in rockproof_campaign) fn cone_passes(&self, (side, vertex): (Side, u32), face: u32, but: Option<u32>) -> bool {
+    pub(crate) fn cone_passes(&self, (side, vertex): (Side, u32), face: u32, but: Option<u32>) -> bool {
         let edges = self.shadow.block(side).topology().vertex_edges(vertex).iter();
         let (sine, depth) = (self.set.overlap_sine.approximate(), self.penetration());
         edges.filter(|e| Some(**e) != but).all(|&e| {
@@ -235,7 +235,7 @@ fn about(predicate: Predicate, features: &[Feature]) -> Decision {
 }
 
 /// One of the two sides.
-pub(in rockproof_campaign) fn side(kit: &mut Kit<'_>) -> Side {
+pub(crate) fn side(kit: &mut Kit<'_>) -> Side {
     if kit.chance(50) { Side::A } else { Side::B }
 }
 

@@ -5,7 +5,7 @@
 //! cut off on resuming and made again, byte for byte, because it depends on seed and index alone.
 
 use rockproof_differential::agreement::Agreement;
-use super::config::identity_differences;
+use rockproof_results::identity_differences;
 use rockproof_differential::engine::Levels;
 use rockproof_differential::finding::FINDING_COLUMNS;
 use super::steps::{STEP_FINDING_COLUMNS, StepSummary};

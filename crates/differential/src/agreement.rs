@@ -237,7 +237,7 @@ impl Agreement {
     }
 
     /// Makes all that was added so far one batch.
-    pub(super) fn close_batch(&mut self) {
+    pub fn close_batch(&mut self) {
         for counts in self.counts.values_mut() {
             counts.agreeing_squared = counts.agreeing * counts.agreeing;
             counts.agreeing_times_pairs = counts.agreeing * counts.pairs;

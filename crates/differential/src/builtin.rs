@@ -8,7 +8,7 @@ use super::engine::{
 use super::finding::{Finding, Who};
 use rockproof_model::decision::Decision;
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
-use rockproof_oracle;
+
 use rockproof_stepper::contact::{Rules, Solid, Spec, Tolerances, classify, classify_traced};
 use rockproof_stepper::{Collapsed, Real, wide};
 use std::marker::PhantomData;
@@ -83,35 +83,35 @@ impl<R: Real, M: Rules> Prepared for StepperPair<R, M> {
 pub struct Exact;
 
 struct Solids {
-    a: oracle::Solid,
-    b: oracle::Solid,
+    a: rockproof_oracle::Solid,
+    b: rockproof_oracle::Solid,
 }
 
 impl Oracle for Exact {
     fn prepare<'o>(&'o self, a: &Block, b: &Block) -> Box<dyn ExactSolids + 'o> {
-        Box::new(Solids { a: oracle::Solid::new(a), b: oracle::Solid::new(b) })
+        Box::new(Solids { a: rockproof_oracle::Solid::new(a), b: rockproof_oracle::Solid::new(b) })
     }
 }
 
 impl ExactSolids for Solids {
     fn pair(&self) -> Box<dyn ExactPair + '_> {
-        Box::new(oracle::Pair::new(&self.a, &self.b))
+        Box::new(rockproof_oracle::Pair::new(&self.a, &self.b))
     }
 }
 
-impl ExactPair for oracle::Pair<'_> {
+impl ExactPair for rockproof_oracle::Pair<'_> {
     fn classify(&self, tolerances: &ToleranceSet) -> ExactAnswer {
-        let answer = oracle::Pair::classify(self, tolerances);
+        let answer = rockproof_oracle::Pair::classify(self, tolerances);
         ExactAnswer { contacts: answer.contacts, levels: Levels(answer.levels.by_name().map(|(_, count)| count)) }
     }
 
     fn trace(&self, tolerances: &ToleranceSet) -> Trace {
-        oracle::Pair::trace(self, tolerances).into_iter().map(|entry| (entry.decision, entry.outcome)).collect()
+        rockproof_oracle::Pair::trace(self, tolerances).into_iter().map(|entry| (entry.decision, entry.outcome)).collect()
     }
 
     fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<f64>> {
-        let signed = |margin: oracle::Margin| f64::from(margin.sign.as_i8()) * margin.relative;
-        oracle::Pair::margins(self, tolerances, decisions).into_iter().map(|margin| margin.map(signed)).collect()
+        let signed = |margin: rockproof_oracle::Margin| f64::from(margin.sign.as_i8()) * margin.relative;
+        rockproof_oracle::Pair::margins(self, tolerances, decisions).into_iter().map(|margin| margin.map(signed)).collect()
     }
 }
 
@@ -149,7 +149,7 @@ pub fn narrow_panel(names: &[String], who: &Who, change: Change) -> Panel {
 
 /// The same of engines at hand. What tolerances or rounding the input do shows with any engine of the precision, so
 /// a built-in one stands for them all: it answers at once.
-pub(super) fn narrowed(mut engines: Vec<Box<dyn Engine>>, who: &Who, change: Change) -> Panel {
+pub fn narrowed(mut engines: Vec<Box<dyn Engine>>, who: &Who, change: Change) -> Panel {
     engines.retain(|engine| match who {
         Who::Any => true,
         Who::Rounded(precision) => engine.precision() == *precision,

@@ -9,7 +9,7 @@ use rockproof_model::simulation::{
 use rockproof_model::{Block, Body, Motion, Number, Precision, Rule, Scene, SceneBlock, Simulation, Vec3, rules};
 use std::path::Path;
 
-const PAGE: &str = include_str!("../../docs/scene.md");
+const PAGE: &str = include_str!("../../../docs/scene.md");
 const BOX: &str = "[[block]]\nname = \"base\"\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n";
 
 fn parse(text: &str) -> Result<Scene, String> {

@@ -45,7 +45,7 @@ macro_rules! scenes {
     ($($name:literal),* $(,)?) => {
         /// The scenes of `cases/handmade` that cases run: name and text.
         pub const SCENES: &[(&str, &str)] =
-            &[$(($name, include_str!(concat!("../../cases/handmade/", $name, ".toml")))),*];
+            &[$(($name, include_str!(concat!("../../../cases/handmade/", $name, ".toml")))),*];
     };
 }
 

@@ -238,7 +238,7 @@ pub(super) fn level(exact: &Exact<'_>, gap: &(Affine, BigInt, BigInt), predicate
 }
 
 /// An offset of B that makes the edges cross inside, about a gap apart; none if they do.
-pub(in rockproof_campaign) fn across(kit: &mut Kit<'_>, pair: &Pair<'_>, ea: u32, eb: u32) -> Option<V> {
+pub(crate) fn across(kit: &mut Kit<'_>, pair: &Pair<'_>, ea: u32, eb: u32) -> Option<V> {
     let (s, t, apart) = pair.shadow.feet(ea, eb)?;
     let inside = |x: f64| (0.05..0.95).contains(&x);
     if inside(s) && inside(t) && apart <= pair.search() {

@@ -11,36 +11,36 @@ use rockproof_model::topology::Edge;
 use rockproof_model::{Block, Number, ToleranceSet, Vec3};
 
 /// An integer vector.
-pub(in rockproof_campaign) type Z = Vec3<BigInt>;
+pub(crate) type Z = Vec3<BigInt>;
 
 /// A pair of blocks on the lattice of a few of its features, B moved by a first offset.
 #[derive(Debug)]
-pub(in rockproof_campaign) struct Exact<'p> {
+pub(crate) struct Exact<'p> {
     a: &'p Block,
     b: &'p Block,
     lattice: Lattice,
     start: [Number; 3],
     shift: Z,
-    pub(in rockproof_campaign) search: BigInt,
-    pub(in rockproof_campaign) territory: BigInt,
-    pub(in rockproof_campaign) penetration: BigInt,
+    pub(crate) search: BigInt,
+    pub(crate) territory: BigInt,
+    pub(crate) penetration: BigInt,
 }
 
 /// A margin: `constant + gradient · (offset of B beyond its start)`, in lattice units to some power.
 #[derive(Clone, Debug)]
-pub(in rockproof_campaign) struct Affine {
-    pub(in rockproof_campaign) constant: BigInt,
-    pub(in rockproof_campaign) gradient: Z,
+pub(crate) struct Affine {
+    pub(crate) constant: BigInt,
+    pub(crate) gradient: Z,
     /// Whether no square root was rounded.
-    pub(in rockproof_campaign) exact: bool,
+    pub(crate) exact: bool,
 }
 
 impl Affine {
-    pub(in rockproof_campaign) fn plus(&self, constant: &BigInt) -> Affine {
+    pub(crate) fn plus(&self, constant: &BigInt) -> Affine {
         Affine { constant: &self.constant + constant, ..self.clone() }
     }
 
-    pub(in rockproof_campaign) fn minus(&self, other: &Affine) -> Affine {
+    pub(crate) fn minus(&self, other: &Affine) -> Affine {
         Affine {
             constant: &self.constant - &other.constant,
             gradient: self.gradient.minus(&other.gradient),
@@ -48,27 +48,27 @@ impl Affine {
         }
     }
 
-    pub(in rockproof_campaign) fn negated(&self) -> Affine {
+    pub(crate) fn negated(&self) -> Affine {
         self.times(&BigInt::from(-1))
     }
 
-    pub(in rockproof_campaign) fn times(&self, factor: &BigInt) -> Affine {
+    pub(crate) fn times(&self, factor: &BigInt) -> Affine {
         Affine { constant: &self.constant * factor, gradient: self.gradient.scaled(factor), exact: self.exact }
     }
 }
 
 /// A square root on the integers: `root / 2^shift`, rounded down.
 #[derive(Clone, Debug)]
-pub(in rockproof_campaign) struct Root {
-    pub(in rockproof_campaign) root: BigInt,
-    pub(in rockproof_campaign) shift: usize,
+pub(crate) struct Root {
+    pub(crate) root: BigInt,
+    pub(crate) shift: usize,
 }
 
 impl Root {
     /// Bits behind the point where the root is irrational.
     const BITS: usize = 96;
 
-    pub(in rockproof_campaign) fn of(square: &BigInt) -> Root {
+    pub(crate) fn of(square: &BigInt) -> Root {
         let root = square.sqrt();
         if &root * &root == *square {
             Root { root, shift: 0 }
@@ -77,13 +77,13 @@ impl Root {
         }
     }
 
-    pub(in rockproof_campaign) fn is_exact(&self) -> bool {
+    pub(crate) fn is_exact(&self) -> bool {
         self.shift == 0
     }
 }
 
 /// The fraction in lowest terms, without a greatest common divisor of long numbers where twos or 128 bits suffice.
-pub(in rockproof_campaign) fn fraction(numerator: BigInt, denominator: BigInt) -> BigRational {
+pub(crate) fn fraction(numerator: BigInt, denominator: BigInt) -> BigRational {
     let (numerator, denominator) =
         if denominator.is_negative() { (-numerator, -denominator) } else { (numerator, denominator) };
     let Some(twos) = numerator.trailing_zeros() else { return BigRational::zero() };
@@ -102,13 +102,13 @@ pub(in rockproof_campaign) fn fraction(numerator: BigInt, denominator: BigInt) -
 }
 
 /// Whether a positive number is a power of two.
-pub(in rockproof_campaign) fn is_power_of_two(number: &BigInt) -> bool {
+pub(crate) fn is_power_of_two(number: &BigInt) -> bool {
     number.trailing_zeros().map(|twos| twos + 1) == Some(number.bits())
 }
 
 impl<'p> Exact<'p> {
     /// The lattice of the vertices named, of the lengths of `set`, and of the offset at which B starts.
-    pub(in rockproof_campaign) fn new(
+    pub(crate) fn new(
         (a, b): (&'p Block, &'p Block),
         vertices: &[(Side, u32)],
         start: V,
@@ -134,7 +134,7 @@ impl<'p> Exact<'p> {
         }
     }
 
-    pub(in rockproof_campaign) fn block(&self, side: Side) -> &'p Block {
+    pub(crate) fn block(&self, side: Side) -> &'p Block {
         match side {
             Side::A => self.a,
             Side::B => self.b,
@@ -142,23 +142,23 @@ impl<'p> Exact<'p> {
     }
 
     /// A vertex, B's moved by the start.
-    pub(in rockproof_campaign) fn vertex(&self, side: Side, vertex: u32) -> Z {
+    pub(crate) fn vertex(&self, side: Side, vertex: u32) -> Z {
         let units = self.block(side).vertices()[vertex as usize].map(|c| self.lattice.units(c));
         if side == Side::B { units.plus(&self.shift) } else { units }
     }
 
-    pub(in rockproof_campaign) fn edge(&self, side: Side, edge: u32) -> Edge {
+    pub(crate) fn edge(&self, side: Side, edge: u32) -> Edge {
         self.block(side).topology().edges()[edge as usize]
     }
 
     /// `q − p`.
-    pub(in rockproof_campaign) fn direction(&self, side: Side, edge: u32) -> Z {
+    pub(crate) fn direction(&self, side: Side, edge: u32) -> Z {
         let e = self.edge(side, edge);
         self.vertex(side, e.q).minus(&self.vertex(side, e.p))
     }
 
     /// `N_f`.
-    pub(in rockproof_campaign) fn normal(&self, side: Side, face: u32) -> Z {
+    pub(crate) fn normal(&self, side: Side, face: u32) -> Z {
         let corners = &self.block(side).topology().faces()[face as usize];
         let origin = self.vertex(side, corners[0]);
         let arms: Vec<Z> = corners[1..].iter().map(|&v| self.vertex(side, v).minus(&origin)).collect();
@@ -166,14 +166,14 @@ impl<'p> Exact<'p> {
     }
 
     /// `m_L` or `m_R`: the inward direction of `face` at the edge.
-    pub(in rockproof_campaign) fn inward(&self, side: Side, edge: u32, face: u32) -> Z {
+    pub(crate) fn inward(&self, side: Side, edge: u32, face: u32) -> Z {
         let d = self.direction(side, edge);
         let d = if self.edge(side, edge).left == face { d } else { d.negated() };
         self.normal(side, face).cross(&d)
     }
 
     /// `n = σ·(d₁ × d₂)` of an edge of A and one of B.
-    pub(in rockproof_campaign) fn perpendicular(&self, ea: u32, eb: u32) -> Z {
+    pub(crate) fn perpendicular(&self, ea: u32, eb: u32) -> Z {
         let n = self.direction(Side::A, ea).cross(&self.direction(Side::B, eb));
         let inward = |side: Side, edge: u32| {
             let e = self.edge(side, edge);
@@ -183,7 +183,7 @@ impl<'p> Exact<'p> {
     }
 
     /// `(x − y)·w` for vertices of the two blocks, as a function of where B is.
-    pub(in rockproof_campaign) fn along(&self, (x_side, x): (Side, u32), y: u32, w: &Z) -> Affine {
+    pub(crate) fn along(&self, (x_side, x): (Side, u32), y: u32, w: &Z) -> Affine {
         let from = self.vertex(x_side.other(), y);
         let constant = self.vertex(x_side, x).minus(&from).dot(w);
         Affine { constant, gradient: if x_side == Side::B { w.clone() } else { w.negated() }, exact: true }
@@ -191,7 +191,7 @@ impl<'p> Exact<'p> {
 
     /// `k·N·(x − c)` for a vertex and a face of the other block with `k` corners, and `|N|²`. Its quotient by `k·|N|` is
     /// the gap.
-    pub(in rockproof_campaign) fn gap(&self, side: Side, vertex: u32, face: u32) -> (Affine, BigInt, BigInt) {
+    pub(crate) fn gap(&self, side: Side, vertex: u32, face: u32) -> (Affine, BigInt, BigInt) {
         let other = side.other();
         let corners = &self.block(other).topology().faces()[face as usize];
         let k = BigInt::from(corners.len());
@@ -205,7 +205,7 @@ impl<'p> Exact<'p> {
     }
 
     /// The gap times `2^shift·|N|` (all times `k`), plus `length·|N|·2^shift`: zero where the gap is −`length`.
-    pub(in rockproof_campaign) fn gap_above(
+    pub(crate) fn gap_above(
         &self,
         (gap, square, k): &(Affine, BigInt, BigInt),
         length: &BigInt,
@@ -217,26 +217,26 @@ impl<'p> Exact<'p> {
     }
 
     /// The offset (m) of B from where the block is, when it is `metres` beyond its start along `axis`.
-    pub(in rockproof_campaign) fn offset(&self, axis: usize, metres: BigRational) -> [BigRational; 3] {
+    pub(crate) fn offset(&self, axis: usize, metres: BigRational) -> [BigRational; 3] {
         let mut offset = self.start.each_ref().map(Number::to_rational);
         offset[axis] += metres;
         offset
     }
 
     /// `numerator / denominator` lattice units in metres.
-    pub(in rockproof_campaign) fn metres(&self, numerator: &BigInt, denominator: &BigInt) -> BigRational {
+    pub(crate) fn metres(&self, numerator: &BigInt, denominator: &BigInt) -> BigRational {
         let (per_metre, over) = self.lattice.units_per_metre();
         fraction(numerator * over, denominator * per_metre)
     }
 
     /// Square units of `numerator / denominator` to m².
-    pub(in rockproof_campaign) fn square_metres(&self, numerator: &BigInt, denominator: &BigInt) -> BigRational {
+    pub(crate) fn square_metres(&self, numerator: &BigInt, denominator: &BigInt) -> BigRational {
         let (per_metre, over) = self.lattice.units_per_metre();
         fraction(numerator * &over * &over, denominator * &per_metre * &per_metre)
     }
 
     /// The offset of B from where the block is, when it is `vector / over` lattice units from its start.
-    pub(in rockproof_campaign) fn offset_by(&self, vector: &Z, over: &BigInt) -> [BigRational; 3] {
+    pub(crate) fn offset_by(&self, vector: &Z, over: &BigInt) -> [BigRational; 3] {
         let [x, y, z] = vector.components().map(|c| self.metres(c, over));
         let [sx, sy, sz] = self.start.each_ref().map(Number::to_rational);
         [x + sx, y + sy, z + sz]

@@ -43,7 +43,7 @@ pub(super) fn vertex_face(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predica
 
 /// An offset of B that brings a vertex over the inside of a face, or over the middle part of its side `k`, at a gap
 /// between −g and s; none if it is so.
-pub(in rockproof_campaign) fn over_face(
+pub(crate) fn over_face(
     kit: &mut Kit<'_>,
     pair: &Pair<'_>,
     (asked, vertex): (Side, u32),
@@ -140,7 +140,7 @@ pub(super) fn shortest_exit(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
 
 /// A vertex, and a convex edge of the other block (a `blunt` one, of more than 90 degrees) whose two faces its cone
 /// passes.
-pub(in rockproof_campaign) fn ridge_under_vertex(
+pub(crate) fn ridge_under_vertex(
     kit: &mut Kit<'_>,
     pair: &Pair<'_>,
     blunt: bool,
@@ -156,7 +156,7 @@ pub(in rockproof_campaign) fn ridge_under_vertex(
 
 /// An offset of B that puts a vertex under both faces at an edge, at these depths; `None` where the faces are nearly
 /// parallel.
-pub(in rockproof_campaign) fn under_faces(
+pub(crate) fn under_faces(
     kit: &mut Kit<'_>,
     pair: &Pair<'_>,
     (asked, vertex, edge): (Side, u32, u32),
@@ -218,17 +218,17 @@ fn equal_gaps(
 }
 
 /// A vertex and a convex corner of the other block that it is brought to.
-pub(in rockproof_campaign) struct Corner {
-    pub(in rockproof_campaign) side: Side,
-    pub(in rockproof_campaign) vertex: u32,
+pub(crate) struct Corner {
+    pub(crate) side: Side,
+    pub(crate) vertex: u32,
     owner: u32,
     /// The faces of the corner that the vertex's cone passes.
-    pub(in rockproof_campaign) faces: Vec<u32>,
+    pub(crate) faces: Vec<u32>,
 }
 
 impl Corner {
     /// A corner with at least `least` faces to enter by.
-    pub(in rockproof_campaign) fn choose(kit: &mut Kit<'_>, pair: &Pair<'_>, least: usize) -> Option<Corner> {
+    pub(crate) fn choose(kit: &mut Kit<'_>, pair: &Pair<'_>, least: usize) -> Option<Corner> {
         (0..DRAWS).find_map(|_| {
             let (va, vb) = pair.shadow.vertex_vertex(kit)?;
             let side = side(kit);
@@ -240,7 +240,7 @@ impl Corner {
     }
 
     /// A's and B's feature.
-    pub(in rockproof_campaign) fn contact(&self) -> [Feature; 2] {
+    pub(crate) fn contact(&self) -> [Feature; 2] {
         match self.side {
             Side::A => [Feature::Vertex(Side::A, self.vertex), Feature::Vertex(Side::B, self.owner)],
             Side::B => [Feature::Vertex(Side::A, self.owner), Feature::Vertex(Side::B, self.vertex)],
@@ -248,7 +248,7 @@ impl Corner {
     }
 
     /// A's and B's feature of the candidate that one of the corner's faces is.
-    pub(in rockproof_campaign) fn candidate(&self, face: u32) -> [Feature; 2] {
+    pub(crate) fn candidate(&self, face: u32) -> [Feature; 2] {
         match self.side {
             Side::A => [Feature::Vertex(Side::A, self.vertex), Feature::Face(Side::B, face)],
             Side::B => [Feature::Face(Side::A, face), Feature::Vertex(Side::B, self.vertex)],
@@ -256,7 +256,7 @@ impl Corner {
     }
 
     /// An offset of B that puts the vertex somewhere in the corner's territory, no deeper than g.
-    pub(in rockproof_campaign) fn visit(&self, kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<V> {
+    pub(crate) fn visit(&self, kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<V> {
         let r = self.territory(pair);
         (0..DRAWS).find_map(|_| {
             let x = pair.jitter(kit, r.min(pair.penetration()));

@@ -7,34 +7,34 @@ use rockproof_model::{Block, Precision, number::power_of_two};
 use std::rc::Rc;
 
 /// A vector in f64.
-pub(in rockproof_campaign) type V = [f64; 3];
+pub(crate) type V = [f64; 3];
 
-pub(in rockproof_campaign) fn minus(a: V, b: V) -> V {
+pub(crate) fn minus(a: V, b: V) -> V {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-pub(in rockproof_campaign) fn plus(a: V, b: V) -> V {
+pub(crate) fn plus(a: V, b: V) -> V {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-pub(in rockproof_campaign) fn times(a: V, factor: f64) -> V {
+pub(crate) fn times(a: V, factor: f64) -> V {
     a.map(|c| c * factor)
 }
 
-pub(in rockproof_campaign) fn dot(a: V, b: V) -> f64 {
+pub(crate) fn dot(a: V, b: V) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(in rockproof_campaign) fn cross(a: V, b: V) -> V {
+pub(crate) fn cross(a: V, b: V) -> V {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub(in rockproof_campaign) fn length(a: V) -> f64 {
+pub(crate) fn length(a: V) -> f64 {
     dot(a, a).sqrt()
 }
 
 /// `a / |a|`; zero stays zero.
-pub(in rockproof_campaign) fn unit(a: V) -> V {
+pub(crate) fn unit(a: V) -> V {
     let l = length(a);
     if l > 0.0 { times(a, 1.0 / l) } else { a }
 }
@@ -63,9 +63,9 @@ impl Half {
 
 /// Both blocks in f64.
 #[derive(Debug)]
-pub(in rockproof_campaign) struct Shadow<'p> {
-    pub(in rockproof_campaign) a: &'p Block,
-    pub(in rockproof_campaign) b: &'p Block,
+pub(crate) struct Shadow<'p> {
+    pub(crate) a: &'p Block,
+    pub(crate) b: &'p Block,
     halves: Rc<[Half; 2]>,
     magnitude: f64,
     /// How far B has been moved.
@@ -76,14 +76,14 @@ pub(in rockproof_campaign) struct Shadow<'p> {
 const DRAWS: usize = 16;
 
 impl<'p> Shadow<'p> {
-    pub(in rockproof_campaign) fn of(a: &'p Block, b: &'p Block) -> Shadow<'p> {
+    pub(crate) fn of(a: &'p Block, b: &'p Block) -> Shadow<'p> {
         let halves = [Half::of(a), Half::of(b)];
         let magnitude = halves.iter().flat_map(|h| h.points.iter().flatten()).fold(0.0f64, |m, c| m.max(c.abs()));
         Shadow { a, b, halves: Rc::new(halves), magnitude, shift: [0.0; 3] }
     }
 
     /// The pair with B moved.
-    pub(in rockproof_campaign) fn moved(&self, shift: V) -> Shadow<'p> {
+    pub(crate) fn moved(&self, shift: V) -> Shadow<'p> {
         Shadow { halves: Rc::clone(&self.halves), shift, ..*self }
     }
 
@@ -95,28 +95,28 @@ impl<'p> Shadow<'p> {
         &self.halves[side as usize]
     }
 
-    pub(in rockproof_campaign) fn block(&self, side: Side) -> &'p Block {
+    pub(crate) fn block(&self, side: Side) -> &'p Block {
         match side {
             Side::A => self.a,
             Side::B => self.b,
         }
     }
 
-    pub(in rockproof_campaign) fn vertex(&self, side: Side, vertex: u32) -> V {
+    pub(crate) fn vertex(&self, side: Side, vertex: u32) -> V {
         self.placed(side, self.half(side).points[vertex as usize])
     }
 
     /// Unit outward normal.
-    pub(in rockproof_campaign) fn normal(&self, side: Side, face: u32) -> V {
+    pub(crate) fn normal(&self, side: Side, face: u32) -> V {
         self.half(side).normals[face as usize]
     }
 
-    pub(in rockproof_campaign) fn centre(&self, side: Side, face: u32) -> V {
+    pub(crate) fn centre(&self, side: Side, face: u32) -> V {
         self.placed(side, self.half(side).centres[face as usize])
     }
 
     /// Start and direction of an edge.
-    pub(in rockproof_campaign) fn edge(&self, side: Side, edge: u32) -> (V, V) {
+    pub(crate) fn edge(&self, side: Side, edge: u32) -> (V, V) {
         let e = self.block(side).topology().edges()[edge as usize];
         let p = self.vertex(side, e.p);
         (p, minus(self.vertex(side, e.q), p))
@@ -124,18 +124,18 @@ impl<'p> Shadow<'p> {
 
     /// The spacing of the precision's numbers at the pair's largest coordinate. Offsets that are multiples of it keep
     /// the coordinates as short as they were.
-    pub(in rockproof_campaign) fn quantum(&self, precision: Precision) -> f64 {
+    pub(crate) fn quantum(&self, precision: Precision) -> f64 {
         quantum(self.magnitude, precision)
     }
 
     /// `vector` rounded to multiples of the quantum.
-    pub(in rockproof_campaign) fn on_grid(&self, vector: V, precision: Precision) -> V {
+    pub(crate) fn on_grid(&self, vector: V, precision: Precision) -> V {
         let q = self.quantum(precision);
         vector.map(|c| (c / q).round() * q)
     }
 
     /// The gap of a vertex and a face of the other block, and how far its foot is outside the face (0 inside).
-    pub(in rockproof_campaign) fn above_face(&self, side: Side, vertex: u32, face: u32) -> (f64, f64) {
+    pub(crate) fn above_face(&self, side: Side, vertex: u32, face: u32) -> (f64, f64) {
         let other = side.other();
         let (x, n) = (self.vertex(side, vertex), self.normal(other, face));
         let gap = dot(n, minus(x, self.centre(other, face)));
@@ -145,7 +145,7 @@ impl<'p> Shadow<'p> {
     }
 
     /// How far inside side `k` of a face of `other` a point is.
-    pub(in rockproof_campaign) fn inside_side(&self, point: V, other: Side, face: u32, k: usize) -> f64 {
+    pub(crate) fn inside_side(&self, point: V, other: Side, face: u32, k: usize) -> f64 {
         let corners = &self.block(other).topology().faces()[face as usize];
         let p = self.vertex(other, corners[k]);
         let q = self.vertex(other, corners[(k + 1) % corners.len()]);
@@ -153,7 +153,7 @@ impl<'p> Shadow<'p> {
     }
 
     /// A near vertex of `side` and face of the other block.
-    pub(in rockproof_campaign) fn vertex_face(&self, kit: &mut Kit<'_>, side: Side) -> (u32, u32) {
+    pub(crate) fn vertex_face(&self, kit: &mut Kit<'_>, side: Side) -> (u32, u32) {
         let vertices = self.block(side).vertices().len() as u64;
         let faces = self.block(side.other()).topology().faces().len() as u64;
         self.nearest(
@@ -168,13 +168,13 @@ impl<'p> Shadow<'p> {
     }
 
     /// Near convex vertices of A and B.
-    pub(in rockproof_campaign) fn vertex_vertex(&self, kit: &mut Kit<'_>) -> Option<(u32, u32)> {
+    pub(crate) fn vertex_vertex(&self, kit: &mut Kit<'_>) -> Option<(u32, u32)> {
         let draw = |kit: &mut Kit<'_>| Some((convex_vertex(kit, self.a)?, convex_vertex(kit, self.b)?));
         self.nearest(kit, draw, |&(a, b)| length(minus(self.vertex(Side::A, a), self.vertex(Side::B, b))))
     }
 
     /// Where along an edge the foot of a vertex of the other block is (0 to 1 inside), and how far away the vertex is.
-    pub(in rockproof_campaign) fn foot(&self, side: Side, vertex: u32, edge: u32) -> (f64, f64) {
+    pub(crate) fn foot(&self, side: Side, vertex: u32, edge: u32) -> (f64, f64) {
         let (p, d) = self.edge(side.other(), edge);
         let x = minus(self.vertex(side, vertex), p);
         let along = dot(x, d) / dot(d, d);
@@ -182,7 +182,7 @@ impl<'p> Shadow<'p> {
     }
 
     /// A near convex vertex of `side` and convex edge of the other block.
-    pub(in rockproof_campaign) fn vertex_edge(&self, kit: &mut Kit<'_>, side: Side) -> Option<(u32, u32)> {
+    pub(crate) fn vertex_edge(&self, kit: &mut Kit<'_>, side: Side) -> Option<(u32, u32)> {
         let other = self.block(side.other());
         let draw = |kit: &mut Kit<'_>| Some((convex_vertex(kit, self.block(side))?, convex_edge(kit, other)?));
         self.nearest(kit, draw, |&(v, e)| {
@@ -194,7 +194,7 @@ impl<'p> Shadow<'p> {
 
     /// Where the feet of the common perpendicular are along the edges (0 to 1 inside), and how far apart they are.
     /// `None` for parallel edges.
-    pub(in rockproof_campaign) fn feet(&self, a: u32, b: u32) -> Option<(f64, f64, f64)> {
+    pub(crate) fn feet(&self, a: u32, b: u32) -> Option<(f64, f64, f64)> {
         let ((p, d), (q, e)) = (self.edge(Side::A, a), self.edge(Side::B, b));
         let n = cross(d, e);
         let nn = dot(n, n);
@@ -206,7 +206,7 @@ impl<'p> Shadow<'p> {
     }
 
     /// Near convex edges that are not parallel.
-    pub(in rockproof_campaign) fn edge_edge(&self, kit: &mut Kit<'_>) -> Option<(u32, u32)> {
+    pub(crate) fn edge_edge(&self, kit: &mut Kit<'_>) -> Option<(u32, u32)> {
         let draw = |kit: &mut Kit<'_>| {
             let pair = (convex_edge(kit, self.a)?, convex_edge(kit, self.b)?);
             self.feet(pair.0, pair.1).map(|_| pair)
@@ -239,7 +239,7 @@ impl<'p> Shadow<'p> {
 }
 
 /// The spacing of the precision's numbers at `magnitude`.
-pub(in rockproof_campaign) fn quantum(magnitude: f64, precision: Precision) -> f64 {
+pub(crate) fn quantum(magnitude: f64, precision: Precision) -> f64 {
     let (significand, exponent) = split_f64(magnitude);
     let top = exponent + 63 - (significand.unsigned_abs().max(1)).leading_zeros() as i32;
     power_of_two((top + 1 - precision.digits() as i32).clamp(-1000, 1000))

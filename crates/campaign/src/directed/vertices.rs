@@ -140,7 +140,7 @@ fn best_direction(kit: &mut Kit<'_>, current: V) -> (Z, BigInt) {
 }
 
 /// How many places are tried before the features are given up.
-pub(in rockproof_campaign) const DRAWS: usize = 12;
+pub(crate) const DRAWS: usize = 12;
 
 /// The other ends of the edges at a vertex.
 pub(super) fn around<'p>(pair: &'p Pair<'_>, side: Side, vertex: u32) -> impl Iterator<Item = (Side, u32)> + 'p {

@@ -1,6 +1,6 @@
 //! What makes the steps of a campaign: the stepper beside the oracle, in f32 or f64.
 
-use super::motion::PairMotion;
+use rockproof_differential::motion::PairMotion;
 use rockproof_differential::collapse::collapsed_feature;
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_differential::lockstep::{Compared, Links, Lockstep};

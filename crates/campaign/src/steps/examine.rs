@@ -2,7 +2,7 @@
 
 use super::engine::{Made, StepEngine};
 use super::finding::{StepChange, StepFinding};
-use super::motion::PairMotion;
+use rockproof_differential::motion::PairMotion;
 use super::summary::{Place, StepSummary, half_side};
 use rockproof_differential::finding::{Cause, Who};
 use rockproof_differential::subject::{Subject, SubjectSet};

@@ -4,9 +4,9 @@
 use crate::directed::shadow::{V, times};
 use crate::families::{Kit, Style};
 use crate::sets::{binary_below, number, size};
-use rockproof_model::scene::SceneBlock;
-use rockproof_model::simulation::{Kinematics, Simulation, Unconverged, derive_stiffness};
-use rockproof_model::{Block, Body, Motion, Number, Scene, ToleranceSet, Vec3};
+use rockproof_differential::motion::PairMotion;
+use rockproof_model::simulation::{Kinematics, Simulation, Unconverged};
+use rockproof_model::{Block, Body, Motion, Number, Vec3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 

@@ -194,7 +194,6 @@ fn largest_side(block: &Block) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockproof_oracle;
     use rand_chacha::rand_core::SeedableRng;
 
     /// Every cell must have pairs that touch: else it would test nothing.
@@ -206,8 +205,8 @@ mod tests {
                 .filter(|_| {
                     let (a, b) = pair(&mut rng, cell);
                     let set = preset::derive(Preset::Auto, &[&a, &b], Precision::F64).expect("auto");
-                    let (a, b) = (oracle::Solid::new(&a), oracle::Solid::new(&b));
-                    !oracle::Pair::new(&a, &b).classify(&set).contacts.is_empty()
+                    let (a, b) = (rockproof_oracle::Solid::new(&a), rockproof_oracle::Solid::new(&b));
+                    !rockproof_oracle::Pair::new(&a, &b).classify(&set).contacts.is_empty()
                 })
                 .count();
             assert!(touching >= 6, "{} {}: {touching} of 24", cell.family(), cell.form.name());

@@ -51,7 +51,7 @@ pub(super) fn section(runs: &[StressRun]) -> Section {
 }
 
 /// `1e-6` as a reader likes it: 10⁻⁶.
-pub(in rockproof_report) fn power(level: &str) -> String {
+pub(crate) fn power(level: &str) -> String {
     let raised = |digit| match digit {
         '-' => '⁻',
         '1' => '¹',
@@ -71,7 +71,7 @@ pub(in rockproof_report) fn power(level: &str) -> String {
 }
 
 /// Up to a level, in words.
-pub(in rockproof_report) fn up_to(axis: Axis, level: &str) -> String {
+pub(crate) fn up_to(axis: Axis, level: &str) -> String {
     let level = power(level);
     match axis {
         Axis::Offset if level == "0" => "at the origin".to_owned(),
@@ -107,7 +107,7 @@ fn levels_are(axis: Axis) -> &'static str {
 }
 
 /// With or without ties.
-pub(in rockproof_report) fn ties(form: Form) -> &'static str {
+pub(crate) fn ties(form: Form) -> &'static str {
     match form {
         Form::Aligned => "with ties",
         Form::Generic => "without ties",
@@ -115,7 +115,7 @@ pub(in rockproof_report) fn ties(form: Form) -> &'static str {
 }
 
 /// Along which axes an engine is safe, and how far, in words; and where it is not even at the mildest level.
-pub(in rockproof_report) fn reach<'r>(limits: impl Iterator<Item = &'r StressLimit>) -> [Vec<String>; 2] {
+pub(crate) fn reach<'r>(limits: impl Iterator<Item = &'r StressLimit>) -> [Vec<String>; 2] {
     let (mut safe, mut never) = (Vec::new(), Vec::new());
     for limit in limits {
         match (&limit.safe_to, &limit.beyond) {

@@ -1,14 +1,10 @@
 //! The gate passes on the clean tree and fails on each kind of regression, planted by an external engine that misbehaves;
 //! its outputs are read by parsers; every error exits 2 with the place and what is allowed.
 
-#[path = "support/engines.rs"]
-mod engines;
-#[path = "support/gate.rs"]
-mod gates;
 
 use assert_cmd::Command;
-use engines::client;
-use gates::{around, gate};
+use crate::engines::client;
+use crate::gates::{around, gate};
 use std::fs;
 use std::path::Path;
 

@@ -1,16 +1,12 @@
 //! Deliberate mistakes in the stepper's open–close iteration and step control, one at a time: each is found by comparing
 //! its steps with the oracle's on a few scenes, and without a mistake no step differs.
 
-#[path = "support/beside.rs"]
-mod beside;
-#[path = "support/step_mistakes.rs"]
-mod step_mistakes;
 
-use beside::first_difference;
+use crate::beside::first_difference;
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::simulation::{PointLoad, Unconverged};
 use rockproof_model::{Block, Criteria, Motion, Number, Scene, ToleranceSet, Vec3};
-use step_mistakes::{ALL, Mistake, Mistaken, plant};
+use crate::step_mistakes::{ALL, Mistake, Mistaken, PLANTING, plant};
 
 fn n(text: &str) -> Number {
     Number::parse(text).unwrap()
@@ -176,6 +172,7 @@ fn cases() -> Vec<Case> {
 
 #[test]
 fn every_mistake_is_found_and_none_where_there_is_none() {
+    let _alone = PLANTING.lock();
     let cases = cases();
     let mut lost = Vec::new();
     for &(mistake, what) in ALL {

@@ -1,7 +1,6 @@
 //! Pins what the pair generators promise: canonical blocks, the same pairs for the same seed, and that aims hit. The
 //! margins are evaluated here a second time, in plain fractions straight from SPEC section 4.
 
-#[path = "families/margin.rs"]
 mod margin;
 
 use margin::{margin, points};

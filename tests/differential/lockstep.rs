@@ -93,7 +93,7 @@ fn stepper_and_oracle_make_the_same_first_steps() {
 }
 
 #[test]
-#[ignore = "minutes; cargo test --release --test lockstep -- --ignored --nocapture"]
+#[ignore = "minutes; cargo test --release --test differential lockstep:: -- --ignored --nocapture"]
 fn stepper_and_oracle_make_the_same_200_steps() {
     for (name, scene) in scenes() {
         let ties = agree(&name, &scene, 200);

@@ -1,6 +1,6 @@
 //! The table of docs/validation.md: lockstep over the first 200 steps of every scene of cases/handmade, in f64 and f32.
 //!
-//!     RENEW=1 cargo test --release --test lockstep_table -- --ignored --nocapture
+//!     RENEW=1 cargo test --release --test differential lockstep_table -- --ignored --nocapture
 
 use rockproof_differential::lockstep::table::CAUSES;
 use rockproof_differential::lockstep::{Compared, Links, Lockstep};

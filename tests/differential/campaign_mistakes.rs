@@ -4,13 +4,9 @@
 //! In release all mistakes are looked for, on a fraction of the default campaign's pairs; a debug build takes the first
 //! batches and asks for the mistakes that must show there.
 
-#[path = "support/mistaken_engine.rs"]
-mod mistaken_engine;
-#[path = "support/mistakes.rs"]
-mod mistakes;
 
-use mistaken_engine::OneEngine;
-use mistakes::Mistaken;
+use crate::mistaken_engine::OneEngine;
+use crate::mistakes::Mistaken;
 use rayon::prelude::*;
 use rockproof_differential::attribution::{Panel, examine};
 use rockproof_differential::builtin::{self, Exact};
@@ -37,7 +33,7 @@ struct Sought {
 }
 
 fn sought() -> Vec<Sought> {
-    mistakes::all().into_iter().map(|(name, engine)| Sought { name, engine, found: None }).collect()
+    crate::mistakes::all().into_iter().map(|(name, engine)| Sought { name, engine, found: None }).collect()
 }
 
 fn default_source() -> FamilySource {

@@ -1,7 +1,7 @@
 //! Pins that each metamorphic check catches an engine that is right on the pair itself and wrong on the changed one, and
 //! that an engine which is always right violates none.
 
-use crate::toys::{cube, subject};
+use super::toys::{cube, subject};
 use rockproof_differential::attribution::{Panel, examine};
 use rockproof_differential::builtin::Exact;
 use rockproof_differential::compare::Change;
@@ -46,7 +46,7 @@ impl Engine for Upset {
 impl Prepared for UpsetPair {
     fn classify(&self, tolerances: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure> {
         if self.invents {
-            return Ok(vec![crate::toys::contact(ContactKind::VertexVertex, 0, 0)]);
+            return Ok(vec![super::toys::contact(ContactKind::VertexVertex, 0, 0)]);
         }
         let contacts = Exact.prepare(&self.a, &self.b).pair().classify(tolerances).contacts;
         Ok(if self.upset { Vec::new() } else { contacts })

@@ -1,7 +1,5 @@
 //! The pictures of the documentation are what the code draws: `cargo run --release --example pictures` renews them.
 
-#[path = "../examples/pictures/drawings/mod.rs"]
-mod drawings;
 
 use std::path::Path;
 

@@ -1,19 +1,10 @@
 //! The gate lets nothing pass that was planted: mistakes in the stepper, every fault an external engine can have, a known sort of
 //! finding that became more frequent, with a fixed seed and with others; and it passes without them.
-#![cfg(unix)]
 
-#[path = "support/engines.rs"]
-mod engines;
-#[path = "support/gate.rs"]
-mod gates;
-#[path = "support/mistaken_engine.rs"]
-mod mistaken_engine;
-#[path = "support/mistakes.rs"]
-mod mistakes;
 
-use engines::{client, cpp_client};
-use gates::{around, gate};
-use mistaken_engine::OneEngine;
+use crate::engines::{client, cpp_client};
+use crate::gates::{around, gate};
+use crate::mistaken_engine::OneEngine;
 use rockproof_differential::attribution::Panel;
 use rockproof_differential::builtin;
 use rockproof_campaign::config::CampaignConfig;
@@ -67,13 +58,13 @@ fn mistakes_in_the_stepper_fail_and_the_stepper_passes() {
     let clean = tally(dir.path(), &config.campaign, None);
     let known = Known::of(&clean, baseline);
     let failed = |tally: &Tally| {
-        let limits = gate::limits(&config, ("gate.toml", GATE), "fixed", tally);
+        let limits = rockproof_gate::limits(&config, ("gate.toml", GATE), "fixed", tally);
         let checks = [limits, known.check("fixed", tally, baseline)];
         checks.map(|checks| checks.iter().filter(|check| check.verdict == Verdict::Fail).count())
     };
     assert_eq!(failed(&clean), [0, 0]);
     for name in MISTAKES {
-        let (_, mistake) = mistakes::all().into_iter().find(|(other, _)| *other == name).expect("its name");
+        let (_, mistake) = crate::mistakes::all().into_iter().find(|(other, _)| *other == name).expect("its name");
         // Under the stepper's name: the baseline shall not fail for that.
         let tally = tally(dir.path(), &config.campaign, Some(OneEngine("stepper-f64", mistake)));
         let [limits, unknown] = failed(&tally);

@@ -1,6 +1,6 @@
 //! Pins which cause and change each difference gets, link by link of SPEC section 6's chain, with scripted answers.
 
-use crate::toys::{Said, Script, contact, cube, decision, scripted, subject};
+use super::toys::{Said, Script, contact, cube, decision, scripted, subject};
 use rockproof_differential::attribution::{Examined, examine};
 use rockproof_differential::compare::Change;
 use rockproof_differential::engine::{EngineFailure, WideAnswer};

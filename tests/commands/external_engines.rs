@@ -1,11 +1,9 @@
 //! External engines over the line protocol: the right client agrees with the built-in stepper; every kind of misbehaviour is a
 //! finding and never the end of the run; threads and resuming change nothing; nonsense never panics.
 
-#[path = "support/engines.rs"]
-mod engines;
 
 use assert_cmd::Command;
-use engines::{client, cpp_client, example, skipped, there};
+use crate::engines::{client, cpp_client, example, skipped, there};
 use proptest::prelude::*;
 use rockproof_differential::engine::EngineFailure;
 use rockproof_differential::external::protocol;

@@ -1,8 +1,6 @@
 //! Steps in campaigns: motions reach what steps can do, results are the same bytes however a run goes, what is classified does
 //! not depend on them, cases can be replayed, and deliberate mistakes in the iteration are found.
 
-#[path = "support/step_mistakes.rs"]
-mod step_mistakes;
 
 use rockproof_differential::builtin;
 use rockproof_campaign::config::CampaignConfig;
@@ -11,7 +9,8 @@ use rockproof_campaign::journal::{Journal, Start};
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::source::{self, FamilySource};
 use rockproof_campaign::steps::summary::Counts;
-use rockproof_campaign::steps::{self, Examined, PairMotion, StepEngine, StepperSteps, examine, examine_all};
+use rockproof_differential::motion::PairMotion;
+use rockproof_campaign::steps::{self, Examined, StepEngine, StepperSteps, examine, examine_all};
 use rockproof_differential::subject::{Source, Subject};
 use rockproof_differential::lockstep::case_file::{Expected, StepCase};
 use rockproof_differential::lockstep::{Links, Lockstep};
@@ -21,9 +20,8 @@ use rockproof_stepper::dynamics::{Dynamics, RetryReason, State, StepRules};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use step_mistakes::{ALL, Mistake, Mistaken, plant};
+use crate::step_mistakes::{ALL, Mistake, Mistaken, plant};
 
 fn source_of(config: &CampaignConfig) -> FamilySource {
     source::of(config).expect("the configuration names what exists")
@@ -184,12 +182,9 @@ fn states<M: StepRules>(subject: &Subject, motion: &PairMotion, set: usize) -> V
     (0..motion.steps).map(|_| dynamics.step().ok().map(|_| dynamics.state().clone())).collect()
 }
 
-/// One test at a time plants mistakes.
-static PLANTING: Mutex<()> = Mutex::new(());
-
 /// Looks for every mistake in the moving pairs of a campaign: what was found first of each, and the mistakes not found.
 fn found(config: &CampaignConfig, batches: u64) -> (Vec<(u64, &'static str, String)>, Vec<&'static str>) {
-    let _alone = PLANTING.lock();
+    let _alone = crate::step_mistakes::PLANTING.lock();
     let source = source_of(config);
     let engines: Vec<Box<dyn StepEngine>> = vec![Box::new(StepperSteps::<f64, Mistaken>::f64("stepper-f64"))];
     let mut sought: Vec<(Mistake, &'static str)> =
@@ -238,7 +233,7 @@ fn mistakes_in_the_iteration_are_found() {
 }
 
 #[test]
-#[ignore = "a minute; cargo test --release --test campaign_steps -- --ignored --nocapture"]
+#[ignore = "a minute; cargo test --release --test differential campaign_steps -- --ignored --nocapture"]
 fn mistakes_in_the_iteration_are_found_by_the_default_campaign() {
     let config = CampaignConfig::default();
     let outcome = found(&config, config.pairs / 16);

@@ -3,10 +3,8 @@
 //!
 //! A line `$ command` may end in `# exits 1`. Lines below it are its output; `…` stands for any lines left out, and a
 //! command without lines below it only has to succeed. A shell runs it, in a folder with `cases/`, `examples/` and `rockproof`. Blocks
-//! ```` ```console,slow ```` are run in release by `cargo test --release --test readme -- --ignored`. What is not run at all stands in
+//! ```` ```console,slow ```` are run in release by `cargo test --release --test documentation readme:: -- --ignored`. What is not run at all stands in
 //! `NOT_RUN`, with the reason. With ROCKPROOF_RENEW=1 the outputs are written anew instead.
-
-#![cfg(unix)]
 
 use std::fs;
 use std::path::Path;
@@ -204,7 +202,7 @@ fn documents_show_what_happens() {
 }
 
 #[test]
-#[ignore = "minutes, and only in release: cargo test --release --test readme -- --ignored"]
+#[ignore = "minutes, and only in release: cargo test --release --test documentation readme:: -- --ignored"]
 fn documents_show_what_happens_slowly() {
     check_all(true);
 }
