@@ -4,15 +4,15 @@ use crate::exit::{Outcome, Verdict, note, print};
 use crate::table::{grouped, table};
 use anyhow::Context;
 use clap::ValueEnum;
-use rockproof_model::files::write_atomically;
-use rockproof_model::{BlockError, Motion, Precision, Scene};
-use rockproof_bench::plot::PlotError;
 use rockproof_bench::error::{self, Effort};
 use rockproof_bench::exact_stepping::scenes;
+use rockproof_bench::plot::PlotError;
 use rockproof_bench::{
     Contestant, Cost, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, exact_stepping, race, rock,
     stack, stepping, throughput, wall,
 };
+use rockproof_model::files::write_atomically;
+use rockproof_model::{BlockError, Motion, Precision, Scene};
 use std::fmt::Write;
 use std::path::PathBuf;
 

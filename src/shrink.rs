@@ -3,8 +3,8 @@
 use crate::exit::{Outcome, Verdict, print};
 use crate::input::EngineArgs;
 use anyhow::Context;
-use rockproof_differential::case_file::{About, Case};
 use rockproof_campaign::shrink::Shrinker;
+use rockproof_differential::case_file::{About, Case};
 use rockproof_model::Block;
 use rockproof_model::files::write_atomically;
 use std::path::PathBuf;

@@ -411,7 +411,9 @@ fn write_lockstep(out: &mut String, counts: &BTreeMap<String, u64>) -> std::fmt:
     let count = |name: &str| counts.get(name).copied().unwrap_or(0);
     let by_cause: Vec<String> = table::CAUSES
         .iter()
-        .map(|&cause| format!("{} {cause}", grouped(rockproof_differential::lockstep::beside::differences(counts, cause))))
+        .map(|&cause| {
+            format!("{} {cause}", grouped(rockproof_differential::lockstep::beside::differences(counts, cause)))
+        })
         .collect();
     writeln!(out, "lockstep         {} of {} steps differ", grouped(count("steps_differing")), grouped(*steps))?;
     writeln!(out, "differences      {}", by_cause.join(", "))?;

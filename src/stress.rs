@@ -29,7 +29,8 @@ pub(crate) fn finish(journal: &Journal, engines: &Engines) -> anyhow::Result<()>
 fn limits_table(limits: &[Limit]) -> String {
     let rows = limits.iter().map(|limit| {
         let (pairs, differ, high) = limit.up_to_safe;
-        let level = |level: Option<rockproof_campaign::stress::Level>| level.map_or("nowhere".to_owned(), |l| l.to_string());
+        let level =
+            |level: Option<rockproof_campaign::stress::Level>| level.map_or("nowhere".to_owned(), |l| l.to_string());
         let beyond =
             limit.beyond.map_or("not tried".to_owned(), |(at, share)| format!("{:.1} % at {at}", 100.0 * share));
         let below = if pairs == 0 { String::new() } else { format!("{:.2} %", 100.0 * high) };

@@ -1,11 +1,11 @@
 //! One tolerance at a time around `auto`, under both criteria, on the same pairs.
 
 use rayon::prelude::*;
+use rockproof_campaign::pairs::{self, PairConfig};
+use rockproof_campaign::sets::SetSource;
 use rockproof_differential::attribution::{Panel, examine};
 use rockproof_differential::builtin;
 use rockproof_differential::finding::{Cause, Who};
-use rockproof_campaign::pairs::{self, PairConfig};
-use rockproof_campaign::sets::SetSource;
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::Precision;
 use rockproof_oracle::penetration::penetration;

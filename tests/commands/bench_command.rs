@@ -4,10 +4,10 @@
 //! are exact agree, which the command itself checks.
 
 use assert_cmd::Command;
-use rockproof_model::decision::Predicate;
-use rockproof_oracle::Pair;
 use rockproof_bench::error::{self, Engine, ErrorOf, ErrorRow};
 use rockproof_bench::{Sample, Sort};
+use rockproof_model::decision::Predicate;
+use rockproof_oracle::Pair;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;

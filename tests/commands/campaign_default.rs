@@ -5,14 +5,14 @@
 //! Without a look at the shares, a campaign of exact ties alone reported as many differences in f64 as in f32.
 
 use rayon::prelude::*;
-use rockproof_differential::attribution::examine;
-use rockproof_differential::builtin;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::directed::CHOSEN;
 use rockproof_campaign::families;
-use rockproof_differential::finding::{Cause, Who};
 use rockproof_campaign::pairs::{Form, PairCase};
 use rockproof_campaign::source::{self, FamilySource};
+use rockproof_differential::attribution::examine;
+use rockproof_differential::builtin;
+use rockproof_differential::finding::{Cause, Who};
 use rockproof_differential::subject::Source;
 use rockproof_model::decision::Predicate;
 use rockproof_model::{ContactKind, Precision, Sign};

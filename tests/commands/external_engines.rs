@@ -1,9 +1,8 @@
 //! External engines over the line protocol: the right client agrees with the built-in stepper; every kind of misbehaviour is a
 //! finding and never the end of the run; threads and resuming change nothing; nonsense never panics.
 
-
-use assert_cmd::Command;
 use crate::engines::{client, cpp_client, example, skipped, there};
+use assert_cmd::Command;
 use proptest::prelude::*;
 use rockproof_differential::engine::EngineFailure;
 use rockproof_differential::external::protocol;

@@ -1,10 +1,9 @@
 //! The gate passes on the clean tree and fails on each kind of regression, planted by an external engine that misbehaves;
 //! its outputs are read by parsers; every error exits 2 with the place and what is allowed.
 
-
-use assert_cmd::Command;
 use crate::engines::client;
 use crate::gates::{around, gate};
+use assert_cmd::Command;
 use std::fs;
 use std::path::Path;
 

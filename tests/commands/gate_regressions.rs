@@ -1,18 +1,17 @@
 //! The gate lets nothing pass that was planted: mistakes in the stepper, every fault an external engine can have, a known sort of
 //! finding that became more frequent, with a fixed seed and with others; and it passes without them.
 
-
 use crate::engines::{client, cpp_client};
 use crate::gates::{around, gate};
 use crate::mistaken_engine::OneEngine;
-use rockproof_differential::attribution::Panel;
-use rockproof_differential::builtin;
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_differential::engine::Engine;
-use rockproof_differential::finding::Finding;
 use rockproof_campaign::journal::{Journal, Start};
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::source;
+use rockproof_differential::attribution::Panel;
+use rockproof_differential::builtin;
+use rockproof_differential::engine::Engine;
+use rockproof_differential::finding::Finding;
 use rockproof_gate::config::GateConfig;
 use rockproof_gate::known::Known;
 use rockproof_gate::tally::Tally;

@@ -4,16 +4,15 @@
 //! In release all mistakes are looked for, on a fraction of the default campaign's pairs; a debug build takes the first
 //! batches and asks for the mistakes that must show there.
 
-
 use crate::mistaken_engine::OneEngine;
 use crate::mistakes::Mistaken;
 use rayon::prelude::*;
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_campaign::source::{self, FamilySource};
 use rockproof_differential::attribution::{Panel, examine};
 use rockproof_differential::builtin::{self, Exact};
-use rockproof_campaign::config::CampaignConfig;
 use rockproof_differential::engine::Engine;
 use rockproof_differential::finding::{Cause, Finding};
-use rockproof_campaign::source::{self, FamilySource};
 use rockproof_differential::subject::{Source, Subject};
 use rockproof_model::{Block, Contact, Precision};
 use rockproof_stepper::contact::Spec;

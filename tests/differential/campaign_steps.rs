@@ -1,19 +1,19 @@
 //! Steps in campaigns: motions reach what steps can do, results are the same bytes however a run goes, what is classified does
 //! not depend on them, cases can be replayed, and deliberate mistakes in the iteration are found.
 
-
-use rockproof_differential::builtin;
+use crate::step_mistakes::{ALL, Mistake, Mistaken, plant};
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_differential::finding::{Cause, Finding};
 use rockproof_campaign::journal::{Journal, Start};
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::source::{self, FamilySource};
 use rockproof_campaign::steps::summary::Counts;
-use rockproof_differential::motion::PairMotion;
 use rockproof_campaign::steps::{self, Examined, StepEngine, StepperSteps, examine, examine_all};
-use rockproof_differential::subject::{Source, Subject};
+use rockproof_differential::builtin;
+use rockproof_differential::finding::{Cause, Finding};
 use rockproof_differential::lockstep::case_file::{Expected, StepCase};
 use rockproof_differential::lockstep::{Links, Lockstep};
+use rockproof_differential::motion::PairMotion;
+use rockproof_differential::subject::{Source, Subject};
 use rockproof_model::Precision;
 use rockproof_stepper::contact::Spec;
 use rockproof_stepper::dynamics::{Dynamics, RetryReason, State, StepRules};
@@ -21,7 +21,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use crate::step_mistakes::{ALL, Mistake, Mistaken, plant};
 
 fn source_of(config: &CampaignConfig) -> FamilySource {
     source::of(config).expect("the configuration names what exists")

@@ -1,7 +1,6 @@
 //! Exact trajectories reproduce closed forms as equal fractions: free fall, a block on a 3-4-5 incline at rest and sliding with
 //! rational friction, Hooke's law.
 
-
 use crate::boxes::{cuboid, n, tolerances};
 use num_rational::BigRational;
 use rockproof_differential::lockstep::Trajectory;

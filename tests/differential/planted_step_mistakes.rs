@@ -1,12 +1,11 @@
 //! Deliberate mistakes in the stepper's open–close iteration and step control, one at a time: each is found by comparing
 //! its steps with the oracle's on a few scenes, and without a mistake no step differs.
 
-
 use crate::beside::first_difference;
+use crate::step_mistakes::{ALL, Mistake, Mistaken, PLANTING, plant};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::simulation::{PointLoad, Unconverged};
 use rockproof_model::{Block, Criteria, Motion, Number, Scene, ToleranceSet, Vec3};
-use crate::step_mistakes::{ALL, Mistake, Mistaken, PLANTING, plant};
 
 fn n(text: &str) -> Number {
     Number::parse(text).unwrap()

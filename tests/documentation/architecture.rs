@@ -30,9 +30,22 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 13] = [
     ("report", &["model", "oracle", "differential", "campaign"]),
     // The stepper against closed forms; what those say needs no oracle.
     ("validation", &["model", "simulate", "stepper"]),
-    ("rockproof", &[
-        "model", "oracle", "stepper", "results", "simulate", "differential", "campaign", "gate", "tune", "bench", "report",
-    ]),
+    (
+        "rockproof",
+        &[
+            "model",
+            "oracle",
+            "stepper",
+            "results",
+            "simulate",
+            "differential",
+            "campaign",
+            "gate",
+            "tune",
+            "bench",
+            "report",
+        ],
+    ),
 ];
 
 fn root() -> &'static Path {
@@ -70,7 +83,8 @@ fn crates_depend_downwards_and_gmp_stays_optional() {
         let name = package["name"].as_str().unwrap();
         let short = |name: &str| name.trim_start_matches("rockproof-").to_owned();
         let ours: BTreeSet<String> = dependencies(package).filter(|d| d.starts_with("rockproof")).map(short).collect();
-        let (_, allowed) = MAY_DEPEND_ON.iter().find(|(of, _)| *of == short(name)).unwrap_or_else(|| panic!("{name} is new"));
+        let (_, allowed) =
+            MAY_DEPEND_ON.iter().find(|(of, _)| *of == short(name)).unwrap_or_else(|| panic!("{name} is new"));
         let beyond: Vec<&String> = ours.iter().filter(|d| !allowed.contains(&d.as_str())).collect();
         assert!(beyond.is_empty(), "{name} depends on {beyond:?}");
         let gmp = package["dependencies"].as_array().unwrap().iter().filter(|d| is_gmp(d["name"].as_str().unwrap()));

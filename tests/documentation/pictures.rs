@@ -1,6 +1,5 @@
 //! The pictures of the documentation are what the code draws: `cargo run --release --example pictures` renews them.
 
-
 use std::path::Path;
 
 #[test]

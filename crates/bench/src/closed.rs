@@ -1,11 +1,11 @@
 //! Scenes whose end is known by a closed form, for weighing run time against error.
 
+use crate::error::{Engine, ErrorOf, ErrorRow, TradeError};
+use num_traits::ToPrimitive;
 use rockproof_model::scene::Format;
 use rockproof_model::{Block, Number, Precision, Preset, Scene, SceneError, ToleranceSet, ToleranceSpec, Vec3};
 use rockproof_oracle::step::{Keep, State, StepModel, exact_step};
-use crate::error::{Engine, ErrorOf, ErrorRow, TradeError};
 use rockproof_stepper::dynamics::{Dynamics, Solve};
-use num_traits::ToPrimitive;
 use std::path::Path;
 use std::time::{Duration, Instant};
 

@@ -1,12 +1,12 @@
 //! What is timed: each way to classify a pair, with and without the preparation of its blocks.
 
+use crate::sample::Ready;
+use num_rational::BigRational;
 use rockproof_model::Block;
 use rockproof_oracle::rational::Rational;
 use rockproof_oracle::{self, Pair, plain};
-use crate::sample::Ready;
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::{Solid, Spec, Tolerances, classify};
-use num_rational::BigRational;
 use std::hint::black_box;
 
 /// How much of the work is timed.

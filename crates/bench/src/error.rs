@@ -1,14 +1,14 @@
 //! Run time against error: what an answer costs and how wrong it is, for every engine on the same subjects.
 
 use super::closed::{SCENES, SETS, TIME_STEPS};
+use crate::plot::{Axis, Chart, Legend, Marks, PlotError, Series};
+use num_rational::BigRational;
 use rockproof_campaign::families::{self, Family};
 use rockproof_campaign::pairs::{self, PairConfig};
 use rockproof_campaign::source::{SourceError, set_source};
 use rockproof_differential::{builtin, engine};
 use rockproof_model::{Block, Contact, Precision, SceneError, SpecError, ToleranceSet};
 use rockproof_oracle::{self, Pair, plain};
-use crate::plot::{Axis, Chart, Legend, Marks, PlotError, Series};
-use num_rational::BigRational;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -1,10 +1,10 @@
 //! What a step costs exactly: certified, in f64, and with plain rational elimination, from the same states.
 
+use crate::stepping::{SteppingError, wall};
 use rockproof_differential::lockstep::state::exact_state;
 use rockproof_model::simulation::Body;
 use rockproof_model::{Block, BlockError, Motion, Number, Precision, Scene, SceneBlock, ToleranceSpec, Vec3};
 use rockproof_oracle::step as exact;
-use crate::stepping::{SteppingError, wall};
 use rockproof_stepper::dynamics::Dynamics;
 use std::time::Instant;
 

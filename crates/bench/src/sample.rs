@@ -1,11 +1,11 @@
 //! The pairs that are timed.
 
+use rockproof_campaign::generic::Generic;
 use rockproof_campaign::pairs::{self, Form, PairCase, PairConfig};
 use rockproof_campaign::sets::NamedSet;
 use rockproof_campaign::source::{self, SourceError};
 use rockproof_model::{Block, ToleranceSet};
 use rockproof_oracle::{self, LevelCounts, Pair};
-use rockproof_campaign::generic::Generic;
 use rockproof_stepper::contact::{Solid, Tolerances};
 use std::sync::Arc;
 
@@ -35,7 +35,8 @@ impl Sort {
     /// # Errors
     /// When a default set does not exist.
     pub fn config(self) -> Result<PairConfig, SourceError> {
-        let sets = rockproof_campaign::sets::NAMES.into_iter().map(source::set_source).collect::<Result<Vec<_>, _>>()?;
+        let sets =
+            rockproof_campaign::sets::NAMES.into_iter().map(source::set_source).collect::<Result<Vec<_>, _>>()?;
         let sets_per_batch = sets.len().min(3);
         let config = PairConfig { sets, sets_per_batch, ..PairConfig::default() };
         Ok(match self {

@@ -1,16 +1,16 @@
 //! How many pairs a second a whole campaign examines: generation, both engines, the oracle on exact and rounded input,
 //! comparison, metamorphic checks and the journal.
 
-use rockproof_differential::attribution::{Panel, examine};
-use rockproof_differential::builtin::{self, ENGINES};
+use crate::sample::Sort;
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_differential::finding::Finding;
 use rockproof_campaign::journal::{Journal, JournalError, Start};
 use rockproof_campaign::pairs::{self, PairCase, PairConfig};
 use rockproof_campaign::run::{Campaign, RunError};
 use rockproof_campaign::source::SourceError;
+use rockproof_differential::attribution::{Panel, examine};
+use rockproof_differential::builtin::{self, ENGINES};
+use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::{Source, Subject, SubjectSet};
-use crate::sample::Sort;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;

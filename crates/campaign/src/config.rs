@@ -1,7 +1,7 @@
 //! What a campaign is asked to do.
 
-use rockproof_differential::external::EngineSpec;
 use super::grid::Grid;
+use rockproof_differential::external::EngineSpec;
 use rockproof_model::Number;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};

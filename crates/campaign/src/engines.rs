@@ -1,10 +1,10 @@
 //! The engines of a campaign: the built-in ones and external programs, as panels.
 
+use super::config::CampaignConfig;
 use rockproof_differential::attribution::Panel;
 use rockproof_differential::builtin::{self, Exact};
 use rockproof_differential::case_file::Case;
 use rockproof_differential::compare::Change;
-use super::config::CampaignConfig;
 use rockproof_differential::engine::Engine;
 use rockproof_differential::external::{EngineSpec, External, SpecFault};
 use rockproof_differential::finding::{Finding, Who};

@@ -1,8 +1,8 @@
 //! Generic pairs: those of the families, turned and moved until no coincidence is left.
 
 use crate::families::{self, Family, Kit, Style};
-use rockproof_model::{Block, ContactKind, Number, Vec3};
 use rand_chacha::ChaCha8Rng;
+use rockproof_model::{Block, ContactKind, Number, Vec3};
 use std::sync::Arc;
 
 /// Pairs of the families of ordinary size, each block turned by a matrix with random last bits, B moved by random last
@@ -151,8 +151,8 @@ fn placed(block: &Block, points: &Units, matrix: &[[i64; 3]; 3], offset: [i64; 3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockproof_model::{BlockOptions, Precision};
     use rand_chacha::rand_core::SeedableRng;
+    use rockproof_model::{BlockOptions, Precision};
 
     #[test]
     fn blocks_are_blocks_held_by_f64_with_their_last_bits_in_use() {

@@ -4,13 +4,13 @@
 //! long `findings.csv` is and holds every count, is replaced in one step. What was appended after the last such step is
 //! cut off on resuming and made again, byte for byte, because it depends on seed and index alone.
 
-use rockproof_differential::agreement::Agreement;
-use rockproof_results::identity_differences;
-use rockproof_differential::engine::Levels;
-use rockproof_differential::finding::FINDING_COLUMNS;
 use super::steps::{STEP_FINDING_COLUMNS, StepSummary};
 use super::summary::Summary;
+use rockproof_differential::agreement::Agreement;
+use rockproof_differential::engine::Levels;
+use rockproof_differential::finding::FINDING_COLUMNS;
 use rockproof_model::files::write_atomically;
+use rockproof_results::identity_differences;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;

@@ -2,8 +2,8 @@
 
 use super::journal::at;
 use super::run::RunError;
-use rockproof_model::files::write_atomically;
 use rayon::prelude::*;
+use rockproof_model::files::write_atomically;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 

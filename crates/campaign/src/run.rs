@@ -1,18 +1,18 @@
 //! The campaign itself: chunk by chunk, in parallel inside a chunk, results merged in the order of indices.
 
-use rockproof_differential::agreement::Agreement;
-use rockproof_differential::attribution::{Examined, Panel, examine};
-use rockproof_differential::case_file::Case;
 use super::config::CampaignConfig;
-use rockproof_differential::engine::Levels;
-use rockproof_differential::finding::Finding;
 use super::journal::{Journal, JournalError, Progress};
 use super::kept::{Counts, Most, Wish, keep};
 use super::shrink::Shrinker;
 use super::steps::{self, StepEngine, StepFinding};
-use rockproof_differential::subject::{Source, Subject};
 use super::summary::{Origin, Summary};
 use rayon::prelude::*;
+use rockproof_differential::agreement::Agreement;
+use rockproof_differential::attribution::{Examined, Panel, examine};
+use rockproof_differential::case_file::Case;
+use rockproof_differential::engine::Levels;
+use rockproof_differential::finding::Finding;
+use rockproof_differential::subject::{Source, Subject};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -4,14 +4,14 @@
 //! Greedy and deterministic: each step proposes a simpler case, and it is kept if it still shows the finding. Steps are
 //! repeated until none helps or the allowed number of examinations is used up.
 
+use num_bigint::BigInt;
+use num_rational::BigRational;
 use rockproof_differential::attribution::Panel;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::Finding;
 use rockproof_differential::hull::convex_hull;
 use rockproof_model::number::split_f64;
 use rockproof_model::{Block, BlockOptions, Criteria, Number, Point};
-use num_bigint::BigInt;
-use num_rational::BigRational;
 
 /// Makes cases smaller.
 pub struct Shrinker<'p> {

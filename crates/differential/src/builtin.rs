@@ -106,12 +106,18 @@ impl ExactPair for rockproof_oracle::Pair<'_> {
     }
 
     fn trace(&self, tolerances: &ToleranceSet) -> Trace {
-        rockproof_oracle::Pair::trace(self, tolerances).into_iter().map(|entry| (entry.decision, entry.outcome)).collect()
+        rockproof_oracle::Pair::trace(self, tolerances)
+            .into_iter()
+            .map(|entry| (entry.decision, entry.outcome))
+            .collect()
     }
 
     fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<f64>> {
         let signed = |margin: rockproof_oracle::Margin| f64::from(margin.sign.as_i8()) * margin.relative;
-        rockproof_oracle::Pair::margins(self, tolerances, decisions).into_iter().map(|margin| margin.map(signed)).collect()
+        rockproof_oracle::Pair::margins(self, tolerances, decisions)
+            .into_iter()
+            .map(|margin| margin.map(signed))
+            .collect()
     }
 }
 

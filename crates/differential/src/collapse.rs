@@ -1,9 +1,9 @@
 //! Whether rounding has destroyed a feature of a block.
 
+use num_rational::BigRational;
 use rockproof_model::block::face_normal;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, Vec3};
-use num_rational::BigRational;
 
 /// The first feature of a block that has no extent left: two vertices of an edge at one place, or a face without
 /// area. Decided exactly; the ordinary block is cleared by a bound in f64.

@@ -1,9 +1,9 @@
 //! What a gate file says.
 
-use rockproof_differential::compare::Change;
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_differential::finding::Cause;
 use rockproof_campaign::steps::StepChange;
+use rockproof_differential::compare::Change;
+use rockproof_differential::finding::Cause;
 use rockproof_model::ContactKind;
 use serde::Deserialize;
 use std::path::PathBuf;

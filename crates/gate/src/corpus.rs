@@ -1,9 +1,9 @@
 //! Cases that are examined on every run of a gate.
 
 use super::{Check, Verdict};
+use rockproof_campaign::engines::Engines;
 use rockproof_differential::case_file::{Case, CaseError, contact_rows};
 use rockproof_differential::engine::guarded;
-use rockproof_campaign::engines::Engines;
 use rockproof_differential::external::protocol::completed;
 use std::io;
 use std::path::{Path, PathBuf};

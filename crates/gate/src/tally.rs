@@ -2,9 +2,9 @@
 
 use super::config::{Baseline, Limit};
 use super::known::SEPARATOR;
-use rockproof_differential::finding::FINDING_COLUMNS;
 use rockproof_campaign::pairs::BATCH;
 use rockproof_campaign::steps::STEP_FINDING_COLUMNS;
+use rockproof_differential::finding::FINDING_COLUMNS;
 use serde::Deserialize;
 use statrs::function::beta::checked_beta_reg;
 use std::collections::{BTreeMap, BTreeSet};

@@ -20,9 +20,9 @@ pub mod timing;
 pub mod verdict;
 pub mod view;
 
-use rockproof_model::files::write_atomically;
 use fault::{ReportError, at};
 use load::Results;
+use rockproof_model::files::write_atomically;
 use sections::Section;
 use std::path::{Path, PathBuf};
 use verdict::Line;

@@ -3,9 +3,9 @@
 use super::load::{CampaignRun, Results};
 use super::sections::stress::reach;
 use super::table::{grouped, percent, short};
+use rockproof_campaign::stress::Form;
 use rockproof_differential::agreement::Span;
 use rockproof_differential::finding::Cause;
-use rockproof_campaign::stress::Form;
 use serde::Serialize;
 use std::collections::BTreeSet;
 

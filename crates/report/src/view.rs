@@ -3,14 +3,14 @@
 //! Coordinates are taken from the centre of both blocks, exactly, before they become the f32 of graphics cards: blocks far from the
 //! origin would lose their shape otherwise. Everything decided here is for the eye only; the gaps told are the oracle's.
 
+use earcut::Earcut;
+use earcut::utils3d::project3d_to_2d;
 use rockproof_differential::case_file::{Case, ContactRow};
 use rockproof_differential::compare::contact_features;
 use rockproof_model::decision::{Feature, Side};
 use rockproof_model::{Block, Contact, ContactKind, Number, Point, Sign};
 use rockproof_oracle::rational::Rational;
 use rockproof_oracle::{Pair, Solid};
-use earcut::Earcut;
-use earcut::utils3d::project3d_to_2d;
 use serde_json::{Value, json};
 
 type Place = [f64; 3];

@@ -1,7 +1,7 @@
 //! A state as text, from which a run goes on to the same bits.
 
-use rockproof_model::{Contact, ContactKind, Entrance, EntranceKind, Sign};
 use crate::exact::Exact;
+use rockproof_model::{Contact, ContactKind, Entrance, EntranceKind, Sign};
 use rockproof_stepper::dynamics::{BlockState, ContactState, Mode, State};
 use rockproof_stepper::{Real, Vector};
 use serde::{Deserialize, Serialize};

@@ -4,13 +4,13 @@
 //! step: the state, how long each table is, which frames there are. What came after the last such step is cut off on
 //! resuming and made again, byte for byte, because it depends on scene and state alone.
 
-use rockproof_results::identity_differences;
-use rockproof_model::files::write_atomically;
 use crate::checkpoint::Saved;
 use crate::exact::Exact;
 use crate::identity::digest;
 use crate::totals::Totals;
 use crate::vtu;
+use rockproof_model::files::write_atomically;
+use rockproof_results::identity_differences;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;

@@ -240,9 +240,9 @@ fn digits(value: f64, up: bool) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockproof_model::rules;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
+    use rockproof_model::rules;
 
     #[test]
     fn three_digits_stay_on_their_side() {

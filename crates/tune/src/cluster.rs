@@ -1,9 +1,9 @@
 //! The part of a scene that is stepped for every candidate: a block that moves, those around it, and a ring that holds still.
 
+use rayon::prelude::*;
 use rockproof_model::simulation::Unconverged;
 use rockproof_model::{Motion, Number, Scene, ToleranceSet, Vec3};
 use rockproof_stepper::contact::{Solid, Spec, Tolerances, classify};
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// Blocks of a cluster at most.
@@ -207,9 +207,9 @@ fn contacts(scene: &Scene, pairs: &[[usize; 2]], set: &ToleranceSet) -> Vec<([us
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rockproof_bench::stepping::wall;
     use rockproof_model::preset::{Preset, derive};
     use rockproof_model::{Block, Precision};
-    use rockproof_bench::stepping::wall;
 
     fn auto(scene: &Scene) -> ToleranceSet {
         derive(Preset::Auto, &scene.shapes(), Precision::F64).expect("a set")

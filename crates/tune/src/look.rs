@@ -74,9 +74,9 @@ impl Ready {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rockproof_campaign::families::{Family, Real};
     use rockproof_differential::attribution::examine;
     use rockproof_differential::builtin;
-    use rockproof_campaign::families::{Family, Real};
     use rockproof_differential::finding::Cause;
     use rockproof_differential::subject::{Subject, SubjectSet};
     use rockproof_model::preset::{Preset, derive};

@@ -3,14 +3,14 @@
 use super::TuneError;
 use super::cluster;
 use super::look::{Ready, Seen, Sets};
-use rockproof_campaign::directed::Rung;
-use rockproof_differential::engine::Engine;
-use rockproof_campaign::families::{Family, Kit, Real, Style};
-use rockproof_campaign::pairs::{self, Form, PairConfig, SetSource};
-use rockproof_model::{Block, Precision, Scene, ToleranceSet};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rayon::prelude::*;
+use rockproof_campaign::directed::Rung;
+use rockproof_campaign::families::{Family, Kit, Real, Style};
+use rockproof_campaign::pairs::{self, Form, PairConfig, SetSource};
+use rockproof_differential::engine::Engine;
+use rockproof_model::{Block, Precision, Scene, ToleranceSet};
 use std::sync::Arc;
 
 /// Neighbouring pairs looked at as they stand, at most.

@@ -5,10 +5,10 @@ use super::measure::Measurement;
 use super::probes::Differences;
 use super::search::{Next, Search, Tried};
 use super::steps::{Locked, Overlaps, Stepped};
-use rockproof_results::identity_differences;
 use rockproof_campaign::journal::Start;
 use rockproof_model::files::write_atomically;
 use rockproof_model::rules::{Rule, Slack};
+use rockproof_results::identity_differences;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 

@@ -3,11 +3,11 @@
 use super::TuneError;
 use super::candidate::{Knobs, Model};
 use super::measure::{Measurement, Workbench};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 use rockproof_campaign::families::{Kit, Style};
 use rockproof_model::rules::Rule;
 use rockproof_model::{Preset, ToleranceSet, ToleranceSpec};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 
 /// Draws before a candidate is taken although it breaks a rule or was there before.
 const TRIES: usize = 200;

@@ -1,6 +1,7 @@
 //! What steps of the part come to under a set: the stepper by itself, and with the oracle beside it.
 
 use super::TuneError;
+use rayon::prelude::*;
 use rockproof_differential::lockstep::run::KEEP;
 use rockproof_differential::lockstep::scene::ExactScene;
 use rockproof_differential::lockstep::state::exact_state;
@@ -8,7 +9,6 @@ use rockproof_differential::lockstep::{Answer, Change, compare};
 use rockproof_model::{Block, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::penetration::penetration;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State};
-use rayon::prelude::*;
 
 /// What steps under a set came to.
 #[derive(Clone, Debug, Default, PartialEq)]

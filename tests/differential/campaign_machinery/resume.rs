@@ -3,9 +3,9 @@
 
 use super::toys::{Counting, counting};
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_differential::finding::Finding;
 use rockproof_campaign::journal::{Journal, JournalError, Start};
 use rockproof_campaign::run::{Campaign, Ending};
+use rockproof_differential::finding::Finding;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write;

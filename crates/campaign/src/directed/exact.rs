@@ -205,11 +205,7 @@ impl<'p> Exact<'p> {
     }
 
     /// The gap times `2^shift·|N|` (all times `k`), plus `length·|N|·2^shift`: zero where the gap is −`length`.
-    pub(crate) fn gap_above(
-        &self,
-        (gap, square, k): &(Affine, BigInt, BigInt),
-        length: &BigInt,
-    ) -> Affine {
+    pub(crate) fn gap_above(&self, (gap, square, k): &(Affine, BigInt, BigInt), length: &BigInt) -> Affine {
         let norm = Root::of(square);
         let mut margin = gap.times(&(BigInt::from(1) << norm.shift)).plus(&(length * k * &norm.root));
         margin.exact = norm.is_exact() || length.is_zero();

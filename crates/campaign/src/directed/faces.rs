@@ -140,11 +140,7 @@ pub(super) fn shortest_exit(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
 
 /// A vertex, and a convex edge of the other block (a `blunt` one, of more than 90 degrees) whose two faces its cone
 /// passes.
-pub(crate) fn ridge_under_vertex(
-    kit: &mut Kit<'_>,
-    pair: &Pair<'_>,
-    blunt: bool,
-) -> Option<(Side, u32, u32)> {
+pub(crate) fn ridge_under_vertex(kit: &mut Kit<'_>, pair: &Pair<'_>, blunt: bool) -> Option<(Side, u32, u32)> {
     let asked = side(kit);
     let (vertex, edge) = pair.shadow.vertex_edge(kit, asked)?;
     let e = pair.shadow.block(asked.other()).topology().edges()[edge as usize];

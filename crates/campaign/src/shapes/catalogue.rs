@@ -1,7 +1,7 @@
 //! The shapes pairs are made of, each in the cube [0, 8]³ on integers. Stretched, turned and moved they become blocks.
 
-use rockproof_differential::hull::convex_hull;
 use super::solid::{Solid, Units};
+use rockproof_differential::hull::convex_hull;
 use rockproof_model::{Block, BlockError, BlockOptions, Number, Point, Vec3};
 use std::sync::OnceLock;
 

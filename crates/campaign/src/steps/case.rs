@@ -2,11 +2,11 @@
 
 use super::engine::{Made, StepEngine};
 use super::finding::{StepChange, StepFinding};
-use rockproof_differential::motion::PairMotion;
 use rockproof_differential::finding::Cause;
-use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_differential::lockstep::StepCase;
 use rockproof_differential::lockstep::case_file::Expected;
+use rockproof_differential::motion::PairMotion;
+use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::simulation::Kinematics;
 use rockproof_model::{Body, Motion, Number, Precision, Vec3};
 use rockproof_simulate::identity::with_tolerances;

@@ -1,9 +1,9 @@
 //! What makes the steps of a campaign: the stepper beside the oracle, in f32 or f64.
 
-use rockproof_differential::motion::PairMotion;
 use rockproof_differential::collapse::collapsed_feature;
-use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_differential::lockstep::{Compared, Links, Lockstep};
+use rockproof_differential::motion::PairMotion;
+use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::Precision;
 use rockproof_simulate::checkpoint::Saved;
 use rockproof_stepper::contact::Spec;

@@ -2,11 +2,11 @@
 
 use super::engine::{Made, StepEngine};
 use super::finding::{StepChange, StepFinding};
-use rockproof_differential::motion::PairMotion;
 use super::summary::{Place, StepSummary, half_side};
 use rockproof_differential::finding::{Cause, Who};
-use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_differential::lockstep::effect::Depths;
+use rockproof_differential::motion::PairMotion;
+use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::Precision;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

@@ -4,11 +4,11 @@
 use crate::directed::shadow::{V, times};
 use crate::families::{Kit, Style};
 use crate::sets::{binary_below, number, size};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 use rockproof_differential::motion::PairMotion;
 use rockproof_model::simulation::{Kinematics, Simulation, Unconverged};
 use rockproof_model::{Block, Body, Motion, Number, Vec3};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 
 /// What the motions of a family are mostly like.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

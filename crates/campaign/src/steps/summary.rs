@@ -2,11 +2,11 @@
 
 use super::engine::Made;
 use super::finding::{StepChange, StepFinding};
-use rockproof_differential::finding::Cause;
 use crate::sets;
-use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::answer::Change;
 use rockproof_differential::lockstep::table::CAUSES;
+use rockproof_differential::subject::{Subject, SubjectSet};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

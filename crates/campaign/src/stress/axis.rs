@@ -1,8 +1,8 @@
 //! The ways in which pairs are made extreme, and how far.
 
-use rockproof_model::Number;
 use num_bigint::BigInt;
 use num_rational::BigRational;
+use rockproof_model::Number;
 use std::fmt;
 
 /// One way to make a pair of blocks extreme.

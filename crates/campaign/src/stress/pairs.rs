@@ -7,14 +7,14 @@
 use super::axis::{Axis, Cell, Form, Level};
 use crate::families::edge_cross::{crossing_ridges, keel, ridge};
 use crate::families::{self, Family, Kit, Style};
-use crate::shapes::{Solid, Turn};
-use rockproof_model::number::power_of_two;
-use rockproof_model::preset::{self, Preset};
-use rockproof_model::{Block, Number, Point, Precision, Vec3};
 use crate::generic::Generic;
+use crate::shapes::{Solid, Turn};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rand_chacha::ChaCha8Rng;
+use rockproof_model::number::power_of_two;
+use rockproof_model::preset::{self, Preset};
+use rockproof_model::{Block, Number, Point, Precision, Vec3};
 use std::sync::OnceLock;
 
 /// The next pair of a cell.

@@ -4,9 +4,9 @@ use super::axis::{Cell, cells};
 use super::pairs;
 use crate::sets::{self, SetSource};
 use crate::source::{SourceError, set_source};
-use rockproof_differential::subject::{Source, Subject, SubjectSet};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use rockproof_differential::subject::{Source, Subject, SubjectSet};
 
 /// Pairs of one batch: of one cell.
 const BATCH: u64 = 16;

@@ -8,8 +8,8 @@ pub use spec::{EngineSpec, SpecFault};
 
 use super::engine::{Answer, Engine, EngineFailure, Prepared, Trace, WideAnswer};
 use super::finding::Cause;
-use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use process::{Process, Silence};
+use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

@@ -2,11 +2,11 @@
 
 use crate::compare::{Difference, Features, differences};
 use crate::lockstep::state::float_mode;
+use num_rational::BigRational;
 use rockproof_model::{Block, Contact, Number};
 use rockproof_oracle::step::{self as exact, CertifiedStep, Cut, StepAnswer};
 use rockproof_stepper::Real;
 use rockproof_stepper::dynamics::{Mode, RetryReason, State, StepReport};
-use num_rational::BigRational;
 
 /// The decisions of one step.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,11 +1,11 @@
 //! Exact trajectories: the oracle steps by itself, for as long as asked.
 
 use crate::lockstep::scene::ExactScene;
+use num_bigint::BigInt;
+use num_rational::BigRational;
 use rockproof_model::simulation::PointLoad;
 use rockproof_model::{Number, Point, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::step::{Keep, State, StepAnswer, StepFailure};
-use num_bigint::BigInt;
-use num_rational::BigRational;
 
 /// The oracle alone, step by step.
 #[derive(Clone, Debug)]

@@ -3,10 +3,10 @@
 use crate::lockstep::answer::Answer;
 use crate::lockstep::scene::ExactScene;
 use crate::lockstep::state::converted;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use rockproof_stepper::dynamics::{Dynamics, SetupError, State, StepRules, Stopped};
 use rockproof_stepper::real::Real;
 use rockproof_stepper::wide::{Wide, counting};
-use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 /// A scene in the wide scalar.
 #[derive(Debug)]

@@ -12,13 +12,13 @@
 
 use super::State;
 use crate::hull::convex_hull;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::Zero;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::ring::{ExactRing, Ring};
 use rockproof_model::{Block, Sign, Vec3};
 use rockproof_oracle::rational::Rational;
-use num_bigint::BigInt;
-use num_rational::BigRational;
-use num_traits::Zero;
 
 /// Vertices of a block beyond which its hull is not worked out: that takes the fourth power of their number.
 const MOST_VERTICES: usize = 48;

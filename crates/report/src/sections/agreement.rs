@@ -1,11 +1,11 @@
 //! How often engines are right: by tolerance setting, and by family of pairs.
 
 use super::{Part, Section, label};
-use rockproof_differential::agreement::Span;
-use rockproof_campaign::interval::Share;
 use crate::chart::{Chart, color, error_bars, heat_map, in_lines};
 use crate::load::{CampaignRun, Sums};
 use crate::table::{Cell, Table};
+use rockproof_campaign::interval::Share;
+use rockproof_differential::agreement::Span;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,10 +1,10 @@
 //! Why answers differ: causes, changes, and the predicates that decide most findings.
 
 use super::{Part, Section, label};
-use rockproof_differential::finding::Cause;
 use crate::chart::{Chart, in_lines};
 use crate::load::CampaignRun;
 use crate::table::Table;
+use rockproof_differential::finding::Cause;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,11 +1,11 @@
 //! Which kind of contact was taken for which.
 
 use super::{Part, Section};
+use crate::load::{CampaignRun, Confusion};
+use crate::table::{Table, grouped};
 use rockproof_differential::agreement::{NONE, Span};
 use rockproof_differential::mapped::State;
 use rockproof_model::ContactKind;
-use crate::load::{CampaignRun, Confusion};
-use crate::table::{Table, grouped};
 use serde::Serialize;
 
 /// A confusion matrix as the page shows it.

@@ -1,10 +1,10 @@
 //! Steps of a run made by stepper and oracle from the same states.
 
 use super::{Part, Section};
-use rockproof_differential::finding::Cause;
 use crate::chart::{Chart, color};
 use crate::lockstep::LockstepRun;
 use crate::table::{Cell, Table, grouped};
+use rockproof_differential::finding::Cause;
 use serde_json::{Value, json};
 
 pub(super) fn section(runs: &[LockstepRun]) -> Section {

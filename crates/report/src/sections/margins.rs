@@ -1,11 +1,11 @@
 //! How near to a tie findings are.
 
 use super::{Part, Section, label};
-use rockproof_differential::finding::Cause;
 use crate::chart::{Chart, color};
 use crate::load::CampaignRun;
 use crate::table::{Cell, Table};
 use crate::tally::Decade;
+use rockproof_differential::finding::Cause;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 

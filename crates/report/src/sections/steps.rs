@@ -2,11 +2,11 @@
 
 use super::sweep::order;
 use super::{Part, Section, label};
-use rockproof_campaign::grid::axes_of;
-use rockproof_campaign::steps::summary::Counts;
 use crate::chart::{Chart, color};
 use crate::load::{CampaignRun, setting};
 use crate::table::{Cell, Table};
+use rockproof_campaign::grid::axes_of;
+use rockproof_campaign::steps::summary::Counts;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,12 +1,12 @@
 //! What each tolerance does: campaigns over a grid of tolerance sets.
 
 use super::{Part, Section, label};
-use rockproof_differential::agreement::Span;
-use rockproof_campaign::grid::axes_of;
-use rockproof_campaign::interval::Share;
 use crate::chart::{Chart, color, error_bars, heat_map};
 use crate::load::{CampaignRun, Sums};
 use crate::table::{Cell, Table};
+use rockproof_campaign::grid::axes_of;
+use rockproof_campaign::interval::Share;
+use rockproof_differential::agreement::Span;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,13 +1,13 @@
 //! The worst findings, each with a view to turn.
 
 use super::{Part, Section, label};
-use rockproof_differential::case_file::Case;
-use rockproof_differential::finding::Cause;
 use crate::fault::ReportError;
 use crate::load::CampaignRun;
 use crate::table::{Cell, Table, short};
 use crate::tally::Worst;
 use crate::view;
+use rockproof_differential::case_file::Case;
+use rockproof_differential::finding::Cause;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::Path;

@@ -1,7 +1,5 @@
 //! The classification of a pair: rough phase, the four tests in their order, exits.
 
-use rockproof_model::Contact;
-use rockproof_model::decision::{Decision, Predicate, Side};
 use crate::contact::broad::{Near, neighbours};
 use crate::contact::pair::{Hit, Pair};
 use crate::contact::rules::Rules;
@@ -9,6 +7,8 @@ use crate::contact::solid::Solid;
 use crate::contact::tolerances::Tolerances;
 use crate::contact::trace::{Observer, Trace, Unobserved};
 use crate::real::Real;
+use rockproof_model::Contact;
+use rockproof_model::decision::{Decision, Predicate, Side};
 use std::marker::PhantomData;
 
 /// A contact and its gap as calculated.

@@ -3,7 +3,6 @@
 #[cfg(test)]
 mod tests;
 
-use rockproof_model::{Block, Contact, Scene, ToleranceSet};
 use crate::contact::{Collapsed, Solid, Spec, classify};
 use crate::dynamics::area;
 use crate::dynamics::attempt::{Ended, Iteration};
@@ -24,6 +23,7 @@ use crate::dynamics::transfer;
 use crate::real::Real;
 use crate::vector::Vector;
 use rayon::prelude::*;
+use rockproof_model::{Block, Contact, Scene, ToleranceSet};
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::time::{Duration, Instant};

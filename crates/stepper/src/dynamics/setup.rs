@@ -1,13 +1,13 @@
 //! A scene in the stepper's precision: what does not change from step to step.
 
-use rockproof_model::simulation::{Kinematics, Motion, Simulation, Unconverged};
-use rockproof_model::{Block, Number, Scene, ToleranceSet, Vec3};
 use crate::contact::{Collapsed, ToleranceOverflow, Tolerances};
 use crate::dynamics::displacement::Twelve;
 use crate::dynamics::material::{Elastic, Joint};
 use crate::dynamics::state::{BlockState, State};
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::simulation::{Kinematics, Motion, Simulation, Unconverged};
+use rockproof_model::{Block, Number, Scene, ToleranceSet, Vec3};
 
 /// Why a scene cannot be stepped.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
