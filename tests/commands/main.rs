@@ -6,7 +6,7 @@ mod engines;
 mod gates;
 #[path = "../support/mistaken_engine.rs"]
 mod mistaken_engine;
-#[path = "../support/mistakes.rs"]
+#[path = "../../crates/stepper/tests/support/mistakes.rs"]
 mod mistakes;
 
 mod bad_input;

@@ -6,7 +6,7 @@ mod beside;
 mod boxes;
 #[path = "../support/mistaken_engine.rs"]
 mod mistaken_engine;
-#[path = "../support/mistakes.rs"]
+#[path = "../../crates/stepper/tests/support/mistakes.rs"]
 mod mistakes;
 #[path = "../support/step_mistakes.rs"]
 mod step_mistakes;
