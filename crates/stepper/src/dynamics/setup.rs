@@ -209,6 +209,7 @@ impl<R: Real> Setup<R> {
             step: 0,
             time: R::ZERO,
             settling,
+            last_time_step: self.control.time_step,
             blocks: self.blocks.iter().zip(&self.bodies).map(block).collect::<Result<_, SetupError>>()?,
             load_points: points(simulation.loads.iter().map(|p| &p.at).collect())?,
             fixed_points: points(simulation.fixed_points.iter().map(|p| &p.at).collect())?,
