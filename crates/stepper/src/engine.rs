@@ -1,9 +1,9 @@
 //! A stepper with its rules, as something that classifies blocks.
 
-use rockproof_model::{Block, Contact, ToleranceSet};
 use crate::contact::{Collapsed, Rules, Solid, ToleranceOverflow, Tolerances, classify};
 use crate::real::Real;
 use crate::wide;
+use rockproof_model::{Block, Contact, ToleranceSet};
 use std::marker::PhantomData;
 
 /// Classifies a pair in each precision of the stepper, preparation included. Object safe, so that steppers with

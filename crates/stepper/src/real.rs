@@ -1,7 +1,7 @@
 //! The scalar the stepper calculates in.
 
-use rockproof_model::{Number, Precision};
 use crate::wide::Wide;
+use rockproof_model::{Number, Precision};
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -15,12 +15,12 @@
 mod radius;
 
 use self::radius::Radius;
-use rockproof_model::number::split_f64;
-use rockproof_model::{Block, Contact, Number, ToleranceSet};
 use crate::contact::Rules;
 use crate::engine::{EngineError, contacts_in};
 use crypto_bigint::{NonZero, U64, U512, U1024};
 use num_bigint::{BigInt, Sign as BigSign};
+use rockproof_model::number::split_f64;
+use rockproof_model::{Block, Contact, Number, ToleranceSet};
 use std::cell::Cell;
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -1,11 +1,11 @@
 //! Boxes: which blocks are neighbours, and which features of two neighbours can be in a contact at all.
 
-use rockproof_model::decision::Side;
 use crate::contact::rules::{Rules, Spec};
 use crate::contact::solid::Solid;
 use crate::contact::tolerances::Tolerances;
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::decision::Side;
 use std::cmp::Ordering;
 
 /// An axis-aligned box.

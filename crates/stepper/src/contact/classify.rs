@@ -1,7 +1,5 @@
 //! The classification of a pair: rough phase, the four tests in their order, exits.
 
-use rockproof_model::Contact;
-use rockproof_model::decision::{Decision, Predicate, Side};
 use crate::contact::broad::{Near, neighbours};
 use crate::contact::pair::{Hit, Pair};
 use crate::contact::rules::Rules;
@@ -9,6 +7,8 @@ use crate::contact::solid::Solid;
 use crate::contact::tolerances::Tolerances;
 use crate::contact::trace::{Observer, Trace, Unobserved};
 use crate::real::Real;
+use rockproof_model::decision::{Decision, Predicate, Side};
+use rockproof_model::{Contact, ContactKey};
 use std::marker::PhantomData;
 
 /// A contact and its gap as calculated.
@@ -20,48 +20,93 @@ pub struct Found<R> {
     pub gap: R,
 }
 
-/// The contacts of two blocks, in the order of SPEC section 4.
-pub fn classify<R: Real, M: Rules>(a: &Solid<R>, b: &Solid<R>, t: &Tolerances<R>) -> Vec<Found<R>> {
-    classify_observed::<R, M, _>(a, b, t, &mut Unobserved)
+/// What is classified: a pair of blocks, in a step with the contacts that the step before left it.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'s, R> {
+    /// The first block.
+    pub a: &'s Solid<R>,
+    /// The second block.
+    pub b: &'s Solid<R>,
+    /// The tolerances.
+    pub tolerances: &'s Tolerances<R>,
+    /// The contacts of this pair that the step before left closed, in any order: depth alone does not end them.
+    pub kept: &'s [ContactKey],
 }
 
-/// The same, with every decision made on the way.
+/// The contacts of two blocks, in the order of SPEC section 4, where nothing is kept.
+pub fn classify<R: Real, M: Rules>(a: &Solid<R>, b: &Solid<R>, t: &Tolerances<R>) -> Vec<Found<R>> {
+    classify_keeping::<R, M>(a, b, t, &[])
+}
+
+/// The contacts of two blocks in a step; `kept` as in [`Request`].
+///
+/// # Panics
+/// When a kept contact names a feature that its block does not have.
+pub fn classify_keeping<R: Real, M: Rules>(
+    a: &Solid<R>,
+    b: &Solid<R>,
+    t: &Tolerances<R>,
+    kept: &[ContactKey],
+) -> Vec<Found<R>> {
+    Request { a, b, tolerances: t, kept }.observed::<M, _>(&mut Unobserved)
+}
+
+/// The contacts of two blocks where nothing is kept, with every decision made on the way.
 pub fn classify_traced<R: Real, M: Rules>(
     a: &Solid<R>,
     b: &Solid<R>,
     t: &Tolerances<R>,
 ) -> (Vec<Found<R>>, Vec<(Decision, i8)>) {
-    let mut trace = Trace::default();
-    let found = classify_observed::<R, M, _>(a, b, t, &mut trace);
-    (found, trace.decisions)
+    Request { a, b, tolerances: t, kept: &[] }.traced::<M>()
 }
 
-/// The same, watched by an observer.
+/// The contacts of two blocks where nothing is kept, watched by an observer.
 pub fn classify_observed<R: Real, M: Rules, O: Observer>(
     a: &Solid<R>,
     b: &Solid<R>,
     t: &Tolerances<R>,
     seen: &mut O,
 ) -> Vec<Found<R>> {
-    let adjacent = neighbours::<R, M>(a, b, t);
-    seen.saw(Predicate::Neighbours, &[], i8::from(adjacent));
-    if !adjacent {
-        return Vec::new();
+    Request { a, b, tolerances: t, kept: &[] }.observed::<M, O>(seen)
+}
+
+impl<R: Real> Request<'_, R> {
+    /// The contacts, with every decision made on the way.
+    ///
+    /// # Panics
+    /// When a kept contact names a feature that its block does not have.
+    pub fn traced<M: Rules>(self) -> (Vec<Found<R>>, Vec<(Decision, i8)>) {
+        let mut trace = Trace::default();
+        let found = self.observed::<M, _>(&mut trace);
+        (found, trace.decisions)
     }
-    let near = Near::<R>::new::<M>(a, b, t.reach);
-    let mut pair: Pair<'_, R, M, O> =
-        Pair { a, b, t, seen, candidates: Vec::new(), hits: Vec::new(), rules: PhantomData };
-    pair.vertices_and_vertices(&near);
-    pair.vertices_and_edges(&near, Side::A);
-    if M::edge_vertex_role() {
-        pair.vertices_and_edges(&near, Side::B);
+
+    /// The contacts, in the order of SPEC section 4, watched by an observer.
+    ///
+    /// # Panics
+    /// When a kept contact names a feature that its block does not have.
+    pub fn observed<M: Rules, O: Observer>(self, seen: &mut O) -> Vec<Found<R>> {
+        let Request { a, b, tolerances: t, kept } = self;
+        let adjacent = neighbours::<R, M>(a, b, t);
+        seen.saw(Predicate::Neighbours, &[], i8::from(adjacent));
+        if !adjacent {
+            return Vec::new();
+        }
+        let near = Near::<R>::new::<M>(a, b, t.reach);
+        let mut pair: Pair<'_, R, M, O> =
+            Pair { a, b, t, kept, seen, candidates: Vec::new(), hits: Vec::new(), rules: PhantomData };
+        pair.vertices_and_vertices(&near);
+        pair.vertices_and_edges(&near, Side::A);
+        if M::edge_vertex_role() {
+            pair.vertices_and_edges(&near, Side::B);
+        }
+        pair.vertices_and_faces(&near, Side::A);
+        if M::face_vertex_role() {
+            pair.vertices_and_faces(&near, Side::B);
+        }
+        pair.edges_and_edges(&near);
+        pair.finish()
     }
-    pair.vertices_and_faces(&near, Side::A);
-    if M::face_vertex_role() {
-        pair.vertices_and_faces(&near, Side::B);
-    }
-    pair.edges_and_edges(&near);
-    pair.finish()
 }
 
 impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {

@@ -1,13 +1,13 @@
 //! Test 4: crossing e-e, and the plane that two edges span.
 
-use rockproof_model::ContactKind;
-use rockproof_model::decision::{Feature, Predicate, Side};
 use crate::contact::entrance::Candidate;
 use crate::contact::pair::Pair;
 use crate::contact::rules::Rules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::ContactKind;
+use rockproof_model::decision::{Feature, Predicate, Side};
 
 /// Two edges that cross.
 #[derive(Clone, Copy, Debug)]

@@ -1,12 +1,12 @@
 //! Entrances: the planes through which two blocks enter one another, and which of them a contact takes.
 
-use rockproof_model::decision::{Feature, Predicate, Side};
-use rockproof_model::{Entrance, EntranceKind};
 use crate::contact::pair::Pair;
 use crate::contact::rules::Rules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::{Entrance, EntranceKind};
 
 /// A plane that passes the no-overlap check.
 #[derive(Clone, Copy, Debug)]

@@ -1,12 +1,12 @@
 //! Exits: which of several overlapping contacts stay (SPEC section 4, test 3 "shortest exit" and test 5 "one exit").
 
-use rockproof_model::decision::{Feature, Predicate, Side};
-use rockproof_model::{Contact, ContactKind, EntranceKind};
 use crate::contact::entrance::first_of_the_best;
 use crate::contact::pair::{Hit, Pair};
 use crate::contact::rules::Rules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
+use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::{Contact, ContactKind, EntranceKind};
 
 impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
     /// Shortest exit of the vertex whose v-f (f-v) contacts are the hits from `first` on: of faces it overlaps that hang

@@ -16,7 +16,7 @@ mod vertex_face;
 mod vertex_vertex;
 
 pub use broad::{Bounds, neighbouring_pairs, neighbours};
-pub use classify::{Found, classify, classify_observed, classify_traced};
+pub use classify::{Found, Request, classify, classify_keeping, classify_observed, classify_traced};
 pub use rules::{Rules, Spec};
 pub use solid::{Collapsed, Solid};
 pub use tolerances::{ToleranceOverflow, Tolerances};

@@ -1,7 +1,5 @@
 //! Two blocks under classification: what all four tests share.
 
-use rockproof_model::decision::{Feature, Predicate, Side};
-use rockproof_model::{Contact, ContactKind};
 use crate::contact::entrance::Candidate;
 use crate::contact::rules::Rules;
 use crate::contact::solid::Solid;
@@ -9,6 +7,8 @@ use crate::contact::tolerances::Tolerances;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::{Contact, ContactKey, ContactKind};
 use std::marker::PhantomData;
 
 /// Two blocks, their tolerances, the rules, and who watches.
@@ -16,6 +16,8 @@ pub(super) struct Pair<'s, R, M, O> {
     pub(super) a: &'s Solid<R>,
     pub(super) b: &'s Solid<R>,
     pub(super) t: &'s Tolerances<R>,
+    /// Contacts that depth alone does not end.
+    pub(super) kept: &'s [ContactKey],
     pub(super) seen: &'s mut O,
     /// Entrance candidates of the contact in work; kept to reuse its memory.
     pub(super) candidates: Vec<Candidate<R>>,

@@ -7,10 +7,10 @@
 //!
 //! Distances, gaps and radii are in metres; `u`, `n` and `m` are unit vectors; sines have no unit.
 
-use rockproof_model::{EntranceKind, Sign};
 use crate::contact::tolerances::Tolerances;
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::{EntranceKind, Sign};
 
 /// The rules of SPEC section 4 as the classification asks them. The defaults are SPEC's.
 pub trait Rules: 'static {

@@ -1,10 +1,10 @@
 //! What classification needs of one block, computed once (SPEC section 2).
 
-use rockproof_model::Block;
-use rockproof_model::topology::Edge;
 use crate::contact::broad::Bounds;
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::Block;
+use rockproof_model::topology::Edge;
 
 /// A block prepared for classification in one precision.
 #[derive(Clone, Debug)]

@@ -1,12 +1,12 @@
 //! The zones around convex vertices and edges that belong to them (SPEC section 4, "Territory radius").
 
-use rockproof_model::decision::{Feature, Predicate, Side};
 use crate::contact::pair::{Pair, a_first};
 use crate::contact::rules::Rules;
 use crate::contact::solid::Ridge;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::decision::{Feature, Predicate, Side};
 
 /// The distance of a point from an edge's line.
 #[inline]

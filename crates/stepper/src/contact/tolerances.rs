@@ -1,7 +1,7 @@
 //! The tolerances of a classification in the stepper's precision.
 
-use rockproof_model::{Criteria, ToleranceSet};
 use crate::real::Real;
+use rockproof_model::{Criteria, ToleranceSet};
 
 /// The values of SPEC section 3 that classification uses. Lengths in metres, angles as sines.
 #[derive(Clone, Copy, Debug)]

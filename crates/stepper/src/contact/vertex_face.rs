@@ -1,13 +1,13 @@
 //! Test 3: v-f, and f-v with the roles exchanged.
 
-use rockproof_model::ContactKind;
-use rockproof_model::decision::{Feature, Predicate, Side};
 use crate::contact::pair::{Pair, a_first};
 use crate::contact::rules::Rules;
 use crate::contact::solid::Solid;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::ContactKind;
+use rockproof_model::decision::{Feature, Predicate, Side};
 
 impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
     /// Records the contact of vertex `v` of `side` and face `f` of the other block, if there is one.

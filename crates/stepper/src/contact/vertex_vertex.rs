@@ -1,11 +1,11 @@
 //! Test 1: v-v.
 
-use rockproof_model::ContactKind;
-use rockproof_model::decision::{Feature, Predicate, Side};
 use crate::contact::pair::Pair;
 use crate::contact::rules::Rules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
+use rockproof_model::ContactKind;
+use rockproof_model::decision::{Feature, Predicate, Side};
 
 impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
     /// Records the v-v contact of vertex `v` of A and vertex `w` of B, if there is one.
