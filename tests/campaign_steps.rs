@@ -1,7 +1,7 @@
 //! Steps in campaigns: motions reach what steps can do, results are the same bytes however a run goes, what is classified does
 //! not depend on them, cases can be replayed, and deliberate mistakes in the iteration are found.
 
-#[path = "support/step_mistakes.rs"]
+#[path = "../crates/stepper/tests/support/step_mistakes.rs"]
 mod step_mistakes;
 
 use rockproof_differential::builtin;

@@ -3,7 +3,7 @@
 
 #[path = "support/beside.rs"]
 mod beside;
-#[path = "support/step_mistakes.rs"]
+#[path = "../crates/stepper/tests/support/step_mistakes.rs"]
 mod step_mistakes;
 
 use beside::first_difference;

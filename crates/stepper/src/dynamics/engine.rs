@@ -3,8 +3,8 @@
 #[cfg(test)]
 mod tests;
 
-use rockproof_model::{Block, Contact, Scene, ToleranceSet};
-use crate::contact::{Solid, Spec, classify};
+use rockproof_model::{Block, Contact, ContactKey, Scene, ToleranceSet};
+use crate::contact::{Solid, Spec, classify_keeping};
 use crate::dynamics::area;
 use crate::dynamics::contact::{Active, Now};
 use crate::dynamics::friction::{Friction, Settling};
@@ -34,6 +34,7 @@ pub struct Dynamics<R, M = Spec> {
     pub(super) moments: Vec<Moments<R>>,
     pub(super) neighbours: Neighbours,
     pub(super) layouts: Layouts,
+    first_modes: Vec<Mode>,
     pub(super) modes: Vec<Vec<Vec<Mode>>>,
     phases: Phases,
     pub(super) spent: Spent,
@@ -50,6 +51,7 @@ impl<R: Clone, M> Clone for Dynamics<R, M> {
             moments: self.moments.clone(),
             neighbours: self.neighbours.clone(),
             layouts: self.layouts.clone(),
+            first_modes: self.first_modes.clone(),
             modes: self.modes.clone(),
             phases: self.phases,
             spent: self.spent,
@@ -123,6 +125,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             moments,
             neighbours: Neighbours::default(),
             layouts,
+            first_modes: Vec::new(),
             modes: Vec::new(),
             phases: Phases::default(),
             spent: Spent::default(),
@@ -172,6 +175,11 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         self.moments[block].inertia().map(|row| row.map(|value| value * density))
     }
 
+    /// The modes with which the contacts of the last step began (in the order of the state): those of the first solve of each attempt.
+    pub fn first_modes(&self) -> &[Mode] {
+        &self.first_modes
+    }
+
     /// For each attempt at the last step, the modes of its contacts (in the order of the state) after each solve.
     pub fn modes(&self) -> &[Vec<Vec<Mode>>] {
         &self.modes
@@ -203,6 +211,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             Some(given) => self.given_contacts(given.contacts),
         };
         let begun = Instant::now();
+        self.first_modes = contacts.iter().map(|contact| contact.begins).collect();
         self.modes.clear();
         let accepted = match given.and_then(|given| given.attempt.as_ref()) {
             None => self.attempts(&mut contacts, number, settling)?,
@@ -224,7 +233,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let begun = Instant::now();
         let of_pair = |&pair: &[u32; 2]| {
             let [a, b] = pair.map(|block| &self.solids[block as usize]);
-            let found = classify::<R, M>(a, b, &self.setup.tolerances);
+            let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
+            let kept: Vec<ContactKey> =
+                old.iter().filter(|c| M::is_kept(c.mode)).map(|c| c.contact.key()).collect();
+            let found = classify_keeping::<R, M>(a, b, &self.setup.tolerances, &kept);
             let contacts: Vec<Contact> = found.into_iter().map(|found| found.contact).collect();
             self.of_pair(pair, &contacts)
         };

@@ -10,7 +10,6 @@ use crate::dynamics::report::{StepReport, Stopped};
 use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, State};
-use crate::real::Real;
 use std::ops::Range;
 
 impl<R: Solve, M: StepRules> Dynamics<R, M> {

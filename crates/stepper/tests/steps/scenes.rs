@@ -1,6 +1,6 @@
 //! The paper's examples (cases/handmade): what their comments say must come.
 
-use crate::support::{beginning, handmade, n, near};
+use super::support::{beginning, handmade, n, near};
 use rockproof_model::{ContactKind, Number, Precision, Scene};
 use rockproof_stepper::Vector;
 use rockproof_stepper::dynamics::{Mode, Solve, StepReport};
@@ -168,7 +168,7 @@ fn the_slope_holds_the_blocks_of_its_file() {
         all
     };
     let (cut, _) = handmade("slope_failure.toml", Precision::F64);
-    let file = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/cases/real/slope_joints.dda")).unwrap();
+    let file = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/real/slope_joints.dda")).unwrap();
     let (cut_blocks, file_blocks) = (corners(&cut), corners(&file));
     assert_eq!((cut_blocks.len(), file_blocks.len(), file.blocks.len()), (16, 6, 16));
     let close = |a: &[[i64; 3]], b: &[[i64; 3]]| a.iter().zip(b).all(|(a, b)| (0..3).all(|k| (a[k] - b[k]).abs() <= 1));
