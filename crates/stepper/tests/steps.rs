@@ -9,6 +9,8 @@ mod contacts;
 mod control;
 #[path = "steps/energy.rs"]
 mod energy;
+#[path = "steps/friction.rs"]
+mod friction;
 #[path = "steps/golden.rs"]
 mod golden;
 #[path = "steps/loads.rs"]
