@@ -6,7 +6,7 @@
 
 #[path = "support/mistaken_engine.rs"]
 mod mistaken_engine;
-#[path = "support/mistakes.rs"]
+#[path = "../crates/stepper/tests/support/mistakes.rs"]
 mod mistakes;
 
 use mistaken_engine::OneEngine;

@@ -8,7 +8,7 @@ mod engines;
 mod gates;
 #[path = "support/mistaken_engine.rs"]
 mod mistaken_engine;
-#[path = "support/mistakes.rs"]
+#[path = "../crates/stepper/tests/support/mistakes.rs"]
 mod mistakes;
 
 use engines::{client, cpp_client};

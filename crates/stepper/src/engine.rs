@@ -1,9 +1,9 @@
 //! A stepper with its rules, as something that classifies blocks.
 
-use crate::contact::{Collapsed, Rules, Solid, ToleranceOverflow, Tolerances, classify};
+use crate::contact::{Collapsed, Rules, Solid, ToleranceOverflow, Tolerances, classify_keeping};
 use crate::real::Real;
 use crate::wide;
-use rockproof_model::{Block, Contact, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
 use std::marker::PhantomData;
 
 /// Classifies a pair in each precision of the stepper, preparation included. Object safe, so that steppers with
@@ -73,11 +73,27 @@ impl<M: Rules> Classifier for Stepper<M> {
     }
 }
 
-/// Prepares and classifies a pair in one precision.
+/// Prepares and classifies a pair in one precision, where nothing is kept.
 ///
 /// # Errors
 /// When rounding collapses a block or a tolerance overflows.
 pub fn contacts_in<R: Real, M: Rules>(a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError> {
+    contacts_keeping::<R, M>(a, b, t, &[])
+}
+
+/// Prepares and classifies a pair in one precision, in a step in which the contacts `kept` go on whatever their depth.
+///
+/// # Errors
+/// When rounding collapses a block or a tolerance overflows.
+///
+/// # Panics
+/// When a kept contact names a feature that its block does not have.
+pub fn contacts_keeping<R: Real, M: Rules>(
+    a: &Block,
+    b: &Block,
+    t: &ToleranceSet,
+    kept: &[ContactKey],
+) -> Result<Vec<Contact>, EngineError> {
     let (a, b, t) = (Solid::<R>::new(a)?, Solid::<R>::new(b)?, Tolerances::<R>::new(t)?);
-    Ok(classify::<R, M>(&a, &b, &t).into_iter().map(|found| found.contact).collect())
+    Ok(classify_keeping::<R, M>(&a, &b, &t, kept).into_iter().map(|found| found.contact).collect())
 }

@@ -1,10 +1,12 @@
 //! Boxes: which blocks are neighbours, and which features of two neighbours can be in a contact at all.
 
+use crate::contact::classify::Request;
 use crate::contact::rules::{Rules, Spec};
 use crate::contact::solid::Solid;
 use crate::contact::tolerances::Tolerances;
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::ContactKind;
 use rockproof_model::decision::Side;
 use std::cmp::Ordering;
 
@@ -91,6 +93,22 @@ fn widest_axis<R: Real>(solids: &[Solid<R>]) -> usize {
     });
     let spread = (all.high - all.low).components();
     (1..3).fold(0, |widest, axis| if spread[widest].below(spread[axis]) { axis } else { widest })
+}
+
+/// How far apart the features of a contact of this pair may be: the tolerances' reach, or farther where the features of a
+/// kept contact are. Those of v-v and v-e contacts are within s, kept or not.
+pub(super) fn reach_of_kept<R: Real>(request: Request<'_, R>) -> R {
+    let Request { a, b, tolerances, kept } = request;
+    let at = |solid: &Solid<R>, v: u32| Bounds::around(&[solid.vertex(v).at]);
+    kept.iter().fold(tolerances.reach, |reach, key| {
+        let apart = match key.kind {
+            ContactKind::VertexFace => at(a, key.a).apart(b.bounds()),
+            ContactKind::FaceVertex => at(b, key.b).apart(a.bounds()),
+            ContactKind::EdgeEdge => a.edge(key.a).bounds().apart(&b.edge(key.b).bounds()),
+            ContactKind::VertexVertex | ContactKind::VertexEdge | ContactKind::EdgeVertex => return reach,
+        };
+        apart.into_iter().fold(reach, R::larger)
+    })
 }
 
 /// The features of two neighbours that are within reach of the other block's box.

@@ -1,6 +1,6 @@
 //! The classification of a pair: rough phase, the four tests in their order, exits.
 
-use crate::contact::broad::{Near, neighbours};
+use crate::contact::broad::{Near, neighbours, reach_of_kept};
 use crate::contact::pair::{Hit, Pair};
 use crate::contact::rules::Rules;
 use crate::contact::solid::Solid;
@@ -92,9 +92,19 @@ impl<R: Real> Request<'_, R> {
         if !adjacent {
             return Vec::new();
         }
-        let near = Near::<R>::new::<M>(a, b, t.reach);
-        let mut pair: Pair<'_, R, M, O> =
-            Pair { a, b, t, kept, seen, candidates: Vec::new(), hits: Vec::new(), rules: PhantomData };
+        let reach = reach_of_kept(self);
+        let near = Near::<R>::new::<M>(a, b, reach);
+        let mut pair: Pair<'_, R, M, O> = Pair {
+            a,
+            b,
+            t,
+            kept,
+            seen,
+            candidates: Vec::new(),
+            true_exits: Vec::new(),
+            hits: Vec::new(),
+            rules: PhantomData,
+        };
         pair.vertices_and_vertices(&near);
         pair.vertices_and_edges(&near, Side::A);
         if M::edge_vertex_role() {
@@ -104,7 +114,7 @@ impl<R: Real> Request<'_, R> {
         if M::face_vertex_role() {
             pair.vertices_and_faces(&near, Side::B);
         }
-        pair.edges_and_edges(&near);
+        pair.edges_and_edges(&near, reach);
         pair.finish()
     }
 }
@@ -143,10 +153,10 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         }
     }
 
-    fn edges_and_edges(&mut self, near: &Near<R>) {
+    fn edges_and_edges(&mut self, near: &Near<R>, reach: R) {
         for (e, bounds) in near.edges(Side::A) {
             for (f, other) in near.edges(Side::B) {
-                if !bounds.beyond(other, self.t.reach) {
+                if !bounds.beyond(other, reach) {
                     self.edge_edge(*e, *f);
                 }
             }

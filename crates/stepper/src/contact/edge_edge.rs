@@ -38,12 +38,18 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         let normal = self.normal(e, f, crossing);
         let gap = normal.dot(one.p - two.p);
         if self.ask(Predicate::EdgeEdgeNear, &asked, M::edge_edge_near(gap, self.t.search))
-            && self.ask(Predicate::EdgeEdgeDepth, &asked, M::edge_edge_depth(gap, self.t.penetration))
+            && self.edge_edge_depth(asked, gap)
             && self.wedges_pass(e, f, normal)
             && !self.ends_belong(e, f)
         {
             self.record(ContactKind::EdgeEdge, asked, Candidate::edge_edge(e, f, gap, normal));
         }
+    }
+
+    /// Not too deep: the gap is at least −g, or the contact is kept.
+    fn edge_edge_depth(&mut self, asked: [Feature; 2], gap: R) -> bool {
+        let allowed = M::edge_edge_depth(gap, self.t.penetration) || self.is_kept(ContactKind::EdgeEdge, asked);
+        self.ask(Predicate::EdgeEdgeDepth, &asked, allowed)
     }
 
     /// The edges' cross product, unless they are nearly parallel.
@@ -71,6 +77,15 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
             && M::wedge_of_b_passes(normal.dot(two.into_left), two.width_left, self.t)
             && M::wedge_of_b_passes(normal.dot(two.into_right), two.width_right, self.t);
         self.ask(Predicate::WedgesPass, &[Feature::Edge(Side::A, e), Feature::Edge(Side::B, f)], passes)
+    }
+
+    /// The plane of two edges is a true exit: their faces pass with the tolerance r/10.
+    pub(super) fn wedges_exit(&self, e: u32, f: u32, normal: Vector<R>) -> bool {
+        let (one, two) = (self.a.edge(e), self.b.edge(f));
+        M::true_exit_of_wedge_a(normal.dot(one.into_left), one.width_left, self.t)
+            && M::true_exit_of_wedge_a(normal.dot(one.into_right), one.width_right, self.t)
+            && M::true_exit_of_wedge_b(normal.dot(two.into_left), two.width_left, self.t)
+            && M::true_exit_of_wedge_b(normal.dot(two.into_right), two.width_right, self.t)
     }
 
     /// One of the four ends is in the territory of the other edge or of one of its ends.

@@ -78,10 +78,46 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         }
     }
 
-    /// The candidate with the largest gap; of those equal to it by Eq. (1) the first in order.
+    /// Whether a plane is a true exit: its no-overlap check passes with the tolerance r/10 alone. `normal` points from B to A.
+    fn is_true_exit(&mut self, plane: Candidate<R>) -> bool {
+        let Entrance { kind, a, b } = plane.entrance;
+        let exits = match kind {
+            EntranceKind::VertexFace => self.cone_exits(Side::A, a, b),
+            EntranceKind::FaceVertex => self.cone_exits(Side::B, b, a),
+            EntranceKind::EdgeEdge => self.wedges_exit(a, b, plane.normal),
+        };
+        self.ask(Predicate::TrueExit, &plane.features(), exits)
+    }
+
+    fn cone_exits(&self, side: Side, v: u32, f: u32) -> bool {
+        let normal = self.solid(side.other()).face(f).normal;
+        let own = self.solid(side);
+        M::cone(own.edges_at(v)).iter().all(|&e| {
+            let spoke = own.spoke(v, e);
+            M::true_exit_of_cone(spoke.away.dot(normal), spoke.length, self.t)
+        })
+    }
+
+    /// Asks which of `count` planes are true exits. Says whether any is; `true_exits` then holds the answers.
+    pub(super) fn any_true_exit(&mut self, count: usize, plane: impl Fn(&Self, usize) -> Candidate<R>) -> bool {
+        self.true_exits.clear();
+        for k in 0..count {
+            let plane = plane(self, k);
+            let exits = self.is_true_exit(plane);
+            self.true_exits.push(exits);
+        }
+        self.true_exits.contains(&true)
+    }
+
+    /// Of the candidates that are true exits, or of all if none is, the one with the largest gap; of those equal to it by
+    /// Eq. (1) the first in order.
     pub(super) fn choose_entrance(&mut self, about: [Feature; 2]) -> Option<Candidate<R>> {
-        let chosen =
-            first_of_the_best::<R, M, _>(self.candidates.iter().map(|c| (c.gap, key::<M>(c.entrance))), self.t.equal)?;
+        let count = self.candidates.len();
+        let choose = count > 1 && M::true_exits_before_others();
+        let some_exit = choose && self.any_true_exit(count, |pair, k| pair.candidates[k]);
+        let among = self.candidates.iter().enumerate().filter(|&(k, _)| !some_exit || self.true_exits[k]);
+        let gaps = among.map(|(k, c)| (k, c.gap, key::<M>(c.entrance)));
+        let chosen = first_of_the_best::<R, M, _>(gaps, self.t.equal)?;
         for (k, candidate) in self.candidates.iter().enumerate() {
             let [a, b] = candidate.features();
             self.seen.saw(Predicate::EntranceChoice, &[about[0], about[1], a, b], i8::from(k == chosen));
@@ -94,19 +130,20 @@ fn key<M: Rules>(entrance: Entrance) -> (EntranceKind, u32, u32) {
     (M::entrance_order(entrance.kind), entrance.a, entrance.b)
 }
 
-/// Among gaps, the place of the one that Eq. (1) counts as equal to the largest and whose key is the smallest.
+/// Among gaps with a place and a key, the place of the one that Eq. (1) counts as equal to the largest and whose key is the
+/// smallest.
 pub(super) fn first_of_the_best<R: Real, M: Rules, K: Ord + Copy>(
-    gaps: impl Iterator<Item = (R, K)> + Clone,
+    gaps: impl Iterator<Item = (usize, R, K)> + Clone,
     equal: R,
 ) -> Option<usize> {
-    let (mut best_at, (mut best, mut chosen_key)) = gaps.clone().enumerate().next()?;
-    for (k, (gap, key)) in gaps.clone().enumerate() {
+    let (mut best_at, mut best, mut chosen_key) = gaps.clone().next()?;
+    for (k, gap, key) in gaps.clone() {
         if M::better(gap, best) {
             (best_at, best, chosen_key) = (k, gap, key);
         }
     }
     let mut chosen = best_at;
-    for (k, (gap, key)) in gaps.enumerate() {
+    for (k, gap, key) in gaps {
         // The largest is equal to itself; asking would leave that to rounding.
         if k != best_at && key < chosen_key && M::equals_best(gap, best, equal) {
             (chosen, chosen_key) = (k, key);

@@ -21,7 +21,10 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         for group in 0..groups.iter().map(|g| g + 1).max().unwrap_or(0) {
             let members: Vec<Hit<R>> =
                 overlapping.iter().zip(&groups).filter(|&(_, &g)| g == group).map(|(hit, _)| *hit).collect();
-            let stays = first_of_the_best::<R, M, _>(members.iter().map(|hit| (hit.gap, face(hit))), self.t.equal);
+            let stays = first_of_the_best::<R, M, _>(
+                members.iter().enumerate().map(|(k, hit)| (k, hit.gap, face(hit))),
+                self.t.equal,
+            );
             for (k, hit) in members.iter().enumerate() {
                 let about = contact_features(&hit.contact);
                 let asked = if side == Side::A { about } else { [about[1], about[0]] };
@@ -54,9 +57,14 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
     }
 
     /// One exit: an overlapping contact stays only if its normal is within the overlap angle of that of the contact with
-    /// the largest gap. The hits must be sorted.
+    /// the largest gap, among those whose entrance is a true exit, or among all if none is. The hits must be sorted.
     pub(super) fn one_exit(&mut self) {
-        let gaps = self.hits.iter().map(|hit| (hit.gap, hit.contact));
+        if !self.hits.iter().any(|hit| M::overlaps(hit.gap)) {
+            return;
+        }
+        let some_exit = M::one_exit_is_true() && self.any_true_exit(self.hits.len(), |pair, k| pair.hits[k].plane());
+        let among = self.hits.iter().enumerate().filter(|&(k, _)| !some_exit || self.true_exits[k]);
+        let gaps = among.map(|(k, hit)| (k, hit.gap, hit.contact));
         let Some(chosen) = first_of_the_best::<R, M, _>(gaps, self.t.equal) else { return };
         let way_out = self.hits[chosen];
         let mut kept = 0;

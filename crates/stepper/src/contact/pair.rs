@@ -16,11 +16,13 @@ pub(super) struct Pair<'s, R, M, O> {
     pub(super) a: &'s Solid<R>,
     pub(super) b: &'s Solid<R>,
     pub(super) t: &'s Tolerances<R>,
-    /// Contacts that depth alone does not end.
+    /// The contacts that the step before left closed: depth alone does not end them.
     pub(super) kept: &'s [ContactKey],
     pub(super) seen: &'s mut O,
     /// Entrance candidates of the contact in work; kept to reuse its memory.
     pub(super) candidates: Vec<Candidate<R>>,
+    /// Which of the planes in question are true exits; kept to reuse its memory.
+    pub(super) true_exits: Vec<bool>,
     pub(super) hits: Vec<Hit<R>>,
     pub(super) rules: PhantomData<M>,
 }
@@ -33,6 +35,13 @@ pub(super) struct Hit<R> {
     pub(super) gap: R,
     /// Unit, from B to A.
     pub(super) normal: Vector<R>,
+}
+
+impl<R: Real> Hit<R> {
+    /// The plane of its entrance.
+    pub(super) fn plane(&self) -> Candidate<R> {
+        Candidate { entrance: self.contact.entrance, gap: self.gap, normal: self.normal }
+    }
 }
 
 impl<'s, R: Real, M: Rules, O: Observer> Pair<'s, R, M, O> {
@@ -54,10 +63,15 @@ impl<'s, R: Real, M: Rules, O: Observer> Pair<'s, R, M, O> {
     /// Confirms a v-v, v-e or e-v contact by its best entrance, if one passed and is not too deep.
     pub(super) fn confirm(&mut self, kind: ContactKind, about: [Feature; 2]) {
         let Some(best) = self.choose_entrance(about) else { return };
-        let deep_enough = M::entrance_depth(best.gap, self.t.penetration);
-        if self.ask(Predicate::EntranceDepth, &about, deep_enough) {
+        let allowed = M::entrance_depth(best.gap, self.t.penetration) || self.is_kept(kind, about);
+        if self.ask(Predicate::EntranceDepth, &about, allowed) {
             self.record(kind, about, best);
         }
+    }
+
+    /// Whether the contact of two features, A's first, is kept.
+    pub(super) fn is_kept(&self, kind: ContactKind, about: [Feature; 2]) -> bool {
+        M::is_kept(self.kept, ContactKey { kind, a: number(about[0]), b: number(about[1]) })
     }
 
     /// Adds a contact of two features, A's first.

@@ -10,7 +10,7 @@
 use crate::contact::tolerances::Tolerances;
 use crate::real::Real;
 use crate::vector::Vector;
-use rockproof_model::{EntranceKind, Sign};
+use rockproof_model::{ContactKey, EntranceKind, Sign};
 
 /// The rules of SPEC section 4 as the classification asks them. The defaults are SPEC's.
 pub trait Rules: 'static {
@@ -135,6 +135,13 @@ pub trait Rules: 'static {
         gap <= search
     }
 
+    /// Whether a contact is kept: one of those that the step before left closed has its kind and features. Depth alone does
+    /// not end it.
+    #[inline(always)]
+    fn is_kept(kept: &[ContactKey], contact: ContactKey) -> bool {
+        kept.contains(&contact)
+    }
+
     /// v-f: the gap is at least −g. **A tie says yes.**
     #[inline(always)]
     fn vertex_face_depth<R: Real>(gap: R, penetration: R) -> bool {
@@ -171,11 +178,18 @@ pub trait Rules: 'static {
         edges
     }
 
-    /// One edge at a vertex passes a face plane: its unit direction rises, `u·n ≥ 0`, or dips by at most the angle so, or
-    /// (revised) its far end dips by at most g. **Ties say yes.**
+    /// One edge at a vertex passes a face plane: its unit direction rises, `u·n ≥ 0`, or dips within the tolerance. **A tie
+    /// says yes.**
     #[inline(always)]
     fn cone_passes<R: Real>(rise: R, length: R, t: &Tolerances<R>) -> bool {
-        rise >= R::ZERO || rise.abs() <= t.overlap_sine || (t.revised && Self::dip_is_short(rise.abs(), length, t))
+        rise >= R::ZERO || Self::dip_is_within(rise.abs(), length, t)
+    }
+
+    /// The tolerance of the no-overlap checks: something of this length dips by at most the angle so and, under revised, its
+    /// end by at most g as well. **Ties say yes.**
+    #[inline(always)]
+    fn dip_is_within<R: Real>(sine: R, length: R, t: &Tolerances<R>) -> bool {
+        sine <= t.overlap_sine && (!t.revised || Self::dip_is_short(sine, length, t))
     }
 
     /// Revised criteria: something of this length, dipping at this sine, dips by at most g. **A tie says yes.**
@@ -184,11 +198,17 @@ pub trait Rules: 'static {
         sine * length <= t.penetration
     }
 
-    /// Two edges are nearly parallel: the sine between them is at most sp, or (revised) the shorter one strays from the
-    /// longer one's direction by at most r. **Ties say yes.**
+    /// Two edges are nearly parallel: the sine between them is at most sp and, under revised, the shorter one strays from the
+    /// longer one's direction by at most r as well. **Ties say yes.**
     #[inline(always)]
     fn nearly_parallel<R: Real>(sine: R, length_a: R, length_b: R, t: &Tolerances<R>) -> bool {
-        sine <= t.parallel_sine || (t.revised && sine * length_a.smaller(length_b) <= t.territory)
+        sine <= t.parallel_sine && (!t.revised || Self::strays_little(sine, length_a, length_b, t))
+    }
+
+    /// Revised criteria: of two edges with this sine between them, the shorter one strays by at most r. **A tie says yes.**
+    #[inline(always)]
+    fn strays_little<R: Real>(sine: R, length_a: R, length_b: R, t: &Tolerances<R>) -> bool {
+        sine * length_a.smaller(length_b) <= t.territory
     }
 
     /// The foot of the common perpendicular, `along` the edge from its start, lies strictly inside it. **A tie says no.**
@@ -215,16 +235,56 @@ pub trait Rules: 'static {
         lean >= R::ZERO
     }
 
-    /// One of A's two faces at an edge rises from the plane, `n·m ≥ 0`, or dips within the tolerance. **Ties say yes.**
+    /// One of A's two faces at an edge rises from the plane, `n·m ≥ 0`, or dips within the tolerance. **A tie says yes.**
     #[inline(always)]
     fn wedge_of_a_passes<R: Real>(rise: R, width: R, t: &Tolerances<R>) -> bool {
-        rise >= R::ZERO || rise.abs() <= t.overlap_sine || (t.revised && Self::dip_is_short(rise.abs(), width, t))
+        rise >= R::ZERO || Self::dip_is_within(rise.abs(), width, t)
     }
 
-    /// One of B's two faces at an edge falls from the plane, `n·m ≤ 0`, or rises within the tolerance. **Ties say yes.**
+    /// One of B's two faces at an edge falls from the plane, `n·m ≤ 0`, or rises within the tolerance. **A tie says yes.**
     #[inline(always)]
     fn wedge_of_b_passes<R: Real>(rise: R, width: R, t: &Tolerances<R>) -> bool {
-        rise <= R::ZERO || rise.abs() <= t.overlap_sine || (t.revised && Self::dip_is_short(rise.abs(), width, t))
+        rise <= R::ZERO || Self::dip_is_within(rise.abs(), width, t)
+    }
+
+    /// True exit, cone: one edge at a vertex rises from a face plane, `u·n ≥ 0`, or its far end dips by at most r/10; under
+    /// classic whatever passes. **A tie says yes.**
+    #[inline(always)]
+    fn true_exit_of_cone<R: Real>(rise: R, length: R, t: &Tolerances<R>) -> bool {
+        !t.revised || rise >= R::ZERO || Self::true_exit_dip(rise.abs(), length, t)
+    }
+
+    /// True exit, wedges: one of A's two faces at an edge rises from the plane, `n·m ≥ 0`, or dips by at most r/10; under
+    /// classic whatever passes. **A tie says yes.**
+    #[inline(always)]
+    fn true_exit_of_wedge_a<R: Real>(rise: R, width: R, t: &Tolerances<R>) -> bool {
+        !t.revised || rise >= R::ZERO || Self::true_exit_dip(rise.abs(), width, t)
+    }
+
+    /// True exit, wedges: one of B's two faces at an edge falls from the plane, `n·m ≤ 0`, or rises by at most r/10; under
+    /// classic whatever passes. **A tie says yes.**
+    #[inline(always)]
+    fn true_exit_of_wedge_b<R: Real>(rise: R, width: R, t: &Tolerances<R>) -> bool {
+        !t.revised || rise <= R::ZERO || Self::true_exit_dip(rise.abs(), width, t)
+    }
+
+    /// Something of this length, dipping at this sine, dips by at most r/10. A product, because a tenth would round.
+    /// **A tie says yes.**
+    #[inline(always)]
+    fn true_exit_dip<R: Real>(sine: R, length: R, t: &Tolerances<R>) -> bool {
+        R::from_f64(10.0) * (sine * length) <= t.territory
+    }
+
+    /// Whether v-v and v-e take their entrance among true exits, where there is one.
+    #[inline(always)]
+    fn true_exits_before_others() -> bool {
+        true
+    }
+
+    /// Whether test 5 takes its one exit among true exits, where there is one.
+    #[inline(always)]
+    fn one_exit_is_true() -> bool {
+        true
     }
 
     /// The normal from B to A of a face of A: its outward normal reversed.

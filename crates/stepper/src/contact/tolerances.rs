@@ -20,7 +20,7 @@ pub struct Tolerances<R> {
     pub equal: R,
     /// Whether the revised criteria apply, not the classic ones.
     pub revised: bool,
-    /// No contact joins features farther apart than this: max(s, g), and a sixteenth more, so that rounding in
+    /// No contact that is not kept joins features farther apart than this: max(s, g), and a sixteenth more, so that rounding in
     /// culling never decides.
     pub reach: R,
 }

@@ -16,20 +16,26 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         let (at, face) = (self.solid(side).vertex(v).at, other.face(f));
         let asked = [Feature::Vertex(side, v), Feature::Face(side.other(), f)];
         let gap = face.normal.dot(at - face.point);
+        let kind = match side {
+            Side::A => ContactKind::VertexFace,
+            Side::B => ContactKind::FaceVertex,
+        };
+        let contact = a_first(side, asked[0], asked[1]);
         if !self.ask(Predicate::VertexFaceNear, &asked, M::vertex_face_near(gap, self.t.search))
-            || !self.ask(Predicate::VertexFaceDepth, &asked, M::vertex_face_depth(gap, self.t.penetration))
+            || !self.ask(Predicate::VertexFaceDepth, &asked, self.vertex_face_depth(gap, kind, contact))
             || !self.ask(Predicate::InsideFace, &asked, is_over_face::<R, M>(at, other, f))
             || self.belongs_to_rim(side, v, f)
             || !self.cone_passes(side, v, f)
         {
             return;
         }
-        let kind = match side {
-            Side::A => ContactKind::VertexFace,
-            Side::B => ContactKind::FaceVertex,
-        };
         let entrance = self.vertex_face_entrance(side, v, f);
-        self.record(kind, a_first(side, asked[0], asked[1]), entrance);
+        self.record(kind, contact, entrance);
+    }
+
+    /// Not too deep: the gap is at least −g, or the contact is kept.
+    fn vertex_face_depth(&self, gap: R, kind: ContactKind, contact: [Feature; 2]) -> bool {
+        M::vertex_face_depth(gap, self.t.penetration) || self.is_kept(kind, contact)
     }
 
     /// A vertex is in the territory of a vertex or an edge of the face.

@@ -1,133 +1,10 @@
-//! Steppers with one deliberate mistake each: what a campaign must be able to find.
-//!
-//! One implementation of the rules looks up at run time which mistake is planted, so that the stepper is compiled once and not
-//! once for each mistake.
+//! The rules with the mistake that is planted on this thread, one place for each rule.
 
-use Mistake::*;
-use rockproof_model::{Block, Contact, EntranceKind, Sign, ToleranceSet};
+use super::Mistake::*;
+use super::PLANTED;
+use rockproof_model::{ContactKey, EntranceKind, Sign};
 use rockproof_stepper::contact::{Rules, Spec, Tolerances};
-use rockproof_stepper::{Classifier, EngineError, Real, Stepper, Vector};
-use std::cell::Cell;
-
-macro_rules! mistakes {
-    ($($name:ident $slug:literal,)*) => {
-        /// What can be wrong.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        enum Mistake { $($name),* }
-
-        /// Every mistake by name, as a stepper that makes it.
-        pub(crate) fn all() -> Vec<(&'static str, Mistaken)> {
-            vec![$(($slug, Mistaken($name))),*]
-        }
-    };
-}
-
-mistakes! {
-    NeighboursStrict "neighbours: touching boxes do not meet",
-    NeighboursUngrown "neighbours: box not grown by s",
-    NoEdgeVertex "no e-v test",
-    NoFaceVertex "no f-v test",
-    AllVerticesConvex "convexity of vertices ignored",
-    AllEdgesConvex "convexity of edges ignored",
-    LambdaHalf "lambda is 1/2",
-    ClassicTerritory "classic territories have radius r",
-    VertexRadiusUnbounded "a vertex's territory ignores its shortest edge",
-    EdgeRadiusOfWiderFace "an edge's territory by its wider face",
-    EdgeRadiusOfLeftFace "an edge's territory by its left face alone",
-    LargerRadius "two vertices: the larger territory",
-    VertexVertexNearStrict "v-v: distance < s",
-    VertexVertexByTerritory "v-v: distance compared with s/2",
-    VertexTerritoryStrict "vertex territory: distance < radius",
-    VertexRegionFlipped "vertex region: sign flipped",
-    VertexRegionStrict "vertex region: strict",
-    OneRegion "v-v: only A's vertex in B's region",
-    RegionForgetsAnEdge "region of a vertex forgets its last edge",
-    FootInsideClosed "foot inside: ends count",
-    FootInsideHalf "foot inside: only the first end is checked",
-    VertexEdgeNearStrict "v-e: distance < s",
-    EdgeTerritoryStrict "edge territory: distance < radius",
-    EdgeRegionFlipped "edge region: sign flipped",
-    EdgeRegionStrict "edge region: strict",
-    FootRegionFlipped "foot region: sign flipped",
-    FootRegionStrict "foot region: strict",
-    EdgesBeforeEnds "v-e: territory of the edge's ends ignored",
-    VertexFaceNearStrict "v-f: gap < s",
-    VertexFaceDepthStrict "v-f: gap > -g",
-    VertexFaceNoDepth "v-f: no gap >= -g",
-    InsideFaceClosed "v-f: the rim counts as inside",
-    FacesBeforeVertices "v-f, e-e: territory of vertices ignored",
-    FacesBeforeEdges "v-f, e-e: territory of edges ignored",
-    ConeForgetsAnEdge "cone: the last edge at a vertex forgotten",
-    ConeFlipped "cone: sign flipped",
-    ConeWithoutAngle "cone: overlap angle ignored",
-    ConeStrict "cone: a tie of the overlap angle fails",
-    NoShortDip "revised no-overlap check forgets the length g",
-    ShortDipBySearch "revised no-overlap check compares with s",
-    ParallelStrict "nearly parallel: strict",
-    ParallelByAngleAlone "nearly parallel: revised length r forgotten",
-    ParallelByLongerEdge "nearly parallel: the longer edge",
-    FeetInsideClosed "e-e: feet at the ends count",
-    EdgeEdgeNearStrict "e-e: gap < s",
-    EdgeEdgeDepthStrict "e-e: gap > -g",
-    EdgeEdgeNoDepth "e-e: no gap >= -g",
-    SigmaTieNegative "sigma: a tie gives minus",
-    SigmaFlipped "sigma: sign flipped",
-    WedgeForgetsA "wedges: A's faces forgotten",
-    WedgeForgetsB "wedges: B's faces forgotten",
-    WedgeWithoutTolerance "wedges: no tolerance for A",
-    NormalNotNegated "f-v: normal not negated",
-    NoEdgeEntrances "v-v, v-e: no e-e entrances",
-    EdgeEntranceFirst "ties: e-e entrances first",
-    FaceVertexFirst "ties: f-v entrances before v-f",
-    SmallestGap "entrances and exits: the smallest gap wins",
-    EqualOnWrongSide "Eq. (1): above the largest gap",
-    EqualBySign "Eq. (1): without the absolute value",
-    EqualAbsolute "Eq. (1): absolute",
-    EqualStrict "Eq. (1): strict",
-    EntranceNoDepth "v-v, v-e: no gap >= -g",
-    EntranceDepthStrict "v-v, v-e: gap > -g",
-    GapSignFlipped "the sign of gaps flipped",
-    GapSignWithoutTie "a zero gap counts as apart",
-    TouchingOverlaps "exits: a zero gap counts as overlap",
-    NoShortestExit "no shortest exit",
-    ShortestExitAlways "shortest exit for two convex blocks",
-    ExitsNotJoined "shortest exit: faces never joined",
-    NoOneExit "no one exit",
-    OneExitForConcave "one exit for concave blocks",
-    OneExitEitherWay "one exit: either way round",
-    OneExitWithoutAngle "one exit: the angle forgotten",
-}
-
-thread_local! {
-    static PLANTED: Cell<Option<Mistake>> = const { Cell::new(None) };
-}
-
-/// The stepper with a mistake in it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Mistaken(Mistake);
-
-impl Mistaken {
-    fn planted<T>(self, work: impl FnOnce(&Stepper<MistakenRules>) -> T) -> T {
-        let before = PLANTED.replace(Some(self.0));
-        let result = work(&Stepper::new());
-        PLANTED.set(before);
-        result
-    }
-}
-
-impl Classifier for Mistaken {
-    fn f32(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError> {
-        self.planted(|stepper| stepper.f32(a, b, t))
-    }
-
-    fn f64(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError> {
-        self.planted(|stepper| stepper.f64(a, b, t))
-    }
-
-    fn wide(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<(Vec<Contact>, u64), EngineError> {
-        self.planted(|stepper| stepper.wide(a, b, t))
-    }
-}
+use rockproof_stepper::{Real, Vector};
 
 /// Methods of [`Rules`] by the mistakes they are wrong under; otherwise they are those of `$right`.
 macro_rules! wrong_under {
@@ -145,6 +22,11 @@ macro_rules! wrong_under {
     };
 }
 
+/// Version 1's reading of the revised tolerance: the angle or the length.
+fn either_measure<R: Real>(dip: R, length: R, t: &Tolerances<R>) -> bool {
+    dip <= R::ZERO || dip <= t.overlap_sine || (t.revised && dip * length <= t.penetration)
+}
+
 /// The rules that other rules are made of.
 struct MistakenParts;
 
@@ -154,23 +36,49 @@ impl Rules for MistakenParts {
         fn lambda<R>() -> R {
             LambdaHalf => R::from_f64(0.5)
         }
+        fn dip_is_within<R>(sine: R, length: R, t: &Tolerances<R>) -> bool {
+            DipStrict => sine < t.overlap_sine && (!t.revised || sine * length < t.penetration)
+            ClassicDipByBoth => sine <= t.overlap_sine && Self::dip_is_short(sine, length, t)
+        }
         fn dip_is_short<R>(sine: R, length: R, t: &Tolerances<R>) -> bool {
-            NoShortDip => false
-            ShortDipBySearch => sine * length <= t.search
+            DipByAngleAlone => true
+            DipBySearch => sine * length <= t.search
+        }
+        fn strays_little<R>(sine: R, length_a: R, length_b: R, t: &Tolerances<R>) -> bool {
+            ParallelByAngleAlone => true
+            ParallelByLongerEdge => sine * length_a.larger(length_b) <= t.territory
+        }
+        fn true_exit_dip<R>(sine: R, length: R, t: &Tolerances<R>) -> bool {
+            TrueExitWithoutTolerance => false
+            TrueExitByTerritory => sine * length <= t.territory
+            TrueExitStrict => R::from_f64(10.0) * (sine * length) < t.territory
+            TrueExitByAngle => sine <= t.overlap_sine
         }
     }
 }
 
 /// The rules with the mistake that is planted on this thread.
-struct MistakenRules;
+pub(super) struct MistakenRules;
 
 impl Rules for MistakenRules {
     fn lambda<R: Real>() -> R {
         MistakenParts::lambda()
     }
 
+    fn dip_is_within<R: Real>(sine: R, length: R, t: &Tolerances<R>) -> bool {
+        MistakenParts::dip_is_within(sine, length, t)
+    }
+
     fn dip_is_short<R: Real>(sine: R, length: R, t: &Tolerances<R>) -> bool {
         MistakenParts::dip_is_short(sine, length, t)
+    }
+
+    fn strays_little<R: Real>(sine: R, length_a: R, length_b: R, t: &Tolerances<R>) -> bool {
+        MistakenParts::strays_little(sine, length_a, length_b, t)
+    }
+
+    fn true_exit_dip<R: Real>(sine: R, length: R, t: &Tolerances<R>) -> bool {
+        MistakenParts::true_exit_dip(sine, length, t)
     }
 
     wrong_under! {
@@ -268,20 +176,20 @@ impl Rules for MistakenRules {
             RegionForgetsAnEdge => &edges[..edges.len() - 1]
         }
         fn cone_passes<R>(rise: R, length: R, t: &Tolerances<R>) -> bool {
-            ConeFlipped => {
-                rise <= R::ZERO || rise.abs() <= t.overlap_sine || (t.revised && Self::dip_is_short(rise.abs(), length, t))
-            }
+            ConeFlipped => rise <= R::ZERO || Self::dip_is_within(rise.abs(), length, t)
             ConeWithoutAngle => rise >= R::ZERO || (t.revised && Self::dip_is_short(rise.abs(), length, t))
-            ConeStrict => {
-                rise > R::ZERO || rise.abs() < t.overlap_sine || (t.revised && Self::dip_is_short(rise.abs(), length, t))
-            }
+            ConeStrict => rise > R::ZERO || rise.abs() < t.overlap_sine && (!t.revised || rise.abs() * length < t.penetration)
+            ConeEitherMeasure => either_measure(-rise, length, t)
         }
         fn nearly_parallel<R>(sine: R, length_a: R, length_b: R, t: &Tolerances<R>) -> bool {
-            ParallelStrict => sine < t.parallel_sine || (t.revised && sine * length_a.smaller(length_b) < t.territory)
-            ParallelByAngleAlone => sine <= t.parallel_sine
-            ParallelByLongerEdge => {
-                sine <= t.parallel_sine || (t.revised && sine * length_a.larger(length_b) <= t.territory)
+            ParallelStrict => {
+                sine < t.parallel_sine && (!t.revised || sine * length_a.smaller(length_b) < t.territory)
             }
+            ParallelByLengthAlone => t.revised && Self::strays_little(sine, length_a, length_b, t)
+            ParallelEitherMeasure => {
+                sine <= t.parallel_sine || (t.revised && Self::strays_little(sine, length_a, length_b, t))
+            }
+            ClassicParallelByBoth => sine <= t.parallel_sine && Self::strays_little(sine, length_a, length_b, t)
         }
         fn feet_inside<R>(along: R, length: R) -> bool {
             FeetInsideClosed => along >= R::ZERO && along <= length
@@ -300,9 +208,35 @@ impl Rules for MistakenRules {
         fn wedge_of_a_passes<R>(rise: R, width: R, t: &Tolerances<R>) -> bool {
             WedgeForgetsA => true
             WedgeWithoutTolerance => rise >= R::ZERO
+            WedgeAEitherMeasure => either_measure(-rise, width, t)
         }
         fn wedge_of_b_passes<R>(rise: R, width: R, t: &Tolerances<R>) -> bool {
             WedgeForgetsB => true
+            WedgeBEitherMeasure => either_measure(rise, width, t)
+        }
+        fn true_exit_of_cone<R>(rise: R, length: R, t: &Tolerances<R>) -> bool {
+            TrueExitFlipped => !t.revised || rise <= R::ZERO || Self::true_exit_dip(rise.abs(), length, t)
+            TrueExitForgetsCone => true
+            ClassicTrueExits => rise >= R::ZERO || Self::true_exit_dip(rise.abs(), length, t)
+        }
+        fn true_exit_of_wedge_a<R>(rise: R, width: R, t: &Tolerances<R>) -> bool {
+            TrueExitForgetsA => true
+        }
+        fn true_exit_of_wedge_b<R>(rise: R, width: R, t: &Tolerances<R>) -> bool {
+            TrueExitForgetsB => true
+        }
+        fn true_exits_before_others() -> bool {
+            EntranceOfAll => false
+        }
+        fn one_exit_is_true() -> bool {
+            OneExitOfAll => false
+        }
+        fn is_kept(kept: &[ContactKey], contact: ContactKey) -> bool {
+            KeptIgnored => false
+            KeptAll => !kept.is_empty()
+            KeptByFeatures => kept.iter().any(|k| (k.a, k.b) == (contact.a, contact.b))
+            KeptByKind => kept.iter().any(|k| k.kind == contact.kind)
+            KeptByFeatureOfA => kept.iter().any(|k| (k.kind, k.a) == (contact.kind, contact.a))
         }
         fn normal_of_a<R>(outward: Vector<R>) -> Vector<R> {
             NormalNotNegated => outward

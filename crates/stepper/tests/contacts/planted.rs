@@ -1,11 +1,9 @@
 //! No deliberate mistake is dead: each changes an answer on one of the pairs constructed here.
 
-#[path = "support/mistakes.rs"]
-mod mistakes;
-#[path = "support/stepper_pairs.rs"]
-mod pairs;
-
-use pairs::{classic, corner_block, cuboid, keel, n, prism, ridge, spike, tetrahedron, tolerances, turned_cuboid};
+use crate::mistakes;
+use crate::pairs::{
+    classic, corner_block, cuboid, keel, n, prism, ridge, spike, tetrahedron, tolerances, turned_cuboid,
+};
 use rockproof_model::{Block, ToleranceSet};
 use rockproof_stepper::contact::Spec;
 use rockproof_stepper::{Classifier, Stepper};

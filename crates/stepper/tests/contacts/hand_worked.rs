@@ -3,10 +3,7 @@
 //!
 //! Tolerances unless said otherwise: s = 1/8, r = 1/64, g = 1/16, so = sp = 3/64, ε = 2⁻²⁰, revised.
 
-#[path = "support/stepper_pairs.rs"]
-mod pairs;
-
-use pairs::{classic, corner_block, cuboid, keel, n, prism, ridge, show, spike, tetrahedron, tolerances};
+use crate::pairs::{classic, corner_block, cuboid, keel, n, prism, ridge, show, spike, tetrahedron, tolerances};
 use rockproof_model::{Block, ToleranceSet};
 use rockproof_stepper::contact::Spec;
 use rockproof_stepper::{Classifier, Stepper};

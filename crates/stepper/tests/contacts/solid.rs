@@ -1,9 +1,6 @@
 //! Preparation, boxes, traces and errors of the stepper.
 
-#[path = "support/stepper_pairs.rs"]
-mod pairs;
-
-use pairs::{block, cuboid, n, spike, tolerances};
+use crate::pairs::{self, block, cuboid, n, spike, tolerances};
 use proptest::prelude::*;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Block, ToleranceSet};

@@ -1,30 +1,15 @@
 //! The stepper on the golden pairs, whose contacts an independent exact implementation of SPEC section 4 worked out.
-//! In the wide scalar every pair must agree whose comparisons were all settled. Caught: two contacts that the golden
-//! file lacks in `qpar_004`.
+//! In the wide scalar every pair must agree whose comparisons were all settled.
 
-#[path = "support/stepper_pairs.rs"]
-mod pairs;
-
+use crate::pairs::{self, GoldenPair, show};
 use num_rational::BigRational;
-use pairs::{GoldenPair, show};
 use rockproof_model::lattice::Lattice;
 use rockproof_model::{Block, Contact, Number};
 use rockproof_stepper::contact::Spec;
 use rockproof_stepper::{Classifier, Found, Real, Solid, Stepper, Tolerances, Wide, classify, wide};
 
-/// `qpar_004` lacks two contacts. Worked out in fractions from its coordinates, with s = 1/10 and so = 3/64:
-///
-/// - f-v 4 1: h = 0.0956 ≤ s; vertex 1 of B is 0.90, 2.29, 0.097 and 0.71 inside the edges of A's face 4, more than r = 1/50
-///   from all of them; its edges rise at sines −0.0331 (within so), 0.9995 and 0.0005.
-/// - e-e 11 4: the feet are at 0.24 and 0.10 of the edges, h = 0.0957 ≤ s, no end within r; n·m is 1.0 and −0.0005 for A,
-///   0.0331 and −0.9995 for B, so the two on the wrong side are within so.
 fn expected(pair: &GoldenPair) -> Vec<String> {
-    let mut contacts: Vec<_> = pair.contacts.iter().map(show).collect();
-    if pair.name == "qpar_004" {
-        contacts.insert(1, "f-v 4 1 f-v 4 1 +1".to_owned());
-        contacts.push("e-e 11 4 e-e 11 4 +1".to_owned());
-    }
-    contacts
+    pair.contacts.iter().map(show).collect()
 }
 
 fn shown(contacts: &[Contact]) -> Vec<String> {
@@ -72,6 +57,7 @@ fn wide_agrees_wherever_all_comparisons_were_settled() {
     let pairs = pairs::golden();
     assert_eq!(pairs.len(), 180);
     let (settled, differing) = run_wide(&pairs, true);
+    eprintln!("settled {settled} of 180");
     assert!(differing.is_empty(), "{differing:?}");
     assert!(settled >= 116, "only {settled} of 180 pairs settled");
 }
@@ -82,8 +68,9 @@ fn on_a_lattice_more_is_settled_and_nothing_else_changes() {
     // them are exact in 512 bits, and so are more of the ties.
     let pairs: Vec<_> = pairs::golden().into_iter().map(on_lattice).collect();
     let (settled, differing) = run_wide(&pairs, false);
+    eprintln!("settled {settled} of 180 on a lattice");
     assert!(differing.is_empty(), "{differing:?}");
-    assert!(settled >= 171, "only {settled} of 180 pairs settled");
+    assert!(settled >= 168, "only {settled} of 180 pairs settled");
 }
 
 fn on_lattice(mut pair: GoldenPair) -> GoldenPair {
@@ -110,7 +97,7 @@ fn f64_and_f32_agree_with_most() {
     }
     eprintln!("f64 agrees on {}, f32 on {} of 180", agree[0], agree[1]);
     // IEEE arithmetic gives the same answers everywhere; what is missing are ties and coordinates that round.
-    assert!(agree[0] >= 167 && agree[1] >= 151, "{agree:?}");
+    assert!(agree[0] >= 172 && agree[1] >= 152, "{agree:?}");
 }
 
 #[test]
