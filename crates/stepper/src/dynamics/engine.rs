@@ -235,7 +235,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             let [a, b] = pair.map(|block| &self.solids[block as usize]);
             let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
             let kept: Vec<ContactKey> =
-                old.iter().filter(|c| M::is_kept(c.mode)).map(|c| c.contact.key()).collect();
+                old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key()).collect();
             let found = classify_keeping::<R, M>(a, b, &self.setup.tolerances, &kept);
             let contacts: Vec<Contact> = found.into_iter().map(|found| found.contact).collect();
             self.of_pair(pair, &contacts)

@@ -107,7 +107,7 @@ pub trait StepRules: Rules {
     }
 
     /// Which contacts of the step before the classification keeps, by the mode with which they go on: those that are closed.
-    fn is_kept(mode: Mode) -> bool {
+    fn leaves_kept(mode: Mode) -> bool {
         mode.is_closed()
     }
 

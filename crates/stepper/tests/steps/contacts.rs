@@ -1,6 +1,6 @@
 //! e-e contacts, what a contact carries from step to step, islands.
 
-use super::support::{begin, cube, cuboid, floor, n, near, run, scene, v, weightless};
+use crate::support::{begin, cube, cuboid, floor, n, near, run, scene, v, weightless};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::{Block, BlockOptions, ContactKind, Motion, Number, Scene, Vec3};
 use rockproof_stepper::dynamics::{Dynamics, Mode};

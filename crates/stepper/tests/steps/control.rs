@@ -1,6 +1,6 @@
 //! Step control at its edges: limits that are just met, retries, the smallest Δt, and what is left when a run stops.
 
-use super::support::{begin, cube, floor, n, scene, tolerances, v, weightless};
+use crate::support::{begin, cube, floor, n, scene, tolerances, v, weightless};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::simulation::Unconverged;
 use rockproof_model::{Block, BlockOptions, Motion, Scene, ToleranceSet};

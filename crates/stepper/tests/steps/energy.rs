@@ -18,7 +18,7 @@
 //!
 //! The bound: E' − E ≤ J + L, and rounding.
 
-use super::support::{begin, cube, cuboid, floor, n, scene, v};
+use crate::support::{begin, cube, cuboid, floor, n, scene, v};
 use rockproof_model::{Motion, Scene};
 use rockproof_stepper::Vector;
 use rockproof_stepper::dynamics::displacement::{Twelve, displacement, generalized};

@@ -3,19 +3,18 @@
 //!
 //! Caught: version 1 let the block that is set moving slide 0.01 m at Δt = 10 ms, and took 21.6 solves a step for the wall.
 
-use super::support::{beginning, cube, cuboid, floor, n, near, scene, v};
+use crate::support::{beginning, cuboid, floor, n, near, scene, v};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::{Block, Motion, Number, Precision, Scene, ToleranceSpec, Vec3};
-use rockproof_stepper::Real;
-use rockproof_stepper::contact::Rules;
+use rockproof_stepper::contact::{Rules, Spec};
 use rockproof_stepper::dynamics::{Dynamics, Mode, StepRules};
 
 #[test]
 fn a_block_that_is_set_moving_slides_as_far_at_every_time_step() {
-    // v²/2μg = 4/(2·3/5·10) m.
+    // v²/2μg = 4/(2·3/5·10) m. The slab is flat: a cube tips onto its front edge, and lifts off where small steps damp nothing.
     for motion in [Motion::Rigid, Motion::Deformable] {
-        for (time_step, tolerance) in [("1/5000", 1e-3), ("1/2000", 1e-3), ("1/500", 1e-3), ("1/200", 1e-3), ("1/100", 1e-3)] {
-            let mut scene = scene(vec![floor(), cuboid("one", ["0", "0", "0"], ["1", "1", "1"], motion)]);
+        for time_step in ["1/5000", "1/2000", "1/1000", "1/500", "1/200", "1/100"] {
+            let mut scene = scene(vec![floor(), cuboid("slab", ["0", "0", "0"], ["1", "1", "1/4"], motion)]);
             scene.blocks[1].body.velocity = v("2", "0", "0");
             scene.simulation.joints.other.friction = n("3/5");
             scene.simulation.control.time_step = n(time_step);
@@ -26,15 +25,12 @@ fn a_block_that_is_set_moving_slides_as_far_at_every_time_step() {
                 dynamics.step().unwrap();
             }
             let begun = dynamics.centroid(1).x;
-            let mut solves = 0;
-            let mut steps = 0;
             while dynamics.state().time < 0.5 {
-                solves += dynamics.step().unwrap().iterations;
-                steps += 1;
+                dynamics.step().unwrap();
             }
             let slid = dynamics.centroid(1).x - begun;
-            println!("{motion:?}, {time_step} s: {slid} m in {steps} steps of {} solves", f64::from(solves) / f64::from(steps));
-            near(slid, 1.0 / 3.0, tolerance);
+            println!("{motion:?}, {time_step} s: {slid} m");
+            near(slid, 1.0 / 3.0, 3e-4);
         }
     }
 }
@@ -45,7 +41,7 @@ struct Forgets;
 impl Rules for Forgets {}
 
 impl StepRules for Forgets {
-    fn is_kept(_: Mode) -> bool {
+    fn leaves_kept(_: Mode) -> bool {
         false
     }
 }
@@ -70,7 +66,7 @@ fn soft<M: StepRules>() -> f64 {
 #[test]
 fn a_soft_cube_stays_above_the_floor() {
     // It sinks v/√(4p/m) = 0.045 m, more than is recorded of contacts that nothing keeps, 0.01 m.
-    let lowest = soft::<rockproof_stepper::contact::Spec>();
+    let lowest = soft::<Spec>();
     assert!((0.5 - 0.046..0.5 - 0.03).contains(&lowest), "{lowest}");
     // Without the rule it falls through.
     let lowest = soft::<Forgets>();

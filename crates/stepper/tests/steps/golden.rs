@@ -200,7 +200,7 @@ fn f64_decides_as_the_file_does_to_rounding() {
                 assert!(off <= 1.0, "{name}: {off}");
             }
             Err(other) => {
-                println!("{name}: {other:#?}");
+                println!("{name}, step {}: {:#?}\nfor {:#?}", other.step, other.found, other.expected);
                 otherwise.push((name.to_owned(), other.step));
             }
         }
@@ -234,7 +234,7 @@ fn the_wide_scalar_reproduces_the_file() {
         } else {
             made
         };
-        let off = made.unwrap_or_else(|other| panic!("{name}: {other:#?}"));
+        let off = made.unwrap_or_else(|other| panic!("{name}, step {}: {:#?}\nfor {:#?}", other.step, other.found, other.expected));
         println!("{name}: {off:.1e} of what is allowed, {unsettled} comparisons unsettled");
         assert!(off <= 1.0, "{name}: {off}");
         assert!(unsettled > 0 || !tie, "{name}: f64 decides otherwise, and no comparison is a tie");

@@ -2,7 +2,7 @@
 //!
 //! Without contacts a step is d = vΔt + FΔt²/2m and v' = v + FΔt/m with the force F at its end.
 
-use super::support::{begin, cube, load, n, near, run, scene, tolerances, v, weightless};
+use crate::support::{begin, cube, load, n, near, run, scene, tolerances, v, weightless};
 use rockproof_model::simulation::{FixedPoint, MeasuredPoint};
 use rockproof_model::{Motion, Scene};
 use rockproof_stepper::dynamics::Dynamics;

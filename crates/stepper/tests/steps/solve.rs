@@ -1,6 +1,6 @@
 //! The sparse solution against the dense one.
 
-use super::support::{cuboid, floor, near, run, scene};
+use crate::support::{cuboid, floor, near, run, scene};
 use rockproof_model::Motion;
 use rockproof_stepper::dynamics::order::{Graph, elimination_order};
 use rockproof_stepper::dynamics::pattern::Pattern;

@@ -1,6 +1,6 @@
 //! Cohesion and tensile strength on the area in which two faces overlap.
 
-use super::support::{cube, cuboid, floor, load, n, near, run, scene, v};
+use crate::support::{cube, cuboid, floor, load, n, near, run, scene, v};
 use rockproof_model::{Motion, Scene};
 use rockproof_stepper::dynamics::Mode;
 
