@@ -20,13 +20,13 @@ use serde_json::Value;
 use std::path::Path;
 
 /// The scenes of the file.
-fn golden() -> Vec<Value> {
+pub(crate) fn golden() -> Vec<Value> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/golden/golden_steps.json");
     let text = std::fs::read_to_string(file).unwrap();
     serde_json::from_str(&text).unwrap()
 }
 
-fn text(value: &Value) -> &str {
+pub(crate) fn text(value: &Value) -> &str {
     value.as_str().unwrap()
 }
 
@@ -42,7 +42,7 @@ fn begin<R: Solve, M: StepRules>(scene: &Value) -> Dynamics<R, M> {
 }
 
 /// Everything that a step decides, in words.
-fn decided<R: Solve, M: StepRules>(dynamics: &Dynamics<R, M>, report: &StepReport) -> Vec<String> {
+pub(crate) fn decided<R: Solve, M: StepRules>(dynamics: &Dynamics<R, M>, report: &StepReport) -> Vec<String> {
     let attempts = dynamics.modes();
     let mut words = vec![format!("step {} in {} solves, converged {}", report.step, report.iterations, report.converged)];
     for (retry, modes) in report.retries.iter().zip(attempts) {
@@ -95,7 +95,7 @@ fn expected(step: &Value) -> Vec<String> {
 
 /// How far numbers may be from those of the file.
 #[derive(Clone, Copy)]
-struct Limits {
+pub(crate) struct Limits {
     /// Of Δt, gaps and coordinates (s, m), and of those above 1 relative to them.
     length: f64,
     /// Of gaps, relative to them: the file has 20 digits.
@@ -105,7 +105,7 @@ struct Limits {
 }
 
 /// To rounding: 2⁻⁵³ = 1.1e-16, which a step of 1/128 s and stiff springs magnify. A rate is a length over half of Δt.
-const F64: Limits = Limits { length: 1e-12, gap: 0.0, rate: 1e-10 };
+pub(crate) const F64: Limits = Limits { length: 1e-12, gap: 0.0, rate: 1e-10 };
 const WIDE: Limits = Limits { length: 1e-27, gap: 1e-19, rate: 1e-27 };
 
 /// How far a number is from that of the file, as a part of what is allowed: of `limit`, of `limit` times a value above 1, and of
@@ -149,21 +149,25 @@ fn deviation<R: Solve, M: StepRules>(dynamics: &Dynamics<R, M>, report: &StepRep
 
 /// Where a scene is first decided otherwise.
 #[derive(Debug)]
-struct Otherwise {
-    step: i64,
+pub(crate) struct Otherwise {
+    pub(crate) step: i64,
     found: Vec<String>,
     expected: Vec<String>,
 }
 
 /// Runs a scene: the largest deviation as a part of what is allowed, or the first step that decides otherwise.
-fn run<R: Solve, M: StepRules>(scene: &Value, limits: Limits) -> Result<f64, Otherwise> {
+pub(crate) fn run<R: Solve, M: StepRules>(scene: &Value, limits: Limits) -> Result<f64, Otherwise> {
     let mut dynamics = begin::<R, M>(scene);
     let mut most = 0.0f64;
     for step in list(&scene["steps"]) {
-        let report = dynamics.step().unwrap_or_else(|stopped| panic!("{}: {stopped}", scene["name"]));
-        let (found, expected) = (decided(&dynamics, &report), expected(step));
+        let (number, expected) = (step["step"].as_i64().unwrap(), expected(step));
+        let report = match dynamics.step() {
+            Ok(report) => report,
+            Err(stopped) => return Err(Otherwise { step: number, found: vec![stopped.to_string()], expected }),
+        };
+        let found = decided(&dynamics, &report);
         if found != expected {
-            return Err(Otherwise { step: report.step, found, expected });
+            return Err(Otherwise { step: number, found, expected });
         }
         most = most.max(deviation(&dynamics, &report, step, limits));
     }
