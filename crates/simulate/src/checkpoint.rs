@@ -1,7 +1,7 @@
 //! A state as text, from which a run goes on to the same bits.
 
-use rockproof_model::{Contact, ContactKind, Entrance, EntranceKind, Sign};
 use crate::exact::Exact;
+use rockproof_model::{Contact, ContactKind, Entrance, EntranceKind, Sign};
 use rockproof_stepper::dynamics::{BlockState, ContactState, Mode, State};
 use rockproof_stepper::{Real, Vector};
 use serde::{Deserialize, Serialize};
@@ -66,7 +66,17 @@ pub enum NoState {
 impl Saved {
     /// The state as it is.
     pub fn of<R: Real>(state: &State<R>) -> Saved {
-        let State { step, time, settling, last_time_step, blocks, load_points, fixed_points, measured_points, contacts } = state;
+        let State {
+            step,
+            time,
+            settling,
+            last_time_step,
+            blocks,
+            load_points,
+            fixed_points,
+            measured_points,
+            contacts,
+        } = state;
         let triples = |points: &[Vector<R>]| points.iter().map(|p| triple(*p)).collect();
         let block = |BlockState { vertices, velocity, stress }: &BlockState<R>| SavedBlock {
             vertices: triples(vertices),

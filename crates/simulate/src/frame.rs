@@ -1,7 +1,7 @@
 //! A state as pictures: the blocks, and the contacts as points.
 
-use rockproof_model::{Scene, Topology};
 use crate::vtu::{Array, Cells, Grid, Polyhedra, SCALAR, VECTOR};
+use rockproof_model::{Scene, Topology};
 use rockproof_stepper::dynamics::{ContactState, State};
 use rockproof_stepper::{Real, Vector};
 

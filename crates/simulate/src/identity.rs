@@ -1,8 +1,8 @@
 //! What must be the same for a run to go on.
 
+use crate::Plan;
 use rockproof_model::scene::write_toml;
 use rockproof_model::{Scene, SpecError, ToleranceSet, ToleranceSpec};
-use crate::Plan;
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 

@@ -4,13 +4,13 @@
 //! step: the state, how long each table is, which frames there are. What came after the last such step is cut off on
 //! resuming and made again, byte for byte, because it depends on scene and state alone.
 
-use rockproof_results::identity_differences;
-use rockproof_model::files::write_atomically;
 use crate::checkpoint::Saved;
 use crate::exact::Exact;
 use crate::identity::digest;
 use crate::totals::Totals;
 use crate::vtu;
+use rockproof_model::files::write_atomically;
+use rockproof_results::identity_differences;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -455,7 +455,10 @@ mod tests {
         let old = format!("{}{}", &old[..start], &old[end..]);
         assert_eq!(Checkpoint::read(&old).err().as_deref(), Some("it is of form 1, this program goes on from form 2"));
         let later = text.replacen("\"form\":2", "\"form\":3", 1);
-        assert_eq!(Checkpoint::read(&later).err().as_deref(), Some("it is of form 3, this program goes on from form 2"));
+        assert_eq!(
+            Checkpoint::read(&later).err().as_deref(),
+            Some("it is of form 3, this program goes on from form 2")
+        );
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! The run itself: step after step, each one written, until the plan is done, somebody asks to stop, or nothing goes on.
 
-use rockproof_model::Scene;
 use crate::checkpoint::Saved;
 use crate::exact::Exact;
 use crate::record::{Frame, Record, RecordError, Table};
 use crate::{Plan, frame, tables, vtu};
+use rockproof_model::Scene;
 use rockproof_stepper::Real;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport, StepRules, Stopped};
 use serde_json::{Map, Value, json};

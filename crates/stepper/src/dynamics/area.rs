@@ -1,7 +1,5 @@
 //! The area on which a contact's cohesion and tensile strength act: its share of the overlap of its two faces.
 
-use rockproof_model::Contact;
-use rockproof_model::EntranceKind;
 use crate::contact::Solid;
 use crate::dynamics::contact::Active;
 use crate::dynamics::material::Joint;
@@ -9,6 +7,8 @@ use crate::dynamics::plane::Plane;
 use crate::dynamics::solve::Solve;
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::Contact;
+use rockproof_model::EntranceKind;
 
 /// Gives the contacts of a pair their shares of the areas in which the pair's faces overlap.
 pub(super) fn share<R: Solve>(active: &mut [Active<R>], solids: [&Solid<R>; 2], joint: &Joint<R>, overlap_sine: R) {

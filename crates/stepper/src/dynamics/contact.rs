@@ -1,6 +1,5 @@
 //! A contact within a step: its springs, and what the last solve says of it (SPEC section 5).
 
-use rockproof_model::Contact;
 use crate::dynamics::displacement::{Twelve, displacement, dot, generalized};
 use crate::dynamics::friction::{Friction, Settling};
 use crate::dynamics::material::Joint;
@@ -10,6 +9,7 @@ use crate::dynamics::setup::Limits;
 use crate::dynamics::state::{ContactState, Mode};
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::Contact;
 
 /// A contact of the step in work. What is called i and j is as in SPEC: i enters, j holds the entrance's face.
 #[derive(Clone, Debug)]

@@ -20,7 +20,12 @@ pub(super) struct Accepted<R> {
 
 impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// Tries until an attempt is good (SPEC section 5, step control).
-    pub(super) fn attempts(&mut self, contacts: &mut [Active<R>], number: i64, settling: bool) -> Result<Accepted<R>, Stopped> {
+    pub(super) fn attempts(
+        &mut self,
+        contacts: &mut [Active<R>],
+        number: i64,
+        settling: bool,
+    ) -> Result<Accepted<R>, Stopped> {
         let full = self.setup.control.time_step;
         let smallest = M::smallest(full);
         let mut time_step = M::first_time_step(full, self.state.last_time_step);

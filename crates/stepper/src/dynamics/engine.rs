@@ -3,7 +3,6 @@
 #[cfg(test)]
 mod tests;
 
-use rockproof_model::{Block, Contact, ContactKey, Scene, ToleranceSet};
 use crate::contact::{Solid, Spec, classify_keeping};
 use crate::dynamics::area;
 use crate::dynamics::contact::{Active, Now};
@@ -22,6 +21,7 @@ use crate::dynamics::transfer;
 use crate::real::Real;
 use crate::vector::Vector;
 use rayon::prelude::*;
+use rockproof_model::{Block, Contact, ContactKey, Scene, ToleranceSet};
 use std::marker::PhantomData;
 use std::time::{Duration, Instant};
 
@@ -152,6 +152,9 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         ];
         if let Some((what, found, expected)) = fits.into_iter().find(|(_, found, expected)| found != expected) {
             return Err(SetupError::Mismatch { what, found, expected });
+        }
+        if let Some(contact) = state.contacts.iter().position(|contact| !self.setup.has(contact)) {
+            return Err(SetupError::NoSuchContact { contact });
         }
         let Prepared { solids, moments } = Prepared::new(&self.setup.blocks, &state.blocks)?;
         (self.state, self.solids, self.moments) = (state, solids, moments);

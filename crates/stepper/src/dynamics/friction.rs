@@ -26,11 +26,7 @@ impl<R: Real> Friction<R> {
         if !R::ZERO.below(length) {
             return Friction::NONE;
         }
-        Friction {
-            force: slip * secant,
-            spring: M::spring_across(secant, shear),
-            across: normal.cross(slip / length),
-        }
+        Friction { force: slip * secant, spring: M::spring_across(secant, shear), across: normal.cross(slip / length) }
     }
 
     /// Whether the spring bears on the matrix.

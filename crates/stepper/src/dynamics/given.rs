@@ -1,6 +1,5 @@
 //! A step that is told its contacts, or its modes, instead of finding them out: to see what a wrong one does.
 
-use rockproof_model::Contact;
 use crate::dynamics::attempt::Iteration;
 use crate::dynamics::contact::Active;
 use crate::dynamics::control::Accepted;
@@ -10,6 +9,7 @@ use crate::dynamics::report::Stopped;
 use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::Mode;
+use rockproof_model::Contact;
 
 /// What a step is told.
 #[derive(Clone, Copy, Debug)]

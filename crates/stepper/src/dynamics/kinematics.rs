@@ -1,9 +1,9 @@
 //! How a step's unknowns move the points of a block (SPEC section 5).
 
-use rockproof_model::simulation::Kinematics;
 use crate::dynamics::displacement::{Twelve, displacement};
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::simulation::Kinematics;
 
 /// The affine map of one block and step.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! What blocks and contacts are made of, in the stepper's precision.
 
-use rockproof_model::Number;
-use rockproof_model::simulation::{JointProperties, Material};
 use crate::dynamics::setup::{SetupError, near};
 use crate::real::Real;
+use rockproof_model::Number;
+use rockproof_model::simulation::{JointProperties, Material};
 
 /// An isotropic elastic material: Hooke's law with two numbers for the normal and one for the shear strains.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,9 @@
 //! Mass moments of a polyhedron by simplex integration, and the block matrices they make (SPEC section 5).
 
-use rockproof_model::Topology;
 use crate::dynamics::displacement::Twelve;
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::Topology;
 
 /// A symmetric or general matrix of a block.
 pub type Matrix<R> = [Twelve<R>; 12];

@@ -1,9 +1,9 @@
 //! Where a contact acts and along which normal: the plane of its entrance.
 
-use rockproof_model::{Entrance, EntranceKind};
 use crate::contact::{Rules, Solid};
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::{Entrance, EntranceKind};
 
 /// A contact's entrance at the start of a step.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! What a step says of itself.
 
-use rockproof_model::ContactKind;
 use crate::dynamics::state::Mode;
+use rockproof_model::ContactKind;
 use std::time::Duration;
 
 /// One accepted step. Numbers in SI units, as f64 whatever the stepper's scalar.

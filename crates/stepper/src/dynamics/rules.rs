@@ -2,10 +2,10 @@
 //!
 //! As in [`crate::contact::rules`], the trait exists so that a test can plant one deliberate mistake at a time.
 
-use rockproof_model::simulation::Control;
 use crate::contact::{Rules, Spec};
 use crate::dynamics::state::Mode;
 use crate::real::Real;
+use rockproof_model::simulation::Control;
 
 /// What a closed contact bears across its normal.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,8 @@
 //! The state between two steps: all that the next step needs, and all that a checkpoint keeps.
 
-use rockproof_model::{Contact, ContactKind, Entrance};
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_model::{Contact, ContactKind, Entrance};
 
 /// Everything that changes from step to step.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,10 +3,12 @@
 use crate::support::{begin, cube, floor, n, scene, tolerances, v, weightless};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::simulation::Unconverged;
-use rockproof_model::{Block, BlockOptions, Motion, Scene, ToleranceSet};
+use rockproof_model::{Block, BlockOptions, ContactKind, Motion, Scene, ToleranceSet};
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::Rules;
-use rockproof_stepper::dynamics::{Dynamics, Mode, RetryReason, StepReport, StepRules, Stopped};
+use rockproof_stepper::dynamics::{
+    ContactState, Dynamics, Mode, RetryReason, SetupError, StepReport, StepRules, Stopped,
+};
 
 /// A cube that flies at this speed, with Δt = 1/128 s, so that a limit of 1/16 m is 8 m/s. Everything is a power of two, and exact.
 fn flying(speed: &str) -> Scene {
@@ -137,7 +139,8 @@ impl StepRules for Restless {
 #[test]
 fn the_seventh_solve_in_which_no_mode_changes_ends_the_iteration() {
     // A cube at rest on the floor stays locked; friction is what keeps the iteration from ending with the first solve.
-    let mut dynamics: Dynamics<f64, Restless> = Dynamics::with_rules(&scene(vec![floor(), cube()]), &tolerances()).unwrap();
+    let mut dynamics: Dynamics<f64, Restless> =
+        Dynamics::with_rules(&scene(vec![floor(), cube()]), &tolerances()).unwrap();
     let report = dynamics.step().unwrap();
     assert_eq!((report.iterations, report.converged), (7, true));
     assert!(report.retries.is_empty());
@@ -253,4 +256,24 @@ fn friction_of_the_solve_before_makes_an_impact_open_and_close_for_ever() {
     let report = dynamics.step().unwrap();
     assert!(report.retries.is_empty() && report.iterations == 2, "{report:?}");
     assert_eq!(dynamics.state().contacts[0].mode, Sliding);
+}
+
+#[test]
+fn a_state_with_a_contact_that_the_scene_cannot_have_is_refused() {
+    let mut dynamics = begin::<f64>(&scene(vec![floor(), cube()]));
+    dynamics.step().unwrap();
+    let good = dynamics.state().clone();
+    assert_eq!(good.contacts[3].contact.kind, ContactKind::FaceVertex);
+    let wrong: [fn(&mut ContactState<f64>); 4] = [
+        |contact| contact.blocks = [0, 2],
+        |contact| contact.blocks = [1, 0],
+        |contact| contact.contact.a = 6,
+        |contact| contact.contact.b = 8,
+    ];
+    for change in wrong {
+        let mut state = good.clone();
+        change(&mut state.contacts[3]);
+        assert_eq!(dynamics.restore(state), Err(SetupError::NoSuchContact { contact: 3 }));
+    }
+    assert_eq!(dynamics.restore(good), Ok(()));
 }

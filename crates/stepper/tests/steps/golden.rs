@@ -14,8 +14,8 @@ use rockproof_model::scene::Format;
 use rockproof_model::{Number, Precision, Scene};
 use rockproof_stepper::contact::{Rules, Spec};
 use rockproof_stepper::dynamics::{Dynamics, Solve, StepReport, StepRules};
-use rockproof_stepper::{Real, Wide};
 use rockproof_stepper::wide::counting;
+use rockproof_stepper::{Real, Wide};
 use serde_json::Value;
 use std::path::Path;
 
@@ -44,7 +44,8 @@ fn begin<R: Solve, M: StepRules>(scene: &Value) -> Dynamics<R, M> {
 /// Everything that a step decides, in words.
 pub(crate) fn decided<R: Solve, M: StepRules>(dynamics: &Dynamics<R, M>, report: &StepReport) -> Vec<String> {
     let attempts = dynamics.modes();
-    let mut words = vec![format!("step {} in {} solves, converged {}", report.step, report.iterations, report.converged)];
+    let mut words =
+        vec![format!("step {} in {} solves, converged {}", report.step, report.iterations, report.converged)];
     for (retry, modes) in report.retries.iter().zip(attempts) {
         words.push(format!("given up: {} after {} solves", retry.why.name(), modes.len()));
     }
@@ -132,7 +133,8 @@ fn deviation<R: Solve, M: StepRules>(dynamics: &Dynamics<R, M>, report: &StepRep
     }
     // The file has the rates that the last step of settling leaves, which are nil; the state those with which time begins.
     let begins = step["settling"] == true && state.settling == 0;
-    for (block, expected) in state.blocks.iter().zip(list(&step["blocks"])).filter(|(_, expected)| !expected.is_null()) {
+    for (block, expected) in state.blocks.iter().zip(list(&step["blocks"])).filter(|(_, expected)| !expected.is_null())
+    {
         for (vertex, expected) in block.vertices.iter().zip(list(&expected["vertices"])) {
             for (found, expected) in vertex.components().into_iter().zip(list(expected)) {
                 most = most.max(off(found, expected, l.length, 0.0));
@@ -238,7 +240,9 @@ fn the_wide_scalar_reproduces_the_file() {
         } else {
             made
         };
-        let off = made.unwrap_or_else(|other| panic!("{name}, step {}: {:#?}\nfor {:#?}", other.step, other.found, other.expected));
+        let off = made.unwrap_or_else(|other| {
+            panic!("{name}, step {}: {:#?}\nfor {:#?}", other.step, other.found, other.expected)
+        });
         println!("{name}: {off:.1e} of what is allowed, {unsettled} comparisons unsettled");
         assert!(off <= 1.0, "{name}: {off}");
         assert!(unsettled > 0 || !tie, "{name}: f64 decides otherwise, and no comparison is a tie");

@@ -24,7 +24,8 @@ fn own_scenes() -> Vec<(&'static str, Scene, ToleranceSet)> {
     dull.simulation.gravity = v("1", "0", "-10");
     dull.blocks[1].body.velocity = v("1/4", "0", "-1/4");
     dull.blocks[1].body.spin = v("1/8", "1/16", "0");
-    let tolerant = |equal: &str| ToleranceSet { open: n("1/1024"), close: n("1/1024"), equal: n(equal), ..tolerances() };
+    let tolerant =
+        |equal: &str| ToleranceSet { open: n("1/1024"), close: n("1/1024"), equal: n(equal), ..tolerances() };
     vec![
         ("near", scene(vec![floor(), block("3/32")]), tolerances()),
         ("open and close", dull.clone(), tolerant("0")),
@@ -52,7 +53,8 @@ fn every_mistake_shows_in_a_step() {
         plant(mistake);
         let of_file = scenes.iter().zip(&right).filter(|(scene, right)| outcome(scene) != **right);
         let of_file = of_file.map(|(scene, _)| text(&scene["name"]));
-        let of_own = own.iter().filter(|(_, scene, set)| decisions::<Mistaken>(scene, set) != decisions::<Spec>(scene, set));
+        let of_own =
+            own.iter().filter(|(_, scene, set)| decisions::<Mistaken>(scene, set) != decisions::<Spec>(scene, set));
         let shows: Vec<&str> = of_file.chain(of_own.map(|(name, _, _)| *name)).collect();
         println!("{what}: {shows:?}");
         if shows.is_empty() {
