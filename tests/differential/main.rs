@@ -8,7 +8,7 @@ mod boxes;
 mod mistaken_engine;
 #[path = "../../crates/stepper/tests/support/mistakes.rs"]
 mod mistakes;
-#[path = "../support/step_mistakes.rs"]
+#[path = "../../crates/stepper/tests/support/step_mistakes.rs"]
 mod step_mistakes;
 
 mod agreement;

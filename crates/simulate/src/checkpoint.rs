@@ -16,6 +16,8 @@ pub struct Saved {
     pub time: Exact,
     /// Static steps still to do.
     pub settling: u32,
+    /// Δt of the last step, the full one before the first (s).
+    pub last_time_step: Exact,
     blocks: Vec<SavedBlock>,
     load_points: Vec<Triple>,
     fixed_points: Vec<Triple>,
@@ -64,7 +66,17 @@ pub enum NoState {
 impl Saved {
     /// The state as it is.
     pub fn of<R: Real>(state: &State<R>) -> Saved {
-        let State { step, time, settling, blocks, load_points, fixed_points, measured_points, contacts } = state;
+        let State {
+            step,
+            time,
+            settling,
+            last_time_step,
+            blocks,
+            load_points,
+            fixed_points,
+            measured_points,
+            contacts,
+        } = state;
         let triples = |points: &[Vector<R>]| points.iter().map(|p| triple(*p)).collect();
         let block = |BlockState { vertices, velocity, stress }: &BlockState<R>| SavedBlock {
             vertices: triples(vertices),
@@ -75,6 +87,7 @@ impl Saved {
             step: *step,
             time: save(*time),
             settling: *settling,
+            last_time_step: save(*last_time_step),
             blocks: blocks.iter().map(block).collect(),
             load_points: triples(load_points),
             fixed_points: triples(fixed_points),
@@ -97,6 +110,7 @@ impl Saved {
             step: self.step,
             time: number(self.time)?,
             settling: self.settling,
+            last_time_step: number(self.last_time_step)?,
             blocks: self.blocks.iter().map(block).collect::<Result<_, NoState>>()?,
             load_points: vectors(&self.load_points)?,
             fixed_points: vectors(&self.fixed_points)?,
@@ -218,8 +232,18 @@ mod tests {
                 *value = R::from_f64(1.0 / (k as f64 + 3.0));
             }
         }
-        let time = R::from_f64(0.1);
-        State { step: 7, time, settling: 3, blocks, load_points, fixed_points, measured_points, contacts }
+        let (time, last_time_step) = (R::from_f64(0.1), R::from_f64(0.003));
+        State {
+            step: 7,
+            time,
+            settling: 3,
+            last_time_step,
+            blocks,
+            load_points,
+            fixed_points,
+            measured_points,
+            contacts,
+        }
     }
 
     fn comes_back<R: Real>() {

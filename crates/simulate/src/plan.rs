@@ -55,6 +55,7 @@ mod tests {
             step,
             time,
             settling,
+            last_time_step: 0.01,
             blocks: Vec::new(),
             load_points: nothing(),
             fixed_points: nothing(),

@@ -50,12 +50,38 @@ pub struct Frame {
     pub time: Exact,
 }
 
+/// The form of `checkpoint.jsonl`. Form 1, which did not say so, had no Δt of the last step and was of version 1 of SPEC.
+const FORM: u32 = 2;
+
 /// The content of `checkpoint.jsonl`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Checkpoint {
+    form: u32,
     progress: Progress,
     state: Saved,
+}
+
+/// Of a checkpoint of whatever form, which one it is.
+#[derive(Deserialize)]
+struct Form {
+    #[serde(default = "first_form")]
+    form: u32,
+}
+
+fn first_form() -> u32 {
+    1
+}
+
+impl Checkpoint {
+    /// Reads the first line of `checkpoint.jsonl`, or tells why it is none.
+    fn read(line: &str) -> Result<Checkpoint, String> {
+        let Form { form } = serde_json::from_str(line).map_err(|e| e.to_string())?;
+        if form != FORM {
+            return Err(format!("it is of form {form}, this program goes on from form {FORM}"));
+        }
+        serde_json::from_str(line).map_err(|e| e.to_string())
+    }
 }
 
 /// The second line of `checkpoint.jsonl`: what the first must be.
@@ -219,7 +245,7 @@ impl Record {
         if seal.sha256 != digest(first.as_bytes()) {
             return Err(damaged(&path, "the checkpoint is not as it was written"));
         }
-        let Checkpoint { mut progress, state } = serde_json::from_str(first).map_err(|e| no_checkpoint(&e))?;
+        let Checkpoint { mut progress, state, .. } = Checkpoint::read(first).map_err(|e| no_checkpoint(&e))?;
         let differences = identity_differences(&progress.identity, identity);
         if !differences.is_empty() {
             return Err(RecordError::OtherRun { dir: dir.to_owned(), differences });
@@ -300,7 +326,7 @@ impl Record {
                 file.sync_data().map_err(at(&self.dir.join(table.name())))?;
             }
         }
-        let checkpoint = Checkpoint { progress: self.progress.clone(), state };
+        let checkpoint = Checkpoint { form: FORM, progress: self.progress.clone(), state };
         let path = self.dir.join(CHECKPOINT);
         let no_text = |e: serde_json::Error| at(&path)(e.into());
         let mut text = serde_json::to_vec(&checkpoint).map_err(no_text)?;
@@ -399,7 +425,41 @@ fn discard(dir: &Path) -> Result<(), RecordError> {
 
 #[cfg(test)]
 mod tests {
-    use super::{is_picture, is_state, unfinished};
+    use super::{Checkpoint, FORM, Progress, Table, is_picture, is_state, unfinished};
+    use crate::checkpoint::Saved;
+    use rockproof_stepper::dynamics::State;
+
+    #[test]
+    fn a_checkpoint_of_another_form_is_refused_by_its_form() {
+        let nothing = Vec::new;
+        let state = State::<f64> {
+            step: 3,
+            time: 0.03,
+            settling: 0,
+            last_time_step: 0.01,
+            blocks: Vec::new(),
+            load_points: nothing(),
+            fixed_points: nothing(),
+            measured_points: nothing(),
+            contacts: Vec::new(),
+        };
+        let (progress, state) = (Progress::default(), Saved::of(&state));
+        let checkpoint = Checkpoint { form: FORM, progress, state: state.clone() };
+        let text = serde_json::to_string(&checkpoint).expect("JSON");
+        let read = Checkpoint::read(&text).unwrap_or_else(|why| panic!("{why}"));
+        assert_eq!((read.state, read.progress.bytes), (state, [0; Table::COUNT]));
+        // As version 1 wrote it.
+        let old = text.replacen("\"form\":2,", "", 1);
+        let start = old.find("\"last_time_step\"").expect("the field");
+        let end = start + old[start..].find(',').expect("another field") + 1;
+        let old = format!("{}{}", &old[..start], &old[end..]);
+        assert_eq!(Checkpoint::read(&old).err().as_deref(), Some("it is of form 1, this program goes on from form 2"));
+        let later = text.replacen("\"form\":2", "\"form\":3", 1);
+        assert_eq!(
+            Checkpoint::read(&later).err().as_deref(),
+            Some("it is of form 3, this program goes on from form 2")
+        );
+    }
 
     #[test]
     fn knows_its_own_files() {

@@ -2,6 +2,7 @@
 
 use crate::dynamics::contact::Active;
 use crate::dynamics::displacement::Twelve;
+use crate::dynamics::friction::Settling;
 use crate::dynamics::island::{Alone, Kept, Unsolved, Work, islands};
 use crate::dynamics::layout::Layouts;
 use crate::dynamics::report::{Concerned, Spent};
@@ -27,14 +28,16 @@ pub(super) struct Ended<R> {
     /// The displacement of every block.
     pub(super) d: Vec<Twelve<R>>,
     pub(super) iterations: u32,
-    /// Contacts whose mode the last solve changed; none when converged.
+    /// Whether the iteration ended by itself, not because modes went on changing.
+    pub(super) converged: bool,
+    /// Contacts whose mode the last solve changed.
     pub(super) changing: Vec<Concerned>,
     /// The modes of all contacts after each solve.
     pub(super) modes: Vec<Vec<Mode>>,
 }
 
 impl<R: Solve> Iteration<'_, R> {
-    /// Solves and judges until no mode changes, or the solves are used up.
+    /// Solves and judges until the iteration ends by itself, or modes have changed too often.
     pub(super) fn run<M: StepRules>(
         &self,
         contacts: &mut [Active<R>],
@@ -45,25 +48,24 @@ impl<R: Solve> Iteration<'_, R> {
         let mut d = vec![[R::ZERO; 12]; unknowns.len()];
         // Blocks whose system is not the one solved before.
         let mut touched = vec![true; unknowns.len()];
-        let mut ended = Ended { d: Vec::new(), iterations: 0, changing: Vec::new(), modes: Vec::new() };
-        contacts.iter_mut().for_each(Active::reset);
+        let mut ended =
+            Ended { d: Vec::new(), iterations: 0, converged: false, changing: Vec::new(), modes: Vec::new() };
+        contacts.iter_mut().for_each(Active::reset::<M>);
         let given = |solve: u32, contact: usize| self.given?.get(solve as usize)?.get(contact).copied();
         for (k, contact) in contacts.iter_mut().enumerate() {
             contact.now.mode = given(0, k).unwrap_or(contact.now.mode);
         }
-        // What solving the islands left, by their lowest block, and contacts whose mode is not that of the solve before.
+        // What solving the islands left, by their lowest block, and contacts whose springs are not those of the solve before.
         let mut kept: HashMap<usize, Kept<R>> = HashMap::new();
         let mut changed = vec![false; contacts.len()];
-        let most = self.given.map_or(M::iterations(), |modes| (modes.len() as u32).saturating_sub(1));
+        // Solves that did not end the iteration by themselves: those in which no mode changed, and those in which one did.
+        let (mut unchanging, mut changing) = (0, 0);
         loop {
             let mut before = std::mem::take(&mut kept);
             for island in islands(&unknowns, contacts) {
                 let lowest = island.lowest();
                 let left = before.remove(&lowest);
-                // The friction force of a sliding contact is that of the last solve, so its system is a new one.
-                let slides = |k: &usize| contacts[*k].now.mode == Mode::Sliding;
-                let touches = |block: &u32| touched[*block as usize];
-                if !(island.ties.blocks.iter().any(touches) || island.contacts.iter().any(slides)) {
+                if !island.ties.blocks.iter().any(|block| touched[*block as usize]) {
                     kept.extend(left.map(|left| (lowest, left)));
                     continue;
                 }
@@ -80,30 +82,51 @@ impl<R: Solve> Iteration<'_, R> {
             ended.iterations += 1;
             ended.changing.clear();
             touched.fill(false);
+            let mut opens_or_closes = false;
             for (k, contact) in contacts.iter_mut().enumerate() {
                 let [i, j] = contact.entering();
-                let from = contact.now.mode;
+                let (from, stiff) = (contact.now.mode, contact.is_stiff_across());
                 contact.judge::<M>([&d[i], &d[j]], self.limits, self.settling);
                 if let Some(mode) = given(ended.iterations, k) {
                     contact.take::<M>(mode);
                 }
                 let to = contact.now.mode;
-                changed[k] = from != to;
-                if changed[k] {
+                // The force of a sliding contact, and the spring across its slip, are those of the last solve: its system is a new one.
+                changed[k] = from != to || stiff || contact.is_stiff_across();
+                if changed[k] || to == Mode::Sliding {
                     (touched[i], touched[j]) = (true, true);
                 }
+                opens_or_closes |= M::opens_or_closes(from, to);
                 if M::counts_as_change(from, to) {
                     let (kind, features) = (contact.contact.kind, [contact.contact.a, contact.contact.b]);
                     ended.changing.push(Concerned { blocks: contact.blocks, kind, features, from, to });
                 }
             }
             ended.modes.push(contacts.iter().map(|contact| contact.now.mode).collect());
+            let settled = !opens_or_closes && self.friction_settled::<M>(contacts);
+            ended.converged = settled || ended.changing.is_empty();
+            if !settled {
+                *(if ended.changing.is_empty() { &mut unchanging } else { &mut changing }) += 1;
+            }
             spent.judgement += begun.elapsed();
-            let settled = ended.changing.is_empty() && self.given.is_none();
-            if settled || ended.iterations >= most {
+            let ends = match self.given {
+                None => settled || unchanging >= M::unchanging_solves() || changing >= M::changing_solves(),
+                Some(modes) => ended.modes.len() + 1 >= modes.len(),
+            };
+            if ends {
                 ended.d = d;
                 return Ok(ended);
             }
         }
+    }
+
+    /// Whether friction has settled at every block that is not fixed.
+    fn friction_settled<M: StepRules>(&self, contacts: &[Active<R>]) -> bool {
+        let mut blocks = vec![Settling::NONE; self.alone.len()];
+        for contact in contacts {
+            contact.blocks.iter().for_each(|&block| blocks[block as usize].add(contact.now.settling));
+        }
+        let free = blocks.iter().zip(self.alone).filter(|(_, alone)| alone.unknowns > 0);
+        free.into_iter().all(|(block, _)| M::settled(block.misfit, block.pressing))
     }
 }

@@ -1,6 +1,7 @@
 //! A contact within a step: its springs, and what the last solve says of it (SPEC section 5).
 
 use crate::dynamics::displacement::{Twelve, displacement, dot, generalized};
+use crate::dynamics::friction::{Friction, Settling};
 use crate::dynamics::material::Joint;
 use crate::dynamics::plane::Plane;
 use crate::dynamics::rules::{Slip, StepRules};
@@ -43,8 +44,10 @@ pub(super) struct Now<R> {
     pub(super) gap: R,
     /// s in m.
     pub(super) stretch: Vector<R>,
-    /// While sliding: the force against the slip on i in N.
-    pub(super) slip_force: Vector<R>,
+    /// While sliding: what acts across the normal in the next solve.
+    pub(super) friction: Friction<R>,
+    /// What it adds to the question whether friction has settled; nothing unless it was closed in the last solve and is after it.
+    pub(super) settling: Settling<R>,
 }
 
 impl<R: Real> Active<R> {
@@ -64,13 +67,15 @@ impl<R: Real> Active<R> {
         self.arms.map(|arm| generalized(arm, self.plane.normal))
     }
 
-    /// As it was when the step began.
-    pub(super) fn reset(&mut self) {
+    /// As it was when the step began. The last slip of a sliding contact is then s0, and f = p_s·s0: what the dragged anchor remembers.
+    pub(super) fn reset<M: StepRules>(&mut self) {
+        let shear = self.joint.shear;
         self.now = Now {
             mode: self.begins,
             gap: self.plane.gap,
             stretch: self.stretch,
-            slip_force: self.stretch * self.joint.shear,
+            friction: Friction::along::<M>(self.stretch, shear, shear, self.plane.normal),
+            settling: Settling::NONE,
         };
     }
 
@@ -87,28 +92,72 @@ impl<R: Real> Active<R> {
         let moved = displacement(self.arms[0], d[0]) - displacement(self.arms[1], d[1]);
         let stretch = self.stretch + self.across(moved);
         (self.now.gap, self.now.stretch) = (gap, stretch);
+        let acted = self.tangential(before);
         let kept = M::keeps_mode(gap, self.plane.gap, limits.equal);
         let closed = match before {
             _ if kept => before.is_closed(),
             Mode::Open => M::closes(gap, limits.close),
             _ => !M::opens(gap, limits.open, self.tensile_gap),
         };
-        self.now.mode = match closed {
+        let after = match closed {
             false => Mode::Open,
             true if settling => Mode::Locked,
             true => {
-                let slides = if kept { before == Mode::Sliding } else { !M::holds(before, &self.slip::<M>()) };
+                let slides = if kept { before == Mode::Sliding } else { !self.locks::<M>(before) };
                 if slides { Mode::Sliding } else { Mode::Locked }
             }
         };
-        self.take::<M>(self.now.mode);
+        self.take::<M>(after);
+        self.now.settling = if before.is_closed() && after.is_closed() {
+            let stuck = before == Mode::Locked && after == Mode::Locked;
+            let misfit = if stuck { R::ZERO } else { (self.tangential_after(after) - acted).length() };
+            Settling { misfit, pressing: self.joint.normal * M::pressing(gap) }
+        } else {
+            Settling::NONE
+        };
+    }
+
+    /// Whether what is closed after a solve is locked: its spring holds, or it slid in this solve and its slip turned.
+    fn locks<M: StepRules>(&self, before: Mode) -> bool {
+        let turned = || M::slip_turned(self.now.stretch.dot(self.now.friction.force));
+        M::holds(before, &self.slip::<M>()) || (before == Mode::Sliding && turned())
+    }
+
+    /// Whether a spring acts across its slip in the next solve.
+    pub(super) fn is_stiff_across(&self) -> bool {
+        self.now.mode == Mode::Sliding && self.now.friction.is_stiff()
     }
 
     /// Takes a mode for the next solve, with the gap and the stretch of the last one.
     pub(super) fn take<M: StepRules>(&mut self, mode: Mode) {
         self.now.mode = mode;
         if mode == Mode::Sliding {
-            self.now.slip_force = self.along_slip(self.strength::<M>());
+            let slip = self.now.stretch;
+            let length = slip.length();
+            self.now.friction = if R::ZERO.below(length) {
+                let secant = self.strength::<M>() / length;
+                Friction::along::<M>(slip, secant, self.joint.shear, self.plane.normal)
+            } else {
+                Friction::NONE
+            };
+        }
+    }
+
+    /// The tangential force in N that acted in the last solve, on block j.
+    fn tangential(&self, mode: Mode) -> Vector<R> {
+        match mode {
+            Mode::Open => Vector::ZERO,
+            Mode::Locked => self.now.stretch * self.joint.shear,
+            Mode::Sliding => self.now.friction.at(self.now.stretch),
+        }
+    }
+
+    /// The tangential force in N of the mode after the last solve, on block j: p_s·s, or τ·s/|s|.
+    fn tangential_after(&self, mode: Mode) -> Vector<R> {
+        match mode {
+            Mode::Open => Vector::ZERO,
+            Mode::Locked => self.now.stretch * self.joint.shear,
+            Mode::Sliding => self.now.friction.force,
         }
     }
 
@@ -139,14 +188,12 @@ impl<R: Real> Active<R> {
         self.now.mode.is_closed()
     }
 
-    /// The force on block i in N, by the mode `mode` of the last solve.
-    fn force(&self, mode: Mode) -> Vector<R> {
-        let normal = self.plane.normal * (-self.joint.normal * self.now.gap);
-        match mode {
-            Mode::Open => Vector::ZERO,
-            Mode::Locked => normal - self.now.stretch * self.joint.shear,
-            Mode::Sliding => normal - self.now.slip_force,
+    /// The force on block i in N, by the mode after the last solve.
+    fn force(&self) -> Vector<R> {
+        if self.now.mode == Mode::Open {
+            return Vector::ZERO;
         }
+        self.plane.normal * (-self.joint.normal * self.now.gap) - self.tangential_after(self.now.mode)
     }
 
     /// What is left of it after a step. `moved` moves a material point of i or of j.
@@ -158,7 +205,7 @@ impl<R: Real> Active<R> {
             let left = if R::ZERO.below(shear) { self.along_slip(self.strength::<M>() / shear) } else { Vector::ZERO };
             anchors[1] = anchors[0] - left;
         }
-        let force = self.force(self.now.mode);
+        let force = self.force();
         let (normal, mut points) = (self.plane.normal, [self.plane.p, self.plane.q]);
         if !self.plane.a_enters {
             anchors.reverse();

@@ -3,18 +3,16 @@
 #[cfg(test)]
 mod tests;
 
-use crate::contact::{Collapsed, Solid, Spec, classify};
+use crate::contact::{Solid, Spec, classify_keeping};
 use crate::dynamics::area;
-use crate::dynamics::attempt::{Ended, Iteration};
 use crate::dynamics::contact::{Active, Now};
-use crate::dynamics::displacement::{Twelve, displacement};
+use crate::dynamics::friction::{Friction, Settling};
 use crate::dynamics::given::Given;
-use crate::dynamics::kinematics::Motion;
 use crate::dynamics::layout::Layouts;
 use crate::dynamics::moments::{Matrix, Moments};
 use crate::dynamics::neighbours::Neighbours;
 use crate::dynamics::plane::plane;
-use crate::dynamics::report::{Retry, RetryReason, Spent, StepReport, Stopped};
+use crate::dynamics::report::{Spent, StepReport, Stopped};
 use crate::dynamics::rules::StepRules;
 use crate::dynamics::setup::{Setup, SetupError};
 use crate::dynamics::solve::Solve;
@@ -23,9 +21,8 @@ use crate::dynamics::transfer;
 use crate::real::Real;
 use crate::vector::Vector;
 use rayon::prelude::*;
-use rockproof_model::{Block, Contact, Scene, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, Scene, ToleranceSet};
 use std::marker::PhantomData;
-use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// A scene in motion, in the scalar `R` and by the rules `M`.
@@ -35,8 +32,9 @@ pub struct Dynamics<R, M = Spec> {
     pub(super) state: State<R>,
     pub(super) solids: Vec<Solid<R>>,
     pub(super) moments: Vec<Moments<R>>,
-    neighbours: Neighbours,
+    pub(super) neighbours: Neighbours,
     pub(super) layouts: Layouts,
+    first_modes: Vec<Mode>,
     pub(super) modes: Vec<Vec<Vec<Mode>>>,
     phases: Phases,
     pub(super) spent: Spent,
@@ -53,6 +51,7 @@ impl<R: Clone, M> Clone for Dynamics<R, M> {
             moments: self.moments.clone(),
             neighbours: self.neighbours.clone(),
             layouts: self.layouts.clone(),
+            first_modes: self.first_modes.clone(),
             modes: self.modes.clone(),
             phases: self.phases,
             spent: self.spent,
@@ -97,15 +96,6 @@ impl<R: Real> Prepared<R> {
     }
 }
 
-/// An attempt that was good, or the last one.
-pub(super) struct Accepted<R> {
-    pub(super) time_step: R,
-    pub(super) ended: Ended<R>,
-    pub(super) retries: Vec<Retry>,
-    /// The largest displacement of a vertex, squared (m²).
-    pub(super) farthest: R,
-}
-
 impl<R: Solve> Dynamics<R> {
     /// The scene at its beginning, by the rules of SPEC. Its joints have stiffnesses
     /// ([`rockproof_model::simulation::derive_stiffness`]).
@@ -135,6 +125,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             moments,
             neighbours: Neighbours::default(),
             layouts,
+            first_modes: Vec::new(),
             modes: Vec::new(),
             phases: Phases::default(),
             spent: Spent::default(),
@@ -162,6 +153,9 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         if let Some((what, found, expected)) = fits.into_iter().find(|(_, found, expected)| found != expected) {
             return Err(SetupError::Mismatch { what, found, expected });
         }
+        if let Some(contact) = state.contacts.iter().position(|contact| !self.setup.has(contact)) {
+            return Err(SetupError::NoSuchContact { contact });
+        }
         let Prepared { solids, moments } = Prepared::new(&self.setup.blocks, &state.blocks)?;
         (self.state, self.solids, self.moments) = (state, solids, moments);
         self.neighbours.forget();
@@ -182,6 +176,11 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     pub fn mass(&self, block: usize) -> Matrix<R> {
         let density = self.setup.bodies[block].elastic.density;
         self.moments[block].inertia().map(|row| row.map(|value| value * density))
+    }
+
+    /// The modes with which the contacts of the last step began (in the order of the state): those of the first solve of each attempt.
+    pub fn first_modes(&self) -> &[Mode] {
+        &self.first_modes
     }
 
     /// For each attempt at the last step, the modes of its contacts (in the order of the state) after each solve.
@@ -215,6 +214,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             Some(given) => self.given_contacts(given.contacts),
         };
         let begun = Instant::now();
+        self.first_modes = contacts.iter().map(|contact| contact.begins).collect();
         self.modes.clear();
         let accepted = match given.and_then(|given| given.attempt.as_ref()) {
             None => self.attempts(&mut contacts, number, settling)?,
@@ -236,7 +236,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let begun = Instant::now();
         let of_pair = |&pair: &[u32; 2]| {
             let [a, b] = pair.map(|block| &self.solids[block as usize]);
-            let found = classify::<R, M>(a, b, &self.setup.tolerances);
+            let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
+            let kept: Vec<ContactKey> =
+                old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key()).collect();
+            let found = classify_keeping::<R, M>(a, b, &self.setup.tolerances, &kept);
             let contacts: Vec<Contact> = found.into_iter().map(|found| found.contact).collect();
             self.of_pair(pair, &contacts)
         };
@@ -266,7 +269,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 Some((Mode::Open, _)) => (Mode::Open, feet),
                 Some((mode, [a, b])) => (mode, if plane.a_enters { [a, b] } else { [b, a] }),
             };
-            let now = Now { mode: begins, gap: plane.gap, stretch: Vector::ZERO, slip_force: Vector::ZERO };
+            let (friction, settling) = (Friction::NONE, Settling::NONE);
+            let now = Now { mode: begins, gap: plane.gap, stretch: Vector::ZERO, friction, settling };
             let (arms, zero) = ([Vector::ZERO; 2], R::ZERO);
             let contact = *contact;
             let (cohesive, tensile_gap, stretch) = (zero, zero, Vector::ZERO);
@@ -294,184 +298,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         active
     }
 
-    /// Tries until an attempt is good (SPEC section 5, step control).
-    fn attempts(&mut self, contacts: &mut [Active<R>], number: i64, settling: bool) -> Result<Accepted<R>, Stopped> {
-        let full = self.setup.control.time_step;
-        let smallest = M::smallest(full);
-        let mut time_step = full;
-        let mut retries = Vec::new();
-        loop {
-            let alone = self.alone(time_step, settling);
-            let iteration = Iteration { alone: &alone, limits: &self.setup.limits, settling, given: None };
-            let ended = iteration
-                .run::<M>(contacts, &mut self.layouts, &mut self.spent)
-                .map_err(|unsolved| Stopped::Singular { step: number, block: unsolved.block })?;
-            self.modes.push(ended.modes.clone());
-            if let Some(block) = ended.d.iter().position(|d| !d.iter().all(|x| x.is_finite())) {
-                return Err(Stopped::NotFinite { step: number, block });
-            }
-            let accepts = self.setup.control.unconverged == rockproof_model::simulation::Unconverged::Accept;
-            let at = time_step.to_f64();
-            let why = if ended.changing.is_empty() {
-                None
-            } else if M::cut(time_step) < smallest {
-                if !accepts {
-                    return Err(Stopped::NotConverged { step: number, time_step: at, contacts: ended.changing });
-                }
-                None
-            } else {
-                Some((RetryReason::NotConverged, M::cut(time_step)))
-            };
-            let why = match why {
-                Some(why) => Some(why),
-                None => match self.beyond_limits(&ended.d) {
-                    Err((block, why)) => {
-                        let half = time_step / R::from_f64(2.0);
-                        if half < smallest {
-                            return Err(Stopped::TooFast { step: number, time_step: at, block, why });
-                        }
-                        Some((why, half))
-                    }
-                    Ok(farthest) => {
-                        self.layouts.forget_unused();
-                        return Ok(Accepted { time_step, ended, retries, farthest });
-                    }
-                },
-            };
-            if let Some((why, next)) = why {
-                retries.push(Retry { time_step: at, why });
-                time_step = next;
-            }
-        }
-    }
-
-    /// The largest squared displacement of a vertex, or the first block that exceeds a limit: first that of displacement.
-    fn beyond_limits(&self, d: &[Twelve<R>]) -> Result<R, (usize, RetryReason)> {
-        let limits = &self.setup.limits;
-        let (far, turned) = (limits.displacement * limits.displacement, limits.rotation * limits.rotation);
-        let moving = || d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block));
-        let mut farthest = R::ZERO;
-        for (block, d) in moving() {
-            for &vertex in &self.state.blocks[block].vertices {
-                let moved = displacement(vertex - self.moments[block].centroid, d);
-                let squared = moved.dot(moved);
-                if M::too_far(squared, far) {
-                    return Err((block, RetryReason::Displacement));
-                }
-                farthest = farthest.larger(squared);
-            }
-        }
-        let turns = |d: &Twelve<R>| M::turned_too_far(d[3] * d[3] + d[4] * d[4] + d[5] * d[5], turned);
-        match moving().find(|(_, d)| turns(d)) {
-            Some((block, _)) => Err((block, RetryReason::Rotation)),
-            None => Ok(farthest),
-        }
-    }
-
     pub(super) fn is_fixed(&self, block: usize) -> bool {
         self.setup.bodies[block].motion.unknowns() == 0
-    }
-
-    /// Prepares those of some blocks that are not fixed again, one in place of the other: two of each would take twice the memory. Tells
-    /// which one collapsed; those before it are replaced.
-    fn prepare_moving(&mut self, states: &[BlockState<R>], blocks: Range<usize>) -> Result<(), (usize, Collapsed)> {
-        for block in blocks {
-            if !self.is_fixed(block) {
-                let shape = self.setup.blocks[block].clone();
-                self.solids[block] =
-                    Solid::with_points(shape, &states[block].vertices).map_err(|what| (block, what))?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Moves everything by an accepted attempt. Of blocks that end not finite or inverted the first is told, and before any that collapsed.
-    fn accept(
-        &mut self,
-        contacts: &[Active<R>],
-        accepted: Accepted<R>,
-        number: i64,
-        settling: bool,
-    ) -> Result<StepReport, Stopped> {
-        let Accepted { time_step, ended, retries, farthest } = accepted;
-        let motions: Vec<Motion<R>> = (0..self.solids.len())
-            .map(|block| Motion::new(self.setup.control.kinematics, self.moments[block].centroid, &ended.d[block]))
-            .collect();
-        let now = &self.state;
-        let mut next = State {
-            step: now.step,
-            time: now.time,
-            settling: now.settling,
-            blocks: now.blocks.clone(),
-            load_points: now.load_points.clone(),
-            fixed_points: now.fixed_points.clone(),
-            measured_points: now.measured_points.clone(),
-            contacts: Vec::new(),
-        };
-        let dynamic = if settling { R::ZERO } else { self.setup.control.dynamic };
-        let twice = R::from_f64(2.0) / time_step;
-        let mut moments = self.moments.clone();
-        for block in (0..motions.len()).filter(|&block| !self.is_fixed(block)) {
-            let (state, d) = (&mut next.blocks[block], &ended.d[block]);
-            for vertex in &mut state.vertices {
-                *vertex = motions[block].of(*vertex);
-            }
-            for (rate, &d) in state.velocity.iter_mut().zip(d) {
-                *rate = M::rate(dynamic, twice * d, *rate);
-            }
-            let added = self.setup.bodies[block].elastic.stress(&d[6..]);
-            for (stress, added) in state.stress.iter_mut().zip(added) {
-                *stress = *stress + added;
-            }
-            moments[block] = Moments::of(self.setup.blocks[block].topology(), &state.vertices);
-            let finite = state.velocity.iter().chain(&state.stress).all(|x| x.is_finite());
-            if !(finite && state.vertices.iter().all(|v| v.is_finite()) && moments[block].volume.is_finite()) {
-                return Err(Stopped::NotFinite { step: number, block });
-            }
-            if !R::ZERO.below(moments[block].volume) {
-                let volume = moments[block].volume.to_f64();
-                return Err(Stopped::Inverted { step: number, block, volume });
-            }
-        }
-        let load_blocks = self.setup.loads.iter().map(|load| load.block);
-        let held_blocks = self.setup.held.iter().map(|held| held.block);
-        for (block, point) in load_blocks.zip(&mut next.load_points).chain(held_blocks.zip(&mut next.fixed_points)) {
-            *point = motions[block].of(*point);
-        }
-        for (&block, point) in self.setup.measured.iter().zip(&mut next.measured_points) {
-            *point = motions[block].of(*point);
-        }
-        next.contacts = contacts
-            .iter()
-            .map(|contact| {
-                contact.leave::<M>(|block, point| if self.is_fixed(block) { point } else { motions[block].of(point) })
-            })
-            .collect();
-        if settling {
-            next.settling -= 1;
-            if next.settling == 0 {
-                for (state, body) in next.blocks.iter_mut().zip(&self.setup.bodies) {
-                    state.velocity = body.velocity;
-                }
-            }
-        } else {
-            next.step += 1;
-            next.time = next.time + time_step;
-        }
-        if let Err((block, what)) = self.prepare_moving(&next.blocks, 0..motions.len()) {
-            // What they were before did not collapse.
-            let before = std::mem::take(&mut self.state.blocks);
-            let restored = self.prepare_moving(&before, 0..block);
-            self.state.blocks = before;
-            debug_assert!(restored.is_ok(), "a state that was prepared once is prepared again");
-            return Err(Stopped::Collapsed { step: number, block, what });
-        }
-        self.state = next;
-        self.moments = moments;
-        let farthest = farthest.to_f64().sqrt();
-        // The map of `cayley` differs from first order by less than this.
-        self.neighbours.moved(1.25 * farthest);
-        Ok(self.report(contacts, number, time_step.to_f64(), (&ended, retries), farthest))
     }
 }
 

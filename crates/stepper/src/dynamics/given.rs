@@ -2,8 +2,9 @@
 
 use crate::dynamics::attempt::Iteration;
 use crate::dynamics::contact::Active;
+use crate::dynamics::control::Accepted;
 use crate::dynamics::displacement::displacement;
-use crate::dynamics::engine::{Accepted, Dynamics};
+use crate::dynamics::engine::Dynamics;
 use crate::dynamics::report::Stopped;
 use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;

@@ -106,7 +106,7 @@ impl Island {
     }
 
     /// The displacements of its blocks: twelve numbers each, zero where a block has no such unknown. What the solution before left is
-    /// that of the same blocks by the same contacts, of which those that `changed` says had another mode.
+    /// that of the same blocks by the same contacts, of which those that `changed` says had other springs.
     pub(super) fn solve<R: Solve>(
         &self,
         contacts: &[Active<R>],
@@ -247,7 +247,13 @@ impl<'s, R: Real> System<'s, R> {
                 }
             }
             Mode::Sliding => {
-                let force = contact.now.slip_force;
+                let friction = &contact.now.friction;
+                if friction.is_stiff() {
+                    let rows = contact.arms.map(|arm| generalized(arm, friction.across));
+                    let stretch = contact.stretch.dot(friction.across);
+                    self.spring([i, j], [&rows[0], &rows[1]], friction.spring, stretch);
+                }
+                let force = friction.force;
                 for (place, arm, force) in [(i, contact.arms[0], -force), (j, contact.arms[1], force)] {
                     let Some(place) = place else { continue };
                     let share = generalized(arm, force);

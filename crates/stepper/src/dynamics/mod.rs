@@ -9,8 +9,10 @@ mod alone;
 mod area;
 mod attempt;
 mod contact;
+mod control;
 pub mod displacement;
 mod engine;
+mod friction;
 mod given;
 mod island;
 mod kinematics;
@@ -28,6 +30,7 @@ pub mod solve;
 pub mod state;
 mod summed;
 mod transfer;
+mod update;
 
 pub use engine::{Dynamics, Phases};
 pub use given::{Given, GivenAttempt};

@@ -15,7 +15,7 @@ pub struct StepReport {
     pub time_step: f64,
     /// Solves of the accepted attempt.
     pub iterations: u32,
-    /// Whether no mode changed in the last of them.
+    /// Whether the iteration converged, as SPEC section 5 has it; if not, the attempt was the last one and its last solve was taken.
     pub converged: bool,
     /// Attempts given up, in order.
     pub retries: Vec<Retry>,
@@ -76,7 +76,7 @@ pub struct Retry {
 /// Why an attempt at a step was given up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RetryReason {
-    /// Modes still changed after [`rockproof_model::simulation::Control::ITERATIONS`] solves.
+    /// Modes changed in [`rockproof_model::simulation::Control::ITERATIONS`] solves.
     NotConverged,
     /// A vertex moved beyond `max_displacement`.
     Displacement,

@@ -54,25 +54,61 @@ pub trait StepRules: Rules {
         friction * normal_force + cohesive_force
     }
 
-    /// A closed contact is locked: the spring's force is at most τ. Both squared. **A tie locks.**
+    /// A closed contact is locked: the force of its spring is at most τ. Both squared. **A tie locks.**
     fn locks<R: Real>(force_squared: R, strength_squared: R) -> bool {
         force_squared <= strength_squared
     }
 
-    /// Whether a closed contact is locked, with its mode in this solve, which plays no part.
+    /// Whether the spring of a closed contact holds, with its mode in this solve, which plays no part.
     fn holds<R: Real>(_before: Mode, slip: &Slip<R>) -> bool {
         let spring = slip.shear * slip.shear * slip.stretch_squared;
         Self::locks(spring, slip.strength * slip.strength)
     }
 
-    /// Which changes of mode count against convergence: all of them.
+    /// The slip of a contact that slid in this solve turned: `s·f`, in N·m, is below 0. **A tie has not turned.**
+    fn slip_turned<R: Real>(along: R) -> bool {
+        along < R::ZERO
+    }
+
+    /// The stiffness k across the last slip in N/m: the lesser of |f|/|s₁| and p_s.
+    fn spring_across<R: Real>(secant: R, shear: R) -> R {
+        secant.smaller(shear)
+    }
+
+    /// Friction of a block has settled: 100·Σ|Δf| is at most Σ p_n·max(0, −h). Both in N. **A tie has settled.**
+    fn settled<R: Real>(misfit: R, pressing: R) -> bool {
+        R::from_f64(100.0) * misfit <= pressing
+    }
+
+    /// Which changes of mode keep a solve from ending the iteration by itself: those that open or close. Locked or sliding counts by
+    /// force alone.
+    fn opens_or_closes(before: Mode, after: Mode) -> bool {
+        before.is_closed() != after.is_closed()
+    }
+
+    /// Which changes of mode make a solve one in which a mode changes: all of them.
     fn counts_as_change(before: Mode, after: Mode) -> bool {
         before != after
     }
 
-    /// Solves before Δt is cut.
-    fn iterations() -> u32 {
+    /// The so many-th solve in which a mode changes, and which does not end the iteration by itself, ends the attempt.
+    fn changing_solves() -> u32 {
         Control::ITERATIONS
+    }
+
+    /// The so many-th solve in which no mode changes, and which does not end the iteration by itself, ends it, converged.
+    fn unchanging_solves() -> u32 {
+        7
+    }
+
+    /// The Δt with which a step begins: the lesser of the full Δt and 3/2 of the last one accepted.
+    fn first_time_step<R: Real>(full: R, last: R) -> R {
+        full.smaller(last * R::from_f64(1.5))
+    }
+
+    /// Which contacts of the step before the classification keeps, by the mode with which they go on: those that are closed.
+    fn leaves_kept(mode: Mode) -> bool {
+        mode.is_closed()
     }
 
     /// The Δt that follows one at which the iteration did not converge.

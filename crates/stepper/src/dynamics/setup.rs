@@ -3,11 +3,11 @@
 use crate::contact::{Collapsed, ToleranceOverflow, Tolerances};
 use crate::dynamics::displacement::Twelve;
 use crate::dynamics::material::{Elastic, Joint};
-use crate::dynamics::state::{BlockState, State};
+use crate::dynamics::state::{BlockState, ContactState, State};
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::simulation::{Kinematics, Motion, Simulation, Unconverged};
-use rockproof_model::{Block, Number, Scene, ToleranceSet, Vec3};
+use rockproof_model::{Block, ContactKind, Number, Scene, ToleranceSet, Vec3};
 
 /// Why a scene cannot be stepped.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -41,6 +41,12 @@ pub enum SetupError {
         found: usize,
         /// In the scene.
         expected: usize,
+    },
+    /// A state with a contact that the scene cannot have.
+    #[error("contact {contact} of the state is of blocks or features that the scene does not have")]
+    NoSuchContact {
+        /// Its place in the state.
+        contact: usize,
     },
 }
 
@@ -209,12 +215,29 @@ impl<R: Real> Setup<R> {
             step: 0,
             time: R::ZERO,
             settling,
+            last_time_step: self.control.time_step,
             blocks: self.blocks.iter().zip(&self.bodies).map(block).collect::<Result<_, SetupError>>()?,
             load_points: points(simulation.loads.iter().map(|p| &p.at).collect())?,
             fixed_points: points(simulation.fixed_points.iter().map(|p| &p.at).collect())?,
             measured_points: points(simulation.measured_points.iter().map(|p| &p.at).collect())?,
             contacts: Vec::new(),
         })
+    }
+
+    /// Whether a contact is of two blocks, the lower number first, and of features that they have.
+    pub(super) fn has(&self, contact: &ContactState<R>) -> bool {
+        let [a, b] = contact.blocks.map(|block| self.blocks.get(block as usize).map(Block::topology));
+        let (Some(a), Some(b)) = (a, b) else { return false };
+        let [of_a, of_b] = match contact.contact.kind {
+            ContactKind::VertexVertex => [a.vertex_count(), b.vertex_count()],
+            ContactKind::VertexEdge => [a.vertex_count(), b.edges().len()],
+            ContactKind::EdgeVertex => [a.edges().len(), b.vertex_count()],
+            ContactKind::VertexFace => [a.vertex_count(), b.faces().len()],
+            ContactKind::FaceVertex => [a.faces().len(), b.vertex_count()],
+            ContactKind::EdgeEdge => [a.edges().len(), b.edges().len()],
+        };
+        let [i, j] = contact.blocks;
+        i < j && (contact.contact.a as usize) < of_a && (contact.contact.b as usize) < of_b
     }
 
     /// The joint between the surfaces of two blocks.

@@ -13,6 +13,8 @@ pub struct State<R> {
     pub time: R,
     /// Static steps of settling still to do.
     pub settling: u32,
+    /// Δt of the last step, settling steps too (s); the full Δt before the first. The next step begins with at most 3/2 of it.
+    pub last_time_step: R,
     /// One for each block of the scene.
     pub blocks: Vec<BlockState<R>>,
     /// Where the points of the loads are (m), in the order of the scene.
@@ -78,7 +80,7 @@ pub struct ContactState<R> {
     pub blocks: [u32; 2],
     /// What touches, as it was classified when the step began.
     pub contact: Contact,
-    /// Its mode in the last solve of the step.
+    /// The mode with which it goes on: that which follows from the last solve of the step.
     pub mode: Mode,
     /// The material points of A and of B from which the shear stretch is measured (m).
     pub anchors: [Vector<R>; 2],
@@ -88,7 +90,7 @@ pub struct ContactState<R> {
     pub normal: Vector<R>,
     /// Where it acts on A and on B (m), at the start of the step.
     pub points: [Vector<R>; 2],
-    /// The force in N that B exerts on A.
+    /// The force in N that B exerts on A, by the mode with which it goes on.
     pub force: Vector<R>,
 }
 

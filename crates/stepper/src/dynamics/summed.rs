@@ -52,7 +52,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             time: self.state.time.to_f64(),
             time_step,
             iterations: ended.iterations,
-            converged: ended.changing.is_empty(),
+            converged: ended.converged,
             retries,
             contacts: counts,
             max_penetration: deepest,

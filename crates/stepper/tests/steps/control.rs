@@ -3,9 +3,12 @@
 use crate::support::{begin, cube, floor, n, scene, tolerances, v, weightless};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::simulation::Unconverged;
-use rockproof_model::{Block, BlockOptions, Motion, Scene, ToleranceSet};
+use rockproof_model::{Block, BlockOptions, ContactKind, Motion, Scene, ToleranceSet};
+use rockproof_stepper::Real;
 use rockproof_stepper::contact::Rules;
-use rockproof_stepper::dynamics::{Dynamics, Mode, RetryReason, StepReport, StepRules, Stopped};
+use rockproof_stepper::dynamics::{
+    ContactState, Dynamics, Mode, RetryReason, SetupError, StepReport, StepRules, Stopped,
+};
 
 /// A cube that flies at this speed, with Δt = 1/128 s, so that a limit of 1/16 m is 8 m/s. Everything is a power of two, and exact.
 fn flying(speed: &str) -> Scene {
@@ -35,15 +38,53 @@ fn a_displacement_of_just_the_limit_is_allowed() {
 }
 
 #[test]
-fn a_step_is_halved_until_it_fits_and_the_next_begins_full() {
+fn a_step_is_halved_until_it_fits_and_the_next_begins_with_half_as_much_again() {
+    // 60 m/s in 1/1024 s are 0.0586 m. 3/2048 s are too long, 3/4096 s not; 9/8192 s are too long, 9/16384 s not; 27/32768 s are not.
     let mut dynamics = begin::<f64>(&flying("60"));
-    for step in 1..=3 {
+    let full = 1.0 / 128.0;
+    let expected: [(&[f64], f64); 4] = [
+        (&[full, full / 2.0, full / 4.0], 1.0 / 1024.0),
+        (&[3.0 / 2048.0], 3.0 / 4096.0),
+        (&[9.0 / 8192.0], 9.0 / 16384.0),
+        (&[], 27.0 / 32768.0),
+    ];
+    let mut time = 0.0;
+    for (halved, accepted) in expected {
         let report = dynamics.step().unwrap();
-        let halves = [1.0, 2.0, 4.0].map(|part| (RetryReason::Displacement, 1.0 / 128.0 / part));
-        assert_eq!(given_up(&report), halves, "step {step}");
-        assert_eq!(report.time_step, 1.0 / 1024.0);
-        assert_eq!(report.time, f64::from(step) / 1024.0);
+        let halves: Vec<_> = halved.iter().map(|&time_step| (RetryReason::Displacement, time_step)).collect();
+        assert_eq!((given_up(&report), report.time_step), (halves, accepted));
+        time += accepted;
+        assert_eq!((report.time, dynamics.state().last_time_step), (time, accepted));
     }
+}
+
+#[test]
+fn time_steps_grow_back_to_the_full_one_and_no_further() {
+    let mut dynamics = begin::<f64>(&flying("1"));
+    let full = 1.0 / 128.0;
+    assert_eq!(dynamics.state().last_time_step, full);
+    let mut state = dynamics.state().clone();
+    state.last_time_step = full / 4.0;
+    dynamics.restore(state).unwrap();
+    for part in [3.0 / 8.0, 9.0 / 16.0, 27.0 / 32.0, 1.0, 1.0] {
+        assert_eq!(dynamics.step().unwrap().time_step, part * full);
+    }
+}
+
+#[test]
+fn settling_steps_hand_their_time_step_on() {
+    // Static steps are gΔt²/2 long, with g = 8192 m/s²: 1/4 m, and 1/16 m when halved, which is allowed. Then 9/64 m with half as much again,
+    // and half of that 9/256 m. Time begins with half as much again.
+    let mut scene = flying("0");
+    scene.simulation.gravity = v("0", "0", "-8192");
+    scene.simulation.control.settle = 2;
+    let mut dynamics = begin::<f64>(&scene);
+    for (step, halved, accepted) in [(-1, 1.0 / 128.0, 1.0 / 256.0), (0, 3.0 / 512.0, 3.0 / 1024.0)] {
+        let report = dynamics.step().unwrap();
+        assert_eq!((report.step, report.time_step), (step, accepted));
+        assert_eq!(given_up(&report), [(RetryReason::Displacement, halved)]);
+    }
+    assert_eq!(dynamics.step().unwrap().retries[0].time_step, 9.0 / 2048.0);
 }
 
 #[test]
@@ -78,9 +119,37 @@ struct Hasty;
 impl Rules for Hasty {}
 
 impl StepRules for Hasty {
-    fn iterations() -> u32 {
+    fn changing_solves() -> u32 {
         1
     }
+}
+
+/// Friction never settles.
+#[derive(Clone, Copy, Debug)]
+struct Restless;
+
+impl Rules for Restless {}
+
+impl StepRules for Restless {
+    fn settled<R: Real>(_: R, _: R) -> bool {
+        false
+    }
+}
+
+#[test]
+fn the_seventh_solve_in_which_no_mode_changes_ends_the_iteration() {
+    // A cube at rest on the floor stays locked; friction is what keeps the iteration from ending with the first solve.
+    let mut dynamics: Dynamics<f64, Restless> =
+        Dynamics::with_rules(&scene(vec![floor(), cube()]), &tolerances()).unwrap();
+    let report = dynamics.step().unwrap();
+    assert_eq!((report.iterations, report.converged), (7, true));
+    assert!(report.retries.is_empty());
+    // Up from the floor: in the first solve the contacts open, seven more change nothing.
+    let mut flying = weightless(vec![floor(), cube()]);
+    flying.blocks[1].body.velocity = v("0", "0", "1");
+    let mut dynamics: Dynamics<f64, Restless> = Dynamics::with_rules(&flying, &tolerances()).unwrap();
+    let report = dynamics.step().unwrap();
+    assert_eq!((report.iterations, report.converged), (8, true));
 }
 
 /// A cube that touches the floor and flies up: the contact begins locked, and the first solve opens it, whatever Δt.
@@ -187,4 +256,24 @@ fn friction_of_the_solve_before_makes_an_impact_open_and_close_for_ever() {
     let report = dynamics.step().unwrap();
     assert!(report.retries.is_empty() && report.iterations == 2, "{report:?}");
     assert_eq!(dynamics.state().contacts[0].mode, Sliding);
+}
+
+#[test]
+fn a_state_with_a_contact_that_the_scene_cannot_have_is_refused() {
+    let mut dynamics = begin::<f64>(&scene(vec![floor(), cube()]));
+    dynamics.step().unwrap();
+    let good = dynamics.state().clone();
+    assert_eq!(good.contacts[3].contact.kind, ContactKind::FaceVertex);
+    let wrong: [fn(&mut ContactState<f64>); 4] = [
+        |contact| contact.blocks = [0, 2],
+        |contact| contact.blocks = [1, 0],
+        |contact| contact.contact.a = 6,
+        |contact| contact.contact.b = 8,
+    ];
+    for change in wrong {
+        let mut state = good.clone();
+        change(&mut state.contacts[3]);
+        assert_eq!(dynamics.restore(state), Err(SetupError::NoSuchContact { contact: 3 }));
+    }
+    assert_eq!(dynamics.restore(good), Ok(()));
 }

@@ -13,10 +13,12 @@
 //! - the springs are *found again* at the start of a step: h0 and s0 are measured in the geometry that has formed, and other features
 //!   may carry a contact. Where one v-v contact becomes two v-e and two e-v, the same overlap is in four springs. What that adds is
 //!   J = Σ(½p h0² + ½p_s s0²) − what the springs had;
-//! - friction *lags*: the solve took τŝ of the solve before it. The forces that were at work follow from the motion,
+//! - friction *lags*: the last solve took τŝ of the solve before it and a spring across that, and by how much this differs from the
+//!   friction of the state is what SPEC's "settled" bounds. The forces that were at work follow from the motion,
 //!   Q = M(v' − v)/Δt − weight, those of the state are Q*; the difference did the work L = Σ d·(Q − Q*).
 //!
-//! The bound: E' − E ≤ J + L, and rounding.
+//! The bound: E' − E ≤ J + L, and rounding. Of J nothing is left but rounding in a scene of convex blocks where contacts are kept and
+//! entrances are true exits: two tumbling bricks gain no energy in any step. (By version 1 they gained 80 kJ of 132 kJ in one.)
 
 use crate::support::{begin, cube, cuboid, floor, n, scene, v};
 use rockproof_model::{Motion, Scene};
@@ -111,8 +113,16 @@ fn springs_of(dynamics: &Dynamics<f64>) -> f64 {
     closed(dynamics).map(energy).sum()
 }
 
-/// Runs a scene of rigid blocks, all but the first free, and holds every step against its bound. The energies at the beginning and the end.
-fn held_to_the_bound(scene: &Scene, settling: usize) -> (Dynamics<f64>, [f64; 2]) {
+/// What a run did to the energy (J).
+struct Energies {
+    first: f64,
+    last: f64,
+    /// The most that a step gained.
+    gained: f64,
+}
+
+/// Runs a scene of rigid blocks, all but the first free, and holds every step against its bound.
+fn held_to_the_bound(scene: &Scene, settling: usize) -> (Dynamics<f64>, Energies) {
     let gravity = scene.simulation.gravity.map(|g| g.approximate());
     let gravity = Vector::new(gravity.x, gravity.y, gravity.z);
     let mut dynamics = begin::<f64>(scene);
@@ -144,7 +154,7 @@ fn held_to_the_bound(scene: &Scene, settling: usize) -> (Dynamics<f64>, [f64; 2]
         (again, lagging) = (again + found_again.max(0.0), lagging + lag.max(0.0));
     }
     println!("{first} J to {energy} J; a step gains {worst} J at most; found again {again} J, lag {lagging} J in all");
-    (dynamics, [first, energy])
+    (dynamics, Energies { first, last: energy, gained: worst })
 }
 
 #[test]
@@ -153,7 +163,7 @@ fn a_sliding_block_comes_to_rest() {
     scene.blocks[1].body.velocity = v("2", "1", "0");
     scene.simulation.joints.other.friction = n("1/2");
     scene.simulation.control.settle = 60;
-    let (dynamics, [first, last]) = held_to_the_bound(&scene, 60);
+    let (dynamics, Energies { first, last, .. }) = held_to_the_bound(&scene, 60);
     // It began with 5000 J of motion.
     assert!((first - last - 5000.0).abs() < 10.0, "{first} {last}");
     // It lies still, but for a vibration about the vertical on its shear springs: d is nil there, and v' = -v.
@@ -161,16 +171,24 @@ fn a_sliding_block_comes_to_rest() {
     assert!(velocity[..3].iter().all(|rate| rate.abs() < 1e-9), "{velocity:?}");
 }
 
-#[test]
-fn a_tumbling_pair_gains_no_more_than_the_bound() {
-    // Two bricks that turn fall on one another and on a rough floor.
+/// Two bricks that turn fall on one another and on a rough floor.
+fn tumbling(time_step: &str) -> Scene {
     let mut lower = cuboid("lower", ["0", "0", "1/4"], ["2", "1", "5/4"], Motion::Rigid);
     lower.body.spin = v("1/2", "1", "0");
     lower.body.velocity = v("1/2", "0", "0");
     let mut upper = cuboid("upper", ["1/2", "0", "2"], ["5/2", "1", "3"], Motion::Rigid);
     upper.body.spin = v("0", "-1", "1/4");
     let mut scene = scene(vec![floor(), lower, upper]);
-    scene.simulation.control.time_step = n("1/400");
-    let (_, [first, last]) = held_to_the_bound(&scene, 0);
-    assert!(last < first, "{last} after {first}");
+    scene.simulation.control.time_step = n(time_step);
+    scene
+}
+
+#[test]
+fn a_tumbling_pair_gains_nothing() {
+    for time_step in ["1/1000", "1/400", "1/200"] {
+        let (_, Energies { first, last, gained }) = held_to_the_bound(&tumbling(time_step), 0);
+        println!("{time_step} s: {first} J to {last} J, {gained} J");
+        assert!(last < first, "{last} after {first}");
+        assert!(gained <= 1e-3 * first, "{time_step} s: a step gains {gained} J of {first}");
+    }
 }

@@ -1,10 +1,7 @@
 //! The float dynamics against closed forms that need no scene file, one for each part: inertia, weight, normal springs,
 //! friction, elasticity, kinematics, areas, transfer.
 
-#[path = "support/boxes.rs"]
-mod boxes;
-
-use boxes::{cuboid, n, tolerances};
+use crate::support::{cuboid, n, tolerances};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::simulation::Kinematics;
 use rockproof_model::{Motion, Number, Scene, Vec3};

@@ -2,7 +2,7 @@
 
 use Mistake::*;
 use rockproof_stepper::Real;
-use rockproof_stepper::contact::Rules;
+use rockproof_stepper::contact::{Rules, Spec};
 use rockproof_stepper::dynamics::{Mode, Slip, StepRules};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -21,8 +21,21 @@ mistakes! {
     Nothing "none",
     SlidingLockedIgnored "convergence ignores changes between sliding and locked",
     RelockForgets "becoming locked ignores the stiffness ratio and cohesion, staying locked uses them",
-    ThreeIterations "the iteration ends after 3 solves, whatever says that it failed",
-    TwelveIterations "the iteration goes on for 12 solves",
+    ThreeChanging "the third solve in which a mode changes ends the attempt",
+    FiveChanging "the fifth solve in which a mode changes ends the attempt",
+    SevenChanging "the seventh solve in which a mode changes ends the attempt",
+    SixUnchanging "the sixth solve in which no mode changes ends the iteration",
+    EightUnchanging "the eighth solve in which no mode changes ends the iteration",
+    ChangesByForceCount "a change between locked and sliding keeps the iteration from ending, however small its force",
+    OpeningIgnored "a solve in which a contact opens or closes can end the iteration",
+    AlwaysSettled "friction has always settled",
+    NeverSettled "friction never settles",
+    SettledTurnedRound "friction has settled where the misfit is large",
+    SettledTenfold "friction has settled where the misfit is a tenth of the normal force",
+    TurnedForgotten "a slip that turns goes on",
+    TurnedOtherWay "a slip that does not turn locks",
+    NoSpringAcross "no spring acts across the slip",
+    StifferAcross "the spring across the slip is the stiffer of both",
     OuterDistance "contacts are recorded apart up to the penetration depth, overlapping up to the search distance",
     BeginsOpen "a contact that begins touching is open",
     BeginsLocked "every contact begins locked",
@@ -38,6 +51,11 @@ mistakes! {
     AnchorStays "the anchor of a sliding contact stays behind",
     MemoryLost "contacts forget mode and anchor",
     CutByHalf "an iteration that fails is cut by half",
+    BeginsFull "a step begins with the full time step",
+    GrowsTwofold "a step begins with up to twice the last time step",
+    GrowsBeyondFull "a step begins with half as much again as the last time step, or with the full one if that is more",
+    KeptForgotten "no contact is kept",
+    KeptOpen "open contacts are kept, closed ones are not",
     NoDisplacementLimit "the displacement limit is forgotten",
     NoRotationLimit "the rotation limit is forgotten",
     RateOnce "the rate after a step is (2/Δt)·d",
@@ -106,13 +124,64 @@ impl StepRules for Mistaken {
     fn counts_as_change(before: Mode, after: Mode) -> bool {
         before != after && !(planted(SlidingLockedIgnored) && before.is_closed() && after.is_closed())
     }
-    fn iterations() -> u32 {
-        if planted(ThreeIterations) {
-            3
-        } else if planted(TwelveIterations) {
-            12
-        } else {
-            6
+    fn changing_solves() -> u32 {
+        match () {
+            () if planted(ThreeChanging) => 3,
+            () if planted(FiveChanging) => 5,
+            () if planted(SevenChanging) => 7,
+            () => Spec::changing_solves(),
+        }
+    }
+    fn unchanging_solves() -> u32 {
+        match () {
+            () if planted(SixUnchanging) => 6,
+            () if planted(EightUnchanging) => 8,
+            () => Spec::unchanging_solves(),
+        }
+    }
+    fn opens_or_closes(before: Mode, after: Mode) -> bool {
+        match () {
+            () if planted(ChangesByForceCount) => before != after,
+            () if planted(OpeningIgnored) => false,
+            () => Spec::opens_or_closes(before, after),
+        }
+    }
+    fn settled<R: Real>(misfit: R, pressing: R) -> bool {
+        match () {
+            () if planted(AlwaysSettled) => true,
+            () if planted(NeverSettled) => false,
+            () if planted(SettledTurnedRound) => R::from_f64(100.0) * misfit >= pressing,
+            () if planted(SettledTenfold) => R::from_f64(10.0) * misfit <= pressing,
+            () => Spec::settled(misfit, pressing),
+        }
+    }
+    fn slip_turned<R: Real>(along: R) -> bool {
+        match () {
+            () if planted(TurnedForgotten) => false,
+            () if planted(TurnedOtherWay) => along > R::ZERO,
+            () => Spec::slip_turned(along),
+        }
+    }
+    fn spring_across<R: Real>(secant: R, shear: R) -> R {
+        match () {
+            () if planted(NoSpringAcross) => R::ZERO,
+            () if planted(StifferAcross) => secant.larger(shear),
+            () => Spec::spring_across(secant, shear),
+        }
+    }
+    fn first_time_step<R: Real>(full: R, last: R) -> R {
+        match () {
+            () if planted(BeginsFull) => full,
+            () if planted(GrowsTwofold) => full.smaller(last * R::from_f64(2.0)),
+            () if planted(GrowsBeyondFull) => full.larger(last * R::from_f64(1.5)),
+            () => Spec::first_time_step(full, last),
+        }
+    }
+    fn leaves_kept(mode: Mode) -> bool {
+        match () {
+            () if planted(KeptForgotten) => false,
+            () if planted(KeptOpen) => !mode.is_closed(),
+            () => Spec::leaves_kept(mode),
         }
     }
     fn cut<R: Real>(time_step: R) -> R {
