@@ -143,7 +143,23 @@ pub struct Contact {
     pub gap: Sign,
 }
 
+/// What names a contact of a pair from one step to the next: its kind and features, without its entrance and gap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ContactKey {
+    /// Which kinds of feature touch.
+    pub kind: ContactKind,
+    /// Index of A's feature.
+    pub a: u32,
+    /// Index of B's feature.
+    pub b: u32,
+}
+
 impl Contact {
+    /// Its kind and features.
+    pub fn key(self) -> ContactKey {
+        ContactKey { kind: self.kind, a: self.a, b: self.b }
+    }
+
     /// The same contact seen with A and B exchanged.
     #[must_use]
     pub fn swapped(self) -> Contact {

@@ -42,6 +42,8 @@ pub enum Predicate {
     EdgeEdgeDepth,
     /// The four faces at two edges pass one another ("wedges pass").
     WedgesPass,
+    /// The plane of an entrance is a true exit: its no-overlap check passes with the tolerance r/10 alone.
+    TrueExit,
     /// The chosen entrance has a gap of at least −`penetration`.
     EntranceDepth,
     /// An entrance candidate is preferred to another (largest gap, Eq. (1), order).
@@ -56,7 +58,7 @@ pub enum Predicate {
 
 impl Predicate {
     /// Every predicate, in the order in which they are tested.
-    pub const ALL: [Predicate; 23] = [
+    pub const ALL: [Predicate; 24] = [
         Predicate::Neighbours,
         Predicate::VertexVertexNear,
         Predicate::VertexTerritory,
@@ -75,6 +77,7 @@ impl Predicate {
         Predicate::EdgeEdgeNear,
         Predicate::EdgeEdgeDepth,
         Predicate::WedgesPass,
+        Predicate::TrueExit,
         Predicate::EntranceDepth,
         Predicate::EntranceChoice,
         Predicate::GapSign,
@@ -103,6 +106,7 @@ impl Predicate {
             Predicate::EdgeEdgeNear => "edge-edge-near",
             Predicate::EdgeEdgeDepth => "edge-edge-depth",
             Predicate::WedgesPass => "wedges-pass",
+            Predicate::TrueExit => "true-exit",
             Predicate::EntranceDepth => "entrance-depth",
             Predicate::EntranceChoice => "entrance-choice",
             Predicate::GapSign => "gap-sign",
@@ -182,7 +186,7 @@ impl fmt::Display for Feature {
 /// | nearly-parallel, feet-inside, edge-edge-near, edge-edge-depth, wedges-pass | edge of A, edge of B |
 /// | entrance-depth, one-exit | A's feature of the contact, B's feature of the contact |
 /// | entrance-choice | A's and B's features of the contact, A's and B's features of the candidate |
-/// | gap-sign | A's and B's features of the entrance |
+/// | true-exit, gap-sign | A's and B's features of the entrance |
 ///
 /// The outcome is 1 for yes and 0 for no; for gap-sign it is the sign; for entrance-choice, shortest-exit and one-exit
 /// 1 says that the candidate is chosen, the contact stays.

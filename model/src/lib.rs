@@ -21,7 +21,7 @@ pub mod topology;
 pub mod vector;
 
 pub use block::{Block, BlockError, BlockOptions, Bounds, Merged, Merging, Point};
-pub use contact::{Contact, ContactKind, Entrance, EntranceKind};
+pub use contact::{Contact, ContactKey, ContactKind, Entrance, EntranceKind};
 pub use number::{Number, NumberError, Precision};
 pub use preset::{Preset, PresetError};
 pub use ring::Ring;
