@@ -3,5 +3,6 @@
 
 pub(crate) mod golden;
 pub(crate) mod handworked;
+pub(crate) mod random;
 pub(crate) mod shapes;
 pub(crate) mod steps;
