@@ -37,7 +37,7 @@ pub enum Cut {
 pub enum IterationEnd {
     /// In its last solve no contact opened or closed, and friction had settled: converged.
     Settled,
-    /// No mode changed in the last solve, for the [`UNCHANGED_SOLVES`]th time: converged, though friction had not settled.
+    /// No mode changed in the last solve, for the [`UNCHANGED_SOLVES`]th time: converged, whether friction had settled or not.
     Unchanged,
     /// A mode changed in the last solve, for the [`rockproof_model::simulation::Control::ITERATIONS`]th time: not converged.
     Changing,

@@ -62,19 +62,18 @@ fn iterate(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>) -> Iterated {
         ladder.solve(modes.clone());
         let next = |(contact, &mode)| ladder.ask(&NextMode { contact, mode }).unwrap_or(mode);
         let after: Vec<Mode> = modes.iter().enumerate().map(next).collect();
+        // The last solve allowed without a change ends the iteration whether friction has settled or not.
+        if after == modes && unchanged + 1 == UNCHANGED_SOLVES {
+            return Iterated { after, end: IterationEnd::Unchanged };
+        }
         if modes.iter().zip(&after).all(|(mode, next)| (*mode == Mode::Open) == (*next == Mode::Open))
             && has_settled(ladder, [&modes, &after])
         {
             return Iterated { after, end: IterationEnd::Settled };
         }
-        let (count, most, end) = if after == modes {
-            (&mut unchanged, UNCHANGED_SOLVES, IterationEnd::Unchanged)
-        } else {
-            (&mut changing, Control::ITERATIONS, IterationEnd::Changing)
-        };
-        *count += 1;
-        if *count == most {
-            return Iterated { after, end };
+        *(if after == modes { &mut unchanged } else { &mut changing }) += 1;
+        if changing == Control::ITERATIONS {
+            return Iterated { after, end: IterationEnd::Changing };
         }
         modes = after;
     }
