@@ -238,13 +238,15 @@ impl Checker<'_, '_> {
             self.visit(&NormalComponent { face, axis });
             self.visit(&EdgeAbovePlane { vertex, edge: at_vertex, face });
             self.visit(&EdgeDipAngle { edge: (vertex.0, at_vertex), face });
-            self.visit(&EdgeDipDepth { edge: (vertex.0, at_vertex), face });
+            let inward = InwardAcross { edge_a, edge_b, side: edge.0, right: flip };
+            for limit in [DipLimit::Penetration, DipLimit::TrueExit] {
+                self.visit(&EdgeDipDepth { edge: (vertex.0, at_vertex), face, limit });
+                self.visit(&WedgeDipDepth { inward, corner: far, limit });
+            }
             self.visit(&ParallelReach { edge_a, edge_b, longer: vertex.0 });
             self.visit(&CommonFoot { edge_a, edge_b, on: vertex.0, from_end: flip });
-            let inward = || InwardAcross { edge_a, edge_b, side: edge.0, right: flip };
-            self.visit(&inward());
-            self.visit(&WedgeDipAngle(inward()));
-            self.visit(&WedgeDipDepth { inward: inward(), corner: far });
+            self.visit(&inward);
+            self.visit(&WedgeDipAngle(inward));
         }
         self.visit(&ParallelAngle { edge_a, edge_b });
         self.visit(&Orientation { edge_a, edge_b });
@@ -361,7 +363,7 @@ fn polynomials_have_the_degree_they_say() {
     let (vertex, edge, face) = ((Side::A, 1), (Side::B, 2), (Side::B, 3));
     let entrance = |kind, a, b| Entrance { kind, a, b };
     let (first, second) = (entrance(EntranceKind::VertexFace, 1, 2), entrance(EntranceKind::EdgeEdge, 1, 4));
-    let inward = || InwardAcross { edge_a: 1, edge_b: 4, side: Side::A, right: false };
+    let inward = InwardAcross { edge_a: 1, edge_b: 4, side: Side::A, right: false };
     degree.check(&BoxesMeet { low: vertex, high: (Side::B, 2), axis: 0 });
     degree.check(&Near { a: 1, b: 2, limit: Limit::Search });
     degree.check(&NearForEdge { a: 1, b: 2, edge });
@@ -380,16 +382,20 @@ fn polynomials_have_the_degree_they_say() {
     degree.check(&NormalComponent { face, axis: 0 });
     degree.check(&EdgeAbovePlane { vertex, edge: a1.block.topology().vertex_edges(1)[0], face });
     degree.check(&EdgeDipAngle { edge: (Side::A, 2), face });
-    degree.check(&EdgeDipDepth { edge: (Side::A, 2), face });
+    for limit in [DipLimit::Penetration, DipLimit::TrueExit] {
+        degree.check(&EdgeDipDepth { edge: (Side::A, 2), face, limit });
+    }
     degree.check(&ParallelAngle { edge_a: 1, edge_b: 4 });
     degree.check(&ParallelReach { edge_a: 1, edge_b: 4, longer: Side::B });
     degree.check(&CommonFoot { edge_a: 1, edge_b: 4, on: Side::B, from_end: true });
     degree.check(&Orientation { edge_a: 1, edge_b: 4 });
-    degree.check(&inward());
-    degree.check(&WedgeDipAngle(inward()));
+    degree.check(&inward);
+    degree.check(&WedgeDipAngle(inward));
     let own = a1.block.topology().edges()[1];
     let corner = a1.block.topology().faces()[own.left as usize].iter().copied().find(|&w| w != own.p && w != own.q);
-    degree.check(&WedgeDipDepth { inward: inward(), corner: corner.unwrap() });
+    for limit in [DipLimit::Penetration, DipLimit::TrueExit] {
+        degree.check(&WedgeDipDepth { inward, corner: corner.unwrap(), limit });
+    }
     degree.check(&EdgesApart { edge_a: 1, edge_b: 4 });
     degree.check(&LargerGap { first, second, factor: Factor::OnePlusEqual });
     degree.check(&NormalsAgree { first, second });
