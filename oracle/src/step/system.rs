@@ -249,7 +249,24 @@ impl Support for StepSupport<'_> {
     }
 }
 
-/// The f64 stiffness of contacts in these modes, in the next solve of a chain; `None` where it has no springs across the slips.
+/// How well a spring across a slip must be known, as a share of the normal stiffness and of its own direction: a factor of a stiffness
+/// that is wrong by more corrects too slowly.
+const SPRING_ACCURACY: f64 = 1.0 / 1_048_576.0;
+
+/// The spring across a slip in f64: the stiffness and the vector on which it acts; `None` where the type knows too little of it.
+fn float_spring<S: Field>(slip: &SlipForce<S>, normal: f64) -> Option<(f64, [f64; 3])> {
+    if slip.spring.is_zero() {
+        return Some((0.0, [0.0; 3]));
+    }
+    let (spring, b) = (slip.spring.nearby(), slip.across.components().map(Field::nearby));
+    let square: f64 = b.iter().map(|(middle, _)| middle * middle).sum();
+    let turned = b.iter().map(|(_, radius)| radius).fold(0.0, |most: f64, radius| most.max(*radius));
+    let known = spring.1 * square <= SPRING_ACCURACY * normal && turned <= SPRING_ACCURACY * square.sqrt();
+    known.then_some((spring.0, b.map(|(middle, _)| middle)))
+}
+
+/// The f64 stiffness of contacts in these modes, in the next solve of a chain; `None` where it knows too little of the springs across
+/// the slips.
 pub(crate) fn stiffness<'l, S: Field>(
     chain: &Chain<'_, S>,
     modes: &[Mode],
@@ -275,7 +292,7 @@ pub(crate) fn stiffness<'l, S: Field>(
         let (normal, shear) = (near(&joint.normal), if mode == Mode::Locked { near(&joint.shear) } else { 0.0 });
         // The force of a displacement of A against B: shear across n, what is more along it, and the spring across the slip.
         let (spring, b) = match &friction[k] {
-            Some(slip) => (near(&slip.spring), slip.across.components().map(near)),
+            Some(slip) => float_spring(slip, normal)?,
             None => (0.0, [0.0; 3]),
         };
         let bent: [[f64; 3]; 3] = std::array::from_fn(|r| {

@@ -3,7 +3,7 @@
 use super::shapes::exact;
 use num_rational::BigRational;
 use rockproof_model::scene::Format;
-use rockproof_model::{Block, Body, ContactKind, EntranceKind, Precision, Scene, ToleranceSet};
+use rockproof_model::{Block, Body, ContactKind, EntranceKind, Precision, Scene, Simulation, ToleranceSet};
 use rockproof_oracle::step::{Cut, Mode, StepModel};
 use serde::Deserialize;
 use std::path::Path;
@@ -92,6 +92,11 @@ impl GoldenScene {
     /// The blocks as they begin.
     pub(crate) fn shapes(&self) -> Vec<&Block> {
         self.scene.shapes()
+    }
+
+    /// How it is stepped.
+    pub(crate) fn simulation(&self) -> &Simulation {
+        &self.scene.simulation
     }
 
     /// What a step is told.
