@@ -1,8 +1,9 @@
 //! How close the decisions about modes were.
 
 use super::chain::Chain;
+use super::answer::{StepFailure, StepModel};
+use super::iteration::attempts;
 use super::prepare::Begun;
-use super::run::{StepFailure, StepModel, attempts};
 use super::state::{Mode, State};
 use crate::field::Field;
 
