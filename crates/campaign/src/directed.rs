@@ -113,7 +113,11 @@ pub fn aim(kit: &mut Kit<'_>, (a, b): (&Block, &Block), set: &ToleranceSet, pred
         Predicate::EntranceDepth => faces::entrance_depth(kit, &pair),
         Predicate::EntranceChoice => faces::entrance_choice(kit, &pair),
         Predicate::ShortestExit => faces::shortest_exit(kit, &pair),
-        Predicate::ConePasses | Predicate::NearlyParallel | Predicate::WedgesPass | Predicate::OneExit => None,
+        Predicate::ConePasses
+        | Predicate::NearlyParallel
+        | Predicate::WedgesPass
+        | Predicate::TrueExit
+        | Predicate::OneExit => None,
     }?;
     check::checked(&pair, aim)
 }

@@ -113,12 +113,16 @@ impl ExactPair for rockproof_oracle::Pair<'_> {
     }
 
     fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<f64>> {
-        let signed = |margin: rockproof_oracle::Margin| f64::from(margin.sign.as_i8()) * margin.relative;
         rockproof_oracle::Pair::margins(self, tolerances, decisions)
             .into_iter()
             .map(|margin| margin.map(signed))
             .collect()
     }
+}
+
+/// A margin with the sign of its polynomial.
+pub(crate) fn signed(margin: rockproof_oracle::Margin) -> f64 {
+    f64::from(margin.sign.as_i8()) * margin.relative
 }
 
 /// The names of the built-in engines.

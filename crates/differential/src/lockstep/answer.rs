@@ -4,7 +4,7 @@ use crate::compare::{Difference, Features, differences};
 use crate::lockstep::state::float_mode;
 use num_rational::BigRational;
 use rockproof_model::{Block, Contact, Number};
-use rockproof_oracle::step::{self as exact, CertifiedStep, Cut, StepAnswer};
+use rockproof_oracle::step::{self as exact, CertifiedStep, Cut, FailedAttempt, StepAnswer};
 use rockproof_stepper::Real;
 use rockproof_stepper::dynamics::{Mode, RetryReason, State, StepReport};
 
@@ -51,7 +51,7 @@ impl Answer {
         contacts: &[([usize; 2], Contact)],
         modes: &[Vec<exact::Mode>],
         converged: bool,
-        cuts: &[(BigRational, Cut)],
+        cuts: &[FailedAttempt],
         time_step: &BigRational,
     ) -> Answer {
         let reason = |cut: Cut| match cut {
@@ -64,7 +64,7 @@ impl Answer {
             contacts: contacts.iter().map(|(pair, c)| (pair.map(|block| block as u32), *c)).collect(),
             modes: after_solves.map(|all| all.iter().map(|mode| float_mode(*mode)).collect()).collect(),
             converged,
-            retries: cuts.iter().map(|(_, cut)| reason(*cut)).collect(),
+            retries: cuts.iter().map(|attempt| reason(attempt.cut)).collect(),
             time_step: Number::from_rational(time_step.clone()).approximate(),
         }
     }

@@ -1,15 +1,16 @@
 //! The chain of SPEC section 6 for one step: exact scene with ideal tolerances, exact scene, rounded scene, stepper.
 
-use crate::builtin::Exact;
 use crate::compare::{Difference, Features};
-use crate::engine::{Oracle, Trace};
+use crate::engine::Trace;
+use crate::builtin::signed;
 use crate::explain::{Link, explain};
 use crate::finding::{Cause, Deciding};
 use crate::lockstep::answer::{Answer, Change, StepDifference};
 use crate::lockstep::scene::ExactScene;
-use rockproof_model::{Block, Contact, ToleranceSet};
+use rockproof_model::decision::Decision;
+use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
 use rockproof_oracle::step::{self as exact, ModeMargin};
-use rockproof_stepper::contact::{Solid, Tolerances, classify_traced};
+use rockproof_stepper::contact::{Request, Solid, Tolerances};
 use rockproof_stepper::dynamics::{Mode, StepRules};
 use rockproof_stepper::real::Real;
 
@@ -92,9 +93,18 @@ pub(super) struct Explainer<'s> {
     pub(super) before: Side<'s>,
     pub(super) after: Side<'s>,
     pub(super) roundoff: Option<f64>,
+    /// The state before the step, whose closed contacts are kept.
+    pub(super) state: &'s exact::State,
 }
 
 impl Explainer<'_> {
+    /// The contacts of a pair that the step before left closed.
+    fn kept(&self, pair: [u32; 2]) -> Vec<ContactKey> {
+        let of_pair = |memory: &&exact::ContactMemory| memory.blocks == pair.map(|block| block as usize);
+        let closed = |memory: &&exact::ContactMemory| memory.mode != exact::Mode::Open;
+        self.state.contacts.iter().filter(of_pair).filter(closed).map(|memory| memory.contact.key()).collect()
+    }
+
     /// The differences with their cause; `stepper` traces a pair of blocks in the stepper, where the link leads to it.
     pub(super) fn caused(&self, found: Vec<StepDifference>, cause: Cause, stepper: Option<Tracer<'_>>) -> Vec<Caused> {
         let mut caused: Vec<Caused> = found.into_iter().map(|difference| Caused::new(cause, difference)).collect();
@@ -128,26 +138,53 @@ impl Explainer<'_> {
     ) -> Vec<Option<Deciding>> {
         let of = |side: &Side<'_>| pair.map(|block| side.blocks[block as usize].clone());
         let ([a, b], [a_after, b_after]) = (of(&self.before), of(&self.after));
-        let (before, after) = (Exact.prepare(&a, &b), Exact.prepare(&a_after, &b_after));
-        let (before, after) = (before.pair(), after.pair());
+        let kept = self.kept(pair);
+        let (before, after) = (Solids::new(&a, &b), Solids::new(&a_after, &b_after));
         let link = Link {
-            before: &|| Some(before.trace(self.before.tolerances)),
+            before: &|| Some(before.trace(self.before.tolerances, &kept)),
             after: &|| match stepper {
-                Some(stepper) => stepper(&a_after, &b_after),
-                None => Some(after.trace(self.after.tolerances)),
+                Some(stepper) => stepper(&a_after, &b_after, &kept),
+                None => Some(after.trace(self.after.tolerances, &kept)),
             },
-            margins: &|decisions| before.margins(self.before.tolerances, decisions),
+            margins: &|decisions| before.margins(self.before.tolerances, &kept, decisions),
             roundoff: self.roundoff,
         };
         explain(differences, &link, Features { a: a.topology(), b: b.topology() })
     }
 }
 
-/// Traces two blocks.
-pub(super) type Tracer<'t> = &'t dyn Fn(&Block, &Block) -> Option<Trace>;
+/// Two blocks as the oracle prepares them.
+struct Solids([rockproof_oracle::Solid; 2]);
+
+impl Solids {
+    fn new(a: &Block, b: &Block) -> Solids {
+        Solids([a, b].map(rockproof_oracle::Solid::new))
+    }
+
+    fn pair(&self) -> rockproof_oracle::Pair<'_> {
+        rockproof_oracle::Pair::new(&self.0[0], &self.0[1])
+    }
+
+    fn trace(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Trace {
+        let entries = self.pair().trace_keeping(tolerances, kept);
+        entries.into_iter().map(|entry| (entry.decision, entry.outcome)).collect()
+    }
+
+    fn margins(&self, tolerances: &ToleranceSet, kept: &[ContactKey], decisions: &[Decision]) -> Vec<Option<f64>> {
+        let margins = self.pair().margins_keeping(tolerances, kept, decisions);
+        margins.into_iter().map(|margin| margin.map(signed)).collect()
+    }
+}
+
+/// Traces two blocks, of whose contacts some are kept.
+pub(super) type Tracer<'t> = &'t dyn Fn(&Block, &Block, &[ContactKey]) -> Option<Trace>;
 
 /// The decisions of the stepper about two blocks.
-pub(super) fn stepper_trace<R: Real, M: StepRules>(a: &Block, b: &Block, set: &ToleranceSet) -> Option<Trace> {
-    let (a, b) = (Solid::<R>::new(a).ok()?, Solid::<R>::new(b).ok()?);
-    Some(classify_traced::<R, M>(&a, &b, &Tolerances::new(set).ok()?).1)
+pub(super) fn stepper_trace<R: Real, M: StepRules>(
+    [a, b]: [&Block; 2],
+    set: &ToleranceSet,
+    kept: &[ContactKey],
+) -> Option<Trace> {
+    let (a, b, tolerances) = (Solid::<R>::new(a).ok()?, Solid::<R>::new(b).ok()?, Tolerances::new(set).ok()?);
+    Some(Request { a: &a, b: &b, tolerances: &tolerances, kept }.traced::<M>().1)
 }

@@ -8,7 +8,7 @@ use crate::lockstep::links::{Caused, Explainer, Links, Side, measure_modes, step
 use crate::lockstep::scene::{ExactScene, Overflow};
 use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::wide::{WideError, WideStepper};
-use rockproof_model::{Block, Number, Precision, Scene, ToleranceSet};
+use rockproof_model::{Block, ContactKey, Number, Precision, Scene, ToleranceSet};
 use rockproof_oracle::step::{self as exact, Keep, StepAnswer, StepFailure};
 use rockproof_stepper::dynamics::{
     Dynamics, Given, GivenAttempt, SetupError, Solve, State, StepReport, StepRules, Stopped,
@@ -267,7 +267,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let blocks = self.given.blocks_at(unrounded);
         let (ideal_side, given_side) = (self.ideal.tolerances(), self.given.tolerances());
         let side = |tolerances| Side { blocks: &blocks, tolerances };
-        let explainer = Explainer { before: side(ideal_side), after: side(given_side), roundoff: None };
+        let explainer = Explainer { before: side(ideal_side), after: side(given_side), roundoff: None, state: unrounded };
         let found = exact_differences(&ideal, given, &self.given.scene().shapes());
         compared.differences.extend(explainer.caused(found, Cause::Tolerance, None));
         if alike {
@@ -275,7 +275,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         }
         let rounded_blocks = self.rounded.blocks_at(start);
         let after = Side { blocks: &rounded_blocks, tolerances: self.rounded.tolerances() };
-        let explainer = Explainer { before: side(given_side), after, roundoff: Some(self.precision.epsilon() / 2.0) };
+        let explainer = Explainer { before: side(given_side), after, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
         let found = exact_differences(given, rounded, &self.given.scene().shapes());
         let mut caused = explainer.caused(found, Cause::Representation, None);
         if let Ok(given) = given {
@@ -305,9 +305,9 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         };
         let blocks = self.rounded.blocks_at(start);
         let side = Side { blocks: &blocks, tolerances: self.rounded.tolerances() };
-        let explainer = Explainer { before: side, after: side, roundoff: Some(self.precision.epsilon() / 2.0) };
+        let explainer = Explainer { before: side, after: side, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
         let set = self.rounded.tolerances();
-        let trace = |a: &Block, b: &Block| stepper_trace::<R, M>(a, b, set);
+        let trace = |a: &Block, b: &Block, kept: &[ContactKey]| stepper_trace::<R, M>([a, b], set, kept);
         let mut caused = explainer.caused(found, Cause::Arithmetic, Some(&trace));
         for caused in caused.iter_mut().filter(|c| remaining.contains(&c.difference)) {
             caused.cause = Cause::Defect;

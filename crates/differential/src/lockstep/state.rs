@@ -65,6 +65,7 @@ pub fn exact_state<R: Real>(state: &State<R>) -> Result<exact::State, NotFinite>
     Ok(exact::State {
         time: number(state.time)?,
         settling: state.settling,
+        last_time_step: number(state.last_time_step)?,
         blocks: state.blocks.iter().map(block).collect::<Result<_, NotFinite>>()?,
         load_points: points(&state.load_points)?,
         fixed_points: points(&state.fixed_points)?,
@@ -96,6 +97,7 @@ pub fn converted<R: Real, S: Real>(state: &State<R>) -> State<S> {
         step: state.step,
         time: scalar(state.time),
         settling: state.settling,
+        last_time_step: scalar(state.last_time_step),
         blocks: state.blocks.iter().map(block).collect(),
         load_points: vectors(&state.load_points),
         fixed_points: vectors(&state.fixed_points),
