@@ -1,5 +1,6 @@
 //! No deliberate mistake is dead: each changes an answer on one of the pairs constructed here.
 
+use crate::hand_worked::base;
 use crate::mistakes;
 use crate::pairs::{
     beak, behind_side, beside_edge, blade, classic, corner_block, cuboid, keel, long_ridge, n, prism, ridge,
@@ -11,10 +12,6 @@ use rockproof_stepper::engine::contacts_keeping;
 use rockproof_stepper::{Classifier, Stepper, Wide};
 
 type Case = (&'static str, Block, Block, ToleranceSet);
-
-fn base() -> Block {
-    cuboid([0.0; 3], [2.0, 2.0, 1.0])
-}
 
 /// Pairs on and beside the boundary of each rule.
 fn bank() -> Vec<Case> {

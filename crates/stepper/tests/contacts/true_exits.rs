@@ -48,7 +48,7 @@ fn the_one_exit_is_true_where_there_is_one() {
     check("roles exchanged", &base(), &behind_side(), &tolerances(), &exchanged);
     // Vertex 0 is within s of edge 10, vertex 6 within s of the long edge.
     check("classic: whatever passes", &behind_side(), &base(), &classic(), &["v-e 0 10 v-f 0 3 -1"]);
-    // r/10 = 3/64 makes the side true, but only if territories do not reach that far: a base of eighths has small ones.
+    // With r = 15/32 the side is true, 3/64 being r/10, and vertex 0 is in the territory of edge 10, which is 1/4 wide.
     let wide = ToleranceSet { territory: n(0.46875), ..tolerances() };
     check("within r/10, in a territory of 1/4", &behind_side(), &base(), &wide, &["v-e 0 10 v-f 0 3 -1"]);
 }
