@@ -59,7 +59,7 @@ fn wide_agrees_wherever_all_comparisons_were_settled() {
     let (settled, differing) = run_wide(&pairs, true);
     eprintln!("settled {settled} of 180");
     assert!(differing.is_empty(), "{differing:?}");
-    assert!(settled >= 116, "only {settled} of 180 pairs settled");
+    assert!(settled >= 119, "only {settled} of 180 pairs settled");
 }
 
 #[test]

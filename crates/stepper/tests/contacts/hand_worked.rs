@@ -3,17 +3,26 @@
 //!
 //! Tolerances unless said otherwise: s = 1/8, r = 1/64, g = 1/16, so = sp = 3/64, ε = 2⁻²⁰, revised.
 
-use crate::pairs::{classic, corner_block, cuboid, keel, n, prism, ridge, show, spike, tetrahedron, tolerances};
-use rockproof_model::{Block, ToleranceSet};
+use crate::pairs::{
+    beak, blade, classic, corner_block, cuboid, keel, long_ridge, n, ridge, shifted_keel, show, spike, tetrahedron,
+    tolerances, undercut,
+};
+use rockproof_model::{Block, ContactKey, ToleranceSet};
+use rockproof_stepper::Wide;
 use rockproof_stepper::contact::Spec;
-use rockproof_stepper::{Classifier, Stepper};
+use rockproof_stepper::engine::contacts_keeping;
 
-fn check(name: &str, a: &Block, b: &Block, t: &ToleranceSet, expected: &[&str]) {
-    let stepper = Stepper::<Spec>::new();
+/// In each scalar the contacts are these, where nothing is kept.
+pub(crate) fn check(name: &str, a: &Block, b: &Block, t: &ToleranceSet, expected: &[&str]) {
+    check_keeping(name, [a, b], t, &[], expected);
+}
+
+/// In each scalar the contacts are these in a step that keeps some.
+pub(crate) fn check_keeping(name: &str, [a, b]: [&Block; 2], t: &ToleranceSet, kept: &[ContactKey], expected: &[&str]) {
     let found = [
-        ("f32", stepper.f32(a, b, t).unwrap()),
-        ("f64", stepper.f64(a, b, t).unwrap()),
-        ("wide", stepper.wide(a, b, t).unwrap().0),
+        ("f32", contacts_keeping::<f32, Spec>(a, b, t, kept).unwrap()),
+        ("f64", contacts_keeping::<f64, Spec>(a, b, t, kept).unwrap()),
+        ("wide", contacts_keeping::<Wide, Spec>(a, b, t, kept).unwrap()),
     ];
     for (precision, contacts) in found {
         assert_eq!(contacts.iter().map(show).collect::<Vec<_>>(), expected, "{name} in {precision}");
@@ -21,7 +30,7 @@ fn check(name: &str, a: &Block, b: &Block, t: &ToleranceSet, expected: &[&str]) 
 }
 
 /// Top face 1 at z = 1; its corners are vertices 4 to 7, its edges 8 (y = 0), 9 (x = 0), 10 (x = 2) and 11 (y = 2).
-fn base() -> Block {
+pub(crate) fn base() -> Block {
     cuboid([0.0; 3], [2.0, 2.0, 1.0])
 }
 
@@ -49,10 +58,20 @@ fn vertex_face_needs_a_cone_that_passes() {
     let wide_base = cuboid([-4.0, 0.0, 0.0], [2.0, 2.0, 1.0]);
     let (own, low) = ("v-f 0 1 v-f 0 1 +1", "v-f 3 1 v-f 3 1 -1");
     let t = tolerances();
-    check("within the angle, 0.078 deep", &dipping(2.0, 0.078125), &wide_base, &t, &[own, low]);
-    check("beyond the angle, within g", &dipping(0.25, 0.0390625), &wide_base, &t, &[own, low]);
+    check("within the angle and g", &dipping(1.0, 0.0390625), &wide_base, &t, &[own, low]);
+    check("within the angle, beyond g", &dipping(2.0, 0.078125), &wide_base, &t, &[low]);
+    check("beyond the angle, within g", &dipping(0.25, 0.0390625), &wide_base, &t, &[low]);
     check("beyond both", &dipping(0.5, 0.078125), &wide_base, &t, &[low]);
-    check("beyond the angle, classic", &dipping(0.25, 0.0390625), &wide_base, &classic(), &[low]);
+    check("within the angle, beyond g, classic", &dipping(2.0, 0.078125), &wide_base, &classic(), &[own, low]);
+    check("beyond the angle, within g, classic", &dipping(0.25, 0.0390625), &wide_base, &classic(), &[low]);
+    // 128, 4095 and 4097 are the sides of a right triangle, and 4097 = 2¹² + 1 divides and multiplies back without
+    // rounding: the dip is exactly g = 1/16, at a sine of 0.031.
+    check("g, a tie", &dipping(4095.0 / 2048.0, 0.0625), &wide_base, &t, &[own, low]);
+    check("hardly more than g", &dipping(4095.0 / 2048.0, 0.0634765625), &wide_base, &t, &[low]);
+    // An edge straight down has the sine 1.
+    let any_angle = ToleranceSet { overlap_sine: n(1.0), ..tolerances() };
+    check("angle and g, ties of both", &dipping(0.0, 0.0625), &wide_base, &any_angle, &[own, low]);
+    check("angle, a tie; beyond g", &dipping(0.0, 0.078125), &wide_base, &any_angle, &[low]);
     let strict = ToleranceSet { overlap_sine: n(0.0), ..classic() };
     let level = ["v-f 0 1 v-f 0 1 +1", "v-f 3 1 v-f 3 1 +1"];
     check("a level edge without any angle, a tie", &dipping(0.5, 0.0), &wide_base, &strict, &level);
@@ -117,10 +136,16 @@ fn edges_that_cross() {
     }
     check("more than s", &keel(1.1328125, 0.5), &ridge(1.0), &t, &[]);
     check("deeper than g", &keel(0.9296875, 0.5), &ridge(1.0), &t, &[]);
-    let parallel = ToleranceSet { parallel_sine: n(1.0), ..tolerances() };
-    check("at a right angle, which is nearly parallel by a tie", &keel(1.0625, 0.5), &ridge(1.0), &parallel, &[]);
-    // An edge of length 1/64 strays by r from any direction: revised calls it nearly parallel, classic does not.
-    check("an edge of length r, a tie", &keel(1.0625, 0.0078125), &ridge(1.0), &t, &[]);
+    // A right angle has the sine 1, and an edge of length 1/64 across another strays by r.
+    let crossing = ["e-e 0 0 e-e 0 0 +1"];
+    let right_angle = ToleranceSet { parallel_sine: n(1.0), ..tolerances() };
+    let (long, short) = (keel(1.0625, 0.5), keel(1.0625, 0.0078125));
+    check("nearly parallel, ties of angle and length", &short, &ridge(1.0), &right_angle, &[]);
+    check("within the angle, beyond r", &keel(1.0625, 0.00830078125), &ridge(1.0), &right_angle, &crossing);
+    check("within the angle, far beyond r", &long, &ridge(1.0), &right_angle, &crossing);
+    check("beyond the angle, within r", &short, &ridge(1.0), &t, &crossing);
+    let classic_right_angle = ToleranceSet { parallel_sine: n(1.0), ..classic() };
+    check("nearly parallel by angle alone, classic", &long, &ridge(1.0), &classic_right_angle, &[]);
     // The vertex above the ridge makes it v-e; the plane of the two edges (gap 1/16) beats that of a slope (0.044).
     check("a foot at an end, a tie", &shifted_keel(), &ridge(1.0), &t, &["v-e 0 0 e-e 0 0 +1"]);
     // The ends are 0.088 from the ridge.
@@ -135,10 +160,25 @@ fn edges_that_cross() {
     check("classic, ends within s", &short, &ridge(1.0), &classic(), &["v-e 0 0 e-e 0 0 +1", "v-e 1 0 e-e 0 0 +1"]);
 }
 
-/// A keel that begins exactly above the ridge.
-fn shifted_keel() -> Block {
-    let z = 1.0625;
-    prism([[1.0, 1.0, z], [2.0, 1.0, z], [2.0, 1.5, 1.5], [1.0, 1.5, 1.5], [2.0, 0.5, 1.5], [1.0, 0.5, 1.5]])
+#[test]
+fn wedges_need_angle_and_length() {
+    let ridge = long_ridge();
+    // The lower face at the front edge dips by `half` over `depth`; the back edge 8 always passes.
+    for (name, depth, half, t, passes) in [
+        ("within the angle and g", 1.0, 0.03125, tolerances(), true),
+        ("within the angle, beyond g", 2.0, 0.078125, tolerances(), false),
+        ("beyond the angle, within g", 0.5, 0.03125, tolerances(), false),
+        ("beyond both", 1.0, 0.078125, tolerances(), false),
+        ("within the angle, beyond g, classic", 2.0, 0.078125, classic(), true),
+        ("beyond the angle, within g, classic", 0.5, 0.03125, classic(), false),
+        ("g, a tie", 4095.0 / 2048.0, 0.0625, tolerances(), true),
+        ("hardly more than g", 4095.0 / 2048.0, 0.0634765625, tolerances(), false),
+    ] {
+        let blade = blade(depth, half);
+        let first = usize::from(!passes);
+        check(name, &blade, &ridge, &t, &["e-e 0 0 e-e 0 0 +1", "e-e 8 0 e-e 8 0 +1"][first..]);
+        check(name, &ridge, &blade, &t, &["e-e 0 0 e-e 0 0 +1", "e-e 0 8 e-e 0 8 +1"][first..]);
+    }
 }
 
 #[test]
@@ -212,6 +252,9 @@ fn exits_of_overlapping_contacts() {
     check("shortest exit sideways", &leaning(3.96875, 0.5, 0.953125), &block, &t, &["v-f 0 3 v-f 0 3 -1"]);
     check("shortest exit, a tie", &leaning(3.96875, 0.5, 0.96875), &block, &t, &["v-f 0 1 v-f 0 1 -1"]);
     check("one exit", &leaning(1.953125, 1.0, 0.96875), &base(), &t, &["v-f 0 1 v-f 0 1 -1"]);
+    // On the top and behind the slope below it: a face it touches is none it overlaps, so both stay.
+    let beak = beak([3.96875, 0.5, 1.0]);
+    check("touching one, overlapping one", &beak, &undercut(), &t, &["v-f 0 1 v-f 0 1 +0", "v-f 0 3 v-f 0 3 -1"]);
     // In the notch two faces are overlapped that no convex edge joins: both stay.
     let filling = cuboid([0.96875, 0.984375, 0.25], [3.0, 3.0, 0.75]);
     check(

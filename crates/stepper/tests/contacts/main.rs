@@ -8,6 +8,8 @@ mod pairs;
 
 mod golden;
 mod hand_worked;
+mod kept;
 mod planted;
 mod solid;
+mod true_exits;
 mod wide;

@@ -1,18 +1,17 @@
 //! No deliberate mistake is dead: each changes an answer on one of the pairs constructed here.
 
+use crate::hand_worked::base;
 use crate::mistakes;
 use crate::pairs::{
-    classic, corner_block, cuboid, keel, n, prism, ridge, spike, tetrahedron, tolerances, turned_cuboid,
+    beak, behind_side, beside_edge, blade, classic, corner_block, cuboid, keel, long_ridge, n, prism, ridge,
+    shifted_keel, spike, tetrahedron, tolerances, turned_cuboid, undercut,
 };
-use rockproof_model::{Block, ToleranceSet};
+use rockproof_model::{Block, ContactKey, ContactKind, ToleranceSet};
 use rockproof_stepper::contact::Spec;
-use rockproof_stepper::{Classifier, Stepper};
+use rockproof_stepper::engine::contacts_keeping;
+use rockproof_stepper::{Classifier, Stepper, Wide};
 
 type Case = (&'static str, Block, Block, ToleranceSet);
-
-fn base() -> Block {
-    cuboid([0.0; 3], [2.0, 2.0, 1.0])
-}
 
 /// Pairs on and beside the boundary of each rule.
 fn bank() -> Vec<Case> {
@@ -35,6 +34,11 @@ fn bank() -> Vec<Case> {
         prism([[0.0, -1.0, z], [0.0, 1.0, z], [1.0, 1.0, down], [1.0, -1.0, down], [1.0, 1.0, up], [1.0, -1.0, up]])
     };
     let tiny = |low: [f64; 3], side: f64| cuboid(low, [low[0] + side, low[1] + side, low[2] + side]);
+    let wide_base = || cuboid([-2.0, 0.0, 0.0], [2.0, 2.0, 1.0]);
+    let right_angle = |set: ToleranceSet| ToleranceSet { parallel_sine: n(1.0), ..set };
+    let tenth_of_r = beside_edge(0.015625, 0.0078125, [-0.0078125, 4095.0 / 16384.0, 0.0]);
+    // Five of these, the hypotenuse of 3-4-5, are r.
+    let unit = 0.00390625;
     // The reach of Eq. (1) at a gap of 1/16.
     let ulp = f64::powi(2.0, -24);
     vec![
@@ -72,7 +76,7 @@ fn bank() -> Vec<Case> {
         ("edges cross, s apart", keel(1.125, 0.5), ridge(1.0), t()),
         ("edges cross, g deep", keel(0.9375, 0.5), ridge(1.0), t()),
         ("edges cross, too deep", keel(0.875, 0.5), ridge(1.0), t()),
-        ("edges cross, all parallel", keel(1.0625, 0.5), ridge(1.0), ToleranceSet { parallel_sine: n(1.0), ..t() }),
+        ("edges cross, all parallel", keel(1.0625, 0.5), ridge(1.0), right_angle(t())),
         ("blades", blade_x(0.015625), blade_y(0.0), t()),
         ("blades, exchanged", blade_y(0.015625), blade_x(0.0), t()),
         ("tiny block by a vertex", tiny([0.0078125, 0.0078125, 1.00390625], 0.03125), base(), t()),
@@ -91,12 +95,7 @@ fn bank() -> Vec<Case> {
         ("turned stack", turned_cuboid([0.0, 0.0, 1.03125], [1.0, 1.0, 2.0], turn), base(), t()),
         ("lying across", lying(1.0, 2.0, 1.984375), base(), t()),
         ("dipping cone", dipping(1.0625, [0.5, 0.25, 0.5]), base(), t()),
-        (
-            "cone dips by an angle",
-            dipping(1.03125, [-1.0, 1.0, 0.953125]),
-            cuboid([-2.0, 0.0, 0.0], [2.0, 2.0, 1.0]),
-            t(),
-        ),
+        ("cone dips by an angle", dipping(1.03125, [-1.0, 1.0, 0.953125]), wide_base(), t()),
         ("cone dips by a length", dipping(1.03125, [0.8125, 1.0, 0.9375]), base(), t()),
         (
             "level cone, no angle",
@@ -119,6 +118,24 @@ fn bank() -> Vec<Case> {
         ("corner g deep in corner, classic", cuboid([1.9375, 1.9375, 0.9375], [3.0; 3]), base(), classic()),
         ("corner deeper in corner, classic", cuboid([1.9296875, 1.9296875, 0.9296875], [3.0; 3]), base(), classic()),
         ("tiny block fills a slab", tiny([0.5, 0.5, 0.0], 0.03125), cuboid([0.0; 3], [2.0, 2.0, 0.03125]), t()),
+        (
+            "spike r from a vertex, over an edge",
+            spike([2.0 - 3.0 * unit, 2.0, 1.0 + 4.0 * unit], 0.25, 0.5),
+            base(),
+            ToleranceSet { territory: n(5.0 * unit), ..t() },
+        ),
+        ("foot at an end", shifted_keel(), ridge(1.0), t()),
+        ("short edge crosses, all parallel", keel(1.0625, 0.0078125), ridge(1.0), right_angle(t())),
+        ("edges cross, all parallel, classic", keel(1.0625, 0.5), ridge(1.0), right_angle(classic())),
+        ("cone dips by g", dipping(1.03125, [1.0 - 4095.0 / 2048.0, 1.0, 0.96875]), wide_base(), t()),
+        ("cone dips by more than g, classic", dipping(1.03125, [-1.0, 1.0, 0.953125]), wide_base(), classic()),
+        ("blade beyond the angle", blade(0.5, 0.03125), long_ridge(), t()),
+        ("blade beyond the angle, exchanged", long_ridge(), blade(0.5, 0.03125), t()),
+        ("side dips by more than r/10", beside_edge(0.0078125, 0.00390625, [-0.01171875, 0.5, 0.0]), base(), t()),
+        ("the same, classic", beside_edge(0.0078125, 0.00390625, [-0.01171875, 0.5, 0.0]), base(), classic()),
+        ("side dips by r/10", tenth_of_r, base(), ToleranceSet { territory: n(0.078125), ..t() }),
+        ("a less deep exit that is false", behind_side(), base(), t()),
+        ("touching one, overlapping one", beak([3.96875, 0.5, 1.0]), undercut(), t()),
         ("spike in a roof", spike([1.0078125, 1.0, 0.9609375], 0.125, 0.5), roof(), t()),
         ("block in the notch", cuboid([0.96875, 0.984375, 0.25], [3.0, 3.0, 0.75]), corner_block(), t()),
     ]
@@ -172,6 +189,32 @@ fn every_mistake_changes_an_answer() {
     assert!(dead.is_empty(), "no pair notices: {dead:?}");
 }
 
+/// Deep contacts of the kinds v-f and e-e, with what is kept beside them.
+fn steps() -> Vec<(Block, Block, Vec<ContactKey>)> {
+    use ContactKind::{EdgeEdge, FaceVertex, VertexFace};
+    let deep = || spike([1.0, 1.0, 0.9296875], 0.25, 0.5);
+    let key = |kind, a, b| vec![ContactKey { kind, a, b }];
+    vec![
+        (deep(), base(), key(VertexFace, 0, 1)),
+        (deep(), base(), key(FaceVertex, 0, 1)),
+        (deep(), base(), key(VertexFace, 0, 0)),
+        (deep(), base(), key(VertexFace, 1, 1)),
+        (keel(0.921875, 0.5), ridge(1.0), key(EdgeEdge, 0, 0)),
+    ]
+}
+
+#[test]
+fn every_mistake_about_kept_contacts_changes_an_answer() {
+    let t = tolerances();
+    for (name, engine) in mistakes::in_steps() {
+        let notices = steps().iter().any(|(a, b, kept)| {
+            engine.keeping::<f64>(a, b, &t, kept) != contacts_keeping::<f64, Spec>(a, b, &t, kept)
+                && engine.keeping::<Wide>(a, b, &t, kept) != contacts_keeping::<Wide, Spec>(a, b, &t, kept)
+        });
+        assert!(notices, "no pair notices: {name}");
+    }
+}
+
 #[test]
 fn no_mistake_leads_to_a_panic_in_any_precision() {
     let bank = bank();
@@ -184,7 +227,8 @@ fn no_mistake_leads_to_a_panic_in_any_precision() {
 
 #[test]
 fn mistakes_have_names_of_their_own() {
-    let names: std::collections::BTreeSet<_> = mistakes::all().iter().map(|(name, _)| *name).collect();
-    assert_eq!(names.len(), mistakes::all().len());
+    let all = || mistakes::all().into_iter().chain(mistakes::in_steps());
+    let names: std::collections::BTreeSet<_> = all().map(|(name, _)| name).collect();
+    assert_eq!(names.len(), all().count());
     assert!(names.len() >= 24);
 }

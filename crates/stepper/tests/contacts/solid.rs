@@ -1,5 +1,6 @@
 //! Preparation, boxes, traces and errors of the stepper.
 
+use crate::hand_worked::base;
 use crate::pairs::{self, block, cuboid, n, spike, tolerances};
 use proptest::prelude::*;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
@@ -9,10 +10,6 @@ use rockproof_stepper::contact::{Spec, ToleranceOverflow, neighbouring_pairs, ne
 use rockproof_stepper::{
     Classifier, Collapsed, EngineError, Real, Solid, Stepper, Tolerances, Vector, Wide, classify, classify_traced,
 };
-
-fn base() -> Block {
-    cuboid([0.0; 3], [2.0, 2.0, 1.0])
-}
 
 fn measures<R: Real>() {
     let solid = Solid::<R>::new(&cuboid([1.0, 2.0, 3.0], [3.0, 5.0, 7.0])).unwrap();

@@ -36,13 +36,10 @@ impl Rules for MistakenParts {
         fn lambda<R>() -> R {
             LambdaHalf => R::from_f64(0.5)
         }
-        fn dip_is_within<R>(sine: R, length: R, t: &Tolerances<R>) -> bool {
-            DipStrict => sine < t.overlap_sine && (!t.revised || sine * length < t.penetration)
-            ClassicDipByBoth => sine <= t.overlap_sine && Self::dip_is_short(sine, length, t)
-        }
         fn dip_is_short<R>(sine: R, length: R, t: &Tolerances<R>) -> bool {
             DipByAngleAlone => true
             DipBySearch => sine * length <= t.search
+            DipStrict => sine * length < t.penetration
         }
         fn strays_little<R>(sine: R, length_a: R, length_b: R, t: &Tolerances<R>) -> bool {
             ParallelByAngleAlone => true
@@ -63,10 +60,6 @@ pub(super) struct MistakenRules;
 impl Rules for MistakenRules {
     fn lambda<R: Real>() -> R {
         MistakenParts::lambda()
-    }
-
-    fn dip_is_within<R: Real>(sine: R, length: R, t: &Tolerances<R>) -> bool {
-        MistakenParts::dip_is_within(sine, length, t)
     }
 
     fn dip_is_short<R: Real>(sine: R, length: R, t: &Tolerances<R>) -> bool {
@@ -179,6 +172,9 @@ impl Rules for MistakenRules {
             ConeFlipped => rise <= R::ZERO || Self::dip_is_within(rise.abs(), length, t)
             ConeWithoutAngle => rise >= R::ZERO || (t.revised && Self::dip_is_short(rise.abs(), length, t))
             ConeStrict => rise > R::ZERO || rise.abs() < t.overlap_sine && (!t.revised || rise.abs() * length < t.penetration)
+            ConeClassicByBoth => {
+                rise >= R::ZERO || rise.abs() <= t.overlap_sine && Self::dip_is_short(rise.abs(), length, t)
+            }
             ConeEitherMeasure => either_measure(-rise, length, t)
         }
         fn nearly_parallel<R>(sine: R, length_a: R, length_b: R, t: &Tolerances<R>) -> bool {

@@ -165,11 +165,64 @@ pub(crate) fn ridge(z: f64) -> Block {
     prism([[1.0, 0.5, z], [1.0, 1.5, z], [0.5, 1.5, foot], [0.5, 0.5, foot], [1.5, 1.5, foot], [1.5, 0.5, foot]])
 }
 
+/// A keel that begins exactly above the ridge at x = 1.
+pub(crate) fn shifted_keel() -> Block {
+    let z = 1.0625;
+    prism([[1.0, 1.0, z], [2.0, 1.0, z], [2.0, 1.5, 1.5], [1.0, 1.5, 1.5], [2.0, 0.5, 1.5], [1.0, 0.5, 1.5]])
+}
+
+/// A ridge whose edge 0-1 (number 0) along y points up at x = 1, z = 1, from y = 0 to 4.
+pub(crate) fn long_ridge() -> Block {
+    prism([[1.0, 0.0, 1.0], [1.0, 4.0, 1.0], [0.5, 4.0, 0.5], [0.5, 0.0, 0.5], [1.5, 4.0, 0.5], [1.5, 0.0, 0.5]])
+}
+
+/// A thin prism 7/64 above the long ridge: edge 0-1 (number 0) along x at y = 1, `depth` behind it the edges 2-3 and 4-5
+/// (number 8), `half` higher and lower.
+pub(crate) fn blade(depth: f64, half: f64) -> Block {
+    let (back, z) = (1.0 + depth, 1.109375);
+    let (up, down) = (z + half, z - half);
+    prism([[0.0, 1.0, z], [2.0, 1.0, z], [2.0, back, up], [0.0, back, up], [2.0, back, down], [0.0, back, down]])
+}
+
+/// A tetrahedron with these three edges at vertex 0.
+pub(crate) fn cone(apex: [f64; 3], edges: [[f64; 3]; 3]) -> Block {
+    let end = |edge: [f64; 3]| [0, 1, 2].map(|k| apex[k] + edge[k]);
+    tetrahedron([apex, end(edges[0]), end(edges[1]), end(edges[2])])
+}
+
+/// A tetrahedron whose vertex 0 points to −x; its edges there rise little.
+pub(crate) fn beak(apex: [f64; 3]) -> Block {
+    cone(apex, [[0.5, 0.0, 0.0625], [0.5, 0.25, 0.25], [0.5, -0.25, 0.25]])
+}
+
+/// A tetrahedron with vertex 0 beside edge 10 of the box [0, 2]² × [0, 1], (2, y, 1): `dx` beyond the side (face 3) and `dz` above the top
+/// (face 1). Of its edges one goes by `along`, the others rise from both faces. `along` runs with edge 10, so that the two
+/// are nearly parallel, and the planes of the others with edge 10 cut the base: the two faces are the only candidates.
+pub(crate) fn beside_edge(dx: f64, dz: f64, along: [f64; 3]) -> Block {
+    cone([2.0 + dx, 1.0, 1.0 + dz], [along, [0.5, 0.0, 0.5], [0.25, -0.5, 0.5]])
+}
+
+/// Vertex 0 is 1/32 below the top and 1/64 behind the side; an edge of it goes 3/64 deeper behind the side, past vertex 6 of
+/// that box. The plane it spans with the vertical edge 6 is 0.047 deep.
+pub(crate) fn behind_side() -> Block {
+    cone([1.984375, 1.0, 0.96875], [[-0.046875, 1.5, 0.0], [1.0, 0.0, 0.5], [0.25, -0.25, 0.5]])
+}
+
+/// The corner block with its face 3 sloping back below the edge at x = 4, z = 1.
+pub(crate) fn undercut() -> Block {
+    let with_foot = |v: [f64; 3]| if v[0] == 4.0 && v[2] == 0.0 { [3.5, v[1], v[2]] } else { v };
+    moved_corner_block(with_foot)
+}
+
 /// An L-shaped prism over `[0, 4]² × [0, 1]` without `x > 1 and y > 1`: reflex edge 3-9 at (1, 1). Faces: bottom, top, then
 /// y = 0, x = 4, y = 1 (inner), x = 1 (inner), y = 4, x = 0.
 pub(crate) fn corner_block() -> Block {
+    moved_corner_block(|v| v)
+}
+
+fn moved_corner_block(map: impl Fn([f64; 3]) -> [f64; 3]) -> Block {
     let outline = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [1.0, 1.0], [1.0, 4.0], [0.0, 4.0]];
-    let vertices: Vec<_> = [0.0, 1.0].iter().flat_map(|&z| outline.map(|[x, y]| [x, y, z])).collect();
+    let vertices: Vec<_> = [0.0, 1.0].iter().flat_map(|&z| outline.map(|[x, y]| map([x, y, z]))).collect();
     block(
         &vertices,
         &[
