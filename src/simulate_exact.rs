@@ -138,7 +138,7 @@ fn text(number: &Number) -> String {
 }
 
 fn row(step: i64, answer: &StepAnswer, trajectory: &Trajectory) -> Vec<String> {
-    let retries: Vec<String> = answer.cuts.iter().map(|(_, cut)| format!("{cut:?}").to_lowercase()).collect();
+    let retries: Vec<String> = answer.cuts.iter().map(|attempt| format!("{:?}", attempt.cut).to_lowercase()).collect();
     let count = |mode| answer.state.contacts.iter().filter(|contact| contact.mode == mode).count().to_string();
     let mut row = vec![step.to_string(), text(&answer.state.time)];
     row.push(text(&Number::from_rational(answer.time_step.clone())));

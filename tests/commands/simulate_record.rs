@@ -47,6 +47,7 @@ fn begin(scene: &Scene, settling: u32) -> State<f64> {
         step: 0,
         time: 0.0,
         settling,
+        last_time_step: scene.simulation.control.time_step.approximate(),
         blocks: scene.blocks.iter().map(block).collect(),
         load_points: Vec::new(),
         fixed_points: Vec::new(),

@@ -2,7 +2,7 @@
 //! these have no such tolerance, from SPEC's rules in a scene of our own.
 
 use crate::golden::{F64, decided, golden, run, text};
-use crate::step_mistakes::{ALL, Mistake, Mistaken, plant};
+use crate::step_mistakes::{ALL, Mistake, Mistaken, PLANTING, plant};
 use crate::support::{cuboid, floor, n, scene, tolerances, v};
 use rockproof_model::{Motion, Scene, ToleranceSet};
 use rockproof_stepper::contact::Spec;
@@ -46,6 +46,7 @@ fn decisions<M: StepRules>(scene: &Scene, set: &ToleranceSet) -> Vec<Vec<String>
 #[test]
 fn every_mistake_shows_in_a_step() {
     let (scenes, own) = (golden(), own_scenes());
+    let _alone = PLANTING.lock();
     plant(Mistake::Nothing);
     let right: Vec<_> = scenes.iter().map(outcome).collect();
     let mut lost = Vec::new();
