@@ -106,6 +106,7 @@ fn wall_costs(bricks: i32, steps: u32) -> (f64, f64) {
     let per_step = |value: f64| value / f64::from(steps);
     let (solves, time) = (per_step((dynamics.spent().solves - before) as f64), per_step(dynamics.state().time));
     println!("{bricks} bricks: {solves} solves a step, Δt {time} s, {:?} a step", begun.elapsed() / steps);
+    println!("{:?} {:?}", dynamics.phases(), dynamics.spent());
     (solves, time)
 }
 
