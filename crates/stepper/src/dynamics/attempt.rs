@@ -86,10 +86,8 @@ impl<R: Solve> Iteration<'_, R> {
             for (k, contact) in contacts.iter_mut().enumerate() {
                 let [i, j] = contact.entering();
                 let (from, stiff) = (contact.now.mode, contact.is_stiff_across());
-                contact.judge::<M>([&d[i], &d[j]], self.limits, self.settling);
-                if let Some(mode) = given(ended.iterations, k) {
-                    contact.take::<M>(mode);
-                }
+                let given = given(ended.iterations, k);
+                contact.judge::<M>([&d[i], &d[j]], self.limits, self.settling, given);
                 let to = contact.now.mode;
                 // The force of a sliding contact, and the spring across its slip, are those of the last solve: its system is a new one.
                 changed[k] = from != to || stiff || contact.is_stiff_across();

@@ -84,8 +84,14 @@ impl<R: Real> Active<R> {
         v - self.plane.normal * self.plane.normal.dot(v)
     }
 
-    /// Reads h and s of a solve, and decides the mode for the next. While settling, what is closed is locked.
-    pub(super) fn judge<M: StepRules>(&mut self, d: [&Twelve<R>; 2], limits: &Limits<R>, settling: bool) {
+    /// Reads h and s of a solve, and takes the mode for the next that follows from them, or the one that is given.
+    pub(super) fn judge<M: StepRules>(
+        &mut self,
+        d: [&Twelve<R>; 2],
+        limits: &Limits<R>,
+        settling: bool,
+        given: Option<Mode>,
+    ) {
         let before = self.now.mode;
         let [e, g] = self.rows();
         let gap = self.plane.gap + dot(&e, d[0], 12) - dot(&g, d[1], 12);
@@ -93,20 +99,7 @@ impl<R: Real> Active<R> {
         let stretch = self.stretch + self.across(moved);
         (self.now.gap, self.now.stretch) = (gap, stretch);
         let acted = self.tangential(before);
-        let kept = M::keeps_mode(gap, self.plane.gap, limits.equal);
-        let closed = match before {
-            _ if kept => before.is_closed(),
-            Mode::Open => M::closes(gap, limits.close),
-            _ => !M::opens(gap, limits.open, self.tensile_gap),
-        };
-        let after = match closed {
-            false => Mode::Open,
-            true if settling => Mode::Locked,
-            true => {
-                let slides = if kept { before == Mode::Sliding } else { !self.locks::<M>(before) };
-                if slides { Mode::Sliding } else { Mode::Locked }
-            }
-        };
+        let after = given.unwrap_or_else(|| self.follows::<M>(limits, settling));
         self.take::<M>(after);
         self.now.settling = if before.is_closed() && after.is_closed() {
             let stuck = before == Mode::Locked && after == Mode::Locked;
@@ -115,6 +108,25 @@ impl<R: Real> Active<R> {
         } else {
             Settling::NONE
         };
+    }
+
+    /// The mode that follows from h and s of a solve in which it had the present one. While settling, what is closed is locked.
+    fn follows<M: StepRules>(&self, limits: &Limits<R>, settling: bool) -> Mode {
+        let (before, gap) = (self.now.mode, self.now.gap);
+        let kept = M::keeps_mode(gap, self.plane.gap, limits.equal);
+        let closed = match before {
+            _ if kept => before.is_closed(),
+            Mode::Open => M::closes(gap, limits.close),
+            _ => !M::opens(gap, limits.open, self.tensile_gap),
+        };
+        match closed {
+            false => Mode::Open,
+            true if settling => Mode::Locked,
+            true => {
+                let slides = if kept { before == Mode::Sliding } else { !self.locks::<M>(before) };
+                if slides { Mode::Sliding } else { Mode::Locked }
+            }
+        }
     }
 
     /// Whether what is closed after a solve is locked: its spring holds, or it slid in this solve and its slip turned.
@@ -129,7 +141,7 @@ impl<R: Real> Active<R> {
     }
 
     /// Takes a mode for the next solve, with the gap and the stretch of the last one.
-    pub(super) fn take<M: StepRules>(&mut self, mode: Mode) {
+    fn take<M: StepRules>(&mut self, mode: Mode) {
         self.now.mode = mode;
         if mode == Mode::Sliding {
             let slip = self.now.stretch;

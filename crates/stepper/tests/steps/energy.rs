@@ -17,8 +17,8 @@
 //!   friction of the state is what SPEC's "settled" bounds. The forces that were at work follow from the motion,
 //!   Q = M(v' − v)/Δt − weight, those of the state are Q*; the difference did the work L = Σ d·(Q − Q*).
 //!
-//! The bound: E' − E ≤ J + L, and rounding. Of J nothing is left but rounding in a scene of convex blocks where contacts are kept and
-//! entrances are true exits: two tumbling bricks gain no energy in any step. (By version 1 they gained 80 kJ of 132 kJ in one.)
+//! The bound: E' − E ≤ J + L, and rounding. Two tumbling bricks stay far below it: by true exits, kept contacts and friction that settles no
+//! step gains energy at all. (By version 1 they gained 80 kJ of 132 kJ in one.)
 
 use crate::support::{begin, cube, cuboid, floor, n, scene, v};
 use rockproof_model::{Motion, Scene};
@@ -187,8 +187,7 @@ fn tumbling(time_step: &str) -> Scene {
 fn a_tumbling_pair_gains_nothing() {
     for time_step in ["1/1000", "1/400", "1/200"] {
         let (_, Energies { first, last, gained }) = held_to_the_bound(&tumbling(time_step), 0);
-        println!("{time_step} s: {first} J to {last} J, {gained} J");
         assert!(last < first, "{last} after {first}");
-        assert!(gained <= 1e-3 * first, "{time_step} s: a step gains {gained} J of {first}");
+        assert!(gained <= 1e-10 * first, "{time_step} s: a step gains {gained} J of {first}");
     }
 }

@@ -127,6 +127,7 @@ fn rigid_way(friction: f64) -> f64 {
 
 /// All fail as rigid blocks on a plane would, but one: the lower left block, which a false entrance holds (see the scene's comment).
 fn fails(ways: &[(String, f64, bool)]) {
+    println!("{ways:?}, a rigid block {} m", rigid_way(0.1));
     for (name, way, held) in ways {
         if *held {
             assert_eq!(name, "lower_front_left");
