@@ -245,7 +245,7 @@ fn a_certified_step_decides_what_the_exact_step_does() {
             let off = mean(&answer.state, axis) - mean(&state, axis) - BigRational::from_float(*middle).unwrap();
             let radius = BigRational::from_float(*radius).unwrap() + BigRational::new(1.into(), BigInt::from(1) << 100);
             assert!(off <= radius && -off <= radius, "axis {axis}");
-            eprintln!("radius {}", radius.clone().numer().clone() * num_bigint::BigInt::from(10).pow(20) / radius.denom());
+            assert!(radius < exact("1/100000000000"));
         }
         state = answer.state;
     }
@@ -308,6 +308,8 @@ fn heap() -> Scene {
     let tip = spike(["1/4", "1/8", "99999/100000"]);
     let blocks = vec![(slab, Motion::Fixed), (box_, Motion::Deformable), (tip, Motion::Rigid)];
     let mut scene = Scene::new(blocks, "1/2", ["1", "2", "-8"]);
+    // Corners of a box that tips a little are still found.
+    scene.tolerances.overlap_sine = number("1/20");
     scene.bodies[1].velocity = point(["1", "0", "-1/8"]);
     scene.bodies[2].velocity = point(["0", "1/2", "-1/4"]);
     scene.bodies[2].spin = point(["1/4", "1/8", "1/2"]);

@@ -1,7 +1,7 @@
 //! How close the decisions about modes were.
 
-use super::chain::Chain;
 use super::answer::{StepFailure, StepModel};
+use super::chain::Chain;
 use super::iteration::attempts;
 use super::prepare::Begun;
 use super::state::{Mode, State};

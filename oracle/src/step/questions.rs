@@ -2,8 +2,8 @@
 
 use super::chain::Chain;
 use super::frame;
-use super::state::Mode;
 use super::friction::SlipForce;
+use super::state::Mode;
 use crate::field::Field;
 use rockproof_model::{Sign, Vec3};
 
