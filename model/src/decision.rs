@@ -43,10 +43,14 @@ pub enum Predicate {
     /// The four faces at two edges pass one another ("wedges pass").
     WedgesPass,
     /// The plane of an entrance is a true exit: its no-overlap check passes with the tolerance r/10 alone.
+    ///
+    /// Asked under revised criteria only, of planes that pass: of every candidate for an entrance where there are two or
+    /// more, and for one exit of every contact found where at least one of them has h < 0.
     TrueExit,
     /// The chosen entrance has a gap of at least −`penetration`.
     EntranceDepth,
-    /// An entrance candidate is preferred to another (largest gap, Eq. (1), order).
+    /// An entrance candidate is preferred to another (largest gap, Eq. (1), order); asked of the true exits alone where
+    /// there is one.
     EntranceChoice,
     /// The sign of the gap of a contact.
     GapSign,
@@ -187,6 +191,8 @@ impl fmt::Display for Feature {
 /// | entrance-depth, one-exit | A's feature of the contact, B's feature of the contact |
 /// | entrance-choice | A's and B's features of the contact, A's and B's features of the candidate |
 /// | true-exit, gap-sign | A's and B's features of the entrance |
+///
+/// The three questions of depth are not asked of a contact that is kept from the step before.
 ///
 /// The outcome is 1 for yes and 0 for no; for gap-sign it is the sign; for entrance-choice, shortest-exit and one-exit
 /// 1 says that the candidate is chosen, the contact stays.

@@ -75,7 +75,8 @@ fn golden_block(block: &Value) -> Block {
     let faces = block["faces"].as_array().unwrap();
     let faces =
         faces.iter().map(|f| f.as_array().unwrap().iter().map(|v| v.as_u64().unwrap() as u32).collect()).collect();
-    Block::new(vertices, faces, &exact()).unwrap()
+    // Two faces of each roof of the family `ridge` are bent, by up to 7/1000 of the block's size.
+    Block::new(vertices, faces, &BlockOptions { planarity: Number::from_f64(0.01).unwrap() }).unwrap()
 }
 
 fn number(value: &Value) -> Number {

@@ -4,5 +4,6 @@
 pub(crate) mod golden;
 pub(crate) mod golden_steps;
 pub(crate) mod handworked;
+pub(crate) mod random;
 pub(crate) mod shapes;
 pub(crate) mod steps;
