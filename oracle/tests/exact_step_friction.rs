@@ -7,7 +7,8 @@ use num_rational::BigRational;
 use rockproof_model::simulation::Motion;
 use rockproof_model::{EntranceKind, Number, Point, Vec3};
 use rockproof_oracle::step::{
-    ContactMemory, IterationEnd, Keep, Mode, State, StepAnswer, certified_step, first_system,
+    ContactMemory, IterationEnd, Keep, Mode, State, StepAnswer, certified_step, first_system, friction_margins,
+    mode_margins,
 };
 use support::shapes::{cuboid, exact, number, point};
 use support::steps::Scene;
@@ -112,6 +113,12 @@ fn a_slip_that_swings_by_a_right_angle_has_not_turned() {
         let answer = scene.step(&state, Keep::Grid { exponent: 200 });
         assert!(all(&answer, 0, Mode::Sliding) && all(&answer, 1, mode), "{less}: {:?}", answer.modes);
         assert_eq!(answer.levels.undecided, 0);
+        let shapes: Vec<_> = scene.blocks.iter().collect();
+        let turn = mode_margins(&scene.model(&shapes), &state).expect("a step")[0][0].turn.expect("it slid");
+        match mode {
+            Mode::Locked => assert!(turn < -1e-12, "{turn}"),
+            _ => assert!(turn > -1e-25, "{turn}"),
+        }
     }
 }
 
@@ -187,7 +194,7 @@ fn friction_that_changes_by_just_a_hundredth_of_what_presses_has_settled() {
         ("118/10000000", 1),
         ("122000001/10000000000000", 2),
         ("117999999/10000000000000", 2),
-        ("12/1000000", 1),
+        (HELD, 1),
     ] {
         let state = moving(&scene, Mode::Sliding, [stretch, "0"], ["1", "0"]);
         let answer = scene.step(&state, Keep::Exact);
@@ -197,6 +204,14 @@ fn friction_that_changes_by_just_a_hundredth_of_what_presses_has_settled() {
         let force = if solves == 1 { exact("8") * exact(SHEAR) * exact(stretch) } else { exact("48000") };
         let back = force / exact(MASS) / exact("20000");
         assert_eq!(along(&answer.state, 0), exact("1/100") - back, "{stretch}");
+        let margins = friction_margins(&scene.model(&scene.blocks.iter().collect::<Vec<_>>()), &state).expect("a step");
+        assert_eq!(margins.len(), solves as usize);
+        let first = margins[0].expect("pressed contacts");
+        match (stretch, solves) {
+            (HELD, _) => assert!(first < -0.999_999),
+            (_, 1) => assert!(first.abs() < 1e-15, "a tie: {first}"),
+            _ => assert!((1e-8..1e-4).contains(&first), "{first}"),
+        }
     }
 }
 
