@@ -28,6 +28,6 @@ pub use answer::{
     CertifiedStep, Cut, FailedAttempt, GapChange, IterationEnd, StepAnswer, StepFailure, StepModel, UNCHANGED_SOLVES,
 };
 pub use ladder::StepLevels;
-pub use margin::{ModeMargin, mode_margins};
+pub use margin::{ModeMargin, friction_margins, mode_margins};
 pub use run::{certified_step, exact_step, first_system};
 pub use state::{BlockState, ContactMemory, Keep, Mode, State};

@@ -6,10 +6,10 @@ mod support;
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use rockproof_model::simulation::{FixedPoint, Kinematics, Motion, PointLoad, Unconverged};
+use rockproof_model::simulation::{FixedPoint, Kinematics, Motion, PointLoad};
 use rockproof_model::{Block, ContactKind, Number, Vec3};
 use rockproof_oracle::step::{
-    Cut, FailedAttempt, IterationEnd, Keep, Mode, StepAnswer, StepFailure, StepModel, certified_step, exact_step,
+    Cut, FailedAttempt, IterationEnd, Keep, Mode, StepFailure, StepModel, certified_step, exact_step,
 };
 use support::shapes::{Prism, WEDGE, cuboid, exact, number, point, spike};
 use support::steps::Scene;
@@ -245,60 +245,10 @@ fn a_certified_step_decides_what_the_exact_step_does() {
             let off = mean(&answer.state, axis) - mean(&state, axis) - BigRational::from_float(*middle).unwrap();
             let radius = BigRational::from_float(*radius).unwrap() + BigRational::new(1.into(), BigInt::from(1) << 100);
             assert!(off <= radius && -off <= radius, "axis {axis}");
-            eprintln!("radius {}", radius.clone().numer().clone() * num_bigint::BigInt::from(10).pow(20) / radius.denom());
+            assert!(radius < exact("1/100000000000"));
         }
         state = answer.state;
     }
-}
-
-/// Holds the end of an iteration against the modes of its solves.
-fn counted(answer: &StepAnswer) {
-    assert_eq!(answer.modes.len(), answer.iterations as usize + 1);
-    let pairs: Vec<_> = answer.modes.windows(2).collect();
-    let changes = pairs.iter().filter(|pair| pair[0] != pair[1]).count();
-    let [.., last, after] = answer.modes.as_slice() else { panic!("a step has a solve") };
-    let opens = last.iter().zip(after).any(|(a, b)| (*a == Mode::Open) != (*b == Mode::Open));
-    match answer.end {
-        IterationEnd::Settled => assert!(!opens && changes <= 6 && pairs.len() - changes <= 7),
-        IterationEnd::Unchanged => assert_eq!((last, pairs.len() - changes), (after, 7)),
-        IterationEnd::Changing => assert!(last != after && changes == 6),
-    }
-    assert_eq!(answer.converged, answer.end != IterationEnd::Changing);
-}
-
-#[test]
-fn an_iteration_that_fails_is_cut_or_stops() {
-    // A contact without friction that closes and opens: thrown blocks, until one does not converge.
-    let mut failed = 0;
-    for speed in 1..40 {
-        let mut scene = diagonal(Kinematics::Cayley);
-        scene.blocks[1] = spike(["0", "0", "-1/1000"]);
-        scene.bodies[1].velocity = Vec3::new(Number::from_integer(speed), number("1/3"), number("-1/2"));
-        scene.bodies[1].spin = point(["1", "-2", "1/2"]);
-        scene.tolerances.max_displacement = number("1");
-        scene.tolerances.max_rotation = number("1");
-        let shapes: Vec<&Block> = scene.blocks.iter().collect();
-        for unconverged in [Unconverged::Accept, Unconverged::Stop] {
-            scene.simulation.control.unconverged = unconverged;
-            match exact_step(&scene.model(&shapes), &scene.start(), FINE) {
-                Ok(answer) => {
-                    failed += u32::from(answer.cuts.iter().any(|tried| tried.cut == Cut::NotConverged));
-                    let mut time_step = exact("1/100");
-                    for tried in &answer.cuts {
-                        assert_eq!(tried.time_step, time_step);
-                        let failed = tried.cut == Cut::NotConverged;
-                        assert_eq!(failed, tried.end == IterationEnd::Changing);
-                        assert!(!failed || (6..=12).contains(&tried.solves), "{tried:?}");
-                        time_step *= if failed { exact("3/10") } else { exact("1/2") };
-                    }
-                    assert_eq!(answer.time_step, time_step);
-                    counted(&answer);
-                }
-                Err(why) => assert_eq!((why, unconverged), (StepFailure::NotConverged, Unconverged::Stop)),
-            }
-        }
-    }
-    println!("{failed} steps were cut");
 }
 
 /// A slab, a box thrown on it, and a wedge on the box: friction, several kinds of contact, both motions.
@@ -308,6 +258,8 @@ fn heap() -> Scene {
     let tip = spike(["1/4", "1/8", "99999/100000"]);
     let blocks = vec![(slab, Motion::Fixed), (box_, Motion::Deformable), (tip, Motion::Rigid)];
     let mut scene = Scene::new(blocks, "1/2", ["1", "2", "-8"]);
+    // Corners of a box that tips a little are still found.
+    scene.tolerances.overlap_sine = number("1/20");
     scene.bodies[1].velocity = point(["1", "0", "-1/8"]);
     scene.bodies[2].velocity = point(["0", "1/2", "-1/4"]);
     scene.bodies[2].spin = point(["1/4", "1/8", "1/2"]);

@@ -7,7 +7,10 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed};
 use rockproof_model::Number;
-use rockproof_oracle::step::{Keep, State, StepAnswer, StepModel, exact_step};
+use rockproof_model::simulation::Unconverged;
+use rockproof_oracle::step::{
+    Cut, IterationEnd, Keep, Mode, State, StepAnswer, StepFailure, StepModel, certified_step, exact_step,
+};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use support::golden_steps::{GoldenScene, GoldenStep, scenes};
 use support::shapes::exact;
@@ -86,6 +89,21 @@ fn differences(expected: &GoldenStep, set: &State, before: &State, answer: &Step
     found
 }
 
+/// Holds the end of an iteration against the modes of its solves.
+fn counted(answer: &StepAnswer) {
+    assert_eq!(answer.modes.len(), answer.iterations as usize + 1);
+    let pairs: Vec<_> = answer.modes.windows(2).collect();
+    let changes = pairs.iter().filter(|pair| pair[0] != pair[1]).count();
+    let [.., last, after] = answer.modes.as_slice() else { panic!("a step has a solve") };
+    let opens = last.iter().zip(after).any(|(a, b)| (*a == Mode::Open) != (*b == Mode::Open));
+    match answer.end {
+        IterationEnd::Settled => assert!(!opens && changes <= 6 && pairs.len() - changes <= 7),
+        IterationEnd::Unchanged => assert_eq!((last, pairs.len() - changes), (after, 7)),
+        IterationEnd::Changing => assert!(last != after && changes == 6),
+    }
+    assert_eq!(answer.converged, answer.end != IterationEnd::Changing);
+}
+
 /// The disagreements of a scene, to the first step that has any; and how many steps agree.
 fn examine(scene: &GoldenScene) -> (usize, Vec<String>) {
     let shapes = scene.shapes();
@@ -107,6 +125,7 @@ fn examine(scene: &GoldenScene) -> (usize, Vec<String>) {
             Ok(answer) => answer,
             Err(why) => return (done, vec![format!("{place}: {why}")]),
         };
+        counted(&answer);
         let found = differences(expected, &set, &state, &answer);
         if !found.is_empty() {
             return (done, found.into_iter().map(|what| format!("{place}: {what}")).collect());
@@ -124,16 +143,11 @@ fn examine(scene: &GoldenScene) -> (usize, Vec<String>) {
 fn every_step_is_that_of_the_independent_implementation() {
     let scenes = scenes();
     assert_eq!(scenes.len(), 42);
-    let wanted = std::env::var("GOLDEN_SCENE").ok();
-    let chosen: Vec<&GoldenScene> =
-        scenes.iter().filter(|scene| wanted.as_ref().is_none_or(|name| scene.name == *name)).collect();
     let next = AtomicUsize::new(0);
     let work = || {
         let mut answers = Vec::new();
-        while let Some(scene) = chosen.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let began = std::time::Instant::now();
+        while let Some(scene) = scenes.get(next.fetch_add(1, Ordering::Relaxed)) {
             answers.push(examine(scene));
-            eprintln!("{} {:.1?}", scene.name, began.elapsed());
         }
         answers
     };
@@ -141,8 +155,29 @@ fn every_step_is_that_of_the_independent_implementation() {
         let threads = [(); 2].map(|()| scope.spawn(work));
         threads.into_iter().flat_map(|thread| thread.join().expect("a thread ends")).collect()
     });
-    let agreeing: usize = answers.iter().map(|(steps, _)| steps).sum();
     let found: Vec<&String> = answers.iter().flat_map(|(_, found)| found).collect();
-    println!("{agreeing} steps agree");
     assert!(found.is_empty(), "{found:#?}");
+    let agreeing: usize = answers.iter().map(|(steps, _)| steps).sum();
+    assert_eq!(agreeing, 297);
+}
+
+#[test]
+fn an_attempt_that_fails_at_the_smallest_time_step_is_taken_whatever_its_displacements_or_stops_the_run() {
+    let scenes = scenes();
+    let scene = scenes.iter().find(|scene| scene.name == "hit_unconverged_accepted").expect("the scene is there");
+    let shapes = scene.shapes();
+    let model = scene.model(&shapes);
+    let start = State::initial(&model);
+    let answer = exact_step(&model, &start, KEEP).expect("accepted");
+    assert_eq!((answer.end, answer.converged, answer.cuts.len()), (IterationEnd::Changing, false, 5));
+    assert!(answer.cuts.iter().all(|tried| tried.cut == Cut::NotConverged && tried.end == IterationEnd::Changing));
+    // SPEC asks the limits after convergence only.
+    let mut still = model.tolerances.clone();
+    still.max_displacement = Number::ZERO;
+    let taken = exact_step(&StepModel { tolerances: &still, ..model }, &start, KEEP).expect("accepted");
+    assert_eq!((taken.time_step, taken.state), (answer.time_step, answer.state));
+    let mut strict = scene.simulation().clone();
+    strict.control.unconverged = Unconverged::Stop;
+    let stopped = certified_step(&StepModel { simulation: &strict, ..model }, &start);
+    assert_eq!(stopped.unwrap_err(), StepFailure::NotConverged);
 }

@@ -159,7 +159,7 @@ pub struct CertifiedStep {
     /// The Δt accepted (s).
     pub time_step: BigRational,
     /// Of each block the unknowns that it has, each as an f64 and at least its distance from the exact value (m, rad, strain);
-    /// `None` where f64 did not enclose the last solve.
+    /// `None` where neither balls of f64 nor of two f64 enclosed the last solve.
     pub displacements: Option<Vec<Vec<[f64; 2]>>>,
     /// Which level settled how many decisions of all attempts.
     pub levels: StepLevels,

@@ -105,6 +105,22 @@ impl<S: Field> Chain<'_, S> {
         next.minus(&acted).norm_squared().root_of_square()
     }
 
+    /// `Σ|Δf|` and `Σ p_n·max(0, −h)` of each moving block, over its contacts closed both in a solve and after it.
+    pub(crate) fn force_changes(&self, iterate: &Iterate<S>, modes: [&[Mode]; 2]) -> Option<Vec<[S; 2]>> {
+        let mut sums = vec![[S::from_i32(0), S::from_i32(0)]; self.base.len()];
+        for (k, started) in self.attempt.started.iter().enumerate() {
+            let modes = modes.map(|modes| modes[k]);
+            if modes.contains(&Mode::Open) {
+                continue;
+            }
+            let more = [self.force_change(k, iterate, modes)?, self.pressure(k, iterate)?];
+            for row in started.blocks.into_iter().filter_map(|block| self.attempt.rows[block]) {
+                sums[row] = std::array::from_fn(|part| sums[row][part].plus(&more[part]));
+            }
+        }
+        Some(sums)
+    }
+
     /// `τ/p_s · s/|s|` of a contact that slid; zero without a shear spring.
     pub(crate) fn remembered_stretch(&self, k: usize) -> Option<Vec3<S>> {
         let (shear, last) = (&self.joints[k].shear, self.iterates.last()?);

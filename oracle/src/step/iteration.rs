@@ -37,7 +37,8 @@ pub(super) fn attempts<T>(
         let attempt = begun.attempt(time_step.clone());
         let mut ladder = Ladder::new(&attempt, &begun.layout, levels);
         let iterated = iterate(&mut ladder, &attempt);
-        let beyond = if iterated.end.is_converged() { beyond_limits(&mut ladder) } else { Some((Cut::NotConverged, 0)) };
+        let beyond =
+            if iterated.end.is_converged() { beyond_limits(&mut ladder) } else { Some((Cut::NotConverged, 0)) };
         let Some((cut, block)) = beyond else { return finish(ladder, &attempt, iterated, cuts) };
         let (numerator, denominator) = if cut == Cut::NotConverged { Control::CUT } else { (1, 2) };
         let shorter = &time_step * BigRational::new(numerator.into(), denominator.into());

@@ -1,8 +1,8 @@
 //! What a step begins with: contacts, what they remember, joints (docs/step.md 2 to 6 and 15).
 
+use super::answer::{StepFailure, StepModel};
 use super::approximate::Layout;
 use super::attempt::{Attempt, Joint, force_at};
-use super::answer::{StepFailure, StepModel};
 use super::state::{ContactMemory, Mode, State};
 use super::strength;
 use super::transfer::{Started, transfer};

@@ -2,8 +2,8 @@
 
 use super::chain::Chain;
 use super::frame;
-use super::state::Mode;
 use super::friction::SlipForce;
+use super::state::Mode;
 use crate::field::Field;
 use rockproof_model::{Sign, Vec3};
 
@@ -81,25 +81,15 @@ pub(crate) struct FrictionSettled<'m> {
 }
 
 /// So many times the change of friction at a block may be no more than what presses it.
-const SETTLED: i32 = 100;
+pub(crate) const SETTLED: i32 = 100;
 
 impl Question for FrictionSettled<'_> {
     type Answer = bool;
     fn ask<S: Field>(&self, chain: &Chain<'_, S>) -> Option<bool> {
         let iterate = chain.iterates.last()?;
-        let mut excess = vec![S::from_i32(0); chain.base.len()];
-        for (k, started) in chain.attempt.started.iter().enumerate() {
-            let modes = self.modes.map(|modes| modes[k]);
-            if modes.contains(&Mode::Open) {
-                continue;
-            }
-            let change = chain.force_change(k, iterate, modes)?.times(&S::from_i32(SETTLED));
-            let more = change.minus(&chain.pressure(k, iterate)?);
-            for row in started.blocks.into_iter().filter_map(|block| chain.attempt.rows[block]) {
-                excess[row] = excess[row].plus(&more);
-            }
-        }
-        let signs: Vec<Option<Sign>> = excess.iter().map(Field::certain_sign).collect();
+        let excess = chain.force_changes(iterate, self.modes)?;
+        let excess = excess.iter().map(|[change, pressure]| change.times(&S::from_i32(SETTLED)).minus(pressure));
+        let signs: Vec<Option<Sign>> = excess.map(|excess| excess.certain_sign()).collect();
         if signs.iter().flatten().any(|sign| sign.is_positive()) {
             return Some(false);
         }

@@ -22,10 +22,8 @@ use rockproof_model::simulation::Body;
 pub fn certified_step(model: &StepModel<'_>, state: &State) -> Result<CertifiedStep, StepFailure> {
     let begun = Begun::new(model, state)?;
     let mut certified = attempts(&begun, |mut ladder, attempt, iterated, cuts| {
-        let displacements = ladder.float().and_then(|chain| chain.iterates.last()).map(|last| {
-            let pairs = |d: &Vec<crate::number::Ball>| d.iter().map(|ball| [ball.middle, ball.radius]).collect();
-            last.d.iter().map(pairs).collect()
-        });
+        let float = ladder.float().and_then(displacements).filter(|d| are_narrow(d));
+        let displacements = float.or_else(|| ladder.double().and_then(displacements));
         Ok(CertifiedStep {
             contacts: Vec::new(),
             iterations: ladder.modes().len() as u32,
@@ -41,6 +39,20 @@ pub fn certified_step(model: &StepModel<'_>, state: &State) -> Result<CertifiedS
     })?;
     certified.contacts = begun.contacts;
     Ok(certified)
+}
+
+/// The unknowns of each block after the last solve, each as an f64 and at least its distance from the exact value.
+fn displacements<S: Field>(chain: &Chain<'_, S>) -> Option<Vec<Vec<[f64; 2]>>> {
+    let pairs = |d: &Vec<S>| d.iter().map(|value| value.nearby().into()).collect();
+    Some(chain.iterates.last()?.d.iter().map(pairs).collect())
+}
+
+/// Displacements known to no more than this share of the largest are asked of balls of two f64.
+const WIDEST_DISPLACEMENT: f64 = 1e-9;
+
+fn are_narrow(displacements: &[Vec<[f64; 2]>]) -> bool {
+    let most = |part: usize| displacements.iter().flatten().map(|pair| pair[part].abs()).fold(0.0, f64::max);
+    most(1) <= WIDEST_DISPLACEMENT * most(0)
 }
 
 /// The system of the first solve of a step, exactly; `None` where the step cannot be made.
