@@ -1,5 +1,7 @@
 //! Blocks with known answers, every error, and the filtered signs against plain fractions.
 
+mod meeting;
+
 use super::*;
 use crate::TopologyError;
 use crate::number_text::EXPONENT_LIMIT;
