@@ -73,14 +73,25 @@ impl<'a> Solid<'a> {
 
     fn meeting(&self, (f, g): (usize, usize)) -> Option<Meeting> {
         let [of_f, of_g] = [f, g].map(|face| &self.topology.faces()[face]);
-        let [near_f, near_g] = [self.reaching(f, g), self.reaching(g, f)];
         let shared: Vec<u32> = of_f.iter().copied().filter(|v| of_g.contains(v)).collect();
         let is_plain = match *shared.as_slice() {
             [] | [_] => true,
             [p, q] => self.is_common_edge([p, q], [f, g]),
             _ => false,
         };
-        if is_plain && (self.is_apart(f, &near_g, &shared) || self.is_apart(g, &near_f, &shared)) {
+        let cost = |face: usize, of_other: &[u32]| self.patches[face].planes.len() * of_other.len();
+        let (cheaper, of_other) = if cost(f, of_g) <= cost(g, of_f) { (f, of_g) } else { (g, of_f) };
+        if is_plain && self.is_apart(cheaper, of_other, &shared) {
+            return None;
+        }
+        let [near_f, near_g] = [self.reaching(f, g), self.reaching(g, f)];
+        let is_apart = |face: usize, near: &[[u32; 3]]| {
+            let mut vertices = near.concat();
+            vertices.sort_unstable();
+            vertices.dedup();
+            self.is_apart(face, &vertices, &shared)
+        };
+        if is_plain && (is_apart(f, &near_g) || is_apart(g, &near_f)) {
             return None;
         }
         let edges = |faces: [usize; 2], near: &[[u32; 3]]| {
@@ -119,25 +130,23 @@ impl<'a> Solid<'a> {
         })
     }
 
-    /// A quick proof that face F meets triangles of a face G at most in `shared`, which is nothing, one vertex or one
-    /// common edge: their other vertices are strictly on one side of the planes of all triangles of F, and F is convex.
+    /// A quick proof that face F meets those triangles of a face G that have all their corners among `vertices` at most
+    /// in `shared`, which is nothing, one vertex or one common edge: the other vertices are strictly on one side of the
+    /// planes of all triangles of F, and F is convex or `shared` is nothing.
     ///
     /// Proof. A point of such a triangle is s, or on a segment from s to y, with s on `shared` and y strictly on that side (say below)
     /// of all planes; or, as y, it is itself below all planes and not on F. Seen along F's normal F is convex, so
     /// where the segment is over F it is so from s on. There it leaves s downwards from F. If it met F again, first at x
     /// in triangle S, it would come to x from below S, and being straight go on above the plane of S up to y, which
     /// is below it.
-    fn is_apart(&self, f: usize, of_g: &[[u32; 3]], shared: &[u32]) -> bool {
+    fn is_apart(&self, f: usize, vertices: &[u32], shared: &[u32]) -> bool {
         let patch = &self.patches[f];
         if !patch.is_convex && !shared.is_empty() {
             return false;
         }
-        let mut others: Vec<u32> = of_g.iter().flatten().copied().filter(|v| !shared.contains(v)).collect();
-        others.sort_unstable();
-        others.dedup();
         let mut side = None;
-        patch.triangles.iter().all(|&plane| {
-            others.iter().all(|&vertex| {
+        patch.planes.iter().all(|&plane| {
+            vertices.iter().filter(|v| !shared.contains(v)).all(|&vertex| {
                 let sign = self.coordinates.cheap_sign(&Side { plane, vertex });
                 sign.is_some_and(|sign| !sign.is_zero() && *side.get_or_insert(sign) == sign)
             })

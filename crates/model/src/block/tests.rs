@@ -1,6 +1,7 @@
 //! Blocks with known answers, every error, and the filtered signs against plain fractions.
 
 mod meeting;
+mod random_surfaces;
 
 use super::*;
 use crate::TopologyError;

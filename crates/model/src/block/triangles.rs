@@ -1,6 +1,6 @@
 //! A face as triangles between its own vertices: the surface that stands for it where faces are tested against faces.
 
-use crate::block::questions::Turn;
+use crate::block::questions::{Side, Turn};
 use crate::block::sure::Surface;
 use crate::sign::Sign;
 
@@ -9,6 +9,8 @@ pub(super) struct Patch {
     pub(super) triangles: Vec<[u32; 3]>,
     /// The sides of triangles that are no edges of the face.
     pub(super) diagonals: Vec<[u32; 2]>,
+    /// Triangles in whose planes all triangles lie: one of a long face that is exactly planar, else all.
+    pub(super) planes: Vec<[u32; 3]>,
     /// Whether the face, seen along its normal, is a convex polygon; a straight angle counts as convex.
     pub(super) is_convex: bool,
 }
@@ -20,7 +22,8 @@ impl Patch {
         let boundary = &surface.faces()[face];
         let n = boundary.len();
         if let &[a, b, c] = boundary.as_slice() {
-            return Patch { triangles: vec![[a, b, c]], diagonals: Vec::new(), is_convex: true };
+            let triangles = vec![[a, b, c]];
+            return Patch { planes: triangles.clone(), triangles, diagonals: Vec::new(), is_convex: true };
         }
         let turn = |k: usize| {
             let [a, b, c] = [k + n - 1, k, k + 1].map(|i| boundary[i % n]);
@@ -28,14 +31,26 @@ impl Patch {
         };
         let turns: Vec<Sign> = (0..n).map(turn).collect();
         if turns.iter().all(|t| t.is_positive()) {
-            let fan = boundary[1..].windows(2).map(|pair| [boundary[0], pair[0], pair[1]]).collect();
+            let triangles: Vec<[u32; 3]> =
+                boundary[1..].windows(2).map(|pair| [boundary[0], pair[0], pair[1]]).collect();
             let diagonals = boundary[2..n - 1].iter().map(|&v| [boundary[0], v]).collect();
-            return Patch { triangles: fan, diagonals, is_convex: true };
+            return Patch { planes: planes(surface, boundary, &triangles), triangles, diagonals, is_convex: true };
         }
         let is_convex = turns.iter().all(|t| t.is_at_least_zero());
         let blunt = (0..n).filter(|&k| turns[k].is_at_most_zero()).map(|k| boundary[k]).collect();
         let (triangles, diagonals) = Ears { surface, face, approximate, slack, blunt }.clipped();
-        Patch { triangles, diagonals, is_convex }
+        Patch { planes: planes(surface, boundary, &triangles), triangles, diagonals, is_convex }
+    }
+}
+
+/// See [`Patch::planes`]. Of a short face a proof that it is planar costs more than it saves.
+fn planes(surface: &Surface<'_>, boundary: &[u32], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    const LONG: usize = 32;
+    let is_on =
+        |plane: [u32; 3]| boundary.iter().all(|&vertex| surface.coordinates().sign(&Side { plane, vertex }).is_zero());
+    match triangles {
+        [first, ..] if boundary.len() > LONG && is_on(*first) => vec![*first],
+        all => all.to_vec(),
     }
 }
 
