@@ -1,6 +1,7 @@
 //! From vertices and face loops to a canonical block, or to the reason why they are none (SPEC section 2).
 
 use crate::block::error::BlockError;
+use crate::block::meeting::{Meeting, Solid};
 use crate::block::merge;
 use crate::block::planarity::Planarity;
 use crate::block::questions::{Area, Kappa, SameSide, Turn, Volume};
@@ -53,6 +54,7 @@ pub(super) fn build(
         signs = check_merged(&draft, options)?;
     }
     check_canonical(&draft, &signs)?;
+    check_embedded(&draft, options)?;
     let merged =
         Merged { faces: face_count - draft.topology.faces().len(), vertices: vertex_count - draft.vertices.len() };
     let shape = shape(&draft, &signs)?;
@@ -208,6 +210,23 @@ fn check_canonical(draft: &Draft, signs: &[Sign]) -> Result<(), BlockError> {
         return Err(BlockError::RunsThroughItself { edges, euler });
     }
     Ok(())
+}
+
+/// Faces meet in common vertices and edges only.
+fn check_embedded(draft: &Draft, options: &BlockOptions) -> Result<(), BlockError> {
+    let coordinates = Coordinates::new(&draft.vertices, &draft.approximate);
+    let surface = Surface::new(&coordinates, draft.topology.faces());
+    let slack = Planarity::new(&coordinates, options).slack();
+    match Solid::new(&surface, &draft.topology, &draft.approximate, slack).first_meeting() {
+        None => Ok(()),
+        Some(Meeting { faces: [first, second], line: [p, q], diagonal }) => Err(BlockError::FacesMeet {
+            first: draft.face_names[first],
+            second: draft.face_names[second],
+            p: draft.vertex_names[p as usize],
+            q: draft.vertex_names[q as usize],
+            diagonal,
+        }),
+    }
 }
 
 fn shape(draft: &Draft, signs: &[Sign]) -> Result<Shape, BlockError> {

@@ -90,6 +90,23 @@ pub enum BlockError {
         /// The Euler characteristic.
         euler: i64,
     },
+    /// Two faces with a common point that is on no vertex and no edge of both.
+    #[error(
+        "faces {first} and {second} meet outside their common vertices and edges: {what} {p}-{q} of face {first} crosses or touches face {second}; faces may meet in vertices and edges of both only, so move vertices until the surface neither runs through nor touches itself, or split the solid into several blocks",
+        what = if *diagonal { "the diagonal" } else { "edge" }
+    )]
+    FacesMeet {
+        /// The face whose edge or diagonal meets the other.
+        first: usize,
+        /// The other face.
+        second: usize,
+        /// One end of that edge or diagonal.
+        p: usize,
+        /// The other end.
+        q: usize,
+        /// Whether it is a diagonal of `first`: only a face that is not exactly planar can meet another there alone.
+        diagonal: bool,
+    },
     /// Two faces that fold back onto one another.
     #[error(
         "faces {left} and {right} fold back onto one another at edge {p}-{q}: the angle between them is 0° or 360°"

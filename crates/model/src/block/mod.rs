@@ -3,11 +3,14 @@
 mod build;
 mod error;
 mod measure;
+mod meeting;
 mod merge;
 mod planarity;
 mod questions;
 mod simple;
 mod sure;
+mod triangles;
+
 #[cfg(test)]
 mod tests;
 

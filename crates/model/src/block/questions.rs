@@ -1,6 +1,6 @@
 //! The questions about one block of which every check of SPEC section 2 is made.
 
-use crate::block::sure::{Question, View};
+use crate::block::sure::{PointQuestion, Question, View};
 use crate::ring::Ring;
 use crate::vector::Vec3;
 
@@ -149,5 +149,38 @@ pub(super) struct Volume;
 impl Question for Volume {
     fn value<T: Ring>(&self, view: &View<'_, T>) -> T {
         (0..view.faces.len()).fold(T::from_i32(0), |sum, face| sum.plus(&VolumeShare { face }.value(view)))
+    }
+}
+
+/// `((b − a) × (c − a))·(v − a)` of the plane through a, b, c: positive when v is on the side from which a, b, c run
+/// counter-clockwise, zero when it is on the plane.
+pub(super) struct Side {
+    pub(super) plane: [u32; 3],
+    pub(super) vertex: u32,
+}
+
+impl PointQuestion for Side {
+    fn value<T: Ring>(&self, points: &[Vec3<T>]) -> T {
+        let [a, b, c] = self.plane.map(|v| &points[v as usize]);
+        b.minus(a).cross(&c.minus(a)).dot(&points[self.vertex as usize].minus(a))
+    }
+}
+
+/// Of points in the plane of a triangle, seen from where its vertices run counter-clockwise: positive when c is to the
+/// left of the line from a to b.
+pub(super) struct TurnInPlane {
+    pub(super) triangle: [u32; 3],
+    pub(super) a: u32,
+    pub(super) b: u32,
+    pub(super) c: u32,
+}
+
+impl PointQuestion for TurnInPlane {
+    fn value<T: Ring>(&self, points: &[Vec3<T>]) -> T {
+        let area = |[a, b, c]: [u32; 3]| {
+            let a = &points[a as usize];
+            points[b as usize].minus(a).cross(&points[c as usize].minus(a))
+        };
+        area(self.triangle).dot(&area([self.a, self.b, self.c]))
     }
 }

@@ -16,6 +16,12 @@ pub(super) trait Question {
     fn value<T: Ring>(&self, view: &View<'_, T>) -> T;
 }
 
+/// A polynomial in the coordinates of a few vertices alone, written once for every number type.
+pub(super) trait PointQuestion {
+    /// The value; its degree in the coordinates is at most 6.
+    fn value<T: Ring>(&self, points: &[Vec3<T>]) -> T;
+}
+
 /// What a question may look at. Points are relative to the block's first vertex.
 pub(super) struct View<'a, T> {
     /// The vertices.
@@ -122,6 +128,27 @@ impl<'a> Coordinates<'a> {
     /// The filtered vertices, where the coordinates are in the filter's range.
     pub(super) fn filtered(&self) -> Option<&[Vec3<Filtered>]> {
         self.filtered.as_deref()
+    }
+
+    /// The sign of the value where floating point can tell it for certain, or where only integers can.
+    pub(super) fn cheap_sign(&self, question: &impl PointQuestion) -> Option<Sign> {
+        match self.filtered() {
+            Some(points) => question.value(points).sign(),
+            None => Some(self.exact_sign(question)),
+        }
+    }
+
+    /// The sign of the value, for certain.
+    pub(super) fn sign(&self, question: &impl PointQuestion) -> Sign {
+        let estimate = self.filtered().map(|points| question.value(points));
+        estimate.and_then(|estimate| estimate.sign()).unwrap_or_else(|| self.exact_sign(question))
+    }
+
+    fn exact_sign(&self, question: &impl PointQuestion) -> Sign {
+        match self.small_units() {
+            Some(points) => question.value(points).sign(),
+            None => ExactRing::sign(&question.value(self.units())),
+        }
     }
 
     /// The lattice of exact values.

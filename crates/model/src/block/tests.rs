@@ -1,5 +1,8 @@
 //! Blocks with known answers, every error, and the filtered signs against plain fractions.
 
+mod meeting;
+mod random_surfaces;
+
 use super::*;
 use crate::TopologyError;
 use crate::number_text::EXPONENT_LIMIT;

@@ -14,6 +14,7 @@ pub use error::{Problem, SceneError};
 pub use write::{FormatError, write_obj, write_tolerances, write_toml, write_vtk};
 
 use crate::block::{Block, BlockOptions, Merged, Merging};
+use crate::files::read_limited;
 use crate::number::Number;
 use crate::simulation::{Body, Motion, Simulation, derive_stiffness};
 use crate::spec::ToleranceSpec;
@@ -315,7 +316,7 @@ fn read_foreign(text: &str, format: Format) -> Option<Result<Vec<RawBlock>, Loca
 
 /// A file as text, or why it is none.
 fn read_text(path: &Path, format: Format) -> Result<String, SceneError> {
-    let bytes = std::fs::read(path).map_err(|error| at(path, (None, Problem::Io(error))))?;
+    let bytes = read_limited(path).map_err(|error| at(path, (None, Problem::Io(error))))?;
     if format == Format::Vtk && vtk::is_binary(&bytes) {
         return Err(at(path, vtk::binary()));
     }

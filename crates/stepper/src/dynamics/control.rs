@@ -42,59 +42,65 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             }
             let accepts = self.setup.control.unconverged == Unconverged::Accept;
             let at = time_step.to_f64();
-            let why = if ended.converged {
-                None
-            } else if M::cut(time_step) < smallest {
-                if !accepts {
-                    return Err(Stopped::NotConverged { step: number, time_step: at, contacts: ended.changing });
-                }
-                None
-            } else {
-                Some((RetryReason::NotConverged, M::cut(time_step)))
-            };
-            let why = match why {
-                Some(why) => Some(why),
-                None => match self.beyond_limits(&ended.d) {
-                    Err((block, why)) => {
+            let again = if ended.converged {
+                match self.beyond_limits(&ended.d) {
+                    None => None,
+                    Some((block, why)) => {
                         let half = time_step / R::from_f64(2.0);
                         if half < smallest {
                             return Err(Stopped::TooFast { step: number, time_step: at, block, why });
                         }
                         Some((why, half))
                     }
-                    Ok(farthest) => {
-                        self.layouts.forget_unused();
-                        return Ok(Accepted { time_step, ended, retries, farthest });
+                }
+            } else {
+                let shorter = M::cut(time_step);
+                match (shorter < smallest, accepts) {
+                    (false, _) => Some((RetryReason::NotConverged, shorter)),
+                    // The last attempt is taken as it is: limits are asked of converged ones.
+                    (true, true) => None,
+                    (true, false) => {
+                        return Err(Stopped::NotConverged { step: number, time_step: at, contacts: ended.changing });
                     }
-                },
+                }
             };
-            if let Some((why, next)) = why {
-                retries.push(Retry { time_step: at, why });
-                time_step = next;
-            }
+            let Some((why, next)) = again else {
+                self.layouts.forget_unused();
+                let farthest = self.farthest(&ended.d);
+                return Ok(Accepted { time_step, ended, retries, farthest });
+            };
+            retries.push(Retry { time_step: at, why });
+            time_step = next;
         }
     }
 
-    /// The largest squared displacement of a vertex, or the first block that exceeds a limit: first that of displacement.
-    fn beyond_limits(&self, d: &[Twelve<R>]) -> Result<R, (usize, RetryReason)> {
+    /// The first block that exceeds a limit: first that of displacement, then that of rotation.
+    fn beyond_limits(&self, d: &[Twelve<R>]) -> Option<(usize, RetryReason)> {
         let limits = &self.setup.limits;
         let (far, turned) = (limits.displacement * limits.displacement, limits.rotation * limits.rotation);
-        let moving = || d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block));
-        let mut farthest = R::ZERO;
-        for (block, d) in moving() {
-            for &vertex in &self.state.blocks[block].vertices {
-                let moved = displacement(vertex - self.moments[block].centroid, d);
-                let squared = moved.dot(moved);
-                if M::too_far(squared, far) {
-                    return Err((block, RetryReason::Displacement));
-                }
-                farthest = farthest.larger(squared);
-            }
-        }
+        let strays = |(_, squared): &(usize, R)| M::too_far(*squared, far);
         let turns = |d: &Twelve<R>| M::turned_too_far(d[3] * d[3] + d[4] * d[4] + d[5] * d[5], turned);
-        match moving().find(|(_, d)| turns(d)) {
-            Some((block, _)) => Err((block, RetryReason::Rotation)),
-            None => Ok(farthest),
-        }
+        let strayed = self.displacements(d).find(strays).map(|(block, _)| (block, RetryReason::Displacement));
+        strayed.or_else(|| {
+            let mut moving = d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block));
+            moving.find(|(_, d)| turns(d)).map(|(block, _)| (block, RetryReason::Rotation))
+        })
+    }
+
+    /// The largest displacement of a vertex, squared (m²).
+    fn farthest(&self, d: &[Twelve<R>]) -> R {
+        self.displacements(d).fold(R::ZERO, |farthest, (_, squared)| farthest.larger(squared))
+    }
+
+    /// Of every vertex of the moving blocks its block and its displacement, squared (m²).
+    fn displacements(&self, d: &[Twelve<R>]) -> impl Iterator<Item = (usize, R)> {
+        let moving = d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block));
+        moving.flat_map(|(block, d)| {
+            let centroid = self.moments[block].centroid;
+            self.state.blocks[block].vertices.iter().map(move |&vertex| {
+                let moved = displacement(vertex - centroid, d);
+                (block, moved.dot(moved))
+            })
+        })
     }
 }
