@@ -113,6 +113,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// # Errors
     /// When a number overflows or a block collapses in the scalar.
     pub fn with_rules(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, M>, SetupError> {
+        M::begin_dynamics(scene, set)
+    }
+
+    pub(super) fn begin(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, M>, SetupError> {
         let setup = Setup::new(scene, set)?;
         let state = setup.begin(scene)?;
         let Prepared { solids, moments } = Prepared::new(&setup.blocks, &state.blocks)?;
@@ -143,6 +147,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// # Errors
     /// When the state does not fit the scene, or a block collapses. Then nothing changes.
     pub fn restore(&mut self, state: State<R>) -> Result<(), SetupError> {
+        M::restore_dynamics(self, state)
+    }
+
+    pub(super) fn go_on_from(&mut self, state: State<R>) -> Result<(), SetupError> {
         let fits = [
             ("blocks", state.blocks.len(), self.state.blocks.len()),
             ("load points", state.load_points.len(), self.state.load_points.len()),
@@ -203,10 +211,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// # Errors
     /// When the run cannot go on.
     pub fn step(&mut self) -> Result<StepReport, Stopped> {
-        self.step_with(None)
+        M::step_dynamics(self, None)
     }
 
-    pub(super) fn step_with(&mut self, given: Option<&Given<'_>>) -> Result<StepReport, Stopped> {
+    pub(super) fn make_step(&mut self, given: Option<&Given<'_>>) -> Result<StepReport, Stopped> {
         let settling = self.state.settling > 0;
         let number = if settling { 1 - i64::from(self.state.settling) } else { self.state.step as i64 + 1 };
         let mut contacts = match given {

@@ -35,7 +35,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// # Errors
     /// When the run cannot go on.
     pub fn step_given(&mut self, given: &Given<'_>) -> Result<crate::dynamics::StepReport, Stopped> {
-        self.step_with(Some(given))
+        M::step_dynamics(self, Some(given))
     }
 
     /// The contacts that are given, with what they remember.

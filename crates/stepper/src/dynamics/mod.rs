@@ -8,6 +8,7 @@
 mod alone;
 mod area;
 mod attempt;
+mod compiled;
 mod contact;
 mod control;
 pub mod displacement;

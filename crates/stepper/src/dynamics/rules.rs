@@ -3,9 +3,16 @@
 //! As in [`crate::contact::rules`], the trait exists so that a test can plant one deliberate mistake at a time.
 
 use crate::contact::{Rules, Spec};
-use crate::dynamics::state::Mode;
+use crate::dynamics::compiled::CompiledSteps;
+use crate::dynamics::engine::Dynamics;
+use crate::dynamics::given::Given;
+use crate::dynamics::report::{StepReport, Stopped};
+use crate::dynamics::setup::SetupError;
+use crate::dynamics::solve::Solve;
+use crate::dynamics::state::{Mode, State};
 use crate::real::Real;
 use rockproof_model::simulation::Control;
+use rockproof_model::{Scene, ToleranceSet};
 
 /// What a closed contact bears across its normal.
 #[derive(Clone, Copy, Debug)]
@@ -145,6 +152,51 @@ pub trait StepRules: Rules {
     fn rate<R: Real>(dynamic: R, twice_mean: R, before: R) -> R {
         dynamic * (twice_mean - before)
     }
+
+    /// Begins a scene by these rules: [`Dynamics::with_rules`]. [`Spec`] takes the code compiled in this crate.
+    #[doc(hidden)]
+    fn begin_dynamics<R: Solve>(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, Self>, SetupError>
+    where
+        Self: Sized,
+    {
+        Dynamics::begin(scene, set)
+    }
+
+    /// Goes on from another state by these rules: [`Dynamics::restore`].
+    #[doc(hidden)]
+    fn restore_dynamics<R: Solve>(dynamics: &mut Dynamics<R, Self>, state: State<R>) -> Result<(), SetupError>
+    where
+        Self: Sized,
+    {
+        dynamics.go_on_from(state)
+    }
+
+    /// Makes a step by these rules: [`Dynamics::step`], or [`Dynamics::step_given`].
+    #[doc(hidden)]
+    fn step_dynamics<R: Solve>(
+        dynamics: &mut Dynamics<R, Self>,
+        given: Option<&Given<'_>>,
+    ) -> Result<StepReport, Stopped>
+    where
+        Self: Sized,
+    {
+        dynamics.make_step(given)
+    }
 }
 
-impl StepRules for Spec {}
+impl StepRules for Spec {
+    fn begin_dynamics<R: Solve>(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, Spec>, SetupError> {
+        <R as CompiledSteps>::begin(scene, set)
+    }
+
+    fn restore_dynamics<R: Solve>(dynamics: &mut Dynamics<R, Spec>, state: State<R>) -> Result<(), SetupError> {
+        <R as CompiledSteps>::restore(dynamics, state)
+    }
+
+    fn step_dynamics<R: Solve>(
+        dynamics: &mut Dynamics<R, Spec>,
+        given: Option<&Given<'_>>,
+    ) -> Result<StepReport, Stopped> {
+        <R as CompiledSteps>::step(dynamics, given)
+    }
+}

@@ -1,5 +1,6 @@
 //! Solving `K d = F`: dense Cholesky for small systems, by panels for large ones.
 
+use crate::dynamics::compiled::CompiledSteps;
 use crate::dynamics::pattern::{Panel, Pattern};
 use crate::real::Real;
 use crate::wide::Wide;
@@ -23,7 +24,7 @@ pub struct Singular {
 }
 
 /// A scalar in which systems can be solved.
-pub trait Solve: Real + Send + Sync {
+pub trait Solve: CompiledSteps + Real + Send + Sync {
     /// Replaces the values of the panels that are marked, which are those of the matrix, by those of its factor. All others are so
     /// already, and depend on none that is marked.
     ///
