@@ -67,6 +67,10 @@ pub struct Overlap {
     pub sight: Sight,
     /// Whether the penetration is above g; **exactly g is not**.
     pub is_deeper_than_g: bool,
+    /// Whether the penetration is at most twice the distance of some vertex of either block from the plane of one of its
+    /// faces (**a tie says yes**): so much can blocks overlap whose planes only touch, because rounded coordinates made faces
+    /// uneven. Contacts, which ask for planes, need not tell of it.
+    pub is_within_unevenness: bool,
 }
 
 /// What decided whether a pair overlaps.
@@ -198,6 +202,8 @@ struct Body {
     has_inside: bool,
     /// The convex cells of a block that is not convex.
     pieces: OnceLock<Vec<Piece>>,
+    /// The square of the greatest distance of a vertex from the plane of its face, in m².
+    unevenness: OnceLock<BigRational>,
 }
 
 /// The audit of all pairs in one thread.
@@ -214,6 +220,7 @@ impl<'s> Auditor<'s> {
             planes: FacePlanes::of(solid),
             has_inside: planes::has_inside(solid),
             pieces: OnceLock::new(),
+            unevenness: OnceLock::new(),
         };
         Auditor { solids, tolerances, bodies: solids.iter().map(body).collect() }
     }
@@ -285,12 +292,8 @@ impl<'s> Auditor<'s> {
     fn measure(&self, blocks: [usize; 2], kept: &[ContactKey]) -> Overlap {
         let [a, b] = blocks.map(|k| &self.solids[k]);
         let (one, two) = (a.block(), b.block());
-        // A block with an inside has a face with an area.
-        let touching = || Penetration {
-            gap: Gap { sign: rockproof_model::Sign::Zero, squared: BigRational::default() },
-            direction: rockproof_model::Vec3::zero(),
-        };
-        let penetration = penetration(one, two).unwrap_or_else(touching);
+        // A block with an inside has faces with areas but where they cancel; then nothing is known of its depth.
+        let penetration = penetration(one, two).unwrap_or_else(Penetration::none);
         let contact = self.deepest_contact(&Pair::new(a, b), kept);
         let square = penetration.depth_squared();
         let four = BigRational::from_integer(4.into());
@@ -300,7 +303,26 @@ impl<'s> Auditor<'s> {
             Some(_) => Sight::Seen,
         };
         let g = self.tolerances.penetration.to_rational();
-        Overlap { blocks, is_deeper_than_g: square > &g * &g, penetration, contact, sight }
+        Overlap {
+            blocks,
+            is_deeper_than_g: square > &g * &g,
+            is_within_unevenness: self.is_within_unevenness(blocks, &penetration),
+            penetration,
+            contact,
+            sight,
+        }
+    }
+
+    fn is_within_unevenness(&self, blocks: [usize; 2], penetration: &Penetration) -> bool {
+        // f64 bounds leave out nearly all; NaN leaves out nothing.
+        let most = blocks.iter().map(|&k| self.solids[k].bulge).fold(0.0, f64::max);
+        if penetration.depth_m().is_some_and(|depth| depth > 2.0 * most * (1.0 + 4.0 * f64::EPSILON)) {
+            return false;
+        }
+        let unevenness =
+            |k: usize| self.bodies[k].unevenness.get_or_init(|| planes::unevenness_squared(self.solids[k].block()));
+        let [one, two] = blocks.map(unevenness);
+        penetration.depth_squared() <= BigRational::from_integer(4.into()) * one.max(two)
     }
 
     /// The contact with the most negative gap.

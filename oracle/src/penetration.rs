@@ -10,7 +10,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
 use rockproof_model::lattice::Lattice;
-use rockproof_model::{Block, Vec3};
+use rockproof_model::{Block, Sign, Vec3};
 use std::cmp::Ordering;
 
 /// How two blocks overlap.
@@ -32,6 +32,11 @@ impl Penetration {
     /// The depth in m: the f64 nearest to it, ties to even; zero where the blocks do not overlap, `None` on overflow.
     pub fn depth_m(&self) -> Option<f64> {
         if self.gap.sign.is_negative() { self.gap.squared.sqrt_rounded() } else { Some(0.0) }
+    }
+
+    /// That of blocks that touch, or of which no more is known.
+    pub(crate) fn none() -> Penetration {
+        Penetration { gap: Gap { sign: Sign::Zero, squared: BigRational::default() }, direction: Vec3::zero() }
     }
 
     pub(crate) fn depth_squared(&self) -> BigRational {

@@ -6,11 +6,12 @@ use crate::number::{Ball, UNDERFLOW};
 use crate::pair::Pair;
 use crate::separation::on_lattice;
 use num_bigint::BigInt;
+use num_rational::BigRational;
 use num_traits::Zero;
 use rockproof_model::block::face_normal;
 use rockproof_model::decision::Side;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::Vec3;
+use rockproof_model::{Block, Number, Vec3};
 
 /// The faces of a block as directions in f64, each taken as exact: how far the block reaches along them.
 pub(super) struct FacePlanes {
@@ -102,6 +103,26 @@ pub(super) fn has_inside(solid: &Solid) -> bool {
         let n = first.and_then(|d| from.iter().map(|p| d.cross(p)).find(|n| !Zero::is_zero(&n.norm_squared())));
         n.is_some_and(|n| from.iter().any(|p| !ExactRing::sign(&n.dot(p)).is_zero()))
     }
+}
+
+/// The square of the greatest distance of a face's vertex from the face's plane, in m².
+pub(super) fn unevenness_squared(block: &Block) -> BigRational {
+    let points: Vec<Vec3<BigRational>> = block.vertices().iter().map(|v| v.map(Number::to_rational)).collect();
+    let mut most = BigRational::zero();
+    for face in block.topology().faces().iter().filter(|face| face.len() > 3) {
+        let n = face_normal(&points, face);
+        let square = n.norm_squared();
+        if Zero::is_zero(&square) {
+            continue;
+        }
+        let sum = face.iter().fold(Vec3::zero(), |sum: Vec3<BigRational>, &v| sum.plus(&points[v as usize]));
+        let middle = n.dot(&sum) / BigInt::from(face.len());
+        for &v in face {
+            let off = n.dot(&points[v as usize]) - &middle;
+            most = most.max(&off * &off / &square);
+        }
+    }
+    most
 }
 
 fn dot(n: [f64; 3], p: [f64; 3]) -> f64 {

@@ -36,8 +36,7 @@ pub(super) fn deepest_point(pair: &Units<'_>) -> Option<Penetration> {
         .or_else(|| deepest_of(&surfaces, |side| surfaces[side].middles_between_crossings(&surfaces[1 - side])))
         .or_else(|| deepest_common(pair, &surfaces));
     let Some(Deep { nearest, is_of_a }) = best else {
-        let gap = Gap { sign: Sign::Zero, squared: BigRational::zero() };
-        return Some(Penetration { gap, direction: Vec3::zero() });
+        return Some(Penetration::none());
     };
     // A's point moves to the surface; where it is B's, A moves the other way.
     let way = if is_of_a { nearest.way } else { nearest.way.negated() };
