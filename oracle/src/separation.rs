@@ -17,6 +17,7 @@ use rockproof_model::block::Point;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Ring, Sign, Vec3};
+use smallvec::SmallVec;
 use std::cell::{Cell, OnceCell};
 
 /// Points and the f64 next to them.
@@ -69,6 +70,8 @@ struct Ray {
     /// Against the cross product of the two.
     is_reversed: bool,
     near: Vec3<Ball>,
+    /// The cross product itself, when a sign has asked for it.
+    exact: OnceCell<Vec3<BigInt>>,
     /// The condition with equality between this ray and the next.
     next_edge: usize,
 }
@@ -217,18 +220,23 @@ impl<'s, 'p> Part<'s, 'p> {
             ExactRing::sign(first.cross(&second).components()[self.side.axis])
         });
         let is_reversed = sign.is_negative() != self.side.is_negative;
-        Ray { conditions, is_reversed, near: if is_reversed { near.negated() } else { near }, next_edge }
+        Ray {
+            conditions,
+            is_reversed,
+            near: if is_reversed { near.negated() } else { near },
+            exact: OnceCell::new(),
+            next_edge,
+        }
     }
 
     /// The sign of a ray's dot product with the vector of a condition.
-    fn sign(&self, ray: &Ray, condition: usize) -> Sign {
-        if ray.conditions.contains(&condition) {
-            return Sign::Zero;
-        }
-        let (asked, vector) = &self.conditions[condition];
+    fn sign(&self, ray: &Ray, (asked, vector): &(Condition, Vec3<Ball>)) -> Sign {
         ray.near.dot(vector).certain_sign().unwrap_or_else(|| {
-            let [first, second] = ray.conditions.map(|k| self.search.integers_of(self.conditions[k].0));
-            let sign = ExactRing::sign(&first.cross(&second).dot(&self.search.integers_of(*asked)));
+            let exact = ray.exact.get_or_init(|| {
+                let [first, second] = ray.conditions.map(|k| self.search.integers_of(self.conditions[k].0));
+                first.cross(&second)
+            });
+            let sign = ExactRing::sign(&exact.dot(&self.search.integers_of(*asked)));
             if ray.is_reversed { sign.reversed() } else { sign }
         })
     }
@@ -236,12 +244,12 @@ impl<'s, 'p> Part<'s, 'p> {
     /// Takes away what does not satisfy a condition; whether that was anything.
     fn add(&mut self, condition: Condition) -> bool {
         let k = self.conditions.len();
-        self.conditions.push((condition, self.search.balls_of(condition)));
-        let signs: Vec<Sign> = self.rays.iter().map(|ray| self.sign(ray, k)).collect();
+        let asked = (condition, self.search.balls_of(condition));
+        let signs: SmallVec<[Sign; 12]> = self.rays.iter().map(|ray| self.sign(ray, &asked)).collect();
         if signs.iter().all(|sign| sign.is_at_least_zero()) {
-            self.conditions.pop();
             return false;
         }
+        self.conditions.push(asked);
         let mut left = Vec::with_capacity(self.rays.len() + 1);
         for (i, ray) in self.rays.iter().enumerate() {
             let next = signs[(i + 1) % signs.len()];

@@ -7,11 +7,12 @@ use crate::pair::Pair;
 use crate::separation::on_lattice;
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use num_traits::Zero;
+use num_traits::{Signed, Zero};
 use rockproof_model::block::face_normal;
 use rockproof_model::decision::Side;
+use rockproof_model::lattice::Lattice;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Number, Vec3};
+use rockproof_model::{Block, Vec3};
 
 /// The faces of a block as directions in f64, each taken as exact: how far the block reaches along them.
 pub(super) struct FacePlanes {
@@ -107,7 +108,8 @@ pub(super) fn has_inside(solid: &Solid) -> bool {
 
 /// The square of the greatest distance of a face's vertex from the face's plane, in m².
 pub(super) fn unevenness_squared(block: &Block) -> BigRational {
-    let points: Vec<Vec3<BigRational>> = block.vertices().iter().map(|v| v.map(Number::to_rational)).collect();
+    let lattice = Lattice::covering(block.coordinates());
+    let points: Vec<Vec3<BigInt>> = block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
     let mut most = BigRational::zero();
     for face in block.topology().faces().iter().filter(|face| face.len() > 3) {
         let n = face_normal(&points, face);
@@ -115,14 +117,15 @@ pub(super) fn unevenness_squared(block: &Block) -> BigRational {
         if Zero::is_zero(&square) {
             continue;
         }
-        let sum = face.iter().fold(Vec3::zero(), |sum: Vec3<BigRational>, &v| sum.plus(&points[v as usize]));
-        let middle = n.dot(&sum) / BigInt::from(face.len());
-        for &v in face {
-            let off = n.dot(&points[v as usize]) - &middle;
-            most = most.max(&off * &off / &square);
-        }
+        // k times the distances times |N|, the plane being that through the mean of the k vertices.
+        let k = BigInt::from(face.len());
+        let sum = face.iter().fold(Vec3::zero(), |sum: Vec3<BigInt>, &v| sum.plus(&points[v as usize]));
+        let middle = n.dot(&sum);
+        let off = face.iter().map(|&v| (&k * n.dot(&points[v as usize]) - &middle).abs()).max().unwrap_or_default();
+        most = most.max(BigRational::new(&off * &off, square * &k * &k));
     }
-    most
+    let (units, metres) = lattice.units_per_metre();
+    most * BigRational::new(&metres * &metres, &units * &units)
 }
 
 fn dot(n: [f64; 3], p: [f64; 3]) -> f64 {
