@@ -2,6 +2,7 @@
 
 use crate::exit::{Outcome, Verdict, complain, note, print};
 use crate::input::{ReadArgs, ToleranceArgs, precision};
+use crate::overlaps::{audit, is_dangerous, report};
 use rockproof_model::{Number, Precision, Scene, ToleranceSet, ToleranceSpec, Violation, rules};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -12,9 +13,10 @@ const MOST_PROBLEMS: usize = 20;
 /// Check the blocks of a file, and the tolerances for them
 ///
 /// Reads every block and says what is wrong with each that is none; then compares the tolerances with the rules that
-/// make them safe for these blocks, exactly, and says what would satisfy each rule that is not met.
+/// make them safe for these blocks, exactly, and says what would satisfy each rule that is not met; and looks for blocks that
+/// overlap, exactly, with what the contacts see of it.
 ///
-/// Exits 0 when all is well, 1 when a rule is violated, 2 when the file or a block cannot be used.
+/// Exits 0 when all is well, 1 when a rule is violated or blocks overlap deeper than contacts see, 2 when the file or a block cannot be used.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  rockproof check slope.dda --tolerances shi --set search=1/20 --precision f32")]
 pub(crate) struct Check {
@@ -51,7 +53,10 @@ impl Check {
         self.check_range(&scene, &set)?;
         let violations = rules::check_scene(&set, &scene, self.precision);
         print(&self.table(&scene, &spec, &set, &violations))?;
-        Ok(if violations.is_empty() { Verdict::Fine } else { Verdict::Objection })
+        let audit = audit(&shapes, &set, None);
+        print(&report(&audit))?;
+        let sound = violations.is_empty() && !audit.overlaps.iter().any(is_dangerous);
+        Ok(if sound { Verdict::Fine } else { Verdict::Objection })
     }
 
     /// A value whose rounding overflows is an error (SPEC section 1).

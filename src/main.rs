@@ -8,6 +8,7 @@ mod convert;
 mod exit;
 mod gate;
 mod input;
+mod overlaps;
 mod replay;
 mod replay_step;
 mod report;
