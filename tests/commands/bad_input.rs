@@ -27,9 +27,9 @@ fn check_all(cases: &[Case]) {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-const DDA: &str = include_str!("../cases/real/smallAngle.dda");
-const VTK: &str = include_str!("fixtures/two_cubes.vtk");
-const VTK5: &str = include_str!("fixtures/two_cubes_version_5.vtk");
+const DDA: &str = include_str!("../../cases/real/smallAngle.dda");
+const VTK: &str = include_str!("../fixtures/two_cubes.vtk");
+const VTK5: &str = include_str!("../fixtures/two_cubes_version_5.vtk");
 const CELL: &str = "7 4 (0,0,0) (1,0,0) (0,1,0) (0,0,1) 4 (1,2,0) (3,1,0) (3,2,1) (3,0,2)";
 const MESH: &str = "[[block]]
 name = \"rock\"

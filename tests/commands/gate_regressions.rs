@@ -10,7 +10,8 @@ use rockproof_differential::builtin;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_differential::engine::Engine;
 use rockproof_differential::finding::Finding;
-use rockproof_campaign::journal::{Journal, Start};
+use rockproof_campaign::journal::Journal;
+use rockproof_results::Start;
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::source;
 use rockproof_gate::config::GateConfig;
@@ -45,7 +46,7 @@ fn tally(dir: &Path, config: &CampaignConfig, engine: Option<OneEngine>) -> Tall
     let narrow = |_: &Finding| -> Panel { panel() };
     let campaign = Campaign { config, source: &source, panel: &mistaken, narrow: &narrow, steppers: &[], threads: 0 };
     let identity = source::identity(config).expect("a map");
-    let mut journal = Journal::open(dir, identity, Start::Force).expect("a folder");
+    let mut journal = Journal::open(dir, identity, Start::Overwrite).expect("a folder");
     campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {}).expect("runs");
     Tally::read(dir).expect("tables")
 }

@@ -5,7 +5,8 @@
 use rockproof_differential::builtin;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_differential::finding::{Cause, Finding};
-use rockproof_campaign::journal::{Journal, Start};
+use rockproof_campaign::journal::Journal;
+use rockproof_results::Start;
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::source::{self, FamilySource};
 use rockproof_campaign::steps::summary::Counts;

@@ -6,7 +6,7 @@ use std::path::Path;
 #[test]
 fn committed_pictures_are_current() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images");
-    let pictures = drawings::pictures();
+    let pictures = crate::drawings::pictures();
     for (name, drawn) in &pictures {
         let committed = std::fs::read_to_string(folder.join(name)).unwrap_or_default().replace("\r\n", "\n");
         assert!(*drawn == committed, "docs/images/{name} is stale; run `cargo run --release --example pictures`");

@@ -5,7 +5,6 @@
 pub mod block;
 pub mod contact;
 pub mod decision;
-pub mod files;
 pub mod lattice;
 pub mod number;
 pub mod number_text;

@@ -33,3 +33,27 @@ fn beside(path: &Path) -> io::Result<PathBuf> {
     beside.push(format!(".{}.{}.tmp", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));
     Ok(path.with_file_name(beside))
 }
+
+/// The name that a file would have had which a killed process was writing under this one, if it is such a name.
+pub(crate) fn unfinished(name: &str) -> Option<&str> {
+    let rest = name.strip_prefix('.')?.strip_suffix(".tmp")?;
+    let mut parts = rest.rsplitn(3, '.');
+    let numbers = [parts.next()?, parts.next()?];
+    let name = parts.next().filter(|name| !name.is_empty())?;
+    let is_number = |n: &&str| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit());
+    numbers.iter().all(is_number).then_some(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn knows_what_a_kill_leaves() {
+        let beside = beside(Path::new("folder/run.json")).expect("a name");
+        assert_eq!(beside.file_name().and_then(|name| unfinished(name.to_str()?)), Some("run.json"));
+        assert_eq!(unfinished(".blocks_000010.vtu.71.12.tmp"), Some("blocks_000010.vtu"));
+        let others = [".run.json", "run.json.71.0.tmp", ".run.json.x.0.tmp", ".0.tmp", ".a...tmp", "..1.2.tmp"];
+        assert_eq!(others.map(unfinished), [None; 6]);
+    }
+}
