@@ -12,7 +12,7 @@ use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::shrink::Shrinker;
 use rockproof_campaign::source::{self, FamilySource};
-use rockproof_campaign::steps::{self, STEP_FINDING_COLUMNS, StepFinding};
+use rockproof_campaign::steps::{self, StepFinding, StepFindingRow};
 use rockproof_differential::subject::{Source, Subject};
 use rockproof_gate::config::{Baseline, GateConfig};
 use rockproof_gate::known::Known;
@@ -229,16 +229,11 @@ impl Gating<'_> {
         let panel = self.engines.panel();
         let subjects = source.batch(row.index() / source.batch_len());
         let Some(subject) = subjects.iter().find(|s| s.index == row.index()) else { return Ok(()) };
-        if row.is_of_step() {
-            return self.keep_step(journal, source, subject, row);
-        }
-        let same = |finding: &Finding| {
-            let cells = finding.row();
-            rockproof_differential::finding::FINDING_COLUMNS
-                .iter()
-                .zip(&cells)
-                .all(|(column, cell)| row.get(column) == cell)
+        let row = match row {
+            Row::Pair(row) => row,
+            Row::Step(row) => return self.keep_step(journal, source, subject, row),
         };
+        let same = |finding: &Finding| finding.row(row.case.clone()) == *row;
         let Some(finding) = examine(subject, &panel).findings.into_iter().find(same) else { return Ok(()) };
         let panel = self.engines.panel_for(&finding);
         let Some(case) = Case::of(&finding, subject, config.seed, &panel) else { return Ok(()) };
@@ -253,16 +248,13 @@ impl Gating<'_> {
         journal: &mut Journal,
         source: &FamilySource,
         subject: &Subject,
-        row: &Row,
+        row: &StepFindingRow,
     ) -> anyhow::Result<()> {
         let names = self.engines.names();
         let steppers = steps::engines(names.iter().map(String::as_str));
         let Some(motion) = source.motion(subject) else { return Ok(()) };
         let found = steps::examine_all(&[(subject, motion.clone())], &steppers).findings;
-        let same = |finding: &StepFinding| {
-            let cells = finding.row();
-            STEP_FINDING_COLUMNS.iter().zip(&cells).all(|(column, cell)| row.get(column) == cell)
-        };
+        let same = |finding: &StepFinding| finding.row(row.case.clone()) == *row;
         let Some(finding) = found.into_iter().find(same) else { return Ok(()) };
         let Some(case) = steps::case::of(&finding, subject, &motion, &steppers) else { return Ok(()) };
         self.write(journal, finding.file_name(), case.text()?)

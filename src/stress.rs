@@ -14,7 +14,7 @@ use std::io::BufReader;
 pub(crate) fn finish(journal: &mut Journal, engines: &Engines) -> anyhow::Result<()> {
     let path = journal.dir().join("findings.csv");
     let findings = BufReader::new(File::open(&path).with_context(|| path.display().to_string())?);
-    let rows = rows(&journal.progress().summary, findings, &engines.names())?;
+    let rows = rows(&journal.progress().summary, findings, &engines.precisions())?;
     let limits = limits(&rows);
     journal.write("stress.csv", &cells_csv(&rows)?)?;
     journal.write("limits.csv", &limits_csv(&limits)?)?;

@@ -14,6 +14,7 @@ use rockproof_differential::subject::{Source, Subject};
 use super::summary::{Origin, Summary};
 use rayon::prelude::*;
 use rockproof_results::ResultsError;
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -122,10 +123,10 @@ impl Campaign<'_> {
                 stepped.extend(batch.steps.findings);
             }
             let kept = pool.install(|| self.keep_cases(&findings, &mut progress))?;
-            let finding_rows = rows(findings.iter().map(Finding::row), &kept.names)?;
+            let finding_rows = rows(&findings, &kept.names, Finding::row)?;
             journal.write_cases(kept.files)?;
             let kept = pool.install(|| self.keep_step_cases(&stepped, &mut progress))?;
-            let step_rows = rows(stepped.iter().map(StepFinding::row), &kept.names)?;
+            let step_rows = rows(&stepped, &kept.names, StepFinding::row)?;
             journal.write_cases(kept.files)?;
             progress.pairs_done = end;
             progress.seconds = before + started.elapsed().as_secs_f64();
@@ -280,14 +281,14 @@ impl Campaign<'_> {
 }
 
 /// Rows of `findings.csv` or `step_findings.csv`, each with the case file of its finding.
-fn rows<const N: usize>(
-    findings: impl Iterator<Item = [String; N]>,
+fn rows<F, R: Serialize>(
+    findings: &[F],
     names: &[Option<String>],
+    row: impl Fn(&F, String) -> R,
 ) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    for (row, name) in findings.zip(names) {
-        let case = name.as_ref().map_or(String::new(), |n| format!("cases/{n}"));
-        writer.write_record(row.iter().chain([&case]))?;
+    for (finding, name) in findings.iter().zip(names) {
+        writer.serialize(row(finding, name.as_ref().map_or(String::new(), |name| format!("cases/{name}"))))?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())
 }

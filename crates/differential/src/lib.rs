@@ -11,6 +11,7 @@ pub mod engine;
 pub mod explain;
 pub mod external;
 pub mod finding;
+pub mod row;
 pub mod hull;
 pub mod lockstep;
 pub mod mapped;
