@@ -85,8 +85,7 @@ pub(crate) struct Bench {
 }
 
 /// The files of run time against error.
-const FILES: [(&str, Kind); 3] =
-    [("bench.csv", Kind::Table), ("bench_scenes.svg", Kind::Picture), ("bench_pairs.svg", Kind::Picture)];
+const FILES: [&str; 3] = ["bench.csv", "bench_scenes.svg", "bench_pairs.svg"];
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Format {

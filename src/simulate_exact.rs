@@ -30,12 +30,7 @@ const COLUMNS: [&str; 12] = [
 ];
 
 /// The files it writes.
-const FILES: [(&str, Kind); 4] = [
-    ("trajectory.csv", Kind::Table),
-    ("measured.csv", Kind::Table),
-    ("state.json", Kind::Run),
-    ("run.json", Kind::Run),
-];
+const FILES: [&str; 4] = ["trajectory.csv", "measured.csv", "state.json", "run.json"];
 
 /// An exact run.
 pub(super) struct ExactRun {
@@ -101,7 +96,7 @@ impl ExactRun {
             "time             {time} s after {} exact steps\nkept             {kept}\nundecided        {undecided} decisions\nwritten to {}: {}\n",
             trajectory.steps(),
             dir.display(),
-            FILES.map(|(name, _)| name).join(", ")
+            FILES.join(", ")
         ))?;
         Ok(match failure {
             Some(why) => {

@@ -158,7 +158,11 @@ fn what_is_damaged_is_not_gone_on_from() {
     let tune = ["tune", "model.toml", "--candidates", "2", "--steps", "1", "--out", "tune"];
     let runs: [(&[&str], &str, &[&str]); 3] = [
         (&campaign, "campaign", &["findings.csv", "step_findings.csv", "progress.json"]),
-        (&run, "run", &["steps.csv", "measured.csv", "contacts.csv", "lockstep.csv", "differences.csv", "checkpoint.jsonl"]),
+        (
+            &run,
+            "run",
+            &["steps.csv", "measured.csv", "contacts.csv", "lockstep.csv", "differences.csv", "checkpoint.jsonl"],
+        ),
         (&tune, "tune", &["candidates.csv", "tune.json"]),
     ];
     for (command, dir, names) in runs {

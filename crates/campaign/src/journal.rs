@@ -68,18 +68,18 @@ const PROGRESS: &str = "progress.json";
 /// The folder of the case files.
 const CASES: &str = "cases";
 /// The files of every campaign, those of steps and of stress sets among them.
-const FILES: [(&str, Kind); 11] = [
-    (FINDINGS, Kind::Table),
-    (STEP_FINDINGS, Kind::Table),
-    (PROGRESS, Kind::Run),
-    ("summary.csv", Kind::Table),
-    ("step_summary.csv", Kind::Table),
-    ("agreement.csv", Kind::Table),
-    ("confusion.csv", Kind::Table),
-    ("run.json", Kind::Run),
-    ("stress.csv", Kind::Table),
-    ("limits.csv", Kind::Table),
-    ("steps.csv", Kind::Table),
+const FILES: [&str; 11] = [
+    FINDINGS,
+    STEP_FINDINGS,
+    PROGRESS,
+    "summary.csv",
+    "step_summary.csv",
+    "agreement.csv",
+    "confusion.csv",
+    "run.json",
+    "stress.csv",
+    "limits.csv",
+    "steps.csv",
 ];
 
 impl Journal {

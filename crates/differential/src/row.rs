@@ -141,7 +141,9 @@ mod tests {
             csv::Reader::from_reader(text.as_bytes()).deserialize().collect()
         };
         assert_eq!(read(&text).expect("rows"), [row()]);
-        for (from, to) in [("7,", "x,"), ("f32", ""), ("representation", "weather"), ("gap-sign", "?"), ("1.5e-9", "NaN")] {
+        for (from, to) in
+            [("7,", "x,"), ("f32", ""), ("representation", "weather"), ("gap-sign", "?"), ("1.5e-9", "NaN")]
+        {
             assert!(read(&text.replacen(from, to, 1)).is_err(), "{to}");
         }
     }

@@ -73,8 +73,7 @@ impl Report {
     pub fn write(&self, dir: &Path, name: &str, contents: &str, start: Start) -> Result<PathBuf, ReportError> {
         let tables: Vec<&table::Table> = self.sections.iter().flat_map(Section::tables).collect();
         let names: Vec<String> = tables.iter().map(|table| format!("{TABLES}/{}.csv", table.name)).collect();
-        let files: Vec<(&str, Kind)> = names.iter().map(|name| (name.as_str(), Kind::Table)).collect();
-        let files = [&files[..], &[(name, Kind::Text)]].concat();
+        let files: Vec<&str> = names.iter().map(String::as_str).chain([name]).collect();
         let mut directory = Directory::claim(Claim { dir, owner: Owner::Report, start, files: &files })?;
         directory.make_folder(TABLES)?;
         for (table, name) in tables.iter().zip(&names) {

@@ -1,6 +1,6 @@
 //! What a command asks of a directory.
 
-use super::manifest::{Kind, Owner};
+use super::manifest::Owner;
 use std::path::Path;
 
 /// How to begin.
@@ -36,5 +36,5 @@ pub struct Claim<'c> {
     pub start: Start,
     /// The files that the command will write whatever it finds, by their path within the directory. One that is there and not ours is
     /// told before any work is done.
-    pub files: &'c [(&'c str, Kind)],
+    pub files: &'c [&'c str],
 }

@@ -43,14 +43,12 @@ impl Directory {
         let resumes = held.is_some() && start == Start::Resume;
         let manifest = held.unwrap_or(Manifest { owner, files: BTreeMap::new() });
         let mut directory = Directory { path: dir.to_owned(), manifest, resumes, _lock: lock };
-        directory.refuse_foreign(files.iter().map(|(name, _)| *name))?;
+        directory.refuse_foreign(files.iter().copied())?;
         directory.remove_unfinished()?;
         if start == Start::Overwrite {
             directory.remove(|_| true)?;
         }
-        if !resumes {
-            directory.list(files.iter().map(|(name, kind)| ((*name).to_owned(), *kind)))?;
-        }
+        directory.manifest.write(dir)?;
         Ok(directory)
     }
 

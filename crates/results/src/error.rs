@@ -20,7 +20,9 @@ pub enum ResultsError {
         owner: Owner,
     },
     /// The directory belongs to another command, or to another program of this name.
-    #[error("{dir} belongs to `rockproof {found}`, and `rockproof {owner}` leaves it alone; --out DIR writes elsewhere")]
+    #[error(
+        "{dir} belongs to `rockproof {found}`, and `rockproof {owner}` leaves it alone; --out DIR writes elsewhere"
+    )]
     OtherCommand {
         /// The directory.
         dir: PathBuf,
@@ -68,7 +70,9 @@ pub enum ResultsError {
         what: String,
     },
     /// The manifest is damaged, so nobody knows which files are ours.
-    #[error("{file}: {what}; it says which files are ours, so nothing here is touched: put it back as it was, or use --out DIR")]
+    #[error(
+        "{file}: {what}; it says which files are ours, so nothing here is touched: put it back as it was, or use --out DIR"
+    )]
     Manifest {
         /// The manifest.
         file: PathBuf,

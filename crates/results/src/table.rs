@@ -29,7 +29,9 @@ impl Table {
     pub(crate) fn open(path: &Path, seal: &Seal) -> Result<Table, ResultsError> {
         let at = || ResultsError::at(path);
         let mut file = match OpenOptions::new().read(true).write(true).open(path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return Err(ResultsError::damaged(path, "it is missing")),
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                return Err(ResultsError::damaged(path, "it is missing"));
+            }
             opened => opened.map_err(at())?,
         };
         let length = file.metadata().map_err(at())?.len();

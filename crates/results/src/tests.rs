@@ -2,7 +2,7 @@
 
 use super::*;
 
-const FILES: [(&str, Kind); 2] = [("run.json", Kind::Run), ("rows.csv", Kind::Table)];
+const FILES: [&str; 2] = ["run.json", "rows.csv"];
 
 fn claim(dir: &Path, start: Start) -> Result<Directory, ResultsError> {
     Directory::claim(Claim { dir, owner: Owner::Campaign, start, files: &FILES })
@@ -108,7 +108,7 @@ fn sealed_objects_and_manifests_are_believed_only_as_written() {
     let error = directory.read_sealed::<BTreeMap<String, u64>>("run.json").expect_err("changed");
     assert!(matches!(&error, ResultsError::Damaged { what, .. } if what.contains("not as it was written")), "{error}");
     drop(directory);
-    change(MANIFEST, "rows.csv", "my_own.csv");
+    change(MANIFEST, "run.json", "my_own.csv");
     fs::write(dir.path().join("my_own.csv"), "theirs").expect("write");
     assert!(matches!(claim(dir.path(), Start::Overwrite), Err(ResultsError::Manifest { .. })));
     // Nor is a whole one that reaches outside.

@@ -4,12 +4,12 @@
 //! step: the state, the seal of each table, which frames there are. What came after the last such step is cut off on
 //! resuming and made again, byte for byte, because it depends on scene and state alone.
 
-use rockproof_results as results;
-use rockproof_results::{Claim, Directory, Kind, Owner, ResultsError, Seal, Start, identity_differences};
 use crate::checkpoint::Saved;
 use crate::exact::Exact;
 use crate::totals::Totals;
 use crate::vtu;
+use rockproof_results as results;
+use rockproof_results::{Claim, Directory, Kind, Owner, ResultsError, Seal, Start, identity_differences};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -97,13 +97,7 @@ const FRAMES: &str = "frames";
 const STATES: &str = "states";
 const CHECKPOINT: &str = "checkpoint.jsonl";
 /// Every file of a run but the tables, frames and states.
-const OTHERS: [(&str, Kind); 5] = [
-    ("blocks.pvd", Kind::Picture),
-    ("contacts.pvd", Kind::Picture),
-    ("scene.toml", Kind::Input),
-    ("run.json", Kind::Run),
-    (CHECKPOINT, Kind::Run),
-];
+const OTHERS: [&str; 5] = ["blocks.pvd", "contacts.pvd", "scene.toml", "run.json", CHECKPOINT];
 
 /// A run on disk.
 #[derive(Debug)]
@@ -128,7 +122,7 @@ impl Record {
         start: Start,
     ) -> Result<(Record, Option<Saved>), ResultsError> {
         let written = Table::ALL.into_iter().zip(&headers).filter(|(_, header)| header.is_some());
-        let files: Vec<_> = written.map(|(table, _)| (table.name(), Kind::Table)).chain(OTHERS).collect();
+        let files: Vec<_> = written.map(|(table, _)| table.name()).chain(OTHERS).collect();
         let mut directory = Directory::claim(Claim { dir, owner: Owner::Simulate, start, files: &files })?;
         if directory.goes_on(CHECKPOINT, Table::Steps.name())? {
             return Record::resume(directory, &identity);
@@ -183,7 +177,7 @@ impl Record {
     pub fn names(&self) -> Vec<&'static str> {
         let tables = Table::ALL.into_iter().filter(|t| self.tables[*t as usize].is_some()).map(Table::name);
         let states = self.tables[Table::Differences as usize].is_some().then_some(STATES);
-        tables.chain(OTHERS.map(|(name, _)| name)).chain([FRAMES]).chain(states).collect()
+        tables.chain(OTHERS).chain([FRAMES]).chain(states).collect()
     }
 
     /// Appends rows to a table; nothing for a table that is not written.

@@ -70,8 +70,7 @@ pub const COLUMNS: [&str; 40] = [
 const TABLE: &str = "candidates.csv";
 const ABOUT: &str = "tune.json";
 /// The files of a search.
-const FILES: [(&str, Kind); 4] =
-    [(TABLE, Kind::Table), (ABOUT, Kind::Run), ("tune.md", Kind::Text), ("tolerances.toml", Kind::Input)];
+const FILES: [&str; 4] = [TABLE, ABOUT, "tune.md", "tolerances.toml"];
 
 /// The content of `tune.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
