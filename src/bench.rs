@@ -2,7 +2,6 @@
 
 use crate::exit::{Outcome, Verdict, note, print};
 use crate::table::{grouped, table};
-use anyhow::Context;
 use clap::ValueEnum;
 use rockproof_bench::error::{self, Effort};
 use rockproof_bench::exact_stepping::scenes;
@@ -11,8 +10,8 @@ use rockproof_bench::{
     Contestant, Cost, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, exact_stepping, race, rock,
     stack, stepping, throughput, wall,
 };
-use rockproof_model::files::write_atomically;
 use rockproof_model::{BlockError, Motion, Precision, Scene};
+use rockproof_results::{Claim, Directory, Kind, Owner, Start};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -59,6 +58,9 @@ pub(crate) struct Bench {
     /// Directory for bench.csv and the plots bench_scenes.svg and bench_pairs.svg
     #[arg(long, requires = "error")]
     out: Option<PathBuf>,
+    /// Discard the measurements in the directory; other files there stay
+    #[arg(long, requires = "out")]
+    overwrite: bool,
     /// Measure the steps of brick walls instead, of so many bricks; may be repeated
     #[arg(long, value_name = "BRICKS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
     wall: Vec<u16>,
@@ -81,6 +83,9 @@ pub(crate) struct Bench {
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
     steps: u32,
 }
+
+/// The files of run time against error.
+const FILES: [&str; 3] = ["bench.csv", "bench_scenes.svg", "bench_pairs.svg"];
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Format {
@@ -173,16 +178,18 @@ impl Bench {
         // Of each family, under each preset; plain rationals take their time.
         let pairs = if self.quick { 32 } else { (self.pairs as usize).min(512) };
         let effort = Effort { pairs, seed: self.seed, quick: self.quick };
+        let start = Start::of(false, self.overwrite);
+        let claim = |dir| Directory::claim(Claim { dir, owner: Owner::Bench, start, files: &FILES });
+        let directory = self.out.as_deref().map(claim).transpose()?;
         let rows = error::measure(effort, &mut |subject| note(&format!("measuring {subject}")))?;
         let csv = error::to_csv(&rows)?;
-        if let Some(dir) = &self.out {
-            std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
+        if let Some(mut directory) = directory {
             let plots = [("bench_scenes.svg", "scene"), ("bench_pairs.svg", "family")];
             let plots = plots.map(|(name, kind)| Ok((name, error::plot(&rows, kind)?.into_bytes())));
             for file in plots.into_iter().chain([Ok(("bench.csv", csv.clone()))]) {
                 let (name, bytes) = file.map_err(|error: PlotError| anyhow::anyhow!(error))?;
-                let path = dir.join(name);
-                write_atomically(&path, bytes).with_context(|| path.display().to_string())?;
+                let kind = if name.ends_with(".csv") { Kind::Table } else { Kind::Picture };
+                directory.write(name, kind, &bytes)?;
             }
         }
         let shown = rows.iter().filter(|row| row.front || !row.note.is_empty()).map(|row| {

@@ -9,7 +9,7 @@ use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::Engines;
-use rockproof_campaign::journal::{Journal, Progress, Start};
+use rockproof_campaign::journal::{Journal, Progress};
 use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::source;
 use rockproof_campaign::steps::{self, StepChange, StepSummary};
@@ -17,6 +17,7 @@ use rockproof_campaign::stress::StressSource;
 use rockproof_differential::compare::Change;
 use rockproof_differential::finding::{Cause, Finding};
 use rockproof_differential::subject::Source;
+use rockproof_results::Start;
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -74,11 +75,11 @@ pub(crate) struct Campaign {
     #[command(flatten)]
     read: ReadArgs,
     /// Go on with the run in the directory, or begin if there is none
-    #[arg(long, conflicts_with = "force")]
+    #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
-    /// Discard the run in the directory
+    /// Discard the campaign in the directory; other files there stay
     #[arg(long)]
-    force: bool,
+    overwrite: bool,
     /// Exit with 1 if there is a finding of this cause or change, or `any`; may be repeated
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     deny: Vec<String>,
@@ -105,11 +106,7 @@ impl Campaign {
         engines.probe()?;
         let name = if config.stress { "stress" } else { "campaign" };
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/{name}-{}", config.seed)));
-        let start = match (self.resume, self.force) {
-            (true, _) => Start::Resume,
-            (_, true) => Start::Force,
-            _ => Start::Fresh,
-        };
+        let start = Start::of(self.resume, self.overwrite);
         let mut journal = Journal::open(&out, source::identity(&config)?, start)?;
         let stop = on_ctrl_c()?;
         let ending = work(&config, &engines, &*source, self.threads, &mut journal, &stop)?;
@@ -120,7 +117,7 @@ impl Campaign {
             return Ok(Verdict::Interrupted);
         }
         if config.stress {
-            stress::finish(&journal, &engines)?;
+            stress::finish(&mut journal, &engines)?;
         }
         let (summary, steps) = (&journal.progress().summary, &journal.progress().steps);
         let denied = |kind: &&String| match kind.as_str() {

@@ -3,9 +3,9 @@
 use crate::exit::{Outcome, Verdict, note, print};
 use crate::input::{ReadArgs, precision};
 use anyhow::Context;
-use rockproof_model::files::write_atomically;
 use rockproof_model::scene::{Format, write_obj, write_toml, write_vtk};
 use rockproof_model::{Block, BlockOptions, Precision, Scene};
+use rockproof_results::write_atomically;
 use std::path::PathBuf;
 
 /// Convert blocks to another format

@@ -5,11 +5,11 @@ use crate::table::table;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::Engines;
-use rockproof_campaign::journal::{Journal, Start};
+use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::shrink::Shrinker;
 use rockproof_campaign::source::{self, FamilySource};
-use rockproof_campaign::steps::{self, STEP_FINDING_COLUMNS, StepFinding};
+use rockproof_campaign::steps::{self, StepFinding, StepFindingRow};
 use rockproof_differential::attribution::examine;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::Finding;
@@ -18,9 +18,9 @@ use rockproof_gate::config::{Baseline, GateConfig};
 use rockproof_gate::known::Known;
 use rockproof_gate::tally::{Row, Tally};
 use rockproof_gate::{self, Check, corpus, junit};
-use rockproof_model::files::write_atomically;
+use rockproof_results::{Owner, Start, write_atomically};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -76,7 +76,11 @@ impl Gate {
         self.check_names(&config, &engines)?;
         let known = match &config.baseline {
             Some(baseline) if !self.update_baseline => Some(load(baseline)?),
-            _ => None,
+            Some(baseline) => {
+                is_baseline(baseline)?;
+                None
+            }
+            None => None,
         };
         engines.probe()?;
         let mut checks = corpus::checks(&config.corpus, &engines)?;
@@ -159,13 +163,25 @@ fn load(baseline: &Baseline) -> anyhow::Result<Known> {
     Ok(known)
 }
 
+/// Refuses to write a baseline anew over a file that is none.
+fn is_baseline(baseline: &Baseline) -> anyhow::Result<()> {
+    let file = baseline.file.display();
+    match std::fs::read_to_string(&baseline.file) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(error).with_context(|| file.to_string()),
+        Ok(text) => toml::from_str::<Known>(&text)
+            .map(drop)
+            .with_context(|| format!("{file} is no baseline, so --update-baseline leaves it alone")),
+    }
+}
+
 impl Gating<'_> {
     fn campaign(&mut self, name: &str, config: CampaignConfig, known: Option<&Known>) -> anyhow::Result<Vec<Check>> {
         // Cases are made afterwards, of what fails.
         let config = CampaignConfig { cases_per_cause: 0, ..config };
         let dir = self.gate.out.join(name);
         let source = source::of(&config)?;
-        let mut journal = Journal::open(&dir, source::identity(&config)?, Start::Force)?;
+        let mut journal = Journal::open_for(Owner::Gate, &dir, source::identity(&config)?, Start::Overwrite)?;
         let (panel, engines) = (self.engines.panel(), &self.engines);
         let narrow = |finding: &Finding| engines.panel_for(finding);
         let names = engines.names();
@@ -193,57 +209,60 @@ impl Gating<'_> {
         }
         for check in &checks {
             if let Some(&row) = check.rows.first() {
-                self.keep(&dir, &source, &config, &tally.rows[row])?;
+                self.keep(&mut journal, &source, &config, &tally.rows[row])?;
             }
         }
         Ok(checks)
     }
 
     /// Writes the shrunk case of a row.
-    fn keep(&mut self, dir: &Path, source: &FamilySource, config: &CampaignConfig, row: &Row) -> anyhow::Result<()> {
+    fn keep(
+        &mut self,
+        journal: &mut Journal,
+        source: &FamilySource,
+        config: &CampaignConfig,
+        row: &Row,
+    ) -> anyhow::Result<()> {
         if self.written >= CASES {
             return Ok(());
         }
         let panel = self.engines.panel();
         let subjects = source.batch(row.index() / source.batch_len());
         let Some(subject) = subjects.iter().find(|s| s.index == row.index()) else { return Ok(()) };
-        if row.is_of_step() {
-            return self.keep_step(dir, source, subject, row);
-        }
-        let same = |finding: &Finding| {
-            let cells = finding.row();
-            rockproof_differential::finding::FINDING_COLUMNS
-                .iter()
-                .zip(&cells)
-                .all(|(column, cell)| row.get(column) == cell)
+        let row = match row {
+            Row::Pair(row) => row,
+            Row::Step(row) => return self.keep_step(journal, source, subject, row),
         };
+        let same = |finding: &Finding| finding.row(row.case.clone()) == *row;
         let Some(finding) = examine(subject, &panel).findings.into_iter().find(same) else { return Ok(()) };
         let panel = self.engines.panel_for(&finding);
         let Some(case) = Case::of(&finding, subject, config.seed, &panel) else { return Ok(()) };
         let case = Shrinker::new(&panel, config.shrink_evaluations).shrink(case);
         let stem = finding.fingerprint().file_stem(&finding.set, finding.index);
-        let path = dir.join("cases").join(format!("{stem}.toml"));
-        write_atomically(&path, case.to_toml()?).with_context(|| path.display().to_string())?;
-        note(&format!("to replay: rockproof replay {}", path.display()));
-        self.written += 1;
-        Ok(())
+        self.write(journal, format!("{stem}.toml"), case.to_toml()?.into_bytes())
     }
 
     /// Writes the case of a row about a step.
-    fn keep_step(&mut self, dir: &Path, source: &FamilySource, subject: &Subject, row: &Row) -> anyhow::Result<()> {
+    fn keep_step(
+        &mut self,
+        journal: &mut Journal,
+        source: &FamilySource,
+        subject: &Subject,
+        row: &StepFindingRow,
+    ) -> anyhow::Result<()> {
         let names = self.engines.names();
         let steppers = steps::engines(names.iter().map(String::as_str));
         let Some(motion) = source.motion(subject) else { return Ok(()) };
         let found = steps::examine_all(&[(subject, motion.clone())], &steppers).findings;
-        let same = |finding: &StepFinding| {
-            let cells = finding.row();
-            STEP_FINDING_COLUMNS.iter().zip(&cells).all(|(column, cell)| row.get(column) == cell)
-        };
+        let same = |finding: &StepFinding| finding.row(row.case.clone()) == *row;
         let Some(finding) = found.into_iter().find(same) else { return Ok(()) };
         let Some(case) = steps::case::of(&finding, subject, &motion, &steppers) else { return Ok(()) };
-        let path = dir.join("cases").join(finding.file_name());
-        write_atomically(&path, case.text()?).with_context(|| path.display().to_string())?;
-        note(&format!("to replay: rockproof replay {}", path.display()));
+        self.write(journal, finding.file_name(), case.text()?)
+    }
+
+    fn write(&mut self, journal: &mut Journal, name: String, bytes: Vec<u8>) -> anyhow::Result<()> {
+        note(&format!("to replay: rockproof replay {}", journal.dir().join("cases").join(&name).display()));
+        journal.write_cases(vec![(name, bytes)])?;
         self.written += 1;
         Ok(())
     }

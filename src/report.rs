@@ -4,6 +4,7 @@ use crate::exit::{Outcome, Verdict, note, print};
 use rockproof_report::markdown::markdown;
 use rockproof_report::page::page;
 use rockproof_report::{PAGE, Report as Made, TEXT};
+use rockproof_results::Start;
 use std::path::PathBuf;
 
 /// Turn the results of runs into a page that needs no network, with its tables as CSV
@@ -12,7 +13,7 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   rockproof report reports/campaign-1                  writes reports/campaign-1/report/report.html and tables/
-  rockproof report reports/f32 reports/f64 --out reports/both --force
+  rockproof report reports/f32 reports/f64 --out reports/both --overwrite
   rockproof report reports/campaign-1 --format markdown >> $GITHUB_STEP_SUMMARY
 
 Exit status: 0 done, 2 a directory is no run, is damaged, or holds a report already.")]
@@ -29,9 +30,9 @@ pub(crate) struct Report {
     /// What the report is called [default: the names of the runs]
     #[arg(long)]
     title: Option<String>,
-    /// Replace the report in the directory
+    /// Discard the report in the directory; other files there stay
     #[arg(long)]
-    force: bool,
+    overwrite: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -60,7 +61,7 @@ impl Report {
                 return Ok(Verdict::Fine);
             }
         };
-        let path = report.write(&out, name, &contents, self.force)?;
+        let path = report.write(&out, name, &contents, Start::of(false, self.overwrite))?;
         for line in &report.verdict {
             print(&format!("{}\n", line.text))?;
         }

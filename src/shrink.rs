@@ -6,7 +6,7 @@ use anyhow::Context;
 use rockproof_campaign::shrink::Shrinker;
 use rockproof_differential::case_file::{About, Case};
 use rockproof_model::Block;
-use rockproof_model::files::write_atomically;
+use rockproof_results::write_atomically;
 use std::path::PathBuf;
 
 /// Make a case smaller

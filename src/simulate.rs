@@ -16,11 +16,12 @@ use rockproof_differential::lockstep::{BesideRun, FreeRun, Links, Lockstep, Traj
 use rockproof_model::simulation::Control;
 use rockproof_model::{Precision, Scene, ToleranceSet, rules};
 use rockproof_oracle::step::Keep;
+use rockproof_results::{Start, bounded};
 use rockproof_simulate::identity::{identity, with_tolerances};
 use rockproof_simulate::record::{Progress, Table};
 use rockproof_simulate::run::headers;
 use rockproof_simulate::tables::lines;
-use rockproof_simulate::{Ending, Plan, Record, Run, Start, Stepping};
+use rockproof_simulate::{Ending, Plan, Record, Run, Stepping};
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::Spec;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport};
@@ -84,7 +85,7 @@ pub(crate) struct Simulate {
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
 
-    /// Discard the run in the directory
+    /// Discard the run in the directory; other files there stay
     #[arg(long)]
     overwrite: bool,
 
@@ -229,7 +230,7 @@ impl Simulate {
     fn directory(&self) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
             let stem = self.scene.file_stem().unwrap_or_default().to_string_lossy();
-            PathBuf::from(format!("reports/simulate-{stem}"))
+            PathBuf::from(format!("reports/{}", bounded(&format!("simulate-{stem}"))))
         })
     }
 
@@ -238,11 +239,7 @@ impl Simulate {
         let file = || self.scene.display().to_string();
         let mut dynamics = Dynamics::<R>::new(&scene, &set).with_context(file)?;
         let begin = dynamics.state().clone();
-        let start = match (self.resume, self.overwrite) {
-            (true, _) => Start::Resume,
-            (_, true) => Start::Overwrite,
-            _ => Start::Fresh,
-        };
+        let start = Start::of(self.resume, self.overwrite);
         let dir = self.directory();
         let mut identity = identity(&scene, &set, engine, &plan);
         let mut headers = headers(&plan)?;

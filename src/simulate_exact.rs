@@ -2,16 +2,15 @@
 
 use crate::exit::{Outcome, Verdict, complain, print};
 use crate::stop::on_ctrl_c;
-use anyhow::Context;
 use rockproof_differential::lockstep::Trajectory;
 use rockproof_differential::lockstep::effect::penetration;
 use rockproof_model::Number;
-use rockproof_model::files::write_atomically;
 use rockproof_oracle::step::{Keep, Mode, StepAnswer};
+use rockproof_results::{Claim, Directory, Kind, Owner, Start};
 use rockproof_simulate::Plan;
 use rockproof_simulate::tables::{MEASURED, lines};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 /// Columns of `trajectory.csv`.
@@ -45,10 +44,8 @@ pub(super) struct ExactRun {
 impl ExactRun {
     pub(super) fn go(&self, mut trajectory: Trajectory) -> Outcome {
         let dir = &self.dir;
-        if !self.overwrite && FILES.iter().any(|name| dir.join(name).exists()) {
-            anyhow::bail!("{} holds a run already; --overwrite discards it, --out DIR writes elsewhere", dir.display());
-        }
-        std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
+        let start = Start::of(false, self.overwrite);
+        let mut directory = Directory::claim(Claim { dir, owner: Owner::Simulate, start, files: &FILES })?;
         let stop = on_ctrl_c()?;
         let (mut steps, mut measured) = (lines([COLUMNS])?, lines([MEASURED])?);
         let begin = trajectory.measured().to_vec();
@@ -78,9 +75,9 @@ impl ExactRun {
             }
         }
         let kept = kept(trajectory.keep());
-        self.write("trajectory.csv", &steps)?;
-        self.write("measured.csv", &measured)?;
-        self.write("state.json", &state(&trajectory)?)?;
+        directory.write("trajectory.csv", Kind::Table, &steps)?;
+        directory.write("measured.csv", Kind::Table, &measured)?;
+        directory.write("state.json", Kind::Run, &state(&trajectory)?)?;
         let mut about = serde_json::to_vec_pretty(&json!({
             "version": env!("CARGO_PKG_VERSION"),
             "file": self.file.display().to_string(),
@@ -93,7 +90,7 @@ impl ExactRun {
             "undecided": undecided,
         }))?;
         about.push(b'\n');
-        self.write("run.json", &about)?;
+        directory.write("run.json", Kind::Run, &about)?;
         let time = trajectory.state().time.approximate();
         print(&format!(
             "time             {time} s after {} exact steps\nkept             {kept}\nundecided        {undecided} decisions\nwritten to {}: {}\n",
@@ -116,11 +113,6 @@ impl ExactRun {
         trajectory.state().settling == 0
             && (self.plan.steps.is_some_and(|steps| trajectory.steps() >= steps)
                 || self.plan.time.is_some_and(|end| missing(end) < self.plan.smallest_step))
-    }
-
-    fn write(&self, name: &str, bytes: &[u8]) -> anyhow::Result<()> {
-        let path: &Path = &self.dir.join(name);
-        write_atomically(path, bytes).with_context(|| path.display().to_string())
     }
 }
 

@@ -11,10 +11,10 @@ use std::fs::File;
 use std::io::BufReader;
 
 /// Writes stress.csv, limits.csv and steps.csv into the directory of a finished campaign, and prints what an engineer needs.
-pub(crate) fn finish(journal: &Journal, engines: &Engines) -> anyhow::Result<()> {
+pub(crate) fn finish(journal: &mut Journal, engines: &Engines) -> anyhow::Result<()> {
     let path = journal.dir().join("findings.csv");
     let findings = BufReader::new(File::open(&path).with_context(|| path.display().to_string())?);
-    let rows = rows(&journal.progress().summary, findings, &engines.names())?;
+    let rows = rows(&journal.progress().summary, findings, &engines.precisions())?;
     let limits = limits(&rows);
     journal.write("stress.csv", &cells_csv(&rows)?)?;
     journal.write("limits.csv", &limits_csv(&limits)?)?;

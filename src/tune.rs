@@ -5,10 +5,9 @@ use crate::input::{ReadArgs, ToleranceArgs, precision};
 use crate::stop::on_ctrl_c;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
-use rockproof_campaign::journal::Start;
 use rockproof_model::scene::write_toml;
 use rockproof_model::{Precision, Scene};
-use rockproof_simulate::identity::digest;
+use rockproof_results::{Start, bounded, digest};
 use rockproof_tune::report::{as_toml, markdown};
 use rockproof_tune::{Record, Search, Workbench};
 use serde_json::{Map, Value};
@@ -60,11 +59,11 @@ pub(crate) struct Tune {
     #[arg(long)]
     out: Option<PathBuf>,
     /// Go on with the search in the directory, or begin if there is none
-    #[arg(long, conflicts_with = "force")]
+    #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
-    /// Discard the search in the directory
+    /// Discard the search in the directory; other files there stay
     #[arg(long)]
-    force: bool,
+    overwrite: bool,
     /// Worker threads [default: one a core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     threads: usize,
@@ -76,22 +75,19 @@ impl Tune {
         let author = self.tolerances.spec(scene.tolerances.as_ref())?;
         let here = || self.file.display().to_string();
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let dir = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/tune-{stem}")));
+        let dir =
+            self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/{}", bounded(&format!("tune-{stem}")))));
         // A search goes on with the steps it began with, whatever the budget is now.
         let held = if self.resume { Record::steps(&dir) } else { None };
         let steps = self.steps.map(u64::from).or(held);
         let bench = Workbench::new(&scene, self.engine, self.seed, steps, self.budget).with_context(here)?;
         let mut search = Search::new(&bench, &author, self.seed).with_context(here)?;
-        let start = match (self.resume, self.force) {
-            (true, _) => Start::Resume,
-            (_, true) => Start::Force,
-            _ => Start::Fresh,
-        };
+        let start = Start::of(self.resume, self.overwrite);
         let author_set = search.candidate().set;
-        let record =
+        let mut record =
             Record::open(&dir, &self.identity(&scene, &as_toml(&author_set), bench.steps()), start, &mut search)?;
         let stop = on_ctrl_c()?;
-        let interrupted = self.work(&mut search, &record, &stop)?;
+        let interrupted = self.work(&mut search, &mut record, &stop)?;
         let text = markdown(&self.file.file_name().unwrap_or_default().to_string_lossy(), &bench, &search);
         let Some(best) = search.best().map(|best| &search.tried()[best]) else {
             note("interrupted before the first candidate");
@@ -125,7 +121,7 @@ impl Tune {
     }
 
     /// Tries candidates until there are enough, time is up, or it is told to stop; says whether that was it.
-    fn work(&self, search: &mut Search<'_>, record: &Record, stop: &AtomicBool) -> anyhow::Result<bool> {
+    fn work(&self, search: &mut Search<'_>, record: &mut Record, stop: &AtomicBool) -> anyhow::Result<bool> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
         let begun = Instant::now();
         let bar = std::io::stderr().is_terminal().then(|| {

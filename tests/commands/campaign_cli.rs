@@ -125,7 +125,7 @@ fn denied_kinds_exit_with_1() {
     let (code, _, err) = campaign(&out, &[&config, "--deny", "defect", "--deny", "arithmetic"]);
     assert_eq!(code, 1);
     assert!(err.contains("arithmetic") && !err.contains("defect"), "{err}");
-    assert_eq!(campaign(&out, &[&config, "--force", "--deny", "defect"]).0, 0);
+    assert_eq!(campaign(&out, &[&config, "--overwrite", "--deny", "defect"]).0, 0);
 }
 
 #[test]

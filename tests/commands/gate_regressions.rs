@@ -5,7 +5,7 @@ use crate::engines::{client, cpp_client};
 use crate::gates::{around, gate};
 use crate::mistaken_engine::OneEngine;
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_campaign::journal::{Journal, Start};
+use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::source;
 use rockproof_differential::attribution::Panel;
@@ -16,6 +16,7 @@ use rockproof_gate::config::GateConfig;
 use rockproof_gate::known::Known;
 use rockproof_gate::tally::Tally;
 use rockproof_gate::{self, Verdict};
+use rockproof_results::Start;
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -44,7 +45,7 @@ fn tally(dir: &Path, config: &CampaignConfig, engine: Option<OneEngine>) -> Tall
     let narrow = |_: &Finding| -> Panel { panel() };
     let campaign = Campaign { config, source: &source, panel: &mistaken, narrow: &narrow, steppers: &[], threads: 0 };
     let identity = source::identity(config).expect("a map");
-    let mut journal = Journal::open(dir, identity, Start::Force).expect("a folder");
+    let mut journal = Journal::open(dir, identity, Start::Overwrite).expect("a folder");
     campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {}).expect("runs");
     Tally::read(dir).expect("tables")
 }

@@ -21,6 +21,7 @@ mod gate_regressions;
 mod lockstep_cli;
 mod report_command;
 mod report_page;
+mod results;
 mod simulate_cli;
 mod simulate_record;
 mod stress_command;

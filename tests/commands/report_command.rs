@@ -143,11 +143,11 @@ fn a_report_is_replaced_only_when_asked() {
     fs::write(dir.path().join("report/tables/old.csv"), "mine").expect("written");
     let (code, _, err) = rockproof(&["report", &path]);
     assert_eq!(code, 2);
-    assert!(err.contains("holds a report already") && err.contains("--force"), "{err}");
+    assert!(err.contains("holds a report already") && err.contains("--overwrite"), "{err}");
     assert_eq!(fs::read_to_string(&page).expect("read"), "mine");
-    assert_eq!(rockproof(&["report", &path, "--force"]).0, 0);
+    assert_eq!(rockproof(&["report", &path, "--overwrite"]).0, 0);
     assert_ne!(fs::read_to_string(&page).expect("read"), "mine");
-    assert!(dir.path().join("report/notes.txt").exists() && !dir.path().join("report/tables/old.csv").exists());
+    assert!(dir.path().join("report/notes.txt").exists() && dir.path().join("report/tables/old.csv").exists());
 }
 
 #[test]

@@ -6,9 +6,10 @@ use base64::Engine;
 use rockproof_model::{
     Block, Contact, ContactKind, Entrance, EntranceKind, Number, Scene, SceneBlock, Sign, ToleranceSpec, Vec3,
 };
+use rockproof_results::{ResultsError, Start};
 use rockproof_simulate::identity::identity;
 use rockproof_simulate::run::{Ending, Run, Stepping, headers};
-use rockproof_simulate::{Plan, Record, RecordError, Start};
+use rockproof_simulate::{Plan, Record};
 use rockproof_stepper::Vector;
 use rockproof_stepper::dynamics::{
     BlockState, Concerned, ContactState, Mode, Retry, RetryReason, State, StepReport, Stopped,
@@ -137,7 +138,7 @@ struct Job {
 
 const JOB: Job = Job { steps: 13, settling: 4, wall: NOWHERE, start: Start::Fresh };
 
-fn run(dir: &Path, job: Job, stop: &AtomicBool, watch: &mut dyn FnMut(i64)) -> Result<Ending, RecordError> {
+fn run(dir: &Path, job: Job, stop: &AtomicBool, watch: &mut dyn FnMut(i64)) -> Result<Ending, ResultsError> {
     let scene = scene();
     let plan = Plan { steps: Some(job.steps), time: None, smallest_step: 1e-5, every: 4, contacts: true };
     let set = ToleranceSpec::default().derive(&scene.shapes(), rockproof_model::Precision::F64).expect("a set");
@@ -151,7 +152,7 @@ fn run(dir: &Path, job: Job, stop: &AtomicBool, watch: &mut dyn FnMut(i64)) -> R
     Ok(ending.expect("a run"))
 }
 
-fn simply(dir: &Path, job: Job) -> Result<Ending, RecordError> {
+fn simply(dir: &Path, job: Job) -> Result<Ending, ResultsError> {
     run(dir, job, &AtomicBool::new(false), &mut |_| {})
 }
 
@@ -198,8 +199,7 @@ fn a_run_killed_after_any_step_goes_on_to_the_same_bytes() {
         let steps = copied.join("steps.csv");
         let text = [fs::read(&steps).expect("steps"), b"9,0.".to_vec()].concat();
         fs::write(&steps, text).expect("write");
-        fs::write(copied.join("frames/.blocks_000012.vtu.7.1.tmp"), "<VTK").expect("write");
-        fs::write(copied.join("frames/contacts_000099.vtu"), "<VTK").expect("write");
+        fs::write(copied.join(".checkpoint.jsonl.7.1.tmp"), "{").expect("write");
         killed.push(copied);
     };
     assert_eq!(run(&whole, JOB, &AtomicBool::new(false), kill).expect("a run"), Ending::Finished);
@@ -280,7 +280,7 @@ fn other_runs_and_damaged_ones_are_refused() {
     let dir = tempfile::tempdir().expect("a directory");
     let out = dir.path().join("out");
     simply(&out, JOB).expect("a run");
-    assert!(matches!(simply(&out, JOB), Err(RecordError::Occupied { .. })));
+    assert!(matches!(simply(&out, JOB), Err(ResultsError::Occupied { .. })));
     let resume = Job { start: Start::Resume, ..JOB };
     let checkpoint = out.join("checkpoint.jsonl");
     let good = fs::read_to_string(&checkpoint).expect("a checkpoint");
@@ -290,14 +290,15 @@ fn other_runs_and_damaged_ones_are_refused() {
         assert!(error.contains(told) && error.contains("--overwrite"), "{error}");
     };
     let half = good.len() / 2;
-    refused(&good[..half], "no checkpoint");
-    refused("", "no checkpoint");
+    refused(&good[..half], "no seal");
+    refused("", "no seal");
     refused(&good.replacen("\"step\":13", "\"step\":12", 1), "not as it was written");
     let reseal = |line: &str| {
-        let sha256 = rockproof_simulate::identity::digest(line.as_bytes());
-        format!("{line}\n{{\"sha256\":\"{sha256}\"}}\n")
+        let sha256 = rockproof_results::digest(line.as_bytes());
+        format!("{line},\"sha256\":\"{sha256}\"}}\n")
     };
-    let first = good.lines().next().expect("a line");
+    let (_, last) = good.rsplit_once(",\"sha256\":\"").expect("a seal");
+    let first = &good[..good.len() - last.len() - ",\"sha256\":\"".len()];
     assert_eq!(reseal(first), good);
     refused(&reseal(&first.replacen("\"engine\":\"f64\"", "\"engine\":\"f32\"", 1)), "engine: the run has \"f32\"");
     refused(&reseal(&first.replacen("\"search\":\"", "\"search\":\"1", 1)), "search: the run has \"1");

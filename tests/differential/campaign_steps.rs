@@ -3,7 +3,7 @@
 
 use crate::step_mistakes::{ALL, Mistake, Mistaken, plant};
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_campaign::journal::{Journal, Start};
+use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::source::{self, FamilySource};
 use rockproof_campaign::steps::summary::Counts;
@@ -15,6 +15,7 @@ use rockproof_differential::lockstep::{Links, Lockstep};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Source, Subject};
 use rockproof_model::Precision;
+use rockproof_results::Start;
 use rockproof_stepper::contact::Spec;
 use rockproof_stepper::dynamics::{Dynamics, RetryReason, State, StepRules};
 use std::collections::{BTreeMap, BTreeSet};

@@ -22,12 +22,12 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 13] = [
     ("stepper", &["model"]),
     ("results", &[]),
     ("simulate", &["model", "stepper", "results"]),
-    ("differential", &["model", "oracle", "stepper", "simulate"]),
+    ("differential", &["model", "oracle", "stepper", "simulate", "results"]),
     ("campaign", &["model", "oracle", "stepper", "simulate", "differential", "results"]),
-    ("gate", &["model", "differential", "campaign"]),
+    ("gate", &["model", "differential", "campaign", "results"]),
     ("tune", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
-    ("bench", &["model", "oracle", "stepper", "simulate", "differential", "campaign"]),
-    ("report", &["model", "oracle", "differential", "campaign"]),
+    ("bench", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
+    ("report", &["model", "oracle", "differential", "campaign", "results"]),
     // The stepper against closed forms; what those say needs no oracle.
     ("validation", &["model", "simulate", "stepper"]),
     (

@@ -3,7 +3,7 @@
 
 use crate::sample::Sort;
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_campaign::journal::{Journal, JournalError, Start};
+use rockproof_campaign::journal::Journal;
 use rockproof_campaign::pairs::{self, PairCase, PairConfig};
 use rockproof_campaign::run::{Campaign, RunError};
 use rockproof_campaign::source::SourceError;
@@ -11,6 +11,7 @@ use rockproof_differential::attribution::{Panel, examine};
 use rockproof_differential::builtin::{self, ENGINES};
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::{Source, Subject, SubjectSet};
+use rockproof_results::{Owner, ResultsError, Start};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -60,7 +61,7 @@ pub enum ThroughputError {
     Source(#[from] SourceError),
     /// The journal of the campaign cannot be kept.
     #[error(transparent)]
-    Journal(#[from] JournalError),
+    Results(#[from] ResultsError),
     /// The campaign ended with an error.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -147,7 +148,7 @@ pub fn throughput(run: &Run, scratch: &Path) -> Result<Throughput, ThroughputErr
     let narrow = |finding: &Finding| builtin::panel_for(&names, finding);
     let go = |source: &dyn Source| {
         in_directory(scratch, |directory| {
-            let mut journal = Journal::open(directory, serde_json::Map::new(), Start::Force)?;
+            let mut journal = Journal::open_for(Owner::Bench, directory, serde_json::Map::new(), Start::Overwrite)?;
             let campaign = Campaign {
                 config: &config,
                 source,

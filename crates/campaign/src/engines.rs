@@ -10,7 +10,7 @@ use rockproof_differential::external::{EngineSpec, External, SpecFault};
 use rockproof_differential::finding::{Finding, Who};
 use rockproof_differential::hull::convex_hull;
 use rockproof_model::preset::{self, Preset};
-use rockproof_model::{Block, Number, Point};
+use rockproof_model::{Block, Number, Point, Precision};
 
 /// The engines of a campaign.
 pub struct Engines {
@@ -102,6 +102,11 @@ impl Engines {
     /// The names in the order of the panel.
     pub fn names(&self) -> Vec<String> {
         self.named().iter().map(|engine| engine.name().to_owned()).collect()
+    }
+
+    /// The names in the order of the panel, each with the precision that the engine rounds its input to.
+    pub fn precisions(&self) -> Vec<(String, Precision)> {
+        self.named().iter().map(|engine| (engine.name().to_owned(), engine.precision())).collect()
     }
 
     /// The engine of a name, if it takes part.

@@ -1,11 +1,8 @@
-//! Which findings get a case file, and writing them.
+//! Which findings get a case file, and making them.
 
-use super::journal::at;
 use super::run::RunError;
 use rayon::prelude::*;
-use rockproof_model::files::write_atomically;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 /// The case file that a finding would get.
 pub(super) struct Wish {
@@ -53,29 +50,36 @@ impl Counts<'_> {
     }
 }
 
+/// The case files of some findings.
+pub(super) struct Kept {
+    /// The name of each finding's file, if it has one.
+    pub(super) names: Vec<Option<String>>,
+    /// The files by name.
+    pub(super) files: Vec<(String, Vec<u8>)>,
+}
+
 /// So often files of other findings are tried in place of those that could not be made.
 const ROUNDS: usize = 4;
 
 /// Where a finding stands.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 enum Place {
     Waiting,
     Granted,
-    Written,
+    Made(Vec<u8>),
     /// Its file cannot be made.
     None,
 }
 
-/// Grants the first wishes, writes the files, and counts and names those that are there afterwards. Where a file cannot be made (`None`)
+/// Grants the first wishes, makes the files, and counts and names those that are there afterwards. Where a file cannot be made (`None`)
 /// the place is free again, for the next findings and for later calls.
 pub(super) fn keep<F: Sync>(
     findings: &[F],
     wish: impl Fn(&F) -> Wish,
     most: Most,
     mut counts: Counts<'_>,
-    dir: &Path,
     file: impl Fn(&F) -> Result<Option<Vec<u8>>, RunError> + Sync,
-) -> Result<Vec<Option<String>>, RunError> {
+) -> Result<Kept, RunError> {
     let wishes: Vec<Wish> = findings.iter().map(wish).collect();
     let mut places = vec![Place::Waiting; findings.len()];
     let mut names: BTreeSet<&str> = BTreeSet::new();
@@ -87,31 +91,35 @@ pub(super) fn keep<F: Sync>(
                 *place = Place::Granted;
             }
         }
-        let write = |((finding, wish), place): ((&F, &Wish), &Place)| -> Result<Place, RunError> {
-            if *place != Place::Granted {
-                return Ok(*place);
-            }
-            let Some(bytes) = file(finding)? else { return Ok(Place::None) };
-            let path = dir.join(&wish.name);
-            write_atomically(&path, &bytes).map_err(at(&path))?;
-            Ok(Place::Written)
-        };
-        let after: Vec<Place> = findings.par_iter().zip(&wishes).zip(&places).map(write).collect::<Result<_, _>>()?;
+        let granted: Vec<usize> = (0..findings.len()).filter(|&at| places[at] == Place::Granted).collect();
+        let made: Vec<Option<Vec<u8>>> =
+            granted.par_iter().map(|&at| file(&findings[at])).collect::<Result<_, RunError>>()?;
         let mut freed = false;
-        for ((wish, before), after) in wishes.iter().zip(&places).zip(&after) {
-            if *before == Place::Granted && *after == Place::None {
-                counts.take_back(wish);
-                names.remove(wish.name.as_str());
-                freed = true;
-            }
+        for (at, made) in granted.into_iter().zip(made) {
+            places[at] = match made {
+                Some(bytes) => Place::Made(bytes),
+                None => {
+                    counts.take_back(&wishes[at]);
+                    names.remove(wishes[at].name.as_str());
+                    freed = true;
+                    Place::None
+                }
+            };
         }
-        places = after;
         if !freed {
             break;
         }
     }
-    let name = |(wish, place): (Wish, Place)| (place == Place::Written).then_some(wish.name);
-    Ok(wishes.into_iter().zip(places).map(name).collect())
+    let mut kept = Kept { names: Vec::new(), files: Vec::new() };
+    for (wish, place) in wishes.into_iter().zip(places) {
+        let Place::Made(bytes) = place else {
+            kept.names.push(None);
+            continue;
+        };
+        kept.names.push(Some(wish.name.clone()));
+        kept.files.push((wish.name, bytes));
+    }
+    Ok(kept)
 }
 
 #[cfg(test)]
@@ -120,7 +128,6 @@ mod tests {
 
     #[test]
     fn what_is_named_is_there_and_what_cannot_be_made_takes_no_place() {
-        let dir = tempfile::tempdir().expect("a folder");
         let (mut alike, mut of_cause) = (BTreeMap::new(), BTreeMap::new());
         let wish = |number: &u32| Wish {
             fingerprint: format!("kind {}", number % 2),
@@ -130,9 +137,9 @@ mod tests {
         let mut kept = |findings: &[u32]| {
             let counts = Counts { alike: &mut alike, of_cause: &mut of_cause };
             let file = |number: &u32| Ok((*number != 1 && *number != 2).then(|| number.to_string().into_bytes()));
-            let names = keep(findings, wish, Most { of_cause: 3, alike: 2 }, counts, dir.path(), file).expect("files");
-            let there = |name: &Option<String>| name.as_ref().is_none_or(|name| dir.path().join(name).is_file());
-            assert!(names.iter().all(there), "{names:?}");
+            let Kept { names, files } =
+                keep(findings, wish, Most { of_cause: 3, alike: 2 }, counts, file).expect("files");
+            assert!(names.iter().flatten().eq(files.iter().map(|(name, _)| name)), "{names:?}");
             names.iter().map(Option::is_some).collect::<Vec<_>>()
         };
         // Of 0, 2 and 4 two may have a file, and 2 cannot be made: 4 has its place. 1 cannot be made, and no other odd one is there.
@@ -145,13 +152,12 @@ mod tests {
 
     #[test]
     fn findings_alike_in_name_share_the_first_file() {
-        let dir = tempfile::tempdir().expect("a folder");
         let (mut alike, mut of_cause) = (BTreeMap::new(), BTreeMap::new());
         let counts = Counts { alike: &mut alike, of_cause: &mut of_cause };
         let wish = |_: &u32| Wish { fingerprint: "kind".to_owned(), cause: "defect", name: "same.toml".to_owned() };
         let file = |number: &u32| Ok(Some(number.to_string().into_bytes()));
-        let names = keep(&[1, 2], wish, Most { of_cause: 9, alike: 9 }, counts, dir.path(), file).expect("files");
-        assert_eq!(names, [Some("same.toml".to_owned()), None]);
-        assert_eq!(std::fs::read(dir.path().join("same.toml")).expect("a file"), b"1");
+        let kept = keep(&[1, 2], wish, Most { of_cause: 9, alike: 9 }, counts, file).expect("files");
+        assert_eq!(kept.names, [Some("same.toml".to_owned()), None]);
+        assert_eq!(kept.files, [("same.toml".to_owned(), b"1".to_vec())]);
     }
 }

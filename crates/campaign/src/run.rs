@@ -1,8 +1,8 @@
 //! The campaign itself: chunk by chunk, in parallel inside a chunk, results merged in the order of indices.
 
 use super::config::CampaignConfig;
-use super::journal::{Journal, JournalError, Progress};
-use super::kept::{Counts, Most, Wish, keep};
+use super::journal::{Journal, Progress};
+use super::kept::{Counts, Kept, Most, Wish, keep};
 use super::shrink::Shrinker;
 use super::steps::{self, StepEngine, StepFinding};
 use super::summary::{Origin, Summary};
@@ -13,8 +13,9 @@ use rockproof_differential::case_file::Case;
 use rockproof_differential::engine::Levels;
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::{Source, Subject};
+use rockproof_results::ResultsError;
+use serde::Serialize;
 use serde_json::{Map, Value, json};
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -49,9 +50,9 @@ pub enum Ending {
 /// Why a campaign cannot run.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The journal cannot be used.
+    /// The directory cannot be used.
     #[error(transparent)]
-    Journal(#[from] JournalError),
+    Results(#[from] ResultsError),
     /// No worker threads.
     #[error("cannot start the worker threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -89,6 +90,10 @@ impl Campaign<'_> {
         stop: &AtomicBool,
         watch: &mut dyn FnMut(&Progress),
     ) -> Result<Ending, RunError> {
+        let (done, pairs) = (journal.progress().pairs_done, self.config.pairs);
+        if done > pairs {
+            return Err(journal.damaged(format!("{done} pairs are done, but only {pairs} are asked for")).into());
+        }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
         if self.makes_steps() {
             journal.keep_steps()?;
@@ -117,24 +122,29 @@ impl Campaign<'_> {
                 progress.steps.add(batch.steps.summary);
                 stepped.extend(batch.steps.findings);
             }
-            let dir = journal.cases_dir();
-            let names = pool.install(|| self.keep_cases(&findings, &mut progress, &dir))?;
-            let finding_rows = rows(findings.iter().map(Finding::row), &names)?;
-            let names = pool.install(|| self.keep_step_cases(&stepped, &mut progress, &dir))?;
-            let step_rows = rows(stepped.iter().map(StepFinding::row), &names)?;
+            let kept = pool.install(|| self.keep_cases(&findings, &mut progress))?;
+            let finding_rows = rows(&findings, &kept.names, Finding::row)?;
+            journal.write_cases(kept.files)?;
+            let kept = pool.install(|| self.keep_step_cases(&stepped, &mut progress))?;
+            let step_rows = rows(&stepped, &kept.names, StepFinding::row)?;
+            journal.write_cases(kept.files)?;
             progress.pairs_done = end;
             progress.seconds = before + started.elapsed().as_secs_f64();
             journal.commit(&finding_rows, &step_rows, progress)?;
             watch(journal.progress());
         }
         let finished = journal.progress().pairs_done >= self.config.pairs;
-        journal.write("summary.csv", &journal.progress().summary.to_csv()?)?;
-        journal.write("agreement.csv", &journal.progress().agreement.to_csv()?)?;
-        journal.write("confusion.csv", &journal.progress().agreement.confusion_to_csv()?)?;
+        let progress = journal.progress();
+        let mut files = vec![
+            ("summary.csv", progress.summary.to_csv()?),
+            ("agreement.csv", progress.agreement.to_csv()?),
+            ("confusion.csv", progress.agreement.confusion_to_csv()?),
+        ];
         if self.makes_steps() {
-            journal.write("step_summary.csv", &journal.progress().steps.to_csv()?)?;
+            files.push(("step_summary.csv", progress.steps.to_csv()?));
         }
-        journal.write("run.json", &self.run_json(journal, finished)?)?;
+        files.push(("run.json", self.run_json(journal, finished)?));
+        files.into_iter().try_for_each(|(name, bytes)| journal.write(name, &bytes))?;
         Ok(if finished { Ending::Finished } else { Ending::Stopped })
     }
 
@@ -175,12 +185,7 @@ impl Campaign<'_> {
     }
 
     /// Keeps case files of findings: the first few of each fingerprint.
-    fn keep_cases(
-        &self,
-        findings: &[Finding],
-        progress: &mut Progress,
-        dir: &Path,
-    ) -> Result<Vec<Option<String>>, RunError> {
+    fn keep_cases(&self, findings: &[Finding], progress: &mut Progress) -> Result<Kept, RunError> {
         let wish = |finding: &Finding| {
             let fingerprint = finding.fingerprint();
             let name = format!("{}.toml", fingerprint.file_stem(&finding.set, finding.index));
@@ -188,16 +193,11 @@ impl Campaign<'_> {
         };
         let most = Most { of_cause: self.config.cases_per_cause, alike: self.config.cases_per_fingerprint };
         let counts = Counts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
-        keep(findings, wish, most, counts, dir, |finding| self.case(finding))
+        keep(findings, wish, most, counts, |finding| self.case(finding))
     }
 
     /// The same of findings about steps.
-    fn keep_step_cases(
-        &self,
-        findings: &[StepFinding],
-        progress: &mut Progress,
-        dir: &Path,
-    ) -> Result<Vec<Option<String>>, RunError> {
+    fn keep_step_cases(&self, findings: &[StepFinding], progress: &mut Progress) -> Result<Kept, RunError> {
         let wish = |finding: &StepFinding| Wish {
             fingerprint: finding.fingerprint(),
             cause: finding.cause.name(),
@@ -206,7 +206,7 @@ impl Campaign<'_> {
         let of_cause = self.config.cases_per_cause / STEP_CASES;
         let most = Most { of_cause, alike: self.config.cases_per_fingerprint };
         let counts = Counts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
-        keep(findings, wish, most, counts, dir, |finding| self.step_case(finding))
+        keep(findings, wish, most, counts, |finding| self.step_case(finding))
     }
 
     /// The subject of a pair.
@@ -281,14 +281,14 @@ impl Campaign<'_> {
 }
 
 /// Rows of `findings.csv` or `step_findings.csv`, each with the case file of its finding.
-fn rows<const N: usize>(
-    findings: impl Iterator<Item = [String; N]>,
+fn rows<F, R: Serialize>(
+    findings: &[F],
     names: &[Option<String>],
+    row: impl Fn(&F, String) -> R,
 ) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    for (row, name) in findings.zip(names) {
-        let case = name.as_ref().map_or(String::new(), |n| format!("cases/{n}"));
-        writer.write_record(row.iter().chain([&case]))?;
+    for (finding, name) in findings.iter().zip(names) {
+        writer.serialize(row(finding, name.as_ref().map_or(String::new(), |name| format!("cases/{name}"))))?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())
 }

@@ -61,6 +61,29 @@ impl From<Summary> for Rows {
     }
 }
 
+/// A row of `summary.csv`; the fields are its columns.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SummaryRow {
+    /// The family.
+    pub family: String,
+    /// The form.
+    pub form: String,
+    /// The tolerance set.
+    pub tolerances: String,
+    /// Pairs examined of these three.
+    pub pairs: u64,
+    /// Whom the findings are about; empty, as what follows, where there are none.
+    pub engine: String,
+    /// The cause.
+    pub cause: String,
+    /// The change.
+    pub change: String,
+    /// The contact's kind, empty for a failure.
+    pub kind: String,
+    /// How many findings.
+    pub findings: u64,
+}
+
 /// The columns of `summary.csv`: `pairs` were examined under the set, `findings` of the sort were made.
 pub const SUMMARY_COLUMNS: [&str; 9] =
     ["family", "form", "tolerances", "pairs", "engine", "cause", "change", "kind", "findings"];
@@ -138,23 +161,30 @@ impl Summary {
     /// # Errors
     /// Those of the CSV writer.
     pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
         writer.write_record(SUMMARY_COLUMNS)?;
+        let nothing =
+            || Sort { engine: String::new(), cause: String::new(), change: String::new(), kind: String::new() };
         for (origin, pairs) in &self.pairs {
-            let pairs = pairs.to_string();
-            let start = [&*origin.family, &origin.form, &origin.tolerances, &pairs];
+            let row = |sort: &Sort, findings| SummaryRow {
+                family: origin.family.clone(),
+                form: origin.form.clone(),
+                tolerances: origin.tolerances.clone(),
+                pairs: *pairs,
+                engine: sort.engine.clone(),
+                cause: sort.cause.clone(),
+                change: sort.change.clone(),
+                kind: sort.kind.clone(),
+                findings,
+            };
             let mut any = false;
-            let least =
-                Sort { engine: String::new(), cause: String::new(), change: String::new(), kind: String::new() };
-            let from = (origin.clone(), least);
+            let from = (origin.clone(), nothing());
             for ((_, sort), count) in self.findings.range(from..).take_while(|((o, _), _)| o == origin) {
-                let count = count.to_string();
-                let end = [&*sort.engine, &sort.cause, &sort.change, &sort.kind, &count];
-                writer.write_record(start.iter().chain(&end))?;
+                writer.serialize(row(sort, *count))?;
                 any = true;
             }
             if !any {
-                writer.write_record(start.iter().chain(&["", "", "", "", "0"]))?;
+                writer.serialize(row(&nothing(), 0))?;
             }
         }
         writer.into_inner().map_err(|e| e.into_error().into())

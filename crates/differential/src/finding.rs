@@ -2,8 +2,10 @@
 
 use super::compare::{Change, Difference};
 use super::mapped::{Mapped, State};
+use super::row::FindingRow;
 use rockproof_model::decision::{Decision, Predicate};
 use rockproof_model::{ContactKind, Precision};
+use rockproof_results::bounded;
 use std::fmt;
 use std::sync::Arc;
 
@@ -166,28 +168,27 @@ impl Finding {
         self.deciding.and_then(|d| d.margin_ulps).or(self.mapped.map(|m| m.margin_ulps))
     }
 
-    /// The finding's row of `findings.csv`, without the case file.
-    pub fn row(&self) -> [String; FINDING_COLUMNS.len() - 1] {
+    /// The finding's row of `findings.csv`; `case` is its case file, empty where there is none.
+    pub fn row(&self, case: String) -> FindingRow {
         let kind = |c: Option<rockproof_model::Contact>, state: Option<State>| {
             c.map_or(state.map_or("", State::name), |c| c.kind.name()).to_owned()
         };
-        let number = |n: Option<f64>| n.map_or(String::new(), |n| format!("{n:e}"));
-        let features = self.deciding.map_or(String::new(), |d| d.features());
-        [
-            self.index.to_string(),
-            self.family.to_string(),
-            self.form.to_string(),
-            self.set.to_string(),
-            self.who.to_string(),
-            self.cause.to_string(),
-            self.difference.change.to_string(),
-            kind(self.difference.before, self.mapped.map(|m| m.exact)),
-            kind(self.difference.after, self.mapped.map(|m| m.said.state)),
-            self.predicate().map_or(String::new(), |p| p.to_string()),
-            features,
-            number(self.margin()),
-            number(self.margin_ulps()),
-        ]
+        FindingRow {
+            index: self.index,
+            family: self.family.to_string(),
+            form: self.form.to_string(),
+            tolerances: self.set.to_string(),
+            engine: self.who.clone(),
+            cause: self.cause,
+            change: self.difference.change,
+            kind_before: kind(self.difference.before, self.mapped.map(|m| m.exact)),
+            kind_after: kind(self.difference.after, self.mapped.map(|m| m.said.state)),
+            predicate: self.predicate().map_or(String::new(), |p| p.to_string()),
+            features: self.deciding.map_or(String::new(), |d| d.features()),
+            margin: self.margin(),
+            margin_ulps: self.margin_ulps(),
+            case,
+        }
     }
 }
 
@@ -243,12 +244,13 @@ impl Fingerprint {
         }
     }
 
-    /// `<kind>-<cause>-<slug>`, the stem of a case file; the pair's number makes it unique.
+    /// `<kind>-<cause>-<slug>`, the stem of a case file; the pair's number makes it unique, and a long one ends with a digest.
     pub fn file_stem(&self, set: &str, index: u64) -> String {
         let decided = self.decided();
         let kind = self.kind.map_or("pair", ContactKind::name);
         let stem =
             format!("{kind}-{}-{}-{decided}-{}-{}-{set}-{index}", self.cause, self.change, self.who, self.family);
-        stem.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect()
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+        bounded(&stem.chars().map(plain).collect::<String>())
     }
 }

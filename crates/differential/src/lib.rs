@@ -16,5 +16,6 @@ pub mod lockstep;
 pub mod mapped;
 pub mod metamorphic;
 pub mod motion;
+pub mod row;
 pub mod subject;
 pub mod transform;

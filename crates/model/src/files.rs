@@ -1,12 +1,11 @@
-//! Reading files that have an end, and writing files so that nobody ever sees half of one.
+//! Reading files that have an end.
 
 use std::fs::{self, File};
-use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::io::{self, Read};
+use std::path::Path;
 
 /// The largest file that is read: 1 GiB. The largest scene of a few thousand blocks takes a hundredth of that.
-pub const LARGEST_INPUT: u64 = 1 << 30;
+pub(crate) const LARGEST_INPUT: u64 = 1 << 30;
 
 /// The bytes of a file of at most [`LARGEST_INPUT`]. A pipe is read as a file is; a device is refused unread, since it
 /// may have no end, and whatever grows while it is read is given up at the limit.
@@ -14,7 +13,7 @@ pub const LARGEST_INPUT: u64 = 1 << 30;
 /// # Errors
 /// Those of the operating system; [`io::ErrorKind::FileTooLarge`] beyond the limit and
 /// [`io::ErrorKind::InvalidInput`] for a device, the limit being named in both.
-pub fn read_limited(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
+pub(crate) fn read_limited(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
     read_at_most(path.as_ref(), LARGEST_INPUT)
 }
 
@@ -46,35 +45,6 @@ fn is_device(kind: &fs::FileType) -> bool {
 #[cfg(not(unix))]
 fn is_device(_: &fs::FileType) -> bool {
     false
-}
-
-/// Writes `bytes` to a file beside `path` and renames it to `path`: whoever opens `path`, at whatever moment, and
-/// whatever is killed, finds the old file or the new one.
-///
-/// # Errors
-/// Those of the operating system; then the file beside is removed and `path` is as it was.
-pub fn write_atomically(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> io::Result<()> {
-    let path = path.as_ref();
-    let beside = beside(path)?;
-    let written = File::create_new(&beside).and_then(|mut file| {
-        file.write_all(bytes.as_ref())?;
-        file.sync_all()
-    });
-    let renamed = written.and_then(|()| fs::rename(&beside, path));
-    if renamed.is_err() {
-        // The first error is the one to report.
-        let _ = fs::remove_file(&beside);
-    }
-    renamed
-}
-
-fn beside(path: &Path) -> io::Result<PathBuf> {
-    static COUNTER: AtomicU64 = AtomicU64::new(0);
-    let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the path names no file"))?;
-    let mut beside = std::ffi::OsString::from(".");
-    beside.push(name);
-    beside.push(format!(".{}.{}.tmp", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));
-    Ok(path.with_file_name(beside))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 pub mod block;
 pub mod contact;
 pub mod decision;
-pub mod files;
+mod files;
 pub mod lattice;
 pub mod number;
 pub mod number_text;

@@ -63,12 +63,9 @@ pub enum ReportError {
         /// Why.
         source: io::Error,
     },
-    /// The output directory holds a report already.
-    #[error("{dir} holds a report already; --force replaces it, --out DIR writes elsewhere")]
-    Occupied {
-        /// The directory.
-        dir: PathBuf,
-    },
+    /// The output directory cannot be used.
+    #[error(transparent)]
+    Results(#[from] rockproof_results::ResultsError),
     /// The page cannot be made.
     #[error("cannot write the page: {0}")]
     Page(#[from] minijinja::Error),

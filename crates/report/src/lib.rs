@@ -20,9 +20,9 @@ pub mod timing;
 pub mod verdict;
 pub mod view;
 
-use fault::{ReportError, at};
+use fault::ReportError;
 use load::Results;
-use rockproof_model::files::write_atomically;
+use rockproof_results::{Claim, Directory, Kind, Owner, Start};
 use sections::Section;
 use std::path::{Path, PathBuf};
 use verdict::Line;
@@ -65,29 +65,21 @@ impl Report {
         Ok(Report { title, verdict: verdict::verdict(&results), sections: sections::all(&results)? })
     }
 
-    /// Writes the tables into `dir`, and the page or the text beside them. A report that is there already is replaced only
-    /// where `force` says so; files that are no part of a report stay.
+    /// Writes the tables into `dir`, and the page or the text beside them. A report that is there already is replaced where
+    /// `start` says so; files that are no part of it stay.
     ///
     /// # Errors
-    /// When the directory holds a report or cannot be written.
-    pub fn write(&self, dir: &Path, name: &str, contents: &str, force: bool) -> Result<PathBuf, ReportError> {
-        let tables = dir.join(TABLES);
-        if !force && [PAGE, TEXT, TABLES].iter().any(|name| dir.join(name).exists()) {
-            return Err(ReportError::Occupied { dir: dir.to_owned() });
+    /// When the directory holds something that may not be touched, or cannot be written.
+    pub fn write(&self, dir: &Path, name: &str, contents: &str, start: Start) -> Result<PathBuf, ReportError> {
+        let tables: Vec<&table::Table> = self.sections.iter().flat_map(Section::tables).collect();
+        let names: Vec<String> = tables.iter().map(|table| format!("{TABLES}/{}.csv", table.name)).collect();
+        let files: Vec<&str> = names.iter().map(String::as_str).chain([name]).collect();
+        let mut directory = Directory::claim(Claim { dir, owner: Owner::Report, start, files: &files })?;
+        directory.make_folder(TABLES)?;
+        for (table, name) in tables.iter().zip(&names) {
+            directory.write(name, Kind::Table, table.to_csv()?.as_ref())?;
         }
-        std::fs::create_dir_all(&tables).map_err(at(&tables))?;
-        for entry in std::fs::read_dir(&tables).map_err(at(&tables))? {
-            let path = entry.map_err(at(&tables))?.path();
-            if path.extension().is_some_and(|extension| extension == "csv") {
-                std::fs::remove_file(&path).map_err(at(&path))?;
-            }
-        }
-        for table in self.sections.iter().flat_map(Section::tables) {
-            let path = tables.join(format!("{}.csv", table.name));
-            write_atomically(&path, table.to_csv()?).map_err(at(&path))?;
-        }
-        let path = dir.join(name);
-        write_atomically(&path, contents).map_err(at(&path))?;
-        Ok(path)
+        directory.write(name, Kind::Text, contents.as_bytes())?;
+        Ok(dir.join(name))
     }
 }

@@ -220,7 +220,7 @@ impl CampaignRun {
         let mut rows = Rows::open(file.clone(), &FINDING_COLUMNS)?;
         let mut tally = Tally::default();
         while let Some(row) = rows.next(&FINDING_COLUMNS)? {
-            tally.add(&row)?;
+            tally.add(row.parsed()?);
         }
         if tally.total != run.findings.total {
             return Err(ReportError::Contradiction {

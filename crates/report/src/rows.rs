@@ -1,6 +1,7 @@
 //! Reads the tables of runs, a row at a time, and says where one is damaged.
 
 use super::fault::{ReportError, at};
+use serde::de::DeserializeOwned;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -11,8 +12,7 @@ pub(super) struct Rows {
     file: PathBuf,
     reader: csv::Reader<BufReader<File>>,
     record: csv::StringRecord,
-    /// How many fields a row has.
-    width: usize,
+    header: csv::StringRecord,
     /// Where the columns asked for are.
     places: Vec<usize>,
 }
@@ -21,6 +21,7 @@ pub(super) struct Rows {
 pub(super) struct Row<'r> {
     file: &'r Path,
     names: &'r [&'static str],
+    header: &'r csv::StringRecord,
     record: &'r csv::StringRecord,
     places: &'r [usize],
 }
@@ -29,20 +30,19 @@ impl Rows {
     /// Opens a table that must have these columns in this order.
     pub(super) fn open(file: PathBuf, columns: &[&str]) -> Result<Rows, ReportError> {
         let opened = File::open(&file).map_err(at(&file))?;
-        let reader = csv::ReaderBuilder::new().flexible(true).from_reader(BufReader::new(opened));
+        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(BufReader::new(opened));
         let places = (0..columns.len()).collect();
-        let mut rows = Rows { file, reader, record: csv::StringRecord::new(), width: columns.len(), places };
-        let header = rows.reader.headers().map_err(|e| damaged(&rows.file, &e))?;
+        let header = reader.headers().map_err(|e| damaged(&file, &e))?.clone();
         if header.iter().ne(columns.iter().copied()) {
             let found = header.iter().take(columns.len() + 3).collect::<Vec<_>>().join(",");
             return Err(ReportError::Damaged {
-                file: rows.file,
+                file,
                 line: 1,
                 found: format!("the columns are \"{}\"", shortened(&found, 200)),
                 expected: format!("\"{}\" (another version of rockproof may have written it)", columns.join(",")),
             });
         }
-        Ok(rows)
+        Ok(Rows { file, reader, header, record: csv::StringRecord::new(), places })
     }
 
     /// Opens a table that must have these columns, in any order and beside others.
@@ -59,7 +59,7 @@ impl Rows {
             };
             places.push(place);
         }
-        Ok(Rows { file, reader, record: csv::StringRecord::new(), width: header.len(), places })
+        Ok(Rows { file, reader, header, record: csv::StringRecord::new(), places })
     }
 
     /// The next row. `names` are the columns given to [`Rows::open`].
@@ -67,10 +67,10 @@ impl Rows {
         if !self.reader.read_record(&mut self.record).map_err(|e| damaged(&self.file, &e))? {
             return Ok(None);
         }
-        let row = Row { file: &self.file, names, record: &self.record, places: &self.places };
-        if self.record.len() != self.width {
+        let row = Row { file: &self.file, names, header: &self.header, record: &self.record, places: &self.places };
+        if self.record.len() != self.header.len() {
             let found = format!("{} fields", self.record.len());
-            return Err(row.damaged(found, format!("{}", self.width)));
+            return Err(row.damaged(found, format!("{}", self.header.len())));
         }
         Ok(Some(row))
     }
@@ -97,6 +97,17 @@ impl Row<'_> {
     fn damaged(&self, found: String, expected: String) -> ReportError {
         let line = self.record.position().map_or(1, csv::Position::line);
         ReportError::Damaged { file: self.file.to_owned(), line, found, expected }
+    }
+
+    /// The whole row, its fields by the names of the columns.
+    pub(super) fn parsed<T: DeserializeOwned>(&self) -> Result<T, ReportError> {
+        self.record.deserialize(Some(self.header)).map_err(|error| match error.kind() {
+            csv::ErrorKind::Deserialize { err, .. } => match err.field().and_then(|at| usize::try_from(at).ok()) {
+                Some(column) => self.wrong(column, &err.kind().to_string()),
+                None => self.damaged(err.kind().to_string(), "what a campaign writes there".to_owned()),
+            },
+            _ => damaged(self.file, &error),
+        })
     }
 
     /// A field as text.

@@ -1,10 +1,9 @@
 //! Counts the findings of a campaign while reading them, in memory that does not grow with their number.
 
-use super::fault::ReportError;
 use super::load::setting;
-use super::rows::Row;
 use rockproof_differential::compare::Change;
 use rockproof_differential::finding::Cause;
+use rockproof_differential::row::FindingRow;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
@@ -89,45 +88,41 @@ pub struct Tally {
 
 impl Tally {
     /// Adds a row of `findings.csv`.
-    pub(super) fn add(&mut self, row: &Row<'_>) -> Result<(), ReportError> {
-        let index = row.count(0)?;
-        let cause = row.of(5, "a cause", Cause::from_name)?;
-        let change = row.of(6, "a change", Change::from_name)?;
-        let (margin, margin_ulps) = (row.number(11)?, row.number(12)?);
-        let (tolerances, engine, predicate) = (row.name(3)?, row.name(4)?, row.text(9));
+    pub(super) fn add(&mut self, row: FindingRow) {
+        let FindingRow { cause, change, margin, margin_ulps, .. } = row;
+        let engine = row.engine.to_string();
         self.total += 1;
-        let sort = Sort { setting: setting(tolerances), engine: engine.to_owned(), cause, change };
+        let sort = Sort { setting: setting(&row.tolerances), engine: engine.clone(), cause, change };
         *self.sorts.entry(sort).or_default() += 1;
-        let who = (engine.to_owned(), cause);
+        let who = (engine.clone(), cause);
         match margin_ulps.or(margin) {
             Some(margin) => *self.margins.entry(who).or_default().entry(decade(margin)).or_default() += 1,
             None => *self.unmeasured.entry(who).or_default() += 1,
         }
-        if !predicate.is_empty() {
-            let counts = self.predicates.entry(predicate.to_owned()).or_default();
-            *counts.entry((cause, engine.to_owned())).or_default() += 1;
+        if !row.predicate.is_empty() {
+            let counts = self.predicates.entry(row.predicate.clone()).or_default();
+            *counts.entry((cause, engine.clone())).or_default() += 1;
         }
-        if !row.text(13).is_empty() {
+        if !row.case.is_empty() {
             let worst = Worst {
-                index,
-                family: row.name(1)?.to_owned(),
-                tolerances: tolerances.to_owned(),
-                engine: engine.to_owned(),
+                index: row.index,
+                family: row.family,
+                tolerances: row.tolerances,
+                engine,
                 cause,
                 change,
-                kinds: [row.text(7).to_owned(), row.text(8).to_owned()],
-                predicate: predicate.to_owned(),
-                features: row.text(10).to_owned(),
+                kinds: [row.kind_before, row.kind_after],
+                predicate: row.predicate,
+                features: row.features,
                 margin,
                 margin_ulps,
-                case: row.text(13).to_owned(),
+                case: row.case,
             };
             let list = self.worst.entry(cause).or_default();
             let place = list.partition_point(|known| known.rank(&worst) != Ordering::Greater);
             list.insert(place, worst);
             list.truncate(WORST);
         }
-        Ok(())
     }
 
     /// Findings by cause.

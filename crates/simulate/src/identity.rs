@@ -3,8 +3,8 @@
 use crate::Plan;
 use rockproof_model::scene::write_toml;
 use rockproof_model::{Scene, SpecError, ToleranceSet, ToleranceSpec};
+use rockproof_results::digest;
 use serde_json::{Map, Value};
-use sha2::{Digest, Sha256};
 
 /// Everything that determines the bytes of a run but how long it goes on, key by key. The scene is represented by the
 /// SHA-256 of its text with exact numbers, the stiffness of joints derived; where it was read from does not matter.
@@ -34,18 +34,4 @@ pub fn with_tolerances(scene: &Scene, set: &ToleranceSet) -> Result<String, Spec
     }
     spec.set_text("criteria", set.criteria.name())?;
     Ok(write_toml(&Scene { tolerances: Some(spec), ..scene.clone() }))
-}
-
-/// SHA-256 in hexadecimal digits.
-pub fn digest(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn the_digest_is_sha_256() {
-        let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
-        assert_eq!(super::digest(b"abc"), expected, "FIPS 180-2, appendix B.1");
-    }
 }

@@ -15,6 +15,6 @@ pub mod totals;
 pub mod vtu;
 
 pub use plan::Plan;
-pub use record::{Record, RecordError, Start};
+pub use record::Record;
 pub use run::{Ending, Run, RunError, Stepping};
 pub use totals::Totals;

@@ -2,9 +2,10 @@
 
 use crate::checkpoint::Saved;
 use crate::exact::Exact;
-use crate::record::{Frame, Record, RecordError, Table};
+use crate::record::{Frame, Record, Table};
 use crate::{Plan, frame, tables, vtu};
 use rockproof_model::Scene;
+use rockproof_results::ResultsError;
 use rockproof_stepper::Real;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport, StepRules, Stopped};
 use serde_json::{Map, Value, json};
@@ -95,7 +96,7 @@ impl Ending {
 pub enum RunError {
     /// The directory cannot be used.
     #[error(transparent)]
-    Record(#[from] RecordError),
+    Record(#[from] ResultsError),
     /// A table cannot be written.
     #[error("cannot write a table: {0}")]
     Csv(#[from] csv::Error),
@@ -171,7 +172,8 @@ impl<R: Real> Run<'_, R> {
         }
         record.progress_mut().seconds = clock.seconds();
         record.commit(Saved::of(state))?;
-        record.write("run.json", &self.run_json(record, state, &ending)?)?;
+        let about = self.run_json(record, state, &ending)?;
+        record.write("run.json", &about)?;
         Ok(ending)
     }
 
@@ -194,7 +196,7 @@ impl<R: Real> Run<'_, R> {
         Ok(record.commit(Saved::of(state))?)
     }
 
-    fn write_frame(&self, state: &State<R>, record: &Record) -> Result<Frame, RunError> {
+    fn write_frame(&self, state: &State<R>, record: &mut Record) -> Result<Frame, RunError> {
         let blocks = vtu::vtu(&frame::blocks(self.scene, self.begin, state))?;
         let contacts = vtu::vtu(&frame::contacts(state))?;
         let frame = Frame { step: state.step, time: Exact(state.time.to_f64()) };

@@ -5,48 +5,20 @@ use super::measure::Measurement;
 use super::probes::Differences;
 use super::search::{Next, Search, Tried};
 use super::steps::{Locked, Overlaps, Stepped};
-use rockproof_campaign::journal::Start;
-use rockproof_model::files::write_atomically;
 use rockproof_model::rules::{Rule, Slack};
-use rockproof_results::identity_differences;
+use rockproof_results::{Claim, Directory, Kind, Owner, ResultsError, Start, digest, identity_differences};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Why a search cannot be started, taken up or written.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    /// The directory holds another search.
-    #[error("{dir} holds a search already; --resume goes on with it, --force begins again, --out DIR writes elsewhere")]
-    Occupied {
-        /// The directory.
-        dir: PathBuf,
-    },
-    /// The search in the directory was started otherwise.
-    #[error("{dir} holds another search, so it cannot go on:\n  {}\nrun it as it was started, or use --force or --out DIR", differences.join("\n  "))]
-    Other {
-        /// The directory.
-        dir: PathBuf,
-        /// One line for each key.
-        differences: Vec<String>,
-    },
-    /// A file of the search is damaged.
-    #[error("{file}: {what}; --force begins again")]
-    Damaged {
-        /// The file.
-        file: PathBuf,
-        /// What is wrong.
-        what: String,
-    },
-    /// A file cannot be read or written.
-    #[error("{file}: {source}")]
-    Io {
-        /// The file.
-        file: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// The table cannot be written.
-    #[error("cannot write candidates.csv: {0}")]
+    /// The directory cannot be used.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// The table cannot be read or written.
+    #[error("candidates.csv: {0}")]
     Csv(#[from] csv::Error),
 }
 
@@ -97,56 +69,60 @@ pub const COLUMNS: [&str; 40] = [
 
 const TABLE: &str = "candidates.csv";
 const ABOUT: &str = "tune.json";
+/// The files of a search.
+const FILES: [&str; 4] = [TABLE, ABOUT, "tune.md", "tolerances.toml"];
+
+/// The content of `tune.json`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct About {
+    #[serde(flatten)]
+    identity: Map<String, Value>,
+    /// SHA-256 of `candidates.csv`: of the table before the last change and of the one after it, for a kill may come between. Empty as
+    /// long as there is none.
+    candidates_sha256: Vec<String>,
+}
 
 /// A search on disk.
+#[derive(Debug)]
 pub struct Record {
-    dir: PathBuf,
+    directory: Directory,
+    about: About,
 }
 
 impl Record {
     /// Opens the directory; where a search goes on, takes its candidates into `search`.
     ///
     /// # Errors
-    /// When the directory holds a search that may not be touched, or cannot be read or written.
+    /// When the directory holds something that may not be touched, or cannot be read or written.
     pub fn open(
         dir: &Path,
         identity: &Map<String, Value>,
         start: Start,
         search: &mut Search<'_>,
     ) -> Result<Record, RecordError> {
-        let record = Record { dir: dir.to_owned() };
-        let (table, about) = (dir.join(TABLE), dir.join(ABOUT));
-        let at = |file: &Path| {
-            let file = file.to_owned();
-            move |source| RecordError::Io { file, source }
-        };
-        let held = table.exists() || about.exists();
-        if held && start == Start::Fresh {
-            return Err(RecordError::Occupied { dir: record.dir });
+        let mut directory = Directory::claim(Claim { dir, owner: Owner::Tune, start, files: &FILES })?;
+        if !directory.goes_on(ABOUT, TABLE)? {
+            let about = About { identity: identity.clone(), candidates_sha256: Vec::new() };
+            directory.write_sealed(ABOUT, &about)?;
+            return Ok(Record { directory, about });
         }
-        if start == Start::Resume && about.exists() {
-            let text = std::fs::read(&about).map_err(at(&about))?;
-            let was: Map<String, Value> = serde_json::from_slice(&text).map_err(|e| RecordError::Damaged {
-                file: about.clone(),
-                what: format!("not what a search leaves ({e})"),
-            })?;
-            let differences = identity_differences(&was, identity);
-            if !differences.is_empty() {
-                return Err(RecordError::Other { dir: record.dir, differences });
+        let about: About = directory.read_sealed(ABOUT)?;
+        let differences = identity_differences(&about.identity, identity);
+        if !differences.is_empty() {
+            let (dir, owner) = (directory.path().to_owned(), directory.owner());
+            return Err(ResultsError::OtherIdentity { dir, owner, differences }.into());
+        }
+        let file = dir.join(TABLE);
+        if directory.has(TABLE) {
+            let table = std::fs::read(&file).map_err(ResultsError::at(&file))?;
+            if !about.candidates_sha256.contains(&digest(&table)) {
+                return Err(ResultsError::damaged(&file, "its rows are not as they were written").into());
             }
-            if table.exists() {
-                take_in(&table, search)?;
-            }
-            return Ok(record);
+            take_in(&file, &table, search)?;
+        } else if about.candidates_sha256.len() > 1 {
+            return Err(ResultsError::damaged(&file, "it is missing").into());
         }
-        std::fs::create_dir_all(dir).map_err(at(dir))?;
-        if table.exists() {
-            std::fs::remove_file(&table).map_err(at(&table))?;
-        }
-        let text =
-            serde_json::to_vec_pretty(identity).map_err(|e| RecordError::Io { file: about, source: e.into() })?;
-        record.write(ABOUT, &text)?;
-        Ok(record)
+        Ok(Record { directory, about })
     }
 
     /// The steps of the search that a directory holds, if it holds one.
@@ -160,7 +136,7 @@ impl Record {
     ///
     /// # Errors
     /// When they cannot be written.
-    pub fn commit(&self, search: &Search<'_>) -> Result<(), RecordError> {
+    pub fn commit(&mut self, search: &Search<'_>) -> Result<(), RecordError> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(COLUMNS)?;
         let best = search.best();
@@ -168,16 +144,20 @@ impl Record {
             writer.write_record(row(number, tried, best == Some(number)))?;
         }
         let bytes = writer.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
-        self.write(TABLE, &bytes)
+        let seals = &mut self.about.candidates_sha256;
+        seals.drain(..seals.len().saturating_sub(1));
+        seals.push(digest(&bytes));
+        self.directory.write_sealed(ABOUT, &self.about)?;
+        Ok(self.directory.write(TABLE, Kind::Table, &bytes)?)
     }
 
-    /// Writes a file beside its final name and renames it.
+    /// Writes `tune.md` or `tolerances.toml`, beside its final name first.
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), RecordError> {
-        let file = self.dir.join(name);
-        write_atomically(&file, bytes).map_err(|source| RecordError::Io { file, source })
+    pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), RecordError> {
+        let kind = if name.ends_with(".toml") { Kind::Input } else { Kind::Text };
+        Ok(self.directory.write(name, kind, bytes)?)
     }
 }
 
@@ -204,18 +184,15 @@ fn row(number: usize, tried: &Tried, best: bool) -> Vec<String> {
 }
 
 /// Takes the candidates of a table into a search that has none. Each must be the one that the search would try.
-fn take_in(file: &Path, search: &mut Search<'_>) -> Result<(), RecordError> {
-    let damaged = |number: usize, what: &str| RecordError::Damaged {
-        file: file.to_owned(),
-        what: format!("candidate {number} {what}"),
-    };
-    let mut reader = csv::Reader::from_path(file)?;
+fn take_in(file: &Path, table: &[u8], search: &mut Search<'_>) -> Result<(), RecordError> {
+    let damaged = |number: usize, what: &str| ResultsError::damaged(file, format!("candidate {number} {what}"));
+    let mut reader = csv::Reader::from_reader(table);
     for (number, record) in reader.records().enumerate() {
         let record = record?;
         let next = search.candidate();
         let measurement = parsed(&record).ok_or_else(|| damaged(number, "cannot be read"))?;
         if !is_same(&record, &next) {
-            return Err(damaged(number, "is not the one that this seed tries there"));
+            return Err(damaged(number, "is not the one that this seed tries there").into());
         }
         search.add(next, measurement);
     }

@@ -3,9 +3,10 @@
 
 use super::toys::{Counting, counting};
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_campaign::journal::{Journal, JournalError, Start};
+use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::{Campaign, Ending};
 use rockproof_differential::finding::Finding;
+use rockproof_results::{ResultsError, Start};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write;
@@ -23,7 +24,7 @@ fn run(
     start: Start,
     threads: usize,
     chunks: usize,
-) -> Result<Ending, JournalError> {
+) -> Result<Ending, ResultsError> {
     let panel = counting();
     let narrow = |_: &Finding| counting();
     let campaign = Campaign { config, source: &Counting, panel: &panel, narrow: &narrow, steppers: &[], threads };
@@ -101,12 +102,12 @@ fn another_run_is_neither_overwritten_nor_continued() {
     let dir = tempfile::tempdir().expect("a directory");
     run(dir.path(), &config(), Start::Fresh, 1, 2).expect("runs");
     let error = run(dir.path(), &config(), Start::Fresh, 1, 1).expect_err("occupied");
-    assert!(matches!(error, JournalError::Occupied { .. }));
+    assert!(matches!(error, ResultsError::Occupied { .. }));
     let other = CampaignConfig { seed: 7, pairs: 99, ..config() };
     let error = run(dir.path(), &other, Start::Resume, 1, 1).expect_err("other configuration").to_string();
     assert!(error.contains("seed: the run has 1, asked for is 7"), "{error}");
     assert!(error.contains("pairs: the run has 203, asked for is 99"), "{error}");
-    run(dir.path(), &other, Start::Force, 1, usize::MAX).expect("forced");
+    run(dir.path(), &other, Start::Overwrite, 1, usize::MAX).expect("overwritten");
     assert_eq!(fs::read_to_string(dir.path().join("findings.csv")).expect("read").lines().count(), 1 + 15 + 7);
 }
 
@@ -115,7 +116,7 @@ fn damaged_runs_are_not_guessed_at() {
     let dir = tempfile::tempdir().expect("a directory");
     run(dir.path(), &config(), Start::Fresh, 1, 2).expect("runs");
     fs::write(dir.path().join("findings.csv"), b"index\n").expect("write");
-    assert!(matches!(run(dir.path(), &config(), Start::Resume, 1, 1), Err(JournalError::Damaged { .. })));
+    assert!(matches!(run(dir.path(), &config(), Start::Resume, 1, 1), Err(ResultsError::Damaged { .. })));
     fs::write(dir.path().join("progress.json"), b"{").expect("write");
-    assert!(matches!(run(dir.path(), &config(), Start::Resume, 1, 1), Err(JournalError::Damaged { .. })));
+    assert!(matches!(run(dir.path(), &config(), Start::Resume, 1, 1), Err(ResultsError::Damaged { .. })));
 }

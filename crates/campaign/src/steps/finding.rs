@@ -5,7 +5,10 @@ use rockproof_differential::compare;
 use rockproof_differential::finding::{Cause, Deciding, Who};
 use rockproof_differential::lockstep::Caused;
 use rockproof_differential::lockstep::answer::Change;
+use rockproof_differential::row;
 use rockproof_model::{Contact, ContactKind};
+use rockproof_results::bounded;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// What differs between two steps, or between the states after them.
@@ -92,6 +95,40 @@ pub struct StepFinding {
     pub effect: &'static str,
 }
 
+/// One finding as `step_findings.csv` has it. The fields are its columns and mean what those of [`StepFinding`] do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs, reason = "the fields are those of StepFinding")]
+pub struct StepFindingRow {
+    pub index: u64,
+    pub family: String,
+    pub form: String,
+    pub tolerances: String,
+    #[serde(serialize_with = "row::text", deserialize_with = "row::who")]
+    pub engine: Who,
+    pub step: i64,
+    #[serde(serialize_with = "row::text", deserialize_with = "row::cause")]
+    pub cause: Cause,
+    pub change: String,
+    pub kind: String,
+    pub feature_a: Option<u32>,
+    pub feature_b: Option<u32>,
+    pub solve: Option<usize>,
+    pub before: String,
+    pub after: String,
+    pub predicate: String,
+    pub features: String,
+    #[serde(serialize_with = "row::exponential", deserialize_with = "row::finite")]
+    pub margin: Option<f64>,
+    #[serde(serialize_with = "row::exponential", deserialize_with = "row::finite")]
+    pub margin_ulps: Option<f64>,
+    #[serde(serialize_with = "row::exponential", deserialize_with = "row::finite")]
+    pub penetration_stepper_m: Option<f64>,
+    #[serde(serialize_with = "row::exponential", deserialize_with = "row::finite")]
+    pub penetration_oracle_m: Option<f64>,
+    pub effect: String,
+    pub case: String,
+}
+
 /// The columns of `step_findings.csv`.
 pub const STEP_FINDING_COLUMNS: [&str; 22] = [
     "index",
@@ -152,36 +189,35 @@ impl StepFinding {
             self.cause, self.who, self.family, self.set, self.index, self.step
         );
         let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-        format!("{}.json", stem.chars().map(plain).collect::<String>())
+        format!("{}.json", bounded(&stem.chars().map(plain).collect::<String>()))
     }
 
-    /// The finding's row of `step_findings.csv`, without the case file.
-    pub fn row(&self) -> [String; STEP_FINDING_COLUMNS.len() - 1] {
-        let number = |n: Option<f64>| n.map_or(String::new(), |n| format!("{n:e}"));
+    /// The finding's row of `step_findings.csv`; `case` is its case file, empty where there is none.
+    pub fn row(&self, case: String) -> StepFindingRow {
         let deciding = self.deciding.as_ref();
-        let contact = |text: fn(&Contact) -> String| self.contact.as_ref().map_or(String::new(), text);
-        [
-            self.index.to_string(),
-            self.family.to_string(),
-            self.form.to_string(),
-            self.set.to_string(),
-            self.who.to_string(),
-            self.step.to_string(),
-            self.cause.to_string(),
-            self.change.name().to_owned(),
-            contact(|c| c.kind.name().to_owned()),
-            contact(|c| c.a.to_string()),
-            contact(|c| c.b.to_string()),
-            self.solve.map_or(String::new(), |solve| solve.to_string()),
-            self.before.clone(),
-            self.after.clone(),
-            deciding.map_or(String::new(), |d| d.decision.predicate.name().to_owned()),
-            deciding.map_or(String::new(), Deciding::features),
-            number(self.margins[0]),
-            number(self.margins[1]),
-            number(self.penetration[0]),
-            number(self.penetration[1]),
-            self.effect.to_owned(),
-        ]
+        StepFindingRow {
+            index: self.index,
+            family: self.family.to_string(),
+            form: self.form.to_string(),
+            tolerances: self.set.to_string(),
+            engine: self.who.clone(),
+            step: self.step,
+            cause: self.cause,
+            change: self.change.name().to_owned(),
+            kind: self.contact.map_or(String::new(), |c| c.kind.name().to_owned()),
+            feature_a: self.contact.map(|c| c.a),
+            feature_b: self.contact.map(|c| c.b),
+            solve: self.solve,
+            before: self.before.clone(),
+            after: self.after.clone(),
+            predicate: deciding.map_or(String::new(), |d| d.decision.predicate.name().to_owned()),
+            features: deciding.map_or(String::new(), Deciding::features),
+            margin: self.margins[0],
+            margin_ulps: self.margins[1],
+            penetration_stepper_m: self.penetration[0],
+            penetration_oracle_m: self.penetration[1],
+            effect: self.effect.to_owned(),
+            case,
+        }
     }
 }

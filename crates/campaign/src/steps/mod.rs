@@ -11,6 +11,6 @@ pub mod summary;
 
 pub use engine::{Made, StepEngine, StepperSteps, engines};
 pub use examine::{Examined, examine, examine_all};
-pub use finding::{STEP_FINDING_COLUMNS, StepChange, StepFinding};
+pub use finding::{STEP_FINDING_COLUMNS, StepChange, StepFinding, StepFindingRow};
 pub use motion::Manner;
 pub use summary::{STEP_SUMMARY_COLUMNS, StepSummary};

@@ -3,6 +3,10 @@
 use super::axis::{Axis, Cell, Form, Level, cells};
 use crate::interval::wilson;
 use crate::summary::Summary;
+use rockproof_differential::compare::Change;
+use rockproof_differential::finding::{Cause, Who};
+use rockproof_differential::row::FindingRow;
+use rockproof_model::Precision;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 
@@ -86,14 +90,13 @@ pub const SAFE_SHARE: f64 = 0.01;
 /// Why a table cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
-    /// `findings.csv` cannot be read.
-    #[error("findings.csv: {0}")]
-    Csv(#[from] csv::Error),
-    /// A row that is none of a stress campaign.
-    #[error("findings.csv: row {row} is not of a stress campaign")]
+    /// A row that is none of a stress campaign, or cannot be read.
+    #[error("findings.csv: row {row} is not of a stress campaign: {source}")]
     Row {
         /// Its number, from 1.
         row: usize,
+        /// What is wrong.
+        source: csv::Error,
     },
 }
 
@@ -109,27 +112,27 @@ struct Count {
 ///
 /// # Errors
 /// When the findings are not those of a stress campaign.
-pub fn rows(summary: &Summary, findings: impl Read, engines: &[String]) -> Result<Vec<Row>, TableError> {
+pub fn rows(summary: &Summary, findings: impl Read, engines: &[(String, Precision)]) -> Result<Vec<Row>, TableError> {
     let mut counts: BTreeMap<(String, String, String, String), Count> = BTreeMap::new();
     let mut reader = csv::Reader::from_reader(findings);
-    for (row, record) in reader.records().enumerate() {
-        let record = record?;
-        let bad = || TableError::Row { row: row + 1 };
-        let field = |k: usize| record.get(k).ok_or_else(bad);
-        let index: u64 = field(0)?.parse().map_err(|_| bad())?;
-        let (family, form, set, who, cause, change) =
-            (field(1)?, field(2)?, field(3)?, field(4)?, field(5)?, field(6)?);
-        if cause == "tolerance" {
+    for (row, record) in reader.deserialize().enumerate() {
+        let row: FindingRow = record.map_err(|source| TableError::Row { row: row + 1, source })?;
+        if row.cause == Cause::Tolerance {
             continue;
         }
-        // What rounding does concerns every engine of the precision.
-        for engine in engines.iter().filter(|name| *name == who || name.ends_with(&format!("-{who}"))) {
-            let key = (family.to_owned(), form.to_owned(), set.to_owned(), engine.clone());
+        let is_of = |name: &str, precision: Precision| match &row.engine {
+            Who::Any => false,
+            // What rounding does concerns every engine of the precision.
+            Who::Rounded(rounded) => *rounded == precision,
+            Who::Engine(engine) => **engine == *name,
+        };
+        for (engine, _) in engines.iter().filter(|(name, precision)| is_of(name, *precision)) {
+            let key = (row.family.clone(), row.form.clone(), row.tolerances.clone(), engine.clone());
             let count = counts.entry(key).or_default();
-            match (cause, change) {
-                (_, "collapsed" | "failure" | "unsupported") => count.lost.insert(index),
-                ("representation", _) => count.representation.insert(index),
-                _ => count.arithmetic.insert(index),
+            match (row.cause, row.change) {
+                (_, Change::Collapsed | Change::Failure | Change::Unsupported) => count.lost.insert(row.index),
+                (Cause::Representation, _) => count.representation.insert(row.index),
+                _ => count.arithmetic.insert(row.index),
             };
         }
     }
@@ -138,7 +141,7 @@ pub fn rows(summary: &Summary, findings: impl Read, engines: &[String]) -> Resul
         let family = cell.family();
         let sets = summary.examined().filter(|(origin, _)| origin.family == family && origin.form == cell.form.name());
         for (origin, pairs) in sets {
-            for engine in engines {
+            for (engine, _) in engines {
                 let key = (family.clone(), origin.form.clone(), origin.tolerances.clone(), engine.clone());
                 let none = Count::default();
                 let count = counts.get(&key).unwrap_or(&none);
@@ -282,8 +285,28 @@ mod tests {
     }
 
     #[test]
+    fn what_rounding_does_concerns_every_engine_of_the_precision_whatever_its_name() {
+        let cell = cells().into_iter().next().expect("a cell");
+        let (family, form) = (cell.family(), cell.form.name());
+        let mut summary = Summary::default();
+        summary.add_pair(crate::summary::Origin {
+            family: family.clone(),
+            form: form.to_owned(),
+            tolerances: "auto".to_owned(),
+        });
+        let header = rockproof_differential::finding::FINDING_COLUMNS.join(",");
+        let text = format!("{header}\n3,{family},{form},auto,f32,representation,missing,v-v,,,,,,\n");
+        // Two engines of one's own whose names say nothing of their precision, or the wrong one.
+        let engines = [("mine", Precision::F32), ("theirs-f32", Precision::F64), ("stepper-f32", Precision::F32)];
+        let engines = engines.map(|(name, precision)| (name.to_owned(), precision));
+        let rows = rows(&summary, text.as_bytes(), &engines).expect("rows");
+        let found: Vec<_> = rows.iter().map(|row| (row.engine.as_str(), row.representation)).collect();
+        assert_eq!(found, [("mine", 1), ("theirs-f32", 0), ("stepper-f32", 1)]);
+    }
+
+    #[test]
     fn findings_of_other_campaigns_are_refused() {
         let text = "index,family\nx,y\n";
-        assert!(matches!(rows(&Summary::default(), text.as_bytes(), &[]), Err(TableError::Row { row: 1 })));
+        assert!(matches!(rows(&Summary::default(), text.as_bytes(), &[]), Err(TableError::Row { row: 1, .. })));
     }
 }

@@ -1,8 +1,8 @@
 //! The chain of SPEC section 6 for one step: exact scene with ideal tolerances, exact scene, rounded scene, stepper.
 
+use crate::builtin::signed;
 use crate::compare::{Difference, Features};
 use crate::engine::Trace;
-use crate::builtin::signed;
 use crate::explain::{Link, explain};
 use crate::finding::{Cause, Deciding};
 use crate::lockstep::answer::{Answer, Change, StepDifference};

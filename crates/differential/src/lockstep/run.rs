@@ -267,7 +267,8 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let blocks = self.given.blocks_at(unrounded);
         let (ideal_side, given_side) = (self.ideal.tolerances(), self.given.tolerances());
         let side = |tolerances| Side { blocks: &blocks, tolerances };
-        let explainer = Explainer { before: side(ideal_side), after: side(given_side), roundoff: None, state: unrounded };
+        let explainer =
+            Explainer { before: side(ideal_side), after: side(given_side), roundoff: None, state: unrounded };
         let found = exact_differences(&ideal, given, &self.given.scene().shapes());
         compared.differences.extend(explainer.caused(found, Cause::Tolerance, None));
         if alike {
@@ -275,7 +276,8 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         }
         let rounded_blocks = self.rounded.blocks_at(start);
         let after = Side { blocks: &rounded_blocks, tolerances: self.rounded.tolerances() };
-        let explainer = Explainer { before: side(given_side), after, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
+        let explainer =
+            Explainer { before: side(given_side), after, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
         let found = exact_differences(given, rounded, &self.given.scene().shapes());
         let mut caused = explainer.caused(found, Cause::Representation, None);
         if let Ok(given) = given {
@@ -305,7 +307,8 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         };
         let blocks = self.rounded.blocks_at(start);
         let side = Side { blocks: &blocks, tolerances: self.rounded.tolerances() };
-        let explainer = Explainer { before: side, after: side, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
+        let explainer =
+            Explainer { before: side, after: side, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
         let set = self.rounded.tolerances();
         let trace = |a: &Block, b: &Block, kept: &[ContactKey]| stepper_trace::<R, M>([a, b], set, kept);
         let mut caused = explainer.caused(found, Cause::Arithmetic, Some(&trace));
