@@ -161,7 +161,7 @@ pub fn batch(seed: u64, batch: u64, config: &PairConfig) -> Vec<PairCase> {
 
 /// The generator of one batch: the seed is the key, the batch the stream.
 fn generator(seed: u64, batch: u64) -> ChaCha8Rng {
-    let mut key = *b"rockproof pairs, version 1......";
+    let mut key = *b"rockproof pairs, version 2......";
     key[24..].copy_from_slice(&seed.to_le_bytes());
     let mut rng = ChaCha8Rng::from_seed(key);
     rng.set_stream(batch);
