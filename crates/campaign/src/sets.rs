@@ -12,17 +12,8 @@ use std::sync::Arc;
 /// The sets known by name: the presets, which a user would take; five of few binary digits, with which ties survive in
 /// every number format and which reach what the presets cannot: [`dyadic`] under either criteria, [`coarse`], [`bare`],
 /// [`deep`]; and [`fractional`], whose ties no number format holds.
-pub const NAMES: [&str; 9] = [
-    "auto",
-    "shi",
-    "zero",
-    "dyadic",
-    "dyadic-classic",
-    "dyadic-coarse",
-    "dyadic-bare",
-    "dyadic-deep",
-    "fractional",
-];
+pub const NAMES: [&str; 9] =
+    ["auto", "shi", "zero", "dyadic", "dyadic-classic", "dyadic-coarse", "dyadic-bare", "dyadic-deep", "fractional"];
 
 type Derive = dyn Fn(&Block, &Block, Precision) -> Option<ToleranceSet> + Send + Sync;
 

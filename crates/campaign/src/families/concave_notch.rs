@@ -60,8 +60,8 @@ impl Family for ConcaveNotch {
     }
 }
 
-/// A block with a tip over a concave face of `a`, its foot on the line of one of the face's edges: between its ends,
-/// beyond one, or at one. Which side of that edge is inside is then for the other edges to say.
+/// A block with a tip over a concave face of `a`, its foot on the line of one of the face's edges, mostly beyond an end.
+/// Whether it is inside is then for the other edges to say.
 fn level_with_an_edge(kit: &mut Kit<'_>, a: &Solid) -> (Solid, Solid) {
     let shape = a.shape();
     let faces = 0..shape.topology().faces().len() as u32;
@@ -71,12 +71,19 @@ fn level_with_an_edge(kit: &mut Kit<'_>, a: &Solid) -> (Solid, Solid) {
     // Every concave face of the catalogue is square to an axis, at an end of the block.
     let axis = (0..3).find(|&i| (0..loop_.len()).all(|k| at(k)[i] == at(0)[i])).unwrap_or(2);
     let out = if at(0)[axis] == a.extent(axis).1 { 1 } else { -1 };
-    let k = kit.below(loop_.len() as u64) as usize;
-    let step = match kit.below(6) {
-        0 => 0,
-        1 => kit.between(1, 15),
-        _ => kit.between(-24, 40),
-    };
+    let count = loop_.len();
+    let (mut k, mut step) = (kit.below(count as u64) as usize, kit.between(-24, 40));
+    if kit.chance(60) {
+        // Beyond a reflex corner the line of an edge runs on inside the face.
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        let turn = |k: usize| {
+            let ([p, q], r) = ([at(k + count - 1), at(k)], at(k + 1));
+            (q[i] - p[i]) * (r[j] - q[j]) - (q[j] - p[j]) * (r[i] - q[i])
+        };
+        let reflex: Vec<usize> = (0..count).filter(|&k| turn(k) * out < 0).collect();
+        let (corner, beyond) = (*kit.pick(&reflex), kit.between(1, 12));
+        (k, step) = if kit.chance(50) { (corner, -beyond) } else { (corner + count - 1, 16 + beyond) };
+    }
     let foot = [0, 1, 2].map(|i| 2 * (16 * at(k)[i] + step * (at(k + 1)[i] - at(k)[i])));
     let b = kit.convex(4, 24);
     let b = if kit.chance(60) { kit.turned(&b) } else { kit.cube_turned(&b) };

@@ -211,7 +211,7 @@ impl<'r> Kit<'r> {
     pub fn convex(&mut self, low: i128, high: i128) -> Solid {
         match self.below(16) {
             0..=4 => self.cuboid(low, high),
-            5 if self.chance(6) => self.round(low, high),
+            5 if self.chance(12) => self.round(low, high),
             5 => self.hull(low, high),
             _ => {
                 // Equal sides keep the whole ratios between a shape's own lengths, and so its rational angles.

@@ -35,9 +35,7 @@ impl Dip {
     fn within(&self, set: &ToleranceSet, measure: Measure) -> bool {
         match measure {
             Measure::Angle => self.sine <= set.overlap_sine.to_rational().pow(2),
-            Measure::Length => {
-                set.criteria == Criteria::Classic || self.depth <= set.penetration.to_rational().pow(2)
-            }
+            Measure::Length => set.criteria == Criteria::Classic || self.depth <= set.penetration.to_rational().pow(2),
         }
     }
 

@@ -12,8 +12,8 @@ use crate::families::Kit;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::Criteria;
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 
 /// A decision, the square of the critical value (m², or dimensionless), and how far B is to be moved first (m).
 pub(super) type Found = Option<(Decision, BigRational, V)>;

@@ -238,7 +238,10 @@ mod tests {
         for Template { name, solid } in round() {
             let topology = solid.shape().topology();
             let many = (0..solid.points().len() as u32).filter(|&v| topology.vertex_edges(v).len() >= 5).count();
-            assert!(solid.shape().is_convex() && 2 * many > solid.points().len(), "{name}: {many} corners of five edges");
+            assert!(
+                solid.shape().is_convex() && 2 * many > solid.points().len(),
+                "{name}: {many} corners of five edges"
+            );
             assert!((0..3).all(|axis| solid.extent(axis).1 <= SIDE * solid.denominator()), "{name}");
         }
         for Template { name, solid } in convex().iter().chain(concave()) {

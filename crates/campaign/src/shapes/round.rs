@@ -81,8 +81,7 @@ fn wrapped(points: &[Units]) -> Option<Vec<Vec<u32>>> {
 
 /// Six times the volume of the triangle and a point: positive where the point is outside.
 fn height(points: &[Units], [p, q, r]: [usize; 3], k: usize) -> i128 {
-    let (a, b, c) =
-        (minus(&points[q], &points[p]), minus(&points[r], &points[p]), minus(&points[k], &points[p]));
+    let (a, b, c) = (minus(&points[q], &points[p]), minus(&points[r], &points[p]), minus(&points[k], &points[p]));
     (a[1] * b[2] - a[2] * b[1]) * c[0] + (a[2] * b[0] - a[0] * b[2]) * c[1] + (a[0] * b[1] - a[1] * b[0]) * c[2]
 }
 
