@@ -120,7 +120,7 @@ fn drawn(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<(Place, Vec<Plane>)> {
             planes.extend(
                 at(Side::A, va).flat_map(|a| at(Side::B, vb).filter_map(move |b| crossing(pair, (Side::A, a), b))),
             );
-            (planes.len() >= 2).then(|| (Place::Corner((Side::A, va), vb), planes))
+            (planes.len() >= 2).then_some((Place::Corner((Side::A, va), vb), planes))
         }
     }
 }
