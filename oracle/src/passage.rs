@@ -28,8 +28,8 @@ mod motion;
 use crate::boxes::{Box3, meeting_pairs};
 use crate::penetration::{Penetration, penetration};
 use certificate::Certificate;
-pub use motion::Motion;
 use motion::Moving;
+pub use motion::StraightMotion;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::Number;
@@ -44,7 +44,7 @@ pub enum PassageAnswer {
         /// A time at which they are, in shares of the step: a fraction between 0 and 1.
         time: BigRational,
         /// How deep they are then.
-        depth: Penetration,
+        depth: Box<Penetration>,
     },
     /// Neither was shown.
     Undecided,
@@ -69,7 +69,7 @@ const MOST_INTERVALS: usize = 2_000;
 
 /// The pairs of moving blocks that could meet: their boxes over the whole step do, **touching included**. The lower number
 /// first, in ascending order.
-pub fn swept_neighbours(motions: &[Motion<'_>]) -> Vec<[usize; 2]> {
+pub fn swept_neighbours(motions: &[StraightMotion<'_>]) -> Vec<[usize; 2]> {
     let boxes: Vec<Box3> = motions.iter().map(|motion| Box3::of_blocks(motion.ends())).collect();
     let mut pairs = meeting_pairs(&boxes);
     pairs.sort_unstable();
@@ -77,7 +77,7 @@ pub fn swept_neighbours(motions: &[Motion<'_>]) -> Vec<[usize; 2]> {
 }
 
 /// Whether two moving blocks pass through one another. `penetration_limit` is g.
-pub fn passage(a: &Motion<'_>, b: &Motion<'_>, penetration_limit: &Number) -> PassageReport {
+pub fn passage(a: &StraightMotion<'_>, b: &StraightMotion<'_>, penetration_limit: &Number) -> PassageReport {
     let moving = Moving::new(a, b, penetration_limit);
     let certificate = Certificate::new(&moving);
     let report = |answer, intervals| PassageReport { answer, intervals };
@@ -102,7 +102,7 @@ pub fn passage(a: &Motion<'_>, b: &Motion<'_>, penetration_limit: &Number) -> Pa
             let middle: BigInt = start * 2 + 1;
             let time = BigRational::new(middle.clone(), BigInt::from(1) << halvings);
             if let Some(depth) = deeper_at(&time) {
-                return report(PassageAnswer::Passage { time, depth }, intervals);
+                return report(PassageAnswer::Passage { time, depth: Box::new(depth) }, intervals);
             }
             for ends in [[&middle - 1, middle.clone()], [middle.clone(), &middle + 1]] {
                 intervals += 1;

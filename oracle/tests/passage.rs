@@ -5,20 +5,20 @@ mod support;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::{Block, Number, Vec3};
-use rockproof_oracle::passage::{Motion, PassageAnswer, PassageReport, passage, swept_neighbours};
+use rockproof_oracle::passage::{PassageAnswer, PassageReport, StraightMotion, passage, swept_neighbours};
 use rockproof_oracle::penetration::penetration;
 use support::shapes::{cuboid, exact, number, point, slab, step, tetrahedron};
 
 /// A moves by a translation, B stays.
 fn moved(a: &Block, by: [&str; 3], b: &Block, g: &str) -> PassageReport {
     let after = a.translated(&point(by));
-    let found = passage(&Motion::new(a, &after), &Motion::new(b, b), &number(g));
+    let found = passage(&StraightMotion::new(a, &after), &StraightMotion::new(b, b), &number(g));
     // The other way round, and with both moving besides, it is the same.
     let wind = point(["7/3", "-5", "1/9"]);
     let (carried, carrying) = (after.translated(&wind), b.translated(&wind));
     for other in [
-        passage(&Motion::new(b, b), &Motion::new(a, &after), &number(g)),
-        passage(&Motion::new(a, &carried), &Motion::new(b, &carrying), &number(g)),
+        passage(&StraightMotion::new(b, b), &StraightMotion::new(a, &after), &number(g)),
+        passage(&StraightMotion::new(a, &carried), &StraightMotion::new(b, &carrying), &number(g)),
     ] {
         assert_eq!(kind(&other.answer), kind(&found.answer));
     }
@@ -173,7 +173,7 @@ fn random_motions_agree_with_the_depths_at_many_times() {
         // The tetrahedron alone turns and bends; the faces of the other have to stay planar.
         let [before, after] = random.motion(&a);
         let end = b.translated(&point(["1/2", "-1/3", "1/4"]));
-        let (one, two) = (Motion::new(&before, &after), Motion::new(&b, &end));
+        let (one, two) = (StraightMotion::new(&before, &after), StraightMotion::new(&b, &end));
         let depth = |time: &BigRational| {
             let found = penetration(&one.block_at(time), &two.block_at(time)).unwrap();
             if found.gap.sign.is_negative() { found.gap.squared } else { BigRational::default() }

@@ -7,19 +7,19 @@ use rockproof_model::{Block, Number, Vec3};
 
 /// A block before and after a step: the same block with other coordinates.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<'b> {
+pub struct StraightMotion<'b> {
     before: &'b Block,
     after: &'b Block,
 }
 
-impl<'b> Motion<'b> {
+impl<'b> StraightMotion<'b> {
     /// The motion from one set of places to another.
     ///
     /// # Panics
     /// When the blocks have different numbers of vertices.
-    pub fn new(before: &'b Block, after: &'b Block) -> Motion<'b> {
+    pub fn new(before: &'b Block, after: &'b Block) -> StraightMotion<'b> {
         assert_eq!(before.vertices().len(), after.vertices().len(), "a moved block keeps its vertices");
-        Motion { before, after }
+        StraightMotion { before, after }
     }
 
     /// The block before and after.
@@ -50,7 +50,7 @@ pub(super) struct Moving<'b> {
 }
 
 impl<'b> Moving<'b> {
-    pub(super) fn new(a: &Motion<'b>, b: &Motion<'b>, limit: &Number) -> Moving<'b> {
+    pub(super) fn new(a: &StraightMotion<'b>, b: &StraightMotion<'b>, limit: &Number) -> Moving<'b> {
         let all = [a.before, a.after, b.before, b.after];
         let lattice = Lattice::covering(all.iter().flat_map(|block| block.coordinates()).chain([limit]));
         let units = |block: &Block| block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
