@@ -17,14 +17,13 @@
 //! [`Auditor::neighbours`] lists the pairs and [`Auditor::pair`] audits one of them, so that a caller can share the work
 //! among threads; [`Audit::of`] puts the answers together in the order of the pairs, whoever found them.
 
-mod boxes;
 mod planes;
 
+use crate::boxes::{self, Box3, meeting_pairs};
 use crate::penetration::{Penetration, penetration};
 use crate::pieces::{Piece, cells};
 use crate::separation::{Points, Verdict, separate};
 use crate::{Gap, Pair, Solid};
-use boxes::{Box3, meeting_pairs};
 use num_rational::BigRational;
 use planes::FacePlanes;
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};

@@ -6,6 +6,7 @@
 //! in plain rationals, to be compared with.
 
 pub mod audit;
+mod boxes;
 pub mod combination;
 mod contact;
 mod field;
@@ -16,6 +17,7 @@ mod mass;
 mod number;
 mod overlap;
 mod pair;
+pub mod passage;
 pub mod penetration;
 mod pieces;
 pub mod plain;

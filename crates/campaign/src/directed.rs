@@ -16,8 +16,17 @@
 //! | gap-sign | h |
 //! | entrance-choice, shortest-exit | gap of the first face − gap of the second (− its ε share) |
 //!
-//! Decisions about directions alone (cone-passes, wedges-pass, nearly-parallel, one-exit) do not depend on where B is;
-//! [`ladder`](super::ladder) changes the tolerance they are compared with instead.
+//! Decisions about directions alone do not depend on where B is; [`ladder`](super::ladder) changes the tolerance they are
+//! compared with instead. Under `revised` the margin of the first three is the lesser of their two measures, so that one
+//! tolerance decides only where the other says yes:
+//!
+//! | predicate | margin | tolerances |
+//! | --- | --- | --- |
+//! | cone-passes | so − the sine of the dip; g − its depth | overlap_sine, penetration |
+//! | wedges-pass | so − the largest sine of a dip; g − the largest depth | overlap_sine, penetration |
+//! | nearly-parallel | sp − the sine; r − the drift over the longer edge's length | parallel_sine, territory |
+//! | true-exit | r/10 − the largest depth of a dip | territory |
+//! | one-exit | so − the sine between the normals | overlap_sine |
 
 mod check;
 pub(crate) mod edges;
@@ -64,6 +73,9 @@ pub enum Rung {
     /// A share of the tolerance away, in thousandths.
     Permille(i32),
 }
+
+/// The share of r by which a true exit may dip.
+const TRUE_EXIT: f64 = 0.1;
 
 /// The predicates that depend on where B is.
 pub const MOVED: [Predicate; 17] = [
@@ -198,13 +210,29 @@ impl<'p> Pair<'p> {
     /// Whether the cone at a vertex passes a face plane, as far as f64 can tell; `but` one edge.
     pub(crate) fn cone_passes(&self, (side, vertex): (Side, u32), face: u32, but: Option<u32>) -> bool {
         let edges = self.shadow.block(side).topology().vertex_edges(vertex).iter();
-        let (sine, depth) = (self.set.overlap_sine.approximate(), self.penetration());
+        let sine = self.set.overlap_sine.approximate();
         edges.filter(|e| Some(**e) != but).all(|&e| {
             let dip = self.dip((side, vertex), face, e);
             let long = length(self.shadow.edge(side, e).1);
             let slack = f64::EPSILON * 64.0 * long;
-            dip <= sine * long + slack || (self.set.criteria == Criteria::Revised && dip <= depth)
+            dip <= sine * long + slack && self.is_shallow(dip - slack)
         })
+    }
+
+    /// Whether the length of a dip (m) lets it pass: always under `classic`.
+    pub(crate) fn is_shallow(&self, dip: f64) -> bool {
+        self.set.criteria == Criteria::Classic || dip <= self.penetration()
+    }
+
+    /// Whether a face plane that the cone at a vertex passes is a true exit, as far as f64 can tell.
+    pub(crate) fn cone_leaves(&self, (side, vertex): (Side, u32), face: u32) -> bool {
+        let edges = self.shadow.block(side).topology().vertex_edges(vertex).iter();
+        let limit = self.set.territory.approximate() * TRUE_EXIT;
+        self.set.criteria == Criteria::Classic
+            || edges.copied().all(|e| {
+                let slack = f64::EPSILON * 64.0 * length(self.shadow.edge(side, e).1);
+                self.dip((side, vertex), face, e) <= limit + slack
+            })
     }
 }
 

@@ -1,6 +1,8 @@
 //! Ladders across a tolerance: its critical value for one decision of a pair as it stands, and the values a few steps
 //! of the number format, or some percent, to either side.
 
+mod dip;
+mod exits;
 mod search;
 
 use crate::directed::exact::Root;

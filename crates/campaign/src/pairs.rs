@@ -161,7 +161,7 @@ pub fn batch(seed: u64, batch: u64, config: &PairConfig) -> Vec<PairCase> {
 
 /// The generator of one batch: the seed is the key, the batch the stream.
 fn generator(seed: u64, batch: u64) -> ChaCha8Rng {
-    let mut key = *b"rockproof pairs, version 1......";
+    let mut key = *b"rockproof pairs, version 2......";
     key[24..].copy_from_slice(&seed.to_le_bytes());
     let mut rng = ChaCha8Rng::from_seed(key);
     rng.set_stream(batch);
@@ -192,6 +192,9 @@ struct Rungs<'k, 'r, 'b> {
 
 /// How often another predicate or other features are tried before a segment becomes random moves.
 const TRIES: usize = 4;
+
+/// How many critical values are looked at for an exact one.
+const EXACT_TRIES: usize = 8;
 
 impl Rungs<'_, '_, '_> {
     fn case(
@@ -294,17 +297,17 @@ impl Rungs<'_, '_, '_> {
         Some(cases.collect())
     }
 
-    /// A critical value of one tolerance; an exact one if a few tries meet one, for only there is a tie.
+    /// A critical value of one tolerance; off no shaken base an exact one if some tries meet one, for only there is a tie.
     fn critical(&mut self, set: &ToleranceSet) -> Option<Critical> {
-        // The angles settle four decisions, the edges' angle one that every pair has.
+        // The overlap angle and the territory settle the most kinds of decision, the edges' angle one that every pair has.
         let [search, territory, penetration, overlap, parallel, equal] = ladder::TOLERANCES;
         let weighted =
             [search, territory, territory, penetration, penetration, overlap, overlap, overlap, parallel, equal];
         let tolerance = self.kit.pick(&weighted);
         let mut found: Option<Critical> = None;
-        for _ in 0..3 {
+        for _ in 0..if self.shaken { 3 } else { EXACT_TRIES } {
             let next = ladder::critical(self.kit, (&self.base.a, &self.base.b), set, tolerance);
-            if next.as_ref().is_some_and(|c| c.exact) {
+            if next.as_ref().is_some_and(|c| self.shaken || c.exact) {
                 return next;
             }
             found = found.or(next);

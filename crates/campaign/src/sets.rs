@@ -2,15 +2,18 @@
 //! few binary digits, with which ties survive in every number format.
 
 use crate::directed::shadow::{length, minus};
+use crate::shapes::solid::number_of;
 use rockproof_model::number::{power_of_two, split_f64};
 use rockproof_model::preset::{self, Preset};
 use rockproof_model::{Block, Criteria, Number, Precision, ToleranceSet, ToleranceSpec};
 use std::fmt;
 use std::sync::Arc;
 
-/// The sets known by name: the presets, which a user would take, and four of few binary digits, with which ties survive
-/// in every number format and which reach what the presets cannot: [`dyadic`] under either criteria, [`coarse`], [`bare`].
-pub const NAMES: [&str; 7] = ["auto", "shi", "zero", "dyadic", "dyadic-classic", "dyadic-coarse", "dyadic-bare"];
+/// The sets known by name: the presets, which a user would take; five of few binary digits, with which ties survive in
+/// every number format and which reach what the presets cannot: [`dyadic`] under either criteria, [`coarse`], [`bare`],
+/// [`deep`]; and [`fractional`], whose ties no number format holds.
+pub const NAMES: [&str; 9] =
+    ["auto", "shi", "zero", "dyadic", "dyadic-classic", "dyadic-coarse", "dyadic-bare", "dyadic-deep", "fractional"];
 
 type Derive = dyn Fn(&Block, &Block, Precision) -> Option<ToleranceSet> + Send + Sync;
 
@@ -92,6 +95,8 @@ impl SetSource {
             "dyadic-classic" => Some(SetSource::dyadic(Criteria::Classic)),
             "dyadic-coarse" => Some(SetSource::new(name, |a, b, _| Some(coarse(a, b)))),
             "dyadic-bare" => Some(SetSource::new(name, |a, b, _| Some(bare(a, b)))),
+            "dyadic-deep" => Some(SetSource::new(name, |a, b, _| Some(deep(a, b)))),
+            "fractional" => Some(SetSource::new(name, |a, b, _| Some(fractional(a, b)))),
             _ => None,
         }
     }
@@ -190,6 +195,29 @@ pub fn bare(a: &Block, b: &Block) -> ToleranceSet {
     ToleranceSet { overlap_sine: none(), parallel_sine: none(), equal: none(), ..dyadic(a, b, Criteria::Classic) }
 }
 
+/// [`dyadic`] with g > s, as the rules of SPEC section 3 allow: overlaps as deep as the shortest edge are recorded, and of
+/// the two measures of a dip the angle decides.
+pub fn deep(a: &Block, b: &Block) -> ToleranceSet {
+    let short = binary_below(size(a).0.min(size(b).0));
+    ToleranceSet { penetration: number(short), ..dyadic(a, b, Criteria::Revised) }
+}
+
+/// [`dyadic`] in thirds and tenths: s = 7/3 u, r = 2/3 u, g = 13/10 u, sines of 1/20 and 1/30, ε = 10⁻⁴.
+pub fn fractional(a: &Block, b: &Block) -> ToleranceSet {
+    let set = dyadic(a, b, Criteria::Revised);
+    let share = |numerator: i128, denominator: i128| number_of(numerator, denominator, 0);
+    let length = |numerator: i128, denominator: i128| set.max_displacement.times(&share(numerator, denominator));
+    ToleranceSet {
+        search: length(7, 3),
+        territory: length(2, 3),
+        penetration: length(13, 10),
+        overlap_sine: share(1, 20),
+        parallel_sine: share(1, 30),
+        equal: share(1, 10_000),
+        ..set
+    }
+}
+
 /// The block's shortest edge and longest box side (m).
 pub(super) fn size(block: &Block) -> (f64, f64) {
     let points: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
@@ -223,6 +251,24 @@ mod tests {
             assert_eq!(SetSource::named(name).map(|s| s.name().to_owned()).as_deref(), Some(name));
         }
         assert!(SetSource::named("nothing").is_none());
+    }
+
+    #[test]
+    fn deep_and_fractional_keep_the_order_of_lengths() {
+        let whole = Number::from_integer;
+        let block = Block::cuboid(
+            &rockproof_model::Vec3::new(whole(0), whole(0), whole(0)),
+            &rockproof_model::Vec3::new(whole(3), whole(1), whole(2)),
+        )
+        .unwrap();
+        for (name, deeper) in [("dyadic-deep", true), ("fractional", false)] {
+            let set = SetSource::named(name).unwrap().derive(&block, &block).unwrap().f64;
+            let double = set.max_displacement.times(&whole(2));
+            assert!(set.search >= double && set.penetration >= set.max_displacement, "{name}");
+            assert!(set.territory <= set.search, "{name}");
+            assert_eq!(set.penetration > set.search, deeper, "{name}");
+            assert_eq!(set.search.as_f64().is_some(), deeper, "{name}");
+        }
     }
 
     #[test]

@@ -218,7 +218,7 @@ pub(crate) struct Corner {
     pub(crate) side: Side,
     pub(crate) vertex: u32,
     owner: u32,
-    /// The faces of the corner that the vertex's cone passes.
+    /// The faces of the corner that the vertex's cone passes: the true exits, or all if none is.
     pub(crate) faces: Vec<u32>,
 }
 
@@ -230,7 +230,11 @@ impl Corner {
             let side = side(kit);
             let (vertex, owner) = if side == Side::A { (va, vb) } else { (vb, va) };
             let all = pair.shadow.block(side.other()).topology().vertex_faces(owner).iter().copied();
-            let faces: Vec<u32> = all.filter(|&f| pair.cone_passes((side, vertex), f, None)).collect();
+            let mut faces: Vec<u32> = all.filter(|&f| pair.cone_passes((side, vertex), f, None)).collect();
+            // The choice is among the true exits, where there is one.
+            if faces.iter().any(|&f| pair.cone_leaves((side, vertex), f)) {
+                faces.retain(|&f| pair.cone_leaves((side, vertex), f));
+            }
             (faces.len() >= least).then_some(Corner { side, vertex, owner, faces })
         })
     }

@@ -41,6 +41,9 @@ impl Family for CornerCorner {
             b = kit.turned(&b);
         } else {
             b = kit.cube_turned(&b);
+            if kit.chance(40) {
+                b = kit.tipped(&b);
+            }
         }
         let out = kit.direction();
         let (va, vb) = (a.furthest(out), b.furthest(out.map(|c| -c)));

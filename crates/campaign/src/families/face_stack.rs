@@ -1,7 +1,7 @@
 //! A block on the top face of another.
 
 use super::{Family, Kit};
-use crate::shapes::{Solid, Turn};
+use crate::shapes::Solid;
 use crate::steps::Manner;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
@@ -31,10 +31,8 @@ impl Family for FaceStack {
         let below = flat_topped(&mut kit);
         let above = match kit.below(5) {
             4 => {
-                // Tipped about its lower edge by a few degrees of whole ratios.
-                let upright = kit.cuboid(8, 48);
-                let turn = Turn::from_quaternion([kit.between(3, 40) as i64, 1, 0, 0]);
-                kit.turned_by(&upright, turn)
+                let upright = if kit.chance(50) { kit.cuboid(8, 48) } else { kit.convex(8, 48) };
+                kit.tipped(&upright)
             }
             0 => {
                 // A block standing on a tip or an edge instead of a face.

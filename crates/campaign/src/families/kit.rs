@@ -211,6 +211,7 @@ impl<'r> Kit<'r> {
     pub fn convex(&mut self, low: i128, high: i128) -> Solid {
         match self.below(16) {
             0..=4 => self.cuboid(low, high),
+            5 if self.chance(12) => self.round(low, high),
             5 => self.hull(low, high),
             _ => {
                 // Equal sides keep the whole ratios between a shape's own lengths, and so its rational angles.
@@ -232,6 +233,12 @@ impl<'r> Kit<'r> {
         }
     }
 
+    /// A convex block of 50 to 200 vertices.
+    fn round(&mut self, low: i128, high: i128) -> Solid {
+        let sides = self.lengths(low, high);
+        self.pick(catalogue::round()).solid.stretched(sides, SIDE * self.denominator)
+    }
+
     /// A concave block of the catalogue.
     pub fn concave(&mut self, low: i128, high: i128) -> Solid {
         let sides = self.lengths(low, high);
@@ -247,6 +254,24 @@ impl<'r> Kit<'r> {
                 break q;
             }
         };
+        self.turned_by(solid, Turn::from_quaternion(quaternion))
+    }
+
+    /// The solid tipped by some degrees to a few hundredths of one, about one axis or two: what it laid on dips below
+    /// the plane it laid on by lengths of the order of g, r and r/10.
+    pub fn tipped(&mut self, solid: &Solid) -> Solid {
+        let n = match self.below(4) {
+            0 => self.between(3, 40),
+            1 => self.between(40, 400),
+            2 => self.between(400, 4000),
+            _ => 1 << self.between(4, 12),
+        };
+        let mut quaternion = [n as i64, 0, 0, 0];
+        let axis = 1 + self.below(3) as usize;
+        quaternion[axis] = self.sign() as i64;
+        if self.chance(30) {
+            quaternion[axis % 3 + 1] = self.sign() as i64;
+        }
         self.turned_by(solid, Turn::from_quaternion(quaternion))
     }
 

@@ -26,6 +26,7 @@ impl Family for VertexOnEdge {
         let below = if kit.chance(50) { ridge(&mut kit) } else { kit.cuboid(16, 48) };
         let above = kit.convex(8, 40);
         let above = if kit.chance(40) { kit.turned(&above) } else { kit.cube_turned(&above) };
+        let above = if kit.chance(20) { kit.tipped(&above) } else { above };
         // A vertex on the sharp side of the edge, and the edge from there along x (every shape drawn here has one).
         let p = below.furthest([-1, 0, 64]);
         let q = below.furthest([1, 0, 64]);

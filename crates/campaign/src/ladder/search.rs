@@ -1,8 +1,10 @@
 //! Finding the decision that a tolerance settles, and the square of the value at which it does.
 
+use super::dip::{Measure, cone, wedges};
+use super::exits::{one_exit, true_exit};
 use crate::directed::edges::across;
 use crate::directed::exact::{Exact, Root, fraction};
-use crate::directed::faces::{Corner, over_face, ridge_under_vertex, under_faces};
+use crate::directed::faces::Corner;
 use crate::directed::shadow::{V, cross, length, minus};
 use crate::directed::vertices::DRAWS;
 use crate::directed::{Pair, side};
@@ -10,14 +12,14 @@ use crate::families::Kit;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
+use rockproof_model::Criteria;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{Criteria, ToleranceSet, Vec3};
 
 /// A decision, the square of the critical value (m², or dimensionless), and how far B is to be moved first (m).
-type Found = Option<(Decision, BigRational, V)>;
+pub(super) type Found = Option<(Decision, BigRational, V)>;
 
 /// No move.
-const STAY: V = [0.0; 3];
+pub(super) const STAY: V = [0.0; 3];
 
 /// λ = 1/4, less a thousandth: what is measured against it is in f64.
 const QUARTER: f64 = 0.25 * 0.999;
@@ -33,21 +35,22 @@ pub(super) fn found(kit: &mut Kit<'_>, pair: &Pair<'_>, tolerance: &str) -> Foun
             _ => edge_gap(kit, pair, Predicate::EdgeEdgeNear),
         },
         // Under `classic` every territory is the search distance.
-        "territory" if revised => match kit.below(4) {
+        "territory" if revised => match kit.below(6) {
             0 | 1 => nearly_parallel(kit, pair, true),
-            2 => to_vertex(kit, pair, Predicate::VertexTerritory),
+            2 | 3 => true_exit(kit, pair),
+            4 => to_vertex(kit, pair, Predicate::VertexTerritory),
             _ => to_edge(kit, pair, Predicate::EdgeTerritory),
         },
         "penetration" => match kit.below(4) {
-            0 if revised => cone(kit, pair, true),
-            1 if revised => wedges(kit, pair, true),
+            0 if revised => cone(kit, pair, Measure::Length),
+            1 if revised => wedges(kit, pair, Measure::Length),
             0..=2 => face_gap(kit, pair, Predicate::VertexFaceDepth),
             _ => edge_gap(kit, pair, Predicate::EdgeEdgeDepth),
         },
         "overlap_sine" => match kit.below(3) {
             0 => one_exit(kit, pair),
-            1 => wedges(kit, pair, false),
-            _ => cone(kit, pair, false),
+            1 => wedges(kit, pair, Measure::Angle),
+            _ => cone(kit, pair, Measure::Angle),
         },
         "parallel_sine" => nearly_parallel(kit, pair, false),
         // Most gaps have an irrational ratio.
@@ -127,7 +130,7 @@ fn edge_gap(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
     depth_or_gap(&exact, Decision::about(predicate, &features), &gap, n.norm_squared())
 }
 
-fn both_edges<'p>(pair: &Pair<'p>, (ea, eb): (u32, u32), start: V) -> Exact<'p> {
+pub(super) fn both_edges<'p>(pair: &Pair<'p>, (ea, eb): (u32, u32), start: V) -> Exact<'p> {
     pair.exact(&pair.beside(Side::A, ea).chain(pair.beside(Side::B, eb)).collect::<Vec<_>>(), start)
 }
 
@@ -135,85 +138,6 @@ fn both_edges<'p>(pair: &Pair<'p>, (ea, eb): (u32, u32), start: V) -> Exact<'p> 
 fn depth_or_gap(exact: &Exact<'_>, decision: Decision, gap: &BigInt, square: BigInt) -> Found {
     let deep = matches!(decision.predicate, Predicate::VertexFaceDepth | Predicate::EdgeEdgeDepth);
     (!gap.is_zero() && deep == gap.is_negative()).then(|| (decision, exact.square_metres(&(gap * gap), &square), STAY))
-}
-
-/// The one edge direction at a vertex that dips below a plane: the sine of its angle, or (`by_depth`) the depth of its
-/// far end. The vertex is brought over the face.
-fn cone(kit: &mut Kit<'_>, pair: &Pair<'_>, by_depth: bool) -> Found {
-    let (asked, v, f, edge) = (0..DRAWS).find_map(|_| {
-        let asked = side(kit);
-        let (v, f) = pair.shadow.vertex_face(kit, asked);
-        let edge = *kit.pick(pair.shadow.block(asked).topology().vertex_edges(v));
-        // The decision matters only where the other edges pass.
-        let alone = pair.cone_passes((asked, v), f, Some(edge)) && pair.dip((asked, v), f, edge) > 0.0;
-        alone.then_some((asked, v, f, edge))
-    })?;
-    let other = asked.other();
-    let start = over_face(kit, pair, (asked, v), f, None);
-    let end = pair.shadow.block(asked).topology().edges()[edge as usize].other(v);
-    let exact = pair.exact(&pair.corners(other, f).chain([(asked, v), (asked, end)]).collect::<Vec<_>>(), start);
-    let n = exact.normal(other, f);
-    let e = exact.vertex(asked, end).minus(&exact.vertex(asked, v));
-    let dip = e.dot(&n);
-    if !dip.is_negative() {
-        return None;
-    }
-    let features = [Feature::Vertex(asked, v), Feature::Face(other, f), Feature::Edge(asked, edge)];
-    let test = Dip { squared: &dip * &dip, norms: n.norm_squared(), arm: e.norm_squared(), width: None };
-    Some((Decision::about(Predicate::ConePasses, &features), test.critical(&exact, pair.set, by_depth)?, start))
-}
-
-/// The worst of the four faces at two crossing edges, which are brought across each other.
-fn wedges(kit: &mut Kit<'_>, pair: &Pair<'_>, by_depth: bool) -> Found {
-    let (ea, eb) = pair.shadow.edge_edge(kit)?;
-    let start = across(kit, pair, ea, eb)?;
-    let exact = both_edges(pair, (ea, eb), start);
-    let n = exact.perpendicular(ea, eb);
-    let mut worst: Option<BigRational> = None;
-    for (side, edge) in [(Side::A, ea), (Side::B, eb)] {
-        let e = exact.edge(side, edge);
-        for face in [e.left, e.right] {
-            let m = exact.inward(side, edge, face);
-            let dip = n.dot(&m);
-            if dip.is_zero() || dip.is_negative() == (side == Side::B) {
-                continue;
-            }
-            let width = Some(width_squared(&exact, side, edge, face));
-            let test = Dip { squared: &dip * &dip, norms: n.norm_squared(), arm: m.norm_squared(), width };
-            worst = worst.max(test.critical(&exact, pair.set, by_depth));
-        }
-    }
-    let features = [Feature::Edge(Side::A, ea), Feature::Edge(Side::B, eb)];
-    Some((Decision::about(Predicate::WedgesPass, &features), worst?, start))
-}
-
-/// The sine between the two faces at a blunt edge of a convex block, and an offset of B that puts a vertex of the
-/// other under both: the deeper overlap may be another way out than the shallower.
-fn one_exit(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
-    if !(pair.shadow.a.is_convex() && pair.shadow.b.is_convex()) {
-        return None;
-    }
-    let (low, high) = (pair.territory(), pair.penetration());
-    if low >= 0.8 * high {
-        return None;
-    }
-    let (asked, vertex, edge) = (0..DRAWS).find_map(|_| ridge_under_vertex(kit, pair, true))?;
-    let other = asked.other();
-    let shallow = low + (high - low) / 16.0 * kit.between(2, 8) as f64;
-    let deep = shallow + (high - low) / 16.0 * kit.between(1, 5) as f64;
-    let left_is_deep = kit.chance(50);
-    let depths = if left_is_deep { [deep, shallow] } else { [shallow, deep] };
-    let start = under_faces(kit, pair, (asked, vertex, edge), depths)?;
-    let exact = pair.exact(&pair.beside(other, edge).collect::<Vec<_>>(), start);
-    let e = exact.edge(other, edge);
-    let (n, m) = (exact.normal(other, e.left), exact.normal(other, e.right));
-    if !n.dot(&m).is_positive() {
-        return None;
-    }
-    let both = [Feature::Vertex(asked, vertex), Feature::Face(other, if left_is_deep { e.left } else { e.right })];
-    let features = if asked == Side::A { both } else { [both[1], both[0]] };
-    let sine = fraction(n.cross(&m).norm_squared(), n.norm_squared() * m.norm_squared());
-    Some((Decision::about(Predicate::OneExit, &features), sine, start))
 }
 
 /// The sine between two edges, or (`by_territory`) how far one drifts from the other over the longer's length. The
@@ -226,14 +150,14 @@ fn nearly_parallel(kit: &mut Kit<'_>, pair: &Pair<'_>, by_territory: bool) -> Fo
     let (cross, l1, l2) = (d1.cross(&d2).norm_squared(), d1.norm_squared(), d2.norm_squared());
     let sine = fraction(cross.clone(), &l1 * &l2);
     let drift = exact.square_metres(&cross, &l1.max(l2));
-    // Under `revised` either tolerance is enough; one can only decide where the other says no.
+    // Under `revised` both must hold: one can only decide where the other says yes.
     let by_sine = sine <= pair.set.parallel_sine.to_rational().pow(2);
-    let by_drift = pair.set.criteria == Criteria::Revised && drift <= pair.set.territory.to_rational().pow(2);
+    let by_drift = pair.set.criteria == Criteria::Classic || drift <= pair.set.territory.to_rational().pow(2);
     let features = [Feature::Edge(Side::A, ea), Feature::Edge(Side::B, eb)];
     let decision = Decision::about(Predicate::NearlyParallel, &features);
     match by_territory {
-        true => (!by_sine).then_some((decision, drift, start)),
-        false => (!by_drift).then_some((decision, sine, start)),
+        true => by_sine.then_some((decision, drift, start)),
+        false => by_drift.then_some((decision, sine, start)),
     }
 }
 
@@ -270,39 +194,4 @@ fn equal(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
     let [a, b] = corner.contact();
     let [c, d] = corner.candidate(*f);
     Some((Decision::about(Predicate::EntranceChoice, &[a, b, c, d]), share.pow(2), start))
-}
-
-/// One comparison of the no-overlap checks: a dip of `√squared` along a normal, for an arm.
-struct Dip {
-    squared: BigInt,
-    norms: BigInt,
-    arm: BigInt,
-    /// The face's width squared, as numerator and denominator; for the cone check the arm is the length itself.
-    width: Option<(BigInt, BigInt)>,
-}
-
-impl Dip {
-    /// The square of the sine or depth that would let this dip pass, if the other tolerance does not.
-    fn critical(&self, exact: &Exact<'_>, set: &ToleranceSet, by_depth: bool) -> Option<BigRational> {
-        let sine = fraction(self.squared.clone(), &self.norms * &self.arm);
-        let depth = match &self.width {
-            None => exact.square_metres(&self.squared, &self.norms),
-            Some((width, over)) => exact.square_metres(&(&self.squared * width), &(&self.norms * &self.arm * over)),
-        };
-        let by_sine = sine <= set.overlap_sine.to_rational().pow(2);
-        let shallow = set.criteria == Criteria::Revised && depth <= set.penetration.to_rational().pow(2);
-        match by_depth {
-            true => (!by_sine).then_some(depth),
-            false => (!shallow).then_some(sine),
-        }
-    }
-}
-
-/// The square of the greatest distance of a face's vertices from the line of one of its edges: numerator, denominator.
-fn width_squared(exact: &Exact<'_>, side: Side, edge: u32, face: u32) -> (BigInt, BigInt) {
-    let d = exact.direction(side, edge);
-    let p = exact.vertex(side, exact.edge(side, edge).p);
-    let corners = &exact.block(side).topology().faces()[face as usize];
-    let far = corners.iter().map(|&v| exact.vertex(side, v).minus(&p).cross(&d)).max_by_key(Vec3::norm_squared);
-    (far.map_or(BigInt::zero(), |f| f.norm_squared()), d.norm_squared())
 }

@@ -1,5 +1,6 @@
 //! The shapes pairs are made of, each in the cube [0, 8]³ on integers. Stretched, turned and moved they become blocks.
 
+use super::round;
 use super::solid::{Solid, Units};
 use rockproof_differential::hull::convex_hull;
 use rockproof_model::{Block, BlockError, BlockOptions, Number, Point, Vec3};
@@ -35,6 +36,16 @@ pub fn concave() -> &'static [Template] {
     })
 }
 
+/// Convex shapes of about 50 to 200 vertices, most of them corners of five to seven edges.
+pub fn round() -> &'static [Template] {
+    static SHAPES: OnceLock<Vec<Template>> = OnceLock::new();
+    SHAPES.get_or_init(|| {
+        let shapes = [("round 50", 50), ("round 80", 80), ("round 125", 125), ("round 200", 200)];
+        let template = |(name, count)| Some(Template { name, solid: round::solid(count)? });
+        shapes.into_iter().filter_map(template).collect()
+    })
+}
+
 /// The convex shape of this name.
 ///
 /// # Panics
@@ -65,10 +76,11 @@ fn units_of(point: &Point) -> Units {
     point.components().map(|c| c.approximate() as i128)
 }
 
-fn solid_of(points: Vec<Units>, faces: Vec<Vec<u32>>) -> Result<Solid, BlockError> {
+/// The block of these faces over points in lattice units.
+pub(super) fn solid_of(points: Vec<Units>, faces: Vec<Vec<u32>>, denominator: i128) -> Result<Solid, BlockError> {
     let vertices = points.iter().map(point_of).collect();
     let block = Block::new(vertices, faces, &BlockOptions { planarity: Number::ZERO })?;
-    Ok(Solid::new(block, points, 1))
+    Ok(Solid::new(block, points, denominator))
 }
 
 /// A prism from z = 0 to z = 8 over a counter-clockwise polygon.
@@ -78,7 +90,7 @@ fn prism_template(name: &'static str, polygon: &[[i8; 2]]) -> Option<Template> {
     let points: Vec<Units> = layer(0).chain(layer(SIDE)).collect();
     let mut faces = vec![(0..n).rev().collect::<Vec<u32>>(), (n..2 * n).collect()];
     faces.extend((0..n).map(|k| vec![k, (k + 1) % n, n + (k + 1) % n, n + k]));
-    Some(Template { name, solid: solid_of(points, faces).ok()? })
+    Some(Template { name, solid: solid_of(points, faces, 1).ok()? })
 }
 
 /// A block from its face loops written as points.
@@ -97,7 +109,7 @@ fn loops_template(name: &'static str, loops: &[&[[i8; 3]]]) -> Option<Template> 
         faces.push(face);
     }
     let points = points.iter().map(|p| p.map(i128::from)).collect();
-    Some(Template { name, solid: solid_of(points, faces).ok()? })
+    Some(Template { name, solid: solid_of(points, faces, 1).ok()? })
 }
 
 /// Corners of each convex shape.
@@ -162,6 +174,9 @@ const CONVEX: &[(&str, &[[i8; 3]])] = &[
         ],
     ),
     ("half octahedron", &[[4, 0, 0], [8, 4, 0], [4, 8, 0], [0, 4, 0], [4, 4, 4], [4, 4, 8]]),
+    // Apexes of five and six edges.
+    ("spire", &[[0, 2, 0], [4, 0, 0], [8, 3, 0], [6, 8, 0], [1, 7, 0], [4, 4, 8]]),
+    ("tent", &[[2, 0, 0], [6, 0, 0], [8, 4, 0], [6, 8, 0], [2, 8, 0], [0, 4, 0], [4, 4, 8]]),
     ("trapezoid", &[[0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0], [0, 3, 8], [8, 3, 8], [8, 5, 8], [0, 5, 8]]),
 ];
 
@@ -173,6 +188,9 @@ const POLYGONS: &[(&str, &[[i8; 2]])] = &[
     ("plus", &[[3, 0], [5, 0], [5, 3], [8, 3], [8, 5], [5, 5], [5, 8], [3, 8], [3, 5], [0, 5], [0, 3], [3, 3]]),
     ("arrow", &[[0, 0], [4, 3], [8, 0], [4, 8]]),
     ("V notch", &[[0, 0], [8, 0], [8, 8], [4, 2], [0, 8]]),
+    // Three and four faces in a chain of convex edges.
+    ("chamfered L", &[[0, 2], [2, 0], [8, 0], [8, 3], [3, 3], [3, 8], [0, 8]]),
+    ("rounded L", &[[0, 3], [1, 1], [3, 0], [8, 0], [8, 4], [4, 4], [4, 8], [0, 8]]),
     ("stair", &[[0, 0], [8, 0], [8, 2], [5, 2], [5, 5], [2, 5], [2, 8], [0, 8]]),
 ];
 
@@ -214,6 +232,17 @@ mod tests {
             let edges = 0..block.topology().edges().len() as u32;
             assert!(edges.clone().any(|e| !block.edge_is_convex(e)), "{name} has a reflex edge");
             assert!(edges.clone().any(|e| block.edge_is_convex(e)), "{name} is not inside out");
+        }
+        let counts: Vec<usize> = round().iter().map(|t| t.solid.points().len()).collect();
+        assert_eq!(counts, [50, 80, 125, 200]);
+        for Template { name, solid } in round() {
+            let topology = solid.shape().topology();
+            let many = (0..solid.points().len() as u32).filter(|&v| topology.vertex_edges(v).len() >= 5).count();
+            assert!(
+                solid.shape().is_convex() && 2 * many > solid.points().len(),
+                "{name}: {many} corners of five edges"
+            );
+            assert!((0..3).all(|axis| solid.extent(axis).1 <= SIDE * solid.denominator()), "{name}");
         }
         for Template { name, solid } in convex().iter().chain(concave()) {
             assert_eq!((solid.extent(2), solid.denominator()), ((0, SIDE), 1), "{name}");

@@ -2,6 +2,7 @@
 
 pub mod catalogue;
 pub mod clip;
+mod round;
 pub mod solid;
 pub mod turn;
 

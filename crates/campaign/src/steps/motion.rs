@@ -26,7 +26,7 @@ pub enum Manner {
 
 /// The generator of one pair's motion: the seed is the key, the pair the stream.
 pub fn generator(seed: u64, index: u64) -> ChaCha8Rng {
-    let mut key = *b"rockproof steps, version 1......";
+    let mut key = *b"rockproof steps, version 2......";
     key[24..].copy_from_slice(&seed.to_le_bytes());
     let mut rng = ChaCha8Rng::from_seed(key);
     rng.set_stream(index);
@@ -54,6 +54,9 @@ fn sides(block: &Block) -> [[f64; 2]; 3] {
         [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)]
     })
 }
+
+/// The share of motions in which soft contacts sink until they are deeper than g, and are kept, in percent.
+const SINKING_PERCENT: u64 = 15;
 
 /// What a motion is drawn from.
 struct Draw<'k, 'r> {
@@ -124,6 +127,7 @@ impl<'k, 'r> Draw<'k, 'r> {
         let mut simulation = self.simulation(fixed);
         let time_step = simulation.control.time_step.approximate();
         let speed = self.reach / time_step;
+        let sinks = self.kit.chance(SINKING_PERCENT);
         let mut bodies = [Body::default(), Body::default()];
         for (number, body) in bodies.iter_mut().enumerate() {
             if fixed == Some(number) {
@@ -133,7 +137,7 @@ impl<'k, 'r> Draw<'k, 'r> {
             body.motion = if self.kit.chance(60) { Motion::Rigid } else { Motion::Deformable };
             // A moves towards B along the axis, B against it.
             let towards = if number == 0 { 1.0 } else { -1.0 };
-            let (velocity, spin) = self.velocity(manner);
+            let (velocity, spin) = if sinks { self.sinking() } else { self.velocity(manner) };
             let toward = |v: V| {
                 let mut v = v;
                 v[self.axis] *= towards;
@@ -142,7 +146,7 @@ impl<'k, 'r> Draw<'k, 'r> {
             body.velocity = self.vector(times(toward(velocity), speed));
             body.spin = self.vector(times(spin, speed / self.halves[number]));
         }
-        self.joint(&mut simulation, &bodies);
+        self.joint(&mut simulation, &bodies, sinks);
         PairMotion { bodies, simulation, steps }
     }
 
@@ -169,6 +173,12 @@ impl<'k, 'r> Draw<'k, 'r> {
         (times(velocity, wild), turning)
     }
 
+    /// Velocity towards the other block, with which a soft contact sinks through g within some steps, and spin.
+    fn sinking(&mut self) -> (V, V) {
+        let (normal, along) = (self.pick(&[0.5, 0.625, 0.75]), self.pick(&[0.0, 0.0, 0.015625, 0.25]));
+        (self.direction(normal, along), [0.0; 3])
+    }
+
     /// Gravity, material and control.
     fn simulation(&mut self, fixed: Option<usize>) -> Simulation {
         let mut simulation = Simulation::default();
@@ -193,8 +203,8 @@ impl<'k, 'r> Draw<'k, 'r> {
         simulation
     }
 
-    /// Springs, friction and strength, measured by the inertia of the lighter block.
-    fn joint(&mut self, simulation: &mut Simulation, bodies: &[Body; 2]) {
+    /// Springs, friction and strength, measured by the inertia of the lighter block; soft springs where it `sinks`.
+    fn joint(&mut self, simulation: &mut Simulation, bodies: &[Body; 2], sinks: bool) {
         let density = simulation.materials[0].density.approximate();
         let time_step = simulation.control.time_step.approximate();
         let masses = self.blocks.iter().zip(bodies).filter(|(_, body)| !body.is_fixed());
@@ -202,7 +212,9 @@ impl<'k, 'r> Draw<'k, 'r> {
         let mass = masses.fold(f64::INFINITY, f64::min);
         let inertia = 2.0 * mass / (time_step * time_step);
         let stress = inertia * self.reach / (self.half * self.half);
-        let stiff = self.pick(&[0.0, 0.0, 0.0625, 1.0, 64.0, 4096.0, 1_048_576.0]);
+        const SOFT: [f64; 3] = [0.00390625, 0.015625, 0.0625];
+        const ANY: [f64; 7] = [0.0, 0.0, 0.0625, 1.0, 64.0, 4096.0, 1_048_576.0];
+        let stiff = self.pick(if sinks { &SOFT } else { &ANY });
         let strong = |kit: &mut Kit<'_>| if kit.chance(35) { *kit.pick(&[0.0009765625, 0.0625, 1.0]) } else { 0.0 };
         let (cohesion, tension) = (strong(self.kit), strong(self.kit));
         let (ratio, friction) = (self.pick(&[0.4, 0.5, 1.0]), self.pick(&[0.0, 0.25, 0.6, 1.0]));

@@ -1,11 +1,11 @@
 //! Axis-parallel boxes: which meet, by a tree, and whether two blocks' boxes share more than their surfaces.
 
 use crate::Solid;
-use rockproof_model::Number;
+use rockproof_model::{Block, Number};
 
 /// A box in f64 that certainly holds a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Box3 {
+pub(crate) struct Box3 {
     low: [f64; 3],
     high: [f64; 3],
 }
@@ -23,11 +23,21 @@ struct Node {
 
 impl Box3 {
     /// The box of a block, grown by `margin` to all sides and rounded outwards.
-    pub(super) fn around(solid: &Solid, margin: f64) -> Box3 {
+    pub(crate) fn around(solid: &Solid, margin: f64) -> Box3 {
         // Once for coordinates rounded to f64, once for the difference.
         let low = solid.box_min.map(|c| (c.next_down() - margin).next_down());
         let high = solid.box_max.map(|c| (c.next_up() + margin).next_up());
         Box3 { low, high }
+    }
+
+    /// The box of blocks together, rounded outwards.
+    pub(crate) fn of_blocks(blocks: [&Block; 2]) -> Box3 {
+        let [one, two] = blocks.map(|block| {
+            let bounds = block.bounds();
+            let [low, high] = [bounds.min, bounds.max].map(|end| end.map(|c| c.approximate()));
+            Box3 { low: [low.x, low.y, low.z].map(f64::next_down), high: [high.x, high.y, high.z].map(f64::next_up) }
+        });
+        one.with(&two)
     }
 
     fn meets(&self, other: &Box3) -> bool {
@@ -48,7 +58,7 @@ impl Box3 {
 }
 
 /// The pairs of boxes that meet, **touching included**, the lower number first, in no particular order.
-pub(super) fn meeting_pairs(boxes: &[Box3]) -> Vec<[usize; 2]> {
+pub(crate) fn meeting_pairs(boxes: &[Box3]) -> Vec<[usize; 2]> {
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     let mut nodes = Vec::new();
     let mut found = Vec::new();
@@ -132,7 +142,7 @@ impl Node {
 
 /// Whether two blocks' boxes share no more than their surfaces, exactly: then the blocks do not overlap. **Boxes that
 /// touch say yes.**
-pub(super) fn share_surfaces_at_most(a: &Solid, b: &Solid) -> bool {
+pub(crate) fn share_surfaces_at_most(a: &Solid, b: &Solid) -> bool {
     (0..3).any(|axis| ends_before(a, b, axis) || ends_before(b, a, axis))
 }
 
