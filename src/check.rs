@@ -2,7 +2,7 @@
 
 use crate::exit::{Outcome, Verdict, complain, note, print};
 use crate::input::{ReadArgs, ToleranceArgs, precision};
-use crate::overlaps::{audit, is_dangerous, report};
+use crate::overlaps::{overlaps, report};
 use rockproof_model::{Number, Precision, Scene, ToleranceSet, ToleranceSpec, Violation, rules};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -53,9 +53,9 @@ impl Check {
         self.check_range(&scene, &set)?;
         let violations = rules::check_scene(&set, &scene, self.precision);
         print(&self.table(&scene, &spec, &set, &violations))?;
-        let audit = audit(&shapes, &set, None);
-        print(&report(&audit))?;
-        let sound = violations.is_empty() && !audit.overlaps.iter().any(is_dangerous);
+        let overlaps = overlaps(&shapes, &set, None);
+        print(&report(&overlaps))?;
+        let sound = violations.is_empty() && overlaps.dangerous() == 0;
         Ok(if sound { Verdict::Fine } else { Verdict::Objection })
     }
 

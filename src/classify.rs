@@ -2,7 +2,7 @@
 
 use crate::exit::{Outcome, Verdict, print};
 use crate::input::{ReadArgs, ToleranceArgs};
-use crate::overlaps::{audit, sentence};
+use crate::overlaps::{overlaps, sentence};
 use crate::table::table;
 use anyhow::Context;
 use clap::ValueEnum;
@@ -108,8 +108,8 @@ impl Classify {
         match self.format {
             Format::Table => write_table(&mut out, &found).and_then(|()| {
                 // Blocks that overlap deeper than any contact says are the first thing to know of a model.
-                let overlaps = sentence(&audit(&blocks, &tolerances, Some(&pairs)));
-                overlaps.map_or(Ok(()), |sentence| writeln!(out, "{sentence}"))
+                let said = sentence(&overlaps(&blocks, &tolerances, Some(&pairs)));
+                said.map_or(Ok(()), |sentence| writeln!(out, "{sentence}"))
             }),
             Format::Csv => write_csv(&mut out, &found),
             Format::Json => write_json(&mut out, &found),

@@ -10,7 +10,7 @@ use std::fmt::Write;
 const MOST_NAMED: usize = 5;
 
 /// The overlaps of all neighbouring pairs, or of some.
-pub(crate) fn audit(blocks: &[&Block], tolerances: &ToleranceSet, only: Option<&[(usize, usize)]>) -> Audit {
+pub(crate) fn overlaps(blocks: &[&Block], tolerances: &ToleranceSet, only: Option<&[(usize, usize)]>) -> Overlaps {
     let solids: Vec<Solid> = blocks.par_iter().map(|block| Solid::new(block)).collect();
     let auditor = Auditor::new(&solids, tolerances);
     let pairs = match only {
@@ -18,17 +18,36 @@ pub(crate) fn audit(blocks: &[&Block], tolerances: &ToleranceSet, only: Option<&
         Some(pairs) => pairs.iter().map(|&(i, j)| [i.min(j), i.max(j)]).collect(),
     };
     let audited: Vec<_> = pairs.par_iter().map(|&pair| auditor.pair(pair)).collect();
-    Audit::of(audited)
+    let coordinates = blocks.iter().flat_map(|block| block.coordinates());
+    let largest = coordinates.fold(0.0f64, |largest, c| largest.max(c.approximate().abs()));
+    Overlaps { audit: Audit::of(audited), rounding: 256.0 * f64::EPSILON * largest }
 }
 
-/// Whether an overlap makes a run untrustworthy: it is deeper than contacts are followed, or no contact tells of it though it is
-/// more than the unevenness of rounded faces.
-pub(crate) fn is_dangerous(overlap: &Overlap) -> bool {
-    overlap.is_deeper_than_g || (overlap.sight == Sight::Unseen && !overlap.is_within_unevenness)
+/// The overlaps of a model, and what rounded coordinates alone make blocks overlap by.
+pub(crate) struct Overlaps {
+    /// The audit.
+    pub(crate) audit: Audit,
+    /// 2⁸·eps·M of f64 in m, M the largest coordinate: below that rounding decides (SPEC section 3, the rule for `territory`).
+    rounding: f64,
+}
+
+impl Overlaps {
+    /// The overlaps that make a run untrustworthy: deeper than contacts are followed, or seen by no contact though more than what
+    /// rounded coordinates and uneven faces make of blocks that touch.
+    pub(crate) fn dangerous(&self) -> usize {
+        self.audit.overlaps.iter().filter(|overlap| self.is_dangerous(overlap)).count()
+    }
+
+    fn is_dangerous(&self, overlap: &Overlap) -> bool {
+        let is_rounding =
+            overlap.is_within_unevenness || overlap.penetration.depth_m().is_some_and(|depth| depth <= self.rounding);
+        overlap.is_deeper_than_g || (overlap.sight == Sight::Unseen && !is_rounding)
+    }
 }
 
 /// What the audit found, in one sentence; `None` where nothing overlaps.
-pub(crate) fn sentence(audit: &Audit) -> Option<String> {
+pub(crate) fn sentence(overlaps: &Overlaps) -> Option<String> {
+    let audit = &overlaps.audit;
     let worst = audit.deepest()?;
     let all = audit.overlaps.len();
     let deep = audit.overlaps.iter().filter(|overlap| overlap.is_deeper_than_g).count();
@@ -44,9 +63,10 @@ pub(crate) fn sentence(audit: &Audit) -> Option<String> {
 }
 
 /// What `check` says: the sentence, the deepest pairs, and what follows.
-pub(crate) fn report(audit: &Audit) -> String {
+pub(crate) fn report(overlaps: &Overlaps) -> String {
+    let audit = &overlaps.audit;
     let neighbours = audit.counts.neighbours();
-    let Some(sentence) = sentence(audit) else {
+    let Some(sentence) = sentence(overlaps) else {
         return format!("\noverlaps: none in {neighbours} neighbouring pairs\n");
     };
     let mut out = format!("\noverlaps: {sentence}\n");
@@ -68,9 +88,12 @@ pub(crate) fn report(audit: &Audit) -> String {
     if let Some(more) = worst.len().checked_sub(MOST_NAMED).filter(|more| *more > 0) {
         let _ = writeln!(out, "  and {more} more");
     }
-    let dangerous = audit.overlaps.iter().filter(|overlap| is_dangerous(overlap)).count();
+    let dangerous = overlaps.dangerous();
     let _ = match dangerous {
-        0 => writeln!(out, "  all are shallow enough for contacts to push the blocks apart"),
+        0 => writeln!(
+            out,
+            "  contacts hold them, or they are no more than rounded coordinates make of blocks that touch"
+        ),
         _ => writeln!(
             out,
             "  in {dangerous} of them the overlap is deeper than contacts are followed, or no contact sees it: the blocks will pass through one another"
