@@ -137,8 +137,15 @@ fn a_run_leaves_tables_pictures_and_what_they_were_made_from() {
     let files = place.files("reports/simulate-fall");
     let frames = [0, 50, 100, 120];
     let pictures = frames.iter().flat_map(|step| ["blocks", "contacts"].map(|p| format!("frames/{p}_{step:06}.vtu")));
-    let tables =
-        ["steps.csv", "measured.csv", "contacts.csv", "blocks.pvd", "contacts.pvd", "scene.toml", "rockproof.manifest.json"];
+    let tables = [
+        "steps.csv",
+        "measured.csv",
+        "contacts.csv",
+        "blocks.pvd",
+        "contacts.pvd",
+        "scene.toml",
+        "rockproof.manifest.json",
+    ];
     let mut expected: Vec<String> = pictures.chain(tables.map(str::to_owned)).collect();
     expected.sort();
     assert_eq!(files.keys().cloned().collect::<Vec<_>>(), expected);

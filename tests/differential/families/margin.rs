@@ -176,10 +176,34 @@ impl Pair<'_> {
         let by_sine = sign(&(&so * &so * n2 * arm2 - dip * dip));
         let g = self.set.penetration.to_rational();
         let by_depth = sign(&(&g * &g * n2 * arm2 - dip * dip * width2));
-        if self.revised() { by_sine.max(by_depth) } else { by_sine }
+        if self.revised() { by_sine.min(by_depth) } else { by_sine }
+    }
+
+    /// How far a dip is within a tenth of r.
+    fn true_exit_dip(&self, dip: &Q, n2: &Q, arm2: &Q, width2: &Q) -> Sign {
+        let tenth = self.set.territory.to_rational() / whole(10);
+        sign(&(&tenth * &tenth * n2 * arm2 - dip * dip * width2))
+    }
+
+    /// Whether the plane of a vertex and a face is a true exit: the worst over the edges that dip.
+    fn true_exit_of_face(&self, side: Side, v: u32, f: u32) -> Sign {
+        let n = self.normal(side.other(), f);
+        let edges = self.blocks[side as usize].topology().vertex_edges(v);
+        let arms = edges.iter().map(|&e| self.away(side, v, e)).filter(|arm| dot(&n, arm).is_negative());
+        let worst = arms.map(|arm| self.true_exit_dip(&dot(&n, &arm), &square(&n), &square(&arm), &square(&arm))).min();
+        if self.revised() { worst.unwrap_or(Sign::Positive) } else { Sign::Positive }
     }
 
     fn wedges(&self, e: u32, f: u32) -> Sign {
+        self.worst_wedge(e, f, Self::dip)
+    }
+
+    fn true_exit_of_edges(&self, e: u32, f: u32) -> Sign {
+        if self.revised() { self.worst_wedge(e, f, Self::true_exit_dip) } else { Sign::Positive }
+    }
+
+    /// The worst over the faces at two edges that dip.
+    fn worst_wedge(&self, e: u32, f: u32, margin: fn(&Self, &Q, &Q, &Q, &Q) -> Sign) -> Sign {
         let n = self.perpendicular(e, f);
         let mut worst = Sign::Positive;
         for (side, edge) in [(Side::A, e), (Side::B, f)] {
@@ -188,7 +212,7 @@ impl Pair<'_> {
                 let m = self.inward(side, edge, face);
                 let dip = if side == Side::A { dot(&n, &m) } else { -dot(&n, &m) };
                 if dip.is_negative() {
-                    worst = worst.min(self.dip(&dip, &square(&n), &square(&m), &self.width2(side, edge, face)));
+                    worst = worst.min(margin(self, &dip, &square(&n), &square(&m), &self.width2(side, edge, face)));
                 }
             }
         }
@@ -202,7 +226,7 @@ impl Pair<'_> {
         let r = self.set.territory.to_rational();
         let by_sine = sign(&(&sp * &sp * square(&d) * square(&c) - &n2));
         let by_drift = sign(&(&r * &r * square(&d).max(square(&c)) - &n2));
-        if self.revised() { by_sine.max(by_drift) } else { by_sine }
+        if self.revised() { by_sine.min(by_drift) } else { by_sine }
     }
 
     fn feet_inside(&self, e: u32, f: u32) -> Sign {
@@ -314,6 +338,8 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
             return (case.margin == Some(Sign::Zero)).then_some(if tie { Sign::Zero } else { Sign::Negative });
         }
         (Predicate::OneExit, Some(_), Some(_)) => return None,
+        (Predicate::TrueExit, Some(Vertex(side, v)), Some(Face(_, f)))
+        | (Predicate::TrueExit, Some(Face(_, f)), Some(Vertex(side, v))) => pair.true_exit_of_face(side, v, f),
         (predicate, Some(Vertex(side, v)), Some(Face(_, f)))
         | (predicate @ Predicate::GapSign, Some(Face(_, f)), Some(Vertex(side, v))) => {
             let (q, n) = pair.gap(side, v, f);
@@ -343,7 +369,11 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
             if let Form::Ladder { .. } = case.form {
                 let edges = pair.blocks[side as usize].topology().vertex_edges(v);
                 let passes = |f: &&u32| edges.iter().all(|&e| pair.cone(side, v, **f, e) != Sign::Negative);
-                let best = faces.iter().filter(passes).map(|&f| pair.signed_gap2(side, v, f)).max()?;
+                let passing: Vec<u32> = faces.iter().filter(passes).copied().collect();
+                let is_true = |f: &&u32| pair.true_exit_of_face(side, v, **f) != Sign::Negative;
+                let gap = |&f: &u32| pair.signed_gap2(side, v, f);
+                let among_true = passing.iter().filter(is_true).map(gap).max();
+                let best = among_true.or_else(|| passing.iter().map(gap).max())?;
                 let h = pair.signed_gap2(side, v, first);
                 // ε − |1 − √(h²/best²)| with a rational root.
                 let ratio = h / best;
@@ -367,6 +397,7 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
                 Predicate::EdgeEdgeDepth => sign_with_root(&q, &g, &square(&n)),
                 Predicate::GapSign => sign(&q),
                 Predicate::WedgesPass => pair.wedges(e, f),
+                Predicate::TrueExit => pair.true_exit_of_edges(e, f),
                 _ => return None,
             }
         }
