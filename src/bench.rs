@@ -1,5 +1,7 @@
 //! `bench`: what classification costs, in floating point and exactly, and what a campaign manages.
 
+// Longer than 400 lines: one command and the table of each measure that it prints.
+
 use crate::exit::{Outcome, Verdict, note, print};
 use crate::table::{grouped, table};
 use clap::ValueEnum;

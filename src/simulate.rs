@@ -1,5 +1,7 @@
 //! `simulate`: a scene in motion, step by step.
 
+// Longer than 400 lines: one command with all its options and ways to end.
+
 use crate::check::violations_text;
 use crate::exit::{Outcome, Verdict, complain, note, print};
 use crate::input::{ReadArgs, ToleranceArgs};

@@ -2,6 +2,8 @@
 //! gives the bytes of one that was not; the pictures are what VTK's format asks for; a run that cannot go on keeps its last
 //! good state; a checkpoint of another run, or a damaged one, is refused.
 
+// Longer than 400 lines: the life of one directory, from its first step to a damaged file, in order.
+
 use base64::Engine;
 use rockproof_model::{
     Block, Contact, ContactKind, Entrance, EntranceKind, Number, Scene, SceneBlock, Sign, ToleranceSpec, Vec3,

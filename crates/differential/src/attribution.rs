@@ -5,6 +5,8 @@
 //! happens: tolerance, representation, arithmetic. So an error of an engine shows although a tolerance changed the same
 //! contact before it, and although it happens to undo that change.
 
+// Longer than 400 lines: one chain of causes, link after link.
+
 use super::agreement::{Agreement, Compared, Scribe, Span};
 use super::collapse::collapsed_feature;
 use super::compare::{Change, Difference, Features, differences};

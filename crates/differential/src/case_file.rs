@@ -1,5 +1,7 @@
 //! Findings as files that stand for themselves: both blocks, every tolerance, what was expected and what was said.
 
+// Longer than 400 lines: one file format, its reader and its writer side by side.
+
 use super::attribution::{Panel, examine};
 use super::compare::Change;
 use super::external::protocol::completed;

@@ -1,5 +1,7 @@
 //! Exact input numbers (SPEC section 1): every value a user writes is a rational, and stays one.
 
+// Longer than 400 lines: one type, how it is read, rounded and calculated with.
+
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;

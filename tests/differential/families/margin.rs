@@ -1,5 +1,7 @@
 //! The margins of `rockproof_campaign::directed`, evaluated in plain fractions straight from SPEC section 4.
 
+// Longer than 400 lines: every margin evaluated a second time, to be read beside SPEC section 4 as a whole.
+
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};

@@ -1,5 +1,7 @@
 //! Blocks with known answers, every error, and the filtered signs against plain fractions.
 
+// Longer than 400 lines: every error of a block, one after another.
+
 mod meeting;
 mod random_surfaces;
 
