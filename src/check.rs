@@ -2,7 +2,7 @@
 
 use crate::exit::{Outcome, Verdict, complain, note, print};
 use crate::input::{ReadArgs, ToleranceArgs, precision};
-use crate::overlaps::{overlaps, report};
+use crate::overlaps::overlaps;
 use rockproof_model::{Number, Precision, Scene, ToleranceSet, ToleranceSpec, Violation, rules};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -54,8 +54,8 @@ impl Check {
         let violations = rules::check_scene(&set, &scene, self.precision);
         print(&self.table(&scene, &spec, &set, &violations))?;
         let overlaps = overlaps(&shapes, &set, None);
-        print(&report(&overlaps))?;
-        let sound = violations.is_empty() && overlaps.dangerous() == 0;
+        print(&overlaps.report())?;
+        let sound = violations.is_empty() && overlaps.lost() == 0;
         Ok(if sound { Verdict::Fine } else { Verdict::Objection })
     }
 

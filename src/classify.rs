@@ -2,7 +2,7 @@
 
 use crate::exit::{Outcome, Verdict, print};
 use crate::input::{ReadArgs, ToleranceArgs};
-use crate::overlaps::{overlaps, sentence};
+use crate::overlaps::overlaps;
 use crate::table::table;
 use anyhow::Context;
 use clap::ValueEnum;
@@ -108,7 +108,7 @@ impl Classify {
         match self.format {
             Format::Table => write_table(&mut out, &found).and_then(|()| {
                 // Blocks that overlap deeper than any contact says are the first thing to know of a model.
-                let said = sentence(&overlaps(&blocks, &tolerances, Some(&pairs)));
+                let said = overlaps(&blocks, &tolerances, Some(&pairs)).sentence();
                 said.map_or(Ok(()), |sentence| writeln!(out, "{sentence}"))
             }),
             Format::Csv => write_csv(&mut out, &found),

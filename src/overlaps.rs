@@ -26,80 +26,87 @@ pub(crate) fn overlaps(blocks: &[&Block], tolerances: &ToleranceSet, only: Optio
 /// The overlaps of a model, and what rounded coordinates alone make blocks overlap by.
 pub(crate) struct Overlaps {
     /// The audit.
-    pub(crate) audit: Audit,
+    audit: Audit,
     /// 2⁸·eps·M of f64 in m, M the largest coordinate: below that rounding decides (SPEC section 3, the rule for `territory`).
     rounding: f64,
 }
 
+/// What an overlap means for a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Meaning {
+    /// Deeper than `penetration`, or seen by no contact: the blocks will pass through one another.
+    Lost,
+    /// Seen by a contact that can push the blocks apart.
+    Held,
+    /// No more than rounded coordinates and uneven faces make of blocks that touch.
+    Rounding,
+}
+
 impl Overlaps {
-    /// The overlaps that make a run untrustworthy: deeper than contacts are followed, or seen by no contact though more than what
-    /// rounded coordinates and uneven faces make of blocks that touch.
-    pub(crate) fn dangerous(&self) -> usize {
-        self.audit.overlaps.iter().filter(|overlap| self.is_dangerous(overlap)).count()
+    /// How many overlaps make a run untrustworthy: deeper than `penetration`, or seen by no contact though more than rounding.
+    pub(crate) fn lost(&self) -> usize {
+        self.count(Meaning::Lost)
     }
 
-    fn is_dangerous(&self, overlap: &Overlap) -> bool {
-        let is_rounding =
-            overlap.is_within_unevenness || overlap.penetration.depth_m().is_some_and(|depth| depth <= self.rounding);
-        overlap.is_deeper_than_g || (overlap.sight == Sight::Unseen && !is_rounding)
+    fn count(&self, meaning: Meaning) -> usize {
+        self.audit.overlaps.iter().filter(|overlap| self.meaning(overlap) == meaning).count()
     }
-}
 
-/// What the audit found, in one sentence; `None` where nothing overlaps.
-pub(crate) fn sentence(overlaps: &Overlaps) -> Option<String> {
-    let audit = &overlaps.audit;
-    let worst = audit.deepest()?;
-    let all = audit.overlaps.len();
-    let deep = audit.overlaps.iter().filter(|overlap| overlap.is_deeper_than_g).count();
-    let (unseen, shallow) = (audit.count(Sight::Unseen), audit.count(Sight::Shallow));
-    let [a, b] = worst.blocks;
-    let mut text = format!("{all} pairs overlap, {deep} deeper than penetration (worst {a}–{b}, {} m)", depth(worst));
-    // Writing to a String cannot fail.
-    let _ = match (unseen, shallow) {
-        (0, 0) => write!(text, "; contacts see all of them"),
-        _ => write!(text, "; contacts do not see {unseen} of them, and {shallow} at less than half their depth"),
-    };
-    Some(text)
-}
+    fn meaning(&self, overlap: &Overlap) -> Meaning {
+        let is_tiny = || overlap.penetration.depth_m().is_some_and(|depth| depth <= self.rounding);
+        if overlap.is_deeper_than_g {
+            Meaning::Lost
+        } else if overlap.is_within_unevenness || is_tiny() {
+            Meaning::Rounding
+        } else if overlap.sight == Sight::Unseen {
+            Meaning::Lost
+        } else {
+            Meaning::Held
+        }
+    }
 
-/// What `check` says: the sentence, the deepest pairs, and what follows.
-pub(crate) fn report(overlaps: &Overlaps) -> String {
-    let audit = &overlaps.audit;
-    let neighbours = audit.counts.neighbours();
-    let Some(sentence) = sentence(overlaps) else {
-        return format!("\noverlaps: none in {neighbours} neighbouring pairs\n");
-    };
-    let mut out = format!("\noverlaps: {sentence}\n");
-    let mut worst: Vec<&Overlap> = audit.overlaps.iter().collect();
-    // A stable sort: of equally deep ones the first pair first.
-    worst.sort_by_key(|overlap| std::cmp::Reverse(overlap.depth_squared()));
-    for overlap in worst.iter().take(MOST_NAMED) {
-        let [a, b] = overlap.blocks;
-        let deep = if overlap.is_deeper_than_g { ", deeper than penetration" } else { "" };
-        let uneven = if overlap.is_within_unevenness { ", within the unevenness of their faces" } else { "" };
-        let _ = writeln!(
-            out,
-            "  {:<11} {:>12} m  {}{deep}{uneven}",
-            format!("{a}–{b}"),
-            depth(overlap),
-            overlap.sight.name()
-        );
+    /// What the audit found, in one sentence; `None` where nothing overlaps.
+    pub(crate) fn sentence(&self) -> Option<String> {
+        let worst = self.audit.deepest()?;
+        let [a, b] = worst.blocks;
+        let worst = format!("worst {a}–{b}, {} m", depth(worst));
+        let counts = [Meaning::Lost, Meaning::Held, Meaning::Rounding].map(|meaning| self.count(meaning));
+        let said = [
+            "overlap deeper than penetration or where no contact sees it, and will pass through one another",
+            "overlap and are held by contacts",
+            "overlap by no more than rounding",
+        ];
+        let mut parts: Vec<String> = Vec::new();
+        for (count, said) in counts.into_iter().zip(said).filter(|(count, _)| *count > 0) {
+            let pairs = if count == 1 { "pair" } else { "pairs" };
+            let worst = if parts.is_empty() { format!(" ({worst})") } else { String::new() };
+            parts.push(format!("{count} {pairs}{worst} {said}"));
+        }
+        Some(parts.join("; "))
     }
-    if let Some(more) = worst.len().checked_sub(MOST_NAMED).filter(|more| *more > 0) {
-        let _ = writeln!(out, "  and {more} more");
+
+    /// What `check` says: the sentence and the deepest pairs.
+    pub(crate) fn report(&self) -> String {
+        let Some(sentence) = self.sentence() else {
+            return format!("\noverlaps: none in {} neighbouring pairs\n", self.audit.counts.neighbours());
+        };
+        let mut out = format!("\noverlaps: {sentence}\n");
+        let told = |overlap: &&Overlap| self.meaning(overlap) != Meaning::Rounding;
+        let mut worst: Vec<&Overlap> = self.audit.overlaps.iter().filter(told).collect();
+        // A stable sort: of equally deep ones the first pair first.
+        worst.sort_by_cached_key(|overlap| std::cmp::Reverse(overlap.depth_squared()));
+        for overlap in worst.iter().take(MOST_NAMED) {
+            let [a, b] = overlap.blocks;
+            let deep = if overlap.is_deeper_than_g { ", deeper than penetration" } else { "" };
+            let blocks = format!("{a}–{b}");
+            // Writing to a String cannot fail.
+            let _ = writeln!(out, "  {blocks:<11} {:>12} m  {}{deep}", depth(overlap), overlap.sight.name());
+        }
+        if let Some(more) = worst.len().checked_sub(MOST_NAMED).filter(|more| *more > 0) {
+            let _ = writeln!(out, "  and {more} more");
+        }
+        out
     }
-    let dangerous = overlaps.dangerous();
-    let _ = match dangerous {
-        0 => writeln!(
-            out,
-            "  contacts hold them, or they are no more than rounded coordinates make of blocks that touch"
-        ),
-        _ => writeln!(
-            out,
-            "  in {dangerous} of them the overlap is deeper than contacts are followed, or no contact sees it: the blocks will pass through one another"
-        ),
-    };
-    out
 }
 
 /// The penetration in metres, in four digits.

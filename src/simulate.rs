@@ -5,7 +5,7 @@
 use crate::check::violations_text;
 use crate::exit::{Outcome, Verdict, complain, note, print};
 use crate::input::{ReadArgs, ToleranceArgs};
-use crate::overlaps::{overlaps, report, sentence};
+use crate::overlaps::overlaps;
 use crate::simulate_exact::ExactRun;
 use crate::stop::on_ctrl_c;
 use crate::table::grouped;
@@ -172,13 +172,13 @@ impl Simulate {
             return Ok(Verdict::Objection);
         }
         let overlaps = overlaps(&scene.shapes(), &set, None);
-        if overlaps.dangerous() > 0 {
+        if overlaps.lost() > 0 {
             if !self.force && !self.resume {
-                print(report(&overlaps).trim_start())?;
+                print(overlaps.report().trim_start())?;
                 note("nothing was run; --force runs all the same");
                 return Ok(Verdict::Objection);
             }
-            note(&format!("running with blocks that overlap: {}", sentence(&overlaps).unwrap_or_default()));
+            note(&format!("running with blocks that overlap: {}", overlaps.sentence().unwrap_or_default()));
         }
         let violated: Vec<&str> = violations.iter().map(|violation| violation.rule.formula()).collect();
         if !violated.is_empty() {
