@@ -100,7 +100,8 @@ fn table_has_its_three_parts() {
 #[test]
 fn generic_pairs_hold_no_tie_of_two_different_things() {
     let generic = Sample::new(Sort::Generic, 5, 200).unwrap();
-    assert!(generic.touching > 80, "only {} of 200 touch", generic.touching);
+    // Version 2 of SPEC wants both measures, so fewer generic pairs touch than the 100 and more before: 78.
+    assert!(generic.touching > 60, "only {} of 200 touch", generic.touching);
     for ready in &generic.pairs {
         let trace = Pair::new(&ready.exact[0], &ready.exact[1]).trace(&ready.tolerances);
         for entry in trace.iter().filter(|entry| entry.tie) {

@@ -138,6 +138,8 @@ fn cases_replay_and_shrink() {
     let cases: Vec<String> = fs::read_dir(Path::new(&out).join("cases"))
         .expect("cases")
         .map(|e| e.expect("entry").path().to_string_lossy().into_owned())
+        // Those of steps are state files, which are not shrunk.
+        .filter(|case| case.ends_with(".toml"))
         .collect();
     assert!(cases.len() > 6, "cases of more than one cause");
     for case in &cases {

@@ -74,10 +74,10 @@ fn best(rows: &[HashMap<String, String>]) -> &HashMap<String, String> {
     rows.iter().find(|row| row["best"] == "1").expect("one that is best")
 }
 
-/// Ridges of 4 m that cross at 1.15°: under the angles of `auto` the crossing edges count as parallel, their contact is not found, and the upper
-/// block sinks.
+/// Ridges of 4 m that cross at 1.15°. By version 1 of SPEC the crossing edges counted as parallel under the angles of `auto`, and the upper
+/// block sank by 3 mm and more. Version 2 asks for both measures, so nothing sinks, and no set found lets it.
 #[test]
-fn crossed_ridges_that_sink_get_a_set_under_which_they_do_not() {
+fn crossed_ridges_stand_under_auto_and_under_the_set_found() {
     let dir = tempfile::tempdir().expect("a directory");
     let (scene, out) = (path(dir.path(), "ridges.toml"), path(dir.path(), "out"));
     let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/handmade/quasi_parallel_edges.toml");
@@ -89,10 +89,9 @@ fn crossed_ridges_that_sink_get_a_set_under_which_they_do_not() {
     let rows = rows(&out);
     let (author, best) = (&rows[0], best(&rows));
     let [theirs, ours] = [author, best].map(|row| number(row, "sunk_m"));
-    assert!(theirs > 0.003 && ours < theirs / 4.0 && best["violated"].is_empty(), "{theirs} {ours} {best:?}");
+    assert!(theirs < 0.001 && ours <= theirs && best["violated"].is_empty(), "{theirs} {ours} {best:?}");
     assert!([author, best].iter().all(|row| number(row, "lock_steps") >= 12.0), "both were made exactly: {best:?}");
     assert!(number(best, "lock_differ") <= number(author, "lock_differ"), "{best:?}");
-    assert!(printed.contains("lets blocks sink"), "{printed}");
     // And with that set as the author's, there is nothing better to be had by what is given.
     let (set, again) = (path(Path::new(&out), "tolerances.toml"), path(dir.path(), "again"));
     let args = ["tune", &scene, "--tolerances", &set, "--candidates", "5", "--steps", "12", "--out", &again];
