@@ -237,7 +237,7 @@ fn a_stress_set_and_measurements_are_read_from_their_tables_alone() {
         rockproof(&["report", &stress, &bench, "--title", title, "--out", out.to_str().expect("text")]);
     assert_eq!(code, 0, "{err}");
     assert!(
-        verdict.starts_with("stepper-f64, no ties: safe to 10⁸ times the pair's size from the origin; "),
+        verdict.starts_with("stepper-f64, no ties: safe to 10⁷ times the pair's size from the origin; "),
         "{verdict}"
     );
     assert_eq!(verdict.lines().count(), 3, "{verdict}");
