@@ -86,17 +86,20 @@ impl Critical {
     }
 }
 
-/// Chooses a decision of the pair that `tolerance` settles, and finds the critical value. Decisions that do not depend
+/// How many numbers name kinds of decision: each kind that a tolerance settles has its share of them.
+pub const KINDS: u64 = 60;
+
+/// Chooses a decision of the pair that `tolerance` settles, of one kind (below [`KINDS`]), and finds the critical value. Decisions that do not depend
 /// on where B is may ask for B to be moved to where they are asked. `None` where the pair has no such decision, or the
 /// value is out of all proportion.
 pub fn critical(
     kit: &mut Kit<'_>,
     (a, b): (&Block, &Block),
     set: &ToleranceSet,
-    tolerance: &'static str,
+    (tolerance, kind): (&'static str, u64),
 ) -> Option<Critical> {
     let pair = Pair::new(a, b, set);
-    let (decision, squared, offset) = search::found(kit, &pair, tolerance)?;
+    let (decision, squared, offset) = search::found(kit, &pair, (tolerance, kind))?;
     let mut critical = Critical::new(decision, tolerance, squared)?;
     let moved = offset.iter().any(|c| *c != 0.0);
     critical.offset = moved.then(|| offset.map(|c| Number::from_f64(c).unwrap_or(Number::ZERO)));

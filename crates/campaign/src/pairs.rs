@@ -9,7 +9,7 @@ use crate::{sets, shake};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rockproof_model::decision::{Decision, Predicate};
-use rockproof_model::{Block, Criteria, Number, Precision, Sign, ToleranceSet, Vec3};
+use rockproof_model::{Block, Criteria, Number, Precision, Sign, Vec3};
 use std::sync::Arc;
 
 /// Pairs in a batch.
@@ -96,7 +96,7 @@ pub struct PairConfig {
     pub sets_per_batch: usize,
     /// Share of boundary-directed pairs, in percent.
     pub directed_percent: u64,
-    /// Share of tolerance ladders, in percent. The rest are random moves.
+    /// Share of tolerance ladders, in percent. The rest are random moves, or off no shaken base mostly ladders of r and g.
     pub ladder_percent: u64,
     /// Share of batches taken off their ties, in percent: their base is shaken by some steps of f32, and what is aimed
     /// from there keeps an f32 step or more away from the boundary.
@@ -147,6 +147,8 @@ pub fn batch(seed: u64, batch: u64, config: &PairConfig) -> Vec<PairCase> {
             rungs.directed(room)
         } else if draw < config.directed_percent + config.ladder_percent {
             rungs.ladder(room)
+        } else if !shaken && config.ladder_percent > 0 && rungs.kit.chance(60) {
+            rungs.length_ladder(room)
         } else {
             None
         };
@@ -195,6 +197,9 @@ const TRIES: usize = 4;
 
 /// How many critical values are looked at for an exact one.
 const EXACT_TRIES: usize = 8;
+
+/// The tolerances that dips are measured by.
+const LENGTHS: [&str; 2] = ["territory", "penetration"];
 
 impl Rungs<'_, '_, '_> {
     fn case(
@@ -271,15 +276,31 @@ impl Rungs<'_, '_, '_> {
         match self.kit.below(20) {
             0..=6 if concave => Predicate::ShortestExit,
             0..=2 => Predicate::EntranceChoice,
+            3 => Predicate::EntranceDepth,
             _ => *self.kit.pick(&directed::MOVED),
         }
     }
 
     fn ladder(&mut self, room: usize) -> Option<Vec<PairCase>> {
+        // The overlap angle and the territory settle the most kinds of decision, the edges' angle one that every pair has.
+        let [search, territory, penetration, overlap, parallel, equal] = ladder::TOLERANCES;
+        let weighted =
+            [search, territory, territory, penetration, penetration, overlap, overlap, overlap, parallel, equal];
+        self.ladder_of(&weighted, room)
+    }
+
+    /// A ladder of r or g: ties of lengths are rare among all that these settle, and seldom change a contact.
+    fn length_ladder(&mut self, room: usize) -> Option<Vec<PairCase>> {
+        self.ladder_of(&LENGTHS, room)
+    }
+
+    fn ladder_of(&mut self, tolerances: &[&'static str], room: usize) -> Option<Vec<PairCase>> {
         let set = self.set();
         let precision = self.precision();
-        let chosen = set.of(precision).clone();
-        let critical = (0..TRIES).find_map(|_| self.critical(&chosen))?;
+        let (set, critical) = (0..TRIES).find_map(|_| {
+            let tolerance = self.kit.pick(tolerances);
+            self.critical(&set, precision, tolerance)
+        })?;
         let rungs = self.rungs(precision, room);
         let cases = rungs.into_iter().filter_map(|rung| {
             let (rung, (value, margin)) = match critical.at(rung) {
@@ -297,22 +318,30 @@ impl Rungs<'_, '_, '_> {
         Some(cases.collect())
     }
 
-    /// A critical value of one tolerance; off no shaken base an exact one if some tries meet one, for only there is a tie.
-    fn critical(&mut self, set: &ToleranceSet) -> Option<Critical> {
-        // The overlap angle and the territory settle the most kinds of decision, the edges' angle one that every pair has.
-        let [search, territory, penetration, overlap, parallel, equal] = ladder::TOLERANCES;
-        let weighted =
-            [search, territory, territory, penetration, penetration, overlap, overlap, overlap, parallel, equal];
-        let tolerance = self.kit.pick(&weighted);
+    /// A critical value of one tolerance, and the set it was found with; off no shaken base an exact one if some tries
+    /// meet one, for only there is a tie, and best one that f32 holds, for only there does the tie survive in a float.
+    fn critical(
+        &mut self,
+        set: &NamedSet,
+        precision: Precision,
+        tolerance: &'static str,
+    ) -> Option<(NamedSet, Critical)> {
+        let revised = set.of(precision).criteria == Criteria::Revised;
+        let steep = !self.shaken && revised && LENGTHS.contains(&tolerance) && self.kit.chance(60);
+        let set = if steep { sets::steep(set, &self.base.a, &self.base.b) } else { set.clone() };
+        let kind = self.kit.below(ladder::KINDS);
         let mut found: Option<Critical> = None;
         for _ in 0..if self.shaken { 3 } else { EXACT_TRIES } {
-            let next = ladder::critical(self.kit, (&self.base.a, &self.base.b), set, tolerance);
-            if next.as_ref().is_some_and(|c| self.shaken || c.exact) {
-                return next;
+            let next = ladder::critical(self.kit, (&self.base.a, &self.base.b), set.of(precision), (tolerance, kind));
+            let Some(next) = next else { continue };
+            if self.shaken || (next.exact && next.value.is_exact_in(Precision::F32)) {
+                return Some((set, next));
             }
-            found = found.or(next);
+            if found.as_ref().is_none_or(|f| next.exact && !f.exact) {
+                found = Some(next);
+            }
         }
-        found
+        found.map(|critical| (set, critical))
     }
 
     /// Random moves: of the order of a tolerance, or of a few steps of a number format.

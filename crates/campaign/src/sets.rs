@@ -33,7 +33,7 @@ impl fmt::Debug for SetSource {
 /// A tolerance set with its name, for either precision.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedSet {
-    /// The source's name; after a colon the tolerance that a ladder has changed: `auto`, `auto:territory`.
+    /// The source's name, with `-steep` after [`steep`]; after a colon the tolerance that a ladder has changed: `auto`, `auto:territory`.
     pub name: String,
     /// The set for engines that calculate in f32.
     pub f32: ToleranceSet,
@@ -216,6 +216,20 @@ pub fn fractional(a: &Block, b: &Block) -> ToleranceSet {
         equal: share(1, 10_000),
         ..set
     }
+}
+
+/// A set with lengths and the overlap angle so large that of the measures of a dip the length alone decides: s and g at
+/// least 16 and one times the shortest edge, overlap angle arcsin 63/64. Dips of few binary digits are rarely shallow
+/// enough for other sets.
+pub fn steep(set: &NamedSet, a: &Block, b: &Block) -> NamedSet {
+    let short = binary_below(size(a).0.min(size(b).0));
+    let widened = |set: &ToleranceSet| ToleranceSet {
+        search: number(16.0 * short).max(set.search.clone()),
+        penetration: number(short).max(set.penetration.clone()),
+        overlap_sine: number(63.0 / 64.0),
+        ..set.clone()
+    };
+    NamedSet { name: format!("{}-steep", set.name), f32: widened(&set.f32), f64: widened(&set.f64) }
 }
 
 /// The block's shortest edge and longest box side (m).

@@ -84,12 +84,12 @@ pub(super) fn entrance_depth(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> 
     if g >= 0.9 * r {
         return None;
     }
-    let face = *kit.pick(&corner.faces);
-    let n = pair.shadow.normal(corner.side.other(), face);
-    let start = (0..DRAWS).find_map(|_| {
+    let (start, face) = (0..DRAWS).find_map(|_| {
+        let face = *kit.pick(&corner.faces);
+        let n = pair.shadow.normal(corner.side.other(), face);
         let drawn = pair.jitter(kit, r);
         let x = minus(drawn, times(n, dot(drawn, n) + g));
-        (length(x) < 0.98 * r && corner.best(pair, x) == face).then(|| corner.bring(pair, x))
+        (length(x) < 0.98 * r && corner.enters(pair, x, face)).then(|| (corner.bring(pair, x), face))
     })?;
     let vertices: Vec<_> = pair.corners(corner.side.other(), face).chain([(corner.side, corner.vertex)]).collect();
     let exact = pair.exact(&vertices, start);
@@ -262,6 +262,31 @@ impl Corner {
             let x = pair.jitter(kit, r.min(pair.penetration()));
             (length(x) < 0.98 * r).then(|| self.bring(pair, x))
         })
+    }
+
+    /// An offset of B that puts the vertex into the corner's territory, and the face below which it is the way in.
+    pub(crate) fn overlap(&self, kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<(V, u32)> {
+        let r = self.territory(pair);
+        (0..DRAWS).find_map(|n| {
+            let x = pair.jitter(kit, r / f64::from(1 << (n % 4)));
+            let face = self.best(pair, x);
+            let below = dot(pair.shadow.normal(self.side.other(), face), x) < 0.0;
+            (below && length(x) < 0.98 * r && self.enters(pair, x, face)).then(|| (self.bring(pair, x), face))
+        })
+    }
+
+    /// Whether nothing dips below the face, so that the plane passes and is a true exit whatever the tolerances, and it
+    /// is a better way in when the vertex is `x` away from the corner than the other faces of both corners.
+    fn enters(&self, pair: &Pair<'_>, x: V, face: u32) -> bool {
+        let other = self.side.other();
+        let edges = pair.shadow.block(self.side).topology().vertex_edges(self.vertex);
+        let level = edges.iter().all(|&e| pair.dip((self.side, self.vertex), face, e) <= 0.0);
+        let gap = dot(pair.shadow.normal(other, face), x);
+        let rivals = pair.shadow.block(self.side).topology().vertex_faces(self.vertex).iter();
+        let mut rivals = rivals.filter(|&&f| pair.cone_passes((other, self.owner), f, None));
+        level
+            && self.best(pair, x) == face
+            && rivals.all(|&f| -dot(pair.shadow.normal(self.side, f), x) <= gap + f64::EPSILON * length(x))
     }
 
     /// The offset of B that puts the vertex `x` away from the corner.

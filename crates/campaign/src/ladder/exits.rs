@@ -8,10 +8,12 @@ use crate::directed::shadow::{V, cross, length, minus, plus, times, unit};
 use crate::directed::vertices::DRAWS;
 use crate::directed::{Pair, side};
 use crate::families::Kit;
+use crate::sets::size;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::tolerance::LAMBDA_INVERSE;
 
 /// A true exit dips by at most this part of r: `r = 10·dip` is critical.
 const EXIT_INVERSE: i32 = 10;
@@ -84,7 +86,8 @@ pub(super) fn true_exit(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
         // No rule allows r > s.
         (squared <= pair.set.search.to_rational().pow(2)).then_some((place, plane, squared))
     })?;
-    let territory = squared.to_f64()?.sqrt();
+    let shortest = size(pair.shadow.a).0.min(size(pair.shadow.b).0);
+    let territory = squared.to_f64()?.sqrt().min(shortest / f64::from(LAMBDA_INVERSE));
     Some((plane.decision(), squared, place.reached(kit, pair, territory)?))
 }
 

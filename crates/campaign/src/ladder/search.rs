@@ -24,30 +24,31 @@ pub(super) const STAY: V = [0.0; 3];
 /// λ = 1/4, less a thousandth: what is measured against it is in f64.
 const QUARTER: f64 = 0.25 * 0.999;
 
-/// A decision that `tolerance` settles.
-pub(super) fn found(kit: &mut Kit<'_>, pair: &Pair<'_>, tolerance: &str) -> Found {
+/// A decision that `tolerance` settles, of one kind.
+pub(super) fn found(kit: &mut Kit<'_>, pair: &Pair<'_>, (tolerance, kind): (&str, u64)) -> Found {
     let revised = pair.set.criteria == Criteria::Revised;
     match tolerance {
-        "search" => match kit.below(4) {
+        "search" => match kind % 4 {
             0 => to_vertex(kit, pair, Predicate::VertexVertexNear),
             1 => to_edge(kit, pair, Predicate::VertexEdgeNear),
             2 => face_gap(kit, pair, Predicate::VertexFaceNear),
             _ => edge_gap(kit, pair, Predicate::EdgeEdgeNear),
         },
         // Under `classic` every territory is the search distance.
-        "territory" if revised => match kit.below(6) {
+        "territory" if revised => match kind % 6 {
             0 | 1 => nearly_parallel(kit, pair, true),
             2 | 3 => true_exit(kit, pair),
             4 => to_vertex(kit, pair, Predicate::VertexTerritory),
             _ => to_edge(kit, pair, Predicate::EdgeTerritory),
         },
-        "penetration" => match kit.below(4) {
-            0 if revised => cone(kit, pair, Measure::Length),
+        "penetration" => match kind % 6 {
+            4 => entrance_depth(kit, pair),
+            0 | 5 if revised => cone(kit, pair, Measure::Length),
             1 if revised => wedges(kit, pair, Measure::Length),
-            0..=2 => face_gap(kit, pair, Predicate::VertexFaceDepth),
+            0 | 1 | 2 | 5 => face_gap(kit, pair, Predicate::VertexFaceDepth),
             _ => edge_gap(kit, pair, Predicate::EdgeEdgeDepth),
         },
-        "overlap_sine" => match kit.below(3) {
+        "overlap_sine" => match kind % 3 {
             0 => one_exit(kit, pair),
             1 => wedges(kit, pair, Measure::Angle),
             _ => cone(kit, pair, Measure::Angle),
@@ -134,9 +135,25 @@ pub(super) fn both_edges<'p>(pair: &Pair<'p>, (ea, eb): (u32, u32), start: V) ->
     pair.exact(&pair.beside(Side::A, ea).chain(pair.beside(Side::B, eb)).collect::<Vec<_>>(), start)
 }
 
+/// The depth of a vertex below the way in, at a corner of the other block to whose territory it is brought.
+fn entrance_depth(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
+    let (corner, (start, face)) = (0..DRAWS).find_map(|_| {
+        let corner = Corner::choose(kit, pair, 1)?;
+        let place = corner.overlap(kit, pair)?;
+        Some((corner, place))
+    })?;
+    let vertices = pair.corners(corner.side.other(), face).chain([(corner.side, corner.vertex)]);
+    let exact = pair.exact(&vertices.collect::<Vec<_>>(), start);
+    let (gap, square, k) = exact.gap(corner.side, corner.vertex, face);
+    let decision = Decision::about(Predicate::EntranceDepth, &corner.contact());
+    let (decision, squared, _) = depth_or_gap(&exact, decision, &gap.constant, square * &k * &k)?;
+    Some((decision, squared, start))
+}
+
 /// `gap²/square`, where the gap has the sign that the decision asks about.
 fn depth_or_gap(exact: &Exact<'_>, decision: Decision, gap: &BigInt, square: BigInt) -> Found {
-    let deep = matches!(decision.predicate, Predicate::VertexFaceDepth | Predicate::EdgeEdgeDepth);
+    let deep =
+        matches!(decision.predicate, Predicate::VertexFaceDepth | Predicate::EdgeEdgeDepth | Predicate::EntranceDepth);
     (!gap.is_zero() && deep == gap.is_negative()).then(|| (decision, exact.square_metres(&(gap * gap), &square), STAY))
 }
 
