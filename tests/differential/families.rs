@@ -70,7 +70,7 @@ fn the_first_pairs_are_pinned() {
     assert_eq!(hash, PINNED, "{hash:#x}");
 }
 
-const PINNED: u64 = 0x9e9e_3e6a_50b4_dd10;
+const PINNED: u64 = 0x7a54_70c6_f8bf_82ff;
 
 /// What aims at one predicate, or ladders across one tolerance, came to.
 #[derive(Default, Debug)]
@@ -99,7 +99,7 @@ fn aims_hit_and_ladders_turn_where_they_say() {
     let mut by_predicate: BTreeMap<Predicate, Hits> = BTreeMap::new();
     let mut by_tolerance: BTreeMap<&str, Hits> = BTreeMap::new();
     let mut wrong = Vec::new();
-    for k in 0..900 {
+    for k in 0..1800 {
         for case in batch(11, k, &config) {
             let Some(decision) = case.form.decision() else { continue };
             if let Form::Ladder { tolerance, .. } = case.form {
@@ -137,7 +137,7 @@ fn aims_hit_and_ladders_turn_where_they_say() {
 fn ties_that_f32_holds_are_frequent() {
     let config = unshaken();
     let mut held: BTreeMap<Predicate, u32> = BTreeMap::new();
-    for k in 0..900 {
+    for k in 0..1800 {
         for case in batch(5, k, &config) {
             let tie = case.margin == Some(Sign::Zero);
             let exact = |n: &Number| n.is_exact_in(Precision::F32);

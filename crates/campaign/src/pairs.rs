@@ -196,7 +196,7 @@ struct Rungs<'k, 'r, 'b> {
 const TRIES: usize = 4;
 
 /// How many critical values are looked at for an exact one.
-const EXACT_TRIES: usize = 8;
+const EXACT_TRIES: usize = 24;
 
 /// The tolerances that dips are measured by.
 const LENGTHS: [&str; 2] = ["territory", "penetration"];

@@ -134,6 +134,13 @@ fn content(file: &Path) -> String {
 }
 
 impl FamilySource {
+    /// The same source of bases as their families make them, none perturbed: these hold the most exact ties.
+    #[must_use]
+    pub fn unshaken(mut self) -> FamilySource {
+        self.pairs.shaken_percent = 0;
+        self
+    }
+
     /// The pairs of one batch with all that is known of how they were made.
     pub fn cases(&self, number: u64) -> Vec<PairCase> {
         pairs::batch(self.seed, number, &self.pairs)

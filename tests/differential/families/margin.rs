@@ -78,6 +78,8 @@ struct Pair<'c> {
     blocks: [&'c Block; 2],
     points: [Vec<V>; 2],
     set: &'c ToleranceSet,
+    /// Whether a ladder is across an angle, or across a length; nothing where the pair is of no ladder.
+    across_angle: Option<bool>,
 }
 
 impl Pair<'_> {
@@ -152,6 +154,20 @@ impl Pair<'_> {
         self.set.criteria == Criteria::Revised
     }
 
+    /// The margin of a decision that needs both measures. Where both say yes, that of the one that the ladder is across.
+    fn both(&self, angle: Sign, length: Sign) -> Sign {
+        match self.across_angle {
+            Some(across_angle) if angle.min(length) != Sign::Negative => {
+                if across_angle {
+                    angle
+                } else {
+                    length
+                }
+            }
+            _ => angle.min(length),
+        }
+    }
+
     fn neighbours(&self) -> Sign {
         let s = self.set.search.to_rational();
         let margins = (0..3).flat_map(|i| {
@@ -178,7 +194,7 @@ impl Pair<'_> {
         let by_sine = sign(&(&so * &so * n2 * arm2 - dip * dip));
         let g = self.set.penetration.to_rational();
         let by_depth = sign(&(&g * &g * n2 * arm2 - dip * dip * width2));
-        if self.revised() { by_sine.min(by_depth) } else { by_sine }
+        if self.revised() { self.both(by_sine, by_depth) } else { by_sine }
     }
 
     /// How far a dip is within a tenth of r.
@@ -228,7 +244,7 @@ impl Pair<'_> {
         let r = self.set.territory.to_rational();
         let by_sine = sign(&(&sp * &sp * square(&d) * square(&c) - &n2));
         let by_drift = sign(&(&r * &r * square(&d).max(square(&c)) - &n2));
-        if self.revised() { by_sine.min(by_drift) } else { by_sine }
+        if self.revised() { self.both(by_sine, by_drift) } else { by_sine }
     }
 
     fn feet_inside(&self, e: u32, f: u32) -> Sign {
@@ -271,6 +287,10 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
         blocks: [&case.a, &case.b],
         points: [points(&case.a), points(&case.b)],
         set: case.sets[0].of(case.aimed_for),
+        across_angle: match &case.form {
+            Form::Ladder { tolerance, .. } => Some(tolerance.ends_with("_sine")),
+            _ => None,
+        },
     };
     let set = pair.set;
     let (s, r, g) = (set.search.to_rational(), set.territory.to_rational(), set.penetration.to_rational());

@@ -48,8 +48,8 @@ pub(super) fn found(kit: &mut Kit<'_>, pair: &Pair<'_>, (tolerance, kind): (&str
             0 | 1 | 2 | 5 => face_gap(kit, pair, Predicate::VertexFaceDepth),
             _ => edge_gap(kit, pair, Predicate::EdgeEdgeDepth),
         },
-        "overlap_sine" => match kind % 3 {
-            0 => one_exit(kit, pair),
+        "overlap_sine" => match kind % 4 {
+            0 | 3 => one_exit(kit, pair),
             1 => wedges(kit, pair, Measure::Angle),
             _ => cone(kit, pair, Measure::Angle),
         },
