@@ -84,7 +84,7 @@ fn crossed_ridges_stand_under_auto_and_under_the_set_found() {
     let text = fs::read_to_string(kept).expect("a scene");
     let auto: Vec<&str> = text.lines().filter(|line| !line.contains("_sine = ")).collect();
     fs::write(&scene, auto.join("\n")).expect("write");
-    let (code, printed, err) = rockproof(&["tune", &scene, "--candidates", "12", "--steps", "12", "--out", &out]);
+    let (code, _, err) = rockproof(&["tune", &scene, "--candidates", "12", "--steps", "12", "--out", &out]);
     assert!(code == 0 || code == 1, "{err}");
     let rows = rows(&out);
     let (author, best) = (&rows[0], best(&rows));
