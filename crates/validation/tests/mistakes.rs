@@ -76,7 +76,8 @@ fn planted_mistakes_make_their_cases_miss() {
         (MORE_FRICTION, &["incline, tan φ = 1/4, settled, 0.5 s", wedge]),
         (ALWAYS_LOCKS, &["incline, tan φ = 0, settled, 0.5 s", wedge, points]),
         (NEVER_OPENS, &["arch, t/R = 0.09", points]),
-        (NO_DRAG, &[drift, wedge]),
+        // Where friction settles, what rests is locked: only what slides shows a drag that is left out.
+        (NO_DRAG, &[wedge]),
         (NO_TRANSFER, &[drift]),
         (NEVER_CLOSES, &["head-on impact: momentum", "impact of two corners: momentum"]),
     ];
