@@ -5,7 +5,7 @@
 #![allow(missing_docs)] // criterion's macros make public items
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use rockproof::speed::{Sample, Sort, contestants};
+use rockproof_bench::{Sample, Sort, contestants};
 use std::hint::black_box;
 use std::time::Duration;
 

@@ -1,7 +1,72 @@
-//! Starts the command line.
+//! The command line: one file a command, and one place where an outcome becomes an exit code.
 
-mod cli;
+mod bench;
+mod campaign;
+mod check;
+mod classify;
+mod convert;
+mod exit;
+mod gate;
+mod input;
+mod overlaps;
+mod replay;
+mod replay_step;
+mod report;
+mod shrink;
+mod simulate;
+mod simulate_exact;
+mod stop;
+mod stress;
+mod table;
+mod tune;
 
-fn main() -> std::process::ExitCode {
-    cli::run()
+use clap::{Parser, Subcommand};
+use exit::Outcome;
+use std::process::ExitCode;
+
+/// Tells whether contact analysis of polyhedral blocks can be trusted.
+///
+/// Exit codes: 0 done; 1 a rule is violated or something denied was found; 2 usage or input error; 130 interrupted.
+#[derive(Parser)]
+#[command(name = "rockproof", version, max_term_width = 120)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Classify(classify::Classify),
+    Simulate(simulate::Simulate),
+    Check(check::Check),
+    Campaign(campaign::Campaign),
+    Replay(replay::Replay),
+    Report(report::Report),
+    Shrink(shrink::Shrink),
+    Convert(convert::Convert),
+    Gate(gate::Gate),
+    Bench(bench::Bench),
+    Tune(tune::Tune),
+}
+
+impl Command {
+    fn run(&self) -> Outcome {
+        match self {
+            Command::Classify(command) => command.run(),
+            Command::Simulate(command) => command.run(),
+            Command::Check(command) => command.run(),
+            Command::Campaign(command) => command.run(),
+            Command::Replay(command) => command.run(),
+            Command::Report(command) => command.run(),
+            Command::Shrink(command) => command.run(),
+            Command::Convert(command) => command.run(),
+            Command::Gate(command) => command.run(),
+            Command::Bench(command) => command.run(),
+            Command::Tune(command) => command.run(),
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    exit::code(Cli::parse().command.run())
 }

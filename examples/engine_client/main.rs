@@ -4,9 +4,9 @@
 //! `rockproof campaign --engine-command "mine=target/release/examples/engine_client"` must then find exactly what it finds about
 //! `stepper-f64`. A word as argument makes the client misbehave, for the tests: see `Trick`.
 
-use rockproof::model::{Block, BlockOptions, Contact, Criteria, Number, Point, ToleranceSet};
-use rockproof::stepper::contact::Spec;
-use rockproof::stepper::{Classifier, Stepper};
+use rockproof_model::{Block, BlockOptions, Contact, Criteria, Number, Point, ToleranceSet};
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::{Classifier, Stepper};
 use serde_json::{Value, json};
 use std::io::{BufRead, Write};
 

@@ -1,15 +1,14 @@
 //! One tolerance at a time around `auto`, under both criteria, on the same pairs.
 
 use rayon::prelude::*;
-use rockproof::campaign::attribution::{Panel, examine};
-use rockproof::campaign::builtin;
-use rockproof::campaign::finding::{Cause, Who};
-use rockproof::campaign::pairs::{self, PairConfig};
-use rockproof::campaign::sets::SetSource;
-use rockproof::campaign::subject::{Subject, SubjectSet};
-use rockproof::model::Precision;
-use rockproof::oracle;
-use rockproof::oracle::penetration::penetration;
+use rockproof_campaign::pairs::{self, PairConfig};
+use rockproof_campaign::sets::SetSource;
+use rockproof_differential::attribution::{Panel, examine};
+use rockproof_differential::builtin;
+use rockproof_differential::finding::{Cause, Who};
+use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_model::Precision;
+use rockproof_oracle::penetration::penetration;
 
 /// Pairs for every set.
 pub(crate) const PAIRS: u64 = 1024;
@@ -131,8 +130,8 @@ impl Row {
 /// One pair under one set.
 fn look(case: &pairs::PairCase, depth: Option<f64>, source: &SetSource, panel: &Panel, none: Row) -> Row {
     let Some(set) = source.derive(&case.a, &case.b) else { return none };
-    let solids = [oracle::Solid::new(&case.a), oracle::Solid::new(&case.b)];
-    let contacts = oracle::Pair::new(&solids[0], &solids[1]).classify(&set.f64).contacts.len() as u64;
+    let solids = [rockproof_oracle::Solid::new(&case.a), rockproof_oracle::Solid::new(&case.b)];
+    let contacts = rockproof_oracle::Pair::new(&solids[0], &solids[1]).classify(&set.f64).contacts.len() as u64;
     let allowed = set.f64.penetration.approximate();
     let subject = Subject {
         index: case.index,

@@ -17,9 +17,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let images = folder.join("images/rules");
     std::fs::create_dir_all(&images)?;
     for (name, chart) in page::charts(&rows, &approaches, &crossings) {
-        rockproof::model::files::write_atomically(images.join(format!("{name}.svg")), chart.svg()?)?;
+        rockproof_results::write_atomically(images.join(format!("{name}.svg")), chart.svg()?)?;
     }
     let text = page::tables(&rows, &approaches, &crossings);
-    rockproof::model::files::write_atomically(folder.join("rules_of_thumb_tables.md"), text)?;
+    rockproof_results::write_atomically(folder.join("rules_of_thumb_tables.md"), text)?;
     Ok(())
 }

@@ -2,9 +2,9 @@
 
 use crate::grid::{Row, ladders};
 use crate::steps::{Approach, Crossing};
-use rockproof::campaign::interval::wilson;
-use rockproof::model::Criteria;
-use rockproof::plot::{Axis, Chart, Legend, Marks, Series};
+use rockproof_bench::plot::{Axis, Chart, Legend, Marks, Series};
+use rockproof_campaign::interval::wilson;
+use rockproof_model::Criteria;
 use std::fmt::Write;
 
 /// The charts by the names of their files.

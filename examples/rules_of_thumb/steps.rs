@@ -1,12 +1,12 @@
 //! Two of the paper's scenes in steps: blocks that approach one another, and edges that are nearly parallel.
 
-use rockproof::model::simulation::{Unconverged, derive_stiffness};
-use rockproof::model::{
+use rockproof_model::simulation::{Unconverged, derive_stiffness};
+use rockproof_model::{
     Block, BlockOptions, Criteria, Motion, Number, Point, Precision, Scene, SceneBlock, ToleranceSet, ToleranceSpec,
     Vec3,
 };
-use rockproof::oracle::penetration::penetration;
-use rockproof::stepper::dynamics::{Dynamics, Solve};
+use rockproof_oracle::penetration::penetration;
+use rockproof_stepper::dynamics::{Dynamics, Solve};
 
 type Failure = Box<dyn std::error::Error>;
 

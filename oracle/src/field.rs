@@ -63,6 +63,28 @@ pub(crate) trait Field: Ring {
     /// An f64 near the value and at least its distance from it; infinite or NaN where f64 does not reach.
     fn nearby(&self) -> (f64, f64);
 
+    /// At least the size of every value enclosed; `None` where nothing is known, or where values are known exactly.
+    fn most(&self) -> Option<Magnitude>;
+
+    /// All values no larger than `size`; `None` where this type has no such enclosure.
+    fn within(size: Magnitude) -> Option<Self>;
+
+    /// The lesser of the two, of equal ones either. Where this type cannot tell which is less, an enclosure of both answers.
+    fn lesser(&self, other: &Self) -> Option<Self> {
+        let excess = self.minus(other);
+        match excess.certain_sign() {
+            Some(Sign::Positive) => Some(other.clone()),
+            Some(_) => Some(self.clone()),
+            // min(a, b) = a − max(0, a − b).
+            None => Some(self.plus(&Self::within(excess.most()?)?)),
+        }
+    }
+
+    /// `√self` of a value known to be a square: also where its enclosure reaches zero or below.
+    fn root_of_square(&self) -> Option<Self> {
+        self.root().or_else(|| Self::within(self.most()?.root()))
+    }
+
     /// Whether the value is certainly zero: it may be left out of sums.
     fn is_zero(&self) -> bool {
         self.certain_sign() == Some(Sign::Zero)

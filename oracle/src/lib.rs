@@ -5,21 +5,27 @@
 //! 1,024 bits, integers on the heap. No float takes a decision that its bound does not prove. [`plain`] does the same
 //! in plain rationals, to be compared with.
 
+pub mod audit;
+mod boxes;
 pub mod combination;
 mod contact;
 mod field;
 mod gap;
+mod inside;
 mod levels;
 mod mass;
 mod number;
 mod overlap;
 mod pair;
+pub mod passage;
 pub mod penetration;
+mod pieces;
 pub mod plain;
 mod predicate;
 pub mod rational;
 mod run;
 mod scales;
+mod separation;
 mod solid;
 pub mod solve;
 #[cfg(test)]

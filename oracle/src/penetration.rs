@@ -1,5 +1,5 @@
 //! How deep two blocks overlap (SPEC section 6), exactly: convex pairs by the least translation that parts them
-//! (`convex`), others by their deepest vertex (`vertices`); and the largest depth of a scene.
+//! (`convex`), others by their deepest point (`vertices`); and the largest depth of a scene.
 
 mod convex;
 mod vertices;
@@ -10,19 +10,21 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
 use rockproof_model::lattice::Lattice;
-use rockproof_model::{Block, Vec3};
+use rockproof_model::{Block, Sign, Vec3};
 use std::cmp::Ordering;
 
 /// How two blocks overlap.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Penetration {
     /// Of two convex blocks the largest gap over all directions: negative where they overlap, its square that of the least
-    /// translation; zero where they touch; positive apart. Of others negative where a vertex is inside the other block, its
-    /// square that of the deepest one's distance from the other's surface; else zero.
+    /// translation; zero where they touch; positive apart. Of others negative where they overlap, its square that of the
+    /// distance from the other's surface of the deepest vertex, or, if none is inside, of the deepest middle of an edge
+    /// between its crossings with faces, or, where no edge passes through either, of what their convex cells share; else
+    /// zero.
     pub gap: Gap,
     /// The direction in which A moves to get free, not of unit length. Of several equally good ones, the first: A's faces,
-    /// B's faces, then edges of A with edges of B; of vertices A's, then B's, each with the first face, edge or vertex that
-    /// is nearest. Zero where no vertex is inside.
+    /// B's faces, then edges of A with edges of B; of points A's, then B's, each with the first face, edge or vertex that
+    /// is nearest. Zero where no point is inside.
     pub direction: Vec3<BigRational>,
 }
 
@@ -32,7 +34,12 @@ impl Penetration {
         if self.gap.sign.is_negative() { self.gap.squared.sqrt_rounded() } else { Some(0.0) }
     }
 
-    fn depth_squared(&self) -> BigRational {
+    /// That of blocks that touch, or of which no more is known.
+    pub(crate) fn none() -> Penetration {
+        Penetration { gap: Gap { sign: Sign::Zero, squared: BigRational::default() }, direction: Vec3::zero() }
+    }
+
+    pub(crate) fn depth_squared(&self) -> BigRational {
         if self.gap.sign.is_negative() { self.gap.squared.clone() } else { BigRational::default() }
     }
 }
@@ -42,7 +49,7 @@ impl Penetration {
 /// Convexity is that of the blocks as loaded.
 pub fn penetration(a: &Block, b: &Block) -> Option<Penetration> {
     let pair = Units::new(a, b);
-    if a.is_convex() && b.is_convex() { convex::least_translation(&pair) } else { vertices::deepest_vertex(&pair) }
+    if a.is_convex() && b.is_convex() { convex::least_translation(&pair) } else { vertices::deepest_point(&pair) }
 }
 
 /// The deepest overlap in a scene.

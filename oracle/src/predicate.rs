@@ -74,6 +74,33 @@ impl Limit {
     }
 }
 
+/// A true exit dips by no more than r over this (SPEC section 4).
+const TRUE_EXIT_INVERSE: i32 = 10;
+
+/// How far features may dip below a plane and pass a no-overlap check.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DipLimit {
+    /// g: the plane passes.
+    Penetration,
+    /// r/10: the plane is a true exit.
+    TrueExit,
+}
+
+impl DipLimit {
+    /// The square of the limit over the square of the unit it is counted in.
+    #[inline(always)]
+    fn squared<V: View>(self, view: &V) -> (V::T, V::T) {
+        let scales = view.scales();
+        match self {
+            DipLimit::Penetration => (scales.penetration.squared(), scales.unit.squared()),
+            DipLimit::TrueExit => {
+                let tenths = scales.unit.times(&V::T::from_i32(TRUE_EXIT_INVERSE));
+                (scales.territory.squared(), tenths.squared())
+            }
+        }
+    }
+}
+
 #[inline(always)]
 fn side_of(side: Side) -> usize {
     match side {

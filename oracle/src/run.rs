@@ -9,7 +9,7 @@ use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView
 use num_bigint::BigInt;
 use rockproof_model::decision::{Decision, Side};
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Criteria, Sign, ToleranceSet};
+use rockproof_model::{ContactKey, Criteria, Sign, ToleranceSet};
 use std::cell::OnceCell;
 
 /// Sees every decision; [`Silent`] compiles to nothing.
@@ -39,6 +39,8 @@ pub(crate) struct Run<'p, 's, O> {
     pub(crate) pair: &'p Pair<'s>,
     pub(crate) tolerances: &'p ToleranceSet,
     pub(crate) classic: bool,
+    /// The contacts that the step before left closed.
+    pub(crate) kept: &'p [ContactKey],
     pub(crate) observer: O,
     pub(crate) levels: LevelCounts,
     floats: Scales<Approx>,
@@ -79,6 +81,7 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
             pair,
             tolerances,
             classic: tolerances.criteria == Criteria::Classic,
+            kept: &[],
             observer,
             levels: LevelCounts::default(),
             floats,
@@ -87,6 +90,17 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
             balls: OnceCell::new(),
             careful: OnceCell::new(),
         }
+    }
+
+    /// The same with contacts kept from the step before.
+    pub(crate) fn keeping(self, kept: &'p [ContactKey]) -> Self {
+        Run { kept, ..self }
+    }
+
+    /// Whether the step before left this contact closed: then it may be deeper than g.
+    #[inline(always)]
+    pub(crate) fn is_kept(&self, contact: ContactKey) -> bool {
+        self.kept.contains(&contact)
     }
 
     /// Makes one decision: everything `decide` asks the sign of belongs to it.

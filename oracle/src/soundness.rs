@@ -203,20 +203,19 @@ impl Checker<'_, '_> {
         let of = |side| self.pair.topology(side);
         let (ta, tb) = (of(Side::A), of(Side::B));
         let (va, vb) = (any(dice, ta.vertex_count()), any(dice, tb.vertex_count()));
-        let (ea, eb) = (any(dice, ta.edges().len()), any(dice, tb.edges().len()));
+        let (edge_a, edge_b) = (any(dice, ta.edges().len()), any(dice, tb.edges().len()));
         let (fa, fb) = (any(dice, ta.faces().len()), any(dice, tb.faces().len()));
         let axis = dice.below(3) as usize;
         let flip = dice.below(2) == 0;
-        let (edge_a, edge_b) = (ea, eb);
         self.visit(&BoxesMeet { low: (Side::A, va), high: (Side::B, vb), axis });
         for limit in [Limit::Search, Limit::Territory, Limit::Penetration] {
             self.visit(&Near { a: va, b: vb, limit });
-            for (vertex, edge) in [((Side::A, va), (Side::B, eb)), ((Side::B, vb), (Side::A, ea))] {
+            for (vertex, edge) in [((Side::A, va), (Side::B, edge_b)), ((Side::B, vb), (Side::A, edge_a))] {
                 self.visit(&NearLine { vertex, edge, limit });
             }
         }
         for (vertex, edge, face) in
-            [((Side::A, va), (Side::B, eb), (Side::B, fb)), ((Side::B, vb), (Side::A, ea), (Side::A, fa))]
+            [((Side::A, va), (Side::B, edge_b), (Side::B, fb)), ((Side::B, vb), (Side::A, edge_a), (Side::A, fa))]
         {
             let own = if vertex.0 == Side::A { ta } else { tb };
             let other = if vertex.0 == Side::A { tb } else { ta };
@@ -238,13 +237,15 @@ impl Checker<'_, '_> {
             self.visit(&NormalComponent { face, axis });
             self.visit(&EdgeAbovePlane { vertex, edge: at_vertex, face });
             self.visit(&EdgeDipAngle { edge: (vertex.0, at_vertex), face });
-            self.visit(&EdgeDipDepth { edge: (vertex.0, at_vertex), face });
+            let inward = InwardAcross { edge_a, edge_b, side: edge.0, right: flip };
+            for limit in [DipLimit::Penetration, DipLimit::TrueExit] {
+                self.visit(&EdgeDipDepth { edge: (vertex.0, at_vertex), face, limit });
+                self.visit(&WedgeDipDepth { inward, corner: far, limit });
+            }
             self.visit(&ParallelReach { edge_a, edge_b, longer: vertex.0 });
             self.visit(&CommonFoot { edge_a, edge_b, on: vertex.0, from_end: flip });
-            let inward = || InwardAcross { edge_a, edge_b, side: edge.0, right: flip };
-            self.visit(&inward());
-            self.visit(&WedgeDipAngle(inward()));
-            self.visit(&WedgeDipDepth { inward: inward(), corner: far });
+            self.visit(&inward);
+            self.visit(&WedgeDipAngle(inward));
         }
         self.visit(&ParallelAngle { edge_a, edge_b });
         self.visit(&Orientation { edge_a, edge_b });
@@ -252,7 +253,7 @@ impl Checker<'_, '_> {
         let entrances = [
             Entrance { kind: EntranceKind::VertexFace, a: va, b: fb },
             Entrance { kind: EntranceKind::FaceVertex, a: fa, b: vb },
-            Entrance { kind: EntranceKind::EdgeEdge, a: ea, b: eb },
+            Entrance { kind: EntranceKind::EdgeEdge, a: edge_a, b: edge_b },
         ];
         let (wa, wb) = (any(dice, ta.vertex_count()), any(dice, tb.vertex_count()));
         let (da, db) = (any(dice, ta.edges().len()), any(dice, tb.edges().len()));
@@ -361,7 +362,7 @@ fn polynomials_have_the_degree_they_say() {
     let (vertex, edge, face) = ((Side::A, 1), (Side::B, 2), (Side::B, 3));
     let entrance = |kind, a, b| Entrance { kind, a, b };
     let (first, second) = (entrance(EntranceKind::VertexFace, 1, 2), entrance(EntranceKind::EdgeEdge, 1, 4));
-    let inward = || InwardAcross { edge_a: 1, edge_b: 4, side: Side::A, right: false };
+    let inward = InwardAcross { edge_a: 1, edge_b: 4, side: Side::A, right: false };
     degree.check(&BoxesMeet { low: vertex, high: (Side::B, 2), axis: 0 });
     degree.check(&Near { a: 1, b: 2, limit: Limit::Search });
     degree.check(&NearForEdge { a: 1, b: 2, edge });
@@ -380,16 +381,18 @@ fn polynomials_have_the_degree_they_say() {
     degree.check(&NormalComponent { face, axis: 0 });
     degree.check(&EdgeAbovePlane { vertex, edge: a1.block.topology().vertex_edges(1)[0], face });
     degree.check(&EdgeDipAngle { edge: (Side::A, 2), face });
-    degree.check(&EdgeDipDepth { edge: (Side::A, 2), face });
     degree.check(&ParallelAngle { edge_a: 1, edge_b: 4 });
     degree.check(&ParallelReach { edge_a: 1, edge_b: 4, longer: Side::B });
     degree.check(&CommonFoot { edge_a: 1, edge_b: 4, on: Side::B, from_end: true });
     degree.check(&Orientation { edge_a: 1, edge_b: 4 });
-    degree.check(&inward());
-    degree.check(&WedgeDipAngle(inward()));
+    degree.check(&inward);
+    degree.check(&WedgeDipAngle(inward));
     let own = a1.block.topology().edges()[1];
     let corner = a1.block.topology().faces()[own.left as usize].iter().copied().find(|&w| w != own.p && w != own.q);
-    degree.check(&WedgeDipDepth { inward: inward(), corner: corner.unwrap() });
+    for limit in [DipLimit::Penetration, DipLimit::TrueExit] {
+        degree.check(&EdgeDipDepth { edge: (Side::A, 2), face, limit });
+        degree.check(&WedgeDipDepth { inward, corner: corner.unwrap(), limit });
+    }
     degree.check(&EdgesApart { edge_a: 1, edge_b: 4 });
     degree.check(&LargerGap { first, second, factor: Factor::OnePlusEqual });
     degree.check(&NormalsAgree { first, second });

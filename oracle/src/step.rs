@@ -2,14 +2,17 @@
 //!
 //! A step is calculated in f64 balls first. A mode that these do not settle is asked of balls of two f64, of 128 and 256
 //! bits, then of fractions, then of 512 and 1,024 bits (`ladder`); what even these leave open is counted as undecided and
-//! changes nothing. Fractions fail only where a friction force is irrational, or where an island has more than
+//! changes nothing. Fractions fail only where a friction force or a length in the question is irrational, or where an island has more than
 //! `ladder::EXACT_UNKNOWNS` unknowns.
 
+mod answer;
 mod approximate;
 mod attempt;
 mod chain;
 mod contact;
 mod frame;
+mod friction;
+mod iteration;
 mod ladder;
 mod margin;
 mod prepare;
@@ -21,7 +24,10 @@ mod system;
 mod transfer;
 mod update;
 
+pub use answer::{
+    CertifiedStep, Cut, FailedAttempt, GapChange, IterationEnd, StepAnswer, StepFailure, StepModel, UNCHANGED_SOLVES,
+};
 pub use ladder::StepLevels;
-pub use margin::{ModeMargin, mode_margins};
-pub use run::{CertifiedStep, Cut, StepAnswer, StepFailure, StepModel, certified_step, exact_step, first_system};
+pub use margin::{ModeMargin, friction_margins, mode_margins};
+pub use run::{certified_step, exact_step, first_system};
 pub use state::{BlockState, ContactMemory, Keep, Mode, State};

@@ -7,7 +7,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use rockproof_model::decision::Decision;
 use rockproof_model::number::{Precision, round_rational};
-use rockproof_model::{Sign, ToleranceSet};
+use rockproof_model::{ContactKey, Sign, ToleranceSet};
 
 /// One decision the oracle made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +33,12 @@ pub struct Margin {
 impl Pair<'_> {
     /// All decisions of [`Pair::classify`] in the order made, each once.
     pub fn trace(&self, tolerances: &ToleranceSet) -> Vec<TraceEntry> {
-        let mut run = Run::new(self, tolerances, Recorder::default());
+        self.trace_keeping(tolerances, &[])
+    }
+
+    /// All decisions of [`Pair::classify_keeping`], likewise.
+    pub fn trace_keeping(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Vec<TraceEntry> {
+        let mut run = Run::new(self, tolerances, Recorder::default()).keeping(kept);
         run.classify();
         let mut seen = std::collections::HashSet::new();
         run.observer.entries.retain(|entry| seen.insert(entry.decision));
@@ -47,9 +52,19 @@ impl Pair<'_> {
 
     /// The exact margins of several decisions, for the price of one classification and of the margins themselves.
     pub fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<Margin>> {
+        self.margins_keeping(tolerances, &[], decisions)
+    }
+
+    /// The exact margins of decisions of [`Pair::classify_keeping`].
+    pub fn margins_keeping(
+        &self,
+        tolerances: &ToleranceSet,
+        kept: &[ContactKey],
+        decisions: &[Decision],
+    ) -> Vec<Option<Margin>> {
         let recorder =
             Recorder { wanted: decisions.to_vec(), margins: vec![None; decisions.len()], ..Recorder::default() };
-        let mut run = Run::new(self, tolerances, recorder);
+        let mut run = Run::new(self, tolerances, recorder).keeping(kept);
         run.classify();
         run.observer.margins
     }

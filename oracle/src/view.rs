@@ -1,5 +1,7 @@
 //! Where a predicate finds its vectors, in whichever number type it is evaluated.
 
+// Longer than 400 lines: one view of a pair's vectors for all number types, which must not drift apart.
+
 use crate::number::{Approx, Ball, Bits, Bound};
 use crate::solid::{Errors, Solid, centre_sum, subtracted};
 use crate::unit_bounds::UnitBounds;

@@ -6,9 +6,11 @@ mod support;
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use rockproof_model::simulation::{FixedPoint, Kinematics, Motion, PointLoad, Unconverged};
+use rockproof_model::simulation::{FixedPoint, Kinematics, Motion, PointLoad};
 use rockproof_model::{Block, ContactKind, Number, Vec3};
-use rockproof_oracle::step::{Cut, Keep, Mode, StepFailure, StepModel, certified_step, exact_step};
+use rockproof_oracle::step::{
+    Cut, FailedAttempt, IterationEnd, Keep, Mode, StepFailure, StepModel, certified_step, exact_step,
+};
 use support::shapes::{Prism, WEDGE, cuboid, exact, number, point, spike};
 use support::steps::Scene;
 
@@ -138,7 +140,13 @@ fn a_fast_block_is_halved_until_it_keeps_the_limit() {
     scene.bodies[0].velocity = point(["40", "0", "0"]);
     // 40 m/s: 4/10 of a metre, 2/10, and 1/10, which is the limit and allowed.
     let answer = scene.step(&scene.start(), Keep::Exact);
-    assert_eq!(answer.cuts, [(exact("1/100"), Cut::Displacement), (exact("1/200"), Cut::Displacement)]);
+    let cut = |time_step: &str, cut| FailedAttempt {
+        time_step: exact(time_step),
+        cut,
+        solves: 1,
+        end: IterationEnd::Settled,
+    };
+    assert_eq!(answer.cuts, [cut("1/100", Cut::Displacement), cut("1/200", Cut::Displacement)]);
     assert_eq!(answer.time_step, exact("1/400"));
     assert_eq!(value(&answer.state.blocks[0].vertices[0].x), exact("1/10"));
     assert_eq!(value(&answer.state.time), exact("1/400"));
@@ -147,7 +155,7 @@ fn a_fast_block_is_halved_until_it_keeps_the_limit() {
     scene.tolerances.max_displacement = number("1");
     // 16 rad/s: 16/100, and 8/100 below the limit of 1/10.
     let answer = scene.step(&scene.start(), Keep::Exact);
-    assert_eq!(answer.cuts, [(exact("1/100"), Cut::Rotation)]);
+    assert_eq!(answer.cuts, [cut("1/100", Cut::Rotation)]);
     scene.tolerances.max_rotation = number("1/1000000");
     let shapes: Vec<&Block> = scene.blocks.iter().collect();
     let model: StepModel<'_> = scene.model(&shapes);
@@ -243,39 +251,6 @@ fn a_certified_step_decides_what_the_exact_step_does() {
     }
 }
 
-#[test]
-fn an_iteration_that_fails_is_cut_or_stops() {
-    // A contact without friction that closes and opens: thrown blocks, until one does not converge.
-    let mut failed = 0;
-    for speed in 1..40 {
-        let mut scene = diagonal(Kinematics::Cayley);
-        scene.blocks[1] = spike(["0", "0", "-1/1000"]);
-        scene.bodies[1].velocity = Vec3::new(Number::from_integer(speed), number("1/3"), number("-1/2"));
-        scene.bodies[1].spin = point(["1", "-2", "1/2"]);
-        scene.tolerances.max_displacement = number("1");
-        scene.tolerances.max_rotation = number("1");
-        let shapes: Vec<&Block> = scene.blocks.iter().collect();
-        for unconverged in [Unconverged::Accept, Unconverged::Stop] {
-            scene.simulation.control.unconverged = unconverged;
-            match exact_step(&scene.model(&shapes), &scene.start(), FINE) {
-                Ok(answer) => {
-                    failed += u32::from(answer.cuts.iter().any(|(_, why)| *why == Cut::NotConverged));
-                    let mut time_step = exact("1/100");
-                    for (tried, why) in &answer.cuts {
-                        assert_eq!(*tried, time_step);
-                        time_step *= if *why == Cut::NotConverged { exact("3/10") } else { exact("1/2") };
-                    }
-                    assert_eq!(answer.time_step, time_step);
-                    assert!(answer.iterations <= 6);
-                    assert_eq!(answer.converged, answer.modes[answer.modes.len() - 2] == *answer.modes.last().unwrap());
-                }
-                Err(why) => assert_eq!((why, unconverged), (StepFailure::NotConverged, Unconverged::Stop)),
-            }
-        }
-    }
-    println!("{failed} steps were cut");
-}
-
 /// A slab, a box thrown on it, and a wedge on the box: friction, several kinds of contact, both motions.
 fn heap() -> Scene {
     let slab = cuboid(["-8", "-8", "-1"], ["8", "8", "0"]);
@@ -283,6 +258,8 @@ fn heap() -> Scene {
     let tip = spike(["1/4", "1/8", "99999/100000"]);
     let blocks = vec![(slab, Motion::Fixed), (box_, Motion::Deformable), (tip, Motion::Rigid)];
     let mut scene = Scene::new(blocks, "1/2", ["1", "2", "-8"]);
+    // Corners of a box that tips a little are still found.
+    scene.tolerances.overlap_sine = number("1/20");
     scene.bodies[1].velocity = point(["1", "0", "-1/8"]);
     scene.bodies[2].velocity = point(["0", "1/2", "-1/4"]);
     scene.bodies[2].spin = point(["1/4", "1/8", "1/2"]);

@@ -11,13 +11,13 @@ use support::handworked;
 #[test]
 fn every_hand_worked_pair_comes_out() {
     let cases = handworked::cases();
-    assert!(cases.len() >= 90);
+    assert!(cases.len() >= 120);
     let mut wrong = Vec::new();
     for case in &cases {
         let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
         let pair = Pair::new(&a, &b);
         let found: Vec<_> = pair
-            .classify(&case.tolerances)
+            .classify_keeping(&case.tolerances, &case.kept)
             .contacts
             .into_iter()
             .map(|contact| (contact, pair.gap(&contact.entrance).squared))
@@ -34,11 +34,11 @@ fn decisions_agree_with_the_plain_path() {
     let mut compared = 0;
     for case in handworked::cases() {
         let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
-        let plain: BTreeMap<_, _> = plain::trace::<BigRational>(&case.a, &case.b, &case.tolerances)
+        let plain: BTreeMap<_, _> = plain::trace_keeping::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept)
             .into_iter()
             .map(|(decision, outcome, _)| (decision, outcome))
             .collect();
-        for entry in Pair::new(&a, &b).trace(&case.tolerances) {
+        for entry in Pair::new(&a, &b).trace_keeping(&case.tolerances, &case.kept) {
             if let Some(&outcome) = plain.get(&entry.decision) {
                 assert_eq!(entry.outcome, outcome, "{}: {}", case.name, entry.decision);
                 compared += 1;
@@ -54,9 +54,9 @@ fn margins_are_zero_exactly_at_ties() {
     for case in handworked::cases() {
         let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
         let pair = Pair::new(&a, &b);
-        let trace = pair.trace(&case.tolerances);
+        let trace = pair.trace_keeping(&case.tolerances, &case.kept);
         let decisions: Vec<_> = trace.iter().map(|entry| entry.decision).collect();
-        for (entry, margin) in trace.iter().zip(pair.margins(&case.tolerances, &decisions)) {
+        for (entry, margin) in trace.iter().zip(pair.margins_keeping(&case.tolerances, &case.kept, &decisions)) {
             let Some(margin) = margin else { continue };
             assert!((0.0..=1.0).contains(&margin.relative), "{}: {}", case.name, entry.decision);
             if entry.tie {

@@ -1,9 +1,9 @@
 //! A step of the stepper beside the oracle's step from the same state.
 
-use rockproof::lockstep::state::{exact_mode, exact_state};
-use rockproof::model::{Body, Number, Point, Scene, ToleranceSet};
-use rockproof::oracle::step as exact;
-use rockproof::stepper::dynamics::{Dynamics, StepRules};
+use rockproof_differential::lockstep::state::{exact_mode, exact_state};
+use rockproof_model::{Body, Number, Point, Scene, ToleranceSet};
+use rockproof_oracle::step as exact;
+use rockproof_stepper::dynamics::{Dynamics, StepRules};
 
 /// Lengths that differ by less are the same: f64 leaves 10⁻¹² or so in scenes of a few metres.
 const CLOSE: f64 = 1e-8;
@@ -31,7 +31,7 @@ pub(crate) fn first_difference<M: StepRules>(scene: &Scene, set: &ToleranceSet, 
         let differs = |what: &str| Some(format!("step {step}: {what}"));
         let contacts: Vec<_> =
             dynamics.state().contacts.iter().map(|c| (c.blocks.map(|b| b as usize), c.contact)).collect();
-        let features = |c: &[([usize; 2], rockproof::model::Contact)]| -> Vec<_> {
+        let features = |c: &[([usize; 2], rockproof_model::Contact)]| -> Vec<_> {
             c.iter().map(|(blocks, c)| (*blocks, c.kind, c.a, c.b, c.entrance)).collect()
         };
         if features(&contacts) != features(&answer.contacts) {

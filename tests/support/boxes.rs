@@ -1,7 +1,7 @@
 //! Boxes and tolerances of small scenes.
 
-use rockproof::model::scene::SceneBlock;
-use rockproof::model::{Block, Criteria, Motion, Number, ToleranceSet, Vec3};
+use rockproof_model::scene::SceneBlock;
+use rockproof_model::{Block, Criteria, Motion, Number, ToleranceSet, Vec3};
 
 pub(crate) fn n(text: &str) -> Number {
     Number::parse(text).unwrap()

@@ -1,9 +1,9 @@
 //! A stepper with a mistake, in f64, behind the campaign's trait.
 
 use super::mistakes::Mistaken;
-use rockproof::campaign::engine::{Engine, EngineFailure, Prepared, Trace, WideAnswer};
-use rockproof::model::{Block, Contact, Precision, ToleranceSet};
-use rockproof::stepper::Classifier;
+use rockproof_differential::engine::{Engine, EngineFailure, Prepared, Trace, WideAnswer};
+use rockproof_model::{Block, Contact, Precision, ToleranceSet};
+use rockproof_stepper::Classifier;
 
 /// The engine, by its name and its mistake.
 pub(crate) struct OneEngine(pub(crate) &'static str, pub(crate) Mistaken);

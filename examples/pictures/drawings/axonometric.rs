@@ -2,7 +2,7 @@
 
 use super::shapes::{Metres, metres};
 use super::svg::{At, INK, Svg, shaded};
-use rockproof::model::Block;
+use rockproof_model::Block;
 
 /// Where a picture is seen from, and where on the page it goes. No trigonometry: a direction and square roots give the
 /// same bits everywhere.

@@ -3,8 +3,8 @@
 use super::axonometric::{Camera, cross, dot, minus, normal_of, plus, scaled, unit, vertex};
 use super::shapes::{Metres, number, parallelepiped, prism, pyramid};
 use super::svg::{ACCENT, At, BLOCK_A, BLOCK_B, HEADING, PLAIN, SMALL, Svg};
-use rockproof::model::{Block, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, ToleranceSet};
-use rockproof::oracle::{Gap, Pair, Solid};
+use rockproof_model::{Block, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, ToleranceSet};
+use rockproof_oracle::{Gap, Pair, Solid};
 
 const PANEL: At = (240.0, 318.0);
 const TINT: &str = "#e78fb3";

@@ -6,9 +6,9 @@ use super::contact_types::{
 };
 use super::shapes::Metres;
 use super::svg::{ACCENT, At, BLOCK_A, BLOCK_B, GREY, HEADING, PLAIN, SMALL, Svg, Text};
-use rockproof::model::decision::{Feature, Predicate};
-use rockproof::model::{Block, Entrance, EntranceKind, Number};
-use rockproof::oracle::{Gap, Pair, Solid, TraceEntry};
+use rockproof_model::decision::{Feature, Predicate};
+use rockproof_model::{Block, Entrance, EntranceKind, Number};
+use rockproof_oracle::{Gap, Pair, Solid, TraceEntry};
 
 const PANEL: At = (214.0, 318.0);
 const LIST: f64 = 318.0;

@@ -1,6 +1,6 @@
 //! The blocks the pictures show. Every coordinate is an f64, so every face is exactly planar.
 
-use rockproof::model::{Block, BlockOptions, Number, Point, Vec3};
+use rockproof_model::{Block, BlockOptions, Number, Point, Vec3};
 
 /// A point given in metres.
 pub(super) type Metres = [f64; 3];

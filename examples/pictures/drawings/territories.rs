@@ -5,10 +5,10 @@
 
 use super::shapes::{Metres, block, metres, number};
 use super::svg::{At, GREY, HEADING, INK, PLAIN, SMALL, Svg};
-use rockproof::model::{Block, ContactKind, Criteria, Number, ToleranceSet};
-use rockproof::oracle::{Pair, Solid as OracleSolid};
-use rockproof::stepper::contact::{Rules, Spec};
-use rockproof::stepper::{Solid, Tolerances};
+use rockproof_model::{Block, ContactKind, Criteria, Number, ToleranceSet};
+use rockproof_oracle::{Pair, Solid as OracleSolid};
+use rockproof_stepper::contact::{Rules, Spec};
+use rockproof_stepper::{Solid, Tolerances};
 
 /// The sliver's upper face, counter-clockwise, at z = 0.
 const OUTLINE: [[f64; 2]; 3] = [[0.0, 0.0], [4.0, 0.0], [4.0, 0.5]];

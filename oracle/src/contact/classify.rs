@@ -8,7 +8,7 @@ use crate::pair::Pair;
 use crate::predicate::{BoxesMeet, Vertex};
 use crate::run::{Observer, Run, Silent};
 use rockproof_model::decision::{Decision, Predicate, Side};
-use rockproof_model::{Contact, ContactKind, ToleranceSet};
+use rockproof_model::{Contact, ContactKey, ContactKind, ToleranceSet};
 
 /// What the oracle says of a pair.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,7 +24,13 @@ impl Pair<'_> {
     ///
     /// Block coordinates count as they stand: for the oracle on rounded input, give it rounded blocks and tolerances.
     pub fn classify(&self, tolerances: &ToleranceSet) -> Answer {
-        let mut run = Run::new(self, tolerances, Silent);
+        self.classify_keeping(tolerances, &[])
+    }
+
+    /// The contacts of the pair where the step before left the contacts `kept` of it closed: these may be deeper than g;
+    /// every other condition holds for them as for all. Order and repetitions do not matter.
+    pub fn classify_keeping(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Answer {
+        let mut run = Run::new(self, tolerances, Silent).keeping(kept);
         let contacts = run.classify();
         Answer { contacts, levels: run.levels }
     }
@@ -106,7 +112,8 @@ impl<O: Observer> Run<'_, '_, O> {
     fn vertex_face_contacts(&mut self, side: Side, own: &Reach, found: &mut Vec<Found>) {
         let both_convex = self.pair.a.block.is_convex() && self.pair.b.block.is_convex();
         let faces = self.pair.topology(side.other()).faces().len() as u32;
-        for &v in &own.vertices {
+        let beyond = self.kept_vertices_beyond(side, own);
+        for &v in own.vertices.iter().chain(&beyond) {
             let vertex: Vertex = (side, v);
             let mut touched: Vec<(u32, Candidate)> = Vec::new();
             for face in 0..faces {
@@ -133,6 +140,9 @@ impl<O: Observer> Run<'_, '_, O> {
                     found.push(contact(ContactKind::EdgeEdge, i, j, candidate));
                 }
             }
+        }
+        for (i, j) in self.kept_edges_beyond(a, b, distance) {
+            found.extend(self.edge_edge(i, j).map(|candidate| contact(ContactKind::EdgeEdge, i, j, candidate)));
         }
     }
 }

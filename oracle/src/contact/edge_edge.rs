@@ -5,12 +5,18 @@ use super::no_overlap::about_edges;
 use crate::predicate::{CommonFoot, Limit};
 use crate::run::{Observer, Run};
 use rockproof_model::decision::{Predicate, Side};
+use rockproof_model::{ContactKey, ContactKind};
+
+/// The e-e contact of two edges.
+pub(super) fn contact_of(edge_a: u32, edge_b: u32) -> ContactKey {
+    ContactKey { kind: ContactKind::EdgeEdge, a: edge_a, b: edge_b }
+}
 
 impl<O: Observer> Run<'_, '_, O> {
     /// Whether two convex edges cross and touch.
     ///
     /// Not nearly parallel, the feet of the common perpendicular strictly inside both, no endpoint in the territory of
-    /// the other edge or its ends, `−g ≤ h ≤ s`, and the wedges pass.
+    /// the other edge or its ends, `h ≤ s`, not too deep, and the wedges pass.
     pub(crate) fn edge_edge(&mut self, edge_a: u32, edge_b: u32) -> Option<Candidate> {
         if !(self.edge_is_convex(Side::A, edge_a) && self.edge_is_convex(Side::B, edge_b)) {
             return None;
@@ -26,12 +32,13 @@ impl<O: Observer> Run<'_, '_, O> {
         let near = self.decide(
             || about_edges(Predicate::EdgeEdgeNear, edge_a, edge_b),
             |run| run.gap_at_most(&candidate, Limit::Search),
-        ) && self
-            .decide(|| about_edges(Predicate::EdgeEdgeDepth, edge_a, edge_b), |run| run.gap_not_deeper(&candidate));
+        ) && self.not_too_deep(contact_of(edge_a, edge_b), &candidate, || {
+            about_edges(Predicate::EdgeEdgeDepth, edge_a, edge_b)
+        });
         if !near || self.an_end_belongs_elsewhere(edge_a, edge_b) {
             return None;
         }
-        self.wedges_pass(edge_a, edge_b, sigma).then_some(candidate)
+        candidate.passing(self.wedges_pass(edge_a, edge_b, sigma))
     }
 
     /// Whether both feet of the common perpendicular lie strictly inside; **a tie says no**.

@@ -1,12 +1,14 @@
-//! The entrance of a contact: the plane with the largest gap among those that pass (SPEC section 4, "Entrance").
+//! The entrance of a contact: the plane with the largest gap among the true exits, or among all that pass if none is
+//! (SPEC section 4, "Entrance").
 
+use super::no_overlap::Passes;
 use crate::predicate::{AbovePlane, Edge, EdgesApart, Factor, GapWithin, LargerGap, Limit, Vertex};
 use crate::run::{Observer, Run};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{Entrance, EntranceKind, Sign};
+use rockproof_model::{ContactKey, Entrance, EntranceKind, Sign};
 use smallvec::SmallVec;
 
-/// A plane that passed its no-overlap check.
+/// A plane through which the blocks may enter one another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate {
     pub(crate) entrance: Entrance,
@@ -14,6 +16,15 @@ pub(crate) struct Candidate {
     pub(crate) turn: Sign,
     /// Sign of the gap.
     pub(crate) gap: Sign,
+    /// Whether a feature may dip below the plane: `false` once the no-overlap check has shown that none does.
+    pub(crate) may_dip: bool,
+}
+
+impl Candidate {
+    /// The plane after its no-overlap check, if it passed.
+    pub(crate) fn passing(self, passes: Passes) -> Option<Candidate> {
+        (passes != Passes::No).then_some(Candidate { may_dip: passes == Passes::Dipping, ..self })
+    }
 }
 
 /// Candidates in the order in which ties are broken.
@@ -31,7 +42,7 @@ impl<O: Observer> Run<'_, '_, O> {
             }
         };
         let gap = self.decide_sign(|| about_gap(&entrance), |run| run.sign(&AbovePlane { vertex, face }));
-        Candidate { entrance, turn, gap }
+        Candidate { entrance, turn, gap, may_dip: true }
     }
 
     /// The plane of two edges, with the sign of its gap.
@@ -39,15 +50,15 @@ impl<O: Observer> Run<'_, '_, O> {
         let entrance = Entrance { kind: EntranceKind::EdgeEdge, a: edge_a, b: edge_b };
         let gap =
             self.decide_sign(|| about_gap(&entrance), |run| run.sign(&EdgesApart { edge_a, edge_b }).times(sigma));
-        Candidate { entrance, turn: sigma, gap }
+        Candidate { entrance, turn: sigma, gap, may_dip: true }
     }
 
     /// Adds the planes of a vertex and those of `faces` whose plane its cone passes.
     pub(crate) fn add_faces(&mut self, vertex: Vertex, faces: &[u32], candidates: &mut Candidates) {
         for &face in faces {
-            if self.cone_passes(vertex, (vertex.0.other(), face)) {
-                let candidate = self.face_candidate(vertex, face);
-                candidates.push(candidate);
+            let passes = self.cone_passes(vertex, (vertex.0.other(), face));
+            if passes != Passes::No {
+                candidates.extend(self.face_candidate(vertex, face).passing(passes));
             }
         }
     }
@@ -62,16 +73,36 @@ impl<O: Observer> Run<'_, '_, O> {
                     continue;
                 }
                 let sigma = self.orientation(edge_a, edge_b);
-                if self.wedges_pass(edge_a, edge_b, sigma) {
-                    let candidate = self.edge_candidate(edge_a, edge_b, sigma);
-                    candidates.push(candidate);
+                let passes = self.wedges_pass(edge_a, edge_b, sigma);
+                if passes != Passes::No {
+                    candidates.extend(self.edge_candidate(edge_a, edge_b, sigma).passing(passes));
                 }
             }
         }
     }
 
-    /// The candidate with the largest gap; of those equal to it by Eq. (1), the first. `None` without candidates.
-    pub(crate) fn choose(&mut self, of: [Feature; 2], candidates: &Candidates) -> Option<Candidate> {
+    /// Leaves the true exits among several planes, or all if none is one.
+    pub(crate) fn prefer_true_exits(&mut self, candidates: &mut Candidates) {
+        if self.classic || (!O::ACTIVE && candidates.iter().all(|c| !c.may_dip)) {
+            return;
+        }
+        let exits: SmallVec<[bool; 24]> = candidates.iter().map(|candidate| self.is_true_exit(candidate)).collect();
+        if exits.contains(&true) {
+            let mut exits = exits.into_iter();
+            candidates.retain(|_| exits.next() == Some(true));
+        }
+    }
+
+    /// Of the true exits, or of all candidates if none is one, that with the largest gap; of those equal to it by Eq. (1),
+    /// the first. `None` without candidates. A single candidate is not asked whether it is a true exit.
+    pub(crate) fn choose(&mut self, of: [Feature; 2], mut candidates: Candidates) -> Option<Candidate> {
+        if candidates.len() > 1 {
+            self.prefer_true_exits(&mut candidates);
+        }
+        self.largest_or_equal(of, &candidates)
+    }
+
+    fn largest_or_equal(&mut self, of: [Feature; 2], candidates: &[Candidate]) -> Option<Candidate> {
         let best = self.largest_gap(candidates)?;
         let mut chosen = None;
         for (k, candidate) in candidates.iter().enumerate() {
@@ -139,14 +170,20 @@ impl<O: Observer> Run<'_, '_, O> {
     }
 
     /// `h ≥ −g`; **a tie says yes**.
-    pub(crate) fn gap_not_deeper(&mut self, candidate: &Candidate) -> bool {
+    fn gap_not_deeper(&mut self, candidate: &Candidate) -> bool {
         !candidate.gap.is_negative()
             || self.sign(&GapWithin { entrance: candidate.entrance, limit: Limit::Penetration }).is_at_least_zero()
     }
 
-    /// Whether the chosen entrance has `h ≥ −g`, as a decision about the contact of two features.
-    pub(crate) fn confirmed(&mut self, of: [Feature; 2], chosen: &Candidate) -> bool {
-        self.decide(|| Decision::about(Predicate::EntranceDepth, &of), |run| run.gap_not_deeper(chosen))
+    /// Whether a contact is not too deep: it is kept, and then nothing is asked, or its plane has `h ≥ −g`; **a tie says
+    /// yes**.
+    pub(crate) fn not_too_deep(
+        &mut self,
+        contact: ContactKey,
+        plane: &Candidate,
+        decision: impl Fn() -> Decision,
+    ) -> bool {
+        self.is_kept(contact) || self.decide(decision, |run| run.gap_not_deeper(plane))
     }
 }
 

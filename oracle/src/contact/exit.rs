@@ -1,6 +1,6 @@
 //! Which contacts of overlapping blocks stay: shortest exit (test 3) and one exit (test 5).
 
-use super::entrance::Candidate;
+use super::entrance::{Candidate, Candidates};
 use crate::predicate::{NormalsAgree, NormalsWithin};
 use crate::run::{Observer, Run};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
@@ -65,13 +65,15 @@ impl<O: Observer> Run<'_, '_, O> {
         group
     }
 
-    /// One exit, for two convex blocks: with n* the normal of the largest gap found, an overlapping contact stays only
-    /// if its normal is within the overlap angle of n*; **a tie stays**. `found` is sorted.
+    /// One exit, for two convex blocks: with n* the normal of the largest gap found among true exits, or among all
+    /// contacts if none is one, an overlapping contact stays only if its normal is within the overlap angle of n*;
+    /// **a tie stays**. `found` is sorted. Where something overlaps, every contact is asked whether it is a true exit.
     pub(crate) fn keep_one_exit(&mut self, found: &mut Vec<Found>) {
         if !found.iter().any(|f| f.candidate.gap.is_negative()) {
             return;
         }
-        let candidates: Vec<Candidate> = found.iter().map(|f| f.candidate).collect();
+        let mut candidates: Candidates = found.iter().map(|f| f.candidate).collect();
+        self.prefer_true_exits(&mut candidates);
         let Some(best) = self.largest_gap(&candidates) else { return };
         let reference = (0..best).find(|&k| self.equals_best(&candidates[k], &candidates[best])).unwrap_or(best);
         let way_out = candidates[reference];

@@ -5,6 +5,7 @@
 //! calculated as the polynomials of [`crate::predicate`] calculate theirs, operation by operation, so that the bounds of
 //! those hold for them.
 
+use super::{edge_edge, vertex_face};
 use crate::number::Approx;
 use crate::predicate::{AbovePlane, BoxesMeet, CommonFoot, GapWithin, Limit, Polynomial, edges_plane, plane_value};
 use crate::run::{Observer, Run};
@@ -13,7 +14,7 @@ use rockproof_model::decision::Side;
 use rockproof_model::{EntranceKind, Ring};
 
 impl<O: Observer> Run<'_, '_, O> {
-    /// Whether a vertex is certainly too far above a face's plane, or too deep below.
+    /// Whether a vertex is certainly too far above a face's plane, or too deep below (where the contact is not kept).
     #[inline(always)]
     pub(crate) fn vertex_face_hopeless(&mut self, vertex: (Side, u32), face: (Side, u32)) -> bool {
         if O::ACTIVE {
@@ -33,13 +34,14 @@ impl<O: Observer> Run<'_, '_, O> {
         } else {
             return false;
         };
-        let hopeless = self.surely_beyond(kind, limit, height, size);
+        let hopeless = self.surely_beyond(kind, limit, height, size)
+            && !(limit == Limit::Penetration && self.is_kept(vertex_face::contact_of(vertex, face)));
         self.levels.float += 2 * u64::from(hopeless);
         hopeless
     }
 
     /// Whether the feet of two edges' common perpendicular are certainly not inside, or the edges certainly too far apart
-    /// either way.
+    /// either way (where the contact is not kept).
     #[inline(always)]
     pub(crate) fn edges_hopeless(&mut self, edge_a: u32, edge_b: u32) -> bool {
         if O::ACTIVE {
@@ -50,7 +52,9 @@ impl<O: Observer> Run<'_, '_, O> {
             outside(Side::A, false) || outside(Side::A, true) || outside(Side::B, false) || outside(Side::B, true) || {
                 let (apart, size) = edges_plane(&self.float_view(), edge_a, edge_b);
                 let beyond = |limit| self.surely_beyond(EntranceKind::EdgeEdge, limit, apart, size);
-                beyond(Limit::Search) && beyond(Limit::Penetration)
+                beyond(Limit::Search)
+                    && beyond(Limit::Penetration)
+                    && !self.is_kept(edge_edge::contact_of(edge_a, edge_b))
             };
         self.levels.float += u64::from(hopeless);
         hopeless

@@ -1,41 +1,80 @@
-//! The no-overlap checks: "cone passes plane" and "wedges pass" (SPEC section 4, "Building blocks").
+//! The no-overlap checks, "cone passes plane" and "wedges pass", and with which tolerance they do: true exits (SPEC
+//! section 4, "Building blocks").
 
+use super::entrance::{Candidate, entrance_features};
 use crate::predicate::{
-    EdgeAbovePlane, EdgeDipAngle, EdgeDipDepth, Face, InwardAcross, Orientation, ParallelAngle, ParallelReach, Vertex,
-    WedgeDipAngle, WedgeDipDepth,
+    DipLimit, Edge, EdgeAbovePlane, EdgeDipAngle, EdgeDipDepth, Face, InwardAcross, Orientation, ParallelAngle,
+    ParallelReach, Vertex, WedgeDipAngle, WedgeDipDepth,
 };
 use crate::run::{Observer, Run};
-use rockproof_model::Sign;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{EntranceKind, Sign};
+
+/// The answer of a no-overlap check.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Passes {
+    /// A feature dips below the plane by more than the tolerance.
+    No,
+    /// Some dip, all of them within the tolerance.
+    Dipping,
+    /// None dips.
+    Clear,
+}
+
+impl Passes {
+    fn new(passes: bool, dips: bool) -> Passes {
+        match (passes, dips) {
+            (false, _) => Passes::No,
+            (true, true) => Passes::Dipping,
+            (true, false) => Passes::Clear,
+        }
+    }
+}
 
 impl<O: Observer> Run<'_, '_, O> {
     /// Whether every edge at a vertex stays above a face's plane or dips within tolerance; **a tie passes**.
-    pub(crate) fn cone_passes(&mut self, vertex: Vertex, face: Face) -> bool {
+    pub(crate) fn cone_passes(&mut self, vertex: Vertex, face: Face) -> Passes {
         let edges = self.pair.topology(vertex.0).vertex_edges(vertex.1);
-        edges.iter().all(|&edge| {
+        let mut dips = false;
+        let passes = edges.iter().all(|&edge| {
             let features =
                 [Feature::Vertex(vertex.0, vertex.1), Feature::Face(face.0, face.1), Feature::Edge(vertex.0, edge)];
-            self.decide(|| Decision::about(Predicate::ConePasses, &features), |run| run.edge_passes(vertex, edge, face))
-        })
+            self.decide(
+                || Decision::about(Predicate::ConePasses, &features),
+                |run| {
+                    let rises = run.edge_rises(vertex, edge, face);
+                    dips |= !rises;
+                    rises || run.edge_dip_passes((vertex.0, edge), face)
+                },
+            )
+        });
+        Passes::new(passes, dips)
     }
 
-    fn edge_passes(&mut self, vertex: Vertex, edge: u32, face: Face) -> bool {
-        if self.sign(&EdgeAbovePlane { vertex, edge, face }).is_at_least_zero() {
-            return true;
-        }
-        let edge = (vertex.0, edge);
+    /// Whether `e·N ≥ 0`; **a tie says yes**.
+    fn edge_rises(&mut self, vertex: Vertex, edge: u32, face: Face) -> bool {
+        self.sign(&EdgeAbovePlane { vertex, edge, face }).is_at_least_zero()
+    }
+
+    /// Whether an edge that dips does so within the angle and, under revised, within g as well; **a tie says yes**.
+    fn edge_dip_passes(&mut self, edge: Edge, face: Face) -> bool {
         self.sign(&EdgeDipAngle { edge, face }).is_at_least_zero()
-            || (!self.classic && self.sign(&EdgeDipDepth { edge, face }).is_at_least_zero())
+            && (self.classic || self.edge_dips_within(edge, face, DipLimit::Penetration))
     }
 
-    /// Whether two edges are nearly parallel; **a tie says yes**.
+    /// Whether `(e·N)² ≤ limit²|N|²`; **a tie says yes**.
+    fn edge_dips_within(&mut self, edge: Edge, face: Face, limit: DipLimit) -> bool {
+        self.sign(&EdgeDipDepth { edge, face, limit }).is_at_least_zero()
+    }
+
+    /// Whether two edges are nearly parallel: by angle and, under revised, by length as well; **a tie says yes**.
     pub(crate) fn nearly_parallel(&mut self, edge_a: u32, edge_b: u32) -> bool {
         self.decide(
             || about_edges(Predicate::NearlyParallel, edge_a, edge_b),
             |run| {
                 run.sign(&ParallelAngle { edge_a, edge_b }).is_at_least_zero()
-                    || (!run.classic
-                        && [Side::A, Side::B]
+                    && (run.classic
+                        || [Side::A, Side::B]
                             .into_iter()
                             .any(|longer| run.sign(&ParallelReach { edge_a, edge_b, longer }).is_at_least_zero()))
             },
@@ -48,40 +87,83 @@ impl<O: Observer> Run<'_, '_, O> {
     }
 
     /// Whether the faces at two convex edges pass one another along `n = σ·(d₁ × d₂)`; **a tie passes**.
-    pub(crate) fn wedges_pass(&mut self, edge_a: u32, edge_b: u32, sigma: Sign) -> bool {
-        self.decide(
+    pub(crate) fn wedges_pass(&mut self, edge_a: u32, edge_b: u32, sigma: Sign) -> Passes {
+        let mut dips = false;
+        let passes = self.decide(
             || about_edges(Predicate::WedgesPass, edge_a, edge_b),
             |run| {
-                [(Side::A, false), (Side::A, true), (Side::B, false), (Side::B, true)]
-                    .into_iter()
-                    .all(|(side, right)| run.wedge_face_passes(&InwardAcross { edge_a, edge_b, side, right }, sigma))
+                inwards_across(edge_a, edge_b).into_iter().all(|inward| {
+                    let rises = run.wedge_face_rises(&inward, sigma);
+                    dips |= !rises;
+                    rises || run.wedge_dip_passes(inward)
+                })
             },
-        )
+        );
+        Passes::new(passes, dips)
     }
 
-    fn wedge_face_passes(&mut self, inward: &InwardAcross, sigma: Sign) -> bool {
-        let InwardAcross { edge_a, edge_b, side, right } = *inward;
+    /// Whether a face at one of the edges stays on its own block's side: `n·m ≥ 0` for A's, `n·m ≤ 0` for B's;
+    /// **a tie says yes**.
+    fn wedge_face_rises(&mut self, inward: &InwardAcross, sigma: Sign) -> bool {
         let towards_a = self.sign(inward).times(sigma);
-        let outwards = if side == Side::A { towards_a } else { towards_a.reversed() };
-        if outwards.is_at_least_zero() {
-            return true;
-        }
-        let again = || InwardAcross { edge_a, edge_b, side, right };
-        if self.sign(&WedgeDipAngle(again())).is_at_least_zero() {
-            return true;
-        }
-        if self.classic {
-            return false;
-        }
+        let outwards = if inward.side == Side::A { towards_a } else { towards_a.reversed() };
+        outwards.is_at_least_zero()
+    }
+
+    /// Whether a face that dips does so within the angle and, under revised, within g as well; **a tie says yes**.
+    fn wedge_dip_passes(&mut self, inward: InwardAcross) -> bool {
+        self.sign(&WedgeDipAngle(inward)).is_at_least_zero()
+            && (self.classic || self.wedge_dips_within(inward, DipLimit::Penetration))
+    }
+
+    /// Whether `(n·m)²w² ≤ limit²|n|²|m|²`; **a tie says yes**. w is the greatest distance of a corner from the edge's
+    /// line: the dip is within the limit when it is at every corner.
+    fn wedge_dips_within(&mut self, inward: InwardAcross, limit: DipLimit) -> bool {
+        let InwardAcross { edge_a, edge_b, side, right } = inward;
         let edge = self.pair.topology(side).edges()[if side == Side::A { edge_a } else { edge_b } as usize];
         let face = if right { edge.right } else { edge.left };
-        // w is the greatest distance of a corner: the dip is within depth when it is at every corner.
         let corners = &self.pair.topology(side).faces()[face as usize];
         corners
             .iter()
             .filter(|&&corner| corner != edge.p && corner != edge.q)
-            .all(|&corner| self.sign(&WedgeDipDepth { inward: again(), corner }).is_at_least_zero())
+            .all(|&corner| self.sign(&WedgeDipDepth { inward, corner, limit }).is_at_least_zero())
     }
+
+    /// Whether a plane that passed is a true exit: what dips below it does so by at most r/10; **a tie says yes**. Under
+    /// classic whatever passes is one, and nothing is asked.
+    pub(crate) fn is_true_exit(&mut self, candidate: &Candidate) -> bool {
+        if self.classic || (!O::ACTIVE && !candidate.may_dip) {
+            return true;
+        }
+        let entrance = candidate.entrance;
+        self.decide(
+            || Decision::about(Predicate::TrueExit, &entrance_features(&entrance)),
+            |run| match entrance.kind {
+                EntranceKind::VertexFace => run.cone_leaves((Side::A, entrance.a), (Side::B, entrance.b)),
+                EntranceKind::FaceVertex => run.cone_leaves((Side::B, entrance.b), (Side::A, entrance.a)),
+                EntranceKind::EdgeEdge => inwards_across(entrance.a, entrance.b).into_iter().all(|inward| {
+                    run.wedge_face_rises(&inward, candidate.turn) || run.wedge_dips_within(inward, DipLimit::TrueExit)
+                }),
+            },
+        )
+    }
+
+    fn cone_leaves(&mut self, vertex: Vertex, face: Face) -> bool {
+        let edges = self.pair.topology(vertex.0).vertex_edges(vertex.1);
+        edges.iter().all(|&edge| {
+            self.edge_rises(vertex, edge, face) || self.edge_dips_within((vertex.0, edge), face, DipLimit::TrueExit)
+        })
+    }
+}
+
+/// The four inward directions at two edges.
+fn inwards_across(edge_a: u32, edge_b: u32) -> [InwardAcross; 4] {
+    [(Side::A, false), (Side::A, true), (Side::B, false), (Side::B, true)].map(|(side, right)| InwardAcross {
+        edge_a,
+        edge_b,
+        side,
+        right,
+    })
 }
 
 pub(crate) fn about_edges(predicate: Predicate, edge_a: u32, edge_b: u32) -> Decision {

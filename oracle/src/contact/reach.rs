@@ -4,10 +4,13 @@
 //! the gap of a v-f or e-e contact is the distance of two points of the features. (For v-f, the foot lies in the
 //! projected polygon, which is within the face's bulge of the face itself.) So a feature whose box, grown by that,
 //! misses the other block's box is in no contact. The boxes are compared in f64 with slack for every rounding.
+//!
+//! A v-f or e-e contact that is kept may be deeper than g, and so out of this reach: those are looked at by name.
 
 use crate::run::{Observer, Run};
 use crate::solid::Solid;
 use rockproof_model::decision::Side;
+use rockproof_model::{ContactKey, ContactKind};
 use smallvec::SmallVec;
 
 /// The features of one block that can take part in a contact: vertices, and edges that are convex.
@@ -65,6 +68,37 @@ impl<O: Observer> Run<'_, '_, O> {
         reach
     }
 
+    /// The vertices of the block on `side` that are named by kept contacts with faces and not in `reach`; each once.
+    pub(crate) fn kept_vertices_beyond(&self, side: Side, reach: &Reach) -> SmallVec<[u32; 4]> {
+        let mut beyond = SmallVec::new();
+        let count = self.pair.topology(side).vertex_count() as u32;
+        for vertex in self.kept.iter().filter_map(|contact| vertex_of_face_contact(side, *contact)) {
+            if vertex < count && !reach.vertices.contains(&vertex) && !beyond.contains(&vertex) {
+                beyond.push(vertex);
+            }
+        }
+        beyond
+    }
+
+    /// The edge pairs named by kept contacts that `a`, `b` and `distance` leave out; each once.
+    pub(crate) fn kept_edges_beyond(&self, a: &Reach, b: &Reach, distance: f64) -> SmallVec<[(u32, u32); 4]> {
+        let mut beyond = SmallVec::new();
+        let [count_a, count_b] = [Side::A, Side::B].map(|side| self.pair.topology(side).edges().len() as u32);
+        for contact in self.kept.iter().filter(|contact| contact.kind == ContactKind::EdgeEdge) {
+            let (edge_a, edge_b) = (contact.a, contact.b);
+            let exist = edge_a < count_a && edge_b < count_b;
+            let looked_at = |run: &Self| {
+                a.edges.contains(&edge_a)
+                    && b.edges.contains(&edge_b)
+                    && !run.edges_out_of_reach(edge_a, edge_b, distance)
+            };
+            if exist && !looked_at(self) && !beyond.contains(&(edge_a, edge_b)) {
+                beyond.push((edge_a, edge_b));
+            }
+        }
+        beyond
+    }
+
     /// Whether two edges are certainly further apart than `distance`.
     #[inline(always)]
     pub(crate) fn edges_out_of_reach(&self, edge_a: u32, edge_b: u32, distance: f64) -> bool {
@@ -86,6 +120,15 @@ impl<O: Observer> Run<'_, '_, O> {
         let at = point(self.pair.solid(vertex.0), vertex.1);
         let [min, max] = &self.pair.solid(vertex.0.other()).edge_boxes[edge as usize];
         (0..3).any(|k| at[k] + distance < min[k] || at[k] - distance > max[k])
+    }
+}
+
+/// The vertex of the block on `side` that a contact with a face of the other block is about.
+fn vertex_of_face_contact(side: Side, contact: ContactKey) -> Option<u32> {
+    match (side, contact.kind) {
+        (Side::A, ContactKind::VertexFace) => Some(contact.a),
+        (Side::B, ContactKind::FaceVertex) => Some(contact.b),
+        _ => None,
     }
 }
 

@@ -5,12 +5,13 @@ use super::territory::about_vertex_edge;
 use crate::predicate::{Edge, FootBeyondVertex, InwardOf, Limit, NearLine, Vertex};
 use crate::run::{Observer, Run};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{ContactKey, ContactKind};
 
 impl<O: Observer> Run<'_, '_, O> {
     /// Whether a vertex touches an edge of the other block, and through which entrance.
     ///
     /// Both convex, the foot strictly inside, the distance ≤ s, the vertex in the territory of neither end, and either
-    /// in the edge's territory or each in the other's region; a candidate passes and the chosen one is no deeper than g.
+    /// in the edge's territory or each in the other's region; a candidate passes and the chosen one is not too deep.
     pub(crate) fn vertex_edge(&mut self, vertex: Vertex, edge: Edge) -> Option<Candidate> {
         if !(self.vertex_is_convex(vertex.0, vertex.1) && self.edge_is_convex(edge.0, edge.1)) {
             return None;
@@ -40,8 +41,12 @@ impl<O: Observer> Run<'_, '_, O> {
                 [Feature::Edge(Side::A, edge.1), Feature::Vertex(Side::B, vertex.1)]
             }
         };
-        let chosen = self.choose(of, &candidates)?;
-        self.confirmed(of, &chosen).then_some(chosen)
+        let chosen = self.choose(of, candidates)?;
+        let contact = match vertex.0 {
+            Side::A => ContactKey { kind: ContactKind::VertexEdge, a: vertex.1, b: edge.1 },
+            Side::B => ContactKey { kind: ContactKind::EdgeVertex, a: edge.1, b: vertex.1 },
+        };
+        self.not_too_deep(contact, &chosen, || Decision::about(Predicate::EntranceDepth, &of)).then_some(chosen)
     }
 
     fn near_edge(&mut self, vertex: Vertex, edge: Edge) -> bool {

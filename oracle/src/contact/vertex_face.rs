@@ -3,13 +3,21 @@
 use super::entrance::Candidate;
 use crate::predicate::{Face, InwardOf, Limit, NormalComponent, PolygonHeight, Vertex};
 use crate::run::{Observer, Run};
-use rockproof_model::Sign;
-use rockproof_model::decision::{Decision, Feature, Predicate};
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{ContactKey, ContactKind, Sign};
+
+/// The v-f or f-v contact of a vertex and a face.
+pub(super) fn contact_of(vertex: Vertex, face: Face) -> ContactKey {
+    match vertex.0 {
+        Side::A => ContactKey { kind: ContactKind::VertexFace, a: vertex.1, b: face.1 },
+        Side::B => ContactKey { kind: ContactKind::FaceVertex, a: face.1, b: vertex.1 },
+    }
+}
 
 impl<O: Observer> Run<'_, '_, O> {
     /// Whether a vertex, convex or not, touches a face of the other block.
     ///
-    /// `−g ≤ h ≤ s`, the projection strictly inside the polygon, the vertex in no territory of the face's vertices and
+    /// `h ≤ s`, not too deep, the projection strictly inside the polygon, the vertex in no territory of the face's vertices and
     /// edges, and its cone passes the plane.
     pub(crate) fn vertex_face(&mut self, vertex: Vertex, face: Face) -> Option<Candidate> {
         if self.vertex_face_hopeless(vertex, face) {
@@ -20,15 +28,19 @@ impl<O: Observer> Run<'_, '_, O> {
         let near = self.decide(
             || Decision::about(Predicate::VertexFaceNear, &features),
             |run| run.gap_at_most(&candidate, Limit::Search),
-        ) && self
-            .decide(|| Decision::about(Predicate::VertexFaceDepth, &features), |run| run.gap_not_deeper(&candidate));
+        ) && self.not_too_deep(contact_of(vertex, face), &candidate, || {
+            Decision::about(Predicate::VertexFaceDepth, &features)
+        });
         if !near || !self.inside_face(vertex, face) {
             return None;
         }
         let topology = self.pair.topology(face.0);
         let elsewhere = topology.faces()[face.1 as usize].iter().any(|&v| self.vertices_share_territory(vertex, v))
             || topology.face_edges(face.1).iter().any(|&e| self.in_edge_territory(vertex, (face.0, e)));
-        (!elsewhere && self.cone_passes(vertex, face)).then_some(candidate)
+        if elsewhere {
+            return None;
+        }
+        candidate.passing(self.cone_passes(vertex, face))
     }
 
     /// Whether the projection of a vertex along N lies strictly inside a face; **a tie says no**.

@@ -4,12 +4,13 @@ use super::entrance::{Candidate, Candidates};
 use crate::predicate::{BeyondVertex, Limit, Near, Vertex};
 use crate::run::{Observer, Run};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{ContactKey, ContactKind};
 
 impl<O: Observer> Run<'_, '_, O> {
     /// Whether vertices a of A and b of B touch, and through which entrance.
     ///
     /// Both convex, `|a − b| ≤ s`, and either in one another's territory or each in the other's vertex region; a
-    /// candidate passes and the chosen one is no deeper than g.
+    /// candidate passes and the chosen one is not too deep.
     pub(crate) fn vertex_vertex(&mut self, a: u32, b: u32) -> Option<Candidate> {
         if !(self.vertex_is_convex(Side::A, a) && self.vertex_is_convex(Side::B, b)) {
             return None;
@@ -33,8 +34,9 @@ impl<O: Observer> Run<'_, '_, O> {
         self.add_faces(vertex_a, at_b.vertex_faces(b), &mut candidates);
         self.add_faces(vertex_b, at_a.vertex_faces(a), &mut candidates);
         self.add_edges(at_a.vertex_edges(a), at_b.vertex_edges(b), &mut candidates);
-        let chosen = self.choose(of, &candidates)?;
-        self.confirmed(of, &chosen).then_some(chosen)
+        let chosen = self.choose(of, candidates)?;
+        let contact = ContactKey { kind: ContactKind::VertexVertex, a, b };
+        self.not_too_deep(contact, &chosen, || Decision::about(Predicate::EntranceDepth, &of)).then_some(chosen)
     }
 
     /// Whether `(point − at)·e ≤ 0` for all edges e at the vertex `at`; **a tie says yes**.

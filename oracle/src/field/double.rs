@@ -221,6 +221,15 @@ impl Field for DoubleBall {
         if self.high.is_finite() && self.low.is_finite() { Magnitude::of_f64(self.radius) } else { None }
     }
 
+    fn most(&self) -> Option<Magnitude> {
+        let part = |value: f64| Magnitude::of_f64(value.abs());
+        Some(part(self.high)?.plus(part(self.low)?).plus(part(self.radius)?))
+    }
+
+    fn within(size: Magnitude) -> Option<Self> {
+        Some(DoubleBall { high: 0.0, low: 0.0, radius: size.to_f64() })
+    }
+
     fn nearby(&self) -> (f64, f64) {
         (self.high, (self.radius + self.low.abs()) * INFLATION)
     }

@@ -42,6 +42,14 @@ impl Field for BigRational {
         Some(Magnitude::ZERO)
     }
 
+    fn most(&self) -> Option<Magnitude> {
+        None
+    }
+
+    fn within(_size: Magnitude) -> Option<Self> {
+        None
+    }
+
     fn nearby(&self) -> (f64, f64) {
         match round_rational(self, Precision::F64) {
             Some(value) => (value, value.abs() * f64::EPSILON + f64::MIN_POSITIVE),

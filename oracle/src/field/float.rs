@@ -99,6 +99,14 @@ impl Field for Ball {
         if self.middle.is_finite() { Magnitude::of_f64(self.radius) } else { None }
     }
 
+    fn most(&self) -> Option<Magnitude> {
+        Some(Magnitude::of_f64(self.middle.abs())?.plus(Magnitude::of_f64(self.radius)?))
+    }
+
+    fn within(size: Magnitude) -> Option<Self> {
+        Some(Ball { middle: 0.0, radius: size.to_f64() })
+    }
+
     fn nearby(&self) -> (f64, f64) {
         (self.middle, self.radius)
     }

@@ -77,7 +77,10 @@ impl Quintet {
                 3 => a.over(b),
                 4 => Some(a.half()),
                 // The root of a square, where the exact value has one too.
-                _ => a.squared().root(),
+                5 => a.squared().root(),
+                6 => a.lesser(b),
+                // Of sums that may cancel: the enclosure may reach below zero.
+                _ => a.minus(b).squared().root_of_square(),
             }
         }
         let wide =
@@ -99,7 +102,7 @@ fn enclosures_hold_the_exact_value() {
             let (i, j) = (pick(&mut random, values.len()), pick(&mut random, values.len()));
             let next = match random.next() % 5 {
                 0 => Some(Quintet::leaf(&mut random)),
-                _ => values[i].combined(&values[j], random.next() % 6),
+                _ => values[i].combined(&values[j], random.next() % 8),
             };
             if let Some(next) = next.filter(|v| v.exact.numer().bits() + v.exact.denom().bits() < 3_000) {
                 decided += next.check();
@@ -109,6 +112,31 @@ fn enclosures_hold_the_exact_value() {
         }
     }
     assert!(asked > 30_000 && decided > asked / 2, "{decided} of {asked} signs decided");
+}
+
+#[test]
+fn what_cannot_be_compared_is_enclosed_by_both() {
+    fn holds<S: Field>(one: S, other: S, values: &[&str]) {
+        let least = one.lesser(&other).expect("an enclosure");
+        let root = one.root_of_square().expect("an enclosure");
+        for value in values {
+            let value: BigRational = value.parse().expect("a fraction");
+            assert!((least.middle() - &value).abs() <= least.radius().expect("known").to_rational(), "{value}");
+            let apart = root.middle() - &value;
+            assert!(apart.abs() <= root.radius().expect("known").to_rational(), "the root of {value}²");
+        }
+    }
+    // One is anything from −1/4 to 1/4, the other from −1/8 to 1/8.
+    let quarter = Magnitude::power_of_two(-2);
+    let eighth = Magnitude::power_of_two(-3);
+    let values = ["-1/4", "0", "1/8"];
+    holds(Ball::within(quarter).unwrap(), Ball::within(eighth).unwrap(), &values);
+    holds(DoubleBall::within(quarter).unwrap(), DoubleBall::within(eighth).unwrap(), &values);
+    holds(WideBall::within(quarter).unwrap(), WideBall::within(eighth).unwrap(), &values);
+    let fraction = |n: i32, d: i32| BigRational::new(n.into(), d.into());
+    assert_eq!(fraction(1, 3).lesser(&fraction(2, 7)), Some(fraction(2, 7)));
+    assert_eq!(fraction(4, 9).root_of_square(), Some(fraction(2, 3)));
+    assert_eq!(fraction(2, 1).root_of_square(), None);
 }
 
 #[test]

@@ -71,7 +71,7 @@ impl WideBall {
     }
 
     /// At least the size of every value enclosed.
-    pub(crate) fn most(&self) -> Magnitude {
+    pub(crate) fn size(&self) -> Magnitude {
         Magnitude::of_integer(&self.significand, self.exponent).plus(self.radius)
     }
 
@@ -248,8 +248,16 @@ impl Field for WideBall {
         Some(self.radius)
     }
 
+    fn most(&self) -> Option<Magnitude> {
+        Some(self.size())
+    }
+
+    fn within(size: Magnitude) -> Option<Self> {
+        Some(WideBall::exactly(BigInt::zero(), 0, 0).widened(size))
+    }
+
     fn nearby(&self) -> (f64, f64) {
-        if self.most().top().is_some_and(|top| top > 1_000) {
+        if self.size().top().is_some_and(|top| top > 1_000) {
             return (f64::NAN, f64::INFINITY);
         }
         let middle = self.scaled_f64(0);

@@ -1,44 +1,115 @@
-//! The deepest vertex of one block inside the other: what overlap means where a block is not convex.
+//! The deepest point of one block inside the other: what overlap means where a block is not convex.
 //!
 //! The inside of a block is that of its faces' triangles from the first vertex of each loop, as its volume is. A
-//! vertex's depth is its distance from the other's surface, the least over the faces (where its foot on the plane is
-//! inside the polygon), the edges (where its foot is inside) and the vertices.
+//! point's depth is its distance from the other's surface, the least over the faces (where its foot on the plane is
+//! inside the polygon), the edges (where its foot is inside) and the vertices. The points looked at are, until some are
+//! inside:
+//!
+//! 1. the vertices of either block;
+//! 2. the middles of edges between crossings: where an edge passes through faces of the other block it is cut, and the
+//!    middle of each part is looked at. A crossing itself is on both surfaces and so no depth; the stretch of the edge
+//!    between two crossings is what is inside, and its middle, a rational point, stands for it;
+//! 3. the middles of the common parts of the blocks' convex cells (`pieces`): blocks overlap without 1 and 2 where
+//!    their surfaces coincide, as those of two equal blocks do. Here the depth is the lesser of the distances from both
+//!    surfaces, as the point is a corner of neither.
+//!
+//! Of 2 and 3 the depth is that of points inside, at most that of the deepest ones.
 
 use super::{Penetration, Units, compare};
 use crate::Gap;
+use crate::inside::{holds_origin, triangles};
+use crate::pieces::{Piece, cells};
+use crate::separation::separate;
 use num_bigint::BigInt;
+use num_integer::Integer;
 use num_rational::BigRational;
-use num_traits::{Signed, Zero};
+use num_traits::{One, Signed, Zero};
 use rockproof_model::block::face_normal;
 use rockproof_model::topology::loop_pairs;
 use rockproof_model::{Block, Sign, Vec3};
+use std::borrow::Cow;
 
-/// The deepest vertex of either block; `None` where a block has no face with an area.
-pub(super) fn deepest_vertex(pair: &Units<'_>) -> Option<Penetration> {
+/// The deepest point of either block; `None` where a block has no face with an area.
+pub(super) fn deepest_point(pair: &Units<'_>) -> Option<Penetration> {
     let surfaces = [Surface::new(pair, 0)?, Surface::new(pair, 1)?];
-    let mut best: Option<(Nearest, bool)> = None;
-    for side in 0..2 {
-        let other = &surfaces[1 - side];
-        for point in &pair.points[side] {
-            if !other.box_holds(point) {
-                continue;
-            }
-            let Some(nearest) = other.nearest(point) else { continue };
-            let deeper = best.as_ref().is_none_or(|(best, _)| nearest.cmp_square(best).is_gt());
-            if deeper && !Zero::is_zero(&nearest.numerator) && other.holds(point) {
-                best = Some((nearest, side == 0));
-            }
-        }
-    }
-    let Some((nearest, of_a)) = best else {
-        let gap = Gap { sign: Sign::Zero, squared: BigRational::zero() };
-        return Some(Penetration { gap, direction: Vec3::zero() });
+    let best = deepest_vertex(&surfaces)
+        .or_else(|| deepest_of(&surfaces, |side| surfaces[side].middles_between_crossings(&surfaces[1 - side])))
+        .or_else(|| deepest_common(pair, &surfaces));
+    let Some(Deep { nearest, is_of_a }) = best else {
+        return Some(Penetration::none());
     };
-    // A's vertex moves to the surface; where it is B's, A moves the other way.
-    let way = if of_a { nearest.way } else { nearest.way.negated() };
+    // A's point moves to the surface; where it is B's, A moves the other way.
+    let way = if is_of_a { nearest.way } else { nearest.way.negated() };
     let squared = pair.square_metres(nearest.numerator, nearest.denominator);
     let direction = way.map(|c| BigRational::from_integer(c.clone()));
     Some(Penetration { gap: Gap { sign: Sign::Negative, squared }, direction })
+}
+
+/// A point inside the other block, by its nearest point on the other's surface.
+struct Deep {
+    nearest: Nearest,
+    is_of_a: bool,
+}
+
+fn deepest_vertex(surfaces: &[Surface<'_>; 2]) -> Option<Deep> {
+    deepest_of(surfaces, |side| surfaces[side].points.iter().map(|p| Fraction::whole(p.clone())).collect())
+}
+
+/// The deepest of some points of each block, the first of several equally deep.
+fn deepest_of(surfaces: &[Surface<'_>; 2], points: impl Fn(usize) -> Vec<Fraction>) -> Option<Deep> {
+    let mut best: Option<Deep> = None;
+    for side in 0..2 {
+        let other = &surfaces[1 - side];
+        for point in points(side) {
+            let deeper_than_best =
+                |nearest: &Nearest| best.as_ref().is_none_or(|best| nearest.cmp_square(&best.nearest).is_gt());
+            if let Some(nearest) = other.depth(&point, deeper_than_best) {
+                best = Some(Deep { nearest, is_of_a: side == 0 });
+            }
+        }
+    }
+    best
+}
+
+/// The deepest of the middles of what the blocks' cells share.
+fn deepest_common(pair: &Units<'_>, surfaces: &[Surface<'_>; 2]) -> Option<Deep> {
+    let [a, b] = pair.blocks.map(|block| Piece::new(block.vertices().to_vec()));
+    if separate(a.points(), b.points()).is_separated {
+        return None;
+    }
+    let [ones, twos] = pair.blocks.map(cells);
+    let (units, metres) = &pair.scale;
+    let mut best: Option<Deep> = None;
+    for (one, two) in ones.iter().flat_map(|one| twos.iter().map(move |two| (one, two))) {
+        let Some(common) = one.common(two) else { continue };
+        let point = Fraction::of(&common.middle().map(|c| c * units / metres));
+        // Deep in B as a point of A, and the other way round.
+        let depths = [surfaces[1].depth(&point, |_| true), surfaces[0].depth(&point, |_| true)];
+        let [Some(as_a), Some(as_b)] = depths else { continue };
+        let is_of_a = as_a.cmp_square(&as_b).is_le();
+        let nearest = if is_of_a { as_a } else { as_b };
+        if best.as_ref().is_none_or(|best| nearest.cmp_square(&best.nearest).is_gt()) {
+            best = Some(Deep { nearest, is_of_a });
+        }
+    }
+    best
+}
+
+/// The point `numerators / denominator` in lattice units, the denominator above zero.
+struct Fraction {
+    numerators: Vec3<BigInt>,
+    denominator: BigInt,
+}
+
+impl Fraction {
+    fn whole(numerators: Vec3<BigInt>) -> Fraction {
+        Fraction { numerators, denominator: BigInt::one() }
+    }
+
+    fn of(point: &Vec3<BigRational>) -> Fraction {
+        let denominator = point.components().into_iter().fold(BigInt::one(), |all, c| all.lcm(c.denom()));
+        Fraction { numerators: point.map(|c| c.numer() * (&denominator / c.denom())), denominator }
+    }
 }
 
 /// The point of a surface next to a point: the squared distance as a fraction, and the way there times something above zero.
@@ -49,6 +120,12 @@ struct Nearest {
 }
 
 impl Nearest {
+    /// The same in units `factor` times as long.
+    fn on_coarser_lattice(&self, factor: &BigInt) -> Nearest {
+        let denominator = &self.denominator * factor * factor;
+        Nearest { numerator: self.numerator.clone(), denominator, way: self.way.clone() }
+    }
+
     fn cmp_square(&self, other: &Nearest) -> std::cmp::Ordering {
         compare((&self.numerator, &self.denominator), (&other.numerator, &other.denominator))
     }
@@ -57,7 +134,7 @@ impl Nearest {
 /// The surface of a block in lattice units.
 struct Surface<'p> {
     block: &'p Block,
-    points: &'p [Vec3<BigInt>],
+    points: Cow<'p, [Vec3<BigInt>]>,
     /// Normal of each face.
     normals: Vec<Vec3<BigInt>>,
     /// Least and greatest coordinates.
@@ -66,17 +143,62 @@ struct Surface<'p> {
 
 impl<'p> Surface<'p> {
     fn new(pair: &'p Units<'_>, side: usize) -> Option<Surface<'p>> {
-        let (block, points) = (pair.blocks[side], &pair.points[side]);
-        let normals: Vec<_> = block.topology().faces().iter().map(|face| face_normal(points, face)).collect();
-        if normals.iter().all(|n| Zero::is_zero(&n.norm_squared())) {
-            return None;
-        }
+        let surface = Surface::through(pair.blocks[side], Cow::Borrowed(&pair.points[side]));
+        let has_area = surface.normals.iter().any(|n| !Zero::is_zero(&n.norm_squared()));
+        has_area.then_some(surface)
+    }
+
+    fn through(block: &'p Block, points: Cow<'p, [Vec3<BigInt>]>) -> Surface<'p> {
+        let normals = block.topology().faces().iter().map(|face| face_normal(&points, face)).collect();
         let corner = |pick: fn(BigInt, BigInt) -> BigInt| {
             let first = points[0].clone();
             points.iter().cloned().fold(first, |a, b| Vec3::new(pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z)))
         };
         let bounds = [corner(std::cmp::min), corner(std::cmp::max)];
-        Some(Surface { block, points, normals, bounds })
+        Surface { block, points, normals, bounds }
+    }
+
+    /// How deep a point is inside; `None` where it is not inside, or its depth not one that is asked for.
+    fn depth(&self, point: &Fraction, is_asked_for: impl Fn(&Nearest) -> bool) -> Option<Nearest> {
+        if !point.denominator.is_one() {
+            // On a lattice finer by the denominator the point is whole.
+            let finer = self.points.iter().map(|p| p.scaled(&point.denominator)).collect();
+            let surface = Surface::through(self.block, Cow::Owned(finer));
+            let in_finer_units = |nearest: &Nearest| is_asked_for(&nearest.on_coarser_lattice(&point.denominator));
+            let nearest = surface
+                .depth(&Fraction::whole(point.numerators.clone()), &in_finer_units as &dyn Fn(&Nearest) -> bool)?;
+            return Some(nearest.on_coarser_lattice(&point.denominator));
+        }
+        let point = &point.numerators;
+        if !self.box_holds(point) {
+            return None;
+        }
+        let nearest = self.nearest(point)?;
+        let is_inside = is_asked_for(&nearest) && !Zero::is_zero(&nearest.numerator) && self.holds(point);
+        is_inside.then_some(nearest)
+    }
+
+    /// The middles of the parts into which the other's triangles cut each edge, where they cut it at all.
+    fn middles_between_crossings(&self, other: &Surface<'_>) -> Vec<Fraction> {
+        let surface: Vec<_> = triangles(other.block, &other.points).collect();
+        let mut middles = Vec::new();
+        for edge in self.block.topology().edges() {
+            let [p, q] = [edge.p, edge.q].map(|v| &self.points[v as usize]);
+            let d = q.minus(p);
+            let mut places: Vec<BigRational> = surface.iter().filter_map(|corners| crossing(p, &d, *corners)).collect();
+            if places.is_empty() {
+                continue;
+            }
+            places.extend([BigRational::zero(), BigRational::one()]);
+            places.sort();
+            places.dedup();
+            middles.extend(places.windows(2).map(|two| {
+                let share = (&two[0] + &two[1]) / BigInt::from(2);
+                let whole = |v: &Vec3<BigInt>| v.map(|c| BigRational::from_integer(c.clone()));
+                Fraction::of(&whole(p).plus(&whole(&d).scaled(&share)))
+            }));
+        }
+        middles
     }
 
     /// Whether a point is inside the block's box; **its surface does not count**.
@@ -154,48 +276,25 @@ impl<'p> Surface<'p> {
         Some(Nearest { numerator: way.norm_squared(), denominator: &length * &length, way })
     }
 
-    /// Whether a point that is not on the surface is inside: a ray from it crosses the surface an odd number of times. The
-    /// direction is (1, k, k²) with the first k for which the ray's line meets no edge of a triangle and lies in no
-    /// triangle's plane; each edge and each plane excludes two k at most.
+    /// Whether a point that is not on the surface is inside.
     fn holds(&self, point: &Vec3<BigInt>) -> bool {
-        let triangles: Vec<[Vec3<BigInt>; 3]> = self
-            .block
-            .topology()
-            .faces()
-            .iter()
-            .flat_map(|face| face[1..].windows(2).map(|two| [face[0], two[0], two[1]]))
-            .map(|corners| corners.map(|v| self.points[v as usize].minus(point)))
-            .collect();
-        (1i64..)
-            .find_map(|k| odd_crossings(&triangles, &Vec3::new(1.into(), k.into(), (k * k).into())))
-            .unwrap_or(false)
+        let around: Vec<_> =
+            triangles(self.block, &self.points).map(|corners| corners.map(|v| v.minus(point))).collect();
+        holds_origin(&around)
     }
 }
 
-/// Whether a ray from the origin crosses triangles an odd number of times; `None` where it meets an edge or lies in a plane.
-fn odd_crossings(triangles: &[[Vec3<BigInt>; 3]], ray: &Vec3<BigInt>) -> Option<bool> {
-    let mut odd = false;
-    for [a, b, c] in triangles {
-        let n = b.minus(a).cross(&c.minus(a));
-        if Zero::is_zero(&n.norm_squared()) {
-            continue;
-        }
-        let towards = n.dot(ray);
-        if Zero::is_zero(&towards) {
-            return None;
-        }
-        // The plane is met at a·n / ray·n.
-        let height = n.dot(a);
-        if Zero::is_zero(&height) || height.is_positive() != towards.is_positive() {
-            continue;
-        }
-        let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| p.cross(q).dot(ray));
-        if sides.iter().any(Zero::is_zero) {
-            return None;
-        }
-        if sides.iter().all(|side| side.is_positive() == towards.is_positive()) {
-            odd = !odd;
-        }
+/// Where `p + t·d` meets a triangle whose plane it passes through, its boundary included, for t from 0 to 1.
+fn crossing(p: &Vec3<BigInt>, d: &Vec3<BigInt>, corners: [&Vec3<BigInt>; 3]) -> Option<BigRational> {
+    let [a, b, c] = corners.map(|v| v.minus(p));
+    let n = b.minus(&a).cross(&c.minus(&a));
+    let towards = n.dot(d);
+    if Zero::is_zero(&towards) {
+        return None;
     }
-    Some(odd)
+    let sides = [(&a, &b), (&b, &c), (&c, &a)].map(|(p, q)| p.cross(q).dot(d));
+    let is_outside = |side: &BigInt| !Zero::is_zero(side) && side.is_positive() != towards.is_positive();
+    let place = BigRational::new(n.dot(&a), towards.clone());
+    let is_on_edge = !place.is_negative() && place <= BigRational::one();
+    (is_on_edge && !sides.iter().any(is_outside)).then_some(place)
 }

@@ -5,7 +5,7 @@ use super::vector::{cross, difference, dot, multiple, squared_length, sum};
 use super::verdict::Verdict;
 use crate::rational::Rational;
 use rockproof_model::decision::{Feature, Predicate, Side};
-use rockproof_model::{ContactKind, Criteria, Entrance, EntranceKind};
+use rockproof_model::{ContactKind, Entrance, EntranceKind};
 
 /// All e-e contacts of the pair.
 pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>) -> Vec<Meeting<Q>> {
@@ -27,24 +27,25 @@ fn contact<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Option<Meeting<Q>
     if !crossing {
         return None;
     }
-    let plane = plane(pair, a, b);
-    let passes = pair.decide(Predicate::EdgeEdgeDepth, &edges(a, b), plane.not_too_deep(&pair.limits))
-        && pair.decide(Predicate::EdgeEdgeNear, &edges(a, b), plane.near(&pair.limits))
-        && wedges_pass(pair, &plane);
-    passes.then_some(Meeting { kind: ContactKind::EdgeEdge, a, b, plane })
+    let contact = Meeting { kind: ContactKind::EdgeEdge, a, b, plane: plane(pair, a, b) };
+    let passes = pair.not_too_deep(Predicate::EdgeEdgeDepth, &edges(a, b), &contact)
+        && pair.decide(Predicate::EdgeEdgeNear, &edges(a, b), contact.plane.near(&pair.limits))
+        && wedges_pass(pair, &contact.plane);
+    passes.then_some(contact)
 }
 
-/// `|d1 × d2|² ≤ sp²·|d1|²·|d2|²`, or under `revised` `|d1 × d2|² ≤ r²·max(|d1|², |d2|²)`. **A tie says yes.**
+/// `|d1 × d2|² ≤ sp²·|d1|²·|d2|²` and, under `revised`, `|d1 × d2|² ≤ r²·max(|d1|², |d2|²)` as well.
+/// **A tie says yes.**
 pub(super) fn nearly_parallel<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> bool {
     let (d1, d2) = (&pair.a.edges[a as usize], &pair.b.edges[b as usize]);
     let area_squared = squared_length(&cross(&d1.direction, &d2.direction));
     let limits = &pair.limits;
     let by_angle = limits.parallel_squared.times(&d1.length_squared).times(&d2.length_squared);
     let mut verdict = Verdict::at_most(&area_squared, &by_angle);
-    if limits.criteria == Criteria::Revised {
+    if !pair.is_classic() {
         let longer_squared = (&d1.length_squared).max(&d2.length_squared);
         let by_length = limits.territory_squared.times(longer_squared);
-        verdict = verdict.or(|| Verdict::at_most(&area_squared, &by_length));
+        verdict = verdict.and(|| Verdict::at_most(&area_squared, &by_length));
     }
     pair.decide(Predicate::NearlyParallel, &edges(a, b), verdict)
 }
@@ -67,30 +68,62 @@ pub(super) fn plane<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Plane<Q>
 }
 
 /// **Wedges pass**: `n·m ≥ 0` for A's two inward directions and `n·m ≤ 0` for B's two, each within the tolerance where
-/// `(n·m)² ≤ so²·|n|²·|m|²`, or under `revised` `(n·m)²·w² ≤ g²·|n|²·|m|²`. **A tie says yes.**
+/// `(n·m)² ≤ so²·|n|²·|m|²` and, under `revised`, `(n·m)²·w² ≤ g²·|n|²·|m|²` as well. **A tie says yes.**
 pub(super) fn wedges_pass<Q: Rational>(pair: &Pair<'_, Q>, plane: &Plane<Q>) -> bool {
-    let (a, b) = (plane.entrance.a, plane.entrance.b);
-    let n = &plane.normal;
-    let n_squared = squared_length(n);
     let limits = &pair.limits;
+    let verdict = every_wing(pair, plane, |wing| {
+        let by_angle = || {
+            let limit = limits.overlap_squared.times(&wing.lengths_squared);
+            Verdict::at_most(&wing.rise.squared(), &limit)
+        };
+        let by_length = || wing.dips_at_most(&limits.penetration_squared);
+        if pair.is_classic() { by_angle() } else { by_angle().and(by_length) }
+    });
+    pair.decide(Predicate::WedgesPass, &edges(plane.entrance.a, plane.entrance.b), verdict)
+}
+
+/// The plane of two edges is a **true exit** under `revised`: `n·m ≥ 0` for A's two inward directions and `n·m ≤ 0` for
+/// B's two, or `(n·m)²·w² ≤ (r/10)²·|n|²·|m|²`. **A tie says yes.**
+pub(super) fn is_true_exit<Q: Rational>(pair: &Pair<'_, Q>, plane: &Plane<Q>) -> Verdict {
+    every_wing(pair, plane, |wing| wing.dips_at_most(&pair.limits.exit_squared))
+}
+
+/// One of the four faces at two edges, along their normal n.
+struct Wing<'a, Q> {
+    /// `n·m`, for B's faces `−n·m`: negative where the face dips.
+    rise: Q,
+    /// `|n|²·|m|²`
+    lengths_squared: Q,
+    /// `w²`
+    width_squared: &'a Q,
+}
+
+impl<Q: Rational> Wing<'_, Q> {
+    /// `(n·m)²·w² ≤ limit²·|n|²·|m|²`: the face's far end is within the limit of the plane. **A tie says yes.**
+    fn dips_at_most(&self, limit_squared: &Q) -> Verdict {
+        let dip = self.rise.squared().times(self.width_squared);
+        Verdict::at_most(&dip, &limit_squared.times(&self.lengths_squared))
+    }
+}
+
+/// All four faces at two edges rise along n (**a tie says yes**) or are tolerated.
+fn every_wing<Q: Rational>(
+    pair: &Pair<'_, Q>,
+    plane: &Plane<Q>,
+    tolerated: impl Fn(&Wing<'_, Q>) -> Verdict,
+) -> Verdict {
+    let (a, b) = (plane.entrance.a as usize, plane.entrance.b as usize);
+    let n = &plane.normal;
     let mut all = Verdict { yes: true, tie: plane.unsided };
-    for (line, along_n) in [(&pair.a.edges[a as usize], 1), (&pair.b.edges[b as usize], -1)] {
+    for (line, along_n) in [(&pair.a.edges[a], 1), (&pair.b.edges[b], -1)] {
         for (inward, width_squared) in line.inward.iter().zip(&line.width_squared) {
             let rise = dot(n, inward).times(&Q::from_integer(along_n));
-            let lengths_squared = n_squared.times(&squared_length(inward));
-            let by_angle = || Verdict::at_most(&rise.squared(), &limits.overlap_squared.times(&lengths_squared));
-            let by_length = || {
-                let dip = rise.squared().times(width_squared);
-                Verdict::at_most(&dip, &limits.penetration_squared.times(&lengths_squared))
-            };
-            let mut passes = Verdict::at_least_zero(&rise).or(by_angle);
-            if limits.criteria == Criteria::Revised {
-                passes = passes.or(by_length);
-            }
-            all = all.and(|| passes);
+            let lengths_squared = squared_length(n).times(&squared_length(inward));
+            let wing = Wing { rise, lengths_squared, width_squared };
+            all = all.and(|| Verdict::at_least_zero(&wing.rise).or(|| tolerated(&wing)));
         }
     }
-    pair.decide(Predicate::WedgesPass, &edges(a, b), all)
+    all
 }
 
 /// The feet of the common perpendicular lie strictly inside both edges. **A tie says no.**

@@ -1,12 +1,13 @@
-//! The entrance of v-v and v-e: the candidate plane with the largest gap (SPEC section 4, "Entrance").
+//! The entrance of v-v and v-e: of the candidate planes that are true exits, or of all if none is, the one with the
+//! largest gap (SPEC section 4, "Entrance").
 
 use super::edge_edge;
 use super::pair::{Meeting, Pair, Plane};
 use super::verdict::Verdict;
 use super::vertex_face;
 use crate::rational::Rational;
-use rockproof_model::ContactKind;
 use rockproof_model::decision::{Predicate, Side};
+use rockproof_model::{ContactKind, EntranceKind};
 
 /// The candidates of one contact that pass the no-overlap check.
 pub(super) struct Candidates<'p, 'a, Q> {
@@ -37,7 +38,7 @@ impl<'p, 'a, Q: Rational> Candidates<'p, 'a, Q> {
         }
     }
 
-    /// The contact of these two features, if a candidate passes and the chosen one has `h ≥ −g`.
+    /// The contact of these two features, if a candidate passes and the chosen one is not too deep.
     pub(super) fn confirm(self, kind: ContactKind, a: u32, b: u32) -> Option<Meeting<Q>> {
         let pair = self.pair;
         let (planes, chosen) = self.choose()?;
@@ -48,16 +49,44 @@ impl<'p, 'a, Q: Rational> Candidates<'p, 'a, Q> {
             let [of_a, of_b] = plane.features();
             pair.decide(Predicate::EntranceChoice, &[features[0], features[1], of_a, of_b], verdict);
         }
-        pair.decide(Predicate::EntranceDepth, &features, contact.plane.not_too_deep(&pair.limits)).then_some(contact)
+        pair.not_too_deep(Predicate::EntranceDepth, &features, &contact).then_some(contact)
     }
 
-    /// The candidates in order and which of them is chosen; `None` when there is none.
+    /// The candidates to choose from, in order, and which of them is chosen; `None` when there is none.
     fn choose(self) -> Option<(Vec<Plane<Q>>, Choice)> {
         let mut planes = self.planes;
         planes.sort_by_key(|plane| plane.entrance);
+        // Asked only where there is a choice.
+        if planes.len() > 1 {
+            let mut preferred = true_exits_or_all(self.pair, &planes).into_iter();
+            planes.retain(|_| preferred.next() == Some(true));
+        }
         let chosen = first_of_the_largest(&planes, &self.pair.limits.equal)?;
         Some((planes, chosen))
     }
+}
+
+/// For each of several planes, whether it is a true exit; if none is, all count. Under `classic` every plane that passes
+/// is one, and nothing is asked.
+pub(super) fn true_exits_or_all<Q: Rational>(pair: &Pair<'_, Q>, planes: &[Plane<Q>]) -> Vec<bool> {
+    if pair.is_classic() {
+        return vec![true; planes.len()];
+    }
+    let mut exits: Vec<bool> = planes.iter().map(|plane| is_true_exit(pair, plane)).collect();
+    if !exits.contains(&true) {
+        exits.fill(true);
+    }
+    exits
+}
+
+fn is_true_exit<Q: Rational>(pair: &Pair<'_, Q>, plane: &Plane<Q>) -> bool {
+    let (a, b) = (plane.entrance.a, plane.entrance.b);
+    let verdict = match plane.entrance.kind {
+        EntranceKind::VertexFace => vertex_face::is_true_exit(pair, Side::A, a, b),
+        EntranceKind::FaceVertex => vertex_face::is_true_exit(pair, Side::B, b, a),
+        EntranceKind::EdgeEdge => edge_edge::is_true_exit(pair, plane),
+    };
+    pair.decide(Predicate::TrueExit, &plane.features(), verdict)
 }
 
 /// Which of several planes is chosen, and how firmly.

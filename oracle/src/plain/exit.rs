@@ -1,6 +1,6 @@
 //! Which overlapping contacts stay: the shortest exit of test 3 and the one exit of test 5 (SPEC section 4).
 
-use super::entrance::first_of_the_largest;
+use super::entrance::{first_of_the_largest, true_exits_or_all};
 use super::pair::{Meeting, Pair};
 use super::vector::{cross, dot, squared_length};
 use super::verdict::Verdict;
@@ -63,14 +63,20 @@ fn take_group<Q: Rational>(
     group
 }
 
-/// **One exit**, for two convex blocks: with n* the normal of the contact with the largest gap (ties by Eq. (1), to the
-/// first in sorted order), a contact with h < 0 stays only if `n·n* > 0` and `|n × n*|² ≤ so²·|n|²·|n*|²`.
-/// Expects the contacts sorted.
+/// **One exit**, for two convex blocks: with n* the normal of the contact with the largest gap among those whose entrance
+/// is a true exit, or among all if none is (ties by Eq. (1), to the first in sorted order), a contact with h < 0 stays only
+/// if `n·n* > 0` and `|n × n*|² ≤ so²·|n|²·|n*|²`. Expects the contacts sorted.
 pub(super) fn only<Q: Rational>(pair: &Pair<'_, Q>, contacts: Vec<Meeting<Q>>) -> Vec<Meeting<Q>> {
     if !pair.a.block.is_convex() || !pair.b.block.is_convex() {
         return contacts;
     }
-    let planes: Vec<_> = contacts.iter().map(|contact| contact.plane.clone()).collect();
+    if !contacts.iter().any(|contact| contact.plane.gap_sign().is_negative()) {
+        return contacts;
+    }
+    let all: Vec<_> = contacts.iter().map(|contact| contact.plane.clone()).collect();
+    let preferred = true_exits_or_all(pair, &all);
+    let places: Vec<usize> = (0..all.len()).filter(|&k| preferred[k]).collect();
+    let planes: Vec<_> = places.iter().map(|&k| all[k].clone()).collect();
     let Some(choice) = first_of_the_largest(&planes, &pair.limits.equal) else { return contacts };
     let star = &planes[choice.index].normal;
     let within_overlap_angle = |contact: &Meeting<Q>| {
@@ -84,7 +90,7 @@ pub(super) fn only<Q: Rational>(pair: &Pair<'_, Q>, contacts: Vec<Meeting<Q>>) -
         .into_iter()
         .enumerate()
         .filter(|(k, contact)| {
-            *k == choice.index
+            *k == places[choice.index]
                 || !contact.plane.gap_sign().is_negative()
                 || pair.decide(Predicate::OneExit, &contact.features(), within_overlap_angle(contact))
         })

@@ -27,7 +27,7 @@ mod vertex_vertex;
 
 use crate::rational::Rational;
 use rockproof_model::decision::Decision;
-use rockproof_model::{Block, Contact, Sign, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, Sign, ToleranceSet};
 
 /// A contact and its exact gap.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -77,13 +77,29 @@ pub type Traced = (Decision, i8, bool);
 /// assert_eq!((found[0].contact.kind.name(), found[0].contact.gap), ("v-v", Sign::Positive));
 /// ```
 pub fn classify<Q: Rational>(a: &Block, b: &Block, tolerances: &ToleranceSet) -> Vec<Found<Q>> {
-    let pair = pair::Pair::new(a, b, tolerances, pair::Log::off());
+    classify_keeping(a, b, tolerances, &[])
+}
+
+/// [`classify`] where the step before left the contacts `kept` of the pair closed, in any order: these may be deeper
+/// than g. Every other condition holds for them too.
+pub fn classify_keeping<Q: Rational>(
+    a: &Block,
+    b: &Block,
+    tolerances: &ToleranceSet,
+    kept: &[ContactKey],
+) -> Vec<Found<Q>> {
+    let pair = pair::Pair::new(a, b, tolerances, pair::Log::off()).keeping(kept);
     classify::contacts(&pair).into_iter().map(pair::Meeting::published).collect()
 }
 
 /// Every decision that [`classify`] evaluates for the pair, each once, in the order of its first evaluation.
 pub fn trace<Q: Rational>(a: &Block, b: &Block, tolerances: &ToleranceSet) -> Vec<Traced> {
-    let pair = pair::Pair::<Q>::new(a, b, tolerances, pair::Log::on());
+    trace_keeping::<Q>(a, b, tolerances, &[])
+}
+
+/// Every decision that [`classify_keeping`] evaluates, as [`trace`] gives them.
+pub fn trace_keeping<Q: Rational>(a: &Block, b: &Block, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Vec<Traced> {
+    let pair = pair::Pair::<Q>::new(a, b, tolerances, pair::Log::on()).keeping(kept);
     classify::contacts(&pair);
     pair.into_trace()
 }

@@ -5,7 +5,7 @@ use super::verdict::Verdict;
 use super::{Found, Traced};
 use crate::rational::Rational;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{Block, Contact, ContactKind, Entrance, Sign, ToleranceSet, Vec3};
+use rockproof_model::{Block, Contact, ContactKey, ContactKind, Criteria, Entrance, Sign, ToleranceSet, Vec3};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
@@ -14,8 +14,13 @@ pub(super) struct Pair<'a, Q> {
     pub(super) a: Solid<'a, Q>,
     pub(super) b: Solid<'a, Q>,
     pub(super) limits: Limits<Q>,
+    /// The contacts that the step before left closed.
+    kept: BTreeSet<ContactKey>,
     log: RefCell<Log>,
 }
+
+/// A true exit dips by no more than r over this (SPEC section 4).
+const TRUE_EXIT_INVERSE: i32 = 10;
 
 /// The decisions taken so far, if anybody asks for them.
 pub(super) struct Log {
@@ -39,17 +44,37 @@ impl<'a, Q: Rational> Pair<'a, Q> {
     pub(super) fn new(a: &'a Block, b: &'a Block, tolerances: &ToleranceSet, log: Log) -> Self {
         let exact = |n| Q::from_number(n);
         let search = exact(&tolerances.search);
+        let territory = exact(&tolerances.territory);
+        let exit = territory.over(&Q::from_integer(TRUE_EXIT_INVERSE)).unwrap_or_else(Q::zero);
         let limits = Limits {
             search_squared: search.squared(),
             search,
-            territory_squared: exact(&tolerances.territory).squared(),
+            territory_squared: territory.squared(),
             penetration_squared: exact(&tolerances.penetration).squared(),
+            exit_squared: exit.squared(),
             overlap_squared: exact(&tolerances.overlap_sine).squared(),
             parallel_squared: exact(&tolerances.parallel_sine).squared(),
             equal: exact(&tolerances.equal),
             criteria: tolerances.criteria,
         };
-        Pair { a: Solid::new(a, &limits), b: Solid::new(b, &limits), limits, log: RefCell::new(log) }
+        let (a, b) = (Solid::new(a, &limits), Solid::new(b, &limits));
+        Pair { a, b, limits, kept: BTreeSet::new(), log: RefCell::new(log) }
+    }
+
+    /// The same pair with contacts kept from the step before.
+    pub(super) fn keeping(self, kept: &[ContactKey]) -> Self {
+        Pair { kept: kept.iter().copied().collect(), ..self }
+    }
+
+    pub(super) fn is_classic(&self) -> bool {
+        self.limits.criteria == Criteria::Classic
+    }
+
+    /// A contact is **not too deep** when it is kept, and then nothing is asked, or its plane has `h ≥ −g`.
+    /// **A tie says yes.**
+    pub(super) fn not_too_deep(&self, predicate: Predicate, features: &[Feature], contact: &Meeting<Q>) -> bool {
+        let key = ContactKey { kind: contact.kind, a: contact.a, b: contact.b };
+        self.kept.contains(&key) || self.decide(predicate, features, contact.plane.not_too_deep(&self.limits))
     }
 
     pub(super) fn side(&self, side: Side) -> &Solid<'a, Q> {

@@ -16,6 +16,8 @@ pub(super) struct Limits<Q> {
     pub(super) territory_squared: Q,
     /// g²
     pub(super) penetration_squared: Q,
+    /// (r/10)²: how far a true exit may dip.
+    pub(super) exit_squared: Q,
     /// so²
     pub(super) overlap_squared: Q,
     /// sp²

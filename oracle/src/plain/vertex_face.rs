@@ -5,7 +5,7 @@ use super::vector::{cross, difference, dot, opposite, squared_length};
 use super::verdict::Verdict;
 use crate::rational::Rational;
 use rockproof_model::decision::{Feature, Predicate, Side};
-use rockproof_model::{ContactKind, Criteria, Entrance, EntranceKind, Vec3};
+use rockproof_model::{ContactKind, Entrance, EntranceKind, Vec3};
 
 /// All contacts of a vertex of `side` and a face of the other block, before the shortest exit.
 pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>, side: Side) -> Vec<Meeting<Q>> {
@@ -19,19 +19,19 @@ pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>, side: Side) -> Vec<Meeti
 }
 
 fn contact<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> Option<Meeting<Q>> {
-    let plane = plane(pair, side, vertex, face);
-    let features = vertex_and_face(side, vertex, face);
-    let passes = pair.decide(Predicate::VertexFaceDepth, &features, plane.not_too_deep(&pair.limits))
-        && pair.decide(Predicate::VertexFaceNear, &features, plane.near(&pair.limits))
-        && pair.decide(Predicate::InsideFace, &features, inside_face(pair, side, vertex, face))
-        && !in_territory_of_the_boundary(pair, side, vertex, face)
-        && cone_passes(pair, side, vertex, face);
     let kind = match side {
         Side::A => ContactKind::VertexFace,
         Side::B => ContactKind::FaceVertex,
     };
     let (a, b) = indices_in_order(side, vertex, face);
-    passes.then_some(Meeting { kind, a, b, plane })
+    let contact = Meeting { kind, a, b, plane: plane(pair, side, vertex, face) };
+    let features = vertex_and_face(side, vertex, face);
+    let passes = pair.not_too_deep(Predicate::VertexFaceDepth, &features, &contact)
+        && pair.decide(Predicate::VertexFaceNear, &features, contact.plane.near(&pair.limits))
+        && pair.decide(Predicate::InsideFace, &features, inside_face(pair, side, vertex, face))
+        && !in_territory_of_the_boundary(pair, side, vertex, face)
+        && cone_passes(pair, side, vertex, face);
+    passes.then_some(contact)
 }
 
 /// The plane of a face of the other block, with its gap to a vertex of `side`: `h = N·(a − c)/|N|`, 0 for `N = 0`.
@@ -47,8 +47,8 @@ pub(super) fn plane<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, fa
     Plane { entrance: Entrance { kind, a, b }, normal, gap_signed_square, unsided: false }
 }
 
-/// **Cone passes plane**: every edge direction e at the vertex has `e·N ≥ 0`, or `(e·N)² ≤ so²·|e|²·|N|²`, or under
-/// `revised` `(e·N)² ≤ g²·|N|²`. **A tie says yes.**
+/// **Cone passes plane**: every edge direction e at the vertex has `e·N ≥ 0`, or `(e·N)² ≤ so²·|e|²·|N|²` and, under
+/// `revised`, `(e·N)² ≤ g²·|N|²` as well. **A tie says yes.**
 pub(super) fn cone_passes<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> bool {
     let normal = &pair.side(side.other()).faces[face as usize].normal;
     let normal_squared = squared_length(normal);
@@ -60,12 +60,21 @@ pub(super) fn cone_passes<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u
             Verdict::at_most(&rise.squared(), &limit)
         };
         let by_length = || Verdict::at_most(&rise.squared(), &limits.penetration_squared.times(&normal_squared));
-        let mut verdict = Verdict::at_least_zero(&rise).or(by_angle);
-        if limits.criteria == Criteria::Revised {
-            verdict = verdict.or(by_length);
-        }
+        let within_tolerance = || if pair.is_classic() { by_angle() } else { by_angle().and(by_length) };
+        let verdict = Verdict::at_least_zero(&rise).or(within_tolerance);
         let features = [Feature::Vertex(side, vertex), Feature::Face(side.other(), face), Feature::Edge(side, *edge)];
         pair.decide(Predicate::ConePasses, &features, verdict)
+    })
+}
+
+/// The plane of a vertex and a face is a **true exit** under `revised`: every edge direction e at the vertex has
+/// `e·N ≥ 0` or `(e·N)² ≤ (r/10)²·|N|²`. **A tie says yes.**
+pub(super) fn is_true_exit<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> Verdict {
+    let normal = &pair.side(side.other()).faces[face as usize].normal;
+    let limit = pair.limits.exit_squared.times(&squared_length(normal));
+    pair.side(side).edges_away(vertex).iter().fold(Verdict { yes: true, tie: false }, |all, (_, away)| {
+        let rise = dot(away, normal);
+        all.and(|| Verdict::at_least_zero(&rise).or(|| Verdict::at_most(&rise.squared(), &limit)))
     })
 }
 

@@ -44,23 +44,23 @@ impl Polynomial for EdgeDipAngle {
     }
 }
 
-/// `g²|N|² − (e·N)²`
+/// `limit²|N|² − (e·N)²`
 pub(crate) struct EdgeDipDepth {
     pub(crate) edge: Edge,
     pub(crate) face: Face,
+    pub(crate) limit: DipLimit,
 }
 
 impl Polynomial for EdgeDipDepth {
     const FIRST_SLOT: usize = after::<EdgeDipAngle>();
-    const VARIANTS: usize = 2;
+    const VARIANTS: usize = 4;
     const DEGREE: usize = 6;
     fn variant(&self) -> usize {
-        side_of(self.face.0)
+        side_of(self.face.0) * 2 + self.limit as usize
     }
     fn value<V: View>(&self, view: &V) -> V::T {
         let (e, n) = (view.direction(self.edge.0, self.edge.1), view.normal(self.face.0, self.face.1));
-        let scales = view.scales();
-        let allowed = scales.penetration.squared().times(&n.norm_squared());
-        allowed.minus(&scales.unit.squared().times(&e.dot(&n).squared()))
+        let (limit, unit) = self.limit.squared(view);
+        limit.times(&n.norm_squared()).minus(&unit.times(&e.dot(&n).squared()))
     }
 }

@@ -108,6 +108,7 @@ impl Polynomial for Orientation {
 }
 
 /// `n·m` with `n = d₁ × d₂`, m an inward direction at one of the two edges.
+#[derive(Clone, Copy)]
 pub(crate) struct InwardAcross {
     pub(crate) edge_a: u32,
     pub(crate) edge_b: u32,
@@ -160,18 +161,20 @@ impl Polynomial for WedgeDipAngle {
     }
 }
 
-/// `g²|n|²|m|²|d|² − (n·m)²|(w − p) × d|²` for one vertex w of the face: within depth when that holds for all of them.
+/// `limit²|n|²|m|²|d|² − (n·m)²|(w − p) × d|²` for one vertex w of the face: within the limit when that holds for all of
+/// them.
 pub(crate) struct WedgeDipDepth {
     pub(crate) inward: InwardAcross,
     pub(crate) corner: u32,
+    pub(crate) limit: DipLimit,
 }
 
 impl Polynomial for WedgeDipDepth {
     const FIRST_SLOT: usize = after::<WedgeDipAngle>();
-    const VARIANTS: usize = 2;
+    const VARIANTS: usize = 4;
     const DEGREE: usize = 14;
     fn variant(&self) -> usize {
-        self.inward.variant()
+        self.inward.variant() * 2 + self.limit as usize
     }
     fn value<V: View>(&self, view: &V) -> V::T {
         let edge = self.inward.edge();
@@ -179,9 +182,9 @@ impl Polynomial for WedgeDipDepth {
         let m = view.inward(edge.0, edge.1, self.inward.right);
         let d = view.direction(edge.0, edge.1);
         let height = view.between(start(view, edge), (edge.0, self.corner)).cross(&d).norm_squared();
-        let scales = view.scales();
+        let (limit, unit) = self.limit.squared(view);
         let size = n.norm_squared().times(&m.norm_squared()).times(&d.norm_squared());
         let dip = n.dot(&m).squared().times(&height);
-        scales.penetration.squared().times(&size).minus(&scales.unit.squared().times(&dip))
+        limit.times(&size).minus(&unit.times(&dip))
     }
 }

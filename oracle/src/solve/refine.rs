@@ -122,7 +122,7 @@ impl Correctable for WideBall {
         self.widened(more)
     }
     fn middle_size(&self) -> Option<Magnitude> {
-        Some(self.without_radius().most())
+        Some(self.without_radius().size())
     }
     fn middle_over(&self, exponent: i64) -> f64 {
         self.scaled_f64(exponent)

@@ -109,7 +109,7 @@ impl SpdSystem {
         while working <= Self::CAP {
             if let Some(solution) = WideBall::solve(&self.rounded(working), factor.as_ref(), working) {
                 definite = true;
-                let largest = solution.iter().map(WideBall::most).max();
+                let largest = solution.iter().map(WideBall::size).max();
                 let widest = solution.iter().map(WideBall::spread).max();
                 if widest.zip(largest).is_none_or(|(widest, largest)| widest.shifted(i64::from(bits)) <= largest) {
                     return Ok(solution.iter().filter_map(enclosed).collect());

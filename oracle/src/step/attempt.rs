@@ -1,7 +1,7 @@
 //! Everything exact that an attempt at a step starts from.
 
-use super::run::StepModel;
-use super::state::State;
+use super::answer::StepModel;
+use super::state::{Mode, State};
 use super::transfer::Started;
 use num_rational::BigRational;
 use num_traits::Zero;
@@ -43,6 +43,12 @@ impl Attempt<'_> {
     /// The moving blocks and their places in the system.
     pub(crate) fn moving(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.rows.iter().enumerate().filter_map(|(block, row)| row.map(|row| (block, row)))
+    }
+
+    /// The modes of the first solve. While settling, what is closed is locked.
+    pub(crate) fn first_modes(&self) -> Vec<Mode> {
+        let lock = |mode| if self.settling && mode == Mode::Sliding { Mode::Locked } else { mode };
+        self.started.iter().map(|started| lock(started.mode)).collect()
     }
 
     pub(crate) fn material(&self, block: usize) -> &Material {

@@ -3,7 +3,7 @@
 use super::attempt::{Attempt, Joint};
 use super::contact::{ContactGeometry, Sides};
 use super::frame;
-use super::state::Mode;
+use super::friction::SlipForce;
 use crate::field::Field;
 use crate::mass::{self, Moments, difference};
 use num_rational::BigRational;
@@ -18,6 +18,8 @@ pub(crate) struct Iterate<S> {
     pub(crate) gaps: Vec<S>,
     /// The trial stretch of each contact.
     pub(crate) stretches: Vec<Vec3<S>>,
+    /// What friction did to each contact that slid in it.
+    pub(crate) friction: Vec<Option<SlipForce<S>>>,
 }
 
 /// What a moving block brings into the system without contacts.
@@ -175,39 +177,8 @@ impl<'a, S: Field> Chain<'a, S> {
         Some(())
     }
 
-    /// The friction force on A of each sliding contact, times −1: `τ s/|s|` of the solve before, or `p_s s0` in the first;
-    /// zero for other modes. `None` where a root is none of this type.
-    pub(crate) fn friction(&self, modes: &[Mode]) -> Option<Vec<Vec3<S>>> {
-        let of =
-            |(k, mode): (usize, &Mode)| if *mode == Mode::Sliding { self.slip_force(k) } else { Some(Vec3::zero()) };
-        modes.iter().enumerate().map(of).collect()
-    }
-
-    /// The force that a sliding contact remembers: `τ s/|s|` of the last solve.
-    fn slip_force(&self, k: usize) -> Option<Vec3<S>> {
-        let (contact, joint) = (&self.contacts[k], &self.joints[k]);
-        let Some(last) = self.iterates.last() else { return Some(contact.stretch.scaled(&joint.shear)) };
-        let s = &last.stretches[k];
-        let (strength, length) = (self.strength(k, &last.gaps[k])?, s.norm_squared());
-        if strength.is_zero() || length.is_zero() {
-            return Some(Vec3::zero());
-        }
-        // τ/|s|, both times |N|.
-        let root = length.times(&contact.square).root()?;
-        Some(s.scaled(&strength.over(&root)?))
-    }
-
-    /// τ times |N| at a gap, that times |N| too: `tan φ·p_n·max(0, −h) + c·area`.
-    pub(crate) fn strength(&self, k: usize, gap: &S) -> Option<S> {
-        let joint = &self.joints[k];
-        if joint.friction.is_zero() || !gap.certain_sign()?.is_negative() {
-            return Some(joint.cohesive.clone());
-        }
-        Some(joint.cohesive.minus(&joint.friction.times(gap)))
-    }
-
-    /// Takes a solution, by moving block, as the last iterate.
-    pub(crate) fn take(&mut self, solution: &[S]) {
+    /// Takes a solution, by moving block, as the last iterate; `friction` acted in it.
+    pub(crate) fn take(&mut self, solution: &[S], friction: Vec<Option<SlipForce<S>>>) {
         let mut d = vec![Vec::new(); self.attempt.blocks.len()];
         let mut rest = solution;
         for (block, row) in self.attempt.moving() {
@@ -222,7 +193,7 @@ impl<'a, S: Field> Chain<'a, S> {
             gaps.push(contact.gap.plus(&along));
             stretches.push(contact.stretch.plus(&contact.across(&moved, &along)));
         }
-        self.iterates.push(Iterate { d, gaps, stretches });
+        self.iterates.push(Iterate { d, gaps, stretches, friction });
     }
 
     /// The anchors that go on from here, before the update moves them: of A and of B, relative to their centroids.
@@ -232,12 +203,6 @@ impl<'a, S: Field> Chain<'a, S> {
             Some(anchors) => std::array::from_fn(|side| self.relative(started.blocks[side], &anchors[side])),
             None => self.contacts[k].points.clone(),
         }
-    }
-
-    /// `τ/p_s · s/|s|` of a contact that slid; zero without a shear spring.
-    pub(crate) fn remembered_stretch(&self, k: usize) -> Option<Vec3<S>> {
-        let shear = &self.joints[k].shear;
-        if shear.is_zero() { Some(Vec3::zero()) } else { mass::over(&self.slip_force(k)?, shear) }
     }
 }
 

@@ -159,22 +159,33 @@ impl<'a> Ladder<'a> {
 
     /// Adds a solve with these modes; each level makes it when it is asked.
     pub(crate) fn solve(&mut self, modes: Vec<Mode>) {
-        // The friction of a sliding contact is a force: equal modes have equal stiffnesses.
-        let known = self.history.modes.iter().position(|earlier| *earlier == modes);
+        // The spring across a slip is that of the solve before: only without sliding contacts equal modes have equal stiffnesses.
+        let slides = modes.contains(&Mode::Sliding);
+        let known = self.history.modes.iter().position(|earlier| !slides && *earlier == modes);
         let factor = match known {
             Some(solve) => self.history.factors[solve].clone(),
+            None if slides && !self.history.modes.is_empty() => self.sliding_factor(&modes),
             None => {
                 let layout = self.layout;
                 let factor = self.first(
-                    |chain| stiffness(chain, &modes, layout).factor(),
-                    |chain| stiffness(chain, &modes, layout).factor(),
-                    |chain| stiffness(chain, &modes, layout).factor(),
+                    |chain| stiffness(chain, &modes, layout)?.factor(),
+                    |chain| stiffness(chain, &modes, layout)?.factor(),
+                    |chain| stiffness(chain, &modes, layout)?.factor(),
                 );
                 factor.map(Rc::new)
             }
         };
         self.history.factors.push(factor);
         self.history.modes.push(modes);
+    }
+
+    /// The factor of a solve in which contacts slide as the solve before left them, from the cheapest type that knows how.
+    fn sliding_factor(&mut self, modes: &[Mode]) -> Option<Rc<Approximate>> {
+        let layout = self.layout;
+        let float = self.float().and_then(|chain| stiffness(chain, modes, layout));
+        let double = float.or_else(|| self.double().and_then(|chain| stiffness(chain, modes, layout)));
+        let wide = |ladder: &mut Self, k| ladder.wide(k).and_then(|chain| stiffness(chain, modes, layout));
+        double.or_else(|| wide(self, 0)).or_else(|| wide(self, 1))?.factor().map(Rc::new)
     }
 
     /// The answer of the cheapest level that has one; `None` is undecided, and counted.

@@ -1,8 +1,10 @@
 //! How close the decisions about modes were.
 
+use super::answer::{StepFailure, StepModel};
 use super::chain::Chain;
+use super::iteration::attempts;
 use super::prepare::Begun;
-use super::run::{StepFailure, StepModel, attempts};
+use super::questions::SETTLED;
 use super::state::{Mode, State};
 use crate::field::Field;
 
@@ -17,6 +19,8 @@ pub struct ModeMargin {
     pub gap: Option<f64>,
     /// Of Mohr–Coulomb, p_s²·|s|² against τ²; positive slides.
     pub slip: Option<f64>,
+    /// Of the turn of a contact that slid, s·s₁; negative locks. `None` also for other contacts.
+    pub turn: Option<f64>,
 }
 
 /// The margins of the accepted attempt of a step, solve by solve and contact by contact, nearly exact: of balls of two f64. Empty where
@@ -36,8 +40,37 @@ pub fn mode_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Vec<Mode
     })
 }
 
+/// How far friction was from deciding otherwise whether it has settled, after each solve of the accepted attempt of a step: the largest
+/// over all moving blocks of `100·Σ|Δf| − Σ p_n·max(0, −h)` over the sum of both, **0 at a tie**, which has settled; positive has not.
+/// `None` where nothing is closed both in and after a solve, or where balls of two f64 do not reach.
+///
+/// # Errors
+/// When the step cannot be made: see [`StepFailure`].
+pub fn friction_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Option<f64>>, StepFailure> {
+    let begun = Begun::new(model, state)?;
+    attempts(&begun, |mut ladder, _, iterated, _| {
+        let mut modes = ladder.modes().to_vec();
+        modes.push(iterated.after);
+        let Some(chain) = ladder.double() else { return Ok(vec![None; modes.len() - 1]) };
+        let of_solve = |(solve, modes): (usize, &[Vec<Mode>])| {
+            let sums = chain.force_changes(chain.iterates.get(solve)?, [&modes[0], &modes[1]])?;
+            let of_block = |[change, pressure]: &[_; 2]| {
+                let (change, pressure) = (near(change) * f64::from(SETTLED), near(pressure));
+                share(change - pressure, change + pressure)
+            };
+            sums.iter().filter_map(of_block).reduce(f64::max)
+        };
+        Ok(modes.windows(2).enumerate().map(of_solve).collect())
+    })
+}
+
 fn margin<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize, mode: Mode) -> ModeMargin {
-    ModeMargin { equal: equal(chain, solve, k), gap: gap(chain, solve, k, mode), slip: slip(chain, solve, k) }
+    ModeMargin {
+        equal: equal(chain, solve, k),
+        gap: gap(chain, solve, k, mode),
+        slip: slip(chain, solve, k),
+        turn: turn(chain, solve, k),
+    }
 }
 
 fn near<S: Field>(value: &S) -> f64 {
@@ -81,4 +114,11 @@ fn slip<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize) -> Option<f64> {
     let shear = joint.shear.squared().times(&iterate.stretches[k].norm_squared()).times(&contact.square);
     let strength = chain.strength(k, &iterate.gaps[k])?.squared();
     share(near(&shear.minus(&strength)), near(&shear).abs() + near(&strength).abs())
+}
+
+fn turn<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize) -> Option<f64> {
+    let iterate = chain.iterates.get(solve)?;
+    let (s, last) = (&iterate.stretches[k], &iterate.friction[k].as_ref()?.last);
+    let terms = s.components().into_iter().zip(last.components()).map(|(a, b)| near(&a.times(b)).abs());
+    share(near(&s.dot(last)), terms.sum())
 }

@@ -1,21 +1,21 @@
 //! What a step begins with: contacts, what they remember, joints (docs/step.md 2 to 6 and 15).
 
+use super::answer::{StepFailure, StepModel};
 use super::approximate::Layout;
 use super::attempt::{Attempt, Joint, force_at};
-use super::run::{StepFailure, StepModel};
-use super::state::State;
+use super::state::{ContactMemory, Mode, State};
 use super::strength;
 use super::transfer::{Started, transfer};
 use crate::{LevelCounts, Pair, Solid, mass};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::CheckedDiv;
-use rockproof_model::{Block, Contact, Number};
+use rockproof_model::{Block, Contact, ContactKey, Number};
 
 /// Everything that the attempts at a step share.
 pub(crate) struct Begun<'a> {
     pub(crate) model: &'a StepModel<'a>,
-    state: &'a State,
+    pub(crate) state: &'a State,
     blocks: Vec<Block>,
     pub(crate) contacts: Vec<([usize; 2], Contact)>,
     pub(crate) contact_levels: LevelCounts,
@@ -37,7 +37,7 @@ impl<'a> Begun<'a> {
         if !model.bodies.iter().all(|body| mass::is_elastic(&model.simulation.materials[body.material])) {
             return Err(StepFailure::NoElasticity);
         }
-        let (contacts, contact_levels) = contacts(model, &blocks);
+        let (contacts, contact_levels) = contacts(model, &blocks, &state.contacts);
         let started = transfer(&contacts, &state.contacts);
         let joints = joints(model, &blocks, &started)?;
         let sizes: Vec<usize> = model.bodies.iter().map(|b| b.motion.unknowns()).filter(|&n| n > 0).collect();
@@ -60,6 +60,11 @@ impl<'a> Begun<'a> {
             rows,
             layout,
         })
+    }
+
+    /// Δt of a full step, in s.
+    pub(crate) fn full_time_step(&self) -> BigRational {
+        self.model.simulation.control.time_step.to_rational()
     }
 
     /// An attempt with this Δt.
@@ -89,11 +94,18 @@ impl<'a> Begun<'a> {
     }
 }
 
-fn contacts(model: &StepModel<'_>, blocks: &[Block]) -> (Vec<([usize; 2], Contact)>, LevelCounts) {
+/// The contacts of all neighbours; of each pair those are kept that the step before left closed.
+fn contacts(
+    model: &StepModel<'_>,
+    blocks: &[Block],
+    before: &[ContactMemory],
+) -> (Vec<([usize; 2], Contact)>, LevelCounts) {
     let solids: Vec<Solid> = blocks.iter().map(Solid::new).collect();
     let (mut found, mut levels) = (Vec::new(), LevelCounts::default());
     for [i, j] in neighbours(model, &solids) {
-        let answer = Pair::new(&solids[i], &solids[j]).classify(model.tolerances);
+        let of_pair = before.iter().filter(|memory| memory.blocks == [i, j] && memory.mode != Mode::Open);
+        let kept: Vec<ContactKey> = of_pair.map(|memory| memory.contact.key()).collect();
+        let answer = Pair::new(&solids[i], &solids[j]).classify_keeping(model.tolerances, &kept);
         levels += answer.levels;
         found.extend(answer.contacts.into_iter().map(|contact| ([i, j], contact)));
     }

@@ -2,9 +2,10 @@
 
 use super::chain::Chain;
 use super::frame;
+use super::friction::SlipForce;
 use super::state::Mode;
 use crate::field::Field;
-use rockproof_model::Vec3;
+use rockproof_model::{Sign, Vec3};
 
 /// A question that any level can be asked.
 pub(crate) trait Question {
@@ -48,9 +49,51 @@ impl Question for NextMode {
             return Some(Mode::Locked);
         }
         // p_s²|s|² ≤ τ², times |N|².
-        let shear = joint.shear.squared().times(&iterate.stretches[k].norm_squared()).times(&contact.square);
+        let s = &iterate.stretches[k];
+        let shear = joint.shear.squared().times(&s.norm_squared()).times(&contact.square);
         let excess = shear.minus(&chain.strength(k, gap)?.squared());
-        Some(if excess.certain_sign()?.is_at_most_zero() { Mode::Locked } else { Mode::Sliding })
+        let held = excess.certain_sign().map(Sign::is_at_most_zero);
+        let turned = iterate.friction[k].as_ref().map_or(Some(false), |slip| has_turned(slip, s));
+        match (held, turned) {
+            (Some(true), _) | (_, Some(true)) => Some(Mode::Locked),
+            (Some(false), Some(false)) => Some(Mode::Sliding),
+            _ => None,
+        }
+    }
+}
+
+/// Whether the slip of a contact that slid turned: `s·f < 0`, which is `s·s₁ < 0` where f is not zero. **A slip across the last one
+/// has not turned.**
+fn has_turned<S: Field>(slip: &SlipForce<S>, s: &Vec3<S>) -> Option<bool> {
+    let (along, force) = (s.dot(&slip.last).certain_sign(), slip.secant.certain_sign());
+    match (along.map(Sign::is_negative), force.map(Sign::is_positive)) {
+        (Some(false), _) | (_, Some(false)) => Some(false),
+        (Some(true), Some(true)) => Some(true),
+        _ => None,
+    }
+}
+
+/// Whether friction has settled in the last solve, in which no contact opened or closed: for each moving block,
+/// `100·Σ|Δf| ≤ Σ p_n·max(0, −h)` over its closed contacts. **Equality has settled.**
+pub(crate) struct FrictionSettled<'m> {
+    /// The modes in the last solve, and those that followed from it.
+    pub(crate) modes: [&'m [Mode]; 2],
+}
+
+/// So many times the change of friction at a block may be no more than what presses it.
+pub(crate) const SETTLED: i32 = 100;
+
+impl Question for FrictionSettled<'_> {
+    type Answer = bool;
+    fn ask<S: Field>(&self, chain: &Chain<'_, S>) -> Option<bool> {
+        let iterate = chain.iterates.last()?;
+        let excess = chain.force_changes(iterate, self.modes)?;
+        let excess = excess.iter().map(|[change, pressure]| change.times(&S::from_i32(SETTLED)).minus(pressure));
+        let signs: Vec<Option<Sign>> = excess.map(|excess| excess.certain_sign()).collect();
+        if signs.iter().flatten().any(|sign| sign.is_positive()) {
+            return Some(false);
+        }
+        signs.iter().all(Option::is_some).then_some(true)
     }
 }
 

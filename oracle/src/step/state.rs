@@ -20,6 +20,8 @@ pub struct State {
     pub time: Number,
     /// Static steps of settling still to do.
     pub settling: u32,
+    /// The Δt accepted last, in s; before the first step the full Δt. The next step begins with the lesser of the full Δt and 3/2 of it.
+    pub last_time_step: Number,
     /// One for each block of the scene.
     pub blocks: Vec<BlockState>,
     /// Where the points of the loads are (m), in the order of the scene.
@@ -48,7 +50,7 @@ pub struct ContactMemory {
     pub blocks: [usize; 2],
     /// What touches, as it was classified when the step began.
     pub contact: Contact,
-    /// Its mode in the last solve of the step.
+    /// Its mode as it followed from the last solve of the step.
     pub mode: Mode,
     /// The material points of A and of B from which the shear stretch is measured (m).
     pub anchors: [Point; 2],

@@ -3,19 +3,19 @@
 use super::approximate::{Approximate, Layout, Square, Stiffness};
 use super::chain::Chain;
 use super::frame;
+use super::friction::SlipForce;
 use super::ladder::EXACT_UNKNOWNS;
 use super::state::Mode;
 use crate::field::{DoubleBall, Field, WideBall};
 use crate::number::Ball;
 use crate::solve::{BlockSystem, Factor, Residual, Support, eliminate, fraction_free_solve, refine};
 use num_rational::BigRational;
-use rockproof_model::Vec3;
 
-/// Contacts in these modes, with these friction forces.
+/// Contacts in these modes, with what friction does to those that slide.
 pub(crate) struct System<'c, 'a, S> {
     chain: &'c Chain<'a, S>,
     modes: &'c [Mode],
-    friction: Vec<Vec3<S>>,
+    friction: &'c [Option<SlipForce<S>>],
 }
 
 /// A number type in which a solve of a step can be enclosed.
@@ -79,14 +79,15 @@ impl<S: Stepwise> Chain<'_, S> {
         support: Option<&StepSupport<'_>>,
         start: Option<Vec<S>>,
     ) -> Option<()> {
-        let solution = S::solve(&System { chain: self, modes, friction: self.friction(modes)? }, support, start)?;
-        self.take(&solution);
+        let friction = self.friction(modes)?;
+        let solution = S::solve(&System { chain: self, modes, friction: &friction }, support, start)?;
+        self.take(&solution, friction);
         Some(())
     }
 
     /// The system of the next solve with these modes, as a matrix.
     pub(crate) fn assembled(&self, modes: &[Mode]) -> Option<BlockSystem<S>> {
-        Some(System { chain: self, modes, friction: self.friction(modes)? }.assembled())
+        Some(System { chain: self, modes, friction: &self.friction(modes)? }.assembled())
     }
 }
 
@@ -111,7 +112,7 @@ impl<S: Field> Residual<S> for System<'_, '_, S> {
                 residual.push(terms.fold(right.clone(), |sum, (entry, x)| sum.minus(&entry.times(x))));
             }
         }
-        for (k, &mode) in self.modes.iter().enumerate().filter(|(_, mode)| **mode != Mode::Open) {
+        for (k, _) in self.modes.iter().enumerate().filter(|(_, mode)| **mode != Mode::Open) {
             let (contact, joint) = (&chain.contacts[k], &chain.joints[k]);
             let rows = chain.attempt.started[k].blocks.map(|block| chain.attempt.rows[block]);
             let ranges = rows.map(|row| row.map(|row| starts[row]..starts[row] + chain.base[row].right.len()));
@@ -120,9 +121,10 @@ impl<S: Field> Residual<S> for System<'_, '_, S> {
             let along = contact.normal.dot(&moved);
             // Minus the force on A.
             let push = joint.normal.times(&contact.over_square).times(&contact.gap.plus(&along));
-            let tangential = match mode {
-                Mode::Locked => contact.stretch.plus(&contact.across(&moved, &along)).scaled(&joint.shear),
-                _ => self.friction[k].clone(),
+            let stretch = contact.stretch.plus(&contact.across(&moved, &along));
+            let tangential = match &self.friction[k] {
+                Some(slip) => slip.at(&stretch),
+                None => stretch.scaled(&joint.shear),
             };
             let force = contact.normal.scaled(&push).plus(&tangential);
             let forces = [force.negated(), force];
@@ -151,10 +153,14 @@ impl<S: Field> System<'_, '_, S> {
             let pulls = [0, 1].map(|side: usize| frame::pull(&contact.points[side], &contact.normal));
             let stiffness = joint.normal.times(&contact.over_square);
             let shear = joint.shear.times(&contact.over_square);
-            let (weight, tangential) = match mode {
-                Mode::Locked => (stiffness.minus(&shear), contact.stretch.scaled(&joint.shear)),
-                _ => (stiffness.clone(), self.friction[k].clone()),
+            // What acts at no displacement: the springs on h0 and s0, and f.
+            let (weight, tangential) = match &self.friction[k] {
+                Some(slip) => (stiffness.clone(), slip.at(&contact.stretch)),
+                None => (stiffness.minus(&shear), contact.stretch.scaled(&joint.shear)),
             };
+            let sideways = self.friction[k].as_ref().filter(|slip| !slip.spring.is_zero());
+            let sideways = sideways
+                .map(|slip| (&slip.spring, [0, 1].map(|side: usize| frame::pull(&contact.points[side], &slip.across))));
             let push = stiffness.times(&contact.gap);
             let lines = [0, 1].map(|side: usize| frame::rows(&contact.points[side]));
             for one in 0..2 {
@@ -170,6 +176,9 @@ impl<S: Field> System<'_, '_, S> {
                         let mut sum = pulls[one][r].times(&pulls[two][c]).times(&weight);
                         if mode == Mode::Locked {
                             sum = sum.plus(&frame::along(&lines[one], &lines[two], r, c).times(&joint.shear));
+                        }
+                        if let Some((spring, pulls)) = &sideways {
+                            sum = sum.plus(&pulls[one][r].times(&pulls[two][c]).times(spring));
                         }
                         if one == two { sum } else { sum.negated() }
                     });
@@ -240,8 +249,30 @@ impl Support for StepSupport<'_> {
     }
 }
 
-/// The f64 stiffness of contacts in these modes.
-pub(crate) fn stiffness<'l, S: Field>(chain: &Chain<'_, S>, modes: &[Mode], layout: &'l Layout) -> Stiffness<'l> {
+/// How well a spring across a slip must be known, as a share of the normal stiffness and of its own direction: a factor of a stiffness
+/// that is wrong by more corrects too slowly.
+const SPRING_ACCURACY: f64 = 1.0 / 1_048_576.0;
+
+/// The spring across a slip in f64: the stiffness and the vector on which it acts; `None` where the type knows too little of it.
+fn float_spring<S: Field>(slip: &SlipForce<S>, normal: f64) -> Option<(f64, [f64; 3])> {
+    if slip.spring.is_zero() {
+        return Some((0.0, [0.0; 3]));
+    }
+    let (spring, b) = (slip.spring.nearby(), slip.across.components().map(Field::nearby));
+    let square: f64 = b.iter().map(|(middle, _)| middle * middle).sum();
+    let turned = b.iter().map(|(_, radius)| radius).fold(0.0, |most: f64, radius| most.max(*radius));
+    let known = spring.1 * square <= SPRING_ACCURACY * normal && turned <= SPRING_ACCURACY * square.sqrt();
+    known.then_some((spring.0, b.map(|(middle, _)| middle)))
+}
+
+/// The f64 stiffness of contacts in these modes, in the next solve of a chain; `None` where it knows too little of the springs across
+/// the slips.
+pub(crate) fn stiffness<'l, S: Field>(
+    chain: &Chain<'_, S>,
+    modes: &[Mode],
+    layout: &'l Layout,
+) -> Option<Stiffness<'l>> {
+    let friction = chain.friction(modes)?;
     let near = |value: &S| value.nearby().0;
     let diagonal = chain.base.iter().map(|base| {
         let mut square: Square = [[0.0; 12]; 12];
@@ -259,9 +290,15 @@ pub(crate) fn stiffness<'l, S: Field>(chain: &Chain<'_, S>, modes: &[Mode], layo
         let n = contact.normal.map(near);
         let n = [n.x, n.y, n.z].map(|c| c / near(&contact.square).sqrt());
         let (normal, shear) = (near(&joint.normal), if mode == Mode::Locked { near(&joint.shear) } else { 0.0 });
-        // The force of a displacement of A against B: shear across n, and what is more along it.
+        // The force of a displacement of A against B: shear across n, what is more along it, and the spring across the slip.
+        let (spring, b) = match &friction[k] {
+            Some(slip) => float_spring(slip, normal)?,
+            None => (0.0, [0.0; 3]),
+        };
         let bent: [[f64; 3]; 3] = std::array::from_fn(|r| {
-            std::array::from_fn(|c| (normal - shear) * n[r] * n[c] + if r == c { shear } else { 0.0 })
+            std::array::from_fn(|c| {
+                (normal - shear) * n[r] * n[c] + if r == c { shear } else { 0.0 } + spring * b[r] * b[c]
+            })
         });
         let lines = [0, 1].map(|side: usize| frame::float_rows(&contact.points[side].map(near)));
         for one in 0..2 {
@@ -279,7 +316,7 @@ pub(crate) fn stiffness<'l, S: Field>(chain: &Chain<'_, S>, modes: &[Mode], layo
             }
         }
     }
-    stiffness
+    Some(stiffness)
 }
 
 /// Adds `sign · rowsᵀ·columns`.

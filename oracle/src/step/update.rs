@@ -1,10 +1,12 @@
 //! The state after a step (docs/step.md 12 and 13).
 
+use super::answer::GapChange;
 use super::attempt::Attempt;
 use super::chain::Chain;
+use super::contact::ContactGeometry;
 use super::frame;
 use super::state::{BlockState, ContactMemory, Keep, Mode, State};
-use crate::field::{Field, dyadic};
+use crate::field::{Field, WideBall, dyadic};
 use crate::mass;
 use num_bigint::BigInt;
 use num_traits::Signed;
@@ -13,6 +15,9 @@ use rockproof_model::{Number, Point, Vec3};
 
 /// Significant bits of velocities and stresses where coordinates are kept on a grid.
 const RATE_BITS: i64 = 256;
+
+/// Gaps of a state in fractions are answered as multiples of 2 to the power of minus this, in m.
+const EXACT_GAP: u32 = 200;
 
 /// The state after the last solve of a chain; `None` where the chain is too wide for the grid.
 pub(crate) fn updated<S: Field>(
@@ -70,11 +75,30 @@ pub(crate) fn updated<S: Field>(
     Some(State {
         time: Number::from_rational(if attempt.settling { time } else { time + &attempt.time_step }),
         settling: attempt.state.settling.saturating_sub(1),
+        last_time_step: Number::from_rational(attempt.time_step.clone()),
         blocks,
         load_points: points(&attempt.state.load_points, simulation.loads.iter().map(|l| l.block).collect())?,
         fixed_points: points(&attempt.state.fixed_points, simulation.fixed_points.iter().map(|f| f.block).collect())?,
         contacts,
     })
+}
+
+/// The gap of each contact before the step and in the last solve.
+pub(crate) fn gap_changes<S: Field>(chain: &Chain<'_, S>, keep: Keep) -> Option<Vec<GapChange>> {
+    let last = chain.iterates.last()?;
+    let of = |(contact, after): (&ContactGeometry<S>, &S)| {
+        let metres = |gap: &S| match keep {
+            Keep::Grid { .. } => kept(&gap.over(&contact.square.root()?)?, keep),
+            Keep::Exact => {
+                // |N| need not be a fraction.
+                let wide = |value: &S| WideBall::of_rational(&value.middle(), 2 * EXACT_GAP);
+                let length = wide(&contact.square).root()?;
+                kept(&wide(gap).over(&length)?, Keep::Grid { exponent: EXACT_GAP })
+            }
+        };
+        Some(GapChange { before: metres(&contact.gap)?, after: metres(after)? })
+    };
+    chain.contacts.iter().zip(&last.gaps).map(of).collect()
 }
 
 /// The centroid of A less that of B.

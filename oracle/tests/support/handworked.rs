@@ -1,17 +1,20 @@
 //! Pairs whose contacts were worked out by hand from SPEC section 4, each with its derivation.
 //!
 //! Unless a case says otherwise: s = 1/10, r = 1/50, g = 1/20, so = sp = ε = 0, `revised`; A is the upper block. With
-//! so = 0 a cone passes a plane when no edge at the vertex descends below it by more than g.
+//! so = 0 a cone passes a plane when no edge at the vertex descends below it, and every plane that passes is a true exit.
 
 mod concave;
 mod criteria;
 mod exits;
+mod kept;
 mod kinds;
+mod measures;
 mod ties;
+mod true_exits;
 
 use super::shapes::exact;
 use num_rational::BigRational;
-use rockproof_model::{Block, Contact, ContactKind, Entrance, EntranceKind, Sign, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, ContactKind, Entrance, EntranceKind, Sign, ToleranceSet};
 
 /// A pair with the contacts it must have.
 pub(crate) struct Case {
@@ -22,6 +25,8 @@ pub(crate) struct Case {
     pub(crate) a: Block,
     pub(crate) b: Block,
     pub(crate) tolerances: ToleranceSet,
+    /// The contacts that the step before left closed.
+    pub(crate) kept: Vec<ContactKey>,
     pub(crate) expected: Vec<Row>,
 }
 
@@ -48,5 +53,17 @@ fn contact(&(kind, a, b, entrance, entrance_a, entrance_b, gap): &Row) -> (Conta
 
 /// All hand-worked cases.
 pub(crate) fn cases() -> Vec<Case> {
-    [kinds::cases(), ties::cases(), criteria::cases(), concave::cases(), exits::cases()].into_iter().flatten().collect()
+    [
+        kinds::cases(),
+        ties::cases(),
+        criteria::cases(),
+        measures::cases(),
+        concave::cases(),
+        exits::cases(),
+        true_exits::cases(),
+        kept::cases(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }

@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 pub(crate) mod golden;
+pub(crate) mod golden_steps;
 pub(crate) mod handworked;
+pub(crate) mod random;
 pub(crate) mod shapes;
 pub(crate) mod steps;

@@ -13,6 +13,12 @@ pub(crate) fn exact(text: &str) -> BigRational {
     text.parse().unwrap()
 }
 
+/// The number times 1 − 2⁻⁴⁰, written as a fraction.
+pub(crate) fn just_below(text: &str) -> String {
+    let little = BigRational::new(1.into(), (1u64 << 40).into());
+    (exact(text) * (exact("1") - little)).to_string()
+}
+
 /// The point with these coordinates.
 pub(crate) fn point([x, y, z]: [&str; 3]) -> Point {
     Vec3::new(number(x), number(y), number(z))

@@ -8,7 +8,15 @@ pub(super) fn cases() -> Vec<Case> {
     let tip_over_edge = |h| spike(["4", "0", h]);
     let tip_over_corner = |h| spike(["4", "4", h]);
     let ridge = |h| WEDGE.along_x().translated(&point(["0", "0", h]));
-    let case = |name, derivation, a, b, expected| Case { name, derivation, a, b, tolerances: revised(&[]), expected };
+    let case = |name, derivation, a, b, expected| Case {
+        name,
+        derivation,
+        a,
+        b,
+        tolerances: revised(&[]),
+        kept: Vec::new(),
+        expected,
+    };
     vec![
         case(
             "vf_apart",

@@ -1,0 +1,202 @@
+//! How many pairs a second a whole campaign examines: generation, both engines, the oracle on exact and rounded input,
+//! comparison, metamorphic checks and the journal.
+
+use crate::sample::Sort;
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_campaign::journal::Journal;
+use rockproof_campaign::pairs::{self, PairCase, PairConfig};
+use rockproof_campaign::run::{Campaign, RunError};
+use rockproof_campaign::source::SourceError;
+use rockproof_differential::attribution::{Panel, examine};
+use rockproof_differential::builtin::{self, ENGINES};
+use rockproof_differential::finding::Finding;
+use rockproof_differential::subject::{Source, Subject, SubjectSet};
+use rockproof_results::{Owner, ResultsError, Start};
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
+
+/// What is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Run {
+    /// Which pairs.
+    pub sort: Sort,
+    /// Seed of all pairs.
+    pub seed: u64,
+    /// How many pairs, before those with findings are left out.
+    pub pairs: u64,
+    /// Worker threads.
+    pub threads: usize,
+    /// Whether pairs with findings are left out, found by a run before that is not timed.
+    pub only_alike: bool,
+    /// How often; the median counts.
+    pub times: usize,
+}
+
+/// What it reached.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Throughput {
+    /// What was run.
+    pub run: Run,
+    /// Pairs examined each time.
+    pub pairs: u64,
+    /// Pairs, times the tolerance sets of each.
+    pub examined: u64,
+    /// Findings each time.
+    pub findings: u64,
+    /// Pairs with at least one finding.
+    pub pairs_with_findings: u64,
+    /// Pairs a second, of the median run.
+    pub pairs_per_second: f64,
+    /// Signs the oracle decided a pair.
+    pub signs_per_pair: f64,
+}
+
+/// Why there is no figure.
+#[derive(Debug, thiserror::Error)]
+pub enum ThroughputError {
+    /// The pairs cannot be made.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// The journal of the campaign cannot be kept.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// The campaign ended with an error.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// There is no such engine.
+    #[error("engine \"{0}\" does not exist")]
+    Engine(String),
+    /// The directory of the journal cannot be made or removed.
+    #[error("{directory}: {source}")]
+    Directory {
+        /// The directory.
+        directory: PathBuf,
+        /// What went wrong.
+        source: std::io::Error,
+    },
+}
+
+/// The pairs of a sort, without those left out.
+struct Pairs {
+    seed: u64,
+    config: PairConfig,
+    left_out: HashSet<u64>,
+}
+
+impl Source for Pairs {
+    fn batch_len(&self) -> u64 {
+        pairs::BATCH
+    }
+
+    fn batch(&self, number: u64) -> Vec<Subject> {
+        let cases = pairs::batch(self.seed, number, &self.config);
+        cases.into_iter().filter(|case| !self.left_out.contains(&case.index)).map(subject).collect()
+    }
+}
+
+fn subject(case: PairCase) -> Subject {
+    let sets = case.sets.into_iter();
+    Subject {
+        index: case.index,
+        family: case.family.into(),
+        form: case.form.name().into(),
+        a: case.a,
+        b: case.b,
+        sets: sets.map(|set| SubjectSet { name: set.name.into(), f32: set.f32, f64: set.f64 }).collect(),
+    }
+}
+
+/// A source that notes which pairs have findings.
+struct Noting<'p> {
+    pairs: &'p Pairs,
+    panel: &'p Panel,
+    found: Mutex<HashSet<u64>>,
+}
+
+impl Source for Noting<'_> {
+    fn batch_len(&self) -> u64 {
+        self.pairs.batch_len()
+    }
+
+    fn batch(&self, number: u64) -> Vec<Subject> {
+        let subjects = self.pairs.batch(number);
+        let differ = subjects.iter().filter(|s| !examine(s, self.panel).findings.is_empty()).map(|s| s.index);
+        let differ: Vec<u64> = differ.collect();
+        self.found.lock().unwrap_or_else(PoisonError::into_inner).extend(differ);
+        Vec::new()
+    }
+}
+
+/// Runs campaigns with both built-in engines and the default sets, their journals in a directory of their own under
+/// `scratch`, which is removed. No case files are written: shrinking is no part of the figure.
+///
+/// # Errors
+/// When a campaign cannot run.
+pub fn throughput(run: &Run, scratch: &Path) -> Result<Throughput, ThroughputError> {
+    let names = ENGINES.map(str::to_owned);
+    let config = CampaignConfig {
+        pairs: run.pairs,
+        seed: run.seed,
+        engines: names.to_vec(),
+        cases_per_fingerprint: 0,
+        ..CampaignConfig::default()
+    };
+    let panel = builtin::panel(&names, config.metamorphic_every).map_err(ThroughputError::Engine)?;
+    let mut pairs = Pairs { seed: run.seed, config: run.sort.config()?, left_out: HashSet::new() };
+    let narrow = |finding: &Finding| builtin::panel_for(&names, finding);
+    let go = |source: &dyn Source| {
+        in_directory(scratch, |directory| {
+            let mut journal = Journal::open_for(Owner::Bench, directory, serde_json::Map::new(), Start::Overwrite)?;
+            let campaign = Campaign {
+                config: &config,
+                source,
+                panel: &panel,
+                narrow: &narrow,
+                steppers: &[],
+                threads: run.threads,
+            };
+            campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {})?;
+            Ok(journal.progress().clone())
+        })
+    };
+    let noting = Noting { pairs: &pairs, panel: &panel, found: Mutex::default() };
+    go(&noting)?;
+    let found = noting.found.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let pairs_with_findings = found.len() as u64;
+    if run.only_alike {
+        pairs.left_out = found;
+    }
+    let count = run.pairs - pairs.left_out.len() as u64;
+    let mut seconds = Vec::new();
+    let mut last = go(&pairs)?;
+    seconds.push(last.seconds);
+    for _ in 1..run.times {
+        last = go(&pairs)?;
+        seconds.push(last.seconds);
+    }
+    let seconds = super::race::median(seconds).unwrap_or(f64::NAN);
+    Ok(Throughput {
+        run: *run,
+        pairs: count,
+        examined: last.summary.by_family().values().map(|[examined, _]| examined).sum(),
+        findings: last.summary.total(),
+        pairs_with_findings,
+        pairs_per_second: count as f64 / seconds,
+        signs_per_pair: last.levels.iter().sum::<u64>() as f64 / count.max(1) as f64,
+    })
+}
+
+/// Calls `work` with a new directory, and removes it whatever happens.
+fn in_directory<T>(
+    scratch: &Path,
+    work: impl FnOnce(&Path) -> Result<T, ThroughputError>,
+) -> Result<T, ThroughputError> {
+    let directory = scratch.join(format!("rockproof-bench-{}", std::process::id()));
+    let at = |source| ThroughputError::Directory { directory: directory.clone(), source };
+    std::fs::create_dir_all(&directory).map_err(at)?;
+    let result = work(&directory);
+    std::fs::remove_dir_all(&directory).map_err(at)?;
+    result
+}

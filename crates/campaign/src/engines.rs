@@ -1,0 +1,147 @@
+//! The engines of a campaign: the built-in ones and external programs, as panels.
+
+use super::config::CampaignConfig;
+use rockproof_differential::attribution::Panel;
+use rockproof_differential::builtin::{self, Exact};
+use rockproof_differential::case_file::Case;
+use rockproof_differential::compare::Change;
+use rockproof_differential::engine::Engine;
+use rockproof_differential::external::{EngineSpec, External, SpecFault};
+use rockproof_differential::finding::{Finding, Who};
+use rockproof_differential::hull::convex_hull;
+use rockproof_model::preset::{self, Preset};
+use rockproof_model::{Block, Number, Point, Precision};
+
+/// The engines of a campaign.
+pub struct Engines {
+    builtin: Vec<String>,
+    external: Vec<External>,
+    metamorphic_every: u64,
+}
+
+/// Why there are no such engines.
+#[derive(Debug, thiserror::Error)]
+pub enum EnginesError {
+    /// A name that no engine has.
+    #[error("engine \"{found}\" does not exist; there are {allowed}")]
+    Unknown {
+        /// What was found.
+        found: String,
+        /// The engines.
+        allowed: String,
+    },
+    /// An external engine that cannot be.
+    #[error(transparent)]
+    Spec(#[from] SpecFault),
+    /// No engine is left.
+    #[error("no engine is named; there are {allowed}")]
+    None {
+        /// The engines.
+        allowed: String,
+    },
+    /// An external engine that does not answer a first question.
+    #[error(
+        "engine \"{name}\" ({command}) does not answer a first question about two boxes: {what}; docs/engines.md shows what is asked and what to answer"
+    )]
+    Dumb {
+        /// The engine.
+        name: String,
+        /// How it is started.
+        command: String,
+        /// What went wrong.
+        what: String,
+    },
+}
+
+impl Engines {
+    /// The engines a configuration names. No program is started.
+    ///
+    /// # Errors
+    /// When an engine does not exist or cannot be, or there is none.
+    pub fn of(config: &CampaignConfig) -> Result<Engines, EnginesError> {
+        let known = || builtin::ENGINES.into_iter().chain(config.external.iter().map(|spec| spec.name.as_str()));
+        let allowed = || known().collect::<Vec<_>>().join(", ");
+        EngineSpec::check_all(&config.external)?;
+        if let Some(found) = config.engines.iter().find(|name| builtin::engine(name).is_none()) {
+            return Err(EnginesError::Unknown { found: found.clone(), allowed: allowed() });
+        }
+        if config.engines.is_empty() && config.external.is_empty() {
+            return Err(EnginesError::None { allowed: allowed() });
+        }
+        let external = config.external.iter().map(|spec| External::new(spec.clone(), config.ask_twice)).collect();
+        Ok(Engines { builtin: config.engines.clone(), external, metamorphic_every: config.metamorphic_every })
+    }
+
+    /// Asks every external engine about two boxes, so that one that never answers is told of at once.
+    ///
+    /// # Errors
+    /// The first that does not answer.
+    pub fn probe(&self) -> Result<(), EnginesError> {
+        let Some((a, b)) = box_at(0).zip(box_at(2)) else { return Ok(()) };
+        for engine in &self.external {
+            let Ok(tolerances) = preset::derive(Preset::Auto, &[&a, &b], engine.precision()) else { continue };
+            let near = |block: &Block| block.rounded(engine.precision());
+            let Some(((a, b), tolerances)) = near(&a).zip(near(&b)).zip(tolerances.rounded(engine.precision()).ok())
+            else {
+                continue;
+            };
+            engine.probe(&a, &b, &tolerances).map_err(|what| EnginesError::Dumb {
+                name: engine.name().to_owned(),
+                command: engine.spec().command.join(" "),
+                what,
+            })?;
+        }
+        Ok(())
+    }
+
+    fn named(&self) -> Vec<Box<dyn Engine>> {
+        let external = self.external.iter().map(|engine| Box::new(engine.clone()) as Box<dyn Engine>);
+        self.builtin.iter().filter_map(|name| builtin::engine(name)).chain(external).collect()
+    }
+
+    /// The names in the order of the panel.
+    pub fn names(&self) -> Vec<String> {
+        self.named().iter().map(|engine| engine.name().to_owned()).collect()
+    }
+
+    /// The names in the order of the panel, each with the precision that the engine rounds its input to.
+    pub fn precisions(&self) -> Vec<(String, Precision)> {
+        self.named().iter().map(|engine| (engine.name().to_owned(), engine.precision())).collect()
+    }
+
+    /// The engine of a name, if it takes part.
+    pub fn find(&self, name: &str) -> Option<Box<dyn Engine>> {
+        self.named().into_iter().find(|engine| engine.name() == name)
+    }
+
+    /// The oracle with all engines.
+    pub fn panel(&self) -> Panel {
+        Panel { oracle: Box::new(Exact), engines: self.named(), metamorphic_every: self.metamorphic_every }
+    }
+
+    /// A panel with no engine that a finding is not about, and metamorphic checks only where it is about one: what it takes
+    /// to see the finding again.
+    pub fn panel_for(&self, finding: &Finding) -> Panel {
+        self.narrow(&finding.who, finding.difference.change)
+    }
+
+    /// The same for a finding about `who` with the given change.
+    pub fn narrow(&self, who: &Who, change: Change) -> Panel {
+        builtin::narrowed(self.named(), who, change)
+    }
+
+    /// The same for a case; `None` where its change does not exist or its engine takes no part.
+    pub fn panel_of(&self, case: &Case) -> Option<Panel> {
+        let panel = self.narrow(&Who::from_name(&case.about.engine), Change::from_name(&case.about.change)?);
+        (!panel.engines.is_empty()).then_some(panel)
+    }
+}
+
+/// A box of edge 1 at a place along x.
+fn box_at(x: i32) -> Option<Block> {
+    let corner = |n: i32| {
+        let [x, y, z] = [x + (n & 1), (n >> 1) & 1, (n >> 2) & 1].map(Number::from_integer);
+        Point::new(x, y, z)
+    };
+    convex_hull(&(0..8).map(corner).collect::<Vec<_>>()).ok()
+}

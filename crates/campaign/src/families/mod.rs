@@ -1,0 +1,81 @@
+//! The families of DESIGN: named generators of block pairs, each made to reach some kinds of contact.
+
+mod concave_notch;
+mod coplanar_slide;
+mod corner_corner;
+pub(crate) mod edge_cross;
+mod face_stack;
+mod far_origin;
+mod joint_cut;
+pub mod kit;
+mod quasi_parallel_edges;
+pub mod real;
+mod sharp_wedge;
+mod size_ratio;
+mod sliver;
+mod unit_scale;
+mod vertex_on_edge;
+
+pub use kit::{Kit, Style};
+pub use real::Real;
+
+use crate::steps::Manner;
+use rand_chacha::ChaCha8Rng;
+use rockproof_model::{Block, ContactKind};
+use std::fmt;
+use std::sync::Arc;
+
+/// A generator of block pairs.
+pub trait Family: fmt::Debug + Send + Sync {
+    /// The name used in files and tables, as in DESIGN.
+    fn name(&self) -> &'static str;
+    /// What the pairs look like and what they are for, in one sentence.
+    fn describe(&self) -> &'static str;
+    /// The kinds of contact its pairs must be seen to have.
+    fn reaches(&self) -> &'static [ContactKind];
+    /// The next pair: two canonical blocks, near enough for contacts to be likely. A function of the generator's
+    /// state alone.
+    fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block);
+    /// How its pairs move, where they do.
+    fn manner(&self) -> Manner {
+        Manner::Any
+    }
+}
+
+/// Every family, with `real` on the pairs the program carries. The order is part of what a seed means.
+pub fn all() -> Vec<Arc<dyn Family>> {
+    let mut families = local();
+    families.push(Arc::new(far_origin::FarOrigin::new(local())));
+    families.push(Arc::new(unit_scale::UnitScale::new(local())));
+    families.push(Arc::new(joint_cut::JointCut));
+    families.push(Arc::new(Real::carried()));
+    families
+}
+
+/// The families named, in the order of [`all`]; or the first name that no family has.
+///
+/// # Errors
+/// The unknown name.
+pub fn named<'n>(names: &[&'n str]) -> Result<Vec<Arc<dyn Family>>, &'n str> {
+    let all = all();
+    if let Some(unknown) = names.iter().find(|name| all.iter().all(|f| f.name() != **name)) {
+        return Err(unknown);
+    }
+    Ok(all.into_iter().filter(|f| names.contains(&f.name())).collect())
+}
+
+/// The families of ordinary size near the origin.
+fn local() -> Vec<Arc<dyn Family>> {
+    vec![
+        Arc::new(face_stack::FaceStack),
+        Arc::new(corner_corner::CornerCorner),
+        Arc::new(edge_cross::EdgeCross),
+        Arc::new(quasi_parallel_edges::QuasiParallelEdges),
+        Arc::new(sharp_wedge::SharpWedge),
+        Arc::new(sliver::Sliver),
+        Arc::new(vertex_on_edge::VertexOnEdge),
+        Arc::new(coplanar_slide::CoplanarSlide),
+        Arc::new(size_ratio::SizeRatio),
+        Arc::new(concave_notch::ConcaveNotch),
+    ]
+}

@@ -1,0 +1,49 @@
+//! A corner near an edge.
+
+use super::edge_cross::ridge;
+use super::{Family, Kit};
+use rand_chacha::ChaCha8Rng;
+use rockproof_model::{Block, ContactKind};
+
+#[derive(Debug)]
+pub(super) struct VertexOnEdge;
+
+impl Family for VertexOnEdge {
+    fn name(&self) -> &'static str {
+        "vertex_on_edge"
+    }
+
+    fn describe(&self) -> &'static str {
+        "a corner on, beside, or a whole Pythagorean distance from an edge, between its ends, near one or beyond"
+    }
+
+    fn reaches(&self) -> &'static [ContactKind] {
+        &[ContactKind::VertexEdge, ContactKind::EdgeVertex]
+    }
+
+    fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
+        let mut kit = Kit::new(rng);
+        let below = if kit.chance(50) { ridge(&mut kit) } else { kit.cuboid(16, 48) };
+        let above = kit.convex(8, 40);
+        let above = if kit.chance(40) { kit.turned(&above) } else { kit.cube_turned(&above) };
+        let above = if kit.chance(20) { kit.tipped(&above) } else { above };
+        // A vertex on the sharp side of the edge, and the edge from there along x (every shape drawn here has one).
+        let p = below.furthest([-1, 0, 64]);
+        let q = below.furthest([1, 0, 64]);
+        let tip = above.furthest([kit.between(-1, 1), kit.between(-1, 1), -3]);
+        let (from, to) = (below.points()[p], below.points()[q]);
+        let along = match kit.below(6) {
+            0 => 0,
+            1 => kit.between(-2, 2),
+            2 => 32,
+            _ => kit.between(1, 63),
+        };
+        let below = below.refined(64);
+        let above = above.refined(64);
+        let foot = [0, 1, 2].map(|i| 2 * (64 * from[i] + along * (to[i] - from[i])));
+        let offset = kit.small_vector(2 * kit.denominator());
+        let tip = above.points()[tip].map(|c| 2 * c);
+        let (a, b) = kit.point_to_point((&below, foot), (&above, tip), offset);
+        kit.finish(a, b)
+    }
+}

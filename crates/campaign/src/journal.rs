@@ -1,0 +1,212 @@
+//! What a campaign leaves on disk while it runs, so that it can be killed at any moment and go on.
+//!
+//! After each chunk its findings are appended to `findings.csv` and made durable; then `progress.json`, which seals
+//! `findings.csv` and holds every count, is replaced in one step. What was appended after the last such step is
+//! cut off on resuming and made again, byte for byte, because it depends on seed and index alone.
+
+use super::steps::{STEP_FINDING_COLUMNS, StepSummary};
+use super::summary::Summary;
+use rockproof_differential::agreement::Agreement;
+use rockproof_differential::engine::Levels;
+use rockproof_differential::finding::FINDING_COLUMNS;
+use rockproof_results::{Claim, Directory, Kind, Owner, ResultsError, Seal, Start, Table, identity_differences};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Everything a campaign knows between two chunks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// The configuration and version of the run.
+    pub configuration: Map<String, Value>,
+    /// Pairs done; always whole chunks, but for the last.
+    pub pairs_done: u64,
+    /// What `findings.csv` held then.
+    pub findings: Seal,
+    /// Counts of pairs and findings.
+    pub summary: Summary,
+    /// Signs decided by each level of the oracle.
+    pub levels: [u64; Levels::NAMES.len()],
+    /// Contacts in the exact answers.
+    pub contacts: u64,
+    /// Metamorphic checks made.
+    pub metamorphic_checks: u64,
+    /// How often the links of the chain agree.
+    pub agreement: Agreement,
+    /// Case files written for each fingerprint.
+    pub fingerprints: BTreeMap<String, u64>,
+    /// Case files written for each cause.
+    pub cases: BTreeMap<String, u64>,
+    /// What `step_findings.csv` held then; none where no pair makes steps.
+    pub step_findings: Option<Seal>,
+    /// Counts of steps.
+    pub steps: StepSummary,
+    /// Case files of steps written for each fingerprint.
+    pub step_fingerprints: BTreeMap<String, u64>,
+    /// Case files of steps written for each cause.
+    pub step_cases: BTreeMap<String, u64>,
+    /// Seconds of work so far, over all sessions.
+    pub seconds: f64,
+    /// How often the run was taken up again.
+    pub resumed: u64,
+}
+
+/// A run on disk.
+#[derive(Debug)]
+pub struct Journal {
+    directory: Directory,
+    findings: Table,
+    /// `step_findings.csv`, where pairs make steps.
+    step_findings: Option<Table>,
+    progress: Progress,
+}
+
+const FINDINGS: &str = "findings.csv";
+const STEP_FINDINGS: &str = "step_findings.csv";
+const PROGRESS: &str = "progress.json";
+/// The folder of the case files.
+const CASES: &str = "cases";
+/// The files of every campaign, those of steps and of stress sets among them.
+const FILES: [&str; 11] = [
+    FINDINGS,
+    STEP_FINDINGS,
+    PROGRESS,
+    "summary.csv",
+    "step_summary.csv",
+    "agreement.csv",
+    "confusion.csv",
+    "run.json",
+    "stress.csv",
+    "limits.csv",
+    "steps.csv",
+];
+
+impl Journal {
+    /// Opens the campaign in `dir`, or makes one.
+    ///
+    /// # Errors
+    /// When the directory holds something that may not be touched, or cannot be written.
+    pub fn open(dir: &Path, configuration: Map<String, Value>, start: Start) -> Result<Journal, ResultsError> {
+        Journal::open_for(Owner::Campaign, dir, configuration, start)
+    }
+
+    /// The same for a command that runs campaigns of its own.
+    ///
+    /// # Errors
+    /// As [`Journal::open`].
+    pub fn open_for(
+        owner: Owner,
+        dir: &Path,
+        configuration: Map<String, Value>,
+        start: Start,
+    ) -> Result<Journal, ResultsError> {
+        let mut directory = Directory::claim(Claim { dir, owner, start, files: &FILES })?;
+        if directory.goes_on(PROGRESS, FINDINGS)? {
+            return Journal::resume(directory, &configuration);
+        }
+        directory.make_folder(CASES)?;
+        let header = format!("{}\n", FINDING_COLUMNS.join(","));
+        let findings = directory.begin_table(FINDINGS, header.as_bytes())?;
+        let progress = Progress {
+            configuration,
+            pairs_done: 0,
+            findings: findings.seal()?,
+            summary: Summary::default(),
+            levels: Levels::default().0,
+            contacts: 0,
+            metamorphic_checks: 0,
+            agreement: Agreement::default(),
+            fingerprints: BTreeMap::new(),
+            cases: BTreeMap::new(),
+            step_findings: None,
+            steps: StepSummary::default(),
+            step_fingerprints: BTreeMap::new(),
+            step_cases: BTreeMap::new(),
+            seconds: 0.0,
+            resumed: 0,
+        };
+        directory.write_sealed(PROGRESS, &progress)?;
+        Ok(Journal { directory, findings, step_findings: None, progress })
+    }
+
+    fn resume(directory: Directory, configuration: &Map<String, Value>) -> Result<Journal, ResultsError> {
+        let mut progress: Progress = directory.read_sealed(PROGRESS)?;
+        let differences = identity_differences(&progress.configuration, configuration);
+        if !differences.is_empty() {
+            let (dir, owner) = (directory.path().to_owned(), directory.owner());
+            return Err(ResultsError::OtherIdentity { dir, owner, differences });
+        }
+        let steps = progress.step_findings.as_ref().map(|seal| (STEP_FINDINGS, seal));
+        let mut tables = directory.resume_tables([(FINDINGS, &progress.findings)].into_iter().chain(steps))?;
+        let step_findings = if tables.len() > 1 { tables.pop() } else { None };
+        let findings =
+            tables.pop().ok_or_else(|| ResultsError::damaged(&directory.path().join(FINDINGS), "missing"))?;
+        progress.resumed += 1;
+        Ok(Journal { directory, findings, step_findings, progress })
+    }
+
+    /// What is done.
+    pub fn progress(&self) -> &Progress {
+        &self.progress
+    }
+
+    /// The directory of the run.
+    pub fn dir(&self) -> &Path {
+        self.directory.path()
+    }
+
+    /// The error that `progress.json` is damaged in this way.
+    pub(super) fn damaged(&self, what: impl ToString) -> ResultsError {
+        ResultsError::damaged(&self.dir().join(PROGRESS), what)
+    }
+
+    /// Begins `step_findings.csv`, if it has not begun. Until the next commit it counts for nothing.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn keep_steps(&mut self) -> Result<(), ResultsError> {
+        if self.step_findings.is_none() {
+            let header = format!("{}\n", STEP_FINDING_COLUMNS.join(","));
+            self.step_findings = Some(self.directory.begin_table(STEP_FINDINGS, header.as_bytes())?);
+        }
+        Ok(())
+    }
+
+    /// Appends rows to `findings.csv` and `step_findings.csv` and makes `progress` the state to resume from. The seals of both
+    /// are seen to here; rows of steps are for a journal that keeps them.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn commit(&mut self, rows: &[u8], step_rows: &[u8], progress: Progress) -> Result<(), ResultsError> {
+        self.findings.append(rows)?;
+        let findings = self.findings.seal()?;
+        let step_findings = match &mut self.step_findings {
+            None => None,
+            Some(table) => {
+                table.append(step_rows)?;
+                Some(table.seal()?)
+            }
+        };
+        self.progress = Progress { findings, step_findings, ..progress };
+        self.directory.write_sealed(PROGRESS, &self.progress)
+    }
+
+    /// Writes a table or `run.json`, beside its final name first.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
+        let kind = if name.ends_with(".csv") { Kind::Table } else { Kind::Run };
+        self.directory.write(name, kind, bytes)
+    }
+
+    /// Writes case files.
+    ///
+    /// # Errors
+    /// When a file that is not ours is in the way, or one cannot be written.
+    pub fn write_cases(&mut self, cases: Vec<(String, Vec<u8>)>) -> Result<(), ResultsError> {
+        let case = |(name, bytes): (String, Vec<u8>)| (format!("{CASES}/{name}"), Kind::Case, bytes);
+        self.directory.write_all(cases.into_iter().map(case))
+    }
+}

@@ -1,0 +1,214 @@
+//! Finding the decision that a tolerance settles, and the square of the value at which it does.
+
+use super::dip::{Measure, cone, wedges};
+use super::exits::{one_exit, true_exit};
+use crate::directed::edges::across;
+use crate::directed::exact::{Exact, Root, fraction};
+use crate::directed::faces::Corner;
+use crate::directed::shadow::{V, cross, length, minus};
+use crate::directed::vertices::DRAWS;
+use crate::directed::{Pair, side};
+use crate::families::Kit;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::{One, Signed, Zero};
+use rockproof_model::Criteria;
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+
+/// A decision, the square of the critical value (m², or dimensionless), and how far B is to be moved first (m).
+pub(super) type Found = Option<(Decision, BigRational, V)>;
+
+/// No move.
+pub(super) const STAY: V = [0.0; 3];
+
+/// λ = 1/4, less a thousandth: what is measured against it is in f64.
+const QUARTER: f64 = 0.25 * 0.999;
+
+/// A decision that `tolerance` settles, of one kind.
+pub(super) fn found(kit: &mut Kit<'_>, pair: &Pair<'_>, (tolerance, kind): (&str, u64)) -> Found {
+    let revised = pair.set.criteria == Criteria::Revised;
+    match tolerance {
+        "search" => match kind % 4 {
+            0 => to_vertex(kit, pair, Predicate::VertexVertexNear),
+            1 => to_edge(kit, pair, Predicate::VertexEdgeNear),
+            2 => face_gap(kit, pair, Predicate::VertexFaceNear),
+            _ => edge_gap(kit, pair, Predicate::EdgeEdgeNear),
+        },
+        // Under `classic` every territory is the search distance.
+        "territory" if revised => match kind % 6 {
+            0 | 1 => nearly_parallel(kit, pair, true),
+            2 | 3 => true_exit(kit, pair),
+            4 => to_vertex(kit, pair, Predicate::VertexTerritory),
+            _ => to_edge(kit, pair, Predicate::EdgeTerritory),
+        },
+        "penetration" => match kind % 6 {
+            4 => entrance_depth(kit, pair),
+            0 | 5 if revised => cone(kit, pair, Measure::Length),
+            1 if revised => wedges(kit, pair, Measure::Length),
+            0 | 1 | 2 | 5 => face_gap(kit, pair, Predicate::VertexFaceDepth),
+            _ => edge_gap(kit, pair, Predicate::EdgeEdgeDepth),
+        },
+        "overlap_sine" => match kind % 4 {
+            0 | 3 => one_exit(kit, pair),
+            1 => wedges(kit, pair, Measure::Angle),
+            _ => cone(kit, pair, Measure::Angle),
+        },
+        "parallel_sine" => nearly_parallel(kit, pair, false),
+        // Most gaps have an irrational ratio.
+        "equal" => (0..DRAWS).find_map(|_| equal(kit, pair)),
+        _ => None,
+    }
+}
+
+fn to_vertex(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
+    let (va, vb) = pair.shadow.vertex_vertex(kit)?;
+    let distance = length(minus(pair.shadow.vertex(Side::A, va), pair.shadow.vertex(Side::B, vb)));
+    let limit = quarter_edge(pair, Side::A, va).min(quarter_edge(pair, Side::B, vb));
+    if predicate == Predicate::VertexTerritory && distance >= limit {
+        return None;
+    }
+    let exact = pair.exact(&[(Side::A, va), (Side::B, vb)], STAY);
+    let apart = exact.vertex(Side::A, va).minus(&exact.vertex(Side::B, vb));
+    let decision = Decision::about(predicate, &[Feature::Vertex(Side::A, va), Feature::Vertex(Side::B, vb)]);
+    Some((decision, exact.square_metres(&apart.norm_squared(), &BigInt::one()), STAY))
+}
+
+/// λ times the shortest edge at a vertex, a little less to be sure.
+fn quarter_edge(pair: &Pair<'_>, side: Side, vertex: u32) -> f64 {
+    let edges = pair.shadow.block(side).topology().vertex_edges(vertex).iter();
+    edges.map(|&e| length(pair.shadow.edge(side, e).1)).fold(f64::INFINITY, f64::min) * QUARTER
+}
+
+fn to_edge(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
+    let asked = side(kit);
+    let other = asked.other();
+    let (v, e) = pair.shadow.vertex_edge(kit, asked)?;
+    let (along, distance) = pair.shadow.foot(asked, v, e);
+    let too_far = predicate == Predicate::EdgeTerritory && distance >= quarter_width(pair, other, e);
+    if !(0.0..1.0).contains(&along) || too_far {
+        return None;
+    }
+    let exact = pair.exact(&pair.beside(other, e).chain([(asked, v)]).collect::<Vec<_>>(), STAY);
+    let d = exact.direction(other, e);
+    let x = exact.vertex(asked, v).minus(&exact.vertex(other, exact.edge(other, e).p));
+    let decision = Decision::about(predicate, &[Feature::Vertex(asked, v), Feature::Edge(other, e)]);
+    Some((decision, exact.square_metres(&x.cross(&d).norm_squared(), &d.norm_squared()), STAY))
+}
+
+/// λ times the smaller width of the faces at an edge, a little less to be sure.
+fn quarter_width(pair: &Pair<'_>, side: Side, edge: u32) -> f64 {
+    let e = pair.shadow.block(side).topology().edges()[edge as usize];
+    let (p, d) = pair.shadow.edge(side, edge);
+    let far = |(side, v): (Side, u32)| length(cross(minus(pair.shadow.vertex(side, v), p), d)) / length(d);
+    let width = |face: u32| pair.corners(side, face).map(far).fold(0.0, f64::max);
+    width(e.left).min(width(e.right)) * QUARTER
+}
+
+/// A gap (for `search`) or a depth (for `penetration`) of a vertex over a face.
+fn face_gap(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
+    let asked = side(kit);
+    let (v, f) = pair.shadow.vertex_face(kit, asked);
+    if pair.shadow.above_face(asked, v, f).1 > 0.0 {
+        return None;
+    }
+    let exact = pair.exact(&pair.corners(asked.other(), f).chain([(asked, v)]).collect::<Vec<_>>(), STAY);
+    let (gap, square, k) = exact.gap(asked, v, f);
+    let features = [Feature::Vertex(asked, v), Feature::Face(asked.other(), f)];
+    depth_or_gap(&exact, Decision::about(predicate, &features), &gap.constant, square * &k * &k)
+}
+
+/// A gap or a depth of crossing edges.
+fn edge_gap(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
+    let (ea, eb) = pair.shadow.edge_edge(kit)?;
+    let (s, t, _) = pair.shadow.feet(ea, eb)?;
+    if !((0.0..1.0).contains(&s) && (0.0..1.0).contains(&t)) {
+        return None;
+    }
+    let exact = both_edges(pair, (ea, eb), STAY);
+    let n = exact.perpendicular(ea, eb);
+    let gap = exact.along((Side::A, exact.edge(Side::A, ea).p), exact.edge(Side::B, eb).p, &n).constant;
+    let features = [Feature::Edge(Side::A, ea), Feature::Edge(Side::B, eb)];
+    depth_or_gap(&exact, Decision::about(predicate, &features), &gap, n.norm_squared())
+}
+
+pub(super) fn both_edges<'p>(pair: &Pair<'p>, (ea, eb): (u32, u32), start: V) -> Exact<'p> {
+    pair.exact(&pair.beside(Side::A, ea).chain(pair.beside(Side::B, eb)).collect::<Vec<_>>(), start)
+}
+
+/// The depth of a vertex below the way in, at a corner of the other block to whose territory it is brought.
+fn entrance_depth(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
+    let (corner, (start, face)) = (0..DRAWS).find_map(|_| {
+        let corner = Corner::choose(kit, pair, 1)?;
+        let place = corner.overlap(kit, pair)?;
+        Some((corner, place))
+    })?;
+    let vertices = pair.corners(corner.side.other(), face).chain([(corner.side, corner.vertex)]);
+    let exact = pair.exact(&vertices.collect::<Vec<_>>(), start);
+    let (gap, square, k) = exact.gap(corner.side, corner.vertex, face);
+    let decision = Decision::about(Predicate::EntranceDepth, &corner.contact());
+    let (decision, squared, _) = depth_or_gap(&exact, decision, &gap.constant, square * &k * &k)?;
+    Some((decision, squared, start))
+}
+
+/// `gap²/square`, where the gap has the sign that the decision asks about.
+fn depth_or_gap(exact: &Exact<'_>, decision: Decision, gap: &BigInt, square: BigInt) -> Found {
+    let deep =
+        matches!(decision.predicate, Predicate::VertexFaceDepth | Predicate::EdgeEdgeDepth | Predicate::EntranceDepth);
+    (!gap.is_zero() && deep == gap.is_negative()).then(|| (decision, exact.square_metres(&(gap * gap), &square), STAY))
+}
+
+/// The sine between two edges, or (`by_territory`) how far one drifts from the other over the longer's length. The
+/// edges are brought across each other.
+fn nearly_parallel(kit: &mut Kit<'_>, pair: &Pair<'_>, by_territory: bool) -> Found {
+    let (ea, eb) = pair.shadow.edge_edge(kit)?;
+    let start = across(kit, pair, ea, eb)?;
+    let exact = both_edges(pair, (ea, eb), start);
+    let (d1, d2) = (exact.direction(Side::A, ea), exact.direction(Side::B, eb));
+    let (cross, l1, l2) = (d1.cross(&d2).norm_squared(), d1.norm_squared(), d2.norm_squared());
+    let sine = fraction(cross.clone(), &l1 * &l2);
+    let drift = exact.square_metres(&cross, &l1.max(l2));
+    // Under `revised` both must hold: one can only decide where the other says yes.
+    let by_sine = sine <= pair.set.parallel_sine.to_rational().pow(2);
+    let by_drift = pair.set.criteria == Criteria::Classic || drift <= pair.set.territory.to_rational().pow(2);
+    let features = [Feature::Edge(Side::A, ea), Feature::Edge(Side::B, eb)];
+    let decision = Decision::about(Predicate::NearlyParallel, &features);
+    match by_territory {
+        true => by_sine.then_some((decision, drift, start)),
+        false => by_drift.then_some((decision, sine, start)),
+    }
+}
+
+/// The relative difference of the gaps of a vertex above two faces of a corner of the other block, to which it is
+/// brought.
+fn equal(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
+    let corner = Corner::choose(kit, pair, 2)?;
+    let start = corner.visit(kit, pair)?;
+    let (asked, other) = (corner.side, corner.side.other());
+    let vertices = corner.faces.iter().flat_map(|&f| pair.corners(other, f)).chain([(asked, corner.vertex)]);
+    let exact = pair.exact(&vertices.collect::<Vec<_>>(), start);
+    // Signed squares of the gaps order as the gaps do.
+    let gaps: Vec<(u32, BigRational)> = corner
+        .faces
+        .iter()
+        .map(|&f| {
+            let (gap, square, k) = exact.gap(asked, corner.vertex, f);
+            let sign = gap.constant.signum();
+            (f, fraction(sign * &gap.constant * &gap.constant, square * &k * &k))
+        })
+        .collect();
+    let (best, largest) = gaps.iter().max_by(|g, h| g.1.cmp(&h.1).then(h.0.cmp(&g.0)))?;
+    let (f, second) = kit.pick(&gaps);
+    if f == best || largest.is_zero() || largest.is_positive() != second.is_positive() {
+        return None;
+    }
+    // ε = |h_best − h|/|h_best| = |1 − √(h²/h_best²)|; rational where the ratio is a square.
+    let ratio = second / largest;
+    let root = Root::of(&(ratio.numer() * ratio.denom()));
+    if !root.is_exact() {
+        return None;
+    }
+    let share = BigRational::one() - BigRational::new(root.root, ratio.denom().clone());
+    let [a, b] = corner.contact();
+    let [c, d] = corner.candidate(*f);
+    Some((Decision::about(Predicate::EntranceChoice, &[a, b, c, d]), share.pow(2), start))
+}

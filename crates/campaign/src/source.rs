@@ -1,0 +1,183 @@
+//! Where a campaign's pairs come from: the families, under the presets.
+
+use super::config::CampaignConfig;
+use super::families::{self, Real};
+use super::grid::GridFault;
+use super::pairs::{self, PairCase, PairConfig};
+use super::sets::{self, SetSource};
+use super::steps::motion;
+use rockproof_differential::motion::PairMotion;
+use rockproof_differential::subject::{Source, Subject, SubjectSet};
+use rockproof_model::{Block, LoadOptions, Scene, SceneError};
+use serde_json::{Map, Value};
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash, Hasher};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Why a configuration names no pairs.
+#[derive(Debug, thiserror::Error)]
+pub enum SourceError {
+    /// A family that does not exist.
+    #[error("family \"{found}\" does not exist; there are {allowed}")]
+    Family {
+        /// What was found.
+        found: String,
+        /// The families.
+        allowed: String,
+    },
+    /// A tolerance set that does not exist.
+    #[error(
+        "tolerance set \"{found}\" does not exist; there are {allowed}, and changes of them: auto@territory*1/2@criteria=classic"
+    )]
+    Set {
+        /// What was found.
+        found: String,
+        /// The sets.
+        allowed: String,
+    },
+    /// A grid of tolerance sets that is none.
+    #[error(transparent)]
+    Grid(#[from] GridFault),
+    /// A block file that cannot be read.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A block file without neighbours.
+    #[error("{file}: no two blocks are near enough to make a pair")]
+    NoNeighbours {
+        /// The file.
+        file: String,
+    },
+    /// The identity of the run cannot be written down.
+    #[error("the configuration cannot be written as JSON: {0}")]
+    Identity(#[from] serde_json::Error),
+}
+
+/// The pairs of a seed.
+pub struct FamilySource {
+    seed: u64,
+    pairs: PairConfig,
+    /// One pair in so many moves, for so many steps.
+    steps: (u64, u32),
+}
+
+/// The pairs that a configuration asks for.
+///
+/// # Errors
+/// When it names what does not exist, or a file that holds no pairs.
+pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
+    let names: Vec<&str> = config.families.iter().map(String::as_str).collect();
+    let chosen = if names.is_empty() { Ok(families::all()) } else { families::named(&names) };
+    let mut families = chosen.map_err(|found| SourceError::Family {
+        found: found.to_owned(),
+        allowed: families::all().iter().map(|f| f.name()).collect::<Vec<_>>().join(", "),
+    })?;
+    if !config.real.is_empty() {
+        let mut blocks = Vec::new();
+        for file in &config.real {
+            // Pairs are sought within a file, so files are kept apart by a family of their own each.
+            let scene = Scene::load_with(file, &LoadOptions { planarity: config.planarity.clone() })?;
+            blocks.push(
+                Real::neighbours(&scene.shapes().into_iter().cloned().collect::<Vec<Block>>())
+                    .ok_or_else(|| SourceError::NoNeighbours { file: file.display().to_string() })?,
+            );
+        }
+        families.retain(|f| f.name() != "real");
+        families.extend(blocks.into_iter().map(|real| Arc::new(real) as Arc<dyn families::Family>));
+    }
+    let names: Vec<&str> = if config.tolerances.is_empty() && config.grid.is_none() {
+        sets::NAMES.to_vec()
+    } else {
+        config.tolerances.iter().map(String::as_str).collect()
+    };
+    let mut sets = names.into_iter().map(set_source).collect::<Result<Vec<_>, _>>()?;
+    // On a grid sets are to be compared with one another, so every base pair gets all of them.
+    let sets_per_batch = if config.grid.is_some() { usize::MAX } else { sets.len().min(3) };
+    if let Some(grid) = &config.grid {
+        sets.extend(grid.sources()?);
+    }
+    Ok(FamilySource {
+        seed: config.seed,
+        pairs: PairConfig { families, sets, sets_per_batch, ..PairConfig::default() },
+        steps: (config.steps_every, config.steps),
+    })
+}
+
+/// The tolerance sets of a name.
+///
+/// # Errors
+/// When there is none of that name.
+pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
+    let unknown = || SourceError::Set { found: name.to_owned(), allowed: sets::NAMES.join(", ") };
+    SetSource::named(name).ok_or_else(unknown)
+}
+
+/// What must be the same for a run to go on: the configuration, and the content of the block files.
+///
+/// # Errors
+/// When a path cannot be written as JSON.
+pub fn identity(config: &CampaignConfig) -> Result<Map<String, Value>, SourceError> {
+    let mut identity = config.identity()?;
+    for file in &config.real {
+        identity.insert(format!("content of {}", file.display()), content(file).into());
+    }
+    Ok(identity)
+}
+
+/// Length and hash of a file; empty if it cannot be read, which [`of`] reports.
+fn content(file: &Path) -> String {
+    std::fs::read(file).map_or(String::new(), |bytes| {
+        let mut hasher = DefaultHasher::new();
+        bytes.hash(&mut hasher);
+        format!("{} bytes, hash {:016x}", bytes.len(), hasher.finish())
+    })
+}
+
+impl FamilySource {
+    /// The same source of bases as their families make them, none perturbed: these hold the most exact ties.
+    #[must_use]
+    pub fn unshaken(mut self) -> FamilySource {
+        self.pairs.shaken_percent = 0;
+        self
+    }
+
+    /// The pairs of one batch with all that is known of how they were made.
+    pub fn cases(&self, number: u64) -> Vec<PairCase> {
+        pairs::batch(self.seed, number, &self.pairs)
+    }
+}
+
+impl Source for FamilySource {
+    fn batch_len(&self) -> u64 {
+        pairs::BATCH
+    }
+
+    fn batch(&self, number: u64) -> Vec<Subject> {
+        self.cases(number)
+            .into_iter()
+            .map(|case| Subject {
+                index: case.index,
+                family: case.family.into(),
+                form: case.form.name().into(),
+                a: case.a,
+                b: case.b,
+                sets: case
+                    .sets
+                    .into_iter()
+                    .map(|set| SubjectSet { name: set.name.into(), f32: set.f32, f64: set.f64 })
+                    .collect(),
+            })
+            .collect()
+    }
+
+    fn motion(&self, subject: &Subject) -> Option<PairMotion> {
+        let (every, steps) = self.steps;
+        let mut rng = motion::generator(self.seed, subject.index);
+        if steps == 0 || !motion::moves(&mut rng, every) {
+            return None;
+        }
+        let family = self.pairs.families.iter().find(|family| family.name() == &*subject.family);
+        let manner = family.map(|family| family.manner()).unwrap_or_default();
+        Some(motion::drawn(&mut rng, manner, &subject.a, &subject.b, steps))
+    }
+}

@@ -1,0 +1,147 @@
+//! The case file of a finding about a step: the scene, the state before the step, and the oracle's answer, for `replay`.
+
+use super::engine::{Made, StepEngine};
+use super::finding::{StepChange, StepFinding};
+use rockproof_differential::finding::Cause;
+use rockproof_differential::lockstep::StepCase;
+use rockproof_differential::lockstep::case_file::Expected;
+use rockproof_differential::motion::PairMotion;
+use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_model::simulation::Kinematics;
+use rockproof_model::{Body, Motion, Number, Precision, Vec3};
+use rockproof_simulate::identity::with_tolerances;
+
+/// Makes the case of a finding: its step alone, from the state before it, with as little motion as still shows it. `None` where
+/// the engine does not take part, or the step cannot be made exactly. It is made on a thread of its own ([`super::examine_all`]).
+pub fn of(
+    finding: &StepFinding,
+    subject: &Subject,
+    motion: &PairMotion,
+    engines: &[Box<dyn StepEngine>],
+) -> Option<StepCase> {
+    std::thread::scope(|scope| match scope.spawn(|| made(finding, subject, motion, engines)).join() {
+        Ok(case) => case,
+        Err(panic) => std::panic::resume_unwind(panic),
+    })
+}
+
+fn made(
+    finding: &StepFinding,
+    subject: &Subject,
+    motion: &PairMotion,
+    engines: &[Box<dyn StepEngine>],
+) -> Option<StepCase> {
+    let set = subject.sets.iter().find(|set| set.name == finding.set)?;
+    let engine = &**engines.iter().find(|engine| engine.name() == &*finding.engine)?;
+    let again = |motion: &PairMotion| -> Option<Made> {
+        let steps = engine.steps(subject, set, motion).ok()?;
+        steps.into_iter().find(|made| made.compared.step == finding.step).filter(|made| shows(made, finding))
+    };
+    let mut best = (motion.clone(), again(motion)?);
+    // A later step is made from a state that simpler motions do not come to.
+    if finding.step == 1 {
+        for simpler in simplifications() {
+            let tried = simpler(&best.0);
+            if tried != best.0
+                && let Some(made) = again(&tried)
+            {
+                best = (tried, made);
+            }
+        }
+    }
+    written(finding, subject, set, engine.precision(), &best)
+}
+
+fn written(
+    finding: &StepFinding,
+    subject: &Subject,
+    set: &SubjectSet,
+    precision: Precision,
+    (motion, made): &(PairMotion, Made),
+) -> Option<StepCase> {
+    let tolerances = set.of(precision);
+    let scene = motion.scene(&subject.a, &subject.b, tolerances);
+    let about = |c: &rockproof_differential::lockstep::Caused| {
+        let d = &c.difference;
+        let contact = d.contact.map_or(String::new(), |(_, contact)| format!(" {}", contact.kind));
+        format!("{} {}{contact}: {} → {}", c.cause, d.change.name(), d.before, d.after)
+    };
+    let mut differences: Vec<String> = made.compared.differences.iter().map(about).collect();
+    if !matches!(finding.change, StepChange::Decision(_)) {
+        differences.push(format!(
+            "{} {}: {} → {}",
+            finding.cause,
+            finding.change.name(),
+            finding.before,
+            finding.after
+        ));
+    }
+    let oracle = made.compared.oracle.as_ref()?;
+    Some(StepCase {
+        format: StepCase::FORMAT.to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        engine: precision.to_string(),
+        step: finding.step,
+        differences,
+        scene: with_tolerances(&scene, tolerances).ok()?,
+        state: made.before.clone(),
+        expected: Expected::of(oracle),
+    })
+}
+
+/// Whether a step shows what a finding says.
+fn shows(made: &Made, finding: &StepFinding) -> bool {
+    let compared = &made.compared;
+    match finding.change {
+        StepChange::Decision(change) => compared.differences.iter().any(|c| {
+            let d = &c.difference;
+            let same =
+                (c.cause, d.change, d.contact.map(|(_, contact)| contact)) == (finding.cause, change, finding.contact);
+            same && d.before == finding.before && d.after == finding.after
+        }),
+        StepChange::State(what) => made.drift == Some(what),
+        StepChange::Deeper | StepChange::Shallower => {
+            let [Some(stepper), Some(oracle)] = compared.penetration else { return false };
+            let [Some(was), Some(right)] = finding.penetration else { return false };
+            let same_cause = (compared.count(Cause::Defect) > 0) == (finding.cause == Cause::Defect);
+            // As much of a difference as was found, in the same direction.
+            same_cause && (stepper - oracle) * (was - right).signum() >= 0.5 * (was - right).abs()
+        }
+    }
+}
+
+type Simplification = fn(&PairMotion) -> PairMotion;
+
+/// What may be left out of a motion, one after the other.
+fn simplifications() -> [Simplification; 9] {
+    fn still() -> Vec3<Number> {
+        Vec3::new(Number::ZERO, Number::ZERO, Number::ZERO)
+    }
+    fn bodies(motion: &PairMotion, change: impl Fn(&mut Body)) -> PairMotion {
+        let mut motion = motion.clone();
+        motion.bodies.iter_mut().for_each(change);
+        motion
+    }
+    fn simulation(motion: &PairMotion, change: impl Fn(&mut rockproof_model::simulation::Simulation)) -> PairMotion {
+        let mut motion = motion.clone();
+        change(&mut motion.simulation);
+        motion
+    }
+    [
+        |motion| PairMotion { steps: 1, ..motion.clone() },
+        |motion| bodies(motion, |body| body.spin = still()),
+        |motion| bodies(motion, |body| body.velocity = still()),
+        |motion| simulation(motion, |simulation| simulation.gravity = still()),
+        |motion| simulation(motion, |simulation| simulation.joints.other.cohesion = Number::ZERO),
+        |motion| simulation(motion, |simulation| simulation.joints.other.tension = Number::ZERO),
+        |motion| simulation(motion, |simulation| simulation.control.kinematics = Kinematics::Linear),
+        |motion| simulation(motion, |simulation| simulation.control.dynamic = Number::from_integer(1)),
+        |motion| {
+            bodies(motion, |body| {
+                if body.motion == Motion::Deformable {
+                    body.motion = Motion::Rigid;
+                }
+            })
+        },
+    ]
+}

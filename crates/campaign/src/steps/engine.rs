@@ -1,0 +1,167 @@
+//! What makes the steps of a campaign: the stepper beside the oracle, in f32 or f64.
+
+use rockproof_differential::collapse::collapsed_feature;
+use rockproof_differential::lockstep::{Compared, Links, Lockstep};
+use rockproof_differential::motion::PairMotion;
+use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_model::Precision;
+use rockproof_simulate::checkpoint::Saved;
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::dynamics::{Mode, Solve, State, StepRules};
+use std::marker::PhantomData;
+
+/// One step, made on both sides.
+#[derive(Clone, Debug)]
+pub struct Made {
+    /// What both did.
+    pub compared: Compared,
+    /// The state before it.
+    pub before: Saved,
+    /// What differs of the state after it where all decisions are the same, and as much in 512 bits: no rounding.
+    pub drift: Option<&'static str>,
+    /// Contacts by their mode after the last solve of the oracle: open, sliding, locked.
+    pub modes: [u64; 3],
+    /// Contacts that, exactly, were closed and open by turns between solves of the accepted attempt.
+    pub turning: u64,
+}
+
+/// Something that makes steps beside the oracle.
+pub trait StepEngine: Send + Sync {
+    /// Its name in tables: that of the engine whose arithmetic it is.
+    fn name(&self) -> &str;
+
+    /// The precision it calculates in.
+    fn precision(&self) -> Precision;
+
+    /// The steps of a pair under a tolerance set; fewer than asked for where one cannot be made.
+    ///
+    /// # Errors
+    /// Why there is not even one: the pair does not survive rounding.
+    fn steps(&self, subject: &Subject, set: &SubjectSet, motion: &PairMotion) -> Result<Vec<Made>, String>;
+}
+
+/// The stepper in the scalar `R` by the rules `M`.
+#[derive(Clone, Debug)]
+pub struct StepperSteps<R, M> {
+    name: String,
+    precision: Precision,
+    code: PhantomData<fn() -> (R, M)>,
+}
+
+impl<M: StepRules> StepperSteps<f32, M> {
+    /// In f32.
+    pub fn f32(name: &str) -> Self {
+        StepperSteps { name: name.to_owned(), precision: Precision::F32, code: PhantomData }
+    }
+}
+
+impl<M: StepRules> StepperSteps<f64, M> {
+    /// In f64.
+    pub fn f64(name: &str) -> Self {
+        StepperSteps { name: name.to_owned(), precision: Precision::F64, code: PhantomData }
+    }
+}
+
+/// The engines of these names that can make steps: the built-in ones.
+pub fn engines<'n>(names: impl IntoIterator<Item = &'n str>) -> Vec<Box<dyn StepEngine>> {
+    let engine = |name: &str| -> Option<Box<dyn StepEngine>> {
+        match name {
+            "stepper-f32" => Some(Box::new(StepperSteps::<f32, Spec>::f32(name))),
+            "stepper-f64" => Some(Box::new(StepperSteps::<f64, Spec>::f64(name))),
+            _ => None,
+        }
+    };
+    names.into_iter().filter_map(engine).collect()
+}
+
+impl<R: Solve, M: StepRules> StepEngine for StepperSteps<R, M> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    fn steps(&self, subject: &Subject, set: &SubjectSet, motion: &PairMotion) -> Result<Vec<Made>, String> {
+        for block in [&subject.a, &subject.b] {
+            let rounded = block.rounded(self.precision).ok_or("a coordinate overflows")?;
+            if let Some(what) = collapsed_feature(&rounded) {
+                return Err(what);
+            }
+        }
+        let tolerances = set.of(self.precision);
+        let scene = motion.scene(&subject.a, &subject.b, tolerances);
+        let mut lockstep = Lockstep::<R, M>::new(&scene, tolerances, self.precision, Links::All)
+            .map_err(|failure| failure.to_string())?;
+        let reach = tolerances.max_displacement.approximate();
+        let mut all = Vec::new();
+        for _ in 0..motion.steps {
+            let before = lockstep.state().clone();
+            let (made, compared) = lockstep.step();
+            let drift = self.drift(&mut lockstep, &before, &compared, reach);
+            let ends = made.is_err() || compared.unproved.is_some();
+            all.push(Made {
+                before: Saved::of(&before),
+                drift,
+                modes: final_modes(&compared),
+                turning: turning(&compared),
+                compared,
+            });
+            if ends {
+                break;
+            }
+        }
+        Ok(all)
+    }
+}
+
+impl<R: Solve, M: StepRules> StepperSteps<R, M> {
+    /// Errors of the state beyond these are looked at in 512 bits: of velocities as a share, of anchors as a share of the largest
+    /// displacement allowed.
+    fn suspicious(&self) -> f64 {
+        match self.precision {
+            Precision::F32 => 0.125,
+            Precision::F64 => 1e-6,
+        }
+    }
+
+    fn drift(
+        &self,
+        lockstep: &mut Lockstep<R, M>,
+        before: &State<R>,
+        compared: &Compared,
+        reach: f64,
+    ) -> Option<&'static str> {
+        let own = compared.stepper.is_some() && compared.oracle.is_some() && !compared.differs();
+        let beyond = |error: Option<f64>, limit: f64| error.is_some_and(|error| error > limit);
+        let limit = self.suspicious();
+        let suspicious = beyond(compared.velocity, limit)
+            || beyond(compared.anchors, limit * reach)
+            || beyond(compared.displacement.map(|(error, _)| error), limit);
+        if !own || !suspicious {
+            return None;
+        }
+        let drift = lockstep.drift_in_wide(before)?;
+        // In 512 bits nothing of this size is rounding; the oracle's state is kept to 2⁻⁸⁰ m.
+        [("anchors", drift.anchors / reach), ("velocity", drift.velocity), ("displacement", drift.vertices / reach)]
+            .into_iter()
+            .find(|(_, error)| *error > 1e-6)
+            .map(|(what, _)| what)
+    }
+}
+
+fn final_modes(compared: &Compared) -> [u64; 3] {
+    let last = compared.oracle.as_ref().and_then(|oracle| oracle.modes.last());
+    let count = |mode: Mode| last.map_or(0, |modes| modes.iter().filter(|m| **m == mode).count() as u64);
+    [count(Mode::Open), count(Mode::Sliding), count(Mode::Locked)]
+}
+
+fn turning(compared: &Compared) -> u64 {
+    let Some(oracle) = &compared.oracle else { return 0 };
+    let turned = |contact: usize| {
+        let closed = || oracle.modes.iter().filter_map(move |all| all.get(contact)).map(|mode| mode.is_closed());
+        closed().any(|is| is) && closed().any(|is| !is)
+    };
+    (0..oracle.contacts.len()).filter(|contact| turned(*contact)).count() as u64
+}

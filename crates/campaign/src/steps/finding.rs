@@ -1,0 +1,223 @@
+//! A finding about a step: one difference between neighbouring links of the chain of SPEC section 6, for a step instead of a
+//! classification.
+
+use rockproof_differential::compare;
+use rockproof_differential::finding::{Cause, Deciding, Who};
+use rockproof_differential::lockstep::Caused;
+use rockproof_differential::lockstep::answer::Change;
+use rockproof_differential::row;
+use rockproof_model::{Contact, ContactKind};
+use rockproof_results::bounded;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// What differs between two steps, or between the states after them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StepChange {
+    /// A decision.
+    Decision(Change),
+    /// The blocks overlap deeper after the stepper's step than after the oracle's.
+    Deeper,
+    /// They overlap less deep.
+    Shallower,
+    /// The same decisions and another state, in 512 bits too: `anchors`, `velocity` or `displacement`.
+    State(&'static str),
+}
+
+impl StepChange {
+    /// The names of changes that only steps have.
+    pub const NAMES: [&'static str; 11] = [
+        "mode",
+        "iterations",
+        "converged",
+        "retries",
+        "time-step",
+        "stopped",
+        "deeper",
+        "shallower",
+        "anchors",
+        "velocity",
+        "displacement",
+    ];
+
+    /// The name in tables and files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            StepChange::Decision(change) => change.name(),
+            StepChange::Deeper => "deeper",
+            StepChange::Shallower => "shallower",
+            StepChange::State(what) => what,
+        }
+    }
+
+    /// Whether a change of this name may be found in steps.
+    pub fn is_known(name: &str) -> bool {
+        StepChange::NAMES.contains(&name) || compare::Change::from_name(name).is_some()
+    }
+}
+
+/// One finding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepFinding {
+    /// The pair's number in the campaign.
+    pub index: u64,
+    /// The pair's family.
+    pub family: Arc<str>,
+    /// The pair's form.
+    pub form: Arc<str>,
+    /// The tolerance set.
+    pub set: Arc<str>,
+    /// Whom it is about.
+    pub who: Who,
+    /// The engine in whose steps it was seen.
+    pub engine: Arc<str>,
+    /// The step, from 1.
+    pub step: i64,
+    /// Why the step is another one.
+    pub cause: Cause,
+    /// What differs.
+    pub change: StepChange,
+    /// The contact it is about, if it is about one.
+    pub contact: Option<Contact>,
+    /// Of a mode: the first solve, from 1, after which it differs.
+    pub solve: Option<usize>,
+    /// What the earlier link has.
+    pub before: String,
+    /// What the later link has.
+    pub after: String,
+    /// What decided a difference of contacts.
+    pub deciding: Option<Deciding>,
+    /// The exact margin of what decided a difference of contacts or of a mode, **0 at a tie**, and the same in roundoffs.
+    pub margins: [Option<f64>; 2],
+    /// The exact penetration after the stepper's step and after the oracle's (m).
+    pub penetration: [Option<f64>; 2],
+    /// What made the penetration another one.
+    pub effect: &'static str,
+}
+
+/// One finding as `step_findings.csv` has it. The fields are its columns and mean what those of [`StepFinding`] do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs, reason = "the fields are those of StepFinding")]
+pub struct StepFindingRow {
+    pub index: u64,
+    pub family: String,
+    pub form: String,
+    pub tolerances: String,
+    #[serde(serialize_with = "row::text", deserialize_with = "row::who")]
+    pub engine: Who,
+    pub step: i64,
+    #[serde(serialize_with = "row::text", deserialize_with = "row::cause")]
+    pub cause: Cause,
+    pub change: String,
+    pub kind: String,
+    pub feature_a: Option<u32>,
+    pub feature_b: Option<u32>,
+    pub solve: Option<usize>,
+    pub before: String,
+    pub after: String,
+    pub predicate: String,
+    pub features: String,
+    #[serde(serialize_with = "row::exponential", deserialize_with = "row::finite")]
+    pub margin: Option<f64>,
+    #[serde(serialize_with = "row::exponential", deserialize_with = "row::finite")]
+    pub margin_ulps: Option<f64>,
+    #[serde(serialize_with = "row::exponential", deserialize_with = "row::finite")]
+    pub penetration_stepper_m: Option<f64>,
+    #[serde(serialize_with = "row::exponential", deserialize_with = "row::finite")]
+    pub penetration_oracle_m: Option<f64>,
+    pub effect: String,
+    pub case: String,
+}
+
+/// The columns of `step_findings.csv`.
+pub const STEP_FINDING_COLUMNS: [&str; 22] = [
+    "index",
+    "family",
+    "form",
+    "tolerances",
+    "engine",
+    "step",
+    "cause",
+    "change",
+    "kind",
+    "feature_a",
+    "feature_b",
+    "solve",
+    "before",
+    "after",
+    "predicate",
+    "features",
+    "margin",
+    "margin_ulps",
+    "penetration_stepper_m",
+    "penetration_oracle_m",
+    "effect",
+    "case",
+];
+
+impl StepFinding {
+    /// Takes over what a difference of two steps says.
+    pub(super) fn tell(&mut self, caused: &Caused) {
+        let difference = &caused.difference;
+        self.change = StepChange::Decision(difference.change);
+        self.contact = difference.contact.map(|(_, contact)| contact);
+        self.solve = difference.solve;
+        (self.before, self.after) = (difference.before.clone(), difference.after.clone());
+        self.deciding = caused.deciding;
+        self.margins = [caused.margin(), caused.margin_ulps()];
+    }
+
+    /// What makes two findings alike, in one line.
+    pub fn fingerprint(&self) -> String {
+        let kind = self.contact.map_or("pair", |contact| contact.kind.name());
+        format!("{kind} {} {} {} {} {}", self.cause, self.change.name(), self.modes(), self.who, self.family)
+    }
+
+    fn modes(&self) -> String {
+        match self.change {
+            StepChange::Decision(Change::Mode) => format!("{}-{}", self.before, self.after),
+            _ => "step".to_owned(),
+        }
+    }
+
+    /// The name of its case file.
+    pub fn file_name(&self) -> String {
+        let kind = self.contact.map_or("pair", |contact| ContactKind::name(contact.kind));
+        let (change, modes) = (self.change.name(), self.modes());
+        let stem = format!(
+            "step-{kind}-{}-{change}-{modes}-{}-{}-{}-{}-{}",
+            self.cause, self.who, self.family, self.set, self.index, self.step
+        );
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+        format!("{}.json", bounded(&stem.chars().map(plain).collect::<String>()))
+    }
+
+    /// The finding's row of `step_findings.csv`; `case` is its case file, empty where there is none.
+    pub fn row(&self, case: String) -> StepFindingRow {
+        let deciding = self.deciding.as_ref();
+        StepFindingRow {
+            index: self.index,
+            family: self.family.to_string(),
+            form: self.form.to_string(),
+            tolerances: self.set.to_string(),
+            engine: self.who.clone(),
+            step: self.step,
+            cause: self.cause,
+            change: self.change.name().to_owned(),
+            kind: self.contact.map_or(String::new(), |c| c.kind.name().to_owned()),
+            feature_a: self.contact.map(|c| c.a),
+            feature_b: self.contact.map(|c| c.b),
+            solve: self.solve,
+            before: self.before.clone(),
+            after: self.after.clone(),
+            predicate: deciding.map_or(String::new(), |d| d.decision.predicate.name().to_owned()),
+            features: deciding.map_or(String::new(), Deciding::features),
+            margin: self.margins[0],
+            margin_ulps: self.margins[1],
+            penetration_stepper_m: self.penetration[0],
+            penetration_oracle_m: self.penetration[1],
+            effect: self.effect.to_owned(),
+            case,
+        }
+    }
+}

@@ -1,0 +1,320 @@
+//! How many steps differ, and how: the counts behind `step_summary.csv` and the table at the end of a campaign.
+
+use super::engine::Made;
+use super::finding::{StepChange, StepFinding};
+use crate::sets;
+use rockproof_differential::finding::Cause;
+use rockproof_differential::lockstep::answer::Change;
+use rockproof_differential::lockstep::table::CAUSES;
+use rockproof_differential::subject::{Subject, SubjectSet};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Of which pairs and by which engine steps were made.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Place {
+    /// The family.
+    pub family: String,
+    /// The form.
+    pub form: String,
+    /// The tolerance set.
+    pub tolerances: String,
+    /// The engine.
+    pub engine: String,
+}
+
+impl Place {
+    pub(super) fn new(subject: &Subject, set: &SubjectSet, engine: &str) -> Place {
+        let [family, form, tolerances] = [&subject.family, &subject.form, &set.name].map(ToString::to_string);
+        Place { family, form, tolerances, engine: engine.to_owned() }
+    }
+}
+
+/// Half the longest side of a pair's boxes (m): what depths are measured by, so that pairs of any size can be compared.
+pub(super) fn half_side(subject: &Subject) -> f64 {
+    sets::size(&subject.a).1.max(sets::size(&subject.b).1) / 2.0
+}
+
+/// Exact penetrations after steps of one side.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Depths {
+    /// The deepest (m).
+    pub deepest: f64,
+    /// The deepest over half the longest side of its pair.
+    pub relative: f64,
+    /// Sum of the depths over half the longest sides of their pairs.
+    pub sum: f64,
+}
+
+impl Depths {
+    fn add(&mut self, other: &Depths) {
+        self.deepest = self.deepest.max(other.deepest);
+        self.relative = self.relative.max(other.relative);
+        self.sum += other.sum;
+    }
+}
+
+macro_rules! counts {
+    ($($name:ident $what:literal,)*) => {
+        /// Counts of steps.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+        pub struct Counts {
+            $(#[doc = $what] pub $name: u64,)*
+            /// Penetrations after the stepper's steps and after the oracle's, of steps that both made.
+            pub depths: [Depths; 2],
+        }
+
+        impl Counts {
+            /// The names of the counts.
+            pub const NAMES: &'static [&'static str] = &[$(stringify!($name)),*];
+
+            /// Counts of these numbers, in the order of their names.
+            pub fn of(numbers: impl IntoIterator<Item = u64>, depths: [Depths; 2]) -> Counts {
+                let mut numbers = numbers.into_iter();
+                Counts { $($name: numbers.next().unwrap_or(0),)* depths }
+            }
+
+            /// The counts in the order of their names.
+            pub fn numbers(&self) -> Vec<u64> {
+                vec![$(self.$name),*]
+            }
+
+            /// Adds the counts of `other`.
+            pub fn add(&mut self, other: &Counts) {
+                $(self.$name += other.$name;)*
+                self.depths.iter_mut().zip(&other.depths).for_each(|(sum, depths)| sum.add(depths));
+            }
+        }
+    };
+}
+
+counts! {
+    steps "Steps, made or not.",
+    silent "Pairs without a step, for they do not survive rounding.",
+    compared "Steps that both sides made.",
+    stopped "Steps that one side or both cannot make.",
+    open "Contacts that the oracle has open after its last solve.",
+    sliding "Contacts that it has sliding.",
+    locked "Contacts that it has locked.",
+    turning "Contacts that it has closed and open by turns between solves.",
+    iterated "Steps for which it needs more than one solve.",
+    retried "Steps for which it gives up an attempt.",
+    contacts_differ "Steps with other contacts than the oracle's.",
+    modes_differ "Steps with a contact of another mode.",
+    iterations_differ "Steps with another number of solves.",
+    converged_differ "Steps of which one side converges and the other does not.",
+    retries_differ "Steps with other attempts given up.",
+    state_differs "Steps with the same decisions and another state, in 512 bits too.",
+    deeper "Steps after which blocks overlap deeper than after the oracle's.",
+    shallower "Steps after which they overlap less deep.",
+    undecided "Decisions that the oracle's cap left open.",
+    tolerance "Differences by cause.",
+    representation "Differences by cause.",
+    arithmetic "Differences by cause.",
+    defect "Differences by cause.",
+}
+
+/// What was found in steps.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct StepSort {
+    /// Whom it is about.
+    pub engine: String,
+    /// The cause.
+    pub cause: String,
+    /// The change.
+    pub change: String,
+}
+
+/// Counts of steps and of findings about them. Rows come in the order of their keys.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Rows", into = "Rows")]
+pub struct StepSummary {
+    places: BTreeMap<Place, Counts>,
+    sorts: BTreeMap<StepSort, u64>,
+}
+
+/// A summary as lists, for JSON.
+#[derive(Serialize, Deserialize)]
+struct Rows {
+    places: Vec<(Place, Counts)>,
+    sorts: Vec<(StepSort, u64)>,
+}
+
+impl From<Rows> for StepSummary {
+    fn from(rows: Rows) -> StepSummary {
+        StepSummary { places: rows.places.into_iter().collect(), sorts: rows.sorts.into_iter().collect() }
+    }
+}
+
+impl From<StepSummary> for Rows {
+    fn from(summary: StepSummary) -> Rows {
+        Rows { places: summary.places.into_iter().collect(), sorts: summary.sorts.into_iter().collect() }
+    }
+}
+
+/// The columns of `step_summary.csv`.
+pub const STEP_SUMMARY_COLUMNS: [&str; 33] = [
+    "family",
+    "form",
+    "tolerances",
+    "engine",
+    "steps",
+    "silent",
+    "compared",
+    "stopped",
+    "open",
+    "sliding",
+    "locked",
+    "turning",
+    "iterated",
+    "retried",
+    "contacts_differ",
+    "modes_differ",
+    "iterations_differ",
+    "converged_differ",
+    "retries_differ",
+    "state_differs",
+    "deeper",
+    "shallower",
+    "undecided",
+    "tolerance",
+    "representation",
+    "arithmetic",
+    "defect",
+    "deepest_stepper_m",
+    "deepest_oracle_m",
+    "relative_stepper",
+    "relative_oracle",
+    "sum_stepper",
+    "sum_oracle",
+];
+
+impl StepSummary {
+    /// Counts a step of a pair whose longest side is twice `half` (m).
+    pub(super) fn add_step(&mut self, place: &Place, made: &Made, deepened: Option<StepChange>, half: f64) {
+        let step = &made.compared;
+        let own = || step.differences.iter().filter(|c| matches!(c.cause, Cause::Arithmetic | Cause::Defect));
+        let any = |of: &dyn Fn(&Change) -> bool| u64::from(own().any(|c| of(&c.difference.change)));
+        let [open, sliding, locked] = made.modes;
+        let oracle = step.oracle.as_ref();
+        let made_by_both = step.stepper.is_some() && oracle.is_some();
+        let [tolerance, representation, arithmetic, defect] = CAUSES.map(|cause| step.count(cause) as u64);
+        let mut counts = Counts {
+            steps: 1,
+            compared: u64::from(made_by_both),
+            stopped: u64::from(!made_by_both),
+            open,
+            sliding,
+            locked,
+            turning: made.turning,
+            iterated: u64::from(oracle.is_some_and(|oracle| oracle.iterations() > 1)),
+            retried: u64::from(oracle.is_some_and(|oracle| !oracle.retries.is_empty())),
+            contacts_differ: any(&|change| matches!(change, Change::Contact(_))),
+            modes_differ: any(&|change| *change == Change::Mode),
+            iterations_differ: any(&|change| *change == Change::Iterations),
+            converged_differ: any(&|change| *change == Change::Converged),
+            retries_differ: any(&|change| matches!(change, Change::Retries | Change::TimeStep)),
+            state_differs: u64::from(made.drift.is_some()),
+            deeper: u64::from(deepened == Some(StepChange::Deeper)),
+            shallower: u64::from(deepened == Some(StepChange::Shallower)),
+            undecided: step.undecided,
+            tolerance,
+            representation,
+            arithmetic,
+            defect: defect + u64::from(made.drift.is_some()),
+            ..Counts::default()
+        };
+        if let [Some(_), Some(_)] = step.penetration {
+            for (depths, depth) in counts.depths.iter_mut().zip(step.penetration.into_iter().flatten()) {
+                let relative = if half > 0.0 { depth / half } else { 0.0 };
+                *depths = Depths { deepest: depth, relative, sum: relative };
+            }
+        }
+        self.places.entry(place.clone()).or_default().add(&counts);
+    }
+
+    /// Counts a pair that cannot be stepped.
+    pub(super) fn add_silent(&mut self, place: &Place) {
+        self.places.entry(place.clone()).or_default().silent += 1;
+    }
+
+    /// Counts a finding.
+    pub(super) fn add_finding(&mut self, finding: &StepFinding) {
+        let engine = finding.who.to_string();
+        let (cause, change) = (finding.cause.to_string(), finding.change.name().to_owned());
+        *self.sorts.entry(StepSort { engine, cause, change }).or_default() += 1;
+    }
+
+    /// Adds the counts of `other`.
+    pub fn add(&mut self, other: StepSummary) {
+        for (place, counts) in other.places {
+            self.places.entry(place).or_default().add(&counts);
+        }
+        for (sort, count) in other.sorts {
+            *self.sorts.entry(sort).or_default() += count;
+        }
+    }
+
+    /// Whether no pair was set in motion.
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// The counts by place.
+    pub fn places(&self) -> impl Iterator<Item = (&Place, &Counts)> {
+        self.places.iter()
+    }
+
+    /// The counts by engine, over all families and sets.
+    pub fn by_engine(&self) -> BTreeMap<&str, Counts> {
+        let mut engines: BTreeMap<&str, Counts> = BTreeMap::new();
+        for (place, counts) in &self.places {
+            engines.entry(&place.engine).or_default().add(counts);
+        }
+        engines
+    }
+
+    /// Findings by whom, cause and change.
+    pub fn sorts(&self) -> &BTreeMap<StepSort, u64> {
+        &self.sorts
+    }
+
+    /// All findings.
+    pub fn total(&self) -> u64 {
+        self.sorts.values().sum()
+    }
+
+    /// Findings whose cause or change is `kind`.
+    pub fn count_of(&self, kind: &str) -> u64 {
+        self.sorts.iter().filter(|(sort, _)| sort.cause == kind || sort.change == kind).map(|(_, count)| count).sum()
+    }
+
+    /// `step_summary.csv`.
+    ///
+    /// # Errors
+    /// Those of the CSV writer.
+    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(STEP_SUMMARY_COLUMNS)?;
+        for (place, counts) in &self.places {
+            let [stepper, oracle] = counts.depths;
+            let depths = [stepper.deepest, oracle.deepest, stepper.relative, oracle.relative, stepper.sum, oracle.sum];
+            let mut row =
+                vec![place.family.clone(), place.form.clone(), place.tolerances.clone(), place.engine.clone()];
+            row.extend(counts.numbers().iter().map(u64::to_string));
+            row.extend(depths.iter().map(|depth| format!("{depth:e}")));
+            writer.write_record(&row)?;
+        }
+        writer.into_inner().map_err(|e| e.into_error().into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_columns_are_the_counts() {
+        assert_eq!(STEP_SUMMARY_COLUMNS[4..27], *Counts::NAMES);
+    }
+}

@@ -1,0 +1,312 @@
+//! The stress table: how many pairs of each cell an engine answers otherwise than the oracle, and up to where it does not.
+
+use super::axis::{Axis, Cell, Form, Level, cells};
+use crate::interval::wilson;
+use crate::summary::Summary;
+use rockproof_differential::compare::Change;
+use rockproof_differential::finding::{Cause, Who};
+use rockproof_differential::row::FindingRow;
+use rockproof_model::Precision;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read;
+
+/// One engine on the pairs of one cell under one tolerance set.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// The cell.
+    pub cell: Cell,
+    /// The tolerance set.
+    pub tolerances: String,
+    /// The engine.
+    pub engine: String,
+    /// Pairs examined.
+    pub pairs: u64,
+    /// Pairs whose exact contacts change when the input is rounded.
+    pub representation: u64,
+    /// Pairs whose rounded input the engine answers wrongly.
+    pub arithmetic: u64,
+    /// Pairs in which rounding destroys a feature, or that the engine cannot take.
+    pub lost: u64,
+    /// Pairs of any of these sorts.
+    pub differ: u64,
+}
+
+/// The columns of `stress.csv`. `low` and `high` are the 95 % interval (Wilson) of the share of pairs that differ.
+pub const CELL_COLUMNS: [&str; 13] = [
+    "axis",
+    "level",
+    "form",
+    "tolerances",
+    "engine",
+    "pairs",
+    "representation",
+    "arithmetic",
+    "lost",
+    "differ",
+    "share",
+    "low",
+    "high",
+];
+
+/// How far one engine agrees along one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limit {
+    /// The axis.
+    pub axis: Axis,
+    /// With or without ties.
+    pub form: Form,
+    /// The tolerance set.
+    pub tolerances: String,
+    /// The engine.
+    pub engine: String,
+    /// The most extreme level up to which no pair differs; `None` where some differ at the mildest one.
+    pub clean: Option<Level>,
+    /// The most extreme level up to which the upper bound of the share that differs stays at 1 %.
+    pub safe: Option<Level>,
+    /// Pairs examined up to `safe`, those that differ, and the upper bound of the share over all of them.
+    pub up_to_safe: (u64, u64, f64),
+    /// The first level beyond `safe` with the share that differs there; `None` where the last level is safe.
+    pub beyond: Option<(Level, f64)>,
+}
+
+/// The columns of `limits.csv`.
+pub const LIMIT_COLUMNS: [&str; 11] = [
+    "axis",
+    "form",
+    "tolerances",
+    "engine",
+    "clean_to",
+    "safe_to",
+    "pairs_to_safe",
+    "differ_to_safe",
+    "high_to_safe",
+    "beyond",
+    "share_beyond",
+];
+
+/// The share of pairs that may differ where an engine is called safe, as an upper bound.
+pub const SAFE_SHARE: f64 = 0.01;
+
+/// Why a table cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum TableError {
+    /// A row that is none of a stress campaign, or cannot be read.
+    #[error("findings.csv: row {row} is not of a stress campaign: {source}")]
+    Row {
+        /// Its number, from 1.
+        row: usize,
+        /// What is wrong.
+        source: csv::Error,
+    },
+}
+
+/// What is known of one cell, set and engine while rows are read.
+#[derive(Default)]
+struct Count {
+    representation: BTreeSet<u64>,
+    arithmetic: BTreeSet<u64>,
+    lost: BTreeSet<u64>,
+}
+
+/// The rows of all cells, sets and engines, from what a campaign counted and found.
+///
+/// # Errors
+/// When the findings are not those of a stress campaign.
+pub fn rows(summary: &Summary, findings: impl Read, engines: &[(String, Precision)]) -> Result<Vec<Row>, TableError> {
+    let mut counts: BTreeMap<(String, String, String, String), Count> = BTreeMap::new();
+    let mut reader = csv::Reader::from_reader(findings);
+    for (row, record) in reader.deserialize().enumerate() {
+        let row: FindingRow = record.map_err(|source| TableError::Row { row: row + 1, source })?;
+        if row.cause == Cause::Tolerance {
+            continue;
+        }
+        let is_of = |name: &str, precision: Precision| match &row.engine {
+            Who::Any => false,
+            // What rounding does concerns every engine of the precision.
+            Who::Rounded(rounded) => *rounded == precision,
+            Who::Engine(engine) => **engine == *name,
+        };
+        for (engine, _) in engines.iter().filter(|(name, precision)| is_of(name, *precision)) {
+            let key = (row.family.clone(), row.form.clone(), row.tolerances.clone(), engine.clone());
+            let count = counts.entry(key).or_default();
+            match (row.cause, row.change) {
+                (_, Change::Collapsed | Change::Failure | Change::Unsupported) => count.lost.insert(row.index),
+                (Cause::Representation, _) => count.representation.insert(row.index),
+                _ => count.arithmetic.insert(row.index),
+            };
+        }
+    }
+    let mut rows = Vec::new();
+    for cell in cells() {
+        let family = cell.family();
+        let sets = summary.examined().filter(|(origin, _)| origin.family == family && origin.form == cell.form.name());
+        for (origin, pairs) in sets {
+            for (engine, _) in engines {
+                let key = (family.clone(), origin.form.clone(), origin.tolerances.clone(), engine.clone());
+                let none = Count::default();
+                let count = counts.get(&key).unwrap_or(&none);
+                let all: BTreeSet<&u64> =
+                    count.representation.iter().chain(&count.arithmetic).chain(&count.lost).collect();
+                rows.push(Row {
+                    cell,
+                    tolerances: origin.tolerances.clone(),
+                    engine: engine.clone(),
+                    pairs,
+                    representation: count.representation.len() as u64,
+                    arithmetic: count.arithmetic.len() as u64,
+                    lost: count.lost.len() as u64,
+                    differ: all.len() as u64,
+                });
+            }
+        }
+    }
+    Ok(rows)
+}
+
+/// How far each engine agrees along each axis, under each set.
+pub fn limits(rows: &[Row]) -> Vec<Limit> {
+    let mut groups: BTreeMap<(Axis, Form, &str, &str), Vec<&Row>> = BTreeMap::new();
+    for row in rows {
+        groups.entry((row.cell.axis, row.cell.form, &row.tolerances, &row.engine)).or_default().push(row);
+    }
+    let limit = |((axis, form, tolerances, engine), rows): (_, Vec<&Row>)| {
+        let until = |fine: &dyn Fn(&Row) -> bool| rows.iter().take_while(|row| fine(row)).count();
+        let clean = until(&|row| row.differ == 0);
+        let safe = until(&|row| wilson(row.differ, row.pairs)[1] <= SAFE_SHARE);
+        let (pairs, differ) = rows[..safe].iter().fold((0, 0), |(n, d), row| (n + row.pairs, d + row.differ));
+        let level = |count: usize| count.checked_sub(1).map(|last: usize| rows[last].cell.level);
+        let share = |row: &Row| row.differ as f64 / row.pairs.max(1) as f64;
+        let (tolerances, engine): (&str, &str) = (tolerances, engine);
+        Limit {
+            axis,
+            form,
+            tolerances: tolerances.to_owned(),
+            engine: engine.to_owned(),
+            clean: level(clean),
+            safe: level(safe),
+            up_to_safe: (pairs, differ, wilson(differ, pairs)[1]),
+            beyond: rows.get(safe).map(|row| (row.cell.level, share(row))),
+        }
+    };
+    groups.into_iter().map(limit).collect()
+}
+
+impl Limit {
+    /// What it says, in one sentence for an engineer.
+    pub fn sentence(&self) -> String {
+        let (engine, form, what) = (&self.engine, self.form.name(), self.axis.meaning());
+        let set = &self.tolerances;
+        let beyond = match self.beyond {
+            Some((level, share)) => format!("; at {level}, {:.1} % of pairs differ", 100.0 * share),
+            None => "; no level beyond was tried".to_owned(),
+        };
+        match self.safe {
+            Some(safe) => format!(
+                "{engine}, {form} pairs, {set}: safe to {safe} ({what}): {} of {} pairs differ, below {:.2} %{beyond}",
+                self.up_to_safe.1,
+                self.up_to_safe.0,
+                100.0 * self.up_to_safe.2
+            ),
+            None => format!("{engine}, {form} pairs, {set}: safe at no level tried ({what}){beyond}"),
+        }
+    }
+}
+
+/// `stress.csv`.
+///
+/// # Errors
+/// Those of the CSV writer.
+pub fn cells_csv(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(CELL_COLUMNS)?;
+    for row in rows {
+        let [low, high] = wilson(row.differ, row.pairs);
+        let counts = [row.pairs, row.representation, row.arithmetic, row.lost, row.differ].map(|c| c.to_string());
+        let shares = [row.differ as f64 / row.pairs.max(1) as f64, low, high].map(|share| format!("{share:.6}"));
+        let (level, form) = (row.cell.level.to_string(), row.cell.form.name().to_owned());
+        let start = [row.cell.axis.name().to_owned(), level, form, row.tolerances.clone(), row.engine.clone()];
+        writer.write_record(start.iter().chain(&counts).chain(&shares))?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}
+
+/// `limits.csv`.
+///
+/// # Errors
+/// Those of the CSV writer.
+pub fn limits_csv(limits: &[Limit]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(LIMIT_COLUMNS)?;
+    let level = |level: Option<Level>| level.map_or(String::new(), |level| level.to_string());
+    for limit in limits {
+        let (pairs, differ, high) = limit.up_to_safe;
+        writer.write_record([
+            limit.axis.name().to_owned(),
+            limit.form.name().to_owned(),
+            limit.tolerances.clone(),
+            limit.engine.clone(),
+            level(limit.clean),
+            level(limit.safe),
+            pairs.to_string(),
+            differ.to_string(),
+            if pairs == 0 { String::new() } else { format!("{high:.6}") },
+            level(limit.beyond.map(|(level, _)| level)),
+            limit.beyond.map_or(String::new(), |(_, share)| format!("{share:.6}")),
+        ])?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(level: Level, differ: u64) -> Row {
+        let cell = Cell { axis: Axis::Offset, level, form: Form::Generic };
+        let (tolerances, engine) = ("auto".to_owned(), "stepper-f64".to_owned());
+        Row { cell, tolerances, engine, pairs: 1000, representation: differ, arithmetic: 0, lost: 0, differ }
+    }
+
+    #[test]
+    fn a_limit_is_the_last_level_before_the_first_bad_one() {
+        let rows = [row(Level::None, 0), row(Level::Power(0), 2), row(Level::Power(1), 50), row(Level::Power(2), 0)];
+        let limits = limits(&rows);
+        assert_eq!(limits.len(), 1);
+        assert_eq!((limits[0].clean, limits[0].safe), (Some(Level::None), Some(Level::Power(0))));
+        assert_eq!(limits[0].beyond, Some((Level::Power(1), 0.05)));
+        assert_eq!((limits[0].up_to_safe.0, limits[0].up_to_safe.1), (2000, 2));
+        assert!(limits[0].sentence().contains("safe to 1e0"), "{}", limits[0].sentence());
+    }
+
+    #[test]
+    fn nothing_is_safe_when_the_mildest_level_is_not() {
+        let limits = limits(&[row(Level::None, 300)]);
+        assert_eq!((limits[0].clean, limits[0].safe, limits[0].beyond), (None, None, Some((Level::None, 0.3))));
+    }
+
+    #[test]
+    fn what_rounding_does_concerns_every_engine_of_the_precision_whatever_its_name() {
+        let cell = cells().into_iter().next().expect("a cell");
+        let (family, form) = (cell.family(), cell.form.name());
+        let mut summary = Summary::default();
+        summary.add_pair(crate::summary::Origin {
+            family: family.clone(),
+            form: form.to_owned(),
+            tolerances: "auto".to_owned(),
+        });
+        let header = rockproof_differential::finding::FINDING_COLUMNS.join(",");
+        let text = format!("{header}\n3,{family},{form},auto,f32,representation,missing,v-v,,,,,,\n");
+        // Two engines of one's own whose names say nothing of their precision, or the wrong one.
+        let engines = [("mine", Precision::F32), ("theirs-f32", Precision::F64), ("stepper-f32", Precision::F32)];
+        let engines = engines.map(|(name, precision)| (name.to_owned(), precision));
+        let rows = rows(&summary, text.as_bytes(), &engines).expect("rows");
+        let found: Vec<_> = rows.iter().map(|row| (row.engine.as_str(), row.representation)).collect();
+        assert_eq!(found, [("mine", 1), ("theirs-f32", 0), ("stepper-f32", 1)]);
+    }
+
+    #[test]
+    fn findings_of_other_campaigns_are_refused() {
+        let text = "index,family\nx,y\n";
+        assert!(matches!(rows(&Summary::default(), text.as_bytes(), &[]), Err(TableError::Row { row: 1, .. })));
+    }
+}

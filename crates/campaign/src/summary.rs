@@ -1,0 +1,192 @@
+//! How many findings of which sort: the counts behind `summary.csv` and the table at the end of a campaign.
+
+use rockproof_differential::finding::Finding;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Where pairs come from and under which set they were examined.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Origin {
+    /// The family.
+    pub family: String,
+    /// The form.
+    pub form: String,
+    /// The tolerance set.
+    pub tolerances: String,
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Sort {
+    /// Whom it is about.
+    pub engine: String,
+    /// The cause.
+    pub cause: String,
+    /// The change.
+    pub change: String,
+    /// The contact's kind, empty for a failure.
+    pub kind: String,
+}
+
+/// Counts of pairs and findings. Adding is commutative; the order of rows is that of their keys.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "Rows", into = "Rows")]
+pub struct Summary {
+    pairs: BTreeMap<Origin, u64>,
+    findings: BTreeMap<(Origin, Sort), u64>,
+}
+
+/// A summary as lists, for JSON.
+#[derive(Serialize, Deserialize)]
+struct Rows {
+    pairs: Vec<(Origin, u64)>,
+    findings: Vec<(Origin, Sort, u64)>,
+}
+
+impl From<Rows> for Summary {
+    fn from(rows: Rows) -> Summary {
+        Summary {
+            pairs: rows.pairs.into_iter().collect(),
+            findings: rows.findings.into_iter().map(|(origin, sort, count)| ((origin, sort), count)).collect(),
+        }
+    }
+}
+
+impl From<Summary> for Rows {
+    fn from(summary: Summary) -> Rows {
+        Rows {
+            pairs: summary.pairs.into_iter().collect(),
+            findings: summary.findings.into_iter().map(|((origin, sort), count)| (origin, sort, count)).collect(),
+        }
+    }
+}
+
+/// A row of `summary.csv`; the fields are its columns.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SummaryRow {
+    /// The family.
+    pub family: String,
+    /// The form.
+    pub form: String,
+    /// The tolerance set.
+    pub tolerances: String,
+    /// Pairs examined of these three.
+    pub pairs: u64,
+    /// Whom the findings are about; empty, as what follows, where there are none.
+    pub engine: String,
+    /// The cause.
+    pub cause: String,
+    /// The change.
+    pub change: String,
+    /// The contact's kind, empty for a failure.
+    pub kind: String,
+    /// How many findings.
+    pub findings: u64,
+}
+
+/// The columns of `summary.csv`: `pairs` were examined under the set, `findings` of the sort were made.
+pub const SUMMARY_COLUMNS: [&str; 9] =
+    ["family", "form", "tolerances", "pairs", "engine", "cause", "change", "kind", "findings"];
+
+impl Summary {
+    /// Counts a pair examined under a tolerance set.
+    pub fn add_pair(&mut self, origin: Origin) {
+        *self.pairs.entry(origin).or_default() += 1;
+    }
+
+    /// Counts a finding.
+    pub fn add_finding(&mut self, finding: &Finding) {
+        let origin = Origin {
+            family: finding.family.to_string(),
+            form: finding.form.to_string(),
+            tolerances: finding.set.to_string(),
+        };
+        let sort = Sort {
+            engine: finding.who.to_string(),
+            cause: finding.cause.to_string(),
+            change: finding.difference.change.to_string(),
+            kind: finding.kind().map_or(String::new(), |k| k.to_string()),
+        };
+        *self.findings.entry((origin, sort)).or_default() += 1;
+    }
+
+    /// Adds the counts of `other`.
+    pub fn add(&mut self, other: Summary) {
+        for (key, count) in other.pairs {
+            *self.pairs.entry(key).or_default() += count;
+        }
+        for (key, count) in other.findings {
+            *self.findings.entry(key).or_default() += count;
+        }
+    }
+
+    /// Pairs examined, by where they come from.
+    pub fn examined(&self) -> impl Iterator<Item = (&Origin, u64)> {
+        self.pairs.iter().map(|(origin, count)| (origin, *count))
+    }
+
+    /// All findings.
+    pub fn total(&self) -> u64 {
+        self.findings.values().sum()
+    }
+
+    /// Findings whose cause or change is `kind`.
+    pub fn count_of(&self, kind: &str) -> u64 {
+        self.findings.iter().filter(|((_, s), _)| s.cause == kind || s.change == kind).map(|(_, count)| count).sum()
+    }
+
+    /// Pairs by family, and findings by family.
+    pub fn by_family(&self) -> BTreeMap<&str, [u64; 2]> {
+        let mut families: BTreeMap<&str, [u64; 2]> = BTreeMap::new();
+        for (origin, count) in &self.pairs {
+            families.entry(&origin.family).or_default()[0] += count;
+        }
+        for ((origin, _), count) in &self.findings {
+            families.entry(&origin.family).or_default()[1] += count;
+        }
+        families
+    }
+
+    /// Findings by engine, cause and change, and within these by kind.
+    pub fn by_sort(&self) -> BTreeMap<&Sort, u64> {
+        let mut sorts = BTreeMap::new();
+        for ((_, sort), count) in &self.findings {
+            *sorts.entry(sort).or_default() += count;
+        }
+        sorts
+    }
+
+    /// `summary.csv`.
+    ///
+    /// # Errors
+    /// Those of the CSV writer.
+    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+        writer.write_record(SUMMARY_COLUMNS)?;
+        let nothing =
+            || Sort { engine: String::new(), cause: String::new(), change: String::new(), kind: String::new() };
+        for (origin, pairs) in &self.pairs {
+            let row = |sort: &Sort, findings| SummaryRow {
+                family: origin.family.clone(),
+                form: origin.form.clone(),
+                tolerances: origin.tolerances.clone(),
+                pairs: *pairs,
+                engine: sort.engine.clone(),
+                cause: sort.cause.clone(),
+                change: sort.change.clone(),
+                kind: sort.kind.clone(),
+                findings,
+            };
+            let mut any = false;
+            let from = (origin.clone(), nothing());
+            for ((_, sort), count) in self.findings.range(from..).take_while(|((o, _), _)| o == origin) {
+                writer.serialize(row(sort, *count))?;
+                any = true;
+            }
+            if !any {
+                writer.serialize(row(&nothing(), 0))?;
+            }
+        }
+        writer.into_inner().map_err(|e| e.into_error().into())
+    }
+}

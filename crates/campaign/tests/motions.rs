@@ -1,0 +1,101 @@
+//! Pins that the motions of a campaign reach the rules of a step that are new in version 2: contacts kept though deeper
+//! than g, slips that turn, a seventh solve without a change, a Δt that grows by half. A rule is reached where the step
+//! without it ends elsewhere.
+
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_campaign::source;
+use rockproof_differential::collapse::collapsed_feature;
+use rockproof_differential::motion::PairMotion;
+use rockproof_differential::subject::{Source, Subject};
+use rockproof_stepper::Real;
+use rockproof_stepper::contact::{Rules, Spec};
+use rockproof_stepper::dynamics::{Dynamics, Mode, StepRules};
+
+/// Nothing is kept.
+struct NothingKept;
+
+/// A slip that turned goes on sliding.
+struct TurnsSlide;
+
+/// Solves in which no mode changes go on.
+struct NoSeventh;
+
+/// Δt begins full each time.
+struct FullAtOnce;
+
+impl Rules for NothingKept {}
+impl Rules for TurnsSlide {}
+impl Rules for NoSeventh {}
+impl Rules for FullAtOnce {}
+
+impl StepRules for NothingKept {
+    fn leaves_kept(_: Mode) -> bool {
+        false
+    }
+}
+
+impl StepRules for TurnsSlide {
+    fn slip_turned<R: Real>(_: R) -> bool {
+        false
+    }
+}
+
+impl StepRules for NoSeventh {
+    fn unchanging_solves() -> u32 {
+        50
+    }
+}
+
+impl StepRules for FullAtOnce {
+    fn first_time_step<R: Real>(full: R, _: R) -> R {
+        full
+    }
+}
+
+/// The vertices after each step, as far as steps can be made.
+fn trajectory<M: StepRules>(subject: &Subject, motion: &PairMotion) -> Vec<Vec<[f64; 3]>> {
+    let set = &subject.sets[0].f64;
+    let scene = motion.scene(&subject.a, &subject.b, set);
+    let Ok(mut dynamics) = Dynamics::<f64, M>::with_rules(&scene, set) else { return Vec::new() };
+    let mut all = Vec::new();
+    for _ in 0..motion.steps {
+        if dynamics.step().is_err() {
+            break;
+        }
+        let blocks = dynamics.state().blocks.iter();
+        all.push(blocks.flat_map(|block| block.vertices.iter().map(|v| [v.x, v.y, v.z])).collect());
+    }
+    all
+}
+
+#[test]
+fn motions_reach_the_new_rules() {
+    let config = CampaignConfig { steps_every: 2, steps: 4, ..CampaignConfig::default() };
+    let source = source::of(&config).unwrap();
+    let (mut pairs, mut counts) = (0, [[0; 4]; 4]);
+    for subject in (0..126).flat_map(|number| source.batch(number)) {
+        let Some(motion) = source.motion(&subject) else { continue };
+        if [&subject.a, &subject.b].into_iter().any(|block| collapsed_feature(block).is_some()) {
+            continue;
+        }
+        pairs += 1;
+        let right = trajectory::<Spec>(&subject, &motion);
+        let others = [
+            trajectory::<NothingKept>(&subject, &motion),
+            trajectory::<TurnsSlide>(&subject, &motion),
+            trajectory::<NoSeventh>(&subject, &motion),
+            trajectory::<FullAtOnce>(&subject, &motion),
+        ];
+        for (counts, other) in counts.iter_mut().zip(others) {
+            let same = right.iter().zip(&other).take_while(|(right, other)| right == other).count();
+            if same < right.len().max(other.len()) {
+                counts[same] += 1;
+            }
+        }
+    }
+    println!("of {pairs} pairs, by the step in which the rule is first reached:");
+    for (name, counts) in ["kept contacts", "turned slips", "seventh solve", "growth of Δt"].iter().zip(counts) {
+        println!("{name:16} {counts:?}");
+    }
+    assert!(counts.iter().all(|counts| counts.iter().sum::<i32>() >= 3), "{counts:?}");
+}

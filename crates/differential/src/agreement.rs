@@ -1,0 +1,279 @@
+//! How often two links of the chain of SPEC section 6 agree, and which kind of contact became which: the counts behind
+//! `agreement.csv` and `confusion.csv`. Findings say what differs; these say of how many.
+
+use super::compare::{Change, Difference, Features, differences};
+use super::mapped::Mapped;
+use rockproof_model::{Contact, ContactKind};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// Which two links of the chain are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Span {
+    /// From the ideal tolerances to the given ones, both exact.
+    Tolerance,
+    /// From the exact input to the rounded one, both classified exactly.
+    Representation,
+    /// From the exact to the engine's classification of the rounded input.
+    Arithmetic,
+    /// From the exact classification of the exact input to the engine's of the rounded one: all that an engine's user sees.
+    Whole,
+}
+
+impl Span {
+    /// All spans in the order of the chain.
+    pub const ALL: [Span; 4] = [Span::Tolerance, Span::Representation, Span::Arithmetic, Span::Whole];
+
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Span::Tolerance => "tolerance",
+            Span::Representation => "representation",
+            Span::Arithmetic => "arithmetic",
+            Span::Whole => "whole",
+        }
+    }
+
+    /// The span written `name`, if there is one.
+    pub fn from_name(name: &str) -> Option<Span> {
+        Self::ALL.into_iter().find(|span| span.name() == name)
+    }
+}
+
+impl fmt::Display for Span {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// What was compared: under which set, which links, and for whom: `f32` or `f64` up to the rounded input, then an engine.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Compared {
+    /// The tolerance set.
+    pub tolerances: String,
+    /// The links.
+    pub span: Span,
+    /// The precision or the engine.
+    pub engine: String,
+}
+
+/// Counts over the pairs of one family. A contact that is there on both sides, features and all, is *kept*.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Pairs compared, those without an answer too.
+    pub pairs: u64,
+    /// Pairs with the same answer on both sides: contacts, kinds, features, entrances and signs of gaps.
+    pub agreeing: u64,
+    /// Pairs without an answer on the later side.
+    pub silent: u64,
+    /// Contacts on the earlier side.
+    pub contacts: u64,
+    /// Kept contacts with another entrance.
+    pub entrance: u64,
+    /// Kept contacts with the same entrance whose gap has another sign.
+    pub gap_sign: u64,
+    /// Σ of a² over batches, with a the agreeing pairs of a batch. Pairs of a batch share their blocks, so they agree or
+    /// differ together; this and the next two say how much less they tell than as many independent ones.
+    pub agreeing_squared: u64,
+    /// Σ of a·n over batches, with n the pairs of a batch.
+    pub agreeing_times_pairs: u64,
+    /// Σ of n² over batches.
+    pub pairs_squared: u64,
+}
+
+impl Counts {
+    fn add(&mut self, other: &Counts) {
+        let Counts { pairs, agreeing, silent, contacts, entrance, gap_sign, .. } = *other;
+        self.pairs += pairs;
+        self.agreeing += agreeing;
+        self.silent += silent;
+        self.contacts += contacts;
+        self.entrance += entrance;
+        self.gap_sign += gap_sign;
+        self.agreeing_squared += other.agreeing_squared;
+        self.agreeing_times_pairs += other.agreeing_times_pairs;
+        self.pairs_squared += other.pairs_squared;
+    }
+}
+
+/// How a contact, or a pair where an engine says only that, was before and after: kinds of contact or states of a pair;
+/// `none` for a contact that is not there.
+type Became = (String, String);
+
+/// No contact.
+pub const NONE: &str = "none";
+
+/// All counts of a campaign. Adding is commutative; the order of rows is that of their keys.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "Rows", into = "Rows")]
+pub struct Agreement {
+    counts: BTreeMap<(String, Compared), Counts>,
+    confusion: BTreeMap<(Compared, Became), u64>,
+}
+
+/// The counts as lists, for JSON.
+#[derive(Serialize, Deserialize)]
+struct Rows {
+    counts: Vec<(String, Compared, Counts)>,
+    confusion: Vec<(Compared, Became, u64)>,
+}
+
+impl From<Rows> for Agreement {
+    fn from(rows: Rows) -> Agreement {
+        Agreement {
+            counts: rows.counts.into_iter().map(|(family, compared, counts)| ((family, compared), counts)).collect(),
+            confusion: rows.confusion.into_iter().map(|(compared, became, n)| ((compared, became), n)).collect(),
+        }
+    }
+}
+
+impl From<Agreement> for Rows {
+    fn from(agreement: Agreement) -> Rows {
+        Rows {
+            counts: agreement.counts.into_iter().map(|((family, compared), c)| (family, compared, c)).collect(),
+            confusion: agreement.confusion.into_iter().map(|((compared, became), n)| (compared, became, n)).collect(),
+        }
+    }
+}
+
+/// The columns of `agreement.csv`.
+pub const AGREEMENT_COLUMNS: [&str; 13] = [
+    "family",
+    "tolerances",
+    "span",
+    "engine",
+    "pairs",
+    "agreeing",
+    "silent",
+    "contacts",
+    "entrance",
+    "gap_sign",
+    "agreeing_squared",
+    "agreeing_times_pairs",
+    "pairs_squared",
+];
+
+/// The columns of `confusion.csv`: so many contacts of kind `before` became kind `after`.
+pub const CONFUSION_COLUMNS: [&str; 6] = ["tolerances", "span", "engine", "before", "after", "contacts"];
+
+/// Takes down comparisons of one pair.
+#[derive(Debug)]
+pub struct Scribe {
+    family: Arc<str>,
+    agreement: Agreement,
+}
+
+impl Scribe {
+    /// For a pair of a family.
+    pub fn new(family: Arc<str>) -> Scribe {
+        Scribe { family, agreement: Agreement::default() }
+    }
+
+    /// What was taken down.
+    pub fn into_agreement(self) -> Agreement {
+        self.agreement
+    }
+
+    fn counts(&mut self, compared: &Compared) -> &mut Counts {
+        self.agreement.counts.entry((self.family.to_string(), compared.clone())).or_default()
+    }
+
+    fn became(&mut self, compared: &Compared, before: &str, after: &str, times: u64) {
+        let key = (compared.clone(), (before.to_owned(), after.to_owned()));
+        *self.agreement.confusion.entry(key).or_default() += times;
+    }
+
+    /// Two answers.
+    pub fn answers(&mut self, compared: &Compared, before: &[Contact], after: &[Contact], features: Features<'_>) {
+        let changed = differences(before, after, features);
+        let of = |change| changed.iter().filter(|d| d.change == change).count() as u64;
+        let new = Counts {
+            pairs: 1,
+            agreeing: u64::from(changed.is_empty()),
+            contacts: before.len() as u64,
+            entrance: of(Change::Entrance),
+            gap_sign: of(Change::GapSign),
+            ..Counts::default()
+        };
+        self.counts(compared).add(&new);
+        let name = |contact: Option<Contact>| contact.map_or(NONE, |c| c.kind.name());
+        let moved = |d: &&Difference| matches!(d.change, Change::Missing | Change::Extra | Change::Kind);
+        for kind in ContactKind::ALL {
+            let there = before.iter().filter(|c| c.kind == kind).count();
+            let left = changed.iter().filter(moved).filter(|d| d.before.is_some_and(|c| c.kind == kind)).count();
+            if there > left {
+                self.became(compared, kind.name(), kind.name(), (there - left) as u64);
+            }
+        }
+        for difference in changed.iter().filter(moved) {
+            self.became(compared, name(difference.before), name(difference.after), 1);
+        }
+    }
+
+    /// An engine's word on how two blocks lie, and whether it is right in all it said.
+    pub fn state(&mut self, compared: &Compared, mapped: &Mapped, right: bool) {
+        self.counts(compared).add(&Counts { pairs: 1, agreeing: u64::from(right), ..Counts::default() });
+        self.became(compared, mapped.exact.name(), mapped.said.state.name(), 1);
+    }
+
+    /// No answer on the later side.
+    pub fn silence(&mut self, compared: &Compared) {
+        self.counts(compared).add(&Counts { pairs: 1, silent: 1, ..Counts::default() });
+    }
+}
+
+impl Agreement {
+    /// Adds the counts of `other`.
+    pub fn add(&mut self, other: Agreement) {
+        for (key, counts) in other.counts {
+            self.counts.entry(key).or_default().add(&counts);
+        }
+        for (key, times) in other.confusion {
+            *self.confusion.entry(key).or_default() += times;
+        }
+    }
+
+    /// Makes all that was added so far one batch.
+    pub fn close_batch(&mut self) {
+        for counts in self.counts.values_mut() {
+            counts.agreeing_squared = counts.agreeing * counts.agreeing;
+            counts.agreeing_times_pairs = counts.agreeing * counts.pairs;
+            counts.pairs_squared = counts.pairs * counts.pairs;
+        }
+    }
+
+    /// `agreement.csv`.
+    ///
+    /// # Errors
+    /// Those of the CSV writer.
+    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(AGREEMENT_COLUMNS)?;
+        for ((family, compared), c) in &self.counts {
+            let squares = [c.agreeing_squared, c.agreeing_times_pairs, c.pairs_squared];
+            let numbers = [c.pairs, c.agreeing, c.silent, c.contacts, c.entrance, c.gap_sign];
+            let numbers: Vec<String> = numbers.iter().chain(&squares).map(u64::to_string).collect();
+            let names = [&**family, &compared.tolerances, compared.span.name(), &compared.engine];
+            writer.write_record(names.into_iter().chain(numbers.iter().map(String::as_str)))?;
+        }
+        writer.into_inner().map_err(|e| e.into_error().into())
+    }
+
+    /// `confusion.csv`.
+    ///
+    /// # Errors
+    /// Those of the CSV writer.
+    pub fn confusion_to_csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(CONFUSION_COLUMNS)?;
+        for ((compared, (before, after)), times) in &self.confusion {
+            let times = times.to_string();
+            let Compared { tolerances, span, engine } = compared;
+            writer.write_record([&**tolerances, span.name(), engine, before, after, &times])?;
+        }
+        writer.into_inner().map_err(|e| e.into_error().into())
+    }
+}

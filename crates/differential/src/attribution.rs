@@ -1,0 +1,458 @@
+//! Why an answer changed: the chain of SPEC section 6, link by link.
+//!
+//! For one pair and one tolerance set T the four answers O(exact input, ideal(T)), O(exact input, T), O(rounded input,
+//! T) and F(rounded input, T) are compared neighbour with neighbour. A change is counted once, at the link where it
+//! happens: tolerance, representation, arithmetic. So an error of an engine shows although a tolerance changed the same
+//! contact before it, and although it happens to undo that change.
+
+// Longer than 400 lines: one chain of causes, link after link.
+
+use super::agreement::{Agreement, Compared, Scribe, Span};
+use super::collapse::collapsed_feature;
+use super::compare::{Change, Difference, Features, differences};
+use super::engine::{Answer, Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, guarded};
+use super::explain::{Link, explain, suspect};
+use super::external::protocol::completed;
+use super::finding::{Cause, Deciding, Finding, Who};
+use super::mapped::{self, Said};
+use super::metamorphic;
+use super::subject::{Subject, SubjectSet};
+use rockproof_model::{Block, Contact, Precision, ToleranceSet};
+use std::cell::{OnceCell, RefCell};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Who takes part in a campaign, and which checks are made.
+pub struct Panel {
+    /// The exact side.
+    pub oracle: Box<dyn Oracle>,
+    /// The engines under examination.
+    pub engines: Vec<Box<dyn Engine>>,
+    /// One pair in this many goes through the metamorphic checks; 0 for none.
+    pub metamorphic_every: u64,
+}
+
+impl Panel {
+    /// The precisions its engines use, f32 first.
+    pub fn precisions(&self) -> Vec<Precision> {
+        [Precision::F32, Precision::F64]
+            .into_iter()
+            .filter(|&p| self.engines.iter().any(|e| e.precision() == p))
+            .collect()
+    }
+}
+
+/// What the examination of one pair brought.
+#[derive(Debug, Default)]
+pub struct Examined {
+    /// The findings, by tolerance set, precision and cause.
+    pub findings: Vec<Finding>,
+    /// What each level of the oracle decided.
+    pub levels: Levels,
+    /// Contacts in the exact answers under the given tolerances.
+    pub contacts: u64,
+    /// Metamorphic checks made.
+    pub metamorphic_checks: u64,
+    /// How often the links of the chain agree.
+    pub agreement: Agreement,
+}
+
+/// Examines one pair under all its tolerance sets.
+pub fn examine(subject: &Subject, panel: &Panel) -> Examined {
+    let rounded: Vec<Rounded<'_>> = panel.precisions().into_iter().map(|p| Rounded::new(subject, p)).collect();
+    let solids = panel.oracle.prepare(&subject.a, &subject.b);
+    let exact = ExactSide::new(solids.pair());
+    let views: Vec<View<'_, '_>> = rounded.iter().map(|r| View::new(r, panel)).collect();
+    let mut examination = Examination {
+        subject,
+        panel,
+        features: Features { a: subject.a.topology(), b: subject.b.topology() },
+        exact,
+        found: Examined::default(),
+        scribe: Scribe::new(Arc::clone(&subject.family)),
+    };
+    for (number, set) in subject.sets.iter().enumerate() {
+        examination.tolerance_link(set, &views);
+        for view in &views {
+            examination.engine_links(set, number, view);
+        }
+    }
+    let mut found = examination.found;
+    found.agreement = examination.scribe.into_agreement();
+    found.levels.add(&examination.exact.levels.into_inner());
+    for view in views {
+        if let Some(side) = view.exact.into_inner() {
+            found.levels.add(&side.levels.into_inner());
+        }
+    }
+    found
+}
+
+/// A pair as the engines of one precision see it.
+struct Rounded<'o> {
+    precision: Precision,
+    /// The rounded blocks, or why there are none.
+    blocks: Result<[Block; 2], String>,
+    /// Whether rounding changed nothing.
+    same: bool,
+    /// What rounding destroyed.
+    collapsed: Option<String>,
+    /// The rounded blocks in the oracle.
+    solids: OnceCell<Box<dyn ExactSolids + 'o>>,
+}
+
+impl Rounded<'_> {
+    fn new(subject: &Subject, precision: Precision) -> Self {
+        let same = subject.a.is_exact_in(precision) && subject.b.is_exact_in(precision);
+        let blocks = if same {
+            Ok([subject.a.clone(), subject.b.clone()])
+        } else {
+            let near = |name: &str, block: &Block| {
+                block.rounded(precision).ok_or_else(|| format!("a coordinate of block {name} overflows in {precision}"))
+            };
+            near("A", &subject.a).and_then(|a| Ok([a, near("B", &subject.b)?]))
+        };
+        let collapsed = match &blocks {
+            Ok([a, b]) if !same => collapsed_feature(a)
+                .map(|what| format!("{what} in block A"))
+                .or_else(|| collapsed_feature(b).map(|what| format!("{what} in block B"))),
+            _ => None,
+        };
+        Rounded { precision, blocks, same, collapsed, solids: OnceCell::new() }
+    }
+}
+
+/// The oracle's side of a pair, with the answers already given.
+pub(super) struct ExactSide<'p> {
+    pair: Box<dyn ExactPair + 'p>,
+    given: RefCell<Vec<(ToleranceSet, Rc<Vec<Contact>>)>>,
+    levels: RefCell<Levels>,
+}
+
+impl<'p> ExactSide<'p> {
+    pub(super) fn new(pair: Box<dyn ExactPair + 'p>) -> Self {
+        ExactSide { pair, given: RefCell::default(), levels: RefCell::default() }
+    }
+
+    /// The exact contacts. Sets that differ only in what classification does not use share an answer.
+    fn contacts(&self, tolerances: &ToleranceSet) -> Rc<Vec<Contact>> {
+        if let Some((_, contacts)) = self.given.borrow().iter().find(|(t, _)| classify_alike(t, tolerances)) {
+            return Rc::clone(contacts);
+        }
+        let answer = self.pair.classify(tolerances);
+        self.levels.borrow_mut().add(&answer.levels);
+        let contacts = Rc::new(answer.contacts);
+        self.given.borrow_mut().push((tolerances.clone(), Rc::clone(&contacts)));
+        contacts
+    }
+}
+
+/// Whether two sets are the same in everything classification uses.
+fn classify_alike(one: &ToleranceSet, other: &ToleranceSet) -> bool {
+    one.criteria == other.criteria
+        && one.search == other.search
+        && one.territory == other.territory
+        && one.penetration == other.penetration
+        && one.overlap_sine == other.overlap_sine
+        && one.parallel_sine == other.parallel_sine
+        && one.equal == other.equal
+}
+
+/// An engine with a pair inside, or why it could not take it.
+type EngineView<'p> = (&'p dyn Engine, Result<Box<dyn Prepared + 'p>, EngineFailure>);
+
+/// The engines of one precision with the rounded pair inside.
+struct View<'p, 'o> {
+    rounded: &'p Rounded<'o>,
+    oracle: &'o dyn Oracle,
+    engines: Vec<EngineView<'p>>,
+    exact: OnceCell<ExactSide<'p>>,
+}
+
+impl<'p, 'o: 'p> View<'p, 'o> {
+    fn new(rounded: &'p Rounded<'o>, panel: &'o Panel) -> Self {
+        let mut engines = Vec::new();
+        if let (Ok([a, b]), None) = (&rounded.blocks, &rounded.collapsed) {
+            for engine in panel.engines.iter().filter(|e| e.precision() == rounded.precision) {
+                engines.push((&**engine, guarded(|| engine.prepare(a, b))));
+            }
+        }
+        View { rounded, oracle: &*panel.oracle, engines, exact: OnceCell::new() }
+    }
+
+    /// The oracle's side of the rounded pair.
+    fn exact_side(&self, [a, b]: &'p [Block; 2]) -> &ExactSide<'p> {
+        self.exact.get_or_init(|| ExactSide::new(self.rounded.solids.get_or_init(|| self.oracle.prepare(a, b)).pair()))
+    }
+}
+
+struct Examination<'p> {
+    subject: &'p Subject,
+    panel: &'p Panel,
+    features: Features<'p>,
+    exact: ExactSide<'p>,
+    found: Examined,
+    scribe: Scribe,
+}
+
+impl<'p> Examination<'p> {
+    fn report(&mut self, set: &SubjectSet, who: Who, cause: Cause, difference: Difference, deciding: Option<Deciding>) {
+        self.found.findings.push(Finding {
+            index: self.subject.index,
+            family: Arc::clone(&self.subject.family),
+            form: Arc::clone(&self.subject.form),
+            set: Arc::clone(&set.name),
+            who,
+            cause,
+            difference,
+            deciding,
+            mapped: None,
+            note: None,
+        });
+    }
+
+    fn report_failure(&mut self, set: &SubjectSet, who: Who, cause: Cause, change: Change, note: String) {
+        self.report(set, who, cause, Difference { change, before: None, after: None }, None);
+        if let Some(last) = self.found.findings.last_mut() {
+            last.note = Some(note);
+        }
+    }
+
+    /// O(exact, ideal(T)) against O(exact, T). Where the sets of the precisions differ, what they have in common is
+    /// reported once.
+    fn tolerance_link(&mut self, set: &SubjectSet, views: &[View<'p, '_>]) {
+        let precisions: Vec<Precision> = views.iter().map(|v| v.rounded.precision).collect();
+        let mut sets: Vec<(Who, &ToleranceSet)> = Vec::new();
+        for &precision in &precisions {
+            let who = if precisions.len() == 1 { Who::Any } else { Who::Rounded(precision) };
+            match sets.iter_mut().find(|(_, t)| classify_alike(t, set.of(precision))) {
+                Some((shared, _)) => *shared = Who::Any,
+                None => sets.push((who, set.of(precision))),
+            }
+        }
+        for &precision in &precisions {
+            let tolerances = set.of(precision);
+            let (ideal, given) = (self.exact.contacts(&tolerances.ideal()), self.exact.contacts(tolerances));
+            let compared = compared(set, Span::Tolerance, &precision.to_string());
+            self.scribe.answers(&compared, &ideal, &given, self.features);
+        }
+        let mut changed: Vec<(Who, &ToleranceSet, Difference)> = Vec::new();
+        for (who, tolerances) in &sets {
+            let ideal = self.exact.contacts(&tolerances.ideal());
+            let given = self.exact.contacts(tolerances);
+            self.found.contacts += given.len() as u64;
+            for difference in differences(&ideal, &given, self.features) {
+                match changed.iter_mut().find(|(_, _, known)| *known == difference) {
+                    Some((shared, _, _)) => *shared = Who::Any,
+                    None => changed.push((who.clone(), tolerances, difference)),
+                }
+            }
+        }
+        for (_, tolerances) in &sets {
+            let here: Vec<(Who, Difference)> = changed
+                .iter()
+                .filter(|(_, t, _)| std::ptr::eq(*t, *tolerances))
+                .map(|(who, _, difference)| (who.clone(), *difference))
+                .collect();
+            if here.is_empty() {
+                continue;
+            }
+            let only: Vec<Difference> = here.iter().map(|(_, d)| *d).collect();
+            let link = Link {
+                before: &|| Some(self.exact.pair.trace(&tolerances.ideal())),
+                after: &|| Some(self.exact.pair.trace(tolerances)),
+                margins: &|decisions| self.exact.pair.margins(tolerances, decisions),
+                roundoff: None,
+            };
+            let reasons = explain(&only, &link, self.features);
+            for ((who, difference), deciding) in here.into_iter().zip(reasons) {
+                self.report(set, who, Cause::Tolerance, difference, deciding);
+            }
+        }
+    }
+
+    /// O(exact, T) against O(rounded, T), and that against F(rounded, T) of each engine of one precision.
+    fn engine_links(&mut self, set: &SubjectSet, number: usize, view: &View<'p, '_>) {
+        let precision = view.rounded.precision;
+        let given = set.of(precision);
+        let mut lost = |change, note: String| {
+            self.scribe.silence(&compared(set, Span::Representation, &precision.to_string()));
+            for engine in self.panel.engines.iter().filter(|e| e.precision() == precision) {
+                self.scribe.silence(&compared(set, Span::Whole, engine.name()));
+            }
+            self.report_failure(set, Who::Rounded(precision), Cause::Representation, change, note);
+        };
+        let blocks = match &view.rounded.blocks {
+            Ok(blocks) => blocks,
+            Err(note) => return lost(Change::Failure, note.clone()),
+        };
+        let tolerances = match given.rounded(precision) {
+            Ok(tolerances) => tolerances,
+            Err(name) => return lost(Change::Failure, format!("tolerance {name} overflows in {precision}")),
+        };
+        if let Some(what) = &view.rounded.collapsed {
+            return lost(Change::Collapsed, what.clone());
+        }
+        let same = view.rounded.same && classify_alike(given, &tolerances);
+        let exact = self.exact.contacts(given);
+        let side = || if view.rounded.same { &self.exact } else { view.exact_side(blocks) };
+        let rounded = if same { Rc::clone(&exact) } else { side().contacts(&tolerances) };
+        let roundoff = Some(precision.epsilon() / 2.0);
+        let represented = compared(set, Span::Representation, &precision.to_string());
+        self.scribe.answers(&represented, &exact, &rounded, self.features);
+        let changed = differences(&exact, &rounded, self.features);
+        if !changed.is_empty() {
+            let link = Link {
+                before: &|| Some(self.exact.pair.trace(given)),
+                after: &|| Some(side().pair.trace(&tolerances)),
+                margins: &|decisions| self.exact.pair.margins(given, decisions),
+                roundoff,
+            };
+            let reasons = explain(&changed, &link, self.features);
+            for (difference, deciding) in changed.into_iter().zip(reasons) {
+                self.report(set, Who::Rounded(precision), Cause::Representation, difference, deciding);
+            }
+        }
+        for (engine, prepared) in &view.engines {
+            let at = EngineAt {
+                set,
+                number,
+                engine: *engine,
+                blocks,
+                tolerances: &tolerances,
+                exact: &exact,
+                rounded: &rounded,
+            };
+            let side = if view.rounded.same { None } else { Some(view.exact_side(blocks)) };
+            self.arithmetic_link(&at, prepared, side);
+        }
+    }
+
+    fn arithmetic_link(
+        &mut self,
+        at: &EngineAt<'_>,
+        prepared: &Result<Box<dyn Prepared + 'p>, EngineFailure>,
+        side: Option<&ExactSide<'p>>,
+    ) {
+        let who = Who::Engine(at.engine.name().into());
+        let answer = match prepared {
+            Ok(prepared) => guarded(|| prepared.answer(at.tolerances)).map(|answer| (prepared, answer)),
+            Err(failure) => Err(failure.clone()),
+        };
+        let (prepared, said) = match answer {
+            Ok((prepared, Answer::Contacts(contacts))) => (prepared, contacts),
+            Ok((_, Answer::State(said))) => return self.state_link(at, &who, said),
+            Err(failure) => {
+                self.scribe.silence(&at.compared(Span::Arithmetic));
+                self.scribe.silence(&at.compared(Span::Whole));
+                return self.report_failure(at.set, who, at.engine.cause(), failure.change(), failure.to_string());
+            }
+        };
+        let pair = &side.unwrap_or(&self.exact).pair;
+        let contacts = completed(said.clone(), at.rounded);
+        self.scribe.answers(&at.compared(Span::Arithmetic), at.rounded, &contacts, self.features);
+        let whole = completed(said.clone(), at.exact);
+        self.scribe.answers(&at.compared(Span::Whole), at.exact, &whole, self.features);
+        if contacts != **at.rounded {
+            let changed = differences(at.rounded, &contacts, self.features);
+            let wide = guarded(|| Ok(prepared.classify_wide(at.tolerances))).ok().flatten();
+            let link = Link {
+                before: &|| Some(pair.trace(at.tolerances)),
+                after: &|| guarded(|| Ok(prepared.trace(at.tolerances))).ok().flatten(),
+                margins: &|decisions| pair.margins(at.tolerances, decisions),
+                roundoff: Some(at.engine.precision().epsilon() / 2.0),
+            };
+            let outside = at.engine.cause() == Cause::Engine;
+            let told = if outside { suspect } else { explain };
+            let reasons = told(&changed, &link, self.features);
+            for (difference, deciding) in changed.into_iter().zip(reasons) {
+                let remains = wide
+                    .as_ref()
+                    .is_some_and(|wide| wide.unsettled == 0 && answers_differ(at.rounded, &wide.contacts, &difference));
+                let cause = if remains { Cause::Defect } else { at.engine.cause() };
+                self.report(at.set, who.clone(), cause, difference, deciding);
+            }
+        }
+        if self.is_checked(at.number) {
+            let base = metamorphic::Base {
+                subject: self.subject,
+                engine: at.engine,
+                oracle: &*self.panel.oracle,
+                blocks: at.blocks,
+                tolerances: at.tolerances,
+                exact: at.rounded,
+                contacts: &said,
+                prepared: &**prepared,
+            };
+            let checks = metamorphic::check(&base);
+            self.found.metamorphic_checks += checks.made;
+            for (cause, difference, deciding) in checks.violations {
+                self.report(at.set, who.clone(), cause, difference, deciding);
+            }
+        }
+    }
+
+    /// Whether metamorphic checks are due under the set of this number: each checked pair is checked under one of its
+    /// sets, in turn.
+    fn is_checked(&self, number: usize) -> bool {
+        let (every, index, sets) = (self.panel.metamorphic_every, self.subject.index, self.subject.sets.len() as u64);
+        every > 0 && index.is_multiple_of(every) && (index / every) % sets == number as u64
+    }
+
+    /// The arithmetic link of an engine that says only how the blocks lie.
+    fn state_link(&mut self, at: &EngineAt<'_>, who: &Who, said: Said) {
+        let pair = mapped::Judged {
+            engine: at.engine,
+            exact: [&self.subject.a, &self.subject.b],
+            blocks: at.blocks,
+            tolerances: at.tolerances,
+            metamorphic: self.is_checked(at.number),
+        };
+        let judgement = pair.judge(said);
+        self.found.metamorphic_checks += judgement.made;
+        if let Some(mapped) = &judgement.mapped {
+            let right = judgement.wrong.iter().all(|(change, _)| change.is_metamorphic());
+            self.scribe.state(&at.compared(Span::Arithmetic), mapped, right);
+        }
+        for (change, mapped) in judgement.wrong {
+            let difference = Difference { change, before: None, after: None };
+            self.report(at.set, who.clone(), at.engine.cause(), difference, None);
+            if let Some(last) = self.found.findings.last_mut() {
+                last.mapped = Some(mapped);
+            }
+        }
+    }
+}
+
+/// One engine's place in the chain.
+struct EngineAt<'x> {
+    set: &'x SubjectSet,
+    number: usize,
+    engine: &'x dyn Engine,
+    blocks: &'x [Block; 2],
+    tolerances: &'x ToleranceSet,
+    exact: &'x Rc<Vec<Contact>>,
+    rounded: &'x Rc<Vec<Contact>>,
+}
+
+impl EngineAt<'_> {
+    fn compared(&self, span: Span) -> Compared {
+        compared(self.set, span, self.engine.name())
+    }
+}
+
+fn compared(set: &SubjectSet, span: Span, engine: &str) -> Compared {
+    Compared { tolerances: set.name.to_string(), span, engine: engine.to_owned() }
+}
+
+/// Whether two answers differ in the contacts a difference is about.
+pub(super) fn answers_differ(one: &[Contact], other: &[Contact], about: &Difference) -> bool {
+    let find =
+        |answer: &[Contact], c: Contact| answer.iter().find(|x| (x.kind, x.a, x.b) == (c.kind, c.a, c.b)).copied();
+    [about.before, about.after].into_iter().flatten().any(|c| find(one, c) != find(other, c))
+}
+
+/// The trace of an engine as a list, for callers that show it.
+pub fn engine_trace(prepared: &dyn Prepared, tolerances: &ToleranceSet) -> Option<Trace> {
+    guarded(|| Ok(prepared.trace(tolerances))).ok().flatten()
+}

@@ -1,0 +1,409 @@
+//! Findings as files that stand for themselves: both blocks, every tolerance, what was expected and what was said.
+
+// Longer than 400 lines: one file format, its reader and its writer side by side.
+
+use super::attribution::{Panel, examine};
+use super::compare::Change;
+use super::external::protocol::completed;
+use super::finding::{Cause, Finding, Who};
+use super::subject::{Subject, SubjectSet};
+use rockproof_model::decision::Predicate;
+use rockproof_model::{
+    Block, BlockError, BlockOptions, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, Point, Precision,
+    Sign, ToleranceSet,
+};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A finding that can be replayed without the campaign it comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// What was found, and where it came from.
+    pub about: About,
+    /// The first block, exact.
+    pub a: Block,
+    /// The second block, exact.
+    pub b: Block,
+    /// The tolerance set, exact.
+    pub tolerances: ToleranceSet,
+}
+
+/// What a case is about, as written in the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct About {
+    /// An engine's name, `f32` or `f64` for every engine that rounds to it, or `any`.
+    pub engine: String,
+    /// The cause.
+    pub cause: String,
+    /// The change.
+    pub change: String,
+    /// The kind of the contact it is about, or `v-v to v-e` where the kind changed; empty where any will do.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub kind: String,
+    /// The deciding predicate; empty where no trace tells.
+    #[serde(default)]
+    pub predicate: String,
+    /// The features it was asked of.
+    #[serde(default)]
+    pub features: String,
+    /// Its exact relative margin; 0 is a tie.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub margin: Option<f64>,
+    /// The margin in units of the engine's roundoff.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub margin_ulps: Option<f64>,
+    /// Where it came from: family, form, tolerance set, seed and index.
+    #[serde(default)]
+    pub origin: String,
+    /// What the engine said when it gave no answer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+    /// How the blocks lie and how the engine says they do, where it says only that: `apart 0.5, said overlapping -0.1`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub states: Option<String>,
+    /// The contacts before the link that is the cause: under tolerance the exact ones without tolerances, under
+    /// representation the exact ones of the exact input, else the exact ones of the rounded input.
+    pub expected: Vec<ContactRow>,
+    /// The contacts after it.
+    pub found: Vec<ContactRow>,
+}
+
+/// A contact as written in files; the names are those of `classify`'s columns.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactRow {
+    kind: String,
+    feature_a: u32,
+    feature_b: u32,
+    entrance: String,
+    entrance_a: u32,
+    entrance_b: u32,
+    gap_sign: i8,
+}
+
+impl From<&Contact> for ContactRow {
+    fn from(c: &Contact) -> ContactRow {
+        ContactRow {
+            kind: c.kind.name().to_owned(),
+            feature_a: c.a,
+            feature_b: c.b,
+            entrance: c.entrance.kind.name().to_owned(),
+            entrance_a: c.entrance.a,
+            entrance_b: c.entrance.b,
+            gap_sign: c.gap.as_i8(),
+        }
+    }
+}
+
+impl ContactRow {
+    /// The contact, or `None` if a name or sign is not one.
+    pub fn contact(&self) -> Option<Contact> {
+        let kind = EntranceKind::from_name(&self.entrance)?;
+        let entrance = Entrance { kind, a: self.entrance_a, b: self.entrance_b };
+        let gap = match self.gap_sign {
+            -1 => Sign::Negative,
+            0 => Sign::Zero,
+            1 => Sign::Positive,
+            _ => return None,
+        };
+        Some(Contact { kind: ContactKind::from_name(&self.kind)?, a: self.feature_a, b: self.feature_b, entrance, gap })
+    }
+}
+
+/// The rows of a list of contacts.
+pub fn contact_rows(contacts: &[Contact]) -> Vec<ContactRow> {
+    contacts.iter().map(ContactRow::from).collect()
+}
+
+/// The file as it is parsed.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CaseFile {
+    case: About,
+    tolerances: Tolerances,
+    block: Vec<CaseBlock>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Tolerances {
+    search: Number,
+    territory: Number,
+    penetration: Number,
+    overlap_sine: Number,
+    parallel_sine: Number,
+    equal: Number,
+    open: Number,
+    close: Number,
+    max_displacement: Number,
+    max_rotation: Number,
+    criteria: String,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CaseBlock {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
+    vertices: Vec<[Number; 3]>,
+    faces: Vec<Vec<u32>>,
+}
+
+/// Why a file is not a case.
+#[derive(Debug, thiserror::Error)]
+pub enum CaseError {
+    /// The file cannot be read.
+    #[error("{file}: {source}")]
+    Io {
+        /// The file.
+        file: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Not TOML, or not the keys of a case.
+    #[error("{file}: {source}")]
+    Toml {
+        /// The file.
+        file: String,
+        /// What, with line and column.
+        source: Box<toml::de::Error>,
+    },
+    /// A value that is not one of those allowed.
+    #[error("{file}: {key} is \"{found}\"; allowed are {allowed}")]
+    Value {
+        /// The file.
+        file: String,
+        /// The key.
+        key: &'static str,
+        /// What was found.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// A case has two blocks.
+    #[error("{file}: {found} [[block]] tables; a case has 2")]
+    Blocks {
+        /// The file.
+        file: String,
+        /// How many there are.
+        found: usize,
+    },
+    /// A block that is none.
+    #[error("{file}: block {block}: {source}")]
+    Block {
+        /// The file.
+        file: String,
+        /// Its number.
+        block: usize,
+        /// What is wrong.
+        source: BlockError,
+    },
+}
+
+impl Case {
+    /// The case of a finding about one of `subject`'s sets. `expected` and `found` are worked out anew.
+    ///
+    /// Returns `None` when the finding names a set the subject does not have.
+    pub fn of(finding: &Finding, subject: &Subject, seed: u64, panel: &Panel) -> Option<Case> {
+        let set = subject.sets.iter().find(|s| s.name == finding.set)?;
+        let tolerances = set.of(precision_of(&finding.who, panel)).clone();
+        let origin =
+            format!("{} {} under {}, seed {seed}, index {}", finding.family, finding.form, finding.set, finding.index);
+        let mut case = Case {
+            about: About {
+                engine: finding.who.to_string(),
+                cause: finding.cause.to_string(),
+                change: finding.difference.change.to_string(),
+                kind: finding.difference.kinds(),
+                predicate: String::new(),
+                features: String::new(),
+                margin: None,
+                margin_ulps: None,
+                origin,
+                note: None,
+                states: None,
+                expected: Vec::new(),
+                found: Vec::new(),
+            },
+            a: subject.a.clone(),
+            b: subject.b.clone(),
+            tolerances,
+        };
+        case.describe(finding, panel);
+        Some(case)
+    }
+
+    /// The pair of the case, as one of a campaign.
+    pub fn subject(&self) -> Subject {
+        let set = SubjectSet { name: "case".into(), f32: self.tolerances.clone(), f64: self.tolerances.clone() };
+        Subject {
+            index: 0,
+            family: "case".into(),
+            form: "case".into(),
+            a: self.a.clone(),
+            b: self.b.clone(),
+            sets: vec![set],
+        }
+    }
+
+    /// The findings of the same cause, change, kind, predicate and engine that the pair shows now.
+    pub fn findings(&self, panel: &Panel) -> Vec<Finding> {
+        let about = &self.about;
+        let alike = |f: &Finding| {
+            f.cause.name() == about.cause
+                && f.difference.change.name() == about.change
+                && (about.kind.is_empty() || f.difference.kinds() == about.kind)
+                && f.predicate().map_or("", Predicate::name) == about.predicate
+                // With one engine left, what a tolerance set for one precision does is the doing of all there are.
+                && (f.cause == Cause::Tolerance || f.who.to_string() == about.engine)
+        };
+        examine(&self.subject(), panel).findings.into_iter().filter(alike).collect()
+    }
+
+    /// Takes what decided it, and both answers, from a finding about this pair.
+    pub fn describe(&mut self, finding: &Finding, panel: &Panel) {
+        self.about.predicate = finding.predicate().map_or(String::new(), |p| p.to_string());
+        self.about.features = finding.deciding.map_or(String::new(), |d| d.features());
+        self.about.margin = finding.margin();
+        self.about.margin_ulps = finding.margin_ulps();
+        self.about.note = finding.note.clone();
+        self.about.states = finding.mapped.map(|m| m.to_string());
+        let answers = self.answers(finding, panel);
+        [self.about.expected, self.about.found] = answers.map(|contacts| contact_rows(&contacts));
+    }
+
+    fn answers(&self, finding: &Finding, panel: &Panel) -> [Vec<Contact>; 2] {
+        let exact = |a: &Block, b: &Block, t: &ToleranceSet| panel.oracle.prepare(a, b).pair().classify(t).contacts;
+        let given = || exact(&self.a, &self.b, &self.tolerances);
+        let precision = precision_of(&finding.who, panel);
+        let rounded = self
+            .a
+            .rounded(precision)
+            .and_then(|a| Some((a, self.b.rounded(precision)?, self.tolerances.rounded(precision).ok()?)));
+        match (finding.cause, rounded) {
+            (Cause::Tolerance, _) => [exact(&self.a, &self.b, &self.tolerances.ideal()), given()],
+            (_, None) => [given(), Vec::new()],
+            (Cause::Representation, Some((a, b, t))) => [given(), exact(&a, &b, &t)],
+            (Cause::Arithmetic | Cause::Defect | Cause::Engine, Some((a, b, t))) => {
+                let engine = panel.engines.iter().find(|e| finding.who == Who::Engine(e.name().into()));
+                let said = engine.and_then(|e| super::engine::guarded(|| e.prepare(&a, &b)?.classify(&t)).ok());
+                let right = exact(&a, &b, &t);
+                let said = completed(said.unwrap_or_default(), &right);
+                [right, said]
+            }
+        }
+    }
+
+    /// The case as TOML.
+    ///
+    /// # Errors
+    /// Those of the TOML writer.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        let t = self.tolerances.clone();
+        let block = |block: &Block| CaseBlock {
+            name: None,
+            vertices: block.vertices().iter().map(|v| [v.x.clone(), v.y.clone(), v.z.clone()]).collect(),
+            faces: block.topology().faces().to_vec(),
+        };
+        let file = CaseFile {
+            case: self.about.clone(),
+            tolerances: Tolerances {
+                search: t.search,
+                territory: t.territory,
+                penetration: t.penetration,
+                overlap_sine: t.overlap_sine,
+                parallel_sine: t.parallel_sine,
+                equal: t.equal,
+                open: t.open,
+                close: t.close,
+                max_displacement: t.max_displacement,
+                max_rotation: t.max_rotation,
+                criteria: t.criteria.name().to_owned(),
+            },
+            block: vec![block(&self.a), block(&self.b)],
+        };
+        toml::to_string(&file)
+    }
+
+    /// The case in a file.
+    ///
+    /// # Errors
+    /// What is wrong with it, and where.
+    pub fn load(path: &Path) -> Result<Case, CaseError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| CaseError::Io { file: file.clone(), source })?;
+        Case::from_toml(&text, file)
+    }
+
+    /// The case in a text; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// What is wrong with it, and where.
+    pub fn from_toml(text: &str, file: String) -> Result<Case, CaseError> {
+        let parsed: CaseFile =
+            toml::from_str(text).map_err(|source| CaseError::Toml { file: file.clone(), source: Box::new(source) })?;
+        let about = parsed.case;
+        let known = |key, found: &str, allowed: &[&str]| {
+            if allowed.contains(&found) {
+                return Ok(());
+            }
+            let (file, found, allowed) = (file.clone(), found.to_owned(), allowed.join(", "));
+            Err(CaseError::Value { file, key, found, allowed })
+        };
+        known("cause", &about.cause, &Cause::ALL.map(Cause::name))?;
+        known("change", &about.change, &Change::ALL.map(Change::name))?;
+        if about.kind.split(" to ").any(|kind| !kind.is_empty() && ContactKind::from_name(kind).is_none()) {
+            known("kind", &about.kind, &ContactKind::ALL.map(ContactKind::name))?;
+        }
+        known("criteria", &parsed.tolerances.criteria, &["classic", "revised"])?;
+        if !about.predicate.is_empty() {
+            known("predicate", &about.predicate, &Predicate::ALL.map(Predicate::name))?;
+        }
+        for row in about.expected.iter().chain(&about.found) {
+            if row.contact().is_none() {
+                let allowed = "kinds v-v v-e e-v v-f f-v e-e, entrances v-f f-v e-e, gap signs -1 0 1".to_owned();
+                return Err(CaseError::Value { file, key: "expected or found", found: format!("{row:?}"), allowed });
+            }
+        }
+        let found = parsed.block.len();
+        let [a, b] =
+            <[CaseBlock; 2]>::try_from(parsed.block).map_err(|_| CaseError::Blocks { file: file.clone(), found })?;
+        let block = |number, block: CaseBlock| {
+            let vertices = block.vertices.into_iter().map(|[x, y, z]| Point::new(x, y, z)).collect();
+            // Real blocks are kept as they were loaded, with faces as far from planar as their file had them.
+            let options = BlockOptions { planarity: Number::from_integer(1) };
+            Block::new(vertices, block.faces, &options).map_err(|source| CaseError::Block {
+                file: file.clone(),
+                block: number,
+                source,
+            })
+        };
+        let t = parsed.tolerances;
+        let tolerances = ToleranceSet {
+            search: t.search,
+            territory: t.territory,
+            penetration: t.penetration,
+            overlap_sine: t.overlap_sine,
+            parallel_sine: t.parallel_sine,
+            equal: t.equal,
+            open: t.open,
+            close: t.close,
+            max_displacement: t.max_displacement,
+            max_rotation: t.max_rotation,
+            criteria: if t.criteria == "classic" { Criteria::Classic } else { Criteria::Revised },
+        };
+        Ok(Case { about, a: block(0, a)?, b: block(1, b)?, tolerances })
+    }
+}
+
+/// The precision whose input and tolerance set a finding is about; f64's where it is about all, if there is one.
+pub fn precision_of(who: &Who, panel: &Panel) -> Precision {
+    match who {
+        Who::Rounded(precision) => *precision,
+        Who::Any => panel.precisions().pop().unwrap_or(Precision::F64),
+        Who::Engine(name) => {
+            panel.engines.iter().find(|e| e.name() == &**name).map_or(Precision::F64, |e| e.precision())
+        }
+    }
+}

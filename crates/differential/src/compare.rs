@@ -1,0 +1,299 @@
+//! What changed between two answers for the same pair (SPEC section 6).
+
+use rockproof_model::decision::{Feature, Side};
+use rockproof_model::{Contact, ContactKind, Topology};
+use std::fmt;
+
+/// How an answer changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Change {
+    /// A contact is no longer found.
+    Missing,
+    /// A contact is found that was not there.
+    Extra,
+    /// The same place touches, as another kind: one feature lies in the closure of the other, in both blocks.
+    Kind,
+    /// The same contact enters through another plane.
+    Entrance,
+    /// The same contact through the same plane has a gap of another sign.
+    GapSign,
+    /// Rounding the input destroyed a feature, so that there is no answer.
+    Collapsed,
+    /// A built-in engine panicked, or the input or the tolerances overflow in the engine's format.
+    Failure,
+    /// The engine's program ended instead of answering.
+    Crash,
+    /// The engine's program did not answer in time.
+    Timeout,
+    /// The engine's answer made no sense.
+    Malformed,
+    /// The engine says that it cannot do this pair.
+    Unsupported,
+    /// Asked twice about the same pair, the engine answered differently.
+    Unstable,
+    /// Apart, touching or overlapping: not as the blocks lie.
+    State,
+    /// The distance or depth is off by more than the engine's accuracy.
+    Gap,
+    /// The normal does not separate the blocks as it should.
+    Normal,
+    /// The answer changed when A and B were exchanged.
+    Swap,
+    /// The answer changed when vertices and faces were numbered otherwise.
+    Renumber,
+    /// The answer changed when both blocks were moved by an exactly representable amount.
+    Translate,
+    /// The answer changed when all lengths were multiplied by a power of two.
+    Scale,
+    /// A block far away was found to touch.
+    FarBlock,
+}
+
+impl Change {
+    /// All changes in sorted order.
+    pub const ALL: [Change; 20] = [
+        Change::Missing,
+        Change::Extra,
+        Change::Kind,
+        Change::Entrance,
+        Change::GapSign,
+        Change::Collapsed,
+        Change::Failure,
+        Change::Crash,
+        Change::Timeout,
+        Change::Malformed,
+        Change::Unsupported,
+        Change::Unstable,
+        Change::State,
+        Change::Gap,
+        Change::Normal,
+        Change::Swap,
+        Change::Renumber,
+        Change::Translate,
+        Change::Scale,
+        Change::FarBlock,
+    ];
+
+    /// The name in tables and files: lower case, hyphens.
+    pub fn name(self) -> &'static str {
+        match self {
+            Change::Missing => "missing",
+            Change::Extra => "extra",
+            Change::Kind => "kind",
+            Change::Entrance => "entrance",
+            Change::GapSign => "gap-sign",
+            Change::Collapsed => "collapsed",
+            Change::Failure => "failure",
+            Change::Crash => "crash",
+            Change::Timeout => "timeout",
+            Change::Malformed => "malformed",
+            Change::Unsupported => "unsupported",
+            Change::Unstable => "unstable",
+            Change::State => "state",
+            Change::Gap => "gap",
+            Change::Normal => "normal",
+            Change::Swap => "swap",
+            Change::Renumber => "renumber",
+            Change::Translate => "translate",
+            Change::Scale => "scale",
+            Change::FarBlock => "far-block",
+        }
+    }
+
+    /// The change written `name`, if there is one.
+    pub fn from_name(name: &str) -> Option<Change> {
+        Self::ALL.into_iter().find(|change| change.name() == name)
+    }
+
+    /// Whether this is a violated metamorphic check rather than a difference from the oracle.
+    pub fn is_metamorphic(self) -> bool {
+        matches!(self, Change::Swap | Change::Renumber | Change::Translate | Change::Scale | Change::FarBlock)
+    }
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// One difference between two answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Difference {
+    /// What changed.
+    pub change: Change,
+    /// The contact in the first answer, unless it is extra.
+    pub before: Option<Contact>,
+    /// The contact in the second answer, unless it is missing.
+    pub after: Option<Contact>,
+}
+
+impl Difference {
+    /// The contact the difference is about: the first answer's, or else the second's.
+    pub fn contact(&self) -> Option<Contact> {
+        self.before.or(self.after)
+    }
+
+    /// The kind of that contact, or `v-v to v-e` where the kind is what changed; empty where it is about no contact.
+    pub fn kinds(&self) -> String {
+        match (self.before, self.after) {
+            (Some(before), Some(after)) if before.kind != after.kind => format!("{} to {}", before.kind, after.kind),
+            _ => self.contact().map_or(String::new(), |contact| contact.kind.to_string()),
+        }
+    }
+}
+
+/// The features of a pair of blocks.
+#[derive(Clone, Copy, Debug)]
+pub struct Features<'p> {
+    /// Of the first block.
+    pub a: &'p Topology,
+    /// Of the second block.
+    pub b: &'p Topology,
+}
+
+impl Features<'_> {
+    /// The vertices in the closure of a feature; none for a feature that does not exist.
+    pub fn vertices(&self, feature: Feature) -> Vec<u32> {
+        let of = |side: Side| match side {
+            Side::A => self.a,
+            Side::B => self.b,
+        };
+        match feature {
+            Feature::Vertex(_, v) => vec![v],
+            Feature::Edge(side, e) => of(side).edges().get(e as usize).map_or(Vec::new(), |e| vec![e.p, e.q]),
+            Feature::Face(side, f) => of(side).faces().get(f as usize).cloned().unwrap_or_default(),
+        }
+    }
+
+    /// Whether one feature lies in the closure of the other. Both must belong to the same block.
+    fn nested(&self, one: Feature, other: Feature) -> bool {
+        let (one, other) = (self.vertices(one), self.vertices(other));
+        let (small, large) = if one.len() <= other.len() { (&one, &other) } else { (&other, &one) };
+        !small.is_empty() && small.iter().all(|v| large.contains(v))
+    }
+
+    fn same_place(&self, one: &Contact, other: &Contact) -> bool {
+        let ([a1, b1], [a2, b2]) = (contact_features(one), contact_features(other));
+        self.nested(a1, a2) && self.nested(b1, b2)
+    }
+}
+
+/// A's and B's feature of a contact.
+pub fn contact_features(contact: &Contact) -> [Feature; 2] {
+    let (a, b) = (contact.a, contact.b);
+    let vertex = |side, v| Feature::Vertex(side, v);
+    match contact.kind {
+        ContactKind::VertexVertex => [vertex(Side::A, a), vertex(Side::B, b)],
+        ContactKind::VertexEdge => [vertex(Side::A, a), Feature::Edge(Side::B, b)],
+        ContactKind::EdgeVertex => [Feature::Edge(Side::A, a), vertex(Side::B, b)],
+        ContactKind::VertexFace => [vertex(Side::A, a), Feature::Face(Side::B, b)],
+        ContactKind::FaceVertex => [Feature::Face(Side::A, a), vertex(Side::B, b)],
+        ContactKind::EdgeEdge => [Feature::Edge(Side::A, a), Feature::Edge(Side::B, b)],
+    }
+}
+
+/// The differences between two sorted answers, in the order of the contacts they are about.
+///
+/// Contacts with the same kind and features are the same contact. Of those found on one side only, a missing and an
+/// extra one of another kind at the same place count as one difference, [`Change::Kind`]; each is used once, in order.
+pub fn differences(before: &[Contact], after: &[Contact], features: Features<'_>) -> Vec<Difference> {
+    if before == after {
+        return Vec::new();
+    }
+    let key = |c: &Contact| (c.kind, c.a, c.b);
+    let mut found = Vec::new();
+    let (mut missing, mut extra) = (Vec::new(), Vec::new());
+    let (mut i, mut j) = (0, 0);
+    while i < before.len() || j < after.len() {
+        match (before.get(i), after.get(j)) {
+            (Some(x), Some(y)) if key(x) == key(y) => {
+                let change = if x.entrance != y.entrance { Change::Entrance } else { Change::GapSign };
+                if x != y {
+                    found.push(Difference { change, before: Some(*x), after: Some(*y) });
+                }
+                i += 1;
+                j += 1;
+            }
+            (Some(x), y) if y.is_none_or(|y| key(x) < key(y)) => {
+                missing.push(*x);
+                i += 1;
+            }
+            (_, Some(y)) => {
+                extra.push(*y);
+                j += 1;
+            }
+            (_, None) => break,
+        }
+    }
+    for lost in missing {
+        let place = extra.iter().position(|new| new.kind != lost.kind && features.same_place(&lost, new));
+        found.push(match place {
+            Some(at) => Difference { change: Change::Kind, before: Some(lost), after: Some(extra.remove(at)) },
+            None => Difference { change: Change::Missing, before: Some(lost), after: None },
+        });
+    }
+    found.extend(extra.into_iter().map(|new| Difference { change: Change::Extra, before: None, after: Some(new) }));
+    found.sort_by_key(|d| (d.contact(), d.after));
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_model::{Entrance, EntranceKind, Sign};
+
+    fn cube() -> Topology {
+        let faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+        Topology::new(8, faces.map(|f| f.to_vec()).to_vec()).expect("a cube")
+    }
+
+    fn contact(kind: ContactKind, a: u32, b: u32) -> Contact {
+        let entrance = Entrance { kind: EntranceKind::VertexFace, a: 0, b: 0 };
+        Contact { kind, a, b, entrance, gap: Sign::Positive }
+    }
+
+    fn changes(before: &[Contact], after: &[Contact]) -> Vec<Change> {
+        let cube = cube();
+        differences(before, after, Features { a: &cube, b: &cube }).iter().map(|d| d.change).collect()
+    }
+
+    #[test]
+    fn names_every_change_of_a_contact() {
+        let vf = contact(ContactKind::VertexFace, 0, 1);
+        let turned = Contact { entrance: Entrance { b: 3, ..vf.entrance }, gap: Sign::Zero, ..vf };
+        let touching = Contact { gap: Sign::Zero, ..vf };
+        assert_eq!(changes(&[vf], &[vf]), []);
+        assert_eq!(changes(&[vf], &[]), [Change::Missing]);
+        assert_eq!(changes(&[], &[vf]), [Change::Extra]);
+        assert_eq!(changes(&[vf], &[turned]), [Change::Entrance]);
+        assert_eq!(changes(&[vf], &[touching]), [Change::GapSign]);
+    }
+
+    #[test]
+    fn another_kind_counts_only_at_the_same_place() {
+        // Vertex 4 is a corner of face 1 (4 5 6 7); vertex 0 is not.
+        let vf = contact(ContactKind::VertexFace, 2, 1);
+        assert_eq!(changes(&[vf], &[contact(ContactKind::VertexVertex, 2, 4)]), [Change::Kind]);
+        assert_eq!(changes(&[contact(ContactKind::VertexVertex, 2, 4)], &[vf]), [Change::Kind]);
+        assert_eq!(changes(&[contact(ContactKind::VertexVertex, 2, 0)], &[vf]), [Change::Missing, Change::Extra]);
+        let other_face = contact(ContactKind::VertexFace, 2, 3);
+        assert_eq!(changes(&[vf], &[other_face]), [Change::Missing, Change::Extra], "the same kind is another contact");
+    }
+
+    #[test]
+    fn each_contact_is_part_of_one_difference() {
+        let vf = contact(ContactKind::VertexFace, 2, 1);
+        let corner = |b| contact(ContactKind::VertexVertex, 2, b);
+        assert_eq!(changes(&[corner(4), corner(5)], &[vf]), [Change::Kind, Change::Missing]);
+        assert_eq!(changes(&[vf], &[corner(4), corner(5)]), [Change::Extra, Change::Kind]);
+    }
+
+    #[test]
+    fn every_change_has_a_name_of_its_own() {
+        for change in Change::ALL {
+            assert_eq!(Change::from_name(change.name()), Some(change));
+        }
+        assert_eq!(Change::from_name("nothing"), None);
+    }
+}

@@ -1,0 +1,194 @@
+//! The two sides of every comparison behind small traits: engines (anything that classifies) and the oracle.
+//!
+//! Everything the campaign knows about the stepper and the oracle is in `builtin`; the rest of the campaign sees these
+//! traits only, so that a mistaken stepper or an external program plugs in without a change elsewhere.
+
+use super::compare::Change;
+use super::finding::Cause;
+use super::mapped::Said;
+use rockproof_model::decision::Decision;
+use rockproof_model::{Block, Contact, Precision, ToleranceSet};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Decisions and their outcomes, in the order they were taken.
+pub type Trace = Vec<(Decision, i8)>;
+
+/// Anything that classifies pairs of blocks in floating point.
+pub trait Engine: Send + Sync {
+    /// The name used in tables and files.
+    fn name(&self) -> &str;
+
+    /// The format its input is rounded to.
+    fn precision(&self) -> Precision;
+
+    /// Takes in two blocks whose coordinates are already rounded to [`Engine::precision`].
+    ///
+    /// # Errors
+    /// When the engine cannot take them; that is a verdict about the engine, never the end of a campaign.
+    fn prepare<'p>(&'p self, a: &'p Block, b: &'p Block) -> Result<Box<dyn Prepared + 'p>, EngineFailure>;
+
+    /// The cause of what it answers otherwise than the oracle, as far as is known before looking closer.
+    fn cause(&self) -> Cause {
+        Cause::Arithmetic
+    }
+
+    /// How far a gap or a normal it states may be off, in units of eps times the largest coordinate.
+    fn accuracy(&self) -> u64 {
+        1024
+    }
+
+    /// Takes note that an answer of its could not be compared, for want of an exact one.
+    fn not_compared(&self) {}
+
+    /// What it was put through since the program began, for `run.json`; `None` for a built-in engine.
+    fn counts(&self) -> Option<serde_json::Value> {
+        None
+    }
+}
+
+/// What an engine answers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// The contacts, sorted as SPEC section 4 asks.
+    Contacts(Vec<Contact>),
+    /// Only how the blocks lie to one another, as a collision code tells.
+    State(Said),
+}
+
+/// A pair of blocks inside an engine.
+pub trait Prepared {
+    /// The contacts of the pair, sorted as SPEC section 4 asks, for tolerances rounded to the engine's precision.
+    ///
+    /// # Errors
+    /// When the engine gives no answer.
+    fn classify(&self, tolerances: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure>;
+
+    /// The answer, of whichever sort.
+    ///
+    /// # Errors
+    /// When the engine gives no answer.
+    fn answer(&self, tolerances: &ToleranceSet) -> Result<Answer, EngineFailure> {
+        self.classify(tolerances).map(Answer::Contacts)
+    }
+
+    /// The decisions behind the answer, or `None` for an engine that does not tell.
+    fn trace(&self, tolerances: &ToleranceSet) -> Option<Trace>;
+
+    /// The answer of the same code with a scalar of several hundred bits, or `None` for an engine without one.
+    fn classify_wide(&self, tolerances: &ToleranceSet) -> Option<WideAnswer>;
+}
+
+/// What an engine's code answers when rounding is all but taken away.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WideAnswer {
+    /// The contacts.
+    pub contacts: Vec<Contact>,
+    /// Comparisons so close that rounding in the wide scalar could still explain their outcome (exact ties).
+    pub unsettled: u64,
+}
+
+/// Why an engine gave no answer.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum EngineFailure {
+    /// Rounding the input destroyed a feature: an edge without length, a face without area.
+    #[error("collapsed: {0}")]
+    Collapsed(String),
+    /// The engine says it cannot do this pair.
+    #[error("unsupported: {0}")]
+    Unsupported(String),
+    /// A built-in engine panicked.
+    #[error("failed: {0}")]
+    Failed(String),
+    /// The engine's program could not be started, or ended instead of answering.
+    #[error("crashed: {0}")]
+    Crashed(String),
+    /// The engine's program did not answer in time.
+    #[error("timed out: {0}")]
+    TimedOut(String),
+    /// The answer made no sense.
+    #[error("malformed answer: {0}")]
+    Malformed(String),
+    /// Asked twice, the engine answered differently.
+    #[error("two answers: {0}")]
+    Unstable(String),
+}
+
+impl EngineFailure {
+    /// What a finding about it is called.
+    pub fn change(&self) -> Change {
+        match self {
+            EngineFailure::Collapsed(_) => Change::Collapsed,
+            EngineFailure::Unsupported(_) => Change::Unsupported,
+            EngineFailure::Failed(_) => Change::Failure,
+            EngineFailure::Crashed(_) => Change::Crash,
+            EngineFailure::TimedOut(_) => Change::Timeout,
+            EngineFailure::Malformed(_) => Change::Malformed,
+            EngineFailure::Unstable(_) => Change::Unstable,
+        }
+    }
+}
+
+/// The exact side.
+pub trait Oracle: Send + Sync {
+    /// Prepares two blocks for exact classification.
+    fn prepare<'o>(&'o self, a: &Block, b: &Block) -> Box<dyn ExactSolids + 'o>;
+}
+
+/// Two blocks inside the oracle.
+pub trait ExactSolids {
+    /// The two as a pair, A first. Keep it for as long as questions are asked: it remembers what it worked out.
+    fn pair(&self) -> Box<dyn ExactPair + '_>;
+}
+
+/// A pair of blocks inside the oracle.
+pub trait ExactPair {
+    /// The exact contacts, sorted as SPEC section 4 asks.
+    fn classify(&self, tolerances: &ToleranceSet) -> ExactAnswer;
+
+    /// The exact decisions behind the answer.
+    fn trace(&self, tolerances: &ToleranceSet) -> Trace;
+
+    /// The exact margins of decisions: value over the sum of the magnitudes of its terms (between −1 and 1, **0 is a
+    /// tie**). `None` for a decision that is not a comparison, or that the oracle does not come to make.
+    fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<f64>>;
+}
+
+/// An exact answer.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ExactAnswer {
+    /// The contacts.
+    pub contacts: Vec<Contact>,
+    /// What each level of the oracle decided on the way.
+    pub levels: Levels,
+}
+
+/// Signs decided by each level of the oracle, in the order of [`Levels::NAMES`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Levels(pub [u64; 7]);
+
+impl Levels {
+    /// What the levels are called in `run.json`.
+    pub const NAMES: [&'static str; 7] = ["f64", "i128", "ball", "i256", "i512", "i1024", "heap"];
+
+    /// Adds the counts of `other`.
+    pub fn add(&mut self, other: &Levels) {
+        for (sum, count) in self.0.iter_mut().zip(other.0) {
+            *sum += count;
+        }
+    }
+}
+
+/// Runs an engine's code; a panic in it becomes [`EngineFailure::Failed`].
+///
+/// # Errors
+/// What the engine said, or that it panicked.
+pub fn guarded<T>(work: impl FnOnce() -> Result<T, EngineFailure>) -> Result<T, EngineFailure> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let text = panic
+            .downcast_ref::<String>()
+            .cloned()
+            .or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()))
+            .unwrap_or_else(|| "no message".to_owned());
+        Err(EngineFailure::Failed(format!("panic: {text}")))
+    })
+}

@@ -1,0 +1,150 @@
+//! Which decision made two answers differ.
+
+use super::compare::{Difference, Features, contact_features};
+use super::engine::Trace;
+use super::finding::Deciding;
+use rockproof_model::decision::{Decision, Feature, Side};
+use rockproof_model::{Contact, Entrance, EntranceKind};
+use std::collections::{BTreeSet, HashMap};
+
+/// The two sides of a link of the chain, asked only when there is something to explain.
+pub struct Link<'x> {
+    /// The decisions on the side of the first answer.
+    pub before: &'x dyn Fn() -> Option<Trace>,
+    /// The decisions on the side of the second answer.
+    pub after: &'x dyn Fn() -> Option<Trace>,
+    /// The exact relative margins of decisions.
+    pub margins: &'x dyn Fn(&[Decision]) -> Vec<Option<f64>>,
+    /// Half the eps of the precision that changed the answer, if one did.
+    pub roundoff: Option<f64>,
+}
+
+/// A decision that came out differently on the two sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parted {
+    /// The decision.
+    pub decision: Decision,
+    /// Its outcomes before and after.
+    pub outcomes: [i8; 2],
+}
+
+/// The decisions taken on both sides with different outcomes, in the order of the second trace.
+pub fn parted(before: &Trace, after: &Trace) -> Vec<Parted> {
+    let known: HashMap<&Decision, i8> = before.iter().map(|(decision, outcome)| (decision, *outcome)).collect();
+    let mut found: Vec<Parted> = Vec::new();
+    for (decision, outcome) in after {
+        if let Some(&was) = known.get(decision)
+            && was != *outcome
+            && found.iter().all(|p| p.decision != *decision)
+        {
+            found.push(Parted { decision: *decision, outcomes: [was, *outcome] });
+        }
+    }
+    found
+}
+
+/// For each difference the decision nearest to a tie among those that parted, preferring decisions about features
+/// that touch those of the difference; of equally near ones the first taken. `None` where no trace tells.
+pub fn explain(differences: &[Difference], link: &Link<'_>, features: Features<'_>) -> Vec<Option<Deciding>> {
+    let traces = (link.before)().and_then(|before| Some((before, (link.after)()?)));
+    let Some((before, after)) = traces else { return vec![None; differences.len()] };
+    let parted = parted(&before, &after);
+    // What parted around each difference, or everything that parted where that is nothing.
+    let near: Vec<Vec<usize>> = differences
+        .iter()
+        .map(|difference| {
+            let place = Place::of(difference, features);
+            let near: Vec<usize> =
+                (0..parted.len()).filter(|&i| place.touches(&parted[i].decision, features)).collect();
+            if near.is_empty() { (0..parted.len()).collect() } else { near }
+        })
+        .collect();
+    let wanted: BTreeSet<usize> = near.iter().flatten().copied().collect();
+    let decisions: Vec<Decision> = wanted.iter().map(|&i| parted[i].decision).collect();
+    let margins: HashMap<usize, Option<f64>> = wanted.into_iter().zip((link.margins)(&decisions)).collect();
+    near.into_iter()
+        .map(|candidates| {
+            let margin = |i: usize| margins.get(&i).copied().flatten();
+            let size = |i: usize| margin(i).map_or(f64::INFINITY, f64::abs);
+            let nearest = candidates.into_iter().reduce(|best, i| if size(i) < size(best) { i } else { best })?;
+            let margin = margin(nearest);
+            let margin_ulps = link.roundoff.and_then(|unit| margin.map(|m| m / unit));
+            let Parted { decision, outcomes } = parted[nearest];
+            Some(Deciding { decision, outcomes, margin, margin_ulps })
+        })
+        .collect()
+}
+
+/// For an engine that tells no decisions: around each difference, the decision of the oracle nearest to a tie, which is the
+/// first to suspect. Its outcome after the change is not known and stands as before.
+pub fn suspect(differences: &[Difference], link: &Link<'_>, features: Features<'_>) -> Vec<Option<Deciding>> {
+    let Some(trace) = (link.before)() else { return vec![None; differences.len()] };
+    differences
+        .iter()
+        .map(|difference| {
+            let place = Place::of(difference, features);
+            let (near, outcomes): (Vec<Decision>, Vec<i8>) =
+                trace.iter().copied().filter(|(decision, _)| place.touches(decision, features)).unzip();
+            let margins = (link.margins)(&near);
+            let known = margins.iter().enumerate().filter_map(|(i, margin)| Some((i, (*margin)?)));
+            let (i, margin) = known.reduce(|best, next| if next.1.abs() < best.1.abs() { next } else { best })?;
+            Some(Deciding {
+                decision: near[i],
+                outcomes: [outcomes[i]; 2],
+                margin: Some(margin),
+                margin_ulps: link.roundoff.map(|unit| margin / unit),
+            })
+        })
+        .collect()
+}
+
+/// The vertices around a difference, in each block.
+struct Place {
+    a: Vec<u32>,
+    b: Vec<u32>,
+}
+
+impl Place {
+    fn of(difference: &Difference, features: Features<'_>) -> Place {
+        let mut place = Place { a: Vec::new(), b: Vec::new() };
+        for contact in [difference.before, difference.after].into_iter().flatten() {
+            for feature in all_features(&contact) {
+                place.side(side_of(feature)).extend(features.vertices(feature));
+            }
+        }
+        place
+    }
+
+    fn side(&mut self, side: Side) -> &mut Vec<u32> {
+        match side {
+            Side::A => &mut self.a,
+            Side::B => &mut self.b,
+        }
+    }
+
+    fn touches(&self, decision: &Decision, features: Features<'_>) -> bool {
+        decision.features.iter().flatten().all(|&feature| {
+            let around = match side_of(feature) {
+                Side::A => &self.a,
+                Side::B => &self.b,
+            };
+            features.vertices(feature).iter().any(|v| around.contains(v))
+        })
+    }
+}
+
+fn side_of(feature: Feature) -> Side {
+    match feature {
+        Feature::Vertex(side, _) | Feature::Edge(side, _) | Feature::Face(side, _) => side,
+    }
+}
+
+fn all_features(contact: &Contact) -> Vec<Feature> {
+    let Entrance { kind, a, b } = contact.entrance;
+    let entrance = match kind {
+        EntranceKind::VertexFace => [Feature::Vertex(Side::A, a), Feature::Face(Side::B, b)],
+        EntranceKind::FaceVertex => [Feature::Face(Side::A, a), Feature::Vertex(Side::B, b)],
+        EntranceKind::EdgeEdge => [Feature::Edge(Side::A, a), Feature::Edge(Side::B, b)],
+    };
+    contact_features(contact).into_iter().chain(entrance).collect()
+}

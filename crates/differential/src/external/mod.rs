@@ -1,0 +1,242 @@
+//! Engines that are programs of their own, asked over stdin and stdout (docs/engines.md).
+
+pub mod process;
+pub mod protocol;
+pub mod spec;
+
+pub use spec::{EngineSpec, SpecFault};
+
+use super::engine::{Answer, Engine, EngineFailure, Prepared, Trace, WideAnswer};
+use super::finding::Cause;
+use process::{Process, Silence};
+use rockproof_model::{Block, Contact, Precision, ToleranceSet};
+use serde_json::{Value, json};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// What an engine was put through since the program began. These depend on threads and on luck; findings do not.
+#[derive(Debug, Default)]
+struct Counts {
+    asked: AtomicU64,
+    started: AtomicU64,
+    recovered: AtomicU64,
+    uncompared: AtomicU64,
+}
+
+struct Shared {
+    spec: EngineSpec,
+    ask_twice: bool,
+    idle: Mutex<Vec<Process>>,
+    counts: Counts,
+}
+
+/// A program that answers questions about pairs. Copies share its running processes, of which there is one for each thread that
+/// asks at the same time, and twice as many when every pair is asked twice.
+#[derive(Clone)]
+pub struct External(Arc<Shared>);
+
+impl External {
+    /// The engine of a specification. Nothing is started before the first question. With `ask_twice`, every question goes to two
+    /// processes, whose answers must be the same.
+    pub fn new(spec: EngineSpec, ask_twice: bool) -> External {
+        let (idle, counts) = (Mutex::default(), Counts::default());
+        External(Arc::new(Shared { spec, ask_twice, idle, counts }))
+    }
+
+    /// What it was asked for.
+    pub fn spec(&self) -> &EngineSpec {
+        &self.0.spec
+    }
+
+    /// Asks about two blocks that any engine can take, to see whether anybody answers.
+    ///
+    /// # Errors
+    /// What went wrong, as text for a person. That an engine does not support the pair is an answer.
+    pub fn probe(&self, a: &Block, b: &Block, tolerances: &ToleranceSet) -> Result<(), String> {
+        match self.prepare(a, b).and_then(|pair| pair.answer(tolerances)) {
+            Ok(_) | Err(EngineFailure::Unsupported(_)) => Ok(()),
+            Err(failure) => Err(failure.to_string()),
+        }
+    }
+
+    fn start(&self) -> Result<Process, Silence> {
+        self.0.counts.started.fetch_add(1, Ordering::Relaxed);
+        Process::start(&self.0.spec.command)
+    }
+
+    fn idle(&self) -> Option<Process> {
+        self.0.idle.lock().unwrap_or_else(PoisonError::into_inner).pop()
+    }
+
+    fn rest(&self, process: Process) {
+        self.0.idle.lock().unwrap_or_else(PoisonError::into_inner).push(process);
+    }
+
+    /// Asks a process that has time. Whatever fails there is asked again of a fresh one: a failure is a verdict about the
+    /// pair, so it must not depend on what a process went through before.
+    fn ask(&self, question: &Question<'_>) -> (Result<Answer, EngineFailure>, Option<Process>) {
+        if let Some(idle) = self.idle() {
+            let (answer, process) = self.ask_of(idle, question);
+            if process.is_some() {
+                return (answer, process);
+            }
+            let again = self.ask_fresh(question);
+            if again.1.is_some() {
+                self.0.counts.recovered.fetch_add(1, Ordering::Relaxed);
+            }
+            return again;
+        }
+        self.ask_fresh(question)
+    }
+
+    fn ask_fresh(&self, question: &Question<'_>) -> (Result<Answer, EngineFailure>, Option<Process>) {
+        match self.start() {
+            Ok(fresh) => self.ask_of(fresh, question),
+            Err(silence) => (Err(self.verdict(silence)), None),
+        }
+    }
+
+    /// The answer of one process, and the process where it can be asked again.
+    fn ask_of(
+        &self,
+        mut process: Process,
+        question: &Question<'_>,
+    ) -> (Result<Answer, EngineFailure>, Option<Process>) {
+        self.0.counts.asked.fetch_add(1, Ordering::Relaxed);
+        let id = process.asked();
+        let line = protocol::question(id, question.pair.text.as_str(), question.tolerances);
+        let patience = Duration::from_millis(self.0.spec.timeout_ms);
+        match process.ask(line, patience) {
+            Ok(line) => {
+                let features = [question.pair.a.topology(), question.pair.b.topology()];
+                let answer = protocol::answer(&line, id, features);
+                if matches!(answer, Err(EngineFailure::Malformed(_))) {
+                    // Who knows what else it is about to say.
+                    process.kill();
+                    return (answer, None);
+                }
+                (answer, Some(process))
+            }
+            Err(silence) => {
+                process.kill();
+                (Err(self.verdict(silence)), None)
+            }
+        }
+    }
+
+    fn verdict(&self, silence: Silence) -> EngineFailure {
+        match silence {
+            Silence::NotStarted(why) | Silence::Ended(why) => EngineFailure::Crashed(why),
+            Silence::TimedOut => EngineFailure::TimedOut(format!("no answer within {} ms", self.0.spec.timeout_ms)),
+            Silence::TooLong => {
+                EngineFailure::Malformed(format!("a line of more than {} bytes", process::LONGEST_ANSWER))
+            }
+        }
+    }
+}
+
+struct Question<'x> {
+    pair: &'x ExternalPair<'x>,
+    tolerances: &'x ToleranceSet,
+}
+
+/// A pair written out for the engine.
+struct ExternalPair<'p> {
+    engine: &'p External,
+    a: &'p Block,
+    b: &'p Block,
+    text: String,
+}
+
+impl Engine for External {
+    fn name(&self) -> &str {
+        &self.0.spec.name
+    }
+
+    fn precision(&self) -> Precision {
+        self.0.spec.precision.into()
+    }
+
+    fn prepare<'p>(&'p self, a: &'p Block, b: &'p Block) -> Result<Box<dyn Prepared + 'p>, EngineFailure> {
+        Ok(Box::new(ExternalPair { engine: self, a, b, text: protocol::blocks_text(a, b) }))
+    }
+
+    fn cause(&self) -> Cause {
+        Cause::Engine
+    }
+
+    fn accuracy(&self) -> u64 {
+        self.0.spec.accuracy
+    }
+
+    fn not_compared(&self) {
+        self.0.counts.uncompared.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Questions asked, processes started, failures that a fresh process did not repeat, answers that nothing exact stands
+    /// against.
+    fn counts(&self) -> Option<Value> {
+        let count = |n: &AtomicU64| n.load(Ordering::Relaxed);
+        let Counts { asked, started, recovered, uncompared } = &self.0.counts;
+        Some(json!({
+            "asked": count(asked), "processes_started": count(started), "recovered": count(recovered),
+            "not_compared": count(uncompared),
+        }))
+    }
+}
+
+impl Prepared for ExternalPair<'_> {
+    fn classify(&self, tolerances: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure> {
+        match self.answer(tolerances)? {
+            Answer::Contacts(contacts) => Ok(contacts),
+            Answer::State(said) => {
+                Err(EngineFailure::Unsupported(format!("it says {}, not which contacts", said.state)))
+            }
+        }
+    }
+
+    fn answer(&self, tolerances: &ToleranceSet) -> Result<Answer, EngineFailure> {
+        let question = Question { pair: self, tolerances };
+        let (first, process) = self.engine.ask(&question);
+        if !self.engine.0.ask_twice {
+            process.into_iter().for_each(|process| self.engine.rest(process));
+            return first;
+        }
+        // The first process is kept back, so that another one is asked: one with another past, and other addresses.
+        let (second, other) = self.engine.ask(&question);
+        process.into_iter().chain(other).for_each(|process| self.engine.rest(process));
+        if same(&first, &second) {
+            return first;
+        }
+        Err(EngineFailure::Unstable(format!("first {}, then {}", told(&first), told(&second))))
+    }
+
+    fn trace(&self, _: &ToleranceSet) -> Option<Trace> {
+        None
+    }
+
+    fn classify_wide(&self, _: &ToleranceSet) -> Option<WideAnswer> {
+        None
+    }
+}
+
+/// Whether two answers are the same; of failures, that both are of one sort.
+fn same(one: &Result<Answer, EngineFailure>, other: &Result<Answer, EngineFailure>) -> bool {
+    match (one, other) {
+        (Ok(one), Ok(other)) => one == other,
+        (Err(one), Err(other)) => std::mem::discriminant(one) == std::mem::discriminant(other),
+        _ => false,
+    }
+}
+
+fn told(answer: &Result<Answer, EngineFailure>) -> String {
+    match answer {
+        Ok(Answer::Contacts(contacts)) => {
+            let list: Vec<String> = contacts.iter().map(|c| format!("{} {}/{}", c.kind, c.a, c.b)).collect();
+            format!("{} contacts ({})", contacts.len(), list.join(", "))
+        }
+        Ok(Answer::State(said)) => said.to_string(),
+        Err(failure) => failure.to_string(),
+    }
+}

@@ -1,0 +1,222 @@
+//! The line protocol: one JSON object a line, question and answer (docs/engines.md).
+
+use crate::engine::{Answer, EngineFailure};
+use crate::mapped::{Said, State};
+use rockproof_model::{Block, Contact, ContactKind, Entrance, EntranceKind, Sign, ToleranceSet, Topology};
+use serde_json::{Map, Value, json};
+
+/// The feature number that stands for an entrance an engine did not name. Exchanging the blocks or numbering them
+/// otherwise leaves it as it is.
+const UNNAMED: Entrance = Entrance { kind: EntranceKind::EdgeEdge, a: u32::MAX, b: u32::MAX };
+
+/// The part of a question that the tolerances do not change: `"a":{…},"b":{…}`.
+pub fn blocks_text(a: &Block, b: &Block) -> String {
+    format!("\"a\":{},\"b\":{}", block(a), block(b))
+}
+
+fn block(block: &Block) -> Value {
+    let topology = block.topology();
+    let vertices: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
+    let numbered = topology.edges().iter().zip(0u32..);
+    let reflex: Vec<[u32; 2]> =
+        numbered.filter(|(_, number)| !block.edge_is_convex(*number)).map(|(e, _)| [e.p, e.q]).collect();
+    json!({ "vertices": vertices, "faces": topology.faces(), "reflex": reflex })
+}
+
+/// The question with the given number about two blocks, as [`blocks_text`] wrote them, and rounded tolerances.
+pub fn question(id: u64, blocks: &str, tolerances: &ToleranceSet) -> String {
+    let mut named: Map<String, Value> =
+        tolerances.numbers().into_iter().map(|(name, value)| (name.to_owned(), value.approximate().into())).collect();
+    named.insert("criteria".to_owned(), tolerances.criteria.name().into());
+    format!("{{\"id\":{id},{blocks},\"tolerances\":{}}}", Value::Object(named))
+}
+
+/// The answer in a line to the question `id` about two blocks of the given topologies.
+///
+/// # Errors
+/// [`EngineFailure::Unsupported`] as the engine says, [`EngineFailure::Malformed`] with what is wrong with the line.
+pub fn answer(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, EngineFailure> {
+    read(line, id, features).map_err(|fault| match fault {
+        Fault::Unsupported(why) => EngineFailure::Unsupported(why),
+        Fault::Malformed(what) => EngineFailure::Malformed(format!("{what}; the line was {}", quoted(line))),
+    })
+}
+
+enum Fault {
+    Unsupported(String),
+    Malformed(String),
+}
+
+impl From<String> for Fault {
+    fn from(what: String) -> Fault {
+        Fault::Malformed(what)
+    }
+}
+
+/// The start of a line, for messages.
+fn quoted(line: &[u8]) -> String {
+    const SHOWN: usize = 120;
+    let text = String::from_utf8_lossy(line);
+    let start: String = text.chars().take(SHOWN).collect();
+    let rest = if text.chars().nth(SHOWN).is_some() { " …" } else { "" };
+    format!("{start:?}{rest}")
+}
+
+fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, Fault> {
+    let value: Value = serde_json::from_slice(line).map_err(|error| format!("not JSON ({error})"))?;
+    let Value::Object(object) = value else {
+        return Err(format!("expected an object, found {}", kind_of(&value)).into());
+    };
+    match object.get("id") {
+        Some(Value::Number(found)) if found.as_u64() == Some(id) => {}
+        Some(found) => return Err(format!("id is {found}; the question's is {id}").into()),
+        None => return Err(format!("there is no id; the question's is {id}").into()),
+    }
+    let (contacts, state, unsupported) = (object.get("contacts"), object.get("state"), object.get("unsupported"));
+    match (contacts, state, unsupported) {
+        (Some(contacts), None, None) => Ok(Answer::Contacts(read_contacts(contacts, features)?)),
+        (None, Some(state), None) => Ok(Answer::State(read_state(state, &object)?)),
+        (None, None, Some(Value::String(why))) => Err(Fault::Unsupported(why.clone())),
+        (None, None, Some(other)) => Err(format!("unsupported is {}; expected a text", kind_of(other)).into()),
+        _ => Err("expected one of contacts, state, unsupported".to_owned().into()),
+    }
+}
+
+fn kind_of(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "true or false",
+        Value::Number(_) => "a number",
+        Value::String(_) => "a text",
+        Value::Array(_) => "a list",
+        Value::Object(_) => "an object",
+    }
+}
+
+fn read_state(state: &Value, object: &Map<String, Value>) -> Result<Said, String> {
+    let allowed = || State::ALL.map(State::name).join(", ");
+    let state = state
+        .as_str()
+        .and_then(State::from_name)
+        .ok_or_else(|| format!("state is {state}; allowed are {}", allowed()))?;
+    let number = |value: &Value, name: &str| {
+        value.as_f64().ok_or_else(|| format!("{name} holds {}; expected a number", kind_of(value)))
+    };
+    let gap_m = object.get("gap_m").map(|gap| number(gap, "gap_m")).transpose()?;
+    let normal = object.get("normal").map(|normal| {
+        let list = normal.as_array().filter(|list| list.len() == 3);
+        let list = list.ok_or_else(|| format!("normal is {}; expected a list of 3 numbers", kind_of(normal)))?;
+        let [x, y, z] = [0, 1, 2].map(|axis| number(&list[axis], "normal"));
+        Ok::<_, String>([x?, y?, z?])
+    });
+    Ok(Said { state, gap_m, normal: normal.transpose()? })
+}
+
+fn read_contacts(contacts: &Value, features: [&Topology; 2]) -> Result<Vec<Contact>, String> {
+    let list = contacts.as_array().ok_or_else(|| format!("contacts is {}; expected a list", kind_of(contacts)))?;
+    let mut read = Vec::with_capacity(list.len());
+    for (number, contact) in list.iter().enumerate() {
+        read.push(read_contact(contact, features).map_err(|what| format!("contact {number}: {what}"))?);
+    }
+    read.sort_unstable();
+    let key = |c: &Contact| (c.kind, c.a, c.b);
+    if let Some(twice) = read.windows(2).find(|two| key(&two[0]) == key(&two[1])) {
+        let Contact { kind, a, b, .. } = twice[0];
+        return Err(format!("contact {kind} ({a}, {b}) is there twice"));
+    }
+    Ok(read)
+}
+
+/// The kinds of feature a contact or entrance names, in A and in B.
+type Names = [&'static str; 2];
+
+fn read_contact(contact: &Value, features: [&Topology; 2]) -> Result<Contact, String> {
+    let object = contact.as_object().ok_or_else(|| format!("expected an object, found {}", kind_of(contact)))?;
+    let name = |key: &str| object.get(key).and_then(Value::as_str);
+    let kinds = || ContactKind::ALL.map(ContactKind::name).join(", ");
+    let kind = name("kind")
+        .and_then(ContactKind::from_name)
+        .ok_or_else(|| format!("kind is {}; allowed are {}", shown(object.get("kind")), kinds()))?;
+    let numbers = |keys: [&str; 2], names: Names| {
+        let number = |at: usize| {
+            let (key, count) = (keys[at], count(features[at], names[at]));
+            let found = object.get(key).and_then(Value::as_u64).and_then(|n| u32::try_from(n).ok());
+            let allowed = || format!("allowed are 0 to {}, the block's {}", count - 1, plural(names[at]));
+            found.filter(|n| *n < count).ok_or_else(|| format!("{key} is {}; {}", shown(object.get(key)), allowed()))
+        };
+        Ok::<_, String>((number(0)?, number(1)?))
+    };
+    let (a, b) = numbers(["feature_a", "feature_b"], names_of(kind))?;
+    if object.get("entrance").is_none() {
+        // Kinds only: what is not said is not compared.
+        return Ok(Contact { kind, a, b, entrance: UNNAMED, gap: Sign::Positive });
+    }
+    let entrance = name("entrance")
+        .and_then(EntranceKind::from_name)
+        .ok_or_else(|| format!("entrance is {}; allowed are v-f, f-v, e-e", shown(object.get("entrance"))))?;
+    let names = match entrance {
+        EntranceKind::VertexFace => ["vertex", "face"],
+        EntranceKind::FaceVertex => ["face", "vertex"],
+        EntranceKind::EdgeEdge => ["edge", "edge"],
+    };
+    let (entrance_a, entrance_b) = numbers(["entrance_a", "entrance_b"], names)?;
+    let entrance = Entrance { kind: entrance, a: entrance_a, b: entrance_b };
+    let gap = match (object.get("gap_sign").and_then(Value::as_i64), object.get("gap_m").and_then(Value::as_f64)) {
+        (Some(-1), _) => Sign::Negative,
+        (Some(0), _) => Sign::Zero,
+        (Some(1), _) => Sign::Positive,
+        (None, Some(gap)) if object.get("gap_sign").is_none() => {
+            Sign::of_ordering(gap.partial_cmp(&0.0).unwrap_or(std::cmp::Ordering::Equal))
+        }
+        _ => {
+            let found = shown(object.get("gap_sign"));
+            return Err(format!("gap_sign is {found}; allowed are -1, 0, 1, or the number gap_m instead"));
+        }
+    };
+    Ok(Contact { kind, a, b, entrance, gap })
+}
+
+fn shown(value: Option<&Value>) -> String {
+    value.map_or("absent".to_owned(), ToString::to_string)
+}
+
+fn names_of(kind: ContactKind) -> Names {
+    match kind {
+        ContactKind::VertexVertex => ["vertex", "vertex"],
+        ContactKind::VertexEdge => ["vertex", "edge"],
+        ContactKind::EdgeVertex => ["edge", "vertex"],
+        ContactKind::VertexFace => ["vertex", "face"],
+        ContactKind::FaceVertex => ["face", "vertex"],
+        ContactKind::EdgeEdge => ["edge", "edge"],
+    }
+}
+
+fn plural(name: &str) -> &'static str {
+    match name {
+        "vertex" => "vertices",
+        "edge" => "edges",
+        _ => "faces",
+    }
+}
+
+/// How many features of a sort a block has; at least one.
+fn count(topology: &Topology, name: &str) -> u32 {
+    let count = match name {
+        "vertex" => topology.vertex_count(),
+        "edge" => topology.edges().len(),
+        _ => topology.faces().len(),
+    };
+    u32::try_from(count).unwrap_or(u32::MAX).max(1)
+}
+
+/// The contacts with what an engine left unsaid taken from those they are compared with: an entrance that is not named is
+/// not compared. A contact that is not among those keeps the placeholder.
+pub fn completed(mut contacts: Vec<Contact>, reference: &[Contact]) -> Vec<Contact> {
+    for contact in contacts.iter_mut().filter(|c| c.entrance == UNNAMED) {
+        let known = reference.iter().find(|r| (r.kind, r.a, r.b) == (contact.kind, contact.a, contact.b));
+        if let Some(known) = known {
+            *contact = *known;
+        }
+    }
+    contacts
+}

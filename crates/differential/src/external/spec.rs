@@ -1,0 +1,193 @@
+//! How an external engine is named and started.
+
+use crate::builtin::ENGINES;
+use rockproof_model::Precision;
+use serde::{Deserialize, Serialize};
+
+/// What an external engine is called, how it is started and what is asked of it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EngineSpec {
+    /// The name in tables and files.
+    pub name: String,
+    /// The program and its arguments: a list, or a text that is split as a shell would. No shell takes part.
+    #[serde(deserialize_with = "command")]
+    pub command: Vec<String>,
+    /// The format its input is rounded to.
+    #[serde(default)]
+    pub precision: Format,
+    /// How long it may take for one answer, the start of the program included (ms).
+    #[serde(default = "default_timeout")]
+    pub timeout_ms: u64,
+    /// How far a gap or a normal may be off, in units of eps times the largest coordinate; for engines that say apart,
+    /// touching or overlapping.
+    #[serde(default = "default_accuracy")]
+    pub accuracy: u64,
+}
+
+/// A number format.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// Single precision.
+    F32,
+    /// Double precision.
+    #[default]
+    F64,
+}
+
+impl From<Format> for Precision {
+    fn from(format: Format) -> Precision {
+        match format {
+            Format::F32 => Precision::F32,
+            Format::F64 => Precision::F64,
+        }
+    }
+}
+
+const fn default_timeout() -> u64 {
+    10_000
+}
+
+const fn default_accuracy() -> u64 {
+    1024
+}
+
+/// Why a text or a list of specifications names no engines.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SpecFault {
+    /// Not `NAME=COMMAND`.
+    #[error(
+        "\"{0}\": expected NAME=COMMAND or NAME:f32=COMMAND, as in parry=./parry-client or mine:f32=python3 client.py"
+    )]
+    Form(String),
+    /// A precision that is none.
+    #[error("\"{found}\" in \"{text}\": a precision is f32 or f64")]
+    Precision {
+        /// What was found.
+        found: String,
+        /// Where.
+        text: String,
+    },
+    /// A name that cannot be one.
+    #[error("engine name \"{0}\": allowed are letters, digits, '-', '_' and '.', and none of any, f32, f64, {list}", list = ENGINES.join(", "))]
+    Name(String),
+    /// Two engines of one name.
+    #[error("two external engines have the name \"{0}\"; each needs its own")]
+    Twice(String),
+    /// A command without a program, or with an open quote.
+    #[error("engine \"{name}\": the command \"{command}\" names no program, or a quote is not closed")]
+    Command {
+        /// The engine.
+        name: String,
+        /// The command.
+        command: String,
+    },
+    /// No time to answer.
+    #[error("engine \"{0}\": timeout_ms is 0; allowed are 1 and more")]
+    Timeout(String),
+}
+
+fn split(command: &str) -> Option<Vec<String>> {
+    shlex::split(command).filter(|words| words.first().is_some_and(|program| !program.is_empty()))
+}
+
+fn command<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "expected a text, as \"python3 client.py\", or a list of texts")]
+    enum Either {
+        Text(String),
+        List(Vec<String>),
+    }
+    match Either::deserialize(deserializer)? {
+        Either::List(list) => Ok(list),
+        Either::Text(text) => split(&text)
+            .ok_or_else(|| serde::de::Error::custom(format!("\"{text}\" names no program, or a quote is not closed"))),
+    }
+}
+
+impl EngineSpec {
+    /// The engine in `NAME=COMMAND` or `NAME:f32=COMMAND`.
+    ///
+    /// # Errors
+    /// What is wrong with the text.
+    pub fn parse(text: &str) -> Result<EngineSpec, SpecFault> {
+        let (name, command) = text.split_once('=').ok_or_else(|| SpecFault::Form(text.to_owned()))?;
+        let (name, precision) = match name.split_once(':') {
+            None => (name, Format::F64),
+            Some((name, "f32")) => (name, Format::F32),
+            Some((name, "f64")) => (name, Format::F64),
+            Some((_, found)) => {
+                return Err(SpecFault::Precision { found: found.to_owned(), text: text.to_owned() });
+            }
+        };
+        let (name, command) = (name.trim().to_owned(), command.to_owned());
+        let words = split(&command).ok_or_else(|| SpecFault::Command { name: name.clone(), command })?;
+        let spec =
+            EngineSpec { name, command: words, precision, timeout_ms: default_timeout(), accuracy: default_accuracy() };
+        spec.check()?;
+        Ok(spec)
+    }
+
+    /// Whether the names can stand in tables and files, and each engine can be started and waited for.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check_all(specs: &[EngineSpec]) -> Result<(), SpecFault> {
+        for (number, spec) in specs.iter().enumerate() {
+            spec.check()?;
+            if specs[..number].iter().any(|other| other.name == spec.name) {
+                return Err(SpecFault::Twice(spec.name.clone()));
+            }
+        }
+        Ok(())
+    }
+
+    fn check(&self) -> Result<(), SpecFault> {
+        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+        let taken = ["any", "f32", "f64"].into_iter().chain(ENGINES).any(|name| name == self.name);
+        if self.name.is_empty() || !self.name.chars().all(plain) || taken {
+            return Err(SpecFault::Name(self.name.clone()));
+        }
+        if self.command.first().is_none_or(String::is_empty) {
+            return Err(SpecFault::Command { name: self.name.clone(), command: self.command.join(" ") });
+        }
+        if self.timeout_ms == 0 {
+            return Err(SpecFault::Timeout(self.name.clone()));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_names_precisions_and_quotes() {
+        let spec = EngineSpec::parse("mine:f32=python3 'my client.py' --fast").expect("good");
+        assert_eq!((spec.name.as_str(), spec.precision), ("mine", Format::F32));
+        assert_eq!(spec.command, ["python3", "my client.py", "--fast"]);
+        assert_eq!(EngineSpec::parse("a=b=c").expect("good").command, ["b=c"]);
+    }
+
+    #[test]
+    fn says_what_is_wrong_and_what_is_allowed() {
+        for (text, told) in [
+            ("client.py", "NAME=COMMAND"),
+            ("=client", "allowed are letters"),
+            ("f32=client", "none of any, f32, f64, stepper-f32"),
+            ("stepper-f64=client", "none of any"),
+            ("a b=client", "allowed are letters"),
+            ("a:f16=client", "f32 or f64"),
+            ("a=", "names no program"),
+            ("a='client", "a quote is not closed"),
+        ] {
+            let fault = EngineSpec::parse(text).expect_err(text).to_string();
+            assert!(fault.contains(told), "{text}: {fault}");
+        }
+        let one = EngineSpec::parse("a=x").expect("good");
+        let fault = EngineSpec::check_all(&[one.clone(), one]).expect_err("twice").to_string();
+        assert!(fault.contains("\"a\""), "{fault}");
+    }
+}

@@ -1,0 +1,256 @@
+//! A finding: one difference between neighbouring links of the chain of SPEC section 6, its cause and what decided it.
+
+use super::compare::{Change, Difference};
+use super::mapped::{Mapped, State};
+use super::row::FindingRow;
+use rockproof_model::decision::{Decision, Predicate};
+use rockproof_model::{ContactKind, Precision};
+use rockproof_results::bounded;
+use std::fmt;
+use std::sync::Arc;
+
+/// The link of SPEC section 6's chain at which an answer changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Cause {
+    /// From the ideal tolerances to the given ones, both exact.
+    Tolerance,
+    /// From the exact input to the rounded one, both classified exactly.
+    Representation,
+    /// From the exact to the engine's classification of the rounded input.
+    Arithmetic,
+    /// As arithmetic, but the difference remains when the engine's code runs with a scalar of several hundred bits and
+    /// no comparison there was close: a mistake in the code.
+    Defect,
+    /// From the exact to an external engine's answer for the rounded input: its arithmetic or its code. Nobody can tell
+    /// which from outside, for a program cannot be run again with several hundred bits.
+    Engine,
+}
+
+impl Cause {
+    /// All causes in the order of the chain.
+    pub const ALL: [Cause; 5] =
+        [Cause::Tolerance, Cause::Representation, Cause::Arithmetic, Cause::Defect, Cause::Engine];
+
+    /// The name in tables and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Cause::Tolerance => "tolerance",
+            Cause::Representation => "representation",
+            Cause::Arithmetic => "arithmetic",
+            Cause::Defect => "defect",
+            Cause::Engine => "engine",
+        }
+    }
+
+    /// The cause written `name`, if there is one.
+    pub fn from_name(name: &str) -> Option<Cause> {
+        Self::ALL.into_iter().find(|cause| cause.name() == name)
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Whom a finding is about, so that each is counted once: a tolerance changes the exact answer for everyone, rounding
+/// the input changes it for every engine of a precision, arithmetic belongs to one engine.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Who {
+    /// Every engine of the campaign.
+    Any,
+    /// Every engine that rounds its input to this precision.
+    Rounded(Precision),
+    /// One engine, by name.
+    Engine(Arc<str>),
+}
+
+impl Who {
+    /// What [`Who`]'s text form stands for.
+    pub fn from_name(name: &str) -> Who {
+        match name {
+            "any" => Who::Any,
+            "f32" => Who::Rounded(Precision::F32),
+            "f64" => Who::Rounded(Precision::F64),
+            engine => Who::Engine(engine.into()),
+        }
+    }
+}
+
+impl fmt::Display for Who {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Who::Any => f.pad("any"),
+            Who::Rounded(precision) => precision.fmt(f),
+            Who::Engine(name) => f.pad(name),
+        }
+    }
+}
+
+/// The decision behind a difference: of those that came out differently on the two sides, the one nearest to a tie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deciding {
+    /// The decision.
+    pub decision: Decision,
+    /// Its outcome before and after.
+    pub outcomes: [i8; 2],
+    /// Its exact margin, value over the sum of the magnitudes of its terms; **0 is a tie**; `None` where it is not a
+    /// comparison. Under tolerance and representation of the exact input, else of the rounded one.
+    pub margin: Option<f64>,
+    /// The margin in units of the engine's roundoff (half of eps); `None` for a tolerance finding.
+    pub margin_ulps: Option<f64>,
+}
+
+impl Deciding {
+    /// The features of the decision, one after the other.
+    pub fn features(&self) -> String {
+        self.decision.features.iter().flatten().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// One finding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// The pair's number in the campaign.
+    pub index: u64,
+    /// The pair's family.
+    pub family: Arc<str>,
+    /// The pair's form.
+    pub form: Arc<str>,
+    /// The tolerance set.
+    pub set: Arc<str>,
+    /// Whom it is about.
+    pub who: Who,
+    /// Why the answer changed.
+    pub cause: Cause,
+    /// What changed.
+    pub difference: Difference,
+    /// What decided it, where traces tell.
+    pub deciding: Option<Deciding>,
+    /// What was said and what is so, where the engine says only apart, touching or overlapping.
+    pub mapped: Option<Mapped>,
+    /// What the engine said when it gave no answer.
+    pub note: Option<String>,
+}
+
+impl Finding {
+    /// The kind of the contact the finding is about: before the change, or else after it.
+    pub fn kind(&self) -> Option<ContactKind> {
+        self.difference.contact().map(|c| c.kind)
+    }
+
+    /// The predicate that decided it.
+    pub fn predicate(&self) -> Option<Predicate> {
+        self.deciding.map(|d| d.decision.predicate)
+    }
+
+    /// What makes two findings alike.
+    pub fn fingerprint(&self) -> Fingerprint {
+        Fingerprint {
+            who: self.who.clone(),
+            cause: self.cause,
+            change: self.difference.change,
+            predicate: self.predicate(),
+            kind: self.kind(),
+            states: self.mapped.map(|m| [m.exact, m.said.state]),
+            family: Arc::clone(&self.family),
+        }
+    }
+
+    /// The exact margin, if there is one: that of the deciding predicate, or of touching.
+    pub fn margin(&self) -> Option<f64> {
+        self.deciding.and_then(|d| d.margin).or(self.mapped.map(|m| m.margin))
+    }
+
+    /// The margin in units of the engine's roundoff, if there is one.
+    pub fn margin_ulps(&self) -> Option<f64> {
+        self.deciding.and_then(|d| d.margin_ulps).or(self.mapped.map(|m| m.margin_ulps))
+    }
+
+    /// The finding's row of `findings.csv`; `case` is its case file, empty where there is none.
+    pub fn row(&self, case: String) -> FindingRow {
+        let kind = |c: Option<rockproof_model::Contact>, state: Option<State>| {
+            c.map_or(state.map_or("", State::name), |c| c.kind.name()).to_owned()
+        };
+        FindingRow {
+            index: self.index,
+            family: self.family.to_string(),
+            form: self.form.to_string(),
+            tolerances: self.set.to_string(),
+            engine: self.who.clone(),
+            cause: self.cause,
+            change: self.difference.change,
+            kind_before: kind(self.difference.before, self.mapped.map(|m| m.exact)),
+            kind_after: kind(self.difference.after, self.mapped.map(|m| m.said.state)),
+            predicate: self.predicate().map_or(String::new(), |p| p.to_string()),
+            features: self.deciding.map_or(String::new(), |d| d.features()),
+            margin: self.margin(),
+            margin_ulps: self.margin_ulps(),
+            case,
+        }
+    }
+}
+
+/// The columns of `findings.csv`.
+pub const FINDING_COLUMNS: [&str; 14] = [
+    "index",
+    "family",
+    "form",
+    "tolerances",
+    "engine",
+    "cause",
+    "change",
+    "kind_before",
+    "kind_after",
+    "predicate",
+    "features",
+    "margin",
+    "margin_ulps",
+    "case",
+];
+
+/// What makes two findings alike: only the first few of each are shrunk and kept as case files.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Fingerprint {
+    /// Whom it is about.
+    pub who: Who,
+    /// Why the answer changed.
+    pub cause: Cause,
+    /// What changed.
+    pub change: Change,
+    /// What decided it.
+    pub predicate: Option<Predicate>,
+    /// The contact's kind.
+    pub kind: Option<ContactKind>,
+    /// How the blocks lie, and how the engine says they do.
+    pub states: Option<[State; 2]>,
+    /// The family that showed it.
+    pub family: Arc<str>,
+}
+
+impl Fingerprint {
+    /// The fingerprint in one line: what decided it, or how the blocks lie and how the engine says they do.
+    pub fn text(&self) -> String {
+        let kind = self.kind.map_or("pair", ContactKind::name);
+        format!("{kind} {} {} {} {} {}", self.cause, self.change, self.decided(), self.who, self.family)
+    }
+
+    fn decided(&self) -> String {
+        match (self.predicate, self.states) {
+            (Some(predicate), _) => predicate.name().to_owned(),
+            (None, Some([exact, said])) => format!("{exact}-{said}"),
+            (None, None) => "no-trace".to_owned(),
+        }
+    }
+
+    /// `<kind>-<cause>-<slug>`, the stem of a case file; the pair's number makes it unique, and a long one ends with a digest.
+    pub fn file_stem(&self, set: &str, index: u64) -> String {
+        let decided = self.decided();
+        let kind = self.kind.map_or("pair", ContactKind::name);
+        let stem =
+            format!("{kind}-{}-{}-{decided}-{}-{}-{set}-{index}", self.cause, self.change, self.who, self.family);
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+        bounded(&stem.chars().map(plain).collect::<String>())
+    }
+}

@@ -1,0 +1,21 @@
+//! What stands on both sides: engines and the oracle asked the same, their answers compared, and the cause of each difference
+//! (SPEC section 6). Pairs of blocks at the top, steps of scenes in [`lockstep`].
+
+pub mod agreement;
+pub mod attribution;
+pub mod builtin;
+pub mod case_file;
+pub mod collapse;
+pub mod compare;
+pub mod engine;
+pub mod explain;
+pub mod external;
+pub mod finding;
+pub mod hull;
+pub mod lockstep;
+pub mod mapped;
+pub mod metamorphic;
+pub mod motion;
+pub mod row;
+pub mod subject;
+pub mod transform;

@@ -1,0 +1,142 @@
+//! A state file: one step that stepper and oracle did not make alike, to be made again.
+
+use crate::lockstep::answer::{Answer, described};
+use rockproof_model::scene::Format;
+use rockproof_model::{Precision, Scene, ToleranceSet};
+use rockproof_simulate::checkpoint::Saved;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What a state file holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepCase {
+    /// [`StepCase::FORMAT`].
+    pub format: String,
+    /// The version that wrote it.
+    pub version: String,
+    /// `f32` or `f64`.
+    pub engine: String,
+    /// The step's number.
+    pub step: i64,
+    /// What differed: cause, change, and what about.
+    pub differences: Vec<String>,
+    /// The scene as it was run, in TOML: exact, stiffnesses derived, every tolerance given.
+    pub scene: String,
+    /// The state before the step.
+    pub state: Saved,
+    /// What the oracle answers from the engine's numbers.
+    pub expected: Expected,
+}
+
+/// The oracle's answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Expected {
+    /// Blocks, then kind, features, entrance and sign of each contact.
+    pub contacts: Vec<String>,
+    /// The modes of all contacts after each solve.
+    pub modes: Vec<Vec<String>>,
+    /// Why attempts were given up.
+    pub retries: Vec<String>,
+    /// Whether the iteration converged.
+    pub converged: bool,
+}
+
+impl Expected {
+    /// An answer in words.
+    pub fn of(answer: &Answer) -> Expected {
+        let contact = |(pair, contact): &([u32; 2], _)| format!("{}-{} {}", pair[0], pair[1], described(contact));
+        Expected {
+            contacts: answer.contacts.iter().map(contact).collect(),
+            modes: answer.modes.iter().map(|all| all.iter().map(|mode| mode.name().to_owned()).collect()).collect(),
+            retries: answer.retries.iter().map(|why| why.name().to_owned()).collect(),
+            converged: answer.converged,
+        }
+    }
+}
+
+/// Why a state file cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum StepCaseError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// It is no state file.
+    #[error("no state file: {0}")]
+    Json(#[from] serde_json::Error),
+    /// It has another format.
+    #[error("the format is `{0}`, not `{expected}`", expected = StepCase::FORMAT)]
+    Format(String),
+    /// The engine has no name that is known.
+    #[error("`{0}` is no engine; f32 and f64 are")]
+    Engine(String),
+    /// Its scene cannot be read.
+    #[error("its scene: {0}")]
+    Scene(Box<dyn std::error::Error + Send + Sync>),
+}
+
+impl StepCase {
+    /// The name of the format.
+    pub const FORMAT: &'static str = "rockproof-step-1";
+
+    /// Whether a file may be a state file, by its name.
+    pub fn is_named(path: &Path) -> bool {
+        path.extension().is_some_and(|extension| extension == "json")
+    }
+
+    /// The file's name for a step.
+    pub fn name_of(step: i64) -> String {
+        format!("step_{}{:06}.json", if step < 0 { "-" } else { "" }, step.unsigned_abs())
+    }
+
+    /// Reads a state file.
+    ///
+    /// # Errors
+    /// When it is none.
+    pub fn load(path: &Path) -> Result<StepCase, StepCaseError> {
+        let case: StepCase = serde_json::from_str(&std::fs::read_to_string(path)?)?;
+        if case.format != StepCase::FORMAT {
+            return Err(StepCaseError::Format(case.format));
+        }
+        Ok(case)
+    }
+
+    /// The text of the file.
+    ///
+    /// # Errors
+    /// None that writing to memory has.
+    pub fn text(&self) -> Result<Vec<u8>, serde_json::Error> {
+        let mut text = serde_json::to_vec_pretty(self)?;
+        text.push(b'\n');
+        Ok(text)
+    }
+
+    /// The engine's precision.
+    ///
+    /// # Errors
+    /// When the engine is none of the two.
+    pub fn precision(&self) -> Result<Precision, StepCaseError> {
+        match self.engine.as_str() {
+            "f32" => Ok(Precision::F32),
+            "f64" => Ok(Precision::F64),
+            other => Err(StepCaseError::Engine(other.to_owned())),
+        }
+    }
+
+    /// Its scene, with the tolerances it was run with.
+    ///
+    /// # Errors
+    /// When the text is no scene.
+    pub fn scene(&self) -> Result<(Scene, ToleranceSet), StepCaseError> {
+        let scene = Scene::parse(&self.scene, Format::Toml, Path::new("state file"))
+            .map_err(|e| StepCaseError::Scene(e.into()))?;
+        let set = scene
+            .tolerances
+            .clone()
+            .unwrap_or_default()
+            .derive(&scene.shapes(), self.precision()?)
+            .map_err(|e| StepCaseError::Scene(e.into()))?;
+        Ok((scene, set))
+    }
+}

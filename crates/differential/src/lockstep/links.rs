@@ -1,0 +1,190 @@
+//! The chain of SPEC section 6 for one step: exact scene with ideal tolerances, exact scene, rounded scene, stepper.
+
+use crate::builtin::signed;
+use crate::compare::{Difference, Features};
+use crate::engine::Trace;
+use crate::explain::{Link, explain};
+use crate::finding::{Cause, Deciding};
+use crate::lockstep::answer::{Answer, Change, StepDifference};
+use crate::lockstep::scene::ExactScene;
+use rockproof_model::decision::Decision;
+use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
+use rockproof_oracle::step::{self as exact, ModeMargin};
+use rockproof_stepper::contact::{Request, Solid, Tolerances};
+use rockproof_stepper::dynamics::{Mode, StepRules};
+use rockproof_stepper::real::Real;
+
+/// Which links of the chain are compared in every step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Links {
+    /// Only the last: the rounded scene, exactly, against the stepper.
+    Arithmetic,
+    /// All three: two exact steps more.
+    All,
+}
+
+/// A difference with its cause.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Caused {
+    /// The link of the chain.
+    pub cause: Cause,
+    /// The difference.
+    pub difference: StepDifference,
+    /// The decision behind a difference of contacts, where traces tell.
+    pub deciding: Option<Deciding>,
+    /// Of a mode that rounding or arithmetic changed: how far the exact quantity behind it, gap, Mohr–Coulomb or Eq. (1), was from deciding
+    /// otherwise at the solve where modes part ([`ModeMargin`]), and the same in roundoffs.
+    pub mode_margin: Option<[f64; 2]>,
+}
+
+impl Caused {
+    /// A difference of which nothing more is known.
+    pub fn new(cause: Cause, difference: StepDifference) -> Caused {
+        Caused { cause, difference, deciding: None, mode_margin: None }
+    }
+
+    /// The margin of what decided it, if there is one.
+    pub fn margin(&self) -> Option<f64> {
+        self.deciding.and_then(|d| d.margin).or(self.mode_margin.map(|[margin, _]| margin))
+    }
+
+    /// The same in roundoffs.
+    pub fn margin_ulps(&self) -> Option<f64> {
+        self.deciding.and_then(|d| d.margin_ulps).or(self.mode_margin.map(|[_, ulps]| ulps))
+    }
+}
+
+/// Gives modes their margins: `before` is the exact answer of a link, made of a scene from a state.
+pub(super) fn measure_modes(
+    caused: &mut [Caused],
+    before: &Answer,
+    (scene, state): (&ExactScene, &exact::State),
+    roundoff: f64,
+) {
+    let of_mode = |c: &&mut Caused| c.difference.change == Change::Mode;
+    let mut margins: Option<Vec<Vec<ModeMargin>>> = None;
+    for caused in caused.iter_mut().filter(of_mode) {
+        let difference = &caused.difference;
+        let (Some(contact), Some(solve)) = (difference.contact, difference.solve) else { continue };
+        let margins = margins.get_or_insert_with(|| scene.mode_margins(state));
+        let key = |(pair, c): &([u32; 2], Contact)| (*pair, c.kind, c.a, c.b);
+        let place = before.contacts.iter().position(|known| key(known) == key(&contact));
+        let margin = place.and_then(|place| margins.get(solve - 1)?.get(place).copied());
+        let opens = [&difference.before, &difference.after].iter().any(|mode| *mode == Mode::Open.name());
+        let margin = margin.and_then(|margin| match margin.equal {
+            Some(kept) if kept <= 0.0 => Some(kept),
+            _ if opens => margin.gap,
+            _ => margin.slip,
+        });
+        caused.mode_margin = margin.map(|margin| [margin, margin / roundoff]);
+    }
+}
+
+/// One side of a link: blocks in their state and the tolerances they are classified with.
+#[derive(Clone, Copy)]
+pub(super) struct Side<'s> {
+    pub(super) blocks: &'s [Block],
+    pub(super) tolerances: &'s ToleranceSet,
+}
+
+/// Explains the contact differences of a link by the decisions that came out differently. The second side is the oracle's,
+/// or, of a link to the stepper, that of the stepper in the scalar R by the rules M.
+pub(super) struct Explainer<'s> {
+    pub(super) before: Side<'s>,
+    pub(super) after: Side<'s>,
+    pub(super) roundoff: Option<f64>,
+    /// The state before the step, whose closed contacts are kept.
+    pub(super) state: &'s exact::State,
+}
+
+impl Explainer<'_> {
+    /// The contacts of a pair that the step before left closed.
+    fn kept(&self, pair: [u32; 2]) -> Vec<ContactKey> {
+        let of_pair = |memory: &&exact::ContactMemory| memory.blocks == pair.map(|block| block as usize);
+        let closed = |memory: &&exact::ContactMemory| memory.mode != exact::Mode::Open;
+        self.state.contacts.iter().filter(of_pair).filter(closed).map(|memory| memory.contact.key()).collect()
+    }
+
+    /// The differences with their cause; `stepper` traces a pair of blocks in the stepper, where the link leads to it.
+    pub(super) fn caused(&self, found: Vec<StepDifference>, cause: Cause, stepper: Option<Tracer<'_>>) -> Vec<Caused> {
+        let mut caused: Vec<Caused> = found.into_iter().map(|difference| Caused::new(cause, difference)).collect();
+        let mut done = 0;
+        while let Some(first) = caused[done..].iter().position(|c| c.difference.is_of_contacts()) {
+            let first = done + first;
+            let pair = caused[first].difference.contact.map(|(pair, _)| pair);
+            let same = |c: &Caused| c.difference.is_of_contacts() && c.difference.contact.map(|(pair, _)| pair) == pair;
+            let end = first + caused[first..].iter().take_while(|c| same(c)).count();
+            done = end;
+            let differences: Vec<Difference> = caused[first..end]
+                .iter()
+                .filter_map(
+                    |c| if let Change::Contact(difference) = c.difference.change { Some(difference) } else { None },
+                )
+                .collect();
+            let Some(pair) = pair else { continue };
+            let deciding = self.explain(pair, &differences, stepper);
+            for (caused, deciding) in caused[first..end].iter_mut().zip(deciding) {
+                caused.deciding = deciding;
+            }
+        }
+        caused
+    }
+
+    fn explain(
+        &self,
+        pair: [u32; 2],
+        differences: &[Difference],
+        stepper: Option<Tracer<'_>>,
+    ) -> Vec<Option<Deciding>> {
+        let of = |side: &Side<'_>| pair.map(|block| side.blocks[block as usize].clone());
+        let ([a, b], [a_after, b_after]) = (of(&self.before), of(&self.after));
+        let kept = self.kept(pair);
+        let (before, after) = (Solids::new(&a, &b), Solids::new(&a_after, &b_after));
+        let link = Link {
+            before: &|| Some(before.trace(self.before.tolerances, &kept)),
+            after: &|| match stepper {
+                Some(stepper) => stepper(&a_after, &b_after, &kept),
+                None => Some(after.trace(self.after.tolerances, &kept)),
+            },
+            margins: &|decisions| before.margins(self.before.tolerances, &kept, decisions),
+            roundoff: self.roundoff,
+        };
+        explain(differences, &link, Features { a: a.topology(), b: b.topology() })
+    }
+}
+
+/// Two blocks as the oracle prepares them.
+struct Solids([rockproof_oracle::Solid; 2]);
+
+impl Solids {
+    fn new(a: &Block, b: &Block) -> Solids {
+        Solids([a, b].map(rockproof_oracle::Solid::new))
+    }
+
+    fn pair(&self) -> rockproof_oracle::Pair<'_> {
+        rockproof_oracle::Pair::new(&self.0[0], &self.0[1])
+    }
+
+    fn trace(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Trace {
+        let entries = self.pair().trace_keeping(tolerances, kept);
+        entries.into_iter().map(|entry| (entry.decision, entry.outcome)).collect()
+    }
+
+    fn margins(&self, tolerances: &ToleranceSet, kept: &[ContactKey], decisions: &[Decision]) -> Vec<Option<f64>> {
+        let margins = self.pair().margins_keeping(tolerances, kept, decisions);
+        margins.into_iter().map(|margin| margin.map(signed)).collect()
+    }
+}
+
+/// Traces two blocks, of whose contacts some are kept.
+pub(super) type Tracer<'t> = &'t dyn Fn(&Block, &Block, &[ContactKey]) -> Option<Trace>;
+
+/// The decisions of the stepper about two blocks.
+pub(super) fn stepper_trace<R: Real, M: StepRules>(
+    [a, b]: [&Block; 2],
+    set: &ToleranceSet,
+    kept: &[ContactKey],
+) -> Option<Trace> {
+    let (a, b, tolerances) = (Solid::<R>::new(a).ok()?, Solid::<R>::new(b).ok()?, Tolerances::new(set).ok()?);
+    Some(Request { a: &a, b: &b, tolerances: &tolerances, kept }.traced::<M>().1)
+}

@@ -1,0 +1,372 @@
+//! Lockstep: every step of a stepper's run made exactly as well, from the state in which the stepper is.
+
+use crate::finding::Cause;
+use crate::lockstep::answer::{Answer, StepDifference, compare};
+use crate::lockstep::effect::{Depths, penetration};
+use crate::lockstep::errors::{anchor_error, displacement_error, largest_distance, rate_error, velocity_error};
+use crate::lockstep::links::{Caused, Explainer, Links, Side, measure_modes, stepper_trace};
+use crate::lockstep::scene::{ExactScene, Overflow};
+use crate::lockstep::state::{NotFinite, exact_state};
+use crate::lockstep::wide::{WideError, WideStepper};
+use rockproof_model::{Block, ContactKey, Number, Precision, Scene, ToleranceSet};
+use rockproof_oracle::step::{self as exact, Keep, StepAnswer, StepFailure};
+use rockproof_stepper::dynamics::{
+    Dynamics, Given, GivenAttempt, SetupError, Solve, State, StepReport, StepRules, Stopped,
+};
+use std::time::{Duration, Instant};
+
+/// What the oracle keeps of coordinates after a step: far finer than any engine, and within reach of balls of two f64.
+pub const KEEP: Keep = Keep::Grid { exponent: 80 };
+
+/// A step made on both sides.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// Its number, from 1; settling steps before have the numbers −n + 1 to 0.
+    pub step: i64,
+    /// The time after it (s); before it, where the stepper cannot make it.
+    pub time: f64,
+    /// What the stepper decided, if it made the step.
+    pub stepper: Option<Answer>,
+    /// What the oracle decided, if it made the step.
+    pub oracle: Option<Answer>,
+    /// All differences, by link of the chain.
+    pub differences: Vec<Caused>,
+    /// The largest relative error of a block's displacement, and the block; nothing where nothing moves.
+    pub displacement: Option<(f64, usize)>,
+    /// The largest relative error of a block's velocity; nothing where nothing has one.
+    pub velocity: Option<f64>,
+    /// The largest error of an anchor of a closed contact (m).
+    pub anchors: Option<f64>,
+    /// The exact penetration after the stepper's step and after the oracle's (m).
+    pub penetration: [Option<f64>; 2],
+    /// Penetrations with the oracle's contacts and modes, where these differ.
+    pub depths: Option<Depths>,
+    /// Decisions that the oracle's cap left open.
+    pub undecided: u64,
+    /// Comparisons that the wide scalar left unsettled; asked only where stepper and oracle differ.
+    pub unsettled: Option<u64>,
+    /// Why a side cannot make the step.
+    pub failure: String,
+    /// Why the oracle cannot make the step, if it cannot and the stepper can.
+    pub unproved: Option<StepFailure>,
+    /// Time that stepper and oracle took, each with all it did.
+    pub took: [Duration; 2],
+}
+
+impl Compared {
+    /// Differences of one cause.
+    pub fn count(&self, cause: Cause) -> usize {
+        self.differences.iter().filter(|caused| caused.cause == cause).count()
+    }
+
+    /// Whether the stepper differs from its exact counterpart.
+    pub fn differs(&self) -> bool {
+        self.count(Cause::Arithmetic) + self.count(Cause::Defect) > 0
+    }
+}
+
+/// The share of the largest displacement that a step may make below which a block is nearly at rest.
+const NEARLY_AT_REST: f64 = 1e-12;
+
+/// How far two states after a step are apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drift {
+    /// The largest distance of a vertex (m).
+    pub vertices: f64,
+    /// The largest error of a rate over the largest rate of its block, before or after the step.
+    pub velocity: f64,
+    /// As [`Compared::anchors`] (m).
+    pub anchors: f64,
+}
+
+/// Why a scene cannot be run in lockstep.
+#[derive(Debug, thiserror::Error)]
+pub enum LockstepError {
+    /// The stepper cannot step it.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// A number has no counterpart in the engine's precision.
+    #[error(transparent)]
+    Overflow(#[from] Overflow),
+    /// The wide scalar cannot step it.
+    #[error(transparent)]
+    Wide(#[from] WideError),
+}
+
+/// A stepper with the oracle beside it.
+#[derive(Debug)]
+pub struct Lockstep<R, M> {
+    dynamics: Dynamics<R, M>,
+    begin: State<R>,
+    /// The scene as it is, with ideal tolerances, and as the engine has it.
+    ideal: ExactScene,
+    given: ExactScene,
+    rounded: ExactScene,
+    /// Whether rounding changes no number of the scene.
+    same: bool,
+    precision: Precision,
+    links: Links,
+    wide: Option<WideStepper<M>>,
+}
+
+/// What the oracle decided in a step, or why it cannot make it.
+type Decided = Result<Answer, StepFailure>;
+
+impl<R: Solve, M: StepRules> Lockstep<R, M> {
+    /// A scene at its beginning, in the scalar R, which is that of `precision`.
+    ///
+    /// # Errors
+    /// When a number overflows in it, or a block collapses.
+    pub fn new(
+        scene: &Scene,
+        set: &ToleranceSet,
+        precision: Precision,
+        links: Links,
+    ) -> Result<Lockstep<R, M>, LockstepError> {
+        let dynamics = Dynamics::with_rules(scene, set)?;
+        let given = ExactScene::new(scene, set);
+        let rounded = given.rounded(precision)?;
+        let same = given.same_numbers(&rounded);
+        let ideal = given.with_tolerances(set.ideal());
+        let begin = dynamics.state().clone();
+        Ok(Lockstep { dynamics, begin, ideal, given, rounded, same, precision, links, wide: None })
+    }
+
+    /// Goes on from another state.
+    ///
+    /// # Errors
+    /// When the state does not fit the scene.
+    pub fn restore(&mut self, state: State<R>) -> Result<(), SetupError> {
+        self.dynamics.restore(state)
+    }
+
+    /// The state after the stepper's last step.
+    pub fn state(&self) -> &State<R> {
+        self.dynamics.state()
+    }
+
+    /// The scene as the engine has it.
+    pub fn rounded(&self) -> &ExactScene {
+        &self.rounded
+    }
+
+    /// How far the stepper's own code, in 512 bits, comes from the oracle's step from a state, where no comparison there is left
+    /// unsettled and the decisions are the same: what is there is no rounding. `None` otherwise.
+    pub fn drift_in_wide(&mut self, before: &State<R>) -> Option<Drift> {
+        let start = exact_state(before).ok()?;
+        let exact = self.rounded.step(&start, KEEP).ok()?;
+        let step = wide_stepper(&mut self.wide, &self.rounded)?.step(before).ok()?;
+        let (answer, after) = step.outcome.ok()?;
+        if step.unsettled > 0
+            || !compare(&Answer::of_oracle(&exact), &answer, &self.rounded.scene().shapes()).is_empty()
+        {
+            return None;
+        }
+        let after = exact_state(&after).ok()?;
+        let distance =
+            |(a, b): (&exact::BlockState, &exact::BlockState)| largest_distance(a.vertices.iter().zip(&b.vertices));
+        let time_step = Number::from_rational(exact.time_step.clone()).approximate();
+        let slow = self.rounded.tolerances().max_displacement.approximate() / time_step * NEARLY_AT_REST;
+        Some(Drift {
+            vertices: after.blocks.iter().zip(&exact.state.blocks).map(distance).fold(0.0, f64::max),
+            velocity: rate_error(&start, &after, &exact.state, slow),
+            anchors: anchor_error(&after, &exact.state).unwrap_or(0.0),
+        })
+    }
+
+    /// One step on both sides. The state goes on with the stepper's.
+    pub fn step(&mut self) -> (Result<StepReport, Stopped>, Compared) {
+        let before = self.dynamics.state().clone();
+        let settling = before.settling > 0;
+        let number = if settling { 1 - i64::from(before.settling) } else { before.step as i64 + 1 };
+        let begun = Instant::now();
+        let made = self.dynamics.step();
+        let mut compared = Compared {
+            step: number,
+            time: self.dynamics.state().time.to_f64(),
+            stepper: None,
+            oracle: None,
+            differences: Vec::new(),
+            displacement: None,
+            velocity: None,
+            anchors: None,
+            penetration: [None; 2],
+            depths: None,
+            undecided: 0,
+            unsettled: None,
+            failure: String::new(),
+            unproved: None,
+            took: [begun.elapsed(), Duration::ZERO],
+        };
+        let begun = Instant::now();
+        match exact_state(&before) {
+            Err(NotFinite) => compared.failure = format!("oracle: {NotFinite}"),
+            Ok(start) => self.compare(&before, &start, &made, &mut compared),
+        }
+        compared.took[1] = begun.elapsed();
+        (made, compared)
+    }
+
+    fn compare(
+        &mut self,
+        before: &State<R>,
+        start: &exact::State,
+        made: &Result<StepReport, Stopped>,
+        compared: &mut Compared,
+    ) {
+        let exact = self.rounded.step(start, KEEP);
+        if self.links == Links::All {
+            let decided = exact.as_ref().map(Answer::of_oracle).map_err(Clone::clone);
+            self.exact_links(before, start, &decided, compared);
+        }
+        let attempts = self.dynamics.modes();
+        compared.stepper = made.as_ref().ok().map(|r| Answer::of_stepper(r, attempts, self.dynamics.state()));
+        compared.oracle = exact.as_ref().ok().map(Answer::of_oracle);
+        compared.undecided = exact.as_ref().map_or(0, |answer| answer.levels.undecided);
+        match (&exact, made) {
+            (Ok(exact), Ok(_)) => {
+                self.engine_link(before, start, compared);
+                let after = exact_state(self.dynamics.state());
+                if let Ok(after) = &after {
+                    compared.displacement = displacement_error(start, after, &exact.state);
+                    compared.velocity = velocity_error(after, &exact.state);
+                    compared.anchors = anchor_error(after, &exact.state);
+                }
+                let oracle = penetration(&self.rounded, &exact.state);
+                let stepper = after.ok().and_then(|after| penetration(&self.rounded, &after));
+                compared.penetration = [stepper, oracle];
+                let decisive = |c: &Caused| c.difference.is_of_contacts() || c.difference.solve.is_some();
+                let own = |c: &Caused| matches!(c.cause, Cause::Arithmetic | Cause::Defect);
+                if compared.differences.iter().any(|c| own(c) && decisive(c)) {
+                    compared.depths = stepper.zip(oracle).and_then(|ends| self.depths(before, exact, ends.into()));
+                }
+            }
+            (Err(failure), Ok(_)) => {
+                compared.failure = format!("oracle: {failure}");
+                compared.unproved = Some(failure.clone());
+            }
+            (Ok(_), Err(stopped)) => {
+                compared.failure = format!("stepper: {stopped}");
+                let difference = StepDifference::stopped("", stopped);
+                let cause = self.cause_of_stop(before, compared);
+                compared.differences.push(Caused::new(cause, difference));
+            }
+            (Err(failure), Err(stopped)) => compared.failure = format!("stepper: {stopped}; oracle: {failure}"),
+        }
+    }
+
+    /// Tolerance and representation.
+    fn exact_links(&self, before: &State<R>, start: &exact::State, rounded: &Decided, compared: &mut Compared) {
+        // The first step is made from the scene as it is; every later state is the engine's own.
+        let own_begin = (*before == self.begin).then(|| self.given.begin());
+        let unrounded = own_begin.as_ref().unwrap_or(start);
+        let alike = self.same && unrounded == start;
+        let given = if alike { None } else { Some(decided(&self.given, unrounded)) };
+        let given = given.as_ref().unwrap_or(rounded);
+        let ideal = decided(&self.ideal, unrounded);
+        let blocks = self.given.blocks_at(unrounded);
+        let (ideal_side, given_side) = (self.ideal.tolerances(), self.given.tolerances());
+        let side = |tolerances| Side { blocks: &blocks, tolerances };
+        let explainer =
+            Explainer { before: side(ideal_side), after: side(given_side), roundoff: None, state: unrounded };
+        let found = exact_differences(&ideal, given, &self.given.scene().shapes());
+        compared.differences.extend(explainer.caused(found, Cause::Tolerance, None));
+        if alike {
+            return;
+        }
+        let rounded_blocks = self.rounded.blocks_at(start);
+        let after = Side { blocks: &rounded_blocks, tolerances: self.rounded.tolerances() };
+        let explainer =
+            Explainer { before: side(given_side), after, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
+        let found = exact_differences(given, rounded, &self.given.scene().shapes());
+        let mut caused = explainer.caused(found, Cause::Representation, None);
+        if let Ok(given) = given {
+            measure_modes(&mut caused, given, (&self.given, unrounded), self.precision.epsilon() / 2.0);
+        }
+        compared.differences.extend(caused);
+    }
+
+    /// Arithmetic and defects.
+    fn engine_link(&mut self, before: &State<R>, start: &exact::State, compared: &mut Compared) {
+        let (Some(stepper), Some(oracle)) = (&compared.stepper, &compared.oracle) else { return };
+        let shapes = self.rounded.scene().shapes();
+        let found = compare(oracle, stepper, &shapes);
+        if found.is_empty() {
+            return;
+        }
+        let in_wide = match wide_stepper(&mut self.wide, &self.rounded) {
+            Some(wide) => wide.step(before).ok(),
+            None => None,
+        };
+        compared.unsettled = in_wide.as_ref().map(|step| step.unsettled);
+        let remaining = match &in_wide {
+            Some(step) if step.unsettled == 0 => {
+                step.outcome.as_ref().map_or(Vec::new(), |(answer, _)| compare(oracle, answer, &shapes))
+            }
+            _ => Vec::new(),
+        };
+        let blocks = self.rounded.blocks_at(start);
+        let side = Side { blocks: &blocks, tolerances: self.rounded.tolerances() };
+        let explainer =
+            Explainer { before: side, after: side, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
+        let set = self.rounded.tolerances();
+        let trace = |a: &Block, b: &Block, kept: &[ContactKey]| stepper_trace::<R, M>([a, b], set, kept);
+        let mut caused = explainer.caused(found, Cause::Arithmetic, Some(&trace));
+        for caused in caused.iter_mut().filter(|c| remaining.contains(&c.difference)) {
+            caused.cause = Cause::Defect;
+        }
+        measure_modes(&mut caused, oracle, (&self.rounded, start), self.precision.epsilon() / 2.0);
+        compared.differences.extend(caused);
+    }
+
+    fn cause_of_stop(&mut self, before: &State<R>, compared: &mut Compared) -> Cause {
+        let wide = wide_stepper(&mut self.wide, &self.rounded).and_then(|wide| wide.step(before).ok());
+        compared.unsettled = wide.as_ref().map(|step| step.unsettled);
+        match wide {
+            Some(step) if step.unsettled == 0 && step.outcome.is_err() => Cause::Defect,
+            _ => Cause::Arithmetic,
+        }
+    }
+
+    /// The same step with the oracle's contacts, and with its modes too.
+    fn depths(&self, before: &State<R>, exact: &StepAnswer, [stepper, oracle]: [f64; 2]) -> Option<Depths> {
+        let answer = Answer::of_oracle(exact);
+        let modes: Vec<Vec<_>> = exact
+            .modes
+            .iter()
+            .map(|all| all.iter().map(|mode| crate::lockstep::state::float_mode(*mode)).collect())
+            .collect();
+        let attempt = GivenAttempt { time_step: answer.time_step, modes: &modes };
+        let depth = |attempt| {
+            let mut again = self.dynamics.clone();
+            again.restore(before.clone()).ok()?;
+            again.step_given(&Given { contacts: &answer.contacts, attempt }).ok()?;
+            penetration(&self.rounded, &exact_state(again.state()).ok()?)
+        };
+        Some(Depths { stepper, contacts: depth(None)?, modes: depth(Some(attempt))?, oracle })
+    }
+}
+
+/// The wide stepper, made when first asked; `None` where it cannot be.
+fn wide_stepper<'w, M: StepRules>(
+    wide: &'w mut Option<WideStepper<M>>,
+    scene: &ExactScene,
+) -> Option<&'w mut WideStepper<M>> {
+    if wide.is_none() {
+        *wide = WideStepper::new(scene).ok();
+    }
+    wide.as_mut()
+}
+
+fn decided(scene: &ExactScene, state: &exact::State) -> Decided {
+    scene.decide(state).map(|step| Answer::of_certified(&step))
+}
+
+fn exact_differences(before: &Decided, after: &Decided, shapes: &[&Block]) -> Vec<StepDifference> {
+    match (before, after) {
+        (Ok(before), Ok(after)) => compare(before, after, shapes),
+        (Err(before), Ok(_)) => vec![StepDifference::stopped(before, "")],
+        (Ok(_), Err(after)) => vec![StepDifference::stopped("", after)],
+        (Err(_), Err(_)) => Vec::new(),
+    }
+}

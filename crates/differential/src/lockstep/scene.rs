@@ -1,0 +1,167 @@
+//! A scene as the oracle steps it: as it is, or with every number as an engine has it.
+
+use rockproof_model::simulation::{JointProperties, Simulation};
+use rockproof_model::{Block, Body, Number, Precision, Scene, ToleranceSet, Vec3};
+use rockproof_oracle::step::{self, CertifiedStep, Keep, ModeMargin, StepAnswer, StepFailure, StepModel};
+
+/// A number that an engine's precision cannot hold, by its name in files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` overflows in the engine's precision")]
+pub struct Overflow(pub &'static str);
+
+/// Everything of a scene that does not change from step to step, owned.
+#[derive(Clone, Debug)]
+pub struct ExactScene {
+    scene: Scene,
+    bodies: Vec<Body>,
+    tolerances: ToleranceSet,
+}
+
+impl ExactScene {
+    /// The scene as it is. Its joints have stiffnesses ([`rockproof_model::simulation::derive_stiffness`]).
+    pub fn new(scene: &Scene, set: &ToleranceSet) -> ExactScene {
+        let bodies = scene.blocks.iter().map(|block| block.body.clone()).collect();
+        ExactScene { scene: scene.clone(), bodies, tolerances: set.clone() }
+    }
+
+    /// The scene as an engine of a precision has it: every number rounded to nearest. Of a joint, p_n and p_s are what is
+    /// rounded; the ratio becomes their quotient.
+    ///
+    /// # Errors
+    /// The name of a number that overflows.
+    pub fn rounded(&self, precision: Precision) -> Result<ExactScene, Overflow> {
+        let round = Round(precision);
+        let mut scene = self.scene.clone();
+        for block in &mut scene.blocks {
+            block.block = block.block.rounded(precision).ok_or(Overflow("vertices"))?;
+            round.vector("velocity", &mut block.body.velocity)?;
+            round.vector("spin", &mut block.body.spin)?;
+            block.body.stress.iter_mut().try_for_each(|stress| round.number("stress", stress))?;
+        }
+        round.simulation(&mut scene.simulation)?;
+        Ok(ExactScene::new(&scene, &self.tolerances.rounded(precision).map_err(Overflow)?))
+    }
+
+    /// The same scene with other tolerances.
+    #[must_use]
+    pub fn with_tolerances(&self, set: ToleranceSet) -> ExactScene {
+        ExactScene { tolerances: set, ..self.clone() }
+    }
+
+    /// Whether another version of the same scene has the same numbers.
+    pub fn same_numbers(&self, other: &ExactScene) -> bool {
+        let blocks = self.scene.blocks.iter().zip(&other.scene.blocks);
+        self.tolerances == other.tolerances
+            && self.bodies == other.bodies
+            && self.scene.simulation == other.scene.simulation
+            && blocks.into_iter().all(|(one, two)| one.block.vertices() == two.block.vertices())
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The tolerances.
+    pub fn tolerances(&self) -> &ToleranceSet {
+        &self.tolerances
+    }
+
+    /// The state in which the scene begins.
+    pub fn begin(&self) -> step::State {
+        self.with_model(step::State::initial)
+    }
+
+    /// One step.
+    ///
+    /// # Errors
+    /// Why the oracle cannot make it.
+    pub fn step(&self, state: &step::State, keep: Keep) -> Result<StepAnswer, StepFailure> {
+        self.with_model(|model| step::exact_step(model, state, keep))
+    }
+
+    /// What one step decides, without the state after it.
+    ///
+    /// # Errors
+    /// Why the oracle cannot make it.
+    pub fn decide(&self, state: &step::State) -> Result<CertifiedStep, StepFailure> {
+        self.with_model(|model| step::certified_step(model, state))
+    }
+
+    /// How close the modes of one step were, solve by solve and contact by contact; empty where that is not known.
+    pub fn mode_margins(&self, state: &step::State) -> Vec<Vec<ModeMargin>> {
+        self.with_model(|model| step::mode_margins(model, state)).unwrap_or_default()
+    }
+
+    /// The blocks where a state has them.
+    pub fn blocks_at(&self, state: &step::State) -> Vec<Block> {
+        let moved = self.scene.blocks.iter().zip(&state.blocks);
+        moved.map(|(block, state)| block.block.with_vertices(state.vertices.clone())).collect()
+    }
+
+    fn with_model<T>(&self, ask: impl FnOnce(&StepModel<'_>) -> T) -> T {
+        let shapes = self.scene.shapes();
+        let (bodies, simulation, tolerances) = (&self.bodies, &self.scene.simulation, &self.tolerances);
+        ask(&StepModel { shapes: &shapes, bodies, simulation, tolerances })
+    }
+}
+
+/// Rounds numbers in place.
+#[derive(Clone, Copy)]
+struct Round(Precision);
+
+impl Round {
+    fn number(self, name: &'static str, number: &mut Number) -> Result<(), Overflow> {
+        let near = number.rounded(self.0).ok_or(Overflow(name))?;
+        *number = Number::from_f64(near).map_err(|_| Overflow(name))?;
+        Ok(())
+    }
+
+    fn vector(self, name: &'static str, v: &mut Vec3<Number>) -> Result<(), Overflow> {
+        [&mut v.x, &mut v.y, &mut v.z].into_iter().try_for_each(|c| self.number(name, c))
+    }
+
+    fn joint(self, joint: &mut JointProperties) -> Result<(), Overflow> {
+        self.number("friction", &mut joint.friction)?;
+        self.number("cohesion", &mut joint.cohesion)?;
+        self.number("tension", &mut joint.tension)?;
+        let Some(normal) = &mut joint.normal_stiffness else {
+            return self.number("shear_ratio", &mut joint.shear_ratio);
+        };
+        let mut shear = normal.times(&joint.shear_ratio);
+        self.number("shear_stiffness", &mut shear)?;
+        self.number("normal_stiffness", normal)?;
+        if normal.is_zero() {
+            return self.number("shear_ratio", &mut joint.shear_ratio);
+        }
+        joint.shear_ratio = Number::from_rational(shear.to_rational() / normal.to_rational());
+        Ok(())
+    }
+
+    fn simulation(self, simulation: &mut Simulation) -> Result<(), Overflow> {
+        self.vector("gravity", &mut simulation.gravity)?;
+        self.number("time_step", &mut simulation.control.time_step)?;
+        self.number("dynamic", &mut simulation.control.dynamic)?;
+        for material in &mut simulation.materials {
+            self.number("density", &mut material.density)?;
+            self.number("young", &mut material.young)?;
+            self.number("poisson", &mut material.poisson)?;
+        }
+        simulation.joints.all_mut().try_for_each(|joint| self.joint(joint))?;
+        for load in &mut simulation.loads {
+            self.vector("at", &mut load.at)?;
+            for (time, force) in &mut load.table {
+                self.number("load", time)?;
+                self.vector("load", force)?;
+            }
+        }
+        for fixed in &mut simulation.fixed_points {
+            self.vector("at", &mut fixed.at)?;
+            fixed.stiffness.as_mut().map_or(Ok(()), |k| self.number("stiffness", k))?;
+        }
+        for point in &mut simulation.measured_points {
+            self.vector("at", &mut point.at)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,107 @@
+//! A stepper's state as the oracle's, and back. Only numbers and names pass: no arithmetic is shared.
+
+use rockproof_model::{Number, Point, Vec3};
+use rockproof_oracle::step as exact;
+use rockproof_stepper::dynamics::{BlockState, ContactState, Mode, State};
+use rockproof_stepper::{Real, Vector};
+
+/// A state with a number that is infinite or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the state holds a number that is not finite")]
+pub struct NotFinite;
+
+/// The oracle's name of a mode.
+pub fn exact_mode(mode: Mode) -> exact::Mode {
+    match mode {
+        Mode::Open => exact::Mode::Open,
+        Mode::Sliding => exact::Mode::Sliding,
+        Mode::Locked => exact::Mode::Locked,
+    }
+}
+
+/// The stepper's name of a mode.
+pub fn float_mode(mode: exact::Mode) -> Mode {
+    match mode {
+        exact::Mode::Open => Mode::Open,
+        exact::Mode::Sliding => Mode::Sliding,
+        exact::Mode::Locked => Mode::Locked,
+    }
+}
+
+fn number<R: Real>(value: R) -> Result<Number, NotFinite> {
+    Number::from_f64(value.to_f64()).map_err(|_| NotFinite)
+}
+
+fn point<R: Real>(v: Vector<R>) -> Result<Point, NotFinite> {
+    Ok(Vec3::new(number(v.x)?, number(v.y)?, number(v.z)?))
+}
+
+fn points<R: Real>(all: &[Vector<R>]) -> Result<Vec<Point>, NotFinite> {
+    all.iter().map(|v| point(*v)).collect()
+}
+
+fn numbers<R: Real, const N: usize>(values: &[R; N]) -> Result<[Number; N], NotFinite> {
+    let mut all = std::array::from_fn(|_| Number::ZERO);
+    for (place, value) in all.iter_mut().zip(values) {
+        *place = number(*value)?;
+    }
+    Ok(all)
+}
+
+/// The oracle's state of a state in f32 or f64: every number as the exact one it is. (Of `Wide`, the f64 nearest to it.)
+///
+/// # Errors
+/// When a number is not finite.
+pub fn exact_state<R: Real>(state: &State<R>) -> Result<exact::State, NotFinite> {
+    let block = |block: &BlockState<R>| {
+        let (velocity, stress) = (numbers(&block.velocity)?, numbers(&block.stress)?);
+        Ok(exact::BlockState { vertices: points(&block.vertices)?, velocity, stress })
+    };
+    let contact = |c: &ContactState<R>| {
+        let anchors = [point(c.anchors[0])?, point(c.anchors[1])?];
+        let blocks = c.blocks.map(|block| block as usize);
+        Ok(exact::ContactMemory { blocks, contact: c.contact, mode: exact_mode(c.mode), anchors })
+    };
+    Ok(exact::State {
+        time: number(state.time)?,
+        settling: state.settling,
+        last_time_step: number(state.last_time_step)?,
+        blocks: state.blocks.iter().map(block).collect::<Result<_, NotFinite>>()?,
+        load_points: points(&state.load_points)?,
+        fixed_points: points(&state.fixed_points)?,
+        contacts: state.contacts.iter().map(contact).collect::<Result<_, NotFinite>>()?,
+    })
+}
+
+/// A state in another scalar: the numbers nearest to those of `state`, which lose nothing where the scalar is a finer one.
+pub fn converted<R: Real, S: Real>(state: &State<R>) -> State<S> {
+    let scalar = |value: R| S::from_f64(value.to_f64());
+    let vector = |v: Vector<R>| Vector::new(scalar(v.x), scalar(v.y), scalar(v.z));
+    let vectors = |all: &[Vector<R>]| all.iter().map(|v| vector(*v)).collect();
+    let block = |block: &BlockState<R>| BlockState {
+        vertices: vectors(&block.vertices),
+        velocity: block.velocity.map(scalar),
+        stress: block.stress.map(scalar),
+    };
+    let contact = |c: &ContactState<R>| ContactState {
+        blocks: c.blocks,
+        contact: c.contact,
+        mode: c.mode,
+        anchors: c.anchors.map(vector),
+        gap: scalar(c.gap),
+        normal: vector(c.normal),
+        points: c.points.map(vector),
+        force: vector(c.force),
+    };
+    State {
+        step: state.step,
+        time: scalar(state.time),
+        settling: state.settling,
+        last_time_step: scalar(state.last_time_step),
+        blocks: state.blocks.iter().map(block).collect(),
+        load_points: vectors(&state.load_points),
+        fixed_points: vectors(&state.fixed_points),
+        measured_points: vectors(&state.measured_points),
+        contacts: state.contacts.iter().map(contact).collect(),
+    }
+}

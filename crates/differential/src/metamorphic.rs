@@ -1,0 +1,155 @@
+//! Checks that need no right answer to compare with: an engine's answer may not change when A and B are exchanged, when
+//! vertices and faces are numbered otherwise, when both blocks are moved by an exactly representable amount, when all
+//! lengths are multiplied by a power of two; and a block far away touches nothing.
+//!
+//! Where SPEC breaks ties by the order of features, an exchange or another numbering may change an entrance. The oracle
+//! goes through the same check, and what changes in its answer is allowed to change in the same way in the engine's.
+
+use super::attribution::{answers_differ, engine_trace};
+use super::compare::{Change, Difference, Features, differences};
+use super::engine::{Engine, Oracle, Prepared, WideAnswer, guarded};
+use super::explain::{Link, explain};
+use super::finding::{Cause, Deciding};
+use super::subject::Subject;
+use super::transform::{Transform, Transformed};
+use rockproof_model::{Block, Contact, Number, Point, Precision, ToleranceSet};
+
+/// The answers a check starts from: one engine, one pair rounded to its precision, one tolerance set.
+pub struct Base<'x> {
+    /// The pair, exact.
+    pub subject: &'x Subject,
+    /// The engine.
+    pub engine: &'x dyn Engine,
+    /// The exact side.
+    pub oracle: &'x dyn Oracle,
+    /// The rounded blocks.
+    pub blocks: &'x [Block; 2],
+    /// The rounded tolerances.
+    pub tolerances: &'x ToleranceSet,
+    /// The oracle's answer for the rounded pair.
+    pub exact: &'x [Contact],
+    /// The engine's answer for the rounded pair.
+    pub contacts: &'x [Contact],
+    /// The rounded pair in the engine.
+    pub prepared: &'x dyn Prepared,
+}
+
+/// What the checks of one engine on one pair brought.
+#[derive(Debug, Default)]
+pub struct Checks {
+    /// Checks made; one that cannot be made exactly is not counted.
+    pub made: u64,
+    /// The violations, with cause arithmetic or defect.
+    pub violations: Vec<(Cause, Difference, Option<Deciding>)>,
+}
+
+/// Makes all checks on a pair.
+pub fn check(base: &Base<'_>) -> Checks {
+    let mut checks = Checks::default();
+    for transform in Transform::ALL {
+        if let Some(other) = transform.apply(&[&base.subject.a, &base.subject.b], base.blocks, base.engine.precision())
+        {
+            checks.made += 1;
+            compare(base, transform.change(), &other, &mut checks);
+        }
+    }
+    if let Some(far) = far_away(base.blocks, base.tolerances, base.engine.precision()) {
+        checks.made += 1;
+        for (a, b) in [(&base.blocks[0], &far), (&far, &base.blocks[0])] {
+            let answer = guarded(|| base.engine.prepare(a, b)?.classify(base.tolerances)).unwrap_or_default();
+            let invented = answer.into_iter().map(|contact| {
+                let difference = Difference { change: Change::FarBlock, before: None, after: Some(contact) };
+                (base.engine.cause(), difference, None)
+            });
+            checks.violations.extend(invented);
+        }
+    }
+    checks
+}
+
+fn compare(base: &Base<'_>, change: Change, other: &Transformed, checks: &mut Checks) {
+    let tolerances = other.tolerances(base.tolerances);
+    let [a, b] = &other.blocks;
+    // An engine that fails here failed on the pair itself, which is a finding already, or says so on its own account.
+    let Ok(prepared) = guarded(|| base.engine.prepare(a, b)) else { return };
+    let Ok(answer) = guarded(|| prepared.classify(&tolerances)) else { return };
+    let answer = other.back(&answer);
+    if answer == base.contacts {
+        return;
+    }
+    let features = Features { a: base.blocks[0].topology(), b: base.blocks[1].topology() };
+    let solids = base.oracle.prepare(a, b);
+    let pair = solids.pair();
+    let exact = other.back(&pair.classify(&tolerances).contacts);
+    let allowed = differences(base.exact, &exact, features);
+    let key = |d: &Difference| d.contact().map(|c| (c.kind, c.a, c.b));
+    let mut wide: Option<Option<[WideAnswer; 2]>> = None;
+    for difference in differences(base.contacts, &answer, features) {
+        if allowed.iter().any(|a| (a.change, key(a)) == (difference.change, key(&difference))) {
+            continue;
+        }
+        let wide = wide.get_or_insert_with(|| {
+            let here = guarded(|| Ok(base.prepared.classify_wide(base.tolerances))).ok().flatten()?;
+            let mut there = guarded(|| Ok(prepared.classify_wide(&tolerances))).ok().flatten()?;
+            there.contacts = other.back(&there.contacts);
+            Some([here, there])
+        });
+        // A defect is what differs from the oracle, before the change or after, although nothing was close: that the
+        // two wide answers differ is no defect where the order of features breaks an exact tie.
+        let wrong = |said: &WideAnswer, right: &[Contact]| {
+            said.unsettled == 0 && answers_differ(right, &said.contacts, &difference)
+        };
+        let remains = wide.as_ref().is_some_and(|[here, there]| wrong(here, base.exact) || wrong(there, &exact));
+        let cause = if remains { Cause::Defect } else { base.engine.cause() };
+        let deciding = deciding(base, &difference, &Turned { other, tolerances: &tolerances, prepared: &*prepared });
+        checks.violations.push((cause, Difference { change, ..difference }, deciding));
+    }
+}
+
+/// The changed pair inside the engine.
+struct Turned<'x> {
+    other: &'x Transformed,
+    tolerances: &'x ToleranceSet,
+    prepared: &'x dyn Prepared,
+}
+
+/// What decided a violation: the oracle's answer did not change, so the engine differs from it before the change or
+/// after; where it does, their traces part. Features of a decision after the change are those of the changed pair.
+fn deciding(base: &Base<'_>, difference: &Difference, turned: &Turned<'_>) -> Option<Deciding> {
+    let wrong_before = answers_differ(base.exact, base.contacts, difference);
+    let (blocks, tolerances, prepared) = if wrong_before {
+        (base.blocks, base.tolerances, base.prepared)
+    } else {
+        (&turned.other.blocks, turned.tolerances, turned.prepared)
+    };
+    let local = if wrong_before { *difference } else { turned.other.forth(difference) };
+    let solids = base.oracle.prepare(&blocks[0], &blocks[1]);
+    let pair = solids.pair();
+    let link = Link {
+        before: &|| Some(pair.trace(tolerances)),
+        after: &|| engine_trace(prepared, tolerances),
+        margins: &|decisions| pair.margins(tolerances, decisions),
+        roundoff: Some(base.engine.precision().epsilon() / 2.0),
+    };
+    let features = Features { a: blocks[0].topology(), b: blocks[1].topology() };
+    explain(&[local], &link, features).pop().flatten()
+}
+
+/// B moved along x until it is further from A than anything can reach, if that can be done exactly.
+fn far_away(blocks: &[Block; 2], tolerances: &ToleranceSet, precision: Precision) -> Option<Block> {
+    let reach = blocks
+        .iter()
+        .flat_map(Block::coordinates)
+        .chain([&tolerances.search])
+        .map(|c| c.approximate().abs())
+        .fold(0.0, f64::max);
+    let exponent = (8.0 * reach).log2().ceil();
+    if !exponent.is_finite() {
+        return None;
+    }
+    // Twice the distance needed, should moving lose bits of B: B need not keep its shape to be far away, but it must keep
+    // its features.
+    let step = Number::from_f64(exponent.exp2()).ok()?;
+    let moved = blocks[1].translated(&Point::new(step, Number::ZERO, Number::ZERO)).rounded(precision)?;
+    super::collapse::collapsed_feature(&moved).is_none().then_some(moved)
+}

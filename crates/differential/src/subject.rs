@@ -1,0 +1,57 @@
+//! What a campaign looks at: pairs of blocks, each with the tolerance sets it is examined under.
+
+use crate::motion::PairMotion;
+use rockproof_model::{Block, Precision, ToleranceSet};
+use std::sync::Arc;
+
+/// One pair of a campaign.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// Its number in the campaign.
+    pub index: u64,
+    /// The family that made it.
+    pub family: Arc<str>,
+    /// How it was made: `random`, or the boundary it was directed at.
+    pub form: Arc<str>,
+    /// The first block, exact.
+    pub a: Block,
+    /// The second block, exact.
+    pub b: Block,
+    /// The tolerance sets to examine it under.
+    pub sets: Vec<SubjectSet>,
+}
+
+/// A named tolerance set; its numbers may depend on the precision of the engine it is for.
+#[derive(Clone, Debug)]
+pub struct SubjectSet {
+    /// The preset, or the rung of a ladder.
+    pub name: Arc<str>,
+    /// The set for f32 engines, exact.
+    pub f32: ToleranceSet,
+    /// The set for f64 engines, exact.
+    pub f64: ToleranceSet,
+}
+
+impl SubjectSet {
+    /// The set for engines of the given precision.
+    pub fn of(&self, precision: Precision) -> &ToleranceSet {
+        match precision {
+            Precision::F32 => &self.f32,
+            Precision::F64 => &self.f64,
+        }
+    }
+}
+
+/// Where pairs come from: a function of the batch number alone, so that any thread can make any batch.
+pub trait Source: Sync {
+    /// Pairs a batch holds; pair `i` is in batch `i / batch_len`.
+    fn batch_len(&self) -> u64;
+
+    /// The pairs of one batch, in the order of their indices.
+    fn batch(&self, number: u64) -> Vec<Subject>;
+
+    /// How a pair moves, for those of the source that do: a function of the pair alone.
+    fn motion(&self, _subject: &Subject) -> Option<PairMotion> {
+        None
+    }
+}

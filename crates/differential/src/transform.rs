@@ -1,0 +1,311 @@
+//! Changes of a pair that may not change its contacts, and the way back from the changed pair's contacts.
+
+use super::compare::{Change, Difference};
+use rockproof_model::lattice::Lattice;
+use rockproof_model::{
+    Block, BlockOptions, Contact, ContactKind, Entrance, EntranceKind, Number, Point, Precision, ToleranceSet, Topology,
+};
+
+/// A change of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transform {
+    /// A and B are exchanged.
+    Swap,
+    /// Vertices and faces get other numbers, and face loops start elsewhere.
+    Renumber,
+    /// Both blocks are moved by an amount that leaves every coordinate representable.
+    Translate,
+    /// All lengths are multiplied by a power of two.
+    Scale,
+}
+
+/// The changed pair.
+#[derive(Clone, Debug)]
+pub struct Transformed {
+    /// The changed blocks, in the order to classify them in.
+    pub blocks: [Block; 2],
+    swapped: bool,
+    numbering: Option<[Numbering; 2]>,
+    scale: Number,
+}
+
+impl Transform {
+    /// All changes.
+    pub const ALL: [Transform; 4] = [Transform::Swap, Transform::Renumber, Transform::Translate, Transform::Scale];
+
+    /// What a violation of it is called.
+    pub fn change(self) -> Change {
+        match self {
+            Transform::Swap => Change::Swap,
+            Transform::Renumber => Change::Renumber,
+            Transform::Translate => Change::Translate,
+            Transform::Scale => Change::Scale,
+        }
+    }
+
+    /// The changed pair, or `None` where the change cannot be made exactly. `exact` are the blocks before rounding,
+    /// which a new numbering needs to keep the convexity flags, `rounded` the same as the engine sees them.
+    pub fn apply(self, exact: &[&Block; 2], rounded: &[Block; 2], precision: Precision) -> Option<Transformed> {
+        let [a, b] = rounded;
+        let one = Number::from_integer(1);
+        let unchanged = Transformed { blocks: [a.clone(), b.clone()], swapped: false, numbering: None, scale: one };
+        match self {
+            Transform::Swap => Some(Transformed { blocks: [b.clone(), a.clone()], swapped: true, ..unchanged }),
+            Transform::Renumber => {
+                let [(a, na), (b, nb)] = [Numbering::of(exact[0])?, Numbering::of(exact[1])?];
+                let blocks = [a.rounded(precision)?, b.rounded(precision)?];
+                Some(Transformed { blocks, numbering: Some([na, nb]), ..unchanged })
+            }
+            Transform::Translate => {
+                let offset = exact_offset(rounded, precision)?;
+                Some(Transformed { blocks: [a.translated(&offset), b.translated(&offset)], ..unchanged })
+            }
+            Transform::Scale => {
+                // A power away from 1 that is far from the ends of either range for ordinary coordinates.
+                let scale = Number::from_f64(2f64.powi(-7)).ok()?;
+                let scaled = |block: &Block| {
+                    let points = block.vertices().iter().map(|p| p.map(|c| c.times(&scale))).collect();
+                    let block = block.with_vertices(points);
+                    block.is_exact_in(precision).then_some(block)
+                };
+                let blocks = [scaled(a)?, scaled(b)?];
+                Some(Transformed { blocks, scale, ..unchanged })
+            }
+        }
+    }
+}
+
+impl Transformed {
+    /// The tolerance set for the changed pair: lengths are scaled with it.
+    pub fn tolerances(&self, tolerances: &ToleranceSet) -> ToleranceSet {
+        let mut scaled = tolerances.clone();
+        for length in [
+            &mut scaled.search,
+            &mut scaled.territory,
+            &mut scaled.penetration,
+            &mut scaled.open,
+            &mut scaled.close,
+            &mut scaled.max_displacement,
+        ] {
+            *length = length.times(&self.scale);
+        }
+        scaled
+    }
+
+    /// Contacts of the changed pair in the numbering of the pair itself, sorted.
+    pub fn back(&self, contacts: &[Contact]) -> Vec<Contact> {
+        let mut back: Vec<Contact> = contacts
+            .iter()
+            .map(|&contact| {
+                let contact = if self.swapped { contact.swapped() } else { contact };
+                self.numbering.as_ref().map_or(contact, |[a, b]| renumbered(contact, &a.back, &b.back))
+            })
+            .collect();
+        back.sort_unstable();
+        back
+    }
+
+    /// A difference of the pair itself in the numbering of the changed one.
+    pub fn forth(&self, difference: &Difference) -> Difference {
+        let forth = |contact: Contact| {
+            let contact = self.numbering.as_ref().map_or(contact, |[a, b]| renumbered(contact, &a.forth, &b.forth));
+            if self.swapped { contact.swapped() } else { contact }
+        };
+        Difference {
+            change: difference.change,
+            before: difference.before.map(forth),
+            after: difference.after.map(forth),
+        }
+    }
+}
+
+/// New numbers of one block's features, both ways.
+#[derive(Clone, Debug)]
+struct Numbering {
+    back: Map,
+    forth: Map,
+}
+
+/// A number for each vertex, edge and face.
+#[derive(Clone, Debug)]
+struct Map {
+    vertices: Vec<u32>,
+    edges: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+impl Numbering {
+    /// A block with its vertices and faces in reverse order and every loop started one vertex later.
+    fn of(block: &Block) -> Option<(Block, Numbering)> {
+        let old = block.topology();
+        let (vertices, faces) = (old.vertex_count() as u32, old.faces().len() as u32);
+        let vertex_numbers: Vec<u32> = (0..vertices).rev().collect();
+        let face_numbers: Vec<u32> = (0..faces).rev().collect();
+        let points: Vec<Point> = block.vertices().iter().rev().cloned().collect();
+        let turn = |face: &Vec<u32>| {
+            let mut face: Vec<u32> = face.iter().map(|&v| vertex_numbers[v as usize]).collect();
+            face.rotate_left(1);
+            face
+        };
+        let loops = old.faces().iter().rev().map(turn).collect();
+        // The block is known to be good; how planar its faces are was decided when it was loaded.
+        let options = BlockOptions { planarity: Number::from_integer(1) };
+        let renumbered = Block::new(points, loops, &options).ok()?;
+        let new = renumbered.topology();
+        if new.vertex_count() != old.vertex_count() || new.faces().len() != old.faces().len() {
+            return None;
+        }
+        let edges = |from: &Topology, to: &Topology| {
+            let number = |v: u32| vertex_numbers[v as usize];
+            from.edges().iter().map(|e| to.edge_between(number(e.p), number(e.q))).collect::<Option<Vec<_>>>()
+        };
+        // Reversing twice is no change, so vertices and faces have the same map both ways.
+        let map = |edges| Map { vertices: vertex_numbers.clone(), edges, faces: face_numbers.clone() };
+        let numbering = Numbering { back: map(edges(new, old)?), forth: map(edges(old, new)?) };
+        Some((renumbered, numbering))
+    }
+}
+
+/// The number of a feature that may not exist: an engine's answer is not to be trusted.
+fn number(map: &[u32], feature: u32) -> u32 {
+    map.get(feature as usize).copied().unwrap_or(u32::MAX)
+}
+
+fn renumbered(contact: Contact, a: &Map, b: &Map) -> Contact {
+    let Entrance { kind, a: entrance_a, b: entrance_b } = contact.entrance;
+    let (ea, eb) = match kind {
+        EntranceKind::VertexFace => (&a.vertices, &b.faces),
+        EntranceKind::FaceVertex => (&a.faces, &b.vertices),
+        EntranceKind::EdgeEdge => (&a.edges, &b.edges),
+    };
+    let entrance = Entrance { kind, a: number(ea, entrance_a), b: number(eb, entrance_b) };
+    let (fa, fb) = match contact.kind {
+        ContactKind::VertexVertex => (&a.vertices, &b.vertices),
+        ContactKind::VertexEdge => (&a.vertices, &b.edges),
+        ContactKind::EdgeVertex => (&a.edges, &b.vertices),
+        ContactKind::VertexFace => (&a.vertices, &b.faces),
+        ContactKind::FaceVertex => (&a.faces, &b.vertices),
+        ContactKind::EdgeEdge => (&a.edges, &b.edges),
+    };
+    Contact { a: number(fa, contact.a), b: number(fb, contact.b), entrance, ..contact }
+}
+
+/// The largest offset along all axes, a power of two from four times the pair's size downwards, that leaves every
+/// coordinate representable.
+fn exact_offset(blocks: &[Block; 2], precision: Precision) -> Option<Point> {
+    let coordinates = || blocks.iter().flat_map(Block::coordinates);
+    let reach = coordinates().map(|c| c.approximate().abs()).fold(0.0, f64::max);
+    if reach == 0.0 {
+        return None;
+    }
+    let (numerator, denominator) = Lattice::covering(coordinates()).units_per_metre();
+    let grid = denominator.bits() as i32 - numerator.bits() as i32;
+    let top = reach.log2().ceil() as i32 + 2;
+    (grid.max(top - precision.digits() as i32 - 4)..=top).rev().find_map(|exponent| {
+        let step = Number::from_f64(2f64.powi(exponent)).ok()?;
+        let exact = coordinates().all(|c| c.plus(&step).is_exact_in(precision));
+        exact.then(|| Point::new(step.clone(), step.clone(), step))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_model::{Sign, Vec3};
+
+    fn box_between(min: [f64; 3], max: [f64; 3]) -> Block {
+        let number = |c: f64| Number::from_f64(c).expect("finite");
+        let corner = |x: usize, y: usize, z: usize| {
+            let c = [min, max];
+            Vec3::new(number(c[x][0]), number(c[y][1]), number(c[z][2]))
+        };
+        let corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)];
+        let faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+        let options = BlockOptions { planarity: Number::ZERO };
+        let points = corners.map(|(x, y, z)| corner(x, y, z)).to_vec();
+        Block::new(points, faces.map(|f| f.to_vec()).to_vec(), &options).expect("a box")
+    }
+
+    fn pair() -> [Block; 2] {
+        [box_between([0.0, 0.0, 1.0], [1.0, 1.5, 2.0]), box_between([-0.25, -0.5, 0.0], [3.0, 2.0, 1.0])]
+    }
+
+    fn every_contact(pair: &[Block; 2]) -> Vec<Contact> {
+        let counts =
+            |b: &Block| [b.vertices().len(), b.topology().edges().len(), b.topology().faces().len()].map(|n| n as u32);
+        let ([va, ea, fa], [vb, eb, fb]) = (counts(&pair[0]), counts(&pair[1]));
+        let sizes = [(va, vb), (va, eb), (ea, vb), (va, fb), (fa, vb), (ea, eb)];
+        let mut all = Vec::new();
+        for (kind, (na, nb)) in ContactKind::ALL.into_iter().zip(sizes) {
+            for (a, b) in (0..na).flat_map(|a| (0..nb).map(move |b| (a, b))) {
+                let entrance = Entrance { kind: EntranceKind::FaceVertex, a: a % fa, b: b % vb };
+                all.push(Contact { kind, a, b, entrance, gap: Sign::Zero });
+            }
+        }
+        all
+    }
+
+    fn apply(transform: Transform, pair: &[Block; 2]) -> Transformed {
+        transform.apply(&[&pair[0], &pair[1]], pair, Precision::F32).expect("an exact change")
+    }
+
+    #[test]
+    fn back_undoes_forth_for_every_change() {
+        let pair = pair();
+        let all = every_contact(&pair);
+        for transform in Transform::ALL {
+            let changed = apply(transform, &pair);
+            let forth = |c: &Contact| {
+                let difference = Difference { change: Change::Extra, before: None, after: Some(*c) };
+                changed.forth(&difference).after.expect("a contact")
+            };
+            let there: Vec<Contact> = all.iter().map(forth).collect();
+            assert_eq!(changed.back(&there), all, "{transform:?}");
+            if matches!(transform, Transform::Swap | Transform::Renumber) {
+                assert_ne!(there, all, "{transform:?} changes something");
+            }
+        }
+    }
+
+    #[test]
+    fn swapping_or_renumbering_twice_is_no_change() {
+        let pair = pair();
+        for transform in [Transform::Swap, Transform::Renumber] {
+            let twice = apply(transform, &apply(transform, &pair).blocks);
+            assert_eq!(twice.blocks[0].vertices(), pair[0].vertices());
+            assert_eq!(twice.blocks[1].topology().edges(), pair[1].topology().edges());
+        }
+    }
+
+    #[test]
+    fn renumbered_features_have_the_same_corners() {
+        let pair = pair();
+        let changed = apply(Transform::Renumber, &pair);
+        let Some([numbering, _]) = &changed.numbering else { panic!("a numbering") };
+        let (old, new) = (&pair[0], &changed.blocks[0]);
+        for (at, edge) in old.topology().edges().iter().enumerate() {
+            let moved = new.topology().edges()[numbering.forth.edges[at] as usize];
+            let ends = |b: &Block, e: rockproof_model::topology::Edge| {
+                let mut ends = [e.p, e.q].map(|v| format!("{:?}", b.vertices()[v as usize]));
+                ends.sort();
+                ends
+            };
+            assert_eq!(ends(old, *edge), ends(new, moved));
+        }
+        assert_eq!(numbering.back.edges[numbering.forth.edges[3] as usize], 3);
+    }
+
+    #[test]
+    fn moves_and_scales_only_where_it_is_exact() {
+        let pair = pair();
+        let moved = apply(Transform::Translate, &pair);
+        assert!(moved.blocks.iter().all(|b| b.is_exact_in(Precision::F32)));
+        assert_ne!(moved.blocks[0].vertices(), pair[0].vertices());
+        let scaled = apply(Transform::Scale, &pair);
+        assert_eq!(scaled.blocks[1].vertices()[1].x.as_f64(), Some(3.0 / 128.0));
+        // 2⁻¹⁴⁹ is the smallest f32: it cannot be divided.
+        let tiny = 2f64.powi(-149);
+        let least = [pair[0].clone(), box_between([0.0, 0.0, 0.0], [tiny, tiny, tiny])];
+        assert!(Transform::Scale.apply(&[&least[0], &least[1]], &least, Precision::F32).is_none());
+    }
+}

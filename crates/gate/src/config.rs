@@ -1,0 +1,172 @@
+//! What a gate file says.
+
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_campaign::steps::StepChange;
+use rockproof_differential::compare::Change;
+use rockproof_differential::finding::Cause;
+use rockproof_model::ContactKind;
+use serde::Deserialize;
+use std::path::PathBuf;
+use toml::Spanned;
+
+/// A gate, as its file says.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GateConfig {
+    /// The campaign behind the gate; its seed is the fixed one. Without `steps_every` no pair makes steps.
+    #[serde(default)]
+    pub campaign: CampaignConfig,
+    /// Pairs of a second campaign, whose seed changes from run to run; 0 for none.
+    #[serde(default)]
+    pub rotating_pairs: u64,
+    /// Known findings; anything else fails.
+    pub baseline: Option<Baseline>,
+    /// Case files and folders of them that are always examined.
+    #[serde(default = "default_corpus")]
+    pub corpus: Vec<PathBuf>,
+    /// What may be found at most.
+    #[serde(default)]
+    pub limit: Vec<Spanned<Limit>>,
+}
+
+/// Where known findings are kept, and which are.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Baseline {
+    /// The file.
+    pub file: PathBuf,
+    /// The causes whose findings must be known.
+    #[serde(default = "default_causes")]
+    pub causes: Vec<String>,
+    /// The columns of `findings.csv` that make two findings alike.
+    #[serde(default = "default_fields")]
+    pub fields: Vec<String>,
+    /// How sure one must be that a known sort of finding became more frequent; [`CONFIDENCE`](super::CONFIDENCE) if absent.
+    pub confidence: Option<f64>,
+}
+
+/// How many findings of a sort there may be. What a limit leaves out may be anything.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limit {
+    /// The engine; or `any`, `f32`, `f64` as in `findings.csv`.
+    pub engine: Option<String>,
+    /// The tolerance set.
+    pub tolerances: Option<String>,
+    /// The family.
+    pub family: Option<String>,
+    /// The cause.
+    pub cause: Option<String>,
+    /// The change.
+    pub change: Option<String>,
+    /// The contact's kind, before the change or after it.
+    pub kind: Option<String>,
+    /// Only findings further from a tie than this many roundoffs.
+    pub beyond_ulps: Option<f64>,
+    /// Findings at most, plainly counted.
+    pub count: Option<u64>,
+    /// Pairs with such a finding at most, as a share of the pairs examined; more is a failure only where it is no chance.
+    pub rate: Option<f64>,
+    /// How sure one must be that a rate is exceeded.
+    pub confidence: Option<f64>,
+}
+
+fn default_corpus() -> Vec<PathBuf> {
+    vec!["cases/regressions".into()]
+}
+
+fn default_causes() -> Vec<String> {
+    ["arithmetic", "defect", "engine"].map(str::to_owned).to_vec()
+}
+
+fn default_fields() -> Vec<String> {
+    ["engine", "cause", "change", "kind_before", "kind_after", "predicate", "family"].map(str::to_owned).to_vec()
+}
+
+/// The columns a baseline may tell findings apart by.
+pub const FIELDS: [&str; 9] =
+    ["family", "form", "tolerances", "engine", "cause", "change", "kind_before", "kind_after", "predicate"];
+
+impl GateConfig {
+    /// The gate in a text; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// What is wrong, with the line, and what is allowed.
+    pub fn from_toml(text: &str, file: &str) -> Result<GateConfig, String> {
+        let mut config: GateConfig = toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
+        let asked = |table: &toml::Table| table.get("campaign")?.get("steps_every").cloned();
+        if toml::from_str::<toml::Table>(text).ok().as_ref().and_then(asked).is_none() {
+            config.campaign.steps_every = 0;
+        }
+        for limit in &config.limit {
+            let place = format!("{file} line {}", line_of(text, limit.span().start));
+            limit.get_ref().check().map_err(|what| format!("{place}: {what}"))?;
+        }
+        if let Some(baseline) = &config.baseline {
+            let known: Vec<&str> = Cause::ALL.map(Cause::name).to_vec();
+            for (key, list, allowed) in
+                [("causes", &baseline.causes, &known[..]), ("fields", &baseline.fields, &FIELDS[..])]
+            {
+                if let Some(found) = list.iter().find(|name| !allowed.contains(&name.as_str())) {
+                    return Err(format!("{file}: baseline.{key}: \"{found}\"; allowed are {}", allowed.join(", ")));
+                }
+            }
+            if !baseline.confidence.is_none_or(is_confidence) {
+                return Err(format!("{file}: baseline.confidence {NOT_CONFIDENCE}"));
+            }
+        }
+        Ok(config)
+    }
+}
+
+const NOT_CONFIDENCE: &str = "is outside what is allowed: from 0.5 to below 1";
+
+fn is_confidence(value: f64) -> bool {
+    (0.5..1.0).contains(&value)
+}
+
+/// The line, from 1, of a place in a text.
+pub fn line_of(text: &str, place: usize) -> usize {
+    1 + text.bytes().take(place).filter(|byte| *byte == b'\n').count()
+}
+
+impl Limit {
+    fn check(&self) -> Result<(), String> {
+        let one_of = |key: &str, value: &Option<String>, allowed: &[&str]| match value {
+            Some(found) if !allowed.contains(&found.as_str()) => {
+                Err(format!("{key} is \"{found}\"; allowed are {}", allowed.join(", ")))
+            }
+            _ => Ok(()),
+        };
+        one_of("cause", &self.cause, &Cause::ALL.map(Cause::name))?;
+        let changes: Vec<&str> = Change::ALL.map(Change::name).into_iter().chain(StepChange::NAMES).collect();
+        one_of("change", &self.change, &changes)?;
+        one_of("kind", &self.kind, &ContactKind::ALL.map(ContactKind::name))?;
+        match (self.count, self.rate) {
+            (Some(_), None) if self.confidence.is_some() => Err("confidence belongs to a rate, not to a count".into()),
+            (Some(_), None) => Ok(()),
+            (None, Some(rate)) if !(0.0..=1.0).contains(&rate) => Err(format!("rate is {rate}; allowed are 0 to 1")),
+            (None, Some(_)) if !self.confidence.is_none_or(is_confidence) => {
+                Err(format!("confidence {NOT_CONFIDENCE}"))
+            }
+            (None, Some(_)) => Ok(()),
+            _ => Err("a limit needs either count or rate".into()),
+        }
+    }
+
+    /// The limit in one line.
+    pub fn text(&self) -> String {
+        let parts = [
+            ("engine", &self.engine),
+            ("tolerances", &self.tolerances),
+            ("family", &self.family),
+            ("cause", &self.cause),
+            ("change", &self.change),
+            ("kind", &self.kind),
+        ];
+        let mut words: Vec<String> =
+            parts.iter().filter_map(|(key, value)| Some(format!("{key} {}", value.as_ref()?))).collect();
+        words.extend(self.beyond_ulps.map(|ulps| format!("beyond {ulps} roundoffs")));
+        if words.is_empty() { "all findings".to_owned() } else { words.join(", ") }
+    }
+}

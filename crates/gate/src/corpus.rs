@@ -1,0 +1,105 @@
+//! Cases that are examined on every run of a gate.
+
+use super::{Check, Verdict};
+use rockproof_campaign::engines::Engines;
+use rockproof_differential::case_file::{Case, CaseError, contact_rows};
+use rockproof_differential::engine::guarded;
+use rockproof_differential::external::protocol::completed;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a corpus cannot be examined.
+#[derive(Debug, thiserror::Error)]
+pub enum CorpusError {
+    /// A file or folder cannot be read.
+    #[error("{file}: {source}")]
+    Io {
+        /// Which.
+        file: String,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file is no case.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+}
+
+/// Examines case files, and all in folders, in the order of their names. A case passes when the oracle's answer is the one it records
+/// and the engine either still says what it records or has come to say what is right; for a defect only the latter.
+///
+/// # Errors
+/// When a file cannot be read.
+pub fn checks(paths: &[PathBuf], engines: &Engines) -> Result<Vec<Check>, CorpusError> {
+    let mut checks = Vec::new();
+    for path in paths {
+        for file in files(path)? {
+            checks.push(check(&file, engines)?);
+        }
+    }
+    Ok(checks)
+}
+
+fn files(path: &Path) -> Result<Vec<PathBuf>, CorpusError> {
+    let at = |source| CorpusError::Io { file: path.display().to_string(), source };
+    if !path.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(at)? {
+        files.push(entry.map_err(at)?.path());
+    }
+    files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
+    files.sort();
+    Ok(files)
+}
+
+fn check(file: &Path, engines: &Engines) -> Result<Check, CorpusError> {
+    let case = Case::load(file)?;
+    let (verdict, told) = judge(&case, engines);
+    let name = file.display().to_string();
+    Ok(Check { group: "corpus", name: name.clone(), told, verdict, place: (name, 1), rows: Vec::new() })
+}
+
+fn judge(case: &Case, engines: &Engines) -> (Verdict, String) {
+    let about = &case.about;
+    let Some(panel) = engines.panel_of(case) else {
+        return (Verdict::Skip, format!("engine {} takes no part in this gate", about.engine));
+    };
+    let exact = |a: &_, b: &_, t: &_| panel.oracle.prepare(a, b).pair().classify(t).contacts;
+    let precision = panel.precisions().pop().unwrap_or(rockproof_model::Precision::F64);
+    let near =
+        || Some((case.a.rounded(precision)?, case.b.rounded(precision)?, case.tolerances.rounded(precision).ok()?));
+    let Some((a, b, t)) = near() else { return (Verdict::Fail, format!("the input overflows in {precision}")) };
+    let right = match about.cause.as_str() {
+        "tolerance" => exact(&case.a, &case.b, &case.tolerances.ideal()),
+        "representation" => exact(&case.a, &case.b, &case.tolerances),
+        _ => exact(&a, &b, &t),
+    };
+    if contact_rows(&right) != about.expected {
+        return (Verdict::Fail, "the exact answer is not the one the case expects".to_owned());
+    }
+    let said = match about.cause.as_str() {
+        "tolerance" => exact(&case.a, &case.b, &case.tolerances),
+        "representation" => exact(&a, &b, &t),
+        _ => {
+            let Some(engine) = panel.engines.first() else { return (Verdict::Skip, "no engine".to_owned()) };
+            match guarded(|| engine.prepare(&a, &b)?.classify(&t)) {
+                Ok(contacts) => completed(contacts, &right),
+                Err(failure) if failure.change().name() == about.change => {
+                    return (Verdict::Pass, "as recorded".to_owned());
+                }
+                Err(failure) => return (Verdict::Fail, failure.to_string()),
+            }
+        }
+    };
+    let said = contact_rows(&said);
+    if said == about.expected {
+        (Verdict::Pass, "the engine agrees".to_owned())
+    } else if about.cause == "defect" {
+        (Verdict::Fail, "a defect is back".to_owned())
+    } else if said == about.found {
+        (Verdict::Pass, "as recorded".to_owned())
+    } else {
+        (Verdict::Fail, format!("{} says neither what is right nor what the case records", about.engine))
+    }
+}

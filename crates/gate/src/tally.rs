@@ -1,0 +1,324 @@
+//! What a finished campaign found, counted for a gate out of its `findings.csv` and `summary.csv`.
+
+use super::config::{Baseline, Limit};
+use super::known::SEPARATOR;
+use rockproof_campaign::pairs::BATCH;
+use rockproof_campaign::steps::StepFindingRow;
+use rockproof_campaign::summary::SummaryRow;
+use rockproof_differential::finding::{Cause, Who};
+use rockproof_differential::row::FindingRow;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use statrs::function::beta::checked_beta_reg;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// One row of `findings.csv` or of `step_findings.csv`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Row {
+    /// About a pair.
+    Pair(FindingRow),
+    /// About a step.
+    Step(StepFindingRow),
+}
+
+/// What both sorts of rows tell.
+struct Common<'r> {
+    index: u64,
+    family: &'r str,
+    form: &'r str,
+    tolerances: &'r str,
+    who: &'r Who,
+    cause: Cause,
+    change: &'r str,
+    /// Before the change and after it; of a step both are its contact's.
+    kinds: [&'r str; 2],
+    predicate: &'r str,
+    margin_ulps: Option<f64>,
+}
+
+impl Row {
+    fn common(&self) -> Common<'_> {
+        match self {
+            Row::Pair(row) => Common {
+                index: row.index,
+                family: &row.family,
+                form: &row.form,
+                tolerances: &row.tolerances,
+                who: &row.engine,
+                cause: row.cause,
+                change: row.change.name(),
+                kinds: [&row.kind_before, &row.kind_after],
+                predicate: &row.predicate,
+                margin_ulps: row.margin_ulps,
+            },
+            Row::Step(row) => Common {
+                index: row.index,
+                family: &row.family,
+                form: &row.form,
+                tolerances: &row.tolerances,
+                who: &row.engine,
+                cause: row.cause,
+                change: &row.change,
+                kinds: [&row.kind, &row.kind],
+                predicate: &row.predicate,
+                margin_ulps: row.margin_ulps,
+            },
+        }
+    }
+
+    /// Whether it is about a step.
+    pub fn is_of_step(&self) -> bool {
+        matches!(self, Row::Step(_))
+    }
+
+    /// The number of the pair.
+    pub fn index(&self) -> u64 {
+        self.common().index
+    }
+
+    /// What makes it like others, for a baseline.
+    pub fn fingerprint(&self, baseline: &Baseline) -> String {
+        let row = self.common();
+        let value = |field: &String| match field.as_str() {
+            "family" => row.family.to_owned(),
+            "form" => row.form.to_owned(),
+            "tolerances" => row.tolerances.to_owned(),
+            "engine" => row.who.to_string(),
+            "cause" => row.cause.to_string(),
+            "change" => row.change.to_owned(),
+            "kind_before" => row.kinds[0].to_owned(),
+            "kind_after" => row.kinds[1].to_owned(),
+            "predicate" => row.predicate.to_owned(),
+            _ => String::new(),
+        };
+        baseline.fields.iter().map(value).collect::<Vec<_>>().join(SEPARATOR)
+    }
+
+    /// Whether a limit is about it.
+    pub fn is_of(&self, limit: &Limit) -> bool {
+        let row = self.common();
+        let same = |wanted: &Option<String>, found: &str| wanted.as_ref().is_none_or(|wanted| wanted == found);
+        let beyond = |least: f64| row.margin_ulps.is_some_and(|ulps| ulps.abs() > least);
+        same(&limit.engine, &row.who.to_string())
+            && limit.tolerances.as_ref().is_none_or(|set| of_set(row.tolerances, set))
+            && same(&limit.family, row.family)
+            && same(&limit.cause, row.cause.name())
+            && same(&limit.change, row.change)
+            && limit.kind.as_ref().is_none_or(|kind| row.kinds.contains(&kind.as_str()))
+            && limit.beyond_ulps.is_none_or(beyond)
+    }
+}
+
+/// Whether a set is the wanted one, or that one changed by a ladder.
+fn of_set(found: &str, wanted: &str) -> bool {
+    found == wanted || found.split_once(':').is_some_and(|(base, _)| base == wanted)
+}
+
+/// Why a campaign cannot be counted.
+#[derive(Debug, thiserror::Error)]
+pub enum TallyError {
+    /// A table that cannot be read.
+    #[error("{file}: {source}")]
+    Csv {
+        /// The table.
+        file: PathBuf,
+        /// What is wrong, and where.
+        source: csv::Error,
+    },
+    /// Rows of one origin that contradict each other.
+    #[error("{file}: of the same pairs one row says that {} were examined, another {}", found[0], found[1])]
+    Contradiction {
+        /// The table.
+        file: PathBuf,
+        /// Both counts.
+        found: [u64; 2],
+    },
+}
+
+/// What a campaign found.
+#[derive(Debug)]
+pub struct Tally {
+    /// Every finding.
+    pub rows: Vec<Row>,
+    /// Pairs examined by (family, set); a pair counts once for each set.
+    examined: BTreeMap<(String, String), u64>,
+}
+
+/// How often a sort of finding occurred.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sorted {
+    /// Findings.
+    pub findings: u64,
+    /// Pairs with such a finding; a pair counts once for each tolerance set.
+    pub pairs: u64,
+    /// The squares of these pairs' numbers in each batch, added up. Divided by `pairs` it is the design effect.
+    pub squares: u64,
+}
+
+impl Sorted {
+    /// Counts findings by their pair's number and tolerance set.
+    fn of(hits: &[(u64, &str)]) -> Sorted {
+        let pairs: BTreeSet<_> = hits.iter().collect();
+        let mut batches: BTreeMap<u64, u64> = BTreeMap::new();
+        for (index, _) in &pairs {
+            *batches.entry(index / BATCH).or_default() += 1;
+        }
+        let squares = batches.values().map(|n| n * n).sum();
+        Sorted { findings: hits.len() as u64, pairs: pairs.len() as u64, squares }
+    }
+}
+
+/// What is found of a limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// Findings.
+    pub findings: u64,
+    /// Pairs with such a finding.
+    pub pairs: u64,
+    /// Pairs examined.
+    pub examined: u64,
+    /// How much less than independent pairs they tell: 1 for independent ones.
+    pub design_effect: f64,
+}
+
+impl Tally {
+    /// Reads the run in a directory.
+    ///
+    /// # Errors
+    /// When its tables cannot be read: a count that nobody can read must not pass for none.
+    pub fn read(dir: &Path) -> Result<Tally, TallyError> {
+        let mut rows: Vec<Row> = table(&dir.join("findings.csv"))?.into_iter().map(Row::Pair).collect();
+        let steps = dir.join("step_findings.csv");
+        if steps.is_file() {
+            rows.extend(table(&steps)?.into_iter().map(Row::Step));
+        }
+        let file = dir.join("summary.csv");
+        let mut origins: BTreeMap<[String; 3], u64> = BTreeMap::new();
+        for SummaryRow { family, form, tolerances, pairs, .. } in table(&file)? {
+            let known = *origins.entry([family, form, tolerances]).or_insert(pairs);
+            if known != pairs {
+                return Err(TallyError::Contradiction { file, found: [known, pairs] });
+            }
+        }
+        let mut examined = BTreeMap::new();
+        for ([family, _, set], pairs) in origins {
+            *examined.entry((family, set)).or_default() += pairs;
+        }
+        Ok(Tally { rows, examined })
+    }
+
+    /// Pairs examined of each family; a pair counts once for each set.
+    pub fn examined_by_family(&self) -> BTreeMap<String, u64> {
+        let mut families = BTreeMap::new();
+        for ((family, _), pairs) in &self.examined {
+            *families.entry(family.clone()).or_default() += pairs;
+        }
+        families
+    }
+
+    /// How often each sort of finding occurred whose causes a baseline holds, by fingerprint; findings about steps are none of
+    /// them.
+    pub fn sorted(&self, baseline: &Baseline) -> BTreeMap<String, Sorted> {
+        let known = |row: &&Row| baseline.causes.iter().any(|cause| cause == row.common().cause.name());
+        let of = self.rows.iter().filter(|row| !row.is_of_step()).filter(known);
+        let mut hits: BTreeMap<String, Vec<(u64, &str)>> = BTreeMap::new();
+        for row in of {
+            hits.entry(row.fingerprint(baseline)).or_default().push((row.index(), row.common().tolerances));
+        }
+        hits.into_iter().map(|(fingerprint, hits)| (fingerprint, Sorted::of(&hits))).collect()
+    }
+
+    /// Counts what a limit is about.
+    pub fn count(&self, limit: &Limit) -> Found {
+        let of = self.rows.iter().filter(|row| row.is_of(limit));
+        let hits: Vec<(u64, &str)> = of.map(|row| (row.index(), row.common().tolerances)).collect();
+        let sorted = Sorted::of(&hits);
+        let wanted = |wanted: &Option<String>, found: &str| wanted.as_ref().is_none_or(|w| w == found);
+        let counted = self.examined.iter().filter(|((family, set), _)| {
+            wanted(&limit.family, family) && limit.tolerances.as_ref().is_none_or(|w| of_set(set, w))
+        });
+        Found {
+            findings: sorted.findings,
+            pairs: sorted.pairs,
+            examined: counted.map(|(_, pairs)| pairs).sum(),
+            design_effect: if sorted.pairs == 0 { 1.0 } else { sorted.squares as f64 / sorted.pairs as f64 },
+        }
+    }
+}
+
+fn table<T: DeserializeOwned>(file: &Path) -> Result<Vec<T>, TallyError> {
+    let at = |source| TallyError::Csv { file: file.to_owned(), source };
+    csv::Reader::from_path(file).map_err(at)?.into_deserialize().collect::<Result<_, _>>().map_err(at)
+}
+
+impl Found {
+    /// The share of pairs with such a finding.
+    pub fn rate(&self) -> f64 {
+        if self.examined == 0 { 0.0 } else { self.pairs as f64 / self.examined as f64 }
+    }
+
+    /// How likely it is to find as many or more by chance where the true share is `rate`: the exact binomial tail (Clopper
+    /// and Pearson 1934). The sixteen pairs of a batch share a base and are not independent, so pairs found and examined are
+    /// first divided by the design effect (Korn and Graubard 1998), which for rare findings is Σx²/Σx over the batches.
+    pub fn chance(&self, rate: f64) -> f64 {
+        let (found, examined) = (self.pairs as f64 / self.design_effect, self.examined as f64 / self.design_effect);
+        if self.pairs == 0 || rate >= 1.0 {
+            return 1.0;
+        }
+        if rate <= 0.0 {
+            return 0.0;
+        }
+        checked_beta_reg(found, (examined - found + 1.0).max(1.0), rate).unwrap_or(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_campaign::summary::SUMMARY_COLUMNS;
+    use rockproof_differential::finding::FINDING_COLUMNS;
+    use std::fs;
+
+    #[test]
+    fn a_number_that_cannot_be_read_is_an_error_and_not_zero() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let finding = "3,sliver,random,auto,f32,representation,missing,v-v,,,,1e-9,2.5,";
+        let origin = "sliver,random,auto,1000,f32,representation,missing,v-v,1";
+        let read = |finding: &str, origin: &str| {
+            let write = |name: &str, columns: &[&str], row: &str| {
+                fs::write(dir.path().join(name), format!("{}\n{row}\n", columns.join(","))).expect("write");
+            };
+            write("findings.csv", &FINDING_COLUMNS, finding);
+            write("summary.csv", &SUMMARY_COLUMNS, origin);
+            Tally::read(dir.path())
+        };
+        let limit = Limit { rate: Some(1e-4), beyond_ulps: Some(2.0), ..Limit::default() };
+        let found = read(finding, origin).expect("a tally").count(&limit);
+        assert_eq!((found.pairs, found.examined, found.rate()), (1, 1000, 1e-3));
+        for damaged in [finding.replacen('3', "x", 1), finding.replace("2.5", "2.5.1"), finding.replace(",f32,", ",,")]
+        {
+            let error = read(&damaged, origin).expect_err("no number").to_string();
+            assert!(error.contains("findings.csv"), "{error}");
+        }
+        // Read as zero, no pair was examined, and the rate was within every limit.
+        for damaged in [origin.replace("1000", "1000.0"), origin.replace("1000", ""), origin.replace("1000", "-1")] {
+            let error = read(finding, &damaged).expect_err("no count").to_string();
+            assert!(error.contains("summary.csv"), "{error}");
+        }
+        let error = read(finding, &format!("{origin}\n{}", origin.replace("1000", "9"))).expect_err("two counts");
+        assert!(matches!(error, TallyError::Contradiction { found: [1000, 9], .. }), "{error}");
+    }
+
+    #[test]
+    fn chance_is_the_binomial_tail() {
+        let found = |pairs, examined, design_effect| Found { findings: pairs, pairs, examined, design_effect };
+        // P(X ≥ 2), X binomial of 10 and 0.1: 1 − 0.9¹⁰ − 10·0.1·0.9⁹.
+        let tail = 1.0 - 0.9f64.powi(10) - 0.9f64.powi(9);
+        assert!((found(2, 10, 1.0).chance(0.1) - tail).abs() < 1e-12);
+        assert_eq!(found(0, 10, 1.0).chance(0.0), 1.0);
+        assert_eq!(found(1, 10, 1.0).chance(0.0), 0.0);
+        assert!(found(40, 1000, 8.0).chance(0.02) > found(40, 1000, 1.0).chance(0.02), "clustered pairs tell less");
+    }
+}

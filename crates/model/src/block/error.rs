@@ -1,0 +1,180 @@
+//! What can be wrong with a block (SPEC section 2).
+
+use crate::topology::TopologyError;
+
+/// Why vertices and faces are not a canonical block. Vertices and faces are numbered as in the input, from 0; a face
+/// that coplanar neighbours were merged into goes by the lowest number among them.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BlockError {
+    /// The faces do not fit together.
+    #[error(transparent)]
+    Topology(#[from] TopologyError),
+    /// A coordinate larger than any f64.
+    #[error("vertex {vertex} has a coordinate beyond ±1.8e308, the largest f64")]
+    Overflow {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// Fractions with so many different denominators that exact arithmetic would take forever.
+    #[error("the coordinates have no common denominator below 2^{limit}; fewer or shorter fractions are needed")]
+    TooFine {
+        /// Most bits allowed.
+        limit: u64,
+    },
+    /// Two vertices at one point.
+    #[error(
+        "vertices {first} and {second} are the same point ({x}, {y}, {z}); every vertex must be a point of its own"
+    )]
+    RepeatedVertex {
+        /// The vertex with the lower number.
+        first: usize,
+        /// The vertex with the higher number.
+        second: usize,
+        /// Where they are, near enough to find them.
+        x: f64,
+        /// See `x`.
+        y: f64,
+        /// See `x`.
+        z: f64,
+    },
+    /// A face without area.
+    #[error("face {face} has no area: its loop of {length} vertices encloses nothing")]
+    DegenerateFace {
+        /// The face.
+        face: usize,
+        /// Vertices in its loop.
+        length: usize,
+    },
+    /// A face further from planar than allowed.
+    #[error(
+        "face {face} is not planar: vertex {vertex} is {deviation:.3e} of the block's size off the face's plane; allowed is a planarity of {allowed:e}"
+    )]
+    NotPlanar {
+        /// The face.
+        face: usize,
+        /// Its vertex furthest from the plane.
+        vertex: usize,
+        /// Distance from the plane over the longest side of the block's box.
+        deviation: f64,
+        /// The planarity allowed.
+        allowed: f64,
+    },
+    /// A face loop that crosses or touches itself.
+    #[error(
+        "face {face} crosses or touches itself: edges {}-{} and {}-{}; a face is a simple polygon",
+        first.0, first.1, second.0, second.1
+    )]
+    SelfIntersecting {
+        /// The face.
+        face: usize,
+        /// One edge, by its vertices.
+        first: (usize, usize),
+        /// The other edge.
+        second: (usize, usize),
+    },
+    /// A surface turned inside out, or one that encloses nothing.
+    #[error(
+        "the volume is {volume:.6e} m³; it must be above zero, with every face counter-clockwise seen from outside"
+    )]
+    NotPositiveVolume {
+        /// The signed volume in m³.
+        volume: f64,
+    },
+    /// All edges are convex and yet the surface is not that of a convex body, so it runs through itself.
+    #[error(
+        "the surface runs through itself: all {edges} edges are convex but vertices − edges + faces is {euler}; a convex block has 2"
+    )]
+    RunsThroughItself {
+        /// Edges of the block.
+        edges: usize,
+        /// The Euler characteristic.
+        euler: i64,
+    },
+    /// Two faces with a common point that is on no vertex and no edge of both.
+    #[error(
+        "faces {first} and {second} meet outside their common vertices and edges: {what} {p}-{q} of face {first} crosses or touches face {second}; faces may meet in vertices and edges of both only, so move vertices until the surface neither runs through nor touches itself, or split the solid into several blocks",
+        what = if *diagonal { "the diagonal" } else { "edge" }
+    )]
+    FacesMeet {
+        /// The face whose edge or diagonal meets the other.
+        first: usize,
+        /// The other face.
+        second: usize,
+        /// One end of that edge or diagonal.
+        p: usize,
+        /// The other end.
+        q: usize,
+        /// Whether it is a diagonal of `first`: only a face that is not exactly planar can meet another there alone.
+        diagonal: bool,
+    },
+    /// Two faces that fold back onto one another.
+    #[error(
+        "faces {left} and {right} fold back onto one another at edge {p}-{q}: the angle between them is 0° or 360°"
+    )]
+    FoldedEdge {
+        /// First vertex.
+        p: usize,
+        /// Second vertex.
+        q: usize,
+        /// One face.
+        left: usize,
+        /// The other face.
+        right: usize,
+    },
+    /// An edge whose two faces lie in one plane and could not be merged.
+    #[error("edge {p}-{q} between faces {left} and {right} is flat and merging does not remove it")]
+    FlatEdge {
+        /// First vertex.
+        p: usize,
+        /// Second vertex.
+        q: usize,
+        /// One face.
+        left: usize,
+        /// The other face.
+        right: usize,
+    },
+    /// A vertex with only two edges, which are not in line.
+    #[error(
+        "vertex {vertex} joins only the edges to {before} and {after}, which are not in line; a vertex needs 3 edges or more"
+    )]
+    TwoEdgeVertex {
+        /// The vertex.
+        vertex: usize,
+        /// Other end of one edge.
+        before: usize,
+        /// Other end of the other edge.
+        after: usize,
+    },
+    /// Coplanar faces whose union is a ring.
+    #[error(
+        "merging the {count} coplanar faces around face {face} gives a face with a hole, which one loop cannot describe"
+    )]
+    FaceWithHole {
+        /// Lowest number of the merged faces.
+        face: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// Coplanar faces whose union touches itself at a vertex.
+    #[error(
+        "merging the {count} coplanar faces around face {face} gives a face that touches itself at vertex {vertex}; a face is a simple polygon"
+    )]
+    PinchedFace {
+        /// Lowest number of the merged faces.
+        face: usize,
+        /// How many there are.
+        count: usize,
+        /// The vertex.
+        vertex: usize,
+    },
+    /// What is left after merging is no block.
+    #[error("after merging {faces} coplanar faces and dropping {vertices} vertices no block is left: {error}")]
+    NothingLeft {
+        /// Faces that disappeared.
+        faces: usize,
+        /// Vertices that disappeared.
+        vertices: usize,
+        /// What is wrong then, in numbers of the merged block.
+        error: TopologyError,
+    },
+}

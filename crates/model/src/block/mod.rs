@@ -1,0 +1,191 @@
+//! A block: a closed polyhedron with exact vertices and the convexity of its features, decided once (SPEC section 2).
+
+mod build;
+mod error;
+mod measure;
+mod meeting;
+mod merge;
+mod planarity;
+mod questions;
+mod simple;
+mod sure;
+mod triangles;
+
+#[cfg(test)]
+mod tests;
+
+pub use error::BlockError;
+pub use measure::Bounds;
+pub(crate) use measure::cuboid_mesh;
+
+use crate::number::{Number, Precision};
+use crate::ring::Ring;
+use crate::topology::Topology;
+use crate::vector::Vec3;
+use std::sync::Arc;
+
+/// A point with exact coordinates in metres.
+pub type Point = Vec3<Number>;
+
+/// A canonical block of SPEC section 2.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Block {
+    shape: Arc<Shape>,
+    vertices: Arc<[Point]>,
+}
+
+/// What does not change when a block is moved or its coordinates are rounded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Shape {
+    topology: Topology,
+    edge_convex: Vec<bool>,
+    vertex_convex: Vec<bool>,
+    face_convex: Vec<bool>,
+    convex: bool,
+}
+
+/// How strictly a block is read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BlockOptions {
+    /// How far a face may be from planar, as a share of the block's size (its longest box side).
+    pub planarity: Number,
+}
+
+impl Default for BlockOptions {
+    /// A planarity of 1e-9, as SPEC section 2 has it.
+    fn default() -> BlockOptions {
+        BlockOptions { planarity: Number::from_f64(1e-9).unwrap_or(Number::ZERO) }
+    }
+}
+
+/// Which neighbouring faces become one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Merging {
+    /// Those whose common edge is exactly flat.
+    Exact,
+    /// Also those that one plane holds within the planarity allowed: for triangulated meshes with rounded coordinates.
+    WithinPlanarity,
+}
+
+/// What bringing a block into its canonical form took away.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Merged {
+    /// Faces that went into a coplanar neighbour.
+    pub faces: usize,
+    /// Vertices inside merged faces, or in line between two edges.
+    pub vertices: usize,
+}
+
+impl Block {
+    /// The block with these vertices and face loops, in canonical form: coplanar neighbours are merged, vertices in
+    /// line between two edges dropped. The rest keeps its order.
+    ///
+    /// # Errors
+    /// When they are not a block of SPEC section 2.
+    pub fn new(vertices: Vec<Point>, faces: Vec<Vec<u32>>, options: &BlockOptions) -> Result<Block, BlockError> {
+        Block::merged(vertices, faces, options, Merging::Exact).map(|(block, _)| block)
+    }
+
+    /// As [`Block::new`], with a choice of what to merge, and saying how much was.
+    ///
+    /// # Errors
+    /// When they are not a block of SPEC section 2.
+    pub fn merged(
+        vertices: Vec<Point>,
+        faces: Vec<Vec<u32>>,
+        options: &BlockOptions,
+        merging: Merging,
+    ) -> Result<(Block, Merged), BlockError> {
+        build::build(vertices, faces, options, merging)
+    }
+
+    /// The same block with other coordinates: moved, or rounded. Convexity flags are kept, as SPEC section 2 asks.
+    ///
+    /// # Panics
+    /// When the number of vertices differs.
+    #[must_use]
+    pub fn with_vertices(&self, vertices: Vec<Point>) -> Block {
+        assert_eq!(vertices.len(), self.vertices.len(), "a moved block keeps its vertices");
+        Block { shape: Arc::clone(&self.shape), vertices: vertices.into() }
+    }
+
+    /// The block moved by `offset`, exactly.
+    #[must_use]
+    pub fn translated(&self, offset: &Point) -> Block {
+        self.with_vertices(
+            self.vertices
+                .iter()
+                .map(|v| Vec3::new(v.x.plus(&offset.x), v.y.plus(&offset.y), v.z.plus(&offset.z)))
+                .collect(),
+        )
+    }
+
+    /// The block as an engine of the given precision sees it, or `None` where a coordinate overflows.
+    pub fn rounded(&self, precision: Precision) -> Option<Block> {
+        let near = |n: &Number| n.rounded(precision).and_then(|v| Number::from_f64(v).ok());
+        let vertices = self
+            .vertices
+            .iter()
+            .map(|v| Some(Vec3::new(near(&v.x)?, near(&v.y)?, near(&v.z)?)))
+            .collect::<Option<Vec<_>>>()?;
+        Some(self.with_vertices(vertices))
+    }
+
+    /// Whether the precision represents every coordinate exactly.
+    pub fn is_exact_in(&self, precision: Precision) -> bool {
+        self.coordinates().all(|c| c.is_exact_in(precision))
+    }
+
+    /// Vertices, edges and faces.
+    #[inline]
+    pub fn topology(&self) -> &Topology {
+        &self.shape.topology
+    }
+
+    /// Vertex coordinates in metres.
+    #[inline]
+    pub fn vertices(&self) -> &[Point] {
+        &self.vertices
+    }
+
+    /// All coordinates of all vertices.
+    pub fn coordinates(&self) -> impl Iterator<Item = &Number> {
+        self.vertices.iter().flat_map(|v| v.components())
+    }
+
+    /// Whether κ > 0 at the edge. An edge that is not convex is reflex.
+    #[inline]
+    pub fn edge_is_convex(&self, edge: u32) -> bool {
+        self.shape.edge_convex[edge as usize]
+    }
+
+    /// Whether all edges at the vertex are convex.
+    #[inline]
+    pub fn vertex_is_convex(&self, vertex: u32) -> bool {
+        self.shape.vertex_convex[vertex as usize]
+    }
+
+    /// Whether the face is a convex polygon.
+    #[inline]
+    pub fn face_is_convex(&self, face: u32) -> bool {
+        self.shape.face_convex[face as usize]
+    }
+
+    /// Whether all edges are convex.
+    #[inline]
+    pub fn is_convex(&self) -> bool {
+        self.shape.convex
+    }
+}
+
+/// `N_f = Σ v_k × v_{k+1}` relative to the loop's first vertex: twice the area vector (SPEC section 2).
+pub fn face_normal<T: Ring>(points: &[Vec3<T>], face: &[u32]) -> Vec3<T> {
+    let origin = &points[face[0] as usize];
+    let mut normal = Vec3::zero();
+    for k in 1..face.len() - 1 {
+        let u = points[face[k] as usize].minus(origin);
+        let v = points[face[k + 1] as usize].minus(origin);
+        normal = normal.plus(&u.cross(&v));
+    }
+    normal
+}

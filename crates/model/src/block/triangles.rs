@@ -1,0 +1,117 @@
+//! A face as triangles between its own vertices: the surface that stands for it where faces are tested against faces.
+
+use crate::block::questions::{Side, Turn};
+use crate::block::sure::Surface;
+use crate::sign::Sign;
+
+/// The triangles of a face, counter-clockwise like its loop, none of them without area seen along the face's normal.
+pub(super) struct Patch {
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// The sides of triangles that are no edges of the face.
+    pub(super) diagonals: Vec<[u32; 2]>,
+    /// Triangles in whose planes all triangles lie: one of a long face that is exactly planar, else all.
+    pub(super) planes: Vec<[u32; 3]>,
+    /// Whether the face, seen along its normal, is a convex polygon; a straight angle counts as convex.
+    pub(super) is_convex: bool,
+}
+
+impl Patch {
+    /// Cuts up a face whose loop is a simple polygon seen along its normal. `slack` is how far, in metres, its vertices
+    /// may be from its plane. Only signs of turns decide, so a turned face gives the same triangles.
+    pub(super) fn new(surface: &Surface<'_>, face: usize, approximate: &[[f64; 3]], slack: f64) -> Patch {
+        let boundary = &surface.faces()[face];
+        let n = boundary.len();
+        if let &[a, b, c] = boundary.as_slice() {
+            let triangles = vec![[a, b, c]];
+            return Patch { planes: triangles.clone(), triangles, diagonals: Vec::new(), is_convex: true };
+        }
+        let turn = |k: usize| {
+            let [a, b, c] = [k + n - 1, k, k + 1].map(|i| boundary[i % n]);
+            surface.sign(&Turn { face, a, b, c })
+        };
+        let turns: Vec<Sign> = (0..n).map(turn).collect();
+        if turns.iter().all(|t| t.is_positive()) {
+            let triangles: Vec<[u32; 3]> =
+                boundary[1..].windows(2).map(|pair| [boundary[0], pair[0], pair[1]]).collect();
+            let diagonals = boundary[2..n - 1].iter().map(|&v| [boundary[0], v]).collect();
+            return Patch { planes: planes(surface, boundary, &triangles), triangles, diagonals, is_convex: true };
+        }
+        let is_convex = turns.iter().all(|t| t.is_at_least_zero());
+        let blunt = (0..n).filter(|&k| turns[k].is_at_most_zero()).map(|k| boundary[k]).collect();
+        let (triangles, diagonals) = Ears { surface, face, approximate, slack, blunt }.clipped();
+        Patch { planes: planes(surface, boundary, &triangles), triangles, diagonals, is_convex }
+    }
+}
+
+/// See [`Patch::planes`]. Of a short face a proof that it is planar costs more than it saves.
+fn planes(surface: &Surface<'_>, boundary: &[u32], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    const LONG: usize = 32;
+    let is_on =
+        |plane: [u32; 3]| boundary.iter().all(|&vertex| surface.coordinates().sign(&Side { plane, vertex }).is_zero());
+    match triangles {
+        [first, ..] if boundary.len() > LONG && is_on(*first) => vec![*first],
+        all => all.to_vec(),
+    }
+}
+
+/// Ear clipping (Meisters 1975): a simple polygon of more than three vertices has two ears.
+struct Ears<'a, 's> {
+    surface: &'a Surface<'s>,
+    face: usize,
+    approximate: &'a [[f64; 3]],
+    slack: f64,
+    /// Vertices whose angle is 180° or more. Of the vertices within an ear's triangle the one furthest from the
+    /// diagonal has such an angle, so no others need to be looked at; clipping makes angles smaller only.
+    blunt: Vec<u32>,
+}
+
+impl Ears<'_, '_> {
+    fn clipped(&self) -> (Vec<[u32; 3]>, Vec<[u32; 2]>) {
+        let mut rest = self.surface.faces()[self.face].clone();
+        let (mut triangles, mut diagonals) = (Vec::new(), Vec::new());
+        let mut place = 0;
+        while rest.len() > 3 {
+            let n = rest.len();
+            let corner = |k: usize| [k + n - 1, k, k + 1].map(|i| rest[i % n]);
+            // By the theorem there is always one.
+            let Some(ear) = (place..place + n).find(|&k| self.is_ear(corner(k), &rest)) else { break };
+            let [u, v, w] = corner(ear);
+            triangles.push([u, v, w]);
+            diagonals.push([u, w]);
+            rest.remove(ear % n);
+            place = (ear % n + n - 2) % (n - 1);
+        }
+        if let &[a, b, c] = rest.as_slice() {
+            triangles.push([a, b, c]);
+        }
+        (triangles, diagonals)
+    }
+
+    /// Whether u-v-w turns left and its triangle, boundary included, holds no other vertex of the rest.
+    fn is_ear(&self, [u, v, w]: [u32; 3], rest: &[u32]) -> bool {
+        let is_left = |a, b, c| self.surface.sign(&Turn { face: self.face, a, b, c }).is_at_least_zero();
+        let in_triangle = |z: u32| is_left(u, v, z) && is_left(v, w, z) && is_left(w, u, z);
+        let spans = self.spans([u, v, w]);
+        self.surface.sign(&Turn { face: self.face, a: u, b: v, c: w }).is_positive()
+            && !self
+                .blunt
+                .iter()
+                .any(|&z| ![u, v, w].contains(&z) && self.is_within(z, &spans) && rest.contains(&z) && in_triangle(z))
+    }
+
+    /// A box so wide that a point outside it is outside the triangle, seen along the normal.
+    fn spans(&self, triangle: [u32; 3]) -> [(f64, f64); 3] {
+        std::array::from_fn(|axis| {
+            let all = triangle.map(|v| self.approximate[v as usize][axis]);
+            let least = all.iter().fold(f64::INFINITY, |least, &c| least.min(c));
+            let most = all.iter().fold(f64::NEG_INFINITY, |most, &c| most.max(c));
+            let margin = 2.0 * self.slack + (least.abs() + most.abs()) * 1e-12;
+            (least - margin, most + margin)
+        })
+    }
+
+    fn is_within(&self, vertex: u32, spans: &[(f64, f64); 3]) -> bool {
+        let place = &self.approximate[vertex as usize];
+        (0..3).all(|axis| (spans[axis].0..=spans[axis].1).contains(&place[axis]))
+    }
+}

@@ -1,0 +1,226 @@
+//! The names of the decisions that SPEC section 4 asks for, so that two implementations can be compared decision by
+//! decision.
+
+use std::fmt;
+
+/// One kind of decision of SPEC section 4. Every decision is a yes or a no about named features of the pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Predicate {
+    /// Rough phase: A's box grown by s meets B's.
+    Neighbours,
+    /// A vertex is within `search` of a vertex: `|a − b| ≤ s`.
+    VertexVertexNear,
+    /// A vertex lies in the territory of a vertex: `|a − b| ≤ min(r_a, r_b)`.
+    VertexTerritory,
+    /// A vertex lies in the region of a vertex with respect to one edge there: `(a − b)·e ≤ 0`.
+    VertexRegion,
+    /// The foot of a vertex lies strictly inside an edge.
+    FootInside,
+    /// A vertex is within `search` of an edge's line.
+    VertexEdgeNear,
+    /// A vertex lies in the territory of an edge: its distance to the line is ≤ r_e.
+    EdgeTerritory,
+    /// A vertex lies in the region of an edge with respect to one of its faces: `(a − p)·m ≤ 0`.
+    EdgeRegion,
+    /// The foot on an edge lies in the region of a vertex with respect to one edge there: `(f − a)·e ≤ 0`.
+    FootRegion,
+    /// The gap of a vertex and a face is at most `search`.
+    VertexFaceNear,
+    /// The gap of a vertex and a face is at least −`penetration`.
+    VertexFaceDepth,
+    /// The projection of a vertex lies strictly inside a face.
+    InsideFace,
+    /// An edge direction at a vertex passes a face plane (one edge of "cone passes plane").
+    ConePasses,
+    /// Two edges are nearly parallel.
+    NearlyParallel,
+    /// The feet of the common perpendicular lie strictly inside both edges.
+    FeetInside,
+    /// The gap of two edges is at most `search`.
+    EdgeEdgeNear,
+    /// The gap of two edges is at least −`penetration`.
+    EdgeEdgeDepth,
+    /// The four faces at two edges pass one another ("wedges pass").
+    WedgesPass,
+    /// The plane of an entrance is a true exit: its no-overlap check passes with the tolerance r/10 alone.
+    ///
+    /// Asked under revised criteria only, of planes that pass: of every candidate for an entrance where there are two or
+    /// more, and for one exit of every contact found where at least one of them has h < 0.
+    TrueExit,
+    /// The chosen entrance has a gap of at least −`penetration`.
+    EntranceDepth,
+    /// An entrance candidate is preferred to another (largest gap, Eq. (1), order); asked of the true exits alone where
+    /// there is one.
+    EntranceChoice,
+    /// The sign of the gap of a contact.
+    GapSign,
+    /// A contact of an overlapping vertex is dropped for a face with a larger gap (test 3, shortest exit).
+    ShortestExit,
+    /// A contact stays under "one exit" (test 5).
+    OneExit,
+}
+
+impl Predicate {
+    /// Every predicate, in the order in which they are tested.
+    pub const ALL: [Predicate; 24] = [
+        Predicate::Neighbours,
+        Predicate::VertexVertexNear,
+        Predicate::VertexTerritory,
+        Predicate::VertexRegion,
+        Predicate::FootInside,
+        Predicate::VertexEdgeNear,
+        Predicate::EdgeTerritory,
+        Predicate::EdgeRegion,
+        Predicate::FootRegion,
+        Predicate::VertexFaceNear,
+        Predicate::VertexFaceDepth,
+        Predicate::InsideFace,
+        Predicate::ConePasses,
+        Predicate::NearlyParallel,
+        Predicate::FeetInside,
+        Predicate::EdgeEdgeNear,
+        Predicate::EdgeEdgeDepth,
+        Predicate::WedgesPass,
+        Predicate::TrueExit,
+        Predicate::EntranceDepth,
+        Predicate::EntranceChoice,
+        Predicate::GapSign,
+        Predicate::ShortestExit,
+        Predicate::OneExit,
+    ];
+
+    /// The name used in files: lower case, hyphens.
+    pub fn name(self) -> &'static str {
+        match self {
+            Predicate::Neighbours => "neighbours",
+            Predicate::VertexVertexNear => "vertex-vertex-near",
+            Predicate::VertexTerritory => "vertex-territory",
+            Predicate::VertexRegion => "vertex-region",
+            Predicate::FootInside => "foot-inside",
+            Predicate::VertexEdgeNear => "vertex-edge-near",
+            Predicate::EdgeTerritory => "edge-territory",
+            Predicate::EdgeRegion => "edge-region",
+            Predicate::FootRegion => "foot-region",
+            Predicate::VertexFaceNear => "vertex-face-near",
+            Predicate::VertexFaceDepth => "vertex-face-depth",
+            Predicate::InsideFace => "inside-face",
+            Predicate::ConePasses => "cone-passes",
+            Predicate::NearlyParallel => "nearly-parallel",
+            Predicate::FeetInside => "feet-inside",
+            Predicate::EdgeEdgeNear => "edge-edge-near",
+            Predicate::EdgeEdgeDepth => "edge-edge-depth",
+            Predicate::WedgesPass => "wedges-pass",
+            Predicate::TrueExit => "true-exit",
+            Predicate::EntranceDepth => "entrance-depth",
+            Predicate::EntranceChoice => "entrance-choice",
+            Predicate::GapSign => "gap-sign",
+            Predicate::ShortestExit => "shortest-exit",
+            Predicate::OneExit => "one-exit",
+        }
+    }
+
+    /// The predicate written `name`, if there is one.
+    pub fn from_name(name: &str) -> Option<Predicate> {
+        Self::ALL.into_iter().find(|p| p.name() == name)
+    }
+}
+
+impl fmt::Display for Predicate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Which of the two blocks a feature belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Side {
+    /// The first block of the pair.
+    A,
+    /// The second block of the pair.
+    B,
+}
+
+impl Side {
+    /// The other block.
+    #[must_use]
+    pub fn other(self) -> Side {
+        match self {
+            Side::A => Side::B,
+            Side::B => Side::A,
+        }
+    }
+}
+
+/// A vertex, edge or face of one of the two blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Feature {
+    /// Vertex by number.
+    Vertex(Side, u32),
+    /// Edge by number.
+    Edge(Side, u32),
+    /// Face by number.
+    Face(Side, u32),
+}
+
+impl fmt::Display for Feature {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (letter, side, index) = match self {
+            Feature::Vertex(side, index) => ('v', side, index),
+            Feature::Edge(side, index) => ('e', side, index),
+            Feature::Face(side, index) => ('f', side, index),
+        };
+        write!(f, "{side:?}.{letter}{index}")
+    }
+}
+
+/// One decision: a predicate applied to features.
+///
+/// The features stand in this order, so that two implementations name the same decision alike:
+///
+/// | predicate | features |
+/// | --- | --- |
+/// | neighbours | none |
+/// | vertex-vertex-near, vertex-territory | vertex of A, vertex of B |
+/// | vertex-region | the vertex asked about, the vertex whose region it is, one edge there |
+/// | foot-inside, vertex-edge-near, edge-territory | vertex, edge of the other block |
+/// | edge-region | vertex, edge, one of the edge's two faces |
+/// | foot-region | vertex whose region it is, edge that carries the foot, one edge at the vertex |
+/// | vertex-face-near, vertex-face-depth, inside-face, shortest-exit | vertex, face |
+/// | cone-passes | vertex, face, one edge at the vertex |
+/// | nearly-parallel, feet-inside, edge-edge-near, edge-edge-depth, wedges-pass | edge of A, edge of B |
+/// | entrance-depth, one-exit | A's feature of the contact, B's feature of the contact |
+/// | entrance-choice | A's and B's features of the contact, A's and B's features of the candidate |
+/// | true-exit, gap-sign | A's and B's features of the entrance |
+///
+/// The three questions of depth are not asked of a contact that is kept from the step before.
+///
+/// The outcome is 1 for yes and 0 for no; for gap-sign it is the sign; for entrance-choice, shortest-exit and one-exit
+/// 1 says that the candidate is chosen, the contact stays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Decision {
+    /// What was asked.
+    pub predicate: Predicate,
+    /// The features it was asked of, in the order of the table above; unused places are `None`.
+    pub features: [Option<Feature>; 4],
+}
+
+impl Decision {
+    /// A decision about `features` (at most four).
+    pub fn about(predicate: Predicate, features: &[Feature]) -> Decision {
+        let mut all = [None; 4];
+        for (place, feature) in all.iter_mut().zip(features) {
+            *place = Some(*feature);
+        }
+        Decision { predicate, features: all }
+    }
+}
+
+impl fmt::Display for Decision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}(", self.predicate)?;
+        for (i, feature) in self.features.iter().flatten().enumerate() {
+            write!(f, "{}{feature}", if i == 0 { "" } else { ", " })?;
+        }
+        write!(f, ")")
+    }
+}

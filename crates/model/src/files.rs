@@ -1,0 +1,106 @@
+//! Reading files that have an end.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+
+/// The largest file that is read: 1 GiB. The largest scene of a few thousand blocks takes a hundredth of that.
+pub(crate) const LARGEST_INPUT: u64 = 1 << 30;
+
+/// The bytes of a file of at most [`LARGEST_INPUT`]. A pipe is read as a file is; a device is refused unread, since it
+/// may have no end, and whatever grows while it is read is given up at the limit.
+///
+/// # Errors
+/// Those of the operating system; [`io::ErrorKind::FileTooLarge`] beyond the limit and
+/// [`io::ErrorKind::InvalidInput`] for a device, the limit being named in both.
+pub(crate) fn read_limited(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
+    read_at_most(path.as_ref(), LARGEST_INPUT)
+}
+
+fn read_at_most(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    let about = file.metadata()?;
+    if is_device(&about.file_type()) {
+        let text = format!("this is a device and may have no end; files of at most {limit} bytes are read");
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
+    }
+    let too_large = |found: String| {
+        let text = format!("the file has {found} bytes; at most {limit} are read, so split it into several files");
+        Err(io::Error::new(io::ErrorKind::FileTooLarge, text))
+    };
+    if about.len() > limit {
+        return too_large(about.len().to_string());
+    }
+    let mut bytes = Vec::with_capacity(about.len() as usize);
+    file.take(limit + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit { too_large(format!("more than {limit}")) } else { Ok(bytes) }
+}
+
+#[cfg(unix)]
+fn is_device(kind: &fs::FileType) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    kind.is_char_device() || kind.is_block_device()
+}
+
+#[cfg(not(unix))]
+fn is_device(_: &fs::FileType) -> bool {
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_up_to_the_limit_and_no_further() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.toml");
+        fs::write(&path, b"12345").unwrap();
+        assert_eq!(read_at_most(&path, 5).unwrap(), b"12345");
+        let error = read_at_most(&path, 4).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::FileTooLarge);
+        assert!(error.to_string().contains("has 5 bytes; at most 4"), "{error}");
+        assert_eq!(read_limited(&path).unwrap(), b"12345");
+    }
+
+    #[test]
+    fn a_file_beyond_the_limit_is_refused_unread() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sparse.dda");
+        // Sparse: it takes no room on the disk.
+        File::create(&path).unwrap().set_len(LARGEST_INPUT + 1).unwrap();
+        let error = crate::Scene::load(&path).unwrap_err().to_string();
+        assert!(
+            error.contains("sparse.dda") && error.contains("1073741825") && error.contains("1073741824"),
+            "{error}"
+        );
+    }
+
+    /// What says it is empty and is not, as files of the system do, is given up at the limit.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_file_that_hides_its_length_is_limited() {
+        assert_eq!(fs::metadata("/proc/self/maps").unwrap().len(), 0);
+        let error = read_at_most(Path::new("/proc/self/maps"), 10).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::FileTooLarge);
+        assert!(error.to_string().contains("more than 10"), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_an_endless_device_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let zeros = folder.path().join("zeros.toml");
+        std::os::unix::fs::symlink("/dev/zero", &zeros).unwrap();
+        for error in [crate::Scene::load(&zeros).unwrap_err(), crate::ToleranceSpec::load(&zeros).unwrap_err()] {
+            let text = error.to_string();
+            assert!(text.contains("zeros.toml") && text.contains("device") && text.contains("1073741824"), "{text}");
+        }
+        // Named by a scene.
+        std::os::unix::fs::symlink("/dev/zero", folder.path().join("zeros.dda")).unwrap();
+        let scene = folder.path().join("scene.toml");
+        fs::write(&scene, "[[block]]\nfile = \"zeros.dda\"\n").unwrap();
+        let text = crate::Scene::load(&scene).unwrap_err().to_string();
+        assert!(text.contains("zeros.dda") && text.contains("device"), "{text}");
+    }
+}

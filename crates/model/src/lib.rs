@@ -1,0 +1,35 @@
+//! The words both halves of Rockproof share: exact numbers, blocks and their features, contacts, tolerance sets,
+//! scenes, and the files they come from. Nothing here classifies a contact: the oracle and the stepper each do
+//! that with arithmetic of their own.
+
+pub mod block;
+pub mod contact;
+pub mod decision;
+mod files;
+pub mod lattice;
+pub mod number;
+pub mod number_text;
+pub mod preset;
+pub mod ring;
+pub mod rules;
+pub mod scene;
+pub mod sign;
+pub mod simulation;
+pub mod spec;
+pub mod tolerance;
+pub mod topology;
+pub mod vector;
+
+pub use block::{Block, BlockError, BlockOptions, Bounds, Merged, Merging, Point};
+pub use contact::{Contact, ContactKey, ContactKind, Entrance, EntranceKind};
+pub use number::{Number, NumberError, Precision};
+pub use preset::{Preset, PresetError};
+pub use ring::Ring;
+pub use rules::{Rule, Violation};
+pub use scene::{LoadOptions, Scene, SceneBlock, SceneError};
+pub use sign::Sign;
+pub use simulation::{Body, Motion, Simulation};
+pub use spec::{SpecError, ToleranceSpec};
+pub use tolerance::{Criteria, ToleranceSet};
+pub use topology::{Topology, TopologyError};
+pub use vector::Vec3;

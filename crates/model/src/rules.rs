@@ -1,0 +1,461 @@
+//! The rules a tolerance set must meet for the blocks it is used with (SPEC section 3), compared exactly.
+//!
+//! [`check`] knows blocks alone; [`check_scene`] also knows what they weigh and how stiff their joints are.
+
+// Longer than 400 lines: rule after rule with its reason and its remedy, as in the table of SPEC section 3.
+
+mod stiffness;
+
+pub use stiffness::{check_scene, stiffness_slack};
+
+use crate::block::Block;
+use crate::lattice::Lattice;
+use crate::number::{Number, Precision};
+use crate::tolerance::{Criteria, LAMBDA_INVERSE, ToleranceSet};
+use crate::topology::Edge;
+use crate::vector::Vec3;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::Signed;
+use std::fmt;
+
+/// A rule of SPEC section 3. ℓ is the shortest and L the longest edge, R the largest block radius, M the largest
+/// coordinate magnitude, eps the precision in use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Rule {
+    /// `search ≥ 2·max_displacement`
+    Search,
+    /// `penetration ≥ max_displacement`
+    Penetration,
+    /// `territory ≤ search`
+    TerritoryInSearch,
+    /// `territory ≤ ℓ/4`
+    TerritoryOnEdge,
+    /// `territory ≥ 2⁸·eps·M`
+    TerritoryResolved,
+    /// `max_displacement ≤ ℓ/4`
+    Displacement,
+    /// `max_rotation²·R ≤ 2·penetration`
+    Rotation,
+    /// `parallel_sine·L ≤ territory`, under the classic criteria
+    ParallelEdges,
+    /// `overlap_sine·L ≤ penetration`, under the classic criteria
+    Overlap,
+    /// `W/(p·n) ≤ penetration`: W a block's weight, n the corners of its smallest face, p the softest normal stiffness
+    /// that its joint material can meet
+    Stiffness,
+}
+
+impl Rule {
+    /// All rules, in order.
+    pub const ALL: [Rule; 10] = [
+        Rule::Search,
+        Rule::Penetration,
+        Rule::TerritoryInSearch,
+        Rule::TerritoryOnEdge,
+        Rule::TerritoryResolved,
+        Rule::Displacement,
+        Rule::Rotation,
+        Rule::ParallelEdges,
+        Rule::Overlap,
+        Rule::Stiffness,
+    ];
+
+    /// The rule in a formula.
+    pub fn formula(self) -> &'static str {
+        match self {
+            Rule::Search => "search ≥ 2·max_displacement",
+            Rule::Penetration => "penetration ≥ max_displacement",
+            Rule::TerritoryInSearch => "territory ≤ search",
+            Rule::TerritoryOnEdge => "territory ≤ (shortest edge)/4",
+            Rule::TerritoryResolved => "territory ≥ 2⁸·eps·(largest coordinate)",
+            Rule::Displacement => "max_displacement ≤ (shortest edge)/4",
+            Rule::Rotation => "max_rotation²·(block radius) ≤ 2·penetration",
+            Rule::ParallelEdges => "parallel_sine·(longest edge) ≤ territory",
+            Rule::Overlap => "overlap_sine·(longest edge) ≤ penetration",
+            Rule::Stiffness => "(block weight)/(normal_stiffness·corners of its smallest face) ≤ penetration",
+        }
+    }
+
+    /// Why the rule exists.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Rule::Search => "two blocks may each move max_displacement towards the other in one step",
+            Rule::Penetration => "an overlap of one step must still be seen as a contact",
+            Rule::TerritoryInSearch => "a vertex in a territory must be near enough to be a contact",
+            Rule::TerritoryOnEdge => "territories of an edge's two ends must leave most of it free",
+            Rule::TerritoryResolved => "rounding of the coordinates must not decide what lies in a territory",
+            Rule::Displacement => "a vertex must not jump over a feature in one step",
+            Rule::Rotation => "first-order kinematics swells a block by max_rotation²·radius/2",
+            Rule::ParallelEdges => "edges taken for parallel must stay within the territory of one another",
+            Rule::Overlap => "a corner let through at an angle must not be deeper than a contact is followed",
+            Rule::Stiffness => "a block at rest on its smallest face must not sink deeper than a contact is followed",
+        }
+    }
+}
+
+/// Where the length that decides a rule is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Index among the blocks given.
+    pub block: usize,
+    /// The ends of an edge, when it is an edge.
+    pub edge: Option<(u32, u32)>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.edge {
+            Some((p, q)) => write!(f, "edge {p}-{q} of block {}", self.block),
+            None => write!(f, "block {}", self.block),
+        }
+    }
+}
+
+/// A rule that a tolerance set does not meet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Violation {
+    /// The rule.
+    pub rule: Rule,
+    /// The left side of its formula.
+    pub found: f64,
+    /// The right side of its formula.
+    pub allowed: f64,
+    /// Where the deciding length is.
+    pub place: Option<Place>,
+    /// What would satisfy the rule.
+    pub remedy: String,
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let relation = if self.found < self.allowed { "below" } else { "above" };
+        write!(f, "{}: {:.6e} is {relation} {:.6e}", self.rule.formula(), self.found, self.allowed)?;
+        if let Some(place) = self.place {
+            write!(f, " ({place})")?;
+        }
+        write!(f, "; satisfied by {}", self.remedy)
+    }
+}
+
+/// How far a tolerance set is from breaking a rule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slack {
+    /// The rule.
+    pub rule: Rule,
+    /// The side of its formula that must be the larger one over the other: 1 where the rule is just met, below 1 where it is not,
+    /// infinite where the smaller side is 0. Within some ulps of the exact ratio.
+    pub factor: f64,
+}
+
+/// What the rules need to know of some blocks, measured once for many sets.
+pub struct Measured(Option<Extremes>);
+
+impl Measured {
+    /// Measures the blocks.
+    pub fn of(blocks: &[&Block]) -> Measured {
+        Measured(Extremes::of(blocks))
+    }
+
+    /// As [`check`].
+    pub fn check(&self, set: &ToleranceSet, precision: Precision) -> Vec<Violation> {
+        self.compare(set, precision).found
+    }
+
+    /// How far the set is from breaking each rule of [`check`] that concerns it, in the order of [`Rule`].
+    pub fn slacks(&self, set: &ToleranceSet, precision: Precision) -> Vec<Slack> {
+        let mut slacks = self.compare(set, precision).slacks;
+        // Nothing is asked where both sides are 0.
+        slacks.iter_mut().filter(|slack| slack.factor.is_nan()).for_each(|slack| slack.factor = f64::INFINITY);
+        slacks.sort_by_key(|slack| slack.rule);
+        slacks
+    }
+
+    fn compare(&self, set: &ToleranceSet, precision: Precision) -> Violations {
+        let mut violations = between(set);
+        if let Some(extremes) = &self.0 {
+            extremes.check(set, precision, &mut violations);
+        }
+        violations.found.sort_by_key(|v| v.rule);
+        violations
+    }
+}
+
+/// Every rule that `set` does not meet for these blocks in this precision, in the order of [`Rule`]; all comparisons
+/// are exact. Without blocks, only the rules between tolerances.
+pub fn check(set: &ToleranceSet, blocks: &[&Block], precision: Precision) -> Vec<Violation> {
+    Measured::of(blocks).check(set, precision)
+}
+
+/// The rules between tolerances.
+fn between(set: &ToleranceSet) -> Violations {
+    let two = BigRational::from_integer(2.into());
+    let [search, territory, penetration, displacement] =
+        [&set.search, &set.territory, &set.penetration, &set.max_displacement].map(Number::to_rational);
+    let mut violations = Violations::default();
+
+    violations.at_least(
+        Rule::Search,
+        (&search, &(&displacement * &two)),
+        None,
+        &[("search", Bound::OrMore(&displacement * &two)), ("max_displacement", Bound::OrLess(&search / &two))],
+    );
+    violations.at_least(
+        Rule::Penetration,
+        (&penetration, &displacement),
+        None,
+        &[
+            ("penetration", Bound::OrMore(displacement.clone())),
+            ("max_displacement", Bound::OrLess(penetration.clone())),
+        ],
+    );
+    violations.at_most(
+        Rule::TerritoryInSearch,
+        (&territory, &search),
+        None,
+        &[("territory", Bound::OrLess(search.clone())), ("search", Bound::OrMore(territory.clone()))],
+    );
+    violations
+}
+
+/// What a tolerance would have to be.
+enum Bound {
+    OrMore(BigRational),
+    OrLess(BigRational),
+    /// The square root or more.
+    RootOrMore(BigRational),
+    /// The square root or less.
+    RootOrLess(BigRational),
+}
+
+impl Bound {
+    /// Six digits on the safe side of the bound.
+    fn text(&self, name: &str) -> String {
+        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
+        let is_f64 = |value: &BigRational| Number::from_rational(value.clone()).as_f64().is_some();
+        match self {
+            Bound::OrMore(value) => format!("{name} ≥ {}", six_digits(near(value), true, is_f64(value))),
+            Bound::RootOrMore(value) => format!("{name} ≥ {}", six_digits(near(value).sqrt(), true, false)),
+            Bound::OrLess(value) => format!("{name} ≤ {}", six_digits(near(value), false, is_f64(value))),
+            Bound::RootOrLess(value) => format!("{name} ≤ {}", six_digits(near(value).sqrt(), false, false)),
+        }
+    }
+}
+
+/// The nearest number of six digits that is above `value` (`up`) or below it; `value` itself when that is the bound,
+/// not a rounding of it.
+fn six_digits(value: f64, up: bool, is_bound: bool) -> String {
+    let text = format!("{value:.5e}");
+    let near: f64 = text.parse().unwrap_or(value);
+    if near == value && (is_bound || value == 0.0) || (if up { near > value } else { near < value }) {
+        return plain(near);
+    }
+    let exponent: i32 = text.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
+    let unit: f64 = format!("1e{}", exponent - 5).parse().unwrap_or(0.0);
+    let moved = if up { near + unit } else { near - unit };
+    plain(format!("{moved:.5e}").parse().unwrap_or(moved))
+}
+
+fn plain(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) { format!("{value:e}") } else { value.to_string() }
+}
+
+#[derive(Default)]
+struct Violations {
+    found: Vec<Violation>,
+    slacks: Vec<Slack>,
+}
+
+impl Violations {
+    fn at_least(
+        &mut self,
+        rule: Rule,
+        sides: (&BigRational, &BigRational),
+        place: Option<Place>,
+        remedies: &[(&str, Bound)],
+    ) {
+        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
+        self.slacks.push(Slack { rule, factor: near(sides.0) / near(sides.1) });
+        if sides.0 < sides.1 {
+            self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
+        }
+    }
+
+    fn at_most(
+        &mut self,
+        rule: Rule,
+        sides: (&BigRational, &BigRational),
+        place: Option<Place>,
+        remedies: &[(&str, Bound)],
+    ) {
+        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
+        self.slacks.push(Slack { rule, factor: near(sides.1) / near(sides.0) });
+        if sides.0 > sides.1 {
+            self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
+        }
+    }
+
+    /// As `at_most`, of two squares.
+    fn at_most_squared(
+        &mut self,
+        rule: Rule,
+        sides: (&BigRational, &BigRational),
+        place: Option<Place>,
+        remedies: &[(&str, Bound)],
+    ) {
+        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate().sqrt();
+        self.slacks.push(Slack { rule, factor: near(sides.1) / near(sides.0) });
+        if sides.0 > sides.1 {
+            self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
+        }
+    }
+
+    fn push(&mut self, rule: Rule, (found, allowed): (f64, f64), place: Option<Place>, remedies: &[(&str, Bound)]) {
+        let remedy = remedies.iter().map(|(name, bound)| bound.text(name)).collect::<Vec<_>>().join(" or ");
+        self.found.push(Violation { rule, found, allowed, place, remedy });
+    }
+}
+
+/// The lengths of a model that rules are about, exactly; lengths squared, in m².
+struct Extremes {
+    shortest_squared: BigRational,
+    shortest: Place,
+    longest_squared: BigRational,
+    longest: Place,
+    radius_squared: BigRational,
+    widest: Place,
+    largest_coordinate: BigRational,
+    furthest: Place,
+}
+
+impl Extremes {
+    fn of(blocks: &[&Block]) -> Option<Extremes> {
+        let (mut edges, mut radii, mut reach) = (Vec::new(), Vec::new(), Vec::new());
+        for (block, shape) in blocks.iter().enumerate() {
+            // A lattice of its own for every block: one for all could need the product of all denominators.
+            let lattice = Lattice::covering(shape.coordinates());
+            let (numerator, denominator) = lattice.units_per_metre();
+            let metres = BigRational::new(denominator, numerator);
+            let metres_squared = &metres * &metres;
+            let points: Vec<Vec3<BigInt>> = shape.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
+            let length = |edge: &Edge| points[edge.q as usize].minus(&points[edge.p as usize]).norm_squared();
+            let lengths = shape.topology().edges().iter().map(|e| (length(e), (e.p, e.q)));
+            let (shortest, longest) =
+                (lengths.clone().min()?, lengths.max_by(|a, b| a.0.cmp(&b.0).then(b.1.cmp(&a.1)))?);
+            for (squared, ends) in [shortest, longest] {
+                edges.push((BigRational::from_integer(squared) * &metres_squared, Place { block, edge: Some(ends) }));
+            }
+            let place = Place { block, edge: None };
+            radii.push((radius_squared(shape, &points) * &metres_squared, place));
+            let largest = points.iter().flat_map(|p| p.components().map(|c| c.abs())).max()?;
+            reach.push((BigRational::from_integer(largest) * metres, place));
+        }
+        // The first of equals, so that the place named does not depend on chance.
+        let least = |all: &[(BigRational, Place)]| all.iter().min_by(|a, b| a.0.cmp(&b.0)).cloned();
+        let greatest = |all: &[(BigRational, Place)]| all.iter().rev().max_by(|a, b| a.0.cmp(&b.0)).cloned();
+        let ((shortest_squared, shortest), (longest_squared, longest)) = (least(&edges)?, greatest(&edges)?);
+        let ((radius_squared, widest), (largest_coordinate, furthest)) = (greatest(&radii)?, greatest(&reach)?);
+        Some(Extremes {
+            shortest_squared,
+            shortest,
+            longest_squared,
+            longest,
+            radius_squared,
+            widest,
+            largest_coordinate,
+            furthest,
+        })
+    }
+
+    fn check(&self, set: &ToleranceSet, precision: Precision, violations: &mut Violations) {
+        let squared = |n: &Number| {
+            let value = n.to_rational();
+            &value * &value
+        };
+        let lambda_squared = BigRational::new(1.into(), (LAMBDA_INVERSE * LAMBDA_INVERSE).into());
+        let quarter = &self.shortest_squared * lambda_squared;
+        let territory = set.territory.to_rational();
+        violations.at_most_squared(
+            Rule::TerritoryOnEdge,
+            (&squared(&set.territory), &quarter),
+            Some(self.shortest),
+            &[("territory", Bound::RootOrLess(quarter.clone()))],
+        );
+        let eps = Number::from_f64(256.0 * precision.epsilon()).unwrap_or(Number::ZERO).to_rational();
+        let resolved = &eps * &self.largest_coordinate;
+        violations.at_least(
+            Rule::TerritoryResolved,
+            (&territory, &resolved),
+            Some(self.furthest),
+            &[("territory", Bound::OrMore(resolved.clone())), ("all coordinates", Bound::OrLess(&territory / &eps))],
+        );
+        violations.at_most_squared(
+            Rule::Displacement,
+            (&squared(&set.max_displacement), &quarter),
+            Some(self.shortest),
+            &[("max_displacement", Bound::RootOrLess(quarter.clone()))],
+        );
+        self.check_rotation(set, violations);
+        if set.criteria == Criteria::Classic {
+            let territory_squared = squared(&set.territory);
+            let parallel = squared(&set.parallel_sine) * &self.longest_squared;
+            violations.at_most_squared(
+                Rule::ParallelEdges,
+                (&parallel, &territory_squared),
+                Some(self.longest),
+                &[
+                    ("parallel_sine", Bound::RootOrLess(&territory_squared / &self.longest_squared)),
+                    ("territory", Bound::RootOrMore(parallel.clone())),
+                ],
+            );
+            let penetration_squared = squared(&set.penetration);
+            let overlap = squared(&set.overlap_sine) * &self.longest_squared;
+            violations.at_most_squared(
+                Rule::Overlap,
+                (&overlap, &penetration_squared),
+                Some(self.longest),
+                &[
+                    ("overlap_sine", Bound::RootOrLess(&penetration_squared / &self.longest_squared)),
+                    ("penetration", Bound::RootOrMore(overlap.clone())),
+                ],
+            );
+        }
+    }
+
+    /// ω²·R ≤ 2g as ω⁴·R² ≤ 4g².
+    fn check_rotation(&self, set: &ToleranceSet, violations: &mut Violations) {
+        let rotation = set.max_rotation.to_rational().pow(2);
+        let twice = set.penetration.to_rational() * BigRational::from_integer(2.into());
+        let swelling_squared = &rotation * &rotation * &self.radius_squared;
+        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
+        let swelling = near(&swelling_squared).sqrt();
+        violations.slacks.push(Slack { rule: Rule::Rotation, factor: near(&twice) / swelling });
+        if swelling_squared > &twice * &twice {
+            // Six digits on the safe side leave room for the two roots taken here.
+            let largest = (near(&twice) / near(&self.radius_squared).sqrt()).sqrt();
+            let remedy = format!(
+                "max_rotation ≤ {} or penetration ≥ {}",
+                six_digits(largest, false, false),
+                six_digits(swelling / 2.0, true, false)
+            );
+            let (found, allowed) = (swelling, near(&twice));
+            violations.found.push(Violation { rule: Rule::Rotation, found, allowed, place: Some(self.widest), remedy });
+        }
+    }
+}
+
+/// Largest squared distance of a vertex from the centroid, in lattice units.
+fn radius_squared(block: &Block, points: &[Vec3<BigInt>]) -> BigRational {
+    let moments = block.moments(points);
+    let weight = &moments.six_volumes * BigInt::from(4);
+    let furthest = points
+        .iter()
+        .map(|p| p.minus(&points[0]).scaled(&weight).minus(&moments.sum).norm_squared())
+        .max()
+        .unwrap_or_default();
+    if weight.is_positive() {
+        BigRational::new(furthest, &weight * &weight)
+    } else {
+        BigRational::from_integer(furthest)
+    }
+}

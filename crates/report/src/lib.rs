@@ -1,0 +1,85 @@
+//! From results on disk to one page that opens without a network, the same tables as CSV, and a short text for a pull
+//! request (docs/report.md).
+//!
+//! Reading, counting and showing are apart: [`load`] and its neighbours read runs and say where one is damaged; [`sections`] makes
+//! tables, charts and views of them; [`page`] and [`markdown`] write these down.
+
+pub mod chart;
+pub mod fault;
+pub mod glossary;
+pub mod load;
+pub mod lockstep;
+pub mod markdown;
+pub mod page;
+mod rows;
+pub mod sections;
+pub mod stress;
+pub mod table;
+pub mod tally;
+pub mod timing;
+pub mod verdict;
+pub mod view;
+
+use fault::ReportError;
+use load::Results;
+use rockproof_results::{Claim, Directory, Kind, Owner, Start};
+use sections::Section;
+use std::path::{Path, PathBuf};
+use verdict::Line;
+
+/// A report, ready to be written.
+#[derive(Debug)]
+pub struct Report {
+    /// What it is about, in a few words.
+    pub title: String,
+    /// The verdict in three lines.
+    pub verdict: Vec<Line>,
+    /// The sections.
+    pub sections: Vec<Section>,
+}
+
+/// The name of the page in the output directory.
+pub const PAGE: &str = "report.html";
+/// The name of the text in the output directory.
+pub const TEXT: &str = "report.md";
+/// The name of the directory of the tables in it.
+pub const TABLES: &str = "tables";
+
+impl Report {
+    /// The report on the runs in these directories.
+    ///
+    /// # Errors
+    /// When one is no run, is damaged, or was made by another version.
+    pub fn of(dirs: &[PathBuf]) -> Result<Report, ReportError> {
+        let results = Results::read(dirs)?;
+        let names = results.campaigns.iter().map(|run| &run.name);
+        let names = names.chain(results.locksteps.iter().map(|run| &run.name));
+        let names = names.chain(results.stresses.iter().map(|run| &run.name));
+        let names = names.chain(results.timings.iter().map(|run| &run.name));
+        let mut names: Vec<&str> = names.map(String::as_str).collect();
+        names.dedup();
+        let title = match names.len() {
+            0..=3 => names.join(", "),
+            n => format!("{} and {} more runs", names[..2].join(", "), n - 2),
+        };
+        Ok(Report { title, verdict: verdict::verdict(&results), sections: sections::all(&results)? })
+    }
+
+    /// Writes the tables into `dir`, and the page or the text beside them. A report that is there already is replaced where
+    /// `start` says so; files that are no part of it stay.
+    ///
+    /// # Errors
+    /// When the directory holds something that may not be touched, or cannot be written.
+    pub fn write(&self, dir: &Path, name: &str, contents: &str, start: Start) -> Result<PathBuf, ReportError> {
+        let tables: Vec<&table::Table> = self.sections.iter().flat_map(Section::tables).collect();
+        let names: Vec<String> = tables.iter().map(|table| format!("{TABLES}/{}.csv", table.name)).collect();
+        let files: Vec<&str> = names.iter().map(String::as_str).chain([name]).collect();
+        let mut directory = Directory::claim(Claim { dir, owner: Owner::Report, start, files: &files })?;
+        directory.make_folder(TABLES)?;
+        for (table, name) in tables.iter().zip(&names) {
+            directory.write(name, Kind::Table, table.to_csv()?.as_ref())?;
+        }
+        directory.write(name, Kind::Text, contents.as_bytes())?;
+        Ok(dir.join(name))
+    }
+}

@@ -1,0 +1,348 @@
+//! Reads the directories of runs.
+
+use super::fault::{ReportError, at};
+use super::rows::Rows;
+use super::tally::Tally;
+use super::{lockstep, stress, timing};
+use rockproof_campaign::interval::{Clusters, Share};
+use rockproof_campaign::steps::STEP_SUMMARY_COLUMNS;
+use rockproof_campaign::steps::summary::{Counts, Depths, Place};
+use rockproof_differential::agreement::{AGREEMENT_COLUMNS, CONFUSION_COLUMNS, Compared, Span};
+use rockproof_differential::finding::FINDING_COLUMNS;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Everything a report is made of.
+#[derive(Debug, Default)]
+pub struct Results {
+    /// Campaigns, in the order they were given.
+    pub campaigns: Vec<CampaignRun>,
+    /// Runs in which stepper and oracle made the same steps.
+    pub locksteps: Vec<lockstep::LockstepRun>,
+    /// Stress sets.
+    pub stresses: Vec<stress::StressRun>,
+    /// Measurements of run time against error.
+    pub timings: Vec<timing::TimingRun>,
+}
+
+/// What `run.json` tells.
+#[derive(Clone, Debug, Deserialize)]
+pub struct RunFile {
+    /// The program's version.
+    pub version: String,
+    /// The seed.
+    pub seed: u64,
+    /// The configuration.
+    pub configuration: Map<String, Value>,
+    /// Where it ran.
+    pub machine: Machine,
+    /// Whether all pairs are done.
+    pub finished: bool,
+    /// Pairs done.
+    pub pairs: u64,
+    /// Contacts in the exact answers.
+    pub contacts: u64,
+    /// How many findings.
+    pub findings: FindingCounts,
+    /// Metamorphic checks made.
+    pub metamorphic_checks: u64,
+    /// How long it took.
+    pub seconds: f64,
+}
+
+/// Where a campaign ran.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Machine {
+    /// The operating system.
+    pub os: String,
+    /// The processor's architecture.
+    pub architecture: String,
+    /// How many cores it has.
+    pub cores: u64,
+}
+
+/// How many findings.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct FindingCounts {
+    /// All of them.
+    pub total: u64,
+}
+
+/// Sums of [`rockproof_differential::agreement::Counts`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sums {
+    /// Pairs compared.
+    pub pairs: u64,
+    /// Pairs with the same answer on both sides.
+    pub agreeing: u64,
+    /// Pairs without an answer.
+    pub silent: u64,
+    /// Contacts on the earlier side.
+    pub contacts: u64,
+    /// Kept contacts with another entrance.
+    pub entrance: u64,
+    /// Kept contacts whose gap has another sign.
+    pub gap_sign: u64,
+    /// How pairs of a batch hang together.
+    pub clusters: Clusters,
+}
+
+impl Sums {
+    /// Adds the sums of `other`.
+    pub fn add(&mut self, other: &Sums) {
+        self.pairs += other.pairs;
+        self.agreeing += other.agreeing;
+        self.silent += other.silent;
+        self.contacts += other.contacts;
+        self.entrance += other.entrance;
+        self.gap_sign += other.gap_sign;
+        self.clusters.add(&other.clusters);
+    }
+
+    /// The share of pairs with the same answer, of all that were compared.
+    pub fn agreement(&self) -> Option<Share> {
+        Share::of(self.agreeing, self.pairs, self.clusters.effective(self.agreeing, self.pairs))
+    }
+}
+
+/// Which kind became which, and how often.
+pub type Confusion = BTreeMap<(String, String), u64>;
+
+/// A campaign read from disk.
+#[derive(Debug)]
+pub struct CampaignRun {
+    /// Its directory, as given.
+    pub dir: PathBuf,
+    /// Its name in the report: that of the directory.
+    pub name: String,
+    /// What `run.json` tells.
+    pub run: RunFile,
+    /// Counts by family and what was compared.
+    pub agreement: Vec<(String, Compared, Sums)>,
+    /// Kinds by what was compared.
+    pub confusion: BTreeMap<Compared, Confusion>,
+    /// The findings, counted.
+    pub tally: Tally,
+    /// Counts of steps by family, tolerance set and engine; empty where no pair made any.
+    pub steps: Vec<(Place, Counts)>,
+}
+
+impl Results {
+    /// Reads the directories.
+    ///
+    /// # Errors
+    /// When one is no run, is damaged, or was made by another version.
+    pub fn read(dirs: &[PathBuf]) -> Result<Results, ReportError> {
+        let mut results = Results::default();
+        for dir in dirs {
+            let has = |name: &str| dir.join(name).is_file();
+            let (campaign, lockstep, timing) = (has("findings.csv"), has("lockstep.csv"), has(timing::FILE));
+            let stress = has(stress::FILE);
+            if !campaign && !lockstep && !timing && !stress {
+                return Err(ReportError::NoRun { dir: dir.clone(), found: what_is_there(dir) });
+            }
+            if campaign {
+                results.campaigns.push(CampaignRun::read(dir)?);
+            }
+            if lockstep {
+                results.locksteps.push(lockstep::LockstepRun::read(dir)?);
+            }
+            if stress {
+                results.stresses.push(stress::StressRun::read(dir)?);
+            }
+            if timing {
+                results.timings.push(timing::TimingRun::read(dir)?);
+            }
+        }
+        let mut names: Vec<String> = results.campaigns.iter().map(|c| c.name.clone()).collect();
+        names.sort();
+        if names.windows(2).any(|two| two[0] == two[1]) {
+            for campaign in &mut results.campaigns {
+                campaign.name = campaign.dir.display().to_string();
+            }
+        }
+        Ok(results)
+    }
+}
+
+fn what_is_there(dir: &Path) -> String {
+    if dir.is_file() {
+        return "a file, not a directory".to_owned();
+    }
+    let Ok(entries) = std::fs::read_dir(dir) else { return "no such directory".to_owned() };
+    let mut names: Vec<String> = entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    match names.len() {
+        0 => "an empty directory".to_owned(),
+        n if n > 6 => format!("{} and {} more", names[..6].join(", "), n - 6),
+        _ => names.join(", "),
+    }
+}
+
+/// The name of a run in the report.
+pub(super) fn name_of(dir: &Path) -> String {
+    let last = dir.file_name().map(|name| name.to_string_lossy().into_owned());
+    last.unwrap_or_else(|| dir.display().to_string())
+}
+
+/// Reads a JSON file that names the version that wrote it.
+pub(super) fn read_json<T: for<'d> Deserialize<'d>>(file: &Path) -> Result<T, ReportError> {
+    let text = std::fs::read_to_string(file).map_err(at(file))?;
+    let damaged = |error: &serde_json::Error, expected: &str| ReportError::Damaged {
+        file: file.to_owned(),
+        line: error.line() as u64,
+        found: error.to_string(),
+        expected: expected.to_owned(),
+    };
+    #[derive(Deserialize)]
+    struct Versioned {
+        version: String,
+    }
+    // The version first: a file of another version may hold anything else.
+    let Versioned { version } = serde_json::from_str(&text).map_err(|e| damaged(&e, "JSON with a \"version\""))?;
+    let ours = env!("CARGO_PKG_VERSION");
+    let series = |version: &str| version.rsplit_once('.').map_or(version.to_owned(), |(series, _)| series.to_owned());
+    if series(&version) != series(ours) {
+        let line = text.lines().position(|line| line.contains("\"version\"")).map_or(1, |n| n as u64 + 1);
+        return Err(ReportError::Version { file: file.to_owned(), line, found: version, ours });
+    }
+    serde_json::from_str(&text).map_err(|e| damaged(&e, "what this version writes there"))
+}
+
+impl CampaignRun {
+    fn read(dir: &Path) -> Result<CampaignRun, ReportError> {
+        let run: RunFile = read_json(&dir.join("run.json"))?;
+        let agreement = read_agreement(&dir.join("agreement.csv"))?;
+        let confusion = read_confusion(&dir.join("confusion.csv"))?;
+        let file = dir.join("findings.csv");
+        let mut rows = Rows::open(file.clone(), &FINDING_COLUMNS)?;
+        let mut tally = Tally::default();
+        while let Some(row) = rows.next(&FINDING_COLUMNS)? {
+            tally.add(row.parsed()?);
+        }
+        if tally.total != run.findings.total {
+            return Err(ReportError::Contradiction {
+                file,
+                found: format!("{} findings", tally.total),
+                other: format!("run.json counts {}: a file was changed or cut off", run.findings.total),
+            });
+        }
+        let name = name_of(dir);
+        let file = dir.join("step_summary.csv");
+        let steps = if file.is_file() { read_steps(&file)? } else { Vec::new() };
+        Ok(CampaignRun { dir: dir.to_owned(), name, run, agreement, confusion, tally, steps })
+    }
+
+    /// Sums over families and over the rungs of ladders, by what was compared; see [`setting`].
+    pub fn by_setting(&self) -> BTreeMap<Compared, Sums> {
+        let mut sums: BTreeMap<Compared, Sums> = BTreeMap::new();
+        for (_, compared, counts) in &self.agreement {
+            let compared = Compared { tolerances: setting(&compared.tolerances), ..compared.clone() };
+            sums.entry(compared).or_default().add(counts);
+        }
+        sums
+    }
+
+    /// Sums over tolerance sets, by family, span and engine.
+    pub fn by_family(&self) -> BTreeMap<(&str, Span, &str), Sums> {
+        let mut sums: BTreeMap<(&str, Span, &str), Sums> = BTreeMap::new();
+        for (family, compared, counts) in &self.agreement {
+            sums.entry((family, compared.span, &compared.engine)).or_default().add(counts);
+        }
+        sums
+    }
+
+    /// The engines, in order.
+    pub fn engines(&self) -> Vec<String> {
+        let of = self.agreement.iter().filter(|(_, c, _)| matches!(c.span, Span::Arithmetic | Span::Whole));
+        of.map(|(_, c, _)| c.engine.clone()).collect::<std::collections::BTreeSet<_>>().into_iter().collect()
+    }
+
+    /// Sums over everything, for an engine: the whole chain, or the arithmetic alone for an engine that says only how blocks
+    /// lie.
+    pub fn of_engine(&self, engine: &str) -> Sums {
+        let mut whole = Sums::default();
+        for span in [Span::Whole, Span::Arithmetic] {
+            for (_, _, counts) in self.agreement.iter().filter(|(_, c, _)| c.span == span && c.engine == engine) {
+                whole.add(counts);
+            }
+            if whole.pairs > whole.silent {
+                break;
+            }
+            whole = Sums::default();
+        }
+        whole
+    }
+}
+
+/// The setting a set belongs to: itself, or for a set that a ladder has changed, all of those: `auto:territory` is `auto
+/// (ladders)`.
+pub fn setting(set: &str) -> String {
+    match set.split_once(':') {
+        Some((base, _)) => format!("{base} (ladders)"),
+        None => set.to_owned(),
+    }
+}
+
+fn read_agreement(file: &Path) -> Result<Vec<(String, Compared, Sums)>, ReportError> {
+    let columns = &AGREEMENT_COLUMNS;
+    let mut rows = Rows::open(file.to_owned(), columns)?;
+    let mut found = Vec::new();
+    while let Some(row) = rows.next(columns)? {
+        let span = row.of(2, "tolerance, representation, arithmetic or whole", Span::from_name)?;
+        let compared = Compared { tolerances: row.name(1)?.to_owned(), span, engine: row.name(3)?.to_owned() };
+        let sums = Sums {
+            pairs: row.count(4)?,
+            agreeing: row.count(5)?,
+            silent: row.count(6)?,
+            contacts: row.count(7)?,
+            entrance: row.count(8)?,
+            gap_sign: row.count(9)?,
+            clusters: Clusters {
+                hits_squared: row.count(10)?,
+                hits_times_trials: row.count(11)?,
+                trials_squared: row.count(12)?,
+            },
+        };
+        if sums.agreeing.checked_add(sums.silent).is_none_or(|sum| sum > sums.pairs) {
+            let found = format!("{} pairs agree and {} have no answer", sums.agreeing, sums.silent);
+            return Err(row.nonsense(&found, &format!("at most {} together, as there are pairs", sums.pairs)));
+        }
+        found.push((row.name(0)?.to_owned(), compared, sums));
+    }
+    Ok(found)
+}
+
+fn read_steps(file: &Path) -> Result<Vec<(Place, Counts)>, ReportError> {
+    let columns = &STEP_SUMMARY_COLUMNS;
+    let mut rows = Rows::open(file.to_owned(), columns)?;
+    let mut found = Vec::new();
+    while let Some(row) = rows.next(columns)? {
+        let name = |column: usize| row.name(column).map(str::to_owned);
+        let place = Place { family: name(0)?, form: name(1)?, tolerances: name(2)?, engine: name(3)? };
+        let first = 4 + Counts::NAMES.len();
+        let numbers = (4..first).map(|column| row.count(column)).collect::<Result<Vec<u64>, _>>()?;
+        let depth = |column: usize| row.number(column).map(|depth| depth.unwrap_or(0.0));
+        let depths = |side: usize| -> Result<Depths, ReportError> {
+            let [deepest, relative, sum] = [first + side, first + 2 + side, first + 4 + side].map(depth);
+            Ok(Depths { deepest: deepest?, relative: relative?, sum: sum? })
+        };
+        found.push((place, Counts::of(numbers, [depths(0)?, depths(1)?])));
+    }
+    Ok(found)
+}
+
+fn read_confusion(file: &Path) -> Result<BTreeMap<Compared, Confusion>, ReportError> {
+    let columns = &CONFUSION_COLUMNS;
+    let mut rows = Rows::open(file.to_owned(), columns)?;
+    let mut found: BTreeMap<Compared, Confusion> = BTreeMap::new();
+    while let Some(row) = rows.next(columns)? {
+        let span = row.of(1, "tolerance, representation, arithmetic or whole", Span::from_name)?;
+        let compared = Compared { tolerances: setting(row.name(0)?), span, engine: row.name(2)?.to_owned() };
+        let became = (row.name(3)?.to_owned(), row.name(4)?.to_owned());
+        *found.entry(compared).or_default().entry(became).or_default() += row.count(5)?;
+    }
+    Ok(found)
+}

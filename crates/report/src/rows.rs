@@ -1,0 +1,159 @@
+//! Reads the tables of runs, a row at a time, and says where one is damaged.
+
+use super::fault::{ReportError, at};
+use serde::de::DeserializeOwned;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// A table on disk.
+pub(super) struct Rows {
+    file: PathBuf,
+    reader: csv::Reader<BufReader<File>>,
+    record: csv::StringRecord,
+    header: csv::StringRecord,
+    /// Where the columns asked for are.
+    places: Vec<usize>,
+}
+
+/// One row of it.
+pub(super) struct Row<'r> {
+    file: &'r Path,
+    names: &'r [&'static str],
+    header: &'r csv::StringRecord,
+    record: &'r csv::StringRecord,
+    places: &'r [usize],
+}
+
+impl Rows {
+    /// Opens a table that must have these columns in this order.
+    pub(super) fn open(file: PathBuf, columns: &[&str]) -> Result<Rows, ReportError> {
+        let opened = File::open(&file).map_err(at(&file))?;
+        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(BufReader::new(opened));
+        let places = (0..columns.len()).collect();
+        let header = reader.headers().map_err(|e| damaged(&file, &e))?.clone();
+        if header.iter().ne(columns.iter().copied()) {
+            let found = header.iter().take(columns.len() + 3).collect::<Vec<_>>().join(",");
+            return Err(ReportError::Damaged {
+                file,
+                line: 1,
+                found: format!("the columns are \"{}\"", shortened(&found, 200)),
+                expected: format!("\"{}\" (another version of rockproof may have written it)", columns.join(",")),
+            });
+        }
+        Ok(Rows { file, reader, header, record: csv::StringRecord::new(), places })
+    }
+
+    /// Opens a table that must have these columns, in any order and beside others.
+    pub(super) fn open_wider(file: PathBuf, columns: &[&str]) -> Result<Rows, ReportError> {
+        let opened = File::open(&file).map_err(at(&file))?;
+        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(BufReader::new(opened));
+        let header = reader.headers().map_err(|e| damaged(&file, &e))?.clone();
+        let mut places = Vec::new();
+        for column in columns {
+            let Some(place) = header.iter().position(|name| name == *column) else {
+                let found = format!("there is no column \"{column}\"");
+                let expected = format!("the columns {}", columns.join(","));
+                return Err(ReportError::Damaged { file, line: 1, found, expected });
+            };
+            places.push(place);
+        }
+        Ok(Rows { file, reader, header, record: csv::StringRecord::new(), places })
+    }
+
+    /// The next row. `names` are the columns given to [`Rows::open`].
+    pub(super) fn next<'r>(&'r mut self, names: &'r [&'static str]) -> Result<Option<Row<'r>>, ReportError> {
+        if !self.reader.read_record(&mut self.record).map_err(|e| damaged(&self.file, &e))? {
+            return Ok(None);
+        }
+        let row = Row { file: &self.file, names, header: &self.header, record: &self.record, places: &self.places };
+        if self.record.len() != self.header.len() {
+            let found = format!("{} fields", self.record.len());
+            return Err(row.damaged(found, format!("{}", self.header.len())));
+        }
+        Ok(Some(row))
+    }
+}
+
+fn damaged(file: &Path, error: &csv::Error) -> ReportError {
+    let line = error.position().map_or(1, csv::Position::line);
+    ReportError::Damaged {
+        file: file.to_owned(),
+        line,
+        found: error.to_string(),
+        expected: "a row of a table".to_owned(),
+    }
+}
+
+fn shortened(text: &str, length: usize) -> String {
+    match text.char_indices().nth(length) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+impl Row<'_> {
+    fn damaged(&self, found: String, expected: String) -> ReportError {
+        let line = self.record.position().map_or(1, csv::Position::line);
+        ReportError::Damaged { file: self.file.to_owned(), line, found, expected }
+    }
+
+    /// The whole row, its fields by the names of the columns.
+    pub(super) fn parsed<T: DeserializeOwned>(&self) -> Result<T, ReportError> {
+        self.record.deserialize(Some(self.header)).map_err(|error| match error.kind() {
+            csv::ErrorKind::Deserialize { err, .. } => match err.field().and_then(|at| usize::try_from(at).ok()) {
+                Some(column) => self.wrong(column, &err.kind().to_string()),
+                None => self.damaged(err.kind().to_string(), "what a campaign writes there".to_owned()),
+            },
+            _ => damaged(self.file, &error),
+        })
+    }
+
+    /// A field as text.
+    pub(super) fn text(&self, column: usize) -> &str {
+        self.places.get(column).and_then(|&place| self.record.get(place)).unwrap_or("")
+    }
+
+    fn wrong(&self, column: usize, expected: &str) -> ReportError {
+        let name = self.names.get(column).copied().unwrap_or("");
+        self.damaged(format!("{name} is \"{}\"", shortened(self.text(column), 60)), expected.to_owned())
+    }
+
+    /// A field that `read` understands.
+    pub(super) fn of<T>(
+        &self,
+        column: usize,
+        expected: &str,
+        read: impl FnOnce(&str) -> Option<T>,
+    ) -> Result<T, ReportError> {
+        read(self.text(column)).ok_or_else(|| self.wrong(column, expected))
+    }
+
+    /// A count.
+    pub(super) fn count(&self, column: usize) -> Result<u64, ReportError> {
+        self.of(column, "a count", |text| text.parse().ok())
+    }
+
+    /// A finite number, or `None` where the field is empty.
+    pub(super) fn number(&self, column: usize) -> Result<Option<f64>, ReportError> {
+        if self.text(column).is_empty() {
+            return Ok(None);
+        }
+        self.of(column, "a finite number or nothing", |text| f64::from_str(text).ok().filter(|n| n.is_finite()))
+            .map(Some)
+    }
+
+    /// A field that may not be empty.
+    pub(super) fn name(&self, column: usize) -> Result<&str, ReportError> {
+        match self.text(column) {
+            "" => Err(self.wrong(column, "a name")),
+            name => Ok(name),
+        }
+    }
+
+    /// An error about the whole row.
+    pub(super) fn nonsense(&self, found: &str, expected: &str) -> ReportError {
+        self.damaged(found.to_owned(), expected.to_owned())
+    }
+}

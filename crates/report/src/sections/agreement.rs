@@ -1,0 +1,212 @@
+//! How often engines are right: by tolerance setting, and by family of pairs.
+
+use super::{Part, Section, label};
+use crate::chart::{Chart, color, error_bars, heat_map, in_lines};
+use crate::load::{CampaignRun, Sums};
+use crate::table::{Cell, Table};
+use rockproof_campaign::interval::Share;
+use rockproof_differential::agreement::Span;
+use serde_json::json;
+use std::collections::{BTreeMap, BTreeSet};
+
+pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
+    let mut section = Section::new(
+        "agreement",
+        "How often is the answer right?",
+        "The share of pairs whose contacts are exactly those of the oracle: number, kinds, features, entrances and signs of gaps. \
+         Most pairs of a campaign are put on the very edge of a decision, so these are shares of hard questions.",
+    );
+    section.parts.push(Part::Chart(by_setting(campaigns)));
+    let (table, whole) = table(campaigns);
+    section.parts.push(Part::Table(table, whole.min(MOST)));
+    let families = families(campaigns);
+    section.parts.push(Part::Chart(family_map(campaigns)));
+    section.parts.push(Part::Quiet(families));
+    section
+}
+
+/// The row's share, or blank cells.
+fn share_cells(sums: &Sums) -> [Cell; 3] {
+    sums.agreement().map_or([Cell::Empty, Cell::Empty, Cell::Empty], |Share { value, low, high }| {
+        [value, low, high].map(Cell::Share)
+    })
+}
+
+/// How many rows of agreement the page shows.
+const MOST: usize = 48;
+
+/// All rows, those about what users see first, and how many these are.
+fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
+    let mut table = Table::new(
+        "agreement",
+        "Agreement by tolerance setting. whole: what a user of the engine sees; tolerance, representation, arithmetic: \
+         what one link of the chain leaves as it was. Intervals are Wilson's, 95 %.",
+        &[
+            "run",
+            "setting",
+            "engine",
+            "compared",
+            "pairs",
+            "agreement",
+            "low",
+            "high",
+            "no_answer",
+            "contacts",
+            "entrance_differs",
+            "gap_sign_differs",
+        ],
+    );
+    let mut whole = 0;
+    for seen in [true, false] {
+        let all =
+            campaigns.iter().flat_map(|campaign| campaign.by_setting().into_iter().map(move |row| (campaign, row)));
+        for (campaign, (compared, sums)) in all.filter(|(_, (compared, _))| (compared.span == Span::Whole) == seen) {
+            whole += usize::from(seen);
+            let [value, low, high] = share_cells(&sums);
+            table.push(vec![
+                campaign.name.as_str().into(),
+                compared.tolerances.into(),
+                compared.engine.into(),
+                compared.span.name().into(),
+                sums.pairs.into(),
+                value,
+                low,
+                high,
+                sums.silent.into(),
+                sums.contacts.into(),
+                sums.entrance.into(),
+                sums.gap_sign.into(),
+            ]);
+        }
+    }
+    (table, whole)
+}
+
+/// Of so many settings and more a chart shows those at both ends.
+const MANY: usize = 24;
+/// So many of each.
+const ENDS: usize = 10;
+
+/// The settings that a chart shows: all, or where there are many those under which the worse engine is right most seldom and most often, beyond
+/// chance: by the upper and by the lower end of its interval.
+fn chosen(shares: &BTreeMap<String, Share>) -> Vec<String> {
+    let mut order: Vec<(&String, &Share)> = shares.iter().collect();
+    if order.len() >= MANY {
+        order.sort_by(|(_, x), (_, y)| x.high.total_cmp(&y.high));
+        let mut rest = order.split_off(ENDS);
+        rest.sort_by(|(_, x), (_, y)| x.low.total_cmp(&y.low));
+        order.extend(rest.split_off(rest.len() - ENDS));
+    }
+    order.into_iter().map(|(setting, _)| setting.clone()).collect()
+}
+
+fn by_setting(campaigns: &[CampaignRun]) -> Chart {
+    let mut least: BTreeMap<String, Share> = BTreeMap::new();
+    let mut curves = Vec::new();
+    for campaign in campaigns {
+        let sums = campaign.by_setting();
+        for engine in campaign.engines() {
+            // An engine that says only how blocks lie has no answers along the whole chain.
+            let has = |span| sums.iter().any(|(c, s)| c.span == span && c.engine == engine && s.pairs > s.silent);
+            let span = if has(Span::Whole) { Span::Whole } else { Span::Arithmetic };
+            let of: Vec<(&str, Share)> = sums
+                .iter()
+                .filter(|(c, _)| c.span == span && c.engine == engine)
+                .filter_map(|(c, s)| Some((c.tolerances.as_str(), s.agreement()?)))
+                .collect();
+            for (setting, share) in &of {
+                let known = least.entry((*setting).to_owned()).or_insert(*share);
+                if share.value < known.value {
+                    *known = *share;
+                }
+            }
+            let of: Vec<(String, Share)> = of.into_iter().map(|(setting, share)| (setting.to_owned(), share)).collect();
+            curves.push((label(campaigns.len(), &campaign.name, &engine), of));
+        }
+    }
+    let settings = chosen(&least);
+    let data = curves.iter().enumerate().map(|(number, (name, of))| {
+        let of: Vec<&(String, Share)> = of.iter().filter(|(setting, _)| settings.contains(setting)).collect();
+        let shares: Vec<Share> = of.iter().map(|(_, share)| *share).collect();
+        json!({
+            "type": "scatter", "mode": "markers", "name": name,
+            "y": of.iter().map(|(setting, _)| in_lines(setting).0).collect::<Vec<_>>(),
+            "x": shares.iter().map(|s| s.value * 100.0).collect::<Vec<_>>(),
+            "error_x": error_bars(&shares),
+            "marker": { "size": 9, "color": color(number), "symbol": number % 8 },
+            "hovertemplate": "%{y}: %{x:.2f} %<extra>%{fullData.name}</extra>",
+        })
+    });
+    let caption = match least.len() - settings.len() {
+        0 => "Agreement of each engine under each tolerance setting, with 95 % intervals".to_owned(),
+        left => format!(
+            "Agreement of each engine with 95 % intervals, under the {ENDS} settings where the worse engine's is least beyond chance and the {ENDS} where it is most; the {left} others are in agreement.csv"
+        ),
+    };
+    let (settings, lines): (Vec<String>, Vec<usize>) = settings.iter().map(|setting| in_lines(setting)).unzip();
+    let height = 110 + (12 + 14 * lines.into_iter().max().unwrap_or(1)) * settings.len().max(2);
+    let layout = json!({
+        "xaxis": { "title": { "text": "pairs answered exactly right, %" }, "range": [0, 101] },
+        "yaxis": { "type": "category", "autorange": "reversed", "categoryorder": "array", "categoryarray": settings },
+        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    });
+    Chart::new("chart-agreement", caption, height, data.collect(), layout)
+}
+
+fn families(campaigns: &[CampaignRun]) -> Table {
+    let mut table = Table::new(
+        "families",
+        "Agreement by family of pairs, over all tolerance settings.",
+        &["run", "family", "engine", "compared", "pairs", "agreement", "low", "high", "no_answer"],
+    );
+    for campaign in campaigns {
+        for ((family, span, engine), sums) in campaign.by_family() {
+            let [value, low, high] = share_cells(&sums);
+            let names = [campaign.name.as_str(), family, engine, span.name()].map(Cell::from);
+            table.push(names.into_iter().chain([sums.pairs.into(), value, low, high, sums.silent.into()]).collect());
+        }
+    }
+    table
+}
+
+fn family_map(campaigns: &[CampaignRun]) -> Chart {
+    let mut columns = Vec::new();
+    let mut families = BTreeSet::new();
+    for campaign in campaigns {
+        let sums = campaign.by_family();
+        families.extend(sums.keys().map(|(family, ..)| (*family).to_owned()));
+        let lines = sums.keys().map(|(_, span, engine)| (*span, (*engine).to_owned())).collect::<BTreeSet<_>>();
+        for (span, engine) in lines {
+            let what = if span == Span::Whole { engine.clone() } else { format!("{engine}, {span}") };
+            columns.push((campaign, span, engine, label(campaigns.len(), &campaign.name, &what)));
+        }
+    }
+    // What an engine's user sees first, then its links.
+    columns.sort_by_key(|(_, span, ..)| *span != Span::Whole);
+    let families: Vec<String> = families.into_iter().collect();
+    let sums: Vec<_> = columns.iter().map(|(campaign, ..)| campaign.by_family()).collect();
+    let shares: Vec<Vec<Option<f64>>> = families
+        .iter()
+        .map(|family| {
+            let column = |(sums, (_, span, engine, _)): (&BTreeMap<_, Sums>, &(_, Span, String, _))| {
+                sums.get(&(family.as_str(), *span, engine.as_str()))?.agreement().map(|share| share.value)
+            };
+            sums.iter().zip(&columns).map(column).collect()
+        })
+        .collect();
+    let names: Vec<String> = columns.into_iter().map(|(.., name)| name.replace(", ", "<br>")).collect();
+    let height = 150 + 24 * families.len();
+    let layout = json!({
+        "yaxis": { "type": "category", "autorange": "reversed" },
+        "xaxis": { "type": "category", "side": "top", "tickangle": -40 },
+        "wide": 70 * names.len() + 140,
+    });
+    let data = vec![heat_map(&names, &families, &shares, false)];
+    Chart::new(
+        "chart-families",
+        "Agreement by family of pairs, in percent: engines first, then what each link leaves as it was",
+        height,
+        data,
+        layout,
+    )
+}

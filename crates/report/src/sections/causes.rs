@@ -1,0 +1,133 @@
+//! Why answers differ: causes, changes, and the predicates that decide most findings.
+
+use super::{Part, Section, label};
+use crate::chart::{Chart, in_lines};
+use crate::load::CampaignRun;
+use crate::table::Table;
+use rockproof_differential::finding::Cause;
+use serde_json::json;
+use std::collections::{BTreeMap, BTreeSet};
+
+pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
+    let mut section = Section::new(
+        "causes",
+        "Why do answers differ?",
+        "A finding is counted once, at the link of the chain where the answer changes: by the tolerances, by rounding the input, by \
+         the engine's arithmetic, or by a mistake in its code (defect).",
+    );
+    section.parts.push(Part::Chart(by_setting(campaigns)));
+    section.parts.push(Part::Table(changes(campaigns), 16));
+    section.parts.push(Part::Text("Which questions decide most findings:".to_owned()));
+    section.parts.push(Part::Chart(predicate_chart(campaigns)));
+    section.parts.push(Part::Quiet(predicates(campaigns)));
+    section
+}
+
+/// How many settings the chart shows.
+const MOST: usize = 20;
+
+/// The colour of a cause.
+pub(super) fn color_of(cause: Cause) -> String {
+    format!("$cause{}", Cause::ALL.iter().position(|c| *c == cause).unwrap_or(0))
+}
+
+fn by_setting(campaigns: &[CampaignRun]) -> Chart {
+    let mut counts: BTreeMap<Cause, BTreeMap<String, u64>> = BTreeMap::new();
+    let mut rows = BTreeSet::new();
+    for campaign in campaigns {
+        for (sort, count) in &campaign.tally.sorts {
+            let row = label(campaigns.len(), &campaign.name, &sort.setting);
+            rows.insert(row.clone());
+            *counts.entry(sort.cause).or_default().entry(row).or_default() += count;
+        }
+    }
+    // Of many settings those with the most findings.
+    let sum = |row: &String| -> u64 { counts.values().filter_map(|counts| counts.get(row)).sum() };
+    let mut order: Vec<String> = rows.iter().cloned().collect();
+    order.sort_by_key(|row| std::cmp::Reverse(sum(row)));
+    let left = order.len().saturating_sub(MOST);
+    let rows: BTreeSet<String> = order.into_iter().take(MOST).collect();
+    let data = counts.iter().map(|(cause, counts)| {
+        let shown: Vec<(&String, &u64)> = counts.iter().filter(|(row, _)| rows.contains(*row)).collect();
+        json!({
+            "type": "bar", "orientation": "h", "name": cause.name(), "marker": { "color": color_of(*cause) },
+            "y": shown.iter().map(|(row, _)| in_lines(row).0).collect::<Vec<_>>(), "x": shown.iter().map(|(_, n)| n).collect::<Vec<_>>(),
+            "hovertemplate": "%{y}: %{x:,}<extra>%{fullData.name}</extra>",
+        })
+    });
+    let (rows, lines): (Vec<String>, Vec<usize>) = rows.iter().map(|row| in_lines(row)).unzip();
+    let layout = json!({
+        "barmode": "stack", "xaxis": { "title": { "text": "findings" } },
+        "yaxis": { "type": "category", "autorange": "reversed", "categoryorder": "array", "categoryarray": rows },
+        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    });
+    let height = 130 + (12 + 14 * lines.into_iter().max().unwrap_or(1)) * rows.len();
+    let caption = match left {
+        0 => "Findings by tolerance setting and cause".to_owned(),
+        left => format!("Findings by cause, of the {MOST} tolerance settings with the most; {left} more in causes.csv"),
+    };
+    Chart::new("chart-causes", caption, height, data.collect(), layout)
+}
+
+fn changes(campaigns: &[CampaignRun]) -> Table {
+    let mut table = Table::new(
+        "causes",
+        "Findings by setting, engine, cause and change, most frequent first",
+        &["run", "setting", "engine", "cause", "change", "findings"],
+    );
+    for campaign in campaigns {
+        let mut sorts: Vec<_> = campaign.tally.sorts.iter().collect();
+        sorts.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+        for (sort, count) in sorts {
+            let names = [campaign.name.as_str(), &sort.setting, &sort.engine, sort.cause.name(), sort.change.name()];
+            table.push(names.into_iter().map(Into::into).chain([(*count).into()]).collect());
+        }
+    }
+    table
+}
+
+fn predicates(campaigns: &[CampaignRun]) -> Table {
+    let mut table = Table::new(
+        "predicates",
+        "The predicates that decide most findings",
+        &["run", "predicate", "cause", "engine", "findings"],
+    );
+    for campaign in campaigns {
+        for (predicate, counts) in &campaign.tally.predicates {
+            for ((cause, engine), count) in counts {
+                let names = [campaign.name.as_str(), predicate, cause.name(), engine];
+                table.push(names.into_iter().map(Into::into).chain([(*count).into()]).collect());
+            }
+        }
+    }
+    table
+}
+
+fn predicate_chart(campaigns: &[CampaignRun]) -> Chart {
+    let mut sums: BTreeMap<&str, BTreeMap<Cause, u64>> = BTreeMap::new();
+    for (predicate, counts) in campaigns.iter().flat_map(|campaign| &campaign.tally.predicates) {
+        for ((cause, _), count) in counts {
+            *sums.entry(predicate).or_default().entry(*cause).or_default() += count;
+        }
+    }
+    let mut order: Vec<(&str, u64)> = sums.iter().map(|(name, counts)| (*name, counts.values().sum())).collect();
+    order.sort_by_key(|(name, count)| (std::cmp::Reverse(*count), *name));
+    order.truncate(15);
+    let names: Vec<&str> = order.iter().map(|(name, _)| *name).collect();
+    let causes: BTreeSet<Cause> = sums.values().flat_map(BTreeMap::keys).copied().collect();
+    let data = causes.into_iter().map(|cause| {
+        let count = |name: &&str| sums.get(name).and_then(|counts| counts.get(&cause)).copied().unwrap_or(0);
+        json!({
+            "type": "bar", "orientation": "h", "name": cause.name(), "marker": { "color": color_of(cause) },
+            "y": names, "x": names.iter().map(count).collect::<Vec<u64>>(),
+            "hovertemplate": "%{y}: %{x:,}<extra>%{fullData.name}</extra>",
+        })
+    });
+    let layout = json!({
+        "barmode": "stack", "xaxis": { "title": { "text": "findings" } },
+        "yaxis": { "type": "category", "autorange": "reversed", "categoryorder": "array", "categoryarray": names },
+        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    });
+    let height = 130 + 24 * names.len();
+    Chart::new("chart-predicates", "The predicates that decide most findings, by cause", height, data.collect(), layout)
+}

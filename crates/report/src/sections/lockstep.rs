@@ -1,0 +1,181 @@
+//! Steps of a run made by stepper and oracle from the same states.
+
+use super::{Part, Section};
+use crate::chart::{Chart, color};
+use crate::lockstep::LockstepRun;
+use crate::table::{Cell, Table, grouped};
+use rockproof_differential::finding::Cause;
+use serde_json::{Value, json};
+
+pub(super) fn section(runs: &[LockstepRun]) -> Section {
+    let mut section = Section::new(
+        "lockstep",
+        "Does it matter once blocks move?",
+        "Runs in which the oracle made every step beside the stepper, from the same state: steps with other contacts, modes or \
+         numbers of iterations, and how deep blocks overlap afterwards, calculated exactly.",
+    );
+    section.parts.push(Part::Table(table(runs), 60));
+    section.parts.push(Part::Table(causes(runs), 60));
+    section.parts.push(Part::Table(sorts(runs), 24));
+    section.parts.push(Part::Table(differing(runs), 24));
+    let left: u64 = runs.iter().map(|run| run.more_differing).sum();
+    if left > 0 {
+        section.parts.push(Part::Text(format!("{} more steps differ: see lockstep.csv of the runs.", grouped(left))));
+    }
+    for (number, run) in runs.iter().enumerate() {
+        section.parts.push(Part::Chart(penetration(number, run).half()));
+        if run.iterations_differ > 0 {
+            section.parts.push(Part::Chart(iterations(number, run).half()));
+        }
+    }
+    section
+}
+
+fn table(runs: &[LockstepRun]) -> Table {
+    let mut table = Table::new(
+        "lockstep",
+        "Steps by what differs, and the deepest overlaps",
+        &[
+            "run",
+            "engine",
+            "steps",
+            "contacts_differ",
+            "modes_differ",
+            "iterations_differ",
+            "convergence_differs",
+            "undecided",
+            "deepest_stepper_m",
+            "deepest_oracle_m",
+            "penetration_difference_m",
+            "displacement_error",
+            "failure",
+        ],
+    );
+    for run in runs {
+        let steps = [
+            run.steps,
+            run.contacts_differ,
+            run.modes_differ,
+            run.iterations_differ,
+            run.converged_differ,
+            run.undecided,
+        ];
+        let [stepper, oracle] = run.deepest_m;
+        let sizes = [stepper, oracle, run.penetration_difference_m, run.displacement_error];
+        let names = [run.name.as_str().into(), run.engine.as_str().into()];
+        let row = names.into_iter().chain(steps.map(Cell::Count)).chain(sizes.map(Cell::Number));
+        table.push(row.chain([run.failure.clone().map_or(Cell::Empty, Cell::Text)]).collect());
+    }
+    table
+}
+
+fn causes(runs: &[LockstepRun]) -> Table {
+    let mut table = Table::new(
+        "lockstep_causes",
+        "Differences by cause, and steps by what changed the penetration",
+        &[
+            "run",
+            "engine",
+            "tolerance",
+            "representation",
+            "arithmetic",
+            "defect",
+            "by_classification",
+            "by_iteration",
+            "by_arithmetic",
+            "no_effect",
+        ],
+    );
+    for run in runs {
+        let cause = |cause| run.causes.get(&cause).copied().unwrap_or(0);
+        let effect = |name| run.effects.get(name).copied().unwrap_or(0);
+        let causes = [Cause::Tolerance, Cause::Representation, Cause::Arithmetic, Cause::Defect].map(cause);
+        let effects = ["classification", "iteration", "arithmetic", "none"].map(effect);
+        let names = [run.name.as_str().into(), run.engine.as_str().into()];
+        table.push(names.into_iter().chain(causes.into_iter().chain(effects).map(Cell::Count)).collect());
+    }
+    table
+}
+
+fn sorts(runs: &[LockstepRun]) -> Table {
+    let mut table = Table::new(
+        "lockstep_changes",
+        "What differs: by cause, change and the predicate behind it",
+        &["run", "engine", "cause", "change", "predicate", "differences", "in_steps"],
+    );
+    for run in runs {
+        for ((cause, change, predicate), sort) in &run.sorts {
+            let names = [run.name.as_str(), &run.engine, cause.name(), change].map(Cell::from);
+            let predicate = if predicate.is_empty() { Cell::Empty } else { Cell::Text(predicate.clone()) };
+            let counts = [sort.differences, sort.steps].map(Cell::Count);
+            table.push(names.into_iter().chain([predicate]).chain(counts).collect());
+        }
+    }
+    table
+}
+
+fn differing(runs: &[LockstepRun]) -> Table {
+    let mut table = Table::new(
+        "lockstep_steps",
+        "Steps in which the stepper has other contacts, modes or iterations, and the deepest overlap after them: the stepper's, the \
+         oracle's, the stepper's with the oracle's contacts, and with its modes too",
+        &[
+            "run",
+            "engine",
+            "step",
+            "contacts",
+            "modes",
+            "iterations_stepper",
+            "iterations_oracle",
+            "effect",
+            "stepper_m",
+            "oracle_m",
+            "with_contacts_m",
+            "with_modes_m",
+            "displacement_error",
+        ],
+    );
+    for run in runs {
+        for step in &run.differing {
+            let counts = step.contacts_modes.into_iter().chain(step.iterations).map(Cell::Count);
+            let effect = if step.effect.is_empty() { Cell::Empty } else { Cell::Text(step.effect.clone()) };
+            let mut row = vec![run.name.as_str().into(), run.engine.as_str().into(), Cell::Text(step.step.to_string())];
+            row.extend(counts.chain([effect]).chain(step.depths_m.map(Cell::number)));
+            row.push(Cell::number(step.displacement_error));
+            table.push(row);
+        }
+    }
+    table
+}
+
+fn penetration(number: usize, run: &LockstepRun) -> Chart {
+    let line = |name: &str, depth: fn(&crate::lockstep::StepPoint) -> Option<f64>, at, dash: &str| -> Value {
+        json!({
+            "type": "scatter", "mode": "lines", "name": name, "line": { "color": color(at), "dash": dash, "width": 2 },
+            "x": run.points.iter().map(|p| p.step).collect::<Vec<_>>(), "y": run.points.iter().map(depth).collect::<Vec<_>>(),
+        })
+    };
+    let data = vec![line(&run.engine, |p| p.stepper_m, 0, "solid"), line("oracle", |p| p.oracle_m, 1, "dot")];
+    let layout = json!({
+        "xaxis": { "title": { "text": "step" } }, "yaxis": { "title": { "text": "deepest overlap, m" }, "exponentformat": "power" },
+        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    });
+    Chart::new(
+        format!("chart-lockstep-{number}"),
+        format!("{}: deepest overlap after each step", run.name),
+        340,
+        data,
+        layout,
+    )
+}
+
+fn iterations(number: usize, run: &LockstepRun) -> Chart {
+    let data = vec![json!({
+        "type": "scatter", "mode": "lines", "line": { "shape": "hv", "color": color(2), "width": 2 },
+        "x": run.points.iter().map(|p| p.step).collect::<Vec<_>>(),
+        "y": run.points.iter().map(|p| p.more_iterations).collect::<Vec<_>>(),
+    })];
+    let layout = json!({ "xaxis": { "title": { "text": "step" } }, "yaxis": { "title": { "text": "iterations more than the oracle" } } });
+    let caption = format!("{}: iterations of the stepper less those of the oracle", run.name);
+    Chart::new(format!("chart-iterations-{number}"), caption, 280, data, layout)
+}

@@ -1,0 +1,77 @@
+//! How near to a tie findings are.
+
+use super::{Part, Section, label};
+use crate::chart::{Chart, color};
+use crate::load::CampaignRun;
+use crate::table::{Cell, Table};
+use crate::tally::Decade;
+use rockproof_differential::finding::Cause;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
+    let mut section = Section::new(
+        "margins",
+        "How close were the decisions?",
+        "The margin of the predicate behind each finding, in roundoffs of the engine. Below about one, no calculation in that \
+         precision could know better; thousands of roundoffs mean a formula that cancels, or a mistake.",
+    );
+    let measured = |cause| matches!(cause, Cause::Representation | Cause::Arithmetic | Cause::Defect | Cause::Engine);
+    section.parts.push(Part::Chart(chart("chart-margins", "margin in roundoffs", campaigns, measured)));
+    section.parts.push(Part::Text(
+        "Under the cause tolerance nothing is rounded. There the margin says by which share of its terms a predicate misses the tie."
+            .to_owned(),
+    ));
+    section
+        .parts
+        .push(Part::Chart(chart("chart-margins-tolerance", "relative margin", campaigns, |c| c == Cause::Tolerance)));
+    section.parts.push(Part::Quiet(table(campaigns)));
+    section
+}
+
+fn name_of(decade: Decade) -> String {
+    decade.map_or("tie".to_owned(), |n| format!("1e{n}"))
+}
+
+fn table(campaigns: &[CampaignRun]) -> Table {
+    let mut table = Table::new(
+        "margins",
+        "Findings by decade of the margin: in roundoffs, under the cause tolerance relative",
+        &["run", "engine", "cause", "from", "findings"],
+    );
+    for campaign in campaigns {
+        for ((engine, cause), decades) in &campaign.tally.margins {
+            let start = || [campaign.name.as_str(), engine, cause.name()].map(Cell::from);
+            for (decade, count) in decades {
+                table.push(start().into_iter().chain([name_of(*decade).into(), (*count).into()]).collect());
+            }
+            if let Some(count) = campaign.tally.unmeasured.get(&(engine.clone(), *cause)) {
+                table.push(start().into_iter().chain(["no margin".into(), (*count).into()]).collect());
+            }
+        }
+    }
+    table
+}
+
+fn chart(id: &str, title: &str, campaigns: &[CampaignRun], wanted: impl Fn(Cause) -> bool) -> Chart {
+    let mut data: Vec<Value> = Vec::new();
+    let mut decades: BTreeMap<Decade, ()> = BTreeMap::new();
+    for campaign in campaigns {
+        for ((engine, cause), counts) in campaign.tally.margins.iter().filter(|((_, cause), _)| wanted(*cause)) {
+            decades.extend(counts.keys().map(|decade| (*decade, ())));
+            data.push(json!({
+                "type": "bar", "name": label(campaigns.len(), &campaign.name, &format!("{engine}, {cause}")),
+                "x": counts.keys().map(|decade| name_of(*decade)).collect::<Vec<_>>(),
+                "y": counts.values().collect::<Vec<_>>(), "marker": { "color": color(data.len()) },
+                "hovertemplate": "from %{x}: %{y:,}<extra>%{fullData.name}</extra>",
+            }));
+        }
+    }
+    let order: Vec<String> = decades.into_keys().map(name_of).collect();
+    let layout = json!({
+        "barmode": "stack", "xaxis": { "type": "category", "categoryorder": "array", "categoryarray": order, "title": { "text": format!("{title}, from") } },
+        "yaxis": { "title": { "text": "findings" } },
+        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    });
+    Chart::new(id, format!("Distribution of margins: {title}, by decade"), 380, data, layout)
+}

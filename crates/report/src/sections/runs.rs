@@ -1,0 +1,50 @@
+//! What the report is made of.
+
+use super::{Part, Section};
+use crate::load::Results;
+use crate::table::{Cell, Table};
+
+pub(super) fn section(results: &Results) -> Section {
+    let mut section =
+        Section::new("runs", "What this is made of", "The runs whose results were read, and how to make them again.");
+    if !results.campaigns.is_empty() {
+        let mut table = Table::new(
+            "runs",
+            "Campaigns. The same seed, configuration and version make the same pairs and findings on any machine.",
+            &["run", "version", "seed", "pairs", "finished", "contacts", "findings", "metamorphic_checks", "engines"],
+        );
+        let mut machines = Vec::new();
+        for campaign in &results.campaigns {
+            let run = &campaign.run;
+            table.push(vec![
+                campaign.name.as_str().into(),
+                run.version.as_str().into(),
+                run.seed.into(),
+                run.pairs.into(),
+                if run.finished { "yes".into() } else { "no, interrupted".into() },
+                run.contacts.into(),
+                run.findings.total.into(),
+                run.metamorphic_checks.into(),
+                campaign.engines().join(", ").into(),
+            ]);
+            let m = &run.machine;
+            machines.push(format!(
+                "{}: {:.0} s on {} cores, {} {}.",
+                campaign.name, run.seconds, m.cores, m.os, m.architecture
+            ));
+        }
+        section.parts.push(Part::Table(table, 100));
+        section.parts.push(Part::Text(machines.join(" ")));
+    }
+    let others = results.locksteps.iter().map(|r| ("lockstep", &r.name, r.steps, &r.dir));
+    let others = others.chain(results.stresses.iter().map(|r| ("stress", &r.name, r.cells.len() as u64, &r.dir)));
+    let others = others.chain(results.timings.iter().map(|r| ("bench", &r.name, r.measurements.len() as u64, &r.dir)));
+    let mut table = Table::new("other_runs", "Other runs", &["run", "what", "rows", "directory"]);
+    for (what, name, rows, dir) in others {
+        table.push(vec![name.as_str().into(), what.into(), Cell::Count(rows), dir.display().to_string().into()]);
+    }
+    if !table.rows.is_empty() {
+        section.parts.push(Part::Table(table, 100));
+    }
+    section
+}

@@ -1,0 +1,157 @@
+//! Steps of campaigns: what differs in them, and how deep blocks overlap afterwards.
+
+use super::sweep::order;
+use super::{Part, Section, label};
+use crate::chart::{Chart, color};
+use crate::load::{CampaignRun, setting};
+use crate::table::{Cell, Table};
+use rockproof_campaign::grid::axes_of;
+use rockproof_campaign::steps::summary::Counts;
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The form of the pairs that are examined under every set.
+const BASE: &str = "base";
+
+/// The section, where pairs of a campaign made steps.
+pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
+    if campaigns.iter().all(|run| run.steps.is_empty()) {
+        return None;
+    }
+    let mut section = Section::new(
+        "steps",
+        "And if the pairs move?",
+        "A share of the pairs makes a step, in each engine and exactly, from the same state: steps with other decisions than the exact \
+         ones, and how deep blocks overlap after either.",
+    );
+    let mut differences = Table::new(
+        "steps",
+        "Steps by what differs from the exact step",
+        &[
+            "run",
+            "setting",
+            "engine",
+            "steps",
+            "contacts_differ",
+            "modes_differ",
+            "iterations_differ",
+            "convergence_differs",
+            "retries_differ",
+            "state_differs",
+            "not_made",
+            "defects",
+            "undecided",
+        ],
+    );
+    let mut penetration = Table::new(
+        "steps_penetration",
+        "Exact penetration after a step of either side; relative to half the longest side of the pair",
+        &[
+            "run",
+            "setting",
+            "engine",
+            "steps",
+            "deeper",
+            "shallower",
+            "deepest_m",
+            "deepest_oracle_m",
+            "deepest_relative",
+            "deepest_oracle_relative",
+            "mean_relative",
+            "mean_oracle_relative",
+        ],
+    );
+    for run in campaigns {
+        for ((setting, engine), counts) in by_setting(run) {
+            let names = || [run.name.as_str(), &setting, engine].map(Cell::from).into_iter();
+            let c = &counts;
+            let numbers = [
+                c.compared,
+                c.contacts_differ,
+                c.modes_differ,
+                c.iterations_differ,
+                c.converged_differ,
+                c.retries_differ,
+                c.state_differs,
+                c.stopped,
+                c.defect,
+                c.undecided,
+            ];
+            differences.push(names().chain(numbers.map(Cell::Count)).collect());
+            let [stepper, oracle] = c.depths;
+            let sizes = [
+                stepper.deepest,
+                oracle.deepest,
+                stepper.relative,
+                oracle.relative,
+                mean(stepper.sum, c.compared),
+                mean(oracle.sum, c.compared),
+            ];
+            let steps = [c.compared, c.deeper, c.shallower].map(Cell::Count);
+            penetration.push(names().chain(steps).chain(sizes.map(Cell::Number)).collect());
+        }
+    }
+    section.parts.push(Part::Table(differences, 40));
+    section.parts.push(Part::Table(penetration, 40));
+    for (number, run) in campaigns.iter().enumerate() {
+        section.parts.extend(charts(number, run, campaigns.len()).into_iter().map(Part::Chart));
+    }
+    Some(section)
+}
+
+fn mean(sum: f64, count: u64) -> f64 {
+    if count == 0 { 0.0 } else { sum / count as f64 }
+}
+
+/// Sums over families and the rungs of ladders.
+fn by_setting(run: &CampaignRun) -> BTreeMap<(String, &str), Counts> {
+    let mut sums: BTreeMap<(String, &str), Counts> = BTreeMap::new();
+    for (place, counts) in &run.steps {
+        sums.entry((setting(&place.tolerances), &place.engine)).or_default().add(counts);
+    }
+    sums
+}
+
+/// Of a grid of tolerance sets, a chart for each tolerance: the mean penetration after a step over its factors. Only base pairs count:
+/// they step under every set, so that the same steps are compared.
+fn charts(number: usize, run: &CampaignRun, runs: usize) -> Vec<Chart> {
+    let mut axes: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    let mut sums: BTreeMap<(&str, &str, &str), Counts> = BTreeMap::new();
+    for (place, counts) in run.steps.iter().filter(|(place, _)| place.form == BASE) {
+        for (axis, factor) in axes_of(&place.tolerances).unwrap_or_default() {
+            axes.entry(axis).or_default().insert(factor);
+            sums.entry((axis, factor, &place.engine)).or_default().add(counts);
+        }
+    }
+    let engines: BTreeSet<&str> = run.steps.iter().map(|(place, _)| place.engine.as_str()).collect();
+    let several = axes.into_iter().filter(|(_, factors)| factors.len() > 1);
+    several
+        .enumerate()
+        .map(|(at, (axis, factors))| {
+            let mut factors: Vec<&str> = factors.into_iter().collect();
+            factors.sort_by(|one, other| order(one, other));
+            let mut data: Vec<Value> = Vec::new();
+            for engine in &engines {
+                for (side, name) in [(0, (*engine).to_owned()), (1, format!("exact ({engine})"))] {
+                    let depth = |factor: &&str| {
+                        let counts = sums.get(&(axis, *factor, *engine))?;
+                        (counts.compared > 0).then(|| mean(counts.depths[side].sum, counts.compared))
+                    };
+                    data.push(json!({
+                        "type": "scatter", "mode": "lines+markers", "name": name,
+                        "line": { "color": color(data.len()), "dash": if side == 0 { "solid" } else { "dot" } },
+                        "x": factors, "y": factors.iter().map(depth).collect::<Vec<_>>(),
+                    }));
+                }
+            }
+            let words = if axis == "criteria" { "criteria".to_owned() } else { format!("{axis}, times the preset's") };
+            let layout = json!({
+                "xaxis": { "type": "category", "categoryorder": "array", "categoryarray": factors, "title": { "text": words } },
+                "yaxis": { "title": { "text": "mean penetration over half the side" }, "exponentformat": "power" },
+                "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+            });
+            let caption = label(runs, &run.name, &format!("penetration after the same steps, by {axis}"));
+            Chart::new(format!("chart-steps-{number}-{at}"), caption, 340, data, layout)
+        })
+        .collect()
+}

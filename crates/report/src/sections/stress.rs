@@ -1,0 +1,361 @@
+//! Where floats stop agreeing with the exact answer: the stress set.
+
+use super::{Part, Section, label};
+use crate::chart::{Chart, engine_color};
+use crate::stress::{Curve, StressCell, StressLimit, StressRun, StressStep};
+use crate::table::{Cell, Table, percent};
+use rockproof_campaign::stress::table::SAFE_SHARE;
+use rockproof_campaign::stress::{Axis, Form};
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+
+pub(super) fn section(runs: &[StressRun]) -> Section {
+    let mut section = Section::new(
+        "stress",
+        "Where do the floats stop agreeing?",
+        "Pairs of blocks made more extreme in one way at a time, level by level, until the engine's contacts for the rounded input are no \
+         longer the exact contacts of the exact input. Safe to a level: up to there the share of pairs that differ is at most 1 %, with \
+         95 % confidence. Blocks \"with ties\" are drawn on a grid, faces flush and corners on edges; those \"without\" are turned or shifted at random.",
+    );
+    for run in runs {
+        for words in told(run) {
+            section.parts.push(Part::Text(label(runs.len(), &run.name, &words)));
+        }
+    }
+    for (number, run) in runs.iter().enumerate() {
+        for axis in Axis::ALL {
+            section.parts.extend(chart(number, run, axis, runs.len()).map(|chart| Part::Chart(chart.half())));
+        }
+    }
+    section.parts.push(Part::Table(limits(runs), 60));
+    for (number, run) in runs.iter().enumerate() {
+        let asked = [
+            ("rest", "steps made", "A block at rest: relative error of its overlap after so many steps"),
+            (
+                "contrast",
+                "ratio of the stiffnesses",
+                "Stiff contacts above soft ones: relative error of the small overlap",
+            ),
+        ];
+        for (case, axis, what) in asked {
+            let id = format!("chart-stress-{number}-{case}");
+            let of: Vec<&StressStep> = run.steps.iter().filter(|step| step.case == case).collect();
+            if of.iter().any(|step| step.error.is_some()) {
+                section.parts.push(Part::Chart(steps_chart(id, label(runs.len(), &run.name, what), axis, &of).half()));
+            }
+        }
+    }
+    section.parts.push(Part::Quiet(cells(runs)));
+    section.parts.push(Part::Quiet(steps(runs)));
+    section
+}
+
+/// `1e-6` as a reader likes it: 10⁻⁶.
+pub(crate) fn power(level: &str) -> String {
+    let raised = |digit| match digit {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        digit => char::from_u32('⁰' as u32 + (digit as u32 - '0' as u32)).unwrap_or(digit),
+    };
+    match level.strip_prefix("1e") {
+        Some("0") => "1".to_owned(),
+        Some("1") => "10".to_owned(),
+        Some("-1") => "0.1".to_owned(),
+        Some(exponent) if exponent.chars().all(|c| c == '-' || c.is_ascii_digit()) => {
+            format!("10{}", exponent.chars().map(raised).collect::<String>())
+        }
+        _ => level.to_owned(),
+    }
+}
+
+/// Up to a level, in words.
+pub(crate) fn up_to(axis: Axis, level: &str) -> String {
+    let level = power(level);
+    match axis {
+        Axis::Offset if level == "0" => "at the origin".to_owned(),
+        Axis::Offset => format!("to {level} times the pair's size from the origin"),
+        Axis::ScaleDown | Axis::ScaleUp => format!("with all coordinates times {level}"),
+        Axis::Ratio => format!("with one block {level} times as large as the other"),
+        Axis::Sliver => format!("with blocks of thickness {level} of their length"),
+        Axis::Angle => format!("at angles down to {level} rad"),
+    }
+}
+
+/// An axis in short, for captions.
+fn noun(axis: Axis) -> &'static str {
+    match axis {
+        Axis::Offset => "Far from the origin",
+        Axis::ScaleDown => "Smaller units",
+        Axis::ScaleUp => "Larger units",
+        Axis::Ratio => "A small block at a large one",
+        Axis::Sliver => "Thin blocks",
+        Axis::Angle => "Small angles",
+    }
+}
+
+/// What the levels of an axis are, short enough for a phone.
+fn levels_are(axis: Axis) -> &'static str {
+    match axis {
+        Axis::Offset => "distance over size of the pair",
+        Axis::ScaleDown | Axis::ScaleUp => "factor on every coordinate",
+        Axis::Ratio => "size over size",
+        Axis::Sliver => "thickness over length",
+        Axis::Angle => "angle, rad",
+    }
+}
+
+/// With or without ties.
+pub(crate) fn ties(form: Form) -> &'static str {
+    match form {
+        Form::Aligned => "with ties",
+        Form::Generic => "without ties",
+    }
+}
+
+/// Along which axes an engine is safe, and how far, in words; and where it is not even at the mildest level.
+pub(crate) fn reach<'r>(limits: impl Iterator<Item = &'r StressLimit>) -> [Vec<String>; 2] {
+    let (mut safe, mut never) = (Vec::new(), Vec::new());
+    for limit in limits {
+        match (&limit.safe_to, &limit.beyond) {
+            (Some(level), _) => safe.push(up_to(limit.curve.axis, level)),
+            (None, Some((level, share))) => {
+                let what = noun(limit.curve.axis).to_lowercase();
+                never.push(format!("{what} ({} differ at {})", percent(*share), power(level)));
+            }
+            (None, None) => {}
+        }
+    }
+    [safe, never]
+}
+
+/// A paragraph for each engine, setting and form.
+fn told(run: &StressRun) -> Vec<String> {
+    let mut groups: BTreeMap<(&str, &str, Form), Vec<&StressLimit>> = BTreeMap::new();
+    for limit in &run.limits {
+        let Curve { form, setting, engine, .. } = &limit.curve;
+        groups.entry((engine, setting, *form)).or_default().push(limit);
+    }
+    groups
+        .into_iter()
+        .rev()
+        .map(|((engine, setting, form), limits)| {
+            let [safe, never] = reach(limits.into_iter());
+            let list = |all: &[String]| all.join("; ");
+            let mut words = format!("{engine}, {} ({setting}): ", ties(form));
+            words += &if safe.is_empty() { "safe nowhere".to_owned() } else { format!("safe {}", list(&safe)) };
+            if !never.is_empty() {
+                words += &format!(". Not even at the mildest level: {}", list(&never));
+            }
+            words + "."
+        })
+        .collect()
+}
+
+fn text_of(level: Option<&String>) -> Cell {
+    level.map_or(Cell::Empty, |level| Cell::Text(power(level)))
+}
+
+fn limits(runs: &[StressRun]) -> Table {
+    let mut table = Table::new(
+        "stress_limits",
+        "How far each engine agrees. safe to, none differs to: the last level before the first that is not safe, or at which any pair differs; \
+         beyond: the first level that is not safe, and the share of pairs that differ there",
+        &[
+            "run",
+            "axis",
+            "engine",
+            "pairs_are",
+            "safe_to",
+            "beyond",
+            "differ_beyond",
+            "none_differs_to",
+            "pairs_to_safe",
+            "setting",
+        ],
+    );
+    for run in runs {
+        for limit in &run.limits {
+            let Curve { axis, form, setting, engine } = &limit.curve;
+            table.push(vec![
+                run.name.as_str().into(),
+                axis.name().into(),
+                engine.as_str().into(),
+                ties(*form).into(),
+                text_of(limit.safe_to.as_ref()),
+                text_of(limit.beyond.as_ref().map(|(level, _)| level)),
+                limit.beyond.as_ref().map_or(Cell::Empty, |(_, share)| Cell::Share(*share)),
+                text_of(limit.clean_to.as_ref()),
+                limit.pairs.into(),
+                setting.as_str().into(),
+            ]);
+        }
+    }
+    table
+}
+
+fn cells(runs: &[StressRun]) -> Table {
+    let mut table = Table::new(
+        "stress",
+        "Pairs that differ, level by level",
+        &[
+            "run",
+            "axis",
+            "level",
+            "form",
+            "setting",
+            "engine",
+            "pairs",
+            "representation",
+            "arithmetic",
+            "lost",
+            "differ",
+            "share",
+            "low",
+            "high",
+        ],
+    );
+    for run in runs {
+        for cell in &run.cells {
+            let Curve { axis, form, setting, engine } = &cell.curve;
+            let names = [run.name.as_str(), axis.name(), &cell.level, form.name(), setting, engine].map(Cell::from);
+            let [representation, arithmetic, lost] = cell.sorts;
+            let counts = [cell.pairs, representation, arithmetic, lost, cell.differ].map(Cell::Count);
+            let shares = [share_of(cell), cell.interval[0], cell.interval[1]].map(Cell::Share);
+            table.push(names.into_iter().chain(counts).chain(shares).collect());
+        }
+    }
+    table
+}
+
+fn steps(runs: &[StressRun]) -> Table {
+    let mut table = Table::new(
+        "stress_steps",
+        "Steps against closed forms",
+        &["run", "case", "motion", "engine", "level", "relative_error", "stopped"],
+    );
+    for run in runs {
+        for step in &run.steps {
+            let names = [run.name.as_str(), &step.case, &step.motion, &step.engine].map(Cell::from);
+            let stopped = if step.stopped.is_empty() { Cell::Empty } else { Cell::Text(step.stopped.clone()) };
+            table
+                .push(names.into_iter().chain([Cell::Number(step.level), Cell::number(step.error), stopped]).collect());
+        }
+    }
+    table
+}
+
+fn share_of(cell: &StressCell) -> f64 {
+    cell.differ as f64 / cell.pairs.max(1) as f64
+}
+
+/// The colour of an engine in a run.
+fn color_of(run: &StressRun, engine: &str) -> String {
+    let engines: BTreeSet<&str> = run.cells.iter().map(|cell| &*cell.curve.engine).collect();
+    engine_color(engine, engines.iter().position(|known| *known == engine).unwrap_or(0))
+}
+
+/// The share that differs over the levels of an axis. Nothing lies at 0 on a logarithmic scale: it is drawn at the lower end, marked so.
+fn chart(number: usize, run: &StressRun, axis: Axis, runs: usize) -> Option<Chart> {
+    let of: Vec<&StressCell> = run.cells.iter().filter(|cell| cell.curve.axis == axis && cell.pairs > 0).collect();
+    let mut levels: Vec<String> = Vec::new();
+    for cell in &of {
+        let level = power(&cell.level);
+        if !levels.contains(&level) {
+            levels.push(level);
+        }
+    }
+    if levels.is_empty() {
+        return None;
+    }
+    let least = of.iter().map(|cell| share_of(cell)).filter(|share| *share > 0.0).fold(0.01, f64::min) * 100.0;
+    let decade = (least.log10() - 1e-9).floor() as i32;
+    let floor = 10f64.powi(decade);
+    let settings: BTreeSet<&str> = of.iter().map(|cell| &*cell.curve.setting).collect();
+    let mut curves: BTreeMap<&Curve, Vec<&StressCell>> = BTreeMap::new();
+    for cell in &of {
+        curves.entry(&cell.curve).or_default().push(cell);
+    }
+    let data = curves.into_iter().map(|(curve, cells)| {
+        let height: Vec<f64> = cells.iter().map(|cell| (share_of(cell) * 100.0).max(floor)).collect();
+        let up = |(cell, height): (&&StressCell, &f64)| (cell.interval[1] * 100.0 - height).max(0.0);
+        let down = |(cell, height): (&&StressCell, &f64)| height - (cell.interval[0] * 100.0).clamp(floor, *height);
+        let text = |cell: &&StressCell| {
+            let [low, high] = cell.interval.map(percent);
+            format!("{} of {} differ: {} ({low} to {high})", cell.differ, cell.pairs, percent(share_of(cell)))
+        };
+        let set = if settings.len() > 1 { format!(", {}", curve.setting) } else { String::new() };
+        let symbols: Vec<&str> =
+            cells.iter().map(|cell| if cell.differ == 0 { "circle-open" } else { "circle" }).collect();
+        json!({
+            "type": "scatter", "mode": "lines+markers", "name": format!("{}, {}{set}", curve.engine, ties(curve.form)),
+            "line": { "color": color_of(run, &curve.engine), "dash": if curve.form == Form::Generic { "solid" } else { "dot" }, "width": 1.5 },
+            "marker": { "size": 7, "symbol": symbols },
+            "x": cells.iter().map(|cell| power(&cell.level)).collect::<Vec<_>>(), "y": height,
+            "error_y": {
+                "type": "data", "symmetric": false, "thickness": 1, "width": 2,
+                "array": cells.iter().zip(&height).map(up).collect::<Vec<_>>(),
+                "arrayminus": cells.iter().zip(&height).map(down).collect::<Vec<_>>(),
+            },
+            "text": cells.iter().map(text).collect::<Vec<_>>(), "hovertemplate": "%{x}: %{text}<extra>%{fullData.name}</extra>",
+        })
+    });
+    let ticks: Vec<f64> = (decade..=2).map(|k| 10f64.powi(k)).collect();
+    let words: Vec<String> = std::iter::once("0".to_owned()).chain(ticks.iter().skip(1).map(f64::to_string)).collect();
+    let safe = 100.0 * SAFE_SHARE;
+    let layout = json!({
+        "xaxis": { "type": "category", "categoryorder": "array", "categoryarray": levels, "title": { "text": levels_are(axis) } },
+        "yaxis": {
+            "type": "log", "range": [f64::from(decade) - 0.1, 2.1], "tickvals": ticks, "ticktext": words,
+            "title": { "text": "pairs that differ, %" },
+        },
+        "shapes": [{
+            "type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": safe, "y1": safe, "line": { "color": "$good", "width": 1.5, "dash": "dash" },
+        }],
+        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    });
+    let what = format!("{}: pairs that differ; safe where the interval ends below the dashed line", noun(axis));
+    let caption = label(runs, &run.name, &what);
+    Some(Chart::new(format!("chart-stress-{number}-{}", axis.name()), caption, 380, data.collect(), layout))
+}
+
+fn steps_chart(id: String, caption: String, axis: &str, of: &[&StressStep]) -> Chart {
+    let mut curves: BTreeMap<(&str, &str), Vec<[f64; 2]>> = BTreeMap::new();
+    for step in of {
+        if let Some(error) = step.error {
+            curves.entry((&step.engine, &step.motion)).or_default().push([step.level, error]);
+        }
+    }
+    let data: Vec<Value> = curves
+        .iter()
+        .map(|((engine, motion), points)| {
+            json!({
+                "type": "scatter", "mode": "lines+markers", "name": format!("{engine}, {motion}"),
+                "line": { "color": engine_color(engine, 0), "dash": if *motion == "rigid" { "solid" } else { "dot" }, "width": 1.5 },
+                "x": points.iter().map(|p| p[0]).collect::<Vec<_>>(), "y": points.iter().map(|p| p[1]).collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    let layout = json!({
+        "xaxis": { "type": "log", "title": { "text": axis }, "exponentformat": "power" },
+        "yaxis": { "type": "log", "title": { "text": "relative error" }, "exponentformat": "power" },
+        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    });
+    Chart::new(id, caption, 340, data, layout)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Axis, power, up_to};
+
+    #[test]
+    fn levels_are_told_as_a_reader_likes_them() {
+        assert_eq!(
+            ["0", "1e0", "1e1", "1e-1", "1e8", "1e-9", "x"].map(power),
+            ["0", "1", "10", "0.1", "10⁸", "10⁻⁹", "x"]
+        );
+        assert_eq!(up_to(Axis::Offset, "0"), "at the origin");
+        assert_eq!(up_to(Axis::Angle, "1e-3"), "at angles down to 10⁻³ rad");
+    }
+}

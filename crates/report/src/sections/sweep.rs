@@ -1,0 +1,173 @@
+//! What each tolerance does: campaigns over a grid of tolerance sets.
+
+use super::{Part, Section, label};
+use crate::chart::{Chart, color, error_bars, heat_map};
+use crate::load::{CampaignRun, Sums};
+use crate::table::{Cell, Table};
+use rockproof_campaign::grid::axes_of;
+use rockproof_campaign::interval::Share;
+use rockproof_differential::agreement::Span;
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A set of a grid, without the rungs of ladders: axis by axis.
+type Point<'r> = Vec<(&'r str, &'r str)>;
+
+/// A grid that a campaign went over: its axes, and the sums at each point for each curve.
+struct Sweep<'r> {
+    run: &'r CampaignRun,
+    /// The factors of each axis, in numerical order.
+    axes: Vec<(&'r str, Vec<&'r str>)>,
+    curves: BTreeMap<(Span, &'r str), Vec<(Point<'r>, Sums)>>,
+}
+
+/// The section, where a campaign went over a grid.
+pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
+    let sweeps: Vec<Sweep<'_>> = campaigns.iter().filter_map(Sweep::of).collect();
+    if sweeps.is_empty() {
+        return None;
+    }
+    let mut section = Section::new(
+        "sweep",
+        "What does each tolerance do?",
+        "A preset with its tolerances multiplied by factors. Each curve is the share of pairs whose contacts stay what they are: \
+         \"tolerance\" compares the exact contacts without and with the set, an engine's name the exact contacts with those it gives \
+         under the same set. Over all values of the other tolerances of the grid.",
+    );
+    let mut table = Table::new(
+        "sweep",
+        "Agreement at every point of the grid",
+        &["run", "setting", "engine", "compared", "pairs", "agreement", "low", "high"],
+    );
+    for (number, sweep) in sweeps.iter().enumerate() {
+        for (at, (axis, factors)) in sweep.axes.iter().enumerate() {
+            section.parts.push(Part::Chart(sweep.lines(number, at, axis, factors, campaigns.len()).half()));
+        }
+        for (one, other) in pairs_of(sweep.axes.len()) {
+            section
+                .parts
+                .extend(sweep.maps(number, one, other, campaigns.len()).into_iter().map(|map| Part::Chart(map.half())));
+        }
+        for ((span, engine), points) in &sweep.curves {
+            for (point, sums) in points {
+                let Some(Share { value, low, high }) = sums.agreement() else { continue };
+                let setting: Vec<String> = point.iter().map(|(axis, factor)| format!("{axis}*{factor}")).collect();
+                let names = [sweep.run.name.as_str(), &setting.join(" "), engine, span.name()].map(Cell::from);
+                let shares = [value, low, high].map(Cell::Share);
+                table.push(names.into_iter().chain([sums.pairs.into()]).chain(shares).collect());
+            }
+        }
+    }
+    section.parts.push(Part::Quiet(table));
+    Some(section)
+}
+
+/// The first few pairs of axes: more maps than these nobody reads.
+fn pairs_of(axes: usize) -> Vec<(usize, usize)> {
+    (0..axes).flat_map(|one| (one + 1..axes).map(move |other| (one, other))).take(3).collect()
+}
+
+/// Factors are numbers, criteria are words.
+pub(super) fn order(one: &str, other: &str) -> std::cmp::Ordering {
+    match (one.parse::<f64>(), other.parse::<f64>()) {
+        (Ok(one), Ok(other)) => one.total_cmp(&other),
+        _ => one.cmp(other),
+    }
+}
+
+impl<'r> Sweep<'r> {
+    fn of(run: &'r CampaignRun) -> Option<Sweep<'r>> {
+        let mut curves: BTreeMap<(Span, &str), BTreeMap<Point<'_>, Sums>> = BTreeMap::new();
+        let mut factors: Vec<(&str, BTreeSet<&str>)> = Vec::new();
+        for (_, compared, sums) in &run.agreement {
+            if compared.tolerances.contains(':') {
+                continue;
+            }
+            let Some(point) = axes_of(&compared.tolerances) else { continue };
+            for (axis, factor) in &point {
+                match factors.iter_mut().find(|(known, _)| known == axis) {
+                    Some((_, known)) => known.insert(factor),
+                    None => {
+                        factors.push((axis, BTreeSet::from([*factor])));
+                        true
+                    }
+                };
+            }
+            // What users see, and what the tolerances do; the links between are in agreement.csv.
+            if matches!(compared.span, Span::Tolerance | Span::Whole) {
+                curves.entry((compared.span, &compared.engine)).or_default().entry(point).or_default().add(sums);
+            }
+        }
+        let mut axes: Vec<(&str, Vec<&str>)> =
+            factors.into_iter().map(|(axis, known)| (axis, known.into_iter().collect())).collect();
+        for (_, known) in &mut axes {
+            known.sort_by(|one, other| order(one, other));
+        }
+        axes.retain(|(_, known)| known.len() > 1);
+        let curves = curves.into_iter().map(|(key, points)| (key, points.into_iter().collect())).collect();
+        (!axes.is_empty()).then_some(Sweep { run, axes, curves })
+    }
+
+    fn sums(points: &[(Point<'_>, Sums)], wanted: &[(&str, &str)]) -> Sums {
+        let mut all = Sums::default();
+        for (_, sums) in points.iter().filter(|(point, _)| wanted.iter().all(|w| point.contains(w))) {
+            all.add(sums);
+        }
+        all
+    }
+
+    fn curve_name(span: Span, engine: &str) -> String {
+        if span == Span::Whole { engine.to_owned() } else { format!("{span} ({engine})") }
+    }
+
+    fn lines(&self, number: usize, at: usize, axis: &str, factors: &[&str], runs: usize) -> Chart {
+        let mut data: Vec<Value> = Vec::new();
+        for ((span, engine), points) in &self.curves {
+            let of: Vec<(&str, Share)> = factors
+                .iter()
+                .filter_map(|factor| Some((*factor, Self::sums(points, &[(axis, factor)]).agreement()?)))
+                .collect();
+            let shares: Vec<Share> = of.iter().map(|(_, share)| *share).collect();
+            let name = Self::curve_name(*span, engine);
+            data.push(json!({
+                "type": "scatter", "mode": "lines+markers", "name": name, "error_y": error_bars(&shares),
+                "line": { "color": color(data.len()), "dash": if *span == Span::Whole { "solid" } else { "dot" } },
+                "x": of.iter().map(|(factor, _)| factor).collect::<Vec<_>>(),
+                "y": shares.iter().map(|share| share.value * 100.0).collect::<Vec<_>>(),
+                "hovertemplate": "×%{x}: %{y:.2f} %<extra>%{fullData.name}</extra>",
+            }));
+        }
+        let words = if axis == "criteria" { "criteria".to_owned() } else { format!("{axis}, times the preset's") };
+        let layout = json!({
+            "xaxis": { "type": "category", "categoryorder": "array", "categoryarray": factors, "title": { "text": words } },
+            "yaxis": { "title": { "text": "pairs, %" }, "rangemode": "normal" },
+            "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+        });
+        let caption = label(runs, &self.run.name, &format!("pairs whose contacts stay what they are, by {axis}"));
+        Chart::new(format!("chart-sweep-{number}-{at}"), caption, 380, data, layout)
+    }
+
+    fn maps(&self, number: usize, one: usize, other: usize, runs: usize) -> Vec<Chart> {
+        let ((x_axis, x), (y_axis, y)) = (&self.axes[one], &self.axes[other]);
+        let mut charts = Vec::new();
+        for (at, ((span, engine), points)) in self.curves.iter().enumerate() {
+            let shares: Vec<Vec<Option<f64>>> = y
+                .iter()
+                .map(|fy| {
+                    let share = |fx: &&str| Self::sums(points, &[(x_axis, fx), (y_axis, fy)]).agreement();
+                    x.iter().map(|fx| share(fx).map(|share| share.value)).collect()
+                })
+                .collect();
+            let names = |factors: &[&str]| factors.iter().map(|f| (*f).to_owned()).collect::<Vec<_>>();
+            let layout = json!({
+                "xaxis": { "type": "category", "title": { "text": (*x_axis).to_owned() } },
+                "yaxis": { "type": "category", "title": { "text": (*y_axis).to_owned() } },
+            });
+            let what = format!("{}: {x_axis} against {y_axis}, percent of pairs", Self::curve_name(*span, engine));
+            let id = format!("chart-sweep-{number}-{one}-{other}-{at}");
+            let data = vec![heat_map(&names(x), &names(y), &shares, true)];
+            charts.push(Chart::new(id, label(runs, &self.run.name, &what), 130 + 36 * y.len(), data, layout));
+        }
+        charts
+    }
+}

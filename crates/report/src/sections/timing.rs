@@ -1,0 +1,107 @@
+//! Run time against error.
+
+use super::stress::power;
+use super::{Part, Section};
+use crate::chart::{Chart, engine_color};
+use crate::table::{Cell, Table, short};
+use crate::timing::{Measurement, TimingRun};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+
+pub(super) fn section(runs: &[TimingRun]) -> Section {
+    let mut section = Section::new(
+        "timing",
+        "What does accuracy cost?",
+        "Run time against error. Ringed, and joined by the line, is what is efficient: nothing else measured there is both faster and less \
+         wrong. What is exact lies at the lower edge. Times are those of one machine; compare them with one another only.",
+    );
+    let mut table = Table::new(
+        "timing",
+        "Run time against error",
+        &["run", "case", "engine", "tolerances", "time_step_s", "seconds_per_unit", "error", "error_of", "efficient"],
+    );
+    for (number, run) in runs.iter().enumerate() {
+        for (n, case) in run.cases().into_iter().enumerate() {
+            section.parts.push(Part::Chart(chart(format!("chart-timing-{number}-{n}"), run, case).half()));
+        }
+        for m in &run.measurements {
+            table.push(vec![
+                run.name.as_str().into(),
+                m.case.as_str().into(),
+                m.engine.as_str().into(),
+                m.tolerances.as_str().into(),
+                Cell::number(m.time_step_s),
+                Cell::Number(m.seconds),
+                Cell::Number(m.error),
+                m.error_of.as_str().into(),
+                if m.efficient { "yes".into() } else { Cell::Empty },
+            ]);
+        }
+    }
+    section.parts.push(Part::Table(table, 60));
+    let blank: u64 = runs.iter().map(|run| run.blank).sum();
+    if blank > 0 {
+        section
+            .parts
+            .push(Part::Text(format!("{blank} measurements have no figure, for the run stopped; bench.csv says why.")));
+    }
+    section
+}
+
+fn chart(id: String, run: &TimingRun, case: &str) -> Chart {
+    let of: Vec<&Measurement> = run.measurements.iter().filter(|m| m.case == case).collect();
+    // A logarithmic axis has no zero: what is exact lies below the least error.
+    let least = of.iter().map(|m| m.error).filter(|e| *e > 0.0).fold(f64::INFINITY, f64::min);
+    let exact = of.iter().any(|m| m.error == 0.0);
+    let most = of.iter().map(|m| m.error).fold(least, f64::max);
+    let [low, high] = if least.is_finite() { [least.log10().floor(), most.log10().ceil()] } else { [0.0, 0.0] };
+    let bottom = if exact { low - 1.0 } else { low };
+    let floor = 10f64.powf(bottom);
+    let height = |m: &&Measurement| if m.error > 0.0 { m.error } else { floor };
+    let text = |m: &&Measurement| {
+        let step = m.time_step_s.map_or(String::new(), |dt| format!(", Δt {dt:?} s"));
+        let error = if m.error == 0.0 { "exact".to_owned() } else { format!("error {:.3e}", m.error) };
+        format!("{} {}{step}: {} µs, {error}", m.engine, m.tolerances, short(m.seconds * 1e6))
+    };
+    // Of the whole run, so that an engine looks the same in every chart.
+    let engines: BTreeSet<&str> = run.measurements.iter().map(|m| &*m.engine).collect();
+    let mut data: Vec<Value> = Vec::new();
+    for (at, engine) in engines.into_iter().enumerate() {
+        let of: Vec<&Measurement> = of.iter().filter(|m| m.engine == engine).copied().collect();
+        if of.is_empty() {
+            continue;
+        }
+        let rings: Vec<f64> = of.iter().map(|m| if m.efficient { 2.5 } else { 0.0 }).collect();
+        data.push(json!({
+            "type": "scatter", "mode": "markers", "name": engine,
+            "marker": { "size": 10, "color": engine_color(engine, at), "symbol": at % 8, "line": { "color": "$text", "width": rings } },
+            "x": of.iter().map(|m| m.seconds * 1e6).collect::<Vec<_>>(), "y": of.iter().map(height).collect::<Vec<_>>(),
+            "text": of.iter().map(text).collect::<Vec<_>>(), "hovertemplate": "%{text}<extra></extra>",
+        }));
+    }
+    let mut front: Vec<&Measurement> = of.iter().filter(|m| m.efficient).copied().collect();
+    front.sort_by(|m, n| m.seconds.total_cmp(&n.seconds));
+    data.push(json!({
+        "type": "scatter", "mode": "lines", "name": "efficient", "line": { "shape": "hv", "color": "$muted", "width": 1.5, "dash": "dash" },
+        "x": front.iter().map(|m| m.seconds * 1e6).collect::<Vec<_>>(), "y": front.iter().map(height).collect::<Vec<_>>(), "hoverinfo": "skip",
+    }));
+    let error_of = of.first().map_or("", |m| m.error_of.as_str());
+    // At most eight decades are named; what is exact lies one below the least.
+    let every = (((high - low) / 8.0).ceil() as usize).max(1);
+    let named = (low as i32..=high as i32).rev().step_by(every);
+    let (mut ticks, mut words): (Vec<f64>, Vec<String>) =
+        named.map(|k| (10f64.powi(k), power(&format!("1e{k}")))).unzip();
+    if exact {
+        ticks.push(floor);
+        words.push("0".to_owned());
+    }
+    let layout = json!({
+        "xaxis": { "type": "log", "title": { "text": "time for a step or a pair, µs" }, "exponentformat": "power", "dtick": 1 },
+        "yaxis": {
+            "type": "log", "title": { "text": if error_of.is_empty() { "error".to_owned() } else { format!("error: {error_of}") } },
+            "tickvals": ticks, "ticktext": words, "range": [bottom - 0.3, high.max(bottom + 1.0) + 0.3],
+        },
+        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    });
+    Chart::new(id, format!("{case}: run time against error"), 380, data, layout)
+}

@@ -1,0 +1,177 @@
+//! The worst findings, each with a view to turn.
+
+use super::{Part, Section, label};
+use crate::fault::ReportError;
+use crate::load::CampaignRun;
+use crate::table::{Cell, Table, short};
+use crate::tally::Worst;
+use crate::view;
+use rockproof_differential::case_file::Case;
+use rockproof_differential::finding::Cause;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// How many findings of each cause the page shows.
+const SHOWN: usize = 6;
+
+/// A finding as the page shows it.
+#[derive(Clone, Debug, Serialize)]
+pub struct FindingView {
+    /// Its name in the page.
+    pub id: String,
+    /// What it is, in one line.
+    pub title: String,
+    /// The cause.
+    pub cause: &'static str,
+    /// What each thing about it is.
+    pub facts: Vec<(&'static str, String)>,
+    /// The contacts.
+    pub contacts: Vec<SeenRow>,
+    /// The command that shows it decision by decision.
+    pub replay: String,
+    /// What plotly draws.
+    pub traces: Vec<Value>,
+}
+
+/// A contact of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct SeenRow {
+    /// `true`, `seen` or `both`.
+    pub who: &'static str,
+    /// Kind, features and entrance.
+    pub name: String,
+    /// The gap (m).
+    pub gap: String,
+}
+
+/// The causes in the order in which they worry.
+const ORDER: [Cause; 5] = [Cause::Defect, Cause::Engine, Cause::Arithmetic, Cause::Representation, Cause::Tolerance];
+
+pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError> {
+    let mut section = Section::new(
+        "worst",
+        "The worst findings",
+        "Of each cause the findings furthest from a tie, which rounding excuses least, among those that were shrunk to a case. Open one to \
+         see both blocks, or where one is much larger the surroundings of the smaller: drag to turn, scroll or pinch to come nearer. Green is \
+         the true contact, orange the one that was seen.",
+    );
+    let mut table = Table::new(
+        "worst",
+        "The worst findings with a case",
+        &[
+            "run",
+            "cause",
+            "change",
+            "engine",
+            "kind_before",
+            "kind_after",
+            "predicate",
+            "features",
+            "margin",
+            "margin_roundoffs",
+            "family",
+            "setting",
+            "index",
+            "case",
+        ],
+    );
+    let mut views = Vec::new();
+    for cause in ORDER {
+        for campaign in campaigns {
+            let worst = campaign.tally.worst.get(&cause).map_or(&[][..], Vec::as_slice);
+            for finding in worst {
+                table.push(row(campaign, finding));
+            }
+            for finding in worst.iter().take(SHOWN) {
+                let name = label(campaigns.len(), &campaign.name, finding.change.name());
+                views.push(show(&campaign.dir, finding, name, views.len())?);
+            }
+        }
+    }
+    if views.is_empty() {
+        section.parts.push(Part::Text("No finding was kept as a case.".to_owned()));
+    }
+    section.parts.push(Part::Findings(views));
+    section.parts.push(Part::Quiet(table));
+    Ok(section)
+}
+
+fn row(campaign: &CampaignRun, finding: &Worst) -> Vec<Cell> {
+    let [before, after] = &finding.kinds;
+    vec![
+        campaign.name.as_str().into(),
+        finding.cause.name().into(),
+        finding.change.name().into(),
+        finding.engine.as_str().into(),
+        before.as_str().into(),
+        after.as_str().into(),
+        finding.predicate.as_str().into(),
+        finding.features.as_str().into(),
+        Cell::number(finding.margin),
+        Cell::number(finding.margin_ulps),
+        finding.family.as_str().into(),
+        finding.tolerances.as_str().into(),
+        finding.index.into(),
+        finding.case.as_str().into(),
+    ]
+}
+
+fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<FindingView, ReportError> {
+    let path = dir.join(&finding.case);
+    let case = Case::load(&path)?;
+    let contacts = view::contacts(&case);
+    let (mut traces, centre) = view::traces(&case, &contacts);
+    round(&mut traces);
+    let about = &case.about;
+    let kinds = if about.kind.is_empty() { "the pair".to_owned() } else { about.kind.clone() };
+    let mut facts = vec![("who", about.engine.clone())];
+    if !about.predicate.is_empty() {
+        facts.push(("decided by", format!("{} of {}", about.predicate, about.features)));
+    }
+    if let Some(margin) = about.margin {
+        let size = if margin == 0.0 { "0, a tie".to_owned() } else { short(margin) };
+        facts.push(("margin", size));
+    }
+    if let Some(ulps) = about.margin_ulps {
+        facts.push(("in roundoffs", short(ulps)));
+    }
+    facts.push(("from", about.origin.clone()));
+    for (what, text) in [("lying", &about.states), ("the engine said", &about.note)] {
+        facts.extend(text.iter().map(|text| (what, text.clone())));
+    }
+    facts.push(("axes from", format!("({})", centre.map(|c| format!("{c:?}")).join(", "))));
+    let row = |c: &view::SeenContact| SeenRow { who: c.who(), name: c.name(), gap: nine_digits(c.gap_m) };
+    Ok(FindingView {
+        id: format!("finding-{number}"),
+        title: format!("{name}: {kinds}, {}", finding.engine),
+        cause: finding.cause.name(),
+        facts,
+        contacts: contacts.iter().map(row).collect(),
+        replay: format!("rockproof replay {}", quoted(&path.display().to_string())),
+        traces,
+    })
+}
+
+/// A gap as a reader likes it; the command below gives it in full.
+fn nine_digits(gap_m: f64) -> String {
+    format!("{:?}", format!("{gap_m:.8e}").parse().unwrap_or(gap_m))
+}
+
+/// For a shell.
+fn quoted(path: &str) -> String {
+    shlex::try_quote(path).map_or_else(|_| path.to_owned(), std::borrow::Cow::into_owned)
+}
+
+/// Coordinates for the eye: seven digits are more than the f32 of a graphics card hold.
+fn round(traces: &mut [Value]) {
+    for trace in traces {
+        for axis in ["x", "y", "z"] {
+            for value in trace.get_mut(axis).and_then(Value::as_array_mut).into_iter().flatten() {
+                if let Some(number) = value.as_f64() {
+                    *value = json!(format!("{number:.7e}").parse::<f64>().unwrap_or(number));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Counts the findings of a campaign while reading them, in memory that does not grow with their number.
+
+use super::load::setting;
+use rockproof_differential::compare::Change;
+use rockproof_differential::finding::Cause;
+use rockproof_differential::row::FindingRow;
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+
+/// How many of the worst findings of each cause are kept.
+const WORST: usize = 8;
+
+/// Whom a finding is about and why.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Sort {
+    /// The tolerance set, without the rungs of ladders.
+    pub setting: String,
+    /// An engine, `f32` or `f64`, or `any`.
+    pub engine: String,
+    /// Why the answer changed.
+    pub cause: Cause,
+    /// What changed.
+    pub change: Change,
+}
+
+/// A finding with a case file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Worst {
+    /// The pair's number.
+    pub index: u64,
+    /// The pair's family.
+    pub family: String,
+    /// The tolerance set.
+    pub tolerances: String,
+    /// Whom it is about.
+    pub engine: String,
+    /// Why the answer changed.
+    pub cause: Cause,
+    /// What changed.
+    pub change: Change,
+    /// The kind before and after; empty where there is none.
+    pub kinds: [String; 2],
+    /// What decided it.
+    pub predicate: String,
+    /// The features it was asked of.
+    pub features: String,
+    /// Its exact margin.
+    pub margin: Option<f64>,
+    /// The margin in roundoffs.
+    pub margin_ulps: Option<f64>,
+    /// The case file, in the directory of the run.
+    pub case: String,
+}
+
+impl Worst {
+    /// What no rounding excuses first: no margin at all, then the largest.
+    fn rank(&self, other: &Worst) -> Ordering {
+        let size = |w: &Worst| w.margin_ulps.or(w.margin).map_or(f64::INFINITY, f64::abs);
+        // Sets that a ladder put on an edge differ by design; a plain setting that differs is worse.
+        let laddered = |w: &Worst| w.tolerances.contains(':');
+        size(other)
+            .total_cmp(&size(self))
+            .then_with(|| laddered(self).cmp(&laddered(other)))
+            .then_with(|| self.index.cmp(&other.index))
+            .then_with(|| self.case.cmp(&other.case))
+    }
+}
+
+/// A decade of margins: `None` for ties, else the exponent n of 10ⁿ ≤ margin < 10ⁿ⁺¹.
+pub type Decade = Option<i32>;
+
+/// The findings of a campaign, counted.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// All of them.
+    pub total: u64,
+    /// By whom and why.
+    pub sorts: BTreeMap<Sort, u64>,
+    /// By engine, cause and decade of the margin: in roundoffs where the finding tells, else relative.
+    pub margins: BTreeMap<(String, Cause), BTreeMap<Decade, u64>>,
+    /// Findings without a margin, by engine and cause.
+    pub unmeasured: BTreeMap<(String, Cause), u64>,
+    /// By predicate, cause and engine.
+    pub predicates: BTreeMap<String, BTreeMap<(Cause, String), u64>>,
+    /// The worst with a case file, by cause, worst first.
+    pub worst: BTreeMap<Cause, Vec<Worst>>,
+}
+
+impl Tally {
+    /// Adds a row of `findings.csv`.
+    pub(super) fn add(&mut self, row: FindingRow) {
+        let FindingRow { cause, change, margin, margin_ulps, .. } = row;
+        let engine = row.engine.to_string();
+        self.total += 1;
+        let sort = Sort { setting: setting(&row.tolerances), engine: engine.clone(), cause, change };
+        *self.sorts.entry(sort).or_default() += 1;
+        let who = (engine.clone(), cause);
+        match margin_ulps.or(margin) {
+            Some(margin) => *self.margins.entry(who).or_default().entry(decade(margin)).or_default() += 1,
+            None => *self.unmeasured.entry(who).or_default() += 1,
+        }
+        if !row.predicate.is_empty() {
+            let counts = self.predicates.entry(row.predicate.clone()).or_default();
+            *counts.entry((cause, engine.clone())).or_default() += 1;
+        }
+        if !row.case.is_empty() {
+            let worst = Worst {
+                index: row.index,
+                family: row.family,
+                tolerances: row.tolerances,
+                engine,
+                cause,
+                change,
+                kinds: [row.kind_before, row.kind_after],
+                predicate: row.predicate,
+                features: row.features,
+                margin,
+                margin_ulps,
+                case: row.case,
+            };
+            let list = self.worst.entry(cause).or_default();
+            let place = list.partition_point(|known| known.rank(&worst) != Ordering::Greater);
+            list.insert(place, worst);
+            list.truncate(WORST);
+        }
+    }
+
+    /// Findings by cause.
+    pub fn by_cause(&self) -> BTreeMap<Cause, u64> {
+        let mut causes = BTreeMap::new();
+        for (sort, count) in &self.sorts {
+            *causes.entry(sort.cause).or_default() += count;
+        }
+        causes
+    }
+}
+
+fn decade(margin: f64) -> Decade {
+    (margin != 0.0).then(|| margin.abs().log10().floor() as i32)
+}

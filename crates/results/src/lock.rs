@@ -1,0 +1,137 @@
+//! One process at a time in a directory.
+
+use super::error::ResultsError;
+use super::manifest::Owner;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// The file that is locked; it is there while somebody works in the directory, and after a kill.
+const LOCK: &str = ".rockproof.lock";
+/// What it begins with; it goes on with the process that holds it.
+const FIRST: &str = "locked by ";
+
+/// An advisory lock on a directory, given up when it is dropped. The operating system gives it up for a process that was killed.
+#[derive(Debug)]
+pub(crate) struct Lock {
+    path: PathBuf,
+    _file: File,
+}
+
+impl Lock {
+    /// Takes the lock.
+    pub(crate) fn take(dir: &Path, owner: Owner) -> Result<Lock, ResultsError> {
+        let path = dir.join(LOCK);
+        let at = || ResultsError::at(&path);
+        loop {
+            let mut file =
+                OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(at())?;
+            let locked = match file.try_lock() {
+                Err(TryLockError::Error(error)) => Err(error),
+                Err(TryLockError::WouldBlock) => Ok(false),
+                Ok(()) => Ok(true),
+            };
+            let mut text = Vec::new();
+            file.read_to_end(&mut text).map_err(at())?;
+            let held = String::from_utf8_lossy(&text);
+            match locked {
+                // A file system without locks: better unprotected than not at all.
+                Err(error) if error.kind() == std::io::ErrorKind::Unsupported => {}
+                Err(error) => return Err(at()(error)),
+                Ok(false) => {
+                    let holder = held.strip_prefix(FIRST).map_or("another process", |held| held.trim_end());
+                    return Err(ResultsError::InUse { dir: dir.to_owned(), holder: holder.to_owned() });
+                }
+                Ok(true) => {}
+            }
+            if !held.is_empty() && !held.starts_with(FIRST) {
+                return Err(ResultsError::Foreign { file: path, owner });
+            }
+            let holder = holder();
+            let written = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(holder.as_bytes()));
+            written.map_err(at())?;
+            // Whoever held the lock may have removed the file after we opened it: then this is not the file that others would lock.
+            if fs::read(&path).is_ok_and(|text| text == holder.as_bytes()) {
+                return Ok(Lock { path, _file: file });
+            }
+        }
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // While it is still locked. A file that stays is no harm: its lock is gone.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// This process: number, command, since when. Two locks of one process differ in the last number.
+fn holder() -> String {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    let command: Vec<String> = std::env::args().collect();
+    let shown: String = command.join(" ").chars().filter(|c| !c.is_control()).take(200).collect();
+    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let count = COUNTER.fetch_add(1, Ordering::Relaxed);
+    format!("{FIRST}process {} ({shown}), since {}, lock {count}\n", std::process::id(), utc(seconds))
+}
+
+/// A time in seconds since 1970 as date and time of day.
+fn utc(seconds: u64) -> String {
+    let (days, rest) = (seconds / 86_400, seconds % 86_400);
+    // Days from civil, inverted (Howard Hinnant, "chrono-Compatible Low-Level Date Algorithms", 2013): years begin in March.
+    let days = days + 719_468;
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * from_march + 2) / 5 + 1;
+    let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
+    let year = 400 * era + year_of_era + u64::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02} {:02}:{:02}:{:02} UTC", rest / 3600, rest / 60 % 60, rest % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_at_a_time_and_the_holder_is_named() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let lock = Lock::take(dir.path(), Owner::Campaign).expect("free");
+        let error = Lock::take(dir.path(), Owner::Campaign).expect_err("held").to_string();
+        assert!(error.contains(&format!("process {}", std::process::id())) && error.contains("UTC"), "{error}");
+        drop(lock);
+        assert!(!dir.path().join(LOCK).exists());
+        // What a kill leaves is no lock.
+        fs::write(dir.path().join(LOCK), format!("{FIRST}process 1 (rockproof), since then")).expect("write");
+        drop(Lock::take(dir.path(), Owner::Campaign).expect("free"));
+        fs::write(dir.path().join(LOCK), "mine").expect("write");
+        assert!(matches!(Lock::take(dir.path(), Owner::Campaign), Err(ResultsError::Foreign { .. })));
+        assert_eq!(fs::read(dir.path().join(LOCK)).expect("read"), b"mine");
+    }
+
+    #[test]
+    fn many_threads_never_hold_it_together() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let inside = AtomicU64::new(0);
+        let work = || {
+            for _ in 0..200 {
+                if let Ok(lock) = Lock::take(dir.path(), Owner::Tune) {
+                    assert_eq!(inside.fetch_add(1, Ordering::SeqCst), 0);
+                    inside.fetch_sub(1, Ordering::SeqCst);
+                    drop(lock);
+                }
+            }
+        };
+        std::thread::scope(|scope| (0..4).for_each(|_| drop(scope.spawn(work))));
+    }
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        assert_eq!(utc(0), "1970-01-01 00:00:00 UTC");
+        assert_eq!(utc(951_827_696), "2000-02-29 12:34:56 UTC");
+        assert_eq!(utc(4_107_542_399), "2100-02-28 23:59:59 UTC");
+    }
+}

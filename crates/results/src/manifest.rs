@@ -1,0 +1,124 @@
+//! Which command a directory belongs to, and which files in it that command wrote.
+
+use super::atomic::write_atomically;
+use super::error::ResultsError;
+use super::seal::{sealed, unsealed};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::io;
+use std::path::{Component, Path};
+
+/// The name of the manifest.
+pub const MANIFEST: &str = "rockproof.manifest.json";
+
+/// A command that writes directories of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Owner {
+    /// `rockproof campaign`
+    Campaign,
+    /// `rockproof simulate`
+    Simulate,
+    /// `rockproof tune`
+    Tune,
+    /// `rockproof gate`
+    Gate,
+    /// `rockproof bench`
+    Bench,
+    /// `rockproof report`
+    Report,
+}
+
+impl Owner {
+    /// The command's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Owner::Campaign => "campaign",
+            Owner::Simulate => "simulate",
+            Owner::Tune => "tune",
+            Owner::Gate => "gate",
+            Owner::Bench => "bench",
+            Owner::Report => "report",
+        }
+    }
+
+    /// What it writes, in a sentence.
+    pub(crate) fn results(self) -> &'static str {
+        match self {
+            Owner::Campaign | Owner::Gate => "a campaign",
+            Owner::Simulate => "a run",
+            Owner::Tune => "a search",
+            Owner::Bench => "measurements",
+            Owner::Report => "a report",
+        }
+    }
+
+    /// Whether it goes on with what is there when asked to.
+    pub(crate) fn resumes(self) -> bool {
+        matches!(self, Owner::Campaign | Owner::Simulate | Owner::Tune)
+    }
+}
+
+impl fmt::Display for Owner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// What a file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Rows of CSV.
+    Table,
+    /// What the run knows of itself: configuration, progress, checkpoint.
+    Run,
+    /// Something to replay.
+    Case,
+    /// Blocks or contacts for ParaView, or a plot.
+    Picture,
+    /// An input of this program: a scene, a tolerance set.
+    Input,
+    /// Something to read.
+    Text,
+}
+
+/// The content of the manifest.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Manifest {
+    pub(crate) owner: Owner,
+    /// What each file is, by its path within the directory, the parts separated by `/`.
+    pub(crate) files: BTreeMap<String, Kind>,
+}
+
+impl Manifest {
+    /// The manifest of a directory, if it has one.
+    pub(crate) fn read(dir: &Path) -> Result<Option<Manifest>, ResultsError> {
+        let file = dir.join(MANIFEST);
+        let text = match std::fs::read(&file) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            read => read.map_err(ResultsError::at(&file))?,
+        };
+        let damaged = |what: &dyn fmt::Display| ResultsError::Manifest { file: file.clone(), what: what.to_string() };
+        let text = std::str::from_utf8(&text).map_err(|e| damaged(&e))?;
+        let object = unsealed(text).map_err(|e| damaged(&e))?;
+        let manifest: Manifest = serde_json::from_str(&object).map_err(|e| damaged(&e))?;
+        if let Some(outside) = manifest.files.keys().find(|name| !is_inside(name)) {
+            return Err(damaged(&format_args!("\"{outside}\" is not in the directory")));
+        }
+        Ok(Some(manifest))
+    }
+
+    pub(crate) fn write(&self, dir: &Path) -> Result<(), ResultsError> {
+        let file = dir.join(MANIFEST);
+        let text = serde_json::to_string_pretty(self).map_err(|e| ResultsError::at(&file)(e.into()))?;
+        write_atomically(&file, sealed(&text)).map_err(ResultsError::at(&file))
+    }
+}
+
+/// Whether a name is that of a file within the directory.
+fn is_inside(name: &str) -> bool {
+    !name.is_empty() && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
+}

@@ -1,0 +1,20 @@
+//! A run of the stepper over time, and what it leaves on disk: tables, pictures for ParaView, checkpoints.
+//!
+//! `docs/simulate.md` describes the files. A run can be killed at any moment and goes on from its last checkpoint to the
+//! same bytes.
+
+pub mod checkpoint;
+pub mod exact;
+pub mod frame;
+pub mod identity;
+pub mod plan;
+pub mod record;
+pub mod run;
+pub mod tables;
+pub mod totals;
+pub mod vtu;
+
+pub use plan::Plan;
+pub use record::Record;
+pub use run::{Ending, Run, RunError, Stepping};
+pub use totals::Totals;

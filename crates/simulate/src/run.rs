@@ -1,0 +1,295 @@
+//! The run itself: step after step, each one written, until the plan is done, somebody asks to stop, or nothing goes on.
+
+use crate::checkpoint::Saved;
+use crate::exact::Exact;
+use crate::record::{Frame, Record, Table};
+use crate::{Plan, frame, tables, vtu};
+use rockproof_model::Scene;
+use rockproof_results::ResultsError;
+use rockproof_stepper::Real;
+use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport, StepRules, Stopped};
+use serde_json::{Map, Value, json};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// What makes steps.
+pub trait Stepping<R> {
+    /// Makes the next step; settling steps come first.
+    ///
+    /// # Errors
+    /// Why it cannot be made; the state is then as it was before it.
+    fn step(&mut self) -> Result<StepReport, Stopped>;
+
+    /// The state after the last step.
+    fn state(&self) -> &State<R>;
+
+    /// What was found beside the last step, made or not; asked once after each. Nothing, for a stepper by itself.
+    fn beside(&mut self) -> Option<Beside> {
+        None
+    }
+}
+
+/// What was found beside a step (`docs/lockstep.md`).
+#[derive(Clone, Debug, Default)]
+pub struct Beside {
+    /// Rows, and the tables they belong to.
+    pub rows: Vec<(Table, Vec<Vec<String>>)>,
+    /// State files: a name within `states/`, and what it holds.
+    pub states: Vec<(String, Vec<u8>)>,
+    /// What adds up over a run, by name.
+    pub counts: Vec<(&'static str, u64)>,
+    /// Why the run ends here, if it does.
+    pub end: Option<Ending>,
+}
+
+impl<R: Solve, M: StepRules> Stepping<R> for Dynamics<R, M> {
+    fn step(&mut self) -> Result<StepReport, Stopped> {
+        Dynamics::step(self)
+    }
+
+    fn state(&self) -> &State<R> {
+        Dynamics::state(self)
+    }
+}
+
+/// A run ready to go.
+pub struct Run<'r, R> {
+    /// The scene.
+    pub scene: &'r Scene,
+    /// The state in which the scene begins, whatever the run goes on from.
+    pub begin: &'r State<R>,
+    /// How far, how often, how much.
+    pub plan: Plan,
+    /// What `run.json` says beside what the run knows.
+    pub about: Map<String, Value>,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ending {
+    /// The plan is done.
+    Finished,
+    /// Somebody asked it to stop; it can be resumed.
+    Interrupted,
+    /// It cannot go on.
+    Stopped(Stopped),
+    /// Stepper and oracle differ, and the run was to end at the first such step.
+    Parted,
+    /// The oracle cannot make the step, and why.
+    Unproved(String),
+}
+
+impl Ending {
+    fn name(&self) -> &'static str {
+        match self {
+            Ending::Finished => "finished",
+            Ending::Interrupted => "interrupted",
+            Ending::Stopped(_) => "stopped",
+            Ending::Parted => "parted",
+            Ending::Unproved(_) => "unproved",
+        }
+    }
+}
+
+/// Why a run cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The directory cannot be used.
+    #[error(transparent)]
+    Record(#[from] ResultsError),
+    /// A table cannot be written.
+    #[error("cannot write a table: {0}")]
+    Csv(#[from] csv::Error),
+    /// A frame cannot be written.
+    #[error("cannot write a frame: {0}")]
+    Frame(#[from] std::io::Error),
+    /// `run.json` cannot be written.
+    #[error("cannot write run.json: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+/// The first lines of the tables that a plan asks for; those of lockstep are not among them.
+///
+/// # Errors
+/// None that writing to memory has.
+pub fn headers(plan: &Plan) -> Result<[Option<Vec<u8>>; Table::COUNT], csv::Error> {
+    let contacts = plan.contacts.then(|| tables::lines([tables::CONTACTS])).transpose()?;
+    Ok([
+        Some(tables::lines([tables::step_columns()])?),
+        Some(tables::lines([tables::MEASURED])?),
+        contacts,
+        None,
+        None,
+        None,
+    ])
+}
+
+impl<R: Real> Run<'_, R> {
+    /// Runs until the plan is done, `stop` is set or a step cannot be made, calling `watch` after each step.
+    ///
+    /// # Errors
+    /// When a file cannot be written. What was committed before stays, and can be resumed.
+    pub fn run(
+        &self,
+        stepping: &mut dyn Stepping<R>,
+        record: &mut Record,
+        stop: &AtomicBool,
+        watch: &mut dyn FnMut(&StepReport, &State<R>),
+    ) -> Result<Ending, RunError> {
+        let clock = Clock { before: record.progress().seconds, started: Instant::now() };
+        if record.progress().totals == Default::default() && record.progress().frames.is_empty() {
+            self.checkpoint(stepping.state(), record, &clock)?;
+        }
+        let ending = loop {
+            if self.plan.is_over(stepping.state()) {
+                break Ending::Finished;
+            }
+            if stop.load(Ordering::Relaxed) {
+                break Ending::Interrupted;
+            }
+            let made = stepping.step();
+            let end = stepping.beside().map(|beside| append_beside(beside, record)).transpose()?.flatten();
+            match made {
+                Err(stopped) => break Ending::Stopped(stopped),
+                Ok(report) => {
+                    let state = stepping.state();
+                    self.append(&report, state, record)?;
+                    record.progress_mut().totals.add(&report);
+                    if self.plan.has_checkpoint(state) {
+                        self.checkpoint(state, record, &clock)?;
+                    }
+                    watch(&report, state);
+                    if let Some(end) = end {
+                        break end;
+                    }
+                }
+            }
+        };
+        let state = stepping.state();
+        if ending != Ending::Interrupted && !self.plan.has_frame(state) {
+            let frame = self.write_frame(state, record)?;
+            record.progress_mut().last_frame = Some(frame);
+        }
+        record.progress_mut().seconds = clock.seconds();
+        record.commit(Saved::of(state))?;
+        let about = self.run_json(record, state, &ending)?;
+        record.write("run.json", &about)?;
+        Ok(ending)
+    }
+
+    fn append(&self, report: &StepReport, state: &State<R>, record: &mut Record) -> Result<(), RunError> {
+        record.append(Table::Steps, &tables::lines([tables::step_row(report)])?)?;
+        let measured = tables::measured_rows(self.scene, self.begin, report, state);
+        record.append(Table::Measured, &tables::lines(measured)?)?;
+        if self.plan.contacts {
+            record.append(Table::Contacts, &tables::lines(tables::contact_rows(report, state))?)?;
+        }
+        Ok(())
+    }
+
+    fn checkpoint(&self, state: &State<R>, record: &mut Record, clock: &Clock) -> Result<(), RunError> {
+        if self.plan.has_frame(state) {
+            let frame = self.write_frame(state, record)?;
+            record.progress_mut().frames.push(frame);
+        }
+        record.progress_mut().seconds = clock.seconds();
+        Ok(record.commit(Saved::of(state))?)
+    }
+
+    fn write_frame(&self, state: &State<R>, record: &mut Record) -> Result<Frame, RunError> {
+        let blocks = vtu::vtu(&frame::blocks(self.scene, self.begin, state))?;
+        let contacts = vtu::vtu(&frame::contacts(state))?;
+        let frame = Frame { step: state.step, time: Exact(state.time.to_f64()) };
+        record.write_frame(frame, [&blocks, &contacts])?;
+        Ok(frame)
+    }
+
+    fn run_json(&self, record: &Record, state: &State<R>, ending: &Ending) -> Result<Vec<u8>, RunError> {
+        let progress = record.progress();
+        let totals = &progress.totals;
+        let mut map = self.about.clone();
+        map.extend(progress.identity.clone());
+        let own = json!({
+            "steps_asked": self.plan.steps,
+            "time_asked_s": self.plan.time,
+            "machine": {
+                "os": std::env::consts::OS,
+                "architecture": std::env::consts::ARCH,
+                "cores": std::thread::available_parallelism().map_or(1, usize::from),
+            },
+            "blocks": self.scene.blocks.len(),
+            "ending": ending.name(),
+            "stopped": if let Ending::Stopped(stopped) = ending { describe(stopped) } else { Value::Null },
+            "step": state.step,
+            "time_s": state.time.to_f64(),
+            "totals": totals,
+            "frames": progress.frames.len() + usize::from(progress.last_frame.is_some()),
+            "seconds": progress.seconds,
+            "resumed": progress.resumed,
+        });
+        if let Value::Object(own) = own {
+            map.extend(own);
+        }
+        if let Ending::Unproved(why) = ending {
+            map.insert("unproved".to_owned(), why.as_str().into());
+        }
+        if !progress.beside.is_empty() {
+            map.insert("lockstep".to_owned(), json!(progress.beside));
+        }
+        let mut bytes = serde_json::to_vec_pretty(&map)?;
+        bytes.push(b'\n');
+        Ok(bytes)
+    }
+}
+
+fn append_beside(beside: Beside, record: &mut Record) -> Result<Option<Ending>, RunError> {
+    for (table, rows) in beside.rows {
+        record.append(table, &tables::lines(rows)?)?;
+    }
+    for (name, bytes) in &beside.states {
+        record.write_state(name, bytes)?;
+    }
+    let counts = &mut record.progress_mut().beside;
+    for (name, count) in beside.counts {
+        *counts.entry(name.to_owned()).or_default() += count;
+    }
+    Ok(beside.end)
+}
+
+/// Counts the seconds of all sessions.
+struct Clock {
+    before: f64,
+    started: Instant,
+}
+
+impl Clock {
+    fn seconds(&self) -> f64 {
+        self.before + self.started.elapsed().as_secs_f64()
+    }
+}
+
+/// Why a run stopped, for programs.
+fn describe(stopped: &Stopped) -> Value {
+    let mut value = json!({ "message": stopped.to_string() });
+    match stopped {
+        Stopped::NotConverged { step, contacts, .. } => {
+            value["step"] = (*step).into();
+            let contact = |c: &rockproof_stepper::dynamics::Concerned| {
+                json!({
+                    "blocks": c.blocks, "kind": c.kind.name(), "features": c.features,
+                    "from": c.from.name(), "to": c.to.name(),
+                })
+            };
+            value["contacts"] = contacts.iter().map(contact).collect();
+        }
+        Stopped::TooFast { step, block, .. }
+        | Stopped::Inverted { step, block, .. }
+        | Stopped::Collapsed { step, block, .. }
+        | Stopped::NotFinite { step, block }
+        | Stopped::Singular { step, block } => {
+            value["step"] = (*step).into();
+            value["block"] = (*block).into();
+        }
+    }
+    value
+}

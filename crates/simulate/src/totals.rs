@@ -1,0 +1,83 @@
+//! What a run comes to, over all its steps.
+
+use crate::exact::Exact;
+use rockproof_stepper::dynamics::{Mode, RetryReason, StepReport};
+use serde::{Deserialize, Serialize};
+
+/// Sums and extremes over the steps of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Totals {
+    /// Steps, settling not counted.
+    pub steps: u64,
+    /// Steps of settling.
+    pub settling: u64,
+    /// Solves of the accepted attempts.
+    pub iterations: u64,
+    /// Solves of the step with the most.
+    pub most_iterations: u32,
+    /// Steps accepted without converging.
+    pub unconverged: u64,
+    /// Attempts given up because modes still changed, because a vertex moved too far, because a block turned too far.
+    pub retries: [u64; 3],
+    /// The deepest overlap of a contact after a step, settling not counted (m).
+    pub deepest: Extreme,
+    /// The largest displacement of a vertex in a step, settling not counted (m).
+    pub furthest: Extreme,
+    /// The smallest Δt that was accepted (s), settling not counted; none before the first step.
+    pub smallest_step: Option<Exact>,
+    /// Contacts after the last step: open, sliding, locked.
+    pub contacts: [u64; 3],
+    /// Kinetic energy after the last step (J).
+    pub kinetic: Exact,
+    /// All other energy after the last step (J).
+    pub potential: Exact,
+}
+
+/// A value and the step it belongs to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Extreme {
+    /// The value.
+    pub value: Exact,
+    /// The first step that has it.
+    pub step: i64,
+}
+
+impl Extreme {
+    fn add(&mut self, value: f64, step: i64) {
+        if value > self.value.0 {
+            *self = Extreme { value: Exact(value), step };
+        }
+    }
+}
+
+impl Totals {
+    /// Adds a step.
+    pub fn add(&mut self, report: &StepReport) {
+        if report.step > 0 {
+            self.steps += 1;
+            self.deepest.add(report.max_penetration, report.step);
+            self.furthest.add(report.max_displacement, report.step);
+            let smallest = self.smallest_step.map_or(f64::INFINITY, |s| s.0);
+            self.smallest_step = Some(Exact(smallest.min(report.time_step)));
+        } else {
+            self.settling += 1;
+        }
+        self.iterations += u64::from(report.iterations);
+        self.most_iterations = self.most_iterations.max(report.iterations);
+        self.unconverged += u64::from(!report.converged);
+        for retry in &report.retries {
+            self.retries[retry.why as usize] += 1;
+        }
+        self.contacts = [Mode::Open, Mode::Sliding, Mode::Locked]
+            .map(|mode| report.contacts.iter().map(|of_kind| u64::from(of_kind[mode as usize])).sum());
+        (self.kinetic, self.potential) = (Exact(report.kinetic), Exact(report.potential()));
+    }
+
+    /// Retries with the names of their reasons.
+    pub fn retries_by_reason(&self) -> [(&'static str, u64); 3] {
+        [RetryReason::NotConverged, RetryReason::Displacement, RetryReason::Rotation]
+            .map(|why| (why.name(), self.retries[why as usize]))
+    }
+}

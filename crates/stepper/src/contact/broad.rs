@@ -1,0 +1,151 @@
+//! Boxes: which blocks are neighbours, and which features of two neighbours can be in a contact at all.
+
+use crate::contact::classify::Request;
+use crate::contact::rules::{Rules, Spec};
+use crate::contact::solid::Solid;
+use crate::contact::tolerances::Tolerances;
+use crate::real::Real;
+use crate::vector::Vector;
+use rockproof_model::ContactKind;
+use rockproof_model::decision::Side;
+use std::cmp::Ordering;
+
+/// An axis-aligned box.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds<R> {
+    /// The corner with the smallest coordinates.
+    pub low: Vector<R>,
+    /// The corner with the largest coordinates.
+    pub high: Vector<R>,
+}
+
+impl<R: Real> Bounds<R> {
+    /// The box of at least one point.
+    pub fn around(points: &[Vector<R>]) -> Bounds<R> {
+        let first = Bounds { low: points[0], high: points[0] };
+        points[1..].iter().fold(first, |all, &p| Bounds { low: all.low.smaller(p), high: all.high.larger(p) })
+    }
+
+    /// Along each axis, how far two boxes are apart; negative where they overlap.
+    #[inline]
+    pub fn apart(&self, other: &Bounds<R>) -> [R; 3] {
+        let above = (self.low - other.high).components();
+        let below = (other.low - self.high).components();
+        [above[0].larger(below[0]), above[1].larger(below[1]), above[2].larger(below[2])]
+    }
+
+    /// Whether the boxes are farther apart than `reach` along some axis. For culling: not counted as a decision.
+    #[inline]
+    pub fn beyond(&self, other: &Bounds<R>, reach: R) -> bool {
+        reach.below(self.low.x - other.high.x)
+            || reach.below(other.low.x - self.high.x)
+            || reach.below(self.low.y - other.high.y)
+            || reach.below(other.low.y - self.high.y)
+            || reach.below(self.low.z - other.high.z)
+            || reach.below(other.low.z - self.high.z)
+    }
+
+    /// Whether a point is farther from the box than `reach` along some axis. For culling: not counted as a decision.
+    #[inline]
+    pub fn is_beyond(&self, point: Vector<R>, reach: R) -> bool {
+        Bounds { low: point, high: point }.beyond(self, reach)
+    }
+}
+
+/// Rough phase: A's box grown by s meets B's. **Touching counts.**
+pub fn neighbours<R: Real, M: Rules>(a: &Solid<R>, b: &Solid<R>, t: &Tolerances<R>) -> bool {
+    a.bounds().apart(b.bounds()).into_iter().all(|apart| M::neighbours(apart, t.search))
+}
+
+/// All pairs (i, j), i < j, of blocks that are neighbours, in ascending order: a sweep along the axis on which the
+/// blocks spread the widest.
+pub fn neighbouring_pairs<R: Real>(solids: &[Solid<R>], t: &Tolerances<R>) -> Vec<(usize, usize)> {
+    let axis = widest_axis(solids);
+    let low = |i: usize| solids[i].bounds().low.components()[axis];
+    let high = |i: usize| solids[i].bounds().high.components()[axis];
+    let mut order: Vec<usize> = (0..solids.len()).collect();
+    order.sort_by(|&i, &j| match (low(i).below(low(j)), low(j).below(low(i))) {
+        (true, _) => Ordering::Less,
+        (_, true) => Ordering::Greater,
+        _ => i.cmp(&j),
+    });
+    let mut pairs = Vec::new();
+    // Blocks that reach the place where the sweep stands.
+    let mut open: Vec<usize> = Vec::new();
+    for &i in &order {
+        open.retain(|&j| !t.reach.below(low(i) - high(j)));
+        for &j in &open {
+            if neighbours::<R, Spec>(&solids[i.min(j)], &solids[i.max(j)], t) {
+                pairs.push((i.min(j), i.max(j)));
+            }
+        }
+        open.push(i);
+    }
+    pairs.sort_unstable();
+    pairs
+}
+
+fn widest_axis<R: Real>(solids: &[Solid<R>]) -> usize {
+    let Some(first) = solids.first() else { return 0 };
+    let all = solids.iter().fold(*first.bounds(), |all, solid| Bounds {
+        low: all.low.smaller(solid.bounds().low),
+        high: all.high.larger(solid.bounds().high),
+    });
+    let spread = (all.high - all.low).components();
+    (1..3).fold(0, |widest, axis| if spread[widest].below(spread[axis]) { axis } else { widest })
+}
+
+/// How far apart the features of a contact of this pair may be: the tolerances' reach, or farther where the features of a
+/// kept contact are. Those of v-v and v-e contacts are within s, kept or not.
+pub(super) fn reach_of_kept<R: Real>(request: Request<'_, R>) -> R {
+    let Request { a, b, tolerances, kept } = request;
+    let at = |solid: &Solid<R>, v: u32| Bounds::around(&[solid.vertex(v).at]);
+    kept.iter().fold(tolerances.reach, |reach, key| {
+        let apart = match key.kind {
+            ContactKind::VertexFace => at(a, key.a).apart(b.bounds()),
+            ContactKind::FaceVertex => at(b, key.b).apart(a.bounds()),
+            ContactKind::EdgeEdge => a.edge(key.a).bounds().apart(&b.edge(key.b).bounds()),
+            ContactKind::VertexVertex | ContactKind::VertexEdge | ContactKind::EdgeVertex => return reach,
+        };
+        apart.into_iter().fold(reach, R::larger)
+    })
+}
+
+/// The features of two neighbours that are within reach of the other block's box.
+#[derive(Debug)]
+pub(super) struct Near<R> {
+    vertices: [Vec<u32>; 2],
+    edges: [Vec<(u32, Bounds<R>)>; 2],
+}
+
+impl<R: Real> Near<R> {
+    pub(super) fn new<M: Rules>(a: &Solid<R>, b: &Solid<R>, reach: R) -> Near<R> {
+        Near {
+            vertices: [near_vertices(a, b.bounds(), reach), near_vertices(b, a.bounds(), reach)],
+            edges: [near_edges::<R, M>(a, b.bounds(), reach), near_edges::<R, M>(b, a.bounds(), reach)],
+        }
+    }
+
+    /// Vertices of the block on `side`, ascending.
+    pub(super) fn vertices(&self, side: Side) -> &[u32] {
+        &self.vertices[side as usize]
+    }
+
+    /// Edges of the block on `side` that take part in contacts, ascending, with their boxes.
+    pub(super) fn edges(&self, side: Side) -> &[(u32, Bounds<R>)] {
+        &self.edges[side as usize]
+    }
+}
+
+fn near_vertices<R: Real>(solid: &Solid<R>, other: &Bounds<R>, reach: R) -> Vec<u32> {
+    let mut near = Vec::with_capacity(solid.vertices().len());
+    near.extend((0..).zip(solid.vertices()).filter(|(_, v)| !other.is_beyond(v.at, reach)).map(|(i, _)| i));
+    near
+}
+
+fn near_edges<R: Real, M: Rules>(solid: &Solid<R>, other: &Bounds<R>, reach: R) -> Vec<(u32, Bounds<R>)> {
+    let mut near = Vec::with_capacity(solid.edges().len());
+    let takes_part = (0..).zip(solid.edges()).filter(|(_, e)| M::edge_takes_part(e.convex));
+    near.extend(takes_part.map(|(i, e)| (i, e.bounds())).filter(|(_, bounds)| !other.beyond(bounds, reach)));
+    near
+}

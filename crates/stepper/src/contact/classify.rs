@@ -1,0 +1,177 @@
+//! The classification of a pair: rough phase, the four tests in their order, exits.
+
+use crate::contact::broad::{Near, neighbours, reach_of_kept};
+use crate::contact::pair::{Hit, Pair};
+use crate::contact::rules::Rules;
+use crate::contact::solid::Solid;
+use crate::contact::tolerances::Tolerances;
+use crate::contact::trace::{Observer, Trace, Unobserved};
+use crate::real::Real;
+use rockproof_model::decision::{Decision, Predicate, Side};
+use rockproof_model::{Contact, ContactKey};
+use std::marker::PhantomData;
+
+/// A contact and its gap as calculated.
+#[derive(Clone, Copy, Debug)]
+pub struct Found<R> {
+    /// The contact, with the sign of its gap.
+    pub contact: Contact,
+    /// The gap of its entrance in metres: positive apart, negative overlapping.
+    pub gap: R,
+}
+
+/// What is classified: a pair of blocks, in a step with the contacts that the step before left it.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'s, R> {
+    /// The first block.
+    pub a: &'s Solid<R>,
+    /// The second block.
+    pub b: &'s Solid<R>,
+    /// The tolerances.
+    pub tolerances: &'s Tolerances<R>,
+    /// The contacts of this pair that the step before left closed, in any order: depth alone does not end them.
+    pub kept: &'s [ContactKey],
+}
+
+/// The contacts of two blocks, in the order of SPEC section 4, where nothing is kept.
+pub fn classify<R: Real, M: Rules>(a: &Solid<R>, b: &Solid<R>, t: &Tolerances<R>) -> Vec<Found<R>> {
+    classify_keeping::<R, M>(a, b, t, &[])
+}
+
+/// The contacts of two blocks in a step; `kept` as in [`Request`].
+///
+/// # Panics
+/// When a kept contact names a feature that its block does not have.
+pub fn classify_keeping<R: Real, M: Rules>(
+    a: &Solid<R>,
+    b: &Solid<R>,
+    t: &Tolerances<R>,
+    kept: &[ContactKey],
+) -> Vec<Found<R>> {
+    Request { a, b, tolerances: t, kept }.observed::<M, _>(&mut Unobserved)
+}
+
+/// The contacts of two blocks where nothing is kept, with every decision made on the way.
+pub fn classify_traced<R: Real, M: Rules>(
+    a: &Solid<R>,
+    b: &Solid<R>,
+    t: &Tolerances<R>,
+) -> (Vec<Found<R>>, Vec<(Decision, i8)>) {
+    Request { a, b, tolerances: t, kept: &[] }.traced::<M>()
+}
+
+/// The contacts of two blocks where nothing is kept, watched by an observer.
+pub fn classify_observed<R: Real, M: Rules, O: Observer>(
+    a: &Solid<R>,
+    b: &Solid<R>,
+    t: &Tolerances<R>,
+    seen: &mut O,
+) -> Vec<Found<R>> {
+    Request { a, b, tolerances: t, kept: &[] }.observed::<M, O>(seen)
+}
+
+impl<R: Real> Request<'_, R> {
+    /// The contacts, with every decision made on the way.
+    ///
+    /// # Panics
+    /// When a kept contact names a feature that its block does not have.
+    pub fn traced<M: Rules>(self) -> (Vec<Found<R>>, Vec<(Decision, i8)>) {
+        let mut trace = Trace::default();
+        let found = self.observed::<M, _>(&mut trace);
+        (found, trace.decisions)
+    }
+
+    /// The contacts, in the order of SPEC section 4, watched by an observer.
+    ///
+    /// # Panics
+    /// When a kept contact names a feature that its block does not have.
+    pub fn observed<M: Rules, O: Observer>(self, seen: &mut O) -> Vec<Found<R>> {
+        let Request { a, b, tolerances: t, kept } = self;
+        let adjacent = neighbours::<R, M>(a, b, t);
+        seen.saw(Predicate::Neighbours, &[], i8::from(adjacent));
+        if !adjacent {
+            return Vec::new();
+        }
+        let reach = reach_of_kept(self);
+        let near = Near::<R>::new::<M>(a, b, reach);
+        let mut pair: Pair<'_, R, M, O> = Pair {
+            a,
+            b,
+            t,
+            kept,
+            seen,
+            candidates: Vec::new(),
+            true_exits: Vec::new(),
+            hits: Vec::new(),
+            rules: PhantomData,
+        };
+        pair.vertices_and_vertices(&near);
+        pair.vertices_and_edges(&near, Side::A);
+        if M::edge_vertex_role() {
+            pair.vertices_and_edges(&near, Side::B);
+        }
+        pair.vertices_and_faces(&near, Side::A);
+        if M::face_vertex_role() {
+            pair.vertices_and_faces(&near, Side::B);
+        }
+        pair.edges_and_edges(&near, reach);
+        pair.finish()
+    }
+}
+
+impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
+    fn vertices_and_vertices(&mut self, near: &Near<R>) {
+        for &v in near.vertices(Side::A) {
+            for &w in near.vertices(Side::B) {
+                self.vertex_vertex(v, w);
+            }
+        }
+    }
+
+    fn vertices_and_edges(&mut self, near: &Near<R>, side: Side) {
+        let own = self.solid(side);
+        for &v in near.vertices(side) {
+            for &(e, bounds) in near.edges(side.other()) {
+                if !bounds.is_beyond(own.vertex(v).at, self.t.reach) {
+                    self.vertex_edge(side, v, e);
+                }
+            }
+        }
+    }
+
+    fn vertices_and_faces(&mut self, near: &Near<R>, side: Side) {
+        let exits = M::shortest_exit_applies(self.both_convex());
+        let faces = self.solid(side.other()).faces().len() as u32;
+        for &v in near.vertices(side) {
+            let first = self.hits.len();
+            for f in 0..faces {
+                self.vertex_face(side, v, f);
+            }
+            if exits && self.hits.len() > first + 1 {
+                self.shortest_exit(side, first);
+            }
+        }
+    }
+
+    fn edges_and_edges(&mut self, near: &Near<R>, reach: R) {
+        for (e, bounds) in near.edges(Side::A) {
+            for (f, other) in near.edges(Side::B) {
+                if !bounds.beyond(other, reach) {
+                    self.edge_edge(*e, *f);
+                }
+            }
+        }
+    }
+
+    fn finish(mut self) -> Vec<Found<R>> {
+        self.hits.sort_unstable_by_key(|hit| hit.contact);
+        if M::one_exit_applies(self.both_convex()) {
+            self.one_exit();
+        }
+        self.hits.iter().map(|&Hit { contact, gap, .. }| Found { contact, gap }).collect()
+    }
+
+    fn both_convex(&self) -> bool {
+        self.a.block().is_convex() && self.b.block().is_convex()
+    }
+}

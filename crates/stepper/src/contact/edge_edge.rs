@@ -1,0 +1,109 @@
+//! Test 4: crossing e-e, and the plane that two edges span.
+
+use crate::contact::entrance::Candidate;
+use crate::contact::pair::Pair;
+use crate::contact::rules::Rules;
+use crate::contact::trace::Observer;
+use crate::real::Real;
+use crate::vector::Vector;
+use rockproof_model::ContactKind;
+use rockproof_model::decision::{Feature, Predicate, Side};
+
+/// Two edges that cross.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crossing<R> {
+    /// The unit vectors' cross product `u₁ × u₂`; its length is the sine between the edges.
+    product: Vector<R>,
+    sine: R,
+}
+
+impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
+    /// Records the contact of edge `e` of A and edge `f` of B, if there is one.
+    pub(super) fn edge_edge(&mut self, e: u32, f: u32) {
+        let (one, two) = (self.a.edge(e), self.b.edge(f));
+        if !M::edge_takes_part(one.convex) || !M::edge_takes_part(two.convex) {
+            return;
+        }
+        let Some(crossing) = self.crossing(e, f) else { return };
+        let asked = [Feature::Edge(Side::A, e), Feature::Edge(Side::B, f)];
+        // t₁ = ((p₂ − p₁) × u₂)·(u₁ × u₂) / |u₁ × u₂|², t₂ likewise: the feet of the common perpendicular.
+        let offset = two.p - one.p;
+        let squared = crossing.sine * crossing.sine;
+        let along_one = offset.cross(two.direction).dot(crossing.product) / squared;
+        let along_two = offset.cross(one.direction).dot(crossing.product) / squared;
+        let inside = M::feet_inside(along_one, one.length) && M::feet_inside(along_two, two.length);
+        if !self.ask(Predicate::FeetInside, &asked, inside) {
+            return;
+        }
+        let normal = self.normal(e, f, crossing);
+        let gap = normal.dot(one.p - two.p);
+        if self.ask(Predicate::EdgeEdgeNear, &asked, M::edge_edge_near(gap, self.t.search))
+            && self.edge_edge_depth(asked, gap)
+            && self.wedges_pass(e, f, normal)
+            && !self.ends_belong(e, f)
+        {
+            self.record(ContactKind::EdgeEdge, asked, Candidate::edge_edge(e, f, gap, normal));
+        }
+    }
+
+    /// Not too deep: the gap is at least −g, or the contact is kept.
+    fn edge_edge_depth(&mut self, asked: [Feature; 2], gap: R) -> bool {
+        let allowed = M::edge_edge_depth(gap, self.t.penetration) || self.is_kept(ContactKind::EdgeEdge, asked);
+        self.ask(Predicate::EdgeEdgeDepth, &asked, allowed)
+    }
+
+    /// The edges' cross product, unless they are nearly parallel.
+    pub(super) fn crossing(&mut self, e: u32, f: u32) -> Option<Crossing<R>> {
+        let (one, two) = (self.a.edge(e), self.b.edge(f));
+        let product = one.direction.cross(two.direction);
+        let sine = product.length();
+        let parallel = M::nearly_parallel(sine, one.length, two.length, self.t);
+        let asked = [Feature::Edge(Side::A, e), Feature::Edge(Side::B, f)];
+        (!self.ask(Predicate::NearlyParallel, &asked, parallel)).then_some(Crossing { product, sine })
+    }
+
+    /// The unit normal of the plane two crossing edges span, from B to A: σ·(d₁ × d₂) over its length.
+    pub(super) fn normal(&self, e: u32, f: u32, crossing: Crossing<R>) -> Vector<R> {
+        let unit = crossing.product / crossing.sine;
+        let lean = unit.dot(self.a.edge(e).lean) - unit.dot(self.b.edge(f).lean);
+        if M::sigma_is_positive(lean) { unit } else { -unit }
+    }
+
+    /// A's two faces at the edge are above the plane and B's below, within the tolerance.
+    pub(super) fn wedges_pass(&mut self, e: u32, f: u32, normal: Vector<R>) -> bool {
+        let (one, two) = (self.a.edge(e), self.b.edge(f));
+        let passes = M::wedge_of_a_passes(normal.dot(one.into_left), one.width_left, self.t)
+            && M::wedge_of_a_passes(normal.dot(one.into_right), one.width_right, self.t)
+            && M::wedge_of_b_passes(normal.dot(two.into_left), two.width_left, self.t)
+            && M::wedge_of_b_passes(normal.dot(two.into_right), two.width_right, self.t);
+        self.ask(Predicate::WedgesPass, &[Feature::Edge(Side::A, e), Feature::Edge(Side::B, f)], passes)
+    }
+
+    /// The plane of two edges is a true exit: their faces pass with the tolerance r/10.
+    pub(super) fn wedges_exit(&self, e: u32, f: u32, normal: Vector<R>) -> bool {
+        let (one, two) = (self.a.edge(e), self.b.edge(f));
+        M::true_exit_of_wedge_a(normal.dot(one.into_left), one.width_left, self.t)
+            && M::true_exit_of_wedge_a(normal.dot(one.into_right), one.width_right, self.t)
+            && M::true_exit_of_wedge_b(normal.dot(two.into_left), two.width_left, self.t)
+            && M::true_exit_of_wedge_b(normal.dot(two.into_right), two.width_right, self.t)
+    }
+
+    /// One of the four ends is in the territory of the other edge or of one of its ends.
+    fn ends_belong(&mut self, e: u32, f: u32) -> bool {
+        let (one, two) = (self.a.edge(e).edge, self.b.edge(f).edge);
+        if M::vertices_before_faces_and_edges() {
+            for v in [one.p, one.q] {
+                for w in [two.p, two.q] {
+                    if self.in_vertex_territory(Side::A, v, w) {
+                        return true;
+                    }
+                }
+            }
+        }
+        M::edges_before_faces_and_edges()
+            && (self.in_edge_territory(Side::A, one.p, f)
+                || self.in_edge_territory(Side::A, one.q, f)
+                || self.in_edge_territory(Side::B, two.p, e)
+                || self.in_edge_territory(Side::B, two.q, e))
+    }
+}

@@ -1,0 +1,153 @@
+//! Entrances: the planes through which two blocks enter one another, and which of them a contact takes.
+
+use crate::contact::pair::Pair;
+use crate::contact::rules::Rules;
+use crate::contact::trace::Observer;
+use crate::real::Real;
+use crate::vector::Vector;
+use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::{Entrance, EntranceKind};
+
+/// A plane that passes the no-overlap check.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate<R> {
+    pub(super) entrance: Entrance,
+    /// Metres, positive apart.
+    pub(super) gap: R,
+    /// Unit, from B to A.
+    pub(super) normal: Vector<R>,
+}
+
+impl<R: Real> Candidate<R> {
+    pub(super) fn edge_edge(a: u32, b: u32, gap: R, normal: Vector<R>) -> Candidate<R> {
+        Candidate { entrance: Entrance { kind: EntranceKind::EdgeEdge, a, b }, gap, normal }
+    }
+
+    /// The features that span the plane, A's first.
+    pub(super) fn features(&self) -> [Feature; 2] {
+        let Entrance { kind, a, b } = self.entrance;
+        match kind {
+            EntranceKind::VertexFace => [Feature::Vertex(Side::A, a), Feature::Face(Side::B, b)],
+            EntranceKind::FaceVertex => [Feature::Face(Side::A, a), Feature::Vertex(Side::B, b)],
+            EntranceKind::EdgeEdge => [Feature::Edge(Side::A, a), Feature::Edge(Side::B, b)],
+        }
+    }
+}
+
+impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
+    /// "Cone passes plane": no edge at vertex `v` of `side` dips below the plane of face `f` of the other block by more
+    /// than the tolerance.
+    pub(super) fn cone_passes(&mut self, side: Side, v: u32, f: u32) -> bool {
+        let normal = self.solid(side.other()).face(f).normal;
+        let own = self.solid(side);
+        M::cone(own.edges_at(v)).iter().all(|&e| {
+            let about = [Feature::Vertex(side, v), Feature::Face(side.other(), f), Feature::Edge(side, e)];
+            let spoke = own.spoke(v, e);
+            self.ask(Predicate::ConePasses, &about, M::cone_passes(spoke.away.dot(normal), spoke.length, self.t))
+        })
+    }
+
+    /// The plane of face `f` of the other block, entered by vertex `v` of `side`.
+    pub(super) fn vertex_face_entrance(&self, side: Side, v: u32, f: u32) -> Candidate<R> {
+        let face = self.solid(side.other()).face(f);
+        let gap = face.normal.dot(self.solid(side).vertex(v).at - face.point);
+        let (entrance, normal) = match side {
+            Side::A => (Entrance { kind: EntranceKind::VertexFace, a: v, b: f }, face.normal),
+            Side::B => (Entrance { kind: EntranceKind::FaceVertex, a: f, b: v }, M::normal_of_a(face.normal)),
+        };
+        Candidate { entrance, gap, normal }
+    }
+
+    /// Makes a face's plane a candidate if the vertex's cone passes it.
+    pub(super) fn offer_vertex_face(&mut self, side: Side, v: u32, f: u32) {
+        if self.cone_passes(side, v, f) {
+            self.candidates.push(self.vertex_face_entrance(side, v, f));
+        }
+    }
+
+    /// Makes the plane of two edges a candidate if both take part, they are not nearly parallel, and their wedges pass.
+    pub(super) fn offer_edge_edge(&mut self, e: u32, f: u32) {
+        let (one, two) = (self.a.edge(e), self.b.edge(f));
+        if !M::edge_takes_part(one.convex) || !M::edge_takes_part(two.convex) {
+            return;
+        }
+        let Some(crossing) = self.crossing(e, f) else { return };
+        let normal = self.normal(e, f, crossing);
+        if self.wedges_pass(e, f, normal) {
+            self.candidates.push(Candidate::edge_edge(e, f, normal.dot(one.p - two.p), normal));
+        }
+    }
+
+    /// Whether a plane is a true exit: its no-overlap check passes with the tolerance r/10 alone. `normal` points from B to A.
+    fn is_true_exit(&mut self, plane: Candidate<R>) -> bool {
+        let Entrance { kind, a, b } = plane.entrance;
+        let exits = match kind {
+            EntranceKind::VertexFace => self.cone_exits(Side::A, a, b),
+            EntranceKind::FaceVertex => self.cone_exits(Side::B, b, a),
+            EntranceKind::EdgeEdge => self.wedges_exit(a, b, plane.normal),
+        };
+        self.ask(Predicate::TrueExit, &plane.features(), exits)
+    }
+
+    fn cone_exits(&self, side: Side, v: u32, f: u32) -> bool {
+        let normal = self.solid(side.other()).face(f).normal;
+        let own = self.solid(side);
+        M::cone(own.edges_at(v)).iter().all(|&e| {
+            let spoke = own.spoke(v, e);
+            M::true_exit_of_cone(spoke.away.dot(normal), spoke.length, self.t)
+        })
+    }
+
+    /// Asks which of `count` planes are true exits. Says whether any is; `true_exits` then holds the answers.
+    pub(super) fn any_true_exit(&mut self, count: usize, plane: impl Fn(&Self, usize) -> Candidate<R>) -> bool {
+        self.true_exits.clear();
+        for k in 0..count {
+            let plane = plane(self, k);
+            let exits = self.is_true_exit(plane);
+            self.true_exits.push(exits);
+        }
+        self.true_exits.contains(&true)
+    }
+
+    /// Of the candidates that are true exits, or of all if none is, the one with the largest gap; of those equal to it by
+    /// Eq. (1) the first in order.
+    pub(super) fn choose_entrance(&mut self, about: [Feature; 2]) -> Option<Candidate<R>> {
+        let count = self.candidates.len();
+        let choose = count > 1 && M::true_exits_before_others();
+        let some_exit = choose && self.any_true_exit(count, |pair, k| pair.candidates[k]);
+        let among = self.candidates.iter().enumerate().filter(|&(k, _)| !some_exit || self.true_exits[k]);
+        let gaps = among.map(|(k, c)| (k, c.gap, key::<M>(c.entrance)));
+        let chosen = first_of_the_best::<R, M, _>(gaps, self.t.equal)?;
+        for (k, candidate) in self.candidates.iter().enumerate() {
+            let [a, b] = candidate.features();
+            self.seen.saw(Predicate::EntranceChoice, &[about[0], about[1], a, b], i8::from(k == chosen));
+        }
+        Some(self.candidates[chosen])
+    }
+}
+
+fn key<M: Rules>(entrance: Entrance) -> (EntranceKind, u32, u32) {
+    (M::entrance_order(entrance.kind), entrance.a, entrance.b)
+}
+
+/// Among gaps with a place and a key, the place of the one that Eq. (1) counts as equal to the largest and whose key is the
+/// smallest.
+pub(super) fn first_of_the_best<R: Real, M: Rules, K: Ord + Copy>(
+    gaps: impl Iterator<Item = (usize, R, K)> + Clone,
+    equal: R,
+) -> Option<usize> {
+    let (mut best_at, mut best, mut chosen_key) = gaps.clone().next()?;
+    for (k, gap, key) in gaps.clone() {
+        if M::better(gap, best) {
+            (best_at, best, chosen_key) = (k, gap, key);
+        }
+    }
+    let mut chosen = best_at;
+    for (k, gap, key) in gaps {
+        // The largest is equal to itself; asking would leave that to rounding.
+        if k != best_at && key < chosen_key && M::equals_best(gap, best, equal) {
+            (chosen, chosen_key) = (k, key);
+        }
+    }
+    Some(chosen)
+}

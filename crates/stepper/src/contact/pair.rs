@@ -1,0 +1,99 @@
+//! Two blocks under classification: what all four tests share.
+
+use crate::contact::entrance::Candidate;
+use crate::contact::rules::Rules;
+use crate::contact::solid::Solid;
+use crate::contact::tolerances::Tolerances;
+use crate::contact::trace::Observer;
+use crate::real::Real;
+use crate::vector::Vector;
+use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::{Contact, ContactKey, ContactKind};
+use std::marker::PhantomData;
+
+/// Two blocks, their tolerances, the rules, and who watches.
+pub(super) struct Pair<'s, R, M, O> {
+    pub(super) a: &'s Solid<R>,
+    pub(super) b: &'s Solid<R>,
+    pub(super) t: &'s Tolerances<R>,
+    /// The contacts that the step before left closed: depth alone does not end them.
+    pub(super) kept: &'s [ContactKey],
+    pub(super) seen: &'s mut O,
+    /// Entrance candidates of the contact in work; kept to reuse its memory.
+    pub(super) candidates: Vec<Candidate<R>>,
+    /// Which of the planes in question are true exits; kept to reuse its memory.
+    pub(super) true_exits: Vec<bool>,
+    pub(super) hits: Vec<Hit<R>>,
+    pub(super) rules: PhantomData<M>,
+}
+
+/// A contact with the numbers that the exit rules need.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hit<R> {
+    pub(super) contact: Contact,
+    /// Metres, positive apart.
+    pub(super) gap: R,
+    /// Unit, from B to A.
+    pub(super) normal: Vector<R>,
+}
+
+impl<R: Real> Hit<R> {
+    /// The plane of its entrance.
+    pub(super) fn plane(&self) -> Candidate<R> {
+        Candidate { entrance: self.contact.entrance, gap: self.gap, normal: self.normal }
+    }
+}
+
+impl<'s, R: Real, M: Rules, O: Observer> Pair<'s, R, M, O> {
+    #[inline(always)]
+    pub(super) fn solid(&self, side: Side) -> &'s Solid<R> {
+        match side {
+            Side::A => self.a,
+            Side::B => self.b,
+        }
+    }
+
+    /// Tells the observer, and hands the answer on.
+    #[inline(always)]
+    pub(super) fn ask(&mut self, predicate: Predicate, features: &[Feature], answer: bool) -> bool {
+        self.seen.saw(predicate, features, i8::from(answer));
+        answer
+    }
+
+    /// Confirms a v-v, v-e or e-v contact by its best entrance, if one passed and is not too deep.
+    pub(super) fn confirm(&mut self, kind: ContactKind, about: [Feature; 2]) {
+        let Some(best) = self.choose_entrance(about) else { return };
+        let allowed = M::entrance_depth(best.gap, self.t.penetration) || self.is_kept(kind, about);
+        if self.ask(Predicate::EntranceDepth, &about, allowed) {
+            self.record(kind, about, best);
+        }
+    }
+
+    /// Whether the contact of two features, A's first, is kept.
+    pub(super) fn is_kept(&self, kind: ContactKind, about: [Feature; 2]) -> bool {
+        M::is_kept(self.kept, ContactKey { kind, a: number(about[0]), b: number(about[1]) })
+    }
+
+    /// Adds a contact of two features, A's first.
+    pub(super) fn record(&mut self, kind: ContactKind, about: [Feature; 2], best: Candidate<R>) {
+        let sign = M::gap_sign(best.gap);
+        self.seen.saw(Predicate::GapSign, &best.features(), sign.as_i8());
+        let contact = Contact { kind, a: number(about[0]), b: number(about[1]), entrance: best.entrance, gap: sign };
+        self.hits.push(Hit { contact, gap: best.gap, normal: best.normal });
+    }
+}
+
+/// Two features with A's first, given the one on `side` first.
+#[inline(always)]
+pub(super) fn a_first(side: Side, own: Feature, other: Feature) -> [Feature; 2] {
+    match side {
+        Side::A => [own, other],
+        Side::B => [other, own],
+    }
+}
+
+fn number(feature: Feature) -> u32 {
+    match feature {
+        Feature::Vertex(_, index) | Feature::Edge(_, index) | Feature::Face(_, index) => index,
+    }
+}

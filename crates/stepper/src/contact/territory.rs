@@ -1,0 +1,52 @@
+//! The zones around convex vertices and edges that belong to them (SPEC section 4, "Territory radius").
+
+use crate::contact::pair::{Pair, a_first};
+use crate::contact::rules::Rules;
+use crate::contact::solid::Ridge;
+use crate::contact::trace::Observer;
+use crate::real::Real;
+use crate::vector::Vector;
+use rockproof_model::decision::{Feature, Predicate, Side};
+
+/// The distance of a point from an edge's line.
+#[inline]
+pub(super) fn distance_to_line<R: Real>(point: Vector<R>, edge: &Ridge<R>) -> R {
+    (point - edge.p).cross(edge.direction).length()
+}
+
+impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
+    /// Vertex `v` of `side` is in the territory of vertex `w` of the other block (and `w` in that of `v`).
+    pub(super) fn in_vertex_territory(&mut self, side: Side, v: u32, w: u32) -> bool {
+        let (one, two) = (self.solid(side).vertex(v), self.solid(side.other()).vertex(w));
+        if !M::vertex_takes_part(one.convex) || !M::vertex_takes_part(two.convex) {
+            return false;
+        }
+        let radius = M::shared_radius(M::vertex_radius(self.t, one.shortest), M::vertex_radius(self.t, two.shortest));
+        let inside = M::vertex_territory((one.at - two.at).length(), radius);
+        let about = a_first(side, Feature::Vertex(side, v), Feature::Vertex(side.other(), w));
+        self.ask(Predicate::VertexTerritory, &about, inside)
+    }
+
+    /// Vertex `v` of `side` is in the territory of edge `e` of the other block.
+    pub(super) fn in_edge_territory(&mut self, side: Side, v: u32, e: u32) -> bool {
+        let (vertex, edge) = (self.solid(side).vertex(v), self.solid(side.other()).edge(e));
+        M::vertex_takes_part(vertex.convex)
+            && M::edge_takes_part(edge.convex)
+            && self.foot_inside(side, v, e)
+            && self.in_edge_radius(side, v, e, distance_to_line(vertex.at, edge))
+    }
+
+    /// The foot of vertex `v` of `side` lies strictly inside edge `e` of the other block.
+    pub(super) fn foot_inside(&mut self, side: Side, v: u32, e: u32) -> bool {
+        let (at, edge) = (self.solid(side).vertex(v).at, self.solid(side.other()).edge(e));
+        let inside = M::foot_inside((at - edge.p).dot(edge.direction), (at - edge.q).dot(edge.direction));
+        self.ask(Predicate::FootInside, &[Feature::Vertex(side, v), Feature::Edge(side.other(), e)], inside)
+    }
+
+    /// A vertex whose foot is inside the edge is within the edge's radius.
+    pub(super) fn in_edge_radius(&mut self, side: Side, v: u32, e: u32, distance: R) -> bool {
+        let edge = self.solid(side.other()).edge(e);
+        let inside = M::edge_territory(distance, M::edge_radius(self.t, edge.width_left, edge.width_right));
+        self.ask(Predicate::EdgeTerritory, &[Feature::Vertex(side, v), Feature::Edge(side.other(), e)], inside)
+    }
+}

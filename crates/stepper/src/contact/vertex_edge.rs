@@ -1,0 +1,75 @@
+//! Test 2: v-e, and e-v with the roles exchanged.
+
+use crate::contact::pair::{Pair, a_first};
+use crate::contact::rules::Rules;
+use crate::contact::territory::distance_to_line;
+use crate::contact::trace::Observer;
+use crate::real::Real;
+use rockproof_model::ContactKind;
+use rockproof_model::decision::{Feature, Predicate, Side};
+
+impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
+    /// Records the contact of vertex `v` of `side` and edge `e` of the other block, if there is one.
+    pub(super) fn vertex_edge(&mut self, side: Side, v: u32, e: u32) {
+        let (own, other) = (self.solid(side), self.solid(side.other()));
+        let (vertex, ridge) = (own.vertex(v), other.edge(e));
+        if !M::vertex_takes_part(vertex.convex) || !M::edge_takes_part(ridge.convex) || !self.foot_inside(side, v, e) {
+            return;
+        }
+        let asked = [Feature::Vertex(side, v), Feature::Edge(side.other(), e)];
+        let distance = distance_to_line(vertex.at, ridge);
+        if !self.ask(Predicate::VertexEdgeNear, &asked, M::vertex_edge_near(distance, self.t.search)) {
+            return;
+        }
+        if M::ends_before_edge()
+            && (self.in_vertex_territory(side, v, ridge.edge.p) || self.in_vertex_territory(side, v, ridge.edge.q))
+        {
+            return;
+        }
+        let belongs = self.in_edge_radius(side, v, e, distance)
+            || (self.in_edge_region(side, v, e) && self.foot_in_vertex_region(side, v, e));
+        if !belongs {
+            return;
+        }
+        self.candidates.clear();
+        let mut faces = [ridge.edge.left, ridge.edge.right];
+        faces.sort_unstable();
+        for face in faces {
+            self.offer_vertex_face(side, v, face);
+        }
+        if M::edge_entrances() {
+            for &at in own.edges_at(v) {
+                match side {
+                    Side::A => self.offer_edge_edge(at, e),
+                    Side::B => self.offer_edge_edge(e, at),
+                }
+            }
+        }
+        let kind = match side {
+            Side::A => ContactKind::VertexEdge,
+            Side::B => ContactKind::EdgeVertex,
+        };
+        self.confirm(kind, a_first(side, asked[0], asked[1]));
+    }
+
+    /// `(a − p)·m ≤ 0` for both faces at the edge.
+    fn in_edge_region(&mut self, side: Side, v: u32, e: u32) -> bool {
+        let ridge = self.solid(side.other()).edge(e);
+        let offset = self.solid(side).vertex(v).at - ridge.p;
+        [(ridge.edge.left, ridge.into_left), (ridge.edge.right, ridge.into_right)].into_iter().all(|(face, into)| {
+            let about = [Feature::Vertex(side, v), Feature::Edge(side.other(), e), Feature::Face(side.other(), face)];
+            self.ask(Predicate::EdgeRegion, &about, M::edge_region(offset.dot(into)))
+        })
+    }
+
+    /// `(f − a)·u ≤ 0` for all edges at the vertex, f its foot on the edge.
+    fn foot_in_vertex_region(&mut self, side: Side, v: u32, e: u32) -> bool {
+        let (own, ridge) = (self.solid(side), self.solid(side.other()).edge(e));
+        let from_p = own.vertex(v).at - ridge.p;
+        let to_foot = ridge.direction * from_p.dot(ridge.direction) - from_p;
+        M::region(own.edges_at(v)).iter().all(|&at| {
+            let about = [Feature::Vertex(side, v), Feature::Edge(side.other(), e), Feature::Edge(side, at)];
+            self.ask(Predicate::FootRegion, &about, M::foot_region(to_foot.dot(own.spoke(v, at).away)))
+        })
+    }
+}

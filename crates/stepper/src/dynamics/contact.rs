@@ -1,0 +1,238 @@
+//! A contact within a step: its springs, and what the last solve says of it (SPEC section 5).
+
+use crate::dynamics::displacement::{Twelve, displacement, dot, generalized};
+use crate::dynamics::friction::{Friction, Settling};
+use crate::dynamics::material::Joint;
+use crate::dynamics::plane::Plane;
+use crate::dynamics::rules::{Slip, StepRules};
+use crate::dynamics::setup::Limits;
+use crate::dynamics::state::{ContactState, Mode};
+use crate::real::Real;
+use crate::vector::Vector;
+use rockproof_model::Contact;
+
+/// A contact of the step in work. What is called i and j is as in SPEC: i enters, j holds the entrance's face.
+#[derive(Clone, Debug)]
+pub(super) struct Active<R> {
+    /// The blocks: A, B.
+    pub(super) blocks: [u32; 2],
+    pub(super) contact: Contact,
+    pub(super) plane: Plane<R>,
+    pub(super) joint: Joint<R>,
+    /// Cohesion on the contact's area, in N.
+    pub(super) cohesive: R,
+    /// The gap that its tensile strength can stretch, in m.
+    pub(super) tensile_gap: R,
+    /// Material points of i and of j.
+    pub(super) anchors: [Vector<R>; 2],
+    /// s0: the stretch across the normal when the step begins, in m.
+    pub(super) stretch: Vector<R>,
+    /// The mode when the step begins.
+    pub(super) begins: Mode,
+    /// P − x₀ of block i and Q − x₀ of block j.
+    pub(super) arms: [Vector<R>; 2],
+    /// What the last solve says.
+    pub(super) now: Now<R>,
+}
+
+/// What the last solve says of a contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Now<R> {
+    /// The mode in which the next solve takes it; the last one's when the iteration is over.
+    pub(super) mode: Mode,
+    /// h in m.
+    pub(super) gap: R,
+    /// s in m.
+    pub(super) stretch: Vector<R>,
+    /// While sliding: what acts across the normal in the next solve.
+    pub(super) friction: Friction<R>,
+    /// What it adds to the question whether friction has settled; nothing unless it was closed in the last solve and is after it.
+    pub(super) settling: Settling<R>,
+}
+
+impl<R: Real> Active<R> {
+    /// Blocks i and j.
+    pub(super) fn entering(&self) -> [usize; 2] {
+        let [a, b] = self.blocks.map(|block| block as usize);
+        if self.plane.a_enters { [a, b] } else { [b, a] }
+    }
+
+    /// Takes the centroids of i and j, from which displacements are measured.
+    pub(super) fn measure_from(&mut self, [i, j]: [Vector<R>; 2]) {
+        self.arms = [self.plane.p - i, self.plane.q - j];
+    }
+
+    /// `T_iᵀn` and `T_jᵀn`.
+    pub(super) fn rows(&self) -> [Twelve<R>; 2] {
+        self.arms.map(|arm| generalized(arm, self.plane.normal))
+    }
+
+    /// As it was when the step began. The last slip of a sliding contact is then s0, and f = p_s·s0: what the dragged anchor remembers.
+    pub(super) fn reset<M: StepRules>(&mut self) {
+        let shear = self.joint.shear;
+        self.now = Now {
+            mode: self.begins,
+            gap: self.plane.gap,
+            stretch: self.stretch,
+            friction: Friction::along::<M>(self.stretch, shear, shear, self.plane.normal),
+            settling: Settling::NONE,
+        };
+    }
+
+    /// The part of a vector across the normal.
+    pub(super) fn across(&self, v: Vector<R>) -> Vector<R> {
+        v - self.plane.normal * self.plane.normal.dot(v)
+    }
+
+    /// Reads h and s of a solve, and takes the mode for the next that follows from them, or the one that is given.
+    pub(super) fn judge<M: StepRules>(
+        &mut self,
+        d: [&Twelve<R>; 2],
+        limits: &Limits<R>,
+        settling: bool,
+        given: Option<Mode>,
+    ) {
+        let before = self.now.mode;
+        let [e, g] = self.rows();
+        let gap = self.plane.gap + dot(&e, d[0], 12) - dot(&g, d[1], 12);
+        let moved = displacement(self.arms[0], d[0]) - displacement(self.arms[1], d[1]);
+        let stretch = self.stretch + self.across(moved);
+        (self.now.gap, self.now.stretch) = (gap, stretch);
+        let acted = self.tangential(before);
+        let after = given.unwrap_or_else(|| self.follows::<M>(limits, settling));
+        self.take::<M>(after);
+        self.now.settling = if before.is_closed() && after.is_closed() {
+            let stuck = before == Mode::Locked && after == Mode::Locked;
+            let misfit = if stuck { R::ZERO } else { (self.tangential_after(after) - acted).length() };
+            Settling { misfit, pressing: self.joint.normal * M::pressing(gap) }
+        } else {
+            Settling::NONE
+        };
+    }
+
+    /// The mode that follows from h and s of a solve in which it had the present one. While settling, what is closed is locked.
+    fn follows<M: StepRules>(&self, limits: &Limits<R>, settling: bool) -> Mode {
+        let (before, gap) = (self.now.mode, self.now.gap);
+        let kept = M::keeps_mode(gap, self.plane.gap, limits.equal);
+        let closed = match before {
+            _ if kept => before.is_closed(),
+            Mode::Open => M::closes(gap, limits.close),
+            _ => !M::opens(gap, limits.open, self.tensile_gap),
+        };
+        match closed {
+            false => Mode::Open,
+            true if settling => Mode::Locked,
+            true => {
+                let slides = if kept { before == Mode::Sliding } else { !self.locks::<M>(before) };
+                if slides { Mode::Sliding } else { Mode::Locked }
+            }
+        }
+    }
+
+    /// Whether what is closed after a solve is locked: its spring holds, or it slid in this solve and its slip turned.
+    fn locks<M: StepRules>(&self, before: Mode) -> bool {
+        let turned = || M::slip_turned(self.now.stretch.dot(self.now.friction.force));
+        M::holds(before, &self.slip::<M>()) || (before == Mode::Sliding && turned())
+    }
+
+    /// Whether a spring acts across its slip in the next solve.
+    pub(super) fn is_stiff_across(&self) -> bool {
+        self.now.mode == Mode::Sliding && self.now.friction.is_stiff()
+    }
+
+    /// Takes a mode for the next solve, with the gap and the stretch of the last one.
+    fn take<M: StepRules>(&mut self, mode: Mode) {
+        self.now.mode = mode;
+        if mode == Mode::Sliding {
+            let slip = self.now.stretch;
+            let length = slip.length();
+            self.now.friction = if R::ZERO.below(length) {
+                let secant = self.strength::<M>() / length;
+                Friction::along::<M>(slip, secant, self.joint.shear, self.plane.normal)
+            } else {
+                Friction::NONE
+            };
+        }
+    }
+
+    /// The tangential force in N that acted in the last solve, on block j.
+    fn tangential(&self, mode: Mode) -> Vector<R> {
+        match mode {
+            Mode::Open => Vector::ZERO,
+            Mode::Locked => self.now.stretch * self.joint.shear,
+            Mode::Sliding => self.now.friction.at(self.now.stretch),
+        }
+    }
+
+    /// The tangential force in N of the mode after the last solve, on block j: p_s·s, or τ·s/|s|.
+    fn tangential_after(&self, mode: Mode) -> Vector<R> {
+        match mode {
+            Mode::Open => Vector::ZERO,
+            Mode::Locked => self.now.stretch * self.joint.shear,
+            Mode::Sliding => self.now.friction.force,
+        }
+    }
+
+    fn slip<M: StepRules>(&self) -> Slip<R> {
+        Slip {
+            normal: self.joint.normal,
+            shear: self.joint.shear,
+            stretch_squared: self.now.stretch.dot(self.now.stretch),
+            friction: M::strength(self.joint.friction, self.joint.normal * M::pressing(self.now.gap), R::ZERO),
+            strength: self.strength::<M>(),
+        }
+    }
+
+    /// τ in N at the present gap.
+    pub(super) fn strength<M: StepRules>(&self) -> R {
+        let normal_force = self.joint.normal * M::pressing(self.now.gap);
+        M::strength(self.joint.friction, normal_force, self.cohesive)
+    }
+
+    /// A length along the slip direction s/|s|; zero where nothing slipped.
+    fn along_slip(&self, length: R) -> Vector<R> {
+        let slip = self.now.stretch.length();
+        if R::ZERO.below(slip) { self.now.stretch * (length / slip) } else { Vector::ZERO }
+    }
+
+    /// Whether its stiffness couples two blocks.
+    pub(super) fn is_closed(&self) -> bool {
+        self.now.mode.is_closed()
+    }
+
+    /// The force on block i in N, by the mode after the last solve.
+    fn force(&self) -> Vector<R> {
+        if self.now.mode == Mode::Open {
+            return Vector::ZERO;
+        }
+        self.plane.normal * (-self.joint.normal * self.now.gap) - self.tangential_after(self.now.mode)
+    }
+
+    /// What is left of it after a step. `moved` moves a material point of i or of j.
+    pub(super) fn leave<M: StepRules>(&self, moved: impl Fn(usize, Vector<R>) -> Vector<R>) -> ContactState<R> {
+        let [i, j] = self.entering();
+        let mut anchors = [moved(i, self.anchors[0]), moved(j, self.anchors[1])];
+        if self.now.mode == Mode::Sliding && M::drags_anchor() {
+            let shear = self.joint.shear;
+            let left = if R::ZERO.below(shear) { self.along_slip(self.strength::<M>() / shear) } else { Vector::ZERO };
+            anchors[1] = anchors[0] - left;
+        }
+        let force = self.force();
+        let (normal, mut points) = (self.plane.normal, [self.plane.p, self.plane.q]);
+        if !self.plane.a_enters {
+            anchors.reverse();
+            points.reverse();
+        }
+        let on_a = |v: Vector<R>| if self.plane.a_enters { v } else { -v };
+        ContactState {
+            blocks: self.blocks,
+            contact: self.contact,
+            mode: self.now.mode,
+            anchors,
+            gap: self.now.gap,
+            normal: on_a(normal),
+            points,
+            force: on_a(force),
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! A scene and its state, step by step (SPEC section 5).
+
+#[cfg(test)]
+mod tests;
+
+use crate::contact::{Solid, Spec, classify_keeping};
+use crate::dynamics::area;
+use crate::dynamics::contact::{Active, Now};
+use crate::dynamics::friction::{Friction, Settling};
+use crate::dynamics::given::Given;
+use crate::dynamics::layout::Layouts;
+use crate::dynamics::moments::{Matrix, Moments};
+use crate::dynamics::neighbours::Neighbours;
+use crate::dynamics::plane::plane;
+use crate::dynamics::report::{Spent, StepReport, Stopped};
+use crate::dynamics::rules::StepRules;
+use crate::dynamics::setup::{Setup, SetupError};
+use crate::dynamics::solve::Solve;
+use crate::dynamics::state::{BlockState, Mode, State};
+use crate::dynamics::transfer;
+use crate::real::Real;
+use crate::vector::Vector;
+use rayon::prelude::*;
+use rockproof_model::{Block, Contact, ContactKey, Scene, ToleranceSet};
+use std::marker::PhantomData;
+use std::time::{Duration, Instant};
+
+/// A scene in motion, in the scalar `R` and by the rules `M`.
+#[derive(Debug)]
+pub struct Dynamics<R, M = Spec> {
+    pub(super) setup: Setup<R>,
+    pub(super) state: State<R>,
+    pub(super) solids: Vec<Solid<R>>,
+    pub(super) moments: Vec<Moments<R>>,
+    pub(super) neighbours: Neighbours,
+    pub(super) layouts: Layouts,
+    first_modes: Vec<Mode>,
+    pub(super) modes: Vec<Vec<Vec<Mode>>>,
+    phases: Phases,
+    pub(super) spent: Spent,
+    rules: PhantomData<fn() -> M>,
+}
+
+// Rules are no values, so M need not be Clone.
+impl<R: Clone, M> Clone for Dynamics<R, M> {
+    fn clone(&self) -> Self {
+        Dynamics {
+            setup: self.setup.clone(),
+            state: self.state.clone(),
+            solids: self.solids.clone(),
+            moments: self.moments.clone(),
+            neighbours: self.neighbours.clone(),
+            layouts: self.layouts.clone(),
+            first_modes: self.first_modes.clone(),
+            modes: self.modes.clone(),
+            phases: self.phases,
+            spent: self.spent,
+            rules: PhantomData,
+        }
+    }
+}
+
+/// Where the time went, over all steps so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Phases {
+    /// Boxes, and pairs of neighbours.
+    pub rough: Duration,
+    /// Classification of neighbours, transfer, areas.
+    pub contacts: Duration,
+    /// Springs, assembly, solution, open–close iteration.
+    pub iteration: Duration,
+    /// Moving blocks, moments, energies.
+    pub update: Duration,
+}
+
+/// So many pairs are classified before their contacts go to the others. All at once would take the memory of the contacts twice.
+const PAIRS_AT_ONCE: usize = 512;
+
+/// What is known of blocks where they stand.
+struct Prepared<R> {
+    solids: Vec<Solid<R>>,
+    moments: Vec<Moments<R>>,
+}
+
+impl<R: Real> Prepared<R> {
+    fn new(blocks: &[Block], states: &[BlockState<R>]) -> Result<Prepared<R>, SetupError> {
+        let both = || blocks.iter().zip(states);
+        let solid = |(k, (block, state)): (usize, (&Block, &BlockState<R>))| {
+            Solid::with_points(block.clone(), &state.vertices).map_err(|what| SetupError::Collapsed { block: k, what })
+        };
+        let moments = |(block, state): (&Block, &BlockState<R>)| Moments::of(block.topology(), &state.vertices);
+        Ok(Prepared {
+            solids: both().enumerate().map(solid).collect::<Result<_, _>>()?,
+            moments: both().map(moments).collect(),
+        })
+    }
+}
+
+impl<R: Solve> Dynamics<R> {
+    /// The scene at its beginning, by the rules of SPEC. Its joints have stiffnesses
+    /// ([`rockproof_model::simulation::derive_stiffness`]).
+    ///
+    /// # Errors
+    /// When a number overflows or a block collapses in the scalar.
+    pub fn new(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R>, SetupError> {
+        Dynamics::with_rules(scene, set)
+    }
+}
+
+impl<R: Solve, M: StepRules> Dynamics<R, M> {
+    /// As [`Dynamics::new`], by other rules.
+    ///
+    /// # Errors
+    /// When a number overflows or a block collapses in the scalar.
+    pub fn with_rules(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, M>, SetupError> {
+        M::begin_dynamics(scene, set)
+    }
+
+    pub(super) fn begin(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, M>, SetupError> {
+        let setup = Setup::new(scene, set)?;
+        let state = setup.begin(scene)?;
+        let Prepared { solids, moments } = Prepared::new(&setup.blocks, &state.blocks)?;
+        let at = |moments: &Moments<R>| moments.centroid.components().map(Real::to_f64);
+        let layouts = Layouts::new(moments.iter().map(at).collect());
+        Ok(Dynamics {
+            setup,
+            state,
+            solids,
+            moments,
+            neighbours: Neighbours::default(),
+            layouts,
+            first_modes: Vec::new(),
+            modes: Vec::new(),
+            phases: Phases::default(),
+            spent: Spent::default(),
+            rules: PhantomData,
+        })
+    }
+
+    /// The state after the last step.
+    pub fn state(&self) -> &State<R> {
+        &self.state
+    }
+
+    /// Goes on from another state of the same scene: a checkpoint.
+    ///
+    /// # Errors
+    /// When the state does not fit the scene, or a block collapses. Then nothing changes.
+    pub fn restore(&mut self, state: State<R>) -> Result<(), SetupError> {
+        M::restore_dynamics(self, state)
+    }
+
+    pub(super) fn go_on_from(&mut self, state: State<R>) -> Result<(), SetupError> {
+        let fits = [
+            ("blocks", state.blocks.len(), self.state.blocks.len()),
+            ("load points", state.load_points.len(), self.state.load_points.len()),
+            ("fixed points", state.fixed_points.len(), self.state.fixed_points.len()),
+            ("measured points", state.measured_points.len(), self.state.measured_points.len()),
+            ("vertices", vertices(&state), vertices(&self.state)),
+        ];
+        if let Some((what, found, expected)) = fits.into_iter().find(|(_, found, expected)| found != expected) {
+            return Err(SetupError::Mismatch { what, found, expected });
+        }
+        if let Some(contact) = state.contacts.iter().position(|contact| !self.setup.has(contact)) {
+            return Err(SetupError::NoSuchContact { contact });
+        }
+        let Prepared { solids, moments } = Prepared::new(&self.setup.blocks, &state.blocks)?;
+        (self.state, self.solids, self.moments) = (state, solids, moments);
+        self.neighbours.forget();
+        Ok(())
+    }
+
+    /// The volume of a block (m³).
+    pub fn volume(&self, block: usize) -> f64 {
+        self.moments[block].volume.to_f64()
+    }
+
+    /// The centroid of a block (m).
+    pub fn centroid(&self, block: usize) -> Vector<R> {
+        self.moments[block].centroid
+    }
+
+    /// The mass matrix of a block, in kg, kg·m and kg·m².
+    pub fn mass(&self, block: usize) -> Matrix<R> {
+        let density = self.setup.bodies[block].elastic.density;
+        self.moments[block].inertia().map(|row| row.map(|value| value * density))
+    }
+
+    /// The modes with which the contacts of the last step began (in the order of the state): those of the first solve of each attempt.
+    pub fn first_modes(&self) -> &[Mode] {
+        &self.first_modes
+    }
+
+    /// For each attempt at the last step, the modes of its contacts (in the order of the state) after each solve.
+    pub fn modes(&self) -> &[Vec<Vec<Mode>>] {
+        &self.modes
+    }
+
+    /// Where the time went.
+    pub fn phases(&self) -> Phases {
+        self.phases
+    }
+
+    /// Where the time of the open–close iteration went.
+    pub fn spent(&self) -> Spent {
+        self.spent
+    }
+
+    /// One step: of settling, while some are left, else of time. When it fails the state is as before.
+    ///
+    /// # Errors
+    /// When the run cannot go on.
+    pub fn step(&mut self) -> Result<StepReport, Stopped> {
+        M::step_dynamics(self, None)
+    }
+
+    pub(super) fn make_step(&mut self, given: Option<&Given<'_>>) -> Result<StepReport, Stopped> {
+        let settling = self.state.settling > 0;
+        let number = if settling { 1 - i64::from(self.state.settling) } else { self.state.step as i64 + 1 };
+        let mut contacts = match given {
+            None => self.contacts(),
+            Some(given) => self.given_contacts(given.contacts),
+        };
+        let begun = Instant::now();
+        self.first_modes = contacts.iter().map(|contact| contact.begins).collect();
+        self.modes.clear();
+        let accepted = match given.and_then(|given| given.attempt.as_ref()) {
+            None => self.attempts(&mut contacts, number, settling)?,
+            Some(attempt) => self.given_attempt(&mut contacts, attempt, number, settling)?,
+        };
+        self.phases.iteration += begun.elapsed();
+        let begun = Instant::now();
+        let report = self.accept(&contacts, accepted, number, settling);
+        self.phases.update += begun.elapsed();
+        report
+    }
+
+    /// The contacts at the start of a step, with what they remember.
+    fn contacts(&mut self) -> Vec<Active<R>> {
+        let begun = Instant::now();
+        let fixed: Vec<bool> = self.setup.bodies.iter().map(|body| body.motion.unknowns() == 0).collect();
+        let pairs = self.neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances).to_vec();
+        self.phases.rough += begun.elapsed();
+        let begun = Instant::now();
+        let of_pair = |&pair: &[u32; 2]| {
+            let [a, b] = pair.map(|block| &self.solids[block as usize]);
+            let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
+            let kept: Vec<ContactKey> =
+                old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key()).collect();
+            let found = classify_keeping::<R, M>(a, b, &self.setup.tolerances, &kept);
+            let contacts: Vec<Contact> = found.into_iter().map(|found| found.contact).collect();
+            self.of_pair(pair, &contacts)
+        };
+        let before = self.state.contacts.len();
+        let mut contacts = Vec::with_capacity(before + before / 8);
+        for part in pairs.chunks(PAIRS_AT_ONCE) {
+            let found: Vec<Vec<Active<R>>> = part.par_iter().map(of_pair).collect();
+            found.into_iter().for_each(|pair| contacts.extend(pair));
+        }
+        self.phases.contacts += begun.elapsed();
+        contacts
+    }
+
+    pub(super) fn of_pair(&self, pair: [u32; 2], contacts: &[Contact]) -> Vec<Active<R>> {
+        if contacts.is_empty() {
+            return Vec::new();
+        }
+        let solids = pair.map(|block| &self.solids[block as usize]);
+        let joint = *self.setup.joint(pair[0] as usize, pair[1] as usize);
+        let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
+        let memories = if M::transfers() { transfer::continued(contacts, old) } else { vec![None; contacts.len()] };
+        let active = contacts.iter().zip(memories).map(|(contact, memory)| {
+            let plane = plane::<R, M>(solids[0], solids[1], &contact.entrance);
+            let feet = [plane.p, plane.q];
+            let (begins, anchors) = match memory {
+                None => (M::begins(plane.gap), feet),
+                Some((Mode::Open, _)) => (Mode::Open, feet),
+                Some((mode, [a, b])) => (mode, if plane.a_enters { [a, b] } else { [b, a] }),
+            };
+            let (friction, settling) = (Friction::NONE, Settling::NONE);
+            let now = Now { mode: begins, gap: plane.gap, stretch: Vector::ZERO, friction, settling };
+            let (arms, zero) = ([Vector::ZERO; 2], R::ZERO);
+            let contact = *contact;
+            let (cohesive, tensile_gap, stretch) = (zero, zero, Vector::ZERO);
+            let mut active = Active {
+                blocks: pair,
+                contact,
+                plane,
+                joint,
+                cohesive,
+                tensile_gap,
+                anchors,
+                stretch,
+                begins,
+                arms,
+                now,
+            };
+            active.stretch = active.across(anchors[0] - anchors[1]);
+            active.measure_from(active.entering().map(|block| self.moments[block].centroid));
+            active
+        });
+        let mut active: Vec<Active<R>> = active.collect();
+        if joint.needs_area() {
+            area::share(&mut active, solids, &joint, self.setup.tolerances.overlap_sine);
+        }
+        active
+    }
+
+    pub(super) fn is_fixed(&self, block: usize) -> bool {
+        self.setup.bodies[block].motion.unknowns() == 0
+    }
+}
+
+fn vertices<R>(state: &State<R>) -> usize {
+    state.blocks.iter().map(|block| block.vertices.len()).sum()
+}

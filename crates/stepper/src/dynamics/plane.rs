@@ -1,0 +1,50 @@
+//! Where a contact acts and along which normal: the plane of its entrance.
+
+use crate::contact::{Rules, Solid};
+use crate::real::Real;
+use crate::vector::Vector;
+use rockproof_model::{Entrance, EntranceKind};
+
+/// A contact's entrance at the start of a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane<R> {
+    /// Whether block i, which enters, is A.
+    pub(super) a_enters: bool,
+    /// P on block i (m).
+    pub(super) p: Vector<R>,
+    /// Q on block j (m).
+    pub(super) q: Vector<R>,
+    /// Unit, from j to i.
+    pub(super) normal: Vector<R>,
+    /// `h0 = n·(P − Q)` in m.
+    pub(super) gap: R,
+}
+
+/// The plane of an entrance of two blocks. Feet of edges that are parallel, which no classification gives, are not finite.
+pub(super) fn plane<R: Real, M: Rules>(a: &Solid<R>, b: &Solid<R>, entrance: &Entrance) -> Plane<R> {
+    match entrance.kind {
+        EntranceKind::VertexFace => vertex_face(true, a, entrance.a, b, entrance.b),
+        EntranceKind::FaceVertex => vertex_face(false, b, entrance.b, a, entrance.a),
+        EntranceKind::EdgeEdge => edge_edge::<R, M>(a, entrance.a, b, entrance.b),
+    }
+}
+
+fn vertex_face<R: Real>(a_enters: bool, i: &Solid<R>, vertex: u32, j: &Solid<R>, face: u32) -> Plane<R> {
+    let (p, face) = (i.vertex(vertex).at, j.face(face));
+    let gap = face.normal.dot(p - face.point);
+    Plane { a_enters, p, q: p - face.normal * gap, normal: face.normal, gap }
+}
+
+fn edge_edge<R: Real, M: Rules>(a: &Solid<R>, edge_a: u32, b: &Solid<R>, edge_b: u32) -> Plane<R> {
+    let (one, two) = (a.edge(edge_a), b.edge(edge_b));
+    let product = one.direction.cross(two.direction);
+    let sine = product.length();
+    let unit = product / sine;
+    let lean = unit.dot(one.lean) - unit.dot(two.lean);
+    let normal = if M::sigma_is_positive(lean) { unit } else { -unit };
+    let offset = two.p - one.p;
+    let squared = sine * sine;
+    let p = one.p + one.direction * (offset.cross(two.direction).dot(product) / squared);
+    let q = two.p + two.direction * (offset.cross(one.direction).dot(product) / squared);
+    Plane { a_enters: true, p, q, normal, gap: normal.dot(one.p - two.p) }
+}

@@ -1,0 +1,99 @@
+//! A stepper with its rules, as something that classifies blocks.
+
+use crate::contact::{Collapsed, Rules, Solid, ToleranceOverflow, Tolerances, classify_keeping};
+use crate::real::Real;
+use crate::wide;
+use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
+use std::marker::PhantomData;
+
+/// Classifies a pair in each precision of the stepper, preparation included. Object safe, so that steppers with
+/// different rules stand in one list.
+pub trait Classifier: Send + Sync {
+    /// The contacts in f32; coordinates and tolerances are rounded to it.
+    ///
+    /// # Errors
+    /// When rounding collapses a block or a tolerance overflows.
+    fn f32(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError>;
+
+    /// The contacts in f64; coordinates and tolerances are rounded to it.
+    ///
+    /// # Errors
+    /// When rounding collapses a block or a tolerance overflows.
+    fn f64(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError>;
+
+    /// The contacts in [`wide::Wide`] and the number of comparisons that rounding left unsettled.
+    ///
+    /// # Errors
+    /// When a block collapses.
+    fn wide(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<(Vec<Contact>, u64), EngineError>;
+}
+
+/// Why the stepper cannot classify a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum EngineError {
+    /// Rounding left no block of it.
+    #[error(transparent)]
+    Collapsed(#[from] Collapsed),
+    /// A tolerance is out of range.
+    #[error(transparent)]
+    Tolerance(#[from] ToleranceOverflow),
+}
+
+/// The stepper with the rules `M`: [`crate::contact::Spec`], or those with a deliberate mistake.
+#[derive(Clone, Copy, Debug)]
+pub struct Stepper<M> {
+    rules: PhantomData<fn() -> M>,
+}
+
+impl<M> Stepper<M> {
+    /// The stepper.
+    #[must_use]
+    pub const fn new() -> Self {
+        Stepper { rules: PhantomData }
+    }
+}
+
+impl<M> Default for Stepper<M> {
+    fn default() -> Self {
+        Stepper::new()
+    }
+}
+
+impl<M: Rules> Classifier for Stepper<M> {
+    fn f32(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError> {
+        contacts_in::<f32, M>(a, b, t)
+    }
+
+    fn f64(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError> {
+        contacts_in::<f64, M>(a, b, t)
+    }
+
+    fn wide(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<(Vec<Contact>, u64), EngineError> {
+        wide::classify::<M>(a, b, t)
+    }
+}
+
+/// Prepares and classifies a pair in one precision, where nothing is kept.
+///
+/// # Errors
+/// When rounding collapses a block or a tolerance overflows.
+pub fn contacts_in<R: Real, M: Rules>(a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError> {
+    contacts_keeping::<R, M>(a, b, t, &[])
+}
+
+/// Prepares and classifies a pair in one precision, in a step in which the contacts `kept` go on whatever their depth.
+///
+/// # Errors
+/// When rounding collapses a block or a tolerance overflows.
+///
+/// # Panics
+/// When a kept contact names a feature that its block does not have.
+pub fn contacts_keeping<R: Real, M: Rules>(
+    a: &Block,
+    b: &Block,
+    t: &ToleranceSet,
+    kept: &[ContactKey],
+) -> Result<Vec<Contact>, EngineError> {
+    let (a, b, t) = (Solid::<R>::new(a)?, Solid::<R>::new(b)?, Tolerances::<R>::new(t)?);
+    Ok(classify_keeping::<R, M>(&a, &b, &t, kept).into_iter().map(|found| found.contact).collect())
+}

@@ -1,0 +1,18 @@
+//! The float side: discontinuous deformation analysis as a production code writes it, generic over its scalar.
+//!
+//! [`contact`] is SPEC section 4 with unit normals, square roots and comparisons with tolerances. It runs in f32, in f64,
+//! and in [`wide::Wide`], a scalar of 512 bits that keeps a bound on its own rounding; the last tells a defect of this
+//! code from a difference that rounding made. Nothing here uses the exact oracle or its arithmetic.
+
+pub mod contact;
+pub mod dynamics;
+pub mod engine;
+pub mod real;
+pub mod vector;
+pub mod wide;
+
+pub use contact::{Collapsed, Found, Request, Solid, Tolerances, classify, classify_keeping, classify_traced};
+pub use engine::{Classifier, EngineError, Stepper};
+pub use real::Real;
+pub use vector::Vector;
+pub use wide::Wide;

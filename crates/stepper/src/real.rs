@@ -1,0 +1,145 @@
+//! The scalar the stepper calculates in.
+
+use crate::wide::Wide;
+use rockproof_model::{Number, Precision};
+use std::fmt::Debug;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+    impl Sealed for crate::wide::Wide {}
+}
+
+/// What contact classification asks of a number: the four operations, a square root, comparisons.
+///
+/// Sealed: f32, f64 and [`Wide`]. The comparison operators decide; for `Wide` they count what they could not decide.
+/// [`Real::below`] is for choices that cannot change an answer.
+pub trait Real:
+    sealed::Sealed
+    + Copy
+    + Debug
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + 'static
+{
+    /// Zero.
+    const ZERO: Self;
+
+    /// The nearest number to `value`; exact in f64 and `Wide`.
+    fn from_f64(value: f64) -> Self;
+
+    /// The nearest number to an exact one (within one unit in the last place for `Wide`, which remembers that it
+    /// rounded), or `None` if that overflows.
+    fn from_number(number: &Number) -> Option<Self>;
+
+    /// The nearest f64 (for `Wide` within one unit in the last place); keeps the sign unless it underflows.
+    fn to_f64(self) -> f64;
+
+    /// The square root. NaN below zero.
+    #[must_use]
+    fn sqrt(self) -> Self;
+
+    /// The magnitude.
+    #[must_use]
+    fn abs(self) -> Self;
+
+    /// The smaller of two numbers; never counted as a decision.
+    #[must_use]
+    fn smaller(self, other: Self) -> Self;
+
+    /// The larger of two numbers; never counted as a decision.
+    #[must_use]
+    fn larger(self, other: Self) -> Self;
+
+    /// `self < other`, not counted as a decision: for culling with slack and for choosing between equivalent ways.
+    fn below(self, other: Self) -> bool;
+
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+}
+
+macro_rules! real_float {
+    ($type:ty, $precision:expr, $from_f64:expr) => {
+        impl Real for $type {
+            const ZERO: Self = 0.0;
+
+            #[inline]
+            fn from_f64(value: f64) -> Self {
+                $from_f64(value)
+            }
+            #[inline]
+            fn from_number(number: &Number) -> Option<Self> {
+                number.rounded($precision).map($from_f64)
+            }
+            #[inline]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                <$type>::sqrt(self)
+            }
+            #[inline]
+            fn abs(self) -> Self {
+                <$type>::abs(self)
+            }
+            #[inline]
+            fn smaller(self, other: Self) -> Self {
+                if other < self { other } else { self }
+            }
+            #[inline]
+            fn larger(self, other: Self) -> Self {
+                if self < other { other } else { self }
+            }
+            #[inline]
+            fn below(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline]
+            fn is_finite(self) -> bool {
+                <$type>::is_finite(self)
+            }
+        }
+    };
+}
+
+real_float!(f32, Precision::F32, |value: f64| value as f32);
+real_float!(f64, Precision::F64, |value: f64| value);
+
+impl Real for Wide {
+    const ZERO: Self = Wide::EXACT_ZERO;
+
+    fn from_f64(value: f64) -> Self {
+        Wide::of_f64(value)
+    }
+    fn from_number(number: &Number) -> Option<Self> {
+        Some(Wide::of_number(number))
+    }
+    fn to_f64(self) -> f64 {
+        self.nearest_f64()
+    }
+    fn sqrt(self) -> Self {
+        self.root()
+    }
+    fn abs(self) -> Self {
+        self.magnitude()
+    }
+    fn smaller(self, other: Self) -> Self {
+        -(-self).maximum(-other)
+    }
+    fn larger(self, other: Self) -> Self {
+        self.maximum(other)
+    }
+    fn below(self, other: Self) -> bool {
+        self.middle_below(other)
+    }
+    fn is_finite(self) -> bool {
+        self.is_known()
+    }
+}

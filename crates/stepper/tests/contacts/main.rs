@@ -1,0 +1,15 @@
+//! Contact classification (SPEC section 4) in floats: hand-worked pairs, the golden pairs of an independent implementation,
+//! preparation and traces, the wide scalar, and one planted mistake at a time.
+
+#[path = "../support/mistakes.rs"]
+mod mistakes;
+#[path = "../support/pairs.rs"]
+mod pairs;
+
+mod golden;
+mod hand_worked;
+mod kept;
+mod planted;
+mod solid;
+mod true_exits;
+mod wide;

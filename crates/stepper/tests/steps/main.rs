@@ -1,0 +1,18 @@
+//! The dynamics of the stepper (SPEC section 5): the golden steps of an independent implementation, closed forms, and what a
+//! state must keep.
+
+#[path = "../support/step_mistakes.rs"]
+mod step_mistakes;
+
+mod closed_forms;
+mod contacts;
+mod control;
+mod energy;
+mod friction;
+mod golden;
+mod loads;
+mod planted;
+mod scenes;
+mod solve;
+mod strength;
+mod support;

@@ -1,0 +1,67 @@
+//! No deliberate mistake in the open–close iteration and step control is dead: each makes f64 differ from the golden steps, or, where
+//! these have no such tolerance, from SPEC's rules in a scene of our own.
+
+use crate::golden::{F64, decided, golden, run, text};
+use crate::step_mistakes::{ALL, Mistake, Mistaken, PLANTING, plant};
+use crate::support::{cuboid, floor, n, scene, tolerances, v};
+use rockproof_model::{Motion, Scene, ToleranceSet};
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::dynamics::{Dynamics, StepRules};
+use serde_json::Value;
+
+/// The step in which f64 first decides otherwise than the file, or none; and whether all numbers before are those of the file.
+fn outcome(scene: &Value) -> (Option<i64>, bool) {
+    match run::<f64, Mistaken>(scene, F64) {
+        Ok(off) => (None, off <= 1.0),
+        Err(other) => (Some(other.step), true),
+    }
+}
+
+/// Scenes for tolerances that are no zeros, and for blocks between the search distance and the penetration depth.
+fn own_scenes() -> Vec<(&'static str, Scene, ToleranceSet)> {
+    let block = |low: &str| cuboid("block", ["0", "0", low], ["1", "3/2", "1"], Motion::Rigid);
+    let mut dull = scene(vec![floor(), block("1/256")]);
+    dull.simulation.gravity = v("1", "0", "-10");
+    dull.blocks[1].body.velocity = v("1/4", "0", "-1/4");
+    dull.blocks[1].body.spin = v("1/8", "1/16", "0");
+    let tolerant =
+        |equal: &str| ToleranceSet { open: n("1/1024"), close: n("1/1024"), equal: n(equal), ..tolerances() };
+    vec![
+        ("near", scene(vec![floor(), block("3/32")]), tolerances()),
+        ("open and close", dull.clone(), tolerant("0")),
+        ("equal", dull, tolerant("1/4")),
+    ]
+}
+
+/// All that 24 steps decide.
+fn decisions<M: StepRules>(scene: &Scene, set: &ToleranceSet) -> Vec<Vec<String>> {
+    let mut dynamics = Dynamics::<f64, M>::with_rules(scene, set).unwrap();
+    let step = |_| match dynamics.step() {
+        Ok(report) => decided(&dynamics, &report),
+        Err(stopped) => vec![stopped.to_string()],
+    };
+    (0..24).map(step).collect()
+}
+
+#[test]
+fn every_mistake_shows_in_a_step() {
+    let (scenes, own) = (golden(), own_scenes());
+    let _alone = PLANTING.lock();
+    plant(Mistake::Nothing);
+    let right: Vec<_> = scenes.iter().map(outcome).collect();
+    let mut lost = Vec::new();
+    for &(mistake, what) in ALL.iter().filter(|(mistake, _)| *mistake != Mistake::Nothing) {
+        plant(mistake);
+        let of_file = scenes.iter().zip(&right).filter(|(scene, right)| outcome(scene) != **right);
+        let of_file = of_file.map(|(scene, _)| text(&scene["name"]));
+        let of_own =
+            own.iter().filter(|(_, scene, set)| decisions::<Mistaken>(scene, set) != decisions::<Spec>(scene, set));
+        let shows: Vec<&str> = of_file.chain(of_own.map(|(name, _, _)| *name)).collect();
+        println!("{what}: {shows:?}");
+        if shows.is_empty() {
+            lost.push(what);
+        }
+    }
+    plant(Mistake::Nothing);
+    assert_eq!(lost, Vec::<&str>::new());
+}

@@ -1,0 +1,209 @@
+//! The sparse solution against the dense one.
+
+use crate::support::{cuboid, floor, near, run, scene};
+use rockproof_model::Motion;
+use rockproof_stepper::dynamics::order::{Graph, elimination_order};
+use rockproof_stepper::dynamics::pattern::Pattern;
+use rockproof_stepper::dynamics::solve::{DENSE, Singular, Solve, dense};
+
+/// A generator of whole numbers that needs no library: Knuth's multiplier.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self, below: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 33) % below
+    }
+}
+
+/// A matrix whose nodes have 1 to 12 unknowns, and whose diagonal exceeds the sum of each row.
+struct Sample<R> {
+    unknowns: Vec<u8>,
+    pattern: Pattern,
+    values: Vec<R>,
+    right: Vec<R>,
+}
+
+impl<R: Solve> Sample<R> {
+    /// About `ties` ties a node, numbered as found or in an order of elimination.
+    fn new(nodes: usize, ties: u64, numbers: &mut Numbers) -> Sample<R> {
+        let unknowns: Vec<u8> = (0..nodes).map(|_| 1 + numbers.next(12) as u8).collect();
+        let mut pairs = Vec::new();
+        for first in 0..nodes as u32 {
+            pairs.extend((first + 1..nodes as u32).filter(|_| numbers.next(nodes as u64) < ties).map(|n| [first, n]));
+        }
+        let at: Vec<[f64; 3]> = (0..nodes).map(|_| [0; 3].map(|_| numbers.next(1000) as f64)).collect();
+        let order = elimination_order(Graph { unknowns: &unknowns, pairs: &pairs }, &at).unwrap();
+        let place = |node: u32| order.iter().position(|&n| n == node).unwrap() as u32;
+        let mut pairs: Vec<[u32; 2]> = pairs.iter().map(|&[a, b]| [place(a), place(b)]).collect();
+        pairs.iter_mut().for_each(|pair| pair.sort_unstable());
+        pairs.sort_unstable();
+        let unknowns: Vec<u8> = order.iter().map(|&node| unknowns[node as usize]).collect();
+        let pattern = Pattern::new(Graph { unknowns: &unknowns, pairs: &pairs });
+        let right = (0..pattern.size()).map(|_| R::from_f64(numbers.next(2001) as f64 - 1000.0)).collect();
+        let mut sample = Sample { values: vec![R::ZERO; pattern.values()], pattern, unknowns, right };
+        let mut sums = vec![1.0; sample.pattern.size()];
+        for node in 0..nodes {
+            sample.fill([node, node], &mut sums, numbers);
+        }
+        for [column, row] in pairs {
+            sample.fill([row as usize, column as usize], &mut sums, numbers);
+        }
+        for node in 0..nodes {
+            let part = sample.pattern.part(node, node).unwrap();
+            for (k, unknown) in sample.pattern.unknowns(node).enumerate() {
+                sample.values[part.at + (part.stride + 1) * k] = R::from_f64(sums[unknown]);
+            }
+        }
+        sample
+    }
+
+    /// Random values in the rows of a node and the columns of another, below the diagonal.
+    fn fill(&mut self, [row, column]: [usize; 2], sums: &mut [f64], numbers: &mut Numbers) {
+        let part = self.pattern.part(row, column).unwrap();
+        let [rows, columns] = [row, column].map(|node| self.pattern.unknowns(node));
+        for (k, c) in columns.enumerate() {
+            for (m, r) in rows.clone().enumerate().filter(|&(_, r)| r > c) {
+                let value = numbers.next(2001) as f64 / 1000.0 - 1.0;
+                self.values[part.at + part.stride * k + m] = R::from_f64(value);
+                sums[r] += value.abs();
+                sums[c] += value.abs();
+            }
+        }
+    }
+
+    /// The solution by the factor, and what is left of it.
+    fn sparsely(&self) -> (Vec<R>, Vec<R>) {
+        let (mut values, mut solution) = (self.values.clone(), self.right.clone());
+        R::factorize(&self.pattern, &mut values, &vec![true; self.pattern.panel_count()]).unwrap();
+        R::substitute(&self.pattern, &values, &mut solution).unwrap();
+        (solution, values)
+    }
+
+    fn difference(&self) -> f64 {
+        let mut one = self.right.clone();
+        dense(&self.pattern, &self.values, &mut one).unwrap();
+        let largest = one.iter().fold(0.0, |most: f64, x| most.max(x.to_f64().abs()));
+        let apart = one.iter().zip(self.sparsely().0).map(|(a, b)| (a.to_f64() - b.to_f64()).abs());
+        apart.fold(0.0, f64::max) / largest
+    }
+}
+
+#[test]
+fn sparse_and_dense_agree_on_random_systems() {
+    let mut numbers = Numbers(1);
+    for nodes in [1, 2, 7, 15, 40, 70] {
+        for ties in [0, 2, 6, 1000] {
+            let double = Sample::<f64>::new(nodes, ties, &mut numbers).difference();
+            let single = Sample::<f32>::new(nodes, ties, &mut numbers).difference();
+            assert!(double < 1e-13 && single < 1e-5, "{nodes} {ties}: {double} {single}");
+        }
+    }
+}
+
+#[test]
+fn a_factor_that_is_renewed_in_part_is_bit_for_bit_a_new_one() {
+    let mut numbers = Numbers(2);
+    let mut spared = 0;
+    for nodes in [3, 15, 40, 70] {
+        let mut sample = Sample::<f64>::new(nodes, 2, &mut numbers);
+        let (_, mut kept) = sample.sparsely();
+        for _ in 0..5 {
+            let node = numbers.next(nodes as u64) as usize;
+            let part = sample.pattern.part(node, node).unwrap();
+            for k in 0..usize::from(sample.unknowns[node]) {
+                let place = part.at + (part.stride + 1) * k;
+                sample.values[place] *= 1.25;
+            }
+            let mut marked = vec![false; sample.pattern.panel_count()];
+            marked[part.panel] = true;
+            sample.pattern.mark_dependent(&mut marked);
+            for (panel, _) in marked.iter().enumerate().filter(|(_, marked)| **marked) {
+                let range = sample.pattern.range(panel);
+                kept[range.clone()].copy_from_slice(&sample.values[range]);
+            }
+            f64::factorize(&sample.pattern, &mut kept, &marked).unwrap();
+            let mut solution = sample.right.clone();
+            f64::substitute(&sample.pattern, &kept, &mut solution).unwrap();
+            assert_eq!(sample.sparsely().0, solution);
+            spared += marked.iter().filter(|marked| !**marked).count();
+        }
+    }
+    assert!(spared > 100, "{spared}");
+}
+
+#[test]
+fn what_is_not_positive_definite_is_refused_by_both() {
+    // [1 2; 2 1] has the eigenvalue -1.
+    let pattern = Pattern::whole(&[2]);
+    let (mut values, mut right) = ([1.0, 2.0, 0.0, 1.0], [1.0, 1.0]);
+    assert_eq!(dense::<f64>(&pattern, &values, &mut right), Err(Singular { unknown: 1 }));
+    assert_eq!(f64::factorize(&pattern, &mut values, &[true]), Err(Singular { unknown: 1 }));
+}
+
+#[test]
+fn an_order_of_elimination_is_a_permutation_that_spares_the_hub() {
+    // A star: its middle, node 0, is tied to all others and goes last or last but one.
+    let pairs: Vec<[u32; 2]> = (1..20).map(|k| [0, k]).collect();
+    let order = elimination_order(Graph { unknowns: &[6; 20], pairs: &pairs }, &[[0.0; 3]; 20]).unwrap();
+    let mut sorted = order.clone();
+    sorted.sort_unstable();
+    assert_eq!(sorted, (0..20).collect::<Vec<u32>>());
+    assert!(order[18..].contains(&0), "{order:?}");
+}
+
+/// A square grid in which each node is tied to its neighbours at sides and at two of four corners, like bricks in a wall.
+fn grid(side: u32) -> (Vec<[u32; 2]>, Vec<[f64; 3]>) {
+    let at: Vec<[f64; 3]> = (0..side * side).map(|n| [f64::from(n % side), 0.0, f64::from(n / side)]).collect();
+    let near = |a: &[f64; 3], b: &[f64; 3]| {
+        let (x, z) = (b[0] - a[0], b[2] - a[2]);
+        x.abs() <= 1.0 && z.abs() <= 1.0 && x * z <= 0.0
+    };
+    let pairs = (0..side * side).flat_map(|a| (a + 1..side * side).map(move |b| [a, b]));
+    (pairs.filter(|&[a, b]| near(&at[a as usize], &at[b as usize])).collect(), at)
+}
+
+#[test]
+fn places_of_blocks_make_the_order_of_a_large_grid_a_better_one() {
+    let (pairs, at) = grid(60);
+    let unknowns = vec![12; 3600];
+    let graph = Graph { unknowns: &unknowns, pairs: &pairs };
+    // Without places there is least degree alone to choose from.
+    let [known, unknown] = [at, vec![[0.0; 3]; 3600]].map(|at| fill(graph, &elimination_order(graph, &at).unwrap()));
+    assert!(known < unknown, "{known} {unknown}");
+}
+
+fn fill(graph: Graph<'_>, order: &[u32]) -> usize {
+    let mut places = vec![0; order.len()];
+    (0..).zip(order).for_each(|(place, &node)| places[node as usize] = place);
+    let placed = |&[a, b]: &[u32; 2]| [places[a as usize], places[b as usize]];
+    let mut pairs: Vec<[u32; 2]> = graph.pairs.iter().map(placed).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    pairs.sort_unstable();
+    Pattern::new(Graph { unknowns: graph.unknowns, pairs: &pairs }).values()
+}
+
+/// A settled stack of deformable blocks, more than a dense system holds: the normal force on each block from below is the weight above.
+fn stack<R: Solve>(relative: f64) {
+    let count = (DENSE / 12 + 1) as i32;
+    let mut blocks = vec![floor()];
+    for k in 0..count {
+        let (low, high) = (k.to_string(), (k + 1).to_string());
+        blocks.push(cuboid(&format!("block {k}"), ["0", "0", &low], ["1", "1", &high], Motion::Deformable));
+    }
+    let mut scene = scene(blocks);
+    scene.simulation.control.settle = 400;
+    let (dynamics, _) = run::<R>(&scene, 400);
+    for k in 0..count {
+        let pair = [k as u32, k as u32 + 1];
+        let below = dynamics.state().contacts.iter().filter(|c| c.blocks == pair);
+        let force: f64 = below.map(|c| -c.force.z.to_f64()).sum();
+        let above = (k + 1..=count).map(|block| 20_000.0 * dynamics.volume(block as usize));
+        near(force, above.sum(), relative);
+    }
+}
+
+#[test]
+fn a_stack_solved_sparsely_bears_its_weight() {
+    stack::<f64>(1e-8);
+    stack::<f32>(1e-2);
+}

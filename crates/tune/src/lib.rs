@@ -1,0 +1,54 @@
+//! Which tolerances should this model use? A search over tolerance sets for one that the engine and the oracle answer alike, that lets
+//! blocks overlap least in steps, and that is far from breaking a rule (SPEC section 3).
+//!
+//! Candidate `n` is a function of the seed, `n`, and what was measured of the candidates before it; a measurement is a function of the
+//! candidate. So a search of `n` candidates always comes to the same end: the time budget decides only how many are tried.
+
+mod candidate;
+mod cluster;
+mod look;
+mod measure;
+mod probes;
+mod record;
+pub mod report;
+mod search;
+mod steps;
+
+pub use candidate::{Knobs, Model};
+pub use cluster::{Cluster, Held};
+pub use measure::{Measurement, Workbench};
+pub use probes::{Differences, Probes};
+pub use record::{COLUMNS, Record, RecordError};
+pub use search::{Next, Origin, Search, Tried};
+pub use steps::{Locked, Overlaps, Stepped};
+
+use rockproof_model::SpecError;
+use rockproof_stepper::dynamics::SetupError;
+
+/// Why a scene cannot be tuned.
+#[derive(Debug, thiserror::Error)]
+pub enum TuneError {
+    /// No two blocks are near one another.
+    #[error("no two blocks are near enough to be in contact; there is nothing to measure")]
+    NoNeighbours,
+    /// The author's tolerances, or `auto`, cannot be derived.
+    #[error(transparent)]
+    Tolerances(#[from] SpecError),
+    /// The scene cannot be stepped.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// A value overflows in the engine's precision.
+    #[error("{what} overflows when rounded to {precision}")]
+    Overflow {
+        /// What overflows.
+        what: String,
+        /// The precision.
+        precision: rockproof_model::Precision,
+    },
+    /// No worker threads.
+    #[error("cannot start the worker threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The record cannot be used.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+}

@@ -1,0 +1,252 @@
+//! The search on disk: one row for each candidate, so that it can be killed at any moment and go on.
+
+use super::candidate::Knobs;
+use super::measure::Measurement;
+use super::probes::Differences;
+use super::search::{Next, Search, Tried};
+use super::steps::{Locked, Overlaps, Stepped};
+use rockproof_model::rules::{Rule, Slack};
+use rockproof_results::{Claim, Directory, Kind, Owner, ResultsError, Start, digest, identity_differences};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::path::Path;
+
+/// Why a search cannot be started, taken up or written.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The directory cannot be used.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// The table cannot be read or written.
+    #[error("candidates.csv: {0}")]
+    Csv(#[from] csv::Error),
+}
+
+/// The columns of `candidates.csv`: number and origin, the set, then what was measured. Lengths in m. Those that begin with `lock_` are empty
+/// for candidates whose steps the oracle was not asked about.
+pub const COLUMNS: [&str; 40] = [
+    "candidate",
+    "origin",
+    "search",
+    "territory",
+    "penetration",
+    "overlap_sine",
+    "parallel_sine",
+    "equal",
+    "open",
+    "close",
+    "max_displacement",
+    "max_rotation",
+    "criteria",
+    "violated",
+    "slack",
+    "tightest",
+    "standing_pairs",
+    "standing_differ",
+    "moved_pairs",
+    "moved_differ",
+    "near_pairs",
+    "near_differ",
+    "boundary_pairs",
+    "boundary_differ",
+    "changed_contacts",
+    "steps",
+    "penetration_m",
+    "sunk_m",
+    "unconverged",
+    "retries",
+    "stopped",
+    "lock_steps",
+    "lock_differ",
+    "lock_found",
+    "lock_contacts",
+    "lock_modes",
+    "lock_failed",
+    "lock_penetration_m",
+    "knobs",
+    "best",
+];
+
+const TABLE: &str = "candidates.csv";
+const ABOUT: &str = "tune.json";
+/// The files of a search.
+const FILES: [&str; 4] = [TABLE, ABOUT, "tune.md", "tolerances.toml"];
+
+/// The content of `tune.json`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct About {
+    #[serde(flatten)]
+    identity: Map<String, Value>,
+    /// SHA-256 of `candidates.csv`: of the table before the last change and of the one after it, for a kill may come between. Empty as
+    /// long as there is none.
+    candidates_sha256: Vec<String>,
+}
+
+/// A search on disk.
+#[derive(Debug)]
+pub struct Record {
+    directory: Directory,
+    about: About,
+}
+
+impl Record {
+    /// Opens the directory; where a search goes on, takes its candidates into `search`.
+    ///
+    /// # Errors
+    /// When the directory holds something that may not be touched, or cannot be read or written.
+    pub fn open(
+        dir: &Path,
+        identity: &Map<String, Value>,
+        start: Start,
+        search: &mut Search<'_>,
+    ) -> Result<Record, RecordError> {
+        let mut directory = Directory::claim(Claim { dir, owner: Owner::Tune, start, files: &FILES })?;
+        if !directory.goes_on(ABOUT, TABLE)? {
+            let about = About { identity: identity.clone(), candidates_sha256: Vec::new() };
+            directory.write_sealed(ABOUT, &about)?;
+            return Ok(Record { directory, about });
+        }
+        let about: About = directory.read_sealed(ABOUT)?;
+        let differences = identity_differences(&about.identity, identity);
+        if !differences.is_empty() {
+            let (dir, owner) = (directory.path().to_owned(), directory.owner());
+            return Err(ResultsError::OtherIdentity { dir, owner, differences }.into());
+        }
+        let file = dir.join(TABLE);
+        if directory.has(TABLE) {
+            let table = std::fs::read(&file).map_err(ResultsError::at(&file))?;
+            if !about.candidates_sha256.contains(&digest(&table)) {
+                return Err(ResultsError::damaged(&file, "its rows are not as they were written").into());
+            }
+            take_in(&file, &table, search)?;
+        } else if about.candidates_sha256.len() > 1 {
+            return Err(ResultsError::damaged(&file, "it is missing").into());
+        }
+        Ok(Record { directory, about })
+    }
+
+    /// The steps of the search that a directory holds, if it holds one.
+    pub fn steps(dir: &Path) -> Option<u64> {
+        let text = std::fs::read(dir.join(ABOUT)).ok()?;
+        let about: Map<String, Value> = serde_json::from_slice(&text).ok()?;
+        about.get("steps")?.as_u64()
+    }
+
+    /// Writes all candidates so far.
+    ///
+    /// # Errors
+    /// When they cannot be written.
+    pub fn commit(&mut self, search: &Search<'_>) -> Result<(), RecordError> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(COLUMNS)?;
+        let best = search.best();
+        for (number, tried) in search.tried().iter().enumerate() {
+            writer.write_record(row(number, tried, best == Some(number)))?;
+        }
+        let bytes = writer.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
+        let seals = &mut self.about.candidates_sha256;
+        seals.drain(..seals.len().saturating_sub(1));
+        seals.push(digest(&bytes));
+        self.directory.write_sealed(ABOUT, &self.about)?;
+        Ok(self.directory.write(TABLE, Kind::Table, &bytes)?)
+    }
+
+    /// Writes `tune.md` or `tolerances.toml`, beside its final name first.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), RecordError> {
+        let kind = if name.ends_with(".toml") { Kind::Input } else { Kind::Text };
+        Ok(self.directory.write(name, kind, bytes)?)
+    }
+}
+
+fn row(number: usize, tried: &Tried, best: bool) -> Vec<String> {
+    let m = &tried.measurement;
+    let d = &m.differences;
+    let mut row = vec![number.to_string(), tried.origin.name().to_owned()];
+    row.extend(tried.set.numbers().map(|(_, value)| value.to_string()));
+    row.push(tried.set.criteria.name().to_owned());
+    row.push(m.violated.iter().map(|rule| (*rule as usize).to_string()).collect::<Vec<_>>().join(" "));
+    row.extend([format!("{:?}", m.tightest.factor), (m.tightest.rule as usize).to_string()]);
+    row.extend([d.standing, d.moved, d.near, d.boundary].into_iter().flatten().map(|count| count.to_string()));
+    let s = &m.stepped;
+    row.extend([d.changed.to_string(), s.steps.to_string()]);
+    row.extend([format!("{:?}", s.overlaps.deepest), format!("{:?}", s.overlaps.sunk)]);
+    row.extend([s.unconverged.to_string(), s.retries.to_string(), s.stopped.clone().unwrap_or_default()]);
+    let locked = m.locked.as_ref();
+    let counts =
+        locked.map(|l| [l.steps, l.differ, l.found, l.contacts, l.modes, l.failed].map(|count| count.to_string()));
+    row.extend(counts.unwrap_or_default());
+    row.push(locked.and_then(|locked| locked.deepest).map(|depth| format!("{depth:?}")).unwrap_or_default());
+    row.extend([tried.knobs.map_or(String::new(), Knobs::text), u8::from(best).to_string()]);
+    row
+}
+
+/// Takes the candidates of a table into a search that has none. Each must be the one that the search would try.
+fn take_in(file: &Path, table: &[u8], search: &mut Search<'_>) -> Result<(), RecordError> {
+    let damaged = |number: usize, what: &str| ResultsError::damaged(file, format!("candidate {number} {what}"));
+    let mut reader = csv::Reader::from_reader(table);
+    for (number, record) in reader.records().enumerate() {
+        let record = record?;
+        let next = search.candidate();
+        let measurement = parsed(&record).ok_or_else(|| damaged(number, "cannot be read"))?;
+        if !is_same(&record, &next) {
+            return Err(damaged(number, "is not the one that this seed tries there").into());
+        }
+        search.add(next, measurement);
+    }
+    Ok(())
+}
+
+/// Whether a row is about a candidate.
+fn is_same(record: &csv::StringRecord, next: &Next) -> bool {
+    let numbers = next.set.numbers();
+    record.get(1) == Some(next.origin.name())
+        && numbers.iter().enumerate().all(|(k, (_, value))| record.get(2 + k) == Some(&value.to_string()))
+        && record.get(12) == Some(next.set.criteria.name())
+}
+
+fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
+    let field = |name: &str| record.get(COLUMNS.iter().position(|column| *column == name)?);
+    let count = |name: &str| field(name)?.parse::<u64>().ok();
+    let pair = |sort: &str| Some([count(&format!("{sort}_pairs"))?, count(&format!("{sort}_differ"))?]);
+    let rule = |text: &str| Rule::ALL.get(text.parse::<usize>().ok()?).copied();
+    let number = |name: &str| field(name)?.parse::<f64>().ok();
+    let is_there = |name: &str| field(name).is_some_and(|text| !text.is_empty());
+    let deepest = match is_there("lock_penetration_m") {
+        true => Some(number("lock_penetration_m")?),
+        false => None,
+    };
+    let locked = match is_there("lock_steps") {
+        true => Some(Locked {
+            steps: count("lock_steps")?,
+            differ: count("lock_differ")?,
+            found: count("lock_found")?,
+            contacts: count("lock_contacts")?,
+            modes: count("lock_modes")?,
+            failed: count("lock_failed")?,
+            deepest,
+        }),
+        false => None,
+    };
+    Some(Measurement {
+        violated: field("violated")?.split_whitespace().map(rule).collect::<Option<_>>()?,
+        tightest: Slack { rule: rule(field("tightest")?)?, factor: number("slack")? },
+        differences: Differences {
+            standing: pair("standing")?,
+            moved: pair("moved")?,
+            near: pair("near")?,
+            boundary: pair("boundary")?,
+            changed: count("changed_contacts")?,
+        },
+        stepped: Stepped {
+            steps: count("steps")?,
+            overlaps: Overlaps { deepest: number("penetration_m")?, sunk: number("sunk_m")? },
+            unconverged: count("unconverged")?,
+            retries: count("retries")?,
+            stopped: Some(field("stopped")?.to_owned()).filter(|text| !text.is_empty()),
+        },
+        locked,
+    })
+}

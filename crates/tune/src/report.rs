@@ -1,0 +1,308 @@
+//! What a search says to the one who asked.
+
+use super::cluster::Held;
+use super::measure::Measurement;
+use super::search::{Search, Tried, formulas};
+use super::{Cluster, Workbench};
+use rockproof_model::scene::write_tolerances;
+use rockproof_model::{ToleranceSet, ToleranceSpec};
+use std::fmt::Write;
+
+/// Trade-offs told at most.
+const MOST: usize = 6;
+
+/// A set as a `[tolerances]` table ready to paste.
+pub fn as_toml(set: &ToleranceSet) -> String {
+    write_tolerances(&ToleranceSpec::from(set.clone()))
+}
+
+/// The whole answer as Markdown. A function of what was tried: no times, no machine.
+pub fn markdown(name: &str, bench: &Workbench, search: &Search<'_>) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_all(&mut text, name, bench, search);
+    text
+}
+
+fn write_all(out: &mut String, name: &str, bench: &Workbench, search: &Search<'_>) -> std::fmt::Result {
+    let tried = search.tried();
+    let (Some(best), Some(author)) = (search.best(), tried.first()) else {
+        return writeln!(out, "Nothing was tried.");
+    };
+    writeln!(out, "# Tolerances for {name}, {}\n", bench.precision())?;
+    verdict(out, &tried[best], best == 0)?;
+    writeln!(out, "\n```toml\n{}```\n", as_toml(&tried[best].set))?;
+    writeln!(out, "## Measured on\n")?;
+    let d = tried[best].measurement.differences;
+    writeln!(
+        out,
+        "- {} candidates: {} given, the others drawn or turned from the best so far",
+        tried.len(),
+        search.given().min(tried.len())
+    )?;
+    writeln!(
+        out,
+        "- {} of the {} neighbouring pairs as they stand; {} of them moved at random, {} beside the boundary of a decision, {} on it",
+        d.standing[0], bench.probes.neighbours, d.moved[0], d.near[0], d.boundary[0]
+    )?;
+    let locked = tried.iter().filter(|tried| tried.measurement.locked.is_some()).count();
+    writeln!(
+        out,
+        "- {} steps of {}, after {} of settling; the oracle made the same steps exactly for {locked} candidates that might be the best",
+        bench.steps(),
+        part(&bench.cluster),
+        bench.cluster.scene.simulation.control.settle
+    )?;
+    writeln!(out, "- every rule of SPEC section 3, exactly\n")?;
+    writeln!(out, "## What each would do\n")?;
+    match best {
+        0 => sides(out, &[("author, and recommended", &tried[0])])?,
+        _ => sides(out, &[("author", &tried[0]), ("recommended", &tried[best])])?,
+    }
+    if best != 0 {
+        compare(out, &tried[best].measurement, &author.measurement)?;
+    }
+    let given: Vec<usize> = (1..search.given().min(tried.len())).collect();
+    if !given.is_empty() {
+        writeln!(out, "\n## The other sets that were given\n")?;
+        table(out, search, &given)?;
+    }
+    writeln!(out, "\n## Trade-offs that remain\n")?;
+    let front: Vec<usize> = search.front();
+    let shown: Vec<usize> = front.iter().copied().take(MOST).collect();
+    if shown.len() < 2 {
+        writeln!(out, "None: no candidate that keeps every rule is better in anything.")?;
+    } else {
+        writeln!(
+            out,
+            "{} candidates keep every rule and are beaten by no other in everything at once, or are the one recommended, which comes first; {} of them, by pairs that differ, then sinking:\n",
+            front.len(),
+            shown.len()
+        )?;
+        table(out, search, &shown)?;
+    }
+    writeln!(out, "\n{NOTES}")
+}
+
+const NOTES: &str = "`differ`: pairs that engine and oracle answer differently, as they stand + moved + beside a boundary; in brackets those on a boundary, where \
+rounding the input decides whatever the tolerances. `slack`: how many times the nearest rule is met. `changed`: contacts that the \
+tolerances add, remove or change, compared with nearest features alone. `sinks`: the most by which a pair of blocks overlaps deeper after a step than in the scene as \
+given. `lockstep`: steps that differ from the oracle's, of those compared; – where the oracle was not asked. A larger u means longer steps, and fewer of them.";
+
+/// The part that is stepped, and what holds it.
+fn part(cluster: &Cluster) -> String {
+    let blocks = match cluster.is_whole {
+        true => "the whole scene".to_owned(),
+        false => format!("{} blocks around block {}", cluster.members.len(), cluster.members[0]),
+    };
+    let held = match cluster.held {
+        Held::Given => "what the scene fixes held".to_owned(),
+        Held::Lowest(1) => "its lowest block held, as the file fixes none".to_owned(),
+        Held::Lowest(count) => format!("its {count} lowest blocks held, as the file fixes none"),
+        Held::Largest => "its largest block held, as the file fixes none".to_owned(),
+        Held::Ring(count) => format!("the {count} further out held, as the file fixes none of them"),
+    };
+    format!("{blocks} ({} contacts, {} unknowns; {held})", cluster.contacts, cluster.unknowns())
+}
+
+/// Everything that was measured, a column for each set.
+fn sides(out: &mut String, sets: &[(&str, &Tried)]) -> std::fmt::Result {
+    let row = |out: &mut String, name: &str, cell: fn(&Tried) -> String| {
+        let cells: Vec<String> = sets.iter().map(|(_, tried)| cell(tried)).collect();
+        writeln!(out, "| {name} | {} |", cells.join(" | "))
+    };
+    let names: Vec<&str> = sets.iter().map(|(name, _)| *name).collect();
+    writeln!(out, "| | {} |", names.join(" | "))?;
+    writeln!(out, "| --- |{}", " --: |".repeat(names.len()))?;
+    let numbers = |out: &mut String, name: &str, at: usize| {
+        let cells: Vec<String> = sets.iter().map(|(_, tried)| value(&tried.set, at)).collect();
+        writeln!(out, "| {name} | {} |", cells.join(" | "))
+    };
+    for (at, name) in NAMES.into_iter().enumerate() {
+        numbers(out, name, at)?;
+    }
+    row(out, "criteria", |tried| tried.set.criteria.name().to_owned())?;
+    row(out, "rules broken", |tried| tried.measurement.violated.len().to_string())?;
+    row(out, "the nearest rule is met", |tried| format!("{:.2} times", tried.measurement.tightest.factor))?;
+    row(out, "pairs that differ as they stand", |tried| of(tried.measurement.differences.standing))?;
+    row(out, "moved at random", |tried| of(tried.measurement.differences.moved))?;
+    row(out, "beside a boundary", |tried| of(tried.measurement.differences.near))?;
+    row(out, "on a boundary", |tried| of(tried.measurement.differences.boundary))?;
+    row(out, "contacts that tolerances change", |tried| tried.measurement.differences.changed.to_string())?;
+    row(out, "steps made", |tried| tried.measurement.stepped.steps.to_string())?;
+    row(out, "unconverged, attempts given up", |tried| {
+        format!("{}, {}", tried.measurement.stepped.unconverged, tried.measurement.stepped.retries)
+    })?;
+    row(out, "some pair sinks by", |tried| format!("{:.3e} m", tried.measurement.stepped.overlaps.sunk))?;
+    row(out, "deepest overlap after the last", |tried| {
+        format!("{:.3e} m", tried.measurement.stepped.overlaps.deepest)
+    })?;
+    row(out, "the same by the oracle", |tried| {
+        let deepest = tried.measurement.locked.as_ref().and_then(|locked| locked.deepest);
+        deepest.map_or("–".to_owned(), |deepest| format!("{deepest:.3e} m"))
+    })?;
+    row(out, "steps that differ from the oracle's", |tried| lockstep(&tried.measurement))?;
+    row(out, "contacts, modes that differ in them", |tried| {
+        let locked = tried.measurement.locked.as_ref();
+        locked.map_or("–".to_owned(), |l| {
+            format!("{}, {} of {} ({:.1} %)", l.contacts, l.modes, l.found, 100.0 * l.share())
+        })
+    })?;
+    row(out, "steps that one side could not make", |tried| {
+        tried.measurement.locked.as_ref().map_or("–".to_owned(), |locked| locked.failed.to_string())
+    })
+}
+
+/// The tolerances of [`sides`], in the order of [`ToleranceSet::numbers`].
+const NAMES: [&str; 10] = [
+    "search",
+    "territory",
+    "penetration",
+    "overlap angle",
+    "parallel angle",
+    "equal",
+    "open",
+    "close",
+    "max_displacement",
+    "max_rotation",
+];
+
+fn value(set: &ToleranceSet, at: usize) -> String {
+    let number = set.numbers()[at].1.approximate();
+    match NAMES[at].ends_with("angle") {
+        true => format!("{:.2}°", number.asin().to_degrees()),
+        false => format!("{number:.3e}"),
+    }
+}
+
+fn of([examined, differ]: [u64; 2]) -> String {
+    format!("{differ} of {examined}")
+}
+
+fn lockstep(m: &Measurement) -> String {
+    m.locked.as_ref().map_or("–".to_owned(), |locked| format!("{} of {}", locked.differ, locked.steps))
+}
+
+fn verdict(out: &mut String, best: &Tried, is_author: bool) -> std::fmt::Result {
+    let m = &best.measurement;
+    let d = &m.differences;
+    if is_author {
+        writeln!(out, "The author's own set is the best of what was tried.\n")?;
+    }
+    match d.avoidable() {
+        0 => {
+            writeln!(out, "Engine and oracle agree on all {} pairs that are not exactly on a boundary.", d.examined())?
+        }
+        n => writeln!(
+            out,
+            "Engine and oracle differ on {n} of {} pairs that are not exactly on a boundary; no candidate did better.",
+            d.examined()
+        )?,
+    }
+    match m.violated.is_empty() {
+        true => writeln!(
+            out,
+            "Every rule is met {:.2} times or more; the nearest is `{}`.",
+            m.tightest.factor,
+            m.tightest.rule.formula()
+        )?,
+        false => writeln!(out, "No candidate met every rule; this one breaks: {}.", formulas(&m.violated))?,
+    }
+    match &m.stepped.stopped {
+        None if m.stepped.overlaps.sunk == 0.0 => {
+            writeln!(
+                out,
+                "In {} steps no pair of blocks sinks: overlaps deeper than in the scene as given.",
+                m.stepped.steps
+            )?;
+        }
+        None => writeln!(
+            out,
+            "In {} steps no pair of blocks sinks by more than {:.3e} m: overlaps deeper than in the scene as given.",
+            m.stepped.steps, m.stepped.overlaps.sunk
+        )?,
+        Some(why) => writeln!(out, "The steps stopped after {}: {why}.", m.stepped.steps)?,
+    }
+    match &m.locked {
+        Some(locked) if locked.differ + locked.failed == 0 => {
+            writeln!(out, "All {} steps are the oracle's, settling among them.", locked.steps)
+        }
+        Some(locked) => writeln!(
+            out,
+            "{} of {} steps, settling among them, differ from the oracle's ({} of {} contacts, and {} modes), {} could not be made on one side.",
+            locked.differ, locked.steps, locked.contacts, locked.found, locked.modes, locked.failed
+        ),
+        None => Ok(()),
+    }
+}
+
+/// One row for each candidate.
+fn table(out: &mut String, search: &Search<'_>, which: &[usize]) -> std::fmt::Result {
+    writeln!(
+        out,
+        "| candidate | s | r | g | u | θo | θp | ε | criteria | differ | rules broken | slack | sinks | lockstep | changed |"
+    )?;
+    writeln!(out, "| --- | --: | --: | --: | --: | --: | --: | --: | --- | --: | --: | --: | --: | --: | --: |")?;
+    for &number in which {
+        let tried = &search.tried()[number];
+        let (set, m) = (&tried.set, &tried.measurement);
+        let d = &m.differences;
+        let length = |value: &rockproof_model::Number| format!("{:.3e}", value.approximate());
+        let angle = |sine: &rockproof_model::Number| format!("{:.2}°", sine.approximate().asin().to_degrees());
+        let steps =
+            m.stepped.stopped.as_ref().map_or(format!("{:.2e} m", m.stepped.overlaps.sunk), |_| "stopped".to_owned());
+        writeln!(
+            out,
+            "| {number} {} | {} | {} | {} | {} | {} | {} | {:.1e} | {} | {} + {} + {} ({}) | {} | {:.2} | {steps} | {} | {} |",
+            tried.origin.name(),
+            length(&set.search),
+            length(&set.territory),
+            length(&set.penetration),
+            length(&set.max_displacement),
+            angle(&set.overlap_sine),
+            angle(&set.parallel_sine),
+            set.equal.approximate(),
+            set.criteria.name(),
+            d.standing[1],
+            d.moved[1],
+            d.near[1],
+            d.boundary[1],
+            m.violated.len(),
+            m.tightest.factor,
+            lockstep(m),
+            d.changed,
+        )?;
+    }
+    Ok(())
+}
+
+/// What the author's set does worse, in words.
+fn compare(out: &mut String, best: &Measurement, author: &Measurement) -> std::fmt::Result {
+    writeln!(out, "\nThe author's set:\n")?;
+    if !author.violated.is_empty() {
+        writeln!(out, "- breaks {} rules: {}", author.violated.len(), formulas(&author.violated))?;
+    }
+    let (ours, theirs) = (best.differences.avoidable(), author.differences.avoidable());
+    if ours != theirs {
+        let (ours_of, theirs_of) = (best.differences.examined(), author.differences.examined());
+        writeln!(out, "- has {theirs} pairs of {theirs_of} that differ, instead of {ours} of {ours_of}")?;
+    }
+    let share = |m: &Measurement| m.locked.as_ref().map_or(0.0, |locked| 100.0 * locked.share());
+    if share(best) != share(author) {
+        let (theirs, ours) = (share(author), share(best));
+        writeln!(out, "- has {theirs:.1} % of contacts in steps that are not the oracle's, instead of {ours:.1} %")?;
+    }
+    let sunk = |m: &Measurement| m.stepped.overlaps.sunk;
+    match &author.stepped.stopped {
+        Some(why) => writeln!(out, "- stops after {} steps: {why}", author.stepped.steps)?,
+        None if sunk(author) != sunk(best) => {
+            writeln!(out, "- lets blocks sink {:.2e} m instead of {:.2e} m", sunk(author), sunk(best))?;
+        }
+        None => {}
+    }
+    writeln!(
+        out,
+        "- meets the nearest rule {:.2} times, instead of {:.2}",
+        author.tightest.factor, best.tightest.factor
+    )
+}

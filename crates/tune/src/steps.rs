@@ -1,0 +1,200 @@
+//! What steps of the part come to under a set: the stepper by itself, and with the oracle beside it.
+
+use super::TuneError;
+use rayon::prelude::*;
+use rockproof_differential::lockstep::run::KEEP;
+use rockproof_differential::lockstep::scene::ExactScene;
+use rockproof_differential::lockstep::state::exact_state;
+use rockproof_differential::lockstep::{Answer, Change, compare};
+use rockproof_model::{Block, Number, Precision, Scene, ToleranceSet, Vec3};
+use rockproof_oracle::penetration::penetration;
+use rockproof_stepper::dynamics::{Dynamics, Solve, State};
+
+/// What steps under a set came to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stepped {
+    /// Steps made, settling not counted.
+    pub steps: u64,
+    /// The exact overlaps.
+    pub overlaps: Overlaps,
+    /// Steps accepted without converging.
+    pub unconverged: u64,
+    /// Attempts given up.
+    pub retries: u64,
+    /// Why the run stopped, if it did.
+    pub stopped: Option<String>,
+}
+
+/// What the oracle said of the same steps, each made from the state in which the stepper was.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Locked {
+    /// Steps compared, settling too.
+    pub steps: u64,
+    /// Steps that differ in anything: contacts, modes, solves, retries, Δt.
+    pub differ: u64,
+    /// Contacts of the oracle in all of them.
+    pub found: u64,
+    /// Contacts that differ.
+    pub contacts: u64,
+    /// Contacts whose modes differ.
+    pub modes: u64,
+    /// Steps that one side made and the other could not.
+    pub failed: u64,
+    /// The exact depth of the deepest overlap after the oracle's last step (m); none where it could not make it.
+    pub deepest: Option<f64>,
+}
+
+impl Locked {
+    /// What differs, of all contacts: contacts, modes, and steps that differ in something else. Zero only where nothing differs.
+    pub fn share(&self) -> f64 {
+        let differ = (self.contacts + self.modes).max(self.differ);
+        if differ == 0 { 0.0 } else { differ as f64 / self.found.max(differ) as f64 }
+    }
+}
+
+/// How deep blocks overlap, one of the two free to move (m).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Overlaps {
+    /// The deepest after the last step.
+    pub deepest: f64,
+    /// The most by which some pair overlaps deeper after a step, settling too, than in the scene as given. After any step, since blocks that
+    /// went through one another may have been thrown apart by the last. Zero where it is no more than 2⁸·eps times the largest coordinate.
+    pub sunk: f64,
+}
+
+/// The overlaps of a part as it is given.
+pub(super) struct Begun {
+    /// Pairs of which one can move, and how deep they overlap.
+    pairs: Vec<([usize; 2], f64)>,
+    /// Sinking that is none: 2⁸·eps times the largest coordinate (m), as for what a territory resolves.
+    nothing: f64,
+}
+
+impl Begun {
+    pub(super) fn of(part: &Scene, precision: Precision) -> Begun {
+        let is_fixed = |block: usize| part.blocks[block].body.is_fixed();
+        let count = part.blocks.len();
+        let all: Vec<[usize; 2]> = (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j])).collect();
+        let free = all.into_par_iter().filter(|[i, j]| !(is_fixed(*i) && is_fixed(*j)));
+        let coordinates = part.blocks.iter().flat_map(|block| block.block.coordinates());
+        let largest = coordinates.map(|c| c.approximate().abs()).fold(0.0, f64::max);
+        Begun {
+            pairs: free.map(|pair| (pair, depth(pair.map(|k| &part.blocks[k].block)))).collect(),
+            nothing: 256.0 * precision.epsilon() * largest,
+        }
+    }
+
+    /// The overlaps of the blocks where they are now.
+    fn overlaps(&self, blocks: &[Block]) -> Overlaps {
+        let now = self.pairs.par_iter().map(|(pair, before)| {
+            let deepest = depth(pair.map(|k| &blocks[k]));
+            Overlaps { deepest, sunk: (deepest - before).max(0.0) }
+        });
+        let worse = |one: Overlaps, other: Overlaps| Overlaps {
+            deepest: one.deepest.max(other.deepest),
+            sunk: one.sunk.max(other.sunk),
+        };
+        let found = now.reduce(Overlaps::default, worse);
+        Overlaps { sunk: if found.sunk > self.nothing { found.sunk } else { 0.0 }, ..found }
+    }
+}
+
+fn depth([a, b]: [&Block; 2]) -> f64 {
+    if !boxes_overlap(a, b) {
+        return 0.0;
+    }
+    penetration(a, b).and_then(|found| found.depth_m()).unwrap_or(0.0)
+}
+
+fn boxes_overlap(a: &Block, b: &Block) -> bool {
+    let (a, b) = (a.bounds(), b.bounds());
+    let below = |low: &Vec3<&Number>, high: &Vec3<&Number>| low.x < high.x && low.y < high.y && low.z < high.z;
+    below(&a.min, &b.max) && below(&b.min, &a.max)
+}
+
+/// Steps the part and looks after each step how deep its blocks overlap.
+pub(super) fn stepped<R: Solve>(
+    part: &Scene,
+    set: &ToleranceSet,
+    begun: &Begun,
+    steps: u64,
+) -> Result<Stepped, TuneError> {
+    let mut dynamics = Dynamics::<R>::new(part, set)?;
+    let mut found = Stepped::default();
+    while found.steps < steps && found.stopped.is_none() {
+        match dynamics.step() {
+            Ok(report) => {
+                let now = begun.overlaps(&placed(part, dynamics.state()));
+                found.overlaps = Overlaps { deepest: now.deepest, sunk: now.sunk.max(found.overlaps.sunk) };
+                found.steps = dynamics.state().step;
+                found.unconverged += u64::from(!report.converged);
+                found.retries += report.retries.len() as u64;
+            }
+            Err(error) => found.stopped = Some(error.to_string()),
+        }
+    }
+    Ok(found)
+}
+
+fn placed<R: Solve>(part: &Scene, state: &State<R>) -> Vec<Block> {
+    let number = |value: R| Number::from_f64(value.to_f64()).unwrap_or(Number::ZERO);
+    let blocks = part.blocks.iter().zip(&state.blocks);
+    blocks
+        .map(|(block, now)| {
+            let points = now.vertices.iter().map(|v| Vec3::new(number(v.x), number(v.y), number(v.z)));
+            block.block.with_vertices(points.collect())
+        })
+        .collect()
+}
+
+/// Makes the same steps with the oracle beside the stepper: each from the stepper's state, taken as exact.
+pub(super) fn locked<R: Solve>(
+    part: &Scene,
+    set: &ToleranceSet,
+    precision: Precision,
+    begun: &Begun,
+    steps: u64,
+) -> Result<Locked, TuneError> {
+    let mut dynamics = Dynamics::<R>::new(part, set)?;
+    let rounded = ExactScene::new(part, set)
+        .rounded(precision)
+        .map_err(|overflow| TuneError::Overflow { what: format!("`{}`", overflow.0), precision })?;
+    let shapes = rounded.scene().shapes();
+    let mut found = Locked::default();
+    while dynamics.state().step < steps {
+        let is_last = dynamics.state().settling == 0 && dynamics.state().step + 1 == steps;
+        let Ok(before) = exact_state(dynamics.state()) else {
+            found.failed += 1;
+            break;
+        };
+        let made = dynamics.step();
+        let exact = if is_last {
+            rounded.step(&before, KEEP).map(|step| {
+                found.deepest = Some(begun.overlaps(&rounded.blocks_at(&step.state)).deepest);
+                Answer::of_oracle(&step)
+            })
+        } else {
+            rounded.decide(&before).map(|step| Answer::of_certified(&step))
+        };
+        found.steps += 1;
+        let (made, exact) = match (made, exact) {
+            (Ok(made), Ok(exact)) => (made, exact),
+            (Err(_), Err(_)) => break,
+            (Ok(_), Err(_)) => {
+                found.failed += 1;
+                continue;
+            }
+            (Err(_), Ok(_)) => {
+                found.failed += 1;
+                break;
+            }
+        };
+        let stepper = Answer::of_stepper(&made, dynamics.modes(), dynamics.state());
+        let differences = compare(&exact, &stepper, &shapes);
+        found.found += exact.contacts.len() as u64;
+        found.differ += u64::from(!differences.is_empty());
+        found.contacts += differences.iter().filter(|difference| difference.is_of_contacts()).count() as u64;
+        found.modes += differences.iter().filter(|difference| difference.change == Change::Mode).count() as u64;
+    }
+    Ok(found)
+}

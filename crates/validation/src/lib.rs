@@ -1,0 +1,45 @@
+//! The stepper against closed forms: each case runs a scene in f32 and f64 and says how far it is from the known answer.
+//!
+//! `cargo run --release -p rockproof-validation` writes the table of `docs/validation.md` and its plots; `tests/closed_forms.rs` holds the
+//! figures. Scenes are those of `cases/handmade`; every case takes the rules of the step as a parameter, so that a test can plant a
+//! mistake and see the case fail.
+
+pub mod arch;
+pub mod case;
+pub mod convergence;
+pub mod elastic;
+pub mod flight;
+pub mod impact;
+pub mod incline;
+pub mod lab;
+pub mod plot;
+pub mod regimes;
+pub mod report;
+pub mod rest;
+pub mod wedge;
+
+pub use case::{Case, Engine, Measured};
+pub use lab::{Failure, Lab};
+
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::dynamics::StepRules;
+
+/// Every case by the rules of SPEC, in the order of the table.
+pub fn table() -> Vec<Case> {
+    cases::<Spec>()
+}
+
+/// Every case by other rules.
+pub fn cases<M: StepRules>() -> Vec<Case> {
+    let groups: [fn() -> Vec<Case>; 8] = [
+        flight::cases::<M>,
+        incline::cases::<M>,
+        rest::cases::<M>,
+        elastic::cases::<M>,
+        impact::cases::<M>,
+        regimes::cases::<M>,
+        wedge::cases::<M>,
+        arch::cases::<M>,
+    ];
+    groups.into_iter().flat_map(|group| group()).collect()
+}

@@ -1,0 +1,344 @@
+//! The audit of overlaps (SPEC section 7), exactly: which pairs of blocks overlap, how deep, and whether the classification
+//! sees it.
+//!
+//! What "inside" means: a block whose edges are all convex is the hull of its vertices, as its penetration takes it; any
+//! other is what its faces' triangles from the first vertex of each loop enclose, as its volume is. Both are the same where
+//! faces are planar. Two blocks **overlap** when their interiors meet; **touching is not overlapping**.
+//!
+//! A pair goes through these questions until one is decided, each certified:
+//!
+//! 1. boxes that share no more than their surfaces: apart;
+//! 2. the plane of a face of either block has the blocks on different sides: apart. f64 measures all faces, with a proved
+//!    bound; of those it leaves open, exact integers decide;
+//! 3. whether any plane separates the hulls of the vertices (`separation`, complete): if so the blocks are apart, else
+//!    two convex blocks overlap;
+//! 4. of other blocks, whether two of their convex cells overlap (`pieces`), by 3 again.
+//!
+//! [`Auditor::neighbours`] lists the pairs and [`Auditor::pair`] audits one of them, so that a caller can share the work
+//! among threads; [`Audit::of`] puts the answers together in the order of the pairs, whoever found them.
+
+mod planes;
+
+use crate::boxes::{self, Box3, meeting_pairs};
+use crate::penetration::{Penetration, penetration};
+use crate::pieces::{Piece, cells};
+use crate::separation::{Points, Verdict, separate};
+use crate::{Gap, Pair, Solid};
+use num_rational::BigRational;
+use planes::FacePlanes;
+use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
+use std::ops::AddAssign;
+use std::sync::OnceLock;
+
+/// Whether the contacts of a pair tell of its overlap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Sight {
+    /// A contact has h < 0, and −h is at least half the penetration (**exactly half is seen**). Of a pair with a block
+    /// that is not convex any contact with h < 0 will do: SPEC compares depths of convex pairs only.
+    Seen,
+    /// The pair is convex and every −h is less than half the penetration.
+    Shallow,
+    /// No contact has h < 0.
+    Unseen,
+}
+
+impl Sight {
+    /// `seen`, `shallow` or `unseen`, as written in tables and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Sight::Seen => "seen",
+            Sight::Shallow => "shallow",
+            Sight::Unseen => "unseen",
+        }
+    }
+}
+
+/// A pair of blocks whose interiors meet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Overlap {
+    /// The blocks, the lower number first: A and B of the classification.
+    pub blocks: [usize; 2],
+    /// How deep they overlap. Its gap is zero where all that the blocks share is thinner than the unevenness of a face.
+    pub penetration: Penetration,
+    /// The contact with the most negative h, of several equal ones the first in sorted order, and its gap.
+    pub contact: Option<(Contact, Gap)>,
+    /// Whether the contacts tell of it.
+    pub sight: Sight,
+    /// Whether the penetration is above g; **exactly g is not**.
+    pub is_deeper_than_g: bool,
+    /// Whether the penetration is at most twice the distance of some vertex of either block from the plane of one of its
+    /// faces (**a tie says yes**): so much can blocks overlap whose planes only touch, because rounded coordinates made faces
+    /// uneven. Contacts, which ask for planes, need not tell of it.
+    pub is_within_unevenness: bool,
+}
+
+/// What decided whether a pair overlaps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Decider {
+    /// Boxes share no more than their surfaces.
+    Boxes,
+    /// The plane of a face separates the blocks, by f64 with a proved bound.
+    FacePlane,
+    /// The plane of a face separates the blocks, by exact integers: they touch or nearly do.
+    ExactFacePlane,
+    /// The search for a separating plane, by f64 with proved bounds alone.
+    Float,
+    /// That search, with exact integers for at least one sign.
+    Exact,
+    /// The convex cells of a block that is not convex.
+    Cells,
+    /// Nothing: the vertices of a block lie in one plane, so that it has no inside.
+    LeftOut,
+}
+
+impl Decider {
+    /// All, the cheapest first.
+    pub const ALL: [Decider; 7] = [
+        Decider::Boxes,
+        Decider::FacePlane,
+        Decider::ExactFacePlane,
+        Decider::Float,
+        Decider::Exact,
+        Decider::Cells,
+        Decider::LeftOut,
+    ];
+
+    /// The name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Decider::Boxes => "boxes",
+            Decider::FacePlane => "face plane",
+            Decider::ExactFacePlane => "exact face plane",
+            Decider::Float => "f64",
+            Decider::Exact => "exact",
+            Decider::Cells => "cells",
+            Decider::LeftOut => "left out",
+        }
+    }
+}
+
+/// What the audit says of one pair.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PairAudit {
+    /// What decided.
+    pub decider: Decider,
+    /// The overlap, if there is one.
+    pub overlap: Option<Overlap>,
+}
+
+/// How many neighbouring pairs each question decided.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct AuditCounts([u64; Decider::ALL.len()]);
+
+impl AuditCounts {
+    /// Pairs that `decider` decided.
+    pub fn of(&self, decider: Decider) -> u64 {
+        self.0[decider as usize]
+    }
+
+    /// All neighbouring pairs.
+    pub fn neighbours(&self) -> u64 {
+        self.0.iter().sum()
+    }
+}
+
+impl AddAssign<Decider> for AuditCounts {
+    fn add_assign(&mut self, decider: Decider) {
+        self.0[decider as usize] += 1;
+    }
+}
+
+/// The overlaps of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Audit {
+    /// The pairs that overlap, in ascending order.
+    pub overlaps: Vec<Overlap>,
+    /// How all neighbouring pairs were decided.
+    pub counts: AuditCounts,
+}
+
+impl Audit {
+    /// The answers of [`Auditor::pair`] put together.
+    pub fn of(pairs: impl IntoIterator<Item = PairAudit>) -> Audit {
+        let mut audit = Audit::default();
+        for pair in pairs {
+            audit.counts += pair.decider;
+            audit.overlaps.extend(pair.overlap);
+        }
+        audit.overlaps.sort_by_key(|overlap| overlap.blocks);
+        audit
+    }
+
+    /// How many overlaps are of one sight.
+    pub fn count(&self, sight: Sight) -> usize {
+        self.overlaps.iter().filter(|overlap| overlap.sight == sight).count()
+    }
+
+    /// The deepest overlap, of several equally deep the first.
+    pub fn deepest(&self) -> Option<&Overlap> {
+        // `max_by` keeps the last of several.
+        self.overlaps.iter().rev().max_by(|one, two| one.depth_squared().cmp(&two.depth_squared()))
+    }
+}
+
+impl Overlap {
+    /// The square of the penetration in m².
+    pub fn depth_squared(&self) -> BigRational {
+        self.penetration.depth_squared()
+    }
+}
+
+/// Audits the pairs of a scene. What it keeps of a block serves all its pairs.
+pub struct Auditor<'s> {
+    solids: &'s [Solid],
+    tolerances: &'s ToleranceSet,
+    bodies: Vec<Body>,
+}
+
+/// What is kept of a block.
+struct Body {
+    planes: FacePlanes,
+    has_inside: bool,
+    /// The convex cells of a block that is not convex.
+    pieces: OnceLock<Vec<Piece>>,
+    /// The square of the greatest distance of a vertex from the plane of its face, in m².
+    unevenness: OnceLock<BigRational>,
+}
+
+/// The audit of all pairs in one thread.
+pub fn audit(blocks: &[&Block], tolerances: &ToleranceSet) -> Audit {
+    let solids: Vec<Solid> = blocks.iter().map(|block| Solid::new(block)).collect();
+    let auditor = Auditor::new(&solids, tolerances);
+    Audit::of(auditor.neighbours().into_iter().map(|pair| auditor.pair(pair)))
+}
+
+impl<'s> Auditor<'s> {
+    /// Makes blocks ready.
+    pub fn new(solids: &'s [Solid], tolerances: &'s ToleranceSet) -> Auditor<'s> {
+        let body = |solid: &Solid| Body {
+            planes: FacePlanes::of(solid),
+            has_inside: planes::has_inside(solid),
+            pieces: OnceLock::new(),
+            unevenness: OnceLock::new(),
+        };
+        Auditor { solids, tolerances, bodies: solids.iter().map(body).collect() }
+    }
+
+    /// The neighbouring pairs (SPEC section 4, rough phase; **touching counts**), the lower number first, in ascending order.
+    pub fn neighbours(&self) -> Vec<[usize; 2]> {
+        let search = self.tolerances.search.approximate().next_up();
+        // Grown on both sides by half of s, a little more than that because of rounding; the exact question follows.
+        let boxes: Vec<Box3> = self.solids.iter().map(|solid| Box3::around(solid, search / 2.0)).collect();
+        let mut pairs = meeting_pairs(&boxes);
+        pairs.retain(|&[i, j]| Pair::new(&self.solids[i], &self.solids[j]).are_neighbours(self.tolerances));
+        pairs.sort_unstable();
+        pairs
+    }
+
+    /// The audit of one pair. The pair need not be of those that [`Auditor::neighbours`] lists.
+    ///
+    /// # Panics
+    /// When there is no block of one of the numbers.
+    pub fn pair(&self, blocks: [usize; 2]) -> PairAudit {
+        self.pair_keeping(blocks, &[])
+    }
+
+    /// As [`Auditor::pair`], where the step before left the contacts `kept` of the pair closed.
+    ///
+    /// # Panics
+    /// When there is no block of one of the numbers.
+    pub fn pair_keeping(&self, blocks: [usize; 2], kept: &[ContactKey]) -> PairAudit {
+        let (overlaps, decider) = self.overlap(blocks);
+        PairAudit { decider, overlap: overlaps.then(|| self.measure(blocks, kept)) }
+    }
+
+    /// Whether the interiors meet, and what decided it.
+    fn overlap(&self, blocks: [usize; 2]) -> (bool, Decider) {
+        let [a, b] = blocks.map(|k| &self.solids[k]);
+        let bodies = blocks.map(|k| &self.bodies[k]);
+        if !bodies.iter().all(|body| body.has_inside) {
+            return (false, Decider::LeftOut);
+        }
+        if boxes::share_surfaces_at_most(a, b) {
+            return (false, Decider::Boxes);
+        }
+        let pair = Pair::new(a, b);
+        if let Some(decider) = planes::separating_face(&pair, bodies.map(|body| &body.planes)) {
+            return (false, decider);
+        }
+        let Verdict { is_separated, by_float } = separate(points(a), points(b));
+        if is_separated || (a.block().is_convex() && b.block().is_convex()) {
+            return (!is_separated, if by_float { Decider::Float } else { Decider::Exact });
+        }
+        let pieces = blocks.map(|k| self.pieces(k));
+        let meet =
+            pieces[0].iter().any(|one| pieces[1].iter().any(|two| !separate(one.points(), two.points()).is_separated));
+        (meet, Decider::Cells)
+    }
+
+    fn pieces(&self, block: usize) -> &[Piece] {
+        self.bodies[block].pieces.get_or_init(|| {
+            let block = self.solids[block].block();
+            if block.is_convex() {
+                vec![Piece::new(block.vertices().to_vec())]
+            } else {
+                cells(block).iter().map(|cell| cell.piece()).collect()
+            }
+        })
+    }
+
+    /// How deep blocks overlap that do, and what the classification says of it.
+    fn measure(&self, blocks: [usize; 2], kept: &[ContactKey]) -> Overlap {
+        let [a, b] = blocks.map(|k| &self.solids[k]);
+        let (one, two) = (a.block(), b.block());
+        // A block with an inside has faces with areas but where they cancel; then nothing is known of its depth.
+        let penetration = penetration(one, two).unwrap_or_else(Penetration::none);
+        let contact = self.deepest_contact(&Pair::new(a, b), kept);
+        let square = penetration.depth_squared();
+        let four = BigRational::from_integer(4.into());
+        let sight = match &contact {
+            None => Sight::Unseen,
+            Some((_, gap)) if one.is_convex() && two.is_convex() && four * &gap.squared < square => Sight::Shallow,
+            Some(_) => Sight::Seen,
+        };
+        let g = self.tolerances.penetration.to_rational();
+        Overlap {
+            blocks,
+            is_deeper_than_g: square > &g * &g,
+            is_within_unevenness: self.is_within_unevenness(blocks, &penetration),
+            penetration,
+            contact,
+            sight,
+        }
+    }
+
+    fn is_within_unevenness(&self, blocks: [usize; 2], penetration: &Penetration) -> bool {
+        // f64 bounds leave out nearly all; NaN leaves out nothing.
+        let most = blocks.iter().map(|&k| self.solids[k].bulge).fold(0.0, f64::max);
+        if penetration.depth_m().is_some_and(|depth| depth > 2.0 * most * (1.0 + 4.0 * f64::EPSILON)) {
+            return false;
+        }
+        let unevenness =
+            |k: usize| self.bodies[k].unevenness.get_or_init(|| planes::unevenness_squared(self.solids[k].block()));
+        let [one, two] = blocks.map(unevenness);
+        penetration.depth_squared() <= BigRational::from_integer(4.into()) * one.max(two)
+    }
+
+    /// The contact with the most negative gap.
+    fn deepest_contact(&self, pair: &Pair<'_>, kept: &[ContactKey]) -> Option<(Contact, Gap)> {
+        let contacts = pair.classify_keeping(self.tolerances, kept).contacts;
+        let overlapping = contacts.into_iter().filter(|contact| contact.gap.is_negative());
+        let mut deepest: Option<(Contact, Gap)> = None;
+        for contact in overlapping {
+            let gap = pair.gap(&contact.entrance);
+            if deepest.as_ref().is_none_or(|(_, deepest)| gap.squared > deepest.squared) {
+                deepest = Some((contact, gap));
+            }
+        }
+        deepest
+    }
+}
+
+fn points(solid: &Solid) -> Points<'_> {
+    Points { exact: solid.block().vertices(), near: &solid.vertices, error: solid.errors.coordinate }
+}

@@ -1,0 +1,295 @@
+//! The certificate that an interval of time is free.
+
+use super::motion::Moving;
+use crate::inside::triangles;
+use num_bigint::BigInt;
+use num_traits::{Signed, ToPrimitive, Zero};
+use rockproof_model::block::face_normal;
+use rockproof_model::ring::ExactRing;
+use rockproof_model::{Block, Vec3};
+
+type Place = Vec3<BigInt>;
+
+/// Certifies intervals for two moving blocks.
+pub(super) struct Certificate<'m, 'b> {
+    moving: &'m Moving<'b>,
+    /// The vertices of each block's convex parts, and the edges and faces whose directions are tried.
+    parts: [Vec<Part>; 2],
+}
+
+/// A convex part of a block by the numbers of its vertices.
+struct Part {
+    vertices: Vec<u32>,
+    /// Loops whose normals are tried.
+    faces: Vec<Vec<u32>>,
+    /// Pairs of vertices whose cross products with the other part's are tried.
+    edges: Vec<[u32; 2]>,
+}
+
+/// Two convex parts at both ends of an interval: what a direction has to part.
+struct Ends<'e> {
+    parts: [&'e Part; 2],
+    /// Both blocks' places at the start and at the end.
+    places: &'e [[Vec<Place>; 2]; 2],
+}
+
+/// A direction and how it was found to do.
+struct Candidate {
+    n: Place,
+    /// The gap along it, the lesser one of both ends, over its length: an f64 without a bound.
+    gap: f64,
+}
+
+/// How many of the best directions are tried exactly.
+const TRIED: usize = 4;
+
+impl<'m, 'b> Certificate<'m, 'b> {
+    pub(super) fn new(moving: &'m Moving<'b>) -> Certificate<'m, 'b> {
+        let start = moving.at(&BigInt::zero(), 0);
+        let parts = [0, 1].map(|side| {
+            let block = moving.blocks[side];
+            if block.is_convex() { vec![Part::whole(block)] } else { tetrahedra(block, &start[side]) }
+        });
+        Certificate { moving, parts }
+    }
+
+    /// Whether an interval of the times `ends / 2^halvings` is certainly free of depths above g.
+    pub(super) fn is_free(&self, ends: &[BigInt; 2], halvings: u32) -> bool {
+        let places = [0, 1].map(|k| self.moving.at(&ends[k], halvings));
+        let limit = &self.moving.limit << halvings;
+        let whole = [0, 1].map(|side| Part::whole(self.moving.blocks[side]));
+        let hulls = Ends { parts: [&whole[0], &whole[1]], places: &places };
+        let is_within = |n: &Place| hulls.parts_within(n, &limit);
+        // Along the axes first: most pairs that are apart are so by their boxes.
+        if axes().iter().any(is_within) || hulls.best_directions().iter().any(|candidate| is_within(&candidate.n)) {
+            return true;
+        }
+        let is_convex = self.moving.blocks.iter().all(|block| block.is_convex());
+        !is_convex && [0, 1].into_iter().all(|side| self.cover_stays_shallow(side, &places, &limit))
+    }
+
+    /// Whether every part of one block, moved by a translation of length at most g, is parted from all parts of the other.
+    fn cover_stays_shallow(&self, side: usize, places: &[[Vec<Place>; 2]; 2], limit: &BigInt) -> bool {
+        self.parts[side].iter().all(|own| {
+            let against: Vec<Ends<'_>> = self.parts[1 - side]
+                .iter()
+                .map(|other| {
+                    let parts = if side == 0 { [own, other] } else { [other, own] };
+                    Ends { parts, places }
+                })
+                .collect();
+            let directions: Vec<Vec<Candidate>> = against.iter().map(Ends::best_directions).collect();
+            // No translation, then by g along the direction that the part overlapped most asks for, or along the middle of
+            // all that are asked for, as in a corner of the other block.
+            let best = || directions.iter().filter_map(|best| best.first()).filter(|best| best.gap < 0.0);
+            let worst = best().min_by(|one, two| one.gap.total_cmp(&two.gap)).map(|worst| worst.n.clone());
+            let along = [worst, middle_of(best().map(|best| &best.n))].into_iter().flatten();
+            let along = along.map(|n| at_most_as_long(&n, limit));
+            std::iter::once(Vec3::zero()).chain(along).any(|shift| {
+                against.iter().zip(&directions).all(|(ends, tried)| {
+                    // A's part moves so, or B's the other way.
+                    tried.iter().any(|candidate| ends.parts_shifted(&candidate.n, &shift))
+                })
+            })
+        })
+    }
+}
+
+impl Part {
+    fn whole(block: &Block) -> Part {
+        let topology = block.topology();
+        Part {
+            vertices: (0..block.vertices().len() as u32).collect(),
+            faces: topology.faces().to_vec(),
+            edges: topology.edges().iter().map(|edge| [edge.p, edge.q]).collect(),
+        }
+    }
+
+    fn of_points(v: [u32; 4]) -> Part {
+        let [o, a, b, c] = v;
+        Part {
+            vertices: v.to_vec(),
+            faces: vec![vec![o, a, b], vec![o, b, c], vec![o, c, a], vec![a, b, c]],
+            edges: vec![[o, a], [o, b], [o, c], [a, b], [b, c], [c, a]],
+        }
+    }
+}
+
+/// Tetrahedra from one vertex to all triangles of the surface. The vertex is the first of those before most triangles'
+/// planes the fewest are on its outer side: from one that sees the whole block the tetrahedra fill no more than the block.
+fn tetrahedra(block: &Block, places: &[Place]) -> Vec<Part> {
+    let sides = |v: u32| {
+        let volumes = triangles(block, places).map(move |[a, b, c]| {
+            let from = &places[v as usize];
+            ExactRing::sign(&a.minus(from).cross(&b.minus(from)).dot(&c.minus(from)))
+        });
+        volumes.filter(|sign| sign.is_negative()).count()
+    };
+    let apex = (0..places.len() as u32).min_by_key(|&v| sides(v)).unwrap_or(0);
+    let numbers: Vec<Vec3<u32>> = (0..places.len() as u32).map(|v| Vec3::new(v, v, v)).collect();
+    triangles(block, &numbers)
+        .map(|corners| corners.map(|v| v.x))
+        .filter(|corners| !corners.contains(&apex))
+        .map(|[a, b, c]| Part::of_points([apex, a, b, c]))
+        .collect()
+}
+
+/// The six directions along the axes.
+fn axes() -> [Place; 6] {
+    std::array::from_fn(|k| {
+        let along = |axis: i32| BigInt::from(i32::from(k as i32 % 3 == axis) * if k < 3 { 1 } else { -1 });
+        Vec3::new(along(0), along(1), along(2))
+    })
+}
+
+/// A direction between others, rounded; `None` without others.
+fn middle_of<'n>(directions: impl Iterator<Item = &'n Place>) -> Option<Place> {
+    let units = directions.map(|n| {
+        let n = direction(n.components());
+        let size = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+        n.map(|c| c / size)
+    });
+    let sum = units.reduce(|one, two| [one[0] + two[0], one[1] + two[1], one[2] + two[2]])?;
+    let [x, y, z] = sum.map(|c| BigInt::from((c * 2f64.powi(40)) as i64));
+    Some(Vec3::new(x, y, z))
+}
+
+/// A vector along n, of whole lattice units, no longer than `limit`.
+fn at_most_as_long(n: &Place, limit: &BigInt) -> Place {
+    // n·limit/√(n²), the root rounded up and the quotients towards zero.
+    let root = n.norm_squared().sqrt() + 1;
+    n.map(|c| c * limit / &root)
+}
+
+impl Ends<'_> {
+    fn places_of(&self, end: usize, side: usize) -> impl Iterator<Item = &Place> {
+        self.parts[side].vertices.iter().map(move |&v| &self.places[end][side][v as usize])
+    }
+
+    fn edge(&self, end: usize, side: usize, edge: usize) -> Place {
+        let [p, q] = self.parts[side].edges[edge].map(|v| &self.places[end][side][v as usize]);
+        q.minus(p)
+    }
+
+    /// The least gap along n at both ends: A's lowest point less B's highest, times |n|.
+    fn gap(&self, n: &Place) -> BigInt {
+        let gap = |end: usize| {
+            let low = self.places_of(end, 0).map(|p| n.dot(p)).min().unwrap_or_default();
+            low - self.places_of(end, 1).map(|p| n.dot(p)).max().unwrap_or_default()
+        };
+        gap(0).min(gap(1))
+    }
+
+    /// Whether at both ends A's lowest point along n is at most `limit` below B's highest; **exactly the limit says yes**.
+    fn parts_within(&self, n: &Place, limit: &BigInt) -> bool {
+        let square = n.norm_squared();
+        let gap = self.gap(n);
+        !Zero::is_zero(&square) && (!gap.is_negative() || &gap * &gap <= limit * limit * square)
+    }
+
+    /// Whether at both ends A, moved by `shift` relative to B, is not below B along n; **touching says yes**.
+    fn parts_shifted(&self, n: &Place, shift: &Place) -> bool {
+        !Zero::is_zero(&n.norm_squared()) && !(self.gap(n) + n.dot(shift)).is_negative()
+    }
+
+    /// The directions with the largest gaps by f64, the largest first: normals of faces and cross products of edges, as they
+    /// are at either end.
+    fn best_directions(&self) -> Vec<Candidate> {
+        let near = |end: usize, side: usize| -> Vec<[f64; 3]> {
+            let origin = &self.places[0][0][0];
+            let from = self.places_of(end, side).map(|p| p.minus(origin));
+            from.map(|p| [&p.x, &p.y, &p.z].map(float)).collect()
+        };
+        let points = [0, 1].map(|end| [near(end, 0), near(end, 1)]);
+        let along = |n: [f64; 3]| {
+            let gap = |end: usize| {
+                let values = |side: usize| {
+                    points[end][side].iter().map(move |p: &[f64; 3]| n[0] * p[0] + n[1] * p[1] + n[2] * p[2])
+                };
+                values(0).fold(f64::INFINITY, f64::min) - values(1).fold(f64::NEG_INFINITY, f64::max)
+            };
+            gap(0).min(gap(1)) / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt()
+        };
+        let edges = [0, 1].map(|end| {
+            [0, 1].map(|side| -> Vec<[f64; 3]> {
+                let all = (0..self.parts[side].edges.len()).map(|edge| self.edge(end, side, edge));
+                all.map(|d| direction([&d.x, &d.y, &d.z])).collect()
+            })
+        });
+        // f64 chooses among the directions; the exact ones of the chosen follow.
+        let mut best: Vec<(f64, Source)> = Vec::new();
+        for source in self.sources() {
+            let n = source.near(self, &edges);
+            for (n, is_reversed) in [(n, false), (n.map(|c| -c), true)] {
+                let gap = along(n);
+                if gap.is_nan() || (best.len() == TRIED && gap <= best[TRIED - 1].0) {
+                    continue;
+                }
+                let place = best.partition_point(|(other, _)| *other >= gap);
+                best.insert(place, (gap, Source { is_reversed, ..source }));
+                best.truncate(TRIED);
+            }
+        }
+        best.into_iter().map(|(gap, source)| Candidate { n: source.exactly(self), gap }).collect()
+    }
+
+    fn sources(&self) -> impl Iterator<Item = Source> {
+        let [faces_a, faces_b] = self.parts.map(|part| part.faces.len());
+        let [edges_a, edges_b] = self.parts.map(|part| part.edges.len());
+        let a = (0..faces_a).map(|f| Features::Face(0, f));
+        let b = (0..faces_b).map(|f| Features::Face(1, f));
+        let edges = (0..edges_a).flat_map(move |i| (0..edges_b).map(move |j| Features::Edges(i, j)));
+        a.chain(b).chain(edges).flat_map(|features| [0, 1].map(|end| Source { features, end, is_reversed: false }))
+    }
+}
+
+/// Where a direction comes from.
+#[derive(Clone, Copy)]
+struct Source {
+    features: Features,
+    /// The end of the interval at which the features are looked at.
+    end: usize,
+    is_reversed: bool,
+}
+
+#[derive(Clone, Copy)]
+enum Features {
+    /// The normal of a face of A (0) or B (1).
+    Face(usize, usize),
+    /// The cross product of an edge of each.
+    Edges(usize, usize),
+}
+
+impl Source {
+    fn exactly(self, ends: &Ends<'_>) -> Place {
+        let n = match self.features {
+            Features::Face(side, face) => face_normal(&ends.places[self.end][side], &ends.parts[side].faces[face]),
+            Features::Edges(one, two) => ends.edge(self.end, 0, one).cross(&ends.edge(self.end, 1, two)),
+        };
+        if self.is_reversed { n.negated() } else { n }
+    }
+
+    /// The direction in f64, of any length; the parts' edges are given, by the end of the interval and the part.
+    fn near(self, ends: &Ends<'_>, edges: &[[Vec<[f64; 3]>; 2]; 2]) -> [f64; 3] {
+        match self.features {
+            Features::Edges(one, two) => {
+                let (d, e) = (edges[self.end][0][one], edges[self.end][1][two]);
+                [d[1] * e[2] - d[2] * e[1], d[2] * e[0] - d[0] * e[2], d[0] * e[1] - d[1] * e[0]]
+            }
+            _ => {
+                let n = self.exactly(ends);
+                direction([&n.x, &n.y, &n.z])
+            }
+        }
+    }
+}
+
+fn float(value: &BigInt) -> f64 {
+    value.to_f64().unwrap_or(f64::INFINITY)
+}
+
+/// A direction in f64, divided by a power of two so that no product of its components leaves the range of f64.
+fn direction([x, y, z]: [&BigInt; 3]) -> [f64; 3] {
+    let shift = [x, y, z].iter().map(|c| c.bits()).max().unwrap_or(0).saturating_sub(64);
+    [x, y, z].map(|c| float(&(c >> shift)))
+}

@@ -1,0 +1,296 @@
+//! Whether one plane separates two sets of points, exactly and completely: what decides whether two convex blocks overlap.
+//!
+//! The hulls of two sets, both with inner points, share inner points exactly when no direction n ≠ 0 has
+//! `n·(a − b) ≥ 0` for every a of the one and b of the other (Minkowski's theorem of the separating plane). The directions
+//! that satisfy all these inequalities form a cone. It is searched for in six parts, one around each half axis: each begins
+//! as the pyramid over a side of a cube and is cut by one inequality after the other, as a polygon is clipped by half
+//! planes (I. E. Sutherland and G. W. Hodgman, 1974), its boundary kept. A part is empty when nothing is left of it, and a
+//! direction that is left in the end separates. **A plane that both sets touch separates them.**
+//!
+//! A ray of a part is the cross product of two inequalities' vectors, so every sign asked for is that of a determinant of
+//! three differences of points: it is taken from [`Ball`]s where these prove it, else from integers. Which inequality comes
+//! next is chosen in f64 by the points that hinder the middle of the part most; that choice decides nothing but the time.
+
+use crate::number::{Approx, Ball};
+use num_bigint::BigInt;
+use rockproof_model::block::Point;
+use rockproof_model::lattice::Lattice;
+use rockproof_model::ring::ExactRing;
+use rockproof_model::{Ring, Sign, Vec3};
+use smallvec::SmallVec;
+use std::cell::{Cell, OnceCell};
+
+/// Points and the f64 next to them.
+#[derive(Clone, Copy)]
+pub(crate) struct Points<'p> {
+    /// The points in m.
+    pub(crate) exact: &'p [Point],
+    /// Each within `error` of the exact one along every axis.
+    pub(crate) near: &'p [Vec3<Approx>],
+    /// Zero where every coordinate is an f64 (m).
+    pub(crate) error: f64,
+}
+
+/// What is known of two sets of points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Verdict {
+    /// Whether a plane separates them; **touching says yes**.
+    pub(crate) is_separated: bool,
+    /// Whether f64 with its bounds decided every sign.
+    pub(crate) by_float: bool,
+}
+
+/// Whether a plane separates two sets of points; **a plane that both touch does**.
+pub(crate) fn separate(a: Points<'_>, b: Points<'_>) -> Verdict {
+    let search = Search { sets: [a, b], integers: OnceCell::new(), asked_integers: Cell::new(false) };
+    let is_separated = search.parts_in_order().into_iter().any(|part| search.survives(part));
+    Verdict { is_separated, by_float: !search.asked_integers.get() }
+}
+
+/// The side of the cube a part of the directions passes through.
+#[derive(Clone, Copy)]
+struct CubeSide {
+    axis: usize,
+    is_negative: bool,
+}
+
+/// A condition `n · vector ≥ 0` on directions n.
+#[derive(Clone, Copy)]
+enum Condition {
+    /// Within the pyramid over a side of the cube: a vector of −1, 0 and 1.
+    Cube([i32; 3]),
+    /// A point of the first set is not before one of the second.
+    Apart(usize, usize),
+}
+
+/// A direction on the boundary of two conditions.
+#[derive(Clone)]
+struct Ray {
+    conditions: [usize; 2],
+    /// Against the cross product of the two.
+    is_reversed: bool,
+    near: Vec3<Ball>,
+    /// The cross product itself, when a sign has asked for it.
+    exact: OnceCell<Vec3<BigInt>>,
+    /// The condition with equality between this ray and the next.
+    next_edge: usize,
+}
+
+struct Search<'p> {
+    sets: [Points<'p>; 2],
+    integers: OnceCell<[Vec<Vec3<BigInt>>; 2]>,
+    asked_integers: Cell<bool>,
+}
+
+/// What is left of a part after some conditions.
+struct Part<'s, 'p> {
+    search: &'s Search<'p>,
+    side: CubeSide,
+    conditions: Vec<(Condition, Vec3<Ball>)>,
+    rays: Vec<Ray>,
+}
+
+impl Search<'_> {
+    /// The six parts, first the one in which the sets' middles lie apart.
+    fn parts_in_order(&self) -> [CubeSide; 6] {
+        let middle = |set: &Points<'_>| {
+            let sum = set.near.iter().fold(Vec3::new(Approx(0.0), Approx(0.0), Approx(0.0)), |s, p| s.plus(p));
+            sum.map(|c| c.0 / set.near.len() as f64)
+        };
+        let (a, b) = (middle(&self.sets[0]), middle(&self.sets[1]));
+        let towards = [a.x - b.x, a.y - b.y, a.z - b.z];
+        let mut parts = std::array::from_fn(|k| CubeSide { axis: k % 3, is_negative: k >= 3 });
+        let along = |part: &CubeSide| if part.is_negative { -towards[part.axis] } else { towards[part.axis] };
+        parts.sort_by(|one, two| along(two).total_cmp(&along(one)));
+        parts
+    }
+
+    /// Whether a direction of a part separates the sets.
+    fn survives(&self, side: CubeSide) -> bool {
+        let mut part = Part::new(self, side);
+        loop {
+            let n = part.middle();
+            let [a, b] = self.hindering(n);
+            let hinders = dot(n, self.near(0, a)) < dot(n, self.near(1, b));
+            if hinders && part.add(Condition::Apart(a, b)) {
+                if part.rays.is_empty() {
+                    return false;
+                }
+                continue;
+            }
+            // f64 sees nothing more to cut away.
+            return self.surely_separates(n) || part.survives_all();
+        }
+    }
+
+    fn near(&self, set: usize, point: usize) -> [f64; 3] {
+        let p = &self.sets[set].near[point];
+        [p.x.0, p.y.0, p.z.0]
+    }
+
+    /// The first set's lowest and the second's highest point along n, in f64.
+    fn hindering(&self, n: [f64; 3]) -> [usize; 2] {
+        [(0, 1.0), (1, -1.0)].map(|(set, sign): (usize, f64)| {
+            let along = |&k: &usize| sign * dot(n, self.near(set, k));
+            (0..self.sets[set].near.len()).min_by(|i, j| along(i).total_cmp(&along(j))).unwrap_or(0)
+        })
+    }
+
+    /// Whether balls prove that a direction of f64 numbers, taken as exact, separates the sets.
+    fn surely_separates(&self, n: [f64; 3]) -> bool {
+        if n == [0.0; 3] || n.iter().any(|c| !c.is_finite()) {
+            return false;
+        }
+        let exact = |c: f64| Ball { middle: c, radius: 0.0 };
+        let n = Vec3::new(exact(n[0]), exact(n[1]), exact(n[2]));
+        let origin = self.near(0, 0);
+        let origin = Vec3::new(exact(origin[0]), exact(origin[1]), exact(origin[2]));
+        let along = |set: usize| (0..self.sets[set].near.len()).map(move |k| (set, k));
+        let value = |(set, k): (usize, usize)| n.dot(&self.ball(set, k).minus(&origin));
+        // One float outwards makes up for the rounding of the difference.
+        let low =
+            along(0).map(value).map(|v| (v.middle - v.radius).next_down()).fold(f64::INFINITY, nan_first(f64::min));
+        let high =
+            along(1).map(value).map(|v| (v.middle + v.radius).next_up()).fold(f64::NEG_INFINITY, nan_first(f64::max));
+        low >= high
+    }
+
+    fn ball(&self, set: usize, point: usize) -> Vec3<Ball> {
+        let radius = self.sets[set].error;
+        self.sets[set].near[point].map(|c| Ball { middle: c.0, radius })
+    }
+
+    fn balls_of(&self, condition: Condition) -> Vec3<Ball> {
+        match condition {
+            Condition::Cube([x, y, z]) => Vec3::new(x, y, z).map(|&c| Ball::from_i32(c)),
+            Condition::Apart(a, b) => self.ball(0, a).minus(&self.ball(1, b)),
+        }
+    }
+
+    fn integers_of(&self, condition: Condition) -> Vec3<BigInt> {
+        match condition {
+            Condition::Cube([x, y, z]) => Vec3::new(x, y, z).map(|&c| BigInt::from(c)),
+            Condition::Apart(a, b) => {
+                self.asked_integers.set(true);
+                let points = self.integers.get_or_init(|| on_lattice(self.sets.map(|set| set.exact)));
+                points[0][a].minus(&points[1][b])
+            }
+        }
+    }
+}
+
+/// Points of two sets as integers, on one lattice.
+pub(crate) fn on_lattice(sets: [&[Point]; 2]) -> [Vec<Vec3<BigInt>>; 2] {
+    let coordinates = sets.iter().flat_map(|set| set.iter()).flat_map(|p| p.components());
+    let lattice = Lattice::covering(coordinates);
+    sets.map(|set| set.iter().map(|p| p.map(|c| lattice.units(c))).collect())
+}
+
+/// A minimum or maximum that keeps what is not a number.
+fn nan_first(pick: fn(f64, f64) -> f64) -> impl Fn(f64, f64) -> f64 {
+    move |one, two| if one.is_nan() || two.is_nan() { f64::NAN } else { pick(one, two) }
+}
+
+fn dot(n: [f64; 3], p: [f64; 3]) -> f64 {
+    n[0] * p[0] + n[1] * p[1] + n[2] * p[2]
+}
+
+impl<'s, 'p> Part<'s, 'p> {
+    fn new(search: &'s Search<'p>, side: CubeSide) -> Part<'s, 'p> {
+        let mut part = Part { search, side, conditions: Vec::with_capacity(16), rays: Vec::with_capacity(8) };
+        let sign = if side.is_negative { -1 } else { 1 };
+        // The other coordinate along `l` is at most, or against it at least, that along the axis.
+        for (l, against) in [(1, -1), (2, -1), (1, 1), (2, 1)] {
+            let mut vector = [0; 3];
+            vector[side.axis] = sign;
+            vector[(side.axis + l) % 3] = against;
+            let condition = Condition::Cube(vector);
+            part.conditions.push((condition, search.balls_of(condition)));
+        }
+        part.rays = [([0, 1], 1), ([2, 1], 2), ([2, 3], 3), ([0, 3], 0)].map(|(two, edge)| part.ray(two, edge)).into();
+        part
+    }
+
+    /// The direction of the part with equality in two conditions. Along the part's axis no direction of it is zero.
+    fn ray(&self, conditions: [usize; 2], next_edge: usize) -> Ray {
+        let [first, second] = conditions.map(|k| &self.conditions[k]);
+        let near = first.1.cross(&second.1);
+        let sign = near.components()[self.side.axis].certain_sign().unwrap_or_else(|| {
+            let [first, second] = [first, second].map(|(condition, _)| self.search.integers_of(*condition));
+            ExactRing::sign(first.cross(&second).components()[self.side.axis])
+        });
+        let is_reversed = sign.is_negative() != self.side.is_negative;
+        Ray {
+            conditions,
+            is_reversed,
+            near: if is_reversed { near.negated() } else { near },
+            exact: OnceCell::new(),
+            next_edge,
+        }
+    }
+
+    /// The sign of a ray's dot product with the vector of a condition.
+    fn sign(&self, ray: &Ray, (asked, vector): &(Condition, Vec3<Ball>)) -> Sign {
+        ray.near.dot(vector).certain_sign().unwrap_or_else(|| {
+            let exact = ray.exact.get_or_init(|| {
+                let [first, second] = ray.conditions.map(|k| self.search.integers_of(self.conditions[k].0));
+                first.cross(&second)
+            });
+            let sign = ExactRing::sign(&exact.dot(&self.search.integers_of(*asked)));
+            if ray.is_reversed { sign.reversed() } else { sign }
+        })
+    }
+
+    /// Takes away what does not satisfy a condition; whether that was anything.
+    fn add(&mut self, condition: Condition) -> bool {
+        let k = self.conditions.len();
+        let asked = (condition, self.search.balls_of(condition));
+        let signs: SmallVec<[Sign; 12]> = self.rays.iter().map(|ray| self.sign(ray, &asked)).collect();
+        if signs.iter().all(|sign| sign.is_at_least_zero()) {
+            return false;
+        }
+        self.conditions.push(asked);
+        let mut left = Vec::with_capacity(self.rays.len() + 1);
+        for (i, ray) in self.rays.iter().enumerate() {
+            let next = signs[(i + 1) % signs.len()];
+            match (signs[i], next) {
+                (Sign::Positive, Sign::Negative) => {
+                    left.push(ray.clone());
+                    left.push(self.ray([ray.next_edge, k], k));
+                }
+                (Sign::Zero, Sign::Negative) => left.push(Ray { next_edge: k, ..ray.clone() }),
+                (Sign::Negative, Sign::Positive) => left.push(self.ray([ray.next_edge, k], ray.next_edge)),
+                (Sign::Negative, _) => {}
+                _ => left.push(ray.clone()),
+            }
+        }
+        self.rays = left;
+        true
+    }
+
+    /// Whether something is left after every condition that points set.
+    fn survives_all(&mut self) -> bool {
+        let [ones, twos] = self.search.sets.map(|set| set.near.len());
+        for (a, b) in (0..ones).flat_map(|a| (0..twos).map(move |b| (a, b))) {
+            self.add(Condition::Apart(a, b));
+            if self.rays.is_empty() {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// A direction well inside the part, in f64.
+    fn middle(&self) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for ray in &self.rays {
+            let n = [ray.near.x.middle, ray.near.y.middle, ray.near.z.middle];
+            // Along the axis a ray is longest.
+            let size = n[self.side.axis].abs();
+            for (sum, c) in sum.iter_mut().zip(n) {
+                *sum += c / size;
+            }
+        }
+        sum
+    }
+}

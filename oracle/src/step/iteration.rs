@@ -1,0 +1,93 @@
+//! The open–close iteration, its attempts and their Δt (docs/step.md 10 and 11).
+
+use super::answer::{Cut, FailedAttempt, IterationEnd, StepFailure, UNCHANGED_SOLVES};
+use super::attempt::Attempt;
+use super::ladder::{Ladder, StepLevels};
+use super::prepare::Begun;
+use super::questions::{FrictionSettled, NextMode, TooFar, TooTurned};
+use super::state::Mode;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use rockproof_model::simulation::{Control, Unconverged};
+
+/// How much longer than the last accepted Δt the next may begin: 3/2, as numerator and denominator.
+const GROWTH: (i32, i32) = (3, 2);
+
+/// The Δt with which a step begins: the full one, or 3/2 of the last that was accepted, whichever is less.
+pub(super) fn first_time_step(begun: &Begun<'_>) -> BigRational {
+    let growth = BigRational::new(GROWTH.0.into(), GROWTH.1.into());
+    begun.full_time_step().min(begun.state.last_time_step.to_rational() * growth)
+}
+
+/// How an iteration ended.
+pub(super) struct Iterated {
+    /// The modes after the last solve.
+    pub(super) after: Vec<Mode>,
+    pub(super) end: IterationEnd,
+}
+
+/// Tries until an attempt is good, or the last one allowed, and hands it on.
+pub(super) fn attempts<T>(
+    begun: &Begun<'_>,
+    finish: impl FnOnce(Ladder<'_>, &Attempt<'_>, Iterated, Vec<FailedAttempt>) -> Result<T, StepFailure>,
+) -> Result<T, StepFailure> {
+    let smallest = begun.full_time_step() / BigInt::from(Control::SMALLEST);
+    let (mut time_step, mut cuts, mut levels) = (first_time_step(begun), Vec::new(), StepLevels::default());
+    loop {
+        let attempt = begun.attempt(time_step.clone());
+        let mut ladder = Ladder::new(&attempt, &begun.layout, levels);
+        let iterated = iterate(&mut ladder, &attempt);
+        let beyond =
+            if iterated.end.is_converged() { beyond_limits(&mut ladder) } else { Some((Cut::NotConverged, 0)) };
+        let Some((cut, block)) = beyond else { return finish(ladder, &attempt, iterated, cuts) };
+        let (numerator, denominator) = if cut == Cut::NotConverged { Control::CUT } else { (1, 2) };
+        let shorter = &time_step * BigRational::new(numerator.into(), denominator.into());
+        if shorter < smallest {
+            return match (cut, begun.model.simulation.control.unconverged) {
+                (Cut::NotConverged, Unconverged::Accept) => finish(ladder, &attempt, iterated, cuts),
+                (Cut::NotConverged, Unconverged::Stop) => Err(StepFailure::NotConverged),
+                (limit, _) => Err(StepFailure::TooFast { block, limit }),
+            };
+        }
+        levels = ladder.levels;
+        let solves = ladder.modes().len() as u32;
+        let time_step = std::mem::replace(&mut time_step, shorter);
+        cuts.push(FailedAttempt { time_step, cut, solves, end: iterated.end });
+    }
+}
+
+fn iterate(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>) -> Iterated {
+    let mut modes = attempt.first_modes();
+    let (mut unchanged, mut changing) = (0, 0);
+    loop {
+        ladder.solve(modes.clone());
+        let next = |(contact, &mode)| ladder.ask(&NextMode { contact, mode }).unwrap_or(mode);
+        let after: Vec<Mode> = modes.iter().enumerate().map(next).collect();
+        // The last solve allowed without a change ends the iteration whether friction has settled or not.
+        if after == modes && unchanged + 1 == UNCHANGED_SOLVES {
+            return Iterated { after, end: IterationEnd::Unchanged };
+        }
+        if modes.iter().zip(&after).all(|(mode, next)| (*mode == Mode::Open) == (*next == Mode::Open))
+            && has_settled(ladder, [&modes, &after])
+        {
+            return Iterated { after, end: IterationEnd::Settled };
+        }
+        *(if after == modes { &mut unchanged } else { &mut changing }) += 1;
+        if changing == Control::ITERATIONS {
+            return Iterated { after, end: IterationEnd::Changing };
+        }
+        modes = after;
+    }
+}
+
+/// Whether friction has settled in the last solve, in which no contact opened or closed. Where that stays undecided it counts as settled.
+fn has_settled(ladder: &mut Ladder<'_>, modes: [&[Mode]; 2]) -> bool {
+    // Only sliding contacts change their force.
+    let slides = modes.iter().any(|modes| modes.contains(&Mode::Sliding));
+    !slides || ladder.ask(&FrictionSettled { modes }).unwrap_or(true)
+}
+
+fn beyond_limits(ladder: &mut Ladder<'_>) -> Option<(Cut, usize)> {
+    let far = ladder.ask(&TooFar).flatten().map(|block| (Cut::Displacement, block));
+    far.or_else(|| ladder.ask(&TooTurned).flatten().map(|block| (Cut::Rotation, block)))
+}

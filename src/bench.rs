@@ -1,0 +1,411 @@
+//! `bench`: what classification costs, in floating point and exactly, and what a campaign manages.
+
+// Longer than 400 lines: one command and the table of each measure that it prints.
+
+use crate::exit::{Outcome, Verdict, note, print};
+use crate::table::{grouped, table};
+use clap::ValueEnum;
+use rockproof_bench::error::{self, Effort};
+use rockproof_bench::exact_stepping::scenes;
+use rockproof_bench::plot::PlotError;
+use rockproof_bench::{
+    Contestant, Cost, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, exact_stepping, race, rock,
+    stack, stepping, throughput, wall,
+};
+use rockproof_model::{BlockError, Motion, Precision, Scene};
+use rockproof_results::{Claim, Directory, Kind, Owner, Start};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Measure classification in f32, f64, exactly and in plain rationals, and the speed of campaigns
+///
+/// All engines take turns on the same pairs within one run, so that their ratios hold on a machine that is busy with
+/// other things. The generic pairs hold no exact tie; the directed ones are at or near the boundary of a decision.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  rockproof bench                            two minutes or three
+  rockproof bench --format csv > speed.csv
+  rockproof bench --quick                    a few seconds, rough figures
+  rockproof bench --error --out reports/bench  run time against error, as CSV and plots (docs/bench.md)
+  rockproof bench --wall 100,1000,5000       steps of brick walls: time, shares of the phases in %, memory
+  rockproof bench --stack 1000               steps of cubes on one another; memory is sure with one scene at a time
+  rockproof bench --rock 1000 --rigid        steps of rock cut by joints, of rigid blocks
+  rockproof bench --exact-steps              certified steps of two blocks and of walls, beside those in f64
+
+Plain rationals of GMP take part in a build with --features gmp.
+
+CSV columns: measure (classify, prepare+classify, prepare or campaign), sample, engine, pairs, us_per_pair, ratio_to_f64,
+ratio_to_certified, the share of signs each level of the oracle decided (f64 … heap), pairs_per_second, findings.
+
+Exit status: 0 done, 2 usage error, or exact engines that disagree.")]
+pub(crate) struct Bench {
+    /// How the figures are printed
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+    /// Pairs of each sort
+    #[arg(long, default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pairs: u32,
+    /// Seed of all pairs
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Worker threads of the campaigns
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: u16,
+    /// Few pairs and rounds
+    #[arg(long, conflicts_with = "pairs")]
+    quick: bool,
+    /// Measure run time against error instead: scenes with closed forms, and pairs, by every engine, tolerance set and Δt
+    #[arg(long, conflicts_with_all = ["wall", "stack", "rock", "threads"])]
+    error: bool,
+    /// Directory for bench.csv and the plots bench_scenes.svg and bench_pairs.svg
+    #[arg(long, requires = "error")]
+    out: Option<PathBuf>,
+    /// Discard the measurements in the directory; other files there stay
+    #[arg(long, requires = "out")]
+    overwrite: bool,
+    /// Measure the steps of brick walls instead, of so many bricks; may be repeated
+    #[arg(long, value_name = "BRICKS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
+    wall: Vec<u16>,
+    /// The same of cubes on one another; may be repeated
+    #[arg(long, value_name = "CUBES", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
+    stack: Vec<u16>,
+    /// The same of rock cut by joints, of so many blocks; may be repeated
+    #[arg(long, value_name = "BLOCKS", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=20_000))]
+    rock: Vec<u16>,
+    /// Rigid blocks in walls, stacks and rock, instead of deformable ones
+    #[arg(long)]
+    rigid: bool,
+    /// Steps of walls, stacks and rock in single precision
+    #[arg(long)]
+    single: bool,
+    /// Measure certified steps instead: of two blocks, and of walls of 10 and 100 bricks
+    #[arg(long, conflicts_with_all = ["wall", "stack", "rock"])]
+    exact_steps: bool,
+    /// Steps of each wall, or of each scene
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
+    steps: u32,
+}
+
+/// The files of run time against error.
+const FILES: [&str; 3] = ["bench.csv", "bench_scenes.svg", "bench_pairs.svg"];
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Format {
+    Table,
+    Csv,
+}
+
+/// Makes a scene of so many blocks.
+type Make = fn(u16) -> Result<Scene, BlockError>;
+
+/// Everything measured.
+struct Report {
+    races: Vec<(Sample, Vec<Figure>)>,
+    campaigns: Vec<Throughput>,
+}
+
+impl Bench {
+    pub(crate) fn run(&self) -> Outcome {
+        if !(self.wall.is_empty() && self.stack.is_empty() && self.rock.is_empty()) {
+            return self.steps();
+        }
+        if self.error {
+            return self.errors();
+        }
+        if self.exact_steps {
+            return self.exact_steps();
+        }
+        let report = self.measure()?;
+        print(&match self.format {
+            Format::Table => as_table(&report)?,
+            Format::Csv => as_csv(&report)?,
+        })?;
+        Ok(Verdict::Fine)
+    }
+
+    /// Scenes from small to large, so that the most memory held is mostly that of the last one.
+    fn steps(&self) -> Outcome {
+        let kinds: [(&str, Make, &[u16]); 3] =
+            [("stack", stack, &self.stack), ("wall", wall, &self.wall), ("rock", rock, &self.rock)];
+        let of_kind = |(name, make, sizes): (&'static str, Make, &'_ [u16])| -> Vec<(&str, Make, u16)> {
+            sizes.iter().map(|&blocks| (name, make, blocks)).collect()
+        };
+        let mut scenes: Vec<(&str, Make, u16)> = kinds.into_iter().flat_map(of_kind).collect();
+        scenes.sort_by_key(|&(_, _, blocks)| blocks);
+        let mut rows = Vec::new();
+        for (name, scene, blocks) in scenes {
+            note(&format!("{} steps of {name} {}", self.steps, grouped(u64::from(blocks))));
+            let make = || {
+                let mut scene = scene(blocks)?;
+                let moving = scene.blocks.iter_mut().filter(|block| self.rigid && !block.body.is_fixed());
+                moving.for_each(|block| block.body.motion = Motion::Rigid);
+                Ok(scene)
+            };
+            let cost = match self.single {
+                true => stepping::<f32>(make, self.steps, Precision::F32)?,
+                false => stepping::<f64>(make, self.steps, Precision::F64)?,
+            };
+            let micros = 1e6 * cost.step;
+            let mut row = vec![name.to_owned(), grouped(cost.blocks as u64), grouped(cost.contacts as u64)];
+            row.extend([cost.retries, cost.solves, micros / 1e3].map(digits));
+            row.push(cost.processor.map_or(String::new(), |s| digits(1e3 * s)));
+            row.push(digits(micros / cost.blocks as f64));
+            row.extend(cost.shares.map(|share| digits(100.0 * share)));
+            row.push(cost.memory.map_or(String::new(), |m| digits(m as f64 / 1000.0 / cost.blocks as f64)));
+            rows.push(row);
+        }
+        let mut header = vec![
+            "scene",
+            "blocks",
+            "contacts",
+            "retries a step",
+            "solves a step",
+            "ms a step",
+            "processor ms",
+            "µs a block",
+        ];
+        header.extend(Cost::PHASES);
+        header.push("kB a block");
+        print(&match self.format {
+            Format::Table => format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows)),
+            Format::Csv => rows
+                .iter()
+                .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),
+        })?;
+        Ok(Verdict::Fine)
+    }
+
+    /// Run time against error.
+    fn errors(&self) -> Outcome {
+        // Of each family, under each preset; plain rationals take their time.
+        let pairs = if self.quick { 32 } else { (self.pairs as usize).min(512) };
+        let effort = Effort { pairs, seed: self.seed, quick: self.quick };
+        let start = Start::of(false, self.overwrite);
+        let claim = |dir| Directory::claim(Claim { dir, owner: Owner::Bench, start, files: &FILES });
+        let directory = self.out.as_deref().map(claim).transpose()?;
+        let rows = error::measure(effort, &mut |subject| note(&format!("measuring {subject}")))?;
+        let csv = error::to_csv(&rows)?;
+        if let Some(mut directory) = directory {
+            let plots = [("bench_scenes.svg", "scene"), ("bench_pairs.svg", "family")];
+            let plots = plots.map(|(name, kind)| Ok((name, error::plot(&rows, kind)?.into_bytes())));
+            for file in plots.into_iter().chain([Ok(("bench.csv", csv.clone()))]) {
+                let (name, bytes) = file.map_err(|error: PlotError| anyhow::anyhow!(error))?;
+                let kind = if name.ends_with(".csv") { Kind::Table } else { Kind::Picture };
+                directory.write(name, kind, &bytes)?;
+            }
+        }
+        let shown = rows.iter().filter(|row| row.front || !row.note.is_empty()).map(|row| {
+            let step = row.time_step.map_or(String::new(), |step| format!("{step:.2e}"));
+            let start = [row.subject, row.engine.name(), row.tolerances, &step].map(str::to_owned);
+            let figures = [grouped(row.units), digits(row.micros), format!("{:.1e} {}", row.error, row.of.name())];
+            let last = if row.note.is_empty() { figures } else { [String::new(), String::new(), row.note.clone()] };
+            start.into_iter().chain(last).collect()
+        });
+        let header = ["subject", "engine", "tolerances", "Δt (s)", "steps or pairs", "µs each", "error"];
+        print(&match self.format {
+            Format::Csv => String::from_utf8(csv)?,
+            Format::Table => format!(
+                "What nothing beats in time and error at once:\n\n{}\n{} rows measured\n",
+                table(&header, &[3, 4, 5], shown),
+                rows.len()
+            ),
+        })?;
+        Ok(Verdict::Fine)
+    }
+
+    /// Certified steps beside the stepper's.
+    fn exact_steps(&self) -> Outcome {
+        let mut rows = Vec::new();
+        for (name, scene) in scenes(if self.quick { &[10] } else { &[10, 100] })? {
+            note(&format!("{} steps of {name}", self.steps));
+            let cost = exact_stepping(&name, &scene, self.steps)?;
+            let levels = &cost.levels;
+            let decided = [levels.float, levels.double, levels.wide.iter().sum(), levels.exact, levels.undecided];
+            let total: u64 = decided.iter().sum();
+            let mut row = vec![cost.name.clone(), cost.unknowns.to_string(), cost.contacts.to_string()];
+            row.push(digits(cost.iterations));
+            row.extend([cost.float, cost.conversion, cost.certified, cost.with_state].map(|s| digits(1e6 * s)));
+            row.push(cost.plain.map_or(String::new(), |s| digits(1e6 * s)));
+            row.extend([digits(cost.over_float()), digits(cost.lockstep())]);
+            row.push(cost.plain_over_certified().map_or(String::new(), digits));
+            row.extend(decided.map(|n| share(n, total)));
+            rows.push(row);
+        }
+        let header = [
+            "scene",
+            "unknowns",
+            "contacts",
+            "solves a step",
+            "f64 µs",
+            "conversion µs",
+            "certified µs",
+            "with state µs",
+            "plain solve µs",
+            "over f64",
+            "lockstep",
+            "plain over",
+            "f64",
+            "double",
+            "wide",
+            "fractions",
+            "undecided",
+        ];
+        print(&match self.format {
+            Format::Table => format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows)),
+            Format::Csv => rows
+                .iter()
+                .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),
+        })?;
+        Ok(Verdict::Fine)
+    }
+
+    fn measure(&self) -> anyhow::Result<Report> {
+        let plan = match self.quick {
+            true => Plan { chunk: 16, rounds: 3, slow_rounds: 1, slow_every: 16 },
+            false => Plan { chunk: 16, rounds: 15, slow_rounds: 3, slow_every: 16 },
+        };
+        let pairs = if self.quick { 64 } else { self.pairs as usize };
+        let entrants: Vec<Contestant> = contestants();
+        let mut races = Vec::new();
+        for sort in Sort::ALL {
+            note(&format!("timing {} {} pairs", grouped(pairs as u64), sort.name()));
+            let sample = Sample::new(sort, self.seed, pairs)?;
+            let figures = race(&sample, &entrants, &plan)?;
+            races.push((sample, figures));
+        }
+        let mut campaigns = Vec::new();
+        for (sort, only_alike) in [(Sort::Generic, true), (Sort::Generic, false), (Sort::Directed, false)] {
+            let pairs = match (self.quick, sort) {
+                (true, _) => 512,
+                (false, Sort::Generic) => 65_536,
+                (false, Sort::Directed) => 8192,
+            };
+            note(&format!("running a campaign on {} {} pairs", grouped(pairs), sort.name()));
+            let times = if self.quick { 1 } else { 3 };
+            let run = Run { sort, seed: self.seed, pairs, threads: self.threads.into(), only_alike, times };
+            campaigns.push(throughput(&run, &std::env::temp_dir())?);
+        }
+        Ok(Report { races, campaigns })
+    }
+}
+
+/// Three significant digits, and all digits before the point.
+fn digits(value: f64) -> String {
+    match value {
+        v if v.is_nan() => String::new(),
+        v if v < 10.0 => format!("{v:.2}"),
+        v if v < 100.0 => format!("{v:.1}"),
+        v => format!("{v:.0}"),
+    }
+}
+
+fn as_table(report: &Report) -> Result<String, std::fmt::Error> {
+    let mut text = String::new();
+    let rows = report.races.iter().map(|(sample, _)| {
+        let counts = [sample.pairs.len() as u64, sample.touching, sample.contacts, sample.ties].map(grouped);
+        let total = sample.levels.total();
+        let shares = sample.levels.by_name().map(|(_, n)| share(n, total));
+        let signs = grouped(total / sample.pairs.len().max(1) as u64);
+        [sample.sort.name().to_owned()].into_iter().chain(counts).chain([signs]).chain(shares).collect()
+    });
+    let mut header = vec!["sample", "pairs", "touching", "contacts", "with ties", "signs a pair"];
+    header.extend(rockproof_oracle::LevelCounts::default().by_name().map(|(name, _)| name));
+    let numbers: Vec<usize> = (1..header.len()).collect();
+    writeln!(text, "{}\n", table(&header, &numbers, rows))?;
+    let rows = report.races.iter().flat_map(|(sample, figures)| {
+        figures.iter().map(|figure| {
+            vec![
+                sample.sort.name().to_owned(),
+                figure.mode.name().to_owned(),
+                figure.engine.to_owned(),
+                grouped(figure.pairs as u64),
+                digits(figure.micros),
+                digits(figure.to_f64),
+                digits(figure.to_certified),
+            ]
+        })
+    });
+    let header = ["sample", "work", "engine", "pairs", "µs a pair", "over f64", "over certified"];
+    writeln!(text, "{}\n", table(&header, &[3, 4, 5, 6], rows))?;
+    let rows = report.campaigns.iter().map(|campaign| {
+        vec![
+            campaign_name(campaign).to_owned(),
+            campaign.run.threads.to_string(),
+            grouped(campaign.pairs),
+            digits(campaign.examined as f64 / campaign.pairs.max(1) as f64),
+            grouped(campaign.findings),
+            grouped(campaign.pairs_with_findings),
+            grouped(campaign.pairs_per_second as u64),
+            digits(campaign.signs_per_pair),
+        ]
+    });
+    let header = [
+        "campaign",
+        "threads",
+        "pairs",
+        "sets a pair",
+        "findings",
+        "pairs that differ",
+        "pairs a second",
+        "signs a pair",
+    ];
+    writeln!(text, "{}", table(&header, &[1, 2, 3, 4, 5, 6, 7], rows))?;
+    Ok(text)
+}
+
+/// What a campaign ran on.
+fn campaign_name(campaign: &Throughput) -> &'static str {
+    match (campaign.run.sort, campaign.run.only_alike) {
+        (Sort::Generic, true) => "generic, nothing differs",
+        (Sort::Generic, false) => "generic",
+        (Sort::Directed, true) => "directed, nothing differs",
+        (Sort::Directed, false) => "directed",
+    }
+}
+
+/// A share in percent: enough digits to see a small one.
+fn share(count: u64, total: u64) -> String {
+    match count {
+        0 => "0".to_owned(),
+        n => format!("{:.3} %", 100.0 * n as f64 / total as f64),
+    }
+}
+
+fn as_csv(report: &Report) -> anyhow::Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let levels = rockproof_oracle::LevelCounts::default().by_name().map(|(name, _)| name);
+    let before = ["measure", "sample", "engine", "pairs", "us_per_pair", "ratio_to_f64", "ratio_to_certified"];
+    writer.write_record(before.iter().chain(&levels).chain(&["pairs_per_second", "findings"]))?;
+    let number = |value: f64| if value.is_nan() { String::new() } else { format!("{value:.4}") };
+    for (sample, figures) in &report.races {
+        for figure in figures {
+            let mut row = vec![
+                figure.mode.name().to_owned(),
+                sample.sort.name().to_owned(),
+                figure.engine.to_owned(),
+                figure.pairs.to_string(),
+                number(figure.micros),
+                number(figure.to_f64),
+                number(figure.to_certified),
+            ];
+            let filtered = figure.engine == "certified" && figure.mode != Mode::Preparation;
+            let total = sample.levels.total().max(1) as f64;
+            row.extend(
+                sample
+                    .levels
+                    .by_name()
+                    .map(|(_, count)| if filtered { format!("{:.8}", count as f64 / total) } else { String::new() }),
+            );
+            row.extend([String::new(), String::new()]);
+            writer.write_record(&row)?;
+        }
+    }
+    for campaign in &report.campaigns {
+        let mut row = ["campaign", campaign_name(campaign), "stepper-f32 and stepper-f64"].map(str::to_owned).to_vec();
+        row.extend([campaign.pairs.to_string(), number(1e6 / campaign.pairs_per_second)]);
+        row.extend(std::iter::repeat_n(String::new(), 2 + levels.len()));
+        row.extend([number(campaign.pairs_per_second), campaign.findings.to_string()]);
+        writer.write_record(&row)?;
+    }
+    Ok(String::from_utf8(writer.into_inner().map_err(|e| e.into_error())?)?)
+}

@@ -1,0 +1,78 @@
+//! `convert`: from any format that can be read to any that can be written.
+
+use crate::exit::{Outcome, Verdict, note, print};
+use crate::input::{ReadArgs, precision};
+use anyhow::Context;
+use rockproof_model::scene::{Format, write_obj, write_toml, write_vtk};
+use rockproof_model::{Block, BlockOptions, Precision, Scene};
+use rockproof_results::write_atomically;
+use std::path::PathBuf;
+
+/// Convert blocks to another format
+///
+/// The formats are told by the extensions. Coordinates are kept exactly; OBJ and VTK hold decimals, so a coordinate
+/// that is no f64 (1/3) needs `--precision` to say how it is rounded.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  rockproof convert cells.txt cells.toml --planarity 1e-4")]
+pub(crate) struct Convert {
+    /// Blocks: .toml, .dda, .obj, .vtk, or .txt and .voro for voro++
+    input: PathBuf,
+
+    /// Where to write them: .toml, .obj or .vtk
+    output: PathBuf,
+
+    #[command(flatten)]
+    read: ReadArgs,
+
+    /// Round every coordinate to f32 or f64
+    #[arg(long, value_parser = precision)]
+    precision: Option<Precision>,
+}
+
+impl Convert {
+    pub(crate) fn run(&self) -> Outcome {
+        let format = Format::of_path(&self.output).filter(|f| matches!(f, Format::Toml | Format::Obj | Format::Vtk));
+        let format = format.with_context(|| {
+            format!("{}: cannot write this format; known are .toml, .obj and .vtk", self.output.display())
+        })?;
+        let mut scene = Scene::load_with(&self.input, &self.read.options())?;
+        if let Some(precision) = self.precision {
+            self.round(&mut scene, precision)?;
+        }
+        let place = || self.output.display().to_string();
+        let text = match format {
+            Format::Obj => write_obj(&scene).with_context(place)?,
+            Format::Vtk => write_vtk(&scene).with_context(place)?,
+            _ => write_toml(&scene),
+        };
+        write_atomically(&self.output, text).with_context(place)?;
+        if format != Format::Toml {
+            note_losses(&scene);
+        }
+        print(&format!("{}: {} blocks\n", self.output.display(), scene.blocks.len()))?;
+        Ok(Verdict::Fine)
+    }
+
+    /// Rounds every coordinate; what is no block then is an error.
+    fn round(&self, scene: &mut Scene, precision: Precision) -> anyhow::Result<()> {
+        for (number, block) in scene.blocks.iter_mut().enumerate() {
+            let place =
+                || format!("{}: block {number} \"{}\", rounded to {precision}", self.input.display(), block.name);
+            let rounded = block.block.rounded(precision).with_context(|| format!("{}: overflows", place()))?;
+            let options = BlockOptions { planarity: block.planarity.clone() };
+            let faces = rounded.topology().faces().to_vec();
+            block.block = Block::new(rounded.vertices().to_vec(), faces, &options).with_context(place)?;
+        }
+        Ok(())
+    }
+}
+
+fn note_losses(scene: &Scene) {
+    let fixed = scene.blocks.iter().filter(|b| b.body.is_fixed()).count();
+    if fixed > 0 {
+        note(&format!("this format does not keep which blocks are fixed ({fixed} are)"));
+    }
+    if scene.tolerances.is_some() {
+        note("this format does not keep tolerances");
+    }
+}

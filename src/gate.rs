@@ -1,0 +1,269 @@
+//! `gate`: does this change let contact classification get worse?
+
+use crate::exit::{Outcome, Verdict, note, print};
+use crate::table::table;
+use anyhow::Context;
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_campaign::engines::Engines;
+use rockproof_campaign::journal::Journal;
+use rockproof_campaign::run::Campaign;
+use rockproof_campaign::shrink::Shrinker;
+use rockproof_campaign::source::{self, FamilySource};
+use rockproof_campaign::steps::{self, StepFinding, StepFindingRow};
+use rockproof_differential::attribution::examine;
+use rockproof_differential::case_file::Case;
+use rockproof_differential::finding::Finding;
+use rockproof_differential::subject::{Source, Subject};
+use rockproof_gate::config::{Baseline, GateConfig};
+use rockproof_gate::known::Known;
+use rockproof_gate::tally::{Row, Tally};
+use rockproof_gate::{self, Check, corpus, junit};
+use rockproof_results::{Owner, Start, write_atomically};
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// Findings of failed checks that are shrunk and written as case files, over all checks.
+const CASES: usize = 20;
+
+/// Run the campaign, cases and limits of a gate file: for continuous integration
+///
+/// Writes the campaigns, and each failed check's first finding as a case to replay, to the directory of the results.
+#[derive(clap::Args)]
+#[command(after_help = "Example:
+  rockproof gate gate.toml --junit gate.xml --rotating-seed 1234
+
+On GitHub (GITHUB_ACTIONS, GITHUB_STEP_SUMMARY) it annotates and writes the step summary. docs/gate.md shows a gate file.
+
+Exit status: 0 passed, 1 failed, 2 usage or input error.")]
+pub(crate) struct Gate {
+    /// The gate file
+    file: PathBuf,
+    /// Write the baseline anew from what is found now
+    #[arg(long)]
+    update_baseline: bool,
+    /// Directory of the results; what a gate wrote there before is discarded
+    #[arg(long, default_value = "reports/gate")]
+    out: PathBuf,
+    /// Write JUnit XML
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Seed of the rotating campaign [default: the number of today, counted from 1970]
+    #[arg(long, value_name = "SEED")]
+    rotating_seed: Option<u64>,
+    /// Worker threads [default: one a core]; the results do not depend on it
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    threads: usize,
+}
+
+/// What all campaigns of a gate share.
+struct Gating<'g> {
+    gate: &'g Gate,
+    config: GateConfig,
+    engines: Engines,
+    text: String,
+    written: usize,
+}
+
+impl Gate {
+    pub(crate) fn run(&self) -> Outcome {
+        let file = self.file.display().to_string();
+        let text = std::fs::read_to_string(&self.file).with_context(|| file.clone())?;
+        let config = GateConfig::from_toml(&text, &file).map_err(anyhow::Error::msg)?;
+        let engines = Engines::of(&config.campaign).with_context(|| file.clone())?;
+        source::of(&config.campaign).with_context(|| file.clone())?;
+        self.check_names(&config, &engines)?;
+        let known = match &config.baseline {
+            Some(baseline) if !self.update_baseline => Some(load(baseline)?),
+            Some(baseline) => {
+                is_baseline(baseline)?;
+                None
+            }
+            None => None,
+        };
+        engines.probe()?;
+        let mut checks = corpus::checks(&config.corpus, &engines)?;
+        let rotating = self.rotating(&config)?;
+        let mut gating = Gating { gate: self, config, engines, text, written: 0 };
+        checks.extend(gating.campaign("fixed", gating.config.campaign.clone(), known.as_ref())?);
+        if let Some(campaign) = rotating {
+            note(&format!("the rotating seed is {}", campaign.seed));
+            checks.extend(gating.campaign("rotating", campaign, known.as_ref())?);
+        }
+        self.tell(&checks)
+    }
+
+    fn check_names(&self, config: &GateConfig, engines: &Engines) -> anyhow::Result<()> {
+        let names = engines.names();
+        let allowed: Vec<&str> = ["any", "f32", "f64"].into_iter().chain(names.iter().map(String::as_str)).collect();
+        for limit in config.limit.iter().map(toml::Spanned::get_ref) {
+            let file = self.file.display();
+            if let Some(found) = limit.engine.as_ref().filter(|name| !allowed.contains(&name.as_str())) {
+                anyhow::bail!("{file}: limit: engine is \"{found}\"; allowed are {}", allowed.join(", "));
+            }
+            let names = |list: &Option<String>| list.iter().cloned().collect::<Vec<_>>();
+            let narrowed = CampaignConfig {
+                families: names(&limit.family),
+                tolerances: names(&limit.tolerances),
+                ..CampaignConfig::default()
+            };
+            source::of(&narrowed).with_context(|| format!("{file}: limit"))?;
+        }
+        Ok(())
+    }
+
+    fn rotating(&self, config: &GateConfig) -> anyhow::Result<Option<CampaignConfig>> {
+        if config.rotating_pairs == 0 {
+            return Ok(None);
+        }
+        let seed = match self.rotating_seed {
+            Some(seed) => seed,
+            None => {
+                SystemTime::now().duration_since(UNIX_EPOCH).context("the clock is before 1970")?.as_secs() / 86_400
+            }
+        };
+        Ok(Some(CampaignConfig { pairs: config.rotating_pairs, seed, ..config.campaign.clone() }))
+    }
+
+    fn tell(&self, checks: &[Check]) -> Outcome {
+        let rows = checks.iter().filter(|c| c.group != "corpus" || c.verdict != rockproof_gate::Verdict::Pass);
+        let rows = rows.map(|c| vec![c.verdict.name().to_owned(), c.name.clone(), c.told.clone()]);
+        let failed = checks.iter().filter(|c| c.verdict == rockproof_gate::Verdict::Fail).count();
+        let verdict = if failed == 0 { "passed" } else { "failed" };
+        let head = table(&["verdict", "check", "found"], &[], rows);
+        print(&format!("{head}\n\ngate {verdict}: {failed} of {} checks failed\n", checks.len()))?;
+        if let Some(path) = &self.junit {
+            write_atomically(path, junit::junit(checks)?).with_context(|| path.display().to_string())?;
+        }
+        if std::env::var_os("GITHUB_ACTIONS").is_some_and(|on| on == "true") {
+            print(&junit::annotations(checks))?;
+        }
+        if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()) {
+            let mut summary = std::fs::OpenOptions::new().append(true).create(true).open(&path)?;
+            summary.write_all(junit::markdown(checks).as_bytes())?;
+        }
+        Ok(if failed == 0 { Verdict::Fine } else { Verdict::Objection })
+    }
+}
+
+fn load(baseline: &Baseline) -> anyhow::Result<Known> {
+    let file = baseline.file.display();
+    let text = std::fs::read_to_string(&baseline.file)
+        .with_context(|| format!("{file}: no baseline; --update-baseline writes it"))?;
+    let known: Known = toml::from_str(&text).with_context(|| file.to_string())?;
+    if known.fields != baseline.fields {
+        let fields = (known.fields.join(", "), baseline.fields.join(", "));
+        anyhow::bail!(
+            "{file}: its fields are {}; the gate's are {}; --update-baseline writes it anew",
+            fields.0,
+            fields.1
+        );
+    }
+    Ok(known)
+}
+
+/// Refuses to write a baseline anew over a file that is none.
+fn is_baseline(baseline: &Baseline) -> anyhow::Result<()> {
+    let file = baseline.file.display();
+    match std::fs::read_to_string(&baseline.file) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(error).with_context(|| file.to_string()),
+        Ok(text) => toml::from_str::<Known>(&text)
+            .map(drop)
+            .with_context(|| format!("{file} is no baseline, so --update-baseline leaves it alone")),
+    }
+}
+
+impl Gating<'_> {
+    fn campaign(&mut self, name: &str, config: CampaignConfig, known: Option<&Known>) -> anyhow::Result<Vec<Check>> {
+        // Cases are made afterwards, of what fails.
+        let config = CampaignConfig { cases_per_cause: 0, ..config };
+        let dir = self.gate.out.join(name);
+        let source = source::of(&config)?;
+        let mut journal = Journal::open_for(Owner::Gate, &dir, source::identity(&config)?, Start::Overwrite)?;
+        let (panel, engines) = (self.engines.panel(), &self.engines);
+        let narrow = |finding: &Finding| engines.panel_for(finding);
+        let names = engines.names();
+        let steppers = steps::engines(names.iter().map(String::as_str));
+        let campaign = Campaign {
+            config: &config,
+            source: &source,
+            panel: &panel,
+            narrow: &narrow,
+            steppers: &steppers,
+            threads: self.gate.threads,
+        };
+        campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {})?;
+        let tally = Tally::read(&dir)?;
+        let file = self.gate.file.display().to_string();
+        let mut checks = rockproof_gate::limits(&self.config, (&file, &self.text), name, &tally);
+        if let Some(baseline) = self.config.baseline.as_ref() {
+            if let Some(known) = known {
+                checks.extend(known.check(name, &tally, baseline));
+            } else if self.gate.update_baseline && name == "fixed" {
+                let text = Known::of(&tally, baseline).to_toml();
+                write_atomically(&baseline.file, text).with_context(|| baseline.file.display().to_string())?;
+                note(&format!("written: {}", baseline.file.display()));
+            }
+        }
+        for check in &checks {
+            if let Some(&row) = check.rows.first() {
+                self.keep(&mut journal, &source, &config, &tally.rows[row])?;
+            }
+        }
+        Ok(checks)
+    }
+
+    /// Writes the shrunk case of a row.
+    fn keep(
+        &mut self,
+        journal: &mut Journal,
+        source: &FamilySource,
+        config: &CampaignConfig,
+        row: &Row,
+    ) -> anyhow::Result<()> {
+        if self.written >= CASES {
+            return Ok(());
+        }
+        let panel = self.engines.panel();
+        let subjects = source.batch(row.index() / source.batch_len());
+        let Some(subject) = subjects.iter().find(|s| s.index == row.index()) else { return Ok(()) };
+        let row = match row {
+            Row::Pair(row) => row,
+            Row::Step(row) => return self.keep_step(journal, source, subject, row),
+        };
+        let same = |finding: &Finding| finding.row(row.case.clone()) == *row;
+        let Some(finding) = examine(subject, &panel).findings.into_iter().find(same) else { return Ok(()) };
+        let panel = self.engines.panel_for(&finding);
+        let Some(case) = Case::of(&finding, subject, config.seed, &panel) else { return Ok(()) };
+        let case = Shrinker::new(&panel, config.shrink_evaluations).shrink(case);
+        let stem = finding.fingerprint().file_stem(&finding.set, finding.index);
+        self.write(journal, format!("{stem}.toml"), case.to_toml()?.into_bytes())
+    }
+
+    /// Writes the case of a row about a step.
+    fn keep_step(
+        &mut self,
+        journal: &mut Journal,
+        source: &FamilySource,
+        subject: &Subject,
+        row: &StepFindingRow,
+    ) -> anyhow::Result<()> {
+        let names = self.engines.names();
+        let steppers = steps::engines(names.iter().map(String::as_str));
+        let Some(motion) = source.motion(subject) else { return Ok(()) };
+        let found = steps::examine_all(&[(subject, motion.clone())], &steppers).findings;
+        let same = |finding: &StepFinding| finding.row(row.case.clone()) == *row;
+        let Some(finding) = found.into_iter().find(same) else { return Ok(()) };
+        let Some(case) = steps::case::of(&finding, subject, &motion, &steppers) else { return Ok(()) };
+        self.write(journal, finding.file_name(), case.text()?)
+    }
+
+    fn write(&mut self, journal: &mut Journal, name: String, bytes: Vec<u8>) -> anyhow::Result<()> {
+        note(&format!("to replay: rockproof replay {}", journal.dir().join("cases").join(&name).display()));
+        journal.write_cases(vec![(name, bytes)])?;
+        self.written += 1;
+        Ok(())
+    }
+}

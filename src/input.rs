@@ -1,0 +1,113 @@
+//! Arguments that several commands share.
+
+use anyhow::Context;
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_campaign::engines::Engines;
+use rockproof_differential::external::EngineSpec;
+use rockproof_model::{LoadOptions, Number, Precision, Preset, ToleranceSpec};
+use std::path::Path;
+
+/// How blocks are read.
+#[derive(clap::Args)]
+pub(crate) struct ReadArgs {
+    /// How far a face may be from planar, as a share of its block's size [default: what the file says, or 1e-9]
+    #[arg(long, value_name = "SHARE", value_parser = planarity, allow_negative_numbers = true)]
+    planarity: Option<Number>,
+}
+
+impl ReadArgs {
+    pub(crate) fn options(&self) -> LoadOptions {
+        LoadOptions { planarity: self.planarity.clone() }
+    }
+}
+
+/// Engines that are programs of their own.
+#[derive(clap::Args)]
+pub(crate) struct EngineArgs {
+    /// Another engine, a program that is asked over stdin and stdout (docs/engines.md); may be repeated. Its input is
+    /// rounded to f64, or to f32 as NAME:f32=COMMAND says
+    #[arg(long, value_name = "NAME=COMMAND")]
+    engine_command: Vec<String>,
+    /// How long such a program may take for one answer, in seconds [default: 10, or what the configuration says]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    engine_timeout: Option<u64>,
+    /// Ask such programs everything twice, of two processes: whose answers differ is `unstable`
+    #[arg(long)]
+    ask_twice: bool,
+}
+
+impl EngineArgs {
+    /// Adds them to those of a configuration.
+    pub(crate) fn add_to(&self, config: &mut CampaignConfig) -> anyhow::Result<()> {
+        for text in &self.engine_command {
+            config.external.push(EngineSpec::parse(text).context("--engine-command")?);
+        }
+        if let Some(timeout_ms) = self.engine_timeout {
+            config.external.iter_mut().for_each(|spec| spec.timeout_ms = timeout_ms);
+        }
+        config.ask_twice |= self.ask_twice;
+        Ok(())
+    }
+
+    /// The built-in engines and these.
+    pub(crate) fn engines(&self) -> anyhow::Result<Engines> {
+        let mut config = CampaignConfig::default();
+        self.add_to(&mut config)?;
+        Ok(Engines::of(&config)?)
+    }
+}
+
+/// Seconds, as milliseconds.
+fn seconds(text: &str) -> Result<u64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (0.001..=86_400.0).contains(&seconds) => Ok((seconds * 1000.0).round() as u64),
+        _ => Err("allowed are 0.001 to 86400".to_string()),
+    }
+}
+
+/// Which tolerances apply.
+#[derive(clap::Args)]
+pub(crate) struct ToleranceArgs {
+    /// auto, shi, zero, or a TOML file of tolerances [default: what the scene says, or auto]
+    #[arg(long, value_name = "PRESET|FILE")]
+    tolerances: Option<String>,
+
+    /// Set a tolerance, exactly: search=1/10, overlap_angle=3, criteria=classic, …
+    #[arg(long, value_name = "NAME=VALUE", num_args = 1..)]
+    set: Vec<String>,
+}
+
+impl ToleranceArgs {
+    /// The tolerances asked for, over those of a scene.
+    pub(crate) fn spec(&self, scene: Option<&ToleranceSpec>) -> anyhow::Result<ToleranceSpec> {
+        let mut spec = match &self.tolerances {
+            None => scene.cloned().unwrap_or_default(),
+            Some(text) => match Preset::from_name(text) {
+                Some(preset) => preset.into(),
+                None if Path::new(text).exists() => ToleranceSpec::load(text)?,
+                None => anyhow::bail!("--tolerances {text}: neither a preset (auto, shi, zero) nor a file"),
+            },
+        };
+        for assignment in &self.set {
+            spec.assign(assignment).with_context(|| format!("--set {assignment}"))?;
+        }
+        Ok(spec)
+    }
+}
+
+/// `f32` or `f64`.
+pub(crate) fn precision(text: &str) -> Result<Precision, String> {
+    match text {
+        "f32" => Ok(Precision::F32),
+        "f64" => Ok(Precision::F64),
+        _ => Err("known are f32 and f64".to_string()),
+    }
+}
+
+fn planarity(text: &str) -> Result<Number, String> {
+    match Number::parse(text) {
+        Ok(number) if number.is_negative() => Err("must be 0 or more".to_string()),
+        Ok(number) => Ok(number),
+        Err(error) => Err(error.to_string()),
+    }
+}

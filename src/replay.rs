@@ -1,0 +1,193 @@
+//! `replay`: what each engine and the oracle say about a case, side by side, and decision by decision where they part.
+
+use crate::exit::{Outcome, Verdict, note, print};
+use crate::input::EngineArgs;
+use crate::replay_step;
+use crate::table::table;
+use rockproof_campaign::engines::Engines;
+use rockproof_differential::builtin::Exact;
+use rockproof_differential::case_file::{Case, contact_rows};
+use rockproof_differential::engine::{Answer, EngineFailure, Oracle, Trace, guarded};
+use rockproof_differential::explain::{Parted, parted};
+use rockproof_differential::external::protocol::completed;
+use rockproof_differential::lockstep::StepCase;
+use rockproof_differential::mapped::separation::Separation;
+use rockproof_model::{Contact, Precision, ToleranceSet};
+use std::collections::BTreeSet;
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+/// Show what each engine and the oracle say about a case, decision by decision where they part
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  rockproof replay reports/campaign-1/cases/v-f-arithmetic-….toml
+  rockproof replay reports/simulate-incline/states/step_000012.json
+
+Exit status: 0 the exact answer is the one the case records, 1 it is another, 2 input error.")]
+pub(crate) struct Replay {
+    /// The case of a campaign (.toml), or a step of a lockstep run (.json)
+    case: PathBuf,
+    #[command(flatten)]
+    external: EngineArgs,
+}
+
+/// One answer with the decisions behind it.
+struct Said {
+    name: String,
+    contacts: Result<Vec<Contact>, EngineFailure>,
+    trace: Option<Trace>,
+    /// How the blocks lie, where an engine is asked for that.
+    state: Option<String>,
+}
+
+/// The margins of the decisions that parted, and the unit to count them in.
+struct Parting {
+    title: String,
+    parted: Vec<Parted>,
+    margins: Vec<Option<f64>>,
+    roundoff: f64,
+}
+
+impl Replay {
+    pub(crate) fn run(&self) -> Outcome {
+        if StepCase::is_named(&self.case) {
+            return replay_step::run(&self.case);
+        }
+        let case = Case::load(&self.case)?;
+        let engines = self.external.engines()?;
+        let (said, partings) = answers(&case, &engines);
+        let mut out = Vec::new();
+        show(&mut out, &case, &said, &partings)?;
+        print(&String::from_utf8_lossy(&out))?;
+        let recorded = match case.about.cause.as_str() {
+            "tolerance" => &said[0],
+            "representation" => &said[1],
+            _ => {
+                said.iter().find(|s| s.name == format!("exact {}", precision_name(&case, &engines))).unwrap_or(&said[1])
+            }
+        };
+        if recorded.contacts.as_deref().is_ok_and(|contacts| contact_rows(contacts) == case.about.expected) {
+            return Ok(Verdict::Fine);
+        }
+        note(&format!("the answer of \"{}\" is not the one the case expects", recorded.name));
+        Ok(Verdict::Objection)
+    }
+}
+
+/// The precision of the engine the case is about.
+fn precision_name(case: &Case, engines: &Engines) -> String {
+    engines.find(&case.about.engine).map_or_else(|| case.about.engine.clone(), |e| e.precision().to_string())
+}
+
+fn answers(case: &Case, engines: &Engines) -> (Vec<Said>, Vec<Parting>) {
+    let solids = Exact.prepare(&case.a, &case.b);
+    let pair = solids.pair();
+    let exact = |name: &str, tolerances: &ToleranceSet| Said {
+        name: name.to_owned(),
+        contacts: Ok(pair.classify(tolerances).contacts),
+        trace: Some(pair.trace(tolerances)),
+        state: None,
+    };
+    let all: Vec<_> = engines.names().iter().filter_map(|name| engines.find(name)).collect();
+    let mut said = vec![exact("ideal", &case.tolerances.ideal()), exact("exact", &case.tolerances)];
+    let mut partings = Vec::new();
+    let mut part = |title: String, one: &Said, other: &Said, roundoff, margins: &dyn Fn(&[_]) -> Vec<Option<f64>>| {
+        let (Some(before), Some(after)) = (&one.trace, &other.trace) else { return };
+        let parted = parted(before, after);
+        if !parted.is_empty() {
+            let decisions: Vec<_> = parted.iter().map(|p| p.decision).collect();
+            partings.push(Parting { title, margins: margins(&decisions), parted, roundoff });
+        }
+    };
+    let unit = |precision: Precision| precision.epsilon() / 2.0;
+    let given = |decisions: &[_]| pair.margins(&case.tolerances, decisions);
+    part("tolerance: ideal, exact".to_owned(), &said[0], &said[1], unit(Precision::F64), &given);
+    for precision in [Precision::F32, Precision::F64] {
+        let near =
+            || Some((case.a.rounded(precision)?, case.b.rounded(precision)?, case.tolerances.rounded(precision).ok()?));
+        let Some((a, b, tolerances)) = near() else { continue };
+        let solids = Exact.prepare(&a, &b);
+        let rounded = solids.pair();
+        let name = format!("exact {precision}");
+        let contacts = Ok(rounded.classify(&tolerances).contacts);
+        let mut here = Said { name: name.clone(), contacts, trace: Some(rounded.trace(&tolerances)), state: None };
+        part(format!("representation in {precision}: exact, {name}"), &said[1], &here, unit(precision), &given);
+        let margins = |decisions: &[_]| rounded.margins(&tolerances, decisions);
+        let mut others = Vec::new();
+        for engine in all.iter().filter(|e| e.precision() == precision) {
+            let prepared = guarded(|| engine.prepare(&a, &b));
+            let (answer, trace) = match prepared {
+                Ok(prepared) => (guarded(|| prepared.answer(&tolerances)), prepared.trace(&tolerances)),
+                Err(failure) => (Err(failure), None),
+            };
+            let (contacts, state) = match answer {
+                Ok(Answer::Contacts(contacts)) => {
+                    (Ok(completed(contacts, here.contacts.as_deref().unwrap_or(&[]))), None)
+                }
+                Ok(Answer::State(said)) => (Ok(Vec::new()), Some(said.to_string())),
+                Err(failure) => (Err(failure), None),
+            };
+            if let (Some(_), None) = (&state, &here.state) {
+                let exact = Separation::of(&a, &b);
+                here.state = exact.map(|exact| format!("{} {:?} m", exact.state, exact.gap_m()));
+            }
+            let there = Said { name: engine.name().to_owned(), contacts, trace, state };
+            part(format!("arithmetic: {name}, {}", there.name), &here, &there, unit(precision), &margins);
+            others.push(there);
+        }
+        said.push(here);
+        said.extend(others);
+    }
+    (said, partings)
+}
+
+fn show(out: &mut impl Write, case: &Case, said: &[Said], partings: &[Parting]) -> io::Result<()> {
+    let about = &case.about;
+    writeln!(
+        out,
+        "{} {} by {}, decided by {} {}",
+        about.cause, about.change, about.engine, about.predicate, about.features
+    )?;
+    if let Some(margin) = about.margin {
+        let ulps = about.margin_ulps.map_or(String::new(), |u| format!(", {u:.3} roundoffs"));
+        writeln!(out, "margin {margin:e}{ulps}")?;
+    }
+    writeln!(out, "from {}\n", about.origin)?;
+    let keys: BTreeSet<_> = said.iter().flat_map(|s| s.contacts.iter().flatten()).map(|c| (c.kind, c.a, c.b)).collect();
+    let mut header = vec!["contact"];
+    header.extend(said.iter().map(|s| s.name.as_str()));
+    let cell = |answer: &Said, key| match &answer.contacts {
+        Err(failure) => failure.to_string(),
+        Ok(contacts) => contacts.iter().find(|c| (c.kind, c.a, c.b) == key).map_or("–".to_owned(), |c| {
+            let gap = ["overlap", "touch", "apart"][(c.gap.as_i8() + 1) as usize];
+            format!("{} {}/{} {gap}", c.entrance.kind, c.entrance.a, c.entrance.b)
+        }),
+    };
+    let rows = keys.iter().map(|&key| {
+        let mut row = vec![format!("{} {}/{}", key.0, key.1, key.2)];
+        row.extend(said.iter().map(|answer| cell(answer, key)));
+        row
+    });
+    writeln!(out, "{}", table(&header, &[], rows))?;
+    for lying in said {
+        if let Some(state) = &lying.state {
+            writeln!(out, "{}: {state}", lying.name)?;
+        }
+    }
+    for failed in said {
+        if let Err(failure) = &failed.contacts {
+            writeln!(out, "{} gave no answer: {failure}", failed.name)?;
+        }
+    }
+    for parting in partings {
+        writeln!(out, "\n{}", parting.title)?;
+        let rows = parting.parted.iter().zip(&parting.margins).map(|(p, margin)| {
+            let margin_text = |scale: f64| margin.map_or("–".to_owned(), |m| format!("{:.3e}", m / scale));
+            let shown = if *margin == Some(0.0) { "tie".to_owned() } else { margin_text(1.0) };
+            let [before, after] = p.outcomes.map(|o| o.to_string());
+            vec![p.decision.to_string(), before, after, shown, margin_text(parting.roundoff)]
+        });
+        writeln!(out, "{}", table(&["decision", "first", "second", "margin", "roundoffs"], &[1, 2, 3, 4], rows))?;
+    }
+    Ok(())
+}

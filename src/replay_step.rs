@@ -1,0 +1,102 @@
+//! `replay` of a state file: one step again on both sides, beside each other.
+
+use crate::exit::{Outcome, Verdict, note, print};
+use crate::table::table;
+use anyhow::Context;
+use rockproof_differential::lockstep::answer::described;
+use rockproof_differential::lockstep::case_file::Expected;
+use rockproof_differential::lockstep::{Answer, Compared, Links, Lockstep, StepCase};
+use rockproof_model::{Contact, Precision};
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::dynamics::Solve;
+use std::fmt::Write;
+use std::path::Path;
+
+/// Makes the step of a state file again. Exit 0 where the oracle's answer is the one recorded, 1 where it is another.
+pub(super) fn run(path: &Path) -> Outcome {
+    let case = StepCase::load(path).with_context(|| path.display().to_string())?;
+    let compared = match case.precision()? {
+        Precision::F32 => again::<f32>(&case),
+        Precision::F64 => again::<f64>(&case),
+    }
+    .with_context(|| path.display().to_string())?;
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _ = show(&mut text, &case, &compared);
+    print(&text)?;
+    if compared.oracle.as_ref().map(Expected::of).as_ref() == Some(&case.expected) {
+        return Ok(Verdict::Fine);
+    }
+    note("the oracle's answer is not the one recorded");
+    Ok(Verdict::Objection)
+}
+
+fn again<R: Solve>(case: &StepCase) -> anyhow::Result<Compared> {
+    let (scene, set) = case.scene()?;
+    let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, case.precision()?, Links::All)?;
+    lockstep.restore(case.state.state()?)?;
+    Ok(lockstep.step().1)
+}
+
+fn show(out: &mut String, case: &StepCase, step: &Compared) -> std::fmt::Result {
+    writeln!(out, "step {} in {}, recorded by {}\n", case.step, case.engine, case.version)?;
+    let both = [&step.oracle, &step.stepper].map(Option::as_ref);
+    let sides = both.map(|answer| answer.map_or_else(|| [(); 5].map(|()| "–".to_owned()), in_words));
+    let names = ["contacts", "solves", "converged", "given up before", "Δt (s)"];
+    let rows = (0..names.len()).map(|k| vec![names[k].to_owned(), sides[0][k].clone(), sides[1][k].clone()]);
+    writeln!(out, "{}", table(&["", "oracle", "stepper"], &[1, 2], rows))?;
+    let mut all: Vec<([u32; 2], Contact)> = both.iter().flatten().flat_map(|a| a.contacts.iter().copied()).collect();
+    let key = |(pair, c): &([u32; 2], Contact)| (*pair, c.kind, c.a, c.b);
+    all.sort_by_key(key);
+    all.dedup_by_key(|one| key(one));
+    let rows = all.iter().map(|one| {
+        let name = format!("{}-{} {} {}/{}", one.0[0], one.0[1], one.1.kind, one.1.a, one.1.b);
+        let mut row = vec![name];
+        row.extend(both.map(|answer| answer.map_or("–".to_owned(), |answer| of_contact(answer, one))));
+        row
+    });
+    writeln!(out, "{}", table(&["contact", "oracle", "stepper"], &[], rows))?;
+    if !step.failure.is_empty() {
+        writeln!(out, "{}", step.failure)?;
+    }
+    for caused in &step.differences {
+        let d = &caused.difference;
+        let about = d.contact.map_or(String::new(), |([a, b], c)| format!(" {a}-{b} {} {}/{}", c.kind, c.a, c.b));
+        let solve = d.solve.map_or(String::new(), |solve| format!(" after solve {solve}"));
+        write!(out, "{}: {}{about}{solve}: {} → {}", caused.cause, d.change.name(), d.before, d.after)?;
+        let decision = caused.deciding.map_or(String::new(), |deciding| format!("; {}", deciding.decision));
+        let margin = caused.margin().map_or(String::new(), |margin| {
+            format!("{} margin {margin:e}", if decision.is_empty() { ";" } else { "," })
+        });
+        writeln!(out, "{decision}{margin}")?;
+    }
+    if let Some(depths) = &step.depths {
+        let [with_contacts, with_modes] = [depths.contacts, depths.modes];
+        writeln!(
+            out,
+            "penetration {:e} m, {with_contacts:e} m with the oracle's contacts, {with_modes:e} m with its modes too, {:e} m exactly: {}",
+            depths.stepper,
+            depths.oracle,
+            depths.effect().name()
+        )?;
+    }
+    Ok(())
+}
+
+fn in_words(answer: &Answer) -> [String; 5] {
+    let retries = if answer.retries.is_empty() { "nothing".to_owned() } else { answer.retries_text() };
+    let [contacts, solves] = [answer.contacts.len(), answer.iterations()].map(|count| count.to_string());
+    [contacts, solves, answer.converged.to_string(), retries, answer.time_step.to_string()]
+}
+
+/// A contact's entrance and its modes after each solve, in one answer.
+fn of_contact(answer: &Answer, (pair, contact): &([u32; 2], Contact)) -> String {
+    let same = |(blocks, c): &([u32; 2], Contact)| {
+        blocks == pair && (c.kind, c.a, c.b) == (contact.kind, contact.a, contact.b)
+    };
+    let Some(place) = answer.contacts.iter().position(same) else { return "–".to_owned() };
+    let modes: Vec<&str> = answer.modes.iter().filter_map(|all| all.get(place)).map(|mode| mode.name()).collect();
+    let whole = described(&answer.contacts[place].1);
+    let entrance = whole.split_once(" by ").map_or(whole.as_str(), |(_, entrance)| entrance);
+    format!("{entrance}: {}", modes.join(", "))
+}

@@ -1,0 +1,71 @@
+//! `report`: what runs found, as a page to read, tables to calculate with, and a text for a pull request.
+
+use crate::exit::{Outcome, Verdict, note, print};
+use rockproof_report::markdown::markdown;
+use rockproof_report::page::page;
+use rockproof_report::{PAGE, Report as Made, TEXT};
+use rockproof_results::Start;
+use std::path::PathBuf;
+
+/// Turn the results of runs into a page that needs no network, with its tables as CSV
+///
+/// Takes the directories of campaigns, of lockstep runs, of stress sets and of benches, in any mixture.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  rockproof report reports/campaign-1                  writes reports/campaign-1/report/report.html and tables/
+  rockproof report reports/f32 reports/f64 --out reports/both --overwrite
+  rockproof report reports/campaign-1 --format markdown >> $GITHUB_STEP_SUMMARY
+
+Exit status: 0 done, 2 a directory is no run, is damaged, or holds a report already.")]
+pub(crate) struct Report {
+    /// Directories of runs
+    #[arg(required = true, value_name = "RUN")]
+    runs: Vec<PathBuf>,
+    /// Directory of the report [default: RUN/report for html; markdown goes to stdout]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// What to write
+    #[arg(long, value_enum, default_value_t = Format::Html)]
+    format: Format,
+    /// What the report is called [default: the names of the runs]
+    #[arg(long)]
+    title: Option<String>,
+    /// Discard the report in the directory; other files there stay
+    #[arg(long)]
+    overwrite: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Format {
+    /// One page with charts and views, and the tables as CSV
+    Html,
+    /// A short text for a pull request
+    Markdown,
+}
+
+impl Report {
+    pub(crate) fn run(&self) -> Outcome {
+        let mut report = Made::of(&self.runs)?;
+        if let Some(title) = &self.title {
+            report.title.clone_from(title);
+        }
+        let (name, contents) = match self.format {
+            Format::Html => (PAGE, page(&report)?),
+            Format::Markdown => (TEXT, markdown(&report)),
+        };
+        let out = match (&self.out, self.format, self.runs.first()) {
+            (Some(out), _, _) => out.clone(),
+            (None, Format::Html, Some(run)) => run.join("report"),
+            (None, _, _) => {
+                print(&contents)?;
+                return Ok(Verdict::Fine);
+            }
+        };
+        let path = report.write(&out, name, &contents, Start::of(false, self.overwrite))?;
+        for line in &report.verdict {
+            print(&format!("{}\n", line.text))?;
+        }
+        note(&format!("written to {}, tables beside it in {}/tables", path.display(), out.display()));
+        Ok(Verdict::Fine)
+    }
+}

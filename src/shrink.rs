@@ -1,0 +1,60 @@
+//! `shrink`: a case made smaller while it shows the same finding.
+
+use crate::exit::{Outcome, Verdict, print};
+use crate::input::EngineArgs;
+use anyhow::Context;
+use rockproof_campaign::shrink::Shrinker;
+use rockproof_differential::case_file::{About, Case};
+use rockproof_model::Block;
+use rockproof_results::write_atomically;
+use std::path::PathBuf;
+
+/// Make a case smaller
+///
+/// Fewer vertices, shorter numbers, simpler tolerances, for as long as engine, cause, change and deciding predicate stay.
+#[derive(clap::Args)]
+#[command(after_help = "Example:
+  rockproof shrink reports/campaign-1/cases/v-f-arithmetic-….toml --out small.toml")]
+pub(crate) struct Shrink {
+    /// The case
+    case: PathBuf,
+    /// Where to write the smaller case [default: the case's own file]
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Pairs to examine at most
+    #[arg(long, default_value_t = 5000)]
+    evaluations: u64,
+    #[command(flatten)]
+    external: EngineArgs,
+}
+
+impl Shrink {
+    pub(crate) fn run(&self) -> Outcome {
+        let case = Case::load(&self.case)?;
+        let about = &case.about;
+        let engines = self.external.engines()?;
+        let file = self.case.display();
+        let Some(panel) = engines.panel_of(&case) else {
+            let known = engines.names().join(", ");
+            anyhow::bail!(
+                "{file}: engine is \"{}\"; known are any, f32, f64, {known}, and what --engine-command names",
+                about.engine
+            );
+        };
+        if case.findings(&panel).is_empty() {
+            let About { cause, change, engine, predicate, .. } = about;
+            anyhow::bail!("{file}: the pair does not show its finding: {cause} {change} by {engine} ({predicate})");
+        }
+        let before = size(&case);
+        let small = Shrinker::new(&panel, self.evaluations).shrink(case);
+        let out = self.out.as_ref().unwrap_or(&self.case);
+        write_atomically(out, small.to_toml()?).with_context(|| out.display().to_string())?;
+        print(&format!("before: {before}\nafter:  {}\nwritten to {}\n", size(&small), out.display()))?;
+        Ok(Verdict::Fine)
+    }
+}
+
+fn size(case: &Case) -> String {
+    let count = |b: &Block| format!("{} vertices, {} faces", b.vertices().len(), b.topology().faces().len());
+    format!("A {}; B {}", count(&case.a), count(&case.b))
+}

@@ -1,0 +1,444 @@
+//! `simulate`: a scene in motion, step by step.
+
+// Longer than 400 lines: one command with all its options and ways to end.
+
+use crate::check::violations_text;
+use crate::exit::{Outcome, Verdict, complain, note, print};
+use crate::input::{ReadArgs, ToleranceArgs};
+use crate::overlaps::overlaps;
+use crate::simulate_exact::ExactRun;
+use crate::stop::on_ctrl_c;
+use crate::table::grouped;
+use anyhow::Context;
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressStyle};
+use rockproof_differential::lockstep::beside::About;
+use rockproof_differential::lockstep::trajectory::default_grid;
+use rockproof_differential::lockstep::{BesideRun, FreeRun, Links, Lockstep, Trajectory, free, table};
+use rockproof_model::simulation::Control;
+use rockproof_model::{Precision, Scene, ToleranceSet, rules};
+use rockproof_oracle::step::Keep;
+use rockproof_results::{Start, bounded};
+use rockproof_simulate::identity::{identity, with_tolerances};
+use rockproof_simulate::record::{Progress, Table};
+use rockproof_simulate::run::headers;
+use rockproof_simulate::tables::lines;
+use rockproof_simulate::{Ending, Plan, Record, Run, Stepping};
+use rockproof_stepper::Real;
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Simulate a scene step by step
+///
+/// Writes tables (steps.csv, measured.csv), pictures for ParaView (blocks.pvd, contacts.pvd) and checkpoints. The rules that
+/// `check` knows are checked first; where one is violated nothing is run, unless --force says so.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  rockproof simulate incline.toml --time 0.5
+  rockproof simulate slope.toml --steps 2000 --every 50 --contacts --out reports/slope
+  rockproof simulate slope.toml --steps 4000 --every 50 --contacts --out reports/slope --resume
+  rockproof simulate incline.toml --engine f32 --steps 200 --lockstep
+
+A run can be interrupted or killed at any moment; --resume goes on from its last checkpoint, to the same bytes.
+
+Exit status: 0 done, 1 rules violated or a run that cannot go on, 2 usage or input error, 130 interrupted (go on with
+--resume).")]
+pub(crate) struct Simulate {
+    /// Blocks and what moves them: .toml; or blocks alone: .dda, .obj, .vtk, .txt and .voro
+    scene: PathBuf,
+
+    #[command(flatten)]
+    read: ReadArgs,
+
+    #[command(flatten)]
+    tolerances: ToleranceArgs,
+
+    /// What makes the steps: the stepper in a precision, or the oracle
+    #[arg(long, value_enum, default_value = "f64")]
+    engine: EngineChoice,
+
+    /// Run until this step, settling not counted [default: what the scene says]
+    #[arg(long, value_name = "N")]
+    steps: Option<u64>,
+
+    /// Run until this time in s [default: what the scene says]; with --steps, whichever comes first
+    #[arg(long, value_name = "T", value_parser = seconds)]
+    time: Option<f64>,
+
+    /// Directory of the results [default: reports/simulate-SCENE]
+    #[arg(long)]
+    out: Option<PathBuf>,
+
+    /// Steps between two checkpoints, and between two pictures
+    #[arg(long, value_name = "K", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
+    every: u64,
+
+    /// Write every contact of every step to contacts.csv
+    #[arg(long)]
+    contacts: bool,
+
+    /// Go on with the run in the directory, or begin if there is none
+    #[arg(long, conflicts_with = "overwrite")]
+    resume: bool,
+
+    /// Discard the run in the directory; other files there stay
+    #[arg(long)]
+    overwrite: bool,
+
+    /// Run although rules are violated
+    #[arg(long)]
+    force: bool,
+
+    /// Make every step exactly as well and compare: lockstep.csv, differences.csv, states/
+    #[arg(long)]
+    lockstep: bool,
+
+    /// End at the first step in which stepper and oracle differ
+    #[arg(long, requires = "lockstep")]
+    stop_at_first: bool,
+
+    /// Run the exact trajectory beside the stepper's, each from its own state: free.csv
+    #[arg(long, conflicts_with_all = ["lockstep", "resume"])]
+    free: bool,
+
+    /// Keep exact coordinates on a grid of 2^-N m [default: 2^-256 of the model's size, or the next finer]
+    #[arg(long, value_name = "N")]
+    grid_exponent: Option<u32>,
+
+    /// Keep exact coordinates as the fractions they are; they grow with every step
+    #[arg(long, conflicts_with = "grid_exponent")]
+    fractions: bool,
+
+    /// Which causes to tell apart: all, or what the stepper's arithmetic alone does (faster)
+    #[arg(long, value_enum, default_value = "all", requires = "lockstep")]
+    links: LinksChoice,
+
+    /// State files to write for each cause at most
+    #[arg(long, value_name = "N", default_value_t = 20, requires = "lockstep")]
+    states: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum LinksChoice {
+    /// Tolerance, representation, arithmetic
+    All,
+    /// Arithmetic
+    Arithmetic,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum EngineChoice {
+    /// Double precision
+    F64,
+    /// Single precision
+    F32,
+    /// No rounding but that of --grid-exponent: the oracle steps by itself
+    Exact,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(time) if time.is_finite() && time > 0.0 => Ok(time),
+        _ => Err("must be a number of seconds above 0".to_string()),
+    }
+}
+
+/// What a run begins with.
+struct Ready {
+    scene: Scene,
+    set: ToleranceSet,
+    plan: Plan,
+    about: Map<String, Value>,
+}
+
+impl Simulate {
+    pub(crate) fn run(&self) -> Outcome {
+        let mut scene = Scene::load_with(&self.scene, &self.read.options())?;
+        let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
+        let shapes = scene.shapes();
+        let set = self.tolerances.spec(scene.tolerances.as_ref())?.derive(&shapes, precision)?;
+        let plan = self.plan(&scene.simulation.control)?;
+        scene.derive_stiffness(&set);
+        let violations = rules::check_scene(&set, &scene, precision);
+        if !violations.is_empty() && !self.force {
+            print(&violations_text(&violations))?;
+            note("nothing was run; --force runs all the same");
+            return Ok(Verdict::Objection);
+        }
+        let overlaps = overlaps(&scene.shapes(), &set, None);
+        if overlaps.lost() > 0 {
+            if !self.force && !self.resume {
+                print(overlaps.report().trim_start())?;
+                note("nothing was run; --force runs all the same");
+                return Ok(Verdict::Objection);
+            }
+            note(&format!("running with blocks that overlap: {}", overlaps.sentence().unwrap_or_default()));
+        }
+        let violated: Vec<&str> = violations.iter().map(|violation| violation.rule.formula()).collect();
+        if !violated.is_empty() {
+            note(&format!("running with {} rules violated: {}", violated.len(), violated.join("; ")));
+        }
+        let mut about = Map::new();
+        about.insert("file".to_owned(), self.scene.display().to_string().into());
+        about.insert("violated".to_owned(), violated.into());
+        let ready = Ready { scene, set, plan, about };
+        match self.engine {
+            EngineChoice::F64 => self.go::<f64>("f64", ready),
+            EngineChoice::F32 => self.go::<f32>("f32", ready),
+            EngineChoice::Exact => self.exact(&ready),
+        }
+    }
+
+    /// The oracle by itself.
+    fn exact(&self, ready: &Ready) -> Outcome {
+        if self.lockstep || self.free || self.resume || self.contacts {
+            anyhow::bail!("--lockstep, --free, --resume and --contacts are for the stepper, not for --engine exact");
+        }
+        let points = &ready.scene.simulation.measured_points;
+        let names = points.iter().map(|point| point.name.clone()).collect();
+        let (file, dir) = (self.scene.clone(), self.directory());
+        let run = ExactRun { file, dir, plan: ready.plan, overwrite: self.overwrite, names };
+        run.go(Trajectory::new(&ready.scene, &ready.set, self.keep(&ready.scene)))
+    }
+
+    fn keep(&self, scene: &Scene) -> Keep {
+        match (self.fractions, self.grid_exponent) {
+            (true, _) => Keep::Exact,
+            (false, Some(exponent)) => Keep::Grid { exponent },
+            (false, None) => default_grid(scene),
+        }
+    }
+
+    fn plan(&self, control: &Control) -> anyhow::Result<Plan> {
+        let time_step = control.time_step.approximate();
+        let (steps, time) = match (self.steps, self.time) {
+            (None, None) => (control.steps, control.duration.as_ref().map(|time| time.approximate())),
+            asked => asked,
+        };
+        if steps.is_none() && time.is_none() {
+            let file = self.scene.display();
+            anyhow::bail!("{file} does not say how long to run; say it with --steps N or --time T");
+        }
+        let smallest_step = time_step / f64::from(Control::SMALLEST);
+        Ok(Plan { steps, time, smallest_step, every: self.every, contacts: self.contacts })
+    }
+
+    fn directory(&self) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| {
+            let stem = self.scene.file_stem().unwrap_or_default().to_string_lossy();
+            PathBuf::from(format!("reports/{}", bounded(&format!("simulate-{stem}"))))
+        })
+    }
+
+    fn go<R: Solve>(&self, engine: &str, ready: Ready) -> Outcome {
+        let Ready { scene, set, plan, about } = ready;
+        let file = || self.scene.display().to_string();
+        let mut dynamics = Dynamics::<R>::new(&scene, &set).with_context(file)?;
+        let begin = dynamics.state().clone();
+        let start = Start::of(self.resume, self.overwrite);
+        let dir = self.directory();
+        let mut identity = identity(&scene, &set, engine, &plan);
+        let mut headers = headers(&plan)?;
+        if self.lockstep {
+            identity.extend(self.lockstep_identity());
+            headers[Table::Lockstep as usize] = Some(lines([table::STEPS])?);
+            headers[Table::Differences as usize] = Some(lines([table::DIFFERENCES])?);
+        }
+        if self.free {
+            identity.insert("free".to_owned(), format!("{:?}", self.keep(&scene)).into());
+            headers[Table::Free as usize] = Some(lines([free::COLUMNS])?);
+        }
+        let (mut record, saved) = Record::open(&dir, identity, headers, start)?;
+        let text = with_tolerances(&scene, &set)?;
+        match saved {
+            None => record.write("scene.toml", text.as_bytes())?,
+            Some(saved) => saved
+                .state()
+                .map_err(anyhow::Error::from)
+                .and_then(|state| Ok(dynamics.restore(state)?))
+                .with_context(|| format!("{}: the checkpoint cannot be used", dir.display()))?,
+        }
+        let mut stepping: Box<dyn Stepping<R>> = match self.lockstep {
+            false if self.free => Box::new(FreeRun::new(dynamics, Trajectory::new(&scene, &set, self.keep(&scene)))),
+            false => Box::new(dynamics),
+            true => {
+                let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
+                let links = if self.links == LinksChoice::All { Links::All } else { Links::Arithmetic };
+                let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, precision, links).with_context(file)?;
+                lockstep.restore(dynamics.state().clone())?;
+                let (engine, states, stop_at_first) = (engine.to_owned(), self.states, self.stop_at_first);
+                let about = About { scene: text, engine, states, stop_at_first };
+                Box::new(BesideRun::new(lockstep, about, &record.progress().beside))
+            }
+        };
+        let stop = on_ctrl_c()?;
+        let mut display = Display::new();
+        let run = Run { scene: &scene, begin: &begin, plan, about };
+        let ending = run.run(&mut *stepping, &mut record, &stop, &mut |report, state| {
+            display.show(report, &plan, state);
+        })?;
+        display.end();
+        print(&summary(&record, stepping.state(), &ending))?;
+        Ok(match ending {
+            Ending::Finished => Verdict::Fine,
+            Ending::Interrupted => Verdict::Interrupted,
+            Ending::Stopped(stopped) => {
+                complain(&stopped.to_string());
+                Verdict::Objection
+            }
+            Ending::Parted => Verdict::Objection,
+            Ending::Unproved(why) => {
+                complain(&format!("the oracle cannot make the step: {why}"));
+                Verdict::Objection
+            }
+        })
+    }
+
+    /// What of lockstep must be the same for a run to go on.
+    fn lockstep_identity(&self) -> Map<String, Value> {
+        let links = if self.links == LinksChoice::All { "all" } else { "arithmetic" };
+        let all = [("lockstep", links.into()), ("states", self.states.into())];
+        all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+}
+
+/// A bar on a terminal, a line now and then otherwise.
+struct Display {
+    bar: Option<ProgressBar>,
+    last: Instant,
+}
+
+impl Display {
+    /// Places of the bar.
+    const LENGTH: f64 = 1000.0;
+
+    fn new() -> Display {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::new(Self::LENGTH as u64);
+            if let Ok(style) = ProgressStyle::with_template("{bar:30} {msg}, {eta} left") {
+                bar.set_style(style);
+            }
+            bar
+        });
+        Display { bar, last: Instant::now() }
+    }
+
+    fn show<R: Real>(&mut self, report: &StepReport, plan: &Plan, state: &State<R>) {
+        match &self.bar {
+            Some(bar) => {
+                bar.set_position((plan.done(state) * Self::LENGTH) as u64);
+                bar.set_message(line(report));
+            }
+            None if self.last.elapsed() > Duration::from_secs(10) => {
+                self.last = Instant::now();
+                note(&format!("{:.0} % done: {}", 100.0 * plan.done(state), line(report)));
+            }
+            None => {}
+        }
+    }
+
+    fn end(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// A step in one line.
+fn line(report: &StepReport) -> String {
+    let contacts: u32 = report.contacts.iter().flatten().sum();
+    format!(
+        "step {}, {} s, Δt {} s, {contacts} contacts, {} iterations, {} J kinetic, {} J potential",
+        report.step,
+        short(report.time),
+        short(report.time_step),
+        report.iterations,
+        short(report.kinetic),
+        short(report.potential())
+    )
+}
+
+/// Three significant digits.
+fn short(value: f64) -> String {
+    let near: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+    let plain = near == 0.0 || (1e-4..1e6).contains(&near.abs());
+    if plain { near.to_string() } else { format!("{near:e}") }
+}
+
+fn summary<R: Real>(record: &Record, state: &State<R>, ending: &Ending) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_summary(&mut out, record, state, ending);
+    out
+}
+
+fn write_summary<R: Real>(out: &mut String, record: &Record, state: &State<R>, ending: &Ending) -> std::fmt::Result {
+    let Progress { totals, seconds, .. } = record.progress();
+    let all = totals.steps + totals.settling;
+    let time = state.time.to_f64();
+    writeln!(out, "time             {} s after {} steps", short(time), grouped(totals.steps))?;
+    if totals.settling > 0 {
+        writeln!(out, "settling         {} steps before", grouped(totals.settling))?;
+    }
+    let smallest = totals.smallest_step.map_or("–".to_owned(), |s| short(s.0));
+    writeln!(out, "smallest Δt      {smallest} s")?;
+    let mean = totals.iterations as f64 / all.max(1) as f64;
+    writeln!(out, "iterations       {mean:.2} a step, at most {}", totals.most_iterations)?;
+    writeln!(out, "unconverged      {} steps", grouped(totals.unconverged))?;
+    let retries: Vec<String> =
+        totals.retries_by_reason().iter().map(|(why, count)| format!("{} {why}", grouped(*count))).collect();
+    writeln!(out, "retries          {}", retries.join(", "))?;
+    let [open, sliding, locked] = totals.contacts.map(grouped);
+    writeln!(out, "contacts         {open} open, {sliding} sliding, {locked} locked")?;
+    for (name, extreme) in [("penetration", totals.deepest), ("displacement", totals.furthest)] {
+        let at = if extreme.value.0 > 0.0 { format!(" in step {}", extreme.step) } else { String::new() };
+        writeln!(out, "{:<16} {} m at most{at}", name, short(extreme.value.0))?;
+    }
+    writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;
+    write_lockstep(out, &record.progress().beside)?;
+    let speed = all as f64 / seconds.max(1e-9);
+    writeln!(out, "\n{} steps in {seconds:.1} s ({speed:.0} a second)", grouped(all))?;
+    match ending {
+        Ending::Finished => {}
+        Ending::Interrupted => writeln!(out, "interrupted; --resume goes on")?,
+        Ending::Stopped(_) => writeln!(out, "stopped; the last good state is kept")?,
+        Ending::Parted => writeln!(out, "ended at the first difference")?,
+        Ending::Unproved(_) => writeln!(out, "ended: the oracle cannot make the step")?,
+    }
+    writeln!(out, "written to {}: {}", record.dir().display(), record.names().join(", "))
+}
+
+/// What lockstep found, where it was asked.
+fn write_lockstep(out: &mut String, counts: &BTreeMap<String, u64>) -> std::fmt::Result {
+    let Some(steps) = counts.get("steps") else { return Ok(()) };
+    let count = |name: &str| counts.get(name).copied().unwrap_or(0);
+    let by_cause: Vec<String> = table::CAUSES
+        .iter()
+        .map(|&cause| {
+            format!("{} {cause}", grouped(rockproof_differential::lockstep::beside::differences(counts, cause)))
+        })
+        .collect();
+    writeln!(out, "lockstep         {} of {} steps differ", grouped(count("steps_differing")), grouped(*steps))?;
+    writeln!(out, "differences      {}", by_cause.join(", "))?;
+    writeln!(out, "undecided        {} decisions of the oracle", grouped(count("undecided")))?;
+    let ratio = count("oracle_microseconds") as f64 / count("stepper_microseconds").max(1) as f64;
+    writeln!(out, "cost             the oracle and comparing took {} times the stepper's time", short(ratio))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn shows_three_digits() {
+        let all = [0.0, 0.5, 0.009_999_999_776, -12.345, 1234.5, 6.76e-5, 1.3e6, -2e-300, f64::INFINITY];
+        let shown = ["0", "0.5", "0.01", "-12.3", "1230", "6.76e-5", "1.3e6", "-2e-300", "inf"];
+        assert_eq!(all.map(short), shown);
+    }
+}

@@ -1,0 +1,72 @@
+//! The end of `campaign --stress`: pairs counted by cell, the limits that follow, and steps against closed forms.
+
+use crate::exit::{note, print};
+use crate::table::{grouped, table};
+use anyhow::Context;
+use rockproof_campaign::engines::Engines;
+use rockproof_campaign::journal::Journal;
+use rockproof_campaign::stress::steps::{self, Measured, REST};
+use rockproof_campaign::stress::table::{Limit, cells_csv, limits, limits_csv, rows};
+use std::fs::File;
+use std::io::BufReader;
+
+/// Writes stress.csv, limits.csv and steps.csv into the directory of a finished campaign, and prints what an engineer needs.
+pub(crate) fn finish(journal: &mut Journal, engines: &Engines) -> anyhow::Result<()> {
+    let path = journal.dir().join("findings.csv");
+    let findings = BufReader::new(File::open(&path).with_context(|| path.display().to_string())?);
+    let rows = rows(&journal.progress().summary, findings, &engines.precisions())?;
+    let limits = limits(&rows);
+    journal.write("stress.csv", &cells_csv(&rows)?)?;
+    journal.write("limits.csv", &limits_csv(&limits)?)?;
+    note(&format!("{} steps at rest, and stiff contacts above soft ones", grouped(REST[REST.len() - 1])));
+    let measured = steps::measure(REST[REST.len() - 1])?;
+    journal.write("steps.csv", &steps::to_csv(&measured)?)?;
+    print(&format!("\n{}\n\n{}\n", limits_table(&limits), steps_table(&measured)))?;
+    let dir = journal.dir().display();
+    print(&format!("written to {dir}: stress.csv, limits.csv, steps.csv (docs/stress.md says what they hold)\n"))
+}
+
+fn limits_table(limits: &[Limit]) -> String {
+    let rows = limits.iter().map(|limit| {
+        let (pairs, differ, high) = limit.up_to_safe;
+        let level =
+            |level: Option<rockproof_campaign::stress::Level>| level.map_or("nowhere".to_owned(), |l| l.to_string());
+        let beyond =
+            limit.beyond.map_or("not tried".to_owned(), |(at, share)| format!("{:.1} % at {at}", 100.0 * share));
+        let below = if pairs == 0 { String::new() } else { format!("{:.2} %", 100.0 * high) };
+        let start = [limit.axis.name(), limit.form.name(), &limit.tolerances, &limit.engine].map(str::to_owned);
+        let counts = [level(limit.clean), level(limit.safe), grouped(differ), grouped(pairs), below, beyond];
+        start.into_iter().chain(counts).collect()
+    });
+    let header = [
+        "axis",
+        "pairs are",
+        "tolerances",
+        "engine",
+        "none differs to",
+        "safe to",
+        "differ",
+        "of",
+        "so below",
+        "beyond",
+    ];
+    table(&header, &[4, 5, 6, 7, 8, 9], rows).to_string()
+}
+
+fn steps_table(measured: &[Measured]) -> String {
+    let shown = |value: f64| if value.is_finite() { format!("{value:.1e}") } else { String::new() };
+    let rows = measured.iter().map(|m| {
+        let start = [m.case, m.motion.name(), m.engine].map(str::to_owned);
+        let figures = [
+            grouped(m.level),
+            if m.overlap.is_finite() { format!("{:.3e}", m.overlap) } else { String::new() },
+            format!("{:.3e}", m.expected),
+            shown(m.error()),
+            shown(m.drift),
+            m.stopped.clone().unwrap_or_else(|| format!("{} unconverged", m.unconverged)),
+        ];
+        start.into_iter().chain(figures).collect()
+    });
+    let header = ["case", "motion", "engine", "level", "overlap (m)", "expected (m)", "error", "drift (m)", "steps"];
+    table(&header, &[3, 4, 5, 6, 7], rows).to_string()
+}

@@ -1,0 +1,156 @@
+//! `tune`: which tolerances should this model use?
+
+use crate::exit::{Outcome, Verdict, note, print};
+use crate::input::{ReadArgs, ToleranceArgs, precision};
+use crate::stop::on_ctrl_c;
+use anyhow::Context;
+use indicatif::{ProgressBar, ProgressStyle};
+use rockproof_model::scene::write_toml;
+use rockproof_model::{Precision, Scene};
+use rockproof_results::{Start, bounded, digest};
+use rockproof_tune::report::{as_toml, markdown};
+use rockproof_tune::{Record, Search, Workbench};
+use serde_json::{Map, Value};
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Search for the tolerances that suit a model
+///
+/// Tries tolerance sets on the model's own neighbouring pairs, on relatives moved to the boundaries of decisions, and in steps that the oracle makes
+/// as well, and prints the one with no difference between engine and oracle, the least sinking and the largest margin to every rule, ready to paste,
+/// beside what the model's current set does.
+///
+/// Writes tolerances.toml, tune.md, candidates.csv and tune.json. The same number of candidates gives the same bytes; only that number depends on
+/// the clock.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  rockproof tune cases/real/openpit_rock.dda
+  rockproof tune slope.toml --engine f32 --budget 600 --out reports/slope
+  rockproof tune slope.toml --candidates 50           always the same answer, however long it takes
+  rockproof tune slope.toml --candidates 200 --resume
+
+Exit status: 0 done, 1 no set kept every rule without a difference, 2 usage or input error, 130 interrupted (go on with --resume).")]
+pub(crate) struct Tune {
+    /// The model: .toml, .dda, .obj, .vtk, or .txt and .voro for voro++
+    file: PathBuf,
+    #[command(flatten)]
+    read: ReadArgs,
+    /// What the author uses now, to compare with
+    #[command(flatten)]
+    tolerances: ToleranceArgs,
+    /// Precision of the engine: f32 or f64
+    #[arg(long, default_value = "f64", value_parser = precision)]
+    engine: Precision,
+    /// Seed of candidates and pairs
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Seconds after which no more candidates are tried, in this session
+    #[arg(long, value_name = "SECONDS", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    budget: u64,
+    /// Try so many candidates in all, however long it takes
+    #[arg(long, value_name = "COUNT", conflicts_with = "budget", value_parser = clap::value_parser!(u32).range(1..))]
+    candidates: Option<u32>,
+    /// Steps of a part of the model for each candidate, after its settling [default: 4 to 32, as the budget and the part allow]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    steps: Option<u32>,
+    /// Directory of the results [default: reports/tune-MODEL]
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Go on with the search in the directory, or begin if there is none
+    #[arg(long, conflicts_with = "overwrite")]
+    resume: bool,
+    /// Discard the search in the directory; other files there stay
+    #[arg(long)]
+    overwrite: bool,
+    /// Worker threads [default: one a core]; the results do not depend on it
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    threads: usize,
+}
+
+impl Tune {
+    pub(crate) fn run(&self) -> Outcome {
+        let scene = Scene::load_with(&self.file, &self.read.options())?;
+        let author = self.tolerances.spec(scene.tolerances.as_ref())?;
+        let here = || self.file.display().to_string();
+        let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let dir =
+            self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/{}", bounded(&format!("tune-{stem}")))));
+        // A search goes on with the steps it began with, whatever the budget is now.
+        let held = if self.resume { Record::steps(&dir) } else { None };
+        let steps = self.steps.map(u64::from).or(held);
+        let bench = Workbench::new(&scene, self.engine, self.seed, steps, self.budget).with_context(here)?;
+        let mut search = Search::new(&bench, &author, self.seed).with_context(here)?;
+        let start = Start::of(self.resume, self.overwrite);
+        let author_set = search.candidate().set;
+        let mut record =
+            Record::open(&dir, &self.identity(&scene, &as_toml(&author_set), bench.steps()), start, &mut search)?;
+        let stop = on_ctrl_c()?;
+        let interrupted = self.work(&mut search, &mut record, &stop)?;
+        let text = markdown(&self.file.file_name().unwrap_or_default().to_string_lossy(), &bench, &search);
+        let Some(best) = search.best().map(|best| &search.tried()[best]) else {
+            note("interrupted before the first candidate");
+            return Ok(Verdict::Interrupted);
+        };
+        record.write("tune.md", text.as_bytes())?;
+        record.write("tolerances.toml", as_toml(&best.set).as_bytes())?;
+        print(&text)?;
+        print(&format!(
+            "\n{} candidates tried; written to {}: tolerances.toml, tune.md, candidates.csv, tune.json\n",
+            search.tried().len(),
+            dir.display()
+        ))?;
+        Ok(match (interrupted, best.measurement.is_clean()) {
+            (true, _) => Verdict::Interrupted,
+            (_, true) => Verdict::Fine,
+            (_, false) => Verdict::Objection,
+        })
+    }
+
+    /// Everything that determines what candidate `n` is and measures.
+    fn identity(&self, scene: &Scene, author: &str, steps: u64) -> Map<String, Value> {
+        let mut map = Map::new();
+        map.insert("version".to_owned(), env!("CARGO_PKG_VERSION").into());
+        map.insert("model".to_owned(), digest(write_toml(scene).as_bytes()).into());
+        map.insert("engine".to_owned(), self.engine.to_string().into());
+        map.insert("seed".to_owned(), self.seed.into());
+        map.insert("author".to_owned(), author.into());
+        map.insert("steps".to_owned(), steps.into());
+        map
+    }
+
+    /// Tries candidates until there are enough, time is up, or it is told to stop; says whether that was it.
+    fn work(&self, search: &mut Search<'_>, record: &mut Record, stop: &AtomicBool) -> anyhow::Result<bool> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
+        let begun = Instant::now();
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::new_spinner();
+            if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed}, {msg}") {
+                bar.set_style(style);
+            }
+            bar
+        });
+        let enough = |tried: usize| match self.candidates {
+            Some(count) => tried >= count as usize,
+            // The first of all is always measured: it is what the others are compared with.
+            None => tried > 0 && begun.elapsed() >= Duration::from_secs(self.budget),
+        };
+        while !enough(search.tried().len()) && !stop.load(Ordering::Relaxed) {
+            pool.install(|| search.step().map(|_| ()))?;
+            record.commit(search)?;
+            if let (Some(bar), Some(best)) = (&bar, search.best()) {
+                let differ = search.tried()[best].measurement.differences.avoidable();
+                bar.set_message(format!(
+                    "{} candidates, the best with {differ} pairs that differ",
+                    search.tried().len()
+                ));
+                bar.tick();
+            }
+        }
+        if let Some(bar) = &bar {
+            bar.finish_and_clear();
+        }
+        Ok(stop.load(Ordering::Relaxed))
+    }
+}

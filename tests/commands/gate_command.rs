@@ -1,0 +1,152 @@
+//! The gate passes on the clean tree and fails on each kind of regression, planted by an external engine that misbehaves;
+//! its outputs are read by parsers; every error exits 2 with the place and what is allowed.
+
+use crate::engines::client;
+use crate::gates::{around, gate};
+use assert_cmd::Command;
+use std::fs;
+use std::path::Path;
+
+/// A gate around the client with a trick.
+fn planted(trick: &str, rest: &str) -> String {
+    around(&[&client(), trick], rest)
+}
+
+#[test]
+fn passes_on_what_is_known_and_fails_on_each_planted_regression() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let dir = dir.path();
+    let baseline = "[baseline]\nfile = \"known.toml\"\n";
+    let ran = gate(dir, &planted("", baseline), &["--update-baseline"], false);
+    assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
+    let ran = gate(dir, &planted("", baseline), &[], false);
+    assert_eq!(ran.code, 0, "the clean engine: {}{}", ran.out, ran.err);
+    for (trick, told) in [
+        ("crash", "crash"),
+        ("malformed", "malformed"),
+        ("unsupported", "unsupported"),
+        ("none", "missing"),
+        ("state", "state"),
+    ] {
+        let ran = gate(dir, &planted(trick, baseline), &[], false);
+        assert!(ran.code == 1 && ran.out.contains(told) && ran.out.contains("gate failed"), "{trick}: {}", ran.out);
+        let cases = fs::read_dir(dir.join("reports/gate/fixed/cases")).expect("cases").count();
+        assert!(cases > 0, "{trick}: a case to replay");
+        let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{told}\"\ncount = 0\n");
+        assert_eq!(gate(dir, &planted(trick, &limit), &[], false).code, 1, "{trick} by count");
+        let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{told}\"\nrate = 1e-6\n");
+        assert_eq!(gate(dir, &planted(trick, &limit), &[], false).code, 1, "{trick} by rate");
+        let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{told}\"\nrate = 0.9\n");
+        assert_eq!(gate(dir, &planted(trick, &limit), &[], false).code, 0, "{trick} is allowed");
+    }
+}
+
+#[test]
+fn the_corpus_is_always_run() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let dir = dir.path();
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/regressions");
+    fs::create_dir_all(dir.join("cases/regressions")).expect("a folder");
+    let mut names = Vec::new();
+    for entry in fs::read_dir(from).expect("cases") {
+        let entry = entry.expect("a case");
+        if entry.path().extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        fs::copy(entry.path(), dir.join("cases/regressions").join(entry.file_name())).expect("copied");
+        names.push(entry.file_name());
+    }
+    let text = "[campaign]\npairs = 16\n";
+    let ran = gate(dir, text, &[], false);
+    assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
+    let xml = fs::read_to_string(dir.join("junit.xml")).expect("JUnit");
+    assert!(names.iter().all(|name| xml.contains(&*name.to_string_lossy())), "{xml}");
+    // The exact answer is another than the case says.
+    let case = dir.join("cases/regressions/f-v-arithmetic-vertex-face-depth.toml");
+    let changed = fs::read_to_string(&case).expect("a case").replace("expected = []", "expected = [{ kind = \"v-v\", feature_a = 0, feature_b = 0, entrance = \"v-f\", entrance_a = 0, entrance_b = 0, gap_sign = 1 }]");
+    fs::write(&case, changed).expect("write");
+    let ran = gate(dir, text, &[], false);
+    assert!(ran.code == 1 && ran.out.contains("exact answer"), "{}", ran.out);
+}
+
+#[test]
+fn the_formats_are_what_their_readers_take() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let dir = dir.path();
+    let limit =
+        "[[limit]]\nengine = \"mine\"\nchange = \"crash\"\ncount = 0\n[[limit]]\ncause = \"defect\"\ncount = 0\n";
+    let ran = gate(dir, &planted("crash", limit), &["--rotating-seed", "7"], true);
+    assert_eq!(ran.code, 1, "{}", ran.err);
+    let text = fs::read_to_string(dir.join("junit.xml")).expect("JUnit");
+    let xml = roxmltree::Document::parse(&text).expect("XML");
+    let root = xml.root_element();
+    assert_eq!(root.tag_name().name(), "testsuites");
+    let number = |node: roxmltree::Node<'_, '_>, name: &str| node.attribute(name).and_then(|n| n.parse::<usize>().ok());
+    let (mut tests, mut failures) = (0, 0);
+    for suite in root.children().filter(roxmltree::Node::is_element) {
+        assert!(suite.tag_name().name() == "testsuite" && suite.attribute("name").is_some());
+        let cases: Vec<_> = suite.children().filter(|n| n.has_tag_name("testcase")).collect();
+        assert!(cases.iter().all(|c| c.attribute("name").is_some() && c.attribute("classname").is_some()));
+        let failed = cases.iter().filter(|c| c.children().any(|n| n.has_tag_name("failure"))).count();
+        assert_eq!((number(suite, "tests"), number(suite, "failures")), (Some(cases.len()), Some(failed)));
+        (tests, failures) = (tests + cases.len(), failures + failed);
+    }
+    assert_eq!((number(root, "tests"), number(root, "failures")), (Some(tests), Some(failures)));
+    assert_eq!((tests, failures), (2, 1));
+    assert!(quick_junit::Report::deserialize_from_str(&text).is_ok(), "a reader of JUnit takes it");
+    let annotation = ran.out.lines().find(|line| line.starts_with("::error ")).expect("an annotation");
+    assert!(
+        annotation.contains("file=gate.toml,line=10,") && annotation.contains("title=rockproof limit::"),
+        "{annotation}"
+    );
+    let summary = fs::read_to_string(dir.join("summary.md")).expect("a summary");
+    assert!(
+        summary.starts_with("## Rockproof gate: failed") && summary.contains("| FAIL | fixed: engine mine"),
+        "{summary}"
+    );
+}
+
+#[test]
+fn the_action_is_yaml_and_asks_for_what_there_is() {
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("action.yml")).expect("action.yml");
+    let action = &yaml_rust2::YamlLoader::load_from_str(&text).expect("YAML")[0];
+    assert_eq!(action["runs"]["using"].as_str(), Some("composite"));
+    let steps = action["runs"]["steps"].as_vec().expect("steps");
+    assert!(steps.iter().all(|s| s["uses"].as_str().is_some() || s["shell"].as_str() == Some("bash")), "{steps:?}");
+    let help = Command::cargo_bin("rockproof").expect("the program").args(["gate", "--help"]).output().expect("runs");
+    let help = String::from_utf8_lossy(&help.stdout).into_owned();
+    for flag in ["--out", "--junit", "--rotating-seed"] {
+        assert!(text.contains(flag) && help.contains(flag), "{flag}");
+    }
+}
+
+#[test]
+fn errors_exit_with_2_and_name_the_place_and_what_is_allowed() {
+    let dir = tempfile::tempdir().expect("a directory");
+    for (text, told) in [
+        ("pears = 3\n", vec!["line 1", "campaign"]),
+        ("[campaign]\npears = 3\n", vec!["line 2", "pairs"]),
+        (
+            "corpus = []\n[[limit]]\ncause = \"rounding\"\ncount = 0\n",
+            vec!["gate.toml line 2", "arithmetic, defect, engine"],
+        ),
+        ("corpus = []\n\n[[limit]]\nchange = \"lost\"\ncount = 0\n", vec!["line 3", "missing, extra"]),
+        ("corpus = []\n[[limit]]\nkind = \"v-w\"\ncount = 0\n", vec!["v-v, v-e"]),
+        ("corpus = []\n[[limit]]\nengine = \"abacus\"\ncount = 0\n", vec!["any, f32, f64, stepper-f32"]),
+        ("corpus = []\n[[limit]]\nfamily = \"pyramids\"\ncount = 0\n", vec!["sliver"]),
+        ("corpus = []\n[[limit]]\ntolerances = \"loose\"\ncount = 0\n", vec!["auto, shi, zero"]),
+        ("corpus = []\n[[limit]]\nrate = 2\n", vec!["line 2", "0 to 1"]),
+        ("corpus = []\n[[limit]]\nrate = 0.1\nconfidence = 1.0\n", vec!["0.5"]),
+        ("corpus = []\n[[limit]]\ncause = \"defect\"\n", vec!["count or rate"]),
+        ("corpus = []\n[baseline]\nfile = \"none.toml\"\n", vec!["none.toml", "--update-baseline"]),
+        ("corpus = []\n[baseline]\nfile = \"x\"\ncauses = [\"luck\"]\n", vec!["baseline.causes", "tolerance"]),
+        ("corpus = []\n[baseline]\nfile = \"x\"\nfields = [\"colour\"]\n", vec!["baseline.fields", "predicate"]),
+        ("corpus = [\"nowhere\"]\n", vec!["nowhere"]),
+        ("corpus = [\"gate.toml\"]\n", vec!["gate.toml", "case"]),
+        ("corpus = []\n[campaign]\nengines = [\"abacus\"]\n", vec!["stepper-f32"]),
+    ] {
+        let ran = gate(dir.path(), text, &[], false);
+        assert_eq!(ran.code, 2, "{text}: {}{}", ran.out, ran.err);
+        assert!(told.iter().all(|t| ran.err.contains(t)) && !ran.err.contains("panicked"), "{text}: {}", ran.err);
+    }
+}

@@ -1,0 +1,165 @@
+//! What the gate writes is what its readers take, also where names and messages hold what means something in the format: JUnit XML by
+//! the elements and attributes that its schema (Jenkins' junit-10.xsd, and `skipped` of all suites, as most tools write it) allows, GitHub's commands by a reader that does what the runner does, the
+//! summary by a Markdown parser.
+
+use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
+use rockproof_gate::junit::{annotations, junit, markdown};
+use rockproof_gate::{Check, Verdict};
+use std::collections::BTreeMap;
+
+const NASTY: &str = "50%: a,b::c | d_e_f *g* `h` <i> & \"j\" [k](l) \\ m%0An";
+
+fn check(group: &'static str, name: &str, told: &str, verdict: Verdict) -> Check {
+    let place = (format!("a,b:c%/{name}.toml"), 3);
+    Check { group, name: name.to_owned(), told: told.to_owned(), verdict, place, rows: Vec::new() }
+}
+
+fn checks() -> Vec<Check> {
+    vec![
+        check("limit", NASTY, "first line\nsecond line", Verdict::Fail),
+        check("limit", "plain", "fine", Verdict::Pass),
+        check("baseline", "b", NASTY, Verdict::Fail),
+        check("corpus", "skipped | case", "an engine takes no part", Verdict::Skip),
+        check("corpus", "passed", "", Verdict::Pass),
+        check("corpus", "stderr", "\u{1b}[31mred\u{0}\u{7}", Verdict::Fail),
+    ]
+}
+
+/// Elements with their attributes (a `!` means required) and children, from that schema.
+const SCHEMA: [(&str, &[&str], &[&str]); 6] = [
+    (
+        "testsuites",
+        &["name", "time", "tests", "failures", "disabled", "errors", "skipped", "timestamp"],
+        &["testsuite"],
+    ),
+    (
+        "testsuite",
+        &[
+            "name!",
+            "tests",
+            "failures",
+            "errors",
+            "time",
+            "disabled",
+            "skipped",
+            "timestamp",
+            "hostname",
+            "id",
+            "package",
+            "file",
+            "log",
+            "url",
+            "version",
+            "group",
+        ],
+        &["properties", "testcase", "system-out", "system-err"],
+    ),
+    (
+        "testcase",
+        &["name!", "classname", "time", "assertions", "status", "class", "file", "line", "group", "url", "timestamp"],
+        &["skipped", "error", "failure", "system-out", "system-err", "properties"],
+    ),
+    ("failure", &["type", "message"], &[]),
+    ("error", &["type", "message"], &[]),
+    ("skipped", &["type", "message"], &[]),
+];
+
+fn valid(node: roxmltree::Node<'_, '_>) {
+    let name = node.tag_name().name();
+    let (_, attributes, children) = SCHEMA.iter().find(|(element, ..)| *element == name).expect(name);
+    for attribute in node.attributes() {
+        let known = attributes.iter().any(|known| known.trim_end_matches('!') == attribute.name());
+        assert!(known, "{name} may not have {}", attribute.name());
+    }
+    for required in attributes.iter().filter_map(|attribute| attribute.strip_suffix('!')) {
+        assert!(node.has_attribute(required), "{name} needs {required}");
+    }
+    for child in node.children().filter(roxmltree::Node::is_element) {
+        assert!(children.contains(&child.tag_name().name()), "{name} may not hold {}", child.tag_name().name());
+        valid(child);
+    }
+}
+
+#[test]
+fn junit_is_what_its_schema_allows() {
+    let text = junit(&checks()).expect("XML");
+    let xml = roxmltree::Document::parse(&text).expect("XML");
+    assert_eq!(xml.root_element().tag_name().name(), "testsuites");
+    valid(xml.root_element());
+    let suites: Vec<_> = xml.root_element().children().filter(|node| node.has_tag_name("testsuite")).collect();
+    let counts: Vec<_> =
+        ["tests", "failures"].map(|key| suites.iter().map(|s| s.attribute(key).expect(key)).collect::<Vec<_>>()).into();
+    assert_eq!(counts, [["2", "1", "3"], ["1", "1", "1"]]);
+    let cases: Vec<_> = xml.descendants().filter(|node| node.has_tag_name("testcase")).collect();
+    assert_eq!(cases[0].attribute("name"), Some(NASTY));
+    let status = |at: usize| cases[at].children().find(roxmltree::Node::is_element);
+    assert_eq!(status(2).and_then(|failure| failure.attribute("message")), Some(NASTY));
+    assert_eq!(status(3).map(|node| node.tag_name().name()), Some("skipped"));
+    assert!(status(1).is_none() && status(4).is_none());
+    let red = status(5).and_then(|failure| failure.attribute("message")).expect("a message");
+    assert!(red.contains("red") && !red.contains(char::is_control), "{red:?}");
+}
+
+/// One of GitHub's commands, `::name key=value,key=value::message`, taken apart as the runner does.
+fn command(line: &str) -> Option<(String, BTreeMap<String, String>, String)> {
+    let (head, message) = line.strip_prefix("::")?.split_once("::")?;
+    let (name, properties) = head.split_once(' ').unwrap_or((head, ""));
+    let plain = |text: &str| {
+        text.replace("%0D", "\r").replace("%0A", "\n").replace("%3A", ":").replace("%2C", ",").replace("%25", "%")
+    };
+    let message = message.replace("%0D", "\r").replace("%0A", "\n").replace("%25", "%");
+    let pairs = properties.split(',').filter_map(|pair| pair.split_once('='));
+    Some((name.to_owned(), pairs.map(|(key, value)| (key.to_owned(), plain(value))).collect(), message))
+}
+
+#[test]
+fn annotations_come_apart_as_they_were_put_together() {
+    let text = annotations(&checks());
+    let lines: Vec<_> = text.lines().map(|line| command(line).expect(line)).collect();
+    let failed: Vec<Check> = checks().into_iter().filter(|check| check.verdict == Verdict::Fail).collect();
+    assert_eq!(lines.len(), failed.len());
+    for ((name, properties, message), check) in lines.iter().zip(&failed) {
+        assert_eq!(name, "error");
+        assert_eq!(properties.keys().collect::<Vec<_>>(), ["file", "line", "title"]);
+        assert_eq!((properties["file"].as_str(), properties["line"].as_str()), (check.place.0.as_str(), "3"));
+        assert_eq!(properties["title"], format!("rockproof {}", check.group));
+        assert_eq!(*message, format!("{}: {}", check.name, check.told));
+    }
+    assert_eq!(annotations(&[check("limit", "plain", "fine", Verdict::Pass)]), "");
+}
+
+/// The cells of the only table in a Markdown text, as a reader sees them.
+fn cells(text: &str) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
+    let mut cell: Option<String> = None;
+    for event in Parser::new_ext(text, Options::ENABLE_TABLES) {
+        match event {
+            Event::Start(Tag::TableHead | Tag::TableRow) => rows.push(Vec::new()),
+            Event::Start(Tag::TableCell) => cell = Some(String::new()),
+            Event::End(TagEnd::TableCell) => {
+                let row: &mut Vec<String> = rows.last_mut().expect("a row");
+                row.push(cell.take().expect("a cell"));
+            }
+            Event::Text(text) => {
+                if let Some(cell) = &mut cell {
+                    cell.push_str(&text);
+                }
+            }
+            other => assert!(cell.is_none(), "a cell holds {other:?}"),
+        }
+    }
+    rows
+}
+
+#[test]
+fn the_summary_shows_what_was_found() {
+    let text = markdown(&checks());
+    assert!(text.starts_with("## Rockproof gate: failed\n"), "{text}");
+    let rows = cells(&text);
+    assert_eq!(rows[0], ["verdict", "check", "found"]);
+    assert_eq!(rows.len(), 6, "all but the corpus' pass: {rows:?}");
+    assert_eq!(rows[1], ["FAIL", NASTY, "first line second line"]);
+    assert_eq!(rows[3], ["FAIL", "b", NASTY]);
+    assert_eq!(rows[4][..2], ["skip", "skipped | case"]);
+    assert!(text.contains("3 of 6 checks failed; 1 cases of the corpus passed."), "{text}");
+}

@@ -1,0 +1,169 @@
+//! Pins `simulate --lockstep`, `--free` and `--engine exact`: their tables are the documented ones, a run taken up again gives the
+//! same bytes, state files replay, and exact runs are exact.
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use rockproof_differential::lockstep::{free, table};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A slider whose numbers f32 does not hold.
+const SLIDER: &str = r#"
+[simulation]
+gravity = [-6.1, 0, -8.1]
+time_step = 0.01
+steps = 4
+
+[tolerances]
+preset = "auto"
+
+[[joint]]
+friction = 0.3
+normal_stiffness = 1e8
+
+[[block]]
+name = "incline"
+fixed = true
+box = { min = [-12, -2, -1], max = [4, 3, 0] }
+
+[[block]]
+name = "slider"
+box = { min = [0.1, 0.1, 0], max = [1.1, 1.1, 1] }
+
+[[measured_point]]
+name = "centre"
+block = "slider"
+at = [0.6, 0.6, 0.5]
+"#;
+
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new() -> Place {
+        let place = Place(tempfile::tempdir().expect("a directory"));
+        fs::write(place.path("slider.toml"), SLIDER).expect("write");
+        place
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Runs `simulate` into a directory; its exit code and what it printed.
+    fn simulate(&self, out: &str, arguments: &[&str]) -> (i32, String) {
+        let mut command = cargo_bin_cmd!();
+        command.current_dir(self.0.path()).args(["simulate", "slider.toml", "--out", out]).args(arguments);
+        let output = command.output().expect("a run");
+        let said = [output.stdout, output.stderr].concat();
+        (output.status.code().expect("an exit code"), String::from_utf8_lossy(&said).into_owned())
+    }
+
+    fn replay(&self, file: &Path) -> (i32, String) {
+        let output = cargo_bin_cmd!().arg("replay").arg(file).output().expect("a replay");
+        let said = [output.stdout, output.stderr].concat();
+        (output.status.code().expect("an exit code"), String::from_utf8_lossy(&said).into_owned())
+    }
+
+    fn rows(&self, name: &str) -> Vec<Vec<String>> {
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_path(self.path(name)).expect("a table");
+        reader.records().map(|row| row.expect("a row").iter().map(str::to_owned).collect()).collect()
+    }
+
+    fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+}
+
+#[test]
+fn lockstep_writes_the_documented_tables_and_goes_on_to_the_same_bytes() {
+    let place = Place::new();
+    let asked = ["--engine", "f32", "--lockstep"];
+    let (code, said) = place.simulate("whole", &asked);
+    assert_eq!(code, 0, "{said}");
+    assert!(said.contains("lockstep") && said.contains("0 defect"), "{said}");
+    let documented = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/lockstep.md")).expect("docs");
+    for column in table::STEPS.iter().chain(&table::DIFFERENCES).chain(&free::COLUMNS) {
+        assert!(documented.contains(&format!("`{column}`")), "docs/lockstep.md does not tell of {column}");
+    }
+    let steps = place.rows("whole/lockstep.csv");
+    assert_eq!(steps[0], table::STEPS);
+    assert_eq!(steps.len(), 1 + 4, "a row for each step");
+    let differences = place.rows("whole/differences.csv");
+    assert_eq!(differences[0], table::DIFFERENCES);
+    // By cause, the differences are as many as the steps say.
+    for (k, cause) in table::CAUSES.iter().enumerate() {
+        let counted: usize = steps[1..].iter().map(|row| row[20 + k].parse::<usize>().expect("a count")).sum();
+        assert_eq!(counted, differences[1..].iter().filter(|row| row[2] == cause.name()).count(), "{cause}");
+    }
+    assert!(steps[1..].iter().all(|row| row[19] == "0" && row[27].is_empty()), "nothing undecided, nothing failed");
+
+    let shorter = [&asked[..], &["--steps", "2"]].concat();
+    assert_eq!(place.simulate("parts", &shorter).0, 0);
+    let rest = [&asked[..], &["--resume", "--steps", "4"]].concat();
+    assert_eq!(place.simulate("parts", &rest).0, 0);
+    for name in ["lockstep.csv", "differences.csv", "steps.csv"] {
+        assert_eq!(place.bytes(&format!("parts/{name}")), place.bytes(&format!("whole/{name}")), "{name}");
+    }
+    // Without --lockstep it is another run.
+    assert_eq!(place.simulate("parts", &["--engine", "f32", "--resume"]).0, 2);
+}
+
+#[test]
+fn state_files_replay() {
+    let place = Place::new();
+    // At the incline's edge: the ideal tolerances have crossing edges where territories have vertices.
+    let edge =
+        SLIDER.replace("min = [0.1, 0.1, 0], max = [1.1, 1.1, 1]", "min = [3.002, 0.1, 0], max = [4.002, 1.1, 1]");
+    assert_ne!(edge, SLIDER);
+    fs::write(place.path("slider.toml"), edge.replace("at = [0.6", "at = [3.5")).expect("write");
+    let (code, said) = place.simulate("run", &["--engine", "f32", "--lockstep"]);
+    assert_eq!(code, 0, "{said}");
+    let differences = place.rows("run/differences.csv");
+    let named = differences[1..].iter().map(|row| row[17].clone()).find(|name| !name.is_empty());
+    let name = named.unwrap_or_else(|| panic!("no state file in {differences:?}"));
+    let file = place.path("run/states").join(&name);
+    let (code, said) = place.replay(&file);
+    assert_eq!(code, 0, "{said}");
+    assert!(said.contains("oracle") && said.contains("stepper"), "{said}");
+
+    let text = fs::read_to_string(&file).expect("a state file");
+    fs::write(&file, text.replacen("\"converged\": true", "\"converged\": false", 1)).expect("write");
+    let (code, said) = place.replay(&file);
+    assert_eq!(code, 1, "{said}");
+    for broken in [text.replacen("rockproof-step-1", "rockproof-step-9", 1), text[..40].to_owned()] {
+        fs::write(&file, broken).expect("write");
+        let (code, said) = place.replay(&file);
+        assert_eq!(code, 2, "{said}");
+        assert!(said.contains(&name), "{said}");
+    }
+}
+
+#[test]
+fn the_exact_trajectory_stands_beside_the_stepper_s() {
+    let place = Place::new();
+    let (code, said) = place.simulate("free", &["--free", "--steps", "3"]);
+    assert_eq!(code, 0, "{said}");
+    let rows = place.rows("free/free.csv");
+    assert_eq!(rows[0], free::COLUMNS);
+    assert_eq!(rows.len(), 1 + 3);
+    for row in &rows[1..] {
+        let divergence: f64 = row[3].parse().expect("a distance");
+        assert!(divergence < 1e-12, "{row:?}");
+    }
+}
+
+#[test]
+fn an_exact_run_says_what_it_keeps() {
+    let place = Place::new();
+    let (code, said) = place.simulate("exact", &["--engine", "exact", "--steps", "2"]);
+    assert_eq!(code, 0, "{said}");
+    // The model is 16 m long.
+    assert!(said.contains("within 2^-252 m"), "{said}");
+    let rows = place.rows("exact/trajectory.csv");
+    assert_eq!(rows.len(), 1 + 2);
+    assert_eq!(place.rows("exact/measured.csv").len(), 1 + 2);
+    assert_eq!(place.simulate("exact", &["--engine", "exact", "--steps", "2"]).0, 2, "it holds a run");
+    let (code, said) =
+        place.simulate("exact", &["--engine", "exact", "--steps", "2", "--overwrite", "--grid-exponent", "100"]);
+    assert!(code == 0 && said.contains("within 2^-100 m"), "{said}");
+    assert_eq!(place.simulate("other", &["--engine", "exact", "--lockstep"]).0, 2);
+}

@@ -1,0 +1,28 @@
+//! The program as its users call it: what each command prints, writes and answers to mistakes.
+
+#[path = "../support/engines.rs"]
+mod engines;
+#[path = "../support/gate.rs"]
+mod gates;
+#[path = "../support/mistaken_engine.rs"]
+mod mistaken_engine;
+#[path = "../../crates/stepper/tests/support/mistakes.rs"]
+mod mistakes;
+
+mod bad_input;
+mod bench_command;
+mod campaign_cli;
+mod campaign_default;
+mod external_engines;
+mod gate_command;
+mod gate_formats;
+#[cfg(unix)]
+mod gate_regressions;
+mod lockstep_cli;
+mod report_command;
+mod report_page;
+mod results;
+mod simulate_cli;
+mod simulate_record;
+mod stress_command;
+mod tune_command;

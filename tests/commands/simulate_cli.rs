@@ -1,0 +1,345 @@
+//! Pins the command `simulate`: what it writes, what it refuses and why, that a run killed or interrupted goes on to the
+//! same bytes, and that one which cannot go on says so and keeps its last good state.
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Blocks that fall on a floor, askew and one on the other: they hit, slide and come to rest.
+const FALL: &str = r#"
+[simulation]
+gravity = [1, 0, -10]
+time_step = 0.005
+steps = 120
+settle = 2
+
+[tolerances]
+preset = "auto"
+
+[[block]]
+name = "floor"
+fixed = true
+box = { min = [-9, -9, -1], max = [9, 9, 0] }
+
+[[block]]
+name = "low"
+box = { min = [0, 0, 0.01], max = [1, 1, 1] }
+spin = [0.3, 0.1, 0]
+
+[[block]]
+name = "middle"
+box = { min = [0.3, 0.2, 1.03], max = [1.3, 1.2, 2] }
+velocity = [0.5, 0, -1]
+
+[[block]]
+name = "high"
+box = { min = [-0.4, 0.1, 2.05], max = [0.9, 0.8, 3] }
+
+[[measured_point]]
+name = "top"
+block = "high"
+at = [0, 0.5, 3]
+"#;
+
+/// A block much too fast for the largest displacement of a step.
+const FAST: &str = r#"
+[simulation]
+time_step = 0.01
+steps = 50
+
+[[block]]
+name = "shot"
+box = { min = [0, 0, 0], max = [1, 1, 1] }
+
+[[load]]
+block = "shot"
+at = [0.5, 0.5, 0.5]
+table = [[0, 0, 0, 0], [0.1, 0, 0, 0], [0.11, 1e12, 0, 0]]
+"#;
+
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new() -> Place {
+        Place(tempfile::tempdir().expect("a directory"))
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn file(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).expect("write");
+    }
+
+    /// Exit code, standard output and standard error of `rockproof simulate …`, run here.
+    fn simulate(&self, args: &[&str]) -> (i32, String, String) {
+        let mut command = cargo_bin_cmd!("rockproof");
+        let output = command.current_dir(self.0.path()).arg("simulate").args(args).output().expect("runs");
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+        (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+    }
+
+    fn finishes(&self, args: &[&str]) -> String {
+        let (code, out, err) = self.simulate(args);
+        assert_eq!(code, 0, "{args:?}: {err}");
+        out
+    }
+
+    fn begin(&self, args: &[&str]) -> Child {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rockproof"));
+        command.current_dir(self.0.path()).arg("simulate").args(args).stdout(Stdio::null()).stderr(Stdio::null());
+        command.spawn().expect("starts")
+    }
+
+    /// Waits until a run has written so many rows.
+    fn wait_for_rows(&self, dir: &str, rows: usize) {
+        let (table, started) = (self.path(dir).join("steps.csv"), Instant::now());
+        while fs::read(&table).map_or(0, |text| text.iter().filter(|b| **b == b'\n').count()) <= rows {
+            assert!(started.elapsed() < Duration::from_secs(120), "no row {rows} in {}", table.display());
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// All files of a run with their bytes, but those that tell of seconds.
+    fn files(&self, dir: &str) -> BTreeMap<String, Vec<u8>> {
+        let mut found = BTreeMap::new();
+        for folder in [self.path(dir), self.path(dir).join("frames")] {
+            for entry in fs::read_dir(folder).expect("a folder") {
+                let path = entry.expect("an entry").path();
+                let name = path.strip_prefix(self.path(dir)).expect("inside").to_string_lossy().into_owned();
+                if path.is_file() && !["run.json", "checkpoint.jsonl"].contains(&name.as_str()) {
+                    found.insert(name, fs::read(&path).expect("a file"));
+                }
+            }
+        }
+        found
+    }
+
+    fn run_json(&self, dir: &str) -> serde_json::Value {
+        serde_json::from_slice(&fs::read(self.path(dir).join("run.json")).expect("run.json")).expect("JSON")
+    }
+}
+
+fn rows(path: &Path) -> Vec<BTreeMap<String, String>> {
+    csv::Reader::from_path(path).expect("a table").deserialize().map(|row| row.expect("a row")).collect()
+}
+
+#[test]
+fn a_run_leaves_tables_pictures_and_what_they_were_made_from() {
+    let place = Place::new();
+    place.file("fall.toml", FALL);
+    let out = place.finishes(&["fall.toml", "--contacts", "--every", "50"]);
+    assert!(out.contains("120 steps") && out.contains("written to reports/simulate-fall: steps.csv"), "{out}");
+    let files = place.files("reports/simulate-fall");
+    let frames = [0, 50, 100, 120];
+    let pictures = frames.iter().flat_map(|step| ["blocks", "contacts"].map(|p| format!("frames/{p}_{step:06}.vtu")));
+    let tables = [
+        "steps.csv",
+        "measured.csv",
+        "contacts.csv",
+        "blocks.pvd",
+        "contacts.pvd",
+        "scene.toml",
+        "rockproof.manifest.json",
+    ];
+    let mut expected: Vec<String> = pictures.chain(tables.map(str::to_owned)).collect();
+    expected.sort();
+    assert_eq!(files.keys().cloned().collect::<Vec<_>>(), expected);
+    let dir = place.path("reports/simulate-fall");
+    let steps = rows(&dir.join("steps.csv"));
+    assert_eq!((steps.len(), steps[0]["step"].as_str(), steps[121]["step"].as_str()), (122, "-1", "120"));
+    let contacts = rows(&dir.join("contacts.csv"));
+    let total: usize = steps.iter().map(|row| row["contacts"].parse::<usize>().expect("a count")).sum();
+    assert_eq!(contacts.len(), total);
+    assert!(["open", "sliding", "locked"].iter().all(|mode| contacts.iter().any(|row| row["mode"] == *mode)));
+    assert_eq!(rows(&dir.join("measured.csv")).iter().filter(|row| row["point"] == "top").count(), 122);
+    let run = place.run_json("reports/simulate-fall");
+    assert_eq!((&run["engine"], &run["ending"], &run["blocks"]), (&"f64".into(), &"finished".into(), &4.into()));
+    assert_eq!(run["totals"]["steps"], 120);
+    // The scene it kept makes the same run.
+    fs::copy(dir.join("scene.toml"), place.path("again.toml")).expect("copy");
+    place.finishes(&["again.toml", "--contacts", "--every", "50", "--out", "again"]);
+    assert_eq!(place.files("again"), files);
+}
+
+#[test]
+fn options_choose_precision_length_and_place() {
+    let place = Place::new();
+    place.file("fall.toml", FALL);
+    let last = |dir: &str| rows(&place.path(dir).join("steps.csv")).pop().expect("a row");
+    place.finishes(&["fall.toml", "--steps", "7", "--out", "steps"]);
+    assert_eq!(last("steps")["step"], "7");
+    place.finishes(&["fall.toml", "--time", "0.05", "--out", "time"]);
+    // Whole steps of at most 5 ms, some of them cut.
+    let time: f64 = last("time")["time_s"].parse().expect("a number");
+    assert!((0.05 - 5e-6..0.055).contains(&time), "{:?}", last("time"));
+    place.finishes(&["fall.toml", "--time", "0.05", "--steps", "4", "--out", "both"]);
+    assert_eq!(last("both")["step"], "4");
+    // Before anything touches: an impact is nothing that two precisions share to a per cent.
+    place.finishes(&["fall.toml", "--steps", "5", "--engine", "f32", "--out", "f32"]);
+    let (single, double) = (last("f32"), rows(&place.path("steps").join("steps.csv")).remove(6));
+    assert_eq!(single["step"], double["step"]);
+    let energy = |row: &BTreeMap<String, String>| row["kinetic_J"].parse::<f64>().expect("a number");
+    assert!(single != double && (energy(&single) / energy(&double) - 1.0).abs() < 1e-2, "{single:?} {double:?}");
+    place.finishes(&["fall.toml", "--steps", "7", "--set", "max_displacement=1/200", "--out", "set"]);
+    assert!(last("set")["retries"].starts_with("displacement@0.005"), "{:?}", last("set"));
+    assert_eq!(place.run_json("set")["max_displacement"], "1/200");
+    place.finishes(&[
+        "fall.toml",
+        "--steps",
+        "1",
+        "--tolerances",
+        "zero",
+        "--planarity",
+        "0",
+        "--force",
+        "--out",
+        "zero",
+    ]);
+    assert_eq!(place.run_json("zero")["parallel_sine"], "0");
+    assert!(!place.path("steps").join("contacts.csv").exists(), "only on request");
+}
+
+#[test]
+fn mistakes_exit_with_2_and_say_where() {
+    let place = Place::new();
+    place.file("fall.toml", FALL);
+    place.file("endless.toml", &FALL.replace("steps = 120\n", ""));
+    place.file("wrong.toml", &FALL.replace("settle = 2", "settle = -2"));
+    place.file("huge.toml", &FALL.replace("gravity = [1,", "gravity = [1e60,"));
+    place.finishes(&["fall.toml", "--steps", "3", "--out", "done"]);
+    let before = place.files("done");
+    for (args, told) in [
+        (vec!["none.toml"], "none.toml"),
+        (vec!["endless.toml"], "--steps N or --time T"),
+        (vec!["wrong.toml"], "wrong.toml:6: "),
+        (vec!["huge.toml", "--engine", "f32", "--force"], "overflows in the stepper's precision"),
+        (vec!["fall.toml", "--time", "0"], "above 0"),
+        (vec!["fall.toml", "--time", "soon"], "above 0"),
+        (vec!["fall.toml", "--steps", "-3"], "-3"),
+        (vec!["fall.toml", "--every", "0"], "--every"),
+        (vec!["fall.toml", "--engine", "f16"], "f64, f32"),
+        (vec!["fall.toml", "--tolerances", "loose"], "auto, shi, zero"),
+        (vec!["fall.toml", "--set", "serch=1"], "serch"),
+        (vec!["fall.toml", "--planarity", "-1"], "0 or more"),
+        (vec!["fall.toml", "--resume", "--overwrite"], "cannot be used with"),
+        (vec!["fall.toml", "--out", "done"], "--resume goes on with it, --overwrite discards it"),
+        (
+            vec!["fall.toml", "--out", "done", "--resume", "--engine", "f32"],
+            "engine: the run has \"f64\", asked for is",
+        ),
+        (vec!["fall.toml", "--out", "done", "--resume", "--set", "open=0.001"], "open: the run has"),
+        (vec!["fall.toml", "--out", "done", "--resume", "--every", "3"], "every: the run has 10, asked for is 3"),
+        (vec!["fall.toml", "--out", "fall.toml"], "fall.toml"),
+    ] {
+        let (code, out, err) = place.simulate(&args);
+        assert_eq!(code, 2, "{args:?}: {out}{err}");
+        assert!(err.contains(told) && !err.contains("panicked"), "{args:?}: {err}");
+    }
+    place.file("fall.toml", &FALL.replace("0.5, 0, -1", "0.5, 0, -2"));
+    let (code, _, err) = place.simulate(&["fall.toml", "--out", "done", "--resume"]);
+    assert!(code == 2 && err.contains("scene: the run has"), "{err}");
+    assert_eq!(place.files("done"), before, "nothing was touched");
+    assert!(!place.path("reports").exists());
+    place.finishes(&["fall.toml", "--steps", "3", "--out", "done", "--overwrite"]);
+    assert_ne!(place.files("done"), before);
+}
+
+#[test]
+fn violated_rules_stop_a_run_before_it_begins() {
+    let place = Place::new();
+    place.file("fall.toml", FALL);
+    let loose = ["fall.toml", "--steps", "2", "--set", "search=1/1000", "--out", "out"];
+    let (code, out, err) = place.simulate(&loose);
+    assert_eq!(code, 1);
+    assert!(out.starts_with("rules: ") && out.contains("search ≥ 2·max_displacement"), "{out}");
+    assert!(out.contains("satisfied  by search ≥") && err.contains("--force"), "{out}{err}");
+    assert!(!place.path("out").exists());
+    let (code, _, err) = place.simulate(&[&loose[..], &["--force"]].concat());
+    assert!(code == 0 && err.contains("search ≥ 2·max_displacement"), "{err}");
+    assert!(place.run_json("out")["violated"].as_array().is_some_and(|rules| !rules.is_empty()));
+    // The stiffness rule is one of them.
+    place.file("soft.toml", &format!("{FALL}\n[[joint]]\nnormal_stiffness = 1\n"));
+    let (code, out, _) = place.simulate(&["soft.toml"]);
+    assert!(code == 1 && out.contains("normal_stiffness"), "{out}");
+}
+
+#[test]
+fn a_killed_run_goes_on_to_the_same_bytes() {
+    let place = Place::new();
+    place.file("fall.toml", FALL);
+    for engine in ["f64", "f32"] {
+        let args = |out| ["fall.toml", "--contacts", "--every", "7", "--engine", engine, "--out", out];
+        let [whole, killed] = ["whole", "killed"].map(|name| format!("{name}_{engine}"));
+        place.finishes(&args(&whole));
+        let mut cut_short = 0;
+        for rows in [1, 23, 60, 95] {
+            let mut child = place.begin(&[&args(&killed)[..], &["--resume"]].concat());
+            place.wait_for_rows(&killed, rows);
+            child.kill().expect("a kill");
+            child.wait().expect("an end");
+            cut_short += usize::from(place.files(&killed) != place.files(&whole));
+        }
+        assert!(cut_short > 1, "the kills came too late to show anything");
+        place.finishes(&[&args(&killed)[..], &["--resume"]].concat());
+        let (expected, found) = (place.files(&whole), place.files(&killed));
+        for (name, bytes) in &expected {
+            assert!(found.get(name) == Some(bytes), "{engine}: {name} differs");
+        }
+        assert_eq!(found.len(), expected.len());
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_ends_in_good_order_and_goes_on() {
+    let place = Place::new();
+    place.file("fall.toml", FALL);
+    let args = |out| ["fall.toml", "--steps", "100000", "--every", "1000", "--out", out];
+    let mut child = place.begin(&args("out"));
+    place.wait_for_rows("out", 20);
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(sent.success());
+    assert_eq!(child.wait().expect("an end").code(), Some(130));
+    let run = place.run_json("out");
+    assert_eq!(run["ending"], "interrupted");
+    let done = run["step"].as_u64().expect("a step");
+    assert!((15..100_000).contains(&done), "{done}");
+    let until = (done + 9).to_string();
+    let length = ["fall.toml", "--steps", &until, "--every", "1000", "--out"];
+    place.finishes(&[&length[..], &["out", "--resume"]].concat());
+    place.finishes(&[&length[..], &["whole"]].concat());
+    assert!(place.files("out") == place.files("whole"));
+}
+
+#[test]
+fn a_run_that_cannot_go_on_says_where_and_keeps_the_last_good_state() {
+    let place = Place::new();
+    place.file("fast.toml", FAST);
+    let (code, out, err) = place.simulate(&["fast.toml", "--out", "out"]);
+    assert_eq!(code, 1, "{out}{err}");
+    assert!(err.starts_with("error: step ") && err.contains("block 0") && err.contains("displacement"), "{err}");
+    assert!(out.contains("the last good state is kept"), "{out}");
+    let run = place.run_json("out");
+    assert_eq!((&run["ending"], &run["stopped"]["block"]), (&"stopped".into(), &0.into()));
+    let (step, last) = (run["stopped"]["step"].as_u64().expect("a step"), run["step"].as_u64().expect("a step"));
+    assert_eq!((last + 1, rows(&place.path("out/steps.csv")).len() as u64), (step, last));
+    let files = place.files("out");
+    assert!(files.contains_key(&format!("frames/blocks_{last:06}.vtu")), "{:?}", files.keys());
+    // It stops there again, and nothing changes.
+    let (code, _, again) = place.simulate(&["fast.toml", "--out", "out", "--resume"]);
+    assert_eq!((code, again), (1, err));
+    assert_eq!(place.files("out"), files);
+}
+
+#[test]
+fn help_shows_examples() {
+    let help = Place::new().finishes(&["--help"]);
+    for told in ["rockproof simulate incline.toml --time 0.5", "--resume", "Exit status"] {
+        assert!(help.contains(told), "{help}");
+    }
+}

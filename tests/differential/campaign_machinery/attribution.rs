@@ -1,0 +1,149 @@
+//! Pins which cause and change each difference gets, link by link of SPEC section 6's chain, with scripted answers.
+
+use super::toys::{Said, Script, contact, cube, decision, scripted, subject};
+use rockproof_differential::attribution::{Examined, examine};
+use rockproof_differential::compare::Change;
+use rockproof_differential::engine::{EngineFailure, WideAnswer};
+use rockproof_differential::finding::{Cause, Who};
+use rockproof_model::{Contact, ContactKind, Entrance, EntranceKind, Precision, Sign};
+
+fn run(script: &Script) -> Examined {
+    // 0.1 is not an f32, so the oracle can tell the exact pair from the rounded one.
+    examine(&subject(5, cube(0.1, 1.0), cube(1.0, 1.0)), &scripted(script))
+}
+
+fn found(script: &Script) -> Vec<(String, Cause, Change)> {
+    run(script).findings.iter().map(|f| (f.who.to_string(), f.cause, f.difference.change)).collect()
+}
+
+fn said(contacts: &[Contact]) -> Said {
+    Said { contacts: contacts.to_vec(), trace: Vec::new() }
+}
+
+const CORNER: u32 = 4;
+
+fn base() -> Contact {
+    contact(ContactKind::VertexFace, 0, 1)
+}
+
+/// One answer for each change from `base`.
+fn changed() -> Vec<(Change, Vec<Contact>)> {
+    let base = base();
+    let turned = Entrance { kind: EntranceKind::EdgeEdge, a: 2, b: 3 };
+    vec![
+        (Change::Missing, vec![]),
+        (Change::Extra, vec![base, contact(ContactKind::EdgeEdge, 7, 7)]),
+        (Change::Kind, vec![contact(ContactKind::VertexVertex, 0, CORNER)]),
+        (Change::Entrance, vec![Contact { entrance: turned, ..base }]),
+        (Change::GapSign, vec![Contact { gap: Sign::Negative, ..base }]),
+    ]
+}
+
+#[test]
+fn agreement_is_no_finding() {
+    let examined = run(&Script::unanimous(&[base()]));
+    assert_eq!(examined.findings, []);
+    assert_eq!(examined.contacts, 1);
+    assert!(examined.levels.0[0] >= 2, "the exact and the rounded pair were both asked");
+}
+
+#[test]
+fn every_change_at_every_link_has_its_cause() {
+    let unanimous = Script::unanimous(&[base()]);
+    for (change, answer) in changed() {
+        let other = said(&answer);
+        let old = said(&[base()]);
+        let mut script = Script::unanimous(&answer);
+        script.ideal = old.clone();
+        assert_eq!(found(&script), [("any".to_owned(), Cause::Tolerance, change)]);
+        script.exact = old.clone();
+        assert_eq!(found(&script), [("f32".to_owned(), Cause::Representation, change)]);
+        script.rounded = old;
+        assert_eq!(found(&script), [("scripted".to_owned(), Cause::Arithmetic, change)]);
+
+        let wide = |unsettled, contacts: &[Contact]| Some(WideAnswer { contacts: contacts.to_vec(), unsettled });
+        let script = Script { engine: Ok(other), ..unanimous.clone() };
+        let cause = |wide| found(&Script { wide, ..script.clone() })[0].1;
+        assert_eq!(cause(wide(0, &answer)), Cause::Defect, "{change}: it remains although nothing was close");
+        assert_eq!(cause(wide(1, &answer)), Cause::Arithmetic, "{change}: a tie may explain it");
+        assert_eq!(cause(wide(0, &[base()])), Cause::Arithmetic, "{change}: more bits mend it");
+    }
+}
+
+#[test]
+fn an_error_that_undoes_a_tolerance_still_counts() {
+    let mut script = Script::unanimous(&[base()]);
+    script.exact = said(&[]);
+    script.rounded = said(&[]);
+    assert_eq!(
+        found(&script),
+        [
+            ("any".to_owned(), Cause::Tolerance, Change::Missing),
+            ("scripted".to_owned(), Cause::Arithmetic, Change::Extra)
+        ]
+    );
+}
+
+#[test]
+fn no_answer_is_a_verdict() {
+    for (failure, change) in [
+        (EngineFailure::Unsupported("concave".into()), Change::Unsupported),
+        (EngineFailure::Failed("panic".into()), Change::Failure),
+        (EngineFailure::Crashed("signal 11".into()), Change::Crash),
+        (EngineFailure::TimedOut("10 s".into()), Change::Timeout),
+        (EngineFailure::Malformed("no JSON".into()), Change::Malformed),
+        (EngineFailure::Unstable("one, then two".into()), Change::Unstable),
+    ] {
+        let script = Script { engine: Err(failure.clone()), ..Script::unanimous(&[base()]) };
+        let examined = run(&script);
+        assert_eq!(examined.findings.len(), 1);
+        assert_eq!(examined.findings[0].difference.change, change);
+        assert_eq!(examined.findings[0].note, Some(failure.to_string()));
+    }
+    let script = Script { engine: Err(EngineFailure::Collapsed("edge 3".into())), ..Script::unanimous(&[base()]) };
+    assert_eq!(
+        found(&script),
+        [("scripted".to_owned(), Cause::Arithmetic, Change::Collapsed)],
+        "the rounded block still has its features, so the engine lost them"
+    );
+}
+
+#[test]
+fn features_that_rounding_destroyed_are_counted_once_for_the_precision() {
+    let tiny = subject(5, cube(1.0, 1e-9), cube(3.0, 1.0));
+    let findings = examine(&tiny, &scripted(&Script::unanimous(&[base()]))).findings;
+    assert_eq!(findings.len(), 1);
+    assert_eq!(findings[0].who, Who::Rounded(Precision::F32));
+    assert_eq!((findings[0].cause, findings[0].difference.change), (Cause::Representation, Change::Collapsed));
+    assert_eq!(findings[0].note.as_deref(), Some("edge 0 has no length in block A"));
+    let huge = subject(5, cube(1.0, 1e300), cube(3.0, 1.0));
+    let findings = examine(&huge, &scripted(&Script::unanimous(&[base()]))).findings;
+    assert_eq!((findings[0].cause, findings[0].difference.change), (Cause::Representation, Change::Failure));
+}
+
+#[test]
+fn the_decision_nearest_to_a_tie_decides() {
+    let corner = contact(ContactKind::VertexVertex, 2, 2);
+    let mut script = Script::unanimous(&[corner]);
+    script.rounded.trace = vec![(decision(6), 1), (decision(3), 1), (decision(2), 1), (decision(1), 1)];
+    let engine = |trace: &[(u32, i8)]| {
+        let trace = trace.iter().map(|&(n, outcome)| (decision(n), outcome)).collect();
+        Ok(Said { contacts: vec![], trace })
+    };
+    let deciding = |script: &Script| run(script).findings[0].deciding;
+    // Decisions 6 and 2 part; both touch what the difference is about or not: 2 does.
+    script.engine = engine(&[(6, 0), (3, 1), (2, 0)]);
+    let reason = deciding(&script).expect("a decision");
+    assert_eq!((reason.decision, reason.outcomes), (decision(2), [1, 0]));
+    assert_eq!(reason.margin, Some(0.002));
+    assert_eq!(reason.margin_ulps, Some(0.002 / 2f64.powi(-24)));
+    // Where none touches it, any that parted will do.
+    script.engine = engine(&[(6, 0), (3, 1), (2, 1)]);
+    assert_eq!(deciding(&script).expect("a decision").decision, decision(6));
+    // Of several, the one with the smallest margin; a tie has margin 0.
+    script.engine = engine(&[(6, 0), (3, 0), (2, 1)]);
+    assert_eq!(deciding(&script).expect("a decision").decision, decision(3));
+    // A decision that only one side took decides nothing.
+    script.engine = engine(&[(5, 0), (3, 1)]);
+    assert_eq!(deciding(&script), None);
+}

@@ -1,0 +1,83 @@
+//! Pins that each metamorphic check catches an engine that is right on the pair itself and wrong on the changed one, and
+//! that an engine which is always right violates none.
+
+use super::toys::{cube, subject};
+use rockproof_differential::attribution::{Panel, examine};
+use rockproof_differential::builtin::Exact;
+use rockproof_differential::compare::Change;
+use rockproof_differential::engine::{Engine, EngineFailure, Oracle, Prepared, Trace, WideAnswer};
+use rockproof_differential::finding::Cause;
+use rockproof_model::{Block, Contact, ContactKind, Precision, ToleranceSet};
+
+/// Answers as the oracle does, but loses every contact of a pair changed in the given way.
+struct Upset(Option<Change>);
+
+struct UpsetPair {
+    a: Block,
+    b: Block,
+    upset: bool,
+    invents: bool,
+}
+
+impl Engine for Upset {
+    fn name(&self) -> &str {
+        "upset"
+    }
+    fn precision(&self) -> Precision {
+        Precision::F32
+    }
+    fn prepare<'p>(&'p self, a: &'p Block, b: &'p Block) -> Result<Box<dyn Prepared + 'p>, EngineFailure> {
+        let corner = |block: &Block, v: usize| block.vertices()[v].x.approximate();
+        let edge = (corner(a, 1) - corner(a, 0)).abs();
+        let far = corner(b, 0).abs() > 10.0 || corner(a, 0).abs() > 10.0;
+        // The pair itself: A a unit cube from 0, B one from 1, face 0 the loop 0 3 2 1.
+        let upset = match self.0 {
+            Some(Change::Swap) => edge == 1.0 && !far && corner(a, 0) > corner(b, 0) && a.topology().faces()[0][0] == 0,
+            Some(Change::Renumber) => a.topology().faces()[0][0] != 0,
+            Some(Change::Translate) => edge == 1.0 && !far && corner(a, 0) >= 2.0,
+            Some(Change::Scale) => edge < 1.0,
+            _ => false,
+        };
+        let invents = self.0 == Some(Change::FarBlock) && far;
+        Ok(Box::new(UpsetPair { a: a.clone(), b: b.clone(), upset, invents }))
+    }
+}
+
+impl Prepared for UpsetPair {
+    fn classify(&self, tolerances: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure> {
+        if self.invents {
+            return Ok(vec![super::toys::contact(ContactKind::VertexVertex, 0, 0)]);
+        }
+        let contacts = Exact.prepare(&self.a, &self.b).pair().classify(tolerances).contacts;
+        Ok(if self.upset { Vec::new() } else { contacts })
+    }
+    fn trace(&self, _: &ToleranceSet) -> Option<Trace> {
+        None
+    }
+    fn classify_wide(&self, tolerances: &ToleranceSet) -> Option<WideAnswer> {
+        Some(WideAnswer { contacts: self.classify(tolerances).ok()?, unsettled: 0 })
+    }
+}
+
+fn violations(upset: Option<Change>) -> Vec<(Cause, Change)> {
+    let panel = Panel { oracle: Box::new(Exact), engines: vec![Box::new(Upset(upset))], metamorphic_every: 1 };
+    let examined = examine(&subject(0, cube(0.0, 1.0), cube(1.0, 1.0)), &panel);
+    assert_eq!(examined.metamorphic_checks, 5);
+    let engine = examined.findings.iter().filter(|f| f.who.to_string() == "upset");
+    let mut found: Vec<_> = engine.map(|f| (f.cause, f.difference.change)).collect();
+    found.dedup();
+    found
+}
+
+#[test]
+fn an_engine_that_is_always_right_violates_nothing() {
+    assert_eq!(violations(None), []);
+}
+
+#[test]
+fn each_check_catches_its_violation() {
+    for change in [Change::Swap, Change::Renumber, Change::Translate, Change::Scale] {
+        assert_eq!(violations(Some(change)), [(Cause::Defect, change)], "{change}");
+    }
+    assert_eq!(violations(Some(Change::FarBlock)), [(Cause::Arithmetic, Change::FarBlock)]);
+}

@@ -1,0 +1,103 @@
+//! The stepper's code in 512 bits beside the oracle, on the scenes of cases/handmade: contacts, modes after each solve, number of
+//! solves and retries of every step must be the same, from the same state; exact ties aside, which are counted.
+
+use rockproof_differential::lockstep::answer::{Answer, compare};
+use rockproof_differential::lockstep::errors::{anchor_error, largest_distance, velocity_error};
+use rockproof_differential::lockstep::run::KEEP;
+use rockproof_differential::lockstep::scene::ExactScene;
+use rockproof_differential::lockstep::state::{converted, exact_state};
+use rockproof_differential::lockstep::wide::WideStepper;
+use rockproof_model::{Precision, Scene};
+use rockproof_oracle::step as exact;
+use rockproof_stepper::contact::Spec;
+use rockproof_stepper::dynamics::{Dynamics, State};
+use std::path::PathBuf;
+
+/// Unknowns of the largest scene in the quick test: 512 bits take seconds a step beyond.
+const MOST_UNKNOWNS: usize = 150;
+
+/// The scenes, by name.
+fn scenes() -> Vec<(String, ExactScene)> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("cases/handmade");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let load = |path: &PathBuf| {
+        let mut scene = Scene::load(path).unwrap();
+        let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), Precision::F64).unwrap();
+        scene.derive_stiffness(&set);
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        (name, ExactScene::new(&scene, &set).rounded(Precision::F64).unwrap())
+    };
+    files.iter().map(load).collect()
+}
+
+/// Steps with unsettled comparisons, and those of them that differ.
+#[derive(Debug, Default)]
+struct Ties {
+    steps: usize,
+    differing: Vec<String>,
+}
+
+/// Runs a scene in 512 bits, each state rounded to f64, beside the oracle.
+fn agree(name: &str, scene: &ExactScene, steps: usize) -> Ties {
+    let mut state: State<f64> = Dynamics::<f64>::new(scene.scene(), scene.tolerances()).unwrap().state().clone();
+    let mut wide = WideStepper::<Spec>::new(scene).unwrap();
+    let shapes = scene.scene().shapes();
+    let mut ties = Ties::default();
+    for _ in 0..steps {
+        let number = state.step as i64 + 1 - i64::from(state.settling);
+        let exact = scene.step(&exact_state(&state).unwrap(), KEEP);
+        let stepped = wide.step(&state).unwrap();
+        ties.steps += usize::from(stepped.unsettled > 0);
+        let (exact, (answer, after)) = match (exact, stepped.outcome) {
+            (Ok(exact), Ok(stepped)) => (exact, stepped),
+            (exact, stepped) => panic!("{name}, step {number}: {:?}, {:?}", exact.err(), stepped.err()),
+        };
+        let found = compare(&Answer::of_oracle(&exact), &answer, &shapes);
+        let own = exact_state(&after).unwrap();
+        if found.is_empty() {
+            same_state(&format!("{name}, step {number}"), &own, &exact.state);
+        } else {
+            let text = format!("{name}, step {number}, {} unsettled: {found:?}", stepped.unsettled);
+            assert!(stepped.unsettled > 0, "{text}");
+            ties.differing.push(text);
+        }
+        state = converted(&after);
+    }
+    ties
+}
+
+/// The states after a step are the same but for what rounding the wide one to f64 changes.
+fn same_state(step: &str, own: &exact::State, right: &exact::State) {
+    for (a, b) in own.blocks.iter().zip(&right.blocks) {
+        let apart = largest_distance(a.vertices.iter().zip(&b.vertices));
+        assert!(apart < 1e-13, "{step}: a vertex is off by {apart:e} m");
+    }
+    let velocity = velocity_error(own, right).unwrap_or(0.0);
+    assert!(velocity < 1e-9, "{step}: a velocity is off by {velocity:e}");
+    let anchor = anchor_error(own, right).unwrap_or(0.0);
+    assert!(anchor < 1e-13, "{step}: an anchor is off by {anchor:e} m");
+    let modes = |state: &exact::State| state.contacts.iter().map(|contact| contact.mode).collect::<Vec<_>>();
+    assert_eq!(modes(own), modes(right), "{step}: what is remembered of modes");
+}
+
+#[test]
+fn stepper_and_oracle_make_the_same_first_steps() {
+    for (name, scene) in scenes() {
+        let unknowns: usize = scene.scene().blocks.iter().map(|block| block.body.motion.unknowns()).sum();
+        if unknowns <= MOST_UNKNOWNS {
+            let ties = agree(&name, &scene, 4);
+            println!("{name}: {ties:#?}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "minutes; cargo test --release --test differential lockstep:: -- --ignored --nocapture"]
+fn stepper_and_oracle_make_the_same_200_steps() {
+    for (name, scene) in scenes() {
+        let ties = agree(&name, &scene, 200);
+        println!("{name}: {} steps with unsettled comparisons, {} differ", ties.steps, ties.differing.len());
+        ties.differing.iter().for_each(|text| println!("  {text}"));
+    }
+}

@@ -1,0 +1,22 @@
+//! Stepper, oracle and engines side by side: agreement, causes, families, lockstep, and planted mistakes that must be found.
+
+#[path = "../support/beside.rs"]
+mod beside;
+#[path = "../support/boxes.rs"]
+mod boxes;
+#[path = "../support/mistaken_engine.rs"]
+mod mistaken_engine;
+#[path = "../../crates/stepper/tests/support/mistakes.rs"]
+mod mistakes;
+#[path = "../../crates/stepper/tests/support/step_mistakes.rs"]
+mod step_mistakes;
+
+mod agreement;
+mod campaign_machinery;
+mod campaign_mistakes;
+mod campaign_steps;
+mod exact_trajectory;
+mod families;
+mod lockstep;
+mod lockstep_table;
+mod planted_step_mistakes;

@@ -1,0 +1,147 @@
+//! The rules of ARCHITECTURE.md that Cargo does not hold by itself: which crate's manifest may name which, which folders mirror each
+//! other, how long a file may be, and that no default build reaches GMP.
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The four feature pairs of SPEC section 4.
+const FEATURE_PAIRS: [&str; 4] = ["edge_edge.rs", "vertex_edge.rs", "vertex_face.rs", "vertex_vertex.rs"];
+/// Steps that every implementation has in a file of this name.
+const SHARED_STEPS: [&str; 4] = ["classify.rs", "entrance.rs", "exit.rs", "territory.rs"];
+/// The implementations of SPEC section 4: the oracle's fast path, its plain path, the stepper.
+const IMPLEMENTATIONS: [&str; 3] = ["oracle/src/contact", "oracle/src/plain", "crates/stepper/src/contact"];
+/// Lines of a file that can be read in one sitting; a longer one says why at its head, with [`REASON`].
+const LONGEST_FILE: usize = 400;
+const REASON: &str = "// Longer than 400 lines: ";
+
+/// The crates of the workspace and those of its own that each may depend on. Cargo refuses every import that is not listed in a
+/// manifest; this table says which manifests are right. The rule above all others: oracle and stepper know the model alone.
+const MAY_DEPEND_ON: [(&str, &[&str]); 13] = [
+    ("model", &[]),
+    ("oracle", &["model"]),
+    ("stepper", &["model"]),
+    ("results", &[]),
+    ("simulate", &["model", "stepper", "results"]),
+    ("differential", &["model", "oracle", "stepper", "simulate", "results"]),
+    ("campaign", &["model", "oracle", "stepper", "simulate", "differential", "results"]),
+    ("gate", &["model", "differential", "campaign", "results"]),
+    ("tune", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
+    ("bench", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
+    ("report", &["model", "oracle", "differential", "campaign", "results"]),
+    // The stepper against closed forms; what those say needs no oracle.
+    ("validation", &["model", "simulate", "stepper"]),
+    (
+        "rockproof",
+        &[
+            "model",
+            "oracle",
+            "stepper",
+            "results",
+            "simulate",
+            "differential",
+            "campaign",
+            "gate",
+            "tune",
+            "bench",
+            "report",
+        ],
+    ),
+];
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// All Rust files below a folder, in order.
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths
+        .into_iter()
+        .flat_map(|path| match path.is_dir() {
+            true => rust_files(&path),
+            false if path.extension().is_some_and(|e| e == "rs") => vec![path],
+            false => Vec::new(),
+        })
+        .collect()
+}
+
+#[test]
+fn crates_depend_downwards_and_gmp_stays_optional() {
+    // --no-deps reads the manifests of the workspace and nothing else, so it needs no network.
+    let cargo = Command::new(env!("CARGO"))
+        .args(["metadata", "--no-deps", "--offline", "--format-version", "1"])
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(cargo.status.success(), "{}", String::from_utf8_lossy(&cargo.stderr));
+    let metadata: Value = serde_json::from_slice(&cargo.stdout).unwrap();
+    let packages = metadata["packages"].as_array().unwrap();
+    assert_eq!(packages.len(), MAY_DEPEND_ON.len());
+    for package in packages {
+        let name = package["name"].as_str().unwrap();
+        let short = |name: &str| name.trim_start_matches("rockproof-").to_owned();
+        let ours: BTreeSet<String> = dependencies(package).filter(|d| d.starts_with("rockproof")).map(short).collect();
+        let (_, allowed) =
+            MAY_DEPEND_ON.iter().find(|(of, _)| *of == short(name)).unwrap_or_else(|| panic!("{name} is new"));
+        let beyond: Vec<&String> = ours.iter().filter(|d| !allowed.contains(&d.as_str())).collect();
+        assert!(beyond.is_empty(), "{name} depends on {beyond:?}");
+        let gmp = package["dependencies"].as_array().unwrap().iter().filter(|d| is_gmp(d["name"].as_str().unwrap()));
+        for dependency in gmp {
+            assert_eq!(dependency["optional"], true, "{name} depends on {} whether asked or not", dependency["name"]);
+        }
+        let features = package["features"].as_object().unwrap();
+        let default = features.get("default").map(Value::to_string).unwrap_or_default();
+        assert!(!default.contains("gmp") && !default.contains("rug"), "{name}: default features {default}");
+    }
+}
+
+/// What a crate needs to be used; what its tests need is not asked.
+fn dependencies(package: &Value) -> impl Iterator<Item = &str> {
+    let all = package["dependencies"].as_array().unwrap().iter();
+    all.filter(|d| d["kind"].is_null()).map(|d| d["name"].as_str().unwrap())
+}
+
+fn is_gmp(dependency: &str) -> bool {
+    dependency == "rug" || dependency.starts_with("gmp")
+}
+
+#[test]
+fn implementations_mirror_each_other() {
+    for folder in IMPLEMENTATIONS {
+        let files: BTreeSet<String> = rust_files(&root().join(folder))
+            .iter()
+            .map(|path| path.file_name().unwrap().to_string_lossy().into_owned())
+            .collect();
+        let features = ["vertex", "edge", "face"];
+        let of_pairs: Vec<&str> = files
+            .iter()
+            .map(String::as_str)
+            .filter(|name| {
+                name.trim_end_matches(".rs")
+                    .split_once('_')
+                    .is_some_and(|(a, b)| features.contains(&a) && features.contains(&b))
+            })
+            .collect();
+        assert_eq!(of_pairs, FEATURE_PAIRS, "{folder}: one file a feature pair");
+        for step in SHARED_STEPS {
+            assert!(files.contains(step), "{folder} has no {step}");
+        }
+    }
+}
+
+#[test]
+fn files_can_be_read_in_a_sitting() {
+    let folders = ["crates", "oracle", "src", "tests", "examples", "benches"];
+    let files: Vec<PathBuf> = folders.iter().flat_map(|folder| rust_files(&root().join(folder))).collect();
+    assert!(files.len() > 50, "found only {} files", files.len());
+    for file in files {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let lines = text.lines().count();
+        let reasoned = text.lines().take(20).any(|line| line.starts_with(REASON));
+        assert!(lines <= LONGEST_FILE || reasoned, "{} has {lines} lines and does not say why", file.display());
+    }
+}

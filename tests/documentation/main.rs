@@ -1,0 +1,10 @@
+//! What the documents say, held against the program: commands on the pages, links, pictures, the rules of ARCHITECTURE.md.
+
+#[path = "../../examples/pictures/drawings/mod.rs"]
+mod drawings;
+
+mod architecture;
+mod book;
+mod pictures;
+#[cfg(unix)]
+mod readme;
