@@ -19,6 +19,7 @@ mod gate_command;
 mod gate_formats;
 #[cfg(unix)]
 mod gate_regressions;
+mod kept_results;
 mod lockstep_cli;
 mod report_command;
 mod report_page;
