@@ -1,14 +1,14 @@
 //! `campaign`: generated and real pairs through every engine, differences explained, findings kept.
 
 use crate::exit::{Outcome, Verdict, note, print};
-use crate::input::{EngineArgs, ReadArgs};
+use crate::input::{EngineArgs, ReadArgs, threads};
 use crate::stop::on_ctrl_c;
 use crate::stress;
 use crate::table::{grouped, table};
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_campaign::engines::Engines;
+use rockproof_campaign::engines::{Engines, EnginesError};
 use rockproof_campaign::journal::{Journal, Progress};
 use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::source;
@@ -17,11 +17,13 @@ use rockproof_campaign::stress::StressSource;
 use rockproof_differential::compare::Change;
 use rockproof_differential::finding::{Cause, Finding};
 use rockproof_differential::subject::Source;
+use rockproof_gate::config::RECOVERED;
+use rockproof_model::files::read_text;
 use rockproof_results::Start;
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Compare engines with the oracle on generated and real pairs, and explain every difference
@@ -80,7 +82,7 @@ pub(crate) struct Campaign {
     /// Discard the campaign in the directory; other files there stay
     #[arg(long)]
     overwrite: bool,
-    /// Exit with 1 if there is a finding of this cause or change, or `any`; may be repeated
+    /// Exit with 1 if there is a finding of this cause or change, or `any`; `recovered` for failures of engines that did not repeat; may be repeated
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     deny: Vec<String>,
     /// One pair in this many makes steps as well; 0 for none
@@ -90,7 +92,7 @@ pub(crate) struct Campaign {
     #[arg(long, value_name = "COUNT")]
     steps: Option<u32>,
     /// Worker threads [default: one a core]; the results do not depend on it
-    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
 }
 
@@ -103,12 +105,15 @@ impl Campaign {
             true => Box::new(StressSource::new(config.seed, &config.tolerances)?),
             false => Box::new(source::of(&config)?),
         };
-        engines.probe()?;
         let name = if config.stress { "stress" } else { "campaign" };
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/{name}-{}", config.seed)));
         let start = Start::of(self.resume, self.overwrite);
-        let mut journal = Journal::open(&out, source::identity(&config)?, start)?;
         let stop = on_ctrl_c()?;
+        match engines.probe() {
+            Err(_) if stop.load(Ordering::SeqCst) => return Ok(Verdict::Interrupted),
+            probed => probed?,
+        }
+        let mut journal = Journal::open(&out, source::identity(&config)?, start)?;
         let ending = work(&config, &engines, &*source, self.threads, &mut journal, &stop)?;
         let mut text = Vec::new();
         report(&mut text, &journal, ending)?;
@@ -122,11 +127,13 @@ impl Campaign {
         let (summary, steps) = (&journal.progress().summary, &journal.progress().steps);
         let denied = |kind: &&String| match kind.as_str() {
             "any" => summary.total() + steps.total() > 0,
+            RECOVERED => journal.progress().engines.values().any(|counts| counts.recovered > 0),
             kind => summary.count_of(kind) + steps.count_of(kind) > 0,
         };
         let denied: Vec<&String> = self.deny.iter().filter(denied).collect();
         for kind in &denied {
-            note(&format!("denied: there are findings of kind {kind}"));
+            let what = if *kind == RECOVERED { "failures that were" } else { "findings of kind" };
+            note(&format!("denied: there are {what} {kind}"));
         }
         Ok(if denied.is_empty() { Verdict::Fine } else { Verdict::Objection })
     }
@@ -135,8 +142,10 @@ impl Campaign {
         let mut config = match &self.config {
             None => CampaignConfig::default(),
             Some(path) => {
-                let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-                CampaignConfig::from_toml(&text).with_context(|| path.display().to_string())?
+                let here = || path.display().to_string();
+                let config = CampaignConfig::from_toml(&read_text(path).with_context(here)?).with_context(here)?;
+                check_names(&config).with_context(here)?;
+                config
             }
         };
         config.stress |= self.stress;
@@ -177,12 +186,25 @@ impl Campaign {
     }
 }
 
+/// Checks the names in a file of settings, before options override any: whatever comes after is about the options.
+fn check_names(config: &CampaignConfig) -> anyhow::Result<()> {
+    match Engines::of(config) {
+        // An option may name one.
+        Ok(_) | Err(EnginesError::None { .. }) => {}
+        Err(error) => return Err(error.into()),
+    }
+    let names = CampaignConfig { real: Vec::new(), ..config.clone() };
+    source::of(&names).map(drop).map_err(anyhow::Error::new)
+}
+
 fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
-    let known = |kind: &str| kind == "any" || Cause::from_name(kind).is_some() || StepChange::is_known(kind);
+    let known = |kind: &str| {
+        ["any", RECOVERED].contains(&kind) || Cause::from_name(kind).is_some() || StepChange::is_known(kind)
+    };
     if let Some(kind) = kinds.iter().find(|kind| !known(kind)) {
         let names =
             Cause::ALL.map(Cause::name).into_iter().chain(Change::ALL.map(Change::name)).chain(StepChange::NAMES);
-        let allowed = std::iter::once("any").chain(names).collect::<Vec<_>>().join(", ");
+        let allowed = ["any", RECOVERED].into_iter().chain(names).collect::<Vec<_>>().join(", ");
         anyhow::bail!("--deny {kind}: no such kind; known are {allowed}");
     }
     Ok(())
@@ -284,6 +306,11 @@ fn report(out: &mut impl Write, journal: &Journal, ending: Ending) -> std::io::R
         "{pairs} pairs in {seconds:.1} s ({speed:.0} a second), {} findings",
         grouped(progress.summary.total())
     )?;
+    for (name, counts) in &progress.engines {
+        if let Some(told) = counts.told() {
+            writeln!(out, "{name}: {told}; engines.csv counts them")?;
+        }
+    }
     if ending == Ending::Stopped {
         writeln!(out, "interrupted; --resume goes on")?;
     }

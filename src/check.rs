@@ -3,6 +3,7 @@
 use crate::exit::{Outcome, Verdict, complain, note, print};
 use crate::input::{ReadArgs, ToleranceArgs, precision};
 use crate::overlaps::overlaps;
+use anyhow::Context;
 use rockproof_model::{Number, Precision, Scene, ToleranceSet, ToleranceSpec, Violation, rules};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -49,7 +50,7 @@ impl Check {
         }
         let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
         let shapes = scene.shapes();
-        let set = spec.derive(&shapes, self.precision)?;
+        let set = spec.derive(&shapes, self.precision).with_context(|| self.tolerances.place(&self.file))?;
         self.check_range(&scene, &set)?;
         let violations = rules::check_scene(&set, &scene, self.precision);
         print(&self.table(&scene, &spec, &set, &violations))?;
@@ -69,7 +70,10 @@ impl Check {
         }
         match set.rounded(self.precision) {
             Ok(_) => Ok(()),
-            Err(name) => anyhow::bail!("tolerance `{name}` overflows when rounded to {}", self.precision),
+            Err(name) => {
+                let (place, precision) = (self.tolerances.place(&self.file), self.precision);
+                anyhow::bail!("{place}: tolerance `{name}` overflows when rounded to {precision}")
+            }
         }
     }
 

@@ -88,7 +88,9 @@ impl Classify {
         let scene = Scene::load_with(&self.file, &self.read.options())?;
         let blocks = scene.shapes();
         let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
-        let tolerances = self.tolerances.spec(scene.tolerances.as_ref())?.derive(&blocks, precision)?;
+        let place = || self.tolerances.place(&self.file);
+        let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
+        let tolerances = spec.derive(&blocks, precision).with_context(place)?;
         let pairs = match self.pair {
             Some((i, j)) => {
                 if let Some(missing) = [i, j].into_iter().find(|&n| n >= blocks.len()) {
@@ -101,8 +103,8 @@ impl Classify {
         };
         let found = match self.engine {
             EngineChoice::Exact => exactly(&blocks, &pairs, &tolerances),
-            EngineChoice::F64 => in_floats::<f64>(&blocks, &pairs, &tolerances)?,
-            EngineChoice::F32 => in_floats::<f32>(&blocks, &pairs, &tolerances)?,
+            EngineChoice::F64 => in_floats::<f64>(&blocks, &pairs, &tolerances).with_context(place)?,
+            EngineChoice::F32 => in_floats::<f32>(&blocks, &pairs, &tolerances).with_context(place)?,
         };
         let mut out = Vec::new();
         match self.format {

@@ -1,6 +1,8 @@
 //! `gate`: does this change let contact classification get worse?
 
-use crate::exit::{Outcome, Verdict, note, print};
+use crate::exit::{Outcome, Verdict, note, print, print_as_it_is};
+use crate::input::threads;
+use crate::stop::end_on_ctrl_c;
 use crate::table::table;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
@@ -18,6 +20,7 @@ use rockproof_gate::config::{Baseline, GateConfig};
 use rockproof_gate::known::Known;
 use rockproof_gate::tally::{Row, Tally};
 use rockproof_gate::{self, Check, corpus, junit};
+use rockproof_model::files::read_text;
 use rockproof_results::{Owner, Start, write_atomically};
 use std::io::Write;
 use std::path::PathBuf;
@@ -53,7 +56,7 @@ pub(crate) struct Gate {
     #[arg(long, value_name = "SEED")]
     rotating_seed: Option<u64>,
     /// Worker threads [default: one a core]; the results do not depend on it
-    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
 }
 
@@ -69,7 +72,7 @@ struct Gating<'g> {
 impl Gate {
     pub(crate) fn run(&self) -> Outcome {
         let file = self.file.display().to_string();
-        let text = std::fs::read_to_string(&self.file).with_context(|| file.clone())?;
+        let text = read_text(&self.file).with_context(|| file.clone())?;
         let config = GateConfig::from_toml(&text, &file).map_err(anyhow::Error::msg)?;
         let engines = Engines::of(&config.campaign).with_context(|| file.clone())?;
         source::of(&config.campaign).with_context(|| file.clone())?;
@@ -82,7 +85,8 @@ impl Gate {
             }
             None => None,
         };
-        engines.probe()?;
+        end_on_ctrl_c()?;
+        engines.probe().with_context(|| file.clone())?;
         let mut checks = corpus::checks(&config.corpus, &engines)?;
         let rotating = self.rotating(&config)?;
         let mut gating = Gating { gate: self, config, engines, text, written: 0 };
@@ -137,7 +141,7 @@ impl Gate {
             write_atomically(path, junit::junit(checks)?).with_context(|| path.display().to_string())?;
         }
         if std::env::var_os("GITHUB_ACTIONS").is_some_and(|on| on == "true") {
-            print(&junit::annotations(checks))?;
+            print_as_it_is(&junit::annotations(checks))?;
         }
         if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()) {
             let mut summary = std::fs::OpenOptions::new().append(true).create(true).open(&path)?;
@@ -149,8 +153,8 @@ impl Gate {
 
 fn load(baseline: &Baseline) -> anyhow::Result<Known> {
     let file = baseline.file.display();
-    let text = std::fs::read_to_string(&baseline.file)
-        .with_context(|| format!("{file}: no baseline; --update-baseline writes it"))?;
+    let text =
+        read_text(&baseline.file).with_context(|| format!("{file}: no baseline; --update-baseline writes it"))?;
     let known: Known = toml::from_str(&text).with_context(|| file.to_string())?;
     if known.fields != baseline.fields {
         let fields = (known.fields.join(", "), baseline.fields.join(", "));
@@ -166,7 +170,7 @@ fn load(baseline: &Baseline) -> anyhow::Result<Known> {
 /// Refuses to write a baseline anew over a file that is none.
 fn is_baseline(baseline: &Baseline) -> anyhow::Result<()> {
     let file = baseline.file.display();
-    match std::fs::read_to_string(&baseline.file) {
+    match read_text(&baseline.file) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(error).with_context(|| file.to_string()),
         Ok(text) => toml::from_str::<Known>(&text)

@@ -12,6 +12,7 @@ use rockproof_differential::explain::{Parted, parted};
 use rockproof_differential::external::protocol::completed;
 use rockproof_differential::lockstep::StepCase;
 use rockproof_differential::mapped::separation::Separation;
+use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Contact, Precision, ToleranceSet};
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -54,7 +55,7 @@ impl Replay {
             return replay_step::run(&self.case);
         }
         let case = Case::load(&self.case)?;
-        let engines = self.external.engines()?;
+        let engines = self.external.engines_of(&case, &self.case)?;
         let (said, partings) = answers(&case, &engines);
         let mut out = Vec::new();
         show(&mut out, &case, &said, &partings)?;
@@ -146,13 +147,17 @@ fn show(out: &mut impl Write, case: &Case, said: &[Said], partings: &[Parting]) 
     writeln!(
         out,
         "{} {} by {}, decided by {} {}",
-        about.cause, about.change, about.engine, about.predicate, about.features
+        about.cause,
+        about.change,
+        about.engine,
+        about.predicate,
+        excerpt(&about.features, SHOWN)
     )?;
     if let Some(margin) = about.margin {
         let ulps = about.margin_ulps.map_or(String::new(), |u| format!(", {u:.3} roundoffs"));
         writeln!(out, "margin {margin:e}{ulps}")?;
     }
-    writeln!(out, "from {}\n", about.origin)?;
+    writeln!(out, "from {}\n", excerpt(&about.origin, SHOWN))?;
     let keys: BTreeSet<_> = said.iter().flat_map(|s| s.contacts.iter().flatten()).map(|c| (c.kind, c.a, c.b)).collect();
     let mut header = vec!["contact"];
     header.extend(said.iter().map(|s| s.name.as_str()));

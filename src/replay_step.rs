@@ -6,6 +6,7 @@ use anyhow::Context;
 use rockproof_differential::lockstep::answer::described;
 use rockproof_differential::lockstep::case_file::Expected;
 use rockproof_differential::lockstep::{Answer, Compared, Links, Lockstep, StepCase};
+use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Contact, Precision};
 use rockproof_stepper::contact::Spec;
 use rockproof_stepper::dynamics::Solve;
@@ -39,7 +40,7 @@ fn again<R: Solve>(case: &StepCase) -> anyhow::Result<Compared> {
 }
 
 fn show(out: &mut String, case: &StepCase, step: &Compared) -> std::fmt::Result {
-    writeln!(out, "step {} in {}, recorded by {}\n", case.step, case.engine, case.version)?;
+    writeln!(out, "step {} in {}, recorded by {}\n", case.step, case.engine, excerpt(&case.version, SHOWN))?;
     let both = [&step.oracle, &step.stepper].map(Option::as_ref);
     let sides = both.map(|answer| answer.map_or_else(|| [(); 5].map(|()| "–".to_owned()), in_words));
     let names = ["contacts", "solves", "converged", "given up before", "Δt (s)"];

@@ -32,15 +32,9 @@ impl Shrink {
     pub(crate) fn run(&self) -> Outcome {
         let case = Case::load(&self.case)?;
         let about = &case.about;
-        let engines = self.external.engines()?;
+        let engines = self.external.engines_of(&case, &self.case)?;
         let file = self.case.display();
-        let Some(panel) = engines.panel_of(&case) else {
-            let known = engines.names().join(", ");
-            anyhow::bail!(
-                "{file}: engine is \"{}\"; known are any, f32, f64, {known}, and what --engine-command names",
-                about.engine
-            );
-        };
+        let panel = engines.panel_of(&case).with_context(|| file.to_string())?;
         if case.findings(&panel).is_empty() {
             let About { cause, change, engine, predicate, .. } = about;
             anyhow::bail!("{file}: the pair does not show its finding: {cause} {change} by {engine} ({predicate})");

@@ -162,7 +162,8 @@ impl Simulate {
         let mut scene = Scene::load_with(&self.scene, &self.read.options())?;
         let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
         let shapes = scene.shapes();
-        let set = self.tolerances.spec(scene.tolerances.as_ref())?.derive(&shapes, precision)?;
+        let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
+        let set = spec.derive(&shapes, precision).with_context(|| self.tolerances.place(&self.scene))?;
         let plan = self.plan(&scene.simulation.control)?;
         scene.derive_stiffness(&set);
         let violations = rules::check_scene(&set, &scene, precision);

@@ -7,13 +7,13 @@ use rockproof_campaign::engines::Engines;
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::stress::steps::{self, Measured, REST};
 use rockproof_campaign::stress::table::{Limit, cells_csv, limits, limits_csv, rows};
-use std::fs::File;
+use rockproof_model::files::open_table;
 use std::io::BufReader;
 
 /// Writes stress.csv, limits.csv and steps.csv into the directory of a finished campaign, and prints what an engineer needs.
 pub(crate) fn finish(journal: &mut Journal, engines: &Engines) -> anyhow::Result<()> {
     let path = journal.dir().join("findings.csv");
-    let findings = BufReader::new(File::open(&path).with_context(|| path.display().to_string())?);
+    let findings = BufReader::new(open_table(&path).with_context(|| path.display().to_string())?);
     let rows = rows(&journal.progress().summary, findings, &engines.precisions())?;
     let limits = limits(&rows);
     journal.write("stress.csv", &cells_csv(&rows)?)?;

@@ -1,7 +1,7 @@
 //! `tune`: which tolerances should this model use?
 
 use crate::exit::{Outcome, Verdict, note, print};
-use crate::input::{ReadArgs, ToleranceArgs, precision};
+use crate::input::{ReadArgs, ToleranceArgs, precision, threads};
 use crate::stop::on_ctrl_c;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -65,7 +65,7 @@ pub(crate) struct Tune {
     #[arg(long)]
     overwrite: bool,
     /// Worker threads [default: one a core]; the results do not depend on it
-    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
 }
 
@@ -73,7 +73,7 @@ impl Tune {
     pub(crate) fn run(&self) -> Outcome {
         let scene = Scene::load_with(&self.file, &self.read.options())?;
         let author = self.tolerances.spec(scene.tolerances.as_ref())?;
-        let here = || self.file.display().to_string();
+        let here = || self.tolerances.place(&self.file);
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let dir =
             self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/{}", bounded(&format!("tune-{stem}")))));
@@ -137,7 +137,8 @@ impl Tune {
             None => tried > 0 && begun.elapsed() >= Duration::from_secs(self.budget),
         };
         while !enough(search.tried().len()) && !stop.load(Ordering::Relaxed) {
-            pool.install(|| search.step().map(|_| ()))?;
+            let tried = pool.install(|| search.step().map(|_| ()));
+            tried.with_context(|| self.tolerances.place(&self.file))?;
             record.commit(search)?;
             if let (Some(bar), Some(best)) = (&bar, search.best()) {
                 let differ = search.tried()[best].measurement.differences.avoidable();

@@ -113,6 +113,12 @@ fn the_action_is_yaml_and_asks_for_what_there_is() {
     assert_eq!(action["runs"]["using"].as_str(), Some("composite"));
     let steps = action["runs"]["steps"].as_vec().expect("steps");
     assert!(steps.iter().all(|s| s["uses"].as_str().is_some() || s["shell"].as_str() == Some("bash")), "{steps:?}");
+    // A tag may be moved to other code; a commit may not.
+    for uses in steps.iter().filter_map(|step| step["uses"].as_str()) {
+        let commit = uses.split_once('@').map_or("", |(_, commit)| commit);
+        let pinned = commit.len() == 40 && commit.chars().all(|c| c.is_ascii_hexdigit());
+        assert!(pinned || uses.starts_with("./"), "{uses} is not held by its commit");
+    }
     let help = Command::cargo_bin("rockproof").expect("the program").args(["gate", "--help"]).output().expect("runs");
     let help = String::from_utf8_lossy(&help.stdout).into_owned();
     for flag in ["--out", "--junit", "--rotating-seed"] {

@@ -13,11 +13,13 @@ mod bad_input;
 mod bench_command;
 mod campaign_cli;
 mod campaign_default;
+mod engine_processes;
 mod external_engines;
 mod gate_command;
 mod gate_formats;
 #[cfg(unix)]
 mod gate_regressions;
+mod kept_results;
 mod lockstep_cli;
 mod report_command;
 mod report_page;
@@ -26,3 +28,4 @@ mod simulate_cli;
 mod simulate_record;
 mod stress_command;
 mod tune_command;
+mod untrusted_input;

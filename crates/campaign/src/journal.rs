@@ -7,7 +7,7 @@
 use super::steps::{STEP_FINDING_COLUMNS, StepSummary};
 use super::summary::Summary;
 use rockproof_differential::agreement::Agreement;
-use rockproof_differential::engine::Levels;
+use rockproof_differential::engine::{EngineCounts, Levels};
 use rockproof_differential::finding::FINDING_COLUMNS;
 use rockproof_results::{Claim, Directory, Kind, Owner, ResultsError, Seal, Start, Table, identity_differences};
 use serde::{Deserialize, Serialize};
@@ -46,6 +46,9 @@ pub struct Progress {
     pub step_fingerprints: BTreeMap<String, u64>,
     /// Case files of steps written for each cause.
     pub step_cases: BTreeMap<String, u64>,
+    /// What external engines were put through, over all sessions.
+    #[serde(default)]
+    pub engines: BTreeMap<String, EngineCounts>,
     /// Seconds of work so far, over all sessions.
     pub seconds: f64,
     /// How often the run was taken up again.
@@ -68,7 +71,7 @@ const PROGRESS: &str = "progress.json";
 /// The folder of the case files.
 const CASES: &str = "cases";
 /// The files of every campaign, those of steps and of stress sets among them.
-const FILES: [&str; 11] = [
+const FILES: [&str; 12] = [
     FINDINGS,
     STEP_FINDINGS,
     PROGRESS,
@@ -76,6 +79,7 @@ const FILES: [&str; 11] = [
     "step_summary.csv",
     "agreement.csv",
     "confusion.csv",
+    super::run::ENGINES,
     "run.json",
     "stress.csv",
     "limits.csv",
@@ -123,6 +127,7 @@ impl Journal {
             steps: StepSummary::default(),
             step_fingerprints: BTreeMap::new(),
             step_cases: BTreeMap::new(),
+            engines: BTreeMap::new(),
             seconds: 0.0,
             resumed: 0,
         };

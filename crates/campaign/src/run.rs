@@ -10,12 +10,13 @@ use rayon::prelude::*;
 use rockproof_differential::agreement::Agreement;
 use rockproof_differential::attribution::{Examined, Panel, examine};
 use rockproof_differential::case_file::Case;
-use rockproof_differential::engine::Levels;
+use rockproof_differential::engine::{EngineCounts, Levels};
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::{Source, Subject};
 use rockproof_results::ResultsError;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -67,6 +68,27 @@ pub enum RunError {
     Json(#[from] serde_json::Error),
 }
 
+/// The table of what external engines were put through; only where there are any.
+pub const ENGINES: &str = "engines.csv";
+
+/// A row of it; the fields are its columns.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EngineRow {
+    /// The engine.
+    pub engine: String,
+    /// Questions asked.
+    pub asked: u64,
+    /// Processes started.
+    pub processes_started: u64,
+    /// Failures that a fresh process did not repeat.
+    pub recovered: u64,
+    /// Answers that nothing exact stands against.
+    pub not_compared: u64,
+}
+
+/// Whether a run was told to stop.
+type Stopped<'s> = &'s (dyn Fn() -> bool + Sync);
+
 /// What one batch brought.
 #[derive(Default)]
 struct Batch {
@@ -80,7 +102,9 @@ struct Batch {
 }
 
 impl Campaign<'_> {
-    /// Runs until all pairs are done or `stop` is set, calling `watch` with what is done after each chunk.
+    /// Runs until all pairs are done or `stop` is set, calling `watch` with what is done after each chunk. `stop` is looked at between
+    /// pairs; the chunk it comes in is made anew when the run is resumed, so that answers of engines that end together with this program
+    /// count for nothing.
     ///
     /// # Errors
     /// When a file cannot be written. What was committed before stays, and can be resumed.
@@ -99,15 +123,19 @@ impl Campaign<'_> {
             journal.keep_steps()?;
         }
         let before = journal.progress().seconds;
+        let (engines_before, engines_at_start) = (journal.progress().engines.clone(), self.engine_counts());
+        let stopped = || stop.load(Ordering::SeqCst);
         let started = Instant::now();
         let batch_len = self.source.batch_len();
         let chunk = self.config.chunk.div_ceil(batch_len).max(1) * batch_len;
-        while journal.progress().pairs_done < self.config.pairs && !stop.load(Ordering::Relaxed) {
+        while journal.progress().pairs_done < self.config.pairs && !stopped() {
             let first = journal.progress().pairs_done;
             let end = (first + chunk).min(self.config.pairs);
-            let batches: Vec<Batch> = pool.install(|| {
-                (first / batch_len..end.div_ceil(batch_len)).into_par_iter().map(|n| self.batch(n, end)).collect()
+            let batches: Option<Vec<Batch>> = pool.install(|| {
+                let numbers = (first / batch_len..end.div_ceil(batch_len)).into_par_iter();
+                numbers.map(|n| self.batch(n, end, &stopped)).collect()
             });
+            let Some(batches) = batches else { break };
             let mut progress = journal.progress().clone();
             let (mut findings, mut stepped) = (Vec::new(), Vec::new());
             for batch in batches {
@@ -122,12 +150,20 @@ impl Campaign<'_> {
                 progress.steps.add(batch.steps.summary);
                 stepped.extend(batch.steps.findings);
             }
-            let kept = pool.install(|| self.keep_cases(&findings, &mut progress))?;
+            let kept = pool.install(|| self.keep_cases(&findings, &mut progress, &stopped))?;
             let finding_rows = rows(&findings, &kept.names, Finding::row)?;
+            let kept_steps = pool.install(|| self.keep_step_cases(&stepped, &mut progress, &stopped))?;
+            let step_rows = rows(&stepped, &kept_steps.names, StepFinding::row)?;
+            if stopped() {
+                break;
+            }
             journal.write_cases(kept.files)?;
-            let kept = pool.install(|| self.keep_step_cases(&stepped, &mut progress))?;
-            let step_rows = rows(&stepped, &kept.names, StepFinding::row)?;
-            journal.write_cases(kept.files)?;
+            journal.write_cases(kept_steps.files)?;
+            for (name, now) in self.engine_counts() {
+                let since = engines_at_start.get(&name).map_or(now, |start| now.since(start));
+                let sum = engines_before.get(&name).map_or(since, |before| before.plus(&since));
+                progress.engines.insert(name, sum);
+            }
             progress.pairs_done = end;
             progress.seconds = before + started.elapsed().as_secs_f64();
             journal.commit(&finding_rows, &step_rows, progress)?;
@@ -143,6 +179,9 @@ impl Campaign<'_> {
         if self.makes_steps() {
             files.push(("step_summary.csv", progress.steps.to_csv()?));
         }
+        if !progress.engines.is_empty() {
+            files.push((ENGINES, engines_to_csv(&progress.engines)?));
+        }
         files.push(("run.json", self.run_json(journal, finished)?));
         files.into_iter().try_for_each(|(name, bytes)| journal.write(name, &bytes))?;
         Ok(if finished { Ending::Finished } else { Ending::Stopped })
@@ -152,10 +191,19 @@ impl Campaign<'_> {
         !self.steppers.is_empty() && self.config.steps_every > 0 && self.config.steps > 0
     }
 
-    fn batch(&self, number: u64, end: u64) -> Batch {
+    /// What its external engines were put through since the program began.
+    fn engine_counts(&self) -> BTreeMap<String, EngineCounts> {
+        self.panel.engines.iter().filter_map(|e| Some((e.name().to_owned(), e.counts()?))).collect()
+    }
+
+    /// One batch; `None` where the run is stopped meanwhile.
+    fn batch(&self, number: u64, end: u64, stopped: Stopped<'_>) -> Option<Batch> {
         let mut batch = Batch::default();
         let subjects = self.source.batch(number);
         for subject in subjects.iter().filter(|s| s.index < end) {
+            if stopped() {
+                return None;
+            }
             for set in &subject.sets {
                 batch.summary.add_pair(Origin {
                     family: subject.family.to_string(),
@@ -174,6 +222,9 @@ impl Campaign<'_> {
             batch.agreement.add(agreement);
         }
         batch.agreement.close_batch();
+        if stopped() {
+            return None;
+        }
         if self.makes_steps() {
             let moving = subjects.iter().filter(|s| s.index < end);
             let moving: Vec<_> = moving.filter_map(|s| Some((s, self.source.motion(s)?))).collect();
@@ -181,11 +232,16 @@ impl Campaign<'_> {
                 batch.steps = steps::examine_all(&moving, self.steppers);
             }
         }
-        batch
+        Some(batch)
     }
 
-    /// Keeps case files of findings: the first few of each fingerprint.
-    fn keep_cases(&self, findings: &[Finding], progress: &mut Progress) -> Result<Kept, RunError> {
+    /// Keeps case files of findings: the first few of each fingerprint. None is made any more where the run is stopped.
+    fn keep_cases(
+        &self,
+        findings: &[Finding],
+        progress: &mut Progress,
+        stopped: Stopped<'_>,
+    ) -> Result<Kept, RunError> {
         let wish = |finding: &Finding| {
             let fingerprint = finding.fingerprint();
             let name = format!("{}.toml", fingerprint.file_stem(&finding.set, finding.index));
@@ -193,11 +249,16 @@ impl Campaign<'_> {
         };
         let most = Most { of_cause: self.config.cases_per_cause, alike: self.config.cases_per_fingerprint };
         let counts = Counts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
-        keep(findings, wish, most, counts, |finding| self.case(finding))
+        keep(findings, wish, most, counts, |finding| if stopped() { Ok(None) } else { self.case(finding) })
     }
 
     /// The same of findings about steps.
-    fn keep_step_cases(&self, findings: &[StepFinding], progress: &mut Progress) -> Result<Kept, RunError> {
+    fn keep_step_cases(
+        &self,
+        findings: &[StepFinding],
+        progress: &mut Progress,
+        stopped: Stopped<'_>,
+    ) -> Result<Kept, RunError> {
         let wish = |finding: &StepFinding| Wish {
             fingerprint: finding.fingerprint(),
             cause: finding.cause.name(),
@@ -206,7 +267,7 @@ impl Campaign<'_> {
         let of_cause = self.config.cases_per_cause / STEP_CASES;
         let most = Most { of_cause, alike: self.config.cases_per_fingerprint };
         let counts = Counts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
-        keep(findings, wish, most, counts, |finding| self.step_case(finding))
+        keep(findings, wish, most, counts, |finding| if stopped() { Ok(None) } else { self.step_case(finding) })
     }
 
     /// The subject of a pair.
@@ -241,8 +302,6 @@ impl Campaign<'_> {
             .iter()
             .map(|cause| (cause.name().to_owned(), summary.count_of(cause.name()).into()))
             .collect();
-        let counted = |e: &dyn rockproof_differential::engine::Engine| Some((e.name().to_owned(), e.counts()?));
-        let external: Map<String, Value> = self.panel.engines.iter().filter_map(|e| counted(&**e)).collect();
         let mut text = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "seed": self.config.seed,
@@ -258,7 +317,7 @@ impl Campaign<'_> {
             "contacts": progress.contacts,
             "findings": { "total": summary.total(), "by_cause": by_cause },
             "metamorphic_checks": progress.metamorphic_checks,
-            "external_engines_since_start": external,
+            "external_engines": progress.engines,
             "oracle_levels": levels,
             "case_files": progress.cases.values().sum::<u64>(),
             "seconds": progress.seconds,
@@ -278,6 +337,16 @@ impl Campaign<'_> {
         bytes.push(b'\n');
         Ok(bytes)
     }
+}
+
+/// `engines.csv`: a row for each external engine.
+fn engines_to_csv(engines: &BTreeMap<String, EngineCounts>) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for (name, counts) in engines {
+        let EngineCounts { asked, processes_started, recovered, not_compared } = *counts;
+        writer.serialize(EngineRow { engine: name.clone(), asked, processes_started, recovered, not_compared })?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
 }
 
 /// Rows of `findings.csv` or `step_findings.csv`, each with the case file of its finding.

@@ -8,6 +8,7 @@ use super::sets::{self, SetSource};
 use super::steps::motion;
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Source, Subject, SubjectSet};
+use rockproof_model::files::read_limited;
 use rockproof_model::{Block, LoadOptions, Scene, SceneError};
 use serde_json::{Map, Value};
 use std::collections::hash_map::DefaultHasher;
@@ -126,7 +127,7 @@ pub fn identity(config: &CampaignConfig) -> Result<Map<String, Value>, SourceErr
 
 /// Length and hash of a file; empty if it cannot be read, which [`of`] reports.
 fn content(file: &Path) -> String {
-    std::fs::read(file).map_or(String::new(), |bytes| {
+    read_limited(file).map_or(String::new(), |bytes| {
         let mut hasher = DefaultHasher::new();
         bytes.hash(&mut hasher);
         format!("{} bytes, hash {:016x}", bytes.len(), hasher.finish())

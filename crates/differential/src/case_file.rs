@@ -3,14 +3,17 @@
 // Longer than 400 lines: one file format, its reader and its writer side by side.
 
 use super::attribution::{Panel, examine};
-use super::compare::Change;
-use super::external::protocol::completed;
+use super::compare::{Change, contact_features};
+use super::external::protocol::{UNNAMED, completed};
+use super::external::spec::is_name;
 use super::finding::{Cause, Finding, Who};
 use super::subject::{Subject, SubjectSet};
-use rockproof_model::decision::Predicate;
+use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::files::read_text;
+use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{
     Block, BlockError, BlockOptions, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, Point, Precision,
-    Sign, ToleranceSet,
+    Sign, SpecError, ToleranceSet, ToleranceSpec,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -181,6 +184,14 @@ pub enum CaseError {
         /// What is allowed.
         allowed: String,
     },
+    /// A tolerance that is none.
+    #[error("{file}: [tolerances]: {source}")]
+    Tolerance {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        source: SpecError,
+    },
     /// A case has two blocks.
     #[error("{file}: {found} [[block]] tables; a case has 2")]
     Blocks {
@@ -332,7 +343,7 @@ impl Case {
     /// What is wrong with it, and where.
     pub fn load(path: &Path) -> Result<Case, CaseError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| CaseError::Io { file: file.clone(), source })?;
+        let text = read_text(path).map_err(|source| CaseError::Io { file: file.clone(), source })?;
         Case::from_toml(&text, file)
     }
 
@@ -348,9 +359,19 @@ impl Case {
             if allowed.contains(&found) {
                 return Ok(());
             }
-            let (file, found, allowed) = (file.clone(), found.to_owned(), allowed.join(", "));
+            let (file, found, allowed) = (file.clone(), excerpt(found, SHOWN), allowed.join(", "));
             Err(CaseError::Value { file, key, found, allowed })
         };
+        if !["any", "f32", "f64"].contains(&about.engine.as_str()) && !is_name(&about.engine) {
+            let allowed = "any, f32, f64, and names of letters, digits, '-', '_' and '.'".to_owned();
+            return Err(CaseError::Value { file, key: "engine", found: excerpt(&about.engine, SHOWN), allowed });
+        }
+        for (key, margin) in [("margin", about.margin), ("margin_ulps", about.margin_ulps)] {
+            if let Some(found) = margin.filter(|margin| !margin.is_finite()) {
+                let allowed = "finite numbers".to_owned();
+                return Err(CaseError::Value { file, key, found: found.to_string(), allowed });
+            }
+        }
         known("cause", &about.cause, &Cause::ALL.map(Cause::name))?;
         known("change", &about.change, &Change::ALL.map(Change::name))?;
         if about.kind.split(" to ").any(|kind| !kind.is_empty() && ContactKind::from_name(kind).is_none()) {
@@ -379,6 +400,14 @@ impl Case {
                 source,
             })
         };
+        let [a, b] = [block(0, a)?, block(1, b)?];
+        for contact in about.expected.iter().chain(&about.found).filter_map(ContactRow::contact) {
+            if !has_features([&a, &b], &contact) {
+                let allowed = "the vertices, edges and faces of the two blocks".to_owned();
+                let found = format!("{} {}/{} by {:?}", contact.kind, contact.a, contact.b, contact.entrance);
+                return Err(CaseError::Value { file, key: "a contact of expected or found", found, allowed });
+            }
+        }
         let t = parsed.tolerances;
         let tolerances = ToleranceSet {
             search: t.search,
@@ -393,8 +422,29 @@ impl Case {
             max_rotation: t.max_rotation,
             criteria: if t.criteria == "classic" { Criteria::Classic } else { Criteria::Revised },
         };
-        Ok(Case { about, a: block(0, a)?, b: block(1, b)?, tolerances })
+        let mut spec = ToleranceSpec::empty();
+        for (name, number) in tolerances.numbers() {
+            spec.set_number(name, number.clone())
+                .map_err(|source| CaseError::Tolerance { file: file.clone(), source })?;
+        }
+        Ok(Case { about, a, b, tolerances })
     }
+}
+
+/// Whether blocks have the features that a contact and its entrance name; an entrance that an engine did not name is none.
+fn has_features(blocks: [&Block; 2], contact: &Contact) -> bool {
+    let has = |feature: Feature| {
+        let (side, number, of): (Side, u32, fn(&Block) -> usize) = match feature {
+            Feature::Vertex(side, number) => (side, number, |block| block.vertices().len()),
+            Feature::Edge(side, number) => (side, number, |block| block.topology().edges().len()),
+            Feature::Face(side, number) => (side, number, |block| block.topology().faces().len()),
+        };
+        (number as usize) < of(blocks[usize::from(side == Side::B)])
+    };
+    let entrance = ContactKind::from_name(contact.entrance.kind.name());
+    let entrance = entrance.map(|kind| Contact { kind, a: contact.entrance.a, b: contact.entrance.b, ..*contact });
+    let named = entrance.filter(|_| contact.entrance != UNNAMED);
+    [Some(*contact), named].into_iter().flatten().flat_map(|c| contact_features(&c)).all(has)
 }
 
 /// The precision whose input and tolerance set a finding is about; f64's where it is about all, if there is one.

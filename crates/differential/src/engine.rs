@@ -8,6 +8,7 @@ use super::finding::Cause;
 use super::mapped::Said;
 use rockproof_model::decision::Decision;
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
+use serde::{Deserialize, Serialize};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Decisions and their outcomes, in the order they were taken.
@@ -40,9 +41,55 @@ pub trait Engine: Send + Sync {
     /// Takes note that an answer of its could not be compared, for want of an exact one.
     fn not_compared(&self) {}
 
-    /// What it was put through since the program began, for `run.json`; `None` for a built-in engine.
-    fn counts(&self) -> Option<serde_json::Value> {
+    /// What it was put through since the program began; `None` for a built-in engine.
+    fn counts(&self) -> Option<EngineCounts> {
         None
+    }
+}
+
+/// What an external engine was put through. These depend on threads and on luck; findings do not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EngineCounts {
+    /// Questions asked.
+    pub asked: u64,
+    /// Processes started.
+    pub processes_started: u64,
+    /// Failures that a fresh process did not repeat.
+    pub recovered: u64,
+    /// Answers that nothing exact stands against.
+    pub not_compared: u64,
+}
+
+impl EngineCounts {
+    /// What came on top of `before` since it was taken.
+    #[must_use]
+    pub fn since(&self, before: &EngineCounts) -> EngineCounts {
+        EngineCounts {
+            asked: self.asked.saturating_sub(before.asked),
+            processes_started: self.processes_started.saturating_sub(before.processes_started),
+            recovered: self.recovered.saturating_sub(before.recovered),
+            not_compared: self.not_compared.saturating_sub(before.not_compared),
+        }
+    }
+
+    /// The sums of both.
+    #[must_use]
+    pub fn plus(&self, other: &EngineCounts) -> EngineCounts {
+        EngineCounts {
+            asked: self.asked + other.asked,
+            processes_started: self.processes_started + other.processes_started,
+            recovered: self.recovered + other.recovered,
+            not_compared: self.not_compared + other.not_compared,
+        }
+    }
+
+    /// Says that failures did not repeat, where there were any.
+    pub fn told(&self) -> Option<String> {
+        let EngineCounts { asked, recovered, .. } = self;
+        (*recovered > 0).then(|| {
+            format!("{recovered} of {asked} questions failed and were answered by a fresh process (\"recovered\")")
+        })
     }
 }
 

@@ -83,6 +83,9 @@ fn default_fields() -> Vec<String> {
     ["engine", "cause", "change", "kind_before", "kind_after", "predicate", "family"].map(str::to_owned).to_vec()
 }
 
+/// The change that a limit names to count failures of external engines that a fresh process did not repeat. No finding has it.
+pub const RECOVERED: &str = "recovered";
+
 /// The columns a baseline may tell findings apart by.
 pub const FIELDS: [&str; 9] =
     ["family", "form", "tolerances", "engine", "cause", "change", "kind_before", "kind_after", "predicate"];
@@ -139,9 +142,18 @@ impl Limit {
             _ => Ok(()),
         };
         one_of("cause", &self.cause, &Cause::ALL.map(Cause::name))?;
-        let changes: Vec<&str> = Change::ALL.map(Change::name).into_iter().chain(StepChange::NAMES).collect();
+        let of_steps = StepChange::NAMES.into_iter().chain([RECOVERED]);
+        let changes: Vec<&str> = Change::ALL.map(Change::name).into_iter().chain(of_steps).collect();
         one_of("change", &self.change, &changes)?;
         one_of("kind", &self.kind, &ContactKind::ALL.map(ContactKind::name))?;
+        if self.is_of_recovered() {
+            let more = [&self.tolerances, &self.family, &self.cause, &self.kind].into_iter().any(Option::is_some);
+            if more || self.beyond_ulps.is_some() || self.rate.is_some() {
+                return Err(format!(
+                    "a limit of change \"{RECOVERED}\" is about questions, not findings: it may name engine, and needs count"
+                ));
+            }
+        }
         match (self.count, self.rate) {
             (Some(_), None) if self.confidence.is_some() => Err("confidence belongs to a rate, not to a count".into()),
             (Some(_), None) => Ok(()),
@@ -152,6 +164,11 @@ impl Limit {
             (None, Some(_)) => Ok(()),
             _ => Err("a limit needs either count or rate".into()),
         }
+    }
+
+    /// Whether it counts failures that a fresh process did not repeat.
+    pub fn is_of_recovered(&self) -> bool {
+        self.change.as_deref() == Some(RECOVERED)
     }
 
     /// The limit in one line.

@@ -2,6 +2,7 @@
 
 use super::{Check, Verdict};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+use rockproof_model::text::excerpt;
 
 /// JUnit XML: a suite for each group, a case for each check.
 ///
@@ -45,10 +46,14 @@ pub fn annotations(checks: &[Check]) -> String {
     failed.map(line).collect()
 }
 
+/// So many characters of a check's name or text are in the summary.
+const LONGEST: usize = 1000;
+
 /// The summary in Markdown: one row for each check but the corpus' passes.
 pub fn markdown(checks: &[Check]) -> String {
     let special = |c: char| if "\\`*_{}[]<>&#|~".contains(c) { format!("\\{c}") } else { c.to_string() };
-    let cell = |text: &str| text.replace(['\n', '\r'], " ").chars().map(special).collect::<String>();
+    let line = |text: &str| excerpt(&text.replace(['\n', '\r'], " "), LONGEST);
+    let cell = |text: &str| line(text).chars().map(special).collect::<String>();
     let failed = checks.iter().filter(|check| check.verdict == Verdict::Fail).count();
     let mut text = format!("## Rockproof gate: {}\n\n", if failed == 0 { "passed" } else { "failed" });
     text += "| verdict | check | found |\n| --- | --- | --- |\n";

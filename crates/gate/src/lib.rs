@@ -6,7 +6,7 @@ pub mod junit;
 pub mod known;
 pub mod tally;
 
-use config::{GateConfig, Limit, line_of};
+use config::{GateConfig, Limit, RECOVERED, line_of};
 use tally::Tally;
 
 /// How a check came out.
@@ -57,7 +57,10 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
         let place = (file.to_owned(), line_of(text, limit.span().start));
         let limit = limit.get_ref();
         let found = tally.count(limit);
-        let (failed, told) = if let Some(count) = limit.count {
+        let (failed, told) = if let (Some(count), true) = (limit.count, limit.is_of_recovered()) {
+            let told = format!("{} failures that a fresh process did not repeat, at most {count}", found.findings);
+            (found.findings > count, told)
+        } else if let Some(count) = limit.count {
             (found.findings > count, format!("{} findings, at most {count}", found.findings))
         } else {
             let rate = limit.rate.unwrap_or(1.0);
@@ -74,5 +77,31 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
         let verdict = if failed { Verdict::Fail } else { Verdict::Pass };
         Check { group: "limit", name: format!("{run}: {}", limit.text()), told, verdict, place, rows }
     };
-    config.limit.iter().map(check).collect()
+    config.limit.iter().map(check).chain(recovered(config, file, run, tally)).collect()
+}
+
+/// Says of engines whose failures did not repeat that they had some, where no limit names these: such a failure is no finding, so all limits may
+/// hold of an engine that crashes every now and then.
+fn recovered<'x>(
+    config: &'x GateConfig,
+    file: &'x str,
+    run: &'x str,
+    tally: &'x Tally,
+) -> impl Iterator<Item = Check> + 'x {
+    let limited = |engine: &str| {
+        let of = config.limit.iter().map(toml::Spanned::get_ref).filter(|limit| limit.is_of_recovered());
+        of.into_iter().any(|limit| limit.engine.as_ref().is_none_or(|name| name == engine))
+    };
+    let rows = tally.engines.iter().filter(move |row| row.recovered > 0 && !limited(&row.engine));
+    rows.map(move |row| Check {
+        group: "limit",
+        name: format!("{run}: engine {}, change {RECOVERED}", row.engine),
+        told: format!(
+            "{} of {} questions failed and were answered by a fresh process; no limit names them",
+            row.recovered, row.asked
+        ),
+        verdict: Verdict::Skip,
+        place: (file.to_owned(), 1),
+        rows: Vec::new(),
+    })
 }

@@ -3,10 +3,12 @@
 use super::config::{Baseline, Limit};
 use super::known::SEPARATOR;
 use rockproof_campaign::pairs::BATCH;
+use rockproof_campaign::run::{ENGINES, EngineRow};
 use rockproof_campaign::steps::StepFindingRow;
 use rockproof_campaign::summary::SummaryRow;
 use rockproof_differential::finding::{Cause, Who};
 use rockproof_differential::row::FindingRow;
+use rockproof_model::files::open_table;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use statrs::function::beta::checked_beta_reg;
@@ -143,6 +145,8 @@ pub struct Tally {
     pub rows: Vec<Row>,
     /// Pairs examined by (family, set); a pair counts once for each set.
     examined: BTreeMap<(String, String), u64>,
+    /// What external engines were put through.
+    pub engines: Vec<EngineRow>,
 }
 
 /// How often a sort of finding occurred.
@@ -206,7 +210,9 @@ impl Tally {
         for ([family, _, set], pairs) in origins {
             *examined.entry((family, set)).or_default() += pairs;
         }
-        Ok(Tally { rows, examined })
+        let file = dir.join(ENGINES);
+        let engines = if file.is_file() { table(&file)? } else { Vec::new() };
+        Ok(Tally { rows, examined, engines })
     }
 
     /// Pairs examined of each family; a pair counts once for each set.
@@ -232,6 +238,10 @@ impl Tally {
 
     /// Counts what a limit is about.
     pub fn count(&self, limit: &Limit) -> Found {
+        if limit.is_of_recovered() {
+            let of = self.engines.iter().filter(|row| limit.engine.as_ref().is_none_or(|name| *name == row.engine));
+            return Found { findings: of.map(|row| row.recovered).sum(), pairs: 0, examined: 0, design_effect: 1.0 };
+        }
         let of = self.rows.iter().filter(|row| row.is_of(limit));
         let hits: Vec<(u64, &str)> = of.map(|row| (row.index(), row.common().tolerances)).collect();
         let sorted = Sorted::of(&hits);
@@ -250,7 +260,8 @@ impl Tally {
 
 fn table<T: DeserializeOwned>(file: &Path) -> Result<Vec<T>, TallyError> {
     let at = |source| TallyError::Csv { file: file.to_owned(), source };
-    csv::Reader::from_path(file).map_err(at)?.into_deserialize().collect::<Result<_, _>>().map_err(at)
+    let opened = open_table(file).map_err(|error| at(error.into()))?;
+    csv::Reader::from_reader(opened).into_deserialize().collect::<Result<_, _>>().map_err(at)
 }
 
 impl Found {

@@ -5,7 +5,7 @@
 pub mod block;
 pub mod contact;
 pub mod decision;
-mod files;
+pub mod files;
 pub mod lattice;
 pub mod number;
 pub mod number_text;
@@ -16,6 +16,7 @@ pub mod scene;
 pub mod sign;
 pub mod simulation;
 pub mod spec;
+pub mod text;
 pub mod tolerance;
 pub mod topology;
 pub mod vector;

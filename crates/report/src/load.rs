@@ -8,7 +8,12 @@ use rockproof_campaign::interval::{Clusters, Share};
 use rockproof_campaign::steps::STEP_SUMMARY_COLUMNS;
 use rockproof_campaign::steps::summary::{Counts, Depths, Place};
 use rockproof_differential::agreement::{AGREEMENT_COLUMNS, CONFUSION_COLUMNS, Compared, Span};
+use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::FINDING_COLUMNS;
+use rockproof_differential::row::FindingRow;
+use rockproof_model::files::read_text;
+use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_results::is_inside;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -50,6 +55,9 @@ pub struct RunFile {
     pub metamorphic_checks: u64,
     /// How long it took.
     pub seconds: f64,
+    /// What external engines were put through.
+    #[serde(default)]
+    pub external_engines: BTreeMap<String, EngineCounts>,
 }
 
 /// Where a campaign ran.
@@ -189,7 +197,7 @@ pub(super) fn name_of(dir: &Path) -> String {
 
 /// Reads a JSON file that names the version that wrote it.
 pub(super) fn read_json<T: for<'d> Deserialize<'d>>(file: &Path) -> Result<T, ReportError> {
-    let text = std::fs::read_to_string(file).map_err(at(file))?;
+    let text = read_text(file).map_err(at(file))?;
     let damaged = |error: &serde_json::Error, expected: &str| ReportError::Damaged {
         file: file.to_owned(),
         line: error.line() as u64,
@@ -220,7 +228,17 @@ impl CampaignRun {
         let mut rows = Rows::open(file.clone(), &FINDING_COLUMNS)?;
         let mut tally = Tally::default();
         while let Some(row) = rows.next(&FINDING_COLUMNS)? {
-            tally.add(row.parsed()?);
+            let finding: FindingRow = row.parsed()?;
+            if !finding.case.is_empty() && !is_inside(&finding.case) {
+                return Err(row.nonsense(
+                    &format!("case is \"{}\"", excerpt(&finding.case, SHOWN)),
+                    "the name of a file in the directory of the run, as cases/NAME.toml",
+                ));
+            }
+            if [finding.margin, finding.margin_ulps].into_iter().flatten().any(|margin| !margin.is_finite()) {
+                return Err(row.nonsense("a margin that is no finite number", "a finite number or nothing"));
+            }
+            tally.add(finding);
         }
         if tally.total != run.findings.total {
             return Err(ReportError::Contradiction {

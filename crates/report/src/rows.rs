@@ -1,6 +1,7 @@
 //! Reads the tables of runs, a row at a time, and says where one is damaged.
 
 use super::fault::{ReportError, at};
+use rockproof_model::files::open_table;
 use serde::de::DeserializeOwned;
 use std::fs::File;
 use std::io::BufReader;
@@ -29,7 +30,7 @@ pub(super) struct Row<'r> {
 impl Rows {
     /// Opens a table that must have these columns in this order.
     pub(super) fn open(file: PathBuf, columns: &[&str]) -> Result<Rows, ReportError> {
-        let opened = File::open(&file).map_err(at(&file))?;
+        let opened = open_table(&file).map_err(at(&file))?;
         let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(BufReader::new(opened));
         let places = (0..columns.len()).collect();
         let header = reader.headers().map_err(|e| damaged(&file, &e))?.clone();
@@ -47,7 +48,7 @@ impl Rows {
 
     /// Opens a table that must have these columns, in any order and beside others.
     pub(super) fn open_wider(file: PathBuf, columns: &[&str]) -> Result<Rows, ReportError> {
-        let opened = File::open(&file).map_err(at(&file))?;
+        let opened = open_table(&file).map_err(at(&file))?;
         let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(BufReader::new(opened));
         let header = reader.headers().map_err(|e| damaged(&file, &e))?.clone();
         let mut places = Vec::new();

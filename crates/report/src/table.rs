@@ -1,5 +1,6 @@
 //! Tables as they go into the page, into CSV files and into Markdown: one source for all three.
 
+use rockproof_model::text::{SHOWN, csv_cell, excerpt};
 use serde::Serialize;
 
 /// What a cell holds.
@@ -41,11 +42,11 @@ impl Cell {
         value.map_or(Cell::Empty, Cell::Number)
     }
 
-    /// As in a CSV file: numbers the shortest that give the value back, shares to six digits.
+    /// As in a CSV file: numbers the shortest that give the value back, shares to six digits, no text a formula.
     pub fn raw(&self) -> String {
         match self {
             Cell::Empty => String::new(),
-            Cell::Text(text) => text.clone(),
+            Cell::Text(text) => csv_cell(text),
             Cell::Count(count) => count.to_string(),
             Cell::Share(share) => format!("{share:.6}"),
             Cell::Number(number) => format!("{number:?}"),
@@ -56,7 +57,7 @@ impl Cell {
     pub fn shown(&self) -> String {
         match self {
             Cell::Empty => "–".to_owned(),
-            Cell::Text(text) => text.clone(),
+            Cell::Text(text) => excerpt(text, SHOWN),
             Cell::Count(count) => grouped(*count),
             Cell::Share(share) => percent(*share),
             Cell::Number(number) => short(*number),
@@ -219,8 +220,9 @@ mod tests {
     fn the_same_table_in_each_form() {
         let mut table = Table::new("t", "a table", &["who", "so_many"]);
         table.push(vec!["a|b <c>".into(), Cell::Count(12_345)]);
-        table.push(vec!["d".into(), Cell::Empty]);
-        assert_eq!(table.to_csv().expect("csv"), b"who,so_many\na|b <c>,12345\nd,\n");
+        table.push(vec!["=d\n".into(), Cell::Empty]);
+        assert_eq!(table.to_csv().expect("csv"), b"who,so_many\na|b <c>,12345\n\"'=d\n\",\n");
+        assert_eq!(table.rows[1][0].shown(), "=d\\n");
         let text = table.to_markdown(1);
         assert!(text.contains("| a\\|b &lt;c> | 12\u{202f}345 |") && text.contains("1 more rows in t.csv"), "{text}");
     }

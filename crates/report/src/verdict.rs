@@ -5,6 +5,7 @@ use super::sections::stress::reach;
 use super::table::{grouped, percent, short};
 use rockproof_campaign::stress::Form;
 use rockproof_differential::agreement::Span;
+use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::Cause;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -116,8 +117,14 @@ fn right(campaigns: &[CampaignRun]) -> Line {
             if share.value < 1.0 {
                 mood = Mood::Fair;
             }
+            let again = campaign.run.external_engines.get(&engine).and_then(EngineCounts::told);
+            if again.is_some() {
+                mood = Mood::Bad;
+            }
+            let again = again.map_or(String::new(), |told| format!(", but {told}"));
             let name = if campaigns.len() > 1 { format!("{engine} ({})", campaign.name) } else { engine };
-            words.push(format!("{name} {} ({} to {})", percent(share.value), percent(share.low), percent(share.high)));
+            let [value, low, high] = [share.value, share.low, share.high].map(percent);
+            words.push(format!("{name} {value} ({low} to {high}){again}"));
         }
     }
     words.truncate(4);

@@ -79,7 +79,9 @@ impl Directory {
         if self.has(checkpoint) {
             return Ok(true);
         }
-        let lines = fs::read(self.path.join(table)).map_or(0, |rows| rows.iter().filter(|b| **b == b'\n').count());
+        let table = Some(self.path.join(table)).filter(|table| table.is_file());
+        let lines =
+            table.and_then(|table| fs::read(table).ok()).map_or(0, |rows| rows.iter().filter(|b| **b == b'\n').count());
         if lines > 1 || self.has("run.json") {
             return Err(ResultsError::damaged(&self.path.join(checkpoint), "it is missing"));
         }

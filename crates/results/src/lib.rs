@@ -21,7 +21,7 @@ pub use claim::{Claim, Start};
 pub use directory::Directory;
 pub use error::ResultsError;
 pub use identity::identity_differences;
-pub use manifest::{Kind, MANIFEST, Owner};
+pub use manifest::{Kind, MANIFEST, Owner, is_inside};
 pub use seal::{Seal, digest};
 pub use stem::bounded;
 pub use table::Table;

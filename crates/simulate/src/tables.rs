@@ -1,5 +1,6 @@
 //! Rows of `steps.csv`, `measured.csv` and `contacts.csv`. Every number is the shortest decimal that is this f64.
 
+use rockproof_model::text::csv_cell;
 use rockproof_model::{ContactKind, Scene};
 use rockproof_stepper::dynamics::{Mode, State, StepReport};
 use rockproof_stepper::{Real, Vector};
@@ -85,7 +86,7 @@ pub fn measured_rows<R: Real>(
         .map(|(point, (then, now))| {
             let (then, now) = (then.components().map(R::to_f64), now.components().map(R::to_f64));
             let moved = std::array::from_fn::<f64, 3, _>(|k| now[k] - then[k]);
-            let mut row = vec![report.step.to_string(), number(report.time), point.name.clone()];
+            let mut row = vec![report.step.to_string(), number(report.time), csv_cell(&point.name)];
             row.extend(now.into_iter().chain(moved).map(number));
             row
         })

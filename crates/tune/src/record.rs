@@ -5,6 +5,7 @@ use super::measure::Measurement;
 use super::probes::Differences;
 use super::search::{Next, Search, Tried};
 use super::steps::{Locked, Overlaps, Stepped};
+use rockproof_model::files::read_limited;
 use rockproof_model::rules::{Rule, Slack};
 use rockproof_results::{Claim, Directory, Kind, Owner, ResultsError, Start, digest, identity_differences};
 use serde::{Deserialize, Serialize};
@@ -127,7 +128,7 @@ impl Record {
 
     /// The steps of the search that a directory holds, if it holds one.
     pub fn steps(dir: &Path) -> Option<u64> {
-        let text = std::fs::read(dir.join(ABOUT)).ok()?;
+        let text = read_limited(dir.join(ABOUT)).ok()?;
         let about: Map<String, Value> = serde_json::from_slice(&text).ok()?;
         about.get("steps")?.as_u64()
     }

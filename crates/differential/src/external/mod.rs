@@ -1,21 +1,36 @@
 //! Engines that are programs of their own, asked over stdin and stdout (docs/engines.md).
 
+#[cfg(unix)]
+mod group;
+#[cfg(unix)]
+mod pipes;
+#[cfg(unix)]
 pub mod process;
 pub mod protocol;
 pub mod spec;
 
+#[cfg(not(unix))]
+#[path = "elsewhere.rs"]
+pub mod process;
+
+#[cfg(unix)]
+pub use group::end_all;
+#[cfg(not(unix))]
+pub use process::end_all;
 pub use spec::{EngineSpec, SpecFault};
 
-use super::engine::{Answer, Engine, EngineFailure, Prepared, Trace, WideAnswer};
+use super::engine::{Answer, Engine, EngineCounts, EngineFailure, Prepared, Trace, WideAnswer};
 use super::finding::Cause;
 use process::{Process, Silence};
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
-use serde_json::{Value, json};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// What an engine was put through since the program began. These depend on threads and on luck; findings do not.
+/// The longest line a program may answer with, in bytes.
+pub const LONGEST_ANSWER: usize = 1 << 24;
+
+/// [`EngineCounts`], counted by many threads.
 #[derive(Debug, Default)]
 struct Counts {
     asked: AtomicU64,
@@ -127,11 +142,17 @@ impl External {
 
     fn verdict(&self, silence: Silence) -> EngineFailure {
         match silence {
-            Silence::NotStarted(why) | Silence::Ended(why) => EngineFailure::Crashed(why),
+            Silence::NotStarted(why) => EngineFailure::Crashed(why),
+            #[cfg(unix)]
+            Silence::Ended(why) => EngineFailure::Crashed(why),
+            #[cfg(unix)]
             Silence::TimedOut => EngineFailure::TimedOut(format!("no answer within {} ms", self.0.spec.timeout_ms)),
-            Silence::TooLong => {
-                EngineFailure::Malformed(format!("a line of more than {} bytes", process::LONGEST_ANSWER))
-            }
+            #[cfg(unix)]
+            Silence::TooLong => EngineFailure::Malformed(format!("a line of more than {LONGEST_ANSWER} bytes")),
+            #[cfg(unix)]
+            Silence::Unasked => EngineFailure::Malformed(
+                "output that nobody asked for; each question has one line in answer".to_owned(),
+            ),
         }
     }
 }
@@ -174,15 +195,15 @@ impl Engine for External {
         self.0.counts.uncompared.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Questions asked, processes started, failures that a fresh process did not repeat, answers that nothing exact stands
-    /// against.
-    fn counts(&self) -> Option<Value> {
+    fn counts(&self) -> Option<EngineCounts> {
         let count = |n: &AtomicU64| n.load(Ordering::Relaxed);
         let Counts { asked, started, recovered, uncompared } = &self.0.counts;
-        Some(json!({
-            "asked": count(asked), "processes_started": count(started), "recovered": count(recovered),
-            "not_compared": count(uncompared),
-        }))
+        Some(EngineCounts {
+            asked: count(asked),
+            processes_started: count(started),
+            recovered: count(recovered),
+            not_compared: count(uncompared),
+        })
     }
 }
 

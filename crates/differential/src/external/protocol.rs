@@ -2,12 +2,13 @@
 
 use crate::engine::{Answer, EngineFailure};
 use crate::mapped::{Said, State};
+use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Block, Contact, ContactKind, Entrance, EntranceKind, Sign, ToleranceSet, Topology};
 use serde_json::{Map, Value, json};
 
 /// The feature number that stands for an entrance an engine did not name. Exchanging the blocks or numbering them
 /// otherwise leaves it as it is.
-const UNNAMED: Entrance = Entrance { kind: EntranceKind::EdgeEdge, a: u32::MAX, b: u32::MAX };
+pub(crate) const UNNAMED: Entrance = Entrance { kind: EntranceKind::EdgeEdge, a: u32::MAX, b: u32::MAX };
 
 /// The part of a question that the tolerances do not change: `"a":{…},"b":{…}`.
 pub fn blocks_text(a: &Block, b: &Block) -> String {
@@ -37,8 +38,10 @@ pub fn question(id: u64, blocks: &str, tolerances: &ToleranceSet) -> String {
 /// [`EngineFailure::Unsupported`] as the engine says, [`EngineFailure::Malformed`] with what is wrong with the line.
 pub fn answer(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, EngineFailure> {
     read(line, id, features).map_err(|fault| match fault {
-        Fault::Unsupported(why) => EngineFailure::Unsupported(why),
-        Fault::Malformed(what) => EngineFailure::Malformed(format!("{what}; the line was {}", quoted(line))),
+        Fault::Unsupported(why) => EngineFailure::Unsupported(excerpt(&why, SHOWN)),
+        Fault::Malformed(what) => {
+            EngineFailure::Malformed(format!("{}; the line was {}", excerpt(&what, SHOWN), quoted(line)))
+        }
     })
 }
 

@@ -70,7 +70,7 @@ pub enum SpecFault {
         text: String,
     },
     /// A name that cannot be one.
-    #[error("engine name \"{0}\": allowed are letters, digits, '-', '_' and '.', and none of any, f32, f64, {list}", list = ENGINES.join(", "))]
+    #[error("engine name \"{0}\": allowed are letters, digits, '-', '_' and '.', the first a letter or digit, and none of any, f32, f64, {list}", list = ENGINES.join(", "))]
     Name(String),
     /// Two engines of one name.
     #[error("two external engines have the name \"{0}\"; each needs its own")]
@@ -86,6 +86,12 @@ pub enum SpecFault {
     /// No time to answer.
     #[error("engine \"{0}\": timeout_ms is 0; allowed are 1 and more")]
     Timeout(String),
+}
+
+/// Whether a text can be the name of an engine, in tables and files; no spreadsheet takes it for a formula.
+pub fn is_name(text: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    text.starts_with(|c: char| c.is_ascii_alphanumeric()) && text.chars().all(plain)
 }
 
 fn split(command: &str) -> Option<Vec<String>> {
@@ -144,9 +150,8 @@ impl EngineSpec {
     }
 
     fn check(&self) -> Result<(), SpecFault> {
-        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
         let taken = ["any", "f32", "f64"].into_iter().chain(ENGINES).any(|name| name == self.name);
-        if self.name.is_empty() || !self.name.chars().all(plain) || taken {
+        if !is_name(&self.name) || taken {
             return Err(SpecFault::Name(self.name.clone()));
         }
         if self.command.first().is_none_or(String::is_empty) {
@@ -179,6 +184,7 @@ mod tests {
             ("f32=client", "none of any, f32, f64, stepper-f32"),
             ("stepper-f64=client", "none of any"),
             ("a b=client", "allowed are letters"),
+            ("-a=client", "the first a letter or digit"),
             ("a:f16=client", "f32 or f64"),
             ("a=", "names no program"),
             ("a='client", "a quote is not closed"),

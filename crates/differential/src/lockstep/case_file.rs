@@ -1,11 +1,18 @@
 //! A state file: one step that stepper and oracle did not make alike, to be made again.
 
 use crate::lockstep::answer::{Answer, described};
+use crate::lockstep::state::exact_state;
+use rockproof_model::files::read_text;
 use rockproof_model::scene::Format;
+use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_simulate::checkpoint::Saved;
+use rockproof_stepper::Real;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+
+/// More steps than a run can make; what is counted in f64 somewhere stays exact below it.
+const MOST_STEPS: u64 = 1 << 53;
 
 /// What a state file holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,6 +78,9 @@ pub enum StepCaseError {
     /// The engine has no name that is known.
     #[error("`{0}` is no engine; f32 and f64 are")]
     Engine(String),
+    /// Its state is none.
+    #[error("its state: {0}")]
+    State(String),
     /// Its scene cannot be read.
     #[error("its scene: {0}")]
     Scene(Box<dyn std::error::Error + Send + Sync>),
@@ -95,11 +105,35 @@ impl StepCase {
     /// # Errors
     /// When it is none.
     pub fn load(path: &Path) -> Result<StepCase, StepCaseError> {
-        let case: StepCase = serde_json::from_str(&std::fs::read_to_string(path)?)?;
+        let case: StepCase = serde_json::from_str(&read_text(path)?)?;
         if case.format != StepCase::FORMAT {
-            return Err(StepCaseError::Format(case.format));
+            return Err(StepCaseError::Format(excerpt(&case.format, SHOWN)));
         }
+        match case.precision()? {
+            Precision::F32 => case.check::<f32>()?,
+            Precision::F64 => case.check::<f64>()?,
+        }
+        case.scene()?;
         Ok(case)
+    }
+
+    /// Refuses a state that no run is in: numbers that are not finite, a time before the beginning, a Δt that is none.
+    fn check<R: Real>(&self) -> Result<(), StepCaseError> {
+        let state = self.state.state::<R>().map_err(|error| StepCaseError::State(error.to_string()))?;
+        exact_state(&state).map_err(|error| StepCaseError::State(error.to_string()))?;
+        let refuse = |what: &str, allowed: &str| {
+            Err(StepCaseError::State(format!("`{what}` is not allowed; allowed is {allowed}")))
+        };
+        if self.state.time.0 < 0.0 {
+            return refuse(&format!("time = {:?}", self.state.time.0), "0 or more");
+        }
+        if self.state.last_time_step.0 <= 0.0 {
+            return refuse(&format!("last_time_step = {:?}", self.state.last_time_step.0), "more than 0");
+        }
+        if self.state.step > MOST_STEPS {
+            return refuse(&format!("step = {}", self.state.step), "up to 2^53");
+        }
+        Ok(())
     }
 
     /// The text of the file.
@@ -120,7 +154,7 @@ impl StepCase {
         match self.engine.as_str() {
             "f32" => Ok(Precision::F32),
             "f64" => Ok(Precision::F64),
-            other => Err(StepCaseError::Engine(other.to_owned())),
+            other => Err(StepCaseError::Engine(excerpt(other, SHOWN))),
         }
     }
 
@@ -129,6 +163,14 @@ impl StepCase {
     /// # Errors
     /// When the text is no scene.
     pub fn scene(&self) -> Result<(Scene, ToleranceSet), StepCaseError> {
+        // It holds its blocks itself, so that it opens no other file.
+        let table: toml::Table = toml::from_str(&self.scene).map_err(|e| StepCaseError::Scene(e.into()))?;
+        let blocks = table.get("block").and_then(toml::Value::as_array);
+        if blocks.into_iter().flatten().any(|block| block.get("file").is_some()) {
+            return Err(StepCaseError::Scene(
+                "a block names a `file`; allowed are `vertices` and `faces`, or `box`".into(),
+            ));
+        }
         let scene = Scene::parse(&self.scene, Format::Toml, Path::new("state file"))
             .map_err(|e| StepCaseError::Scene(e.into()))?;
         let set = scene

@@ -119,6 +119,11 @@ fn row(campaign: &CampaignRun, finding: &Worst) -> Vec<Cell> {
 
 fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<FindingView, ReportError> {
     let path = dir.join(&finding.case);
+    if !lies_in(dir, &path) {
+        let found = "the case lies outside of the run, behind a link".to_owned();
+        let other = "a report reads what is in the directory of the run".to_owned();
+        return Err(ReportError::Contradiction { file: path, found, other });
+    }
     let case = Case::load(&path)?;
     let contacts = view::contacts(&case);
     let (mut traces, centre) = view::traces(&case, &contacts);
@@ -151,6 +156,12 @@ fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<Find
         replay: format!("rockproof replay {}", quoted(&path.display().to_string())),
         traces,
     })
+}
+
+/// Whether a file lies in a directory, links followed. Of one that is not there the reader tells.
+fn lies_in(dir: &Path, file: &Path) -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    real(dir).zip(real(file)).is_none_or(|(dir, file)| file.starts_with(dir))
 }
 
 /// A gap as a reader likes it; the command below gives it in full.
