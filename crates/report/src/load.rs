@@ -260,20 +260,24 @@ impl CampaignRun {
         of.map(|(_, c, _)| c.engine.clone()).collect::<std::collections::BTreeSet<_>>().into_iter().collect()
     }
 
-    /// Sums over everything, for an engine: the whole chain, or the arithmetic alone for an engine that says only how blocks
-    /// lie.
+    /// Which links show how often an engine is right: the whole chain, or for an engine that says only how blocks lie, which
+    /// has no answers along the whole chain, the arithmetic alone.
+    pub fn span_of(&self, engine: &str) -> Span {
+        let answers = |span| {
+            let of = self.agreement.iter().filter(|(_, c, _)| c.span == span && c.engine == engine);
+            of.map(|(_, _, counts)| counts.pairs - counts.silent).sum::<u64>()
+        };
+        if answers(Span::Whole) == 0 && answers(Span::Arithmetic) > 0 { Span::Arithmetic } else { Span::Whole }
+    }
+
+    /// Sums over everything, for an engine, along [`CampaignRun::span_of`] it.
     pub fn of_engine(&self, engine: &str) -> Sums {
-        let mut whole = Sums::default();
-        for span in [Span::Whole, Span::Arithmetic] {
-            for (_, _, counts) in self.agreement.iter().filter(|(_, c, _)| c.span == span && c.engine == engine) {
-                whole.add(counts);
-            }
-            if whole.pairs > whole.silent {
-                break;
-            }
-            whole = Sums::default();
+        let span = self.span_of(engine);
+        let mut sums = Sums::default();
+        for (_, _, counts) in self.agreement.iter().filter(|(_, c, _)| c.span == span && c.engine == engine) {
+            sums.add(counts);
         }
-        whole
+        sums
     }
 }
 

@@ -1,6 +1,7 @@
 //! Counts the findings of a campaign while reading them, in memory that does not grow with their number.
 
 use super::load::setting;
+use super::own::{self, Owns};
 use rockproof_differential::compare::Change;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::row::FindingRow;
@@ -84,11 +85,14 @@ pub struct Tally {
     pub predicates: BTreeMap<String, BTreeMap<(Cause, String), u64>>,
     /// The worst with a case file, by cause, worst first.
     pub worst: BTreeMap<Cause, Vec<Worst>>,
+    /// What external engines get wrong.
+    pub own: Owns,
 }
 
 impl Tally {
     /// Adds a row of `findings.csv`.
     pub(super) fn add(&mut self, row: FindingRow) {
+        own::count(&mut self.own, &row);
         let FindingRow { cause, change, margin, margin_ulps, .. } = row;
         let engine = row.engine.to_string();
         self.total += 1;

@@ -1,6 +1,7 @@
-//! The verdict: three lines for a tired engineer.
+//! The verdict: three lines for a tired engineer, and one for each external engine.
 
 use super::load::{CampaignRun, Results};
+use super::own;
 use super::sections::stress::reach;
 use super::table::{grouped, percent, short};
 use rockproof_campaign::stress::Form;
@@ -34,24 +35,28 @@ fn line(mood: Mood, text: String) -> Line {
     Line { mood, text }
 }
 
-/// The three lines. Where there are campaigns and steps, the third is about the steps.
+/// The lines. Where there are campaigns and steps, the last is about the steps.
 pub fn verdict(results: &Results) -> Vec<Line> {
     let mut lines = Vec::new();
     let steps = steps(results);
+    let external = own::lines(&results.campaigns);
+    let most = 3 + external.len();
     if !results.campaigns.is_empty() {
         lines.push(right(&results.campaigns));
+        lines.extend(external);
         lines.push(mistakes(&results.campaigns));
         lines.extend(tolerances(&results.campaigns).filter(|_| steps.is_empty()));
     }
     if !results.stresses.is_empty() {
         // Its pairs make a campaign as well; what it was made for comes first.
         lines = stress(results);
+        lines.extend(own::lines(&results.campaigns));
     }
     lines.extend(steps);
     if lines.is_empty() {
         lines.extend(times(results));
     }
-    lines.truncate(3);
+    lines.truncate(most);
     lines
 }
 
@@ -121,10 +126,13 @@ fn right(campaigns: &[CampaignRun]) -> Line {
         }
     }
     words.truncate(4);
+    if words.is_empty() {
+        return line(Mood::Fair, "No answer of any engine could be compared.".to_owned());
+    }
     line(mood, format!("Exactly right on hard pairs: {}.", words.join("; ")))
 }
 
-/// Whether code is mistaken, and what the rest is.
+/// Whether the code of the built-in engines is mistaken, and what the other findings are due to, those of external engines apart.
 fn mistakes(campaigns: &[CampaignRun]) -> Line {
     let count =
         |cause: Cause| -> u64 { campaigns.iter().map(|c| c.tally.by_cause().get(&cause).copied().unwrap_or(0)).sum() };
@@ -132,13 +140,31 @@ fn mistakes(campaigns: &[CampaignRun]) -> Line {
     if total == 0 {
         return line(Mood::Good, "No difference was found at all.".to_owned());
     }
-    let share = |cause: Cause| percent(count(cause) as f64 / total as f64);
+    let builtin: BTreeSet<String> = campaigns
+        .iter()
+        .flat_map(|campaign| {
+            let external = own::external(campaign);
+            campaign.engines().into_iter().filter(move |engine| !external.contains(engine))
+        })
+        .collect();
+    let outside = campaigns.iter().any(|campaign| !own::external(campaign).is_empty());
+    let total = total - count(Cause::Engine);
     let rest: Vec<String> = Cause::ALL
         .into_iter()
-        .filter(|cause| *cause != Cause::Defect && count(*cause) > 0)
-        .map(|cause| format!("{cause} {}", share(cause)))
+        .filter(|cause| !matches!(cause, Cause::Defect | Cause::Engine) && count(*cause) > 0)
+        .map(|cause| format!("{cause} {}", percent(count(cause) as f64 / total as f64)))
         .collect();
-    let rest = rest.join(", ");
+    let rest = if rest.is_empty() { "nothing".to_owned() } else { rest.join(", ") };
+    if builtin.is_empty() {
+        let text = format!("Whatever the engine, {} findings are due to: {rest}.", grouped(total));
+        return line(Mood::Fair, text);
+    }
+    // Beside an engine from outside, of which nobody can say so much, it must be clear whose code is meant.
+    let of =
+        if outside { format!(" of {}", builtin.into_iter().collect::<Vec<_>>().join(", ")) } else { String::new() };
+    if total == 0 {
+        return line(Mood::Good, format!("No difference was found in the answers{of}."));
+    }
     let in_steps: u64 = campaigns.iter().flat_map(|c| &c.steps).map(|(_, counts)| counts.defect).sum();
     match count(Cause::Defect) {
         0 if in_steps > 0 => line(
@@ -147,11 +173,11 @@ fn mistakes(campaigns: &[CampaignRun]) -> Line {
         ),
         0 => line(
             Mood::Good,
-            format!("No mistake in code. What differs ({} findings) is due to: {rest}.", grouped(total)),
+            format!("No mistake in code{of}. What differs ({} findings) is due to: {rest}.", grouped(total)),
         ),
         n => line(
             Mood::Bad,
-            format!("{} findings are mistakes in code: look at these first. The others: {rest}.", grouped(n)),
+            format!("{} findings are mistakes in code{of}: look at these first. The others: {rest}.", grouped(n)),
         ),
     }
 }
