@@ -2,7 +2,7 @@
 
 use super::load::{CampaignRun, Results};
 use super::own;
-use super::sections::stress::reach;
+use super::sections::stress::{Reach, reach};
 use super::table::{grouped, percent, short};
 use rockproof_campaign::stress::Form;
 use rockproof_differential::agreement::Span;
@@ -76,26 +76,39 @@ fn times(results: &Results) -> Option<Line> {
 fn stress(results: &Results) -> Vec<Line> {
     let limits = || results.stresses.iter().flat_map(|run| &run.limits);
     let engines: BTreeSet<&str> = limits().map(|limit| &*limit.curve.engine).collect();
-    let of = |engine: &str, form| -> [Vec<String>; 2] {
+    let of = |engine: &str, form| -> Reach {
         reach(limits().filter(|limit| limit.curve.engine == engine && limit.curve.form == form))
     };
     let mut lines: Vec<Line> = engines
         .iter()
         .rev()
         .take(2)
-        .map(|engine| match of(engine, Form::Generic) {
-            [safe, never] if never.is_empty() => {
-                line(Mood::Good, format!("{engine}, no ties: safe {}.", safe.join("; ")))
+        .map(|engine| {
+            let Reach { safe, never, untold } = of(engine, Form::Generic);
+            let mut words = match (safe.is_empty(), untold.is_empty()) {
+                (false, _) => format!("safe {}", safe.join("; ")),
+                (true, false) => "no way tried is known to be safe".to_owned(),
+                (true, true) => "safe in none of the ways tried".to_owned(),
+            };
+            if !untold.is_empty() {
+                words += &format!("; too few pairs to tell: {}", untold.join("; "));
             }
-            [safe, _] if safe.is_empty() => {
-                line(Mood::Bad, format!("{engine}, no ties: safe in none of the ways tried."))
+            if !never.is_empty() && !safe.is_empty() {
+                words += "; not in the other ways tried";
             }
-            [safe, _] => {
-                line(Mood::Fair, format!("{engine}, no ties: safe {}; not in the other ways tried.", safe.join("; ")))
-            }
+            let mood = match (safe.is_empty(), never.is_empty() && untold.is_empty()) {
+                (false, true) => Mood::Good,
+                (true, _) if untold.is_empty() => Mood::Bad,
+                _ => Mood::Fair,
+            };
+            line(mood, format!("{engine}, no ties: {words}."))
         })
         .collect();
-    let tied: Vec<&str> = engines.iter().copied().filter(|engine| of(engine, Form::Aligned)[0].is_empty()).collect();
+    let nowhere = |engine: &&str| {
+        let Reach { safe, untold, .. } = of(engine, Form::Aligned);
+        safe.is_empty() && untold.is_empty()
+    };
+    let tied: Vec<&str> = engines.iter().copied().filter(nowhere).collect();
     let shares = limits().filter(|limit| limit.curve.form == Form::Aligned && limit.safe_to.is_none());
     let most = shares.filter_map(|limit| limit.beyond.as_ref()).map(|(_, share)| *share).fold(0.0, f64::max);
     if !tied.is_empty() && most > 0.0 {

@@ -39,6 +39,11 @@ impl StressSource {
         cells().len() as u64 * PAIRS_PER_CELL
     }
 
+    /// As many pairs as give each cell at least `pairs`, in whole batches.
+    pub fn pairs_for(pairs: u64) -> u64 {
+        cells().len() as u64 * pairs.next_multiple_of(BATCH)
+    }
+
     /// The cell of a batch.
     pub fn cell(&self, batch: u64) -> Cell {
         self.cells[(batch % self.cells.len() as u64) as usize]
