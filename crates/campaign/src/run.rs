@@ -2,7 +2,7 @@
 
 use super::config::CampaignConfig;
 use super::journal::{Journal, Progress};
-use super::kept::{Counts, Kept, Most, Wish, keep};
+use super::kept::{Counts, Kept, Most, Record, Wish, keep};
 use super::shrink::Shrinker;
 use super::steps::{self, StepEngine, StepFinding};
 use super::summary::{Origin, Summary};
@@ -11,7 +11,7 @@ use rockproof_differential::agreement::Agreement;
 use rockproof_differential::attribution::{Examined, Panel, examine};
 use rockproof_differential::case_file::Case;
 use rockproof_differential::engine::Levels;
-use rockproof_differential::finding::Finding;
+use rockproof_differential::finding::{FAR, Finding};
 use rockproof_differential::subject::{Source, Subject};
 use rockproof_results::ResultsError;
 use serde::Serialize;
@@ -189,7 +189,12 @@ impl Campaign<'_> {
         let wish = |finding: &Finding| {
             let fingerprint = finding.fingerprint();
             let name = format!("{}.toml", fingerprint.file_stem(&finding.set, finding.index));
-            Wish { fingerprint: fingerprint.text(), cause: finding.cause.name(), name }
+            let far = finding.margin_ulps().map(f64::abs).filter(|ulps| *ulps > FAR);
+            let record = far.map(|ulps| Record {
+                key: format!("furthest {} {}", finding.who, finding.cause),
+                decade: ulps.log10().floor() as u64,
+            });
+            Wish { fingerprint: fingerprint.text(), cause: finding.cause.name(), name, record }
         };
         let most = Most { of_cause: self.config.cases_per_cause, alike: self.config.cases_per_fingerprint };
         let counts = Counts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
@@ -202,6 +207,7 @@ impl Campaign<'_> {
             fingerprint: finding.fingerprint(),
             cause: finding.cause.name(),
             name: finding.file_name(),
+            record: None,
         };
         let of_cause = self.config.cases_per_cause / STEP_CASES;
         let most = Most { of_cause, alike: self.config.cases_per_fingerprint };
