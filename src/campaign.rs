@@ -33,7 +33,8 @@ use std::time::{Duration, Instant};
   rockproof campaign                                  every family, f32 and f64, all presets; about a minute
   rockproof campaign --pairs 10000 --family sliver --engine stepper-f32 --tolerances shi
   rockproof campaign --family real --real cases/real/voronoi_120.txt --planarity 1e-4
-  rockproof campaign --out reports/night --pairs 100000000 --resume
+  rockproof campaign --tolerances mine.toml           your own tolerances, in a file as `check` takes it
+  rockproof campaign --out reports/night --pairs 100000000 --resume      more pairs for a run that is there
   rockproof campaign --deny defect --deny collapsed   for CI: exit 1 if there is such a finding
   rockproof campaign --pairs 2000 --steps-every 1 --steps 3   every pair moves for three steps (docs/campaign_steps.md)
   rockproof campaign --stress                         how far from the origin, how thin, how parallel (docs/stress.md)
@@ -47,7 +48,7 @@ pub(crate) struct Campaign {
     /// TOML file of settings; the options below override it
     config: Option<PathBuf>,
     /// How many pairs
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     pairs: Option<u64>,
     /// Seed of all pairs
     #[arg(long)]
@@ -60,8 +61,8 @@ pub(crate) struct Campaign {
     engine: Vec<String>,
     #[command(flatten)]
     external: EngineArgs,
-    /// Tolerance preset; may be repeated [default: all]
-    #[arg(long, value_name = "PRESET", value_delimiter = ',')]
+    /// Tolerance preset (auto, shi, zero) or TOML file of tolerances; may be repeated [default: the presets, and sets made for ties]
+    #[arg(long, value_name = "PRESET|FILE", value_delimiter = ',')]
     tolerances: Vec<String>,
     /// Family of pairs; may be repeated [default: all]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
@@ -74,7 +75,7 @@ pub(crate) struct Campaign {
     real: Vec<PathBuf>,
     #[command(flatten)]
     read: ReadArgs,
-    /// Go on with the run in the directory, or begin if there is none
+    /// Go on with the run in the directory, with more pairs if --pairs says so, or begin if there is none
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
     /// Discard the campaign in the directory; other files there stay
@@ -151,16 +152,19 @@ impl Campaign {
             }
         }
         config.pairs = self.pairs.unwrap_or(config.pairs);
+        anyhow::ensure!(
+            config.pairs > 0,
+            "pairs is 0; allowed are 1 and more: where nothing is asked nothing is found"
+        );
         config.seed = self.seed.unwrap_or(config.seed);
         config.steps_every = self.steps_every.unwrap_or(config.steps_every);
         config.steps = self.steps.unwrap_or(config.steps);
         self.external.add_to(&mut config)?;
         if !self.engine.is_empty() {
-            let (external, builtin): (Vec<String>, Vec<String>) =
-                self.engine.iter().cloned().partition(|name| config.external.iter().any(|spec| spec.name == *name));
-            config.engines = builtin;
-            config.external.retain(|spec| external.contains(&spec.name));
+            config.engines.clone_from(&self.engine);
+            config.external.retain(|spec| self.engine.contains(&spec.name));
         }
+        config.settle_engines();
         for (given, setting) in [(&self.tolerances, &mut config.tolerances), (&self.family, &mut config.families)] {
             if !given.is_empty() {
                 setting.clone_from(given);

@@ -13,6 +13,7 @@ mod bad_input;
 mod bench_command;
 mod campaign_cli;
 mod campaign_default;
+mod campaign_end;
 mod external_engines;
 mod gate_command;
 mod gate_formats;

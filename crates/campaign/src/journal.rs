@@ -62,6 +62,8 @@ pub struct Journal {
     progress: Progress,
 }
 
+/// The key of the configuration that may grow from one session to the next.
+const PAIRS: &str = "pairs";
 const FINDINGS: &str = "findings.csv";
 const STEP_FINDINGS: &str = "step_findings.csv";
 const PROGRESS: &str = "progress.json";
@@ -132,7 +134,16 @@ impl Journal {
 
     fn resume(directory: Directory, configuration: &Map<String, Value>) -> Result<Journal, ResultsError> {
         let mut progress: Progress = directory.read_sealed(PROGRESS)?;
-        let differences = identity_differences(&progress.configuration, configuration);
+        let known = &progress.configuration;
+        let pairs = |configuration: &Map<String, Value>| configuration.get(PAIRS).and_then(Value::as_u64);
+        // A pair is a function of seed and index, so that a longer run begins with the shorter one.
+        let mut asked = configuration.clone();
+        if pairs(configuration).zip(pairs(known)).is_some_and(|(now, was)| now > was)
+            && let Some(was) = known.get(PAIRS)
+        {
+            asked.insert(PAIRS.to_owned(), was.clone());
+        }
+        let differences = identity_differences(known, &asked);
         if !differences.is_empty() {
             let (dir, owner) = (directory.path().to_owned(), directory.owner());
             return Err(ResultsError::OtherIdentity { dir, owner, differences });
@@ -142,6 +153,7 @@ impl Journal {
         let step_findings = if tables.len() > 1 { tables.pop() } else { None };
         let findings =
             tables.pop().ok_or_else(|| ResultsError::damaged(&directory.path().join(FINDINGS), "missing"))?;
+        progress.configuration.clone_from(configuration);
         progress.resumed += 1;
         Ok(Journal { directory, findings, step_findings, progress })
     }

@@ -56,6 +56,18 @@ pub enum RunError {
     /// No worker threads.
     #[error("cannot start the worker threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The pairs done end inside a batch.
+    #[error(
+        "{dir}: the run ended after {done} pairs, inside a batch of {batch}, and cannot go on to more; one whose pairs are a multiple of {batch} can. --overwrite begins anew"
+    )]
+    InsideBatch {
+        /// The directory.
+        dir: String,
+        /// Pairs done.
+        done: u64,
+        /// Pairs of a batch.
+        batch: u64,
+    },
     /// A table cannot be written.
     #[error("cannot write a table: {0}")]
     Csv(#[from] csv::Error),
@@ -101,6 +113,10 @@ impl Campaign<'_> {
         let before = journal.progress().seconds;
         let started = Instant::now();
         let batch_len = self.source.batch_len();
+        if done < pairs && !done.is_multiple_of(batch_len) {
+            let dir = journal.dir().display().to_string();
+            return Err(RunError::InsideBatch { dir, done, batch: batch_len });
+        }
         let chunk = self.config.chunk.div_ceil(batch_len).max(1) * batch_len;
         while journal.progress().pairs_done < self.config.pairs && !stop.load(Ordering::Relaxed) {
             let first = journal.progress().pairs_done;

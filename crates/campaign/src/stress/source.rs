@@ -3,7 +3,7 @@
 use super::axis::{Cell, cells};
 use super::pairs;
 use crate::sets::{self, SetSource};
-use crate::source::{SourceError, set_source};
+use crate::source::{SourceError, set_sources};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rockproof_differential::subject::{Source, Subject, SubjectSet};
@@ -30,7 +30,7 @@ impl StressSource {
     pub fn new(seed: u64, tolerances: &[String]) -> Result<StressSource, SourceError> {
         let names: Vec<&str> =
             if tolerances.is_empty() { vec![sets::NAMES[0]] } else { tolerances.iter().map(String::as_str).collect() };
-        let sets = names.into_iter().map(set_source).collect::<Result<_, _>>()?;
+        let sets = set_sources(&names)?;
         Ok(StressSource { seed, cells: cells(), sets })
     }
 
