@@ -6,10 +6,10 @@ use crate::stop::on_ctrl_c;
 use crate::stress;
 use crate::table::{grouped, table};
 use anyhow::Context;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::Engines;
-use rockproof_campaign::journal::{Journal, Progress};
+use rockproof_campaign::journal::{Journal, Seen};
 use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::source;
 use rockproof_campaign::steps::{self, StepChange, StepSummary};
@@ -21,7 +21,8 @@ use rockproof_results::Start;
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Compare engines with the oracle on generated and real pairs, and explain every difference
@@ -205,54 +206,79 @@ fn work(
     let names = engines.names();
     let steppers = steps::engines(names.iter().map(String::as_str));
     let campaign = run::Campaign { config, source, panel: &panel, narrow: &narrow, steppers: &steppers, threads };
-    let mut display = Display::new(config.pairs, journal.progress());
-    let ending = campaign.run(journal, stop, &mut |progress| display.show(progress))?;
-    display.end();
-    Ok(ending)
+    let display = Display::new(config.pairs, journal.seen());
+    let ended = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| display.show_until(&ended));
+        let _ends = Ends(&ended);
+        Ok(campaign.run(journal, stop, &mut |_| {})?)
+    })
 }
 
-/// A bar on a terminal, a line now and then otherwise.
+/// Ends the display when work ends, however it ends.
+struct Ends<'e>(&'e AtomicBool);
+
+impl Drop for Ends<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A bar on a terminal, a line now and then otherwise; from the first pair on.
 struct Display {
     bar: Option<ProgressBar>,
     pairs: u64,
-    last: Instant,
+    seen: Arc<Seen>,
 }
 
+/// How often a bar moves.
+const MOVES: Duration = Duration::from_millis(200);
+/// How often there is a line.
+const LINES: Duration = Duration::from_secs(10);
+
 impl Display {
-    fn new(pairs: u64, progress: &Progress) -> Display {
+    fn new(pairs: u64, seen: Arc<Seen>) -> Display {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new(pairs);
-            let template = "{bar:40} {human_pos}/{human_len} pairs, {msg}, {eta} left";
+            let template = "{bar:40} {human_pos}/{human_len} pairs, {msg}";
             if let Ok(style) = ProgressStyle::with_template(template) {
                 bar.set_style(style);
             }
-            bar.set_position(progress.pairs_done);
+            bar.set_position(seen.pairs.load(Ordering::Relaxed));
             bar.reset_eta();
-            bar.set_message("0 findings");
             bar
         });
-        Display { bar, pairs, last: Instant::now() }
+        Display { bar, pairs, seen }
     }
 
-    fn show(&mut self, progress: &Progress) {
-        let found = grouped(progress.summary.total());
-        match &self.bar {
-            Some(bar) => {
-                bar.set_position(progress.pairs_done);
-                bar.set_message(format!("{found} findings"));
+    fn show_until(&self, ended: &AtomicBool) {
+        let mut last = Instant::now();
+        while !ended.load(Ordering::Relaxed) {
+            let (pairs, told) = (self.seen.pairs.load(Ordering::Relaxed), self.told());
+            match &self.bar {
+                Some(bar) => {
+                    bar.set_position(pairs);
+                    // There is no telling before anything is done.
+                    let left = bar.eta();
+                    let left = if left.is_zero() { String::new() } else { format!(", {} left", HumanDuration(left)) };
+                    bar.set_message(format!("{told}{left}"));
+                }
+                None if last.elapsed() > LINES => {
+                    last = Instant::now();
+                    note(&format!("{} of {} pairs, {told}", grouped(pairs), grouped(self.pairs)));
+                }
+                None => {}
             }
-            None if self.last.elapsed() > Duration::from_secs(10) => {
-                self.last = Instant::now();
-                eprintln!("{} of {} pairs, {found} findings", grouped(progress.pairs_done), grouped(self.pairs));
-            }
-            None => {}
+            std::thread::park_timeout(MOVES);
         }
-    }
-
-    fn end(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
+    }
+
+    fn told(&self) -> String {
+        let shrinking = if self.seen.shrinking.load(Ordering::Relaxed) { ", shrinking some" } else { "" };
+        format!("{} findings{shrinking}", grouped(self.seen.findings.load(Ordering::Relaxed)))
     }
 }
 

@@ -127,3 +127,36 @@ fn engines_in_a_file_may_be_external() {
     let (code, out, err) = campaign(dir.path(), "short", &["--pairs", "32", "--engine", "f32"]);
     assert!(code == 0 && out.contains("stepper-f32") && !out.contains("stepper-f64"), "{out}{err}");
 }
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_is_acknowledged_and_a_second_one_ends() {
+    use std::io::{BufRead, BufReader};
+    let dir = tempfile::tempdir().expect("a directory");
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_rockproof"))
+        .args(["campaign", "--pairs", "1000000", "--threads", "1", "--out"])
+        .arg(dir.path().join("run"))
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("runs");
+    // Once its results are begun it listens.
+    for _ in 0..3000 {
+        if dir.path().join("run/progress.json").exists() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    let id = child.id().to_string();
+    let interrupt = || {
+        let sent = std::process::Command::new("kill").args(["-INT", &id]).status();
+        assert!(sent.is_ok_and(|status| status.success()));
+    };
+    let mut lines = BufReader::new(child.stderr.take().expect("piped")).lines();
+    interrupt();
+    let said = lines.find(|line| line.as_ref().is_ok_and(|line| line.contains("finishing what has begun")));
+    assert!(said.is_some_and(|line| line.expect("text").contains("again")));
+    interrupt();
+    // The first may have ended it before the second came.
+    assert_eq!(child.wait().expect("ended").code(), Some(130));
+}

@@ -1,7 +1,7 @@
 //! The campaign itself: chunk by chunk, in parallel inside a chunk, results merged in the order of indices.
 
 use super::config::CampaignConfig;
-use super::journal::{Journal, Progress};
+use super::journal::{Journal, Progress, Seen};
 use super::kept::{Counts, Kept, Most, Record, Wish, keep};
 use super::shrink::Shrinker;
 use super::steps::{self, StepEngine, StepFinding};
@@ -112,6 +112,7 @@ impl Campaign<'_> {
         }
         let before = journal.progress().seconds;
         let started = Instant::now();
+        let seen = journal.seen();
         let batch_len = self.source.batch_len();
         if done < pairs && !done.is_multiple_of(batch_len) {
             let dir = journal.dir().display().to_string();
@@ -122,7 +123,10 @@ impl Campaign<'_> {
             let first = journal.progress().pairs_done;
             let end = (first + chunk).min(self.config.pairs);
             let batches: Vec<Batch> = pool.install(|| {
-                (first / batch_len..end.div_ceil(batch_len)).into_par_iter().map(|n| self.batch(n, end)).collect()
+                (first / batch_len..end.div_ceil(batch_len))
+                    .into_par_iter()
+                    .map(|n| self.batch(n, end, &seen))
+                    .collect()
             });
             let mut progress = journal.progress().clone();
             let (mut findings, mut stepped) = (Vec::new(), Vec::new());
@@ -138,6 +142,7 @@ impl Campaign<'_> {
                 progress.steps.add(batch.steps.summary);
                 stepped.extend(batch.steps.findings);
             }
+            seen.shrinking.store(true, Ordering::Relaxed);
             let kept = pool.install(|| self.keep_cases(&findings, &mut progress))?;
             let finding_rows = rows(&findings, &kept.names, Finding::row)?;
             journal.write_cases(kept.files)?;
@@ -147,6 +152,7 @@ impl Campaign<'_> {
             progress.pairs_done = end;
             progress.seconds = before + started.elapsed().as_secs_f64();
             journal.commit(&finding_rows, &step_rows, progress)?;
+            seen.shrinking.store(false, Ordering::Relaxed);
             watch(journal.progress());
         }
         let finished = journal.progress().pairs_done >= self.config.pairs;
@@ -168,7 +174,7 @@ impl Campaign<'_> {
         !self.steppers.is_empty() && self.config.steps_every > 0 && self.config.steps > 0
     }
 
-    fn batch(&self, number: u64, end: u64) -> Batch {
+    fn batch(&self, number: u64, end: u64, seen: &Seen) -> Batch {
         let mut batch = Batch::default();
         let subjects = self.source.batch(number);
         for subject in subjects.iter().filter(|s| s.index < end) {
@@ -180,6 +186,8 @@ impl Campaign<'_> {
                 });
             }
             let Examined { findings, levels, contacts, metamorphic_checks, agreement } = examine(subject, self.panel);
+            seen.pairs.fetch_add(1, Ordering::Relaxed);
+            seen.findings.fetch_add(findings.len() as u64, Ordering::Relaxed);
             for finding in &findings {
                 batch.summary.add_finding(finding);
             }
