@@ -1,10 +1,11 @@
 //! `campaign`: generated and real pairs through every engine, differences explained, findings kept.
 
-use crate::exit::{Outcome, Verdict, note, print};
+use crate::campaign_end::print_end;
+use crate::exit::{Outcome, Verdict, note};
 use crate::input::{EngineArgs, ReadArgs};
 use crate::stop::on_ctrl_c;
 use crate::stress;
-use crate::table::{grouped, table};
+use crate::table::grouped;
 use anyhow::Context;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use rockproof_campaign::config::CampaignConfig;
@@ -12,14 +13,13 @@ use rockproof_campaign::engines::Engines;
 use rockproof_campaign::journal::{Journal, Seen};
 use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::source;
-use rockproof_campaign::steps::{self, StepChange, StepSummary};
+use rockproof_campaign::steps::{self, StepChange};
 use rockproof_campaign::stress::StressSource;
 use rockproof_differential::compare::Change;
 use rockproof_differential::finding::{Cause, Finding};
 use rockproof_differential::subject::Source;
 use rockproof_results::Start;
-use std::collections::BTreeMap;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -112,14 +112,12 @@ impl Campaign {
         let mut journal = Journal::open(&out, source::identity(&config)?, start)?;
         let stop = on_ctrl_c()?;
         let ending = work(&config, &engines, &*source, self.threads, &mut journal, &stop)?;
-        let mut text = Vec::new();
-        report(&mut text, &journal, ending)?;
-        print(&String::from_utf8_lossy(&text))?;
+        if config.stress && ending == Ending::Finished {
+            stress::finish(&mut journal, &engines)?;
+        }
+        print_end(&journal, &config.external, ending)?;
         if ending == Ending::Stopped {
             return Ok(Verdict::Interrupted);
-        }
-        if config.stress {
-            stress::finish(&mut journal, &engines)?;
         }
         let (summary, steps) = (&journal.progress().summary, &journal.progress().steps);
         let denied = |kind: &&String| match kind.as_str() {
@@ -279,89 +277,5 @@ impl Display {
     fn told(&self) -> String {
         let shrinking = if self.seen.shrinking.load(Ordering::Relaxed) { ", shrinking some" } else { "" };
         format!("{} findings{shrinking}", grouped(self.seen.findings.load(Ordering::Relaxed)))
-    }
-}
-
-fn report(out: &mut impl Write, journal: &Journal, ending: Ending) -> std::io::Result<()> {
-    let progress = journal.progress();
-    let families = progress.summary.by_family();
-    let rows = families
-        .iter()
-        .map(|(family, [examined, findings])| vec![(*family).to_owned(), grouped(*examined), grouped(*findings)]);
-    writeln!(out, "{}\n", table(&["family", "examined", "findings"], &[1, 2], rows))?;
-    // One row for each engine, cause and change, the kinds side by side.
-    let mut sorts: BTreeMap<(&str, &str, &str), BTreeMap<&str, u64>> = BTreeMap::new();
-    for (sort, count) in progress.summary.by_sort() {
-        let row = sorts.entry((&sort.engine, cause_place(&sort.cause), &sort.change)).or_default();
-        *row.entry(&sort.kind).or_default() += count;
-    }
-    let kinds = ["v-v", "v-e", "e-v", "v-f", "f-v", "e-e", ""];
-    let rows = sorts.iter().map(|((engine, cause, change), counts)| {
-        let mut row = vec![(*engine).to_owned(), cause[1..].to_owned(), (*change).to_owned()];
-        row.extend(kinds.iter().map(|kind| counts.get(kind).map_or(String::new(), |c| grouped(*c))));
-        row.push(grouped(counts.values().sum()));
-        row
-    });
-    let header = ["engine", "cause", "change", "v-v", "v-e", "e-v", "v-f", "f-v", "e-e", "pair", "all"];
-    writeln!(out, "{}\n", table(&header, &[3, 4, 5, 6, 7, 8, 9, 10], rows))?;
-    if !progress.steps.is_empty() {
-        writeln!(out, "{}\n", steps_table(&progress.steps))?;
-    }
-    let speed = progress.pairs_done as f64 / progress.seconds.max(1e-9);
-    let (pairs, seconds) = (grouped(progress.pairs_done), progress.seconds);
-    writeln!(
-        out,
-        "{pairs} pairs in {seconds:.1} s ({speed:.0} a second), {} findings",
-        grouped(progress.summary.total())
-    )?;
-    if ending == Ending::Stopped {
-        writeln!(out, "interrupted; --resume goes on")?;
-    }
-    let dir = journal.dir().display();
-    let tables = if progress.steps.is_empty() { "" } else { "step_findings.csv, step_summary.csv, " };
-    writeln!(out, "written to {dir}: findings.csv, summary.csv, {tables}run.json")?;
-    let cases: u64 = progress.cases.values().sum();
-    if cases > 0 {
-        writeln!(
-            out,
-            "{cases} shrunk findings in {dir}/cases; look at one with: rockproof replay {dir}/cases/NAME.toml"
-        )?;
-    }
-    let cases: u64 = progress.step_cases.values().sum();
-    if cases > 0 {
-        writeln!(out, "{cases} steps in {dir}/cases; look at one with: rockproof replay {dir}/cases/NAME.json")?;
-    }
-    Ok(())
-}
-
-/// One row for each engine: its steps, and how many of them differ from the exact ones.
-fn steps_table(steps: &StepSummary) -> String {
-    let rows = steps.by_engine().into_iter().map(|(engine, counts)| {
-        let numbers = [
-            counts.compared,
-            counts.contacts_differ,
-            counts.modes_differ,
-            counts.iterations_differ,
-            counts.retries_differ,
-            counts.deeper,
-            counts.shallower,
-            counts.defect,
-        ];
-        std::iter::once(engine.to_owned()).chain(numbers.map(grouped)).collect()
-    });
-    let header =
-        ["engine", "steps", "other contacts", "modes", "iterations", "retries", "deeper", "shallower", "defects"];
-    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8], rows).to_string()
-}
-
-/// A cause with its place in the chain before it, so that rows come in the order of the chain.
-fn cause_place(cause: &str) -> &'static str {
-    match Cause::from_name(cause) {
-        Some(Cause::Tolerance) => "0tolerance",
-        Some(Cause::Representation) => "1representation",
-        Some(Cause::Arithmetic) => "2arithmetic",
-        Some(Cause::Defect) => "3defect",
-        Some(Cause::Engine) => "4engine",
-        None => "5",
     }
 }

@@ -2,6 +2,7 @@
 
 mod bench;
 mod campaign;
+mod campaign_end;
 mod check;
 mod classify;
 mod convert;

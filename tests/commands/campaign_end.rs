@@ -23,6 +23,24 @@ fn written(dir: &Path, name: &str, text: &str) -> String {
 }
 
 #[test]
+fn the_end_is_the_verdict_a_short_table_and_what_to_do_next() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let (code, out, err) = campaign(dir.path(), "run", &["--pairs", "256"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(out.starts_with("Exactly right on hard pairs: stepper-f32 "), "{out}");
+    // Settings made for ties are in the report's tables; a case may be of one.
+    let told = out.split("next: ").next().expect("text");
+    assert!(out.lines().count() < 40 && !told.contains("dyadic") && !told.contains("fractional"), "{out}");
+    for words in ["tolerance", "every engine", "No mistake in code", "next: rockproof report "] {
+        assert!(out.contains(words), "{words}: {out}");
+    }
+    // What it says to do next can be done.
+    let replay = out.lines().find_map(|line| line.trim().strip_prefix("rockproof replay ")).expect("a case");
+    let (code, said, err) = rockproof(&["replay", replay]);
+    assert!(code == 0 && said.contains("decided by"), "{err}");
+}
+
+#[test]
 fn a_run_goes_on_to_more_pairs() {
     let dir = tempfile::tempdir().expect("a directory");
     let dir = dir.path();
@@ -111,7 +129,8 @@ fn engines_in_a_file_may_be_external() {
     let config = written(dir.path(), "mine.toml", &config);
     let (code, out, err) = campaign(dir.path(), "mine", &[&config]);
     assert_eq!(code, 0, "{err}");
-    assert!(out.contains("mine") && !out.contains("stepper-"), "{out}");
+    assert!(out.contains("mine: ") && !out.contains("stepper-"), "{out}");
+    assert!(out.contains("--engine-command"), "the case is replayed with the engine: {out}");
     let gate = written(
         dir.path(),
         "gate.toml",

@@ -11,7 +11,7 @@ use rockproof_differential::agreement::{AGREEMENT_COLUMNS, CONFUSION_COLUMNS, Co
 use rockproof_differential::finding::FINDING_COLUMNS;
 use serde::Deserialize;
 use serde_json::{Map, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Everything a report is made of.
@@ -254,6 +254,19 @@ impl CampaignRun {
         sums
     }
 
+    /// Whether a setting is shown: those made for ties only where there are no others.
+    pub fn shows(&self, setting: &str) -> bool {
+        let usual =
+            || self.agreement.iter().any(|(_, compared, _)| !is_made_for_ties(&self::setting(&compared.tolerances)));
+        !is_made_for_ties(setting) || !usual()
+    }
+
+    /// How many settings are not shown.
+    pub fn not_shown(&self) -> usize {
+        let settings: BTreeSet<String> = self.agreement.iter().map(|(_, c, _)| setting(&c.tolerances)).collect();
+        settings.iter().filter(|setting| !self.shows(setting)).count()
+    }
+
     /// The engines, in order.
     pub fn engines(&self) -> Vec<String> {
         let of = self.agreement.iter().filter(|(_, c, _)| matches!(c.span, Span::Arithmetic | Span::Whole));
@@ -288,6 +301,14 @@ pub fn setting(set: &str) -> String {
         Some((base, _)) => format!("{base} (ladders)"),
         None => set.to_owned(),
     }
+}
+
+/// Whether a setting was made to hold exact ties or put on the edge of a decision: a hard question for engines, and none that a user
+/// would take.
+pub fn is_made_for_ties(setting: &str) -> bool {
+    setting.ends_with("(ladders)")
+        || setting.ends_with("-steep")
+        || ["dyadic", "fractional"].iter().any(|start| setting.starts_with(start))
 }
 
 fn read_agreement(file: &Path) -> Result<Vec<(String, Compared, Sums)>, ReportError> {

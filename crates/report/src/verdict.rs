@@ -200,7 +200,7 @@ fn tolerances(campaigns: &[CampaignRun]) -> Option<Line> {
     let mut shares: Vec<(f64, String)> = Vec::new();
     for campaign in campaigns {
         for (compared, sums) in campaign.by_setting() {
-            if compared.span == Span::Tolerance && !compared.tolerances.ends_with("(ladders)") {
+            if compared.span == Span::Tolerance && campaign.shows(&compared.tolerances) {
                 let name = super::sections::label(campaigns.len(), &campaign.name, &compared.tolerances);
                 shares.extend(sums.agreement().map(|s| (1.0 - s.value, name)));
             }

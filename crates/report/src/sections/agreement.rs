@@ -17,12 +17,24 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
          Most pairs of a campaign are put on the very edge of a decision, so these are shares of hard questions.",
     );
     section.parts.push(Part::Chart(by_setting(campaigns)));
+    section.parts.extend(not_shown(campaigns));
     let (table, whole) = table(campaigns);
     section.parts.push(Part::Table(table, whole.min(MOST)));
     let families = families(campaigns);
     section.parts.push(Part::Chart(family_map(campaigns)));
     section.parts.push(Part::Quiet(families));
     section
+}
+
+/// What the settings are that only CSV files have, where there are any.
+fn not_shown(campaigns: &[CampaignRun]) -> Option<Part> {
+    let count: usize = campaigns.iter().map(CampaignRun::not_shown).sum();
+    (count > 0).then(|| {
+        Part::Text(format!(
+            "{count} more settings are counted in the shares above all settings and in the CSV files, and not shown one by one: dyadic and fractional sets are made of numbers \
+             with which ties are exact, ladders put one tolerance on the edge of a decision. They are hard questions for engines; nobody would use them."
+        ))
+    })
 }
 
 /// The row's share, or blank cells.
@@ -62,7 +74,7 @@ fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
             campaigns.iter().flat_map(|campaign| campaign.by_setting().into_iter().map(move |row| (campaign, row)));
         let seen = |campaign: &CampaignRun, compared: &Compared| {
             let engine = matches!(compared.span, Span::Whole | Span::Arithmetic);
-            engine && compared.span == campaign.span_of(&compared.engine)
+            engine && compared.span == campaign.span_of(&compared.engine) && campaign.shows(&compared.tolerances)
         };
         for (campaign, (compared, sums)) in all.filter(|(campaign, (compared, _))| seen(campaign, compared) == first) {
             whole += usize::from(first);
@@ -113,7 +125,7 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
             let span = campaign.span_of(&engine);
             let of: Vec<(&str, Share)> = sums
                 .iter()
-                .filter(|(c, _)| c.span == span && c.engine == engine)
+                .filter(|(c, _)| c.span == span && c.engine == engine && campaign.shows(&c.tolerances))
                 .filter_map(|(c, s)| Some((c.tolerances.as_str(), s.agreement()?)))
                 .collect();
             for (setting, share) in &of {
