@@ -1,5 +1,6 @@
 //! How a command ends, and how it talks.
 
+use crate::extents::is_bent;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -25,6 +26,9 @@ pub(crate) fn code(outcome: Outcome) -> ExitCode {
         Ok(Verdict::Interrupted) => ExitCode::from(130),
         Err(error) => {
             complain(&format!("{error:#}"));
+            if error.downcast_ref().is_some_and(is_bent) {
+                note("--planarity accepts faces further from planar; `rockproof check` says how far these are");
+            }
             ExitCode::from(2)
         }
     }

@@ -7,6 +7,7 @@ mod check;
 mod classify;
 mod convert;
 mod exit;
+mod extents;
 mod gate;
 mod input;
 mod overlaps;

@@ -14,6 +14,7 @@ mod bench_command;
 mod campaign_cli;
 mod campaign_default;
 mod campaign_end;
+mod check_command;
 mod external_engines;
 mod gate_command;
 mod gate_formats;
