@@ -129,7 +129,7 @@ pub struct Finding {
     pub cause: Cause,
     /// What changed.
     pub difference: Difference,
-    /// What decided it, where traces tell.
+    /// What decided it, where traces tell; under [`Cause::Engine`] no more than the decision of the oracle nearest to a tie around it.
     pub deciding: Option<Deciding>,
     /// What was said and what is so, where the engine says only apart, touching or overlapping.
     pub mapped: Option<Mapped>,
@@ -154,7 +154,8 @@ impl Finding {
             who: self.who.clone(),
             cause: self.cause,
             change: self.difference.change,
-            predicate: self.predicate(),
+            // An engine from outside tells no decisions; what is nearest to a tie there may have nothing to do with it.
+            predicate: self.predicate().filter(|_| self.cause != Cause::Engine),
             kind: self.kind(),
             states: self.mapped.map(|m| [m.exact, m.said.state]),
             family: Arc::clone(&self.family),

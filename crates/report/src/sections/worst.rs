@@ -128,7 +128,8 @@ fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<Find
     let kinds = if about.kind.is_empty() { "the pair".to_owned() } else { about.kind.clone() };
     let mut facts = vec![("who", about.engine.clone())];
     if !about.predicate.is_empty() {
-        facts.push(("decided by", format!("{} of {}", about.predicate, about.features)));
+        let how = if finding.cause == Cause::Engine { "nearest tie" } else { "decided by" };
+        facts.push((how, format!("{} of {}", about.predicate, about.features)));
     }
     if let Some(margin) = about.margin {
         let size = if margin == 0.0 { "0, a tie".to_owned() } else { short(margin) };
