@@ -1,18 +1,19 @@
 //! `campaign`: generated and real pairs through every engine, differences explained, findings kept.
 
-use crate::exit::{Outcome, Verdict, note, print};
+use crate::campaign_end::print_end;
+use crate::exit::{Outcome, Verdict, note};
 use crate::input::{EngineArgs, ReadArgs, threads};
 use crate::stop::on_ctrl_c;
 use crate::stress;
-use crate::table::{grouped, table};
+use crate::table::grouped;
 use anyhow::Context;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::{Engines, EnginesError};
-use rockproof_campaign::journal::{Journal, Progress};
+use rockproof_campaign::journal::{Journal, Seen};
 use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::source;
-use rockproof_campaign::steps::{self, StepChange, StepSummary};
+use rockproof_campaign::steps::{self, StepChange};
 use rockproof_campaign::stress::StressSource;
 use rockproof_differential::compare::Change;
 use rockproof_differential::finding::{Cause, Finding};
@@ -20,9 +21,9 @@ use rockproof_differential::subject::Source;
 use rockproof_gate::config::RECOVERED;
 use rockproof_model::files::read_text;
 use rockproof_results::Start;
-use std::collections::BTreeMap;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -35,7 +36,8 @@ use std::time::{Duration, Instant};
   rockproof campaign                                  every family, f32 and f64, all presets; about a minute
   rockproof campaign --pairs 10000 --family sliver --engine stepper-f32 --tolerances shi
   rockproof campaign --family real --real cases/real/voronoi_120.txt --planarity 1e-4
-  rockproof campaign --out reports/night --pairs 100000000 --resume
+  rockproof campaign --tolerances mine.toml           your own tolerances, in a file as `check` takes it
+  rockproof campaign --out reports/night --pairs 100000000 --resume      more pairs for a run that is there
   rockproof campaign --deny defect --deny collapsed   for CI: exit 1 if there is such a finding
   rockproof campaign --pairs 2000 --steps-every 1 --steps 3   every pair moves for three steps (docs/campaign_steps.md)
   rockproof campaign --stress                         how far from the origin, how thin, how parallel (docs/stress.md)
@@ -49,7 +51,7 @@ pub(crate) struct Campaign {
     /// TOML file of settings; the options below override it
     config: Option<PathBuf>,
     /// How many pairs
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     pairs: Option<u64>,
     /// Seed of all pairs
     #[arg(long)]
@@ -62,8 +64,8 @@ pub(crate) struct Campaign {
     engine: Vec<String>,
     #[command(flatten)]
     external: EngineArgs,
-    /// Tolerance preset; may be repeated [default: all]
-    #[arg(long, value_name = "PRESET", value_delimiter = ',')]
+    /// Tolerance preset (auto, shi, zero) or TOML file of tolerances; may be repeated [default: the presets, and sets made for ties]
+    #[arg(long, value_name = "PRESET|FILE", value_delimiter = ',')]
     tolerances: Vec<String>,
     /// Family of pairs; may be repeated [default: all]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
@@ -76,7 +78,7 @@ pub(crate) struct Campaign {
     real: Vec<PathBuf>,
     #[command(flatten)]
     read: ReadArgs,
-    /// Go on with the run in the directory, or begin if there is none
+    /// Go on with the run in the directory, with more pairs if --pairs says so, or begin if there is none
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
     /// Discard the campaign in the directory; other files there stay
@@ -115,14 +117,12 @@ impl Campaign {
         }
         let mut journal = Journal::open(&out, source::identity(&config)?, start)?;
         let ending = work(&config, &engines, &*source, self.threads, &mut journal, &stop)?;
-        let mut text = Vec::new();
-        report(&mut text, &journal, ending)?;
-        print(&String::from_utf8_lossy(&text))?;
+        if config.stress && ending == Ending::Finished {
+            stress::finish(&mut journal, &engines)?;
+        }
+        print_end(&journal, &config.external, ending)?;
         if ending == Ending::Stopped {
             return Ok(Verdict::Interrupted);
-        }
-        if config.stress {
-            stress::finish(&mut journal, &engines)?;
         }
         let (summary, steps) = (&journal.progress().summary, &journal.progress().steps);
         let denied = |kind: &&String| match kind.as_str() {
@@ -160,16 +160,19 @@ impl Campaign {
             }
         }
         config.pairs = self.pairs.unwrap_or(config.pairs);
+        anyhow::ensure!(
+            config.pairs > 0,
+            "pairs is 0; allowed are 1 and more: where nothing is asked nothing is found"
+        );
         config.seed = self.seed.unwrap_or(config.seed);
         config.steps_every = self.steps_every.unwrap_or(config.steps_every);
         config.steps = self.steps.unwrap_or(config.steps);
         self.external.add_to(&mut config)?;
         if !self.engine.is_empty() {
-            let (external, builtin): (Vec<String>, Vec<String>) =
-                self.engine.iter().cloned().partition(|name| config.external.iter().any(|spec| spec.name == *name));
-            config.engines = builtin;
-            config.external.retain(|spec| external.contains(&spec.name));
+            config.engines.clone_from(&self.engine);
+            config.external.retain(|spec| self.engine.contains(&spec.name));
         }
+        config.settle_engines();
         for (given, setting) in [(&self.tolerances, &mut config.tolerances), (&self.family, &mut config.families)] {
             if !given.is_empty() {
                 setting.clone_from(given);
@@ -223,142 +226,78 @@ fn work(
     let names = engines.names();
     let steppers = steps::engines(names.iter().map(String::as_str));
     let campaign = run::Campaign { config, source, panel: &panel, narrow: &narrow, steppers: &steppers, threads };
-    let mut display = Display::new(config.pairs, journal.progress());
-    let ending = campaign.run(journal, stop, &mut |progress| display.show(progress))?;
-    display.end();
-    Ok(ending)
+    let display = Display::new(config.pairs, journal.seen());
+    let ended = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| display.show_until(&ended));
+        let _ends = Ends(&ended);
+        Ok(campaign.run(journal, stop, &mut |_| {})?)
+    })
 }
 
-/// A bar on a terminal, a line now and then otherwise.
+/// Ends the display when work ends, however it ends.
+struct Ends<'e>(&'e AtomicBool);
+
+impl Drop for Ends<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A bar on a terminal, a line now and then otherwise; from the first pair on.
 struct Display {
     bar: Option<ProgressBar>,
     pairs: u64,
-    last: Instant,
+    seen: Arc<Seen>,
 }
 
+/// How often a bar moves.
+const MOVES: Duration = Duration::from_millis(200);
+/// How often there is a line.
+const LINES: Duration = Duration::from_secs(10);
+
 impl Display {
-    fn new(pairs: u64, progress: &Progress) -> Display {
+    fn new(pairs: u64, seen: Arc<Seen>) -> Display {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new(pairs);
-            let template = "{bar:40} {human_pos}/{human_len} pairs, {msg}, {eta} left";
+            let template = "{bar:40} {human_pos}/{human_len} pairs, {msg}";
             if let Ok(style) = ProgressStyle::with_template(template) {
                 bar.set_style(style);
             }
-            bar.set_position(progress.pairs_done);
+            bar.set_position(seen.pairs.load(Ordering::Relaxed));
             bar.reset_eta();
-            bar.set_message("0 findings");
             bar
         });
-        Display { bar, pairs, last: Instant::now() }
+        Display { bar, pairs, seen }
     }
 
-    fn show(&mut self, progress: &Progress) {
-        let found = grouped(progress.summary.total());
-        match &self.bar {
-            Some(bar) => {
-                bar.set_position(progress.pairs_done);
-                bar.set_message(format!("{found} findings"));
+    fn show_until(&self, ended: &AtomicBool) {
+        let mut last = Instant::now();
+        while !ended.load(Ordering::Relaxed) {
+            let (pairs, told) = (self.seen.pairs.load(Ordering::Relaxed), self.told());
+            match &self.bar {
+                Some(bar) => {
+                    bar.set_position(pairs);
+                    // There is no telling before anything is done.
+                    let left = bar.eta();
+                    let left = if left.is_zero() { String::new() } else { format!(", {} left", HumanDuration(left)) };
+                    bar.set_message(format!("{told}{left}"));
+                }
+                None if last.elapsed() > LINES => {
+                    last = Instant::now();
+                    note(&format!("{} of {} pairs, {told}", grouped(pairs), grouped(self.pairs)));
+                }
+                None => {}
             }
-            None if self.last.elapsed() > Duration::from_secs(10) => {
-                self.last = Instant::now();
-                eprintln!("{} of {} pairs, {found} findings", grouped(progress.pairs_done), grouped(self.pairs));
-            }
-            None => {}
+            std::thread::park_timeout(MOVES);
         }
-    }
-
-    fn end(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
     }
-}
 
-fn report(out: &mut impl Write, journal: &Journal, ending: Ending) -> std::io::Result<()> {
-    let progress = journal.progress();
-    let families = progress.summary.by_family();
-    let rows = families
-        .iter()
-        .map(|(family, [examined, findings])| vec![(*family).to_owned(), grouped(*examined), grouped(*findings)]);
-    writeln!(out, "{}\n", table(&["family", "examined", "findings"], &[1, 2], rows))?;
-    // One row for each engine, cause and change, the kinds side by side.
-    let mut sorts: BTreeMap<(&str, &str, &str), BTreeMap<&str, u64>> = BTreeMap::new();
-    for (sort, count) in progress.summary.by_sort() {
-        let row = sorts.entry((&sort.engine, cause_place(&sort.cause), &sort.change)).or_default();
-        *row.entry(&sort.kind).or_default() += count;
-    }
-    let kinds = ["v-v", "v-e", "e-v", "v-f", "f-v", "e-e", ""];
-    let rows = sorts.iter().map(|((engine, cause, change), counts)| {
-        let mut row = vec![(*engine).to_owned(), cause[1..].to_owned(), (*change).to_owned()];
-        row.extend(kinds.iter().map(|kind| counts.get(kind).map_or(String::new(), |c| grouped(*c))));
-        row.push(grouped(counts.values().sum()));
-        row
-    });
-    let header = ["engine", "cause", "change", "v-v", "v-e", "e-v", "v-f", "f-v", "e-e", "pair", "all"];
-    writeln!(out, "{}\n", table(&header, &[3, 4, 5, 6, 7, 8, 9, 10], rows))?;
-    if !progress.steps.is_empty() {
-        writeln!(out, "{}\n", steps_table(&progress.steps))?;
-    }
-    let speed = progress.pairs_done as f64 / progress.seconds.max(1e-9);
-    let (pairs, seconds) = (grouped(progress.pairs_done), progress.seconds);
-    writeln!(
-        out,
-        "{pairs} pairs in {seconds:.1} s ({speed:.0} a second), {} findings",
-        grouped(progress.summary.total())
-    )?;
-    for (name, counts) in &progress.engines {
-        if let Some(told) = counts.told() {
-            writeln!(out, "{name}: {told}; engines.csv counts them")?;
-        }
-    }
-    if ending == Ending::Stopped {
-        writeln!(out, "interrupted; --resume goes on")?;
-    }
-    let dir = journal.dir().display();
-    let tables = if progress.steps.is_empty() { "" } else { "step_findings.csv, step_summary.csv, " };
-    writeln!(out, "written to {dir}: findings.csv, summary.csv, {tables}run.json")?;
-    let cases: u64 = progress.cases.values().sum();
-    if cases > 0 {
-        writeln!(
-            out,
-            "{cases} shrunk findings in {dir}/cases; look at one with: rockproof replay {dir}/cases/NAME.toml"
-        )?;
-    }
-    let cases: u64 = progress.step_cases.values().sum();
-    if cases > 0 {
-        writeln!(out, "{cases} steps in {dir}/cases; look at one with: rockproof replay {dir}/cases/NAME.json")?;
-    }
-    Ok(())
-}
-
-/// One row for each engine: its steps, and how many of them differ from the exact ones.
-fn steps_table(steps: &StepSummary) -> String {
-    let rows = steps.by_engine().into_iter().map(|(engine, counts)| {
-        let numbers = [
-            counts.compared,
-            counts.contacts_differ,
-            counts.modes_differ,
-            counts.iterations_differ,
-            counts.retries_differ,
-            counts.deeper,
-            counts.shallower,
-            counts.defect,
-        ];
-        std::iter::once(engine.to_owned()).chain(numbers.map(grouped)).collect()
-    });
-    let header =
-        ["engine", "steps", "other contacts", "modes", "iterations", "retries", "deeper", "shallower", "defects"];
-    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8], rows).to_string()
-}
-
-/// A cause with its place in the chain before it, so that rows come in the order of the chain.
-fn cause_place(cause: &str) -> &'static str {
-    match Cause::from_name(cause) {
-        Some(Cause::Tolerance) => "0tolerance",
-        Some(Cause::Representation) => "1representation",
-        Some(Cause::Arithmetic) => "2arithmetic",
-        Some(Cause::Defect) => "3defect",
-        Some(Cause::Engine) => "4engine",
-        None => "5",
+    fn told(&self) -> String {
+        let shrinking = if self.seen.shrinking.load(Ordering::Relaxed) { ", shrinking some" } else { "" };
+        format!("{} findings{shrinking}", grouped(self.seen.findings.load(Ordering::Relaxed)))
     }
 }

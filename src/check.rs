@@ -1,6 +1,7 @@
 //! `check`: are the blocks blocks, and do the tolerances keep the rules?
 
 use crate::exit::{Outcome, Verdict, complain, note, print};
+use crate::extents::{self, Extents, factor, is_bent, planarity_that_merges, planarity_that_reads};
 use crate::input::{ReadArgs, ToleranceArgs, precision};
 use crate::overlaps::overlaps;
 use anyhow::Context;
@@ -10,6 +11,9 @@ use std::path::PathBuf;
 
 /// Problems told one by one.
 const MOST_PROBLEMS: usize = 20;
+
+/// Of problems that are all of one sort so many.
+const MOST_ALIKE: usize = 3;
 
 /// Check the blocks of a file, and the tolerances for them
 ///
@@ -30,6 +34,10 @@ pub(crate) struct Check {
     #[command(flatten)]
     tolerances: ToleranceArgs,
 
+    /// Multiply every length first: 1/1000 for a file in millimetres
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
+    scale: Option<Number>,
+
     /// Precision that the rules and presets are for: f32 or f64
     #[arg(long, default_value = "f64", value_parser = precision)]
     precision: Precision,
@@ -37,16 +45,25 @@ pub(crate) struct Check {
 
 impl Check {
     pub(crate) fn run(&self) -> Outcome {
-        let (scene, problems) = Scene::survey(&self.file, &self.read.options())?;
+        let (mut scene, problems) = Scene::survey(&self.file, &self.read.options())?;
         if !problems.is_empty() {
-            for problem in problems.iter().take(MOST_PROBLEMS) {
+            // Faces that are not planar are alike in all blocks, and one option is about them all.
+            let bent = problems.iter().all(is_bent);
+            let most = if bent { MOST_ALIKE } else { MOST_PROBLEMS };
+            for problem in problems.iter().take(most) {
                 complain(&problem.to_string());
             }
-            if let Some(more) = problems.len().checked_sub(MOST_PROBLEMS).filter(|more| *more > 0) {
-                note(&format!("and {more} more"));
+            if let Some(more) = problems.len().checked_sub(most).filter(|more| *more > 0) {
+                note(&format!("and {more} more{}", if bent { " of this sort" } else { "" }));
+            }
+            if let Some(planarity) = planarity_that_reads(&self.file).filter(|_| bent) {
+                note(&format!("every face is within --planarity {planarity}"));
             }
             let all = scene.blocks.len() + problems.len();
             anyhow::bail!("{}: {} of {all} blocks cannot be used", self.file.display(), problems.len());
+        }
+        if let Some(scale) = &self.scale {
+            extents::scale(&mut scene, &self.file, scale)?;
         }
         let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
         let shapes = scene.shapes();
@@ -54,6 +71,10 @@ impl Check {
         self.check_range(&scene, &set)?;
         let violations = rules::check_scene(&set, &scene, self.precision);
         print(&self.table(&scene, &spec, &set, &violations))?;
+        Extents::of(&scene).doubt().into_iter().for_each(|doubt| note(&doubt));
+        if self.scale.is_none() {
+            planarity_that_merges(&self.file, &scene).into_iter().for_each(|merges| note(&merges));
+        }
         let overlaps = overlaps(&shapes, &set, None);
         print(&overlaps.report())?;
         let sound = violations.is_empty() && overlaps.lost() == 0;
@@ -98,6 +119,7 @@ impl Check {
         writeln!(out, "  edges     {:>12}", total(|b| b.block.topology().edges().len()))?;
         writeln!(out, "  faces     {:>12}", total(|b| b.block.topology().faces().len()))?;
         writeln!(out, "  volume    {:>12.6} m³", Number::from_rational(volume).approximate())?;
+        write!(out, "{}", Extents::of(scene).lines())?;
         let (faces, vertices) = (total(|b| b.merged.faces), total(|b| b.merged.vertices));
         if faces + vertices > 0 {
             let changed = blocks.iter().filter(|b| b.merged != Default::default()).count();

@@ -25,7 +25,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   rockproof classify cases/real/slope_joints.dda
   rockproof classify cases/real/voronoi_120.txt --planarity 1e-4 --format csv
-  rockproof classify two.toml --engine f32 --tolerances shi --set search=1/10 --pair 0,1")]
+  rockproof classify two.toml --engine stepper-f32 --tolerances shi --set search=1/10 --pair 0,1")]
 pub(crate) struct Classify {
     /// Blocks: .toml, .dda, .obj, .vtk, or .txt and .voro for voro++
     file: PathBuf,
@@ -54,8 +54,10 @@ enum EngineChoice {
     /// The oracle
     Exact,
     /// The stepper in double precision
+    #[value(name = "stepper-f64", alias = "f64")]
     F64,
     /// The stepper in single precision
+    #[value(name = "stepper-f32", alias = "f32")]
     F32,
 }
 

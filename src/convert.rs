@@ -1,10 +1,11 @@
 //! `convert`: from any format that can be read to any that can be written.
 
 use crate::exit::{Outcome, Verdict, note, print};
+use crate::extents::{factor, scale};
 use crate::input::{ReadArgs, precision};
 use anyhow::Context;
 use rockproof_model::scene::{Format, write_obj, write_toml, write_vtk};
-use rockproof_model::{Block, BlockOptions, Precision, Scene};
+use rockproof_model::{Block, BlockOptions, Number, Precision, Scene};
 use rockproof_results::write_atomically;
 use std::path::PathBuf;
 
@@ -24,6 +25,10 @@ pub(crate) struct Convert {
     #[command(flatten)]
     read: ReadArgs,
 
+    /// Multiply every length first: 1/1000 for a file in millimetres
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
+    scale: Option<Number>,
+
     /// Round every coordinate to f32 or f64
     #[arg(long, value_parser = precision)]
     precision: Option<Precision>,
@@ -36,6 +41,9 @@ impl Convert {
             format!("{}: cannot write this format; known are .toml, .obj and .vtk", self.output.display())
         })?;
         let mut scene = Scene::load_with(&self.input, &self.read.options())?;
+        if let Some(factor) = &self.scale {
+            scale(&mut scene, &self.input, factor)?;
+        }
         if let Some(precision) = self.precision {
             self.round(&mut scene, precision)?;
         }

@@ -1,5 +1,6 @@
 //! How a command ends, and how it talks.
 
+use crate::extents::is_bent;
 use crate::stop::INTERRUPTED;
 use rockproof_model::text::is_harmful;
 use std::io::{self, Write};
@@ -27,6 +28,9 @@ pub(crate) fn code(outcome: Outcome) -> ExitCode {
         Ok(Verdict::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
             complain(&chain(&error));
+            if error.downcast_ref().is_some_and(is_bent) {
+                note("--planarity accepts faces further from planar; `rockproof check` says how far these are");
+            }
             ExitCode::from(2)
         }
     }

@@ -107,11 +107,11 @@ impl Gate {
                 anyhow::bail!("{file}: limit: engine is \"{found}\"; allowed are {}", allowed.join(", "));
             }
             let names = |list: &Option<String>| list.iter().cloned().collect::<Vec<_>>();
-            let narrowed = CampaignConfig {
-                families: names(&limit.family),
-                tolerances: names(&limit.tolerances),
-                ..CampaignConfig::default()
-            };
+            // A set from a file is called by the file's stem.
+            let own = source::set_names(&config.campaign)?;
+            let set = limit.tolerances.clone().filter(|name| !own.contains(name));
+            let narrowed =
+                CampaignConfig { families: names(&limit.family), tolerances: names(&set), ..CampaignConfig::default() };
             source::of(&narrowed).with_context(|| format!("{file}: limit"))?;
         }
         Ok(())

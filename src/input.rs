@@ -4,6 +4,7 @@ use crate::stop::end_on_ctrl_c;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::Engines;
+use rockproof_differential::builtin::{ENGINES, full_name};
 use rockproof_differential::case_file::Case;
 use rockproof_differential::external::EngineSpec;
 use rockproof_model::{LoadOptions, Number, Precision, Preset, ToleranceSpec};
@@ -140,6 +141,12 @@ pub(crate) fn precision(text: &str) -> Result<Precision, String> {
         "f64" => Ok(Precision::F64),
         _ => Err("known are f32 and f64".to_string()),
     }
+}
+
+/// The precision of a stepper, by its name or in short.
+pub(crate) fn stepper(text: &str) -> Result<Precision, String> {
+    let name = full_name(text).ok_or_else(|| format!("known are {}, in short f32 and f64", ENGINES.join(" and ")))?;
+    precision(name.trim_start_matches("stepper-"))
 }
 
 fn planarity(text: &str) -> Result<Number, String> {

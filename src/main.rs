@@ -2,10 +2,12 @@
 
 mod bench;
 mod campaign;
+mod campaign_end;
 mod check;
 mod classify;
 mod convert;
 mod exit;
+mod extents;
 mod gate;
 mod input;
 mod overlaps;

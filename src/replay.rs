@@ -10,6 +10,7 @@ use rockproof_differential::case_file::{Case, contact_rows};
 use rockproof_differential::engine::{Answer, EngineFailure, Oracle, Trace, guarded};
 use rockproof_differential::explain::{Parted, parted};
 use rockproof_differential::external::protocol::completed;
+use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCase;
 use rockproof_differential::mapped::separation::Separation;
 use rockproof_model::text::{SHOWN, excerpt};
@@ -144,15 +145,13 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<Said>, Vec<Parting>) {
 
 fn show(out: &mut impl Write, case: &Case, said: &[Said], partings: &[Parting]) -> io::Result<()> {
     let about = &case.about;
-    writeln!(
-        out,
-        "{} {} by {}, decided by {} {}",
-        about.cause,
-        about.change,
-        about.engine,
-        about.predicate,
-        excerpt(&about.features, SHOWN)
-    )?;
+    // An engine from outside tells no decisions.
+    let how = if about.cause == Cause::Engine.name() { "nearest tie" } else { "decided by" };
+    let decided = match about.predicate.as_str() {
+        "" => String::new(),
+        predicate => format!(", {how} {predicate} {}", excerpt(&about.features, SHOWN)),
+    };
+    writeln!(out, "{} {} by {}{decided}", about.cause, about.change, about.engine)?;
     if let Some(margin) = about.margin {
         let ulps = about.margin_ulps.map_or(String::new(), |u| format!(", {u:.3} roundoffs"));
         writeln!(out, "margin {margin:e}{ulps}")?;

@@ -43,7 +43,7 @@ use std::time::{Duration, Instant};
   rockproof simulate incline.toml --time 0.5
   rockproof simulate slope.toml --steps 2000 --every 50 --contacts --out reports/slope
   rockproof simulate slope.toml --steps 4000 --every 50 --contacts --out reports/slope --resume
-  rockproof simulate incline.toml --engine f32 --steps 200 --lockstep
+  rockproof simulate incline.toml --engine stepper-f32 --steps 200 --lockstep
 
 A run can be interrupted or killed at any moment; --resume goes on from its last checkpoint, to the same bytes.
 
@@ -60,7 +60,7 @@ pub(crate) struct Simulate {
     tolerances: ToleranceArgs,
 
     /// What makes the steps: the stepper in a precision, or the oracle
-    #[arg(long, value_enum, default_value = "f64")]
+    #[arg(long, value_enum, default_value = "stepper-f64")]
     engine: EngineChoice,
 
     /// Run until this step, settling not counted [default: what the scene says]
@@ -134,9 +134,11 @@ enum LinksChoice {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum EngineChoice {
-    /// Double precision
+    /// The stepper in double precision
+    #[value(name = "stepper-f64", alias = "f64")]
     F64,
-    /// Single precision
+    /// The stepper in single precision
+    #[value(name = "stepper-f32", alias = "f32")]
     F32,
     /// No rounding but that of --grid-exponent: the oracle steps by itself
     Exact,

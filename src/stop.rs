@@ -1,5 +1,6 @@
 //! Ctrl-C, and what else asks a program to end (TERM, HUP): long work stops in good order, and no engine is left running.
 
+use crate::exit::note;
 use anyhow::Context;
 use rockproof_differential::external::end_all;
 use std::sync::Arc;
@@ -8,8 +9,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// The exit code of a program that was interrupted, as a shell has it.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// A flag that Ctrl-C sets, before it ends all external engines, so that none of them is waited for: whoever asked one finds the flag set. A
-/// second Ctrl-C ends the program at once, with exit code 130; what is on disk bears it.
+/// A flag that Ctrl-C sets, which is told, before it ends all external engines, so that none of them is waited for: whoever asked one finds the
+/// flag set. A second Ctrl-C ends the program at once, with exit code 130; what is on disk bears it.
 ///
 /// # Errors
 /// When the system gives no handler, or one was set before.
@@ -20,8 +21,11 @@ pub(crate) fn on_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
         let again = flag.swap(true, Ordering::SeqCst);
         end_all();
         if again {
+            // What comes next stands on a line of its own, whatever a bar left there.
+            note("stopped at once");
             std::process::exit(INTERRUPTED.into());
         }
+        note("finishing what has begun; Ctrl-C again to quit at once");
     })
     .context("cannot catch Ctrl-C")?;
     Ok(stop)

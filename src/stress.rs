@@ -5,8 +5,9 @@ use crate::table::{grouped, table};
 use anyhow::Context;
 use rockproof_campaign::engines::Engines;
 use rockproof_campaign::journal::Journal;
+use rockproof_campaign::stress::StressSource;
 use rockproof_campaign::stress::steps::{self, Measured, REST};
-use rockproof_campaign::stress::table::{Limit, cells_csv, limits, limits_csv, rows};
+use rockproof_campaign::stress::table::{Limit, Proof, cells_csv, limits, limits_csv, rows};
 use rockproof_model::files::open_table;
 use std::io::BufReader;
 
@@ -21,9 +22,28 @@ pub(crate) fn finish(journal: &mut Journal, engines: &Engines) -> anyhow::Result
     note(&format!("{} steps at rest, and stiff contacts above soft ones", grouped(REST[REST.len() - 1])));
     let measured = steps::measure(REST[REST.len() - 1])?;
     journal.write("steps.csv", &steps::to_csv(&measured)?)?;
-    print(&format!("\n{}\n\n{}\n", limits_table(&limits), steps_table(&measured)))?;
+    print(&format!("\n{}\n", limits_table(&limits)))?;
+    print(&too_few(&limits))?;
+    print(&format!("\n{}\n", steps_table(&measured)))?;
     let dir = journal.dir().display();
     print(&format!("written to {dir}: stress.csv, limits.csv, steps.csv (docs/stress.md says what they hold)\n"))
+}
+
+/// Where there are too few pairs to tell, and how many would be needed; empty where there is no such place.
+fn too_few(limits: &[Limit]) -> String {
+    let needed = limits.iter().filter_map(|limit| match limit.proof {
+        Proof::TooFew { needed } => Some(needed),
+        Proof::Safe | Proof::Unsafe => None,
+    });
+    let needed: Vec<Option<u64>> = needed.collect();
+    // What is at the limit itself has no figure; what is near it would cost more than it is worth.
+    let Some(least) = needed.iter().flatten().min() else { return String::new() };
+    format!(
+        "too few pairs to tell at {} of {} limits; {least} pairs a level begin to tell: --pairs {}\n",
+        needed.len(),
+        limits.len(),
+        StressSource::pairs_for(*least)
+    )
 }
 
 fn limits_table(limits: &[Limit]) -> String {
@@ -31,11 +51,21 @@ fn limits_table(limits: &[Limit]) -> String {
         let (pairs, differ, high) = limit.up_to_safe;
         let level =
             |level: Option<rockproof_campaign::stress::Level>| level.map_or("nowhere".to_owned(), |l| l.to_string());
-        let beyond =
-            limit.beyond.map_or("not tried".to_owned(), |(at, share)| format!("{:.1} % at {at}", 100.0 * share));
+        let beyond = match (limit.beyond, limit.proof) {
+            (None, _) => "not tried".to_owned(),
+            (Some((at, _)), Proof::TooFew { needed: None }) => format!("near 1 % at {at}"),
+            (Some((at, _)), Proof::TooFew { needed: Some(needed) }) => {
+                format!("too few pairs at {at}, {} would do", grouped(needed))
+            }
+            (Some((at, share)), _) => format!("{:.1} % at {at}", 100.0 * share),
+        };
+        let safe = match (limit.safe, limit.proof) {
+            (None, Proof::TooFew { .. }) => "not known".to_owned(),
+            (safe, _) => level(safe),
+        };
         let below = if pairs == 0 { String::new() } else { format!("{:.2} %", 100.0 * high) };
         let start = [limit.axis.name(), limit.form.name(), &limit.tolerances, &limit.engine].map(str::to_owned);
-        let counts = [level(limit.clean), level(limit.safe), grouped(differ), grouped(pairs), below, beyond];
+        let counts = [level(limit.clean), safe, grouped(differ), grouped(pairs), below, beyond];
         start.into_iter().chain(counts).collect()
     });
     let header = [

@@ -1,7 +1,7 @@
 //! `tune`: which tolerances should this model use?
 
 use crate::exit::{Outcome, Verdict, note, print};
-use crate::input::{ReadArgs, ToleranceArgs, precision, threads};
+use crate::input::{ReadArgs, ToleranceArgs, stepper, threads};
 use crate::stop::on_ctrl_c;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   rockproof tune cases/real/openpit_rock.dda
-  rockproof tune slope.toml --engine f32 --budget 600 --out reports/slope
+  rockproof tune slope.toml --engine stepper-f32 --budget 600 --out reports/slope
   rockproof tune slope.toml --candidates 50           always the same answer, however long it takes
   rockproof tune slope.toml --candidates 200 --resume
 
@@ -40,8 +40,8 @@ pub(crate) struct Tune {
     /// What the author uses now, to compare with
     #[command(flatten)]
     tolerances: ToleranceArgs,
-    /// Precision of the engine: f32 or f64
-    #[arg(long, default_value = "f64", value_parser = precision)]
+    /// Engine: stepper-f32 or stepper-f64
+    #[arg(long, default_value = "stepper-f64", value_parser = stepper)]
     engine: Precision,
     /// Seed of candidates and pairs
     #[arg(long, default_value_t = 1)]

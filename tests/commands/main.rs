@@ -13,6 +13,8 @@ mod bad_input;
 mod bench_command;
 mod campaign_cli;
 mod campaign_default;
+mod campaign_end;
+mod check_command;
 mod engine_processes;
 mod external_engines;
 mod gate_command;

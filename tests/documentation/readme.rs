@@ -253,6 +253,36 @@ fn no_command_escapes() {
     }
 }
 
+/// The directories that a command leaves results in, to be refused by the next one that would.
+fn directory(command: &str) -> Option<String> {
+    let words: Vec<&str> = command.strip_prefix("rockproof ")?.split_whitespace().collect();
+    let after = |flag: &str| words.iter().position(|word| *word == flag).and_then(|at| words.get(at + 1)).copied();
+    let again = words.iter().any(|word| matches!(*word, "--overwrite" | "--resume" | "markdown"));
+    let stem = |file: &str| Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let default = match *words.first()? {
+        "campaign" => format!("reports/campaign-{}", after("--seed").unwrap_or("1")),
+        what @ ("simulate" | "tune") => format!("reports/{what}-{}", stem(words.get(1)?)?),
+        "report" => format!("{}/report", words.get(1)?),
+        _ => return None,
+    };
+    (!again).then(|| after("--out").map_or(default, str::to_owned))
+}
+
+#[test]
+fn pages_of_the_book_can_be_followed_one_after_another() {
+    let mut taken: std::collections::BTreeMap<String, String> = std::collections::BTreeMap::new();
+    for page in pages().into_iter().filter(|page| page.starts_with("docs/")) {
+        for command in shown(&read(&page)) {
+            let command = command.command.replace("cargo run --release -- ", "rockproof ");
+            let Some(directory) = directory(&command).filter(|_| not_run(&command).is_none()) else { continue };
+            if let Some(other) = taken.insert(directory.clone(), page.clone()) {
+                panic!("{other} and {page} both leave results in {directory}: the second is refused");
+            }
+        }
+    }
+    assert!(taken.len() > 12, "{taken:?}");
+}
+
 #[test]
 fn the_reader_of_documents_sees_a_difference() {
     let document = "text\n```console\n$ rockproof x # exits 1\none\ntwo\n$ rockproof y\n```\n$ not this\n```console,slow\n$ rockproof z\n```\n```toml\n$ nor this\n```\n";

@@ -37,6 +37,13 @@ pub fn wilson(hits: u64, trials: u64) -> [f64; 2] {
     Share::of(hits, trials, trials as f64).map_or([0.0, 1.0], |share| [share.low, share.high])
 }
 
+/// How many independent trials bring an end of Wilson's interval to `limit` where the share found is `share`, for fewer the limit lies
+/// inside: z²·l·(1 − l)/(p − l)². `None` where the two are so near that a billion are not enough.
+pub fn trials_to_tell(share: f64, limit: f64) -> Option<u64> {
+    let needed = Z * Z * limit * (1.0 - limit) / (share - limit).powi(2);
+    (needed < 1e9).then(|| needed.ceil() as u64)
+}
+
 /// Sums over batches of trials that hang together: a hits among n trials of each batch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Clusters {
@@ -70,7 +77,7 @@ impl Clusters {
 
 #[cfg(test)]
 mod tests {
-    use super::{Clusters, Share, wilson};
+    use super::{Clusters, Share, trials_to_tell, wilson};
 
     #[test]
     fn wilson_as_in_the_literature() {
@@ -95,6 +102,18 @@ mod tests {
         assert!((low - 0.017_876).abs() < 1e-5 && (high - 0.404_150).abs() < 1e-5, "{low} {high}");
         assert_eq!(wilson(0, 0), [0.0, 1.0]);
         assert_eq!(wilson(7, 7)[1], 1.0);
+    }
+
+    #[test]
+    fn so_many_trials_tell_and_one_less_does_not() {
+        let none = trials_to_tell(0.0, 0.01).expect("a count");
+        assert_eq!(none, 381);
+        assert!(wilson(0, none)[1] <= 0.01 && wilson(0, none - 1)[1] > 0.01);
+        // A share of 1/20, which is above the limit: the lower end passes it.
+        let some = trials_to_tell(0.05, 0.01).expect("a count");
+        let low = |trials: u64| Share::of(trials / 20, trials, trials as f64).expect("trials").low;
+        assert!(low(some.next_multiple_of(20)) >= 0.01 && low(some / 20 * 20 - 20) < 0.01, "{some}");
+        assert_eq!(trials_to_tell(0.01, 0.01), None);
     }
 
     #[test]

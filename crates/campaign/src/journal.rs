@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64};
 
 /// Everything a campaign knows between two chunks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,6 +57,17 @@ pub struct Progress {
     pub resumed: u64,
 }
 
+/// What has been looked at since the program began, for whoever shows progress while a chunk is under way. It counts ahead of [`Progress`].
+#[derive(Debug, Default)]
+pub struct Seen {
+    /// Pairs examined, those of earlier sessions among them.
+    pub pairs: AtomicU64,
+    /// Findings made, likewise.
+    pub findings: AtomicU64,
+    /// Whether findings are being shrunk, between the pairs of one chunk and those of the next.
+    pub shrinking: AtomicBool,
+}
+
 /// A run on disk.
 #[derive(Debug)]
 pub struct Journal {
@@ -63,8 +76,11 @@ pub struct Journal {
     /// `step_findings.csv`, where pairs make steps.
     step_findings: Option<Table>,
     progress: Progress,
+    seen: Arc<Seen>,
 }
 
+/// The key of the configuration that may grow from one session to the next.
+const PAIRS: &str = "pairs";
 const FINDINGS: &str = "findings.csv";
 const STEP_FINDINGS: &str = "step_findings.csv";
 const PROGRESS: &str = "progress.json";
@@ -132,12 +148,21 @@ impl Journal {
             resumed: 0,
         };
         directory.write_sealed(PROGRESS, &progress)?;
-        Ok(Journal { directory, findings, step_findings: None, progress })
+        Ok(Journal { directory, findings, step_findings: None, progress, seen: Arc::default() })
     }
 
     fn resume(directory: Directory, configuration: &Map<String, Value>) -> Result<Journal, ResultsError> {
         let mut progress: Progress = directory.read_sealed(PROGRESS)?;
-        let differences = identity_differences(&progress.configuration, configuration);
+        let known = &progress.configuration;
+        let pairs = |configuration: &Map<String, Value>| configuration.get(PAIRS).and_then(Value::as_u64);
+        // A pair is a function of seed and index, so that a longer run begins with the shorter one.
+        let mut asked = configuration.clone();
+        if pairs(configuration).zip(pairs(known)).is_some_and(|(now, was)| now > was)
+            && let Some(was) = known.get(PAIRS)
+        {
+            asked.insert(PAIRS.to_owned(), was.clone());
+        }
+        let differences = identity_differences(known, &asked);
         if !differences.is_empty() {
             let (dir, owner) = (directory.path().to_owned(), directory.owner());
             return Err(ResultsError::OtherIdentity { dir, owner, differences });
@@ -147,13 +172,24 @@ impl Journal {
         let step_findings = if tables.len() > 1 { tables.pop() } else { None };
         let findings =
             tables.pop().ok_or_else(|| ResultsError::damaged(&directory.path().join(FINDINGS), "missing"))?;
+        progress.configuration.clone_from(configuration);
         progress.resumed += 1;
-        Ok(Journal { directory, findings, step_findings, progress })
+        let seen = Seen {
+            pairs: progress.pairs_done.into(),
+            findings: progress.summary.total().into(),
+            shrinking: false.into(),
+        };
+        Ok(Journal { directory, findings, step_findings, progress, seen: Arc::new(seen) })
     }
 
     /// What is done.
     pub fn progress(&self) -> &Progress {
         &self.progress
+    }
+
+    /// What has been looked at, kept up to date while a campaign runs.
+    pub fn seen(&self) -> Arc<Seen> {
+        Arc::clone(&self.seen)
     }
 
     /// The directory of the run.

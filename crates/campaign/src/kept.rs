@@ -9,6 +9,16 @@ pub(super) struct Wish {
     pub(super) fingerprint: String,
     pub(super) cause: &'static str,
     pub(super) name: String,
+    /// Set where the finding is too far from a tie for rounding to be the reason.
+    pub(super) record: Option<Record>,
+}
+
+/// A finding far from a tie, which gets a file whatever else has one if none so far has been kept.
+pub(super) struct Record {
+    /// What it is compared with: findings about the same engine, of the same cause.
+    pub(super) key: String,
+    /// The decade of its margin in roundoffs, above 0.
+    pub(super) decade: u64,
 }
 
 /// How many case files there may be.
@@ -30,15 +40,31 @@ pub(super) struct Counts<'p> {
 impl Counts<'_> {
     fn allow(&self, wish: &Wish, most: &Most) -> bool {
         let count = |counts: &BTreeMap<String, u64>, key: &str| counts.get(key).copied().unwrap_or(0);
-        count(self.alike, &wish.fingerprint) < most.alike && count(self.of_cause, wish.cause) < most.of_cause
+        let usual =
+            count(self.alike, &wish.fingerprint) < most.alike && count(self.of_cause, wish.cause) < most.of_cause;
+        let record = wish.record.as_ref().is_some_and(|record| record.decade > count(self.alike, &record.key));
+        usual || record && most.of_cause > 0
     }
 
-    fn add(&mut self, wish: &Wish) {
+    /// Counts a file and gives what the record was before.
+    fn add(&mut self, wish: &Wish) -> Option<u64> {
         *self.alike.entry(wish.fingerprint.clone()).or_default() += 1;
         *self.of_cause.entry(wish.cause.to_owned()).or_default() += 1;
+        let record = wish.record.as_ref()?;
+        let known = self.alike.entry(record.key.clone()).or_default();
+        (record.decade > *known).then(|| std::mem::replace(known, record.decade))
     }
 
-    fn take_back(&mut self, wish: &Wish) {
+    /// Takes [`Counts::add`] back.
+    fn take_back(&mut self, wish: &Wish, before: Option<u64>) {
+        if let (Some(record), Some(before)) = (&wish.record, before)
+            && self.alike.get(&record.key) == Some(&record.decade)
+        {
+            match before {
+                0 => self.alike.remove(&record.key),
+                before => self.alike.insert(record.key.clone(), before),
+            };
+        }
         for (counts, key) in [(&mut *self.alike, wish.fingerprint.as_str()), (&mut *self.of_cause, wish.cause)] {
             let left = counts.get(key).map_or(0, |count| count - 1);
             if left == 0 {
@@ -65,7 +91,8 @@ const ROUNDS: usize = 4;
 #[derive(Clone, PartialEq, Eq)]
 enum Place {
     Waiting,
-    Granted,
+    /// With the record before it.
+    Granted(Option<u64>),
     Made(Vec<u8>),
     /// Its file cannot be made.
     None,
@@ -87,19 +114,21 @@ pub(super) fn keep<F: Sync>(
         for (wish, place) in wishes.iter().zip(&mut places).filter(|(_, place)| **place == Place::Waiting) {
             // Two findings of one pair may be alike in everything the name tells; the first stands for both.
             if counts.allow(wish, &most) && names.insert(&wish.name) {
-                counts.add(wish);
-                *place = Place::Granted;
+                *place = Place::Granted(counts.add(wish));
             }
         }
-        let granted: Vec<usize> = (0..findings.len()).filter(|&at| places[at] == Place::Granted).collect();
+        let granted = places.iter().enumerate();
+        let granted: Vec<(usize, Option<u64>)> = granted
+            .filter_map(|(at, place)| if let Place::Granted(before) = place { Some((at, *before)) } else { None })
+            .collect();
         let made: Vec<Option<Vec<u8>>> =
-            granted.par_iter().map(|&at| file(&findings[at])).collect::<Result<_, RunError>>()?;
+            granted.par_iter().map(|&(at, _)| file(&findings[at])).collect::<Result<_, RunError>>()?;
         let mut freed = false;
-        for (at, made) in granted.into_iter().zip(made) {
+        for ((at, before), made) in granted.into_iter().zip(made) {
             places[at] = match made {
                 Some(bytes) => Place::Made(bytes),
                 None => {
-                    counts.take_back(&wishes[at]);
+                    counts.take_back(&wishes[at], before);
                     names.remove(wishes[at].name.as_str());
                     freed = true;
                     Place::None
@@ -133,6 +162,7 @@ mod tests {
             fingerprint: format!("kind {}", number % 2),
             cause: "tolerance",
             name: format!("{number}.toml"),
+            record: None,
         };
         let mut kept = |findings: &[u32]| {
             let counts = Counts { alike: &mut alike, of_cause: &mut of_cause };
@@ -154,10 +184,36 @@ mod tests {
     fn findings_alike_in_name_share_the_first_file() {
         let (mut alike, mut of_cause) = (BTreeMap::new(), BTreeMap::new());
         let counts = Counts { alike: &mut alike, of_cause: &mut of_cause };
-        let wish = |_: &u32| Wish { fingerprint: "kind".to_owned(), cause: "defect", name: "same.toml".to_owned() };
+        let wish = |_: &u32| Wish {
+            fingerprint: "kind".to_owned(),
+            cause: "defect",
+            name: "same.toml".to_owned(),
+            record: None,
+        };
         let file = |number: &u32| Ok(Some(number.to_string().into_bytes()));
         let kept = keep(&[1, 2], wish, Most { of_cause: 9, alike: 9 }, counts, file).expect("files");
         assert_eq!(kept.names, [Some("same.toml".to_owned()), None]);
         assert_eq!(kept.files, [("same.toml".to_owned(), b"1".to_vec())]);
+    }
+
+    #[test]
+    fn what_is_further_from_a_tie_than_all_before_has_a_file() {
+        let (mut alike, mut of_cause) = (BTreeMap::new(), BTreeMap::new());
+        let mut kept = |findings: &[u64]| {
+            let counts = Counts { alike: &mut alike, of_cause: &mut of_cause };
+            let wish = |decade: &u64| Wish {
+                fingerprint: "kind".to_owned(),
+                cause: "arithmetic",
+                name: format!("{decade}.toml"),
+                record: (*decade > 0).then(|| Record { key: "furthest".to_owned(), decade: *decade }),
+            };
+            let file = |decade: &u64| Ok((*decade != 9).then(Vec::new));
+            let kept = keep(findings, wish, Most { of_cause: 1, alike: 1 }, counts, file).expect("files");
+            kept.names.iter().map(Option::is_some).collect::<Vec<_>>()
+        };
+        // One of the kind, and 4 and 7 beyond it; 5 is behind 7, and 9 cannot be made.
+        assert_eq!(kept(&[0, 4, 7, 5, 9]), [true, true, true, false, false]);
+        assert_eq!(kept(&[0, 6, 8]), [false, false, true]);
+        assert_eq!(alike.get("furthest"), Some(&8));
     }
 }

@@ -1,8 +1,8 @@
 //! The campaign itself: chunk by chunk, in parallel inside a chunk, results merged in the order of indices.
 
 use super::config::CampaignConfig;
-use super::journal::{Journal, Progress};
-use super::kept::{Counts, Kept, Most, Wish, keep};
+use super::journal::{Journal, Progress, Seen};
+use super::kept::{Counts, Kept, Most, Record, Wish, keep};
 use super::shrink::Shrinker;
 use super::steps::{self, StepEngine, StepFinding};
 use super::summary::{Origin, Summary};
@@ -11,7 +11,7 @@ use rockproof_differential::agreement::Agreement;
 use rockproof_differential::attribution::{Examined, Panel, examine};
 use rockproof_differential::case_file::Case;
 use rockproof_differential::engine::{EngineCounts, Levels};
-use rockproof_differential::finding::Finding;
+use rockproof_differential::finding::{FAR, Finding};
 use rockproof_differential::subject::{Source, Subject};
 use rockproof_results::ResultsError;
 use serde::{Deserialize, Serialize};
@@ -57,6 +57,18 @@ pub enum RunError {
     /// No worker threads.
     #[error("cannot start the worker threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The pairs done end inside a batch.
+    #[error(
+        "{dir}: the run ended after {done} pairs, inside a batch of {batch}, and cannot go on to more; one whose pairs are a multiple of {batch} can. --overwrite begins anew"
+    )]
+    InsideBatch {
+        /// The directory.
+        dir: String,
+        /// Pairs done.
+        done: u64,
+        /// Pairs of a batch.
+        batch: u64,
+    },
     /// A table cannot be written.
     #[error("cannot write a table: {0}")]
     Csv(#[from] csv::Error),
@@ -126,14 +138,19 @@ impl Campaign<'_> {
         let (engines_before, engines_at_start) = (journal.progress().engines.clone(), self.engine_counts());
         let stopped = || stop.load(Ordering::SeqCst);
         let started = Instant::now();
+        let seen = journal.seen();
         let batch_len = self.source.batch_len();
+        if done < pairs && !done.is_multiple_of(batch_len) {
+            let dir = journal.dir().display().to_string();
+            return Err(RunError::InsideBatch { dir, done, batch: batch_len });
+        }
         let chunk = self.config.chunk.div_ceil(batch_len).max(1) * batch_len;
         while journal.progress().pairs_done < self.config.pairs && !stopped() {
             let first = journal.progress().pairs_done;
             let end = (first + chunk).min(self.config.pairs);
             let batches: Option<Vec<Batch>> = pool.install(|| {
                 let numbers = (first / batch_len..end.div_ceil(batch_len)).into_par_iter();
-                numbers.map(|n| self.batch(n, end, &stopped)).collect()
+                numbers.map(|n| self.batch(n, end, &seen, &stopped)).collect()
             });
             let Some(batches) = batches else { break };
             let mut progress = journal.progress().clone();
@@ -150,6 +167,7 @@ impl Campaign<'_> {
                 progress.steps.add(batch.steps.summary);
                 stepped.extend(batch.steps.findings);
             }
+            seen.shrinking.store(true, Ordering::Relaxed);
             let kept = pool.install(|| self.keep_cases(&findings, &mut progress, &stopped))?;
             let finding_rows = rows(&findings, &kept.names, Finding::row)?;
             let kept_steps = pool.install(|| self.keep_step_cases(&stepped, &mut progress, &stopped))?;
@@ -167,6 +185,7 @@ impl Campaign<'_> {
             progress.pairs_done = end;
             progress.seconds = before + started.elapsed().as_secs_f64();
             journal.commit(&finding_rows, &step_rows, progress)?;
+            seen.shrinking.store(false, Ordering::Relaxed);
             watch(journal.progress());
         }
         let finished = journal.progress().pairs_done >= self.config.pairs;
@@ -197,7 +216,7 @@ impl Campaign<'_> {
     }
 
     /// One batch; `None` where the run is stopped meanwhile.
-    fn batch(&self, number: u64, end: u64, stopped: Stopped<'_>) -> Option<Batch> {
+    fn batch(&self, number: u64, end: u64, seen: &Seen, stopped: Stopped<'_>) -> Option<Batch> {
         let mut batch = Batch::default();
         let subjects = self.source.batch(number);
         for subject in subjects.iter().filter(|s| s.index < end) {
@@ -212,6 +231,8 @@ impl Campaign<'_> {
                 });
             }
             let Examined { findings, levels, contacts, metamorphic_checks, agreement } = examine(subject, self.panel);
+            seen.pairs.fetch_add(1, Ordering::Relaxed);
+            seen.findings.fetch_add(findings.len() as u64, Ordering::Relaxed);
             for finding in &findings {
                 batch.summary.add_finding(finding);
             }
@@ -245,7 +266,12 @@ impl Campaign<'_> {
         let wish = |finding: &Finding| {
             let fingerprint = finding.fingerprint();
             let name = format!("{}.toml", fingerprint.file_stem(&finding.set, finding.index));
-            Wish { fingerprint: fingerprint.text(), cause: finding.cause.name(), name }
+            let far = finding.margin_ulps().map(f64::abs).filter(|ulps| *ulps > FAR);
+            let record = far.map(|ulps| Record {
+                key: format!("furthest {} {}", finding.who, finding.cause),
+                decade: ulps.log10().floor() as u64,
+            });
+            Wish { fingerprint: fingerprint.text(), cause: finding.cause.name(), name, record }
         };
         let most = Most { of_cause: self.config.cases_per_cause, alike: self.config.cases_per_fingerprint };
         let counts = Counts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
@@ -263,6 +289,7 @@ impl Campaign<'_> {
             fingerprint: finding.fingerprint(),
             cause: finding.cause.name(),
             name: finding.file_name(),
+            record: None,
         };
         let of_cause = self.config.cases_per_cause / STEP_CASES;
         let most = Most { of_cause, alike: self.config.cases_per_fingerprint };

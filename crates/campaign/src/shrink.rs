@@ -8,7 +8,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_differential::attribution::Panel;
 use rockproof_differential::case_file::Case;
-use rockproof_differential::finding::Finding;
+use rockproof_differential::finding::{FAR, Finding};
 use rockproof_differential::hull::convex_hull;
 use rockproof_model::number::split_f64;
 use rockproof_model::{Block, BlockOptions, Criteria, Number, Point};
@@ -17,6 +17,8 @@ use rockproof_model::{Block, BlockOptions, Criteria, Number, Point};
 pub struct Shrinker<'p> {
     panel: &'p Panel,
     left: u64,
+    /// The margin in roundoffs that the finding must keep, so that one far from any tie stays one.
+    least: f64,
 }
 
 /// One of the two blocks of a case.
@@ -42,11 +44,12 @@ impl<'p> Shrinker<'p> {
     /// A shrinker that may examine `evaluations` pairs. The panel should hold no engine the case is not about, and ask
     /// for metamorphic checks only where the case is about one.
     pub fn new(panel: &'p Panel, evaluations: u64) -> Shrinker<'p> {
-        Shrinker { panel, left: evaluations }
+        Shrinker { panel, left: evaluations, least: 0.0 }
     }
 
     /// The smallest case found. A case that does not show its finding is returned as it is.
     pub fn shrink(mut self, case: Case) -> Case {
+        self.least = case.about.margin_ulps.map(f64::abs).filter(|ulps| *ulps > FAR).map_or(0.0, |ulps| ulps / 10.0);
         let Some(finding) = self.shows(&case) else { return case };
         let mut best = case;
         best.describe(&finding, self.panel);
@@ -60,7 +63,7 @@ impl<'p> Shrinker<'p> {
                 break;
             }
         }
-        if let Some(finding) = best.findings(self.panel).into_iter().next() {
+        if let Some(finding) = self.look(&best) {
             best.describe(&finding, self.panel);
         }
         best
@@ -68,7 +71,13 @@ impl<'p> Shrinker<'p> {
 
     fn shows(&mut self, case: &Case) -> Option<Finding> {
         self.left = self.left.checked_sub(1)?;
-        case.findings(self.panel).into_iter().next()
+        self.look(case)
+    }
+
+    fn look(&self, case: &Case) -> Option<Finding> {
+        let far_enough =
+            |finding: &Finding| self.least == 0.0 || finding.margin_ulps().is_some_and(|u| u.abs() >= self.least);
+        case.findings(self.panel).into_iter().find(far_enough)
     }
 
     /// Replaces `best` by `proposal` if that is simpler and shows the finding.

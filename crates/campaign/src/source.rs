@@ -9,11 +9,11 @@ use super::steps::motion;
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Source, Subject, SubjectSet};
 use rockproof_model::files::read_limited;
-use rockproof_model::{Block, LoadOptions, Scene, SceneError};
+use rockproof_model::{Block, LoadOptions, Number, Precision, Scene, SceneError, SpecError, ToleranceSpec, Vec3};
 use serde_json::{Map, Value};
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Why a configuration names no pairs.
@@ -29,13 +29,39 @@ pub enum SourceError {
     },
     /// A tolerance set that does not exist.
     #[error(
-        "tolerance set \"{found}\" does not exist; there are {allowed}, and changes of them: auto@territory*1/2@criteria=classic"
+        "tolerance set \"{found}\" does not exist; there are {allowed}, changes of them (auto@territory*1/2@criteria=classic), and TOML files of tolerances"
     )]
     Set {
         /// What was found.
         found: String,
         /// The sets.
         allowed: String,
+    },
+    /// A file of tolerances that names no set.
+    #[error("{file}: {source}")]
+    Spec {
+        /// The file.
+        file: String,
+        /// Why.
+        source: Box<SpecError>,
+    },
+    /// A file whose name cannot be that of a set.
+    #[error(
+        "{file}: in tables its set would be called \"{stem}\"; allowed is what no other set is called, without ':' and '@': rename the file"
+    )]
+    Stem {
+        /// The file.
+        file: String,
+        /// Its stem.
+        stem: String,
+    },
+    /// Two sets of one name.
+    #[error("{file}: another tolerance set is called \"{name}\" as well; rename the file")]
+    Twice {
+        /// The file.
+        file: String,
+        /// Its stem.
+        name: String,
     },
     /// A grid of tolerance sets that is none.
     #[error(transparent)]
@@ -91,7 +117,7 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
     } else {
         config.tolerances.iter().map(String::as_str).collect()
     };
-    let mut sets = names.into_iter().map(set_source).collect::<Result<Vec<_>, _>>()?;
+    let mut sets = set_sources(&names)?;
     // On a grid sets are to be compared with one another, so every base pair gets all of them.
     let sets_per_batch = if config.grid.is_some() { usize::MAX } else { sets.len().min(3) };
     if let Some(grid) = &config.grid {
@@ -104,13 +130,61 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
     })
 }
 
-/// The tolerance sets of a name.
+/// The tolerance sets of a name, or of a TOML file of tolerances, which the file's stem names in tables.
 ///
 /// # Errors
-/// When there is none of that name.
+/// When there is none of that name, the file is none of tolerances, or its stem cannot be a name.
 pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
-    let unknown = || SourceError::Set { found: name.to_owned(), allowed: sets::NAMES.join(", ") };
-    SetSource::named(name).ok_or_else(unknown)
+    if let Some(known) = SetSource::named(name) {
+        return Ok(known);
+    }
+    let Some(file) = tolerance_file(name) else {
+        return Err(SourceError::Set { found: name.to_owned(), allowed: sets::NAMES.join(", ") });
+    };
+    let spec = ToleranceSpec::load(file)?;
+    let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    // A colon is for ladders, an @ for changes, and a name is of one set.
+    if stem.is_empty() || stem.contains([':', '@']) || SetSource::named(&stem).is_some() {
+        return Err(SourceError::Stem { file: name.to_owned(), stem });
+    }
+    // Values missing without a preset would be missing for every pair.
+    let zero = || Vec3::new(Number::ZERO, Number::ZERO, Number::ZERO);
+    let one = Vec3::new(Number::from_integer(1), Number::from_integer(1), Number::from_integer(1));
+    if let Ok(cube) = Block::cuboid(&zero(), &one) {
+        spec.derive(&[&cube, &cube], Precision::F64)
+            .map_err(|source| SourceError::Spec { file: name.to_owned(), source: Box::new(source) })?;
+    }
+    Ok(SetSource::new(stem, move |a, b, precision| spec.derive(&[a, b], precision).ok()))
+}
+
+/// The file of tolerances that a name stands for, if it is one.
+fn tolerance_file(name: &str) -> Option<&Path> {
+    let path = Path::new(name);
+    let is_toml = path.extension().is_some_and(|extension| extension == "toml");
+    (SetSource::named(name).is_none() && (is_toml || path.is_file())).then_some(path)
+}
+
+/// The sources of these names and files; no two of one name.
+///
+/// # Errors
+/// As [`set_source`], and when two files would have one name.
+pub(super) fn set_sources(names: &[&str]) -> Result<Vec<SetSource>, SourceError> {
+    let sources = names.iter().map(|name| set_source(name)).collect::<Result<Vec<_>, _>>()?;
+    let twice = |at: usize| sources[..at].iter().any(|other| other.name() == sources[at].name());
+    match (0..sources.len()).find(|&at| twice(at)) {
+        Some(at) if tolerance_file(names[at]).is_some() => {
+            Err(SourceError::Twice { file: names[at].to_owned(), name: sources[at].name().to_owned() })
+        }
+        _ => Ok(sources),
+    }
+}
+
+/// What the sets of a configuration are called in tables.
+///
+/// # Errors
+/// As [`set_source`].
+pub fn set_names(config: &CampaignConfig) -> Result<Vec<String>, SourceError> {
+    config.tolerances.iter().map(|name| Ok(set_source(name)?.name().to_owned())).collect()
 }
 
 /// What must be the same for a run to go on: the configuration, and the content of the block files.
@@ -119,7 +193,8 @@ pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
 /// When a path cannot be written as JSON.
 pub fn identity(config: &CampaignConfig) -> Result<Map<String, Value>, SourceError> {
     let mut identity = config.identity()?;
-    for file in &config.real {
+    let tolerances = config.tolerances.iter().filter_map(|name| tolerance_file(name));
+    for file in config.real.iter().map(PathBuf::as_path).chain(tolerances) {
         identity.insert(format!("content of {}", file.display()), content(file).into());
     }
     Ok(identity)

@@ -128,6 +128,11 @@ pub(crate) fn signed(margin: rockproof_oracle::Margin) -> f64 {
 /// The names of the built-in engines.
 pub const ENGINES: [&str; 2] = ["stepper-f32", "stepper-f64"];
 
+/// The name in tables of a built-in engine that is called by it or, in short, by its precision.
+pub fn full_name(name: &str) -> Option<&'static str> {
+    ENGINES.into_iter().find(|full| *full == name || full.strip_prefix("stepper-") == Some(name))
+}
+
 /// The built-in engine of a name, if there is one.
 pub fn engine(name: &str) -> Option<Box<dyn Engine>> {
     match name {

@@ -44,7 +44,7 @@ pub struct About {
     /// The kind of the contact it is about, or `v-v to v-e` where the kind changed; empty where any will do.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub kind: String,
-    /// The deciding predicate; empty where no trace tells.
+    /// The deciding predicate, under the cause `engine` the one nearest to a tie; empty where no trace tells.
     #[serde(default)]
     pub predicate: String,
     /// The features it was asked of.
@@ -265,7 +265,8 @@ impl Case {
             f.cause.name() == about.cause
                 && f.difference.change.name() == about.change
                 && (about.kind.is_empty() || f.difference.kinds() == about.kind)
-                && f.predicate().map_or("", Predicate::name) == about.predicate
+                // What is nearest to a tie says nothing about an engine from outside.
+                && (f.cause == Cause::Engine || f.predicate().map_or("", Predicate::name) == about.predicate)
                 // With one engine left, what a tolerance set for one precision does is the doing of all there are.
                 && (f.cause == Cause::Tolerance || f.who.to_string() == about.engine)
         };

@@ -2,7 +2,7 @@
 
 use super::compare::{Difference, Features, contact_features};
 use super::engine::Trace;
-use super::finding::Deciding;
+use super::finding::{Deciding, FAR};
 use rockproof_model::decision::{Decision, Feature, Side};
 use rockproof_model::{Contact, Entrance, EntranceKind};
 use std::collections::{BTreeSet, HashMap};
@@ -44,7 +44,8 @@ pub fn parted(before: &Trace, after: &Trace) -> Vec<Parted> {
 }
 
 /// For each difference the decision nearest to a tie among those that parted, preferring decisions about features
-/// that touch those of the difference; of equally near ones the first taken. `None` where no trace tells.
+/// that touch those of the difference; of equally near ones the first taken. Where that is too far from a tie for rounding to have
+/// turned it, a nearer one that parted before it, anywhere, since it chose between features elsewhere. `None` where no trace tells.
 pub fn explain(differences: &[Difference], link: &Link<'_>, features: Features<'_>) -> Vec<Option<Deciding>> {
     let traces = (link.before)().and_then(|before| Some((before, (link.after)()?)));
     let Some((before, after)) = traces else { return vec![None; differences.len()] };
@@ -62,17 +63,31 @@ pub fn explain(differences: &[Difference], link: &Link<'_>, features: Features<'
     let wanted: BTreeSet<usize> = near.iter().flatten().copied().collect();
     let decisions: Vec<Decision> = wanted.iter().map(|&i| parted[i].decision).collect();
     let margins: HashMap<usize, Option<f64>> = wanted.into_iter().zip((link.margins)(&decisions)).collect();
+    let size = |margin: Option<f64>| margin.map_or(f64::INFINITY, f64::abs);
     near.into_iter()
         .map(|candidates| {
             let margin = |i: usize| margins.get(&i).copied().flatten();
-            let size = |i: usize| margin(i).map_or(f64::INFINITY, f64::abs);
-            let nearest = candidates.into_iter().reduce(|best, i| if size(i) < size(best) { i } else { best })?;
-            let margin = margin(nearest);
+            let nearer = |best: usize, i: usize| if size(margin(i)) < size(margin(best)) { i } else { best };
+            let nearest = candidates.into_iter().reduce(nearer)?;
+            let (mut deciding, mut margin) = (parted[nearest], margin(nearest));
+            let far = link.roundoff.is_some_and(|unit| size(margin) > FAR * unit);
+            if far && let Some((cause, nearer)) = upstream(&parted[..nearest], link, size(margin)) {
+                (deciding, margin) = (cause, Some(nearer));
+            }
             let margin_ulps = link.roundoff.and_then(|unit| margin.map(|m| m / unit));
-            let Parted { decision, outcomes } = parted[nearest];
+            let Parted { decision, outcomes } = deciding;
             Some(Deciding { decision, outcomes, margin, margin_ulps })
         })
         .collect()
+}
+
+/// What no rounding turned follows from something that rounding did: of the decisions that parted before it, wherever they were taken, the
+/// one nearest to a tie, with its margin, if that is below `below`.
+fn upstream(before: &[Parted], link: &Link<'_>, below: f64) -> Option<(Parted, f64)> {
+    let decisions: Vec<Decision> = before.iter().map(|parted| parted.decision).collect();
+    let margins = (link.margins)(&decisions);
+    let known = before.iter().zip(margins).filter_map(|(parted, margin)| Some((*parted, margin?)));
+    known.filter(|(_, margin)| margin.abs() < below).min_by(|(_, one), (_, other)| one.abs().total_cmp(&other.abs()))
 }
 
 /// For an engine that tells no decisions: around each difference, the decision of the oracle nearest to a tie, which is the

@@ -88,6 +88,9 @@ impl fmt::Display for Who {
     }
 }
 
+/// Beyond so many roundoffs from a tie, the rounding of a sound formula does not explain a wrong outcome.
+pub const FAR: f64 = 1000.0;
+
 /// The decision behind a difference: of those that came out differently on the two sides, the one nearest to a tie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deciding {
@@ -126,7 +129,7 @@ pub struct Finding {
     pub cause: Cause,
     /// What changed.
     pub difference: Difference,
-    /// What decided it, where traces tell.
+    /// What decided it, where traces tell; under [`Cause::Engine`] no more than the decision of the oracle nearest to a tie around it.
     pub deciding: Option<Deciding>,
     /// What was said and what is so, where the engine says only apart, touching or overlapping.
     pub mapped: Option<Mapped>,
@@ -151,7 +154,8 @@ impl Finding {
             who: self.who.clone(),
             cause: self.cause,
             change: self.difference.change,
-            predicate: self.predicate(),
+            // An engine from outside tells no decisions; what is nearest to a tie there may have nothing to do with it.
+            predicate: self.predicate().filter(|_| self.cause != Cause::Engine),
             kind: self.kind(),
             states: self.mapped.map(|m| [m.exact, m.said.state]),
             family: Arc::clone(&self.family),

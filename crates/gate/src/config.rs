@@ -101,6 +101,12 @@ impl GateConfig {
         if toml::from_str::<toml::Table>(text).ok().as_ref().and_then(asked).is_none() {
             config.campaign.steps_every = 0;
         }
+        config.campaign.settle_engines();
+        if config.campaign.pairs == 0 && (!config.limit.is_empty() || config.baseline.is_some()) {
+            return Err(format!(
+                "{file}: campaign.pairs is 0, where limits and baselines hold whatever the engines do; allowed are 1 and more"
+            ));
+        }
         for limit in &config.limit {
             let place = format!("{file} line {}", line_of(text, limit.span().start));
             limit.get_ref().check().map_err(|what| format!("{place}: {what}"))?;

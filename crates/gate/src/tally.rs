@@ -91,6 +91,8 @@ impl Row {
             "change" => row.change.to_owned(),
             "kind_before" => row.kinds[0].to_owned(),
             "kind_after" => row.kinds[1].to_owned(),
+            // Of an engine from outside it is no more than the tie nearest to the difference.
+            "predicate" if row.cause == Cause::Engine => String::new(),
             "predicate" => row.predicate.to_owned(),
             _ => String::new(),
         };

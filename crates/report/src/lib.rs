@@ -10,6 +10,7 @@ pub mod glossary;
 pub mod load;
 pub mod lockstep;
 pub mod markdown;
+pub mod own;
 pub mod page;
 mod rows;
 pub mod sections;
@@ -32,7 +33,7 @@ use verdict::Line;
 pub struct Report {
     /// What it is about, in a few words.
     pub title: String,
-    /// The verdict in three lines.
+    /// The verdict: three lines, and one more for each external engine.
     pub verdict: Vec<Line>,
     /// The sections.
     pub sections: Vec<Section>,

@@ -16,7 +16,7 @@ use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_results::is_inside;
 use serde::Deserialize;
 use serde_json::{Map, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Everything a report is made of.
@@ -272,26 +272,43 @@ impl CampaignRun {
         sums
     }
 
+    /// Whether a setting is shown: those made for ties only where there are no others.
+    pub fn shows(&self, setting: &str) -> bool {
+        let usual =
+            || self.agreement.iter().any(|(_, compared, _)| !is_made_for_ties(&self::setting(&compared.tolerances)));
+        !is_made_for_ties(setting) || !usual()
+    }
+
+    /// How many settings are not shown.
+    pub fn not_shown(&self) -> usize {
+        let settings: BTreeSet<String> = self.agreement.iter().map(|(_, c, _)| setting(&c.tolerances)).collect();
+        settings.iter().filter(|setting| !self.shows(setting)).count()
+    }
+
     /// The engines, in order.
     pub fn engines(&self) -> Vec<String> {
         let of = self.agreement.iter().filter(|(_, c, _)| matches!(c.span, Span::Arithmetic | Span::Whole));
         of.map(|(_, c, _)| c.engine.clone()).collect::<std::collections::BTreeSet<_>>().into_iter().collect()
     }
 
-    /// Sums over everything, for an engine: the whole chain, or the arithmetic alone for an engine that says only how blocks
-    /// lie.
+    /// Which links show how often an engine is right: the whole chain, or for an engine that says only how blocks lie, which
+    /// has no answers along the whole chain, the arithmetic alone.
+    pub fn span_of(&self, engine: &str) -> Span {
+        let answers = |span| {
+            let of = self.agreement.iter().filter(|(_, c, _)| c.span == span && c.engine == engine);
+            of.map(|(_, _, counts)| counts.pairs - counts.silent).sum::<u64>()
+        };
+        if answers(Span::Whole) == 0 && answers(Span::Arithmetic) > 0 { Span::Arithmetic } else { Span::Whole }
+    }
+
+    /// Sums over everything, for an engine, along [`CampaignRun::span_of`] it.
     pub fn of_engine(&self, engine: &str) -> Sums {
-        let mut whole = Sums::default();
-        for span in [Span::Whole, Span::Arithmetic] {
-            for (_, _, counts) in self.agreement.iter().filter(|(_, c, _)| c.span == span && c.engine == engine) {
-                whole.add(counts);
-            }
-            if whole.pairs > whole.silent {
-                break;
-            }
-            whole = Sums::default();
+        let span = self.span_of(engine);
+        let mut sums = Sums::default();
+        for (_, _, counts) in self.agreement.iter().filter(|(_, c, _)| c.span == span && c.engine == engine) {
+            sums.add(counts);
         }
-        whole
+        sums
     }
 }
 
@@ -302,6 +319,14 @@ pub fn setting(set: &str) -> String {
         Some((base, _)) => format!("{base} (ladders)"),
         None => set.to_owned(),
     }
+}
+
+/// Whether a setting was made to hold exact ties or put on the edge of a decision: a hard question for engines, and none that a user
+/// would take.
+pub fn is_made_for_ties(setting: &str) -> bool {
+    setting.ends_with("(ladders)")
+        || setting.ends_with("-steep")
+        || ["dyadic", "fractional"].iter().any(|start| setting.starts_with(start))
 }
 
 fn read_agreement(file: &Path) -> Result<Vec<(String, Compared, Sums)>, ReportError> {

@@ -4,7 +4,7 @@ use super::fault::ReportError;
 use super::load::name_of;
 use super::rows::{Row, Rows};
 use rockproof_campaign::stress::steps::STEP_COLUMNS;
-use rockproof_campaign::stress::table::{CELL_COLUMNS, LIMIT_COLUMNS};
+use rockproof_campaign::stress::table::{CELL_COLUMNS, LIMIT_COLUMNS, Proof};
 use rockproof_campaign::stress::{Axis, Form};
 use std::path::{Path, PathBuf};
 
@@ -56,6 +56,8 @@ pub struct StressLimit {
     pub pairs: u64,
     /// The first level beyond, and the share that differs there; none where the last level is safe.
     pub beyond: Option<(String, f64)>,
+    /// What the pairs of that level prove, as `stress.csv` counts them; [`Proof::Safe`] where there is none.
+    pub proof: Proof,
 }
 
 /// A step against its closed form.
@@ -115,7 +117,8 @@ fn level(row: &Row<'_>, column: usize) -> Result<Option<String>, ReportError> {
 
 impl StressRun {
     pub(super) fn read(dir: &Path) -> Result<StressRun, ReportError> {
-        let (cells, limits, steps) = (cells(&dir.join(FILE))?, limits(&dir.join(LIMITS))?, steps(&dir.join(STEPS))?);
+        let cells = cells(&dir.join(FILE))?;
+        let (limits, steps) = (limits(&dir.join(LIMITS), &cells)?, steps(&dir.join(STEPS))?);
         Ok(StressRun { dir: dir.to_owned(), name: name_of(dir), cells, limits, steps })
     }
 }
@@ -142,7 +145,7 @@ fn cells(file: &Path) -> Result<Vec<StressCell>, ReportError> {
     Ok(found)
 }
 
-fn limits(file: &Path) -> Result<Vec<StressLimit>, ReportError> {
+fn limits(file: &Path, cells: &[StressCell]) -> Result<Vec<StressLimit>, ReportError> {
     let mut rows = Rows::open(file.to_owned(), &LIMIT_COLUMNS)?;
     let mut found = Vec::new();
     while let Some(row) = rows.next(&LIMIT_COLUMNS)? {
@@ -150,12 +153,23 @@ fn limits(file: &Path) -> Result<Vec<StressLimit>, ReportError> {
             Some(level) => Some((level, share(&row, 10)?)),
             None => None,
         };
+        let curve = curve(&row, [0, 1, 2, 3])?;
+        let proof = match &beyond {
+            None => Proof::Safe,
+            Some((level, _)) => match cells.iter().find(|cell| cell.curve == curve && cell.level == *level) {
+                Some(cell) => Proof::of(cell.differ, cell.pairs),
+                None => {
+                    return Err(row.nonsense(&format!("beyond is {level}"), "a level that stress.csv has a row for"));
+                }
+            },
+        };
         found.push(StressLimit {
-            curve: curve(&row, [0, 1, 2, 3])?,
+            curve,
             clean_to: level(&row, 4)?,
             safe_to: level(&row, 5)?,
             pairs: row.count(6)?,
             beyond,
+            proof,
         });
     }
     Ok(found)

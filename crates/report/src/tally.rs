@@ -1,6 +1,7 @@
 //! Counts the findings of a campaign while reading them, in memory that does not grow with their number.
 
 use super::load::setting;
+use super::own::{self, Owns};
 use rockproof_differential::compare::Change;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::row::FindingRow;
@@ -9,6 +10,10 @@ use std::collections::BTreeMap;
 
 /// How many of the worst findings of each cause are kept.
 const WORST: usize = 8;
+
+/// The causes in the order in which they worry.
+pub const WORRYING: [Cause; 5] =
+    [Cause::Defect, Cause::Engine, Cause::Arithmetic, Cause::Representation, Cause::Tolerance];
 
 /// Whom a finding is about and why.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -53,13 +58,18 @@ pub struct Worst {
 }
 
 impl Worst {
+    /// How far from a tie it was, whichever way: in roundoffs where there are any, else relative; infinite without a margin.
+    pub fn magnitude(&self) -> f64 {
+        self.margin_ulps.or(self.margin).map_or(f64::INFINITY, f64::abs)
+    }
+
     /// What no rounding excuses first: no margin at all, then the largest.
     fn rank(&self, other: &Worst) -> Ordering {
-        let size = |w: &Worst| w.margin_ulps.or(w.margin).map_or(f64::INFINITY, f64::abs);
         // Sets that a ladder put on an edge differ by design; a plain setting that differs is worse.
         let laddered = |w: &Worst| w.tolerances.contains(':');
-        size(other)
-            .total_cmp(&size(self))
+        other
+            .magnitude()
+            .total_cmp(&self.magnitude())
             .then_with(|| laddered(self).cmp(&laddered(other)))
             .then_with(|| self.index.cmp(&other.index))
             .then_with(|| self.case.cmp(&other.case))
@@ -84,17 +94,26 @@ pub struct Tally {
     pub predicates: BTreeMap<String, BTreeMap<(Cause, String), u64>>,
     /// The worst with a case file, by cause, worst first.
     pub worst: BTreeMap<Cause, Vec<Worst>>,
+    /// The largest margin in roundoffs, whichever way, by engine and cause.
+    pub furthest: BTreeMap<(String, Cause), f64>,
+    /// What external engines get wrong.
+    pub own: Owns,
 }
 
 impl Tally {
     /// Adds a row of `findings.csv`.
     pub(super) fn add(&mut self, row: FindingRow) {
+        own::count(&mut self.own, &row);
         let FindingRow { cause, change, margin, margin_ulps, .. } = row;
         let engine = row.engine.to_string();
         self.total += 1;
         let sort = Sort { setting: setting(&row.tolerances), engine: engine.clone(), cause, change };
         *self.sorts.entry(sort).or_default() += 1;
         let who = (engine.clone(), cause);
+        if let Some(ulps) = margin_ulps.map(f64::abs) {
+            let furthest = self.furthest.entry(who.clone()).or_default();
+            *furthest = furthest.max(ulps);
+        }
         match margin_ulps.or(margin) {
             Some(margin) => *self.margins.entry(who).or_default().entry(decade(margin)).or_default() += 1,
             None => *self.unmeasured.entry(who).or_default() += 1,
@@ -123,6 +142,11 @@ impl Tally {
             list.insert(place, worst);
             list.truncate(WORST);
         }
+    }
+
+    /// The finding with a case to look at first: of the cause that worries most, the furthest from a tie.
+    pub fn worst_of_all(&self) -> Option<&Worst> {
+        WORRYING.iter().find_map(|cause| self.worst.get(cause)?.first())
     }
 
     /// Findings by cause.

@@ -1,7 +1,8 @@
-//! The verdict: three lines for a tired engineer.
+//! The verdict: three lines for a tired engineer, and one for each external engine.
 
 use super::load::{CampaignRun, Results};
-use super::sections::stress::reach;
+use super::own;
+use super::sections::stress::{Reach, reach};
 use super::table::{grouped, percent, short};
 use rockproof_campaign::stress::Form;
 use rockproof_differential::agreement::Span;
@@ -35,24 +36,28 @@ fn line(mood: Mood, text: String) -> Line {
     Line { mood, text }
 }
 
-/// The three lines. Where there are campaigns and steps, the third is about the steps.
+/// The lines. Where there are campaigns and steps, the last is about the steps.
 pub fn verdict(results: &Results) -> Vec<Line> {
     let mut lines = Vec::new();
     let steps = steps(results);
+    let external = own::lines(&results.campaigns);
+    let most = 3 + external.len();
     if !results.campaigns.is_empty() {
         lines.push(right(&results.campaigns));
+        lines.extend(external);
         lines.push(mistakes(&results.campaigns));
         lines.extend(tolerances(&results.campaigns).filter(|_| steps.is_empty()));
     }
     if !results.stresses.is_empty() {
         // Its pairs make a campaign as well; what it was made for comes first.
         lines = stress(results);
+        lines.extend(own::lines(&results.campaigns));
     }
     lines.extend(steps);
     if lines.is_empty() {
         lines.extend(times(results));
     }
-    lines.truncate(3);
+    lines.truncate(most);
     lines
 }
 
@@ -72,26 +77,39 @@ fn times(results: &Results) -> Option<Line> {
 fn stress(results: &Results) -> Vec<Line> {
     let limits = || results.stresses.iter().flat_map(|run| &run.limits);
     let engines: BTreeSet<&str> = limits().map(|limit| &*limit.curve.engine).collect();
-    let of = |engine: &str, form| -> [Vec<String>; 2] {
+    let of = |engine: &str, form| -> Reach {
         reach(limits().filter(|limit| limit.curve.engine == engine && limit.curve.form == form))
     };
     let mut lines: Vec<Line> = engines
         .iter()
         .rev()
         .take(2)
-        .map(|engine| match of(engine, Form::Generic) {
-            [safe, never] if never.is_empty() => {
-                line(Mood::Good, format!("{engine}, no ties: safe {}.", safe.join("; ")))
+        .map(|engine| {
+            let Reach { safe, never, untold } = of(engine, Form::Generic);
+            let mut words = match (safe.is_empty(), untold.is_empty()) {
+                (false, _) => format!("safe {}", safe.join("; ")),
+                (true, false) => "no way tried is known to be safe".to_owned(),
+                (true, true) => "safe in none of the ways tried".to_owned(),
+            };
+            if !untold.is_empty() {
+                words += &format!("; too few pairs to tell: {}", untold.join("; "));
             }
-            [safe, _] if safe.is_empty() => {
-                line(Mood::Bad, format!("{engine}, no ties: safe in none of the ways tried."))
+            if !never.is_empty() && !safe.is_empty() {
+                words += "; not in the other ways tried";
             }
-            [safe, _] => {
-                line(Mood::Fair, format!("{engine}, no ties: safe {}; not in the other ways tried.", safe.join("; ")))
-            }
+            let mood = match (safe.is_empty(), never.is_empty() && untold.is_empty()) {
+                (false, true) => Mood::Good,
+                (true, _) if untold.is_empty() => Mood::Bad,
+                _ => Mood::Fair,
+            };
+            line(mood, format!("{engine}, no ties: {words}."))
         })
         .collect();
-    let tied: Vec<&str> = engines.iter().copied().filter(|engine| of(engine, Form::Aligned)[0].is_empty()).collect();
+    let nowhere = |engine: &&str| {
+        let Reach { safe, untold, .. } = of(engine, Form::Aligned);
+        safe.is_empty() && untold.is_empty()
+    };
+    let tied: Vec<&str> = engines.iter().copied().filter(nowhere).collect();
     let shares = limits().filter(|limit| limit.curve.form == Form::Aligned && limit.safe_to.is_none());
     let most = shares.filter_map(|limit| limit.beyond.as_ref()).map(|(_, share)| *share).fold(0.0, f64::max);
     if !tied.is_empty() && most > 0.0 {
@@ -128,10 +146,13 @@ fn right(campaigns: &[CampaignRun]) -> Line {
         }
     }
     words.truncate(4);
+    if words.is_empty() {
+        return line(Mood::Fair, "No answer of any engine could be compared.".to_owned());
+    }
     line(mood, format!("Exactly right on hard pairs: {}.", words.join("; ")))
 }
 
-/// Whether code is mistaken, and what the rest is.
+/// Whether the code of the built-in engines is mistaken, and what the other findings are due to, those of external engines apart.
 fn mistakes(campaigns: &[CampaignRun]) -> Line {
     let count =
         |cause: Cause| -> u64 { campaigns.iter().map(|c| c.tally.by_cause().get(&cause).copied().unwrap_or(0)).sum() };
@@ -139,13 +160,31 @@ fn mistakes(campaigns: &[CampaignRun]) -> Line {
     if total == 0 {
         return line(Mood::Good, "No difference was found at all.".to_owned());
     }
-    let share = |cause: Cause| percent(count(cause) as f64 / total as f64);
+    let builtin: BTreeSet<String> = campaigns
+        .iter()
+        .flat_map(|campaign| {
+            let external = own::external(campaign);
+            campaign.engines().into_iter().filter(move |engine| !external.contains(engine))
+        })
+        .collect();
+    let outside = campaigns.iter().any(|campaign| !own::external(campaign).is_empty());
+    let total = total - count(Cause::Engine);
     let rest: Vec<String> = Cause::ALL
         .into_iter()
-        .filter(|cause| *cause != Cause::Defect && count(*cause) > 0)
-        .map(|cause| format!("{cause} {}", share(cause)))
+        .filter(|cause| !matches!(cause, Cause::Defect | Cause::Engine) && count(*cause) > 0)
+        .map(|cause| format!("{cause} {}", percent(count(cause) as f64 / total as f64)))
         .collect();
-    let rest = rest.join(", ");
+    let rest = if rest.is_empty() { "nothing".to_owned() } else { rest.join(", ") };
+    if builtin.is_empty() {
+        let text = format!("Whatever the engine, {} findings are due to: {rest}.", grouped(total));
+        return line(Mood::Fair, text);
+    }
+    // Beside an engine from outside, of which nobody can say so much, it must be clear whose code is meant.
+    let of =
+        if outside { format!(" of {}", builtin.into_iter().collect::<Vec<_>>().join(", ")) } else { String::new() };
+    if total == 0 {
+        return line(Mood::Good, format!("No difference was found in the answers{of}."));
+    }
     let in_steps: u64 = campaigns.iter().flat_map(|c| &c.steps).map(|(_, counts)| counts.defect).sum();
     match count(Cause::Defect) {
         0 if in_steps > 0 => line(
@@ -154,11 +193,11 @@ fn mistakes(campaigns: &[CampaignRun]) -> Line {
         ),
         0 => line(
             Mood::Good,
-            format!("No mistake in code. What differs ({} findings) is due to: {rest}.", grouped(total)),
+            format!("No mistake in code{of}. What differs ({} findings) is due to: {rest}.", grouped(total)),
         ),
         n => line(
             Mood::Bad,
-            format!("{} findings are mistakes in code: look at these first. The others: {rest}.", grouped(n)),
+            format!("{} findings are mistakes in code{of}: look at these first. The others: {rest}.", grouped(n)),
         ),
     }
 }
@@ -168,7 +207,7 @@ fn tolerances(campaigns: &[CampaignRun]) -> Option<Line> {
     let mut shares: Vec<(f64, String)> = Vec::new();
     for campaign in campaigns {
         for (compared, sums) in campaign.by_setting() {
-            if compared.span == Span::Tolerance && !compared.tolerances.ends_with("(ladders)") {
+            if compared.span == Span::Tolerance && campaign.shows(&compared.tolerances) {
                 let name = super::sections::label(campaigns.len(), &campaign.name, &compared.tolerances);
                 shares.extend(sums.agreement().map(|s| (1.0 - s.value, name)));
             }

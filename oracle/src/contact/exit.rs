@@ -83,7 +83,15 @@ impl<O: Observer> Run<'_, '_, O> {
             }
             self.decide(
                 || Decision::about(Predicate::OneExit, &contact_features(&f.contact)),
-                |run| run.same_way_out(&f.candidate, &way_out),
+                |run| {
+                    // Whether a contact stays rests on which way out was chosen, too: its record holds how near that choice was.
+                    if O::ACTIVE {
+                        for other in candidates[..best].iter().chain(&candidates[best + 1..]) {
+                            run.equals_best(other, &candidates[best]);
+                        }
+                    }
+                    run.same_way_out(&f.candidate, &way_out)
+                },
             )
         });
     }

@@ -3,7 +3,7 @@
 use super::axis::{Cell, cells};
 use super::pairs;
 use crate::sets::{self, SetSource};
-use crate::source::{SourceError, set_source};
+use crate::source::{SourceError, set_sources};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rockproof_differential::subject::{Source, Subject, SubjectSet};
@@ -30,13 +30,18 @@ impl StressSource {
     pub fn new(seed: u64, tolerances: &[String]) -> Result<StressSource, SourceError> {
         let names: Vec<&str> =
             if tolerances.is_empty() { vec![sets::NAMES[0]] } else { tolerances.iter().map(String::as_str).collect() };
-        let sets = names.into_iter().map(set_source).collect::<Result<_, _>>()?;
+        let sets = set_sources(&names)?;
         Ok(StressSource { seed, cells: cells(), sets })
     }
 
     /// As many pairs as give each cell [`PAIRS_PER_CELL`].
     pub fn default_pairs() -> u64 {
         cells().len() as u64 * PAIRS_PER_CELL
+    }
+
+    /// As many pairs as give each cell at least `pairs`, in whole batches.
+    pub fn pairs_for(pairs: u64) -> u64 {
+        cells().len() as u64 * pairs.next_multiple_of(BATCH)
     }
 
     /// The cell of a batch.

@@ -1,7 +1,7 @@
 //! The stress table: how many pairs of each cell an engine answers otherwise than the oracle, and up to where it does not.
 
 use super::axis::{Axis, Cell, Form, Level, cells};
-use crate::interval::wilson;
+use crate::interval::{trials_to_tell, wilson};
 use crate::summary::Summary;
 use rockproof_differential::compare::Change;
 use rockproof_differential::finding::{Cause, Who};
@@ -67,6 +67,36 @@ pub struct Limit {
     pub up_to_safe: (u64, u64, f64),
     /// The first level beyond `safe` with the share that differs there; `None` where the last level is safe.
     pub beyond: Option<(Level, f64)>,
+    /// What the pairs of `beyond` prove; [`Proof::Safe`] where there is none.
+    pub proof: Proof,
+}
+
+/// What the pairs of a cell prove, with 95 % confidence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Proof {
+    /// At most [`SAFE_SHARE`] of such pairs differ.
+    Safe,
+    /// More than [`SAFE_SHARE`] differ.
+    Unsafe,
+    /// There are too few pairs to tell.
+    TooFew {
+        /// So many in the cell would, if the share that differs stays what it is; `None` where it is at the limit itself.
+        needed: Option<u64>,
+    },
+}
+
+impl Proof {
+    /// What `differ` of `pairs` prove.
+    pub fn of(differ: u64, pairs: u64) -> Proof {
+        let [low, high] = wilson(differ, pairs);
+        if high <= SAFE_SHARE {
+            Proof::Safe
+        } else if low > SAFE_SHARE {
+            Proof::Unsafe
+        } else {
+            Proof::TooFew { needed: trials_to_tell(differ as f64 / pairs.max(1) as f64, SAFE_SHARE) }
+        }
+    }
 }
 
 /// The columns of `limits.csv`.
@@ -172,7 +202,7 @@ pub fn limits(rows: &[Row]) -> Vec<Limit> {
     let limit = |((axis, form, tolerances, engine), rows): (_, Vec<&Row>)| {
         let until = |fine: &dyn Fn(&Row) -> bool| rows.iter().take_while(|row| fine(row)).count();
         let clean = until(&|row| row.differ == 0);
-        let safe = until(&|row| wilson(row.differ, row.pairs)[1] <= SAFE_SHARE);
+        let safe = until(&|row| Proof::of(row.differ, row.pairs) == Proof::Safe);
         let (pairs, differ) = rows[..safe].iter().fold((0, 0), |(n, d), row| (n + row.pairs, d + row.differ));
         let level = |count: usize| count.checked_sub(1).map(|last: usize| rows[last].cell.level);
         let share = |row: &Row| row.differ as f64 / row.pairs.max(1) as f64;
@@ -186,6 +216,7 @@ pub fn limits(rows: &[Row]) -> Vec<Limit> {
             safe: level(safe),
             up_to_safe: (pairs, differ, wilson(differ, pairs)[1]),
             beyond: rows.get(safe).map(|row| (row.cell.level, share(row))),
+            proof: rows.get(safe).map_or(Proof::Safe, |row| Proof::of(row.differ, row.pairs)),
         }
     };
     groups.into_iter().map(limit).collect()
@@ -196,9 +227,10 @@ impl Limit {
     pub fn sentence(&self) -> String {
         let (engine, form, what) = (&self.engine, self.form.name(), self.axis.meaning());
         let set = &self.tolerances;
-        let beyond = match self.beyond {
-            Some((level, share)) => format!("; at {level}, {:.1} % of pairs differ", 100.0 * share),
-            None => "; no level beyond was tried".to_owned(),
+        let beyond = match (self.beyond, self.proof) {
+            (Some((level, _)), Proof::TooFew { .. }) => format!("; at {level}, too few pairs to tell"),
+            (Some((level, share)), _) => format!("; at {level}, {:.1} % of pairs differ", 100.0 * share),
+            (None, _) => "; no level beyond was tried".to_owned(),
         };
         match self.safe {
             Some(safe) => format!(
@@ -207,6 +239,9 @@ impl Limit {
                 self.up_to_safe.0,
                 100.0 * self.up_to_safe.2
             ),
+            None if matches!(self.proof, Proof::TooFew { .. }) => {
+                format!("{engine}, {form} pairs, {set}: not known ({what}){beyond}")
+            }
             None => format!("{engine}, {form} pairs, {set}: safe at no level tried ({what}){beyond}"),
         }
     }
@@ -282,6 +317,19 @@ mod tests {
     fn nothing_is_safe_when_the_mildest_level_is_not() {
         let limits = limits(&[row(Level::None, 300)]);
         assert_eq!((limits[0].clean, limits[0].safe, limits[0].beyond), (None, None, Some((Level::None, 0.3))));
+    }
+
+    #[test]
+    fn few_pairs_prove_nothing_either_way() {
+        let few = |differ, pairs| Row { pairs, ..row(Level::None, differ) };
+        let of = |row: Row| limits(&[row]).remove(0);
+        let limit = of(few(0, 16));
+        assert_eq!((limit.safe, limit.proof), (None, Proof::TooFew { needed: Some(381) }));
+        assert!(limit.sentence().contains("too few pairs") && limit.sentence().contains("not known"));
+        assert_eq!(of(few(0, 381)).proof, Proof::Safe);
+        assert_eq!(of(few(8, 16)).proof, Proof::Unsafe);
+        // 1 of 100 is the limit itself, and no number of pairs tells.
+        assert_eq!(of(few(1, 100)).proof, Proof::TooFew { needed: None });
     }
 
     #[test]

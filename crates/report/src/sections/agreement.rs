@@ -5,7 +5,7 @@ use crate::chart::{Chart, color, error_bars, heat_map, in_lines};
 use crate::load::{CampaignRun, Sums};
 use crate::table::{Cell, Table};
 use rockproof_campaign::interval::Share;
-use rockproof_differential::agreement::Span;
+use rockproof_differential::agreement::{Compared, Span};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,12 +17,24 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
          Most pairs of a campaign are put on the very edge of a decision, so these are shares of hard questions.",
     );
     section.parts.push(Part::Chart(by_setting(campaigns)));
+    section.parts.extend(not_shown(campaigns));
     let (table, whole) = table(campaigns);
     section.parts.push(Part::Table(table, whole.min(MOST)));
     let families = families(campaigns);
     section.parts.push(Part::Chart(family_map(campaigns)));
     section.parts.push(Part::Quiet(families));
     section
+}
+
+/// What the settings are that only CSV files have, where there are any.
+fn not_shown(campaigns: &[CampaignRun]) -> Option<Part> {
+    let count: usize = campaigns.iter().map(CampaignRun::not_shown).sum();
+    (count > 0).then(|| {
+        Part::Text(format!(
+            "{count} more settings are counted in the shares above all settings and in the CSV files, and not shown one by one: dyadic and fractional sets are made of numbers \
+             with which ties are exact, ladders put one tolerance on the edge of a decision. They are hard questions for engines; nobody would use them."
+        ))
+    })
 }
 
 /// The row's share, or blank cells.
@@ -40,7 +52,7 @@ fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
     let mut table = Table::new(
         "agreement",
         "Agreement by tolerance setting. whole: what a user of the engine sees; tolerance, representation, arithmetic: \
-         what one link of the chain leaves as it was. Intervals are Wilson's, 95 %.",
+         what one link of the chain leaves as it was, which is all there is for engines that say only how blocks lie. Intervals are Wilson's, 95 %.",
         &[
             "run",
             "setting",
@@ -57,11 +69,15 @@ fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
         ],
     );
     let mut whole = 0;
-    for seen in [true, false] {
+    for first in [true, false] {
         let all =
             campaigns.iter().flat_map(|campaign| campaign.by_setting().into_iter().map(move |row| (campaign, row)));
-        for (campaign, (compared, sums)) in all.filter(|(_, (compared, _))| (compared.span == Span::Whole) == seen) {
-            whole += usize::from(seen);
+        let seen = |campaign: &CampaignRun, compared: &Compared| {
+            let engine = matches!(compared.span, Span::Whole | Span::Arithmetic);
+            engine && compared.span == campaign.span_of(&compared.engine) && campaign.shows(&compared.tolerances)
+        };
+        for (campaign, (compared, sums)) in all.filter(|(campaign, (compared, _))| seen(campaign, compared) == first) {
+            whole += usize::from(first);
             let [value, low, high] = share_cells(&sums);
             table.push(vec![
                 campaign.name.as_str().into(),
@@ -106,12 +122,10 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
     for campaign in campaigns {
         let sums = campaign.by_setting();
         for engine in campaign.engines() {
-            // An engine that says only how blocks lie has no answers along the whole chain.
-            let has = |span| sums.iter().any(|(c, s)| c.span == span && c.engine == engine && s.pairs > s.silent);
-            let span = if has(Span::Whole) { Span::Whole } else { Span::Arithmetic };
+            let span = campaign.span_of(&engine);
             let of: Vec<(&str, Share)> = sums
                 .iter()
-                .filter(|(c, _)| c.span == span && c.engine == engine)
+                .filter(|(c, _)| c.span == span && c.engine == engine && campaign.shows(&c.tolerances))
                 .filter_map(|(c, s)| Some((c.tolerances.as_str(), s.agreement()?)))
                 .collect();
             for (setting, share) in &of {

@@ -90,7 +90,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
                 let wrong: u64 = confusion.iter().filter(|((before, after), _)| before != after).map(|(_, n)| n).sum();
                 wrong as f64 / all.max(1) as f64
             };
-            let mut settings: Vec<_> = of().collect();
+            let mut settings: Vec<_> = of().filter(|(compared, _)| campaign.shows(&compared.tolerances)).collect();
             if settings.len() > MOST {
                 settings.sort_by(|(_, a), (_, b)| wrong(b).total_cmp(&wrong(a)));
                 left_out += settings.drain(MOST..).count();

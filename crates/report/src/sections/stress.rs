@@ -3,8 +3,8 @@
 use super::{Part, Section, label};
 use crate::chart::{Chart, engine_color};
 use crate::stress::{Curve, StressCell, StressLimit, StressRun, StressStep};
-use crate::table::{Cell, Table, percent};
-use rockproof_campaign::stress::table::SAFE_SHARE;
+use crate::table::{Cell, Table, grouped, percent};
+use rockproof_campaign::stress::table::{Proof, SAFE_SHARE};
 use rockproof_campaign::stress::{Axis, Form};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -114,20 +114,35 @@ pub(crate) fn ties(form: Form) -> &'static str {
     }
 }
 
-/// Along which axes an engine is safe, and how far, in words; and where it is not even at the mildest level.
-pub(crate) fn reach<'r>(limits: impl Iterator<Item = &'r StressLimit>) -> [Vec<String>; 2] {
-    let (mut safe, mut never) = (Vec::new(), Vec::new());
+/// Along which axes an engine is safe.
+#[derive(Default)]
+pub(crate) struct Reach {
+    /// Where, and how far, in words.
+    pub(crate) safe: Vec<String>,
+    /// Where not even at the mildest level.
+    pub(crate) never: Vec<String>,
+    /// Where there are too few pairs to tell at the mildest level, and how many would be needed there.
+    pub(crate) untold: Vec<String>,
+}
+
+/// Along which axes an engine is safe, and how far, in words.
+pub(crate) fn reach<'r>(limits: impl Iterator<Item = &'r StressLimit>) -> Reach {
+    let mut reach = Reach::default();
     for limit in limits {
-        match (&limit.safe_to, &limit.beyond) {
-            (Some(level), _) => safe.push(up_to(limit.curve.axis, level)),
-            (None, Some((level, share))) => {
-                let what = noun(limit.curve.axis).to_lowercase();
-                never.push(format!("{what} ({} differ at {})", percent(*share), power(level)));
+        let what = || noun(limit.curve.axis).to_lowercase();
+        match (&limit.safe_to, &limit.beyond, limit.proof) {
+            (Some(level), ..) => reach.safe.push(up_to(limit.curve.axis, level)),
+            (None, Some(_), Proof::TooFew { needed }) => {
+                let needed = needed.map_or(String::new(), |n| format!(" ({} a level would do)", grouped(n)));
+                reach.untold.push(format!("{}{needed}", what()));
             }
-            (None, None) => {}
+            (None, Some((level, share)), _) => {
+                reach.never.push(format!("{} ({} differ at {})", what(), percent(*share), power(level)));
+            }
+            (None, None, _) => {}
         }
     }
-    [safe, never]
+    reach
 }
 
 /// A paragraph for each engine, setting and form.
@@ -141,10 +156,17 @@ fn told(run: &StressRun) -> Vec<String> {
         .into_iter()
         .rev()
         .map(|((engine, setting, form), limits)| {
-            let [safe, never] = reach(limits.into_iter());
+            let Reach { safe, never, untold } = reach(limits.into_iter());
             let list = |all: &[String]| all.join("; ");
             let mut words = format!("{engine}, {} ({setting}): ", ties(form));
-            words += &if safe.is_empty() { "safe nowhere".to_owned() } else { format!("safe {}", list(&safe)) };
+            words += &match (safe.is_empty(), untold.is_empty()) {
+                (false, _) => format!("safe {}", list(&safe)),
+                (true, true) => "safe nowhere".to_owned(),
+                (true, false) => "safe nowhere that is known".to_owned(),
+            };
+            if !untold.is_empty() {
+                words += &format!(". Too few pairs to tell: {}", list(&untold));
+            }
             if !never.is_empty() {
                 words += &format!(". Not even at the mildest level: {}", list(&never));
             }
@@ -161,7 +183,8 @@ fn limits(runs: &[StressRun]) -> Table {
     let mut table = Table::new(
         "stress_limits",
         "How far each engine agrees. safe to, none differs to: the last level before the first that is not safe, or at which any pair differs; \
-         beyond: the first level that is not safe, and the share of pairs that differ there",
+         beyond: the first level that is not proven safe, and the share of pairs that differ there; pairs needed: so many at that level would tell, if the \
+         share stays what it is",
         &[
             "run",
             "axis",
@@ -170,6 +193,8 @@ fn limits(runs: &[StressRun]) -> Table {
             "safe_to",
             "beyond",
             "differ_beyond",
+            "beyond_is",
+            "pairs_needed",
             "none_differs_to",
             "pairs_to_safe",
             "setting",
@@ -186,6 +211,15 @@ fn limits(runs: &[StressRun]) -> Table {
                 text_of(limit.safe_to.as_ref()),
                 text_of(limit.beyond.as_ref().map(|(level, _)| level)),
                 limit.beyond.as_ref().map_or(Cell::Empty, |(_, share)| Cell::Share(*share)),
+                match limit.proof {
+                    Proof::Safe => Cell::Empty,
+                    Proof::Unsafe => "not safe".into(),
+                    Proof::TooFew { .. } => "too few pairs to tell".into(),
+                },
+                match limit.proof {
+                    Proof::TooFew { needed: Some(needed) } => Cell::Count(needed),
+                    _ => Cell::Empty,
+                },
                 text_of(limit.clean_to.as_ref()),
                 limit.pairs.into(),
                 setting.as_str().into(),
