@@ -15,6 +15,7 @@ mod report;
 mod shrink;
 mod simulate;
 mod simulate_exact;
+mod step_audit;
 mod stop;
 mod stress;
 mod table;
