@@ -3,6 +3,7 @@
 use crate::exit::{Outcome, Verdict, complain, note, print};
 use crate::input::{ReadArgs, ToleranceArgs, precision};
 use crate::overlaps::overlaps;
+use rockproof_model::rules::Fall;
 use rockproof_model::{Number, Precision, Scene, ToleranceSet, ToleranceSpec, Violation, rules};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -13,8 +14,9 @@ const MOST_PROBLEMS: usize = 20;
 /// Check the blocks of a file, and the tolerances for them
 ///
 /// Reads every block and says what is wrong with each that is none; then compares the tolerances with the rules that
-/// make them safe for these blocks, exactly, and says what would satisfy each rule that is not met; and looks for blocks that
-/// overlap, exactly, with what the contacts see of it.
+/// make them safe for these blocks, exactly, and says what would satisfy each rule that is not met; warns where a block that falls
+/// as far as the model is high would not be stopped within `penetration`; and looks for blocks that overlap, exactly, with what the
+/// contacts see of it.
 ///
 /// Exits 0 when all is well, 1 when a rule is violated or blocks overlap deeper than contacts see, 2 when the file or a block cannot be used.
 #[derive(clap::Args)]
@@ -53,6 +55,9 @@ impl Check {
         self.check_range(&scene, &set)?;
         let violations = rules::check_scene(&set, &scene, self.precision);
         print(&self.table(&scene, &spec, &set, &violations))?;
+        if let Some(fall) = rules::fall(&set, &scene) {
+            print(&warning(&fall))?;
+        }
         let overlaps = overlaps(&shapes, &set, None);
         print(&overlaps.report())?;
         let sound = violations.is_empty() && overlaps.lost() == 0;
@@ -120,6 +125,18 @@ pub(crate) fn violations_text(violations: &[Violation]) -> String {
     // Writing to a String cannot fail.
     let _ = write_violations(&mut out, violations);
     out.trim_start().to_owned()
+}
+
+/// A fall that is not stopped within `penetration`, in the form of a violated rule. It is no violation: whether anything falls so
+/// far, rules do not know.
+fn warning(fall: &Fall) -> String {
+    let Fall { block, weight, height, stiffness, needed, depth, allowed, remedy } = fall;
+    format!(
+        "\nwarning: a fall may end deeper than penetration\n  (fall onto one corner from the height of the model) ≤ penetration\n\
+        \x20   found      {depth:.6e}, allowed {allowed:.6e}, by block {block} of {weight:.6e} N falling {height:.6e} m\n\
+        \x20   because    the contact takes p·d²/2 = W·(height + d): normal_stiffness is {stiffness:.6e}, needed is {needed:.6e}\n\
+        \x20   satisfied  by {remedy}\n"
+    )
 }
 
 fn write_violations(out: &mut String, violations: &[Violation]) -> std::fmt::Result {

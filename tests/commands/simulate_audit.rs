@@ -1,5 +1,5 @@
 //! Pins `simulate --audit`: what it fills in and says, that it objects to blocks that pass through one another and to nothing
-//! else, and that its bytes depend neither on threads nor on interruptions.
+//! else, and that its bytes depend neither on threads nor on interruptions. And what `check` says of a fall.
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use std::collections::BTreeMap;
@@ -161,4 +161,21 @@ fn overlaps_that_no_contact_sees_are_told_with_the_worst_pair_and_step() {
         out.contains("\nmodel            19 pairs (worst 2–3, 1.1694 m) overlap deeper") && out.contains("--audit"),
         "{out}"
     );
+}
+
+#[test]
+fn check_warns_of_a_fall_and_does_not_object_to_it() {
+    let place = Place::new();
+    let soft =
+        FALL.replace("[[block]]\nname = \"floor\"", "[[joint]]\nnormal_stiffness = 1e7\n\n[[block]]\nname = \"floor\"");
+    place.file("soft.toml", &soft);
+    place.file("stiff.toml", &soft.replace("1e7", "1e12"));
+    let (code, out, err) = place.run(&["check", "soft.toml"]);
+    assert!(code == 0 && out.contains("rules: all met"), "{out}{err}");
+    assert!(
+        out.contains("warning: a fall may end deeper than penetration") && out.contains("1.000000e7, needed is "),
+        "{out}"
+    );
+    let (code, out, err) = place.run(&["check", "stiff.toml"]);
+    assert!(code == 0 && !out.contains("warning"), "{out}{err}");
 }
