@@ -63,12 +63,17 @@ impl Overlaps {
         (!parts.is_empty()).then(|| parts.join("; "))
     }
 
-    /// What `check` says: the sentence and the deepest pairs.
+    /// The sentence after its name, also where nothing overlaps.
+    pub(crate) fn line(&self) -> String {
+        match self.sentence() {
+            None => format!("overlaps: none in {} neighbouring pairs", self.audit.counts.neighbours()),
+            Some(sentence) => format!("overlaps: {sentence}"),
+        }
+    }
+
+    /// What `check` says: the line and the deepest pairs.
     pub(crate) fn report(&self) -> String {
-        let Some(sentence) = self.sentence() else {
-            return format!("\noverlaps: none in {} neighbouring pairs\n", self.audit.counts.neighbours());
-        };
-        let mut out = format!("\noverlaps: {sentence}\n");
+        let mut out = format!("\n{}\n", self.line());
         let told = |overlap: &&Overlap| self.meaning(overlap) != Meaning::Rounding;
         let mut worst: Vec<&Overlap> = self.audit.overlaps.iter().filter(told).collect();
         // A stable sort: of equally deep ones the first pair first.

@@ -1,5 +1,5 @@
 //! Pins `simulate --audit`: what it fills in and says, that it objects to blocks that pass through one another and to nothing
-//! else, and that its bytes depend neither on threads nor on interruptions. And what `check` says of a fall.
+//! else, and that its bytes depend neither on threads nor on interruptions. And what `check` and `report` say of the same.
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use std::collections::BTreeMap;
@@ -142,6 +142,17 @@ fn a_block_that_passes_through_another_within_a_step_is_told() {
     let passages: Vec<String> = place.steps("shot").into_iter().map(|row| row["passages"].clone()).collect();
     assert_eq!(passages, ["0", "1", "0"]);
     assert_eq!(place.totals("shot")["audit"]["worst_passage"]["step"], 2);
+    // A report on it begins with that; on the other it says that nobody looked.
+    let (code, out, err) = place.run(&["report", "shot", "--format", "markdown"]);
+    assert!(code == 0 && out.contains("❌ shot: blocks pass through one another: 1 passage"), "{out}{err}");
+    let (code, out, err) = place.run(&["report", "bare", "--format", "markdown"]);
+    assert!(code == 0 && out.contains("bare: not audited"), "{out}{err}");
+    let (code, out, err) = place.run(&["report", "shot", "bare", "--out", "page"]);
+    assert_eq!(code, 0, "{out}{err}");
+    let page = fs::read_to_string(place.path("page/report.html")).expect("a page");
+    assert!(page.contains("Do blocks pass through one another?") && page.contains("bare: not audited"));
+    let table = fs::read_to_string(place.path("page/tables/audit.csv")).expect("a table");
+    assert!(table.lines().nth(1).is_some_and(|row| row.starts_with("shot,f64,finished,3,0,0,,,1,0,0-1,")), "{table}");
 }
 
 #[test]
