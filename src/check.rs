@@ -5,6 +5,7 @@ use crate::extents::{self, Extents, factor, is_bent, planarity_that_merges, plan
 use crate::input::{ReadArgs, ToleranceArgs, precision};
 use crate::overlaps::overlaps;
 use anyhow::Context;
+use rockproof_model::rules::Fall;
 use rockproof_model::{Number, Precision, Scene, ToleranceSet, ToleranceSpec, Violation, rules};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -18,8 +19,9 @@ const MOST_ALIKE: usize = 3;
 /// Check the blocks of a file, and the tolerances for them
 ///
 /// Reads every block and says what is wrong with each that is none; then compares the tolerances with the rules that
-/// make them safe for these blocks, exactly, and says what would satisfy each rule that is not met; and looks for blocks that
-/// overlap, exactly, with what the contacts see of it.
+/// make them safe for these blocks, exactly, and says what would satisfy each rule that is not met; warns where a block that falls
+/// as far as the model is high would not be stopped within `penetration`; and looks for blocks that overlap, exactly, with what the
+/// contacts see of it.
 ///
 /// Exits 0 when all is well, 1 when a rule is violated or blocks overlap deeper than contacts see, 2 when the file or a block cannot be used.
 #[derive(clap::Args)]
@@ -74,6 +76,9 @@ impl Check {
         Extents::of(&scene).doubt().into_iter().for_each(|doubt| note(&doubt));
         if self.scale.is_none() {
             planarity_that_merges(&self.file, &scene).into_iter().for_each(|merges| note(&merges));
+        }
+        if let Some(fall) = rules::fall(&set, &scene) {
+            print(&warning(&fall))?;
         }
         let overlaps = overlaps(&shapes, &set, None);
         print(&overlaps.report())?;
@@ -146,6 +151,18 @@ pub(crate) fn violations_text(violations: &[Violation]) -> String {
     // Writing to a String cannot fail.
     let _ = write_violations(&mut out, violations);
     out.trim_start().to_owned()
+}
+
+/// A fall that is not stopped within `penetration`, in the form of a violated rule. It is no violation: whether anything falls so
+/// far, rules do not know.
+fn warning(fall: &Fall) -> String {
+    let Fall { block, weight, height, stiffness, needed, depth, allowed, remedy } = fall;
+    format!(
+        "\nwarning: a fall may end deeper than penetration\n  (fall onto one corner from the height of the model) ≤ penetration\n\
+        \x20   found      {depth:.6e}, allowed {allowed:.6e}, by block {block} of {weight:.6e} N falling {height:.6e} m\n\
+        \x20   because    the contact takes p·d²/2 = W·(height + d): normal_stiffness is {stiffness:.6e}, needed is {needed:.6e}\n\
+        \x20   satisfied  by {remedy}\n"
+    )
 }
 
 fn write_violations(out: &mut String, violations: &[Violation]) -> std::fmt::Result {

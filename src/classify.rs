@@ -112,8 +112,7 @@ impl Classify {
         match self.format {
             Format::Table => write_table(&mut out, &found).and_then(|()| {
                 // Blocks that overlap deeper than any contact says are the first thing to know of a model.
-                let said = overlaps(&blocks, &tolerances, Some(&pairs)).sentence();
-                said.map_or(Ok(()), |sentence| writeln!(out, "{sentence}"))
+                writeln!(out, "{}", overlaps(&blocks, &tolerances, Some(&pairs)).line())
             }),
             Format::Csv => write_csv(&mut out, &found),
             Format::Json => write_json(&mut out, &found),

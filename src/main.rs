@@ -17,6 +17,7 @@ mod report;
 mod shrink;
 mod simulate;
 mod simulate_exact;
+mod step_audit;
 mod stop;
 mod stress;
 mod table;

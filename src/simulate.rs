@@ -7,6 +7,7 @@ use crate::exit::{Outcome, Verdict, complain, note, print};
 use crate::input::{ReadArgs, ToleranceArgs};
 use crate::overlaps::overlaps;
 use crate::simulate_exact::ExactRun;
+use crate::step_audit::AuditedRun;
 use crate::stop::on_ctrl_c;
 use crate::table::grouped;
 use anyhow::Context;
@@ -23,7 +24,7 @@ use rockproof_simulate::identity::{identity, with_tolerances};
 use rockproof_simulate::record::{Progress, Table};
 use rockproof_simulate::run::headers;
 use rockproof_simulate::tables::lines;
-use rockproof_simulate::{Ending, Plan, Record, Run, Stepping};
+use rockproof_simulate::{AuditTotals, Ending, Plan, Record, Run, Stepping};
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::Spec;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport};
@@ -44,10 +45,11 @@ use std::time::{Duration, Instant};
   rockproof simulate slope.toml --steps 2000 --every 50 --contacts --out reports/slope
   rockproof simulate slope.toml --steps 4000 --every 50 --contacts --out reports/slope --resume
   rockproof simulate incline.toml --engine stepper-f32 --steps 200 --lockstep
+  rockproof simulate slope.toml --steps 200 --audit
 
 A run can be interrupted or killed at any moment; --resume goes on from its last checkpoint, to the same bytes.
 
-Exit status: 0 done, 1 rules violated or a run that cannot go on, 2 usage or input error, 130 interrupted (go on with
+Exit status: 0 done, 1 rules violated, a run that cannot go on, or what --audit objects to, 2 usage or input error, 130 interrupted (go on with
 --resume).")]
 pub(crate) struct Simulate {
     /// Blocks and what moves them: .toml; or blocks alone: .dda, .obj, .vtk, .txt and .voro
@@ -94,6 +96,11 @@ pub(crate) struct Simulate {
     /// Run although rules are violated
     #[arg(long)]
     force: bool,
+
+    /// Look at every step exactly: do blocks overlap where no contact sees it, do they pass through one another within the step?
+    /// Fills columns of steps.csv; exits with 1 where they do
+    #[arg(long)]
+    audit: bool,
 
     /// Make every step exactly as well and compare: lockstep.csv, differences.csv, states/
     #[arg(long)]
@@ -157,6 +164,8 @@ struct Ready {
     set: ToleranceSet,
     plan: Plan,
     about: Map<String, Value>,
+    /// What the model overlaps before the first step, where that is more than contacts hold.
+    overlaps: Option<String>,
 }
 
 impl Simulate {
@@ -175,13 +184,14 @@ impl Simulate {
             return Ok(Verdict::Objection);
         }
         let overlaps = overlaps(&scene.shapes(), &set, None);
-        if overlaps.lost() > 0 {
+        let lost = overlaps.sentence().filter(|_| overlaps.lost() > 0);
+        if let Some(sentence) = &lost {
             if !self.force && !self.resume {
                 print(overlaps.report().trim_start())?;
                 note("nothing was run; --force runs all the same");
                 return Ok(Verdict::Objection);
             }
-            note(&format!("running with blocks that overlap: {}", overlaps.sentence().unwrap_or_default()));
+            note(&format!("running with blocks that overlap: {sentence}"));
         }
         let violated: Vec<&str> = violations.iter().map(|violation| violation.rule.formula()).collect();
         if !violated.is_empty() {
@@ -190,7 +200,7 @@ impl Simulate {
         let mut about = Map::new();
         about.insert("file".to_owned(), self.scene.display().to_string().into());
         about.insert("violated".to_owned(), violated.into());
-        let ready = Ready { scene, set, plan, about };
+        let ready = Ready { scene, set, plan, about, overlaps: lost };
         match self.engine {
             EngineChoice::F64 => self.go::<f64>("f64", ready),
             EngineChoice::F32 => self.go::<f32>("f32", ready),
@@ -200,8 +210,10 @@ impl Simulate {
 
     /// The oracle by itself.
     fn exact(&self, ready: &Ready) -> Outcome {
-        if self.lockstep || self.free || self.resume || self.contacts {
-            anyhow::bail!("--lockstep, --free, --resume and --contacts are for the stepper, not for --engine exact");
+        if self.lockstep || self.free || self.resume || self.contacts || self.audit {
+            anyhow::bail!(
+                "--lockstep, --free, --resume, --contacts and --audit are for the stepper, not for --engine exact"
+            );
         }
         let points = &ready.scene.simulation.measured_points;
         let names = points.iter().map(|point| point.name.clone()).collect();
@@ -240,7 +252,7 @@ impl Simulate {
     }
 
     fn go<R: Solve>(&self, engine: &str, ready: Ready) -> Outcome {
-        let Ready { scene, set, plan, about } = ready;
+        let Ready { scene, set, plan, about, overlaps } = ready;
         let file = || self.scene.display().to_string();
         let mut dynamics = Dynamics::<R>::new(&scene, &set).with_context(file)?;
         let begin = dynamics.state().clone();
@@ -248,6 +260,9 @@ impl Simulate {
         let dir = self.directory();
         let mut identity = identity(&scene, &set, engine, &plan);
         let mut headers = headers(&plan)?;
+        if self.audit {
+            identity.insert("audit".to_owned(), true.into());
+        }
         if self.lockstep {
             identity.extend(self.lockstep_identity());
             headers[Table::Lockstep as usize] = Some(lines([table::STEPS])?);
@@ -267,11 +282,11 @@ impl Simulate {
                 .and_then(|state| Ok(dynamics.restore(state)?))
                 .with_context(|| format!("{}: the checkpoint cannot be used", dir.display()))?,
         }
+        let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
         let mut stepping: Box<dyn Stepping<R>> = match self.lockstep {
             false if self.free => Box::new(FreeRun::new(dynamics, Trajectory::new(&scene, &set, self.keep(&scene)))),
             false => Box::new(dynamics),
             true => {
-                let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
                 let links = if self.links == LinksChoice::All { Links::All } else { Links::Arithmetic };
                 let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, precision, links).with_context(file)?;
                 lockstep.restore(dynamics.state().clone())?;
@@ -280,6 +295,9 @@ impl Simulate {
                 Box::new(BesideRun::new(lockstep, about, &record.progress().beside))
             }
         };
+        if self.audit {
+            stepping = Box::new(AuditedRun::new(stepping, &scene, &set, precision).with_context(file)?);
+        }
         let stop = on_ctrl_c()?;
         let mut display = Display::new();
         let run = Run { scene: &scene, begin: &begin, plan, about };
@@ -287,8 +305,10 @@ impl Simulate {
             display.show(report, &plan, state);
         })?;
         display.end();
-        print(&summary(&record, stepping.state(), &ending))?;
+        print(&summary(&record, stepping.state(), &ending, overlaps.as_deref()))?;
+        let audit = &record.progress().totals.audit;
         Ok(match ending {
+            Ending::Finished if audit.as_ref().is_some_and(AuditTotals::objects) => Verdict::Objection,
             Ending::Finished => Verdict::Fine,
             Ending::Interrupted => Verdict::Interrupted,
             Ending::Stopped(stopped) => {
@@ -374,14 +394,21 @@ fn short(value: f64) -> String {
     if plain { near.to_string() } else { format!("{near:e}") }
 }
 
-fn summary<R: Real>(record: &Record, state: &State<R>, ending: &Ending) -> String {
+/// `overlaps` is what the model overlaps before the first step, where that is more than contacts hold.
+fn summary<R: Real>(record: &Record, state: &State<R>, ending: &Ending, overlaps: Option<&str>) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
-    let _ = write_summary(&mut out, record, state, ending);
+    let _ = write_summary(&mut out, record, state, ending, overlaps);
     out
 }
 
-fn write_summary<R: Real>(out: &mut String, record: &Record, state: &State<R>, ending: &Ending) -> std::fmt::Result {
+fn write_summary<R: Real>(
+    out: &mut String,
+    record: &Record,
+    state: &State<R>,
+    ending: &Ending,
+    overlaps: Option<&str>,
+) -> std::fmt::Result {
     let Progress { totals, seconds, .. } = record.progress();
     let all = totals.steps + totals.settling;
     let time = state.time.to_f64();
@@ -399,12 +426,19 @@ fn write_summary<R: Real>(out: &mut String, record: &Record, state: &State<R>, e
     writeln!(out, "retries          {}", retries.join(", "))?;
     let [open, sliding, locked] = totals.contacts.map(grouped);
     writeln!(out, "contacts         {open} open, {sliding} sliding, {locked} locked")?;
-    for (name, extreme) in [("penetration", totals.deepest), ("displacement", totals.furthest)] {
+    // What contacts have as gaps; of overlaps that no contact sees it says nothing.
+    for (name, extreme) in [("in contacts", totals.deepest), ("displacement", totals.furthest)] {
         let at = if extreme.value.0 > 0.0 { format!(" in step {}", extreme.step) } else { String::new() };
-        writeln!(out, "{:<16} {} m at most{at}", name, short(extreme.value.0))?;
+        let what = if name == "in contacts" { "overlap of " } else { "" };
+        writeln!(out, "{name:<16} {what}{} m at most{at}", short(extreme.value.0))?;
     }
     writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;
     write_lockstep(out, &record.progress().beside)?;
+    match (&totals.audit, overlaps) {
+        (Some(audit), _) => writeln!(out, "audit            {}", audit.sentence())?,
+        (None, Some(sentence)) => writeln!(out, "model            {sentence}; --audit follows them")?,
+        (None, None) => {}
+    }
     let speed = all as f64 / seconds.max(1e-9);
     writeln!(out, "\n{} steps in {seconds:.1} s ({speed:.0} a second)", grouped(all))?;
     match ending {

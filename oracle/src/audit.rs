@@ -17,6 +17,7 @@
 //! [`Auditor::neighbours`] lists the pairs and [`Auditor::pair`] audits one of them, so that a caller can share the work
 //! among threads; [`Audit::of`] puts the answers together in the order of the pairs, whoever found them.
 
+mod meaning;
 mod planes;
 
 use crate::boxes::{self, Box3, meeting_pairs};
@@ -24,6 +25,7 @@ use crate::penetration::{Penetration, penetration};
 use crate::pieces::{Piece, cells};
 use crate::separation::{Points, Verdict, separate};
 use crate::{Gap, Pair, Solid};
+pub use meaning::{Meaning, rounding_depth};
 use num_rational::BigRational;
 use planes::FacePlanes;
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
@@ -176,8 +178,14 @@ impl Audit {
 
     /// The deepest overlap, of several equally deep the first.
     pub fn deepest(&self) -> Option<&Overlap> {
+        self.deepest_of(|_| true)
+    }
+
+    /// The deepest of some overlaps, of several equally deep the first.
+    pub fn deepest_of(&self, is_meant: impl Fn(&Overlap) -> bool) -> Option<&Overlap> {
+        let meant = self.overlaps.iter().rev().filter(|overlap| is_meant(overlap));
         // `max_by` keeps the last of several.
-        self.overlaps.iter().rev().max_by(|one, two| one.depth_squared().cmp(&two.depth_squared()))
+        meant.max_by(|one, two| one.depth_squared().cmp(&two.depth_squared()))
     }
 }
 

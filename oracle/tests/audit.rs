@@ -9,7 +9,7 @@ use rockproof_model::preset::{Preset, derive};
 use rockproof_model::scene::Scene;
 use rockproof_model::{Block, ContactKind, Number, Precision, ToleranceSet, Vec3};
 use rockproof_oracle::Solid;
-use rockproof_oracle::audit::{Audit, Auditor, Decider, Overlap, Sight, audit};
+use rockproof_oracle::audit::{Audit, Auditor, Decider, Meaning, Overlap, Sight, audit, rounding_depth};
 use support::shapes::{block, cuboid, exact, number, point, revised, slab, step, tetrahedron};
 
 type Place = Vec3<BigRational>;
@@ -184,6 +184,27 @@ fn a_little_is_seen_and_five_centimetres_are_not() {
     // Of blocks that are not convex any contact with h < 0 sees.
     let in_notch = cuboid(["2", "-1", "2"], ["3", "1", "3"]).translated(&point(["1/2", "0", "-1/100"]));
     assert_eq!(overlap_of(&step(), &in_notch, &wide()).unwrap().sight, Sight::Seen);
+}
+
+#[test]
+fn what_an_overlap_means_depends_on_depth_and_sight() {
+    let on_slab = |depth: &str| cuboid(["-1", "-1", "0"], ["1", "1", "2"]).translated(&point(["0", "0", depth]));
+    let found = |depth: &str| overlap_of(&slab(), &on_slab(depth), &revised(&[("penetration", "1/50")])).unwrap();
+    let (seen, lost) = (found("-1/1000"), found("-1/20"));
+    // Exactly as deep as rounding makes it is rounding.
+    let meaning = |overlap: &Overlap, rounding: &str| overlap.meaning(&number(rounding));
+    assert_eq!(meaning(&seen, "1/1000"), Meaning::Rounding);
+    assert_eq!(meaning(&seen, "999/1000000"), Meaning::Held);
+    assert!(meaning(&lost, "1/1000") == Meaning::Lost && lost.is_unseen(&number("1/1000")));
+    // As deep and seen, as a contact kept closed makes it: lost for a model, held in a run.
+    let kept = Overlap { sight: Sight::Seen, ..lost };
+    assert!(meaning(&kept, "1/1000") == Meaning::Lost && !kept.is_unseen(&number("1/1000")));
+    let unseen = Overlap { sight: Sight::Unseen, ..seen };
+    assert!(meaning(&unseen, "999/1000000") == Meaning::Lost && unseen.is_unseen(&number("999/1000000")));
+    assert!(!unseen.is_unseen(&number("1/1000")));
+    // 2⁸·2⁻⁵²·4 m
+    assert_eq!(rounding_depth(&[&slab(), &unit()], Precision::F64), Number::from_f64(2f64.powi(-42)).unwrap());
+    assert_eq!(rounding_depth(&[&slab(), &unit()], Precision::F32), Number::from_f64(2f64.powi(-13)).unwrap());
 }
 
 #[test]

@@ -26,6 +26,7 @@ mod lockstep_cli;
 mod report_command;
 mod report_page;
 mod results;
+mod simulate_audit;
 mod simulate_cli;
 mod simulate_record;
 mod stress_command;

@@ -4,8 +4,10 @@
 
 // Longer than 400 lines: rule after rule with its reason and its remedy, as in the table of SPEC section 3.
 
+mod fall;
 mod stiffness;
 
+pub use fall::{Fall, fall};
 pub use stiffness::{check_scene, stiffness_slack};
 
 use crate::block::Block;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 pub enum ReportError {
     /// The directory holds nothing a report is made of.
     #[error(
-        "{dir}: {found}; expected the directory of a campaign (run.json, findings.csv, agreement.csv, confusion.csv), of a lockstep run (lockstep.csv), of a stress set (stress.csv), or of bench --error (bench.csv)"
+        "{dir}: {found}; expected the directory of a campaign (run.json, findings.csv, agreement.csv, confusion.csv), of a lockstep run (lockstep.csv), of a run of simulate (run.json, checkpoint.jsonl), of a stress set (stress.csv), or of bench --error (bench.csv)"
     )]
     NoRun {
         /// The directory.

@@ -3,7 +3,7 @@
 use super::fault::{ReportError, at};
 use super::rows::Rows;
 use super::tally::Tally;
-use super::{lockstep, stress, timing};
+use super::{lockstep, motion, stress, timing};
 use rockproof_campaign::interval::{Clusters, Share};
 use rockproof_campaign::steps::STEP_SUMMARY_COLUMNS;
 use rockproof_campaign::steps::summary::{Counts, Depths, Place};
@@ -26,6 +26,8 @@ pub struct Results {
     pub campaigns: Vec<CampaignRun>,
     /// Runs in which stepper and oracle made the same steps.
     pub locksteps: Vec<lockstep::LockstepRun>,
+    /// Runs of a scene over time, those with a lockstep among them.
+    pub motions: Vec<motion::MotionRun>,
     /// Stress sets.
     pub stresses: Vec<stress::StressRun>,
     /// Measurements of run time against error.
@@ -147,8 +149,8 @@ impl Results {
         for dir in dirs {
             let has = |name: &str| dir.join(name).is_file();
             let (campaign, lockstep, timing) = (has("findings.csv"), has("lockstep.csv"), has(timing::FILE));
-            let stress = has(stress::FILE);
-            if !campaign && !lockstep && !timing && !stress {
+            let (motion, stress) = (has(motion::FILE), has(stress::FILE));
+            if !campaign && !lockstep && !timing && !motion && !stress {
                 return Err(ReportError::NoRun { dir: dir.clone(), found: what_is_there(dir) });
             }
             if campaign {
@@ -156,6 +158,9 @@ impl Results {
             }
             if lockstep {
                 results.locksteps.push(lockstep::LockstepRun::read(dir)?);
+            }
+            if motion {
+                results.motions.push(motion::MotionRun::read(dir)?);
             }
             if stress {
                 results.stresses.push(stress::StressRun::read(dir)?);
@@ -172,6 +177,11 @@ impl Results {
             }
         }
         Ok(results)
+    }
+
+    /// Runs of a scene that have no lockstep.
+    pub fn alone(&self) -> impl Iterator<Item = &motion::MotionRun> {
+        self.motions.iter().filter(|run| self.locksteps.iter().all(|lockstep| lockstep.dir != run.dir))
     }
 }
 

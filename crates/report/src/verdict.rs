@@ -8,6 +8,7 @@ use rockproof_campaign::stress::Form;
 use rockproof_differential::agreement::Span;
 use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::Cause;
+use rockproof_simulate::AuditTotals;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -54,6 +55,16 @@ pub fn verdict(results: &Results) -> Vec<Line> {
         lines.extend(own::lines(&results.campaigns));
     }
     lines.extend(steps);
+    // Blocks that pass through one another come before everything else.
+    let objections = results.motions.iter().filter(|run| run.audit().is_some_and(AuditTotals::objects));
+    let objections = objections.map(|run| line(Mood::Bad, format!("{}: {}.", run.name, run.sentence())));
+    lines.splice(..0, objections.take(1));
+    if lines.is_empty() {
+        lines.extend(results.motions.first().map(|run| {
+            let mood = if run.audit().is_some() { Mood::Good } else { Mood::Fair };
+            line(mood, format!("{}: {}.", run.name, run.sentence()))
+        }));
+    }
     if lines.is_empty() {
         lines.extend(times(results));
     }

@@ -3,6 +3,7 @@
 //! `docs/simulate.md` describes the files. A run can be killed at any moment and goes on from its last checkpoint to the
 //! same bytes.
 
+pub mod audit;
 pub mod checkpoint;
 pub mod exact;
 pub mod frame;
@@ -14,6 +15,7 @@ pub mod tables;
 pub mod totals;
 pub mod vtu;
 
+pub use audit::{AuditTotals, PairDepth, StepAudit};
 pub use plan::Plan;
 pub use record::Record;
 pub use run::{Ending, Run, RunError, Stepping};

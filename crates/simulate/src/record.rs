@@ -47,8 +47,9 @@ pub struct Frame {
     pub time: Exact,
 }
 
-/// The form of `checkpoint.jsonl`. Form 1, which did not say so, had no Δt of the last step and was of version 1 of SPEC.
-const FORM: u32 = 2;
+/// The form of `checkpoint.jsonl`. Form 1, which did not say so, had no Δt of the last step and was of version 1 of SPEC; runs of
+/// form 2 have a `steps.csv` without columns for the audit.
+const FORM: u32 = 3;
 
 /// The content of `checkpoint.jsonl`.
 #[derive(Serialize, Deserialize)]

@@ -1,5 +1,6 @@
 //! The run itself: step after step, each one written, until the plan is done, somebody asks to stop, or nothing goes on.
 
+use crate::audit::{AuditTotals, StepAudit};
 use crate::checkpoint::Saved;
 use crate::exact::Exact;
 use crate::record::{Frame, Record, Table};
@@ -25,6 +26,11 @@ pub trait Stepping<R> {
 
     /// What was found beside the last step, made or not; asked once after each. Nothing, for a stepper by itself.
     fn beside(&mut self) -> Option<Beside> {
+        None
+    }
+
+    /// The exact audit of the last step that was made; asked once after each. None, for a run without audit.
+    fn audit(&mut self) -> Option<StepAudit> {
         None
     }
 }
@@ -152,9 +158,14 @@ impl<R: Real> Run<'_, R> {
             match made {
                 Err(stopped) => break Ending::Stopped(stopped),
                 Ok(report) => {
+                    let audit = stepping.audit();
                     let state = stepping.state();
-                    self.append(&report, state, record)?;
-                    record.progress_mut().totals.add(&report);
+                    self.append(&report, audit.as_ref(), state, record)?;
+                    let totals = &mut record.progress_mut().totals;
+                    totals.add(&report);
+                    if let Some(audit) = &audit {
+                        totals.audit.get_or_insert_with(AuditTotals::default).add(report.step, audit);
+                    }
                     if self.plan.has_checkpoint(state) {
                         self.checkpoint(state, record, &clock)?;
                     }
@@ -177,8 +188,14 @@ impl<R: Real> Run<'_, R> {
         Ok(ending)
     }
 
-    fn append(&self, report: &StepReport, state: &State<R>, record: &mut Record) -> Result<(), RunError> {
-        record.append(Table::Steps, &tables::lines([tables::step_row(report)])?)?;
+    fn append(
+        &self,
+        report: &StepReport,
+        audit: Option<&StepAudit>,
+        state: &State<R>,
+        record: &mut Record,
+    ) -> Result<(), RunError> {
+        record.append(Table::Steps, &tables::lines([tables::step_row(report, audit)])?)?;
         let measured = tables::measured_rows(self.scene, self.begin, report, state);
         record.append(Table::Measured, &tables::lines(measured)?)?;
         if self.plan.contacts {

@@ -1,5 +1,6 @@
 //! What a run comes to, over all its steps.
 
+use crate::audit::AuditTotals;
 use crate::exact::Exact;
 use rockproof_stepper::dynamics::{Mode, RetryReason, StepReport};
 use serde::{Deserialize, Serialize};
@@ -20,7 +21,7 @@ pub struct Totals {
     pub unconverged: u64,
     /// Attempts given up because modes still changed, because a vertex moved too far, because a block turned too far.
     pub retries: [u64; 3],
-    /// The deepest overlap of a contact after a step, settling not counted (m).
+    /// The deepest overlap of a contact after a step, to first order, settling not counted (m).
     pub deepest: Extreme,
     /// The largest displacement of a vertex in a step, settling not counted (m).
     pub furthest: Extreme,
@@ -32,6 +33,9 @@ pub struct Totals {
     pub kinetic: Exact,
     /// All other energy after the last step (J).
     pub potential: Exact,
+    /// What the exact audit of the steps found; none without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub audit: Option<AuditTotals>,
 }
 
 /// A value and the step it belongs to.

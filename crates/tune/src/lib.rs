@@ -6,6 +6,7 @@
 
 mod candidate;
 mod cluster;
+mod given;
 mod look;
 mod measure;
 mod probes;

@@ -2,6 +2,7 @@
 
 use super::TuneError;
 use super::cluster::{self, Cluster};
+use super::given::GivenOverlaps;
 use super::probes::{Differences, Probes};
 use super::steps::{Begun, Locked, Stepped, locked, stepped};
 use rockproof_differential::builtin::{ENGINES, StepperEngine};
@@ -19,6 +20,8 @@ pub struct Measurement {
     pub violated: Vec<Rule>,
     /// The rule that is nearest to be broken.
     pub tightest: Slack,
+    /// Pairs of the model as given that overlap deeper than `penetration`, or by more than rounding where no contact sees it.
+    pub lost_pairs: u64,
     /// Where engine and oracle differ.
     pub differences: Differences,
     /// What steps came to.
@@ -28,10 +31,10 @@ pub struct Measurement {
 }
 
 /// The order of merit; smaller is better. See [`Measurement::merit`].
-pub(super) type Merit = (usize, [u64; 2], [u64; 3], u64, Reverse<u64>, u64);
+pub(super) type Merit = (bool, usize, [u64; 2], [u64; 3], u64, Reverse<u64>, u64);
 
 impl Measurement {
-    /// Rules broken; pairs that differ as they stand, and moved; steps that could not be made; the share of contacts that differ in steps from the oracle's,
+    /// Whether pairs of the model as given are lost; rules broken; pairs that differ as they stand, and moved; steps that could not be made; the share of contacts that differ in steps from the oracle's,
     /// in themselves or in their mode; steps that did not converge; the most by which a pair sinks; slack to the nearest rule; pairs that differ on
     /// a boundary. What has a sample or a range counts in steps, so that what comes after it has a say: moved pairs in those of twice their root,
     /// which is what chance makes of such a count; shares, depth, and slack in sixteenths. A share and no count, since a set under which fewer
@@ -43,6 +46,7 @@ impl Measurement {
         let share = coarse(self.locked.as_ref().map_or(0.0, Locked::share));
         let d = &self.differences;
         (
+            self.lost_pairs > 0,
             self.violated.len(),
             [d.standing[1], (4 * (d.moved[1] + d.near[1])).isqrt()],
             [failed + u64::from(self.stepped.stopped.is_some()), share, self.stepped.unconverged],
@@ -57,10 +61,11 @@ impl Measurement {
         Measurement { locked: None, ..self.clone() }.merit()
     }
 
-    /// Whether nothing is wrong with the set: every rule kept, no pair that differs but for those on a boundary, and no step.
+    /// Whether nothing is wrong with the set: every rule kept, no pair of the model lost, no pair that differs but for those on a boundary, and no step.
     pub fn is_clean(&self) -> bool {
         let steps = self.locked.as_ref().is_some_and(|locked| locked.failed + locked.differ == 0);
-        self.violated.is_empty() && self.differences.avoidable() == 0 && self.stepped.stopped.is_none() && steps
+        let holds = self.violated.is_empty() && self.lost_pairs == 0;
+        holds && self.differences.avoidable() == 0 && self.stepped.stopped.is_none() && steps
     }
 }
 
@@ -74,6 +79,7 @@ pub struct Workbench {
     /// The part that is stepped.
     pub cluster: Cluster,
     begun: Begun,
+    given: GivenOverlaps,
     steps: u64,
     engine: Box<dyn Engine>,
 }
@@ -103,7 +109,8 @@ impl Workbench {
         };
         let lengths = Measured::of(&scene.shapes());
         let (begun, steps) = (Begun::of(&cluster.scene, precision), steps.unwrap_or_else(|| cluster.steps_for(budget)));
-        Ok(Workbench { scene: scene.clone(), precision, lengths, probes, cluster, begun, steps, engine })
+        let given = GivenOverlaps::of(&scene.shapes(), &auto);
+        Ok(Workbench { scene: scene.clone(), precision, lengths, probes, cluster, begun, given, steps, engine })
     }
 
     /// The scene.
@@ -119,6 +126,11 @@ impl Workbench {
     /// Steps of the part for every candidate, after its settling.
     pub fn steps(&self) -> u64 {
         self.steps
+    }
+
+    /// Pairs of the model as given that overlap by more than rounding.
+    pub fn overlapping(&self) -> u64 {
+        self.given.count()
     }
 
     /// The rules about lengths and angles that a set breaks; the one on stiffness is left to [`Workbench::measure`].
@@ -150,7 +162,8 @@ impl Workbench {
             Precision::F32 => stepped::<f32>(&part, set, &self.begun, self.steps)?,
             Precision::F64 => stepped::<f64>(&part, set, &self.begun, self.steps)?,
         };
-        Ok(Measurement { violated, tightest, differences, stepped, locked: None })
+        let lost_pairs = self.given.lost(set);
+        Ok(Measurement { violated, tightest, lost_pairs, differences, stepped, locked: None })
     }
 
     /// Asks the oracle about the steps of a set.

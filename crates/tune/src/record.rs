@@ -25,7 +25,7 @@ pub enum RecordError {
 
 /// The columns of `candidates.csv`: number and origin, the set, then what was measured. Lengths in m. Those that begin with `lock_` are empty
 /// for candidates whose steps the oracle was not asked about.
-pub const COLUMNS: [&str; 40] = [
+pub const COLUMNS: [&str; 41] = [
     "candidate",
     "origin",
     "search",
@@ -42,6 +42,7 @@ pub const COLUMNS: [&str; 40] = [
     "violated",
     "slack",
     "tightest",
+    "lost_pairs",
     "standing_pairs",
     "standing_differ",
     "moved_pairs",
@@ -170,6 +171,7 @@ fn row(number: usize, tried: &Tried, best: bool) -> Vec<String> {
     row.push(tried.set.criteria.name().to_owned());
     row.push(m.violated.iter().map(|rule| (*rule as usize).to_string()).collect::<Vec<_>>().join(" "));
     row.extend([format!("{:?}", m.tightest.factor), (m.tightest.rule as usize).to_string()]);
+    row.push(m.lost_pairs.to_string());
     row.extend([d.standing, d.moved, d.near, d.boundary].into_iter().flatten().map(|count| count.to_string()));
     let s = &m.stepped;
     row.extend([d.changed.to_string(), s.steps.to_string()]);
@@ -234,6 +236,7 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
     Some(Measurement {
         violated: field("violated")?.split_whitespace().map(rule).collect::<Option<_>>()?,
         tightest: Slack { rule: rule(field("tightest")?)?, factor: number("slack")? },
+        lost_pairs: count("lost_pairs")?,
         differences: Differences {
             standing: pair("standing")?,
             moved: pair("moved")?,

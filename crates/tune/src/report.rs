@@ -31,6 +31,7 @@ fn write_all(out: &mut String, name: &str, bench: &Workbench, search: &Search<'_
     };
     writeln!(out, "# Tolerances for {name}, {}\n", bench.precision())?;
     verdict(out, &tried[best], best == 0)?;
+    overlaps(out, &tried[best].measurement, bench.overlapping())?;
     writeln!(out, "\n```toml\n{}```\n", as_toml(&tried[best].set))?;
     writeln!(out, "## Measured on\n")?;
     let d = tried[best].measurement.differences;
@@ -122,6 +123,7 @@ fn sides(out: &mut String, sets: &[(&str, &Tried)]) -> std::fmt::Result {
         numbers(out, name, at)?;
     }
     row(out, "criteria", |tried| tried.set.criteria.name().to_owned())?;
+    row(out, "overlaps of the model too deep or unseen", |tried| tried.measurement.lost_pairs.to_string())?;
     row(out, "rules broken", |tried| tried.measurement.violated.len().to_string())?;
     row(out, "the nearest rule is met", |tried| format!("{:.2} times", tried.measurement.tightest.factor))?;
     row(out, "pairs that differ as they stand", |tried| of(tried.measurement.differences.standing))?;
@@ -236,6 +238,21 @@ fn verdict(out: &mut String, best: &Tried, is_author: bool) -> std::fmt::Result 
     }
 }
 
+/// What the set makes of blocks that overlap before the first step.
+fn overlaps(out: &mut String, best: &Measurement, overlapping: u64) -> std::fmt::Result {
+    match (best.lost_pairs, overlapping) {
+        (0, 0) => writeln!(out, "Overlaps of the model by more than rounding: none."),
+        (0, all) => {
+            writeln!(out, "Overlaps of the model: {all}, each seen by a contact and none deeper than `penetration`.")
+        }
+        (lost, all) => writeln!(
+            out,
+            "Overlaps of the model: {all}, of which {lost} are deeper than `penetration` or seen by no contact, and some are under every candidate: \
+             `simulate` will not begin (`check` names the pairs)."
+        ),
+    }
+}
+
 /// One row for each candidate.
 fn table(out: &mut String, search: &Search<'_>, which: &[usize]) -> std::fmt::Result {
     writeln!(
@@ -281,6 +298,10 @@ fn compare(out: &mut String, best: &Measurement, author: &Measurement) -> std::f
     writeln!(out, "\nThe author's set:\n")?;
     if !author.violated.is_empty() {
         writeln!(out, "- breaks {} rules: {}", author.violated.len(), formulas(&author.violated))?;
+    }
+    if author.lost_pairs != best.lost_pairs {
+        let (theirs, ours) = (author.lost_pairs, best.lost_pairs);
+        writeln!(out, "- leaves overlaps of the model too deep or unseen: {theirs}, instead of {ours}")?;
     }
     let (ours, theirs) = (best.differences.avoidable(), author.differences.avoidable());
     if ours != theirs {

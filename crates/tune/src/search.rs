@@ -165,16 +165,19 @@ impl<'w> Search<'w> {
 
     /// Whether the oracle is asked about the steps of the next candidate, which takes much longer than all else: always for the first; later if it is better
     /// than the best so far in what is cheap, or no worse in pairs and rules where the steps of the best differ from the oracle's; and no more often than
-    /// for a quarter of all candidates.
+    /// for a quarter of all candidates, but for the first that loses no pair of the model: a set that does is never the best beside it.
     fn may_be_best(&self, measurement: &Measurement) -> bool {
         let Some(best) = self.best().map(|best| &self.tried[best].measurement) else { return true };
+        if measurement.lost_pairs == 0 && best.lost_pairs > 0 {
+            return true;
+        }
         let locked = self.tried.iter().filter(|tried| tried.measurement.locked.is_some()).count();
         if locked >= LOCKED + self.tried.len() / 4 {
             return false;
         }
         let (new, old) = (measurement.screened(), best.screened());
         let faulty = best.locked.as_ref().is_some_and(|locked| locked.failed + locked.differ > 0);
-        new < old || (faulty && (new.0, new.1, new.2) <= (old.0, old.1, old.2))
+        new < old || (faulty && (new.0, new.1, new.2, new.3) <= (old.0, old.1, old.2, old.3))
     }
 
     /// All candidates measured, in order.
@@ -189,12 +192,13 @@ impl<'w> Search<'w> {
     }
 
     /// The best candidate, then those that no other beats in all of: pairs that differ, sinking, slack to the nearest rule, length of a step, contacts
-    /// changed by tolerances; by pairs that differ, then sinking. All keep every rule.
+    /// changed by tolerances; by pairs that differ, then sinking. All keep every rule, and lose no pair of the model if the best loses none.
     pub fn front(&self) -> Vec<usize> {
+        let may_lose = self.best().is_some_and(|best| self.tried[best].measurement.lost_pairs > 0);
         let fine: Vec<usize> = (0..self.tried.len())
             .filter(|&k| {
                 let m = &self.tried[k].measurement;
-                m.violated.is_empty() && m.stepped.stopped.is_none()
+                m.violated.is_empty() && m.stepped.stopped.is_none() && (may_lose || m.lost_pairs == 0)
             })
             .collect();
         let costs = |k: usize| {

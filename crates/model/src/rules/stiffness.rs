@@ -70,7 +70,7 @@ fn stiffness(set: &ToleranceSet, scene: &Scene) -> Option<Violations> {
 }
 
 /// The least normal stiffness of a joint that the block can be part of; `None` where there is no other block.
-fn softest(simulation: &Simulation, blocks: &[SceneBlock], block: usize) -> Option<BigRational> {
+pub(super) fn softest(simulation: &Simulation, blocks: &[SceneBlock], block: usize) -> Option<BigRational> {
     let own = blocks[block].body.joint;
     let met = |joint: usize| blocks.iter().enumerate().any(|(i, b)| i != block && b.body.joint == joint);
     (0..simulation.joints.names.len())

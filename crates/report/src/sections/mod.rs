@@ -5,6 +5,7 @@ mod causes;
 mod confusion;
 mod lockstep;
 mod margins;
+mod passing;
 mod runs;
 mod steps;
 pub(super) mod stress;
@@ -82,6 +83,7 @@ pub fn all(results: &Results) -> Result<Vec<Section>, ReportError> {
     if !results.locksteps.is_empty() {
         sections.push(lockstep::section(&results.locksteps));
     }
+    sections.extend(passing::section(results));
     if !results.stresses.is_empty() {
         sections.push(stress::section(&results.stresses));
     }
