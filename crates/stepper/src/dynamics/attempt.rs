@@ -42,6 +42,7 @@ impl<R: Solve> Iteration<'_, R> {
         &self,
         contacts: &mut [Active<R>],
         layouts: &mut Layouts,
+        spare: &mut Vec<R>,
         spent: &mut Spent,
     ) -> Result<Ended<R>, Unsolved> {
         let unknowns: Vec<usize> = self.alone.iter().map(|block| block.unknowns).collect();
@@ -69,14 +70,14 @@ impl<R: Solve> Iteration<'_, R> {
                     kept.extend(left.map(|left| (lowest, left)));
                     continue;
                 }
-                let mut work = Work { alone: self.alone, layouts, spent };
+                let mut work = Work { alone: self.alone, layouts, spare, spent };
                 let (solved, left) = island.solve(contacts, &changed, left, &mut work)?;
                 kept.insert(lowest, left);
                 for (&block, found) in island.ties.blocks.iter().zip(solved) {
                     d[block as usize] = found;
                 }
             }
-            drop(before);
+            *spare = Kept::largest(before.into_values(), std::mem::take(spare));
             let begun = Instant::now();
             spent.solves += 1;
             ended.iterations += 1;
@@ -113,6 +114,7 @@ impl<R: Solve> Iteration<'_, R> {
             };
             if ends {
                 ended.d = d;
+                *spare = Kept::largest(kept.into_values(), std::mem::take(spare));
                 return Ok(ended);
             }
         }

@@ -1,13 +1,12 @@
 //! Islands: blocks that closed contacts tie together. Each is a system of its own (SPEC section 5, `K d = F`).
 
-use crate::dynamics::area::tangents;
+use crate::dynamics::assembly::System;
 use crate::dynamics::contact::Active;
-use crate::dynamics::displacement::{Twelve, generalized};
+use crate::dynamics::displacement::Twelve;
 use crate::dynamics::layout::{Layout, Layouts, Ties};
-use crate::dynamics::pattern::{Part, Pattern};
+use crate::dynamics::pattern::Pattern;
 use crate::dynamics::report::Spent;
 use crate::dynamics::solve::{Singular, Solve, dense};
-use crate::dynamics::state::Mode;
 use crate::real::Real;
 use std::sync::Arc;
 use std::time::Instant;
@@ -84,11 +83,22 @@ pub(super) struct Kept<R> {
 }
 
 impl<R: Solve> Kept<R> {
-    fn new(layout: Arc<Layout>) -> Kept<R> {
+    /// In memory that is there already, whatever it holds.
+    fn new(layout: Arc<Layout>, mut values: Vec<R>) -> Kept<R> {
         let spare = Pattern::ALIGNED;
-        let values = vec![R::ZERO; layout.pattern.values() + spare];
+        let needed = layout.pattern.values() + spare;
+        if values.len() < needed {
+            // What it holds need not be copied.
+            values = Vec::new();
+            values.resize(needed, R::ZERO);
+        }
         let aligned = values.as_ptr().align_offset(64);
         Kept { layout, values, aligned: if aligned <= spare { aligned } else { 0 } }
+    }
+
+    /// The memory of the largest of some factors, and of that which was there.
+    pub(super) fn largest(all: impl Iterator<Item = Kept<R>>, spare: Vec<R>) -> Vec<R> {
+        all.map(|kept| kept.values).fold(spare, |most, one| if most.len() < one.len() { one } else { most })
     }
 }
 
@@ -96,6 +106,8 @@ impl<R: Solve> Kept<R> {
 pub(super) struct Work<'s, R> {
     pub(super) alone: &'s [Alone<R>],
     pub(super) layouts: &'s mut Layouts,
+    /// Memory that no factor has now.
+    pub(super) spare: &'s mut Vec<R>,
     pub(super) spent: &'s mut Spent,
 }
 
@@ -132,27 +144,26 @@ impl Island {
                 (kept, marked)
             }
             other => {
-                drop(other);
+                let memory = other.map_or_else(|| std::mem::take(work.spare), |kept| kept.values);
                 let marked = vec![true; layout.pattern.panel_count()];
-                (Kept::new(layout.clone()), marked)
+                (Kept::new(layout.clone(), memory), marked)
             }
         };
         let aligned = kept.aligned;
         let values = &mut kept.values[aligned..];
-        let mut system = System::new(&self.ties.blocks, &layout, values, &marked, work.alone);
-        for &k in &self.contacts {
-            system.add(&contacts[k]);
-        }
-        let mut force = system.force;
+        let system = System::new(&self.ties.blocks, &layout, &marked, work.alone, (contacts, &self.contacts));
+        let mut force = system.force();
         work.spent.assembly += begun.elapsed();
+        let fill = |panel: usize, values: &mut [R]| system.fill(panel, values);
+        let begun = Instant::now();
         let solved = if layout.is_small() {
-            let begun = Instant::now();
+            values[..layout.pattern.values()].fill(R::ZERO);
+            fill(0, values);
             let solved = dense(&layout.pattern, values, &mut force);
             work.spent.factor += begun.elapsed();
             solved
         } else {
-            let begun = Instant::now();
-            let factored = R::factorize(&layout.pattern, values, &marked);
+            let factored = R::factorize(&layout.pattern, values, &marked, &fill);
             work.spent.factor += begun.elapsed();
             let begun = Instant::now();
             let solved = factored.and_then(|()| R::substitute(&layout.pattern, values, &mut force));
@@ -183,134 +194,6 @@ fn by_block<R: Real>(layout: &Layout, solution: &[R]) -> Vec<Twelve<R>> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Unsolved {
     pub(super) block: usize,
-}
-
-struct System<'s, R> {
-    blocks: &'s [u32],
-    layout: &'s Layout,
-    /// As the layout's pattern has them.
-    values: &'s mut [R],
-    /// The panels whose values are to be found; the others hold a factor.
-    marked: &'s [bool],
-    force: Vec<R>,
-}
-
-impl<'s, R: Real> System<'s, R> {
-    fn new(
-        blocks: &'s [u32],
-        layout: &'s Layout,
-        values: &'s mut [R],
-        marked: &'s [bool],
-        alone: &[Alone<R>],
-    ) -> System<'s, R> {
-        for (panel, _) in layout.pattern.panels().iter().zip(marked).filter(|(_, marked)| **marked) {
-            values[panel.values..panel.values + panel.width * panel.height].fill(R::ZERO);
-        }
-        let force = vec![R::ZERO; layout.pattern.size()];
-        let mut system = System { blocks, layout, values, marked, force };
-        for (&block, &place) in blocks.iter().zip(&layout.places) {
-            let (alone, place) = (&alone[block as usize], place as usize);
-            let unknowns = layout.pattern.unknowns(place);
-            system.force[unknowns.clone()].copy_from_slice(&alone.force[..unknowns.len()]);
-            let Some(part) = system.part(place, place) else { continue };
-            for column in 0..unknowns.len() {
-                let values = &mut system.values[part.at + part.stride * column..][..unknowns.len()];
-                for (row, value) in values.iter_mut().enumerate().skip(column) {
-                    *value = alone.stiffness[packed(row, column)];
-                }
-            }
-        }
-        system
-    }
-
-    /// Where the rows of a place in the columns of one that is not later stand, if they are to be found.
-    fn part(&self, row: usize, column: usize) -> Option<Part> {
-        if !self.marked[self.layout.pattern.panel(column)] {
-            return None;
-        }
-        self.layout.pattern.part(row, column)
-    }
-
-    fn add(&mut self, contact: &Active<R>) {
-        let place =
-            |block: usize| self.blocks.binary_search(&(block as u32)).ok().map(|k| self.layout.places[k] as usize);
-        let [i, j] = contact.entering().map(place);
-        let [e, g] = contact.rows();
-        self.spring([i, j], [&e, &g], contact.joint.normal, contact.plane.gap);
-        match contact.now.mode {
-            Mode::Locked => {
-                let (one, two) = tangents(contact.plane.normal);
-                for along in [one, two] {
-                    let rows = contact.arms.map(|arm| generalized(arm, along));
-                    let stretch = contact.stretch.dot(along);
-                    self.spring([i, j], [&rows[0], &rows[1]], contact.joint.shear, stretch);
-                }
-            }
-            Mode::Sliding => {
-                let friction = &contact.now.friction;
-                if friction.is_stiff() {
-                    let rows = contact.arms.map(|arm| generalized(arm, friction.across));
-                    let stretch = contact.stretch.dot(friction.across);
-                    self.spring([i, j], [&rows[0], &rows[1]], friction.spring, stretch);
-                }
-                let force = friction.force;
-                for (place, arm, force) in [(i, contact.arms[0], -force), (j, contact.arms[1], force)] {
-                    let Some(place) = place else { continue };
-                    let share = generalized(arm, force);
-                    for (total, share) in self.force[self.layout.pattern.unknowns(place)].iter_mut().zip(share) {
-                        *total = *total + share;
-                    }
-                }
-            }
-            Mode::Open => {}
-        }
-    }
-
-    /// A spring of length `before + e·d_i − g·d_j`.
-    fn spring(&mut self, [i, j]: [Option<usize>; 2], [e, g]: [&Twelve<R>; 2], stiffness: R, before: R) {
-        if let Some(i) = i {
-            self.tie([i, i], [e, e], stiffness);
-            pull(&mut self.force[self.layout.pattern.unknowns(i)], e, -stiffness * before);
-        }
-        if let Some(j) = j {
-            self.tie([j, j], [g, g], stiffness);
-            pull(&mut self.force[self.layout.pattern.unknowns(j)], g, stiffness * before);
-        }
-        if let (Some(i), Some(j)) = (i, j) {
-            // Rows belong to the later place.
-            if i < j { self.tie([i, j], [e, g], -stiffness) } else { self.tie([j, i], [g, e], -stiffness) }
-        }
-    }
-
-    /// Adds `factor·later·earlierᵀ` to the part of two places, which may be one.
-    fn tie(&mut self, [place, other]: [usize; 2], [earlier, later]: [&Twelve<R>; 2], factor: R) {
-        let Some(Part { at, stride, .. }) = self.part(other, place) else { return };
-        let unknowns = |place| self.layout.pattern.unknowns(place).len();
-        let (own, count) = (unknowns(place), unknowns(other));
-        let scaled = later.map(|r| r * factor);
-        for (column, &e) in earlier[..own].iter().enumerate() {
-            let begin = at + stride * column;
-            let values = &mut self.values[begin..begin + count];
-            // Of a known length, so that the loop can be unrolled.
-            match <&mut Twelve<R>>::try_from(&mut *values) {
-                Ok(values) => add(values, &scaled, e),
-                Err(_) => add(values, &scaled, e),
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn add<R: Real>(values: &mut [R], row: &Twelve<R>, factor: R) {
-    for (value, &r) in values.iter_mut().zip(row) {
-        *value = *value + r * factor;
-    }
-}
-
-fn pull<R: Real>(force: &mut [R], row: &Twelve<R>, factor: R) {
-    for (total, &r) in force.iter_mut().zip(row) {
-        *total = *total + r * factor;
-    }
 }
 
 /// The lower triangle of a 12 × 12 matrix, row by row.
