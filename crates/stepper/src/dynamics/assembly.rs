@@ -118,6 +118,13 @@ impl<'s, R: Real> System<'s, R> {
         Arch::new().dispatch(Filling { system: self, panel, values });
     }
 
+    /// The whole matrix times a vector, whatever panels are marked.
+    pub(super) fn times(&self, vector: &[R]) -> Vec<R> {
+        let mut product = vec![R::ZERO; vector.len()];
+        Arch::new().dispatch(Multiplying { system: self, vector, product: &mut product });
+        product
+    }
+
     /// Where what ties two blocks stands in a panel.
     fn ties(&self, panel: usize, blocks: [usize; 2]) -> Ties {
         let pattern = &self.layout.pattern;
@@ -286,6 +293,53 @@ fn tie<R: Real, const ROWS: usize>(values: &mut [R], part: Tie, earlier: &[Twelv
             }
         }
         *values = sums;
+    }
+}
+
+/// Multiplying by the matrix, as [`Filling`].
+struct Multiplying<'m, 's, R> {
+    system: &'m System<'s, R>,
+    vector: &'m [R],
+    product: &'m mut [R],
+}
+
+impl<R: Real> WithSimd for Multiplying<'_, '_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Multiplying { system, vector, product } = self;
+        let pattern = &system.layout.pattern;
+        for (place, &block) in system.blocks.iter().enumerate() {
+            let (alone, at) = (&system.alone[block as usize], pattern.unknowns(place));
+            let (vector, product) = (&vector[at.clone()], &mut product[at]);
+            for row in 0..vector.len() {
+                for column in 0..=row {
+                    let value = alone.stiffness[packed(row, column)];
+                    product[row] = product[row] + value * vector[column];
+                    if column < row {
+                        product[column] = product[column] + value * vector[row];
+                    }
+                }
+            }
+        }
+        for &k in system.closed {
+            let contact = &system.contacts[k];
+            let at = contact.entering().map(|block| system.place(block).map(|place| pattern.unknowns(place)));
+            for spring in springs(contact) {
+                let Some(Spring { e, g, stiffness, .. }) = spring else { break };
+                let along = |row: &Twelve<R>, at: &Option<std::ops::Range<usize>>| {
+                    at.clone()
+                        .map_or(R::ZERO, |at| vector[at].iter().zip(row).fold(R::ZERO, |sum, (&x, &r)| sum + x * r))
+                };
+                let pull = stiffness * (along(&e, &at[0]) - along(&g, &at[1]));
+                for (at, row, pull) in [(&at[0], &e, pull), (&at[1], &g, -pull)] {
+                    if let Some(at) = at {
+                        add(&mut product[at.clone()], row, pull);
+                    }
+                }
+            }
+        }
     }
 }
 

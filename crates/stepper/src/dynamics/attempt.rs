@@ -3,7 +3,7 @@
 use crate::dynamics::contact::Active;
 use crate::dynamics::displacement::Twelve;
 use crate::dynamics::friction::Settling;
-use crate::dynamics::island::{Alone, Kept, Unsolved, Work, islands};
+use crate::dynamics::island::{Alone, Kept, Memory, Unsolved, Work, islands};
 use crate::dynamics::layout::Layouts;
 use crate::dynamics::report::{Concerned, Spent};
 use crate::dynamics::rules::StepRules;
@@ -42,7 +42,7 @@ impl<R: Solve> Iteration<'_, R> {
         &self,
         contacts: &mut [Active<R>],
         layouts: &mut Layouts,
-        spare: &mut Vec<R>,
+        spare: &mut Memory<R>,
         spent: &mut Spent,
     ) -> Result<Ended<R>, Unsolved> {
         let unknowns: Vec<usize> = self.alone.iter().map(|block| block.unknowns).collect();
@@ -77,7 +77,7 @@ impl<R: Solve> Iteration<'_, R> {
                     d[block as usize] = found;
                 }
             }
-            *spare = Kept::largest(before.into_values(), std::mem::take(spare));
+            Memory::of(before.into_values(), spare);
             let begun = Instant::now();
             spent.solves += 1;
             ended.iterations += 1;
@@ -114,7 +114,7 @@ impl<R: Solve> Iteration<'_, R> {
             };
             if ends {
                 ended.d = d;
-                *spare = Kept::largest(kept.into_values(), std::mem::take(spare));
+                Memory::of(kept.into_values(), spare);
                 return Ok(ended);
             }
         }

@@ -23,8 +23,8 @@ const WORTH_A_THREAD: u64 = 1_000_000;
 /// Of updates that are wider than this, the square is worked out by half.
 const WIDE: usize = 36;
 
-/// The columns of a panel that is wider than twice this are gathered by parts of about so many.
-const PART: usize = 96;
+/// The columns of a panel that is wider than this are gathered by parts of about so many.
+const PART: usize = 48;
 
 /// Cholesky's method, left-looking: each panel that is marked is filled, gathers what the earlier ones take from it, then is factored as
 /// a dense one.
@@ -176,7 +176,7 @@ impl<R: Real + RealField + Send + Sync> Work<'_, R> {
 
 /// The columns of a panel by parts, each of whole nodes.
 fn parts(pattern: &Pattern, panel: &Panel) -> Vec<Range<usize>> {
-    if panel.width <= 2 * PART {
+    if panel.width <= PART {
         return vec![0..panel.width];
     }
     let (mut parts, mut begin, mut end) = (Vec::new(), 0, 0);

@@ -5,6 +5,7 @@ use crate::dynamics::contact::Active;
 use crate::dynamics::displacement::Twelve;
 use crate::dynamics::layout::{Layout, Layouts, Ties};
 use crate::dynamics::pattern::Pattern;
+use crate::dynamics::refine::refined;
 use crate::dynamics::report::Spent;
 use crate::dynamics::solve::{Singular, Solve, dense};
 use crate::real::Real;
@@ -73,33 +74,51 @@ pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[Active<R>]) -> Ve
     all
 }
 
+/// Memory for factors, used again and again: to fetch it anew costs time.
+#[derive(Debug)]
+pub(super) struct Memory<R> {
+    own: Vec<R>,
+    single: Vec<f32>,
+}
+
+impl<R> Memory<R> {
+    pub(super) const NONE: Self = Memory { own: Vec::new(), single: Vec::new() };
+
+    /// The larger of two, each scalar by itself.
+    fn larger(self, other: Memory<R>) -> Memory<R> {
+        Memory {
+            own: if self.own.len() < other.own.len() { other.own } else { self.own },
+            single: if self.single.len() < other.single.len() { other.single } else { self.single },
+        }
+    }
+
+    /// The largest of that which some factors have had.
+    pub(super) fn of(all: impl Iterator<Item = Kept<R>>, spare: &mut Memory<R>) {
+        let before = std::mem::replace(spare, Memory::NONE);
+        *spare = all.map(|kept| kept.memory).fold(before, Memory::larger);
+    }
+}
+
+/// Room for the values of a pattern, aligned, whatever it holds.
+fn room<'r, R: Real>(memory: &'r mut Vec<R>, pattern: &Pattern) -> &'r mut [R] {
+    let needed = pattern.values() + Pattern::ALIGNED;
+    if memory.len() < needed {
+        // What it holds need not be copied.
+        *memory = Vec::new();
+        memory.resize(needed, R::ZERO);
+    }
+    let aligned = memory.as_ptr().align_offset(64);
+    let begin = if aligned <= Pattern::ALIGNED { aligned } else { 0 };
+    &mut memory[begin..][..pattern.values()]
+}
+
 /// What is left of an island's solution for the next one.
 #[derive(Debug)]
 pub(super) struct Kept<R> {
     layout: Arc<Layout>,
-    /// The factor begins at `aligned`.
-    values: Vec<R>,
-    aligned: usize,
-}
-
-impl<R: Solve> Kept<R> {
-    /// In memory that is there already, whatever it holds.
-    fn new(layout: Arc<Layout>, mut values: Vec<R>) -> Kept<R> {
-        let spare = Pattern::ALIGNED;
-        let needed = layout.pattern.values() + spare;
-        if values.len() < needed {
-            // What it holds need not be copied.
-            values = Vec::new();
-            values.resize(needed, R::ZERO);
-        }
-        let aligned = values.as_ptr().align_offset(64);
-        Kept { layout, values, aligned: if aligned <= spare { aligned } else { 0 } }
-    }
-
-    /// The memory of the largest of some factors, and of that which was there.
-    pub(super) fn largest(all: impl Iterator<Item = Kept<R>>, spare: Vec<R>) -> Vec<R> {
-        all.map(|kept| kept.values).fold(spare, |most, one| if most.len() < one.len() { one } else { most })
-    }
+    memory: Memory<R>,
+    /// Whether the factor is in f32.
+    is_single: bool,
 }
 
 /// What a solution follows from besides the contacts of the island.
@@ -107,7 +126,7 @@ pub(super) struct Work<'s, R> {
     pub(super) alone: &'s [Alone<R>],
     pub(super) layouts: &'s mut Layouts,
     /// Memory that no factor has now.
-    pub(super) spare: &'s mut Vec<R>,
+    pub(super) spare: &'s mut Memory<R>,
     pub(super) spent: &'s mut Spent,
 }
 
@@ -131,7 +150,7 @@ impl Island {
         let layout = work.layouts.of(&self.ties).ok_or(first)?;
         work.spent.order += begun.elapsed();
         let begun = Instant::now();
-        let (mut kept, marked) = match before {
+        let (mut kept, mut marked) = match before {
             Some(kept) if Arc::ptr_eq(&kept.layout, &layout) && !layout.is_small() => {
                 let mut marked = vec![false; layout.pattern.panel_count()];
                 let touched = contacts.iter().zip(changed).filter(|(_, changed)| **changed);
@@ -144,20 +163,32 @@ impl Island {
                 (kept, marked)
             }
             other => {
-                let memory = other.map_or_else(|| std::mem::take(work.spare), |kept| kept.values);
+                let memory = match other {
+                    Some(kept) => kept.memory,
+                    None if layout.is_small() => Memory::NONE,
+                    None => std::mem::replace(work.spare, Memory::NONE),
+                };
+                let is_single = R::REFINES && layout.is_very_large();
                 let marked = vec![true; layout.pattern.panel_count()];
-                (Kept::new(layout.clone(), memory), marked)
+                (Kept { layout: layout.clone(), memory, is_single }, marked)
             }
         };
-        let aligned = kept.aligned;
-        let values = &mut kept.values[aligned..];
-        let system = System::new(&self.ties.blocks, &layout, &marked, work.alone, (contacts, &self.contacts));
+        let mut system = System::new(&self.ties.blocks, &layout, &marked, work.alone, (contacts, &self.contacts));
         let mut force = system.force();
         work.spent.assembly += begun.elapsed();
+        if kept.is_single {
+            if let Some(found) = by_single(&system, &layout, &marked, (&mut kept.memory.single, &force), work.spent) {
+                return Ok((by_block(&layout, &found), kept));
+            }
+            (kept.is_single, kept.memory.single) = (false, Vec::new());
+            marked.fill(true);
+            system = System::new(&self.ties.blocks, &layout, &marked, work.alone, (contacts, &self.contacts));
+        }
+        let values = room(&mut kept.memory.own, &layout.pattern);
         let fill = |panel: usize, values: &mut [R]| system.fill(panel, values);
         let begun = Instant::now();
         let solved = if layout.is_small() {
-            values[..layout.pattern.values()].fill(R::ZERO);
+            values.fill(R::ZERO);
             fill(0, values);
             let solved = dense(&layout.pattern, values, &mut force);
             work.spent.factor += begun.elapsed();
@@ -177,6 +208,29 @@ impl Island {
         })?;
         Ok((by_block(&layout, &force), kept))
     }
+}
+
+/// Solves by a factor in f32, if that is good enough.
+pub(super) fn by_single<R: Solve>(
+    system: &System<'_, R>,
+    layout: &Layout,
+    marked: &[bool],
+    (memory, force): (&mut Vec<f32>, &[R]),
+    spent: &mut Spent,
+) -> Option<Vec<R>> {
+    let begun = Instant::now();
+    let values = room(memory, &layout.pattern);
+    let fill = |panel: usize, values: &mut [f32]| {
+        let mut whole = vec![R::ZERO; values.len()];
+        system.fill(panel, &mut whole);
+        values.iter_mut().zip(whole).for_each(|(value, whole)| *value = whole.to_f64() as f32);
+    };
+    let factored = f32::factorize(&layout.pattern, values, marked, &fill);
+    spent.factor += begun.elapsed();
+    let begun = Instant::now();
+    let found = factored.ok().and_then(|()| refined(system, layout, values, force));
+    spent.substitution += begun.elapsed();
+    found
 }
 
 /// The solution by blocks.

@@ -27,6 +27,7 @@ mod neighbours;
 pub mod order;
 pub mod pattern;
 mod plane;
+mod refine;
 pub mod report;
 pub mod rules;
 mod setup;

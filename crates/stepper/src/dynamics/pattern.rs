@@ -88,7 +88,10 @@ impl Pattern {
                 let parent = columns[before.nodes[1] as usize - 1].first();
                 let wider = width + (before.nodes[0]..before.nodes[1]).map(count).sum::<usize>();
                 let (full, all) = (draft.full + before.full, wider * (wider + 1) / 2 + wider * rest);
-                if parent.is_none_or(|&parent| parent > node) || all - full > allowed_zeros(wider, all) {
+                if wider > WIDEST
+                    || parent.is_none_or(|&parent| parent > node)
+                    || all - full > allowed_zeros(wider, all)
+                {
                     break;
                 }
                 draft = Draft { nodes: [before.nodes[0], node + 1], full };
@@ -166,6 +169,11 @@ impl Pattern {
             begin = end;
         }
         self.updates = all.into_iter().map(|(_, update)| update).collect();
+    }
+
+    /// The multiplications that the factor takes, about; twice as many as there are at least.
+    pub(super) fn work(&self) -> u64 {
+        self.panels.iter().map(|panel| (panel.width * panel.height * panel.height) as u64).sum()
     }
 
     /// The number of unknowns.
@@ -293,6 +301,9 @@ impl Pattern {
         square
     }
 }
+
+/// No panel has more columns: those of wider ones would be factored by one thread, and products on the way take much memory.
+const WIDEST: usize = 192;
 
 /// How many zeros a panel may hold for the sake of being wide, since products of narrow ones are slow: a tenth, and of wide ones less.
 fn allowed_zeros(width: usize, all: usize) -> usize {

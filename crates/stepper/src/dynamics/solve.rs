@@ -11,6 +11,9 @@ use faer::traits::pulp::{Arch, Simd, WithSimd};
 /// Larger ones take the fastest kernels that the processor has, whose last bits may differ from machine to machine.
 pub const DENSE: usize = 96;
 
+/// Systems of which the factor takes so many multiplications or more, about, are very large: see [`Solve::REFINES`].
+pub const COARSE: u64 = 1_500_000_000;
+
 /// A pivot that is not positive and finite: the system is singular, or became so by rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Singular {
@@ -23,6 +26,9 @@ pub type Fill<'f, R> = dyn Fn(usize, &mut [R]) + Sync + 'f;
 
 /// A scalar in which systems can be solved.
 pub trait Solve: CompiledSteps + Real + Send + Sync {
+    /// Whether very large systems are solved by a factor in f32, and refined to this scalar's precision.
+    const REFINES: bool;
+
     /// Gives the panels that are marked the values of the factor. All others have them already, and depend on none that is marked. `fill`
     /// adds the values of the matrix to those of a panel, which are zero.
     ///
@@ -43,8 +49,10 @@ pub trait Solve: CompiledSteps + Real + Send + Sync {
 }
 
 macro_rules! solve_by_panels {
-    ($type:ty) => {
+    ($type:ty, $refines:literal) => {
         impl Solve for $type {
+            const REFINES: bool = $refines;
+
             fn factorize(
                 pattern: &Pattern,
                 values: &mut [Self],
@@ -62,11 +70,13 @@ macro_rules! solve_by_panels {
     };
 }
 
-solve_by_panels!(f32);
-solve_by_panels!(f64);
+solve_by_panels!(f32, false);
+solve_by_panels!(f64, true);
 
 /// Its values stay those of the matrix.
 impl Solve for Wide {
+    const REFINES: bool = false;
+
     fn factorize(
         pattern: &Pattern,
         values: &mut [Self],
