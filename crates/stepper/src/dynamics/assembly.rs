@@ -16,7 +16,9 @@ pub(super) struct System<'s, R> {
     contacts: &'s [Active<R>],
     /// The closed contacts of the island.
     closed: &'s [usize],
-    /// The place of each block, where it has one.
+    /// The blocks of the island, ascending.
+    island: &'s [u32],
+    /// The place of each block from the island's first to its last, where it has one; empty where few of them have one.
     places: Vec<u32>,
     /// The block of each place.
     blocks: Vec<u32>,
@@ -28,35 +30,44 @@ pub(super) struct System<'s, R> {
 /// The place of a block that has none.
 const NOWHERE: u32 = u32::MAX;
 
+/// Of islands that reach over so many times more blocks than they have, blocks are searched for.
+const SPARSE: usize = 16;
+
 impl<'s, R: Real> System<'s, R> {
     /// Of blocks, where the panels that are marked are to be filled; of all contacts those that are closed and in the island.
     pub(super) fn new(
-        blocks: &[u32],
+        island: &'s [u32],
         layout: &'s Layout,
         marked: &[bool],
         alone: &'s [Alone<R>],
         (contacts, closed): (&'s [Active<R>], &'s [usize]),
     ) -> System<'s, R> {
-        let mut places = vec![NOWHERE; alone.len()];
-        let mut of_place = vec![0; blocks.len()];
-        for (&block, &place) in blocks.iter().zip(&layout.places) {
-            places[block as usize] = place;
+        let (first, last) = (island.first().map_or(0, |&b| b as usize), island.last().map_or(0, |&b| b as usize));
+        // Many islands that reach far must not take a table of all blocks each.
+        let spread = if last - first < SPARSE * island.len() { last + 1 - first } else { 0 };
+        let mut places = vec![NOWHERE; spread];
+        let mut of_place = vec![0; island.len()];
+        for (&block, &place) in island.iter().zip(&layout.places) {
             of_place[place as usize] = block;
+            if let Some(known) = places.get_mut(block as usize - first) {
+                *known = place;
+            }
         }
         let mut system = System {
             layout,
             alone,
             contacts,
             closed,
+            island,
             places,
             blocks: of_place,
             begins: vec![0; marked.len() + 1],
             bearing: Vec::new(),
         };
         let of = |system: &System<'_, R>, k: usize| {
-            let panel = |block: u32| match system.places[block as usize] {
-                NOWHERE => None,
-                place => Some(layout.pattern.panel(place as usize)).filter(|&panel| marked[panel]),
+            let panel = |block: u32| {
+                let place = system.place(block as usize)?;
+                Some(layout.pattern.panel(place)).filter(|&panel| marked[panel])
             };
             let [a, b] = contacts[k].blocks.map(panel);
             [a, b.filter(|_| a != b)]
@@ -79,7 +90,12 @@ impl<'s, R: Real> System<'s, R> {
     }
 
     fn place(&self, block: usize) -> Option<usize> {
-        Some(self.places[block]).filter(|&place| place != NOWHERE).map(|place| place as usize)
+        if self.places.is_empty() {
+            let found = self.island.binary_search(&(block as u32)).ok()?;
+            return Some(self.layout.places[found] as usize);
+        }
+        let known = self.places.get(block.checked_sub(self.island[0] as usize)?)?;
+        (*known != NOWHERE).then_some(*known as usize)
     }
 
     /// The right side.

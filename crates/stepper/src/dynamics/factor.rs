@@ -176,9 +176,6 @@ impl<R: Real + RealField + Send + Sync> Work<'_, R> {
 
 /// The columns of a panel by parts, each of whole nodes.
 fn parts(pattern: &Pattern, panel: &Panel) -> Vec<Range<usize>> {
-    if panel.width <= PART {
-        return vec![0..panel.width];
-    }
     let (mut parts, mut begin, mut end) = (Vec::new(), 0, 0);
     let mut node = pattern.node_of(panel.begin);
     while end < panel.width {
