@@ -126,8 +126,8 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// What a step is made of: boxes and pairs; classification; then the open–close iteration: orders of elimination, adding up matrices,
-    /// factors, solving by them, judging the contacts; and moving the blocks.
+    /// What a step is made of: boxes and pairs; classification; then the open–close iteration: orders of elimination, adding up forces,
+    /// matrices and their factors, solving by them, judging the contacts; and moving the blocks.
     pub const PHASES: [&'static str; 8] =
         ["rough", "detection", "order", "assembly", "factor", "solve", "judge", "update"];
 }

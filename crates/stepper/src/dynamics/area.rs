@@ -78,6 +78,7 @@ pub(super) fn overlap<R: Real>([a, b]: [&Solid<R>; 2], [face_a, face_b]: [u32; 2
 }
 
 /// Two unit vectors that make a right-handed frame with a third.
+#[inline(always)]
 pub(super) fn tangents<R: Real>(normal: Vector<R>) -> (Vector<R>, Vector<R>) {
     let size = normal.components().map(R::abs);
     let (zero, one) = (R::ZERO, R::from_f64(1.0));

@@ -3,7 +3,7 @@
 use crate::dynamics::contact::Active;
 use crate::dynamics::displacement::Twelve;
 use crate::dynamics::friction::Settling;
-use crate::dynamics::island::{Alone, Kept, Unsolved, Work, islands};
+use crate::dynamics::island::{Alone, Kept, Memory, Unsolved, Work, islands};
 use crate::dynamics::layout::Layouts;
 use crate::dynamics::report::{Concerned, Spent};
 use crate::dynamics::rules::StepRules;
@@ -42,6 +42,7 @@ impl<R: Solve> Iteration<'_, R> {
         &self,
         contacts: &mut [Active<R>],
         layouts: &mut Layouts,
+        spare: &mut Memory<R>,
         spent: &mut Spent,
     ) -> Result<Ended<R>, Unsolved> {
         let unknowns: Vec<usize> = self.alone.iter().map(|block| block.unknowns).collect();
@@ -69,14 +70,14 @@ impl<R: Solve> Iteration<'_, R> {
                     kept.extend(left.map(|left| (lowest, left)));
                     continue;
                 }
-                let mut work = Work { alone: self.alone, layouts, spent };
+                let mut work = Work { alone: self.alone, layouts, spare, spent };
                 let (solved, left) = island.solve(contacts, &changed, left, &mut work)?;
                 kept.insert(lowest, left);
                 for (&block, found) in island.ties.blocks.iter().zip(solved) {
                     d[block as usize] = found;
                 }
             }
-            drop(before);
+            Memory::of(before.into_values(), spare);
             let begun = Instant::now();
             spent.solves += 1;
             ended.iterations += 1;
@@ -113,6 +114,7 @@ impl<R: Solve> Iteration<'_, R> {
             };
             if ends {
                 ended.d = d;
+                Memory::of(kept.into_values(), spare);
                 return Ok(ended);
             }
         }

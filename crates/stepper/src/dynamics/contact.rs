@@ -63,6 +63,7 @@ impl<R: Real> Active<R> {
     }
 
     /// `T_iᵀn` and `T_jᵀn`.
+    #[inline(always)]
     pub(super) fn rows(&self) -> [Twelve<R>; 2] {
         self.arms.map(|arm| generalized(arm, self.plane.normal))
     }

@@ -34,7 +34,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             let alone = self.alone(time_step, settling);
             let iteration = Iteration { alone: &alone, limits: &self.setup.limits, settling, given: None };
             let ended = iteration
-                .run::<M>(contacts, &mut self.layouts, &mut self.spent)
+                .run::<M>(contacts, &mut self.layouts, &mut self.spare, &mut self.spent)
                 .map_err(|unsolved| Stopped::Singular { step: number, block: unsolved.block })?;
             self.modes.push(ended.modes.clone());
             if let Some(block) = ended.d.iter().position(|d| !d.iter().all(|x| x.is_finite())) {

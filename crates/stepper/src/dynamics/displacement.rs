@@ -20,6 +20,7 @@ pub fn displacement<R: Real>(arm: Vector<R>, d: &Twelve<R>) -> Vector<R> {
 }
 
 /// `T(x)ᵀ·f`, what a force at `arm` from the centroid does to the twelve unknowns.
+#[inline(always)]
 pub fn generalized<R: Real>(arm: Vector<R>, force: Vector<R>) -> Twelve<R> {
     let half = R::from_f64(0.5);
     let moment = arm.cross(force);

@@ -8,6 +8,7 @@ use crate::dynamics::area;
 use crate::dynamics::contact::{Active, Now};
 use crate::dynamics::friction::{Friction, Settling};
 use crate::dynamics::given::Given;
+use crate::dynamics::island::Memory;
 use crate::dynamics::layout::Layouts;
 use crate::dynamics::moments::{Matrix, Moments};
 use crate::dynamics::neighbours::Neighbours;
@@ -34,6 +35,8 @@ pub struct Dynamics<R, M = Spec> {
     pub(super) moments: Vec<Moments<R>>,
     pub(super) neighbours: Neighbours,
     pub(super) layouts: Layouts,
+    /// Memory for factors, kept from step to step: to fetch it anew costs time.
+    pub(super) spare: Memory<R>,
     first_modes: Vec<Mode>,
     pub(super) modes: Vec<Vec<Vec<Mode>>>,
     phases: Phases,
@@ -51,6 +54,7 @@ impl<R: Clone, M> Clone for Dynamics<R, M> {
             moments: self.moments.clone(),
             neighbours: self.neighbours.clone(),
             layouts: self.layouts.clone(),
+            spare: Memory::NONE,
             first_modes: self.first_modes.clone(),
             modes: self.modes.clone(),
             phases: self.phases,
@@ -129,6 +133,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             moments,
             neighbours: Neighbours::default(),
             layouts,
+            spare: Memory::NONE,
             first_modes: Vec::new(),
             modes: Vec::new(),
             phases: Phases::default(),

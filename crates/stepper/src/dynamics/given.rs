@@ -59,7 +59,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let alone = self.alone(time_step, settling);
         let iteration = Iteration { alone: &alone, limits: &self.setup.limits, settling, given: Some(given.modes) };
         let ended = iteration
-            .run::<M>(contacts, &mut self.layouts, &mut self.spent)
+            .run::<M>(contacts, &mut self.layouts, &mut self.spare, &mut self.spent)
             .map_err(|unsolved| Stopped::Singular { step: number, block: unsolved.block })?;
         self.modes.push(ended.modes.clone());
         let mut farthest = R::ZERO;

@@ -1,13 +1,13 @@
 //! Islands: blocks that closed contacts tie together. Each is a system of its own (SPEC section 5, `K d = F`).
 
-use crate::dynamics::area::tangents;
+use crate::dynamics::assembly::System;
 use crate::dynamics::contact::Active;
-use crate::dynamics::displacement::{Twelve, generalized};
+use crate::dynamics::displacement::Twelve;
 use crate::dynamics::layout::{Layout, Layouts, Ties};
-use crate::dynamics::pattern::{Part, Pattern};
+use crate::dynamics::pattern::Pattern;
+use crate::dynamics::refine::refined;
 use crate::dynamics::report::Spent;
 use crate::dynamics::solve::{Singular, Solve, dense};
-use crate::dynamics::state::Mode;
 use crate::real::Real;
 use std::sync::Arc;
 use std::time::Instant;
@@ -74,28 +74,59 @@ pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[Active<R>]) -> Ve
     all
 }
 
+/// Memory for factors, used again and again: to fetch it anew costs time.
+#[derive(Debug)]
+pub(super) struct Memory<R> {
+    own: Vec<R>,
+    single: Vec<f32>,
+}
+
+impl<R> Memory<R> {
+    pub(super) const NONE: Self = Memory { own: Vec::new(), single: Vec::new() };
+
+    /// The larger of two, each scalar by itself.
+    fn larger(self, other: Memory<R>) -> Memory<R> {
+        Memory {
+            own: if self.own.len() < other.own.len() { other.own } else { self.own },
+            single: if self.single.len() < other.single.len() { other.single } else { self.single },
+        }
+    }
+
+    /// The largest of that which some factors have had.
+    pub(super) fn of(all: impl Iterator<Item = Kept<R>>, spare: &mut Memory<R>) {
+        let before = std::mem::replace(spare, Memory::NONE);
+        *spare = all.map(|kept| kept.memory).fold(before, Memory::larger);
+    }
+}
+
+/// Room for the values of a pattern, aligned, whatever it holds.
+fn room<'r, R: Real>(memory: &'r mut Vec<R>, pattern: &Pattern) -> &'r mut [R] {
+    let needed = pattern.values() + Pattern::ALIGNED;
+    if memory.len() < needed {
+        // What it holds need not be copied.
+        *memory = Vec::new();
+        memory.resize(needed, R::ZERO);
+    }
+    let aligned = memory.as_ptr().align_offset(64);
+    let begin = if aligned <= Pattern::ALIGNED { aligned } else { 0 };
+    &mut memory[begin..][..pattern.values()]
+}
+
 /// What is left of an island's solution for the next one.
 #[derive(Debug)]
 pub(super) struct Kept<R> {
     layout: Arc<Layout>,
-    /// The factor begins at `aligned`.
-    values: Vec<R>,
-    aligned: usize,
-}
-
-impl<R: Solve> Kept<R> {
-    fn new(layout: Arc<Layout>) -> Kept<R> {
-        let spare = Pattern::ALIGNED;
-        let values = vec![R::ZERO; layout.pattern.values() + spare];
-        let aligned = values.as_ptr().align_offset(64);
-        Kept { layout, values, aligned: if aligned <= spare { aligned } else { 0 } }
-    }
+    memory: Memory<R>,
+    /// Whether the factor is in f32.
+    is_single: bool,
 }
 
 /// What a solution follows from besides the contacts of the island.
 pub(super) struct Work<'s, R> {
     pub(super) alone: &'s [Alone<R>],
     pub(super) layouts: &'s mut Layouts,
+    /// Memory that no factor has now.
+    pub(super) spare: &'s mut Memory<R>,
     pub(super) spent: &'s mut Spent,
 }
 
@@ -119,7 +150,7 @@ impl Island {
         let layout = work.layouts.of(&self.ties).ok_or(first)?;
         work.spent.order += begun.elapsed();
         let begun = Instant::now();
-        let (mut kept, marked) = match before {
+        let (mut kept, mut marked) = match before {
             Some(kept) if Arc::ptr_eq(&kept.layout, &layout) && !layout.is_small() => {
                 let mut marked = vec![false; layout.pattern.panel_count()];
                 let touched = contacts.iter().zip(changed).filter(|(_, changed)| **changed);
@@ -132,27 +163,38 @@ impl Island {
                 (kept, marked)
             }
             other => {
-                drop(other);
+                let memory = match other {
+                    Some(kept) => kept.memory,
+                    None if layout.is_small() => Memory::NONE,
+                    None => std::mem::replace(work.spare, Memory::NONE),
+                };
+                let is_single = R::REFINES && layout.is_very_large();
                 let marked = vec![true; layout.pattern.panel_count()];
-                (Kept::new(layout.clone()), marked)
+                (Kept { layout: layout.clone(), memory, is_single }, marked)
             }
         };
-        let aligned = kept.aligned;
-        let values = &mut kept.values[aligned..];
-        let mut system = System::new(&self.ties.blocks, &layout, values, &marked, work.alone);
-        for &k in &self.contacts {
-            system.add(&contacts[k]);
-        }
-        let mut force = system.force;
+        let mut system = System::new(&self.ties.blocks, &layout, &marked, work.alone, (contacts, &self.contacts));
+        let mut force = system.force();
         work.spent.assembly += begun.elapsed();
+        if kept.is_single {
+            if let Some(found) = by_single(&system, &layout, &marked, (&mut kept.memory.single, &force), work.spent) {
+                return Ok((by_block(&layout, &found), kept));
+            }
+            (kept.is_single, kept.memory.single) = (false, Vec::new());
+            marked.fill(true);
+            system = System::new(&self.ties.blocks, &layout, &marked, work.alone, (contacts, &self.contacts));
+        }
+        let values = room(&mut kept.memory.own, &layout.pattern);
+        let fill = |panel: usize, values: &mut [R]| system.fill(panel, values);
+        let begun = Instant::now();
         let solved = if layout.is_small() {
-            let begun = Instant::now();
+            values.fill(R::ZERO);
+            fill(0, values);
             let solved = dense(&layout.pattern, values, &mut force);
             work.spent.factor += begun.elapsed();
             solved
         } else {
-            let begun = Instant::now();
-            let factored = R::factorize(&layout.pattern, values, &marked);
+            let factored = R::factorize(&layout.pattern, values, &marked, &fill);
             work.spent.factor += begun.elapsed();
             let begun = Instant::now();
             let solved = factored.and_then(|()| R::substitute(&layout.pattern, values, &mut force));
@@ -166,6 +208,29 @@ impl Island {
         })?;
         Ok((by_block(&layout, &force), kept))
     }
+}
+
+/// Solves by a factor in f32, if that is good enough.
+pub(super) fn by_single<R: Solve>(
+    system: &System<'_, R>,
+    layout: &Layout,
+    marked: &[bool],
+    (memory, force): (&mut Vec<f32>, &[R]),
+    spent: &mut Spent,
+) -> Option<Vec<R>> {
+    let begun = Instant::now();
+    let values = room(memory, &layout.pattern);
+    let fill = |panel: usize, values: &mut [f32]| {
+        let mut whole = vec![R::ZERO; values.len()];
+        system.fill(panel, &mut whole);
+        values.iter_mut().zip(whole).for_each(|(value, whole)| *value = whole.to_f64() as f32);
+    };
+    let factored = f32::factorize(&layout.pattern, values, marked, &fill);
+    spent.factor += begun.elapsed();
+    let begun = Instant::now();
+    let found = factored.ok().and_then(|()| refined(system, layout, values, force));
+    spent.substitution += begun.elapsed();
+    found
 }
 
 /// The solution by blocks.
@@ -183,134 +248,6 @@ fn by_block<R: Real>(layout: &Layout, solution: &[R]) -> Vec<Twelve<R>> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Unsolved {
     pub(super) block: usize,
-}
-
-struct System<'s, R> {
-    blocks: &'s [u32],
-    layout: &'s Layout,
-    /// As the layout's pattern has them.
-    values: &'s mut [R],
-    /// The panels whose values are to be found; the others hold a factor.
-    marked: &'s [bool],
-    force: Vec<R>,
-}
-
-impl<'s, R: Real> System<'s, R> {
-    fn new(
-        blocks: &'s [u32],
-        layout: &'s Layout,
-        values: &'s mut [R],
-        marked: &'s [bool],
-        alone: &[Alone<R>],
-    ) -> System<'s, R> {
-        for (panel, _) in layout.pattern.panels().iter().zip(marked).filter(|(_, marked)| **marked) {
-            values[panel.values..panel.values + panel.width * panel.height].fill(R::ZERO);
-        }
-        let force = vec![R::ZERO; layout.pattern.size()];
-        let mut system = System { blocks, layout, values, marked, force };
-        for (&block, &place) in blocks.iter().zip(&layout.places) {
-            let (alone, place) = (&alone[block as usize], place as usize);
-            let unknowns = layout.pattern.unknowns(place);
-            system.force[unknowns.clone()].copy_from_slice(&alone.force[..unknowns.len()]);
-            let Some(part) = system.part(place, place) else { continue };
-            for column in 0..unknowns.len() {
-                let values = &mut system.values[part.at + part.stride * column..][..unknowns.len()];
-                for (row, value) in values.iter_mut().enumerate().skip(column) {
-                    *value = alone.stiffness[packed(row, column)];
-                }
-            }
-        }
-        system
-    }
-
-    /// Where the rows of a place in the columns of one that is not later stand, if they are to be found.
-    fn part(&self, row: usize, column: usize) -> Option<Part> {
-        if !self.marked[self.layout.pattern.panel(column)] {
-            return None;
-        }
-        self.layout.pattern.part(row, column)
-    }
-
-    fn add(&mut self, contact: &Active<R>) {
-        let place =
-            |block: usize| self.blocks.binary_search(&(block as u32)).ok().map(|k| self.layout.places[k] as usize);
-        let [i, j] = contact.entering().map(place);
-        let [e, g] = contact.rows();
-        self.spring([i, j], [&e, &g], contact.joint.normal, contact.plane.gap);
-        match contact.now.mode {
-            Mode::Locked => {
-                let (one, two) = tangents(contact.plane.normal);
-                for along in [one, two] {
-                    let rows = contact.arms.map(|arm| generalized(arm, along));
-                    let stretch = contact.stretch.dot(along);
-                    self.spring([i, j], [&rows[0], &rows[1]], contact.joint.shear, stretch);
-                }
-            }
-            Mode::Sliding => {
-                let friction = &contact.now.friction;
-                if friction.is_stiff() {
-                    let rows = contact.arms.map(|arm| generalized(arm, friction.across));
-                    let stretch = contact.stretch.dot(friction.across);
-                    self.spring([i, j], [&rows[0], &rows[1]], friction.spring, stretch);
-                }
-                let force = friction.force;
-                for (place, arm, force) in [(i, contact.arms[0], -force), (j, contact.arms[1], force)] {
-                    let Some(place) = place else { continue };
-                    let share = generalized(arm, force);
-                    for (total, share) in self.force[self.layout.pattern.unknowns(place)].iter_mut().zip(share) {
-                        *total = *total + share;
-                    }
-                }
-            }
-            Mode::Open => {}
-        }
-    }
-
-    /// A spring of length `before + e·d_i − g·d_j`.
-    fn spring(&mut self, [i, j]: [Option<usize>; 2], [e, g]: [&Twelve<R>; 2], stiffness: R, before: R) {
-        if let Some(i) = i {
-            self.tie([i, i], [e, e], stiffness);
-            pull(&mut self.force[self.layout.pattern.unknowns(i)], e, -stiffness * before);
-        }
-        if let Some(j) = j {
-            self.tie([j, j], [g, g], stiffness);
-            pull(&mut self.force[self.layout.pattern.unknowns(j)], g, stiffness * before);
-        }
-        if let (Some(i), Some(j)) = (i, j) {
-            // Rows belong to the later place.
-            if i < j { self.tie([i, j], [e, g], -stiffness) } else { self.tie([j, i], [g, e], -stiffness) }
-        }
-    }
-
-    /// Adds `factor·later·earlierᵀ` to the part of two places, which may be one.
-    fn tie(&mut self, [place, other]: [usize; 2], [earlier, later]: [&Twelve<R>; 2], factor: R) {
-        let Some(Part { at, stride, .. }) = self.part(other, place) else { return };
-        let unknowns = |place| self.layout.pattern.unknowns(place).len();
-        let (own, count) = (unknowns(place), unknowns(other));
-        let scaled = later.map(|r| r * factor);
-        for (column, &e) in earlier[..own].iter().enumerate() {
-            let begin = at + stride * column;
-            let values = &mut self.values[begin..begin + count];
-            // Of a known length, so that the loop can be unrolled.
-            match <&mut Twelve<R>>::try_from(&mut *values) {
-                Ok(values) => add(values, &scaled, e),
-                Err(_) => add(values, &scaled, e),
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn add<R: Real>(values: &mut [R], row: &Twelve<R>, factor: R) {
-    for (value, &r) in values.iter_mut().zip(row) {
-        *value = *value + r * factor;
-    }
-}
-
-fn pull<R: Real>(force: &mut [R], row: &Twelve<R>, factor: R) {
-    for (total, &r) in force.iter_mut().zip(row) {
-        *total = *total + r * factor;
-    }
 }
 
 /// The lower triangle of a 12 × 12 matrix, row by row.

@@ -2,7 +2,7 @@
 
 use crate::dynamics::order::{Graph, Renumbered, elimination_order};
 use crate::dynamics::pattern::Pattern;
-use crate::dynamics::solve::DENSE;
+use crate::dynamics::solve::{COARSE, DENSE};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -18,6 +18,11 @@ impl Layout {
     /// Whether the system is solved as a dense one.
     pub(super) fn is_small(&self) -> bool {
         self.pattern.size() <= DENSE
+    }
+
+    /// Whether its factor takes so much that one in f32 is made, and the solution refined.
+    pub(super) fn is_very_large(&self) -> bool {
+        self.pattern.work() >= COARSE
     }
 }
 

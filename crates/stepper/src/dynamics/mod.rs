@@ -3,16 +3,19 @@
 //! [`Dynamics`] holds a scene and its state. A step finds the contacts ([`crate::contact`]), lets each continue one of the step
 //! before (`transfer.rs`), and tries: `attempt.rs` is the open–close iteration at one Δt, `engine.rs` cuts Δt until an attempt is good, and
 //! moves the blocks (`kinematics.rs`). `contact.rs` is a contact's springs, `rules.rs` every comparison. Of the system of equations
-//! `island.rs` adds up the matrix, `order.rs` finds an order of elimination, `pattern.rs` where values stand, `solve.rs` the solution.
+//! `island.rs` finds what is solved together, `order.rs` an order of elimination, `pattern.rs` where values stand; `assembly.rs` adds up
+//! the matrix, `factor.rs` makes its factor, `solve.rs` solves by it.
 
 mod alone;
 mod area;
+mod assembly;
 mod attempt;
 mod compiled;
 mod contact;
 mod control;
 pub mod displacement;
 mod engine;
+mod factor;
 mod friction;
 mod given;
 mod island;
@@ -24,6 +27,7 @@ mod neighbours;
 pub mod order;
 pub mod pattern;
 mod plane;
+mod refine;
 pub mod report;
 pub mod rules;
 mod setup;

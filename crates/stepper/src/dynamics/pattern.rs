@@ -12,6 +12,8 @@ pub struct Pattern {
     /// The panel of each node.
     panel_of: Vec<u32>,
     panels: Vec<Panel>,
+    /// For each panel the first one of its subtree: of those on which it depends, which follow one another and end with it.
+    subtrees: Vec<u32>,
     /// The nodes below each panel, ascending, and the row in the panel where the unknowns of each begin.
     below: Vec<Below>,
     /// What the factor of earlier panels takes from each.
@@ -86,7 +88,10 @@ impl Pattern {
                 let parent = columns[before.nodes[1] as usize - 1].first();
                 let wider = width + (before.nodes[0]..before.nodes[1]).map(count).sum::<usize>();
                 let (full, all) = (draft.full + before.full, wider * (wider + 1) / 2 + wider * rest);
-                if parent.is_none_or(|&parent| parent > node) || all - full > allowed_zeros(wider, all) {
+                if wider > WIDEST
+                    || parent.is_none_or(|&parent| parent > node)
+                    || all - full > allowed_zeros(wider, all)
+                {
                     break;
                 }
                 draft = Draft { nodes: [before.nodes[0], node + 1], full };
@@ -112,6 +117,7 @@ impl Pattern {
         let mut pattern = Pattern {
             panel_of: vec![0; unknowns.len()],
             panels: Vec::with_capacity(nodes.len()),
+            subtrees: (0..nodes.len() as u32).collect(),
             below: Vec::with_capacity(nodes_below.iter().map(Vec::len).sum()),
             updates: Vec::new(),
             values: 0,
@@ -134,6 +140,11 @@ impl Pattern {
             pattern.values = (values + width * height).next_multiple_of(Pattern::ALIGNED);
         }
         pattern.begins = begins;
+        for panel in 0..pattern.panels.len() {
+            if let Some(parent) = pattern.parent(panel) {
+                pattern.subtrees[parent] = pattern.subtrees[parent].min(pattern.subtrees[panel]);
+            }
+        }
         pattern.list_updates();
         pattern
     }
@@ -160,6 +171,11 @@ impl Pattern {
         self.updates = all.into_iter().map(|(_, update)| update).collect();
     }
 
+    /// The multiplications that the factor takes, about; twice as many as there are at least.
+    pub(super) fn work(&self) -> u64 {
+        self.panels.iter().map(|panel| (panel.width * panel.height * panel.height) as u64).sum()
+    }
+
     /// The number of unknowns.
     pub fn size(&self) -> usize {
         self.begins.last().map_or(0, |&end| end as usize)
@@ -182,17 +198,32 @@ impl Pattern {
 
     /// Where the rows of one node in the columns of another, which is not later, stand.
     pub fn part(&self, row: usize, column: usize) -> Option<Part> {
-        let place = self.panel_of[column] as usize;
-        let panel = &self.panels[place];
+        let panel = self.panel(column);
+        let (at, stride) = self.part_of(panel, row, column)?;
+        Some(Part { panel, at: self.panels[panel].values + at, stride })
+    }
+
+    /// Where the rows of a node in the columns of another, which is one of the panel's own, begin among the panel's values, and how far it
+    /// is from one column to the next.
+    pub(super) fn part_of(&self, panel: usize, row: usize, column: usize) -> Option<(usize, usize)> {
+        let own = panel as u32;
+        let panel = &self.panels[panel];
         let inner = self.begins[column] as usize - panel.begin;
-        let row = if self.panel_of[row] as usize == place {
+        let row = if self.panel_of[row] == own {
             self.begins[row] as usize - panel.begin
         } else {
             let below = self.below(panel);
             let found = below.binary_search_by_key(&(row as u32), |below| below.node).ok()?;
             below[found].row as usize
         };
-        Some(Part { panel: place, at: panel.values + row + panel.height * inner, stride: panel.height })
+        Some((row + panel.height * inner, panel.height))
+    }
+
+    /// The nodes of a panel.
+    pub(super) fn nodes(&self, panel: usize) -> std::ops::Range<usize> {
+        let Panel { begin, width, .. } = self.panels[panel];
+        self.begins.partition_point(|&first| (first as usize) < begin)
+            ..self.begins.partition_point(|&first| (first as usize) < begin + width)
     }
 
     pub(super) fn panels(&self) -> &[Panel] {
@@ -222,11 +253,22 @@ impl Pattern {
 
     /// Marks all panels of which the factor depends on one that is marked.
     pub fn mark_dependent(&self, marked: &mut [bool]) {
-        for (k, panel) in self.panels.iter().enumerate() {
-            if let (true, Some(below)) = (marked[k], self.below(panel).first()) {
-                marked[self.panel_of[below.node as usize] as usize] = true;
+        for panel in 0..self.panels.len() {
+            if let (true, Some(parent)) = (marked[panel], self.parent(panel)) {
+                marked[parent] = true;
             }
         }
+    }
+
+    /// The first panel that depends on a panel.
+    fn parent(&self, panel: usize) -> Option<usize> {
+        let below = self.below(&self.panels[panel]).first()?;
+        Some(self.panel_of[below.node as usize] as usize)
+    }
+
+    /// The first of the panels on which a panel depends; itself if there is none. They follow one another.
+    pub(super) fn subtree(&self, panel: usize) -> usize {
+        self.subtrees[panel] as usize
     }
 
     /// The panel that holds the columns of a node.
@@ -259,6 +301,9 @@ impl Pattern {
         square
     }
 }
+
+/// No panel has more columns: those of wider ones would be factored by one thread, and products on the way take much memory.
+const WIDEST: usize = 192;
 
 /// How many zeros a panel may hold for the sake of being wide, since products of narrow ones are slow: a tenth, and of wide ones less.
 fn allowed_zeros(width: usize, all: usize) -> usize {

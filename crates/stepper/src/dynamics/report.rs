@@ -52,11 +52,11 @@ impl StepReport {
 pub struct Spent {
     /// Finding orders of elimination and the patterns of factors.
     pub order: Duration,
-    /// Adding up matrices and forces.
+    /// Adding up forces, and finding where matrices will stand.
     pub assembly: Duration,
-    /// Factoring matrices; of small systems, their whole solution.
+    /// Adding up matrices and factoring them; of small systems, their whole solution.
     pub factor: Duration,
-    /// Solving by the factors.
+    /// Solving by the factors, with the iteration of very large systems.
     pub substitution: Duration,
     /// Reading the solution at the contacts, and deciding their modes.
     pub judgement: Duration,
