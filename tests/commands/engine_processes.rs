@@ -39,9 +39,19 @@ fn numbers(file: &Path) -> Vec<String> {
     }
 }
 
+/// Whether a process still runs after the moment that a kill may take; what has ended and is not reaped does not.
 fn runs(number: &str) -> bool {
-    let state = fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
-    state.rsplit_once(") ").is_some_and(|(_, rest)| !rest.starts_with('Z'))
+    let begin = Instant::now();
+    loop {
+        let state = fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
+        if state.rsplit_once(") ").is_none_or(|(_, rest)| rest.starts_with('Z')) {
+            return false;
+        }
+        if begin.elapsed() > Duration::from_secs(5) {
+            return true;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
 }
 
 /// The end of a child within a time that no engine's patience fits in.
