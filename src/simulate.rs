@@ -427,10 +427,9 @@ fn write_summary<R: Real>(
     let [open, sliding, locked] = totals.contacts.map(grouped);
     writeln!(out, "contacts         {open} open, {sliding} sliding, {locked} locked")?;
     // What contacts have as gaps; of overlaps that no contact sees it says nothing.
-    for (name, extreme) in [("in contacts", totals.deepest), ("displacement", totals.furthest)] {
+    for (name, extreme) in [("in contacts      overlap of", totals.deepest), ("displacement    ", totals.furthest)] {
         let at = if extreme.value.0 > 0.0 { format!(" in step {}", extreme.step) } else { String::new() };
-        let what = if name == "in contacts" { "overlap of " } else { "" };
-        writeln!(out, "{name:<16} {what}{} m at most{at}", short(extreme.value.0))?;
+        writeln!(out, "{name} {} m at most{at}", short(extreme.value.0))?;
     }
     writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;
     write_lockstep(out, &record.progress().beside)?;

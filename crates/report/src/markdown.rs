@@ -5,7 +5,7 @@ use super::sections::Part;
 use super::verdict::Mood;
 
 /// Tables of a pull request's text, and how many rows of each it shows.
-const SHOWN: [(&str, usize); 10] = [
+const SHOWN: [(&str, usize); 11] = [
     ("agreement", 24),
     ("causes", 8),
     ("worst", 6),
@@ -14,6 +14,7 @@ const SHOWN: [(&str, usize); 10] = [
     ("lockstep", 20),
     ("lockstep_causes", 20),
     ("lockstep_steps", 12),
+    ("audit", 20),
     ("stress_limits", 24),
     ("runs", 10),
 ];

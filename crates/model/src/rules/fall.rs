@@ -27,7 +27,7 @@ pub struct Fall {
     pub depth: f64,
     /// `penetration` (m).
     pub allowed: f64,
-    /// What would make the fall end within `penetration`.
+    /// What would make the fall end within `penetration`: a stiffness, a larger `penetration`, or either.
     pub remedy: String,
 }
 
@@ -72,14 +72,19 @@ pub fn fall(set: &ToleranceSet, scene: &Scene) -> Option<Fall> {
     let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
     let pull = near(&gravity_squared).sqrt();
     let (weight, height, allowed) = (near(&mass) * pull, near(&drop) / pull, near(&allowed));
-    let stiffness = near(&stiffness);
+    let (stiffness, given) = (near(&stiffness), stiffness);
     let needed = 2.0 * weight * (height + allowed) / (allowed * allowed);
     let depth = (weight + (weight * weight + 2.0 * stiffness * weight * height).sqrt()) / stiffness;
-    let deep_enough = format!("penetration ≥ {}", six_digits(depth, true, false));
-    let remedy = match needed.is_finite() {
-        true => format!("normal_stiffness ≥ {} or {deep_enough}", six_digits(needed, true, false)),
-        false => deep_enough,
-    };
+    // A stiffness that is derived may fall with a larger `penetration`, which then mends nothing.
+    let deeper = ToleranceSet { penetration: Number::from_f64(depth).unwrap_or(Number::ZERO), ..set.clone() };
+    let mut derived = scene.simulation.clone();
+    derive_stiffness(&mut derived, &bodies, &deeper);
+    let is_mended = softest(&derived, &scene.blocks, block).is_some_and(|derived| derived >= given);
+    let remedies = [
+        needed.is_finite().then(|| format!("normal_stiffness ≥ {}", six_digits(needed, true, false))),
+        is_mended.then(|| format!("penetration ≥ {}", six_digits(depth, true, false))),
+    ];
+    let remedy = remedies.into_iter().flatten().collect::<Vec<_>>().join(" or ");
     Some(Fall { block, weight, height, stiffness, needed, depth, allowed, remedy })
 }
 
@@ -137,9 +142,16 @@ mod tests {
 
     #[test]
     fn without_gravity_nothing_falls_and_without_penetration_nothing_stops() {
-        let (set, mut scene) = dropped("10000000", "0");
+        let (mut set, mut scene) = dropped("10000000", "0");
         let found = fall(&set, &scene).unwrap();
         assert!(found.needed.is_infinite() && found.remedy.starts_with("penetration ≥ "), "{found:?}");
+        // A stiffness derived from the weight at rest is the softer the deeper blocks may sink.
+        let mut soft = scene.clone();
+        soft.simulation.materials[0].young = Number::from_integer(1);
+        soft.simulation.joints.all_mut().for_each(|joint| joint.normal_stiffness = None);
+        set.penetration = Number::from_f64(0.01).unwrap();
+        let remedy = fall(&set, &soft).unwrap().remedy;
+        assert!(remedy.starts_with("normal_stiffness ≥ ") && !remedy.contains("penetration"), "{remedy}");
         scene.simulation.gravity = Vec3::new(Number::ZERO, Number::ZERO, Number::ZERO);
         assert_eq!(fall(&set, &scene), None);
     }
