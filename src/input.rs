@@ -107,7 +107,7 @@ pub(crate) fn precision(text: &str) -> Result<Precision, String> {
 
 /// The precision of a stepper, by its name or in short.
 pub(crate) fn stepper(text: &str) -> Result<Precision, String> {
-    let name = full_name(text).ok_or_else(|| format!("known are {}", ENGINES.join(" and ")))?;
+    let name = full_name(text).ok_or_else(|| format!("known are {}, in short f32 and f64", ENGINES.join(" and ")))?;
     precision(name.trim_start_matches("stepper-"))
 }
 

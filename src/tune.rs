@@ -40,7 +40,7 @@ pub(crate) struct Tune {
     /// What the author uses now, to compare with
     #[command(flatten)]
     tolerances: ToleranceArgs,
-    /// Precision of the engine: f32 or f64
+    /// Engine: stepper-f32 or stepper-f64
     #[arg(long, default_value = "stepper-f64", value_parser = stepper)]
     engine: Precision,
     /// Seed of candidates and pairs
