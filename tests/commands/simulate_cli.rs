@@ -222,7 +222,7 @@ fn mistakes_exit_with_2_and_say_where() {
         (vec!["fall.toml", "--time", "soon"], "above 0"),
         (vec!["fall.toml", "--steps", "-3"], "-3"),
         (vec!["fall.toml", "--every", "0"], "--every"),
-        (vec!["fall.toml", "--engine", "f16"], "f64, f32"),
+        (vec!["fall.toml", "--engine", "f16"], "stepper-f64, stepper-f32"),
         (vec!["fall.toml", "--tolerances", "loose"], "auto, shi, zero"),
         (vec!["fall.toml", "--set", "serch=1"], "serch"),
         (vec!["fall.toml", "--planarity", "-1"], "0 or more"),

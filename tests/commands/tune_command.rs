@@ -160,7 +160,7 @@ fn bad_input_exits_with_2() {
         (&[&scene, "--candidates", "0"], "--candidates"),
         (&[&scene, "--budget", "x"], "--budget"),
         (&[&scene, "--steps", "0"], "--steps"),
-        (&[&scene, "--engine", "f16"], "f32 and f64"),
+        (&[&scene, "--engine", "f16"], "stepper-f32 and stepper-f64"),
         (&[&scene, "--set", "search=-1"], "search"),
         (&[&scene, "--tolerances", "nothing"], "nothing"),
     ];

@@ -163,3 +163,41 @@ fn all_features(contact: &Contact) -> Vec<Feature> {
     };
     contact_features(contact).into_iter().chain(entrance).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::Change;
+    use rockproof_model::decision::Predicate;
+    use rockproof_model::{ContactKind, Sign, Topology};
+
+    /// What is named for a contact of two corners that went because another way out was chosen, elsewhere, with this margin.
+    fn named(chosen: f64, roundoff: Option<f64>) -> Option<Predicate> {
+        let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let solid = Topology::new(4, faces.map(|face| face.to_vec()).to_vec()).expect("a tetrahedron");
+        let about =
+            |predicate, v| Decision::about(predicate, &[Feature::Vertex(Side::A, v), Feature::Vertex(Side::B, v)]);
+        // Vertex 3 is no part of the contact: of the two, the second decision alone is near it.
+        let (elsewhere, here) = (about(Predicate::TrueExit, 3), about(Predicate::OneExit, 0));
+        let entrance = Entrance { kind: EntranceKind::VertexFace, a: 0, b: 0 };
+        let gone = Contact { kind: ContactKind::VertexVertex, a: 0, b: 0, entrance, gap: Sign::Negative };
+        let difference = Difference { change: Change::Missing, before: Some(gone), after: None };
+        let link = Link {
+            before: &|| Some(vec![(elsewhere, 0), (here, 1)]),
+            after: &|| Some(vec![(elsewhere, 1), (here, 0)]),
+            margins: &|decisions| decisions.iter().map(|d| Some(if *d == here { 0.5 } else { chosen })).collect(),
+            roundoff,
+        };
+        let deciding = explain(&[difference], &link, Features { a: &solid, b: &solid }).remove(0);
+        deciding.map(|deciding| deciding.decision.predicate)
+    }
+
+    #[test]
+    fn what_no_rounding_turned_follows_from_what_parted_before_it() {
+        let unit = f64::EPSILON / 2.0;
+        assert_eq!(named(unit / 8.0, Some(unit)), Some(Predicate::TrueExit));
+        // What is further from a tie explains nothing, and without rounding the nearest decision is the answer.
+        assert_eq!(named(0.9, Some(unit)), Some(Predicate::OneExit));
+        assert_eq!(named(unit / 8.0, None), Some(Predicate::OneExit));
+    }
+}

@@ -55,7 +55,10 @@ impl Own {
         ];
         let wrong: Vec<String> =
             wrong.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{} {what}", grouped(n))).collect();
-        let start = format!("{name}: {} findings of its own", grouped(self.findings));
+        let start = match self.findings {
+            1 => format!("{name}: 1 finding of its own"),
+            n => format!("{name}: {} findings of its own", grouped(n)),
+        };
         let unable = match self.unsupported {
             0 => String::new(),
             n => format!("; {} are pairs that it does not support", grouped(n)),
