@@ -16,6 +16,7 @@ use rockproof_campaign::steps::{self, StepChange, StepSummary};
 use rockproof_campaign::stress::StressSource;
 use rockproof_differential::compare::Change;
 use rockproof_differential::finding::{Cause, Finding};
+use rockproof_differential::lockstep::StepCause;
 use rockproof_differential::subject::Source;
 use rockproof_results::Start;
 use std::collections::BTreeMap;
@@ -178,10 +179,10 @@ impl Campaign {
 }
 
 fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
-    let known = |kind: &str| kind == "any" || Cause::from_name(kind).is_some() || StepChange::is_known(kind);
+    let known = |kind: &str| kind == "any" || StepCause::from_name(kind).is_some() || StepChange::is_known(kind);
     if let Some(kind) = kinds.iter().find(|kind| !known(kind)) {
-        let names =
-            Cause::ALL.map(Cause::name).into_iter().chain(Change::ALL.map(Change::name)).chain(StepChange::NAMES);
+        let causes = Cause::ALL.map(Cause::name).into_iter().chain(StepCause::NAMES);
+        let names = causes.chain(Change::ALL.map(Change::name)).chain(StepChange::NAMES);
         let allowed = std::iter::once("any").chain(names).collect::<Vec<_>>().join(", ");
         anyhow::bail!("--deny {kind}: no such kind; known are {allowed}");
     }
@@ -315,13 +316,26 @@ fn steps_table(steps: &StepSummary) -> String {
             counts.retries_differ,
             counts.deeper,
             counts.shallower,
+            counts.passages_stepper,
+            counts.unseen_stepper,
             counts.defect,
         ];
         std::iter::once(engine.to_owned()).chain(numbers.map(grouped)).collect()
     });
-    let header =
-        ["engine", "steps", "other contacts", "modes", "iterations", "retries", "deeper", "shallower", "defects"];
-    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8], rows).to_string()
+    let header = [
+        "engine",
+        "steps",
+        "other contacts",
+        "modes",
+        "iterations",
+        "retries",
+        "deeper",
+        "shallower",
+        "passages",
+        "unseen",
+        "defects",
+    ];
+    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10], rows).to_string()
 }
 
 /// A cause with its place in the chain before it, so that rows come in the order of the chain.
