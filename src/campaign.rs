@@ -17,6 +17,7 @@ use rockproof_campaign::steps::{self, StepChange};
 use rockproof_campaign::stress::StressSource;
 use rockproof_differential::compare::Change;
 use rockproof_differential::finding::{Cause, Finding};
+use rockproof_differential::lockstep::StepCause;
 use rockproof_differential::subject::Source;
 use rockproof_gate::config::RECOVERED;
 use rockproof_model::files::read_text;
@@ -202,11 +203,11 @@ fn check_names(config: &CampaignConfig) -> anyhow::Result<()> {
 
 fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
     let known = |kind: &str| {
-        ["any", RECOVERED].contains(&kind) || Cause::from_name(kind).is_some() || StepChange::is_known(kind)
+        ["any", RECOVERED].contains(&kind) || StepCause::from_name(kind).is_some() || StepChange::is_known(kind)
     };
     if let Some(kind) = kinds.iter().find(|kind| !known(kind)) {
-        let names =
-            Cause::ALL.map(Cause::name).into_iter().chain(Change::ALL.map(Change::name)).chain(StepChange::NAMES);
+        let causes = Cause::ALL.map(Cause::name).into_iter().chain(StepCause::NAMES);
+        let names = causes.chain(Change::ALL.map(Change::name)).chain(StepChange::NAMES);
         let allowed = ["any", RECOVERED].into_iter().chain(names).collect::<Vec<_>>().join(", ");
         anyhow::bail!("--deny {kind}: no such kind; known are {allowed}");
     }

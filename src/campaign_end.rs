@@ -130,11 +130,24 @@ fn steps_table(steps: &StepSummary) -> String {
             counts.retries_differ,
             counts.deeper,
             counts.shallower,
+            counts.passages_stepper,
+            counts.unseen_stepper,
             counts.defect,
         ];
         std::iter::once(engine.to_owned()).chain(numbers.map(grouped)).collect()
     });
-    let header =
-        ["engine", "steps", "other contacts", "modes", "iterations", "retries", "deeper", "shallower", "defects"];
-    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8], rows).to_string()
+    let header = [
+        "engine",
+        "steps",
+        "other contacts",
+        "modes",
+        "iterations",
+        "retries",
+        "deeper",
+        "shallower",
+        "passages",
+        "unseen",
+        "defects",
+    ];
+    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10], rows).to_string()
 }

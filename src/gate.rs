@@ -15,7 +15,7 @@ use rockproof_campaign::steps::{self, StepFinding, StepFindingRow};
 use rockproof_differential::attribution::examine;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::Finding;
-use rockproof_differential::subject::{Source, Subject};
+use rockproof_differential::subject::Source;
 use rockproof_gate::config::{Baseline, GateConfig};
 use rockproof_gate::known::Known;
 use rockproof_gate::tally::{Row, Tally};
@@ -231,12 +231,12 @@ impl Gating<'_> {
             return Ok(());
         }
         let panel = self.engines.panel();
-        let subjects = source.batch(row.index() / source.batch_len());
-        let Some(subject) = subjects.iter().find(|s| s.index == row.index()) else { return Ok(()) };
         let row = match row {
             Row::Pair(row) => row,
-            Row::Step(row) => return self.keep_step(journal, source, subject, row),
+            Row::Step(row) => return self.keep_step(journal, source, row),
         };
+        let subjects = source.batch(row.index / source.batch_len());
+        let Some(subject) = subjects.iter().find(|s| s.index == row.index) else { return Ok(()) };
         let same = |finding: &Finding| finding.row(row.case.clone()) == *row;
         let Some(finding) = examine(subject, &panel).findings.into_iter().find(same) else { return Ok(()) };
         let panel = self.engines.panel_for(&finding);
@@ -247,20 +247,14 @@ impl Gating<'_> {
     }
 
     /// Writes the case of a row about a step.
-    fn keep_step(
-        &mut self,
-        journal: &mut Journal,
-        source: &FamilySource,
-        subject: &Subject,
-        row: &StepFindingRow,
-    ) -> anyhow::Result<()> {
+    fn keep_step(&mut self, journal: &mut Journal, source: &FamilySource, row: &StepFindingRow) -> anyhow::Result<()> {
         let names = self.engines.names();
         let steppers = steps::engines(names.iter().map(String::as_str));
-        let Some(motion) = source.motion(subject) else { return Ok(()) };
-        let found = steps::examine_all(&[(subject, motion.clone())], &steppers).findings;
+        let Some((subject, motion)) = source.moving(row.index, &row.family) else { return Ok(()) };
+        let found = steps::examine_all(&[(&subject, motion.clone())], &steppers).findings;
         let same = |finding: &StepFinding| finding.row(row.case.clone()) == *row;
         let Some(finding) = found.into_iter().find(same) else { return Ok(()) };
-        let Some(case) = steps::case::of(&finding, subject, &motion, &steppers) else { return Ok(()) };
+        let Some(case) = steps::case::of(&finding, &subject, &motion, &steppers) else { return Ok(()) };
         self.write(journal, finding.file_name(), case.text()?)
     }
 

@@ -5,7 +5,7 @@ use crate::table::table;
 use anyhow::Context;
 use rockproof_differential::lockstep::answer::described;
 use rockproof_differential::lockstep::case_file::Expected;
-use rockproof_differential::lockstep::{Answer, Compared, Links, Lockstep, StepCase};
+use rockproof_differential::lockstep::{Answer, Compared, Intrusion, Links, Lockstep, StepCase, WatchedStep};
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Contact, Precision};
 use rockproof_stepper::contact::Spec;
@@ -25,7 +25,7 @@ pub(super) fn run(path: &Path) -> Outcome {
     // Writing to a String cannot fail.
     let _ = show(&mut text, &case, &compared);
     print(&text)?;
-    if compared.oracle.as_ref().map(Expected::of).as_ref() == Some(&case.expected) {
+    if Expected::of_step(&compared).as_ref() == Some(&case.expected) {
         return Ok(Verdict::Fine);
     }
     note("the oracle's answer is not the one recorded");
@@ -35,6 +35,9 @@ pub(super) fn run(path: &Path) -> Outcome {
 fn again<R: Solve>(case: &StepCase) -> anyhow::Result<Compared> {
     let (scene, set) = case.scene()?;
     let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, case.precision()?, Links::All)?;
+    if case.expected.intrusions.is_some() {
+        lockstep = lockstep.watching();
+    }
     lockstep.restore(case.state.state()?)?;
     Ok(lockstep.step().1)
 }
@@ -71,6 +74,9 @@ fn show(out: &mut String, case: &StepCase, step: &Compared) -> std::fmt::Result 
         });
         writeln!(out, "{decision}{margin}")?;
     }
+    if let Some(watched) = &step.watched {
+        show_intrusions(out, watched)?;
+    }
     if let Some(depths) = &step.depths {
         let [with_contacts, with_modes] = [depths.contacts, depths.modes];
         writeln!(
@@ -80,6 +86,32 @@ fn show(out: &mut String, case: &StepCase, step: &Compared) -> std::fmt::Result 
             depths.oracle,
             depths.effect().name()
         )?;
+    }
+    Ok(())
+}
+
+/// The passages and unseen overlaps of both sides, and their causes.
+fn show_intrusions(out: &mut String, watched: &WatchedStep) -> std::fmt::Result {
+    for (side, found) in [("oracle", &watched.oracle), ("stepper", &watched.stepper)] {
+        for one in &found.found {
+            let ([a, b], depth) =
+                (one.blocks, one.depth.map_or("deep".to_owned(), |depth| format!("{depth:e} m deep")));
+            match one.kind {
+                Intrusion::Passage => writeln!(
+                    out,
+                    "{side}: {a} and {b} pass through one another: {depth} after {} of the step",
+                    one.time
+                )?,
+                Intrusion::Unseen => writeln!(out, "{side}: {a} and {b} overlap unseen after the step: {depth}")?,
+            }
+        }
+        for [a, b] in &found.undecided {
+            writeln!(out, "{side}: whether {a} and {b} pass through one another stayed undecided")?;
+        }
+    }
+    for caused in &watched.caused {
+        let ([a, b], [before, after]) = (caused.blocks, caused.words());
+        writeln!(out, "{}: {} {a}-{b}: {before} → {after}", caused.cause, caused.kind.name())?;
     }
     Ok(())
 }

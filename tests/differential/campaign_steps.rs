@@ -170,8 +170,11 @@ fn the_same_bytes_however_it_runs_and_the_same_classification_without() {
 fn again<R: rockproof_stepper::dynamics::Solve>(case: &StepCase) -> Expected {
     let (scene, set) = case.scene().unwrap();
     let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, case.precision().unwrap(), Links::Arithmetic).unwrap();
+    if case.expected.intrusions.is_some() {
+        lockstep = lockstep.watching();
+    }
     lockstep.restore(case.state.state().unwrap()).unwrap();
-    Expected::of(lockstep.step().1.oracle.as_ref().unwrap())
+    Expected::of_step(&lockstep.step().1).unwrap()
 }
 
 /// The states after each step, by the rules M.
@@ -202,7 +205,7 @@ fn found(config: &CampaignConfig, batches: u64) -> (Vec<(u64, &'static str, Stri
                 let examined = examine_all(&[(&subject, motion.clone())], &engines);
                 let defects: u64 = examined.summary.by_engine().values().map(|counts| counts.defect).sum();
                 if defects > 0 {
-                    let change = examined.findings.iter().find(|finding| finding.cause == Cause::Defect);
+                    let change = examined.findings.iter().find(|finding| finding.cause == Cause::Defect.into());
                     let change = change.map_or("contacts", |finding| finding.change.name());
                     found.push((subject.index, what, format!("{change} in {} {}", subject.family, subject.form)));
                 }

@@ -248,7 +248,9 @@ impl Campaign<'_> {
         }
         if self.makes_steps() {
             let moving = subjects.iter().filter(|s| s.index < end);
-            let moving: Vec<_> = moving.filter_map(|s| Some((s, self.source.motion(s)?))).collect();
+            let beside = self.source.step_pairs(number);
+            let beside = beside.iter().filter(|(s, _)| s.index < end).map(|(s, motion)| (s, motion.clone()));
+            let moving: Vec<_> = moving.filter_map(|s| Some((s, self.source.motion(s)?))).chain(beside).collect();
             if !moving.is_empty() {
                 batch.steps = steps::examine_all(&moving, self.steppers);
             }
@@ -314,8 +316,7 @@ impl Campaign<'_> {
     /// The case file of a finding about a step; none where the oracle's step ends in a stop, so that there is no answer to record, or where
     /// the step does not show the finding again.
     fn step_case(&self, finding: &StepFinding) -> Result<Option<Vec<u8>>, RunError> {
-        let Some(subject) = self.subject(finding.index) else { return Ok(None) };
-        let Some(motion) = self.source.motion(&subject) else { return Ok(None) };
+        let Some((subject, motion)) = self.source.moving(finding.index, &finding.family) else { return Ok(None) };
         let case = steps::case::of(finding, &subject, &motion, self.steppers);
         Ok(case.map(|case| case.text()).transpose()?)
     }

@@ -5,7 +5,7 @@ use super::families::{self, Real};
 use super::grid::GridFault;
 use super::pairs::{self, PairCase, PairConfig};
 use super::sets::{self, SetSource};
-use super::steps::motion;
+use super::steps::{PASSAGE, motion, passing};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Source, Subject, SubjectSet};
 use rockproof_model::files::read_limited;
@@ -75,6 +75,11 @@ pub enum SourceError {
         /// The file.
         file: String,
     },
+    /// Only the family that makes steps, and no steps.
+    #[error(
+        "family \"{PASSAGE}\" makes steps and nothing else, and steps_every is 0; allowed are 1 and more, or other families beside it"
+    )]
+    NothingToDo,
     /// The identity of the run cannot be written down.
     #[error("the configuration cannot be written as JSON: {0}")]
     Identity(#[from] serde_json::Error),
@@ -86,6 +91,8 @@ pub struct FamilySource {
     pairs: PairConfig,
     /// One pair in so many moves, for so many steps.
     steps: (u64, u32),
+    /// The tolerance sets of the pairs of [`PASSAGE`]; none where it takes no part.
+    passages: Vec<SetSource>,
 }
 
 /// The pairs that a configuration asks for.
@@ -93,11 +100,12 @@ pub struct FamilySource {
 /// # Errors
 /// When it names what does not exist, or a file that holds no pairs.
 pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
-    let names: Vec<&str> = config.families.iter().map(String::as_str).collect();
-    let chosen = if names.is_empty() { Ok(families::all()) } else { families::named(&names) };
+    let names: Vec<&str> = config.families.iter().map(String::as_str).filter(|name| *name != PASSAGE).collect();
+    let with_passages = config.families.is_empty() || names.len() < config.families.len();
+    let chosen = if config.families.is_empty() { Ok(families::all()) } else { families::named(&names) };
     let mut families = chosen.map_err(|found| SourceError::Family {
         found: found.to_owned(),
-        allowed: families::all().iter().map(|f| f.name()).collect::<Vec<_>>().join(", "),
+        allowed: families::all().iter().map(|f| f.name()).chain([PASSAGE]).collect::<Vec<_>>().join(", "),
     })?;
     if !config.real.is_empty() {
         let mut blocks = Vec::new();
@@ -112,19 +120,26 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
         families.retain(|f| f.name() != "real");
         families.extend(blocks.into_iter().map(|real| Arc::new(real) as Arc<dyn families::Family>));
     }
-    let names: Vec<&str> = if config.tolerances.is_empty() && config.grid.is_none() {
-        sets::NAMES.to_vec()
-    } else {
-        config.tolerances.iter().map(String::as_str).collect()
-    };
+    let own = config.tolerances.is_empty() && config.grid.is_none();
+    let names: Vec<&str> =
+        if own { sets::NAMES.to_vec() } else { config.tolerances.iter().map(String::as_str).collect() };
     let mut sets = set_sources(&names)?;
     // On a grid sets are to be compared with one another, so every base pair gets all of them.
     let sets_per_batch = if config.grid.is_some() { usize::MAX } else { sets.len().min(3) };
     if let Some(grid) = &config.grid {
         sets.extend(grid.sources()?);
     }
+    if families.is_empty() && config.steps_every == 0 {
+        return Err(SourceError::NothingToDo);
+    }
+    let passages = match (with_passages, own) {
+        (false, _) => Vec::new(),
+        (true, true) => passing::SETS.into_iter().map(set_source).collect::<Result<_, _>>()?,
+        (true, false) => sets.clone(),
+    };
     Ok(FamilySource {
         seed: config.seed,
+        passages,
         pairs: PairConfig { families, sets, sets_per_batch, ..PairConfig::default() },
         steps: (config.steps_every, config.steps),
     })
@@ -219,6 +234,9 @@ impl FamilySource {
 
     /// The pairs of one batch with all that is known of how they were made.
     pub fn cases(&self, number: u64) -> Vec<PairCase> {
+        if self.pairs.families.is_empty() {
+            return Vec::new();
+        }
         pairs::batch(self.seed, number, &self.pairs)
     }
 }
@@ -255,5 +273,16 @@ impl Source for FamilySource {
         let family = self.pairs.families.iter().find(|family| family.name() == &*subject.family);
         let manner = family.map(|family| family.manner()).unwrap_or_default();
         Some(motion::drawn(&mut rng, manner, &subject.a, &subject.b, steps))
+    }
+
+    fn step_pairs(&self, number: u64) -> Vec<(Subject, PairMotion)> {
+        let (every, steps) = self.steps;
+        if self.passages.is_empty() || steps == 0 {
+            return Vec::new();
+        }
+        // Half as many as of another family, for each makes its step under more sets.
+        let every = every * (2 * self.pairs.families.len() as u64).max(1);
+        let indices = number * pairs::BATCH..(number + 1) * pairs::BATCH;
+        indices.filter_map(|index| passing::pair(self.seed, index, every, steps, &self.passages)).collect()
     }
 }

@@ -54,4 +54,22 @@ pub trait Source: Sync {
     fn motion(&self, _subject: &Subject) -> Option<PairMotion> {
         None
     }
+
+    /// Pairs beside those of a batch that make steps and are not classified. Each has the index of a pair of the batch, and a family
+    /// that no pair of the batch has.
+    fn step_pairs(&self, _number: u64) -> Vec<(Subject, PairMotion)> {
+        Vec::new()
+    }
+
+    /// The pair of an index and a family, and how it moves, if it does.
+    fn moving(&self, index: u64, family: &str) -> Option<(Subject, PairMotion)> {
+        let number = index / self.batch_len();
+        let same = |subject: &Subject| subject.index == index && &*subject.family == family;
+        let beside = self.step_pairs(number).into_iter().find(|(subject, _)| same(subject));
+        beside.or_else(|| {
+            let subject = self.batch(number).into_iter().find(same)?;
+            let motion = self.motion(&subject)?;
+            Some((subject, motion))
+        })
+    }
 }

@@ -4,6 +4,7 @@ use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::steps::StepChange;
 use rockproof_differential::compare::Change;
 use rockproof_differential::finding::Cause;
+use rockproof_differential::lockstep::StepCause;
 use rockproof_model::ContactKind;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -147,7 +148,8 @@ impl Limit {
             }
             _ => Ok(()),
         };
-        one_of("cause", &self.cause, &Cause::ALL.map(Cause::name))?;
+        let causes: Vec<&str> = Cause::ALL.map(Cause::name).into_iter().chain(StepCause::NAMES).collect();
+        one_of("cause", &self.cause, &causes)?;
         let of_steps = StepChange::NAMES.into_iter().chain([RECOVERED]);
         let changes: Vec<&str> = Change::ALL.map(Change::name).into_iter().chain(of_steps).collect();
         one_of("change", &self.change, &changes)?;

@@ -6,7 +6,8 @@ use rockproof_campaign::pairs::BATCH;
 use rockproof_campaign::run::{ENGINES, EngineRow};
 use rockproof_campaign::steps::StepFindingRow;
 use rockproof_campaign::summary::SummaryRow;
-use rockproof_differential::finding::{Cause, Who};
+use rockproof_differential::finding::Who;
+use rockproof_differential::lockstep::StepCause;
 use rockproof_differential::row::FindingRow;
 use rockproof_model::files::open_table;
 use serde::Deserialize;
@@ -31,7 +32,7 @@ struct Common<'r> {
     form: &'r str,
     tolerances: &'r str,
     who: &'r Who,
-    cause: Cause,
+    cause: StepCause,
     change: &'r str,
     /// Before the change and after it; of a step both are its contact's.
     kinds: [&'r str; 2],
@@ -48,7 +49,7 @@ impl Row {
                 form: &row.form,
                 tolerances: &row.tolerances,
                 who: &row.engine,
-                cause: row.cause,
+                cause: row.cause.into(),
                 change: row.change.name(),
                 kinds: [&row.kind_before, &row.kind_after],
                 predicate: &row.predicate,
@@ -145,7 +146,7 @@ pub enum TallyError {
 pub struct Tally {
     /// Every finding.
     pub rows: Vec<Row>,
-    /// Pairs examined by (family, set); a pair counts once for each set.
+    /// Pairs examined by (family, set); a pair counts once for each set. Of a family that is not classified, pairs that make steps.
     examined: BTreeMap<(String, String), u64>,
     /// What external engines were put through.
     pub engines: Vec<EngineRow>,
@@ -212,6 +213,10 @@ impl Tally {
         for ([family, _, set], pairs) in origins {
             *examined.entry((family, set)).or_default() += pairs;
         }
+        let file = dir.join("step_summary.csv");
+        let moved = if file.is_file() { moved(&file)? } else { BTreeMap::new() };
+        let classified: BTreeSet<String> = examined.keys().map(|(family, _)| family.clone()).collect();
+        examined.extend(moved.into_iter().filter(|((family, _), _)| !classified.contains(family)));
         let file = dir.join(ENGINES);
         let engines = if file.is_file() { table(&file)? } else { Vec::new() };
         Ok(Tally { rows, examined, engines })
@@ -258,6 +263,29 @@ impl Tally {
             design_effect: if sorted.pairs == 0 { 1.0 } else { sorted.squares as f64 / sorted.pairs as f64 },
         }
     }
+}
+
+/// Pairs that make steps, by (family, set): as many as the engine has of them that takes the most.
+fn moved(file: &Path) -> Result<BTreeMap<(String, String), u64>, TallyError> {
+    let mut by_engine: BTreeMap<[String; 3], u64> = BTreeMap::new();
+    for MovedRow { family, tolerances, engine, pairs } in table(file)? {
+        *by_engine.entry([family, tolerances, engine]).or_default() += pairs;
+    }
+    let mut moved = BTreeMap::new();
+    for ([family, set, _], pairs) in by_engine {
+        let most = moved.entry((family, set)).or_insert(pairs);
+        *most = pairs.max(*most);
+    }
+    Ok(moved)
+}
+
+/// What of a row of `step_summary.csv` tells how many pairs there were.
+#[derive(Deserialize)]
+struct MovedRow {
+    family: String,
+    tolerances: String,
+    engine: String,
+    pairs: u64,
 }
 
 fn table<T: DeserializeOwned>(file: &Path) -> Result<Vec<T>, TallyError> {

@@ -76,7 +76,12 @@ fn written(
             finding.after
         ));
     }
-    let oracle = made.compared.oracle.as_ref()?;
+    let about_intrusion = matches!(finding.change, StepChange::Intrusion(_));
+    let expected = if about_intrusion {
+        Expected::of_step(&made.compared)
+    } else {
+        made.compared.oracle.as_ref().map(Expected::of)
+    };
     Some(StepCase {
         format: StepCase::FORMAT.to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -85,7 +90,7 @@ fn written(
         differences,
         scene: with_tolerances(&scene, tolerances).ok()?,
         state: made.before.clone(),
-        expected: Expected::of(oracle),
+        expected: expected?,
     })
 }
 
@@ -95,15 +100,20 @@ fn shows(made: &Made, finding: &StepFinding) -> bool {
     match finding.change {
         StepChange::Decision(change) => compared.differences.iter().any(|c| {
             let d = &c.difference;
-            let same =
-                (c.cause, d.change, d.contact.map(|(_, contact)| contact)) == (finding.cause, change, finding.contact);
+            let same = (c.cause.into(), d.change, d.contact.map(|(_, contact)| contact))
+                == (finding.cause, change, finding.contact);
             same && d.before == finding.before && d.after == finding.after
         }),
         StepChange::State(what) => made.drift == Some(what),
+        StepChange::Intrusion(kind) => compared
+            .watched
+            .iter()
+            .flat_map(|watched| &watched.caused)
+            .any(|caused| (caused.kind, caused.cause, caused.words()[1]) == (kind, finding.cause, &*finding.after)),
         StepChange::Deeper | StepChange::Shallower => {
             let [Some(stepper), Some(oracle)] = compared.penetration else { return false };
             let [Some(was), Some(right)] = finding.penetration else { return false };
-            let same_cause = (compared.count(Cause::Defect) > 0) == (finding.cause == Cause::Defect);
+            let same_cause = (compared.count(Cause::Defect) > 0) == (finding.cause == Cause::Defect.into());
             // As much of a difference as was found, in the same direction.
             same_cause && (stepper - oracle) * (was - right).signum() >= 0.5 * (was - right).abs()
         }

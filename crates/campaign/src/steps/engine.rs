@@ -93,7 +93,8 @@ impl<R: Solve, M: StepRules> StepEngine for StepperSteps<R, M> {
         let tolerances = set.of(self.precision);
         let scene = motion.scene(&subject.a, &subject.b, tolerances);
         let mut lockstep = Lockstep::<R, M>::new(&scene, tolerances, self.precision, Links::All)
-            .map_err(|failure| failure.to_string())?;
+            .map_err(|failure| failure.to_string())?
+            .watching();
         let reach = tolerances.max_displacement.approximate();
         let mut all = Vec::new();
         for _ in 0..motion.steps {

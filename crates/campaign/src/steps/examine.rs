@@ -4,6 +4,7 @@ use super::engine::{Made, StepEngine};
 use super::finding::{StepChange, StepFinding};
 use super::summary::{Place, StepSummary, half_side};
 use rockproof_differential::finding::{Cause, Who};
+use rockproof_differential::lockstep::StepCause;
 use rockproof_differential::lockstep::effect::Depths;
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Subject, SubjectSet};
@@ -42,6 +43,7 @@ pub fn examine(subject: &Subject, motion: &PairMotion, engines: &[Box<dyn StepEn
         let first = all.findings.len();
         for engine in engines {
             let place = Place::new(subject, set, engine.name());
+            all.summary.add_pair(&place);
             let steps = catch_unwind(AssertUnwindSafe(|| engine.steps(subject, set, motion)));
             match steps {
                 Ok(Ok(steps)) => {
@@ -56,7 +58,7 @@ pub fn examine(subject: &Subject, motion: &PairMotion, engines: &[Box<dyn StepEn
                     all.summary.add_silent(&place);
                     let text = panic.downcast_ref::<String>().cloned();
                     let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
-                    let mut finding = blank(subject, set, &**engine, Cause::Defect, 1);
+                    let mut finding = blank(subject, set, &**engine, Cause::Defect.into(), 1);
                     finding.after = format!("panic: {}", text.unwrap_or_else(|| "no message".to_owned()));
                     all.findings.push(finding);
                 }
@@ -69,12 +71,14 @@ pub fn examine(subject: &Subject, motion: &PairMotion, engines: &[Box<dyn StepEn
     }
 }
 
+/// Whether a cause lies in an engine.
+fn is_own(cause: StepCause) -> bool {
+    matches!(cause, StepCause::Link(Cause::Arithmetic | Cause::Defect | Cause::Engine))
+}
+
 /// A finding that says nothing yet.
-fn blank(subject: &Subject, set: &SubjectSet, engine: &dyn StepEngine, cause: Cause, step: i64) -> StepFinding {
-    let who = match cause {
-        Cause::Tolerance | Cause::Representation => Who::Rounded(engine.precision()),
-        _ => Who::Engine(engine.name().into()),
-    };
+fn blank(subject: &Subject, set: &SubjectSet, engine: &dyn StepEngine, cause: StepCause, step: i64) -> StepFinding {
+    let who = if is_own(cause) { Who::Engine(engine.name().into()) } else { Who::Rounded(engine.precision()) };
     StepFinding {
         index: subject.index,
         family: subject.family.clone(),
@@ -109,27 +113,32 @@ fn told(
 ) {
     let compared = &made.compared;
     let effect = compared.depths.map_or("", |depths| depths.effect().name());
-    let own = |cause| matches!(cause, Cause::Arithmetic | Cause::Defect);
-    let new = |cause| {
+    let new = |cause: StepCause| {
         let mut finding = blank(subject, set, engine, cause, compared.step);
-        if own(cause) {
+        if is_own(cause) {
             (finding.penetration, finding.effect) = (compared.penetration, effect);
         }
         finding
     };
     for caused in &compared.differences {
         if compared.step > 1 || !caused.difference.is_of_contacts() {
-            let mut finding = new(caused.cause);
+            let mut finding = new(caused.cause.into());
             finding.tell(caused);
             findings.push(finding);
         }
     }
     if let Some(what) = made.drift {
-        findings.push(StepFinding { change: StepChange::State(what), ..new(Cause::Defect) });
+        findings.push(StepFinding { change: StepChange::State(what), ..new(Cause::Defect.into()) });
+    }
+    for caused in compared.watched.iter().flat_map(|watched| &watched.caused) {
+        let mut finding = new(caused.cause);
+        finding.change = StepChange::Intrusion(caused.kind);
+        [finding.before, finding.after] = caused.words().map(str::to_owned);
+        findings.push(finding);
     }
     let Some(change) = deepened else { return };
     let defect = made.drift.is_some() || compared.count(Cause::Defect) > 0;
-    let mut finding = new(if defect { Cause::Defect } else { Cause::Arithmetic });
+    let mut finding = new(if defect { Cause::Defect } else { Cause::Arithmetic }.into());
     let depth = |side: usize| compared.penetration[side].map_or(String::new(), |depth| format!("{depth:e}"));
     (finding.change, finding.before, finding.after) = (change, depth(1), depth(0));
     findings.push(finding);
@@ -150,13 +159,15 @@ fn deepened(subject: &Subject, precision: Precision, made: &Made) -> Option<Step
 }
 
 /// What tolerances and rounding do is counted once, not once an engine: the same tolerance difference in every precision is
-/// about everyone, the same difference of rounding once for its precision.
+/// about everyone, and so is the same intrusion by the length of the step, or that shorter steps have too; the same difference of rounding is counted
+/// once for its precision.
 fn shared(findings: &mut Vec<StepFinding>, first: usize, engines: &[Box<dyn StepEngine>]) {
     let alone = engines.windows(2).all(|two| two[0].precision() == two[1].precision());
     let mut kept: Vec<StepFinding> = Vec::new();
     for mut finding in findings.drain(first..) {
         let of_engine = matches!(finding.who, Who::Engine(_));
-        if alone && finding.cause == Cause::Tolerance {
+        let of_all = !of_engine && finding.cause != Cause::Representation.into();
+        if alone && of_all {
             finding.who = Who::Any;
         }
         let same = |known: &&mut StepFinding| {
@@ -164,7 +175,7 @@ fn shared(findings: &mut Vec<StepFinding>, first: usize, engines: &[Box<dyn Step
                 && (known.cause, known.step, known.change) == (finding.cause, finding.step, finding.change)
                 && (known.contact, known.solve) == (finding.contact, finding.solve)
                 && (&known.before, &known.after) == (&finding.before, &finding.after)
-                && (known.who == finding.who || finding.cause == Cause::Tolerance)
+                && (known.who == finding.who || of_all)
         };
         match kept.iter_mut().find(same) {
             Some(known) if known.who != finding.who => known.who = Who::Any,

@@ -2,13 +2,14 @@
 //! classification.
 
 use rockproof_differential::compare;
-use rockproof_differential::finding::{Cause, Deciding, Who};
-use rockproof_differential::lockstep::Caused;
+use rockproof_differential::finding::{Deciding, Who};
 use rockproof_differential::lockstep::answer::Change;
+use rockproof_differential::lockstep::{Caused, Intrusion, StepCause};
 use rockproof_differential::row;
 use rockproof_model::{Contact, ContactKind};
 use rockproof_results::bounded;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::sync::Arc;
 
 /// What differs between two steps, or between the states after them.
@@ -22,11 +23,13 @@ pub enum StepChange {
     Shallower,
     /// The same decisions and another state, in 512 bits too: `anchors`, `velocity` or `displacement`.
     State(&'static str),
+    /// The blocks pass through one another, or overlap where no contact sees it.
+    Intrusion(Intrusion),
 }
 
 impl StepChange {
     /// The names of changes that only steps have.
-    pub const NAMES: [&'static str; 11] = [
+    pub const NAMES: [&'static str; 13] = [
         "mode",
         "iterations",
         "converged",
@@ -38,6 +41,8 @@ impl StepChange {
         "anchors",
         "velocity",
         "displacement",
+        "passage",
+        "unseen",
     ];
 
     /// The name in tables and files.
@@ -47,6 +52,7 @@ impl StepChange {
             StepChange::Deeper => "deeper",
             StepChange::Shallower => "shallower",
             StepChange::State(what) => what,
+            StepChange::Intrusion(kind) => kind.name(),
         }
     }
 
@@ -74,7 +80,7 @@ pub struct StepFinding {
     /// The step, from 1.
     pub step: i64,
     /// Why the step is another one.
-    pub cause: Cause,
+    pub cause: StepCause,
     /// What differs.
     pub change: StepChange,
     /// The contact it is about, if it is about one.
@@ -106,8 +112,8 @@ pub struct StepFindingRow {
     #[serde(serialize_with = "row::text", deserialize_with = "row::who")]
     pub engine: Who,
     pub step: i64,
-    #[serde(serialize_with = "row::text", deserialize_with = "row::cause")]
-    pub cause: Cause,
+    #[serde(serialize_with = "row::text", deserialize_with = "cause")]
+    pub cause: StepCause,
     pub change: String,
     pub kind: String,
     pub feature_a: Option<u32>,
@@ -127,6 +133,12 @@ pub struct StepFindingRow {
     pub penetration_oracle_m: Option<f64>,
     pub effect: String,
     pub case: String,
+}
+
+/// A cause by its name.
+fn cause<'d, D: Deserializer<'d>>(deserializer: D) -> Result<StepCause, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    StepCause::from_name(&text).ok_or_else(|| D::Error::custom(format!("\"{text}\" is no cause")))
 }
 
 /// The columns of `step_findings.csv`.

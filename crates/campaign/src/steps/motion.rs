@@ -26,7 +26,11 @@ pub enum Manner {
 
 /// The generator of one pair's motion: the seed is the key, the pair the stream.
 pub fn generator(seed: u64, index: u64) -> ChaCha8Rng {
-    let mut key = *b"rockproof steps, version 2......";
+    keyed(*b"rockproof steps, version 2......", seed, index)
+}
+
+/// A generator whose key is a name of 24 bytes and the seed, and whose stream is the pair.
+pub(super) fn keyed(mut key: [u8; 32], seed: u64, index: u64) -> ChaCha8Rng {
     key[24..].copy_from_slice(&seed.to_le_bytes());
     let mut rng = ChaCha8Rng::from_seed(key);
     rng.set_stream(index);

@@ -5,7 +5,9 @@ use super::finding::{StepChange, StepFinding};
 use crate::sets;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::answer::Change;
+use rockproof_differential::lockstep::intrusion::Intrusions;
 use rockproof_differential::lockstep::table::CAUSES;
+use rockproof_differential::lockstep::{Intrusion, StepCause};
 use rockproof_differential::subject::{Subject, SubjectSet};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -89,6 +91,7 @@ macro_rules! counts {
 }
 
 counts! {
+    pairs "Pairs set in motion.",
     steps "Steps, made or not.",
     silent "Pairs without a step, for they do not survive rounding.",
     compared "Steps that both sides made.",
@@ -107,11 +110,18 @@ counts! {
     state_differs "Steps with the same decisions and another state, in 512 bits too.",
     deeper "Steps after which blocks overlap deeper than after the oracle's.",
     shallower "Steps after which they overlap less deep.",
+    passages_stepper "Steps of the stepper within which blocks pass through one another.",
+    passages_oracle "Steps of the oracle within which they do.",
+    passages_undecided "Steps of either within which that stayed undecided.",
+    unseen_stepper "Steps of the stepper after which blocks overlap where no contact sees it, and did not before.",
+    unseen_oracle "Steps of the oracle after which they do.",
     undecided "Decisions that the oracle's cap left open.",
     tolerance "Differences by cause.",
     representation "Differences by cause.",
     arithmetic "Differences by cause.",
     defect "Differences by cause.",
+    step_length "Passages and unseen overlaps by cause: shorter steps have none.",
+    not_held "Passages and unseen overlaps by cause: shorter steps have them too.",
 }
 
 /// What was found in steps.
@@ -153,11 +163,12 @@ impl From<StepSummary> for Rows {
 }
 
 /// The columns of `step_summary.csv`.
-pub const STEP_SUMMARY_COLUMNS: [&str; 33] = [
+pub const STEP_SUMMARY_COLUMNS: [&str; 41] = [
     "family",
     "form",
     "tolerances",
     "engine",
+    "pairs",
     "steps",
     "silent",
     "compared",
@@ -176,11 +187,18 @@ pub const STEP_SUMMARY_COLUMNS: [&str; 33] = [
     "state_differs",
     "deeper",
     "shallower",
+    "passages_stepper",
+    "passages_oracle",
+    "passages_undecided",
+    "unseen_stepper",
+    "unseen_oracle",
     "undecided",
     "tolerance",
     "representation",
     "arithmetic",
     "defect",
+    "step_length",
+    "not_held",
     "deepest_stepper_m",
     "deepest_oracle_m",
     "relative_stepper",
@@ -198,7 +216,14 @@ impl StepSummary {
         let [open, sliding, locked] = made.modes;
         let oracle = step.oracle.as_ref();
         let made_by_both = step.stepper.is_some() && oracle.is_some();
-        let [tolerance, representation, arithmetic, defect] = CAUSES.map(|cause| step.count(cause) as u64);
+        let watched = step.watched.clone().unwrap_or_default();
+        let intruding = |cause: StepCause| watched.caused.iter().filter(|one| one.cause == cause).count() as u64;
+        let [tolerance, representation, arithmetic, defect] =
+            CAUSES.map(|cause| step.count(cause) as u64 + intruding(cause.into()));
+        let any_of = |side: &Intrusions, kind| u64::from(side.count(kind) > 0);
+        let sides = [&watched.stepper, &watched.oracle];
+        let [passages_stepper, passages_oracle] = sides.map(|side| any_of(side, Intrusion::Passage));
+        let [unseen_stepper, unseen_oracle] = sides.map(|side| any_of(side, Intrusion::Unseen));
         let mut counts = Counts {
             steps: 1,
             compared: u64::from(made_by_both),
@@ -217,11 +242,18 @@ impl StepSummary {
             state_differs: u64::from(made.drift.is_some()),
             deeper: u64::from(deepened == Some(StepChange::Deeper)),
             shallower: u64::from(deepened == Some(StepChange::Shallower)),
+            passages_stepper,
+            passages_oracle,
+            passages_undecided: u64::from(sides.iter().any(|side| !side.undecided.is_empty())),
+            unseen_stepper,
+            unseen_oracle,
             undecided: step.undecided,
             tolerance,
             representation,
             arithmetic,
             defect: defect + u64::from(made.drift.is_some()),
+            step_length: intruding(StepCause::StepLength),
+            not_held: intruding(StepCause::NotHeld),
             ..Counts::default()
         };
         if let [Some(_), Some(_)] = step.penetration {
@@ -231,6 +263,11 @@ impl StepSummary {
             }
         }
         self.places.entry(place.clone()).or_default().add(&counts);
+    }
+
+    /// Counts a pair that moves.
+    pub(super) fn add_pair(&mut self, place: &Place) {
+        self.places.entry(place.clone()).or_default().pairs += 1;
     }
 
     /// Counts a pair that cannot be stepped.
@@ -315,6 +352,6 @@ mod tests {
 
     #[test]
     fn the_columns_are_the_counts() {
-        assert_eq!(STEP_SUMMARY_COLUMNS[4..27], *Counts::NAMES);
+        assert_eq!(STEP_SUMMARY_COLUMNS[4..35], *Counts::NAMES);
     }
 }

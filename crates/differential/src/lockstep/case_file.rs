@@ -1,6 +1,8 @@
 //! A state file: one step that stepper and oracle did not make alike, to be made again.
 
 use crate::lockstep::answer::{Answer, described};
+use crate::lockstep::intrusion::{Intruded, WatchedStep};
+use crate::lockstep::run::Compared;
 use crate::lockstep::state::exact_state;
 use rockproof_model::files::read_text;
 use rockproof_model::scene::Format;
@@ -48,6 +50,9 @@ pub struct Expected {
     pub retries: Vec<String>,
     /// Whether the iteration converged.
     pub converged: bool,
+    /// Passages within the step and unseen overlaps after it, in a case that is about one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub intrusions: Option<Vec<String>>,
 }
 
 impl Expected {
@@ -59,7 +64,16 @@ impl Expected {
             modes: answer.modes.iter().map(|all| all.iter().map(|mode| mode.name().to_owned()).collect()).collect(),
             retries: answer.retries.iter().map(|why| why.name().to_owned()).collect(),
             converged: answer.converged,
+            intrusions: None,
         }
+    }
+
+    /// What is to be recorded of a step: an answer, and of a step that was looked through what was found there.
+    pub fn of_step(step: &Compared) -> Option<Expected> {
+        let words = |one: &Intruded| format!("{}-{} {}", one.blocks[0], one.blocks[1], one.kind.name());
+        let all = |watched: &WatchedStep| watched.oracle.found.iter().map(words).collect();
+        let intrusions = step.watched.as_ref().map(all);
+        Some(Expected { intrusions, ..Expected::of(step.oracle.as_ref()?) })
     }
 }
 

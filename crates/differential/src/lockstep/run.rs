@@ -4,6 +4,7 @@ use crate::finding::Cause;
 use crate::lockstep::answer::{Answer, StepDifference, compare};
 use crate::lockstep::effect::{Depths, penetration};
 use crate::lockstep::errors::{anchor_error, displacement_error, largest_distance, rate_error, velocity_error};
+use crate::lockstep::intrusion::{Watch, WatchedStep};
 use crate::lockstep::links::{Caused, Explainer, Links, Side, measure_modes, stepper_trace};
 use crate::lockstep::scene::{ExactScene, Overflow};
 use crate::lockstep::state::{NotFinite, exact_state};
@@ -41,6 +42,8 @@ pub struct Compared {
     pub penetration: [Option<f64>; 2],
     /// Penetrations with the oracle's contacts and modes, where these differ.
     pub depths: Option<Depths>,
+    /// Passages and unseen overlaps, where they are looked for ([`Lockstep::watching`]) and both sides made the step.
+    pub watched: Option<WatchedStep>,
     /// Decisions that the oracle's cap left open.
     pub undecided: u64,
     /// Comparisons that the wide scalar left unsettled; asked only where stepper and oracle differ.
@@ -106,6 +109,8 @@ pub struct Lockstep<R, M> {
     same: bool,
     precision: Precision,
     links: Links,
+    /// Whether steps are looked through for passages and unseen overlaps.
+    watches: bool,
     wide: Option<WideStepper<M>>,
 }
 
@@ -129,7 +134,13 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let same = given.same_numbers(&rounded);
         let ideal = given.with_tolerances(set.ideal());
         let begin = dynamics.state().clone();
-        Ok(Lockstep { dynamics, begin, ideal, given, rounded, same, precision, links, wide: None })
+        Ok(Lockstep { dynamics, begin, ideal, given, rounded, same, precision, links, watches: false, wide: None })
+    }
+
+    /// The same lockstep, which also looks for passages within its steps and for unseen overlaps after them.
+    #[must_use]
+    pub fn watching(self) -> Lockstep<R, M> {
+        Lockstep { watches: true, ..self }
     }
 
     /// Goes on from another state.
@@ -192,6 +203,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             anchors: None,
             penetration: [None; 2],
             depths: None,
+            watched: None,
             undecided: 0,
             unsettled: None,
             failure: String::new(),
@@ -231,6 +243,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
                     compared.displacement = displacement_error(start, after, &exact.state);
                     compared.velocity = velocity_error(after, &exact.state);
                     compared.anchors = anchor_error(after, &exact.state);
+                    compared.watched = self.watches.then(|| self.watch(before, start, [&exact.state, after]));
                 }
                 let oracle = penetration(&self.rounded, &exact.state);
                 let stepper = after.ok().and_then(|after| penetration(&self.rounded, &after));
@@ -326,6 +339,20 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             Some(step) if step.unsettled == 0 && step.outcome.is_err() => Cause::Defect,
             _ => Cause::Arithmetic,
         }
+    }
+
+    /// Passages and unseen overlaps of a step that ended in the states `after`, the oracle's and the stepper's.
+    fn watch(&mut self, before: &State<R>, start: &exact::State, after: [&exact::State; 2]) -> WatchedStep {
+        let own_begin = (*before == self.begin).then(|| self.given.begin());
+        let unrounded = own_begin.as_ref().unwrap_or(start);
+        let (scenes, alike) = ([&self.ideal, &self.given, &self.rounded], self.same && unrounded == start);
+        let step = Watch { scenes, alike, before: [unrounded, start], after, precision: self.precision };
+        let wide = &mut self.wide;
+        step.look(|| {
+            let step = wide_stepper(wide, scenes[2])?.step(before).ok()?;
+            let (_, after) = step.outcome.ok().filter(|_| step.unsettled == 0)?;
+            exact_state(&after).ok()
+        })
     }
 
     /// The same step with the oracle's contacts, and with its modes too.

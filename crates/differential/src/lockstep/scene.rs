@@ -48,6 +48,14 @@ impl ExactScene {
         ExactScene { tolerances: set, ..self.clone() }
     }
 
+    /// The same scene with another full Δt (s).
+    #[must_use]
+    pub fn with_time_step(&self, time_step: Number) -> ExactScene {
+        let mut scene = self.clone();
+        scene.scene.simulation.control.time_step = time_step;
+        scene
+    }
+
     /// Whether another version of the same scene has the same numbers.
     pub fn same_numbers(&self, other: &ExactScene) -> bool {
         let blocks = self.scene.blocks.iter().zip(&other.scene.blocks);

@@ -1,4 +1,4 @@
-//! Steps of campaigns: what differs in them, and how deep blocks overlap afterwards.
+//! Steps of campaigns: what differs in them, how deep blocks overlap afterwards, and whether they pass through one another.
 
 use super::sweep::order;
 use super::{Part, Section, label};
@@ -22,7 +22,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
         "steps",
         "And if the pairs move?",
         "A share of the pairs makes a step, in each engine and exactly, from the same state: steps with other decisions than the exact \
-         ones, and how deep blocks overlap after either.",
+         ones, how deep blocks overlap after either, and whether they pass through one another unseen.",
     );
     let mut differences = Table::new(
         "steps",
@@ -61,6 +61,23 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
             "mean_oracle_relative",
         ],
     );
+    let mut intrusions = Table::new(
+        "steps_passages",
+        "Steps within which blocks pass through one another, and after which they overlap where no contact sees it, by engine and exactly",
+        &[
+            "run",
+            "setting",
+            "engine",
+            "steps",
+            "passages",
+            "passages_oracle",
+            "passages_undecided",
+            "unseen",
+            "unseen_oracle",
+            "by_step_length",
+            "not_held",
+        ],
+    );
     for run in campaigns {
         for ((setting, engine), counts) in by_setting(run) {
             let names = || [run.name.as_str(), &setting, engine].map(Cell::from).into_iter();
@@ -89,10 +106,15 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
             ];
             let steps = [c.compared, c.deeper, c.shallower].map(Cell::Count);
             penetration.push(names().chain(steps).chain(sizes.map(Cell::Number)).collect());
+            let passages = [c.passages_stepper, c.passages_oracle, c.passages_undecided];
+            let unseen = [c.unseen_stepper, c.unseen_oracle, c.step_length, c.not_held];
+            let numbers = [c.compared].into_iter().chain(passages).chain(unseen);
+            intrusions.push(names().chain(numbers.map(Cell::Count)).collect());
         }
     }
     section.parts.push(Part::Table(differences, 40));
     section.parts.push(Part::Table(penetration, 40));
+    section.parts.push(Part::Table(intrusions, 40));
     for (number, run) in campaigns.iter().enumerate() {
         section.parts.extend(charts(number, run, campaigns.len()).into_iter().map(Part::Chart));
     }

@@ -54,6 +54,8 @@ mistakes! {
     BeginsFull "a step begins with the full time step",
     GrowsTwofold "a step begins with up to twice the last time step",
     GrowsBeyondFull "a step begins with half as much again as the last time step, or with the full one if that is more",
+    StepEnlarged "a step begins with four times the full time step",
+    ContactsDropped "vertices near faces are no contacts",
     KeptForgotten "no contact is kept",
     KeptOpen "open contacts are kept, closed ones are not",
     NoDisplacementLimit "the displacement limit is forgotten",
@@ -81,7 +83,7 @@ pub(crate) struct Mistaken;
 
 impl Rules for Mistaken {
     fn vertex_face_near<R: Real>(gap: R, search: R) -> bool {
-        gap <= if planted(OuterDistance) { R::from_f64(PENETRATION) } else { search }
+        gap <= if planted(OuterDistance) { R::from_f64(PENETRATION) } else { search } && !planted(ContactsDropped)
     }
     fn vertex_face_depth<R: Real>(gap: R, penetration: R) -> bool {
         gap >= -if planted(OuterDistance) { R::from_f64(SEARCH) } else { penetration }
@@ -173,6 +175,7 @@ impl StepRules for Mistaken {
         match () {
             () if planted(BeginsFull) => full,
             () if planted(GrowsTwofold) => full.smaller(last * R::from_f64(2.0)),
+            () if planted(StepEnlarged) => full * R::from_f64(4.0),
             () if planted(GrowsBeyondFull) => full.larger(last * R::from_f64(1.5)),
             () => Spec::first_time_step(full, last),
         }
