@@ -203,3 +203,18 @@ impl<'s> Pair<'s> {
         self.magnitudes.get_or_init(|| self.exact())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_integers_are_the_same_in_every_type() {
+        for value in [0, 1, -1, 1i128 << 70, -(1i128 << 70), (1 << 120) - 1, 1 - (1 << 120)] {
+            let big = BigInt::from(value);
+            assert_eq!(i128::from_big(&big), value);
+            assert_eq!(Int256::from_big(&big), Int256::from_small(value));
+            assert_eq!(BigInt::from_small(value), big);
+        }
+    }
+}

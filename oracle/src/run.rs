@@ -224,7 +224,8 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
         self.exact_sign(polynomial)
     }
 
-    fn exact_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
+    /// The sign in integers of the least width that holds every intermediate value.
+    pub(crate) fn exact_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
         let (pair, tolerances) = (self.pair, self.tolerances);
         let cache = &self.careful.get_or_init(Box::default).scales;
         let exact = || cache.heap.get_or_init(|| Scales::exact(tolerances, &pair.grid().lattice));
