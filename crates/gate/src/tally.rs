@@ -6,7 +6,7 @@ use rockproof_campaign::pairs::BATCH;
 use rockproof_campaign::run::{ENGINES, EngineRow};
 use rockproof_campaign::steps::StepFindingRow;
 use rockproof_campaign::summary::SummaryRow;
-use rockproof_differential::finding::Who;
+use rockproof_differential::finding::{Cause, Who};
 use rockproof_differential::lockstep::StepCause;
 use rockproof_differential::row::FindingRow;
 use rockproof_model::files::open_table;
@@ -93,7 +93,7 @@ impl Row {
             "kind_before" => row.kinds[0].to_owned(),
             "kind_after" => row.kinds[1].to_owned(),
             // Of an engine from outside it is no more than the tie nearest to the difference.
-            "predicate" if row.cause == Cause::Engine => String::new(),
+            "predicate" if row.cause == StepCause::Link(Cause::Engine) => String::new(),
             "predicate" => row.predicate.to_owned(),
             _ => String::new(),
         };
