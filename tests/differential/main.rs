@@ -19,4 +19,5 @@ mod exact_trajectory;
 mod families;
 mod lockstep;
 mod lockstep_table;
+mod passages;
 mod planted_step_mistakes;
