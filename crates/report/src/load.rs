@@ -327,7 +327,7 @@ fn read_steps(file: &Path) -> Result<Vec<(Place, Counts)>, ReportError> {
         let depth = |column: usize| row.number(column).map(|depth| depth.unwrap_or(0.0));
         let depths = |side: usize| -> Result<Depths, ReportError> {
             let [deepest, relative, sum] = [first + side, first + 2 + side, first + 4 + side].map(depth);
-            Ok(Depths { deepest: deepest?, relative: relative?, sum: sum? })
+            Ok(Depths { deepest: deepest?, relative: relative?, sum: sum?.into() })
         };
         found.push((place, Counts::of(numbers, [depths(0)?, depths(1)?])));
     }
