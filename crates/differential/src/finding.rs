@@ -230,6 +230,22 @@ pub struct Fingerprint {
 }
 
 impl Fingerprint {
+    /// The fingerprint of the finding that a row tells of.
+    pub fn of_row(row: &FindingRow) -> Fingerprint {
+        let either = row.kind_before.as_str();
+        let either = if either.is_empty() { row.kind_after.as_str() } else { either };
+        let states = State::from_name(&row.kind_before).zip(State::from_name(&row.kind_after));
+        Fingerprint {
+            who: row.engine.clone(),
+            cause: row.cause,
+            change: row.change,
+            predicate: Predicate::from_name(&row.predicate),
+            kind: ContactKind::from_name(either),
+            states: states.map(|(exact, said)| [exact, said]),
+            family: row.family.as_str().into(),
+        }
+    }
+
     /// The fingerprint in one line: what decided it, or how the blocks lie and how the engine says they do.
     pub fn text(&self) -> String {
         let kind = self.kind.map_or("pair", ContactKind::name);
