@@ -10,6 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::Engines;
 use rockproof_campaign::journal::{Journal, Progress};
+use rockproof_campaign::part::{Machine, Part};
 use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::source;
 use rockproof_campaign::steps::{self, StepChange, StepSummary};
@@ -34,6 +35,7 @@ use std::time::{Duration, Instant};
   rockproof campaign --pairs 10000 --family sliver --engine stepper-f32 --tolerances shi
   rockproof campaign --family real --real cases/real/voronoi_120.txt --planarity 1e-4
   rockproof campaign --out reports/night --pairs 100000000 --resume
+  rockproof campaign --part 3/8 --pairs 100000000     an eighth of it, for one of eight machines (docs/scale.md)
   rockproof campaign --deny defect --deny collapsed   for CI: exit 1 if there is such a finding
   rockproof campaign --pairs 2000 --steps-every 1 --steps 3   every pair moves for three steps (docs/campaign_steps.md)
   rockproof campaign --stress                         how far from the origin, how thin, how parallel (docs/stress.md)
@@ -52,7 +54,7 @@ pub(crate) struct Campaign {
     /// Seed of all pairs
     #[arg(long)]
     seed: Option<u64>,
-    /// Directory of the results [default: reports/campaign-SEED]
+    /// Directory of the results [default: reports/campaign-SEED, of a part reports/campaign-SEED-part-K-of-N]
     #[arg(long)]
     out: Option<PathBuf>,
     /// Engine to examine, built-in or named by --engine-command; may be repeated [default: all]
@@ -74,6 +76,9 @@ pub(crate) struct Campaign {
     real: Vec<PathBuf>,
     #[command(flatten)]
     read: ReadArgs,
+    /// Do only the K-th of N parts of the pairs; `rockproof merge` makes of all parts what one campaign would have made
+    #[arg(long, value_name = "K/N")]
+    part: Option<Part>,
     /// Go on with the run in the directory, or begin if there is none
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
@@ -105,30 +110,28 @@ impl Campaign {
         };
         engines.probe()?;
         let name = if config.stress { "stress" } else { "campaign" };
-        let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/{name}-{}", config.seed)));
-        let start = Start::of(self.resume, self.overwrite);
-        let mut journal = Journal::open(&out, source::identity(&config)?, start)?;
+        let suffix = self.part.map_or(String::new(), |part| format!("-part-{}-of-{}", part.number(), part.of()));
+        let out = || PathBuf::from(format!("reports/{name}-{}{suffix}", config.seed));
+        let out = self.out.clone().unwrap_or_else(out);
+        let (start, identity) = (Start::of(self.resume, self.overwrite), source::identity(&config)?);
+        let mut journal = match self.part {
+            None => Journal::open(&out, identity, start)?,
+            Some(part) => Journal::open_part(&out, identity, start, part, Machine::here(&*source)?)?,
+        };
         let stop = on_ctrl_c()?;
-        let ending = work(&config, &engines, &*source, self.threads, &mut journal, &stop)?;
-        let mut text = Vec::new();
-        report(&mut text, &journal, ending)?;
-        print(&String::from_utf8_lossy(&text))?;
+        let ending = work(&config, &engines, &*source, (self.part, self.threads), &mut journal, &stop)?;
+        tell(&journal, ending)?;
         if ending == Ending::Stopped {
             return Ok(Verdict::Interrupted);
         }
-        if config.stress {
+        if let Some(part) = self.part {
+            print(&format!(
+                "part {part}: when all parts are done, put them together with: rockproof merge DIR… --out DIR\n"
+            ))?;
+        } else if config.stress {
             stress::finish(&mut journal, &engines)?;
         }
-        let (summary, steps) = (&journal.progress().summary, &journal.progress().steps);
-        let denied = |kind: &&String| match kind.as_str() {
-            "any" => summary.total() + steps.total() > 0,
-            kind => summary.count_of(kind) + steps.count_of(kind) > 0,
-        };
-        let denied: Vec<&String> = self.deny.iter().filter(denied).collect();
-        for kind in &denied {
-            note(&format!("denied: there are findings of kind {kind}"));
-        }
-        Ok(if denied.is_empty() { Verdict::Fine } else { Verdict::Objection })
+        Ok(denied(&self.deny, journal.progress()))
     }
 
     fn configuration(&self) -> anyhow::Result<CampaignConfig> {
@@ -177,7 +180,28 @@ impl Campaign {
     }
 }
 
-fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
+/// The tables at the end of a campaign.
+pub(crate) fn tell(journal: &Journal, ending: Ending) -> anyhow::Result<()> {
+    let mut text = Vec::new();
+    report(&mut text, journal, ending)?;
+    print(&String::from_utf8_lossy(&text))
+}
+
+/// Whether there are findings of a kind that `--deny` names.
+pub(crate) fn denied(kinds: &[String], progress: &Progress) -> Verdict {
+    let (summary, steps) = (&progress.summary, &progress.steps);
+    let found = |kind: &&String| match kind.as_str() {
+        "any" => summary.total() + steps.total() > 0,
+        kind => summary.count_of(kind) + steps.count_of(kind) > 0,
+    };
+    let found: Vec<&String> = kinds.iter().filter(found).collect();
+    for kind in &found {
+        note(&format!("denied: there are findings of kind {kind}"));
+    }
+    if found.is_empty() { Verdict::Fine } else { Verdict::Objection }
+}
+
+pub(crate) fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
     let known = |kind: &str| kind == "any" || Cause::from_name(kind).is_some() || StepChange::is_known(kind);
     if let Some(kind) = kinds.iter().find(|kind| !known(kind)) {
         let names =
@@ -192,7 +216,7 @@ fn work(
     config: &CampaignConfig,
     engines: &Engines,
     source: &dyn Source,
-    threads: usize,
+    (part, threads): (Option<Part>, usize),
     journal: &mut Journal,
     stop: &AtomicBool,
 ) -> anyhow::Result<Ending> {
@@ -201,21 +225,26 @@ fn work(
     let names = engines.names();
     let steppers = steps::engines(names.iter().map(String::as_str));
     let campaign = run::Campaign { config, source, panel: &panel, narrow: &narrow, steppers: &steppers, threads };
-    let mut display = Display::new(config.pairs, journal.progress());
-    let ending = campaign.run(journal, stop, &mut |progress| display.show(progress))?;
+    let share = part.map_or(0..config.pairs, |part| part.pairs(config.pairs, source.batch_len()));
+    let mut display = Display::new(share.end - share.start, journal.progress());
+    let mut watch = |progress: &Progress| display.show(progress);
+    let ending = match part {
+        None => campaign.run(journal, stop, &mut watch),
+        Some(part) => campaign.run_part(part, journal, stop, &mut watch),
+    }?;
     display.end();
     Ok(ending)
 }
 
 /// A bar on a terminal, a line now and then otherwise.
-struct Display {
+pub(crate) struct Display {
     bar: Option<ProgressBar>,
     pairs: u64,
     last: Instant,
 }
 
 impl Display {
-    fn new(pairs: u64, progress: &Progress) -> Display {
+    pub(crate) fn new(pairs: u64, progress: &Progress) -> Display {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new(pairs);
             let template = "{bar:40} {human_pos}/{human_len} pairs, {msg}, {eta} left";
@@ -230,7 +259,7 @@ impl Display {
         Display { bar, pairs, last: Instant::now() }
     }
 
-    fn show(&mut self, progress: &Progress) {
+    pub(crate) fn show(&mut self, progress: &Progress) {
         let found = grouped(progress.summary.total());
         match &self.bar {
             Some(bar) => {
@@ -245,7 +274,7 @@ impl Display {
         }
     }
 
-    fn end(&self) {
+    pub(crate) fn end(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }

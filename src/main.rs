@@ -8,6 +8,7 @@ mod convert;
 mod exit;
 mod gate;
 mod input;
+mod merge;
 mod overlaps;
 mod replay;
 mod replay_step;
@@ -40,6 +41,7 @@ enum Command {
     Simulate(simulate::Simulate),
     Check(check::Check),
     Campaign(campaign::Campaign),
+    Merge(merge::Merge),
     Replay(replay::Replay),
     Report(report::Report),
     Shrink(shrink::Shrink),
@@ -56,6 +58,7 @@ impl Command {
             Command::Simulate(command) => command.run(),
             Command::Check(command) => command.run(),
             Command::Campaign(command) => command.run(),
+            Command::Merge(command) => command.run(),
             Command::Replay(command) => command.run(),
             Command::Report(command) => command.run(),
             Command::Shrink(command) => command.run(),

@@ -112,6 +112,9 @@ pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
     SetSource::named(name).ok_or_else(unknown)
 }
 
+/// What stands before a file's name in the key of its content.
+pub(crate) const CONTENT: &str = "content of ";
+
 /// What must be the same for a run to go on: the configuration, and the content of the block files.
 ///
 /// # Errors
@@ -119,7 +122,7 @@ pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
 pub fn identity(config: &CampaignConfig) -> Result<Map<String, Value>, SourceError> {
     let mut identity = config.identity()?;
     for file in &config.real {
-        identity.insert(format!("content of {}", file.display()), content(file).into());
+        identity.insert(format!("{CONTENT}{}", file.display()), content(file).into());
     }
     Ok(identity)
 }
