@@ -183,7 +183,7 @@ fn an_external_engine_and_a_grid_are_put_together_too() {
     let asked = ["--engine-command", &engine];
     place.campaign("whole", &asked);
     let cases: Vec<String> = place.files("whole").into_keys().filter(|name| name.contains("mine")).collect();
-    assert!(cases.iter().any(|name| name.contains("touching")), "{cases:?}");
+    assert!(cases.iter().any(|name| name.contains("overlapping-apart")), "{cases:?}");
     let parts = place.parts(2, &asked);
     place.merge(&parts, "merged", &[]);
     place.same("whole", "merged");
