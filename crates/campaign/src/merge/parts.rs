@@ -251,7 +251,7 @@ impl Parts {
         self.parts.iter().any(same)
     }
 
-    /// Parts and pairs that are not there.
+    /// Whether all parts are there, with all their pairs.
     pub(super) fn is_whole(&self, batch_len: u64) -> bool {
         self.parts.len() as u64 == self.of && self.parts.iter().all(|part| part.is_done(&self.config, batch_len))
     }
