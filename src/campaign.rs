@@ -3,14 +3,14 @@
 use crate::campaign_end::print_end;
 use crate::exit::{Outcome, Verdict, note};
 use crate::input::{EngineArgs, ReadArgs, threads};
+use crate::progress::shown_while;
 use crate::stop::on_ctrl_c;
 use crate::stress;
-use crate::table::grouped;
 use anyhow::Context;
-use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::{Engines, EnginesError};
-use rockproof_campaign::journal::{Journal, Seen};
+use rockproof_campaign::journal::{Journal, Progress};
+use rockproof_campaign::part::{Machine, Part};
 use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::source;
 use rockproof_campaign::steps::{self, StepChange};
@@ -22,11 +22,8 @@ use rockproof_differential::subject::Source;
 use rockproof_gate::config::RECOVERED;
 use rockproof_model::files::read_text;
 use rockproof_results::Start;
-use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
 
 /// Compare engines with the oracle on generated and real pairs, and explain every difference
 ///
@@ -39,6 +36,7 @@ use std::time::{Duration, Instant};
   rockproof campaign --family real --real cases/real/voronoi_120.txt --planarity 1e-4
   rockproof campaign --tolerances mine.toml           your own tolerances, in a file as `check` takes it
   rockproof campaign --out reports/night --pairs 100000000 --resume      more pairs for a run that is there
+  rockproof campaign --part 3/8 --pairs 100000000     an eighth of it, for one of eight machines (docs/scale.md)
   rockproof campaign --deny defect --deny collapsed   for CI: exit 1 if there is such a finding
   rockproof campaign --pairs 2000 --steps-every 1 --steps 3   every pair moves for three steps (docs/campaign_steps.md)
   rockproof campaign --stress                         how far from the origin, how thin, how parallel (docs/stress.md)
@@ -57,7 +55,7 @@ pub(crate) struct Campaign {
     /// Seed of all pairs
     #[arg(long)]
     seed: Option<u64>,
-    /// Directory of the results [default: reports/campaign-SEED]
+    /// Directory of the results [default: reports/campaign-SEED, of a part reports/campaign-SEED-part-K-of-N]
     #[arg(long)]
     out: Option<PathBuf>,
     /// Engine to examine, built-in or named by --engine-command; may be repeated [default: all]
@@ -79,7 +77,10 @@ pub(crate) struct Campaign {
     real: Vec<PathBuf>,
     #[command(flatten)]
     read: ReadArgs,
-    /// Go on with the run in the directory, with more pairs if --pairs says so, or begin if there is none
+    /// Do only the K-th of N parts of the pairs; `rockproof merge` makes of all parts what one campaign would have made
+    #[arg(long, value_name = "K/N")]
+    part: Option<Part>,
+    /// Go on with the run in the directory, with more pairs if --pairs says so (not of a part), or begin if there is none
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
     /// Discard the campaign in the directory; other files there stay
@@ -109,34 +110,29 @@ impl Campaign {
             false => Box::new(source::of(&config)?),
         };
         let name = if config.stress { "stress" } else { "campaign" };
-        let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/{name}-{}", config.seed)));
+        let suffix = self.part.map_or(String::new(), |part| format!("-part-{}-of-{}", part.number(), part.of()));
+        let out = || PathBuf::from(format!("reports/{name}-{}{suffix}", config.seed));
+        let out = self.out.clone().unwrap_or_else(out);
         let start = Start::of(self.resume, self.overwrite);
         let stop = on_ctrl_c()?;
-        match engines.probe() {
-            Err(_) if stop.load(Ordering::SeqCst) => return Ok(Verdict::Interrupted),
-            probed => probed?,
+        if !probed(&engines, &stop)? {
+            return Ok(Verdict::Interrupted);
         }
-        let mut journal = Journal::open(&out, source::identity(&config)?, start)?;
-        let ending = work(&config, &engines, &*source, self.threads, &mut journal, &stop)?;
-        if config.stress && ending == Ending::Finished {
+        let identity = source::identity(&config)?;
+        let mut journal = match self.part {
+            None => Journal::open(&out, identity, start)?,
+            Some(part) => Journal::open_part(&out, identity, start, part, Machine::here(&*source)?)?,
+        };
+        let ending = work(&config, &engines, &*source, (self.part, self.threads), &mut journal, &stop)?;
+        // Of a part there is no table of the whole: the merge makes it.
+        if config.stress && self.part.is_none() && ending == Ending::Finished {
             stress::finish(&mut journal, &engines)?;
         }
         print_end(&journal, &config.external, ending)?;
         if ending == Ending::Stopped {
             return Ok(Verdict::Interrupted);
         }
-        let (summary, steps) = (&journal.progress().summary, &journal.progress().steps);
-        let denied = |kind: &&String| match kind.as_str() {
-            "any" => summary.total() + steps.total() > 0,
-            RECOVERED => journal.progress().engines.values().any(|counts| counts.recovered > 0),
-            kind => summary.count_of(kind) + steps.count_of(kind) > 0,
-        };
-        let denied: Vec<&String> = self.deny.iter().filter(denied).collect();
-        for kind in &denied {
-            let what = if *kind == RECOVERED { "failures that were" } else { "findings of kind" };
-            note(&format!("denied: there are {what} {kind}"));
-        }
-        Ok(if denied.is_empty() { Verdict::Fine } else { Verdict::Objection })
+        Ok(denied(&self.deny, journal.progress()))
     }
 
     fn configuration(&self) -> anyhow::Result<CampaignConfig> {
@@ -201,7 +197,31 @@ fn check_names(config: &CampaignConfig) -> anyhow::Result<()> {
     source::of(&names).map(drop).map_err(anyhow::Error::new)
 }
 
-fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
+/// Asks the external engines a first question; `false` where they were ended with the program.
+pub(crate) fn probed(engines: &Engines, stop: &AtomicBool) -> anyhow::Result<bool> {
+    match engines.probe() {
+        Err(_) if stop.load(Ordering::SeqCst) => Ok(false),
+        probed => Ok(probed.map(|()| true)?),
+    }
+}
+
+/// Whether there is anything of a kind that `--deny` names.
+pub(crate) fn denied(kinds: &[String], progress: &Progress) -> Verdict {
+    let (summary, steps) = (&progress.summary, &progress.steps);
+    let found = |kind: &&String| match kind.as_str() {
+        "any" => summary.total() + steps.total() > 0,
+        RECOVERED => progress.engines.values().any(|counts| counts.recovered > 0),
+        kind => summary.count_of(kind) + steps.count_of(kind) > 0,
+    };
+    let found: Vec<&String> = kinds.iter().filter(found).collect();
+    for kind in &found {
+        let what = if *kind == RECOVERED { "failures that were" } else { "findings of kind" };
+        note(&format!("denied: there are {what} {kind}"));
+    }
+    if found.is_empty() { Verdict::Fine } else { Verdict::Objection }
+}
+
+pub(crate) fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
     let known = |kind: &str| {
         ["any", RECOVERED].contains(&kind) || StepCause::from_name(kind).is_some() || StepChange::is_known(kind)
     };
@@ -218,7 +238,7 @@ fn work(
     config: &CampaignConfig,
     engines: &Engines,
     source: &dyn Source,
-    threads: usize,
+    (part, threads): (Option<Part>, usize),
     journal: &mut Journal,
     stop: &AtomicBool,
 ) -> anyhow::Result<Ending> {
@@ -227,78 +247,9 @@ fn work(
     let names = engines.names();
     let steppers = steps::engines(names.iter().map(String::as_str));
     let campaign = run::Campaign { config, source, panel: &panel, narrow: &narrow, steppers: &steppers, threads };
-    let display = Display::new(config.pairs, journal.seen());
-    let ended = AtomicBool::new(false);
-    std::thread::scope(|scope| {
-        scope.spawn(|| display.show_until(&ended));
-        let _ends = Ends(&ended);
-        Ok(campaign.run(journal, stop, &mut |_| {})?)
-    })
-}
-
-/// Ends the display when work ends, however it ends.
-struct Ends<'e>(&'e AtomicBool);
-
-impl Drop for Ends<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-}
-
-/// A bar on a terminal, a line now and then otherwise; from the first pair on.
-struct Display {
-    bar: Option<ProgressBar>,
-    pairs: u64,
-    seen: Arc<Seen>,
-}
-
-/// How often a bar moves.
-const MOVES: Duration = Duration::from_millis(200);
-/// How often there is a line.
-const LINES: Duration = Duration::from_secs(10);
-
-impl Display {
-    fn new(pairs: u64, seen: Arc<Seen>) -> Display {
-        let bar = std::io::stderr().is_terminal().then(|| {
-            let bar = ProgressBar::new(pairs);
-            let template = "{bar:40} {human_pos}/{human_len} pairs, {msg}";
-            if let Ok(style) = ProgressStyle::with_template(template) {
-                bar.set_style(style);
-            }
-            bar.set_position(seen.pairs.load(Ordering::Relaxed));
-            bar.reset_eta();
-            bar
-        });
-        Display { bar, pairs, seen }
-    }
-
-    fn show_until(&self, ended: &AtomicBool) {
-        let mut last = Instant::now();
-        while !ended.load(Ordering::Relaxed) {
-            let (pairs, told) = (self.seen.pairs.load(Ordering::Relaxed), self.told());
-            match &self.bar {
-                Some(bar) => {
-                    bar.set_position(pairs);
-                    // There is no telling before anything is done.
-                    let left = bar.eta();
-                    let left = if left.is_zero() { String::new() } else { format!(", {} left", HumanDuration(left)) };
-                    bar.set_message(format!("{told}{left}"));
-                }
-                None if last.elapsed() > LINES => {
-                    last = Instant::now();
-                    note(&format!("{} of {} pairs, {told}", grouped(pairs), grouped(self.pairs)));
-                }
-                None => {}
-            }
-            std::thread::park_timeout(MOVES);
-        }
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
-
-    fn told(&self) -> String {
-        let shrinking = if self.seen.shrinking.load(Ordering::Relaxed) { ", shrinking some" } else { "" };
-        format!("{} findings{shrinking}", grouped(self.seen.findings.load(Ordering::Relaxed)))
-    }
+    let share = part.map_or(0..config.pairs, |part| part.pairs(config.pairs, source.batch_len()));
+    Ok(shown_while(share.end - share.start, journal.seen(), || match part {
+        None => campaign.run(journal, stop, &mut |_| {}),
+        Some(part) => campaign.run_part(part, journal, stop, &mut |_| {}),
+    })?)
 }

@@ -1,8 +1,10 @@
-//! The end of a campaign: what it means in three lines, what differs by cause, and what to do next.
+//! The end of a campaign, of a part of one, or of a merge: what it means in three lines, what differs by cause, and what to do next.
 
 use crate::exit::print;
 use crate::table::{grouped, table};
 use rockproof_campaign::journal::{Journal, Progress};
+use rockproof_campaign::merge::Parts;
+use rockproof_campaign::part::Part;
 use rockproof_campaign::run::Ending;
 use rockproof_campaign::steps::StepSummary;
 use rockproof_differential::external::EngineSpec;
@@ -11,6 +13,7 @@ use rockproof_differential::finding::Cause;
 use rockproof_report::load::Results;
 use rockproof_report::tally::{Tally, Worst};
 use rockproof_report::verdict::verdict;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -31,7 +34,19 @@ pub(crate) fn print_end(journal: &Journal, external: &[EngineSpec], ending: Endi
     }
     out += &format!("\n{}", what_is_there(progress, &dir, ending));
     let worst = results.campaigns.first().and_then(|campaign| campaign.tally.worst_of_all());
-    print(&(out + &next(&dir, worst, external, ending)))
+    let next = match setting(progress, Part::KEY) {
+        _ if ending == Ending::Stopped => String::new(),
+        Some(part) => {
+            format!("next: when all parts are done (this is {part}): rockproof merge DIR… --out DIR\n")
+        }
+        None => next(&dir, worst, external),
+    };
+    print(&(out + &next))
+}
+
+/// A text of the configuration.
+fn setting<'p>(progress: &'p Progress, key: &str) -> Option<&'p str> {
+    progress.configuration.get(key).and_then(Value::as_str)
 }
 
 /// A row for each cause and whom it concerns: how many findings, the change that most of them are, and how far from a tie the clearest is.
@@ -79,6 +94,10 @@ fn what_is_there(progress: &Progress, dir: &Path, ending: Ending) -> String {
     if ending == Ending::Stopped {
         out += "interrupted; --resume goes on\n";
     }
+    if let Some(there) = setting(progress, Parts::KEY) {
+        let asked = progress.configuration.get("pairs").and_then(Value::as_u64).unwrap_or_default();
+        out += &format!("not the whole campaign: parts {there}, {pairs} of {} pairs\n", grouped(asked));
+    }
     let dir = dir.display();
     let tables = if progress.steps.is_empty() { "" } else { "step_findings.csv, step_summary.csv, " };
     out += &format!("written to {dir}: findings.csv, summary.csv, {tables}run.json");
@@ -94,10 +113,7 @@ fn what_is_there(progress: &Progress, dir: &Path, ending: Ending) -> String {
 }
 
 /// The commands that go on from here.
-fn next(dir: &Path, worst: Option<&Worst>, external: &[EngineSpec], ending: Ending) -> String {
-    if ending == Ending::Stopped {
-        return String::new();
-    }
+fn next(dir: &Path, worst: Option<&Worst>, external: &[EngineSpec]) -> String {
     let mut out = format!("next: rockproof report {}\n", quoted(&dir.display().to_string()));
     if let Some(worst) = worst {
         let engine = external.iter().find(|spec| spec.name == worst.engine).map(argument);

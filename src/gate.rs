@@ -255,7 +255,7 @@ impl Gating<'_> {
         let same = |finding: &StepFinding| finding.row(row.case.clone()) == *row;
         let Some(finding) = found.into_iter().find(same) else { return Ok(()) };
         let Some(case) = steps::case::of(&finding, &subject, &motion, &steppers) else { return Ok(()) };
-        self.write(journal, finding.file_name(), case.text()?)
+        self.write(journal, row.file_name(), case.text()?)
     }
 
     fn write(&mut self, journal: &mut Journal, name: String, bytes: Vec<u8>) -> anyhow::Result<()> {

@@ -23,6 +23,7 @@ mod gate_formats;
 mod gate_regressions;
 mod kept_results;
 mod lockstep_cli;
+mod merge_command;
 mod report_command;
 mod report_page;
 mod results;

@@ -11,12 +11,13 @@ use std::path::Path;
 use std::process::Command;
 
 /// Beginnings of commands that are not run, and why.
-const NOT_RUN: [(&str, &str); 8] = [
+const NOT_RUN: [(&str, &str); 9] = [
     ("cargo test", "it is the test, or one of hours; `.ci/run` has `cargo test --release`"),
     ("cargo install", "it builds the program anew; `.ci/run` builds it"),
     ("cargo build --release --locked --manifest-path examples/other_codes/parry", "minutes; `.ci/run` has it"),
     ("cargo run --release -p rockproof-validation", "minutes; the tests of that crate hold what it finds"),
     ("mdbook", "a tool that neither the program nor its tests need; tests/book.rs checks what it would"),
+    ("sbatch", "a cluster; docs/scale.md runs the script itself without one"),
     ("pip install", "other people's codes, of hundreds of megabytes"),
     ("cargo run --release --features gmp", "GMP builds for minutes; `.ci/run` tests with it"),
     ("ROCKPROOF_", "settings of tests that take hours; docs/validation.md says when they were run"),
@@ -130,7 +131,7 @@ fn alike(shown: &[String], found: &[String]) -> bool {
 /// A folder to run in, with the files that commands name and the program.
 fn workplace() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["cases", "examples/engines"] {
+    for name in ["cases", "examples/engines", "examples/scale"] {
         copy(&root().join(name), &folder.path().join(name));
     }
     fs::create_dir(folder.path().join("bin")).unwrap();

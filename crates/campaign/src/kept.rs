@@ -82,6 +82,15 @@ pub(super) struct Kept {
     pub(super) names: Vec<Option<String>>,
     /// The files by name.
     pub(super) files: Vec<(String, Vec<u8>)>,
+    /// Where the findings stand whose file cannot be made.
+    pub(super) failed: Vec<usize>,
+}
+
+impl Kept {
+    /// No files, of so many findings.
+    pub(super) fn none(findings: usize) -> Kept {
+        Kept { names: vec![None; findings], files: Vec::new(), failed: Vec::new() }
+    }
 }
 
 /// So often files of other findings are tried in place of those that could not be made.
@@ -139,7 +148,8 @@ pub(super) fn keep<F: Sync>(
             break;
         }
     }
-    let mut kept = Kept { names: Vec::new(), files: Vec::new() };
+    let failed = (0..places.len()).filter(|&at| places[at] == Place::None).collect();
+    let mut kept = Kept { names: Vec::new(), files: Vec::new(), failed };
     for (wish, place) in wishes.into_iter().zip(places) {
         let Place::Made(bytes) = place else {
             kept.names.push(None);
@@ -167,7 +177,7 @@ mod tests {
         let mut kept = |findings: &[u32]| {
             let counts = Counts { alike: &mut alike, of_cause: &mut of_cause };
             let file = |number: &u32| Ok((*number != 1 && *number != 2).then(|| number.to_string().into_bytes()));
-            let Kept { names, files } =
+            let Kept { names, files, .. } =
                 keep(findings, wish, Most { of_cause: 3, alike: 2 }, counts, file).expect("files");
             assert!(names.iter().flatten().eq(files.iter().map(|(name, _)| name)), "{names:?}");
             names.iter().map(Option::is_some).collect::<Vec<_>>()

@@ -1,22 +1,23 @@
 //! The campaign itself: chunk by chunk, in parallel inside a chunk, results merged in the order of indices.
 
 use super::config::CampaignConfig;
+use super::engine_counts::{self, ENGINES, EngineSums};
 use super::journal::{Journal, Progress, Seen};
-use super::kept::{Counts, Kept, Most, Record, Wish, keep};
-use super::shrink::Shrinker;
-use super::steps::{self, StepEngine, StepFinding};
+use super::merge::MergeError;
+use super::part::Part;
+use super::steps::{self, StepEngine};
 use super::summary::{Origin, Summary};
 use rayon::prelude::*;
 use rockproof_differential::agreement::Agreement;
 use rockproof_differential::attribution::{Examined, Panel, examine};
-use rockproof_differential::case_file::Case;
-use rockproof_differential::engine::{EngineCounts, Levels};
-use rockproof_differential::finding::{FAR, Finding};
-use rockproof_differential::subject::{Source, Subject};
+use rockproof_differential::engine::Levels;
+use rockproof_differential::finding::Finding;
+use rockproof_differential::subject::Source;
 use rockproof_results::ResultsError;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use serde_json::{Map, Value, json};
-use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -35,9 +36,6 @@ pub struct Campaign<'c> {
     /// Worker threads; 0 for one a core.
     pub threads: usize,
 }
-
-/// Of findings about steps one case is kept where of others so many are: they are larger, and each is a step made some ten times.
-const STEP_CASES: u64 = 4;
 
 /// How a campaign ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,28 +76,22 @@ pub enum RunError {
     /// `run.json` cannot be written.
     #[error("cannot write run.json: {0}")]
     Json(#[from] serde_json::Error),
-}
-
-/// The table of what external engines were put through; only where there are any.
-pub const ENGINES: &str = "engines.csv";
-
-/// A row of it; the fields are its columns.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct EngineRow {
-    /// The engine.
-    pub engine: String,
-    /// Questions asked.
-    pub asked: u64,
-    /// Processes started.
-    pub processes_started: u64,
-    /// Failures that a fresh process did not repeat.
-    pub recovered: u64,
-    /// Answers that nothing exact stands against.
-    pub not_compared: u64,
+    /// A built-in engine does not exist.
+    #[error("engine \"{0}\" does not exist")]
+    Engine(String),
+    /// A merge has begun in the directory, and has not ended.
+    #[error("{dir} is being made of parts: go on with `rockproof merge` and --resume, or use --overwrite or --out DIR")]
+    Merging {
+        /// The directory.
+        dir: PathBuf,
+    },
+    /// A part, or what is to be made of parts, cannot be used.
+    #[error(transparent)]
+    Merge(#[from] MergeError),
 }
 
 /// Whether a run was told to stop.
-type Stopped<'s> = &'s (dyn Fn() -> bool + Sync);
+pub(super) type Stopped<'s> = &'s (dyn Fn() -> bool + Sync);
 
 /// What one batch brought.
 #[derive(Default)]
@@ -126,28 +118,61 @@ impl Campaign<'_> {
         stop: &AtomicBool,
         watch: &mut dyn FnMut(&Progress),
     ) -> Result<Ending, RunError> {
-        let (done, pairs) = (journal.progress().pairs_done, self.config.pairs);
+        self.work(0..self.config.pairs, journal, stop, watch)
+    }
+
+    /// The same for a part of the pairs, in a journal that [`Journal::open_part`] opened. No case files are made.
+    ///
+    /// # Errors
+    /// As [`Campaign::run`].
+    pub fn run_part(
+        &self,
+        part: Part,
+        journal: &mut Journal,
+        stop: &AtomicBool,
+        watch: &mut dyn FnMut(&Progress),
+    ) -> Result<Ending, RunError> {
+        self.work(part.pairs(self.config.pairs, self.source.batch_len()), journal, stop, watch)
+    }
+
+    /// Pairs of a chunk, by which the cases are chosen: whole batches.
+    pub(super) fn chunk(&self) -> u64 {
+        let batch_len = self.source.batch_len();
+        self.config.chunk.div_ceil(batch_len).max(1).saturating_mul(batch_len)
+    }
+
+    /// Examines a share of the pairs, chunk by chunk. Chunks begin where they do in the whole campaign.
+    fn work(
+        &self,
+        share: Range<u64>,
+        journal: &mut Journal,
+        stop: &AtomicBool,
+        watch: &mut dyn FnMut(&Progress),
+    ) -> Result<Ending, RunError> {
+        if journal.progress().merging {
+            return Err(RunError::Merging { dir: journal.dir().to_owned() });
+        }
+        let (done, pairs) = (journal.progress().pairs_done, share.end - share.start);
         if done > pairs {
             return Err(journal.damaged(format!("{done} pairs are done, but only {pairs} are asked for")).into());
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
+        let pool = self.pool()?;
         if self.makes_steps() {
             journal.keep_steps()?;
         }
         let before = journal.progress().seconds;
-        let (engines_before, engines_at_start) = (journal.progress().engines.clone(), self.engine_counts());
+        let engines = EngineSums::begin(self.panel, &journal.progress().engines);
         let stopped = || stop.load(Ordering::SeqCst);
         let started = Instant::now();
         let seen = journal.seen();
-        let batch_len = self.source.batch_len();
+        let (batch_len, chunk) = (self.source.batch_len(), self.chunk());
         if done < pairs && !done.is_multiple_of(batch_len) {
             let dir = journal.dir().display().to_string();
             return Err(RunError::InsideBatch { dir, done, batch: batch_len });
         }
-        let chunk = self.config.chunk.div_ceil(batch_len).max(1) * batch_len;
-        while journal.progress().pairs_done < self.config.pairs && !stopped() {
-            let first = journal.progress().pairs_done;
-            let end = (first + chunk).min(self.config.pairs);
+        while journal.progress().pairs_done < pairs && !stopped() {
+            let first = share.start + journal.progress().pairs_done;
+            let end = (first / chunk + 1).saturating_mul(chunk).min(share.end);
             let batches: Option<Vec<Batch>> = pool.install(|| {
                 let numbers = (first / batch_len..end.div_ceil(batch_len)).into_par_iter();
                 numbers.map(|n| self.batch(n, end, &seen, &stopped)).collect()
@@ -168,27 +193,35 @@ impl Campaign<'_> {
                 stepped.extend(batch.steps.findings);
             }
             seen.shrinking.store(true, Ordering::Relaxed);
-            let kept = pool.install(|| self.keep_cases(&findings, &mut progress, &stopped))?;
-            let finding_rows = rows(&findings, &kept.names, Finding::row)?;
-            let kept_steps = pool.install(|| self.keep_step_cases(&stepped, &mut progress, &stopped))?;
-            let step_rows = rows(&stepped, &kept_steps.names, StepFinding::row)?;
+            let (new, cases) = pool.install(|| self.chosen(&findings, &stepped, &mut progress, &stopped))?;
             if stopped() {
                 break;
             }
-            journal.write_cases(kept.files)?;
-            journal.write_cases(kept_steps.files)?;
-            for (name, now) in self.engine_counts() {
-                let since = engines_at_start.get(&name).map_or(now, |start| now.since(start));
-                let sum = engines_before.get(&name).map_or(since, |before| before.plus(&since));
-                progress.engines.insert(name, sum);
-            }
-            progress.pairs_done = end;
+            journal.write_cases(cases)?;
+            progress.engines = engines.now(self.panel);
+            progress.pairs_done = end - share.start;
             progress.seconds = before + started.elapsed().as_secs_f64();
-            journal.commit(&finding_rows, &step_rows, progress)?;
+            journal.commit(&new, progress)?;
             seen.shrinking.store(false, Ordering::Relaxed);
             watch(journal.progress());
         }
-        let finished = journal.progress().pairs_done >= self.config.pairs;
+        let finished = journal.progress().pairs_done >= pairs;
+        self.write_tables(journal, finished, None)?;
+        Ok(if finished { Ending::Finished } else { Ending::Stopped })
+    }
+
+    /// The worker threads.
+    pub(super) fn pool(&self) -> Result<rayon::ThreadPool, RunError> {
+        Ok(rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?)
+    }
+
+    /// Writes the tables of counts, and `run.json`, which says of which parts it was put together.
+    pub(super) fn write_tables(
+        &self,
+        journal: &mut Journal,
+        finished: bool,
+        parts: Option<Value>,
+    ) -> Result<(), RunError> {
         let progress = journal.progress();
         let mut files = vec![
             ("summary.csv", progress.summary.to_csv()?),
@@ -199,20 +232,14 @@ impl Campaign<'_> {
             files.push(("step_summary.csv", progress.steps.to_csv()?));
         }
         if !progress.engines.is_empty() {
-            files.push((ENGINES, engines_to_csv(&progress.engines)?));
+            files.push((ENGINES, engine_counts::to_csv(&progress.engines)?));
         }
-        files.push(("run.json", self.run_json(journal, finished)?));
-        files.into_iter().try_for_each(|(name, bytes)| journal.write(name, &bytes))?;
-        Ok(if finished { Ending::Finished } else { Ending::Stopped })
+        files.push(("run.json", self.run_json(journal, finished, parts)?));
+        Ok(files.into_iter().try_for_each(|(name, bytes)| journal.write(name, &bytes))?)
     }
 
-    fn makes_steps(&self) -> bool {
+    pub(super) fn makes_steps(&self) -> bool {
         !self.steppers.is_empty() && self.config.steps_every > 0 && self.config.steps > 0
-    }
-
-    /// What its external engines were put through since the program began.
-    fn engine_counts(&self) -> BTreeMap<String, EngineCounts> {
-        self.panel.engines.iter().filter_map(|e| Some((e.name().to_owned(), e.counts()?))).collect()
     }
 
     /// One batch; `None` where the run is stopped meanwhile.
@@ -250,7 +277,9 @@ impl Campaign<'_> {
             let moving = subjects.iter().filter(|s| s.index < end);
             let beside = self.source.step_pairs(number);
             let beside = beside.iter().filter(|(s, _)| s.index < end).map(|(s, motion)| (s, motion.clone()));
-            let moving: Vec<_> = moving.filter_map(|s| Some((s, self.source.motion(s)?))).chain(beside).collect();
+            let mut moving: Vec<_> = moving.filter_map(|s| Some((s, self.source.motion(s)?))).chain(beside).collect();
+            // Rows come in the order of indices; the sort is stable.
+            moving.sort_by_key(|(subject, _)| subject.index);
             if !moving.is_empty() {
                 batch.steps = steps::examine_all(&moving, self.steppers);
             }
@@ -258,70 +287,7 @@ impl Campaign<'_> {
         Some(batch)
     }
 
-    /// Keeps case files of findings: the first few of each fingerprint. None is made any more where the run is stopped.
-    fn keep_cases(
-        &self,
-        findings: &[Finding],
-        progress: &mut Progress,
-        stopped: Stopped<'_>,
-    ) -> Result<Kept, RunError> {
-        let wish = |finding: &Finding| {
-            let fingerprint = finding.fingerprint();
-            let name = format!("{}.toml", fingerprint.file_stem(&finding.set, finding.index));
-            let far = finding.margin_ulps().map(f64::abs).filter(|ulps| *ulps > FAR);
-            let record = far.map(|ulps| Record {
-                key: format!("furthest {} {}", finding.who, finding.cause),
-                decade: ulps.log10().floor() as u64,
-            });
-            Wish { fingerprint: fingerprint.text(), cause: finding.cause.name(), name, record }
-        };
-        let most = Most { of_cause: self.config.cases_per_cause, alike: self.config.cases_per_fingerprint };
-        let counts = Counts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
-        keep(findings, wish, most, counts, |finding| if stopped() { Ok(None) } else { self.case(finding) })
-    }
-
-    /// The same of findings about steps.
-    fn keep_step_cases(
-        &self,
-        findings: &[StepFinding],
-        progress: &mut Progress,
-        stopped: Stopped<'_>,
-    ) -> Result<Kept, RunError> {
-        let wish = |finding: &StepFinding| Wish {
-            fingerprint: finding.fingerprint(),
-            cause: finding.cause.name(),
-            name: finding.file_name(),
-            record: None,
-        };
-        let of_cause = self.config.cases_per_cause / STEP_CASES;
-        let most = Most { of_cause, alike: self.config.cases_per_fingerprint };
-        let counts = Counts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
-        keep(findings, wish, most, counts, |finding| if stopped() { Ok(None) } else { self.step_case(finding) })
-    }
-
-    /// The subject of a pair.
-    fn subject(&self, index: u64) -> Option<Subject> {
-        let subjects = self.source.batch(index / self.source.batch_len());
-        subjects.into_iter().find(|subject| subject.index == index)
-    }
-
-    /// The case file of a finding, made small; none where the pair alone does not show the finding again.
-    fn case(&self, finding: &Finding) -> Result<Option<Vec<u8>>, RunError> {
-        let panel = (self.narrow)(finding);
-        let case = self.subject(finding.index).and_then(|s| Case::of(finding, &s, self.config.seed, &panel));
-        let Some(case) = case else { return Ok(None) };
-        Ok(Some(Shrinker::new(&panel, self.config.shrink_evaluations).shrink(case).to_toml()?.into_bytes()))
-    }
-
-    /// The case file of a finding about a step; none where the oracle's step ends in a stop, so that there is no answer to record, or where
-    /// the step does not show the finding again.
-    fn step_case(&self, finding: &StepFinding) -> Result<Option<Vec<u8>>, RunError> {
-        let Some((subject, motion)) = self.source.moving(finding.index, &finding.family) else { return Ok(None) };
-        let case = steps::case::of(finding, &subject, &motion, self.steppers);
-        Ok(case.map(|case| case.text()).transpose()?)
-    }
-
-    fn run_json(&self, journal: &Journal, finished: bool) -> Result<Vec<u8>, RunError> {
+    fn run_json(&self, journal: &Journal, finished: bool, parts: Option<Value>) -> Result<Vec<u8>, RunError> {
         let progress = journal.progress();
         let levels: Map<String, Value> =
             Levels::NAMES.iter().zip(progress.levels).map(|(name, count)| ((*name).to_owned(), count.into())).collect();
@@ -361,24 +327,17 @@ impl Campaign<'_> {
                 "case_files": progress.step_cases.values().sum::<u64>(),
             });
         }
+        if let Some(parts) = parts {
+            text["parts"] = parts;
+        }
         let mut bytes = serde_json::to_vec_pretty(&text)?;
         bytes.push(b'\n');
         Ok(bytes)
     }
 }
 
-/// `engines.csv`: a row for each external engine.
-fn engines_to_csv(engines: &BTreeMap<String, EngineCounts>) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for (name, counts) in engines {
-        let EngineCounts { asked, processes_started, recovered, not_compared } = *counts;
-        writer.serialize(EngineRow { engine: name.clone(), asked, processes_started, recovered, not_compared })?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
-}
-
 /// Rows of `findings.csv` or `step_findings.csv`, each with the case file of its finding.
-fn rows<F, R: Serialize>(
+pub(super) fn rows<F, R: Serialize>(
     findings: &[F],
     names: &[Option<String>],
     row: impl Fn(&F, String) -> R,

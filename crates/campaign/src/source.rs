@@ -202,6 +202,9 @@ pub fn set_names(config: &CampaignConfig) -> Result<Vec<String>, SourceError> {
     config.tolerances.iter().map(|name| Ok(set_source(name)?.name().to_owned())).collect()
 }
 
+/// What stands before a file's name in the key of its content.
+pub(crate) const CONTENT: &str = "content of ";
+
 /// What must be the same for a run to go on: the configuration, and the content of the block files.
 ///
 /// # Errors
@@ -210,7 +213,7 @@ pub fn identity(config: &CampaignConfig) -> Result<Map<String, Value>, SourceErr
     let mut identity = config.identity()?;
     let tolerances = config.tolerances.iter().filter_map(|name| tolerance_file(name));
     for file in config.real.iter().map(PathBuf::as_path).chain(tolerances) {
-        identity.insert(format!("content of {}", file.display()), content(file).into());
+        identity.insert(format!("{CONTENT}{}", file.display()), content(file).into());
     }
     Ok(identity)
 }

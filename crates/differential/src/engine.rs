@@ -77,10 +77,10 @@ impl EngineCounts {
     #[must_use]
     pub fn plus(&self, other: &EngineCounts) -> EngineCounts {
         EngineCounts {
-            asked: self.asked + other.asked,
-            processes_started: self.processes_started + other.processes_started,
-            recovered: self.recovered + other.recovered,
-            not_compared: self.not_compared + other.not_compared,
+            asked: self.asked.saturating_add(other.asked),
+            processes_started: self.processes_started.saturating_add(other.processes_started),
+            recovered: self.recovered.saturating_add(other.recovered),
+            not_compared: self.not_compared.saturating_add(other.not_compared),
         }
     }
 

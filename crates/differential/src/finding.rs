@@ -154,8 +154,7 @@ impl Finding {
             who: self.who.clone(),
             cause: self.cause,
             change: self.difference.change,
-            // An engine from outside tells no decisions; what is nearest to a tie there may have nothing to do with it.
-            predicate: self.predicate().filter(|_| self.cause != Cause::Engine),
+            predicate: self.predicate().filter(|_| tells_apart(self.cause)),
             kind: self.kind(),
             states: self.mapped.map(|m| [m.exact, m.said.state]),
             family: Arc::clone(&self.family),
@@ -233,7 +232,29 @@ pub struct Fingerprint {
     pub family: Arc<str>,
 }
 
+/// Whether the predicate of a finding of this cause tells it from others: an engine from outside tells no decisions, and what is nearest to a
+/// tie there may have nothing to do with it.
+fn tells_apart(cause: Cause) -> bool {
+    cause != Cause::Engine
+}
+
 impl Fingerprint {
+    /// The fingerprint of the finding that a row tells of.
+    pub fn of_row(row: &FindingRow) -> Fingerprint {
+        let either = row.kind_before.as_str();
+        let either = if either.is_empty() { row.kind_after.as_str() } else { either };
+        let states = State::from_name(&row.kind_before).zip(State::from_name(&row.kind_after));
+        Fingerprint {
+            who: row.engine.clone(),
+            cause: row.cause,
+            change: row.change,
+            predicate: Predicate::from_name(&row.predicate).filter(|_| tells_apart(row.cause)),
+            kind: ContactKind::from_name(either),
+            states: states.map(|(exact, said)| [exact, said]),
+            family: row.family.as_str().into(),
+        }
+    }
+
     /// The fingerprint in one line: what decided it, or how the blocks lie and how the engine says they do.
     pub fn text(&self) -> String {
         let kind = self.kind.map_or("pair", ContactKind::name);

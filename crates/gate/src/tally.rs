@@ -2,8 +2,8 @@
 
 use super::config::{Baseline, Limit};
 use super::known::SEPARATOR;
+use rockproof_campaign::engine_counts::{ENGINES, EngineRow};
 use rockproof_campaign::pairs::BATCH;
-use rockproof_campaign::run::{ENGINES, EngineRow};
 use rockproof_campaign::steps::StepFindingRow;
 use rockproof_campaign::summary::SummaryRow;
 use rockproof_differential::finding::{Cause, Who};

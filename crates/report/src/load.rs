@@ -301,8 +301,7 @@ impl CampaignRun {
         of.map(|(_, c, _)| c.engine.clone()).collect::<std::collections::BTreeSet<_>>().into_iter().collect()
     }
 
-    /// Which links show how often an engine is right: the whole chain, or for an engine that says only how blocks lie, which
-    /// has no answers along the whole chain, the arithmetic alone.
+    /// Which links show how often an engine is right: the whole chain, or for one that says only how blocks lie the arithmetic alone.
     pub fn span_of(&self, engine: &str) -> Span {
         let answers = |span| {
             let of = self.agreement.iter().filter(|(_, c, _)| c.span == span && c.engine == engine);
@@ -380,7 +379,7 @@ fn read_steps(file: &Path) -> Result<Vec<(Place, Counts)>, ReportError> {
         let depth = |column: usize| row.number(column).map(|depth| depth.unwrap_or(0.0));
         let depths = |side: usize| -> Result<Depths, ReportError> {
             let [deepest, relative, sum] = [first + side, first + 2 + side, first + 4 + side].map(depth);
-            Ok(Depths { deepest: deepest?, relative: relative?, sum: sum? })
+            Ok(Depths { deepest: deepest?, relative: relative?, sum: sum?.into() })
         };
         found.push((place, Counts::of(numbers, [depths(0)?, depths(1)?])));
     }

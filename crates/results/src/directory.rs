@@ -5,7 +5,7 @@ use super::claim::{Claim, Start};
 use super::error::ResultsError;
 use super::lock::Lock;
 use super::manifest::{Kind, MANIFEST, Manifest, Owner};
-use super::seal::{Seal, sealed, unsealed};
+use super::seal::{Seal, read_sealed, sealed};
 use super::table::Table;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -145,11 +145,7 @@ impl Directory {
     /// # Errors
     /// When it cannot be read, or is not as it was written.
     pub fn read_sealed<T: DeserializeOwned>(&self, name: &str) -> Result<T, ResultsError> {
-        let file = self.path.join(name);
-        let text = fs::read(&file).map_err(ResultsError::at(&file))?;
-        let text = std::str::from_utf8(&text).map_err(|e| ResultsError::damaged(&file, e))?;
-        let object = unsealed(text).map_err(|what| ResultsError::damaged(&file, what))?;
-        serde_json::from_str(&object).map_err(|e| ResultsError::damaged(&file, e))
+        read_sealed(&self.path.join(name))
     }
 
     /// Begins a growing table with its first line.

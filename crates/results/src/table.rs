@@ -27,29 +27,13 @@ impl Table {
 
     /// Opens a table whose beginning must be what was sealed. Nothing is changed until [`Table::cut`].
     pub(crate) fn open(path: &Path, seal: &Seal) -> Result<Table, ResultsError> {
-        let at = || ResultsError::at(path);
-        let mut file = match OpenOptions::new().read(true).write(true).open(path) {
+        let file = match OpenOptions::new().read(true).write(true).open(path) {
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 return Err(ResultsError::damaged(path, "it is missing"));
             }
-            opened => opened.map_err(at())?,
+            opened => opened.map_err(ResultsError::at(path))?,
         };
-        let length = file.metadata().map_err(at())?.len();
-        if length < seal.bytes {
-            let what = format!("{length} bytes long, but {} were written", seal.bytes);
-            return Err(ResultsError::damaged(path, what));
-        }
-        let mut hash = Sha256::new();
-        let (mut left, mut buffer) = (seal.bytes, vec![0; 1 << 16]);
-        while left > 0 {
-            let most = buffer.len().min(usize::try_from(left).unwrap_or(usize::MAX));
-            file.read_exact(&mut buffer[..most]).map_err(at())?;
-            hash.update(&buffer[..most]);
-            left -= most as u64;
-        }
-        if hex(hash.clone()) != seal.sha256 {
-            return Err(ResultsError::damaged(path, "its rows are not as they were written"));
-        }
+        let (file, hash) = sealed_part(path, file, seal)?;
         Ok(Table { path: path.to_owned(), file, bytes: seal.bytes, hash })
     }
 
@@ -78,4 +62,26 @@ impl Table {
         self.file.sync_data().map_err(ResultsError::at(&self.path))?;
         Ok(Seal { bytes: self.bytes, sha256: hex(self.hash.clone()) })
     }
+}
+
+/// Reads what was sealed of a file, and gives the file and the hash up to there.
+pub(crate) fn sealed_part(path: &Path, mut file: File, seal: &Seal) -> Result<(File, Sha256), ResultsError> {
+    let at = || ResultsError::at(path);
+    let length = file.metadata().map_err(at())?.len();
+    if length < seal.bytes {
+        let what = format!("{length} bytes long, but {} were written", seal.bytes);
+        return Err(ResultsError::damaged(path, what));
+    }
+    let mut hash = Sha256::new();
+    let (mut left, mut buffer) = (seal.bytes, vec![0; 1 << 16]);
+    while left > 0 {
+        let most = buffer.len().min(usize::try_from(left).unwrap_or(usize::MAX));
+        file.read_exact(&mut buffer[..most]).map_err(at())?;
+        hash.update(&buffer[..most]);
+        left -= most as u64;
+    }
+    if hex(hash.clone()) != seal.sha256 {
+        return Err(ResultsError::damaged(path, "its rows are not as they were written"));
+    }
+    Ok((file, hash))
 }

@@ -25,6 +25,37 @@ pub fn of(
     })
 }
 
+/// Whether a finding can have a case, without making it small where that is not needed to know: `false` only if [`of`] gives `None`.
+pub fn is_possible(
+    finding: &StepFinding,
+    subject: &Subject,
+    motion: &PairMotion,
+    engines: &[Box<dyn StepEngine>],
+) -> bool {
+    let possible = || {
+        let Some(made) = shown_again(finding, subject, motion, engines) else { return false };
+        // Another motion may let the oracle's step come to its end.
+        made.compared.oracle.is_some() || self::made(finding, subject, motion, engines).is_some()
+    };
+    std::thread::scope(|scope| match scope.spawn(possible).join() {
+        Ok(possible) => possible,
+        Err(panic) => std::panic::resume_unwind(panic),
+    })
+}
+
+/// The step of a finding, made once more under a motion, if it shows the finding.
+fn shown_again(
+    finding: &StepFinding,
+    subject: &Subject,
+    motion: &PairMotion,
+    engines: &[Box<dyn StepEngine>],
+) -> Option<Made> {
+    let set = subject.sets.iter().find(|set| set.name == finding.set)?;
+    let engine = engines.iter().find(|engine| engine.name() == &*finding.engine)?;
+    let steps = engine.steps(subject, set, motion).ok()?;
+    steps.into_iter().find(|made| made.compared.step == finding.step).filter(|made| shows(made, finding))
+}
+
 fn made(
     finding: &StepFinding,
     subject: &Subject,
@@ -33,10 +64,7 @@ fn made(
 ) -> Option<StepCase> {
     let set = subject.sets.iter().find(|set| set.name == finding.set)?;
     let engine = &**engines.iter().find(|engine| engine.name() == &*finding.engine)?;
-    let again = |motion: &PairMotion| -> Option<Made> {
-        let steps = engine.steps(subject, set, motion).ok()?;
-        steps.into_iter().find(|made| made.compared.step == finding.step).filter(|made| shows(made, finding))
-    };
+    let again = |motion: &PairMotion| shown_again(finding, subject, motion, engines);
     let mut best = (motion.clone(), again(motion)?);
     // A later step is made from a state that simpler motions do not come to.
     if finding.step == 1 {

@@ -6,7 +6,7 @@ use rockproof_differential::finding::{Deciding, Who};
 use rockproof_differential::lockstep::answer::Change;
 use rockproof_differential::lockstep::{Caused, Intrusion, StepCause};
 use rockproof_differential::row;
-use rockproof_model::{Contact, ContactKind};
+use rockproof_model::Contact;
 use rockproof_results::bounded;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -179,31 +179,6 @@ impl StepFinding {
         self.margins = [caused.margin(), caused.margin_ulps()];
     }
 
-    /// What makes two findings alike, in one line.
-    pub fn fingerprint(&self) -> String {
-        let kind = self.contact.map_or("pair", |contact| contact.kind.name());
-        format!("{kind} {} {} {} {} {}", self.cause, self.change.name(), self.modes(), self.who, self.family)
-    }
-
-    fn modes(&self) -> String {
-        match self.change {
-            StepChange::Decision(Change::Mode) => format!("{}-{}", self.before, self.after),
-            _ => "step".to_owned(),
-        }
-    }
-
-    /// The name of its case file.
-    pub fn file_name(&self) -> String {
-        let kind = self.contact.map_or("pair", |contact| ContactKind::name(contact.kind));
-        let (change, modes) = (self.change.name(), self.modes());
-        let stem = format!(
-            "step-{kind}-{}-{change}-{modes}-{}-{}-{}-{}-{}",
-            self.cause, self.who, self.family, self.set, self.index, self.step
-        );
-        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-        format!("{}.json", bounded(&stem.chars().map(plain).collect::<String>()))
-    }
-
     /// The finding's row of `step_findings.csv`; `case` is its case file, empty where there is none.
     pub fn row(&self, case: String) -> StepFindingRow {
         let deciding = self.deciding.as_ref();
@@ -230,6 +205,34 @@ impl StepFinding {
             penetration_oracle_m: self.penetration[1],
             effect: self.effect.to_owned(),
             case,
+        }
+    }
+}
+
+impl StepFindingRow {
+    /// What makes two findings alike, in one line.
+    pub fn fingerprint(&self) -> String {
+        let StepFindingRow { cause, change, engine, family, .. } = self;
+        format!("{} {cause} {change} {} {engine} {family}", self.kind(), self.modes())
+    }
+
+    /// The name of the finding's case file.
+    pub fn file_name(&self) -> String {
+        let StepFindingRow { index, family, tolerances, engine, step, cause, change, .. } = self;
+        let (kind, modes) = (self.kind(), self.modes());
+        let stem = format!("step-{kind}-{cause}-{change}-{modes}-{engine}-{family}-{tolerances}-{index}-{step}");
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+        format!("{}.json", bounded(&stem.chars().map(plain).collect::<String>()))
+    }
+
+    fn kind(&self) -> &str {
+        if self.kind.is_empty() { "pair" } else { &self.kind }
+    }
+
+    fn modes(&self) -> String {
+        match self.change == Change::Mode.name() {
+            true => format!("{}-{}", self.before, self.after),
+            false => "step".to_owned(),
         }
     }
 }

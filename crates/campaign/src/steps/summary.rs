@@ -45,14 +45,40 @@ pub struct Depths {
     /// The deepest over half the longest side of its pair.
     pub relative: f64,
     /// Sum of the depths over half the longest sides of their pairs.
-    pub sum: f64,
+    pub sum: Sum,
+}
+
+/// A sum of numbers from 0 up that does not depend on their order: each counts as the nearest multiple of 2⁻⁹⁰. So parts of a campaign
+/// add up to what one machine finds. It ends at 2³⁸, which 10¹¹ steps of blocks deep in one another do not reach.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Sum(u128);
+
+impl Sum {
+    /// 2⁹⁰.
+    const UNITS: f64 = (1_u128 << 90) as f64;
+
+    /// The sum, to the nearest f64.
+    pub fn value(self) -> f64 {
+        self.0 as f64 / Self::UNITS
+    }
+
+    fn add(&mut self, other: Sum) {
+        self.0 = self.0.saturating_add(other.0);
+    }
+}
+
+impl From<f64> for Sum {
+    fn from(value: f64) -> Sum {
+        // Multiplying by a power of two is exact; `as` makes 0 of what is below 0 or no number.
+        Sum((value * Sum::UNITS).round() as u128)
+    }
 }
 
 impl Depths {
     fn add(&mut self, other: &Depths) {
         self.deepest = self.deepest.max(other.deepest);
         self.relative = self.relative.max(other.relative);
-        self.sum += other.sum;
+        self.sum.add(other.sum);
     }
 }
 
@@ -259,7 +285,7 @@ impl StepSummary {
         if let [Some(_), Some(_)] = step.penetration {
             for (depths, depth) in counts.depths.iter_mut().zip(step.penetration.into_iter().flatten()) {
                 let relative = if half > 0.0 { depth / half } else { 0.0 };
-                *depths = Depths { deepest: depth, relative, sum: relative };
+                *depths = Depths { deepest: depth, relative, sum: relative.into() };
             }
         }
         self.places.entry(place.clone()).or_default().add(&counts);
@@ -335,7 +361,14 @@ impl StepSummary {
         writer.write_record(STEP_SUMMARY_COLUMNS)?;
         for (place, counts) in &self.places {
             let [stepper, oracle] = counts.depths;
-            let depths = [stepper.deepest, oracle.deepest, stepper.relative, oracle.relative, stepper.sum, oracle.sum];
+            let depths = [
+                stepper.deepest,
+                oracle.deepest,
+                stepper.relative,
+                oracle.relative,
+                stepper.sum.value(),
+                oracle.sum.value(),
+            ];
             let mut row =
                 vec![place.family.clone(), place.form.clone(), place.tolerances.clone(), place.engine.clone()];
             row.extend(counts.numbers().iter().map(u64::to_string));
@@ -353,5 +386,27 @@ mod tests {
     #[test]
     fn the_columns_are_the_counts() {
         assert_eq!(STEP_SUMMARY_COLUMNS[4..35], *Counts::NAMES);
+    }
+
+    #[test]
+    fn a_sum_does_not_depend_on_the_order_and_is_kept_in_full() {
+        let values = [0.1, 3e-17, 1.0 / 3.0, 2.0, 1e-9, 0.7];
+        let sum = |values: &[f64]| {
+            values.iter().fold(Sum::default(), |mut sum, value| {
+                sum.add((*value).into());
+                sum
+            })
+        };
+        let mut both = sum(&values[..2]);
+        both.add(sum(&values[2..]));
+        let mut backwards = values;
+        backwards.reverse();
+        assert_eq!([both, sum(&backwards)], [sum(&values); 2]);
+        assert_ne!(values.iter().sum::<f64>(), backwards.iter().sum::<f64>(), "floats do depend on it");
+        assert!((sum(&values).value() - values.iter().sum::<f64>()).abs() < 1e-15);
+        let text = serde_json::to_string(&sum(&values)).expect("JSON");
+        assert_eq!(serde_json::from_str::<Sum>(&text).expect("a sum"), sum(&values), "{text}");
+        assert_eq!(Sum::from(0.25).value(), 0.25);
+        assert_eq!([Sum::from(-1.0), Sum::from(f64::NAN)], [Sum::default(); 2]);
     }
 }

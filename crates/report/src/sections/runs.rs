@@ -1,7 +1,7 @@
 //! What the report is made of.
 
 use super::{Part, Section};
-use crate::load::Results;
+use crate::load::{Results, RunFile};
 use crate::table::{Cell, Table};
 
 pub(super) fn section(results: &Results) -> Section {
@@ -21,7 +21,7 @@ pub(super) fn section(results: &Results) -> Section {
                 run.version.as_str().into(),
                 run.seed.into(),
                 run.pairs.into(),
-                if run.finished { "yes".into() } else { "no, interrupted".into() },
+                finished(run).into(),
                 run.contacts.into(),
                 run.findings.total.into(),
                 run.metamorphic_checks.into(),
@@ -49,4 +49,13 @@ pub(super) fn section(results: &Results) -> Section {
         section.parts.push(Part::Table(table, 100));
     }
     section
+}
+
+/// Whether all pairs were done, or which parts a merge had.
+fn finished(run: &RunFile) -> String {
+    match run.configuration.get("parts").and_then(|parts| parts.as_str()) {
+        Some(parts) => format!("no, parts {parts}"),
+        None if run.finished => "yes".to_owned(),
+        None => "no, interrupted".to_owned(),
+    }
 }

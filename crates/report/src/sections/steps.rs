@@ -6,7 +6,7 @@ use crate::chart::{Chart, color};
 use crate::load::{CampaignRun, setting};
 use crate::table::{Cell, Table};
 use rockproof_campaign::grid::axes_of;
-use rockproof_campaign::steps::summary::Counts;
+use rockproof_campaign::steps::summary::{Counts, Sum};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -121,8 +121,8 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
     Some(section)
 }
 
-fn mean(sum: f64, count: u64) -> f64 {
-    if count == 0 { 0.0 } else { sum / count as f64 }
+fn mean(sum: Sum, count: u64) -> f64 {
+    if count == 0 { 0.0 } else { sum.value() / count as f64 }
 }
 
 /// Sums over families and the rungs of ladders.
