@@ -19,6 +19,7 @@ mod gate_formats;
 #[cfg(unix)]
 mod gate_regressions;
 mod lockstep_cli;
+mod passages;
 mod report_command;
 mod report_page;
 mod results;
