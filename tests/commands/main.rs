@@ -24,6 +24,7 @@ mod gate_regressions;
 mod kept_results;
 mod lockstep_cli;
 mod merge_command;
+mod passages;
 mod report_command;
 mod report_page;
 mod results;
