@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-const DAMAGES: u64 = if cfg!(debug_assertions) { 150 } else { 600 };
+const DAMAGES: u64 = if cfg!(debug_assertions) { 100 } else { 200 };
 const HEADER: &[u8] = b"pair,found\n";
 const ROWS: &[u8] = b"1,none\n2,v-f 0 3\n3,e-e 1 2\n";
 const THEIRS: &[u8] = b"not ours";
