@@ -89,7 +89,7 @@ pub enum MergeError {
         /// Which part it holds.
         part: Part,
         /// Where it was made.
-        machine: Machine,
+        machine: String,
         /// The other part, or this program.
         other: String,
     },
@@ -220,7 +220,7 @@ impl Parts {
             let machine = part.state().map(|state| &state.machine);
             if let Some(machine) = machine.filter(|machine| machine.answers != here.answers) {
                 let other = format!("this program on {here}");
-                let (dir, part, machine) = (part.dir().to_owned(), part.part, machine.clone());
+                let (dir, part, machine) = (part.dir().to_owned(), part.part, machine.to_string());
                 return Err(MergeError::Machines { dir, part, machine, other });
             }
             let pairs = part.part.pairs(self.config.pairs, batch_len);
@@ -346,7 +346,7 @@ impl OnePart {
             && one.machine.answers != other.machine.answers
         {
             let other = format!("{} (part {first_part}, {})", first_dir.display(), other.machine);
-            return Err(MergeError::Machines { dir, part, machine: one.machine.clone(), other });
+            return Err(MergeError::Machines { dir, part, machine: one.machine.to_string(), other });
         }
         Ok(())
     }
