@@ -188,7 +188,8 @@ impl<'p, 's, O: Observer> Run<'p, 's, O> {
         let slot = P::FIRST_SLOT + polynomial.variant();
         let (pair, tolerances) = (self.pair, self.tolerances);
         if self.unit_bounds.get(slot).is_nan() {
-            let view = BoundView::of_unit_size(pair.a, pair.b, self.unit_bounds);
+            let UnitBounds { longest_loop, coordinate, .. } = *self.unit_bounds;
+            let view = BoundView::of_unit_size(pair.a, pair.b, longest_loop, coordinate);
             let bound = polynomial.value(&view).error * INFLATION;
             self.unit_bounds.set(slot, bound);
             if value.abs() > bound * self.size_powers[P::DEGREE] {

@@ -197,9 +197,9 @@ impl Checker<'_, '_> {
         let value = p.value(&float_view).0;
         let seen = self.seen.entry(slot).or_default();
         seen.signs[(exact.as_i8() + 1) as usize] += 1;
-
         let (unit, powers) = unit_bounds_for(pair, &floats);
-        let unit_bound = p.value(&BoundView::of_unit_size(pair.a, pair.b, unit)).error * INFLATION;
+        let unit_bound =
+            p.value(&BoundView::of_unit_size(pair.a, pair.b, unit.longest_loop, unit.coordinate)).error * INFLATION;
         if let Some(sign) = certain(value, unit_bound * powers[P::DEGREE]) {
             assert_eq!(sign, exact, "unit bound, slot {slot}, {about}");
             seen.by_unit_bound += 1;

@@ -4,7 +4,6 @@
 
 use crate::number::{Approx, Ball, Bits, Bound};
 use crate::solid::{Errors, Solid, centre_sum, subtracted};
-use crate::unit_bounds::UnitBounds;
 use rockproof_model::block::face_normal;
 use rockproof_model::decision::Side;
 use rockproof_model::{Block, Ring, Topology, Vec3};
@@ -171,11 +170,10 @@ impl<'p> BoundView<'p> {
         }
     }
 
-    /// For all pairs that span at most 1 along each axis, with coordinates off by at most `unit.coordinate`, faces of at
-    /// most `unit.longest_loop` vertices, and tolerances of at most 1.
-    pub(crate) fn of_unit_size(a: &'p Solid, b: &'p Solid, unit: &UnitBounds) -> BoundView<'p> {
-        let longest_loop = unit.longest_loop;
-        let errors = Errors::worst(1.0, unit.coordinate, longest_loop);
+    /// For all pairs that span at most 1 along each axis, with coordinates off by at most `coordinate`, faces of at
+    /// most `longest_loop` vertices, and tolerances of at most 1.
+    pub(crate) fn of_unit_size(a: &'p Solid, b: &'p Solid, longest_loop: usize, coordinate: f64) -> BoundView<'p> {
+        let errors = Errors::worst(1.0, coordinate, longest_loop);
         BoundView {
             a: a.block.topology(),
             b: b.block.topology(),

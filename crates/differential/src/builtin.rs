@@ -10,7 +10,8 @@ use rockproof_model::decision::Decision;
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 
 use rockproof_stepper::contact::{Rules, Solid, Spec, Tolerances, classify, classify_traced};
-use rockproof_stepper::{Collapsed, Real, wide};
+use rockproof_stepper::engine::wide_contacts;
+use rockproof_stepper::{Collapsed, Real};
 use std::marker::PhantomData;
 
 /// The stepper's classification in the scalar `R` by the rules `M`: [`Spec`], or those with a deliberate mistake.
@@ -73,7 +74,7 @@ impl<R: Real, M: Rules> Prepared for StepperPair<R, M> {
     }
 
     fn classify_wide(&self, tolerances: &ToleranceSet) -> Option<WideAnswer> {
-        let (contacts, unsettled) = wide::classify::<M>(self.a.block(), self.b.block(), tolerances).ok()?;
+        let (contacts, unsettled) = wide_contacts::<M>(self.a.block(), self.b.block(), tolerances).ok()?;
         Some(WideAnswer { contacts, unsettled })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::contact::{Collapsed, Rules, Solid, ToleranceOverflow, Tolerances, classify_keeping};
 use crate::real::Real;
-use crate::wide;
+use crate::wide::{Wide, counting};
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
 use std::marker::PhantomData;
 
@@ -21,7 +21,7 @@ pub trait Classifier: Send + Sync {
     /// When rounding collapses a block or a tolerance overflows.
     fn f64(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError>;
 
-    /// The contacts in [`wide::Wide`] and the number of comparisons that rounding left unsettled.
+    /// The contacts in [`Wide`] and the number of comparisons that rounding left unsettled.
     ///
     /// # Errors
     /// When a block collapses.
@@ -69,7 +69,7 @@ impl<M: Rules> Classifier for Stepper<M> {
     }
 
     fn wide(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<(Vec<Contact>, u64), EngineError> {
-        wide::classify::<M>(a, b, t)
+        wide_contacts::<M>(a, b, t)
     }
 }
 
@@ -79,6 +79,16 @@ impl<M: Rules> Classifier for Stepper<M> {
 /// When rounding collapses a block or a tolerance overflows.
 pub fn contacts_in<R: Real, M: Rules>(a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError> {
     contacts_keeping::<R, M>(a, b, t, &[])
+}
+
+/// The contacts of a pair in [`Wide`] by the rules `M`, preparation of both blocks included, and the number of unsettled
+/// comparisons. Where that is 0, each decision is the exact one.
+///
+/// # Errors
+/// When a block collapses; with exact coordinates of a canonical block it does not.
+pub fn wide_contacts<M: Rules>(a: &Block, b: &Block, t: &ToleranceSet) -> Result<(Vec<Contact>, u64), EngineError> {
+    let (contacts, unsettled) = counting(|| contacts_in::<Wide, M>(a, b, t));
+    Ok((contacts?, unsettled))
 }
 
 /// Prepares and classifies a pair in one precision, in a step in which the contacts `kept` go on whatever their depth.
