@@ -1,7 +1,7 @@
 //! `campaign`: generated and real pairs through every engine, differences explained, findings kept.
 
 use crate::campaign_end::print_end;
-use crate::exit::{Outcome, Verdict, note};
+use crate::exit::{Outcome, Verdict, print_note};
 use crate::input::{EngineArgs, ReadArgs, threads};
 use crate::progress::shown_while;
 use crate::stop::on_ctrl_c;
@@ -9,16 +9,16 @@ use crate::stress;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::{Engines, EnginesError};
-use rockproof_campaign::journal::{Journal, Progress};
+use rockproof_campaign::journal::{CampaignProgress, Journal};
 use rockproof_campaign::part::{Machine, Part};
 use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::source;
 use rockproof_campaign::steps::{self, StepChange};
 use rockproof_campaign::stress::StressSource;
-use rockproof_differential::compare::Change;
+use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::{Cause, Finding};
 use rockproof_differential::lockstep::StepCause;
-use rockproof_differential::subject::Source;
+use rockproof_differential::subject::PairSource;
 use rockproof_gate::config::RECOVERED;
 use rockproof_model::files::read_text;
 use rockproof_results::Start;
@@ -105,7 +105,7 @@ impl Campaign {
         check_deny(&self.deny)?;
         let config = self.configuration()?;
         let engines = Engines::of(&config)?;
-        let source: Box<dyn Source> = match config.stress {
+        let source: Box<dyn PairSource> = match config.stress {
             true => Box::new(StressSource::new(config.seed, &config.tolerances)?),
             false => Box::new(source::of(&config)?),
         };
@@ -206,7 +206,7 @@ pub(crate) fn probed(engines: &Engines, stop: &AtomicBool) -> anyhow::Result<boo
 }
 
 /// Whether there is anything of a kind that `--deny` names.
-pub(crate) fn denied(kinds: &[String], progress: &Progress) -> Verdict {
+pub(crate) fn denied(kinds: &[String], progress: &CampaignProgress) -> Verdict {
     let (summary, steps) = (&progress.summary, &progress.steps);
     let found = |kind: &&String| match kind.as_str() {
         "any" => summary.total() + steps.total() > 0,
@@ -216,9 +216,9 @@ pub(crate) fn denied(kinds: &[String], progress: &Progress) -> Verdict {
     let found: Vec<&String> = kinds.iter().filter(found).collect();
     for kind in &found {
         let what = if *kind == RECOVERED { "failures that were" } else { "findings of kind" };
-        note(&format!("denied: there are {what} {kind}"));
+        print_note(&format!("denied: there are {what} {kind}"));
     }
-    if found.is_empty() { Verdict::Fine } else { Verdict::Objection }
+    if found.is_empty() { Verdict::Passed } else { Verdict::CheckFailed }
 }
 
 pub(crate) fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
@@ -227,7 +227,7 @@ pub(crate) fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
     };
     if let Some(kind) = kinds.iter().find(|kind| !known(kind)) {
         let causes = Cause::ALL.map(Cause::name).into_iter().chain(StepCause::NAMES);
-        let names = causes.chain(Change::ALL.map(Change::name)).chain(StepChange::NAMES);
+        let names = causes.chain(AnswerChange::ALL.map(AnswerChange::name)).chain(StepChange::NAMES);
         let allowed = ["any", RECOVERED].into_iter().chain(names).collect::<Vec<_>>().join(", ");
         anyhow::bail!("--deny {kind}: no such kind; known are {allowed}");
     }
@@ -237,7 +237,7 @@ pub(crate) fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
 fn work(
     config: &CampaignConfig,
     engines: &Engines,
-    source: &dyn Source,
+    source: &dyn PairSource,
     (part, threads): (Option<Part>, usize),
     journal: &mut Journal,
     stop: &AtomicBool,

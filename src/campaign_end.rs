@@ -2,16 +2,16 @@
 
 use crate::exit::print;
 use crate::table::{grouped, table};
-use rockproof_campaign::journal::{Journal, Progress};
+use rockproof_campaign::journal::{CampaignProgress, Journal};
 use rockproof_campaign::merge::Parts;
 use rockproof_campaign::part::Part;
 use rockproof_campaign::run::Ending;
 use rockproof_campaign::steps::StepSummary;
 use rockproof_differential::external::EngineSpec;
-use rockproof_differential::external::spec::Format;
+use rockproof_differential::external::spec::NumberFormat;
 use rockproof_differential::finding::Cause;
 use rockproof_report::load::Results;
-use rockproof_report::tally::{Tally, Worst};
+use rockproof_report::tally::{FindingTally, WorstFinding};
 use rockproof_report::verdict::verdict;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -45,12 +45,12 @@ pub(crate) fn print_end(journal: &Journal, external: &[EngineSpec], ending: Endi
 }
 
 /// A text of the configuration.
-fn setting<'p>(progress: &'p Progress, key: &str) -> Option<&'p str> {
+fn setting<'p>(progress: &'p CampaignProgress, key: &str) -> Option<&'p str> {
     progress.configuration.get(key).and_then(Value::as_str)
 }
 
 /// A row for each cause and whom it concerns: how many findings, the change that most of them are, and how far from a tie the clearest is.
-fn by_cause(tally: &Tally) -> String {
+fn by_cause(tally: &FindingTally) -> String {
     let mut groups: BTreeMap<(Cause, &str), BTreeMap<&str, u64>> = BTreeMap::new();
     for (sort, count) in &tally.sorts {
         let changes = groups.entry((sort.cause, &sort.engine)).or_default();
@@ -82,7 +82,7 @@ fn concerned(engine: &str) -> String {
     }
 }
 
-fn what_is_there(progress: &Progress, dir: &Path, ending: Ending) -> String {
+fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> String {
     let speed = progress.pairs_done as f64 / progress.seconds.max(1e-9);
     let (pairs, seconds, found) = (grouped(progress.pairs_done), progress.seconds, grouped(progress.summary.total()));
     let mut out = format!("{pairs} pairs in {seconds:.1} s ({speed:.0} a second), {found} findings\n");
@@ -113,7 +113,7 @@ fn what_is_there(progress: &Progress, dir: &Path, ending: Ending) -> String {
 }
 
 /// The commands that go on from here.
-fn next(dir: &Path, worst: Option<&Worst>, external: &[EngineSpec]) -> String {
+fn next(dir: &Path, worst: Option<&WorstFinding>, external: &[EngineSpec]) -> String {
     let mut out = format!("next: rockproof report {}\n", quoted(&dir.display().to_string()));
     if let Some(worst) = worst {
         let engine = external.iter().find(|spec| spec.name == worst.engine).map(argument);
@@ -125,7 +125,7 @@ fn next(dir: &Path, worst: Option<&Worst>, external: &[EngineSpec]) -> String {
 
 /// The argument of `--engine-command` that names an engine, for a shell.
 fn argument(spec: &EngineSpec) -> String {
-    let precision = if spec.precision == Format::F32 { ":f32" } else { "" };
+    let precision = if spec.precision == NumberFormat::F32 { ":f32" } else { "" };
     let command: Vec<String> = spec.command.iter().map(|word| quoted(word)).collect();
     quoted(&format!("{}{precision}={}", spec.name, command.join(" ")))
 }

@@ -1,6 +1,6 @@
 //! `check`: are the blocks blocks, and do the tolerances keep the rules?
 
-use crate::exit::{Outcome, Verdict, complain, note, print};
+use crate::exit::{Outcome, Verdict, print, print_error, print_note};
 use crate::extents::{self, Extents, factor, is_bent, planarity_that_merges, planarity_that_reads};
 use crate::input::{ReadArgs, ToleranceArgs, precision};
 use crate::overlaps::overlaps;
@@ -53,13 +53,13 @@ impl Check {
             let bent = problems.iter().all(is_bent);
             let most = if bent { MOST_ALIKE } else { MOST_PROBLEMS };
             for problem in problems.iter().take(most) {
-                complain(&problem.to_string());
+                print_error(&problem.to_string());
             }
             if let Some(more) = problems.len().checked_sub(most).filter(|more| *more > 0) {
-                note(&format!("and {more} more{}", if bent { " of this sort" } else { "" }));
+                print_note(&format!("and {more} more{}", if bent { " of this sort" } else { "" }));
             }
             if let Some(planarity) = planarity_that_reads(&self.file).filter(|_| bent) {
-                note(&format!("every face is within --planarity {planarity}"));
+                print_note(&format!("every face is within --planarity {planarity}"));
             }
             let all = scene.blocks.len() + problems.len();
             anyhow::bail!("{}: {} of {all} blocks cannot be used", self.file.display(), problems.len());
@@ -73,9 +73,9 @@ impl Check {
         self.check_range(&scene, &set)?;
         let violations = rules::check_scene(&set, &scene, self.precision);
         print(&self.table(&scene, &spec, &set, &violations))?;
-        Extents::of(&scene).doubt().into_iter().for_each(|doubt| note(&doubt));
+        Extents::of(&scene).doubt().into_iter().for_each(|doubt| print_note(&doubt));
         if self.scale.is_none() {
-            planarity_that_merges(&self.file, &scene).into_iter().for_each(|merges| note(&merges));
+            planarity_that_merges(&self.file, &scene).into_iter().for_each(|merges| print_note(&merges));
         }
         if let Some(fall) = rules::fall(&set, &scene) {
             print(&warning(&fall))?;
@@ -83,7 +83,7 @@ impl Check {
         let overlaps = overlaps(&shapes, &set, None);
         print(&overlaps.report())?;
         let sound = violations.is_empty() && overlaps.lost() == 0;
-        Ok(if sound { Verdict::Fine } else { Verdict::Objection })
+        Ok(if sound { Verdict::Passed } else { Verdict::CheckFailed })
     }
 
     /// A value whose rounding overflows is an error (SPEC section 1).

@@ -10,9 +10,9 @@ use rayon::prelude::*;
 use rockproof_model::{Block, Contact, Precision, Scene, Sign, ToleranceSet};
 use rockproof_oracle::combination::{Combination, combinations};
 use rockproof_oracle::rational::Rational;
-use rockproof_oracle::{Pair, Solid};
+use rockproof_oracle::{Pair, PreparedBlock};
 use rockproof_stepper::Real;
-use rockproof_stepper::contact::{Solid as FloatSolid, Spec, Tolerances, classify};
+use rockproof_stepper::contact::{PreparedBlock as FloatSolid, SpecRules, Tolerances, classify};
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -46,7 +46,7 @@ pub(crate) struct Classify {
 
     /// How to print
     #[arg(long, value_enum, default_value = "table")]
-    format: Format,
+    format: OutputFormat,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -62,7 +62,7 @@ enum EngineChoice {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Format {
+enum OutputFormat {
     Table,
     Csv,
     Json,
@@ -110,15 +110,15 @@ impl Classify {
         };
         let mut out = Vec::new();
         match self.format {
-            Format::Table => write_table(&mut out, &found).and_then(|()| {
+            OutputFormat::Table => write_table(&mut out, &found).and_then(|()| {
                 // Blocks that overlap deeper than any contact says are the first thing to know of a model.
                 writeln!(out, "{}", overlaps(&blocks, &tolerances, Some(&pairs)).line())
             }),
-            Format::Csv => write_csv(&mut out, &found),
-            Format::Json => write_json(&mut out, &found),
+            OutputFormat::Csv => write_csv(&mut out, &found),
+            OutputFormat::Json => write_json(&mut out, &found),
         }?;
         print(&String::from_utf8_lossy(&out))?;
-        Ok(Verdict::Fine)
+        Ok(Verdict::Passed)
     }
 }
 
@@ -150,7 +150,7 @@ fn neighbours(blocks: &[&Block], tolerances: &ToleranceSet) -> Vec<(usize, usize
 }
 
 fn exactly(blocks: &[&Block], pairs: &[(usize, usize)], tolerances: &ToleranceSet) -> Vec<PairContacts> {
-    let solids: Vec<Solid> = blocks.iter().map(|b| Solid::new(b)).collect();
+    let solids: Vec<PreparedBlock> = blocks.iter().map(|b| PreparedBlock::new(b)).collect();
     pairs
         .par_iter()
         .map(|&(i, j)| {
@@ -178,7 +178,7 @@ fn in_floats<R: Real + Into<f64> + Send + Sync>(
         .map(|(n, b)| FloatSolid::<R>::new(b).with_context(|| format!("block {n}")))
         .collect::<Result<Vec<_>, _>>()?;
     let contacts = |&(i, j): &(usize, usize)| {
-        let found = classify::<R, Spec>(&solids[i], &solids[j], &tolerances);
+        let found = classify::<R, SpecRules>(&solids[i], &solids[j], &tolerances);
         with_combinations(blocks, (i, j), found.into_iter().map(|f| (f.contact, f.gap.into())).collect())
     };
     Ok(pairs.iter().map(contacts).collect())

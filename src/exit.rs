@@ -13,9 +13,9 @@ pub(crate) type Outcome = anyhow::Result<Verdict>;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     /// Done, nothing to object to: exit 0.
-    Fine,
+    Passed,
     /// A rule violated, a gate failed, a denied finding: exit 1.
-    Objection,
+    CheckFailed,
     /// Stopped by Ctrl-C in good order: exit 130, as a shell has it.
     Interrupted,
 }
@@ -23,13 +23,13 @@ pub(crate) enum Verdict {
 /// The exit code of an outcome; an error is told on stderr and exits 2.
 pub(crate) fn code(outcome: Outcome) -> ExitCode {
     match outcome {
-        Ok(Verdict::Fine) => ExitCode::SUCCESS,
-        Ok(Verdict::Objection) => ExitCode::from(1),
+        Ok(Verdict::Passed) => ExitCode::SUCCESS,
+        Ok(Verdict::CheckFailed) => ExitCode::from(1),
         Ok(Verdict::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
-            complain(&chain(&error));
+            print_error(&chain(&error));
             if error.downcast_ref().is_some_and(is_bent) {
-                note("--planarity accepts faces further from planar; `rockproof check` says how far these are");
+                print_note("--planarity accepts faces further from planar; `rockproof check` says how far these are");
             }
             ExitCode::from(2)
         }
@@ -81,16 +81,16 @@ pub(crate) fn print_as_it_is(text: &str) -> anyhow::Result<()> {
 }
 
 /// Tells an error on stderr.
-pub(crate) fn complain(message: &str) {
-    tell("error", message);
+pub(crate) fn print_error(message: &str) {
+    print_labelled("error", message);
 }
 
 /// Tells something worth knowing on stderr.
-pub(crate) fn note(message: &str) {
-    tell("note", message);
+pub(crate) fn print_note(message: &str) {
+    print_labelled("note", message);
 }
 
-fn tell(kind: &str, message: &str) {
+fn print_labelled(kind: &str, message: &str) {
     // Without a stderr there is nobody to tell.
     let _ = writeln!(io::stderr(), "{}", harmless(&format!("{kind}: {message}")));
 }

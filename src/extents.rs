@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use num_traits::ToPrimitive;
-use rockproof_model::scene::{Format, Problem};
+use rockproof_model::scene::{SceneFormat, SceneProblem};
 use rockproof_model::{Block, BlockError, BlockOptions, LoadOptions, Number, Scene, SceneError};
 use std::path::Path;
 
@@ -94,7 +94,7 @@ fn short(value: f64) -> String {
 /// A scene with every length multiplied, exactly. Scenes in TOML say more in metres than coordinates, and are refused.
 pub(crate) fn scale(scene: &mut Scene, file: &Path, factor: &Number) -> anyhow::Result<()> {
     anyhow::ensure!(
-        Format::of_path(file) != Some(Format::Toml),
+        SceneFormat::of_path(file) != Some(SceneFormat::Toml),
         "{}: --scale is for files of coordinates; a scene in TOML has other lengths in metres as well: scale what it was made from",
         file.display()
     );
@@ -119,7 +119,7 @@ pub(crate) fn factor(text: &str) -> Result<Number, String> {
 
 /// Whether a block was refused only because a face is not planar.
 pub(crate) fn is_bent(problem: &SceneError) -> bool {
-    matches!(problem.problem, Problem::Block { error: BlockError::NotPlanar { .. }, .. })
+    matches!(problem.problem, SceneProblem::Block { error: BlockError::NotPlanar { .. }, .. })
 }
 
 /// The mildest of some planarities that every face of the file is within, if one is.
@@ -130,7 +130,7 @@ pub(crate) fn planarity_that_reads(file: &Path) -> Option<&'static str> {
 /// What the mildest planarity does that lets more faces of the scene become one, if one does: triangles of a mesh whose coordinates were
 /// rounded.
 pub(crate) fn planarity_that_merges(file: &Path, scene: &Scene) -> Option<String> {
-    let mesh = matches!(Format::of_path(file), Some(Format::Obj | Format::Vtk));
+    let mesh = matches!(SceneFormat::of_path(file), Some(SceneFormat::Obj | SceneFormat::Vtk));
     if !mesh || scene.blocks.len() > READ_AGAIN {
         return None;
     }

@@ -1,6 +1,6 @@
 //! `gate`: does this change let contact classification get worse?
 
-use crate::exit::{Outcome, Verdict, note, print, print_as_it_is};
+use crate::exit::{Outcome, Verdict, print, print_as_it_is, print_note};
 use crate::input::threads;
 use crate::stop::end_on_ctrl_c;
 use crate::table::table;
@@ -15,10 +15,10 @@ use rockproof_campaign::steps::{self, StepFinding, StepFindingRow};
 use rockproof_differential::attribution::examine;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::Finding;
-use rockproof_differential::subject::Source;
+use rockproof_differential::subject::PairSource;
 use rockproof_gate::config::{Baseline, GateConfig};
-use rockproof_gate::known::Known;
-use rockproof_gate::tally::{Row, Tally};
+use rockproof_gate::known_findings::KnownFindings;
+use rockproof_gate::tally::{CampaignTally, TallyRow};
 use rockproof_gate::{self, Check, corpus, junit};
 use rockproof_model::files::read_text;
 use rockproof_results::{Owner, Start, write_atomically};
@@ -92,10 +92,10 @@ impl Gate {
         let mut gating = Gating { gate: self, config, engines, text, written: 0 };
         checks.extend(gating.campaign("fixed", gating.config.campaign.clone(), known.as_ref())?);
         if let Some(campaign) = rotating {
-            note(&format!("the rotating seed is {}", campaign.seed));
+            print_note(&format!("the rotating seed is {}", campaign.seed));
             checks.extend(gating.campaign("rotating", campaign, known.as_ref())?);
         }
-        self.tell(&checks)
+        self.report_checks(&checks)
     }
 
     fn check_names(&self, config: &GateConfig, engines: &Engines) -> anyhow::Result<()> {
@@ -130,9 +130,9 @@ impl Gate {
         Ok(Some(CampaignConfig { pairs: config.rotating_pairs, seed, ..config.campaign.clone() }))
     }
 
-    fn tell(&self, checks: &[Check]) -> Outcome {
+    fn report_checks(&self, checks: &[Check]) -> Outcome {
         let rows = checks.iter().filter(|c| c.group != "corpus" || c.verdict != rockproof_gate::Verdict::Pass);
-        let rows = rows.map(|c| vec![c.verdict.name().to_owned(), c.name.clone(), c.told.clone()]);
+        let rows = rows.map(|c| vec![c.verdict.name().to_owned(), c.name.clone(), c.message.clone()]);
         let failed = checks.iter().filter(|c| c.verdict == rockproof_gate::Verdict::Fail).count();
         let verdict = if failed == 0 { "passed" } else { "failed" };
         let head = table(&["verdict", "check", "found"], &[], rows);
@@ -147,15 +147,15 @@ impl Gate {
             let mut summary = std::fs::OpenOptions::new().append(true).create(true).open(&path)?;
             summary.write_all(junit::markdown(checks).as_bytes())?;
         }
-        Ok(if failed == 0 { Verdict::Fine } else { Verdict::Objection })
+        Ok(if failed == 0 { Verdict::Passed } else { Verdict::CheckFailed })
     }
 }
 
-fn load(baseline: &Baseline) -> anyhow::Result<Known> {
+fn load(baseline: &Baseline) -> anyhow::Result<KnownFindings> {
     let file = baseline.file.display();
     let text =
         read_text(&baseline.file).with_context(|| format!("{file}: no baseline; --update-baseline writes it"))?;
-    let known: Known = toml::from_str(&text).with_context(|| file.to_string())?;
+    let known: KnownFindings = toml::from_str(&text).with_context(|| file.to_string())?;
     if known.fields != baseline.fields {
         let fields = (known.fields.join(", "), baseline.fields.join(", "));
         anyhow::bail!(
@@ -173,14 +173,19 @@ fn is_baseline(baseline: &Baseline) -> anyhow::Result<()> {
     match read_text(&baseline.file) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(error).with_context(|| file.to_string()),
-        Ok(text) => toml::from_str::<Known>(&text)
+        Ok(text) => toml::from_str::<KnownFindings>(&text)
             .map(drop)
             .with_context(|| format!("{file} is no baseline, so --update-baseline leaves it alone")),
     }
 }
 
 impl Gating<'_> {
-    fn campaign(&mut self, name: &str, config: CampaignConfig, known: Option<&Known>) -> anyhow::Result<Vec<Check>> {
+    fn campaign(
+        &mut self,
+        name: &str,
+        config: CampaignConfig,
+        known: Option<&KnownFindings>,
+    ) -> anyhow::Result<Vec<Check>> {
         // Cases are made afterwards, of what fails.
         let config = CampaignConfig { cases_per_cause: 0, ..config };
         let dir = self.gate.out.join(name);
@@ -199,16 +204,16 @@ impl Gating<'_> {
             threads: self.gate.threads,
         };
         campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {})?;
-        let tally = Tally::read(&dir)?;
+        let tally = CampaignTally::read(&dir)?;
         let file = self.gate.file.display().to_string();
         let mut checks = rockproof_gate::limits(&self.config, (&file, &self.text), name, &tally);
         if let Some(baseline) = self.config.baseline.as_ref() {
             if let Some(known) = known {
                 checks.extend(known.check(name, &tally, baseline));
             } else if self.gate.update_baseline && name == "fixed" {
-                let text = Known::of(&tally, baseline).to_toml();
+                let text = KnownFindings::of(&tally, baseline).to_toml();
                 write_atomically(&baseline.file, text).with_context(|| baseline.file.display().to_string())?;
-                note(&format!("written: {}", baseline.file.display()));
+                print_note(&format!("written: {}", baseline.file.display()));
             }
         }
         for check in &checks {
@@ -225,15 +230,15 @@ impl Gating<'_> {
         journal: &mut Journal,
         source: &FamilySource,
         config: &CampaignConfig,
-        row: &Row,
+        row: &TallyRow,
     ) -> anyhow::Result<()> {
         if self.written >= CASES {
             return Ok(());
         }
         let panel = self.engines.panel();
         let row = match row {
-            Row::Pair(row) => row,
-            Row::Step(row) => return self.keep_step(journal, source, row),
+            TallyRow::Pair(row) => row,
+            TallyRow::Step(row) => return self.keep_step(journal, source, row),
         };
         let subjects = source.batch(row.index / source.batch_len());
         let Some(subject) = subjects.iter().find(|s| s.index == row.index) else { return Ok(()) };
@@ -259,7 +264,7 @@ impl Gating<'_> {
     }
 
     fn write(&mut self, journal: &mut Journal, name: String, bytes: Vec<u8>) -> anyhow::Result<()> {
-        note(&format!("to replay: rockproof replay {}", journal.dir().join("cases").join(&name).display()));
+        print_note(&format!("to replay: rockproof replay {}", journal.dir().join("cases").join(&name).display()));
         journal.write_cases(vec![(name, bytes)])?;
         self.written += 1;
         Ok(())

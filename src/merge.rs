@@ -2,7 +2,7 @@
 
 use crate::campaign::{check_deny, denied, probed};
 use crate::campaign_end::print_end;
-use crate::exit::{Outcome, Verdict, note};
+use crate::exit::{Outcome, Verdict, print_note};
 use crate::input::threads;
 use crate::progress::shown_while;
 use crate::stop::on_ctrl_c;
@@ -15,7 +15,7 @@ use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::stress::StressSource;
 use rockproof_campaign::{source, steps};
 use rockproof_differential::finding::Finding;
-use rockproof_differential::subject::Source;
+use rockproof_differential::subject::PairSource;
 use rockproof_results::Start;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -63,7 +63,7 @@ impl Merge {
         anyhow::ensure!(!parts.hold(&self.out), "--out {} is one of the parts", self.out.display());
         let config = parts.config();
         let engines = Engines::of(config)?;
-        let source: Box<dyn Source> = match config.stress {
+        let source: Box<dyn PairSource> = match config.stress {
             true => Box::new(StressSource::new(config.seed, &config.tolerances)?),
             false => Box::new(source::of(config)?),
         };
@@ -80,7 +80,7 @@ impl Merge {
             }
             if told.elapsed() > Duration::from_secs(10) {
                 told = Instant::now();
-                note(&format!("{place} of {} parts read and found whole", parts.len()));
+                print_note(&format!("{place} of {} parts read and found whole", parts.len()));
             }
             parts.check_tables(place)?;
         }
@@ -95,11 +95,11 @@ impl Merge {
         let merged =
             shown_while(config.pairs, journal.seen(), || campaign.merge(&parts, &mut journal, &stop, &mut |_| {}))?;
         if merged.ending == Ending::Stopped {
-            note("interrupted; --resume goes on");
+            print_note("interrupted; --resume goes on");
             return Ok(Verdict::Interrupted);
         }
         if merged.unseen > 0 {
-            note(&format!(
+            print_note(&format!(
                 "{} findings have no case file, because an engine does not answer as it did in the part",
                 merged.unseen
             ));

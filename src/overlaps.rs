@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use rockproof_model::{Block, Number, Precision, ToleranceSet};
-use rockproof_oracle::Solid;
+use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Meaning, Overlap, rounding_depth};
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ const MOST_NAMED: usize = 5;
 
 /// The overlaps of all neighbouring pairs, or of some.
 pub(crate) fn overlaps(blocks: &[&Block], tolerances: &ToleranceSet, only: Option<&[(usize, usize)]>) -> Overlaps {
-    let solids: Vec<Solid> = blocks.par_iter().map(|block| Solid::new(block)).collect();
+    let solids: Vec<PreparedBlock> = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
     let auditor = Auditor::new(&solids, tolerances);
     let pairs = match only {
         None => auditor.neighbours(),
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
     use rockproof_model::Vec3;
     use rockproof_model::preset::{Preset, derive};
-    use rockproof_oracle::audit::Sight;
+    use rockproof_oracle::audit::OverlapVisibility;
 
     /// A cube of 1 m on a fixed slab, sunk by so many thousandths.
     fn sunk(x: i32, thousandths: i32) -> Block {
@@ -130,7 +130,7 @@ mod tests {
         assert_eq!(found.sentence().as_deref(), Some(held));
         // The two shallower ones unseen: the deepest pair of all is not theirs.
         for overlap in &mut found.audit.overlaps[..2] {
-            (overlap.sight, overlap.contact) = (Sight::Unseen, None);
+            (overlap.sight, overlap.contact) = (OverlapVisibility::Unseen, None);
         }
         let said = found.sentence().expect("overlaps");
         assert!(said.starts_with("2 pairs (worst 0–2, 0.0020 m) overlap deeper than penetration or where"), "{said}");

@@ -1,6 +1,6 @@
 //! Progress of a campaign or of a merge, while it works.
 
-use crate::exit::note;
+use crate::exit::print_note;
 use crate::table::grouped;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use rockproof_campaign::journal::Seen;
@@ -69,7 +69,7 @@ impl Display {
                 }
                 None if last.elapsed() > LINES => {
                     last = Instant::now();
-                    note(&format!("{} of {} pairs, {told}", grouped(pairs), grouped(self.pairs)));
+                    print_note(&format!("{} of {} pairs, {told}", grouped(pairs), grouped(self.pairs)));
                 }
                 None => {}
             }

@@ -4,7 +4,7 @@ use crate::exit::{Outcome, Verdict, print};
 use crate::input::EngineArgs;
 use anyhow::Context;
 use rockproof_campaign::shrink::Shrinker;
-use rockproof_differential::case_file::{About, Case};
+use rockproof_differential::case_file::{Case, CaseDescription};
 use rockproof_model::Block;
 use rockproof_results::write_atomically;
 use std::path::PathBuf;
@@ -36,7 +36,7 @@ impl Shrink {
         let file = self.case.display();
         let panel = engines.panel_of(&case).with_context(|| file.to_string())?;
         if case.findings(&panel).is_empty() {
-            let About { cause, change, engine, predicate, .. } = about;
+            let CaseDescription { cause, change, engine, predicate, .. } = about;
             anyhow::bail!("{file}: the pair does not show its finding: {cause} {change} by {engine} ({predicate})");
         }
         let before = size(&case);
@@ -44,7 +44,7 @@ impl Shrink {
         let out = self.out.as_ref().unwrap_or(&self.case);
         write_atomically(out, small.to_toml()?).with_context(|| out.display().to_string())?;
         print(&format!("before: {before}\nafter:  {}\nwritten to {}\n", size(&small), out.display()))?;
-        Ok(Verdict::Fine)
+        Ok(Verdict::Passed)
     }
 }
 

@@ -3,14 +3,14 @@
 use anyhow::Context;
 use rayon::prelude::*;
 use rockproof_model::{Block, ContactKey, Number, Precision, Scene, ToleranceSet, Vec3};
-use rockproof_oracle::Solid;
+use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Overlap, rounding_depth};
 use rockproof_oracle::passage::{PassageAnswer, StraightMotion, passage, swept_neighbours};
 use rockproof_oracle::penetration::Penetration;
-use rockproof_simulate::run::Beside;
+use rockproof_simulate::run::StepAnnotations;
 use rockproof_simulate::{PairDepth, StepAudit, Stepping};
 use rockproof_stepper::Real;
-use rockproof_stepper::dynamics::{State, StepReport, Stopped};
+use rockproof_stepper::dynamics::{State, StepError, StepReport};
 use std::collections::BTreeMap;
 
 /// A run of which every step is audited. The stepper's coordinates are taken as exact; pairs of two fixed blocks are left
@@ -47,7 +47,7 @@ impl<R: Real> AuditedRun<R> {
     /// Fills in what blocks overlap after a step. A contact that the step left closed counts at any depth, as it does for
     /// the next step.
     fn audit_overlaps(&self, after: &[Block], state: &State<R>, found: &mut StepAudit) {
-        let solids: Vec<Solid> = after.par_iter().map(Solid::new).collect();
+        let solids: Vec<PreparedBlock> = after.par_iter().map(PreparedBlock::new).collect();
         let auditor = Auditor::new(&solids, &self.set);
         let mut kept: BTreeMap<[usize; 2], Vec<ContactKey>> = BTreeMap::new();
         for contact in state.contacts.iter().filter(|contact| contact.mode.is_closed()) {
@@ -93,7 +93,7 @@ impl<R: Real> AuditedRun<R> {
 }
 
 impl<R: Real> Stepping<R> for AuditedRun<R> {
-    fn step(&mut self) -> Result<StepReport, Stopped> {
+    fn step(&mut self) -> Result<StepReport, StepError> {
         self.last = None;
         let report = self.stepping.step()?;
         let state = self.stepping.state();
@@ -111,8 +111,8 @@ impl<R: Real> Stepping<R> for AuditedRun<R> {
         self.stepping.state()
     }
 
-    fn beside(&mut self) -> Option<Beside> {
-        self.stepping.beside()
+    fn annotations(&mut self) -> Option<StepAnnotations> {
+        self.stepping.annotations()
     }
 
     fn audit(&mut self) -> Option<StepAudit> {

@@ -1,6 +1,6 @@
 //! Ctrl-C, and what else asks a program to end (TERM, HUP): long work stops in good order, and no engine is left running.
 
-use crate::exit::note;
+use crate::exit::print_note;
 use anyhow::Context;
 use rockproof_differential::external::end_all;
 use std::sync::Arc;
@@ -22,10 +22,10 @@ pub(crate) fn on_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
         end_all();
         if again {
             // What comes next stands on a line of its own, whatever a bar left there.
-            note("stopped at once");
+            print_note("stopped at once");
             std::process::exit(INTERRUPTED.into());
         }
-        note("finishing what has begun; Ctrl-C again to quit at once");
+        print_note("finishing what has begun; Ctrl-C again to quit at once");
     })
     .context("cannot catch Ctrl-C")?;
     Ok(stop)

@@ -1,13 +1,13 @@
 //! The end of `campaign --stress`: pairs counted by cell, the limits that follow, and steps against closed forms.
 
-use crate::exit::{note, print};
+use crate::exit::{print, print_note};
 use crate::table::{grouped, table};
 use anyhow::Context;
 use rockproof_campaign::engines::Engines;
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::stress::StressSource;
-use rockproof_campaign::stress::steps::{self, Measured, REST};
-use rockproof_campaign::stress::table::{Limit, Proof, cells_csv, limits, limits_csv, rows};
+use rockproof_campaign::stress::steps::{self, ClosedFormCheck, REST};
+use rockproof_campaign::stress::table::{AgreementLimit, Proof, cells_csv, limits, limits_csv, rows};
 use rockproof_model::files::open_table;
 use std::io::BufReader;
 
@@ -19,7 +19,7 @@ pub(crate) fn finish(journal: &mut Journal, engines: &Engines) -> anyhow::Result
     let limits = limits(&rows);
     journal.write("stress.csv", &cells_csv(&rows)?)?;
     journal.write("limits.csv", &limits_csv(&limits)?)?;
-    note(&format!("{} steps at rest, and stiff contacts above soft ones", grouped(REST[REST.len() - 1])));
+    print_note(&format!("{} steps at rest, and stiff contacts above soft ones", grouped(REST[REST.len() - 1])));
     let measured = steps::measure(REST[REST.len() - 1])?;
     journal.write("steps.csv", &steps::to_csv(&measured)?)?;
     print(&format!("\n{}\n", limits_table(&limits)))?;
@@ -30,7 +30,7 @@ pub(crate) fn finish(journal: &mut Journal, engines: &Engines) -> anyhow::Result
 }
 
 /// Where there are too few pairs to tell, and how many would be needed; empty where there is no such place.
-fn too_few(limits: &[Limit]) -> String {
+fn too_few(limits: &[AgreementLimit]) -> String {
     let needed = limits.iter().filter_map(|limit| match limit.proof {
         Proof::TooFew { needed } => Some(needed),
         Proof::Safe | Proof::Unsafe => None,
@@ -46,11 +46,12 @@ fn too_few(limits: &[Limit]) -> String {
     )
 }
 
-fn limits_table(limits: &[Limit]) -> String {
+fn limits_table(limits: &[AgreementLimit]) -> String {
     let rows = limits.iter().map(|limit| {
         let (pairs, differ, high) = limit.up_to_safe;
-        let level =
-            |level: Option<rockproof_campaign::stress::Level>| level.map_or("nowhere".to_owned(), |l| l.to_string());
+        let level = |level: Option<rockproof_campaign::stress::StressLevel>| {
+            level.map_or("nowhere".to_owned(), |l| l.to_string())
+        };
         let beyond = match (limit.beyond, limit.proof) {
             (None, _) => "not tried".to_owned(),
             (Some((at, _)), Proof::TooFew { needed: None }) => format!("near 1 % at {at}"),
@@ -83,7 +84,7 @@ fn limits_table(limits: &[Limit]) -> String {
     table(&header, &[4, 5, 6, 7, 8, 9], rows).to_string()
 }
 
-fn steps_table(measured: &[Measured]) -> String {
+fn steps_table(measured: &[ClosedFormCheck]) -> String {
     let shown = |value: f64| if value.is_finite() { format!("{value:.1e}") } else { String::new() };
     let rows = measured.iter().map(|m| {
         let start = [m.case, m.motion.name(), m.engine].map(str::to_owned);

@@ -5,7 +5,7 @@
 //! `stepper-f64`. A word as argument makes the client misbehave, for the tests: see `Trick`.
 
 use rockproof_model::{Block, BlockOptions, Contact, Criteria, Number, Point, ToleranceSet};
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::{Classifier, Stepper};
 use serde_json::{Value, json};
 use std::io::{BufRead, Write};
@@ -51,7 +51,7 @@ fn tolerances(value: &Value) -> Result<ToleranceSet, Failure> {
 /// Your code comes here.
 fn contacts(question: &Value) -> Result<Vec<Contact>, Failure> {
     let (a, b) = (block(&question["a"])?, block(&question["b"])?);
-    Ok(Stepper::<Spec>::new().f64(&a, &b, &tolerances(&question["tolerances"])?)?)
+    Ok(Stepper::<SpecRules>::new().f64(&a, &b, &tolerances(&question["tolerances"])?)?)
 }
 
 fn written(contact: &Contact) -> Value {

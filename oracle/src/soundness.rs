@@ -6,8 +6,8 @@ use crate::levels::LevelCounts;
 use crate::number::{Approx, Ball, Bits, Bound, INFLATION};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
 use crate::predicate::*;
-use crate::run::{Run, Silent};
-use crate::solid::Solid;
+use crate::prepared_block::PreparedBlock;
+use crate::sign_ladder::{Classification, Unobserved};
 use crate::unit_bounds::unit_bounds_for;
 use crate::view::{BallView, BitsView, BoundView, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
@@ -164,7 +164,7 @@ struct Seen {
 
 struct Checker<'p, 's> {
     pair: &'p Pair<'s>,
-    run: Run<'p, 's, Silent>,
+    run: Classification<'p, 's, Unobserved>,
     tolerances: &'p ToleranceSet,
     seen: &'p mut BTreeMap<usize, Seen>,
     about: String,
@@ -252,7 +252,7 @@ impl Checker<'_, '_> {
         let axis = dice.below(3) as usize;
         let flip = dice.below(2) == 0;
         self.visit(&BoxesMeet { low: (Side::A, va), high: (Side::B, vb), axis });
-        for limit in [Limit::Search, Limit::Territory, Limit::Penetration] {
+        for limit in [LengthTolerance::Search, LengthTolerance::Territory, LengthTolerance::Penetration] {
             self.visit(&Near { a: va, b: vb, limit });
             for (vertex, edge) in [((Side::A, va), (Side::B, edge_b)), ((Side::B, vb), (Side::A, edge_a))] {
                 self.visit(&NearLine { vertex, edge, limit });
@@ -308,7 +308,7 @@ impl Checker<'_, '_> {
             Entrance { kind: EntranceKind::EdgeEdge, a: da, b: db },
         ];
         for first in entrances {
-            for limit in [Limit::Search, Limit::Territory, Limit::Penetration] {
+            for limit in [LengthTolerance::Search, LengthTolerance::Territory, LengthTolerance::Penetration] {
                 self.visit(&GapWithin { entrance: first, limit });
             }
             for second in others {
@@ -343,11 +343,17 @@ fn no_level_proves_a_wrong_sign() {
             _ => 1.0,
         };
         let t = tolerances(&mut dice, size);
-        let (a, b) = (Solid::new(&a), Solid::new(&b));
+        let (a, b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
         let pair = Pair::new(&a, &b);
         let about = format!("round {round}, {input:?}");
-        levels += Checker { pair: &pair, run: Run::new(&pair, &t, Silent), tolerances: &t, seen: &mut seen, about }
-            .visit_all(&mut dice);
+        levels += Checker {
+            pair: &pair,
+            run: Classification::new(&pair, &t, Unobserved),
+            tolerances: &t,
+            seen: &mut seen,
+            about,
+        }
+        .visit_all(&mut dice);
     }
     // The widths of integers are reached by what they are for.
     assert!(levels.fixed.into_iter().chain([levels.i128, levels.heap]).all(|count| count > 100), "{levels:?}");
@@ -398,7 +404,7 @@ fn polynomials_have_the_degree_they_say() {
     let build = |corners: &[[i32; 3]; 4], factor: i32| {
         let number = |n: i32| Number::from_integer(n * factor);
         let vertices = corners.iter().map(|&[x, y, z]| Vec3::new(number(x), number(y), number(z))).collect();
-        Solid::new(&Block::new(vertices, faces.clone(), &BlockOptions { planarity: Number::ZERO }).unwrap())
+        PreparedBlock::new(&Block::new(vertices, faces.clone(), &BlockOptions { planarity: Number::ZERO }).unwrap())
     };
     let (a1, b1, a3, b3) = (build(&vertices, 1), build(&moved, 1), build(&vertices, 3), build(&moved, 3));
     // Three times an odd coordinate is odd: both pairs are on the lattice of the integers.
@@ -416,19 +422,19 @@ fn polynomials_have_the_degree_they_say() {
     let (first, second) = (entrance(EntranceKind::VertexFace, 1, 2), entrance(EntranceKind::EdgeEdge, 1, 4));
     let inward = InwardAcross { edge_a: 1, edge_b: 4, side: Side::A, right: false };
     degree.check(&BoxesMeet { low: vertex, high: (Side::B, 2), axis: 0 });
-    degree.check(&Near { a: 1, b: 2, limit: Limit::Search });
+    degree.check(&Near { a: 1, b: 2, limit: LengthTolerance::Search });
     degree.check(&NearForEdge { a: 1, b: 2, edge });
     degree.check(&BeyondVertex { point: vertex, at: (Side::B, b1.block.topology().edges()[2].p), edge: 2 });
     degree.check(&FootAlong { vertex, edge, from_end: true });
-    degree.check(&NearLine { vertex, edge, limit: Limit::Territory });
+    degree.check(&NearLine { vertex, edge, limit: LengthTolerance::Territory });
     let ends = b1.block.topology().edges()[2];
     let far = (0..4).find(|&v| v != ends.p && v != ends.q).unwrap();
     degree.check(&NearLineForHeight { vertex, edge, height_at: far });
     degree.check(&InwardOf { vertex, edge, right: true });
     degree.check(&FootBeyondVertex { vertex, edge, at_vertex: a1.block.topology().vertex_edges(1)[0] });
     degree.check(&AbovePlane { vertex, face });
-    degree.check(&GapWithin { entrance: second, limit: Limit::Penetration });
-    degree.check(&GapWithin { entrance: first, limit: Limit::Search });
+    degree.check(&GapWithin { entrance: second, limit: LengthTolerance::Penetration });
+    degree.check(&GapWithin { entrance: first, limit: LengthTolerance::Search });
     degree.check(&PolygonHeight { vertex, corner: 1, face, axis: 1 });
     degree.check(&NormalComponent { face, axis: 0 });
     degree.check(&EdgeAbovePlane { vertex, edge: a1.block.topology().vertex_edges(1)[0], face });

@@ -4,7 +4,7 @@ mod support;
 
 use rockproof_model::Number;
 use rockproof_model::simulation::Motion;
-use rockproof_oracle::step::{Keep, Mode};
+use rockproof_oracle::step::{KeptPrecision, Mode};
 use support::shapes::{cuboid, number, point};
 use support::steps::Scene;
 
@@ -19,7 +19,7 @@ fn cube(gap: &str, velocity: &str) -> Scene {
 
 /// The one mode that all four corners have after the step.
 fn mode_after(scene: &Scene) -> Mode {
-    let answer = scene.step(&scene.start(), Keep::Exact);
+    let answer = scene.step(&scene.start(), KeptPrecision::Exact);
     let last = answer.modes.last().expect("a solve");
     assert_eq!(last.len(), 4, "{:?}", answer.contacts);
     assert!(last.iter().all(|mode| *mode == last[0]), "{last:?}");

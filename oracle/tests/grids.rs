@@ -8,7 +8,7 @@ mod support;
 use num_rational::BigRational;
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Block, BlockOptions, ContactKind, Number, Point, ToleranceSet, Vec3};
-use rockproof_oracle::{Pair, Solid, plain};
+use rockproof_oracle::{Pair, PreparedBlock, plain};
 use std::collections::BTreeSet;
 use support::shapes::{number, revised, spike, tetrahedron};
 
@@ -52,7 +52,7 @@ struct Seen {
 }
 
 fn compare(tip: &Block, base: &Block, t: &ToleranceSet, about: &str, seen: &mut Seen) {
-    let (a, b) = (Solid::new(tip), Solid::new(base));
+    let (a, b) = (PreparedBlock::new(tip), PreparedBlock::new(base));
     let pair = Pair::new(&a, &b);
     let fast = pair.classify(t).contacts;
     let plainly: Vec<_> = plain::classify::<BigRational>(tip, base, t).into_iter().map(|found| found.contact).collect();
@@ -157,7 +157,7 @@ fn over_a_bent_face_the_paths_agree() {
             let at = Vec3::new(halves(place), halves(8 - place), number(&format!("{z}/200")));
             let tips = tips.translated(&at);
             compare(&tips, &base, &t, &format!("tips at ({place}, {})/2, {z}/200", 8 - place), &mut seen);
-            let contacts = Pair::new(&Solid::new(&tips), &Solid::new(&base)).classify(&t).contacts;
+            let contacts = Pair::new(&PreparedBlock::new(&tips), &PreparedBlock::new(&base)).classify(&t).contacts;
             above += usize::from(z > 2 && contacts.iter().any(|c| c.kind == ContactKind::VertexFace && c.a == 0));
         }
     }

@@ -7,7 +7,7 @@ mod support;
 
 use num_rational::BigRational;
 use rockproof_model::{Block, ContactKind, Number, Point, Precision, ToleranceSet, Vec3};
-use rockproof_oracle::{LevelCounts, Pair, Solid, plain};
+use rockproof_oracle::{LevelCounts, Pair, PreparedBlock, plain};
 use support::handworked;
 use support::shapes::{block, cuboid, number, point, revised};
 
@@ -108,7 +108,7 @@ fn beside_every_tie_the_paths_agree() {
     for case in handworked::cases() {
         for round in 0..ROUNDS {
             let Some(Drawn { a, b, tolerances, about }) = draw(&case, round, &mut dice) else { continue };
-            let (solid_a, solid_b) = (Solid::new(&a), Solid::new(&b));
+            let (solid_a, solid_b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
             let pair = Pair::new(&solid_a, &solid_b);
             let kept = if round % 2 == 0 { case.kept.as_slice() } else { &[] };
             let answer = pair.classify_keeping(&tolerances, kept);
@@ -140,7 +140,7 @@ fn boxes_apart_by_a_hair_more_than_s_are_no_neighbours() {
     let b = cuboid(["1", "0", "0"], ["2", "1", "1"]);
     // Twice: the bound of the f64 path is known from the second time on.
     for (first, second) in [(&a, &b), (&b, &a), (&a, &b), (&b, &a)] {
-        let (first, second) = (Solid::new(first), Solid::new(second));
+        let (first, second) = (PreparedBlock::new(first), PreparedBlock::new(second));
         let pair = Pair::new(&first, &second);
         // f64 makes 1 of 1 + 2⁻⁵⁴.
         assert!(!pair.are_neighbours(&revised(&[("search", "1")])));
@@ -183,7 +183,7 @@ fn edges_that_cross_at_an_end_have_the_feet_that_fractions_find() {
         let t = revised(&[("search", "1"), ("territory", "0")]);
         let plainly: Vec<_> =
             plain::classify::<BigRational>(&a, &b, &t).into_iter().map(|found| found.contact).collect();
-        let fast = Pair::new(&Solid::new(&a), &Solid::new(&b)).classify(&t).contacts;
+        let fast = Pair::new(&PreparedBlock::new(&a), &PreparedBlock::new(&b)).classify(&t).contacts;
         assert_eq!(fast, plainly, "round {round}: fast (left), plain (right)");
         *if fast.iter().any(|c| c.kind == ContactKind::EdgeEdge) { &mut crossing } else { &mut others } += 1;
     }

@@ -1,4 +1,4 @@
-//! Pins `tune`: what it says and writes, that it goes on to the same bytes, what it refuses, and that the reference is not stale.
+//! Pins `tune`: what it says and writes, that it produces byte-identical files, what it refuses, and that the reference is not stale.
 
 use assert_cmd::Command;
 use std::collections::HashMap;

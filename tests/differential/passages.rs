@@ -4,16 +4,18 @@
 use crate::step_mistakes::{Mistake, Mistaken, PLANTING, plant};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::source::{self, FamilySource};
-use rockproof_campaign::steps::{PASSAGE, StepChange, StepEngine, StepFinding, StepperSteps, examine_all, passing};
+use rockproof_campaign::steps::{
+    PASSAGE, StepChange, StepEngine, StepFinding, StepperStepEngine, examine_all, passing,
+};
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::run::KEEP;
-use rockproof_differential::lockstep::{ExactScene, Intrusion, Links, Lockstep, StepCause};
+use rockproof_differential::lockstep::{ComparedLinks, ExactScene, Intrusion, Lockstep, StepCause};
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{Source, Subject, SubjectSet};
+use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::{Block, Criteria, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::passage::{PassageAnswer, StraightMotion, passage};
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use std::collections::BTreeMap;
 
 fn source_of(steps_every: u64) -> FamilySource {
@@ -61,7 +63,7 @@ fn exactly(subject: &Subject, motion: &PairMotion, set: &SubjectSet, reached: &m
 
 #[test]
 fn the_family_reaches_passages_and_what_just_avoids_them() {
-    let engine = StepperSteps::<f64, Spec>::f64("stepper-f64");
+    let engine = StepperStepEngine::<f64, SpecRules>::f64("stepper-f64");
     let mut by_set: BTreeMap<&str, Reached> = BTreeMap::new();
     let mut by_form: BTreeMap<&str, u32> = BTreeMap::new();
     let mut causes: BTreeMap<(&str, &str), u32> = BTreeMap::new();
@@ -74,9 +76,9 @@ fn the_family_reaches_passages_and_what_just_avoids_them() {
                 let Some(watched) = made.compared.watched else { continue };
                 reached.unseen += watched.oracle.count(Intrusion::Unseen) as u32;
                 *by_form.entry(&subject.form).or_default() += watched.oracle.count(Intrusion::Passage) as u32;
-                for caused in &watched.caused {
-                    assert_ne!(caused.cause, Cause::Defect.into(), "pair {} under {}", subject.index, set.name);
-                    *causes.entry((caused.kind.name(), caused.cause.name())).or_default() += 1;
+                for attributed in &watched.attributed {
+                    assert_ne!(attributed.cause, Cause::Defect.into(), "pair {} under {}", subject.index, set.name);
+                    *causes.entry((attributed.kind.name(), attributed.cause.name())).or_default() += 1;
                 }
             }
         }
@@ -138,10 +140,11 @@ fn v([x, y, z]: [&str; 3]) -> Vec3<Number> {
 /// Passages of the stepper and of the oracle in the blade's step, and their causes.
 fn watched(search: &str) -> ([usize; 2], Vec<&'static str>) {
     let (scene, set) = blade(search);
-    let mut lockstep = Lockstep::<f64, Spec>::new(&scene, &set, Precision::F64, Links::All).unwrap().watching();
+    let mut lockstep =
+        Lockstep::<f64, SpecRules>::new(&scene, &set, Precision::F64, ComparedLinks::All).unwrap().watching();
     let step = lockstep.step().1.watched.unwrap();
     let passages = [&step.stepper, &step.oracle].map(|side| side.count(Intrusion::Passage));
-    (passages, step.caused.iter().map(|caused| caused.cause.name()).collect())
+    (passages, step.attributed.iter().map(|attributed| attributed.cause.name()).collect())
 }
 
 #[test]
@@ -154,7 +157,7 @@ fn a_blade_goes_through_where_no_contact_is_sought() {
 
 /// What shows a mistake in passages or unseen overlaps of a few pairs: the first such finding.
 fn shown(mistake: Mistake, pairs: &[(Subject, PairMotion)]) -> Option<(u64, String)> {
-    let engines: Vec<Box<dyn StepEngine>> = vec![Box::new(StepperSteps::<f64, Mistaken>::f64("stepper-f64"))];
+    let engines: Vec<Box<dyn StepEngine>> = vec![Box::new(StepperStepEngine::<f64, Mistaken>::f64("stepper-f64"))];
     plant(mistake);
     let shown = pairs.iter().find_map(|(subject, motion)| {
         let found = examine_all(&[(subject, motion.clone())], &engines).findings;

@@ -16,7 +16,7 @@ const NOT_RUN: [(&str, &str); 9] = [
     ("cargo install", "it builds the program anew; `.ci/run` builds it"),
     ("cargo build --release --locked --manifest-path examples/other_codes/parry", "minutes; `.ci/run` has it"),
     ("cargo run --release -p rockproof-validation", "minutes; the tests of that crate hold what it finds"),
-    ("mdbook", "a tool that neither the program nor its tests need; tests/book.rs checks what it would"),
+    ("mdbook", "a tool that neither the program nor its tests need; tests/documentation/book.rs checks what it would"),
     ("sbatch", "a cluster; docs/scale.md runs the script itself without one"),
     ("pip install", "other people's codes, of hundreds of megabytes"),
     ("cargo run --release --features gmp", "GMP builds for minutes; `.ci/run` tests with it"),

@@ -1,7 +1,7 @@
 //! The case files of a campaign: which findings get one, and how it is made.
 
-use super::journal::{NewRows, Progress};
-use super::kept::{Counts, Kept, Most, Record, Wish, keep};
+use super::case_writer::{CaseCounts, CaseFiles, CaseQuota, CaseRequest, Record, write_cases};
+use super::journal::{CampaignProgress, NewRows};
 use super::run::{Campaign, RunError, Stopped, rows};
 use super::shrink::Shrinker;
 use super::steps::{self, StepFinding, StepFindingRow};
@@ -16,7 +16,7 @@ use rockproof_differential::subject::Subject;
 const STEP_CASES: u64 = 4;
 
 /// The case file that the finding of a row would get.
-pub(super) fn wish(row: &FindingRow) -> Wish {
+pub(super) fn wish(row: &FindingRow) -> CaseRequest {
     let fingerprint = Fingerprint::of_row(row);
     let name = format!("{}.toml", fingerprint.file_stem(&row.tolerances, row.index));
     let far = row.margin_ulps.map(f64::abs).filter(|ulps| *ulps > FAR);
@@ -24,23 +24,23 @@ pub(super) fn wish(row: &FindingRow) -> Wish {
         key: format!("furthest {} {}", row.engine, row.cause),
         decade: ulps.log10().floor() as u64,
     });
-    Wish { fingerprint: fingerprint.text(), cause: row.cause.name(), name, record }
+    CaseRequest { fingerprint: fingerprint.text(), cause: row.cause.name(), name, record }
 }
 
 /// The same of a finding about a step.
-pub(super) fn step_wish(row: &StepFindingRow) -> Wish {
-    Wish { fingerprint: row.fingerprint(), cause: row.cause.name(), name: row.file_name(), record: None }
+pub(super) fn step_wish(row: &StepFindingRow) -> CaseRequest {
+    CaseRequest { fingerprint: row.fingerprint(), cause: row.cause.name(), name: row.file_name(), record: None }
 }
 
 impl Campaign<'_> {
     /// How many case files there may be.
-    pub(super) fn most_cases(&self) -> Most {
-        Most { of_cause: self.config.cases_per_cause, alike: self.config.cases_per_fingerprint }
+    pub(super) fn most_cases(&self) -> CaseQuota {
+        CaseQuota { of_cause: self.config.cases_per_cause, alike: self.config.cases_per_fingerprint }
     }
 
     /// The same of findings about steps.
-    pub(super) fn most_step_cases(&self) -> Most {
-        Most { of_cause: self.config.cases_per_cause / STEP_CASES, ..self.most_cases() }
+    pub(super) fn most_step_cases(&self) -> CaseQuota {
+        CaseQuota { of_cause: self.config.cases_per_cause / STEP_CASES, ..self.most_cases() }
     }
 
     /// The rows of a chunk's findings and their case files. A part makes no case files. Where the run is stopped meanwhile, the rest is not
@@ -49,12 +49,12 @@ impl Campaign<'_> {
         &self,
         findings: &[Finding],
         stepped: &[StepFinding],
-        progress: &mut Progress,
+        progress: &mut CampaignProgress,
         stopped: Stopped<'_>,
     ) -> Result<(NewRows, Vec<(String, Vec<u8>)>), RunError> {
         let (kept, kept_steps, no_case) = if progress.part.is_some() {
             let no_case = self.without_case(stepped, progress, stopped)?;
-            (Kept::none(findings.len()), Kept::none(stepped.len()), no_case)
+            (CaseFiles::none(findings.len()), CaseFiles::none(stepped.len()), no_case)
         } else {
             let kept = self.keep_cases(findings, progress, stopped)?;
             (kept, self.keep_step_cases(stepped, progress, stopped)?, Vec::new())
@@ -71,26 +71,26 @@ impl Campaign<'_> {
     fn keep_cases(
         &self,
         findings: &[Finding],
-        progress: &mut Progress,
+        progress: &mut CampaignProgress,
         stopped: Stopped<'_>,
-    ) -> Result<Kept, RunError> {
+    ) -> Result<CaseFiles, RunError> {
         let wish = |finding: &Finding| wish(&finding.row(String::new()));
-        let counts = Counts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
+        let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
         let case = |finding: &Finding| if stopped() { Ok(None) } else { self.case(finding) };
-        keep(findings, wish, self.most_cases(), counts, case)
+        write_cases(findings, wish, self.most_cases(), counts, case)
     }
 
     /// The same of findings about steps: the first few of each fingerprint.
     fn keep_step_cases(
         &self,
         findings: &[StepFinding],
-        progress: &mut Progress,
+        progress: &mut CampaignProgress,
         stopped: Stopped<'_>,
-    ) -> Result<Kept, RunError> {
+    ) -> Result<CaseFiles, RunError> {
         let wish = |finding: &StepFinding| step_wish(&finding.row(String::new()));
-        let counts = Counts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
+        let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
         let case = |finding: &StepFinding| if stopped() { Ok(None) } else { self.step_case(finding) };
-        keep(findings, wish, self.most_step_cases(), counts, case)
+        write_cases(findings, wish, self.most_step_cases(), counts, case)
     }
 
     /// Rows of `no_case.csv`: of the findings about steps that a campaign of this part alone would keep, those that cannot have a case file.
@@ -98,12 +98,12 @@ impl Campaign<'_> {
     fn without_case(
         &self,
         findings: &[StepFinding],
-        progress: &mut Progress,
+        progress: &mut CampaignProgress,
         stopped: Stopped<'_>,
     ) -> Result<Vec<u8>, RunError> {
         let Some(part) = &mut progress.part else { return Ok(Vec::new()) };
         let wish = |finding: &StepFinding| step_wish(&finding.row(String::new()));
-        let counts = Counts { alike: &mut part.fingerprints, of_cause: &mut part.causes };
+        let counts = CaseCounts { alike: &mut part.fingerprints, of_cause: &mut part.causes };
         let tried = |finding: &StepFinding| {
             if stopped() {
                 return Ok(None);
@@ -113,7 +113,7 @@ impl Campaign<'_> {
                 .is_some_and(|(subject, motion)| steps::case::is_possible(finding, &subject, &motion, self.steppers));
             Ok(possible.then(Vec::new))
         };
-        let kept = keep(findings, wish, self.most_step_cases(), counts, tried)?;
+        let kept = write_cases(findings, wish, self.most_step_cases(), counts, tried)?;
         let mut rows = Vec::new();
         for at in kept.failed {
             let index = findings[at].index;

@@ -1,6 +1,6 @@
 //! What a campaign is asked to do.
 
-use super::grid::Grid;
+use super::tolerance_grid::ToleranceGrid;
 use rockproof_differential::builtin;
 use rockproof_differential::external::EngineSpec;
 use rockproof_model::Number;
@@ -29,7 +29,7 @@ pub struct CampaignConfig {
     pub tolerances: Vec<String>,
     /// Tolerance sets on a grid.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub grid: Option<Grid>,
+    pub grid: Option<ToleranceGrid>,
     /// The families; empty for all.
     pub families: Vec<String>,
     /// Whether the pairs are those of the stress set ([`crate::stress`]) instead of the families'.

@@ -1,6 +1,6 @@
 //! What external engines were put through, over all sessions of a run and all parts of a campaign.
 
-use rockproof_differential::attribution::Panel;
+use rockproof_differential::attribution::EnginePanel;
 use rockproof_differential::engine::EngineCounts;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -31,12 +31,12 @@ pub(super) struct EngineSums {
 
 impl EngineSums {
     /// Begins a session after what was counted before.
-    pub(super) fn begin(panel: &Panel, before: &BTreeMap<String, EngineCounts>) -> EngineSums {
+    pub(super) fn begin(panel: &EnginePanel, before: &BTreeMap<String, EngineCounts>) -> EngineSums {
         EngineSums { before: before.clone(), at_start: counts(panel) }
     }
 
     /// The sums of what was counted before and in this session.
-    pub(super) fn now(&self, panel: &Panel) -> BTreeMap<String, EngineCounts> {
+    pub(super) fn now(&self, panel: &EnginePanel) -> BTreeMap<String, EngineCounts> {
         let mut sums = self.before.clone();
         for (name, now) in counts(panel) {
             let since = self.at_start.get(&name).map_or(now, |start| now.since(start));
@@ -53,7 +53,7 @@ pub(super) fn add(sums: &mut BTreeMap<String, EngineCounts>, name: String, count
 }
 
 /// Since the program began.
-fn counts(panel: &Panel) -> BTreeMap<String, EngineCounts> {
+fn counts(panel: &EnginePanel) -> BTreeMap<String, EngineCounts> {
     panel.engines.iter().filter_map(|engine| Some((engine.name().to_owned(), engine.counts()?))).collect()
 }
 

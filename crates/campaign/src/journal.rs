@@ -10,7 +10,9 @@ use super::summary::Summary;
 use rockproof_differential::agreement::Agreement;
 use rockproof_differential::engine::{EngineCounts, Levels};
 use rockproof_differential::finding::FINDING_COLUMNS;
-use rockproof_results::{Claim, Directory, Kind, Owner, ResultsError, Seal, Start, Table, identity_differences};
+use rockproof_results::{
+    AppendedTable, Claim, Directory, FileKind, Owner, ResultsError, Seal, Start, identity_differences,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -20,7 +22,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 
 /// Everything a campaign knows between two chunks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Progress {
+pub struct CampaignProgress {
     /// The configuration and version of the run.
     pub configuration: Map<String, Value>,
     /// Pairs done; always whole chunks, but for the last.
@@ -75,7 +77,7 @@ pub struct NewRows {
     pub no_case: Vec<u8>,
 }
 
-/// What has been looked at since the program began, for whoever shows progress while a chunk is under way. It counts ahead of [`Progress`].
+/// What has been looked at since the program began, for whoever shows progress while a chunk is under way. It counts ahead of [`CampaignProgress`].
 #[derive(Debug, Default)]
 pub struct Seen {
     /// Pairs examined, those of earlier sessions among them.
@@ -90,12 +92,12 @@ pub struct Seen {
 #[derive(Debug)]
 pub struct Journal {
     directory: Directory,
-    findings: Table,
+    findings: AppendedTable,
     /// `step_findings.csv`, where pairs make steps.
-    step_findings: Option<Table>,
+    step_findings: Option<AppendedTable>,
     /// `no_case.csv`, in a part where pairs make steps.
-    no_case: Option<Table>,
-    progress: Progress,
+    no_case: Option<AppendedTable>,
+    progress: CampaignProgress,
     seen: Arc<Seen>,
 }
 
@@ -177,13 +179,13 @@ impl Journal {
         start: Start,
     ) -> Result<Journal, ResultsError> {
         let mut directory = Directory::claim(Claim { dir, owner, start, files: &FILES })?;
-        if directory.goes_on(PROGRESS, FINDINGS)? {
+        if directory.is_resumable(PROGRESS, FINDINGS)? {
             return Journal::resume(directory, &configuration);
         }
         directory.make_folder(CASES)?;
         let header = format!("{}\n", FINDING_COLUMNS.join(","));
         let findings = directory.begin_table(FINDINGS, header.as_bytes())?;
-        let progress = Progress {
+        let progress = CampaignProgress {
             configuration,
             pairs_done: 0,
             findings: findings.seal()?,
@@ -209,7 +211,7 @@ impl Journal {
     }
 
     fn resume(directory: Directory, configuration: &Map<String, Value>) -> Result<Journal, ResultsError> {
-        let mut progress: Progress = directory.read_sealed(PROGRESS)?;
+        let mut progress: CampaignProgress = directory.read_sealed(PROGRESS)?;
         let known = &progress.configuration;
         let pairs = |configuration: &Map<String, Value>| configuration.get(PAIRS).and_then(Value::as_u64);
         // A pair is a function of seed and index, so that a longer run begins with the shorter one. Parts of more pairs are other parts, and
@@ -235,7 +237,7 @@ impl Journal {
         ];
         let seals: Vec<(&str, &Seal)> = seals.into_iter().filter_map(|(name, seal)| Some((name, seal?))).collect();
         let tables = directory.resume_tables(seals.iter().copied())?;
-        let mut tables: BTreeMap<&str, Table> = seals.iter().map(|(name, _)| *name).zip(tables).collect();
+        let mut tables: BTreeMap<&str, AppendedTable> = seals.iter().map(|(name, _)| *name).zip(tables).collect();
         let findings = tables.remove(FINDINGS);
         let findings = findings.ok_or_else(|| ResultsError::damaged(&directory.path().join(FINDINGS), "missing"))?;
         let (step_findings, no_case) = (tables.remove(STEP_FINDINGS), tables.remove(NO_CASE));
@@ -250,7 +252,7 @@ impl Journal {
     }
 
     /// What is done.
-    pub fn progress(&self) -> &Progress {
+    pub fn progress(&self) -> &CampaignProgress {
         &self.progress
     }
 
@@ -290,8 +292,8 @@ impl Journal {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn commit(&mut self, rows: &NewRows, mut progress: Progress) -> Result<(), ResultsError> {
-        let appended = |table: &mut Table, rows: &[u8]| {
+    pub fn commit(&mut self, rows: &NewRows, mut progress: CampaignProgress) -> Result<(), ResultsError> {
+        let appended = |table: &mut AppendedTable, rows: &[u8]| {
             table.append(rows)?;
             table.seal()
         };
@@ -309,7 +311,7 @@ impl Journal {
     /// # Errors
     /// When it cannot be written.
     pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
-        let kind = if name.ends_with(".csv") { Kind::Table } else { Kind::Run };
+        let kind = if name.ends_with(".csv") { FileKind::Table } else { FileKind::Run };
         self.directory.write(name, kind, bytes)
     }
 
@@ -318,7 +320,7 @@ impl Journal {
     /// # Errors
     /// When a file that is not ours is in the way, or one cannot be written.
     pub fn write_cases(&mut self, cases: Vec<(String, Vec<u8>)>) -> Result<(), ResultsError> {
-        let case = |(name, bytes): (String, Vec<u8>)| (format!("{CASES}/{name}"), Kind::Case, bytes);
+        let case = |(name, bytes): (String, Vec<u8>)| (format!("{CASES}/{name}"), FileKind::Case, bytes);
         self.directory.write_all(cases.into_iter().map(case))
     }
 }

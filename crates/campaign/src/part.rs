@@ -6,10 +6,10 @@
 use super::run::RunError;
 use super::steps::{self, StepFinding, StepSummary};
 use rockproof_differential::agreement::Agreement;
-use rockproof_differential::attribution::{Examined, examine};
+use rockproof_differential::attribution::{PairExamination, examine};
 use rockproof_differential::builtin;
 use rockproof_differential::finding::Finding;
-use rockproof_differential::subject::Source;
+use rockproof_differential::subject::PairSource;
 use rockproof_results::{Seal, digest};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -106,14 +106,14 @@ impl Machine {
     ///
     /// # Errors
     /// When a table cannot be written.
-    pub fn here(source: &dyn Source) -> Result<Machine, RunError> {
+    pub fn here(source: &dyn PairSource) -> Result<Machine, RunError> {
         let names = builtin::ENGINES.map(str::to_owned);
         let panel = builtin::panel(&names, 1).map_err(RunError::Engine)?;
         let steppers = steps::engines(builtin::ENGINES);
         let mut said = Vec::new();
         let (mut agreement, mut steps) = (Agreement::default(), StepSummary::default());
         for subject in (0..FIRST_BATCHES).flat_map(|number| source.batch(number)) {
-            let Examined { findings, agreement: of_pair, .. } = examine(&subject, &panel);
+            let PairExamination { findings, agreement: of_pair, .. } = examine(&subject, &panel);
             agreement.add(of_pair);
             said.extend(super::run::rows(&findings, &vec![None; findings.len()], Finding::row)?);
             if let Some(motion) = source.motion(&subject) {

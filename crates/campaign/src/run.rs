@@ -2,17 +2,17 @@
 
 use super::config::CampaignConfig;
 use super::engine_counts::{self, ENGINES, EngineSums};
-use super::journal::{Journal, Progress, Seen};
+use super::journal::{CampaignProgress, Journal, Seen};
 use super::merge::MergeError;
 use super::part::Part;
 use super::steps::{self, StepEngine};
-use super::summary::{Origin, Summary};
+use super::summary::{PairGroup, Summary};
 use rayon::prelude::*;
 use rockproof_differential::agreement::Agreement;
-use rockproof_differential::attribution::{Examined, Panel, examine};
+use rockproof_differential::attribution::{EnginePanel, PairExamination, examine};
 use rockproof_differential::engine::Levels;
 use rockproof_differential::finding::Finding;
-use rockproof_differential::subject::Source;
+use rockproof_differential::subject::PairSource;
 use rockproof_results::ResultsError;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -26,11 +26,11 @@ pub struct Campaign<'c> {
     /// What to do.
     pub config: &'c CampaignConfig,
     /// Where the pairs come from.
-    pub source: &'c dyn Source,
+    pub source: &'c dyn PairSource,
     /// The oracle and the engines.
-    pub panel: &'c Panel,
+    pub panel: &'c EnginePanel,
     /// A panel with one engine of the given name, or all of a precision: what a shrinker needs.
-    pub narrow: &'c (dyn Fn(&Finding) -> Panel + Sync),
+    pub narrow: &'c (dyn Fn(&Finding) -> EnginePanel + Sync),
     /// What makes the steps of pairs that the source moves; empty for no steps.
     pub steppers: &'c [Box<dyn StepEngine>],
     /// Worker threads; 0 for one a core.
@@ -95,14 +95,14 @@ pub(super) type Stopped<'s> = &'s (dyn Fn() -> bool + Sync);
 
 /// What one batch brought.
 #[derive(Default)]
-struct Batch {
+struct BatchResult {
     findings: Vec<Finding>,
     summary: Summary,
     levels: Levels,
     contacts: u64,
     metamorphic_checks: u64,
     agreement: Agreement,
-    steps: steps::Examined,
+    steps: steps::StepExamination,
 }
 
 impl Campaign<'_> {
@@ -116,7 +116,7 @@ impl Campaign<'_> {
         &self,
         journal: &mut Journal,
         stop: &AtomicBool,
-        watch: &mut dyn FnMut(&Progress),
+        watch: &mut dyn FnMut(&CampaignProgress),
     ) -> Result<Ending, RunError> {
         self.work(0..self.config.pairs, journal, stop, watch)
     }
@@ -130,7 +130,7 @@ impl Campaign<'_> {
         part: Part,
         journal: &mut Journal,
         stop: &AtomicBool,
-        watch: &mut dyn FnMut(&Progress),
+        watch: &mut dyn FnMut(&CampaignProgress),
     ) -> Result<Ending, RunError> {
         self.work(part.pairs(self.config.pairs, self.source.batch_len()), journal, stop, watch)
     }
@@ -147,7 +147,7 @@ impl Campaign<'_> {
         share: Range<u64>,
         journal: &mut Journal,
         stop: &AtomicBool,
-        watch: &mut dyn FnMut(&Progress),
+        watch: &mut dyn FnMut(&CampaignProgress),
     ) -> Result<Ending, RunError> {
         if journal.progress().merging {
             return Err(RunError::Merging { dir: journal.dir().to_owned() });
@@ -173,7 +173,7 @@ impl Campaign<'_> {
         while journal.progress().pairs_done < pairs && !stopped() {
             let first = share.start + journal.progress().pairs_done;
             let end = (first / chunk + 1).saturating_mul(chunk).min(share.end);
-            let batches: Option<Vec<Batch>> = pool.install(|| {
+            let batches: Option<Vec<BatchResult>> = pool.install(|| {
                 let numbers = (first / batch_len..end.div_ceil(batch_len)).into_par_iter();
                 numbers.map(|n| self.batch(n, end, &seen, &stopped)).collect()
             });
@@ -243,21 +243,22 @@ impl Campaign<'_> {
     }
 
     /// One batch; `None` where the run is stopped meanwhile.
-    fn batch(&self, number: u64, end: u64, seen: &Seen, stopped: Stopped<'_>) -> Option<Batch> {
-        let mut batch = Batch::default();
+    fn batch(&self, number: u64, end: u64, seen: &Seen, stopped: Stopped<'_>) -> Option<BatchResult> {
+        let mut batch = BatchResult::default();
         let subjects = self.source.batch(number);
         for subject in subjects.iter().filter(|s| s.index < end) {
             if stopped() {
                 return None;
             }
             for set in &subject.sets {
-                batch.summary.add_pair(Origin {
+                batch.summary.add_pair(PairGroup {
                     family: subject.family.to_string(),
                     form: subject.form.to_string(),
                     tolerances: set.name.to_string(),
                 });
             }
-            let Examined { findings, levels, contacts, metamorphic_checks, agreement } = examine(subject, self.panel);
+            let PairExamination { findings, levels, contacts, metamorphic_checks, agreement } =
+                examine(subject, self.panel);
             seen.pairs.fetch_add(1, Ordering::Relaxed);
             seen.findings.fetch_add(findings.len() as u64, Ordering::Relaxed);
             for finding in &findings {

@@ -1,13 +1,13 @@
 //! Where a campaign's pairs come from: the families, under the presets.
 
 use super::config::CampaignConfig;
-use super::families::{self, Real};
-use super::grid::GridFault;
+use super::families::{self, RealNeighbours};
 use super::pairs::{self, PairCase, PairConfig};
-use super::sets::{self, SetSource};
 use super::steps::{PASSAGE, motion, passing};
+use super::tolerance_grid::ToleranceGridError;
+use super::tolerance_sets::{self, SetSource};
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{Source, Subject, SubjectSet};
+use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
 use rockproof_model::files::read_limited;
 use rockproof_model::{Block, LoadOptions, Number, Precision, Scene, SceneError, SpecError, ToleranceSpec, Vec3};
 use serde_json::{Map, Value};
@@ -65,7 +65,7 @@ pub enum SourceError {
     },
     /// A grid of tolerance sets that is none.
     #[error(transparent)]
-    Grid(#[from] GridFault),
+    Grid(#[from] ToleranceGridError),
     /// A block file that cannot be read.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -113,7 +113,7 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
             // Pairs are sought within a file, so files are kept apart by a family of their own each.
             let scene = Scene::load_with(file, &LoadOptions { planarity: config.planarity.clone() })?;
             blocks.push(
-                Real::neighbours(&scene.shapes().into_iter().cloned().collect::<Vec<Block>>())
+                RealNeighbours::neighbours(&scene.shapes().into_iter().cloned().collect::<Vec<Block>>())
                     .ok_or_else(|| SourceError::NoNeighbours { file: file.display().to_string() })?,
             );
         }
@@ -122,7 +122,7 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
     }
     let own = config.tolerances.is_empty() && config.grid.is_none();
     let names: Vec<&str> =
-        if own { sets::NAMES.to_vec() } else { config.tolerances.iter().map(String::as_str).collect() };
+        if own { tolerance_sets::NAMES.to_vec() } else { config.tolerances.iter().map(String::as_str).collect() };
     let mut sets = set_sources(&names)?;
     // On a grid sets are to be compared with one another, so every base pair gets all of them.
     let sets_per_batch = if config.grid.is_some() { usize::MAX } else { sets.len().min(3) };
@@ -154,7 +154,7 @@ pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
         return Ok(known);
     }
     let Some(file) = tolerance_file(name) else {
-        return Err(SourceError::Set { found: name.to_owned(), allowed: sets::NAMES.join(", ") });
+        return Err(SourceError::Set { found: name.to_owned(), allowed: tolerance_sets::NAMES.join(", ") });
     };
     let spec = ToleranceSpec::load(file)?;
     let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
@@ -230,8 +230,8 @@ fn content(file: &Path) -> String {
 impl FamilySource {
     /// The same source of bases as their families make them, none perturbed: these hold the most exact ties.
     #[must_use]
-    pub fn unshaken(mut self) -> FamilySource {
-        self.pairs.shaken_percent = 0;
+    pub fn unperturbed(mut self) -> FamilySource {
+        self.pairs.perturbed_percent = 0;
         self
     }
 
@@ -244,7 +244,7 @@ impl FamilySource {
     }
 }
 
-impl Source for FamilySource {
+impl PairSource for FamilySource {
     fn batch_len(&self) -> u64 {
         pairs::BATCH
     }
@@ -274,7 +274,7 @@ impl Source for FamilySource {
             return None;
         }
         let family = self.pairs.families.iter().find(|family| family.name() == &*subject.family);
-        let manner = family.map(|family| family.manner()).unwrap_or_default();
+        let manner = family.map(|family| family.motion_style()).unwrap_or_default();
         Some(motion::drawn(&mut rng, manner, &subject.a, &subject.b, steps))
     }
 

@@ -2,11 +2,11 @@
 
 // Longer than 400 lines: one file format, its reader and its writer side by side.
 
-use super::attribution::{Panel, examine};
-use super::compare::{Change, contact_features};
+use super::attribution::{EnginePanel, examine};
+use super::compare::{AnswerChange, contact_features};
 use super::external::protocol::{UNNAMED, completed};
 use super::external::spec::is_name;
-use super::finding::{Cause, Finding, Who};
+use super::finding::{Cause, Finding, FindingScope};
 use super::subject::{Subject, SubjectSet};
 use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::files::read_text;
@@ -22,7 +22,7 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// What was found, and where it came from.
-    pub about: About,
+    pub about: CaseDescription,
     /// The first block, exact.
     pub a: Block,
     /// The second block, exact.
@@ -34,7 +34,7 @@ pub struct Case {
 /// What a case is about, as written in the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct About {
+pub struct CaseDescription {
     /// An engine's name, `f32` or `f64` for every engine that rounds to it, or `any`.
     pub engine: String,
     /// The cause.
@@ -123,7 +123,7 @@ pub fn contact_rows(contacts: &[Contact]) -> Vec<ContactRow> {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CaseFile {
-    case: About,
+    case: CaseDescription,
     tolerances: Tolerances,
     block: Vec<CaseBlock>,
 }
@@ -216,14 +216,14 @@ impl Case {
     /// The case of a finding about one of `subject`'s sets. `expected` and `found` are worked out anew.
     ///
     /// Returns `None` when the finding names a set the subject does not have.
-    pub fn of(finding: &Finding, subject: &Subject, seed: u64, panel: &Panel) -> Option<Case> {
+    pub fn of(finding: &Finding, subject: &Subject, seed: u64, panel: &EnginePanel) -> Option<Case> {
         let set = subject.sets.iter().find(|s| s.name == finding.set)?;
-        let tolerances = set.of(precision_of(&finding.who, panel)).clone();
+        let tolerances = set.of(precision_of(&finding.scope, panel)).clone();
         let origin =
             format!("{} {} under {}, seed {seed}, index {}", finding.family, finding.form, finding.set, finding.index);
         let mut case = Case {
-            about: About {
-                engine: finding.who.to_string(),
+            about: CaseDescription {
+                engine: finding.scope.to_string(),
                 cause: finding.cause.to_string(),
                 change: finding.difference.change.to_string(),
                 kind: finding.difference.kinds(),
@@ -259,7 +259,7 @@ impl Case {
     }
 
     /// The findings of the same cause, change, kind, predicate and engine that the pair shows now.
-    pub fn findings(&self, panel: &Panel) -> Vec<Finding> {
+    pub fn findings(&self, panel: &EnginePanel) -> Vec<Finding> {
         let about = &self.about;
         let alike = |f: &Finding| {
             f.cause.name() == about.cause
@@ -268,27 +268,27 @@ impl Case {
                 // What is nearest to a tie says nothing about an engine from outside.
                 && (f.cause == Cause::Engine || f.predicate().map_or("", Predicate::name) == about.predicate)
                 // With one engine left, what a tolerance set for one precision does is the doing of all there are.
-                && (f.cause == Cause::Tolerance || f.who.to_string() == about.engine)
+                && (f.cause == Cause::Tolerance || f.scope.to_string() == about.engine)
         };
         examine(&self.subject(), panel).findings.into_iter().filter(alike).collect()
     }
 
     /// Takes what decided it, and both answers, from a finding about this pair.
-    pub fn describe(&mut self, finding: &Finding, panel: &Panel) {
+    pub fn describe(&mut self, finding: &Finding, panel: &EnginePanel) {
         self.about.predicate = finding.predicate().map_or(String::new(), |p| p.to_string());
         self.about.features = finding.deciding.map_or(String::new(), |d| d.features());
         self.about.margin = finding.margin();
         self.about.margin_ulps = finding.margin_ulps();
         self.about.note = finding.note.clone();
-        self.about.states = finding.mapped.map(|m| m.to_string());
+        self.about.states = finding.comparison.map(|m| m.to_string());
         let answers = self.answers(finding, panel);
         [self.about.expected, self.about.found] = answers.map(|contacts| contact_rows(&contacts));
     }
 
-    fn answers(&self, finding: &Finding, panel: &Panel) -> [Vec<Contact>; 2] {
+    fn answers(&self, finding: &Finding, panel: &EnginePanel) -> [Vec<Contact>; 2] {
         let exact = |a: &Block, b: &Block, t: &ToleranceSet| panel.oracle.prepare(a, b).pair().classify(t).contacts;
         let given = || exact(&self.a, &self.b, &self.tolerances);
-        let precision = precision_of(&finding.who, panel);
+        let precision = precision_of(&finding.scope, panel);
         let rounded = self
             .a
             .rounded(precision)
@@ -298,8 +298,8 @@ impl Case {
             (_, None) => [given(), Vec::new()],
             (Cause::Representation, Some((a, b, t))) => [given(), exact(&a, &b, &t)],
             (Cause::Arithmetic | Cause::Defect | Cause::Engine, Some((a, b, t))) => {
-                let engine = panel.engines.iter().find(|e| finding.who == Who::Engine(e.name().into()));
-                let said = engine.and_then(|e| super::engine::guarded(|| e.prepare(&a, &b)?.classify(&t)).ok());
+                let engine = panel.engines.iter().find(|e| finding.scope == FindingScope::Engine(e.name().into()));
+                let said = engine.and_then(|e| super::engine::catch_panic(|| e.prepare(&a, &b)?.classify(&t)).ok());
                 let right = exact(&a, &b, &t);
                 let said = completed(said.unwrap_or_default(), &right);
                 [right, said]
@@ -374,7 +374,7 @@ impl Case {
             }
         }
         known("cause", &about.cause, &Cause::ALL.map(Cause::name))?;
-        known("change", &about.change, &Change::ALL.map(Change::name))?;
+        known("change", &about.change, &AnswerChange::ALL.map(AnswerChange::name))?;
         if about.kind.split(" to ").any(|kind| !kind.is_empty() && ContactKind::from_name(kind).is_none()) {
             known("kind", &about.kind, &ContactKind::ALL.map(ContactKind::name))?;
         }
@@ -449,11 +449,11 @@ fn has_features(blocks: [&Block; 2], contact: &Contact) -> bool {
 }
 
 /// The precision whose input and tolerance set a finding is about; f64's where it is about all, if there is one.
-pub fn precision_of(who: &Who, panel: &Panel) -> Precision {
-    match who {
-        Who::Rounded(precision) => *precision,
-        Who::Any => panel.precisions().pop().unwrap_or(Precision::F64),
-        Who::Engine(name) => {
+pub fn precision_of(scope: &FindingScope, panel: &EnginePanel) -> Precision {
+    match scope {
+        FindingScope::Rounded(precision) => *precision,
+        FindingScope::Any => panel.precisions().pop().unwrap_or(Precision::F64),
+        FindingScope::Engine(name) => {
             panel.engines.iter().find(|e| e.name() == &**name).map_or(Precision::F64, |e| e.precision())
         }
     }

@@ -3,9 +3,9 @@
 //! Everything the campaign knows about the stepper and the oracle is in `builtin`; the rest of the campaign sees these
 //! traits only, so that a mistaken stepper or an external program plugs in without a change elsewhere.
 
-use super::compare::Change;
+use super::collision::ReportedState;
+use super::compare::AnswerChange;
 use super::finding::Cause;
-use super::mapped::Said;
 use rockproof_model::decision::Decision;
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use serde::{Deserialize, Serialize};
@@ -99,7 +99,7 @@ pub enum Answer {
     /// The contacts, sorted as SPEC section 4 asks.
     Contacts(Vec<Contact>),
     /// Only how the blocks lie to one another, as a collision code tells.
-    State(Said),
+    State(ReportedState),
 }
 
 /// A pair of blocks inside an engine.
@@ -162,15 +162,15 @@ pub enum EngineFailure {
 
 impl EngineFailure {
     /// What a finding about it is called.
-    pub fn change(&self) -> Change {
+    pub fn change(&self) -> AnswerChange {
         match self {
-            EngineFailure::Collapsed(_) => Change::Collapsed,
-            EngineFailure::Unsupported(_) => Change::Unsupported,
-            EngineFailure::Failed(_) => Change::Failure,
-            EngineFailure::Crashed(_) => Change::Crash,
-            EngineFailure::TimedOut(_) => Change::Timeout,
-            EngineFailure::Malformed(_) => Change::Malformed,
-            EngineFailure::Unstable(_) => Change::Unstable,
+            EngineFailure::Collapsed(_) => AnswerChange::Collapsed,
+            EngineFailure::Unsupported(_) => AnswerChange::Unsupported,
+            EngineFailure::Failed(_) => AnswerChange::Failure,
+            EngineFailure::Crashed(_) => AnswerChange::Crash,
+            EngineFailure::TimedOut(_) => AnswerChange::Timeout,
+            EngineFailure::Malformed(_) => AnswerChange::Malformed,
+            EngineFailure::Unstable(_) => AnswerChange::Unstable,
         }
     }
 }
@@ -229,7 +229,7 @@ impl Levels {
 ///
 /// # Errors
 /// What the engine said, or that it panicked.
-pub fn guarded<T>(work: impl FnOnce() -> Result<T, EngineFailure>) -> Result<T, EngineFailure> {
+pub fn catch_panic<T>(work: impl FnOnce() -> Result<T, EngineFailure>) -> Result<T, EngineFailure> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let text = panic
             .downcast_ref::<String>()

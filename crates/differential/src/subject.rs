@@ -43,7 +43,7 @@ impl SubjectSet {
 }
 
 /// Where pairs come from: a function of the batch number alone, so that any thread can make any batch.
-pub trait Source: Sync {
+pub trait PairSource: Sync {
     /// Pairs a batch holds; pair `i` is in batch `i / batch_len`.
     fn batch_len(&self) -> u64;
 

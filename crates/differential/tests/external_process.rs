@@ -2,7 +2,7 @@
 //! nothing of theirs stays behind. One test: it counts what this process holds.
 #![cfg(target_os = "linux")]
 
-use rockproof_differential::external::process::{Process, Silence};
+use rockproof_differential::external::process::{NoAnswer, Process};
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -11,7 +11,7 @@ fn shell(script: &str) -> Process {
     Process::start(&["sh".to_owned(), "-c".to_owned(), script.to_owned()]).expect("a shell")
 }
 
-fn ask(process: &mut Process, patience_s: u64) -> Result<String, Silence> {
+fn ask(process: &mut Process, patience_s: u64) -> Result<String, NoAnswer> {
     let line = process.ask("question".to_owned(), Duration::from_secs(patience_s))?;
     Ok(String::from_utf8(line).expect("text"))
 }
@@ -49,13 +49,13 @@ fn nothing_of_an_engine_stays_behind() {
     let before = peak_kb();
     let mut early = shell("echo welcome; sleep 1000");
     std::thread::sleep(Duration::from_millis(500));
-    assert_eq!(ask(&mut early, 10), Err(Silence::Unasked));
-    assert_eq!(ask(&mut shell("read line; printf 'one\\ntwo\\n'; sleep 1000"), 10), Err(Silence::Unasked));
+    assert_eq!(ask(&mut early, 10), Err(NoAnswer::Unasked));
+    assert_eq!(ask(&mut shell("read line; printf 'one\\ntwo\\n'; sleep 1000"), 10), Err(NoAnswer::Unasked));
     let mut endless = shell("read line; while :; do echo abcdefghijklmnopqrstuvwxyz; done");
-    assert!(matches!(ask(&mut endless, 10), Ok(_) | Err(Silence::Unasked)));
+    assert!(matches!(ask(&mut endless, 10), Ok(_) | Err(NoAnswer::Unasked)));
     std::thread::sleep(Duration::from_secs(1));
-    assert_eq!(ask(&mut endless, 10), Err(Silence::Unasked));
-    assert_eq!(ask(&mut shell("read line; tr '\\0' x </dev/zero"), 60), Err(Silence::TooLong));
+    assert_eq!(ask(&mut endless, 10), Err(NoAnswer::Unasked));
+    assert_eq!(ask(&mut shell("read line; tr '\\0' x </dev/zero"), 60), Err(NoAnswer::TooLong));
     let grown = peak_kb() - before;
     assert!(grown < 96 * 1024, "{grown} kB for engines that write without end");
     drop((early, endless));
@@ -72,7 +72,7 @@ fn nothing_of_an_engine_stays_behind() {
     assert!(ends(&child), "a child of an engine that ended");
     let mut hanging = shell("sleep 1000 & read line; echo $!; exec sleep 1000");
     let child = ask(&mut hanging, 10).expect("a number");
-    assert_eq!(ask(&mut hanging, 0), Err(Silence::TimedOut));
+    assert_eq!(ask(&mut hanging, 0), Err(NoAnswer::TimedOut));
     hanging.kill();
     assert!(ends(&child), "a child of an engine that was killed");
 
@@ -80,14 +80,14 @@ fn nothing_of_an_engine_stays_behind() {
     let begin = Instant::now();
     let crashed = ask(&mut shell("sleep 1000 & read line; printf 'out of \\033[31mrock\\n' >&2; exit 3"), 30);
     let told = "it ended with exit code 3; its last words: out of \\u{1b}[31mrock".to_owned();
-    assert_eq!(crashed, Err(Silence::Ended(told)));
+    assert_eq!(crashed, Err(NoAnswer::Ended(told)));
     assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
 
     // Two hundred restarts leave nothing, not even where a child left the group and holds the pipes.
     let before = ["fd", "task"].map(held);
     for _ in 0..100 {
         for script in ["read line; exit 3", "setsid sleep 3 & read line; exit 3"] {
-            assert!(matches!(ask(&mut shell(script), 10), Err(Silence::Ended(_))));
+            assert!(matches!(ask(&mut shell(script), 10), Err(NoAnswer::Ended(_))));
         }
     }
     let after = ["fd", "task"].map(held);

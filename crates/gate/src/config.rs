@@ -2,7 +2,7 @@
 
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::steps::StepChange;
-use rockproof_differential::compare::Change;
+use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCause;
 use rockproof_model::ContactKind;
@@ -27,7 +27,7 @@ pub struct GateConfig {
     pub corpus: Vec<PathBuf>,
     /// What may be found at most.
     #[serde(default)]
-    pub limit: Vec<Spanned<Limit>>,
+    pub limit: Vec<Spanned<FindingLimit>>,
 }
 
 /// Where known findings are kept, and which are.
@@ -49,7 +49,7 @@ pub struct Baseline {
 /// How many findings of a sort there may be. What a limit leaves out may be anything.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limit {
+pub struct FindingLimit {
     /// The engine; or `any`, `f32`, `f64` as in `findings.csv`.
     pub engine: Option<String>,
     /// The tolerance set.
@@ -140,7 +140,7 @@ pub fn line_of(text: &str, place: usize) -> usize {
     1 + text.bytes().take(place).filter(|byte| *byte == b'\n').count()
 }
 
-impl Limit {
+impl FindingLimit {
     fn check(&self) -> Result<(), String> {
         let one_of = |key: &str, value: &Option<String>, allowed: &[&str]| match value {
             Some(found) if !allowed.contains(&found.as_str()) => {
@@ -151,7 +151,7 @@ impl Limit {
         let causes: Vec<&str> = Cause::ALL.map(Cause::name).into_iter().chain(StepCause::NAMES).collect();
         one_of("cause", &self.cause, &causes)?;
         let of_steps = StepChange::NAMES.into_iter().chain([RECOVERED]);
-        let changes: Vec<&str> = Change::ALL.map(Change::name).into_iter().chain(of_steps).collect();
+        let changes: Vec<&str> = AnswerChange::ALL.map(AnswerChange::name).into_iter().chain(of_steps).collect();
         one_of("change", &self.change, &changes)?;
         one_of("kind", &self.kind, &ContactKind::ALL.map(ContactKind::name))?;
         if self.is_of_recovered() {

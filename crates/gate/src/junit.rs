@@ -19,7 +19,7 @@ pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
                 Verdict::Skip => TestCaseStatus::skipped(),
             };
             if check.verdict != Verdict::Pass {
-                status.set_message(check.told.as_str());
+                status.set_message(check.message.as_str());
             }
             if check.verdict == Verdict::Fail {
                 status.set_type("gate");
@@ -41,7 +41,10 @@ pub fn annotations(checks: &[Check]) -> String {
     let line = |check: &Check| {
         let (file, line) = &check.place;
         let (file, title) = (property(file), property(&format!("rockproof {}", check.group)));
-        format!("::error file={file},line={line},title={title}::{}\n", data(&format!("{}: {}", check.name, check.told)))
+        format!(
+            "::error file={file},line={line},title={title}::{}\n",
+            data(&format!("{}: {}", check.name, check.message))
+        )
     };
     failed.map(line).collect()
 }
@@ -58,7 +61,7 @@ pub fn markdown(checks: &[Check]) -> String {
     let mut text = format!("## Rockproof gate: {}\n\n", if failed == 0 { "passed" } else { "failed" });
     text += "| verdict | check | found |\n| --- | --- | --- |\n";
     for check in checks.iter().filter(|c| c.group != "corpus" || c.verdict != Verdict::Pass) {
-        text += &format!("| {} | {} | {} |\n", check.verdict.name(), cell(&check.name), cell(&check.told));
+        text += &format!("| {} | {} | {} |\n", check.verdict.name(), cell(&check.name), cell(&check.message));
     }
     let corpus = checks.iter().filter(|c| c.group == "corpus" && c.verdict == Verdict::Pass).count();
     text + &format!("\n{failed} of {} checks failed; {corpus} cases of the corpus passed.\n", checks.len())

@@ -2,7 +2,7 @@
 //! the file and says what is wrong, never in a panic. What they reach is counted, so that the mutations cannot quietly miss the readers.
 
 use rockproof_model::Scene;
-use rockproof_model::scene::{Format, Problem};
+use rockproof_model::scene::{SceneFormat, SceneProblem};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -21,16 +21,16 @@ fn real(name: &str) -> String {
 }
 
 /// Good files: format, name, text.
-fn seeds() -> Vec<(Format, &'static str, String)> {
+fn seeds() -> Vec<(SceneFormat, &'static str, String)> {
     vec![
-        (Format::Toml, "handmade/wedge.toml", real("handmade/wedge.toml")),
-        (Format::Toml, "handmade/spring.toml", real("handmade/spring.toml")),
-        (Format::Toml, "handmade/ramp_load.toml", real("handmade/ramp_load.toml")),
-        (Format::Dda, "real/smallAngle.dda", real("real/smallAngle.dda")),
-        (Format::Dda, "real/smallEdge.dda", real("real/smallEdge.dda")),
-        (Format::Obj, "box.obj", OBJ.to_owned()),
-        (Format::Vtk, "box.vtk", VTK.to_owned()),
-        (Format::Voro, "cell.voro", VORO.to_owned()),
+        (SceneFormat::Toml, "handmade/wedge.toml", real("handmade/wedge.toml")),
+        (SceneFormat::Toml, "handmade/spring.toml", real("handmade/spring.toml")),
+        (SceneFormat::Toml, "handmade/ramp_load.toml", real("handmade/ramp_load.toml")),
+        (SceneFormat::Dda, "real/smallAngle.dda", real("real/smallAngle.dda")),
+        (SceneFormat::Dda, "real/smallEdge.dda", real("real/smallEdge.dda")),
+        (SceneFormat::Obj, "box.obj", OBJ.to_owned()),
+        (SceneFormat::Vtk, "box.vtk", VTK.to_owned()),
+        (SceneFormat::Voro, "cell.voro", VORO.to_owned()),
     ]
 }
 
@@ -121,7 +121,7 @@ fn mutated(text: &str, dice: &mut Dice) -> String {
     chars.into_iter().collect()
 }
 
-fn name_of(problem: &Problem) -> String {
+fn name_of(problem: &SceneProblem) -> String {
     let text = format!("{problem:?}");
     text.chars().take_while(char::is_ascii_alphanumeric).collect()
 }

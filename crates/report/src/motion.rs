@@ -1,6 +1,6 @@
 //! Runs of `simulate`, audited or not.
 
-use super::fault::ReportError;
+use super::error::ReportError;
 use super::load::{name_of, read_json};
 use rockproof_simulate::{AuditTotals, Totals};
 use serde::Deserialize;

@@ -2,8 +2,8 @@
 
 use super::load::CampaignRun;
 use super::table::grouped;
-use super::verdict::{Line, Mood};
-use rockproof_differential::compare::Change;
+use super::verdict::{Severity, VerdictLine};
+use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::{Cause, FAR};
 use rockproof_differential::row::FindingRow;
 use serde_json::Value;
@@ -28,25 +28,29 @@ impl Own {
     pub(super) fn add(&mut self, row: &FindingRow) {
         self.findings += 1;
         match row.change {
-            Change::Crash | Change::Timeout | Change::Malformed | Change::Unstable | Change::Failure => {
+            AnswerChange::Crash
+            | AnswerChange::Timeout
+            | AnswerChange::Malformed
+            | AnswerChange::Unstable
+            | AnswerChange::Failure => {
                 self.unanswered += 1;
             }
-            Change::Unsupported => self.unsupported += 1,
-            Change::Gap | Change::Normal => self.inaccurate += 1,
-            Change::FarBlock => self.far += 1,
+            AnswerChange::Unsupported => self.unsupported += 1,
+            AnswerChange::Gap | AnswerChange::Normal => self.inaccurate += 1,
+            AnswerChange::FarBlock => self.far += 1,
             _ if row.margin_ulps.is_some_and(|ulps| ulps.abs() > FAR) => self.far += 1,
             _ => {}
         }
     }
 
     /// What they come to, in one line for the engine `name`, which was compared on so many pairs.
-    fn line(&self, name: &str, compared: u64) -> Line {
+    fn line(&self, name: &str, compared: u64) -> VerdictLine {
         if self.findings == 0 {
-            let (mood, text) = match compared {
-                0 => (Mood::Fair, format!("{name}: no answer of its could be compared.")),
-                n => (Mood::Good, format!("{name}: no finding of its own, {} comparisons.", grouped(n))),
+            let (severity, text) = match compared {
+                0 => (Severity::Fair, format!("{name}: no answer of its could be compared.")),
+                n => (Severity::Good, format!("{name}: no finding of its own, {} comparisons.", grouped(n))),
             };
-            return Line { mood, text };
+            return VerdictLine { severity, text };
         }
         let wrong = [
             (self.far, format!("beyond {} roundoffs from any tie", grouped(FAR as u64))),
@@ -66,9 +70,12 @@ impl Own {
         if wrong.is_empty() {
             let rest =
                 if self.unsupported == self.findings { "" } else { ", none where rounding cannot be the reason" };
-            return Line { mood: Mood::Fair, text: format!("{start}{rest}{unable}.") };
+            return VerdictLine { severity: Severity::Fair, text: format!("{start}{rest}{unable}.") };
         }
-        Line { mood: Mood::Bad, text: format!("{start}, {}: almost surely mistakes{unable}.", wrong.join(", ")) }
+        VerdictLine {
+            severity: Severity::Bad,
+            text: format!("{start}, {}: almost surely mistakes{unable}.", wrong.join(", ")),
+        }
     }
 }
 
@@ -80,8 +87,8 @@ pub(super) fn external(campaign: &CampaignRun) -> BTreeSet<String> {
 }
 
 /// A line for each external engine, the worst first.
-pub(super) fn lines(campaigns: &[CampaignRun]) -> Vec<Line> {
-    let mut found: Vec<(Own, Line)> = Vec::new();
+pub(super) fn lines(campaigns: &[CampaignRun]) -> Vec<VerdictLine> {
+    let mut found: Vec<(Own, VerdictLine)> = Vec::new();
     for campaign in campaigns {
         for engine in external(campaign) {
             let own = campaign.tally.own.get(&engine).copied().unwrap_or_default();
@@ -90,8 +97,10 @@ pub(super) fn lines(campaigns: &[CampaignRun]) -> Vec<Line> {
             found.push((own, own.line(&name, sums.pairs - sums.silent)));
         }
     }
-    let place = |mood| [Mood::Bad, Mood::Fair, Mood::Good].iter().position(|known| *known == mood);
-    found.sort_by_key(|(own, line)| (place(line.mood), std::cmp::Reverse(own.far + own.inaccurate + own.unanswered)));
+    let place = |severity| [Severity::Bad, Severity::Fair, Severity::Good].iter().position(|known| *known == severity);
+    found.sort_by_key(|(own, line)| {
+        (place(line.severity), std::cmp::Reverse(own.far + own.inaccurate + own.unanswered))
+    });
     found.into_iter().map(|(_, line)| line).collect()
 }
 
@@ -108,9 +117,9 @@ pub(super) fn count(owns: &mut Owns, row: &FindingRow) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockproof_differential::finding::Who;
+    use rockproof_differential::finding::FindingScope;
 
-    fn own(changes: &[(Change, Option<f64>)]) -> Own {
+    fn own(changes: &[(AnswerChange, Option<f64>)]) -> Own {
         let mut own = Own::default();
         for (change, margin_ulps) in changes {
             own.add(&FindingRow {
@@ -118,7 +127,7 @@ mod tests {
                 family: "sliver".into(),
                 form: "base".into(),
                 tolerances: "auto".into(),
-                engine: Who::from_name("mine"),
+                engine: FindingScope::from_name("mine"),
                 cause: Cause::Engine,
                 change: *change,
                 kind_before: String::new(),
@@ -136,22 +145,23 @@ mod tests {
     #[test]
     fn what_rounding_cannot_explain_is_bad_and_never_good() {
         let near =
-            own(&[(Change::Missing, Some(-3.0)), (Change::State, Some(0.4)), (Change::Swap, None)]).line("mine", 9);
-        assert_eq!(near.mood, Mood::Fair, "{near:?}");
+            own(&[(AnswerChange::Missing, Some(-3.0)), (AnswerChange::State, Some(0.4)), (AnswerChange::Swap, None)])
+                .line("mine", 9);
+        assert_eq!(near.severity, Severity::Fair, "{near:?}");
         for (change, ulps) in [
-            (Change::Missing, Some(-1e4)),
-            (Change::State, Some(2e3)),
-            (Change::Gap, Some(0.0)),
-            (Change::Crash, None),
-            (Change::Unstable, None),
-            (Change::FarBlock, None),
+            (AnswerChange::Missing, Some(-1e4)),
+            (AnswerChange::State, Some(2e3)),
+            (AnswerChange::Gap, Some(0.0)),
+            (AnswerChange::Crash, None),
+            (AnswerChange::Unstable, None),
+            (AnswerChange::FarBlock, None),
         ] {
-            let line = own(&[(Change::Missing, Some(0.1)), (change, ulps)]).line("mine", 9);
-            assert_eq!(line.mood, Mood::Bad, "{change}: {line:?}");
+            let line = own(&[(AnswerChange::Missing, Some(0.1)), (change, ulps)]).line("mine", 9);
+            assert_eq!(line.severity, Severity::Bad, "{change}: {line:?}");
             assert!(line.text.starts_with("mine: 2 findings of its own, 1 "), "{line:?}");
         }
-        assert_eq!(own(&[(Change::Unsupported, None)]).line("mine", 0).mood, Mood::Fair);
-        assert_eq!(own(&[]).line("mine", 0).mood, Mood::Fair);
-        assert_eq!(own(&[]).line("mine", 7).mood, Mood::Good);
+        assert_eq!(own(&[(AnswerChange::Unsupported, None)]).line("mine", 0).severity, Severity::Fair);
+        assert_eq!(own(&[]).line("mine", 0).severity, Severity::Fair);
+        assert_eq!(own(&[]).line("mine", 7).severity, Severity::Good);
     }
 }

@@ -69,7 +69,7 @@ impl fmt::Display for Owner {
 /// What a file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum FileKind {
     /// Rows of CSV.
     Table,
     /// What the run knows of itself: configuration, progress, checkpoint.
@@ -90,7 +90,7 @@ pub enum Kind {
 pub(crate) struct Manifest {
     pub(crate) owner: Owner,
     /// What each file is, by its path within the directory, the parts separated by `/`.
-    pub(crate) files: BTreeMap<String, Kind>,
+    pub(crate) files: BTreeMap<String, FileKind>,
 }
 
 impl Manifest {

@@ -9,24 +9,24 @@ use std::path::{Path, PathBuf};
 
 /// A growing table. Rows count once they are sealed: what comes after the last seal is cut off when a run goes on.
 #[derive(Debug)]
-pub struct Table {
+pub struct AppendedTable {
     path: PathBuf,
     file: File,
     bytes: u64,
     hash: Sha256,
 }
 
-impl Table {
+impl AppendedTable {
     /// A new table with its first line.
-    pub(crate) fn begin(path: PathBuf, header: &[u8]) -> Result<Table, ResultsError> {
+    pub(crate) fn begin(path: PathBuf, header: &[u8]) -> Result<AppendedTable, ResultsError> {
         let file = File::create(&path).map_err(ResultsError::at(&path))?;
-        let mut table = Table { path, file, bytes: 0, hash: Sha256::new() };
+        let mut table = AppendedTable { path, file, bytes: 0, hash: Sha256::new() };
         table.append(header)?;
         Ok(table)
     }
 
-    /// Opens a table whose beginning must be what was sealed. Nothing is changed until [`Table::cut`].
-    pub(crate) fn open(path: &Path, seal: &Seal) -> Result<Table, ResultsError> {
+    /// Opens a table whose beginning must be what was sealed. Nothing is changed until [`AppendedTable::cut`].
+    pub(crate) fn open(path: &Path, seal: &Seal) -> Result<AppendedTable, ResultsError> {
         let file = match OpenOptions::new().read(true).write(true).open(path) {
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 return Err(ResultsError::damaged(path, "it is missing"));
@@ -34,7 +34,7 @@ impl Table {
             opened => opened.map_err(ResultsError::at(path))?,
         };
         let (file, hash) = sealed_part(path, file, seal)?;
-        Ok(Table { path: path.to_owned(), file, bytes: seal.bytes, hash })
+        Ok(AppendedTable { path: path.to_owned(), file, bytes: seal.bytes, hash })
     }
 
     /// Cuts off what is not sealed.

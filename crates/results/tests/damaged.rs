@@ -2,7 +2,7 @@
 //! done, a resumed run finds what was written, byte by byte, or an error that names a file; never a panic, and no file of somebody else
 //! is touched.
 
-use rockproof_results::{Claim, Directory, Kind, MANIFEST, Owner, ResultsError, Seal, Start};
+use rockproof_results::{Claim, Directory, FileKind, MANIFEST, Owner, ResultsError, Seal, Start};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
@@ -44,7 +44,7 @@ fn write(dir: &Path) {
     table.append(ROWS).expect("written");
     let Seal { bytes, sha256 } = table.seal().expect("written");
     directory.write_sealed("checkpoint.json", &Checkpoint { next: 4, bytes, sha256 }).expect("written");
-    directory.write("cases/one.toml", Kind::Case, b"a = 1\n").expect("written");
+    directory.write("cases/one.toml", FileKind::Case, b"a = 1\n").expect("written");
     // Rows after the seal: what a killed run leaves.
     table.append(b"4,no").expect("written");
     drop(directory);
@@ -54,7 +54,7 @@ fn write(dir: &Path) {
 /// Goes on as a command does; what it goes on from.
 fn resume(dir: &Path) -> Result<(Option<Checkpoint>, Vec<u8>), ResultsError> {
     let mut directory = claim(dir, Start::Resume)?;
-    if !directory.goes_on("checkpoint.json", "rows.csv")? {
+    if !directory.is_resumable("checkpoint.json", "rows.csv")? {
         return Ok((None, Vec::new()));
     }
     let checkpoint: Checkpoint = directory.read_sealed("checkpoint.json")?;

@@ -1,7 +1,7 @@
 //! What the exact audit of steps found (SPEC section 7), as a run records it. The audit is made outside: this crate knows no
 //! oracle.
 
-use crate::exact::Exact;
+use crate::exact_float::ExactFloat;
 use serde::{Deserialize, Serialize};
 
 /// The columns of `steps.csv` that the audit fills; empty without one.
@@ -70,7 +70,7 @@ pub struct PairExtreme {
     /// The blocks, the lower number first.
     pub blocks: [usize; 2],
     /// The penetration (m).
-    pub depth_m: Exact,
+    pub depth_m: ExactFloat,
     /// The first step that has it; of settling 0 or below.
     pub step: i64,
 }
@@ -90,7 +90,7 @@ impl AuditTotals {
         ] {
             let Some(PairDepth { blocks, depth_m }) = found else { continue };
             if worst.is_none_or(|worst| depth_m > worst.depth_m.0) {
-                *worst = Some(PairExtreme { blocks, depth_m: Exact(depth_m), step });
+                *worst = Some(PairExtreme { blocks, depth_m: ExactFloat(depth_m), step });
             }
         }
     }
@@ -132,7 +132,7 @@ impl AuditTotals {
 
 /// The worst pair with its depth and step, in brackets.
 fn place(worst: Option<PairExtreme>) -> String {
-    let Some(PairExtreme { blocks: [a, b], depth_m: Exact(depth), step }) = worst else { return String::new() };
+    let Some(PairExtreme { blocks: [a, b], depth_m: ExactFloat(depth), step }) = worst else { return String::new() };
     let depth = if (1e-3..1e4).contains(&depth) { format!("{depth:.4}") } else { format!("{depth:.3e}") };
     format!(" (worst {a}–{b}, {depth} m, step {step})")
 }

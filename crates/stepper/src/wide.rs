@@ -42,7 +42,7 @@ thread_local! {
 }
 
 /// Runs `work` and tells how many of its comparisons rounding left unsettled. Counts on this thread only.
-pub fn counting<T>(work: impl FnOnce() -> T) -> (T, u64) {
+pub fn count_unsettled<T>(work: impl FnOnce() -> T) -> (T, u64) {
     let before = UNSETTLED.replace(0);
     let result = work();
     let count = UNSETTLED.replace(before);

@@ -4,11 +4,11 @@ use num_rational::BigRational;
 use rayon::prelude::*;
 use rockproof_model::{Block, Precision, ToleranceSet};
 use rockproof_oracle::audit::{Auditor, rounding_depth};
-use rockproof_oracle::{Pair, Solid};
+use rockproof_oracle::{Pair, PreparedBlock};
 
 /// The pairs of a model that overlap. Which they are, and how deep, depends on no tolerance.
 pub(super) struct GivenOverlaps {
-    solids: Vec<Solid>,
+    solids: Vec<PreparedBlock>,
     overlaps: Vec<GivenOverlap>,
 }
 
@@ -23,7 +23,7 @@ struct GivenOverlap {
 impl GivenOverlaps {
     /// Finds them; `set` says only how far apart pairs are looked at, and blocks that overlap always are.
     pub(super) fn of(blocks: &[&Block], set: &ToleranceSet) -> GivenOverlaps {
-        let solids: Vec<Solid> = blocks.par_iter().map(|block| Solid::new(block)).collect();
+        let solids: Vec<PreparedBlock> = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
         // As `check` has it: in f64 whatever the engine.
         let rounding = rounding_depth(blocks, Precision::F64);
         let auditor = Auditor::new(&solids, set);

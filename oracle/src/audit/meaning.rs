@@ -1,6 +1,6 @@
 //! What an overlap means for a run (SPEC section 7): what contacts cannot undo, what they hold, and what is rounding.
 
-use super::{Overlap, Sight};
+use super::{Overlap, OverlapVisibility};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::{Block, Number, Precision};
@@ -30,7 +30,7 @@ impl Overlap {
         }
         match (self.is_rounding(rounding), self.sight) {
             (true, _) => Meaning::Rounding,
-            (false, Sight::Unseen) => Meaning::Lost,
+            (false, OverlapVisibility::Unseen) => Meaning::Lost,
             (false, _) => Meaning::Held,
         }
     }
@@ -43,7 +43,7 @@ impl Overlap {
     /// Whether no contact sees the overlap and it is more than rounding, however deep it is. After a step this is the
     /// question, not [`Meaning::Lost`]: a contact kept closed holds blocks that overlap deeper than g.
     pub fn is_unseen(&self, rounding: &Number) -> bool {
-        self.sight == Sight::Unseen && self.meaning(rounding) == Meaning::Lost
+        self.sight == OverlapVisibility::Unseen && self.meaning(rounding) == Meaning::Lost
     }
 }
 

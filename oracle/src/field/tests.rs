@@ -1,6 +1,6 @@
 //! Random expressions: every enclosure holds the exact value, and no certain sign is wrong.
 
-use super::{DoubleBall, Field, Magnitude, WideBall};
+use super::{DoubleBall, Field, UpperBound, WideBall};
 use crate::number::Ball;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -127,8 +127,8 @@ fn what_cannot_be_compared_is_enclosed_by_both() {
         }
     }
     // One is anything from −1/4 to 1/4, the other from −1/8 to 1/8.
-    let quarter = Magnitude::power_of_two(-2);
-    let eighth = Magnitude::power_of_two(-3);
+    let quarter = UpperBound::power_of_two(-2);
+    let eighth = UpperBound::power_of_two(-3);
     let values = ["-1/4", "0", "1/8"];
     holds(Ball::within(quarter).unwrap(), Ball::within(eighth).unwrap(), &values);
     holds(DoubleBall::within(quarter).unwrap(), DoubleBall::within(eighth).unwrap(), &values);
@@ -141,14 +141,14 @@ fn what_cannot_be_compared_is_enclosed_by_both() {
 
 #[test]
 fn a_middle_of_few_bits_is_told_from_a_far_smaller_radius() {
-    let one = WideBall::exactly(1.into(), 0, 200).widened(Magnitude::power_of_two(-300));
+    let one = WideBall::exactly(1.into(), 0, 200).widened(UpperBound::power_of_two(-300));
     assert_eq!(one.certain_sign(), Some(Sign::Positive));
     let exact = BigRational::from_integer(1.into());
     for value in [one.over(&one), one.root()] {
         let value = value.expect("not zero");
         assert!((value.middle() - &exact).abs() <= value.radius().expect("known").to_rational());
     }
-    let half = WideBall::exactly(1.into(), 0, 200).widened(Magnitude::power_of_two(0));
+    let half = WideBall::exactly(1.into(), 0, 200).widened(UpperBound::power_of_two(0));
     assert!(half.certain_sign().is_none() && half.root().is_none() && one.over(&half).is_none(), "it may be zero");
 }
 
@@ -162,7 +162,7 @@ fn a_magnitude_is_never_below_what_it_bounds() {
             (digits, random.next() as i64 % 200 - 100)
         };
         let ((n, e), (m, f)) = (number(), number());
-        let (one, two) = (Magnitude::of_integer(&n, e), Magnitude::of_integer(&m, f));
+        let (one, two) = (UpperBound::of_integer(&n, e), UpperBound::of_integer(&m, f));
         let (x, y) = (one.to_rational(), two.to_rational());
         assert!(x >= super::dyadic(n, e) && y >= super::dyadic(m, f));
         assert!(one.plus(two).to_rational() >= &x + &y, "{one:?} + {two:?}");
@@ -178,8 +178,8 @@ fn a_magnitude_is_never_below_what_it_bounds() {
         assert!(float >= x, "{one:?} as f64");
         let value = random.next() as f64 * random.next() as f64 + 1.0;
         let exact = Number::from_f64(value).unwrap().to_rational();
-        assert!(Magnitude::of_f64(value).unwrap().to_rational() >= exact, "{value}");
-        assert!(Magnitude::floor_of_f64(value).unwrap().to_rational() <= exact, "at most {value}");
+        assert!(UpperBound::of_f64(value).unwrap().to_rational() >= exact, "{value}");
+        assert!(UpperBound::floor_of_f64(value).unwrap().to_rational() <= exact, "at most {value}");
     }
 }
 

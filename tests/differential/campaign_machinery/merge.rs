@@ -2,7 +2,7 @@
 //! is tested.
 
 use super::resume::{config, results, uninterrupted};
-use super::toys::{Counting, counting};
+use super::scripted::{Counting, counting};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::merge::Parts;
@@ -12,7 +12,7 @@ use rockproof_campaign::source;
 use rockproof_differential::attribution::examine;
 use rockproof_differential::builtin;
 use rockproof_differential::finding::{Cause, Finding, Fingerprint};
-use rockproof_differential::subject::Source;
+use rockproof_differential::subject::PairSource;
 use rockproof_results::Start;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -4,4 +4,4 @@ mod attribution;
 mod merge;
 mod metamorphic;
 mod resume;
-mod toys;
+mod scripted;

@@ -1,7 +1,7 @@
 //! Pins that a campaign writes the same bytes whatever interrupts it: stops between chunks, a torn tail of
 //! `findings.csv`, a lost rename, any number of threads. Answers are toys; only the machinery is tested.
 
-use super::toys::{Counting, counting};
+use super::scripted::{Counting, counting};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::{Campaign, Ending};

@@ -1,7 +1,7 @@
 //! The parts to be put together, and whether they are those of one campaign.
 
 use crate::config::CampaignConfig;
-use crate::journal::{FINDINGS, NO_CASE, PROGRESS, Progress, STEP_FINDINGS};
+use crate::journal::{CampaignProgress, FINDINGS, NO_CASE, PROGRESS, STEP_FINDINGS};
 use crate::part::{Machine, Part, PartProgress};
 use rockproof_results::{Owner, ResultsError, View};
 use serde::Deserialize;
@@ -137,7 +137,7 @@ pub(super) struct OnePart {
     pub(super) view: View,
     pub(super) part: Part,
     /// What its journal held when it was opened.
-    pub(super) progress: Progress,
+    pub(super) progress: CampaignProgress,
 }
 
 /// Parts of one campaign, all of them or some, in the order of their pairs.
@@ -304,7 +304,7 @@ impl OnePart {
         }
         let part = text(Part::KEY).and_then(|part| part.parse().ok());
         let part = part.ok_or_else(|| MergeError::Whole { dir: dir.to_owned() })?;
-        let progress: Progress = view.read_sealed(PROGRESS)?;
+        let progress: CampaignProgress = view.read_sealed(PROGRESS)?;
         if progress.part.is_none() {
             let what = "it does not say where the part was made: the campaign was killed before its first pair, or is just beginning";
             return Err(ResultsError::damaged(&dir.join(PROGRESS), what).into());

@@ -2,10 +2,10 @@
 
 use super::parts::{MergeError, Parts};
 use super::rows::{Numbered, Rows};
+use crate::case_writer::{CaseCounts, CaseFiles, write_cases};
 use crate::cases::{step_wish, wish};
 use crate::engine_counts::{self, EngineSums};
-use crate::journal::{FINDINGS, Journal, NO_CASE, NewRows, Progress, STEP_FINDINGS};
-use crate::kept::{Counts, Kept, keep};
+use crate::journal::{CampaignProgress, FINDINGS, Journal, NO_CASE, NewRows, STEP_FINDINGS};
 use crate::run::{Campaign, Ending, RunError, Stopped};
 use crate::steps::StepFindingRow;
 use rockproof_differential::engine::Levels;
@@ -45,7 +45,7 @@ impl Campaign<'_> {
         parts: &Parts,
         journal: &mut Journal,
         stop: &AtomicBool,
-        watch: &mut dyn FnMut(&Progress),
+        watch: &mut dyn FnMut(&CampaignProgress),
     ) -> Result<Merged, RunError> {
         let batch_len = self.source.batch_len();
         let (whole, unseen) = (parts.is_whole(batch_len), AtomicU64::new(0));
@@ -65,7 +65,7 @@ impl Campaign<'_> {
         }
         let mut progress = journal.progress().clone();
         if !progress.merging {
-            progress = totals(parts, Progress { merging: true, ..progress });
+            progress = totals(parts, CampaignProgress { merging: true, ..progress });
         }
         let (before, started) = (progress.seconds, Instant::now());
         let engines = EngineSums::begin(self.panel, &progress.engines);
@@ -117,7 +117,7 @@ impl Campaign<'_> {
     fn replay(
         &self,
         chunk: &Chunk,
-        progress: &mut Progress,
+        progress: &mut CampaignProgress,
         new: &mut NewRows,
         stopped: Stopped<'_>,
         unseen: &AtomicU64,
@@ -130,20 +130,21 @@ impl Campaign<'_> {
                 Ok(None)
             })
         };
-        let counts = Counts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
+        let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
         let case = |found: &Numbered<FindingRow>| match stopped() {
             true => Ok(None),
             false => counted(self.case_of_row(&found.row, found.place)),
         };
-        let kept = keep(&chunk.findings, |found| wish(&found.row), self.most_cases(), counts, case)?;
-        let counts = Counts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
+        let kept = write_cases(&chunk.findings, |found| wish(&found.row), self.most_cases(), counts, case)?;
+        let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
         let case = |found: &Numbered<StepFindingRow>| match stopped()
             || chunk.no_case.contains(&(found.row.index, found.place))
         {
             true => Ok(None),
             false => counted(self.step_case_of_row(&found.row, found.place)),
         };
-        let kept_steps = keep(&chunk.steps, |found| step_wish(&found.row), self.most_step_cases(), counts, case)?;
+        let kept_steps =
+            write_cases(&chunk.steps, |found| step_wish(&found.row), self.most_step_cases(), counts, case)?;
         if stopped() {
             [progress.fingerprints, progress.cases, progress.step_fingerprints, progress.step_cases] = before;
             return Ok(None);
@@ -155,7 +156,7 @@ impl Campaign<'_> {
 }
 
 /// Appends rows, each with the case file of its finding, which is the last column.
-fn appended<R>(rows: &mut Vec<u8>, found: &[Numbered<R>], kept: &Kept) -> Result<(), csv::Error> {
+fn appended<R>(rows: &mut Vec<u8>, found: &[Numbered<R>], kept: &CaseFiles) -> Result<(), csv::Error> {
     let mut writer = csv::Writer::from_writer(rows);
     for (found, name) in found.iter().zip(&kept.names) {
         let columns = found.record.len().saturating_sub(1);
@@ -168,9 +169,18 @@ fn appended<R>(rows: &mut Vec<u8>, found: &[Numbered<R>], kept: &Kept) -> Result
 }
 
 /// Adds up what the parts counted, but for the pairs whose rows are there.
-fn totals(parts: &Parts, mut progress: Progress) -> Progress {
-    for Progress {
-        summary, levels, contacts, metamorphic_checks, agreement, steps, engines, seconds, resumed, ..
+fn totals(parts: &Parts, mut progress: CampaignProgress) -> CampaignProgress {
+    for CampaignProgress {
+        summary,
+        levels,
+        contacts,
+        metamorphic_checks,
+        agreement,
+        steps,
+        engines,
+        seconds,
+        resumed,
+        ..
     } in parts.parts.iter().map(|part| part.progress.clone())
     {
         progress.summary.add(summary);

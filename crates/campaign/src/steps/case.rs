@@ -1,6 +1,6 @@
 //! The case file of a finding about a step: the scene, the state before the step, and the oracle's answer, for `replay`.
 
-use super::engine::{Made, StepEngine};
+use super::engine::{ComparedPairStep, StepEngine};
 use super::finding::{StepChange, StepFinding};
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCase;
@@ -49,11 +49,11 @@ fn shown_again(
     subject: &Subject,
     motion: &PairMotion,
     engines: &[Box<dyn StepEngine>],
-) -> Option<Made> {
+) -> Option<ComparedPairStep> {
     let set = subject.sets.iter().find(|set| set.name == finding.set)?;
     let engine = engines.iter().find(|engine| engine.name() == &*finding.engine)?;
     let steps = engine.steps(subject, set, motion).ok()?;
-    steps.into_iter().find(|made| made.compared.step == finding.step).filter(|made| shows(made, finding))
+    steps.into_iter().find(|made| made.compared.step == finding.step).filter(|made| reproduces(made, finding))
 }
 
 fn made(
@@ -85,11 +85,11 @@ fn written(
     subject: &Subject,
     set: &SubjectSet,
     precision: Precision,
-    (motion, made): &(PairMotion, Made),
+    (motion, made): &(PairMotion, ComparedPairStep),
 ) -> Option<StepCase> {
     let tolerances = set.of(precision);
     let scene = motion.scene(&subject.a, &subject.b, tolerances);
-    let about = |c: &rockproof_differential::lockstep::Caused| {
+    let about = |c: &rockproof_differential::lockstep::AttributedDifference| {
         let d = &c.difference;
         let contact = d.contact.map_or(String::new(), |(_, contact)| format!(" {}", contact.kind));
         format!("{} {}{contact}: {} → {}", c.cause, d.change.name(), d.before, d.after)
@@ -123,7 +123,7 @@ fn written(
 }
 
 /// Whether a step shows what a finding says.
-fn shows(made: &Made, finding: &StepFinding) -> bool {
+fn reproduces(made: &ComparedPairStep, finding: &StepFinding) -> bool {
     let compared = &made.compared;
     match finding.change {
         StepChange::Decision(change) => compared.differences.iter().any(|c| {
@@ -133,11 +133,11 @@ fn shows(made: &Made, finding: &StepFinding) -> bool {
             same && d.before == finding.before && d.after == finding.after
         }),
         StepChange::State(what) => made.drift == Some(what),
-        StepChange::Intrusion(kind) => compared
-            .watched
-            .iter()
-            .flat_map(|watched| &watched.caused)
-            .any(|caused| (caused.kind, caused.cause, caused.words()[1]) == (kind, finding.cause, &*finding.after)),
+        StepChange::Intrusion(kind) => {
+            compared.watched.iter().flat_map(|watched| &watched.attributed).any(|attributed| {
+                (attributed.kind, attributed.cause, attributed.words()[1]) == (kind, finding.cause, &*finding.after)
+            })
+        }
         StepChange::Deeper | StepChange::Shallower => {
             let [Some(stepper), Some(oracle)] = compared.penetration else { return false };
             let [Some(was), Some(right)] = finding.penetration else { return false };

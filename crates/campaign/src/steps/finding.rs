@@ -2,9 +2,9 @@
 //! classification.
 
 use rockproof_differential::compare;
-use rockproof_differential::finding::{Deciding, Who};
-use rockproof_differential::lockstep::answer::Change;
-use rockproof_differential::lockstep::{Caused, Intrusion, StepCause};
+use rockproof_differential::finding::{DecidingDecision, FindingScope};
+use rockproof_differential::lockstep::answer::StepAnswerChange;
+use rockproof_differential::lockstep::{AttributedDifference, Intrusion, StepCause};
 use rockproof_differential::row;
 use rockproof_model::Contact;
 use rockproof_results::bounded;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StepChange {
     /// A decision.
-    Decision(Change),
+    Decision(StepAnswerChange),
     /// The blocks overlap deeper after the stepper's step than after the oracle's.
     Deeper,
     /// They overlap less deep.
@@ -58,7 +58,7 @@ impl StepChange {
 
     /// Whether a change of this name may be found in steps.
     pub fn is_known(name: &str) -> bool {
-        StepChange::NAMES.contains(&name) || compare::Change::from_name(name).is_some()
+        StepChange::NAMES.contains(&name) || compare::AnswerChange::from_name(name).is_some()
     }
 }
 
@@ -74,7 +74,7 @@ pub struct StepFinding {
     /// The tolerance set.
     pub set: Arc<str>,
     /// Whom it is about.
-    pub who: Who,
+    pub scope: FindingScope,
     /// The engine in whose steps it was seen.
     pub engine: Arc<str>,
     /// The step, from 1.
@@ -92,7 +92,7 @@ pub struct StepFinding {
     /// What the later link has.
     pub after: String,
     /// What decided a difference of contacts.
-    pub deciding: Option<Deciding>,
+    pub deciding: Option<DecidingDecision>,
     /// The exact margin of what decided a difference of contacts or of a mode, **0 at a tie**, and the same in roundoffs.
     pub margins: [Option<f64>; 2],
     /// The exact penetration after the stepper's step and after the oracle's (m).
@@ -109,8 +109,8 @@ pub struct StepFindingRow {
     pub family: String,
     pub form: String,
     pub tolerances: String,
-    #[serde(serialize_with = "row::text", deserialize_with = "row::who")]
-    pub engine: Who,
+    #[serde(serialize_with = "row::text", deserialize_with = "row::deserialize_scope")]
+    pub engine: FindingScope,
     pub step: i64,
     #[serde(serialize_with = "row::text", deserialize_with = "cause")]
     pub cause: StepCause,
@@ -169,14 +169,14 @@ pub const STEP_FINDING_COLUMNS: [&str; 22] = [
 
 impl StepFinding {
     /// Takes over what a difference of two steps says.
-    pub(super) fn tell(&mut self, caused: &Caused) {
-        let difference = &caused.difference;
+    pub(super) fn take_difference(&mut self, attributed: &AttributedDifference) {
+        let difference = &attributed.difference;
         self.change = StepChange::Decision(difference.change);
         self.contact = difference.contact.map(|(_, contact)| contact);
         self.solve = difference.solve;
         (self.before, self.after) = (difference.before.clone(), difference.after.clone());
-        self.deciding = caused.deciding;
-        self.margins = [caused.margin(), caused.margin_ulps()];
+        self.deciding = attributed.deciding;
+        self.margins = [attributed.margin(), attributed.margin_ulps()];
     }
 
     /// The finding's row of `step_findings.csv`; `case` is its case file, empty where there is none.
@@ -187,7 +187,7 @@ impl StepFinding {
             family: self.family.to_string(),
             form: self.form.to_string(),
             tolerances: self.set.to_string(),
-            engine: self.who.clone(),
+            engine: self.scope.clone(),
             step: self.step,
             cause: self.cause,
             change: self.change.name().to_owned(),
@@ -198,7 +198,7 @@ impl StepFinding {
             before: self.before.clone(),
             after: self.after.clone(),
             predicate: deciding.map_or(String::new(), |d| d.decision.predicate.name().to_owned()),
-            features: deciding.map_or(String::new(), Deciding::features),
+            features: deciding.map_or(String::new(), DecidingDecision::features),
             margin: self.margins[0],
             margin_ulps: self.margins[1],
             penetration_stepper_m: self.penetration[0],
@@ -230,7 +230,7 @@ impl StepFindingRow {
     }
 
     fn modes(&self) -> String {
-        match self.change == Change::Mode.name() {
+        match self.change == StepAnswerChange::Mode.name() {
             true => format!("{}-{}", self.before, self.after),
             false => "step".to_owned(),
         }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 /// Why a question got no line in answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Silence {
+pub enum NoAnswer {
     /// The program could not be started.
     NotStarted(String),
 }
@@ -17,9 +17,9 @@ impl Process {
     /// Starts nothing.
     ///
     /// # Errors
-    /// [`Silence::NotStarted`], always.
-    pub fn start(_command: &[String]) -> Result<Process, Silence> {
-        Err(Silence::NotStarted("external engines need a Unix system, such as Linux or macOS".to_owned()))
+    /// [`NoAnswer::NotStarted`], always.
+    pub fn start(_command: &[String]) -> Result<Process, NoAnswer> {
+        Err(NoAnswer::NotStarted("external engines need a Unix system, such as Linux or macOS".to_owned()))
     }
 
     /// How many questions it was asked before.
@@ -31,7 +31,7 @@ impl Process {
     ///
     /// # Errors
     /// None: there is no program.
-    pub fn ask(&mut self, _line: String, _patience: Duration) -> Result<Vec<u8>, Silence> {
+    pub fn ask(&mut self, _line: String, _patience: Duration) -> Result<Vec<u8>, NoAnswer> {
         match *self {}
     }
 

@@ -17,11 +17,11 @@ pub mod process;
 pub use group::end_all;
 #[cfg(not(unix))]
 pub use process::end_all;
-pub use spec::{EngineSpec, SpecFault};
+pub use spec::{EngineSpec, EngineSpecError};
 
 use super::engine::{Answer, Engine, EngineCounts, EngineFailure, Prepared, Trace, WideAnswer};
 use super::finding::Cause;
-use process::{Process, Silence};
+use process::{NoAnswer, Process};
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -32,7 +32,7 @@ pub const LONGEST_ANSWER: usize = 1 << 24;
 
 /// [`EngineCounts`], counted by many threads.
 #[derive(Debug, Default)]
-struct Counts {
+struct EngineCounters {
     asked: AtomicU64,
     started: AtomicU64,
     recovered: AtomicU64,
@@ -43,7 +43,7 @@ struct Shared {
     spec: EngineSpec,
     ask_twice: bool,
     idle: Mutex<Vec<Process>>,
-    counts: Counts,
+    counts: EngineCounters,
 }
 
 /// A program that answers questions about pairs. Copies share its running processes, of which there is one for each thread that
@@ -55,7 +55,7 @@ impl External {
     /// The engine of a specification. Nothing is started before the first question. With `ask_twice`, every question goes to two
     /// processes, whose answers must be the same.
     pub fn new(spec: EngineSpec, ask_twice: bool) -> External {
-        let (idle, counts) = (Mutex::default(), Counts::default());
+        let (idle, counts) = (Mutex::default(), EngineCounters::default());
         External(Arc::new(Shared { spec, ask_twice, idle, counts }))
     }
 
@@ -75,7 +75,7 @@ impl External {
         }
     }
 
-    fn start(&self) -> Result<Process, Silence> {
+    fn start(&self) -> Result<Process, NoAnswer> {
         self.0.counts.started.fetch_add(1, Ordering::Relaxed);
         Process::start(&self.0.spec.command)
     }
@@ -140,17 +140,17 @@ impl External {
         }
     }
 
-    fn verdict(&self, silence: Silence) -> EngineFailure {
+    fn verdict(&self, silence: NoAnswer) -> EngineFailure {
         match silence {
-            Silence::NotStarted(why) => EngineFailure::Crashed(why),
+            NoAnswer::NotStarted(why) => EngineFailure::Crashed(why),
             #[cfg(unix)]
-            Silence::Ended(why) => EngineFailure::Crashed(why),
+            NoAnswer::Ended(why) => EngineFailure::Crashed(why),
             #[cfg(unix)]
-            Silence::TimedOut => EngineFailure::TimedOut(format!("no answer within {} ms", self.0.spec.timeout_ms)),
+            NoAnswer::TimedOut => EngineFailure::TimedOut(format!("no answer within {} ms", self.0.spec.timeout_ms)),
             #[cfg(unix)]
-            Silence::TooLong => EngineFailure::Malformed(format!("a line of more than {LONGEST_ANSWER} bytes")),
+            NoAnswer::TooLong => EngineFailure::Malformed(format!("a line of more than {LONGEST_ANSWER} bytes")),
             #[cfg(unix)]
-            Silence::Unasked => EngineFailure::Malformed(
+            NoAnswer::Unasked => EngineFailure::Malformed(
                 "output that nobody asked for; each question has one line in answer".to_owned(),
             ),
         }
@@ -197,7 +197,7 @@ impl Engine for External {
 
     fn counts(&self) -> Option<EngineCounts> {
         let count = |n: &AtomicU64| n.load(Ordering::Relaxed);
-        let Counts { asked, started, recovered, uncompared } = &self.0.counts;
+        let EngineCounters { asked, started, recovered, uncompared } = &self.0.counts;
         Some(EngineCounts {
             asked: count(asked),
             processes_started: count(started),
@@ -230,7 +230,7 @@ impl Prepared for ExternalPair<'_> {
         if same(&first, &second) {
             return first;
         }
-        Err(EngineFailure::Unstable(format!("first {}, then {}", told(&first), told(&second))))
+        Err(EngineFailure::Unstable(format!("first {}, then {}", describe_answer(&first), describe_answer(&second))))
     }
 
     fn trace(&self, _: &ToleranceSet) -> Option<Trace> {
@@ -251,7 +251,7 @@ fn same(one: &Result<Answer, EngineFailure>, other: &Result<Answer, EngineFailur
     }
 }
 
-fn told(answer: &Result<Answer, EngineFailure>) -> String {
+fn describe_answer(answer: &Result<Answer, EngineFailure>) -> String {
     match answer {
         Ok(Answer::Contacts(contacts)) => {
             let list: Vec<String> = contacts.iter().map(|c| format!("{} {}/{}", c.kind, c.a, c.b)).collect();

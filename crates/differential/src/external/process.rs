@@ -18,7 +18,7 @@ const WORDS: usize = 200;
 
 /// Why a question got no line in answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Silence {
+pub enum NoAnswer {
     /// The program could not be started.
     NotStarted(String),
     /// The program ended; how, and the last line it wrote to stderr.
@@ -43,13 +43,13 @@ impl Process {
     /// Starts a program with its arguments, in a process group of its own.
     ///
     /// # Errors
-    /// [`Silence::NotStarted`], with the reason.
-    pub fn start(command: &[String]) -> Result<Process, Silence> {
+    /// [`NoAnswer::NotStarted`], with the reason.
+    pub fn start(command: &[String]) -> Result<Process, NoAnswer> {
         let (program, arguments) =
-            command.split_first().ok_or_else(|| Silence::NotStarted("the command is empty".to_owned()))?;
+            command.split_first().ok_or_else(|| NoAnswer::NotStarted("the command is empty".to_owned()))?;
         let mut command = Command::new(program);
         command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let not_started = |error: std::io::Error| Silence::NotStarted(format!("cannot start {program}: {error}"));
+        let not_started = |error: std::io::Error| NoAnswer::NotStarted(format!("cannot start {program}: {error}"));
         let mut group = Group::start(&mut command).map_err(not_started)?;
         let pipes = Pipes::of(group.child()).map_err(not_started)?;
         Ok(Process { pipes, group, asked: 0 })
@@ -64,10 +64,10 @@ impl Process {
     ///
     /// # Errors
     /// Why there was none. The program is of no further use then.
-    pub fn ask(&mut self, line: String, patience: Duration) -> Result<Vec<u8>, Silence> {
+    pub fn ask(&mut self, line: String, patience: Duration) -> Result<Vec<u8>, NoAnswer> {
         self.asked += 1;
         if self.pipes.has_unread() {
-            return Err(Silence::Unasked);
+            return Err(NoAnswer::Unasked);
         }
         let mut bytes = line.into_bytes();
         bytes.push(b'\n');
@@ -79,19 +79,19 @@ impl Process {
             let left = patience.saturating_sub(begin.elapsed());
             let wait = if ended { Duration::ZERO } else { LOOK.min(left) };
             match self.pipes.look(wait) {
-                Ok(Came::Line(_)) if self.pipes.has_unread() => return Err(Silence::Unasked),
+                Ok(Came::Line(_)) if self.pipes.has_unread() => return Err(NoAnswer::Unasked),
                 Ok(Came::Line(line)) => return Ok(line),
-                Ok(Came::TooLong) => return Err(Silence::TooLong),
-                Ok(Came::End) | Err(_) => return Err(Silence::Ended(self.obituary())),
-                Ok(Came::Nothing) if ended => return Err(Silence::Ended(self.obituary())),
-                Ok(Came::Nothing | Came::Part) if left.is_zero() => return Err(Silence::TimedOut),
+                Ok(Came::TooLong) => return Err(NoAnswer::TooLong),
+                Ok(Came::End) | Err(_) => return Err(NoAnswer::Ended(self.exit_description())),
+                Ok(Came::Nothing) if ended => return Err(NoAnswer::Ended(self.exit_description())),
+                Ok(Came::Nothing | Came::Part) if left.is_zero() => return Err(NoAnswer::TimedOut),
                 Ok(Came::Nothing | Came::Part) => {}
             }
         }
     }
 
     /// How the program ended, and its last words.
-    fn obituary(&mut self) -> String {
+    fn exit_description(&mut self) -> String {
         self.pipes.close_stdin();
         let by_itself = self.group.wait(FAREWELL);
         let words = self.pipes.last_words();

@@ -1,14 +1,14 @@
 //! A state file: one step that stepper and oracle did not make alike, to be made again.
 
-use crate::lockstep::answer::{Answer, described};
+use crate::lockstep::answer::{StepDecisions, described};
 use crate::lockstep::intrusion::{Intruded, WatchedStep};
-use crate::lockstep::run::Compared;
+use crate::lockstep::run::ComparedStep;
 use crate::lockstep::state::exact_state;
 use rockproof_model::files::read_text;
-use rockproof_model::scene::Format;
+use rockproof_model::scene::SceneFormat;
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Precision, Scene, ToleranceSet};
-use rockproof_simulate::checkpoint::Saved;
+use rockproof_simulate::checkpoint::SavedState;
 use rockproof_stepper::Real;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -33,7 +33,7 @@ pub struct StepCase {
     /// The scene as it was run, in TOML: exact, stiffnesses derived, every tolerance given.
     pub scene: String,
     /// The state before the step.
-    pub state: Saved,
+    pub state: SavedState,
     /// What the oracle answers from the engine's numbers.
     pub expected: Expected,
 }
@@ -57,7 +57,7 @@ pub struct Expected {
 
 impl Expected {
     /// An answer in words.
-    pub fn of(answer: &Answer) -> Expected {
+    pub fn of(answer: &StepDecisions) -> Expected {
         let contact = |(pair, contact): &([u32; 2], _)| format!("{}-{} {}", pair[0], pair[1], described(contact));
         Expected {
             contacts: answer.contacts.iter().map(contact).collect(),
@@ -69,7 +69,7 @@ impl Expected {
     }
 
     /// What is to be recorded of a step: an answer, and of a step that was looked through what was found there.
-    pub fn of_step(step: &Compared) -> Option<Expected> {
+    pub fn of_step(step: &ComparedStep) -> Option<Expected> {
         let words = |one: &Intruded| format!("{}-{} {}", one.blocks[0], one.blocks[1], one.kind.name());
         let all = |watched: &WatchedStep| watched.oracle.found.iter().map(words).collect();
         let intrusions = step.watched.as_ref().map(all);
@@ -185,7 +185,7 @@ impl StepCase {
                 "a block names a `file`; allowed are `vertices` and `faces`, or `box`".into(),
             ));
         }
-        let scene = Scene::parse(&self.scene, Format::Toml, Path::new("state file"))
+        let scene = Scene::parse(&self.scene, SceneFormat::Toml, Path::new("state file"))
             .map_err(|e| StepCaseError::Scene(e.into()))?;
         let set = scene
             .tolerances

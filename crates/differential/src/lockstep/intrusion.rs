@@ -8,8 +8,8 @@ use crate::lockstep::scene::ExactScene;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::{Block, ContactKey, Number, Precision};
-use rockproof_oracle::Solid;
-use rockproof_oracle::audit::{Auditor, Overlap, Sight};
+use rockproof_oracle::PreparedBlock;
+use rockproof_oracle::audit::{Auditor, Overlap, OverlapVisibility};
 use rockproof_oracle::passage::{PassageAnswer, StraightMotion, passage, swept_neighbours};
 use rockproof_oracle::step::{Mode, State};
 use std::collections::BTreeSet;
@@ -145,11 +145,11 @@ impl Intrusions {
     }
 
     fn find_unseen(&mut self, scene: &ExactScene, ends: &[Vec<Block>; 2], states: [&State; 2], rounding: f64) {
-        let solids = |end: usize| -> Vec<Solid> { ends[end].iter().map(Solid::new).collect() };
+        let solids = |end: usize| -> Vec<PreparedBlock> { ends[end].iter().map(PreparedBlock::new).collect() };
         let unseen = |auditor: &Auditor<'_>, blocks, end: usize| -> Option<Overlap> {
             let overlap = auditor.pair_keeping(blocks, &kept(states[end], blocks)).overlap?;
             let is_tiny = overlap.penetration.depth_m().is_some_and(|depth| depth <= rounding);
-            (overlap.sight == Sight::Unseen && !overlap.is_within_unevenness && !is_tiny).then_some(overlap)
+            (overlap.sight == OverlapVisibility::Unseen && !overlap.is_within_unevenness && !is_tiny).then_some(overlap)
         };
         let after = solids(1);
         let auditor = Auditor::new(&after, scene.tolerances());
@@ -209,7 +209,7 @@ pub struct WatchedStep {
     /// Those of the oracle's from the same state.
     pub oracle: Intrusions,
     /// Their causes.
-    pub caused: Vec<CausedIntrusion>,
+    pub attributed: Vec<CausedIntrusion>,
 }
 
 /// A step to be looked through.
@@ -232,7 +232,7 @@ impl Watch<'_> {
         let ([ideal, given, rounded], rounding) = (self.scenes, rounding(self.before[1], self.precision));
         let of = |after: &State| Intrusions::of(rounded, self.before[1], after, rounding);
         let [oracle, stepper] = self.after.map(of);
-        let mut step = WatchedStep { stepper, oracle, caused: Vec::new() };
+        let mut step = WatchedStep { stepper, oracle, attributed: Vec::new() };
         let keys: BTreeSet<_> = step.oracle.found.iter().chain(&step.stepper.found).map(Intruded::key).collect();
         if keys.is_empty() {
             return step;
@@ -253,7 +253,7 @@ impl Watch<'_> {
         let mut in_wide: Option<Option<Intrusions>> = None;
         for key in keys {
             let mut tell = |cause, appears| {
-                step.caused.push(CausedIntrusion { cause, kind: key.0, blocks: key.1, appears });
+                step.attributed.push(CausedIntrusion { cause, kind: key.0, blocks: key.1, appears });
             };
             let here = has(&step.oracle, key);
             if here == Some(true) {

@@ -1,6 +1,6 @@
 //! Why answers differ: causes, changes, and the predicates that decide most findings.
 
-use super::{Part, Section, label};
+use super::{Section, SectionPart, label};
 use crate::chart::{Chart, in_lines};
 use crate::load::CampaignRun;
 use crate::table::Table;
@@ -15,11 +15,11 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
         "A finding is counted once, at the link of the chain where the answer changes: by the tolerances, by rounding the input, by \
          the engine's arithmetic, or by a mistake in its code (defect).",
     );
-    section.parts.push(Part::Chart(by_setting(campaigns)));
-    section.parts.push(Part::Table(changes(campaigns), 16));
-    section.parts.push(Part::Text("Which questions decide most findings:".to_owned()));
-    section.parts.push(Part::Chart(predicate_chart(campaigns)));
-    section.parts.push(Part::Quiet(predicates(campaigns)));
+    section.parts.push(SectionPart::Chart(by_setting(campaigns)));
+    section.parts.push(SectionPart::Table(changes(campaigns), 16));
+    section.parts.push(SectionPart::Text("Which questions decide most findings:".to_owned()));
+    section.parts.push(SectionPart::Chart(predicate_chart(campaigns)));
+    section.parts.push(SectionPart::Quiet(predicates(campaigns)));
     section
 }
 

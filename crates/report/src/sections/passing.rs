@@ -1,9 +1,9 @@
 //! Overlaps and passages in runs whose steps were audited.
 
-use super::{Part, Section};
+use super::{Section, SectionPart};
 use crate::load::Results;
 use crate::motion::MotionRun;
-use crate::table::{Cell, Table};
+use crate::table::{Table, TableCell};
 use rockproof_simulate::audit::PairExtreme;
 
 /// The section; `None` where no run was audited and the section on lockstep has them all.
@@ -19,9 +19,9 @@ pub(super) fn section(results: &Results) -> Option<Section> {
          another within a step, calculated exactly from the stepper's coordinates.",
     );
     for run in runs {
-        section.parts.push(Part::Text(format!("{}: {}.", run.name, run.sentence())));
+        section.parts.push(SectionPart::Text(format!("{}: {}.", run.name, run.sentence())));
     }
-    section.parts.push(Part::Table(table(runs), 60));
+    section.parts.push(SectionPart::Table(table(runs), 60));
     Some(section)
 }
 
@@ -47,14 +47,15 @@ fn table(runs: &[MotionRun]) -> Table {
         ],
     );
     for run in runs {
-        let mut row: Vec<Cell> = vec![run.name.as_str().into(), run.engine.as_str().into(), run.ending.as_str().into()];
-        row.push(Cell::Count(run.totals.steps + run.totals.settling));
+        let mut row: Vec<TableCell> =
+            vec![run.name.as_str().into(), run.engine.as_str().into(), run.ending.as_str().into()];
+        row.push(TableCell::Count(run.totals.steps + run.totals.settling));
         match run.audit() {
-            None => row.resize_with(table.columns.len(), || Cell::Empty),
+            None => row.resize_with(table.columns.len(), || TableCell::Empty),
             Some(audit) => {
-                row.extend([audit.steps_unseen, audit.most_unseen].map(Cell::Count));
+                row.extend([audit.steps_unseen, audit.most_unseen].map(TableCell::Count));
                 row.extend(pair(audit.worst_unseen));
-                row.extend([audit.passages, audit.undecided].map(Cell::Count));
+                row.extend([audit.passages, audit.undecided].map(TableCell::Count));
                 row.extend([audit.worst_passage, audit.deepest].into_iter().flat_map(pair));
             }
         }
@@ -63,9 +64,11 @@ fn table(runs: &[MotionRun]) -> Table {
     table
 }
 
-fn pair(worst: Option<PairExtreme>) -> [Cell; 2] {
+fn pair(worst: Option<PairExtreme>) -> [TableCell; 2] {
     match worst {
-        None => [Cell::Empty, Cell::Empty],
-        Some(PairExtreme { blocks: [a, b], depth_m, .. }) => [Cell::Text(format!("{a}-{b}")), Cell::Number(depth_m.0)],
+        None => [TableCell::Empty, TableCell::Empty],
+        Some(PairExtreme { blocks: [a, b], depth_m, .. }) => {
+            [TableCell::Text(format!("{a}-{b}")), TableCell::Number(depth_m.0)]
+        }
     }
 }

@@ -1,8 +1,8 @@
 //! What the report is made of.
 
-use super::{Part, Section};
+use super::{Section, SectionPart};
 use crate::load::{Results, RunFile};
-use crate::table::{Cell, Table};
+use crate::table::{Table, TableCell};
 
 pub(super) fn section(results: &Results) -> Section {
     let mut section =
@@ -33,8 +33,8 @@ pub(super) fn section(results: &Results) -> Section {
                 campaign.name, run.seconds, m.cores, m.os, m.architecture
             ));
         }
-        section.parts.push(Part::Table(table, 100));
-        section.parts.push(Part::Text(machines.join(" ")));
+        section.parts.push(SectionPart::Table(table, 100));
+        section.parts.push(SectionPart::Text(machines.join(" ")));
     }
     let others = results.locksteps.iter().map(|r| ("lockstep", &r.name, r.steps, &r.dir));
     let others =
@@ -43,10 +43,10 @@ pub(super) fn section(results: &Results) -> Section {
     let others = others.chain(results.timings.iter().map(|r| ("bench", &r.name, r.measurements.len() as u64, &r.dir)));
     let mut table = Table::new("other_runs", "Other runs", &["run", "what", "rows", "directory"]);
     for (what, name, rows, dir) in others {
-        table.push(vec![name.as_str().into(), what.into(), Cell::Count(rows), dir.display().to_string().into()]);
+        table.push(vec![name.as_str().into(), what.into(), TableCell::Count(rows), dir.display().to_string().into()]);
     }
     if !table.rows.is_empty() {
-        section.parts.push(Part::Table(table, 100));
+        section.parts.push(SectionPart::Table(table, 100));
     }
     section
 }

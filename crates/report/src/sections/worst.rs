@@ -1,10 +1,10 @@
 //! The worst findings, each with a view to turn.
 
-use super::{Part, Section, label};
-use crate::fault::ReportError;
+use super::{Section, SectionPart, label};
+use crate::error::ReportError;
 use crate::load::CampaignRun;
-use crate::table::{Cell, Table, short};
-use crate::tally::{WORRYING, Worst};
+use crate::table::{Table, TableCell, short};
+use crate::tally::{WORRYING, WorstFinding};
 use crate::view;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::{Cause, FAR};
@@ -28,7 +28,7 @@ pub struct FindingView {
     /// What each thing about it is.
     pub facts: Vec<(&'static str, String)>,
     /// The contacts.
-    pub contacts: Vec<SeenRow>,
+    pub contacts: Vec<FindingContact>,
     /// The command that shows it decision by decision.
     pub replay: String,
     /// What plotly draws.
@@ -37,7 +37,7 @@ pub struct FindingView {
 
 /// A contact of it.
 #[derive(Clone, Debug, Serialize)]
-pub struct SeenRow {
+pub struct FindingContact {
     /// `true`, `seen` or `both`.
     pub who: &'static str,
     /// Kind, features and entrance.
@@ -90,14 +90,14 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError>
         }
     }
     if views.is_empty() {
-        section.parts.push(Part::Text("No finding was kept as a case.".to_owned()));
+        section.parts.push(SectionPart::Text("No finding was kept as a case.".to_owned()));
     }
-    section.parts.push(Part::Findings(views));
-    section.parts.push(Part::Quiet(table));
+    section.parts.push(SectionPart::Findings(views));
+    section.parts.push(SectionPart::Quiet(table));
     Ok(section)
 }
 
-fn row(campaign: &CampaignRun, finding: &Worst) -> Vec<Cell> {
+fn row(campaign: &CampaignRun, finding: &WorstFinding) -> Vec<TableCell> {
     let [before, after] = &finding.kinds;
     vec![
         campaign.name.as_str().into(),
@@ -108,9 +108,9 @@ fn row(campaign: &CampaignRun, finding: &Worst) -> Vec<Cell> {
         after.as_str().into(),
         finding.predicate.as_str().into(),
         finding.features.as_str().into(),
-        Cell::number(Some(finding.magnitude()).filter(|size| size.is_finite())),
-        Cell::number(finding.margin),
-        Cell::number(finding.margin_ulps),
+        TableCell::number(Some(finding.magnitude()).filter(|size| size.is_finite())),
+        TableCell::number(finding.margin),
+        TableCell::number(finding.margin_ulps),
         finding.family.as_str().into(),
         finding.tolerances.as_str().into(),
         finding.index.into(),
@@ -118,7 +118,7 @@ fn row(campaign: &CampaignRun, finding: &Worst) -> Vec<Cell> {
     ]
 }
 
-fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<FindingView, ReportError> {
+fn show(dir: &Path, finding: &WorstFinding, name: String, number: usize) -> Result<FindingView, ReportError> {
     let path = dir.join(&finding.case);
     if !lies_in(dir, &path) {
         let found = "the case lies outside of the run, behind a link".to_owned();
@@ -149,7 +149,7 @@ fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<Find
         facts.extend(text.iter().map(|text| (what, text.clone())));
     }
     facts.push(("axes from", format!("({})", centre.map(|c| format!("{c:?}")).join(", "))));
-    let row = |c: &view::SeenContact| SeenRow { who: c.who(), name: c.name(), gap: nine_digits(c.gap_m) };
+    let row = |c: &view::ViewedContact| FindingContact { who: c.who(), name: c.name(), gap: nine_digits(c.gap_m) };
     Ok(FindingView {
         id: format!("finding-{number}"),
         title: format!("{name}: {kinds}, {}", finding.engine),
@@ -171,7 +171,7 @@ fn lies_in(dir: &Path, file: &Path) -> bool {
 const CHOICES: [Predicate; 3] = [Predicate::EntranceChoice, Predicate::ShortestExit, Predicate::OneExit];
 
 /// What a margin says about where to look.
-fn remark(finding: &Worst, ulps: Option<f64>) -> Option<&'static str> {
+fn remark(finding: &WorstFinding, ulps: Option<f64>) -> Option<&'static str> {
     if ulps? <= FAR {
         return None;
     }

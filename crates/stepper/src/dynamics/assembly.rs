@@ -1,19 +1,19 @@
 //! The matrix and the right side of an island, added up panel by panel where the factor will stand.
 
 use crate::dynamics::area::tangents;
-use crate::dynamics::contact::Active;
-use crate::dynamics::displacement::{Twelve, generalized};
-use crate::dynamics::island::{Alone, packed};
-use crate::dynamics::layout::Layout;
+use crate::dynamics::contact::StepContact;
+use crate::dynamics::displacement::{BlockVector, generalized};
+use crate::dynamics::island::{BlockSystem, packed};
+use crate::dynamics::layout::IslandLayout;
 use crate::dynamics::state::Mode;
 use crate::real::Real;
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 
 /// What the system of an island is made of.
 pub(super) struct System<'s, R> {
-    layout: &'s Layout,
-    alone: &'s [Alone<R>],
-    contacts: &'s [Active<R>],
+    layout: &'s IslandLayout,
+    block_systems: &'s [BlockSystem<R>],
+    contacts: &'s [StepContact<R>],
     /// The closed contacts of the island.
     closed: &'s [usize],
     /// The blocks of the island, ascending.
@@ -37,10 +37,10 @@ impl<'s, R: Real> System<'s, R> {
     /// Of blocks, where the panels that are marked are to be filled; of all contacts those that are closed and in the island.
     pub(super) fn new(
         island: &'s [u32],
-        layout: &'s Layout,
+        layout: &'s IslandLayout,
         marked: &[bool],
-        alone: &'s [Alone<R>],
-        (contacts, closed): (&'s [Active<R>], &'s [usize]),
+        block_systems: &'s [BlockSystem<R>],
+        (contacts, closed): (&'s [StepContact<R>], &'s [usize]),
     ) -> System<'s, R> {
         let (first, last) = (island.first().map_or(0, |&b| b as usize), island.last().map_or(0, |&b| b as usize));
         // Many islands that reach far must not take a table of all blocks each.
@@ -55,7 +55,7 @@ impl<'s, R: Real> System<'s, R> {
         }
         let mut system = System {
             layout,
-            alone,
+            block_systems,
             contacts,
             closed,
             island,
@@ -105,7 +105,7 @@ impl<'s, R: Real> System<'s, R> {
         for (place, &block) in self.blocks.iter().enumerate() {
             let unknowns = pattern.unknowns(place);
             let count = unknowns.len();
-            force[unknowns].copy_from_slice(&self.alone[block as usize].force[..count]);
+            force[unknowns].copy_from_slice(&self.block_systems[block as usize].force[..count]);
         }
         for contact in self.closed.iter().map(|&k| &self.contacts[k]) {
             let at = contact.entering().map(|block| self.place(block).map(|place| pattern.unknowns(place)));
@@ -116,8 +116,8 @@ impl<'s, R: Real> System<'s, R> {
                     }
                 }
             }
-            if contact.now.mode == Mode::Sliding {
-                let acting = contact.now.friction.force;
+            if contact.iterate.mode == Mode::Sliding {
+                let acting = contact.iterate.friction.force;
                 for (at, arm, acting) in [(&at[0], contact.arms[0], -acting), (&at[1], contact.arms[1], acting)] {
                     let Some(at) = at else { continue };
                     for (total, share) in force[at.clone()].iter_mut().zip(generalized(arm, acting)) {
@@ -178,8 +178,8 @@ struct Tie {
 
 /// A spring of length `before + e·d_i − g·d_j`.
 struct Spring<R> {
-    e: Twelve<R>,
-    g: Twelve<R>,
+    e: BlockVector<R>,
+    g: BlockVector<R>,
     /// In N/m.
     stiffness: R,
     /// In m.
@@ -188,15 +188,15 @@ struct Spring<R> {
 
 /// The springs of a closed contact.
 #[inline(always)]
-fn springs<R: Real>(contact: &Active<R>) -> [Option<Spring<R>>; 3] {
+fn springs<R: Real>(contact: &StepContact<R>) -> [Option<Spring<R>>; 3] {
     let [e, g] = contact.rows();
     let normal = Some(Spring { e, g, stiffness: contact.joint.normal, before: contact.plane.gap });
     let across = |along, stiffness| {
         let [e, g] = contact.arms.map(|arm| generalized(arm, along));
         Some(Spring { e, g, stiffness, before: contact.stretch.dot(along) })
     };
-    let friction = &contact.now.friction;
-    match contact.now.mode {
+    let friction = &contact.iterate.friction;
+    match contact.iterate.mode {
         Mode::Locked => {
             let (one, two) = tangents(contact.plane.normal);
             [normal, across(one, contact.joint.shear), across(two, contact.joint.shear)]
@@ -221,13 +221,13 @@ impl<R: Real> WithSimd for Filling<'_, '_, R> {
         let Filling { system, panel, values } = self;
         let pattern = &system.layout.pattern;
         for place in pattern.nodes(panel) {
-            let alone = &system.alone[system.blocks[place] as usize];
+            let block_systems = &system.block_systems[system.blocks[place] as usize];
             let Some((at, stride)) = pattern.part_of(panel, place, place) else { continue };
             let unknowns = pattern.unknowns(place).len();
             for column in 0..unknowns {
                 let values = &mut values[at + stride * column..][..unknowns];
                 for (row, value) in values.iter_mut().enumerate().skip(column) {
-                    *value = alone.stiffness[packed(row, column)];
+                    *value = block_systems.stiffness[packed(row, column)];
                 }
             }
         }
@@ -251,12 +251,12 @@ impl<R: Real> WithSimd for Filling<'_, '_, R> {
 
 /// The rows of the springs between two blocks.
 struct Rows<R> {
-    e: Vec<Twelve<R>>,
-    g: Vec<Twelve<R>>,
+    e: Vec<BlockVector<R>>,
+    g: Vec<BlockVector<R>>,
     /// In N/m.
     stiffness: Vec<R>,
     /// Rows times stiffness; kept to reuse its memory.
-    scaled: Vec<Twelve<R>>,
+    scaled: Vec<BlockVector<R>>,
 }
 
 impl<R: Real> Rows<R> {
@@ -268,12 +268,12 @@ impl<R: Real> Rows<R> {
 
     /// Adds what the springs bring to the parts of the two blocks.
     #[inline(always)]
-    fn add(&mut self, values: &mut [R], ties: &Ties) {
-        let between = if ties.i_is_later { (&self.g, &self.e) } else { (&self.e, &self.g) };
+    fn add(&mut self, values: &mut [R], couplings: &Ties) {
+        let between = if couplings.i_is_later { (&self.g, &self.e) } else { (&self.e, &self.g) };
         let parts = [
-            (ties.own[0], (&self.e, &self.e), false),
-            (ties.own[1], (&self.g, &self.g), false),
-            (ties.between, between, true),
+            (couplings.own[0], (&self.e, &self.e), false),
+            (couplings.own[1], (&self.g, &self.g), false),
+            (couplings.between, between, true),
         ];
         for (part, (earlier, later), negative) in parts {
             let Some(part) = part else { continue };
@@ -298,7 +298,7 @@ impl<R: Real> Rows<R> {
 
 /// Adds `Σ later·earlierᵀ` to a part of so many rows, one summand after another.
 #[inline(always)]
-fn tie<R: Real, const ROWS: usize>(values: &mut [R], part: Tie, earlier: &[Twelve<R>], later: &[Twelve<R>]) {
+fn tie<R: Real, const ROWS: usize>(values: &mut [R], part: Tie, earlier: &[BlockVector<R>], later: &[BlockVector<R>]) {
     for column in 0..part.columns.min(12) {
         let Some(values) = values[part.at + part.stride * column..].first_chunk_mut::<ROWS>() else { continue };
         let mut sums = *values;
@@ -327,11 +327,11 @@ impl<R: Real> WithSimd for Multiplying<'_, '_, R> {
         let Multiplying { system, vector, product } = self;
         let pattern = &system.layout.pattern;
         for (place, &block) in system.blocks.iter().enumerate() {
-            let (alone, at) = (&system.alone[block as usize], pattern.unknowns(place));
+            let (block_systems, at) = (&system.block_systems[block as usize], pattern.unknowns(place));
             let (vector, product) = (&vector[at.clone()], &mut product[at]);
             for row in 0..vector.len() {
                 for column in 0..=row {
-                    let value = alone.stiffness[packed(row, column)];
+                    let value = block_systems.stiffness[packed(row, column)];
                     product[row] = product[row] + value * vector[column];
                     if column < row {
                         product[column] = product[column] + value * vector[row];
@@ -344,7 +344,7 @@ impl<R: Real> WithSimd for Multiplying<'_, '_, R> {
             let at = contact.entering().map(|block| system.place(block).map(|place| pattern.unknowns(place)));
             for spring in springs(contact) {
                 let Some(Spring { e, g, stiffness, .. }) = spring else { break };
-                let along = |row: &Twelve<R>, at: &Option<std::ops::Range<usize>>| {
+                let along = |row: &BlockVector<R>, at: &Option<std::ops::Range<usize>>| {
                     at.clone()
                         .map_or(R::ZERO, |at| vector[at].iter().zip(row).fold(R::ZERO, |sum, (&x, &r)| sum + x * r))
                 };
@@ -361,7 +361,7 @@ impl<R: Real> WithSimd for Multiplying<'_, '_, R> {
 
 /// Adds a row times a factor.
 #[inline(always)]
-fn add<R: Real>(values: &mut [R], row: &Twelve<R>, factor: R) {
+fn add<R: Real>(values: &mut [R], row: &BlockVector<R>, factor: R) {
     for (value, &r) in values.iter_mut().zip(row) {
         *value = *value + r * factor;
     }

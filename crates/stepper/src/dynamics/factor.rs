@@ -3,7 +3,7 @@
 //! Subtrees know nothing of one another, and of wide panels the columns are gathered by parts, so threads can share the work. What is
 //! computed of a panel does not depend on who computes it, nor on how many there are: the same bits on any number of threads.
 
-use crate::dynamics::pattern::{Below, Panel, Pattern};
+use crate::dynamics::pattern::{Panel, PanelRow, Pattern};
 use crate::dynamics::solve::{Fill, Singular};
 use crate::real::Real;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -217,7 +217,7 @@ impl<R: Real + RealField> Taking<'_, R> {
         for &update in self.pattern.updates(self.panel) {
             let from = &self.pattern.panels()[update.from as usize];
             let (inside, after) = self.pattern.updating(update);
-            let column = |below: &Below| self.pattern.unknowns(below.node as usize).start - self.panel.begin;
+            let column = |below: &PanelRow| self.pattern.unknowns(below.node as usize).start - self.panel.begin;
             let begin = inside.partition_point(|below| column(below) < self.part.start);
             let end = inside.partition_point(|below| column(below) < self.part.end);
             if begin < end {
@@ -227,7 +227,13 @@ impl<R: Real + RealField> Taking<'_, R> {
     }
 
     /// Of an earlier panel: its rows in these columns, in later ones of the same panel, and in later panels.
-    fn take_from(&self, from: &Panel, [inside, beside, after]: [&[Below]; 3], columns: &mut [R], room: &mut Room<R>) {
+    fn take_from(
+        &self,
+        from: &Panel,
+        [inside, beside, after]: [&[PanelRow]; 3],
+        columns: &mut [R],
+        room: &mut Room<R>,
+    ) {
         let (pattern, panel) = (self.pattern, self.panel);
         let first = inside[0].row as usize;
         let end = beside.first().or(after.first()).map_or(from.height, |below| below.row as usize);
@@ -242,7 +248,7 @@ impl<R: Real + RealField> Taking<'_, R> {
         multiply(factor.subrows(first, height), factor.subrows(first, width), products);
         // Rows that follow one another in both: where they begin here and there, and how many they are.
         room.runs.clear();
-        let column = |below: &Below| pattern.unknowns(below.node as usize).start - panel.begin;
+        let column = |below: &PanelRow| pattern.unknowns(below.node as usize).start - panel.begin;
         let own = inside.iter().chain(beside).map(|below| (below, column(below)));
         let mut below = pattern.below(panel).iter();
         let later = after.iter().filter_map(|node| {

@@ -1,12 +1,12 @@
 //! Islands: blocks that closed contacts tie together. Each is a system of its own (SPEC section 5, `K d = F`).
 
 use crate::dynamics::assembly::System;
-use crate::dynamics::contact::Active;
-use crate::dynamics::displacement::Twelve;
-use crate::dynamics::layout::{Layout, Layouts, Ties};
+use crate::dynamics::contact::StepContact;
+use crate::dynamics::displacement::BlockVector;
+use crate::dynamics::layout::{Couplings, IslandLayout, Layouts};
 use crate::dynamics::pattern::Pattern;
 use crate::dynamics::refine::refined;
-use crate::dynamics::report::Spent;
+use crate::dynamics::report::IterationTimes;
 use crate::dynamics::solve::{Singular, Solve, dense};
 use crate::real::Real;
 use std::sync::Arc;
@@ -14,22 +14,22 @@ use std::time::Instant;
 
 /// What a block brings into its system, without contacts.
 #[derive(Clone, Debug)]
-pub(super) struct Alone<R> {
+pub(super) struct BlockSystem<R> {
     /// 12, 6 or 0.
     pub(super) unknowns: usize,
-    pub(super) stiffness: Packed<R>,
-    pub(super) force: Twelve<R>,
+    pub(super) stiffness: PackedBlockMatrix<R>,
+    pub(super) force: BlockVector<R>,
 }
 
 /// Blocks that closed contacts tie together, what is tied within them, and the closed contacts between them and to fixed blocks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Island {
-    pub(super) ties: Ties,
+    pub(super) couplings: Couplings,
     pub(super) contacts: Vec<usize>,
 }
 
 /// The islands, by their lowest block. Contacts are sorted by pair.
-pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[Active<R>]) -> Vec<Island> {
+pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[StepContact<R>]) -> Vec<Island> {
     let mut root: Vec<usize> = (0..unknowns.len()).collect();
     fn find(root: &mut [usize], mut block: usize) -> usize {
         while root[block] != block {
@@ -55,15 +55,15 @@ pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[Active<R>]) -> Ve
             place[block][0] = all.len() as u32;
             all.push(Island::default());
         }
-        let ties = &mut all[place[lowest][0] as usize].ties;
-        place[block] = [place[lowest][0], ties.blocks.len() as u32];
-        ties.blocks.push(block as u32);
-        ties.unknowns.push(unknowns[block] as u8);
+        let couplings = &mut all[place[lowest][0] as usize].couplings;
+        place[block] = [place[lowest][0], couplings.blocks.len() as u32];
+        couplings.blocks.push(block as u32);
+        couplings.unknowns.push(unknowns[block] as u8);
     }
     for same in contacts.chunk_by(|one, other| one.blocks == other.blocks) {
         let [[a, first], [b, second]] = same[0].blocks.map(|block| place[block as usize]);
         if a == b && a != u32::MAX {
-            all[a as usize].ties.pairs.push([first, second]);
+            all[a as usize].couplings.pairs.push([first, second]);
         }
     }
     for (k, contact) in closed() {
@@ -93,7 +93,7 @@ impl<R> Memory<R> {
     }
 
     /// The largest of that which some factors have had.
-    pub(super) fn of(all: impl Iterator<Item = Kept<R>>, spare: &mut Memory<R>) {
+    pub(super) fn of(all: impl Iterator<Item = CachedFactor<R>>, spare: &mut Memory<R>) {
         let before = std::mem::replace(spare, Memory::NONE);
         *spare = all.map(|kept| kept.memory).fold(before, Memory::larger);
     }
@@ -112,50 +112,50 @@ fn room<'r, R: Real>(memory: &'r mut Vec<R>, pattern: &Pattern) -> &'r mut [R] {
     &mut memory[begin..][..pattern.values()]
 }
 
-/// What is left of an island's solution for the next one.
+/// The layout and factor of an island's last solution, kept for the next one.
 #[derive(Debug)]
-pub(super) struct Kept<R> {
-    layout: Arc<Layout>,
+pub(super) struct CachedFactor<R> {
+    layout: Arc<IslandLayout>,
     memory: Memory<R>,
     /// Whether the factor is in f32.
     is_single: bool,
 }
 
 /// What a solution follows from besides the contacts of the island.
-pub(super) struct Work<'s, R> {
-    pub(super) alone: &'s [Alone<R>],
+pub(super) struct SolveContext<'s, R> {
+    pub(super) block_systems: &'s [BlockSystem<R>],
     pub(super) layouts: &'s mut Layouts,
     /// Memory that no factor has now.
     pub(super) spare: &'s mut Memory<R>,
-    pub(super) spent: &'s mut Spent,
+    pub(super) iteration_times: &'s mut IterationTimes,
 }
 
 impl Island {
     /// The lowest of its blocks.
     pub(super) fn lowest(&self) -> usize {
-        self.ties.blocks.first().map_or(0, |&block| block as usize)
+        self.couplings.blocks.first().map_or(0, |&block| block as usize)
     }
 
     /// The displacements of its blocks: twelve numbers each, zero where a block has no such unknown. What the solution before left is
     /// that of the same blocks by the same contacts, of which those that `changed` says had other springs.
     pub(super) fn solve<R: Solve>(
         &self,
-        contacts: &[Active<R>],
+        contacts: &[StepContact<R>],
         changed: &[bool],
-        before: Option<Kept<R>>,
-        work: &mut Work<'_, R>,
-    ) -> Result<(Vec<Twelve<R>>, Kept<R>), Unsolved> {
+        before: Option<CachedFactor<R>>,
+        work: &mut SolveContext<'_, R>,
+    ) -> Result<(Vec<BlockVector<R>>, CachedFactor<R>), FactorizationFailure> {
         let begun = Instant::now();
-        let first = Unsolved { block: self.lowest() };
-        let layout = work.layouts.of(&self.ties).ok_or(first)?;
-        work.spent.order += begun.elapsed();
+        let first = FactorizationFailure { block: self.lowest() };
+        let layout = work.layouts.of(&self.couplings).ok_or(first)?;
+        work.iteration_times.order += begun.elapsed();
         let begun = Instant::now();
         let (mut kept, mut marked) = match before {
             Some(kept) if Arc::ptr_eq(&kept.layout, &layout) && !layout.is_small() => {
                 let mut marked = vec![false; layout.pattern.panel_count()];
                 let touched = contacts.iter().zip(changed).filter(|(_, changed)| **changed);
                 for block in touched.flat_map(|(contact, _)| contact.blocks) {
-                    if let Ok(place) = self.ties.blocks.binary_search(&block) {
+                    if let Ok(place) = self.couplings.blocks.binary_search(&block) {
                         marked[layout.pattern.panel(layout.places[place] as usize)] = true;
                     }
                 }
@@ -170,19 +170,23 @@ impl Island {
                 };
                 let is_single = R::REFINES && layout.is_very_large();
                 let marked = vec![true; layout.pattern.panel_count()];
-                (Kept { layout: layout.clone(), memory, is_single }, marked)
+                (CachedFactor { layout: layout.clone(), memory, is_single }, marked)
             }
         };
-        let mut system = System::new(&self.ties.blocks, &layout, &marked, work.alone, (contacts, &self.contacts));
+        let mut system =
+            System::new(&self.couplings.blocks, &layout, &marked, work.block_systems, (contacts, &self.contacts));
         let mut force = system.force();
-        work.spent.assembly += begun.elapsed();
+        work.iteration_times.assembly += begun.elapsed();
         if kept.is_single {
-            if let Some(found) = by_single(&system, &layout, &marked, (&mut kept.memory.single, &force), work.spent) {
+            if let Some(found) =
+                by_single(&system, &layout, &marked, (&mut kept.memory.single, &force), work.iteration_times)
+            {
                 return Ok((by_block(&layout, &found), kept));
             }
             (kept.is_single, kept.memory.single) = (false, Vec::new());
             marked.fill(true);
-            system = System::new(&self.ties.blocks, &layout, &marked, work.alone, (contacts, &self.contacts));
+            system =
+                System::new(&self.couplings.blocks, &layout, &marked, work.block_systems, (contacts, &self.contacts));
         }
         let values = room(&mut kept.memory.own, &layout.pattern);
         let fill = |panel: usize, values: &mut [R]| system.fill(panel, values);
@@ -191,20 +195,20 @@ impl Island {
             values.fill(R::ZERO);
             fill(0, values);
             let solved = dense(&layout.pattern, values, &mut force);
-            work.spent.factor += begun.elapsed();
+            work.iteration_times.factor += begun.elapsed();
             solved
         } else {
             let factored = R::factorize(&layout.pattern, values, &marked, &fill);
-            work.spent.factor += begun.elapsed();
+            work.iteration_times.factor += begun.elapsed();
             let begun = Instant::now();
             let solved = factored.and_then(|()| R::substitute(&layout.pattern, values, &mut force));
-            work.spent.substitution += begun.elapsed();
+            work.iteration_times.substitution += begun.elapsed();
             solved
         };
         solved.map_err(|Singular { unknown }| {
             let place = layout.pattern.node_of(unknown);
             let block = layout.places.iter().position(|&p| p as usize == place);
-            Unsolved { block: self.ties.blocks[block.unwrap_or(0)] as usize }
+            FactorizationFailure { block: self.couplings.blocks[block.unwrap_or(0)] as usize }
         })?;
         Ok((by_block(&layout, &force), kept))
     }
@@ -213,10 +217,10 @@ impl Island {
 /// Solves by a factor in f32, if that is good enough.
 pub(super) fn by_single<R: Solve>(
     system: &System<'_, R>,
-    layout: &Layout,
+    layout: &IslandLayout,
     marked: &[bool],
     (memory, force): (&mut Vec<f32>, &[R]),
-    spent: &mut Spent,
+    iteration_times: &mut IterationTimes,
 ) -> Option<Vec<R>> {
     let begun = Instant::now();
     let values = room(memory, &layout.pattern);
@@ -226,15 +230,15 @@ pub(super) fn by_single<R: Solve>(
         values.iter_mut().zip(whole).for_each(|(value, whole)| *value = whole.to_f64() as f32);
     };
     let factored = f32::factorize(&layout.pattern, values, marked, &fill);
-    spent.factor += begun.elapsed();
+    iteration_times.factor += begun.elapsed();
     let begun = Instant::now();
     let found = factored.ok().and_then(|()| refined(system, layout, values, force));
-    spent.substitution += begun.elapsed();
+    iteration_times.substitution += begun.elapsed();
     found
 }
 
 /// The solution by blocks.
-fn by_block<R: Real>(layout: &Layout, solution: &[R]) -> Vec<Twelve<R>> {
+fn by_block<R: Real>(layout: &IslandLayout, solution: &[R]) -> Vec<BlockVector<R>> {
     let of = |&place: &u32| {
         let unknowns = layout.pattern.unknowns(place as usize);
         let mut d = [R::ZERO; 12];
@@ -246,12 +250,12 @@ fn by_block<R: Real>(layout: &Layout, solution: &[R]) -> Vec<Twelve<R>> {
 
 /// The block at which elimination failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Unsolved {
+pub(super) struct FactorizationFailure {
     pub(super) block: usize,
 }
 
 /// The lower triangle of a 12 × 12 matrix, row by row.
-pub(super) type Packed<R> = [R; 78];
+pub(super) type PackedBlockMatrix<R> = [R; 78];
 
 /// Where a row and a column, which is not greater, stand in it.
 pub(super) fn packed(row: usize, column: usize) -> usize {

@@ -1,6 +1,6 @@
 //! Where the values of an island's matrix and of its factor stand.
 
-use crate::dynamics::order::Graph;
+use crate::dynamics::elimination_order::Graph;
 
 /// Where the values of a symmetric matrix stand, and then those of its factor. Nodes are blocks, numbered as they are eliminated. Nodes
 /// whose columns fill alike share a *panel*: the columns of their unknowns, each of the same rows, namely those of the panel's own nodes
@@ -15,9 +15,9 @@ pub struct Pattern {
     /// For each panel the first one of its subtree: of those on which it depends, which follow one another and end with it.
     subtrees: Vec<u32>,
     /// The nodes below each panel, ascending, and the row in the panel where the unknowns of each begin.
-    below: Vec<Below>,
+    below: Vec<PanelRow>,
     /// What the factor of earlier panels takes from each.
-    updates: Vec<Update>,
+    updates: Vec<PanelUpdate>,
     values: usize,
 }
 
@@ -37,14 +37,14 @@ pub(super) struct Panel {
 
 /// A node below a panel.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Below {
+pub(super) struct PanelRow {
     pub(super) node: u32,
     pub(super) row: u32,
 }
 
 /// An earlier panel of which some nodes below stand in a panel.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Update {
+pub(super) struct PanelUpdate {
     pub(super) from: u32,
     /// These of the nodes below it.
     pub(super) below: [u32; 2],
@@ -52,7 +52,7 @@ pub(super) struct Update {
 
 /// Where a part that belongs to two nodes stands: `at + row + stride·column`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Part {
+pub struct BlockSlot {
     /// The panel.
     pub panel: usize,
     /// Where its first value stands.
@@ -62,7 +62,7 @@ pub struct Part {
 }
 
 /// A panel on the way, and how many of its values are no zeros.
-struct Draft {
+struct PanelDraft {
     nodes: [u32; 2],
     full: usize,
 }
@@ -80,10 +80,10 @@ impl Pattern {
     pub fn new(graph: Graph<'_>) -> Pattern {
         let columns = graph.columns();
         let count = |node: u32| usize::from(graph.unknowns[node as usize]);
-        let mut drafts: Vec<Draft> = Vec::new();
+        let mut drafts: Vec<PanelDraft> = Vec::new();
         for (node, column) in (0..).zip(&columns) {
             let (mut width, rest) = (count(node), column.iter().map(|&n| count(n)).sum::<usize>());
-            let mut draft = Draft { nodes: [node, node + 1], full: width * (width + 1) / 2 + width * rest };
+            let mut draft = PanelDraft { nodes: [node, node + 1], full: width * (width + 1) / 2 + width * rest };
             while let Some(before) = drafts.last() {
                 let parent = columns[before.nodes[1] as usize - 1].first();
                 let wider = width + (before.nodes[0]..before.nodes[1]).map(count).sum::<usize>();
@@ -94,7 +94,7 @@ impl Pattern {
                 {
                     break;
                 }
-                draft = Draft { nodes: [before.nodes[0], node + 1], full };
+                draft = PanelDraft { nodes: [before.nodes[0], node + 1], full };
                 width = wider;
                 drafts.pop();
             }
@@ -130,7 +130,7 @@ impl Pattern {
             let mut height = width;
             let from = pattern.below.len() as u32;
             for &node in later {
-                pattern.below.push(Below { node, row: height });
+                pattern.below.push(PanelRow { node, row: height });
                 height += count(node);
             }
             let (width, height) = (width as usize, height as usize);
@@ -150,14 +150,14 @@ impl Pattern {
     }
 
     fn list_updates(&mut self) {
-        let mut all: Vec<(u32, Update)> = Vec::new();
+        let mut all: Vec<(u32, PanelUpdate)> = Vec::new();
         for (from, panel) in (0..).zip(&self.panels) {
             let mut first = panel.below[0];
             while first < panel.below[1] {
                 let of = self.panel_of[self.below[first as usize].node as usize];
                 let rest = &self.below[first as usize..panel.below[1] as usize];
                 let end = first + rest.partition_point(|below| self.panel_of[below.node as usize] == of) as u32;
-                all.push((of, Update { from, below: [first, end] }));
+                all.push((of, PanelUpdate { from, below: [first, end] }));
                 first = end;
             }
         }
@@ -197,10 +197,10 @@ impl Pattern {
     }
 
     /// Where the rows of one node in the columns of another, which is not later, stand.
-    pub fn part(&self, row: usize, column: usize) -> Option<Part> {
+    pub fn part(&self, row: usize, column: usize) -> Option<BlockSlot> {
         let panel = self.panel(column);
         let (at, stride) = self.part_of(panel, row, column)?;
-        Some(Part { panel, at: self.panels[panel].values + at, stride })
+        Some(BlockSlot { panel, at: self.panels[panel].values + at, stride })
     }
 
     /// Where the rows of a node in the columns of another, which is one of the panel's own, begin among the panel's values, and how far it
@@ -230,16 +230,16 @@ impl Pattern {
         &self.panels
     }
 
-    pub(super) fn below(&self, panel: &Panel) -> &[Below] {
+    pub(super) fn below(&self, panel: &Panel) -> &[PanelRow] {
         &self.below[panel.below[0] as usize..panel.below[1] as usize]
     }
 
-    pub(super) fn updates(&self, panel: &Panel) -> &[Update] {
+    pub(super) fn updates(&self, panel: &Panel) -> &[PanelUpdate] {
         &self.updates[panel.updates[0] as usize..panel.updates[1] as usize]
     }
 
     /// Of an update: the nodes below the earlier panel that stand in the later one, and those after these.
-    pub(super) fn updating(&self, update: Update) -> (&[Below], &[Below]) {
+    pub(super) fn updating(&self, update: PanelUpdate) -> (&[PanelRow], &[PanelRow]) {
         let end = self.panels[update.from as usize].below[1] as usize;
         let rest = &self.below[update.below[0] as usize..end];
         rest.split_at((update.below[1] - update.below[0]) as usize)

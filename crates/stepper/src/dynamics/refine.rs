@@ -5,7 +5,7 @@
 //! contact by contact.
 
 use crate::dynamics::assembly::System;
-use crate::dynamics::layout::Layout;
+use crate::dynamics::layout::IslandLayout;
 use crate::dynamics::solve::Solve;
 
 /// The iteration ends when the residual, measured by the factor (rᵀ(LLᵀ)⁻¹r, a square), has come down to this share of the right side's.
@@ -17,7 +17,7 @@ const MOST: u32 = 40;
 /// The solution by a factor in f32, if the iteration ends.
 pub(super) fn refined<R: Solve>(
     system: &System<'_, R>,
-    layout: &Layout,
+    layout: &IslandLayout,
     factor: &[f32],
     force: &[R],
 ) -> Option<Vec<R>> {

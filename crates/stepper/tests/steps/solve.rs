@@ -2,7 +2,7 @@
 
 use crate::support::{cuboid, floor, near, run, scene};
 use rockproof_model::Motion;
-use rockproof_stepper::dynamics::order::{Graph, elimination_order};
+use rockproof_stepper::dynamics::elimination_order::{Graph, elimination_order};
 use rockproof_stepper::dynamics::pattern::Pattern;
 use rockproof_stepper::dynamics::solve::{DENSE, Singular, Solve, dense};
 

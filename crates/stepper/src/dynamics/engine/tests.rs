@@ -38,7 +38,7 @@ fn a_step_that_collapses_a_block_leaves_all_as_before() {
     let (state, moments) = (dynamics.state.clone(), dynamics.moments.clone());
     for _ in 0..2 {
         let stopped = dynamics.step().expect_err("above it a side does");
-        assert!(matches!(stopped, Stopped::Collapsed { step: 2, block: 1, .. }), "{stopped}");
+        assert!(matches!(stopped, StepError::Collapsed { step: 2, block: 1, .. }), "{stopped}");
         assert_eq!((&dynamics.state, &dynamics.moments), (&state, &moments));
         assert!(agrees(&dynamics), "what is prepared is not what stands");
     }
@@ -63,20 +63,21 @@ fn stack(cubes: u32) -> Dynamics<f64> {
 fn a_factor_in_f32_is_refined_to_the_solution_in_f64() {
     let mut dynamics = stack(12);
     let mut contacts = dynamics.contacts();
-    contacts.iter_mut().for_each(Active::reset::<Spec>);
+    contacts.iter_mut().for_each(StepContact::reset::<SpecRules>);
     // One slides, so that its spring across the slip takes part.
     let slip = Vector::new(1e-6, 2e-6, 0.0);
-    contacts[5].now.mode = Mode::Sliding;
-    contacts[5].now.friction = Friction::along::<Spec>(slip, 1e8, contacts[5].joint.shear, contacts[5].plane.normal);
-    let alone = dynamics.alone(0.01, false);
-    let unknowns: Vec<usize> = alone.iter().map(|block| block.unknowns).collect();
+    contacts[5].iterate.mode = Mode::Sliding;
+    contacts[5].iterate.friction =
+        Friction::along::<SpecRules>(slip, 1e8, contacts[5].joint.shear, contacts[5].plane.normal);
+    let block_systems = dynamics.block_systems(0.01, false);
+    let unknowns: Vec<usize> = block_systems.iter().map(|block| block.unknowns).collect();
     let island = &islands(&unknowns, &contacts)[0];
-    let layout = dynamics.layouts.of(&island.ties).expect("a layout");
+    let layout = dynamics.layouts.of(&island.couplings).expect("a layout");
     let marked = vec![true; layout.pattern.panel_count()];
-    let system = System::new(&island.ties.blocks, &layout, &marked, &alone, (&contacts, &island.contacts));
+    let system = System::new(&island.couplings.blocks, &layout, &marked, &block_systems, (&contacts, &island.contacts));
     let force = system.force();
-    let refined =
-        by_single(&system, &layout, &marked, (&mut Vec::new(), &force), &mut Spent::default()).expect("an end");
+    let refined = by_single(&system, &layout, &marked, (&mut Vec::new(), &force), &mut IterationTimes::default())
+        .expect("an end");
     let (mut values, mut direct) = (vec![0.0; layout.pattern.values()], force.clone());
     f64::factorize(&layout.pattern, &mut values, &marked, &|panel, own| system.fill(panel, own)).expect("a factor");
     f64::substitute(&layout.pattern, &values, &mut direct).expect("a solution");
