@@ -188,12 +188,13 @@ impl Campaign {
 
 /// Checks the names in a file of settings, before options override any: whatever comes after is about the options.
 fn check_names(config: &CampaignConfig) -> anyhow::Result<()> {
-    match Engines::of(config) {
+    let mut names = CampaignConfig { real: Vec::new(), ..config.clone() };
+    names.settle_engines();
+    match Engines::of(&names) {
         // An option may name one.
         Ok(_) | Err(EnginesError::None { .. }) => {}
         Err(error) => return Err(error.into()),
     }
-    let names = CampaignConfig { real: Vec::new(), ..config.clone() };
     source::of(&names).map(drop).map_err(anyhow::Error::new)
 }
 

@@ -181,16 +181,15 @@ fn an_external_engine_and_a_grid_are_put_together_too() {
 
     // What it says is so, or is not: fingerprints hold states.
     let place = Place::new(
-        "pairs = 192\nchunk = 64\nshrink_evaluations = 10\ncases_per_cause = 8\nfamilies = [\"face_stack\", \"edge_cross\"]\n",
+        "pairs = 192\nchunk = 64\nshrink_evaluations = 10\ncases_per_cause = 1\nfamilies = [\"face_stack\", \"edge_cross\"]\n",
     );
     let engine = format!("mine={} state", client());
     let asked = ["--engine-command", &engine];
     place.campaign("whole", &asked);
     let cases: Vec<String> = place.files("whole").into_keys().filter(|name| name.contains("mine")).collect();
     assert!(cases.iter().any(|name| name.contains("overlapping-apart")), "{cases:?}");
-    // More than have room: those that were further from any tie than all before.
-    let own = cases.iter().filter(|name| name.contains("-engine-")).count();
-    assert!(own > 8, "{cases:?}");
+    // There is room for one; the others were further from any tie than all before.
+    assert!(cases.iter().filter(|name| name.contains("-engine-")).count() > 1, "{cases:?}");
     let parts = place.parts(2, &asked);
     place.merge(&parts, "merged", &[]);
     place.same("whole", "merged");

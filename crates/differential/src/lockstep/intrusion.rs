@@ -5,6 +5,7 @@
 use crate::finding::Cause;
 use crate::lockstep::run::KEEP;
 use crate::lockstep::scene::ExactScene;
+use crate::lockstep::state::rounded_state;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::{Block, ContactKey, Number, Precision};
@@ -44,7 +45,7 @@ pub enum StepCause {
     Link(Cause),
     /// The exact step under ideal tolerances has it, and steps of a half, a quarter, … of its Δt over the same time do not.
     StepLength,
-    /// Shorter steps have one too: contacts do not hold the blocks at any Δt tried, being too soft for their speed, or none by the rules.
+    /// Shorter steps have one too, or cannot be made: contacts do not hold the blocks at any Δt tried.
     NotHeld,
 }
 
@@ -280,7 +281,8 @@ impl Watch<'_> {
         step
     }
 
-    /// Whether shorter steps under ideal tolerances, over the time of the one that was made, keep two blocks from intruding.
+    /// Whether shorter steps under ideal tolerances, over the time of the one that was made, keep two blocks from intruding. Each begins where
+    /// the one before ended, rounded to f64 as an engine's steps are: the digits of exact states grow with every step.
     fn shorter_steps(&self, blocks: [usize; 2], time_step: &BigRational, rounding: f64) -> StepCause {
         let prevents = |halvings: &u32| self.prevented(blocks, time_step, *halvings, rounding);
         if (1..=MOST_HALVINGS).any(|halvings| prevents(&halvings)) { StepCause::StepLength } else { StepCause::NotHeld }
@@ -292,11 +294,12 @@ impl Watch<'_> {
         let end = state.time.to_rational() + time_step;
         for _ in 0..MOST_STEPS << halvings {
             let Ok(made) = scene.step(&state, KEEP) else { return false };
-            let intrusions = Intrusions::of(&scene, &state, &made.state, rounding);
+            let Some(after) = rounded_state(&made.state, Precision::F64) else { return false };
+            let intrusions = Intrusions::of(&scene, &state, &after, rounding);
             if intrusions.found.iter().any(|one| one.blocks == blocks) || intrusions.undecided.contains(&blocks) {
                 return false;
             }
-            state = made.state;
+            state = after;
             if state.time.to_rational() >= end {
                 return true;
             }
