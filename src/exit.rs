@@ -1,7 +1,7 @@
 //! How a command ends, and how it talks.
 
 use crate::extents::is_bent;
-use crate::stop::INTERRUPTED;
+use crate::stop::{INTERRUPTED, is_ended};
 use rockproof_model::text::is_harmful;
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -22,6 +22,9 @@ pub(crate) enum Verdict {
 
 /// The exit code of an outcome; an error is told on stderr and exits 2.
 pub(crate) fn code(outcome: Outcome) -> ExitCode {
+    if is_ended() {
+        return ExitCode::from(INTERRUPTED);
+    }
     match outcome {
         Ok(Verdict::Passed) => ExitCode::SUCCESS,
         Ok(Verdict::CheckFailed) => ExitCode::from(1),

@@ -37,8 +37,17 @@ pub(crate) fn on_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
 /// As [`on_ctrl_c`].
 pub(crate) fn end_on_ctrl_c() -> anyhow::Result<()> {
     ctrlc::set_handler(|| {
+        // First, for a command whose engine is ended may come to its own end before this thread goes on.
+        ENDED.store(true, Ordering::SeqCst);
         end_all();
         std::process::exit(INTERRUPTED.into());
     })
     .context("cannot catch Ctrl-C")
 }
+
+/// Whether a signal has ended the program at once.
+pub(crate) fn is_ended() -> bool {
+    ENDED.load(Ordering::SeqCst)
+}
+
+static ENDED: AtomicBool = AtomicBool::new(false);

@@ -12,6 +12,9 @@ use rockproof_differential::motion::PairMotion;
 use rockproof_differential::row::FindingRow;
 use rockproof_differential::subject::Subject;
 
+/// A case file: its name and its content.
+pub(super) type CaseFile = (String, Vec<u8>);
+
 /// Of findings about steps one case is kept where of others so many are: they are larger, and each is a step made some ten times.
 const STEP_CASES: u64 = 4;
 
@@ -51,7 +54,7 @@ impl Campaign<'_> {
         stepped: &[StepFinding],
         progress: &mut CampaignProgress,
         stopped: Stopped<'_>,
-    ) -> Result<(NewRows, Vec<(String, Vec<u8>)>), RunError> {
+    ) -> Result<(NewRows, Vec<CaseFile>), RunError> {
         let (kept, kept_steps, no_case) = if progress.part.is_some() {
             let no_case = self.without_case(stepped, progress, stopped)?;
             (CaseFiles::none(findings.len()), CaseFiles::none(stepped.len()), no_case)

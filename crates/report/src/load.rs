@@ -1,5 +1,7 @@
 //! Reads the directories of runs.
 
+// Longer than 400 lines: every kind of run, its files and what is refused of them.
+
 use super::error::{ReportError, at};
 use super::rows::CsvTable;
 use super::tally::FindingTally;

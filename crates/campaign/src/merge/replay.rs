@@ -3,7 +3,7 @@
 use super::parts::{MergeError, Parts};
 use super::rows::{Numbered, Rows};
 use crate::case_writer::{CaseCounts, CaseFiles, write_cases};
-use crate::cases::{step_wish, wish};
+use crate::cases::{CaseFile, step_wish, wish};
 use crate::engine_counts::{self, EngineSums};
 use crate::journal::{CampaignProgress, FINDINGS, Journal, NO_CASE, NewRows, STEP_FINDINGS};
 use crate::run::{Campaign, Ending, RunError, Stopped};
@@ -121,7 +121,7 @@ impl Campaign<'_> {
         new: &mut NewRows,
         stopped: Stopped<'_>,
         unseen: &AtomicU64,
-    ) -> Result<Option<Vec<(String, Vec<u8>)>>, RunError> {
+    ) -> Result<Option<Vec<CaseFile>>, RunError> {
         let before = [&progress.fingerprints, &progress.cases, &progress.step_fingerprints, &progress.step_cases];
         let before = before.map(Clone::clone);
         let counted = |seen: Option<Result<Option<Vec<u8>>, RunError>>| {

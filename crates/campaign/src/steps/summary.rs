@@ -1,5 +1,7 @@
 //! How many steps differ, and how: the counts behind `step_summary.csv` and the table at the end of a campaign.
 
+// Longer than 400 lines: every count beside its column, its sum and its row.
+
 use super::engine::ComparedPairStep;
 use super::finding::{StepChange, StepFinding};
 use crate::tolerance_sets;

@@ -1,5 +1,7 @@
 //! Lockstep: every step of a stepper's run made exactly as well, from the state in which the stepper is.
 
+// Longer than 400 lines: one step of both sides, what is compared of it and what is asked for causes.
+
 use crate::finding::Cause;
 use crate::lockstep::answer::{StepDecisions, StepDifference, compare};
 use crate::lockstep::attribution::{

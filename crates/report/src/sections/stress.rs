@@ -1,5 +1,7 @@
 //! Where floats stop agreeing with the exact answer: the stress set.
 
+// Longer than 400 lines: the tables of one set, cell by cell, and the sentence of each level.
+
 use super::{Section, SectionPart, label};
 use crate::chart::{Chart, engine_color};
 use crate::stress::{Curve, StressCell, StressLimit, StressRun, StressStep};
