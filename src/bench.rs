@@ -2,18 +2,18 @@
 
 // Longer than 400 lines: one command and the table of each measure that it prints.
 
-use crate::exit::{Outcome, Verdict, note, print};
+use crate::exit::{Outcome, Verdict, print, print_note};
 use crate::table::{grouped, table};
 use clap::ValueEnum;
-use rockproof_bench::error::{self, Effort};
+use rockproof_bench::accuracy::{self, AccuracyOptions};
 use rockproof_bench::exact_stepping::scenes;
 use rockproof_bench::plot::PlotError;
 use rockproof_bench::{
-    Contestant, Cost, Figure, Mode, Plan, Run, Sample, Sort, Throughput, contestants, exact_stepping, race, rock,
-    stack, stepping, throughput, wall,
+    BenchEntry, Sample, SampleKind, SteppingCost, Throughput, ThroughputRun, TimedPart, Timing, TimingPlan,
+    bench_entries, exact_stepping, rock, stack, stepping, throughput, time_interleaved, wall,
 };
 use rockproof_model::{BlockError, Motion, Precision, Scene};
-use rockproof_results::{Claim, Directory, Kind, Owner, Start};
+use rockproof_results::{Claim, Directory, FileKind, Owner, Start};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -40,8 +40,8 @@ ratio_to_certified, the share of signs each level of the oracle decided (f64 …
 Exit status: 0 done, 2 usage error, or exact engines that disagree.")]
 pub(crate) struct Bench {
     /// How the figures are printed
-    #[arg(long, value_enum, default_value_t = Format::Table)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = OutputFormat::Table)]
+    format: OutputFormat,
     /// Pairs of each sort
     #[arg(long, default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pairs: u32,
@@ -90,7 +90,7 @@ pub(crate) struct Bench {
 const FILES: [&str; 3] = ["bench.csv", "bench_scenes.svg", "bench_pairs.svg"];
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Format {
+enum OutputFormat {
     Table,
     Csv,
 }
@@ -100,7 +100,7 @@ type Make = fn(u16) -> Result<Scene, BlockError>;
 
 /// Everything measured.
 struct Report {
-    races: Vec<(Sample, Vec<Figure>)>,
+    races: Vec<(Sample, Vec<Timing>)>,
     campaigns: Vec<Throughput>,
 }
 
@@ -117,10 +117,10 @@ impl Bench {
         }
         let report = self.measure()?;
         print(&match self.format {
-            Format::Table => as_table(&report)?,
-            Format::Csv => as_csv(&report)?,
+            OutputFormat::Table => as_table(&report)?,
+            OutputFormat::Csv => as_csv(&report)?,
         })?;
-        Ok(Verdict::Fine)
+        Ok(Verdict::Passed)
     }
 
     /// Scenes from small to large, so that the most memory held is mostly that of the last one.
@@ -134,7 +134,7 @@ impl Bench {
         scenes.sort_by_key(|&(_, _, blocks)| blocks);
         let mut rows = Vec::new();
         for (name, scene, blocks) in scenes {
-            note(&format!("{} steps of {name} {}", self.steps, grouped(u64::from(blocks))));
+            print_note(&format!("{} steps of {name} {}", self.steps, grouped(u64::from(blocks))));
             let make = || {
                 let mut scene = scene(blocks)?;
                 let moving = scene.blocks.iter_mut().filter(|block| self.rigid && !block.body.is_fixed());
@@ -164,33 +164,33 @@ impl Bench {
             "processor ms",
             "µs a block",
         ];
-        header.extend(Cost::PHASES);
+        header.extend(SteppingCost::PHASES);
         header.push("kB a block");
         print(&match self.format {
-            Format::Table => format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows)),
-            Format::Csv => rows
+            OutputFormat::Table => format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows)),
+            OutputFormat::Csv => rows
                 .iter()
                 .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),
         })?;
-        Ok(Verdict::Fine)
+        Ok(Verdict::Passed)
     }
 
     /// Run time against error.
     fn errors(&self) -> Outcome {
         // Of each family, under each preset; plain rationals take their time.
         let pairs = if self.quick { 32 } else { (self.pairs as usize).min(512) };
-        let effort = Effort { pairs, seed: self.seed, quick: self.quick };
+        let effort = AccuracyOptions { pairs, seed: self.seed, quick: self.quick };
         let start = Start::of(false, self.overwrite);
         let claim = |dir| Directory::claim(Claim { dir, owner: Owner::Bench, start, files: &FILES });
         let directory = self.out.as_deref().map(claim).transpose()?;
-        let rows = error::measure(effort, &mut |subject| note(&format!("measuring {subject}")))?;
-        let csv = error::to_csv(&rows)?;
+        let rows = accuracy::measure(effort, &mut |subject| print_note(&format!("measuring {subject}")))?;
+        let csv = accuracy::to_csv(&rows)?;
         if let Some(mut directory) = directory {
             let plots = [("bench_scenes.svg", "scene"), ("bench_pairs.svg", "family")];
-            let plots = plots.map(|(name, kind)| Ok((name, error::plot(&rows, kind)?.into_bytes())));
+            let plots = plots.map(|(name, kind)| Ok((name, accuracy::plot(&rows, kind)?.into_bytes())));
             for file in plots.into_iter().chain([Ok(("bench.csv", csv.clone()))]) {
                 let (name, bytes) = file.map_err(|error: PlotError| anyhow::anyhow!(error))?;
-                let kind = if name.ends_with(".csv") { Kind::Table } else { Kind::Picture };
+                let kind = if name.ends_with(".csv") { FileKind::Table } else { FileKind::Picture };
                 directory.write(name, kind, &bytes)?;
             }
         }
@@ -203,21 +203,21 @@ impl Bench {
         });
         let header = ["subject", "engine", "tolerances", "Δt (s)", "steps or pairs", "µs each", "error"];
         print(&match self.format {
-            Format::Csv => String::from_utf8(csv)?,
-            Format::Table => format!(
+            OutputFormat::Csv => String::from_utf8(csv)?,
+            OutputFormat::Table => format!(
                 "What nothing beats in time and error at once:\n\n{}\n{} rows measured\n",
                 table(&header, &[3, 4, 5], shown),
                 rows.len()
             ),
         })?;
-        Ok(Verdict::Fine)
+        Ok(Verdict::Passed)
     }
 
     /// Certified steps beside the stepper's.
     fn exact_steps(&self) -> Outcome {
         let mut rows = Vec::new();
         for (name, scene) in scenes(if self.quick { &[10] } else { &[10, 100] })? {
-            note(&format!("{} steps of {name}", self.steps));
+            print_note(&format!("{} steps of {name}", self.steps));
             let cost = exact_stepping(&name, &scene, self.steps)?;
             let levels = &cost.levels;
             let decided = [levels.float, levels.double, levels.wide.iter().sum(), levels.exact, levels.undecided];
@@ -251,38 +251,40 @@ impl Bench {
             "undecided",
         ];
         print(&match self.format {
-            Format::Table => format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows)),
-            Format::Csv => rows
+            OutputFormat::Table => format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows)),
+            OutputFormat::Csv => rows
                 .iter()
                 .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),
         })?;
-        Ok(Verdict::Fine)
+        Ok(Verdict::Passed)
     }
 
     fn measure(&self) -> anyhow::Result<Report> {
         let plan = match self.quick {
-            true => Plan { chunk: 16, rounds: 3, slow_rounds: 1, slow_every: 16 },
-            false => Plan { chunk: 16, rounds: 15, slow_rounds: 3, slow_every: 16 },
+            true => TimingPlan { chunk: 16, rounds: 3, slow_rounds: 1, slow_every: 16 },
+            false => TimingPlan { chunk: 16, rounds: 15, slow_rounds: 3, slow_every: 16 },
         };
         let pairs = if self.quick { 64 } else { self.pairs as usize };
-        let entrants: Vec<Contestant> = contestants();
+        let entrants: Vec<BenchEntry> = bench_entries();
         let mut races = Vec::new();
-        for sort in Sort::ALL {
-            note(&format!("timing {} {} pairs", grouped(pairs as u64), sort.name()));
-            let sample = Sample::new(sort, self.seed, pairs)?;
-            let figures = race(&sample, &entrants, &plan)?;
+        for kind in SampleKind::ALL {
+            print_note(&format!("timing {} {} pairs", grouped(pairs as u64), kind.name()));
+            let sample = Sample::new(kind, self.seed, pairs)?;
+            let figures = time_interleaved(&sample, &entrants, &plan)?;
             races.push((sample, figures));
         }
         let mut campaigns = Vec::new();
-        for (sort, only_alike) in [(Sort::Generic, true), (Sort::Generic, false), (Sort::Directed, false)] {
-            let pairs = match (self.quick, sort) {
+        for (kind, only_alike) in
+            [(SampleKind::Generic, true), (SampleKind::Generic, false), (SampleKind::Directed, false)]
+        {
+            let pairs = match (self.quick, kind) {
                 (true, _) => 512,
-                (false, Sort::Generic) => 65_536,
-                (false, Sort::Directed) => 8192,
+                (false, SampleKind::Generic) => 65_536,
+                (false, SampleKind::Directed) => 8192,
             };
-            note(&format!("running a campaign on {} {} pairs", grouped(pairs), sort.name()));
+            print_note(&format!("running a campaign on {} {} pairs", grouped(pairs), kind.name()));
             let times = if self.quick { 1 } else { 3 };
-            let run = Run { sort, seed: self.seed, pairs, threads: self.threads.into(), only_alike, times };
+            let run = ThroughputRun { kind, seed: self.seed, pairs, threads: self.threads.into(), only_alike, times };
             campaigns.push(throughput(&run, &std::env::temp_dir())?);
         }
         Ok(Report { races, campaigns })
@@ -306,7 +308,7 @@ fn as_table(report: &Report) -> Result<String, std::fmt::Error> {
         let total = sample.levels.total();
         let shares = sample.levels.by_name().map(|(_, n)| share(n, total));
         let signs = grouped(total / sample.pairs.len().max(1) as u64);
-        [sample.sort.name().to_owned()].into_iter().chain(counts).chain([signs]).chain(shares).collect()
+        [sample.kind.name().to_owned()].into_iter().chain(counts).chain([signs]).chain(shares).collect()
     });
     let mut header = vec!["sample", "pairs", "touching", "contacts", "with ties", "signs a pair"];
     header.extend(rockproof_oracle::LevelCounts::default().by_name().map(|(name, _)| name));
@@ -315,7 +317,7 @@ fn as_table(report: &Report) -> Result<String, std::fmt::Error> {
     let rows = report.races.iter().flat_map(|(sample, figures)| {
         figures.iter().map(|figure| {
             vec![
-                sample.sort.name().to_owned(),
+                sample.kind.name().to_owned(),
                 figure.mode.name().to_owned(),
                 figure.engine.to_owned(),
                 grouped(figure.pairs as u64),
@@ -355,11 +357,11 @@ fn as_table(report: &Report) -> Result<String, std::fmt::Error> {
 
 /// What a campaign ran on.
 fn campaign_name(campaign: &Throughput) -> &'static str {
-    match (campaign.run.sort, campaign.run.only_alike) {
-        (Sort::Generic, true) => "generic, nothing differs",
-        (Sort::Generic, false) => "generic",
-        (Sort::Directed, true) => "directed, nothing differs",
-        (Sort::Directed, false) => "directed",
+    match (campaign.run.kind, campaign.run.only_alike) {
+        (SampleKind::Generic, true) => "generic, nothing differs",
+        (SampleKind::Generic, false) => "generic",
+        (SampleKind::Directed, true) => "directed, nothing differs",
+        (SampleKind::Directed, false) => "directed",
     }
 }
 
@@ -381,14 +383,14 @@ fn as_csv(report: &Report) -> anyhow::Result<String> {
         for figure in figures {
             let mut row = vec![
                 figure.mode.name().to_owned(),
-                sample.sort.name().to_owned(),
+                sample.kind.name().to_owned(),
                 figure.engine.to_owned(),
                 figure.pairs.to_string(),
                 number(figure.micros),
                 number(figure.to_f64),
                 number(figure.to_certified),
             ];
-            let filtered = figure.engine == "certified" && figure.mode != Mode::Preparation;
+            let filtered = figure.engine == "certified" && figure.mode != TimedPart::Preparation;
             let total = sample.levels.total().max(1) as f64;
             row.extend(
                 sample

@@ -1,8 +1,11 @@
 //! `check`: are the blocks blocks, and do the tolerances keep the rules?
 
-use crate::exit::{Outcome, Verdict, complain, note, print};
+use crate::exit::{Outcome, Verdict, print, print_error, print_note};
+use crate::extents::{self, Extents, factor, is_bent, planarity_that_merges, planarity_that_reads};
 use crate::input::{ReadArgs, ToleranceArgs, precision};
 use crate::overlaps::overlaps;
+use anyhow::Context;
+use rockproof_model::rules::Fall;
 use rockproof_model::{Number, Precision, Scene, ToleranceSet, ToleranceSpec, Violation, rules};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -10,11 +13,15 @@ use std::path::PathBuf;
 /// Problems told one by one.
 const MOST_PROBLEMS: usize = 20;
 
+/// Of problems that are all of one sort so many.
+const MOST_ALIKE: usize = 3;
+
 /// Check the blocks of a file, and the tolerances for them
 ///
 /// Reads every block and says what is wrong with each that is none; then compares the tolerances with the rules that
-/// make them safe for these blocks, exactly, and says what would satisfy each rule that is not met; and looks for blocks that
-/// overlap, exactly, with what the contacts see of it.
+/// make them safe for these blocks, exactly, and says what would satisfy each rule that is not met; warns where a block that falls
+/// as far as the model is high would not be stopped within `penetration`; and looks for blocks that overlap, exactly, with what the
+/// contacts see of it.
 ///
 /// Exits 0 when all is well, 1 when a rule is violated or blocks overlap deeper than contacts see, 2 when the file or a block cannot be used.
 #[derive(clap::Args)]
@@ -29,6 +36,10 @@ pub(crate) struct Check {
     #[command(flatten)]
     tolerances: ToleranceArgs,
 
+    /// Multiply every length first: 1/1000 for a file in millimetres
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
+    scale: Option<Number>,
+
     /// Precision that the rules and presets are for: f32 or f64
     #[arg(long, default_value = "f64", value_parser = precision)]
     precision: Precision,
@@ -36,27 +47,43 @@ pub(crate) struct Check {
 
 impl Check {
     pub(crate) fn run(&self) -> Outcome {
-        let (scene, problems) = Scene::survey(&self.file, &self.read.options())?;
+        let (mut scene, problems) = Scene::survey(&self.file, &self.read.options())?;
         if !problems.is_empty() {
-            for problem in problems.iter().take(MOST_PROBLEMS) {
-                complain(&problem.to_string());
+            // Faces that are not planar are alike in all blocks, and one option is about them all.
+            let bent = problems.iter().all(is_bent);
+            let most = if bent { MOST_ALIKE } else { MOST_PROBLEMS };
+            for problem in problems.iter().take(most) {
+                print_error(&problem.to_string());
             }
-            if let Some(more) = problems.len().checked_sub(MOST_PROBLEMS).filter(|more| *more > 0) {
-                note(&format!("and {more} more"));
+            if let Some(more) = problems.len().checked_sub(most).filter(|more| *more > 0) {
+                print_note(&format!("and {more} more{}", if bent { " of this sort" } else { "" }));
+            }
+            if let Some(planarity) = planarity_that_reads(&self.file).filter(|_| bent) {
+                print_note(&format!("every face is within --planarity {planarity}"));
             }
             let all = scene.blocks.len() + problems.len();
             anyhow::bail!("{}: {} of {all} blocks cannot be used", self.file.display(), problems.len());
         }
+        if let Some(scale) = &self.scale {
+            extents::scale(&mut scene, &self.file, scale)?;
+        }
         let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
         let shapes = scene.shapes();
-        let set = spec.derive(&shapes, self.precision)?;
+        let set = spec.derive(&shapes, self.precision).with_context(|| self.tolerances.place(&self.file))?;
         self.check_range(&scene, &set)?;
         let violations = rules::check_scene(&set, &scene, self.precision);
         print(&self.table(&scene, &spec, &set, &violations))?;
+        Extents::of(&scene).doubt().into_iter().for_each(|doubt| print_note(&doubt));
+        if self.scale.is_none() {
+            planarity_that_merges(&self.file, &scene).into_iter().for_each(|merges| print_note(&merges));
+        }
+        if let Some(fall) = rules::fall(&set, &scene) {
+            print(&warning(&fall))?;
+        }
         let overlaps = overlaps(&shapes, &set, None);
         print(&overlaps.report())?;
         let sound = violations.is_empty() && overlaps.lost() == 0;
-        Ok(if sound { Verdict::Fine } else { Verdict::Objection })
+        Ok(if sound { Verdict::Passed } else { Verdict::CheckFailed })
     }
 
     /// A value whose rounding overflows is an error (SPEC section 1).
@@ -69,7 +96,10 @@ impl Check {
         }
         match set.rounded(self.precision) {
             Ok(_) => Ok(()),
-            Err(name) => anyhow::bail!("tolerance `{name}` overflows when rounded to {}", self.precision),
+            Err(name) => {
+                let (place, precision) = (self.tolerances.place(&self.file), self.precision);
+                anyhow::bail!("{place}: tolerance `{name}` overflows when rounded to {precision}")
+            }
         }
     }
 
@@ -94,6 +124,7 @@ impl Check {
         writeln!(out, "  edges     {:>12}", total(|b| b.block.topology().edges().len()))?;
         writeln!(out, "  faces     {:>12}", total(|b| b.block.topology().faces().len()))?;
         writeln!(out, "  volume    {:>12.6} m³", Number::from_rational(volume).approximate())?;
+        write!(out, "{}", Extents::of(scene).lines())?;
         let (faces, vertices) = (total(|b| b.merged.faces), total(|b| b.merged.vertices));
         if faces + vertices > 0 {
             let changed = blocks.iter().filter(|b| b.merged != Default::default()).count();
@@ -120,6 +151,18 @@ pub(crate) fn violations_text(violations: &[Violation]) -> String {
     // Writing to a String cannot fail.
     let _ = write_violations(&mut out, violations);
     out.trim_start().to_owned()
+}
+
+/// A fall that is not stopped within `penetration`, in the form of a violated rule. It is no violation: whether anything falls so
+/// far, rules do not know.
+fn warning(fall: &Fall) -> String {
+    let Fall { block, weight, height, stiffness, needed, depth, allowed, remedy } = fall;
+    format!(
+        "\nwarning: a fall may end deeper than penetration\n  (fall onto one corner from the height of the model) ≤ penetration\n\
+        \x20   found      {depth:.6e}, allowed {allowed:.6e}, by block {block} of {weight:.6e} N falling {height:.6e} m\n\
+        \x20   because    the contact takes p·d²/2 = W·(height + d): normal_stiffness is {stiffness:.6e}, needed is {needed:.6e}\n\
+        \x20   satisfied  by {remedy}\n"
+    )
 }
 
 fn write_violations(out: &mut String, violations: &[Violation]) -> std::fmt::Result {

@@ -10,9 +10,9 @@ use rayon::prelude::*;
 use rockproof_model::{Block, Contact, Precision, Scene, Sign, ToleranceSet};
 use rockproof_oracle::combination::{Combination, combinations};
 use rockproof_oracle::rational::Rational;
-use rockproof_oracle::{Pair, Solid};
+use rockproof_oracle::{Pair, PreparedBlock};
 use rockproof_stepper::Real;
-use rockproof_stepper::contact::{Solid as FloatSolid, Spec, Tolerances, classify};
+use rockproof_stepper::contact::{PreparedBlock as FloatSolid, SpecRules, Tolerances, classify};
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   rockproof classify cases/real/slope_joints.dda
   rockproof classify cases/real/voronoi_120.txt --planarity 1e-4 --format csv
-  rockproof classify two.toml --engine f32 --tolerances shi --set search=1/10 --pair 0,1")]
+  rockproof classify two.toml --engine stepper-f32 --tolerances shi --set search=1/10 --pair 0,1")]
 pub(crate) struct Classify {
     /// Blocks: .toml, .dda, .obj, .vtk, or .txt and .voro for voro++
     file: PathBuf,
@@ -46,7 +46,7 @@ pub(crate) struct Classify {
 
     /// How to print
     #[arg(long, value_enum, default_value = "table")]
-    format: Format,
+    format: OutputFormat,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -54,13 +54,15 @@ enum EngineChoice {
     /// The oracle
     Exact,
     /// The stepper in double precision
+    #[value(name = "stepper-f64", alias = "f64")]
     F64,
     /// The stepper in single precision
+    #[value(name = "stepper-f32", alias = "f32")]
     F32,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Format {
+enum OutputFormat {
     Table,
     Csv,
     Json,
@@ -88,7 +90,9 @@ impl Classify {
         let scene = Scene::load_with(&self.file, &self.read.options())?;
         let blocks = scene.shapes();
         let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
-        let tolerances = self.tolerances.spec(scene.tolerances.as_ref())?.derive(&blocks, precision)?;
+        let place = || self.tolerances.place(&self.file);
+        let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
+        let tolerances = spec.derive(&blocks, precision).with_context(place)?;
         let pairs = match self.pair {
             Some((i, j)) => {
                 if let Some(missing) = [i, j].into_iter().find(|&n| n >= blocks.len()) {
@@ -101,21 +105,20 @@ impl Classify {
         };
         let found = match self.engine {
             EngineChoice::Exact => exactly(&blocks, &pairs, &tolerances),
-            EngineChoice::F64 => in_floats::<f64>(&blocks, &pairs, &tolerances)?,
-            EngineChoice::F32 => in_floats::<f32>(&blocks, &pairs, &tolerances)?,
+            EngineChoice::F64 => in_floats::<f64>(&blocks, &pairs, &tolerances).with_context(place)?,
+            EngineChoice::F32 => in_floats::<f32>(&blocks, &pairs, &tolerances).with_context(place)?,
         };
         let mut out = Vec::new();
         match self.format {
-            Format::Table => write_table(&mut out, &found).and_then(|()| {
+            OutputFormat::Table => write_table(&mut out, &found).and_then(|()| {
                 // Blocks that overlap deeper than any contact says are the first thing to know of a model.
-                let said = overlaps(&blocks, &tolerances, Some(&pairs)).sentence();
-                said.map_or(Ok(()), |sentence| writeln!(out, "{sentence}"))
+                writeln!(out, "{}", overlaps(&blocks, &tolerances, Some(&pairs)).line())
             }),
-            Format::Csv => write_csv(&mut out, &found),
-            Format::Json => write_json(&mut out, &found),
+            OutputFormat::Csv => write_csv(&mut out, &found),
+            OutputFormat::Json => write_json(&mut out, &found),
         }?;
         print(&String::from_utf8_lossy(&out))?;
-        Ok(Verdict::Fine)
+        Ok(Verdict::Passed)
     }
 }
 
@@ -147,7 +150,7 @@ fn neighbours(blocks: &[&Block], tolerances: &ToleranceSet) -> Vec<(usize, usize
 }
 
 fn exactly(blocks: &[&Block], pairs: &[(usize, usize)], tolerances: &ToleranceSet) -> Vec<PairContacts> {
-    let solids: Vec<Solid> = blocks.iter().map(|b| Solid::new(b)).collect();
+    let solids: Vec<PreparedBlock> = blocks.iter().map(|b| PreparedBlock::new(b)).collect();
     pairs
         .par_iter()
         .map(|&(i, j)| {
@@ -175,7 +178,7 @@ fn in_floats<R: Real + Into<f64> + Send + Sync>(
         .map(|(n, b)| FloatSolid::<R>::new(b).with_context(|| format!("block {n}")))
         .collect::<Result<Vec<_>, _>>()?;
     let contacts = |&(i, j): &(usize, usize)| {
-        let found = classify::<R, Spec>(&solids[i], &solids[j], &tolerances);
+        let found = classify::<R, SpecRules>(&solids[i], &solids[j], &tolerances);
         with_combinations(blocks, (i, j), found.into_iter().map(|f| (f.contact, f.gap.into())).collect())
     };
     Ok(pairs.iter().map(contacts).collect())

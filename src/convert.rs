@@ -1,10 +1,11 @@
 //! `convert`: from any format that can be read to any that can be written.
 
-use crate::exit::{Outcome, Verdict, note, print};
+use crate::exit::{Outcome, Verdict, print, print_note};
+use crate::extents::{factor, scale};
 use crate::input::{ReadArgs, precision};
 use anyhow::Context;
-use rockproof_model::scene::{Format, write_obj, write_toml, write_vtk};
-use rockproof_model::{Block, BlockOptions, Precision, Scene};
+use rockproof_model::scene::{SceneFormat, write_obj, write_toml, write_vtk};
+use rockproof_model::{Block, BlockOptions, Number, Precision, Scene};
 use rockproof_results::write_atomically;
 use std::path::PathBuf;
 
@@ -24,6 +25,10 @@ pub(crate) struct Convert {
     #[command(flatten)]
     read: ReadArgs,
 
+    /// Multiply every length first: 1/1000 for a file in millimetres
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
+    scale: Option<Number>,
+
     /// Round every coordinate to f32 or f64
     #[arg(long, value_parser = precision)]
     precision: Option<Precision>,
@@ -31,26 +36,30 @@ pub(crate) struct Convert {
 
 impl Convert {
     pub(crate) fn run(&self) -> Outcome {
-        let format = Format::of_path(&self.output).filter(|f| matches!(f, Format::Toml | Format::Obj | Format::Vtk));
+        let format = SceneFormat::of_path(&self.output)
+            .filter(|f| matches!(f, SceneFormat::Toml | SceneFormat::Obj | SceneFormat::Vtk));
         let format = format.with_context(|| {
             format!("{}: cannot write this format; known are .toml, .obj and .vtk", self.output.display())
         })?;
         let mut scene = Scene::load_with(&self.input, &self.read.options())?;
+        if let Some(factor) = &self.scale {
+            scale(&mut scene, &self.input, factor)?;
+        }
         if let Some(precision) = self.precision {
             self.round(&mut scene, precision)?;
         }
         let place = || self.output.display().to_string();
         let text = match format {
-            Format::Obj => write_obj(&scene).with_context(place)?,
-            Format::Vtk => write_vtk(&scene).with_context(place)?,
+            SceneFormat::Obj => write_obj(&scene).with_context(place)?,
+            SceneFormat::Vtk => write_vtk(&scene).with_context(place)?,
             _ => write_toml(&scene),
         };
         write_atomically(&self.output, text).with_context(place)?;
-        if format != Format::Toml {
+        if format != SceneFormat::Toml {
             note_losses(&scene);
         }
         print(&format!("{}: {} blocks\n", self.output.display(), scene.blocks.len()))?;
-        Ok(Verdict::Fine)
+        Ok(Verdict::Passed)
     }
 
     /// Rounds every coordinate; what is no block then is an error.
@@ -70,9 +79,9 @@ impl Convert {
 fn note_losses(scene: &Scene) {
     let fixed = scene.blocks.iter().filter(|b| b.body.is_fixed()).count();
     if fixed > 0 {
-        note(&format!("this format does not keep which blocks are fixed ({fixed} are)"));
+        print_note(&format!("this format does not keep which blocks are fixed ({fixed} are)"));
     }
     if scene.tolerances.is_some() {
-        note("this format does not keep tolerances");
+        print_note("this format does not keep tolerances");
     }
 }

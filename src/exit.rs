@@ -1,5 +1,8 @@
 //! How a command ends, and how it talks.
 
+use crate::extents::is_bent;
+use crate::stop::{INTERRUPTED, is_ended};
+use rockproof_model::text::is_harmful;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -10,28 +13,69 @@ pub(crate) type Outcome = anyhow::Result<Verdict>;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     /// Done, nothing to object to: exit 0.
-    Fine,
+    Passed,
     /// A rule violated, a gate failed, a denied finding: exit 1.
-    Objection,
+    CheckFailed,
     /// Stopped by Ctrl-C in good order: exit 130, as a shell has it.
     Interrupted,
 }
 
 /// The exit code of an outcome; an error is told on stderr and exits 2.
 pub(crate) fn code(outcome: Outcome) -> ExitCode {
+    if is_ended() {
+        return ExitCode::from(INTERRUPTED);
+    }
     match outcome {
-        Ok(Verdict::Fine) => ExitCode::SUCCESS,
-        Ok(Verdict::Objection) => ExitCode::from(1),
-        Ok(Verdict::Interrupted) => ExitCode::from(130),
+        Ok(Verdict::Passed) => ExitCode::SUCCESS,
+        Ok(Verdict::CheckFailed) => ExitCode::from(1),
+        Ok(Verdict::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
-            complain(&format!("{error:#}"));
+            print_error(&chain(&error));
+            if error.downcast_ref().is_some_and(is_bent) {
+                print_note("--planarity accepts faces further from planar; `rockproof check` says how far these are");
+            }
             ExitCode::from(2)
         }
     }
 }
 
-/// Prints to stdout. A reader that went away (`| head`) is no error.
+/// An error with its causes, each said once: some errors say their cause themselves, and some name the file that was named before.
+fn chain(error: &anyhow::Error) -> String {
+    let mut parts: Vec<String> = Vec::new();
+    for part in error.chain().map(ToString::to_string) {
+        if parts.iter().any(|said| said.contains(&part)) {
+            continue;
+        }
+        parts.retain(|said| !part.starts_with(&format!("{said}:")));
+        parts.push(part);
+    }
+    parts.join(": ")
+}
+
+/// A text that does nothing but show: control characters are escaped, and no line is one of the commands that GitHub's runner takes from
+/// a log (`::error …` at the beginning of a line, `##[error]` anywhere).
+fn harmless(text: &str) -> String {
+    let safe = |line: &str| {
+        let mut shown = if line.trim_start().starts_with("::") { "| ".to_owned() } else { String::new() };
+        for c in line.replace("##[", "## [").chars() {
+            if is_harmful(c) && c != '\t' {
+                shown.extend(c.escape_debug());
+            } else {
+                shown.push(c);
+            }
+        }
+        shown
+    };
+    text.split('\n').map(safe).collect::<Vec<_>>().join("\n")
+}
+
+/// Prints to stdout, [`harmless`]. A reader that went away (`| head`) is no error.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
+    print_as_it_is(&harmless(text))
+}
+
+/// Prints commands for GitHub's runner.
+pub(crate) fn print_as_it_is(text: &str) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
@@ -40,16 +84,42 @@ pub(crate) fn print(text: &str) -> anyhow::Result<()> {
 }
 
 /// Tells an error on stderr.
-pub(crate) fn complain(message: &str) {
-    tell("error", message);
+pub(crate) fn print_error(message: &str) {
+    print_labelled("error", message);
 }
 
 /// Tells something worth knowing on stderr.
-pub(crate) fn note(message: &str) {
-    tell("note", message);
+pub(crate) fn print_note(message: &str) {
+    print_labelled("note", message);
 }
 
-fn tell(kind: &str, message: &str) {
+fn print_labelled(kind: &str, message: &str) {
     // Without a stderr there is nobody to tell.
-    let _ = writeln!(io::stderr(), "{kind}: {message}");
+    let _ = writeln!(io::stderr(), "{}", harmless(&format!("{kind}: {message}")));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{chain, harmless};
+    use anyhow::Context;
+
+    #[test]
+    fn no_text_is_a_command_to_a_terminal_or_a_runner() {
+        let nasty = "a\u{1b}[31m\0\n::error file=x::y\n  ::debug::z\nb ##[error]c\td::e";
+        assert_eq!(harmless(nasty), "a\\u{1b}[31m\\0\n| ::error file=x::y\n|   ::debug::z\nb ## [error]c\td::e");
+    }
+
+    #[derive(Debug, thiserror::Error)]
+    #[error("a.toml: {source}")]
+    struct Told {
+        source: std::io::Error,
+    }
+
+    #[test]
+    fn nothing_is_said_twice() {
+        let told = || Told { source: std::io::Error::other("no room") };
+        assert_eq!(chain(&told().into()), "a.toml: no room");
+        let again = Err::<(), _>(told()).context("a.toml").context("campaign").unwrap_err();
+        assert_eq!(chain(&again), "campaign: a.toml: no room");
+    }
 }

@@ -1,6 +1,8 @@
 //! `gate`: does this change let contact classification get worse?
 
-use crate::exit::{Outcome, Verdict, note, print};
+use crate::exit::{Outcome, Verdict, print, print_as_it_is, print_note};
+use crate::input::threads;
+use crate::stop::end_on_ctrl_c;
 use crate::table::table;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
@@ -13,11 +15,12 @@ use rockproof_campaign::steps::{self, StepFinding, StepFindingRow};
 use rockproof_differential::attribution::examine;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::Finding;
-use rockproof_differential::subject::{Source, Subject};
+use rockproof_differential::subject::PairSource;
 use rockproof_gate::config::{Baseline, GateConfig};
-use rockproof_gate::known::Known;
-use rockproof_gate::tally::{Row, Tally};
+use rockproof_gate::known_findings::KnownFindings;
+use rockproof_gate::tally::{CampaignTally, TallyRow};
 use rockproof_gate::{self, Check, corpus, junit};
+use rockproof_model::files::read_text;
 use rockproof_results::{Owner, Start, write_atomically};
 use std::io::Write;
 use std::path::PathBuf;
@@ -53,7 +56,7 @@ pub(crate) struct Gate {
     #[arg(long, value_name = "SEED")]
     rotating_seed: Option<u64>,
     /// Worker threads [default: one a core]; the results do not depend on it
-    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
 }
 
@@ -69,7 +72,7 @@ struct Gating<'g> {
 impl Gate {
     pub(crate) fn run(&self) -> Outcome {
         let file = self.file.display().to_string();
-        let text = std::fs::read_to_string(&self.file).with_context(|| file.clone())?;
+        let text = read_text(&self.file).with_context(|| file.clone())?;
         let config = GateConfig::from_toml(&text, &file).map_err(anyhow::Error::msg)?;
         let engines = Engines::of(&config.campaign).with_context(|| file.clone())?;
         source::of(&config.campaign).with_context(|| file.clone())?;
@@ -82,16 +85,17 @@ impl Gate {
             }
             None => None,
         };
-        engines.probe()?;
+        end_on_ctrl_c()?;
+        engines.probe().with_context(|| file.clone())?;
         let mut checks = corpus::checks(&config.corpus, &engines)?;
         let rotating = self.rotating(&config)?;
         let mut gating = Gating { gate: self, config, engines, text, written: 0 };
         checks.extend(gating.campaign("fixed", gating.config.campaign.clone(), known.as_ref())?);
         if let Some(campaign) = rotating {
-            note(&format!("the rotating seed is {}", campaign.seed));
+            print_note(&format!("the rotating seed is {}", campaign.seed));
             checks.extend(gating.campaign("rotating", campaign, known.as_ref())?);
         }
-        self.tell(&checks)
+        self.report_checks(&checks)
     }
 
     fn check_names(&self, config: &GateConfig, engines: &Engines) -> anyhow::Result<()> {
@@ -103,11 +107,11 @@ impl Gate {
                 anyhow::bail!("{file}: limit: engine is \"{found}\"; allowed are {}", allowed.join(", "));
             }
             let names = |list: &Option<String>| list.iter().cloned().collect::<Vec<_>>();
-            let narrowed = CampaignConfig {
-                families: names(&limit.family),
-                tolerances: names(&limit.tolerances),
-                ..CampaignConfig::default()
-            };
+            // A set from a file is called by the file's stem.
+            let own = source::set_names(&config.campaign)?;
+            let set = limit.tolerances.clone().filter(|name| !own.contains(name));
+            let narrowed =
+                CampaignConfig { families: names(&limit.family), tolerances: names(&set), ..CampaignConfig::default() };
             source::of(&narrowed).with_context(|| format!("{file}: limit"))?;
         }
         Ok(())
@@ -126,9 +130,9 @@ impl Gate {
         Ok(Some(CampaignConfig { pairs: config.rotating_pairs, seed, ..config.campaign.clone() }))
     }
 
-    fn tell(&self, checks: &[Check]) -> Outcome {
+    fn report_checks(&self, checks: &[Check]) -> Outcome {
         let rows = checks.iter().filter(|c| c.group != "corpus" || c.verdict != rockproof_gate::Verdict::Pass);
-        let rows = rows.map(|c| vec![c.verdict.name().to_owned(), c.name.clone(), c.told.clone()]);
+        let rows = rows.map(|c| vec![c.verdict.name().to_owned(), c.name.clone(), c.message.clone()]);
         let failed = checks.iter().filter(|c| c.verdict == rockproof_gate::Verdict::Fail).count();
         let verdict = if failed == 0 { "passed" } else { "failed" };
         let head = table(&["verdict", "check", "found"], &[], rows);
@@ -137,21 +141,21 @@ impl Gate {
             write_atomically(path, junit::junit(checks)?).with_context(|| path.display().to_string())?;
         }
         if std::env::var_os("GITHUB_ACTIONS").is_some_and(|on| on == "true") {
-            print(&junit::annotations(checks))?;
+            print_as_it_is(&junit::annotations(checks))?;
         }
         if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()) {
             let mut summary = std::fs::OpenOptions::new().append(true).create(true).open(&path)?;
             summary.write_all(junit::markdown(checks).as_bytes())?;
         }
-        Ok(if failed == 0 { Verdict::Fine } else { Verdict::Objection })
+        Ok(if failed == 0 { Verdict::Passed } else { Verdict::CheckFailed })
     }
 }
 
-fn load(baseline: &Baseline) -> anyhow::Result<Known> {
+fn load(baseline: &Baseline) -> anyhow::Result<KnownFindings> {
     let file = baseline.file.display();
-    let text = std::fs::read_to_string(&baseline.file)
-        .with_context(|| format!("{file}: no baseline; --update-baseline writes it"))?;
-    let known: Known = toml::from_str(&text).with_context(|| file.to_string())?;
+    let text =
+        read_text(&baseline.file).with_context(|| format!("{file}: no baseline; --update-baseline writes it"))?;
+    let known: KnownFindings = toml::from_str(&text).with_context(|| file.to_string())?;
     if known.fields != baseline.fields {
         let fields = (known.fields.join(", "), baseline.fields.join(", "));
         anyhow::bail!(
@@ -166,17 +170,22 @@ fn load(baseline: &Baseline) -> anyhow::Result<Known> {
 /// Refuses to write a baseline anew over a file that is none.
 fn is_baseline(baseline: &Baseline) -> anyhow::Result<()> {
     let file = baseline.file.display();
-    match std::fs::read_to_string(&baseline.file) {
+    match read_text(&baseline.file) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(error).with_context(|| file.to_string()),
-        Ok(text) => toml::from_str::<Known>(&text)
+        Ok(text) => toml::from_str::<KnownFindings>(&text)
             .map(drop)
             .with_context(|| format!("{file} is no baseline, so --update-baseline leaves it alone")),
     }
 }
 
 impl Gating<'_> {
-    fn campaign(&mut self, name: &str, config: CampaignConfig, known: Option<&Known>) -> anyhow::Result<Vec<Check>> {
+    fn campaign(
+        &mut self,
+        name: &str,
+        config: CampaignConfig,
+        known: Option<&KnownFindings>,
+    ) -> anyhow::Result<Vec<Check>> {
         // Cases are made afterwards, of what fails.
         let config = CampaignConfig { cases_per_cause: 0, ..config };
         let dir = self.gate.out.join(name);
@@ -195,16 +204,16 @@ impl Gating<'_> {
             threads: self.gate.threads,
         };
         campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {})?;
-        let tally = Tally::read(&dir)?;
+        let tally = CampaignTally::read(&dir)?;
         let file = self.gate.file.display().to_string();
         let mut checks = rockproof_gate::limits(&self.config, (&file, &self.text), name, &tally);
         if let Some(baseline) = self.config.baseline.as_ref() {
             if let Some(known) = known {
                 checks.extend(known.check(name, &tally, baseline));
             } else if self.gate.update_baseline && name == "fixed" {
-                let text = Known::of(&tally, baseline).to_toml();
+                let text = KnownFindings::of(&tally, baseline).to_toml();
                 write_atomically(&baseline.file, text).with_context(|| baseline.file.display().to_string())?;
-                note(&format!("written: {}", baseline.file.display()));
+                print_note(&format!("written: {}", baseline.file.display()));
             }
         }
         for check in &checks {
@@ -221,18 +230,18 @@ impl Gating<'_> {
         journal: &mut Journal,
         source: &FamilySource,
         config: &CampaignConfig,
-        row: &Row,
+        row: &TallyRow,
     ) -> anyhow::Result<()> {
         if self.written >= CASES {
             return Ok(());
         }
         let panel = self.engines.panel();
-        let subjects = source.batch(row.index() / source.batch_len());
-        let Some(subject) = subjects.iter().find(|s| s.index == row.index()) else { return Ok(()) };
         let row = match row {
-            Row::Pair(row) => row,
-            Row::Step(row) => return self.keep_step(journal, source, subject, row),
+            TallyRow::Pair(row) => row,
+            TallyRow::Step(row) => return self.keep_step(journal, source, row),
         };
+        let subjects = source.batch(row.index / source.batch_len());
+        let Some(subject) = subjects.iter().find(|s| s.index == row.index) else { return Ok(()) };
         let same = |finding: &Finding| finding.row(row.case.clone()) == *row;
         let Some(finding) = examine(subject, &panel).findings.into_iter().find(same) else { return Ok(()) };
         let panel = self.engines.panel_for(&finding);
@@ -243,25 +252,19 @@ impl Gating<'_> {
     }
 
     /// Writes the case of a row about a step.
-    fn keep_step(
-        &mut self,
-        journal: &mut Journal,
-        source: &FamilySource,
-        subject: &Subject,
-        row: &StepFindingRow,
-    ) -> anyhow::Result<()> {
+    fn keep_step(&mut self, journal: &mut Journal, source: &FamilySource, row: &StepFindingRow) -> anyhow::Result<()> {
         let names = self.engines.names();
         let steppers = steps::engines(names.iter().map(String::as_str));
-        let Some(motion) = source.motion(subject) else { return Ok(()) };
-        let found = steps::examine_all(&[(subject, motion.clone())], &steppers).findings;
+        let Some((subject, motion)) = source.moving(row.index, &row.family) else { return Ok(()) };
+        let found = steps::examine_all(&[(&subject, motion.clone())], &steppers).findings;
         let same = |finding: &StepFinding| finding.row(row.case.clone()) == *row;
         let Some(finding) = found.into_iter().find(same) else { return Ok(()) };
-        let Some(case) = steps::case::of(&finding, subject, &motion, &steppers) else { return Ok(()) };
-        self.write(journal, finding.file_name(), case.text()?)
+        let Some(case) = steps::case::of(&finding, &subject, &motion, &steppers) else { return Ok(()) };
+        self.write(journal, row.file_name(), case.text()?)
     }
 
     fn write(&mut self, journal: &mut Journal, name: String, bytes: Vec<u8>) -> anyhow::Result<()> {
-        note(&format!("to replay: rockproof replay {}", journal.dir().join("cases").join(&name).display()));
+        print_note(&format!("to replay: rockproof replay {}", journal.dir().join("cases").join(&name).display()));
         journal.write_cases(vec![(name, bytes)])?;
         self.written += 1;
         Ok(())

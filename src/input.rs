@@ -1,8 +1,11 @@
 //! Arguments that several commands share.
 
+use crate::stop::end_on_ctrl_c;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::Engines;
+use rockproof_differential::builtin::{ENGINES, full_name};
+use rockproof_differential::case_file::Case;
 use rockproof_differential::external::EngineSpec;
 use rockproof_model::{LoadOptions, Number, Precision, Preset, ToleranceSpec};
 use std::path::Path;
@@ -49,11 +52,39 @@ impl EngineArgs {
         Ok(())
     }
 
+    /// The built-in engines and these, for a case; Ctrl-C ends the program and them.
+    ///
+    /// # Errors
+    /// When the engine that the case is about is none of them.
+    pub(crate) fn engines_of(&self, case: &Case, file: &Path) -> anyhow::Result<Engines> {
+        let engines = self.engines()?;
+        if engines.panel_of(case).is_none() {
+            let (file, known) = (file.display(), engines.names().join(", "));
+            let engine = &case.about.engine;
+            anyhow::bail!(
+                "{file}: engine is \"{engine}\"; known are any, f32, f64, {known}, and what --engine-command names"
+            );
+        }
+        end_on_ctrl_c()?;
+        Ok(engines)
+    }
+
     /// The built-in engines and these.
-    pub(crate) fn engines(&self) -> anyhow::Result<Engines> {
+    fn engines(&self) -> anyhow::Result<Engines> {
         let mut config = CampaignConfig::default();
         self.add_to(&mut config)?;
         Ok(Engines::of(&config)?)
+    }
+}
+
+/// The most worker threads; more of them than cores gain nothing.
+const MOST_THREADS: usize = 1024;
+
+/// A number of worker threads; 0 for one a core.
+pub(crate) fn threads(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(threads) if threads <= MOST_THREADS => Ok(threads),
+        _ => Err(format!("allowed are 1 to {MOST_THREADS}, and 0 for one a core")),
     }
 }
 
@@ -78,6 +109,14 @@ pub(crate) struct ToleranceArgs {
 }
 
 impl ToleranceArgs {
+    /// What messages about the tolerances of a scene's file name: that file, and the one of --tolerances.
+    pub(crate) fn place(&self, scene: &Path) -> String {
+        match &self.tolerances {
+            Some(text) if Preset::from_name(text).is_none() => format!("{}: --tolerances {text}", scene.display()),
+            _ => scene.display().to_string(),
+        }
+    }
+
     /// The tolerances asked for, over those of a scene.
     pub(crate) fn spec(&self, scene: Option<&ToleranceSpec>) -> anyhow::Result<ToleranceSpec> {
         let mut spec = match &self.tolerances {
@@ -102,6 +141,12 @@ pub(crate) fn precision(text: &str) -> Result<Precision, String> {
         "f64" => Ok(Precision::F64),
         _ => Err("known are f32 and f64".to_string()),
     }
+}
+
+/// The precision of a stepper, by its name or in short.
+pub(crate) fn stepper(text: &str) -> Result<Precision, String> {
+    let name = full_name(text).ok_or_else(|| format!("known are {}, in short f32 and f64", ENGINES.join(" and ")))?;
+    precision(name.trim_start_matches("stepper-"))
 }
 
 fn planarity(text: &str) -> Result<Number, String> {

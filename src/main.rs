@@ -2,19 +2,24 @@
 
 mod bench;
 mod campaign;
+mod campaign_end;
 mod check;
 mod classify;
 mod convert;
 mod exit;
+mod extents;
 mod gate;
 mod input;
+mod merge;
 mod overlaps;
+mod progress;
 mod replay;
 mod replay_step;
 mod report;
 mod shrink;
 mod simulate;
 mod simulate_exact;
+mod step_audit;
 mod stop;
 mod stress;
 mod table;
@@ -40,6 +45,7 @@ enum Command {
     Simulate(simulate::Simulate),
     Check(check::Check),
     Campaign(campaign::Campaign),
+    Merge(merge::Merge),
     Replay(replay::Replay),
     Report(report::Report),
     Shrink(shrink::Shrink),
@@ -56,6 +62,7 @@ impl Command {
             Command::Simulate(command) => command.run(),
             Command::Check(command) => command.run(),
             Command::Campaign(command) => command.run(),
+            Command::Merge(command) => command.run(),
             Command::Replay(command) => command.run(),
             Command::Report(command) => command.run(),
             Command::Shrink(command) => command.run(),

@@ -1,9 +1,9 @@
 //! Overlaps of a model, for every command that begins with one: the exact audit (SPEC section 7), in words.
 
 use rayon::prelude::*;
-use rockproof_model::{Block, ToleranceSet};
-use rockproof_oracle::Solid;
-use rockproof_oracle::audit::{Audit, Auditor, Overlap, Sight};
+use rockproof_model::{Block, Number, Precision, ToleranceSet};
+use rockproof_oracle::PreparedBlock;
+use rockproof_oracle::audit::{Audit, Auditor, Meaning, Overlap, rounding_depth};
 use std::fmt::Write;
 
 /// Overlaps named one by one.
@@ -11,35 +11,22 @@ const MOST_NAMED: usize = 5;
 
 /// The overlaps of all neighbouring pairs, or of some.
 pub(crate) fn overlaps(blocks: &[&Block], tolerances: &ToleranceSet, only: Option<&[(usize, usize)]>) -> Overlaps {
-    let solids: Vec<Solid> = blocks.par_iter().map(|block| Solid::new(block)).collect();
+    let solids: Vec<PreparedBlock> = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
     let auditor = Auditor::new(&solids, tolerances);
     let pairs = match only {
         None => auditor.neighbours(),
         Some(pairs) => pairs.iter().map(|&(i, j)| [i.min(j), i.max(j)]).collect(),
     };
     let audited: Vec<_> = pairs.par_iter().map(|&pair| auditor.pair(pair)).collect();
-    let coordinates = blocks.iter().flat_map(|block| block.coordinates());
-    let largest = coordinates.fold(0.0f64, |largest, c| largest.max(c.approximate().abs()));
-    Overlaps { audit: Audit::of(audited), rounding: 256.0 * f64::EPSILON * largest }
+    Overlaps { audit: Audit::of(audited), rounding: rounding_depth(blocks, Precision::F64) }
 }
 
 /// The overlaps of a model, and what rounded coordinates alone make blocks overlap by.
 pub(crate) struct Overlaps {
     /// The audit.
     audit: Audit,
-    /// 2⁸·eps·M of f64 in m, M the largest coordinate: below that rounding decides (SPEC section 3, the rule for `territory`).
-    rounding: f64,
-}
-
-/// What an overlap means for a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Meaning {
-    /// Deeper than `penetration`, or seen by no contact: the blocks will pass through one another.
-    Lost,
-    /// Seen by a contact that can push the blocks apart.
-    Held,
-    /// No more than rounded coordinates and uneven faces make of blocks that touch.
-    Rounding,
+    /// The depth (m) below which rounding decides in f64.
+    rounding: Number,
 }
 
 impl Overlaps {
@@ -53,44 +40,40 @@ impl Overlaps {
     }
 
     fn meaning(&self, overlap: &Overlap) -> Meaning {
-        let is_tiny = || overlap.penetration.depth_m().is_some_and(|depth| depth <= self.rounding);
-        if overlap.is_deeper_than_g {
-            Meaning::Lost
-        } else if overlap.is_within_unevenness || is_tiny() {
-            Meaning::Rounding
-        } else if overlap.sight == Sight::Unseen {
-            Meaning::Lost
-        } else {
-            Meaning::Held
-        }
+        overlap.meaning(&self.rounding)
     }
 
-    /// What the audit found, in one sentence; `None` where nothing overlaps.
+    /// What the audit found, in one sentence, with the deepest pair of the first count; `None` where nothing overlaps.
     pub(crate) fn sentence(&self) -> Option<String> {
-        let worst = self.audit.deepest()?;
-        let [a, b] = worst.blocks;
-        let worst = format!("worst {a}–{b}, {} m", depth(worst));
-        let counts = [Meaning::Lost, Meaning::Held, Meaning::Rounding].map(|meaning| self.count(meaning));
         let said = [
             "overlap deeper than penetration or where no contact sees it, and will pass through one another",
             "overlap and are held by contacts",
             "overlap by no more than rounding",
         ];
         let mut parts: Vec<String> = Vec::new();
-        for (count, said) in counts.into_iter().zip(said).filter(|(count, _)| *count > 0) {
+        for (meaning, said) in Meaning::ALL.into_iter().zip(said) {
+            let count = self.count(meaning);
+            let Some(worst) = self.audit.deepest_of(|overlap| self.meaning(overlap) == meaning) else { continue };
             let pairs = if count == 1 { "pair" } else { "pairs" };
-            let worst = if parts.is_empty() { format!(" ({worst})") } else { String::new() };
+            let [a, b] = worst.blocks;
+            let worst =
+                if parts.is_empty() { format!(" (worst {a}–{b}, {} m)", depth(worst)) } else { String::new() };
             parts.push(format!("{count} {pairs}{worst} {said}"));
         }
-        Some(parts.join("; "))
+        (!parts.is_empty()).then(|| parts.join("; "))
     }
 
-    /// What `check` says: the sentence and the deepest pairs.
+    /// The sentence after its name, also where nothing overlaps.
+    pub(crate) fn line(&self) -> String {
+        match self.sentence() {
+            None => format!("overlaps: none in {} neighbouring pairs", self.audit.counts.neighbours()),
+            Some(sentence) => format!("overlaps: {sentence}"),
+        }
+    }
+
+    /// What `check` says: the line and the deepest pairs.
     pub(crate) fn report(&self) -> String {
-        let Some(sentence) = self.sentence() else {
-            return format!("\noverlaps: none in {} neighbouring pairs\n", self.audit.counts.neighbours());
-        };
-        let mut out = format!("\noverlaps: {sentence}\n");
+        let mut out = format!("\n{}\n", self.line());
         let told = |overlap: &&Overlap| self.meaning(overlap) != Meaning::Rounding;
         let mut worst: Vec<&Overlap> = self.audit.overlaps.iter().filter(told).collect();
         // A stable sort: of equally deep ones the first pair first.
@@ -115,5 +98,42 @@ fn depth(overlap: &Overlap) -> String {
         Some(depth) if depth == 0.0 || (1e-3..1e4).contains(&depth) => format!("{depth:.4}"),
         Some(depth) => format!("{depth:.3e}"),
         None => "beyond f64".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_model::Vec3;
+    use rockproof_model::preset::{Preset, derive};
+    use rockproof_oracle::audit::OverlapVisibility;
+
+    /// A cube of 1 m on a fixed slab, sunk by so many thousandths.
+    fn sunk(x: i32, thousandths: i32) -> Block {
+        let at = |z: i32| Number::from_rational(num_rational::BigRational::new(z.into(), 1000.into()));
+        let [low, high] = [(x, -thousandths), (x + 1, 1000 - thousandths)];
+        let corner = |(x, z): (i32, i32), y: i32| Vec3::new(Number::from_integer(x), Number::from_integer(y), at(z));
+        Block::cuboid(&corner(low, 0), &corner(high, 1)).expect("a cube")
+    }
+
+    #[test]
+    fn the_worst_pair_named_is_of_the_first_count() {
+        let whole = Number::from_integer;
+        let corner = |x, y, z| Vec3::new(whole(x), whole(y), whole(z));
+        let slab = Block::cuboid(&corner(-9, -9, -4), &corner(9, 9, 0)).expect("a slab");
+        let blocks = [slab, sunk(0, 1), sunk(2, 2), sunk(4, 3)];
+        let blocks: Vec<&Block> = blocks.iter().collect();
+        let mut set = derive(Preset::Auto, &blocks, Precision::F64).expect("a set");
+        set.penetration = Number::from_f64(0.0625).expect("a number");
+        let mut found = overlaps(&blocks, &set, None);
+        let held = "3 pairs (worst 0–3, 0.0030 m) overlap and are held by contacts";
+        assert_eq!(found.sentence().as_deref(), Some(held));
+        // The two shallower ones unseen: the deepest pair of all is not theirs.
+        for overlap in &mut found.audit.overlaps[..2] {
+            (overlap.sight, overlap.contact) = (OverlapVisibility::Unseen, None);
+        }
+        let said = found.sentence().expect("overlaps");
+        assert!(said.starts_with("2 pairs (worst 0–2, 0.0020 m) overlap deeper than penetration or where"), "{said}");
+        assert!(said.ends_with("; 1 pair overlap and are held by contacts"), "{said}");
     }
 }

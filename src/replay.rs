@@ -1,17 +1,19 @@
 //! `replay`: what each engine and the oracle say about a case, side by side, and decision by decision where they part.
 
-use crate::exit::{Outcome, Verdict, note, print};
+use crate::exit::{Outcome, Verdict, print, print_note};
 use crate::input::EngineArgs;
 use crate::replay_step;
 use crate::table::table;
 use rockproof_campaign::engines::Engines;
-use rockproof_differential::builtin::Exact;
+use rockproof_differential::builtin::BuiltinOracle;
 use rockproof_differential::case_file::{Case, contact_rows};
-use rockproof_differential::engine::{Answer, EngineFailure, Oracle, Trace, guarded};
-use rockproof_differential::explain::{Parted, parted};
+use rockproof_differential::collision::separation::Separation;
+use rockproof_differential::engine::{Answer, EngineFailure, Oracle, Trace, catch_panic};
+use rockproof_differential::explain::{DivergentDecision, divergent_decisions};
 use rockproof_differential::external::protocol::completed;
+use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCase;
-use rockproof_differential::mapped::separation::Separation;
+use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Contact, Precision, ToleranceSet};
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -32,7 +34,7 @@ pub(crate) struct Replay {
 }
 
 /// One answer with the decisions behind it.
-struct Said {
+struct EngineDecisions {
     name: String,
     contacts: Result<Vec<Contact>, EngineFailure>,
     trace: Option<Trace>,
@@ -41,9 +43,9 @@ struct Said {
 }
 
 /// The margins of the decisions that parted, and the unit to count them in.
-struct Parting {
+struct Divergence {
     title: String,
-    parted: Vec<Parted>,
+    parted: Vec<DivergentDecision>,
     margins: Vec<Option<f64>>,
     roundoff: f64,
 }
@@ -54,7 +56,7 @@ impl Replay {
             return replay_step::run(&self.case);
         }
         let case = Case::load(&self.case)?;
-        let engines = self.external.engines()?;
+        let engines = self.external.engines_of(&case, &self.case)?;
         let (said, partings) = answers(&case, &engines);
         let mut out = Vec::new();
         show(&mut out, &case, &said, &partings)?;
@@ -67,10 +69,10 @@ impl Replay {
             }
         };
         if recorded.contacts.as_deref().is_ok_and(|contacts| contact_rows(contacts) == case.about.expected) {
-            return Ok(Verdict::Fine);
+            return Ok(Verdict::Passed);
         }
-        note(&format!("the answer of \"{}\" is not the one the case expects", recorded.name));
-        Ok(Verdict::Objection)
+        print_note(&format!("the answer of \"{}\" is not the one the case expects", recorded.name));
+        Ok(Verdict::CheckFailed)
     }
 }
 
@@ -79,10 +81,10 @@ fn precision_name(case: &Case, engines: &Engines) -> String {
     engines.find(&case.about.engine).map_or_else(|| case.about.engine.clone(), |e| e.precision().to_string())
 }
 
-fn answers(case: &Case, engines: &Engines) -> (Vec<Said>, Vec<Parting>) {
-    let solids = Exact.prepare(&case.a, &case.b);
+fn answers(case: &Case, engines: &Engines) -> (Vec<EngineDecisions>, Vec<Divergence>) {
+    let solids = BuiltinOracle.prepare(&case.a, &case.b);
     let pair = solids.pair();
-    let exact = |name: &str, tolerances: &ToleranceSet| Said {
+    let exact = |name: &str, tolerances: &ToleranceSet| EngineDecisions {
         name: name.to_owned(),
         contacts: Ok(pair.classify(tolerances).contacts),
         trace: Some(pair.trace(tolerances)),
@@ -91,12 +93,16 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<Said>, Vec<Parting>) {
     let all: Vec<_> = engines.names().iter().filter_map(|name| engines.find(name)).collect();
     let mut said = vec![exact("ideal", &case.tolerances.ideal()), exact("exact", &case.tolerances)];
     let mut partings = Vec::new();
-    let mut part = |title: String, one: &Said, other: &Said, roundoff, margins: &dyn Fn(&[_]) -> Vec<Option<f64>>| {
+    let mut part = |title: String,
+                    one: &EngineDecisions,
+                    other: &EngineDecisions,
+                    roundoff,
+                    margins: &dyn Fn(&[_]) -> Vec<Option<f64>>| {
         let (Some(before), Some(after)) = (&one.trace, &other.trace) else { return };
-        let parted = parted(before, after);
+        let parted = divergent_decisions(before, after);
         if !parted.is_empty() {
             let decisions: Vec<_> = parted.iter().map(|p| p.decision).collect();
-            partings.push(Parting { title, margins: margins(&decisions), parted, roundoff });
+            partings.push(Divergence { title, margins: margins(&decisions), parted, roundoff });
         }
     };
     let unit = |precision: Precision| precision.epsilon() / 2.0;
@@ -106,18 +112,19 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<Said>, Vec<Parting>) {
         let near =
             || Some((case.a.rounded(precision)?, case.b.rounded(precision)?, case.tolerances.rounded(precision).ok()?));
         let Some((a, b, tolerances)) = near() else { continue };
-        let solids = Exact.prepare(&a, &b);
+        let solids = BuiltinOracle.prepare(&a, &b);
         let rounded = solids.pair();
         let name = format!("exact {precision}");
         let contacts = Ok(rounded.classify(&tolerances).contacts);
-        let mut here = Said { name: name.clone(), contacts, trace: Some(rounded.trace(&tolerances)), state: None };
+        let mut here =
+            EngineDecisions { name: name.clone(), contacts, trace: Some(rounded.trace(&tolerances)), state: None };
         part(format!("representation in {precision}: exact, {name}"), &said[1], &here, unit(precision), &given);
         let margins = |decisions: &[_]| rounded.margins(&tolerances, decisions);
         let mut others = Vec::new();
         for engine in all.iter().filter(|e| e.precision() == precision) {
-            let prepared = guarded(|| engine.prepare(&a, &b));
+            let prepared = catch_panic(|| engine.prepare(&a, &b));
             let (answer, trace) = match prepared {
-                Ok(prepared) => (guarded(|| prepared.answer(&tolerances)), prepared.trace(&tolerances)),
+                Ok(prepared) => (catch_panic(|| prepared.answer(&tolerances)), prepared.trace(&tolerances)),
                 Err(failure) => (Err(failure), None),
             };
             let (contacts, state) = match answer {
@@ -131,7 +138,7 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<Said>, Vec<Parting>) {
                 let exact = Separation::of(&a, &b);
                 here.state = exact.map(|exact| format!("{} {:?} m", exact.state, exact.gap_m()));
             }
-            let there = Said { name: engine.name().to_owned(), contacts, trace, state };
+            let there = EngineDecisions { name: engine.name().to_owned(), contacts, trace, state };
             part(format!("arithmetic: {name}, {}", there.name), &here, &there, unit(precision), &margins);
             others.push(there);
         }
@@ -141,22 +148,24 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<Said>, Vec<Parting>) {
     (said, partings)
 }
 
-fn show(out: &mut impl Write, case: &Case, said: &[Said], partings: &[Parting]) -> io::Result<()> {
+fn show(out: &mut impl Write, case: &Case, said: &[EngineDecisions], partings: &[Divergence]) -> io::Result<()> {
     let about = &case.about;
-    writeln!(
-        out,
-        "{} {} by {}, decided by {} {}",
-        about.cause, about.change, about.engine, about.predicate, about.features
-    )?;
+    // An engine from outside tells no decisions.
+    let how = if about.cause == Cause::Engine.name() { "nearest tie" } else { "decided by" };
+    let decided = match about.predicate.as_str() {
+        "" => String::new(),
+        predicate => format!(", {how} {predicate} {}", excerpt(&about.features, SHOWN)),
+    };
+    writeln!(out, "{} {} by {}{decided}", about.cause, about.change, about.engine)?;
     if let Some(margin) = about.margin {
         let ulps = about.margin_ulps.map_or(String::new(), |u| format!(", {u:.3} roundoffs"));
         writeln!(out, "margin {margin:e}{ulps}")?;
     }
-    writeln!(out, "from {}\n", about.origin)?;
+    writeln!(out, "from {}\n", excerpt(&about.origin, SHOWN))?;
     let keys: BTreeSet<_> = said.iter().flat_map(|s| s.contacts.iter().flatten()).map(|c| (c.kind, c.a, c.b)).collect();
     let mut header = vec!["contact"];
     header.extend(said.iter().map(|s| s.name.as_str()));
-    let cell = |answer: &Said, key| match &answer.contacts {
+    let cell = |answer: &EngineDecisions, key| match &answer.contacts {
         Err(failure) => failure.to_string(),
         Ok(contacts) => contacts.iter().find(|c| (c.kind, c.a, c.b) == key).map_or("–".to_owned(), |c| {
             let gap = ["overlap", "touch", "apart"][(c.gap.as_i8() + 1) as usize];

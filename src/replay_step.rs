@@ -1,13 +1,16 @@
 //! `replay` of a state file: one step again on both sides, beside each other.
 
-use crate::exit::{Outcome, Verdict, note, print};
+use crate::exit::{Outcome, Verdict, print, print_note};
 use crate::table::table;
 use anyhow::Context;
 use rockproof_differential::lockstep::answer::described;
 use rockproof_differential::lockstep::case_file::Expected;
-use rockproof_differential::lockstep::{Answer, Compared, Links, Lockstep, StepCase};
+use rockproof_differential::lockstep::{
+    ComparedLinks, ComparedStep, Intrusion, Lockstep, StepCase, StepDecisions, WatchedStep,
+};
+use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Contact, Precision};
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::Solve;
 use std::fmt::Write;
 use std::path::Path;
@@ -16,30 +19,33 @@ use std::path::Path;
 pub(super) fn run(path: &Path) -> Outcome {
     let case = StepCase::load(path).with_context(|| path.display().to_string())?;
     let compared = match case.precision()? {
-        Precision::F32 => again::<f32>(&case),
-        Precision::F64 => again::<f64>(&case),
+        Precision::F32 => replay_step::<f32>(&case),
+        Precision::F64 => replay_step::<f64>(&case),
     }
     .with_context(|| path.display().to_string())?;
     let mut text = String::new();
     // Writing to a String cannot fail.
     let _ = show(&mut text, &case, &compared);
     print(&text)?;
-    if compared.oracle.as_ref().map(Expected::of).as_ref() == Some(&case.expected) {
-        return Ok(Verdict::Fine);
+    if Expected::of_step(&compared).as_ref() == Some(&case.expected) {
+        return Ok(Verdict::Passed);
     }
-    note("the oracle's answer is not the one recorded");
-    Ok(Verdict::Objection)
+    print_note("the oracle's answer is not the one recorded");
+    Ok(Verdict::CheckFailed)
 }
 
-fn again<R: Solve>(case: &StepCase) -> anyhow::Result<Compared> {
+fn replay_step<R: Solve>(case: &StepCase) -> anyhow::Result<ComparedStep> {
     let (scene, set) = case.scene()?;
-    let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, case.precision()?, Links::All)?;
+    let mut lockstep = Lockstep::<R, SpecRules>::new(&scene, &set, case.precision()?, ComparedLinks::All)?;
+    if case.expected.intrusions.is_some() {
+        lockstep = lockstep.watching();
+    }
     lockstep.restore(case.state.state()?)?;
     Ok(lockstep.step().1)
 }
 
-fn show(out: &mut String, case: &StepCase, step: &Compared) -> std::fmt::Result {
-    writeln!(out, "step {} in {}, recorded by {}\n", case.step, case.engine, case.version)?;
+fn show(out: &mut String, case: &StepCase, step: &ComparedStep) -> std::fmt::Result {
+    writeln!(out, "step {} in {}, recorded by {}\n", case.step, case.engine, excerpt(&case.version, SHOWN))?;
     let both = [&step.oracle, &step.stepper].map(Option::as_ref);
     let sides = both.map(|answer| answer.map_or_else(|| [(); 5].map(|()| "–".to_owned()), in_words));
     let names = ["contacts", "solves", "converged", "given up before", "Δt (s)"];
@@ -59,16 +65,19 @@ fn show(out: &mut String, case: &StepCase, step: &Compared) -> std::fmt::Result 
     if !step.failure.is_empty() {
         writeln!(out, "{}", step.failure)?;
     }
-    for caused in &step.differences {
-        let d = &caused.difference;
+    for attributed in &step.differences {
+        let d = &attributed.difference;
         let about = d.contact.map_or(String::new(), |([a, b], c)| format!(" {a}-{b} {} {}/{}", c.kind, c.a, c.b));
         let solve = d.solve.map_or(String::new(), |solve| format!(" after solve {solve}"));
-        write!(out, "{}: {}{about}{solve}: {} → {}", caused.cause, d.change.name(), d.before, d.after)?;
-        let decision = caused.deciding.map_or(String::new(), |deciding| format!("; {}", deciding.decision));
-        let margin = caused.margin().map_or(String::new(), |margin| {
+        write!(out, "{}: {}{about}{solve}: {} → {}", attributed.cause, d.change.name(), d.before, d.after)?;
+        let decision = attributed.deciding.map_or(String::new(), |deciding| format!("; {}", deciding.decision));
+        let margin = attributed.margin().map_or(String::new(), |margin| {
             format!("{} margin {margin:e}", if decision.is_empty() { ";" } else { "," })
         });
         writeln!(out, "{decision}{margin}")?;
+    }
+    if let Some(watched) = &step.watched {
+        show_intrusions(out, watched)?;
     }
     if let Some(depths) = &step.depths {
         let [with_contacts, with_modes] = [depths.contacts, depths.modes];
@@ -83,14 +92,40 @@ fn show(out: &mut String, case: &StepCase, step: &Compared) -> std::fmt::Result 
     Ok(())
 }
 
-fn in_words(answer: &Answer) -> [String; 5] {
+/// The passages and unseen overlaps of both sides, and their causes.
+fn show_intrusions(out: &mut String, watched: &WatchedStep) -> std::fmt::Result {
+    for (side, found) in [("oracle", &watched.oracle), ("stepper", &watched.stepper)] {
+        for one in &found.found {
+            let ([a, b], depth) =
+                (one.blocks, one.depth.map_or("deep".to_owned(), |depth| format!("{depth:e} m deep")));
+            match one.kind {
+                Intrusion::Passage => writeln!(
+                    out,
+                    "{side}: {a} and {b} pass through one another: {depth} after {} of the step",
+                    one.time
+                )?,
+                Intrusion::Unseen => writeln!(out, "{side}: {a} and {b} overlap unseen after the step: {depth}")?,
+            }
+        }
+        for [a, b] in &found.undecided {
+            writeln!(out, "{side}: whether {a} and {b} pass through one another stayed undecided")?;
+        }
+    }
+    for attributed in &watched.attributed {
+        let ([a, b], [before, after]) = (attributed.blocks, attributed.words());
+        writeln!(out, "{}: {} {a}-{b}: {before} → {after}", attributed.cause, attributed.kind.name())?;
+    }
+    Ok(())
+}
+
+fn in_words(answer: &StepDecisions) -> [String; 5] {
     let retries = if answer.retries.is_empty() { "nothing".to_owned() } else { answer.retries_text() };
     let [contacts, solves] = [answer.contacts.len(), answer.iterations()].map(|count| count.to_string());
     [contacts, solves, answer.converged.to_string(), retries, answer.time_step.to_string()]
 }
 
 /// A contact's entrance and its modes after each solve, in one answer.
-fn of_contact(answer: &Answer, (pair, contact): &([u32; 2], Contact)) -> String {
+fn of_contact(answer: &StepDecisions, (pair, contact): &([u32; 2], Contact)) -> String {
     let same = |(blocks, c): &([u32; 2], Contact)| {
         blocks == pair && (c.kind, c.a, c.b) == (contact.kind, contact.a, contact.b)
     };

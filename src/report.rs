@@ -1,6 +1,6 @@
 //! `report`: what runs found, as a page to read, tables to calculate with, and a text for a pull request.
 
-use crate::exit::{Outcome, Verdict, note, print};
+use crate::exit::{Outcome, Verdict, print, print_note};
 use rockproof_report::markdown::markdown;
 use rockproof_report::page::page;
 use rockproof_report::{PAGE, Report as Made, TEXT};
@@ -25,8 +25,8 @@ pub(crate) struct Report {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// What to write
-    #[arg(long, value_enum, default_value_t = Format::Html)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = OutputFormat::Html)]
+    format: OutputFormat,
     /// What the report is called [default: the names of the runs]
     #[arg(long)]
     title: Option<String>,
@@ -36,7 +36,7 @@ pub(crate) struct Report {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Format {
+enum OutputFormat {
     /// One page with charts and views, and the tables as CSV
     Html,
     /// A short text for a pull request
@@ -50,22 +50,22 @@ impl Report {
             report.title.clone_from(title);
         }
         let (name, contents) = match self.format {
-            Format::Html => (PAGE, page(&report)?),
-            Format::Markdown => (TEXT, markdown(&report)),
+            OutputFormat::Html => (PAGE, page(&report)?),
+            OutputFormat::Markdown => (TEXT, markdown(&report)),
         };
         let out = match (&self.out, self.format, self.runs.first()) {
             (Some(out), _, _) => out.clone(),
-            (None, Format::Html, Some(run)) => run.join("report"),
+            (None, OutputFormat::Html, Some(run)) => run.join("report"),
             (None, _, _) => {
                 print(&contents)?;
-                return Ok(Verdict::Fine);
+                return Ok(Verdict::Passed);
             }
         };
         let path = report.write(&out, name, &contents, Start::of(false, self.overwrite))?;
         for line in &report.verdict {
             print(&format!("{}\n", line.text))?;
         }
-        note(&format!("written to {}, tables beside it in {}/tables", path.display(), out.display()));
-        Ok(Verdict::Fine)
+        print_note(&format!("written to {}, tables beside it in {}/tables", path.display(), out.display()));
+        Ok(Verdict::Passed)
     }
 }

@@ -4,7 +4,7 @@ use crate::exit::{Outcome, Verdict, print};
 use crate::input::EngineArgs;
 use anyhow::Context;
 use rockproof_campaign::shrink::Shrinker;
-use rockproof_differential::case_file::{About, Case};
+use rockproof_differential::case_file::{Case, CaseDescription};
 use rockproof_model::Block;
 use rockproof_results::write_atomically;
 use std::path::PathBuf;
@@ -32,17 +32,11 @@ impl Shrink {
     pub(crate) fn run(&self) -> Outcome {
         let case = Case::load(&self.case)?;
         let about = &case.about;
-        let engines = self.external.engines()?;
+        let engines = self.external.engines_of(&case, &self.case)?;
         let file = self.case.display();
-        let Some(panel) = engines.panel_of(&case) else {
-            let known = engines.names().join(", ");
-            anyhow::bail!(
-                "{file}: engine is \"{}\"; known are any, f32, f64, {known}, and what --engine-command names",
-                about.engine
-            );
-        };
+        let panel = engines.panel_of(&case).with_context(|| file.to_string())?;
         if case.findings(&panel).is_empty() {
-            let About { cause, change, engine, predicate, .. } = about;
+            let CaseDescription { cause, change, engine, predicate, .. } = about;
             anyhow::bail!("{file}: the pair does not show its finding: {cause} {change} by {engine} ({predicate})");
         }
         let before = size(&case);
@@ -50,7 +44,7 @@ impl Shrink {
         let out = self.out.as_ref().unwrap_or(&self.case);
         write_atomically(out, small.to_toml()?).with_context(|| out.display().to_string())?;
         print(&format!("before: {before}\nafter:  {}\nwritten to {}\n", size(&small), out.display()))?;
-        Ok(Verdict::Fine)
+        Ok(Verdict::Passed)
     }
 }
 

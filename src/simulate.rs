@@ -3,29 +3,32 @@
 // Longer than 400 lines: one command with all its options and ways to end.
 
 use crate::check::violations_text;
-use crate::exit::{Outcome, Verdict, complain, note, print};
+use crate::exit::{Outcome, Verdict, print, print_error, print_note};
 use crate::input::{ReadArgs, ToleranceArgs};
 use crate::overlaps::overlaps;
 use crate::simulate_exact::ExactRun;
+use crate::step_audit::AuditedRun;
 use crate::stop::on_ctrl_c;
 use crate::table::grouped;
 use anyhow::Context;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
-use rockproof_differential::lockstep::beside::About;
+use rockproof_differential::lockstep::stepping::StateFileDescription;
 use rockproof_differential::lockstep::trajectory::default_grid;
-use rockproof_differential::lockstep::{BesideRun, FreeRun, Links, Lockstep, Trajectory, free, table};
+use rockproof_differential::lockstep::{
+    ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
+};
 use rockproof_model::simulation::Control;
 use rockproof_model::{Precision, Scene, ToleranceSet, rules};
-use rockproof_oracle::step::Keep;
+use rockproof_oracle::step::KeptPrecision;
 use rockproof_results::{Start, bounded};
 use rockproof_simulate::identity::{identity, with_tolerances};
-use rockproof_simulate::record::{Progress, Table};
+use rockproof_simulate::record::{RunProgress, RunTable};
 use rockproof_simulate::run::headers;
 use rockproof_simulate::tables::lines;
-use rockproof_simulate::{Ending, Plan, Record, Run, Stepping};
+use rockproof_simulate::{AuditTotals, Ending, Plan, Run, RunRecord, Stepping};
 use rockproof_stepper::Real;
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -43,11 +46,12 @@ use std::time::{Duration, Instant};
   rockproof simulate incline.toml --time 0.5
   rockproof simulate slope.toml --steps 2000 --every 50 --contacts --out reports/slope
   rockproof simulate slope.toml --steps 4000 --every 50 --contacts --out reports/slope --resume
-  rockproof simulate incline.toml --engine f32 --steps 200 --lockstep
+  rockproof simulate incline.toml --engine stepper-f32 --steps 200 --lockstep
+  rockproof simulate slope.toml --steps 200 --audit
 
-A run can be interrupted or killed at any moment; --resume goes on from its last checkpoint, to the same bytes.
+A run can be interrupted or killed at any moment; --resume continues from its last checkpoint; the files are byte-identical.
 
-Exit status: 0 done, 1 rules violated or a run that cannot go on, 2 usage or input error, 130 interrupted (go on with
+Exit status: 0 done, 1 rules violated, a run that cannot go on, or what --audit objects to, 2 usage or input error, 130 interrupted (go on with
 --resume).")]
 pub(crate) struct Simulate {
     /// Blocks and what moves them: .toml; or blocks alone: .dda, .obj, .vtk, .txt and .voro
@@ -60,7 +64,7 @@ pub(crate) struct Simulate {
     tolerances: ToleranceArgs,
 
     /// What makes the steps: the stepper in a precision, or the oracle
-    #[arg(long, value_enum, default_value = "f64")]
+    #[arg(long, value_enum, default_value = "stepper-f64")]
     engine: EngineChoice,
 
     /// Run until this step, settling not counted [default: what the scene says]
@@ -94,6 +98,11 @@ pub(crate) struct Simulate {
     /// Run although rules are violated
     #[arg(long)]
     force: bool,
+
+    /// Look at every step exactly: do blocks overlap where no contact sees it, do they pass through one another within the step?
+    /// Fills columns of steps.csv; exits with 1 where they do
+    #[arg(long)]
+    audit: bool,
 
     /// Make every step exactly as well and compare: lockstep.csv, differences.csv, states/
     #[arg(long)]
@@ -134,9 +143,11 @@ enum LinksChoice {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum EngineChoice {
-    /// Double precision
+    /// The stepper in double precision
+    #[value(name = "stepper-f64", alias = "f64")]
     F64,
-    /// Single precision
+    /// The stepper in single precision
+    #[value(name = "stepper-f32", alias = "f32")]
     F32,
     /// No rounding but that of --grid-exponent: the oracle steps by itself
     Exact,
@@ -150,11 +161,13 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 /// What a run begins with.
-struct Ready {
+struct PreparedRun {
     scene: Scene,
     set: ToleranceSet,
     plan: Plan,
     about: Map<String, Value>,
+    /// What the model overlaps before the first step, where that is more than contacts hold.
+    overlaps: Option<String>,
 }
 
 impl Simulate {
@@ -162,32 +175,34 @@ impl Simulate {
         let mut scene = Scene::load_with(&self.scene, &self.read.options())?;
         let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
         let shapes = scene.shapes();
-        let set = self.tolerances.spec(scene.tolerances.as_ref())?.derive(&shapes, precision)?;
+        let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
+        let set = spec.derive(&shapes, precision).with_context(|| self.tolerances.place(&self.scene))?;
         let plan = self.plan(&scene.simulation.control)?;
         scene.derive_stiffness(&set);
         let violations = rules::check_scene(&set, &scene, precision);
         if !violations.is_empty() && !self.force {
             print(&violations_text(&violations))?;
-            note("nothing was run; --force runs all the same");
-            return Ok(Verdict::Objection);
+            print_note("nothing was run; --force runs all the same");
+            return Ok(Verdict::CheckFailed);
         }
         let overlaps = overlaps(&scene.shapes(), &set, None);
-        if overlaps.lost() > 0 {
+        let lost = overlaps.sentence().filter(|_| overlaps.lost() > 0);
+        if let Some(sentence) = &lost {
             if !self.force && !self.resume {
                 print(overlaps.report().trim_start())?;
-                note("nothing was run; --force runs all the same");
-                return Ok(Verdict::Objection);
+                print_note("nothing was run; --force runs all the same");
+                return Ok(Verdict::CheckFailed);
             }
-            note(&format!("running with blocks that overlap: {}", overlaps.sentence().unwrap_or_default()));
+            print_note(&format!("running with blocks that overlap: {sentence}"));
         }
         let violated: Vec<&str> = violations.iter().map(|violation| violation.rule.formula()).collect();
         if !violated.is_empty() {
-            note(&format!("running with {} rules violated: {}", violated.len(), violated.join("; ")));
+            print_note(&format!("running with {} rules violated: {}", violated.len(), violated.join("; ")));
         }
         let mut about = Map::new();
         about.insert("file".to_owned(), self.scene.display().to_string().into());
         about.insert("violated".to_owned(), violated.into());
-        let ready = Ready { scene, set, plan, about };
+        let ready = PreparedRun { scene, set, plan, about, overlaps: lost };
         match self.engine {
             EngineChoice::F64 => self.go::<f64>("f64", ready),
             EngineChoice::F32 => self.go::<f32>("f32", ready),
@@ -196,9 +211,11 @@ impl Simulate {
     }
 
     /// The oracle by itself.
-    fn exact(&self, ready: &Ready) -> Outcome {
-        if self.lockstep || self.free || self.resume || self.contacts {
-            anyhow::bail!("--lockstep, --free, --resume and --contacts are for the stepper, not for --engine exact");
+    fn exact(&self, ready: &PreparedRun) -> Outcome {
+        if self.lockstep || self.free || self.resume || self.contacts || self.audit {
+            anyhow::bail!(
+                "--lockstep, --free, --resume, --contacts and --audit are for the stepper, not for --engine exact"
+            );
         }
         let points = &ready.scene.simulation.measured_points;
         let names = points.iter().map(|point| point.name.clone()).collect();
@@ -207,10 +224,10 @@ impl Simulate {
         run.go(Trajectory::new(&ready.scene, &ready.set, self.keep(&ready.scene)))
     }
 
-    fn keep(&self, scene: &Scene) -> Keep {
+    fn keep(&self, scene: &Scene) -> KeptPrecision {
         match (self.fractions, self.grid_exponent) {
-            (true, _) => Keep::Exact,
-            (false, Some(exponent)) => Keep::Grid { exponent },
+            (true, _) => KeptPrecision::Exact,
+            (false, Some(exponent)) => KeptPrecision::Grid { exponent },
             (false, None) => default_grid(scene),
         }
     }
@@ -236,8 +253,8 @@ impl Simulate {
         })
     }
 
-    fn go<R: Solve>(&self, engine: &str, ready: Ready) -> Outcome {
-        let Ready { scene, set, plan, about } = ready;
+    fn go<R: Solve>(&self, engine: &str, ready: PreparedRun) -> Outcome {
+        let PreparedRun { scene, set, plan, about, overlaps } = ready;
         let file = || self.scene.display().to_string();
         let mut dynamics = Dynamics::<R>::new(&scene, &set).with_context(file)?;
         let begin = dynamics.state().clone();
@@ -245,16 +262,19 @@ impl Simulate {
         let dir = self.directory();
         let mut identity = identity(&scene, &set, engine, &plan);
         let mut headers = headers(&plan)?;
+        if self.audit {
+            identity.insert("audit".to_owned(), true.into());
+        }
         if self.lockstep {
             identity.extend(self.lockstep_identity());
-            headers[Table::Lockstep as usize] = Some(lines([table::STEPS])?);
-            headers[Table::Differences as usize] = Some(lines([table::DIFFERENCES])?);
+            headers[RunTable::Lockstep as usize] = Some(lines([table::STEPS])?);
+            headers[RunTable::Differences as usize] = Some(lines([table::DIFFERENCES])?);
         }
         if self.free {
             identity.insert("free".to_owned(), format!("{:?}", self.keep(&scene)).into());
-            headers[Table::Free as usize] = Some(lines([free::COLUMNS])?);
+            headers[RunTable::Free as usize] = Some(lines([free::COLUMNS])?);
         }
-        let (mut record, saved) = Record::open(&dir, identity, headers, start)?;
+        let (mut record, saved) = RunRecord::open(&dir, identity, headers, start)?;
         let text = with_tolerances(&scene, &set)?;
         match saved {
             None => record.write("scene.toml", text.as_bytes())?,
@@ -264,19 +284,24 @@ impl Simulate {
                 .and_then(|state| Ok(dynamics.restore(state)?))
                 .with_context(|| format!("{}: the checkpoint cannot be used", dir.display()))?,
         }
+        let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
         let mut stepping: Box<dyn Stepping<R>> = match self.lockstep {
-            false if self.free => Box::new(FreeRun::new(dynamics, Trajectory::new(&scene, &set, self.keep(&scene)))),
+            false if self.free => {
+                Box::new(FreeStepping::new(dynamics, Trajectory::new(&scene, &set, self.keep(&scene))))
+            }
             false => Box::new(dynamics),
             true => {
-                let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
-                let links = if self.links == LinksChoice::All { Links::All } else { Links::Arithmetic };
-                let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, precision, links).with_context(file)?;
+                let links = if self.links == LinksChoice::All { ComparedLinks::All } else { ComparedLinks::Arithmetic };
+                let mut lockstep = Lockstep::<R, SpecRules>::new(&scene, &set, precision, links).with_context(file)?;
                 lockstep.restore(dynamics.state().clone())?;
                 let (engine, states, stop_at_first) = (engine.to_owned(), self.states, self.stop_at_first);
-                let about = About { scene: text, engine, states, stop_at_first };
-                Box::new(BesideRun::new(lockstep, about, &record.progress().beside))
+                let about = StateFileDescription { scene: text, engine, states, stop_at_first };
+                Box::new(LockstepStepping::new(lockstep, about, &record.progress().beside))
             }
         };
+        if self.audit {
+            stepping = Box::new(AuditedRun::new(stepping, &scene, &set, precision).with_context(file)?);
+        }
         let stop = on_ctrl_c()?;
         let mut display = Display::new();
         let run = Run { scene: &scene, begin: &begin, plan, about };
@@ -284,18 +309,20 @@ impl Simulate {
             display.show(report, &plan, state);
         })?;
         display.end();
-        print(&summary(&record, stepping.state(), &ending))?;
+        print(&summary(&record, stepping.state(), &ending, overlaps.as_deref()))?;
+        let audit = &record.progress().totals.audit;
         Ok(match ending {
-            Ending::Finished => Verdict::Fine,
+            Ending::Finished if audit.as_ref().is_some_and(AuditTotals::objects) => Verdict::CheckFailed,
+            Ending::Finished => Verdict::Passed,
             Ending::Interrupted => Verdict::Interrupted,
             Ending::Stopped(stopped) => {
-                complain(&stopped.to_string());
-                Verdict::Objection
+                print_error(&stopped.to_string());
+                Verdict::CheckFailed
             }
-            Ending::Parted => Verdict::Objection,
+            Ending::Diverged => Verdict::CheckFailed,
             Ending::Unproved(why) => {
-                complain(&format!("the oracle cannot make the step: {why}"));
-                Verdict::Objection
+                print_error(&format!("the oracle cannot make the step: {why}"));
+                Verdict::CheckFailed
             }
         })
     }
@@ -337,7 +364,7 @@ impl Display {
             }
             None if self.last.elapsed() > Duration::from_secs(10) => {
                 self.last = Instant::now();
-                note(&format!("{:.0} % done: {}", 100.0 * plan.done(state), line(report)));
+                print_note(&format!("{:.0} % done: {}", 100.0 * plan.done(state), line(report)));
             }
             None => {}
         }
@@ -371,15 +398,22 @@ fn short(value: f64) -> String {
     if plain { near.to_string() } else { format!("{near:e}") }
 }
 
-fn summary<R: Real>(record: &Record, state: &State<R>, ending: &Ending) -> String {
+/// `overlaps` is what the model overlaps before the first step, where that is more than contacts hold.
+fn summary<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, overlaps: Option<&str>) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
-    let _ = write_summary(&mut out, record, state, ending);
+    let _ = write_summary(&mut out, record, state, ending, overlaps);
     out
 }
 
-fn write_summary<R: Real>(out: &mut String, record: &Record, state: &State<R>, ending: &Ending) -> std::fmt::Result {
-    let Progress { totals, seconds, .. } = record.progress();
+fn write_summary<R: Real>(
+    out: &mut String,
+    record: &RunRecord,
+    state: &State<R>,
+    ending: &Ending,
+    overlaps: Option<&str>,
+) -> std::fmt::Result {
+    let RunProgress { totals, seconds, .. } = record.progress();
     let all = totals.steps + totals.settling;
     let time = state.time.to_f64();
     writeln!(out, "time             {} s after {} steps", short(time), grouped(totals.steps))?;
@@ -396,19 +430,25 @@ fn write_summary<R: Real>(out: &mut String, record: &Record, state: &State<R>, e
     writeln!(out, "retries          {}", retries.join(", "))?;
     let [open, sliding, locked] = totals.contacts.map(grouped);
     writeln!(out, "contacts         {open} open, {sliding} sliding, {locked} locked")?;
-    for (name, extreme) in [("penetration", totals.deepest), ("displacement", totals.furthest)] {
+    // What contacts have as gaps; of overlaps that no contact sees it says nothing.
+    for (name, extreme) in [("in contacts      overlap of", totals.deepest), ("displacement    ", totals.furthest)] {
         let at = if extreme.value.0 > 0.0 { format!(" in step {}", extreme.step) } else { String::new() };
-        writeln!(out, "{:<16} {} m at most{at}", name, short(extreme.value.0))?;
+        writeln!(out, "{name} {} m at most{at}", short(extreme.value.0))?;
     }
     writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;
     write_lockstep(out, &record.progress().beside)?;
+    match (&totals.audit, overlaps) {
+        (Some(audit), _) => writeln!(out, "audit            {}", audit.sentence())?,
+        (None, Some(sentence)) => writeln!(out, "model            {sentence}; --audit follows them")?,
+        (None, None) => {}
+    }
     let speed = all as f64 / seconds.max(1e-9);
     writeln!(out, "\n{} steps in {seconds:.1} s ({speed:.0} a second)", grouped(all))?;
     match ending {
         Ending::Finished => {}
         Ending::Interrupted => writeln!(out, "interrupted; --resume goes on")?,
         Ending::Stopped(_) => writeln!(out, "stopped; the last good state is kept")?,
-        Ending::Parted => writeln!(out, "ended at the first difference")?,
+        Ending::Diverged => writeln!(out, "ended at the first difference")?,
         Ending::Unproved(_) => writeln!(out, "ended: the oracle cannot make the step")?,
     }
     writeln!(out, "written to {}: {}", record.dir().display(), record.names().join(", "))
@@ -421,7 +461,7 @@ fn write_lockstep(out: &mut String, counts: &BTreeMap<String, u64>) -> std::fmt:
     let by_cause: Vec<String> = table::CAUSES
         .iter()
         .map(|&cause| {
-            format!("{} {cause}", grouped(rockproof_differential::lockstep::beside::differences(counts, cause)))
+            format!("{} {cause}", grouped(rockproof_differential::lockstep::stepping::differences(counts, cause)))
         })
         .collect();
     writeln!(out, "lockstep         {} of {} steps differ", grouped(count("steps_differing")), grouped(*steps))?;

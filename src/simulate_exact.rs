@@ -1,12 +1,12 @@
 //! `simulate --engine exact`: the oracle steps by itself.
 
-use crate::exit::{Outcome, Verdict, complain, print};
+use crate::exit::{Outcome, Verdict, print, print_error};
 use crate::stop::on_ctrl_c;
 use rockproof_differential::lockstep::Trajectory;
 use rockproof_differential::lockstep::effect::penetration;
 use rockproof_model::Number;
-use rockproof_oracle::step::{Keep, Mode, StepAnswer};
-use rockproof_results::{Claim, Directory, Kind, Owner, Start};
+use rockproof_oracle::step::{KeptPrecision, Mode, StepAnswer};
+use rockproof_results::{Claim, Directory, FileKind, Owner, Start};
 use rockproof_simulate::Plan;
 use rockproof_simulate::tables::{MEASURED, lines};
 use serde_json::json;
@@ -75,9 +75,9 @@ impl ExactRun {
             }
         }
         let kept = kept(trajectory.keep());
-        directory.write("trajectory.csv", Kind::Table, &steps)?;
-        directory.write("measured.csv", Kind::Table, &measured)?;
-        directory.write("state.json", Kind::Run, &state(&trajectory)?)?;
+        directory.write("trajectory.csv", FileKind::Table, &steps)?;
+        directory.write("measured.csv", FileKind::Table, &measured)?;
+        directory.write("state.json", FileKind::Run, &state(&trajectory)?)?;
         let mut about = serde_json::to_vec_pretty(&json!({
             "version": env!("CARGO_PKG_VERSION"),
             "file": self.file.display().to_string(),
@@ -90,7 +90,7 @@ impl ExactRun {
             "undecided": undecided,
         }))?;
         about.push(b'\n');
-        directory.write("run.json", Kind::Run, &about)?;
+        directory.write("run.json", FileKind::Run, &about)?;
         let time = trajectory.state().time.approximate();
         print(&format!(
             "time             {time} s after {} exact steps\nkept             {kept}\nundecided        {undecided} decisions\nwritten to {}: {}\n",
@@ -100,11 +100,11 @@ impl ExactRun {
         ))?;
         Ok(match failure {
             Some(why) => {
-                complain(&why);
-                Verdict::Objection
+                print_error(&why);
+                Verdict::CheckFailed
             }
             None if ending == "interrupted" => Verdict::Interrupted,
-            None => Verdict::Fine,
+            None => Verdict::Passed,
         })
     }
 
@@ -117,10 +117,10 @@ impl ExactRun {
 }
 
 /// How coordinates are kept, in words.
-fn kept(keep: Keep) -> String {
+fn kept(keep: KeptPrecision) -> String {
     match keep {
-        Keep::Exact => "exactly, as fractions".to_owned(),
-        Keep::Grid { exponent } => format!("within 2^-{exponent} m, on that grid"),
+        KeptPrecision::Exact => "exactly, as fractions".to_owned(),
+        KeptPrecision::Grid { exponent } => format!("within 2^-{exponent} m, on that grid"),
     }
 }
 

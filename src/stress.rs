@@ -1,41 +1,72 @@
 //! The end of `campaign --stress`: pairs counted by cell, the limits that follow, and steps against closed forms.
 
-use crate::exit::{note, print};
+use crate::exit::{print, print_note};
 use crate::table::{grouped, table};
 use anyhow::Context;
 use rockproof_campaign::engines::Engines;
 use rockproof_campaign::journal::Journal;
-use rockproof_campaign::stress::steps::{self, Measured, REST};
-use rockproof_campaign::stress::table::{Limit, cells_csv, limits, limits_csv, rows};
-use std::fs::File;
+use rockproof_campaign::stress::StressSource;
+use rockproof_campaign::stress::steps::{self, ClosedFormCheck, REST};
+use rockproof_campaign::stress::table::{AgreementLimit, Proof, cells_csv, limits, limits_csv, rows};
+use rockproof_model::files::open_table;
 use std::io::BufReader;
 
 /// Writes stress.csv, limits.csv and steps.csv into the directory of a finished campaign, and prints what an engineer needs.
 pub(crate) fn finish(journal: &mut Journal, engines: &Engines) -> anyhow::Result<()> {
     let path = journal.dir().join("findings.csv");
-    let findings = BufReader::new(File::open(&path).with_context(|| path.display().to_string())?);
+    let findings = BufReader::new(open_table(&path).with_context(|| path.display().to_string())?);
     let rows = rows(&journal.progress().summary, findings, &engines.precisions())?;
     let limits = limits(&rows);
     journal.write("stress.csv", &cells_csv(&rows)?)?;
     journal.write("limits.csv", &limits_csv(&limits)?)?;
-    note(&format!("{} steps at rest, and stiff contacts above soft ones", grouped(REST[REST.len() - 1])));
+    print_note(&format!("{} steps at rest, and stiff contacts above soft ones", grouped(REST[REST.len() - 1])));
     let measured = steps::measure(REST[REST.len() - 1])?;
     journal.write("steps.csv", &steps::to_csv(&measured)?)?;
-    print(&format!("\n{}\n\n{}\n", limits_table(&limits), steps_table(&measured)))?;
+    print(&format!("\n{}\n", limits_table(&limits)))?;
+    print(&too_few(&limits))?;
+    print(&format!("\n{}\n", steps_table(&measured)))?;
     let dir = journal.dir().display();
     print(&format!("written to {dir}: stress.csv, limits.csv, steps.csv (docs/stress.md says what they hold)\n"))
 }
 
-fn limits_table(limits: &[Limit]) -> String {
+/// Where there are too few pairs to tell, and how many would be needed; empty where there is no such place.
+fn too_few(limits: &[AgreementLimit]) -> String {
+    let needed = limits.iter().filter_map(|limit| match limit.proof {
+        Proof::TooFew { needed } => Some(needed),
+        Proof::Safe | Proof::Unsafe => None,
+    });
+    let needed: Vec<Option<u64>> = needed.collect();
+    // What is at the limit itself has no figure; what is near it would cost more than it is worth.
+    let Some(least) = needed.iter().flatten().min() else { return String::new() };
+    format!(
+        "too few pairs to tell at {} of {} limits; {least} pairs a level begin to tell: --pairs {}\n",
+        needed.len(),
+        limits.len(),
+        StressSource::pairs_for(*least)
+    )
+}
+
+fn limits_table(limits: &[AgreementLimit]) -> String {
     let rows = limits.iter().map(|limit| {
         let (pairs, differ, high) = limit.up_to_safe;
-        let level =
-            |level: Option<rockproof_campaign::stress::Level>| level.map_or("nowhere".to_owned(), |l| l.to_string());
-        let beyond =
-            limit.beyond.map_or("not tried".to_owned(), |(at, share)| format!("{:.1} % at {at}", 100.0 * share));
+        let level = |level: Option<rockproof_campaign::stress::StressLevel>| {
+            level.map_or("nowhere".to_owned(), |l| l.to_string())
+        };
+        let beyond = match (limit.beyond, limit.proof) {
+            (None, _) => "not tried".to_owned(),
+            (Some((at, _)), Proof::TooFew { needed: None }) => format!("near 1 % at {at}"),
+            (Some((at, _)), Proof::TooFew { needed: Some(needed) }) => {
+                format!("too few pairs at {at}, {} would do", grouped(needed))
+            }
+            (Some((at, share)), _) => format!("{:.1} % at {at}", 100.0 * share),
+        };
+        let safe = match (limit.safe, limit.proof) {
+            (None, Proof::TooFew { .. }) => "not known".to_owned(),
+            (safe, _) => level(safe),
+        };
         let below = if pairs == 0 { String::new() } else { format!("{:.2} %", 100.0 * high) };
         let start = [limit.axis.name(), limit.form.name(), &limit.tolerances, &limit.engine].map(str::to_owned);
-        let counts = [level(limit.clean), level(limit.safe), grouped(differ), grouped(pairs), below, beyond];
+        let counts = [level(limit.clean), safe, grouped(differ), grouped(pairs), below, beyond];
         start.into_iter().chain(counts).collect()
     });
     let header = [
@@ -53,7 +84,7 @@ fn limits_table(limits: &[Limit]) -> String {
     table(&header, &[4, 5, 6, 7, 8, 9], rows).to_string()
 }
 
-fn steps_table(measured: &[Measured]) -> String {
+fn steps_table(measured: &[ClosedFormCheck]) -> String {
     let shown = |value: f64| if value.is_finite() { format!("{value:.1e}") } else { String::new() };
     let rows = measured.iter().map(|m| {
         let start = [m.case, m.motion.name(), m.engine].map(str::to_owned);

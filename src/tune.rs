@@ -1,7 +1,7 @@
 //! `tune`: which tolerances should this model use?
 
-use crate::exit::{Outcome, Verdict, note, print};
-use crate::input::{ReadArgs, ToleranceArgs, precision};
+use crate::exit::{Outcome, Verdict, print, print_note};
+use crate::input::{ReadArgs, ToleranceArgs, stepper, threads};
 use crate::stop::on_ctrl_c;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -9,7 +9,7 @@ use rockproof_model::scene::write_toml;
 use rockproof_model::{Precision, Scene};
 use rockproof_results::{Start, bounded, digest};
 use rockproof_tune::report::{as_toml, markdown};
-use rockproof_tune::{Record, Search, Workbench};
+use rockproof_tune::{Evaluator, Search, SearchRecord};
 use serde_json::{Map, Value};
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 /// Search for the tolerances that suit a model
 ///
-/// Tries tolerance sets on the model's own neighbouring pairs, on relatives moved to the boundaries of decisions, and in steps that the oracle makes
+/// Tries tolerance sets on the model's own neighbouring pairs, on perturbed copies of them at the boundaries of decisions, and in steps that the oracle makes
 /// as well, and prints the one with no difference between engine and oracle, the least sinking and the largest margin to every rule, ready to paste,
 /// beside what the model's current set does.
 ///
@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   rockproof tune cases/real/openpit_rock.dda
-  rockproof tune slope.toml --engine f32 --budget 600 --out reports/slope
+  rockproof tune slope.toml --engine stepper-f32 --budget 600 --out reports/slope
   rockproof tune slope.toml --candidates 50           always the same answer, however long it takes
   rockproof tune slope.toml --candidates 200 --resume
 
@@ -40,8 +40,8 @@ pub(crate) struct Tune {
     /// What the author uses now, to compare with
     #[command(flatten)]
     tolerances: ToleranceArgs,
-    /// Precision of the engine: f32 or f64
-    #[arg(long, default_value = "f64", value_parser = precision)]
+    /// Engine: stepper-f32 or stepper-f64
+    #[arg(long, default_value = "stepper-f64", value_parser = stepper)]
     engine: Precision,
     /// Seed of candidates and pairs
     #[arg(long, default_value_t = 1)]
@@ -65,7 +65,7 @@ pub(crate) struct Tune {
     #[arg(long)]
     overwrite: bool,
     /// Worker threads [default: one a core]; the results do not depend on it
-    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
 }
 
@@ -73,24 +73,28 @@ impl Tune {
     pub(crate) fn run(&self) -> Outcome {
         let scene = Scene::load_with(&self.file, &self.read.options())?;
         let author = self.tolerances.spec(scene.tolerances.as_ref())?;
-        let here = || self.file.display().to_string();
+        let here = || self.tolerances.place(&self.file);
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let dir =
             self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/{}", bounded(&format!("tune-{stem}")))));
         // A search goes on with the steps it began with, whatever the budget is now.
-        let held = if self.resume { Record::steps(&dir) } else { None };
+        let held = if self.resume { SearchRecord::steps(&dir) } else { None };
         let steps = self.steps.map(u64::from).or(held);
-        let bench = Workbench::new(&scene, self.engine, self.seed, steps, self.budget).with_context(here)?;
-        let mut search = Search::new(&bench, &author, self.seed).with_context(here)?;
+        let evaluator = Evaluator::new(&scene, self.engine, self.seed, steps, self.budget).with_context(here)?;
+        let mut search = Search::new(&evaluator, &author, self.seed).with_context(here)?;
         let start = Start::of(self.resume, self.overwrite);
         let author_set = search.candidate().set;
-        let mut record =
-            Record::open(&dir, &self.identity(&scene, &as_toml(&author_set), bench.steps()), start, &mut search)?;
+        let mut record = SearchRecord::open(
+            &dir,
+            &self.identity(&scene, &as_toml(&author_set), evaluator.steps()),
+            start,
+            &mut search,
+        )?;
         let stop = on_ctrl_c()?;
         let interrupted = self.work(&mut search, &mut record, &stop)?;
-        let text = markdown(&self.file.file_name().unwrap_or_default().to_string_lossy(), &bench, &search);
+        let text = markdown(&self.file.file_name().unwrap_or_default().to_string_lossy(), &evaluator, &search);
         let Some(best) = search.best().map(|best| &search.tried()[best]) else {
-            note("interrupted before the first candidate");
+            print_note("interrupted before the first candidate");
             return Ok(Verdict::Interrupted);
         };
         record.write("tune.md", text.as_bytes())?;
@@ -103,8 +107,8 @@ impl Tune {
         ))?;
         Ok(match (interrupted, best.measurement.is_clean()) {
             (true, _) => Verdict::Interrupted,
-            (_, true) => Verdict::Fine,
-            (_, false) => Verdict::Objection,
+            (_, true) => Verdict::Passed,
+            (_, false) => Verdict::CheckFailed,
         })
     }
 
@@ -121,7 +125,7 @@ impl Tune {
     }
 
     /// Tries candidates until there are enough, time is up, or it is told to stop; says whether that was it.
-    fn work(&self, search: &mut Search<'_>, record: &mut Record, stop: &AtomicBool) -> anyhow::Result<bool> {
+    fn work(&self, search: &mut Search<'_>, record: &mut SearchRecord, stop: &AtomicBool) -> anyhow::Result<bool> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
         let begun = Instant::now();
         let bar = std::io::stderr().is_terminal().then(|| {
@@ -137,7 +141,8 @@ impl Tune {
             None => tried > 0 && begun.elapsed() >= Duration::from_secs(self.budget),
         };
         while !enough(search.tried().len()) && !stop.load(Ordering::Relaxed) {
-            pool.install(|| search.step().map(|_| ()))?;
+            let tried = pool.install(|| search.step().map(|_| ()));
+            tried.with_context(|| self.tolerances.place(&self.file))?;
             record.commit(search)?;
             if let (Some(bar), Some(best)) = (&bar, search.best()) {
                 let differ = search.tried()[best].measurement.differences.avoidable();

@@ -5,7 +5,7 @@
 //! `stepper-f64`. A word as argument makes the client misbehave, for the tests: see `Trick`.
 
 use rockproof_model::{Block, BlockOptions, Contact, Criteria, Number, Point, ToleranceSet};
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::{Classifier, Stepper};
 use serde_json::{Value, json};
 use std::io::{BufRead, Write};
@@ -51,7 +51,7 @@ fn tolerances(value: &Value) -> Result<ToleranceSet, Failure> {
 /// Your code comes here.
 fn contacts(question: &Value) -> Result<Vec<Contact>, Failure> {
     let (a, b) = (block(&question["a"])?, block(&question["b"])?);
-    Ok(Stepper::<Spec>::new().f64(&a, &b, &tolerances(&question["tolerances"])?)?)
+    Ok(Stepper::<SpecRules>::new().f64(&a, &b, &tolerances(&question["tolerances"])?)?)
 }
 
 fn written(contact: &Contact) -> Value {
@@ -62,7 +62,8 @@ fn written(contact: &Contact) -> Value {
     })
 }
 
-/// A way to misbehave, on pairs whose first coordinate says so: about a third of them.
+/// A way to misbehave, on pairs whose first coordinate says so, about a third of them; `second` does on every second question, `escape` wherever that
+/// coordinate is not 0.
 fn trick(word: &str, question: &Value) -> Option<String> {
     let first = question["a"]["vertices"][0][0].as_f64().unwrap_or(0.0).to_bits();
     // Not the first question, whose first coordinate is 0.
@@ -70,6 +71,10 @@ fn trick(word: &str, question: &Value) -> Option<String> {
     let id = &question["id"];
     match word {
         "kinds" | "" => None,
+        "second" if id.as_u64().is_some_and(|id| id % 2 == 1) => std::process::exit(3),
+        "second" => None,
+        "escape" if first == 0 => None,
+        "escape" => Some(json!({ "id": id, "unsupported": "\u{1b}[31mred\n::error::\u{0}" }).to_string()),
         _ if !chosen => None,
         "crash" => std::process::exit(3),
         "hang" => loop {

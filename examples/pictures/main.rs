@@ -1,6 +1,6 @@
 //! Draws the pictures of the documentation into `docs/images`: `cargo run --release --example pictures`.
 //!
-//! Shapes, contacts and radii come from the library, so a picture shows what the code does. `tests/pictures.rs` draws
+//! Shapes, contacts and radii come from the library, so a picture shows what the code does. `tests/documentation/pictures.rs` draws
 //! them again and compares.
 
 mod drawings;

@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 use rockproof_campaign::pairs::{self, PairConfig};
-use rockproof_campaign::sets::SetSource;
-use rockproof_differential::attribution::{Panel, examine};
+use rockproof_campaign::tolerance_sets::SetSource;
+use rockproof_differential::attribution::{EnginePanel, examine};
 use rockproof_differential::builtin;
-use rockproof_differential::finding::{Cause, Who};
+use rockproof_differential::finding::{Cause, FindingScope};
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::Precision;
 use rockproof_oracle::penetration::penetration;
@@ -77,8 +77,8 @@ pub(crate) struct Row {
 /// Measures every rung of every ladder.
 pub(crate) fn measure(count: u64) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
     let names = [Precision::F32, Precision::F64].map(|p| builtin::ENGINES[usize::from(p == Precision::F64)].to_owned());
-    let panel: Panel = builtin::panel(&names, 0)?;
-    // Ordinary pairs: as generated, or moved at random; shaken off their ties as often as in a campaign.
+    let panel: EnginePanel = builtin::panel(&names, 0)?;
+    // Ordinary pairs: as generated, or moved at random; perturbed off their ties as often as in a campaign.
     let config = PairConfig { directed_percent: 0, ladder_percent: 0, ..PairConfig::default() };
     let cases: Vec<pairs::PairCase> = (0..count.div_ceil(pairs::BATCH))
         .into_par_iter()
@@ -106,7 +106,7 @@ pub(crate) fn measure(count: u64) -> Result<Vec<Row>, Box<dyn std::error::Error>
                 let row = cases
                     .par_iter()
                     .zip(&depths)
-                    .map(|(case, depth)| look(case, *depth, &source, &panel, none.clone()))
+                    .map(|(case, depth)| count_differences(case, *depth, &source, &panel, none.clone()))
                     .reduce(|| none.clone(), Row::add);
                 rows.push(row);
             }
@@ -128,9 +128,15 @@ impl Row {
 }
 
 /// One pair under one set.
-fn look(case: &pairs::PairCase, depth: Option<f64>, source: &SetSource, panel: &Panel, none: Row) -> Row {
+fn count_differences(
+    case: &pairs::PairCase,
+    depth: Option<f64>,
+    source: &SetSource,
+    panel: &EnginePanel,
+    none: Row,
+) -> Row {
     let Some(set) = source.derive(&case.a, &case.b) else { return none };
-    let solids = [rockproof_oracle::Solid::new(&case.a), rockproof_oracle::Solid::new(&case.b)];
+    let solids = [rockproof_oracle::PreparedBlock::new(&case.a), rockproof_oracle::PreparedBlock::new(&case.b)];
     let contacts = rockproof_oracle::Pair::new(&solids[0], &solids[1]).classify(&set.f64).contacts.len() as u64;
     let allowed = set.f64.penetration.approximate();
     let subject = Subject {
@@ -143,13 +149,14 @@ fn look(case: &pairs::PairCase, depth: Option<f64>, source: &SetSource, panel: &
     };
     let findings = examine(&subject, panel).findings;
     let differs = |engine: &str, precision: Precision| {
-        findings.iter().any(|finding| match &finding.who {
-            Who::Any => false,
-            Who::Rounded(p) => *p == precision && finding.cause != Cause::Tolerance,
-            Who::Engine(name) => **name == *engine,
+        findings.iter().any(|finding| match &finding.scope {
+            FindingScope::Any => false,
+            FindingScope::Rounded(p) => *p == precision && finding.cause != Cause::Tolerance,
+            FindingScope::Engine(name) => **name == *engine,
         })
     };
-    let changed = findings.iter().any(|f| f.cause == Cause::Tolerance && f.who != Who::Rounded(Precision::F32));
+    let changed =
+        findings.iter().any(|f| f.cause == Cause::Tolerance && f.scope != FindingScope::Rounded(Precision::F32));
     let missed = depth.filter(|depth| *depth > 0.0 && *depth <= allowed && contacts == 0);
     Row {
         pairs: 1,

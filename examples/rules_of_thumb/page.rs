@@ -2,13 +2,13 @@
 
 use crate::grid::{Row, ladders};
 use crate::steps::{Approach, Crossing};
-use rockproof_bench::plot::{Axis, Chart, Legend, Marks, Series};
-use rockproof_campaign::interval::wilson;
+use rockproof_bench::plot::{Legend, Marks, Plot, PlotAxis, Series};
+use rockproof_campaign::proportion::wilson;
 use rockproof_model::Criteria;
 use std::fmt::Write;
 
 /// The charts by the names of their files.
-pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossing]) -> Vec<(String, Chart)> {
+pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossing]) -> Vec<(String, Plot)> {
     let mut all = Vec::new();
     for ladder in ladders() {
         let of = |criteria: &str, count: &dyn Fn(&Row) -> u64, name: &str| {
@@ -26,10 +26,10 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
         let title = format!("What {} does to contact types", ladder.name);
         all.push((
             ladder.name.to_owned(),
-            Chart {
+            Plot {
                 title,
-                x: Axis::linear(ladder.label),
-                y: Axis::linear("pairs (%)"),
+                x: PlotAxis::linear(ladder.label),
+                y: PlotAxis::linear("pairs (%)"),
                 series,
                 legend: Legend::Inside,
             },
@@ -43,10 +43,11 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
         let points = mine.map(|a| [a.search, a.run.depth / limit]).collect();
         Series { name: format!("u = {limit} of the edge"), points, intervals: Vec::new(), marks: Marks::Joined }
     });
-    let (x, y) = (Axis::linear("search / max_displacement"), Axis::linear("deepest overlap / max_displacement"));
+    let (x, y) =
+        (PlotAxis::linear("search / max_displacement"), PlotAxis::linear("deepest overlap / max_displacement"));
     all.push((
         "approach".to_owned(),
-        Chart {
+        Plot {
             title: "Two blocks approach one another, g = u".to_owned(),
             x,
             y,
@@ -73,10 +74,10 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
             marks: Marks::Joined,
         }
     });
-    let (x, y) = (Axis::log("angle between the edges (degrees)"), Axis::log("deepest overlap (m)"));
+    let (x, y) = (PlotAxis::log("angle between the edges (degrees)"), PlotAxis::log("deepest overlap (m)"));
     all.push((
         "crossing".to_owned(),
-        Chart {
+        Plot {
             title: "A keel across a ridge of 2 m, after 0.1 s".to_owned(),
             x,
             y,

@@ -5,8 +5,8 @@
 use rockproof_model::preset::{Preset, derive};
 use rockproof_model::scene::Scene;
 use rockproof_model::{Block, Number, Precision, Vec3};
-use rockproof_oracle::Solid;
-use rockproof_oracle::audit::{Audit, Auditor, Decider, Sight};
+use rockproof_oracle::PreparedBlock;
+use rockproof_oracle::audit::{Audit, Auditor, Decider, OverlapVisibility};
 use std::error::Error;
 use std::time::Instant;
 
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let set = derive(Preset::Auto, &blocks.iter().collect::<Vec<_>>(), Precision::F64)?;
     let start = Instant::now();
-    let solids: Vec<Solid> = blocks.iter().map(Solid::new).collect();
+    let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
     let auditor = Auditor::new(&solids, &set);
     println!("{} blocks made ready in {:.3} s", blocks.len(), start.elapsed().as_secs_f64());
     let start = Instant::now();
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for decider in Decider::ALL {
         println!("  {:>16} {}", decider.name(), audit.counts.of(decider));
     }
-    for sight in [Sight::Seen, Sight::Shallow, Sight::Unseen] {
+    for sight in [OverlapVisibility::Seen, OverlapVisibility::Shallow, OverlapVisibility::Unseen] {
         println!("  {:>16} {}", sight.name(), audit.count(sight));
     }
     let uneven = audit.overlaps.iter().filter(|overlap| overlap.is_within_unevenness).count();

@@ -17,13 +17,15 @@
 //! [`Auditor::neighbours`] lists the pairs and [`Auditor::pair`] audits one of them, so that a caller can share the work
 //! among threads; [`Audit::of`] puts the answers together in the order of the pairs, whoever found them.
 
+mod meaning;
 mod planes;
 
 use crate::boxes::{self, Box3, meeting_pairs};
+use crate::convex_cells::{SeparableCell, cells};
 use crate::penetration::{Penetration, penetration};
-use crate::pieces::{Piece, cells};
-use crate::separation::{Points, Verdict, separate};
-use crate::{Gap, Pair, Solid};
+use crate::separation::{PointSet, SeparationAnswer, separate};
+use crate::{Gap, Pair, PreparedBlock};
+pub use meaning::{Meaning, rounding_depth};
 use num_rational::BigRational;
 use planes::FacePlanes;
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
@@ -32,7 +34,7 @@ use std::sync::OnceLock;
 
 /// Whether the contacts of a pair tell of its overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Sight {
+pub enum OverlapVisibility {
     /// A contact has h < 0, and −h is at least half the penetration (**exactly half is seen**). Of a pair with a block
     /// that is not convex any contact with h < 0 will do: SPEC compares depths of convex pairs only.
     Seen,
@@ -42,13 +44,13 @@ pub enum Sight {
     Unseen,
 }
 
-impl Sight {
+impl OverlapVisibility {
     /// `seen`, `shallow` or `unseen`, as written in tables and files.
     pub fn name(self) -> &'static str {
         match self {
-            Sight::Seen => "seen",
-            Sight::Shallow => "shallow",
-            Sight::Unseen => "unseen",
+            OverlapVisibility::Seen => "seen",
+            OverlapVisibility::Shallow => "shallow",
+            OverlapVisibility::Unseen => "unseen",
         }
     }
 }
@@ -63,7 +65,7 @@ pub struct Overlap {
     /// The contact with the most negative h, of several equal ones the first in sorted order, and its gap.
     pub contact: Option<(Contact, Gap)>,
     /// Whether the contacts tell of it.
-    pub sight: Sight,
+    pub sight: OverlapVisibility,
     /// Whether the penetration is above g; **exactly g is not**.
     pub is_deeper_than_g: bool,
     /// Whether the penetration is at most twice the distance of some vertex of either block from the plane of one of its
@@ -170,14 +172,20 @@ impl Audit {
     }
 
     /// How many overlaps are of one sight.
-    pub fn count(&self, sight: Sight) -> usize {
+    pub fn count(&self, sight: OverlapVisibility) -> usize {
         self.overlaps.iter().filter(|overlap| overlap.sight == sight).count()
     }
 
     /// The deepest overlap, of several equally deep the first.
     pub fn deepest(&self) -> Option<&Overlap> {
+        self.deepest_of(|_| true)
+    }
+
+    /// The deepest of some overlaps, of several equally deep the first.
+    pub fn deepest_of(&self, is_meant: impl Fn(&Overlap) -> bool) -> Option<&Overlap> {
+        let meant = self.overlaps.iter().rev().filter(|overlap| is_meant(overlap));
         // `max_by` keeps the last of several.
-        self.overlaps.iter().rev().max_by(|one, two| one.depth_squared().cmp(&two.depth_squared()))
+        meant.max_by(|one, two| one.depth_squared().cmp(&two.depth_squared()))
     }
 }
 
@@ -190,32 +198,32 @@ impl Overlap {
 
 /// Audits the pairs of a scene. What it keeps of a block serves all its pairs.
 pub struct Auditor<'s> {
-    solids: &'s [Solid],
+    solids: &'s [PreparedBlock],
     tolerances: &'s ToleranceSet,
-    bodies: Vec<Body>,
+    bodies: Vec<AuditedBlock>,
 }
 
 /// What is kept of a block.
-struct Body {
+struct AuditedBlock {
     planes: FacePlanes,
     has_inside: bool,
     /// The convex cells of a block that is not convex.
-    pieces: OnceLock<Vec<Piece>>,
+    pieces: OnceLock<Vec<SeparableCell>>,
     /// The square of the greatest distance of a vertex from the plane of its face, in m².
     unevenness: OnceLock<BigRational>,
 }
 
 /// The audit of all pairs in one thread.
 pub fn audit(blocks: &[&Block], tolerances: &ToleranceSet) -> Audit {
-    let solids: Vec<Solid> = blocks.iter().map(|block| Solid::new(block)).collect();
+    let solids: Vec<PreparedBlock> = blocks.iter().map(|block| PreparedBlock::new(block)).collect();
     let auditor = Auditor::new(&solids, tolerances);
     Audit::of(auditor.neighbours().into_iter().map(|pair| auditor.pair(pair)))
 }
 
 impl<'s> Auditor<'s> {
     /// Makes blocks ready.
-    pub fn new(solids: &'s [Solid], tolerances: &'s ToleranceSet) -> Auditor<'s> {
-        let body = |solid: &Solid| Body {
+    pub fn new(solids: &'s [PreparedBlock], tolerances: &'s ToleranceSet) -> Auditor<'s> {
+        let body = |solid: &PreparedBlock| AuditedBlock {
             planes: FacePlanes::of(solid),
             has_inside: planes::has_inside(solid),
             pieces: OnceLock::new(),
@@ -266,7 +274,7 @@ impl<'s> Auditor<'s> {
         if let Some(decider) = planes::separating_face(&pair, bodies.map(|body| &body.planes)) {
             return (false, decider);
         }
-        let Verdict { is_separated, by_float } = separate(points(a), points(b));
+        let SeparationAnswer { is_separated, by_float } = separate(points(a), points(b));
         if is_separated || (a.block().is_convex() && b.block().is_convex()) {
             return (!is_separated, if by_float { Decider::Float } else { Decider::Exact });
         }
@@ -276,11 +284,11 @@ impl<'s> Auditor<'s> {
         (meet, Decider::Cells)
     }
 
-    fn pieces(&self, block: usize) -> &[Piece] {
+    fn pieces(&self, block: usize) -> &[SeparableCell] {
         self.bodies[block].pieces.get_or_init(|| {
             let block = self.solids[block].block();
             if block.is_convex() {
-                vec![Piece::new(block.vertices().to_vec())]
+                vec![SeparableCell::new(block.vertices().to_vec())]
             } else {
                 cells(block).iter().map(|cell| cell.piece()).collect()
             }
@@ -297,9 +305,11 @@ impl<'s> Auditor<'s> {
         let square = penetration.depth_squared();
         let four = BigRational::from_integer(4.into());
         let sight = match &contact {
-            None => Sight::Unseen,
-            Some((_, gap)) if one.is_convex() && two.is_convex() && four * &gap.squared < square => Sight::Shallow,
-            Some(_) => Sight::Seen,
+            None => OverlapVisibility::Unseen,
+            Some((_, gap)) if one.is_convex() && two.is_convex() && four * &gap.squared < square => {
+                OverlapVisibility::Shallow
+            }
+            Some(_) => OverlapVisibility::Seen,
         };
         let g = self.tolerances.penetration.to_rational();
         Overlap {
@@ -339,6 +349,6 @@ impl<'s> Auditor<'s> {
     }
 }
 
-fn points(solid: &Solid) -> Points<'_> {
-    Points { exact: solid.block().vertices(), near: &solid.vertices, error: solid.errors.coordinate }
+fn points(solid: &PreparedBlock) -> PointSet<'_> {
+    PointSet { exact: solid.block().vertices(), near: &solid.vertices, error: solid.errors.coordinate }
 }

@@ -1,6 +1,6 @@
 //! Axis-parallel boxes: which meet, by a tree, and whether two blocks' boxes share more than their surfaces.
 
-use crate::Solid;
+use crate::PreparedBlock;
 use rockproof_model::{Block, Number};
 
 /// A box in f64 that certainly holds a block.
@@ -23,7 +23,7 @@ struct Node {
 
 impl Box3 {
     /// The box of a block, grown by `margin` to all sides and rounded outwards.
-    pub(crate) fn around(solid: &Solid, margin: f64) -> Box3 {
+    pub(crate) fn around(solid: &PreparedBlock, margin: f64) -> Box3 {
         // Once for coordinates rounded to f64, once for the difference.
         let low = solid.box_min.map(|c| (c.next_down() - margin).next_down());
         let high = solid.box_max.map(|c| (c.next_up() + margin).next_up());
@@ -142,16 +142,17 @@ impl Node {
 
 /// Whether two blocks' boxes share no more than their surfaces, exactly: then the blocks do not overlap. **Boxes that
 /// touch say yes.**
-pub(crate) fn share_surfaces_at_most(a: &Solid, b: &Solid) -> bool {
+pub(crate) fn share_surfaces_at_most(a: &PreparedBlock, b: &PreparedBlock) -> bool {
     (0..3).any(|axis| ends_before(a, b, axis) || ends_before(b, a, axis))
 }
 
 /// Whether one block's greatest coordinate is at most the other's least. Rounding to nearest keeps the order of numbers,
 /// so only equal f64 leave it open.
-fn ends_before(one: &Solid, other: &Solid, axis: usize) -> bool {
+fn ends_before(one: &PreparedBlock, other: &PreparedBlock, axis: usize) -> bool {
     let (end, start) = (one.box_max[axis], other.box_min[axis]);
-    let exactly =
-        |solid: &Solid, vertex: u32| -> Number { solid.block().vertices()[vertex as usize].components()[axis].clone() };
+    let exactly = |solid: &PreparedBlock, vertex: u32| -> Number {
+        solid.block().vertices()[vertex as usize].components()[axis].clone()
+    };
     end < start || (end == start && exactly(one, one.extremes[axis].1) <= exactly(other, other.extremes[axis].0))
 }
 

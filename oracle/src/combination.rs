@@ -72,7 +72,7 @@ pub struct Combination {
 /// `contacts` is what a classification of the pair answers; the blocks are those that were classified. A contact that
 /// names a feature its block does not have is part of no combination.
 pub fn combinations(a: &Block, b: &Block, contacts: &[Contact]) -> Vec<Combination> {
-    let (a, b) = (Points::of(a), Points::of(b));
+    let (a, b) = (RationalBlock::of(a), RationalBlock::of(b));
     let touches: Vec<Touch> =
         contacts.iter().enumerate().filter_map(|(index, contact)| touch(&a, &b, index, contact)).collect();
     let mut found = face_faces(&a, &b, &touches);
@@ -86,12 +86,12 @@ pub fn combinations(a: &Block, b: &Block, contacts: &[Contact]) -> Vec<Combinati
     found
 }
 
-type Exact = Vec3<BigRational>;
+type ExactPoint = Vec3<BigRational>;
 
 /// A block with its vertices as rationals.
-struct Points<'a> {
+struct RationalBlock<'a> {
     block: &'a Block,
-    vertices: Vec<Exact>,
+    vertices: Vec<ExactPoint>,
 }
 
 /// A contact's features and its point on either block.
@@ -101,8 +101,8 @@ struct Touch {
     a: Support,
     /// Faces and edges of B on which the contact lies.
     b: Support,
-    point_a: Exact,
-    point_b: Exact,
+    point_a: ExactPoint,
+    point_b: ExactPoint,
 }
 
 /// What a contact's feature is or bounds.
@@ -112,23 +112,23 @@ struct Support {
 }
 
 #[derive(Clone, Copy)]
-enum Feature {
+enum LargerFeature {
     Vertex(u32),
     Edge(u32),
     Face(u32),
 }
 
-impl<'a> Points<'a> {
+impl<'a> RationalBlock<'a> {
     fn of(block: &'a Block) -> Self {
-        Points { block, vertices: block.vertices().iter().map(|v| v.map(|c| c.to_rational())).collect() }
+        RationalBlock { block, vertices: block.vertices().iter().map(|v| v.map(|c| c.to_rational())).collect() }
     }
 
-    fn has(&self, feature: Feature) -> bool {
+    fn has(&self, feature: LargerFeature) -> bool {
         let topology = self.block.topology();
         match feature {
-            Feature::Vertex(v) => (v as usize) < topology.vertex_count(),
-            Feature::Edge(e) => (e as usize) < topology.edges().len(),
-            Feature::Face(f) => (f as usize) < topology.faces().len(),
+            LargerFeature::Vertex(v) => (v as usize) < topology.vertex_count(),
+            LargerFeature::Edge(e) => (e as usize) < topology.edges().len(),
+            LargerFeature::Face(f) => (f as usize) < topology.faces().len(),
         }
     }
 
@@ -140,14 +140,14 @@ impl<'a> Points<'a> {
         [self.edge(edge).left, self.edge(edge).right]
     }
 
-    fn support(&self, feature: Feature) -> Support {
+    fn support(&self, feature: LargerFeature) -> Support {
         let topology = self.block.topology();
         match feature {
-            Feature::Vertex(v) => {
+            LargerFeature::Vertex(v) => {
                 Support { faces: topology.vertex_faces(v).to_vec(), edges: topology.vertex_edges(v).to_vec() }
             }
-            Feature::Edge(e) => Support { faces: self.faces_at(e).to_vec(), edges: vec![e] },
-            Feature::Face(f) => Support { faces: vec![f], edges: Vec::new() },
+            LargerFeature::Edge(e) => Support { faces: self.faces_at(e).to_vec(), edges: vec![e] },
+            LargerFeature::Face(f) => Support { faces: vec![f], edges: Vec::new() },
         }
     }
 
@@ -157,30 +157,30 @@ impl<'a> Points<'a> {
         edges.iter().any(|edge| supports.clone().all(|support| support.edges.contains(edge)))
     }
 
-    fn normal(&self, face: u32) -> Exact {
+    fn normal(&self, face: u32) -> ExactPoint {
         face_normal(&self.vertices, &self.block.topology().faces()[face as usize])
     }
 
     /// The edge's first point and its direction.
-    fn line(&self, edge: u32) -> (&Exact, Exact) {
+    fn line(&self, edge: u32) -> (&ExactPoint, ExactPoint) {
         let ends = self.edge(edge);
         let start = &self.vertices[ends.p as usize];
         (start, self.vertices[ends.q as usize].minus(start))
     }
 
     /// The foot of `x` on the line of an edge.
-    fn foot_on_edge(&self, edge: u32, x: &Exact) -> Option<Exact> {
+    fn foot_on_edge(&self, edge: u32, x: &ExactPoint) -> Option<ExactPoint> {
         let (start, direction) = self.line(edge);
         let share = x.minus(start).dot(&direction).checked_div(&direction.norm_squared())?;
         Some(start.plus(&direction.scaled(&share)))
     }
 
     /// The foot of `x` in the plane of a face: through the mean of its vertices, as SPEC section 2 has it.
-    fn foot_on_face(&self, face: u32, x: &Exact) -> Option<Exact> {
+    fn foot_on_face(&self, face: u32, x: &ExactPoint) -> Option<ExactPoint> {
         let normal = self.normal(face);
         let boundary = &self.block.topology().faces()[face as usize];
         let count = BigRational::from_integer(boundary.len().into());
-        let total = boundary.iter().fold(Vec3::zero(), |t: Exact, &v| t.plus(&self.vertices[v as usize]));
+        let total = boundary.iter().fold(Vec3::zero(), |t: ExactPoint, &v| t.plus(&self.vertices[v as usize]));
         // N·(x − c)/|N|² with c = total/count, over one denominator.
         let height = normal.dot(&x.scaled(&count).minus(&total));
         let share = height.checked_div(&(normal.norm_squared() * count))?;
@@ -188,37 +188,42 @@ impl<'a> Points<'a> {
     }
 }
 
-fn touch(a: &Points<'_>, b: &Points<'_>, index: usize, contact: &Contact) -> Option<Touch> {
+fn touch(a: &RationalBlock<'_>, b: &RationalBlock<'_>, index: usize, contact: &Contact) -> Option<Touch> {
     let (feature_a, feature_b) = features(contact);
     if !a.has(feature_a) || !b.has(feature_b) {
         return None;
     }
     let (point_a, point_b) = match (feature_a, feature_b) {
-        (Feature::Vertex(v), Feature::Vertex(w)) => (a.vertices[v as usize].clone(), b.vertices[w as usize].clone()),
-        (Feature::Vertex(v), other) => {
+        (LargerFeature::Vertex(v), LargerFeature::Vertex(w)) => {
+            (a.vertices[v as usize].clone(), b.vertices[w as usize].clone())
+        }
+        (LargerFeature::Vertex(v), other) => {
             let vertex = &a.vertices[v as usize];
             (vertex.clone(), foot(b, other, vertex)?)
         }
-        (other, Feature::Vertex(v)) => {
+        (other, LargerFeature::Vertex(v)) => {
             let vertex = &b.vertices[v as usize];
             (foot(a, other, vertex)?, vertex.clone())
         }
-        (Feature::Edge(e), Feature::Edge(f)) => feet_of_edges(a.line(e), b.line(f))?,
+        (LargerFeature::Edge(e), LargerFeature::Edge(f)) => feet_of_edges(a.line(e), b.line(f))?,
         _ => return None,
     };
     Some(Touch { index, a: a.support(feature_a), b: b.support(feature_b), point_a, point_b })
 }
 
-fn foot(block: &Points<'_>, feature: Feature, x: &Exact) -> Option<Exact> {
+fn foot(block: &RationalBlock<'_>, feature: LargerFeature, x: &ExactPoint) -> Option<ExactPoint> {
     match feature {
-        Feature::Vertex(v) => Some(block.vertices[v as usize].clone()),
-        Feature::Edge(e) => block.foot_on_edge(e, x),
-        Feature::Face(f) => block.foot_on_face(f, x),
+        LargerFeature::Vertex(v) => Some(block.vertices[v as usize].clone()),
+        LargerFeature::Edge(e) => block.foot_on_edge(e, x),
+        LargerFeature::Face(f) => block.foot_on_face(f, x),
     }
 }
 
 /// The feet of the common perpendicular of two lines; `None` when they are parallel.
-fn feet_of_edges((p1, d1): (&Exact, Exact), (p2, d2): (&Exact, Exact)) -> Option<(Exact, Exact)> {
+fn feet_of_edges(
+    (p1, d1): (&ExactPoint, ExactPoint),
+    (p2, d2): (&ExactPoint, ExactPoint),
+) -> Option<(ExactPoint, ExactPoint)> {
     let across = d1.cross(&d2);
     let whole = across.norm_squared();
     let between = p2.minus(p1);
@@ -227,15 +232,15 @@ fn feet_of_edges((p1, d1): (&Exact, Exact), (p2, d2): (&Exact, Exact)) -> Option
     Some((p1.plus(&d1.scaled(&along_1)), p2.plus(&d2.scaled(&along_2))))
 }
 
-fn features(contact: &Contact) -> (Feature, Feature) {
+fn features(contact: &Contact) -> (LargerFeature, LargerFeature) {
     let (a, b) = (contact.a, contact.b);
     match contact.kind {
-        ContactKind::VertexVertex => (Feature::Vertex(a), Feature::Vertex(b)),
-        ContactKind::VertexEdge => (Feature::Vertex(a), Feature::Edge(b)),
-        ContactKind::EdgeVertex => (Feature::Edge(a), Feature::Vertex(b)),
-        ContactKind::VertexFace => (Feature::Vertex(a), Feature::Face(b)),
-        ContactKind::FaceVertex => (Feature::Face(a), Feature::Vertex(b)),
-        ContactKind::EdgeEdge => (Feature::Edge(a), Feature::Edge(b)),
+        ContactKind::VertexVertex => (LargerFeature::Vertex(a), LargerFeature::Vertex(b)),
+        ContactKind::VertexEdge => (LargerFeature::Vertex(a), LargerFeature::Edge(b)),
+        ContactKind::EdgeVertex => (LargerFeature::Edge(a), LargerFeature::Vertex(b)),
+        ContactKind::VertexFace => (LargerFeature::Vertex(a), LargerFeature::Face(b)),
+        ContactKind::FaceVertex => (LargerFeature::Face(a), LargerFeature::Vertex(b)),
+        ContactKind::EdgeEdge => (LargerFeature::Edge(a), LargerFeature::Edge(b)),
     }
 }
 
@@ -256,7 +261,7 @@ fn grouped(
     groups
 }
 
-fn face_faces(a: &Points<'_>, b: &Points<'_>, touches: &[Touch]) -> Vec<Combination> {
+fn face_faces(a: &RationalBlock<'_>, b: &RationalBlock<'_>, touches: &[Touch]) -> Vec<Combination> {
     let groups = grouped(touches, |t| &t.a.faces, |t| &t.b.faces);
     groups
         .into_iter()
@@ -266,7 +271,12 @@ fn face_faces(a: &Points<'_>, b: &Points<'_>, touches: &[Touch]) -> Vec<Combinat
 }
 
 /// Edges of A on faces of B.
-fn edge_faces(a: &Points<'_>, b: &Points<'_>, touches: &[Touch], found: &[Combination]) -> Vec<Combination> {
+fn edge_faces(
+    a: &RationalBlock<'_>,
+    b: &RationalBlock<'_>,
+    touches: &[Touch],
+    found: &[Combination],
+) -> Vec<Combination> {
     let groups = grouped(touches, |t| &t.a.edges, |t| &t.b.faces);
     let is_new = |edge: u32, face: u32, group: &[&Touch]| {
         spanned(group) != Span::Point
@@ -281,7 +291,12 @@ fn edge_faces(a: &Points<'_>, b: &Points<'_>, touches: &[Touch], found: &[Combin
 }
 
 /// Faces of A under edges of B.
-fn face_edges(a: &Points<'_>, b: &Points<'_>, touches: &[Touch], found: &[Combination]) -> Vec<Combination> {
+fn face_edges(
+    a: &RationalBlock<'_>,
+    b: &RationalBlock<'_>,
+    touches: &[Touch],
+    found: &[Combination],
+) -> Vec<Combination> {
     let groups = grouped(touches, |t| &t.a.faces, |t| &t.b.edges);
     let is_new = |face: u32, edge: u32, group: &[&Touch]| {
         spanned(group) != Span::Point
@@ -295,7 +310,12 @@ fn face_edges(a: &Points<'_>, b: &Points<'_>, touches: &[Touch], found: &[Combin
         .collect()
 }
 
-fn edge_edges(a: &Points<'_>, b: &Points<'_>, touches: &[Touch], found: &[Combination]) -> Vec<Combination> {
+fn edge_edges(
+    a: &RationalBlock<'_>,
+    b: &RationalBlock<'_>,
+    touches: &[Touch],
+    found: &[Combination],
+) -> Vec<Combination> {
     let groups = grouped(touches, |t| &t.a.edges, |t| &t.b.edges);
     groups
         .into_iter()
@@ -337,9 +357,9 @@ fn spanned(group: &[&Touch]) -> Span {
     on_a.min(on_b)
 }
 
-fn span<'p>(mut points: impl Iterator<Item = &'p Exact>) -> Span {
+fn span<'p>(mut points: impl Iterator<Item = &'p ExactPoint>) -> Span {
     let Some(first) = points.next() else { return Span::Point };
-    let mut direction: Option<Exact> = None;
+    let mut direction: Option<ExactPoint> = None;
     for point in points {
         let offset = point.minus(first);
         match &direction {

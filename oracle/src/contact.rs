@@ -1,10 +1,10 @@
 //! SPEC section 4, one file per feature pair.
 
+mod certified_reject;
 mod classify;
 mod edge_edge;
 mod entrance;
 mod exit;
-mod hopeless;
 mod no_overlap;
 mod reach;
 mod territory;

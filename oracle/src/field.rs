@@ -11,13 +11,13 @@
 mod double;
 mod exact;
 mod float;
-mod magnitude;
 #[cfg(test)]
 mod tests;
+mod upper_bound;
 mod wide;
 
 pub(crate) use double::DoubleBall;
-pub(crate) use magnitude::Magnitude;
+pub(crate) use upper_bound::UpperBound;
 pub(crate) use wide::WideBall;
 
 use num_bigint::BigInt;
@@ -58,16 +58,16 @@ pub(crate) trait Field: Ring {
     fn middle(&self) -> BigRational;
 
     /// At least the distance of the value from [`Field::middle`]; `None` where nothing is known.
-    fn radius(&self) -> Option<Magnitude>;
+    fn radius(&self) -> Option<UpperBound>;
 
     /// An f64 near the value and at least its distance from it; infinite or NaN where f64 does not reach.
     fn nearby(&self) -> (f64, f64);
 
     /// At least the size of every value enclosed; `None` where nothing is known, or where values are known exactly.
-    fn most(&self) -> Option<Magnitude>;
+    fn most(&self) -> Option<UpperBound>;
 
     /// All values no larger than `size`; `None` where this type has no such enclosure.
-    fn within(size: Magnitude) -> Option<Self>;
+    fn within(size: UpperBound) -> Option<Self>;
 
     /// The lesser of the two, of equal ones either. Where this type cannot tell which is less, an enclosure of both answers.
     fn lesser(&self, other: &Self) -> Option<Self> {

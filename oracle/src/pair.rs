@@ -1,8 +1,8 @@
 //! A pair of blocks, and its exact vectors for when f64 cannot decide.
 
 use crate::number::{Bits, Fixed, Magnitude};
-use crate::solid::Solid;
-use crate::view::{ExactPair, ExactSolid};
+use crate::prepared_block::PreparedBlock;
+use crate::view::{ExactBlock, ExactPair};
 use num_bigint::BigInt;
 use rockproof_model::decision::Side;
 use rockproof_model::lattice::Lattice;
@@ -21,9 +21,9 @@ pub(crate) type Int1024 = Fixed<1024, 16>;
 /// Making one costs next to nothing. The exact lattice vectors are made when a sign first needs them and then serve
 /// every tolerance set.
 pub struct Pair<'s> {
-    pub(crate) a: &'s Solid,
-    pub(crate) b: &'s Solid,
-    grid: OnceCell<Grid>,
+    pub(crate) a: &'s PreparedBlock,
+    pub(crate) b: &'s PreparedBlock,
+    grid: OnceCell<PairLattice>,
     small: OnceCell<ExactPair<'s, i128>>,
     int256: OnceCell<ExactPair<'s, Int256>>,
     int512: OnceCell<ExactPair<'s, Int512>>,
@@ -33,13 +33,13 @@ pub struct Pair<'s> {
 }
 
 /// The vertices of a pair as integers, relative to A's first vertex.
-pub(crate) struct Grid {
+pub(crate) struct PairLattice {
     pub(crate) lattice: Lattice,
     pub(crate) bits: Bits,
-    units: Units,
+    units: LatticeVertices,
 }
 
-enum Units {
+enum LatticeVertices {
     Small([Vec<Vec3<i128>>; 2]),
     Big([Vec<Vec3<BigInt>>; 2]),
 }
@@ -93,8 +93,8 @@ impl FromUnits for Magnitude {
 /// Widest lattice coordinate kept as i128, so that differences stay within it.
 const SMALL_BITS: u32 = 120;
 
-impl Grid {
-    fn new(a: &Solid, b: &Solid) -> Grid {
+impl PairLattice {
+    fn new(a: &PreparedBlock, b: &PreparedBlock) -> PairLattice {
         let lattice = Lattice::covering(a.block.coordinates().chain(b.block.coordinates()));
         let solids = [a, b];
         let small = solids.map(|s| small_vertices(&lattice, s));
@@ -104,27 +104,27 @@ impl Grid {
             let widest =
                 units.iter().flatten().flat_map(|v| [v.x, v.y, v.z]).map(|c| 128 - c.unsigned_abs().leading_zeros());
             let bits = Bits(widest.max().unwrap_or(0));
-            Grid { lattice, bits, units: Units::Small(units) }
+            PairLattice { lattice, bits, units: LatticeVertices::Small(units) }
         } else {
             let all = solids
                 .map(|s| s.block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect::<Vec<Vec3<BigInt>>>());
             let origin = all[0][0].clone();
             let units = all.map(|vertices| vertices.iter().map(|v| v.minus(&origin)).collect::<Vec<_>>());
             let widest = units.iter().flatten().flat_map(|v| [v.x.bits(), v.y.bits(), v.z.bits()]).max();
-            Grid { lattice, bits: Bits(widest.unwrap_or(0) as u32), units: Units::Big(units) }
+            PairLattice { lattice, bits: Bits(widest.unwrap_or(0) as u32), units: LatticeVertices::Big(units) }
         }
     }
 
     fn vertices<T: FromUnits>(&self, side: Side) -> Vec<Vec3<T>> {
         let k = usize::from(side == Side::B);
         match &self.units {
-            Units::Small(units) => units[k].iter().map(|v| v.map(|&c| T::from_small(c))).collect(),
-            Units::Big(units) => units[k].iter().map(|v| v.map(T::from_big)).collect(),
+            LatticeVertices::Small(units) => units[k].iter().map(|v| v.map(|&c| T::from_small(c))).collect(),
+            LatticeVertices::Big(units) => units[k].iter().map(|v| v.map(T::from_big)).collect(),
         }
     }
 }
 
-fn small_vertices(lattice: &Lattice, solid: &Solid) -> Option<Vec<Vec3<i128>>> {
+fn small_vertices(lattice: &Lattice, solid: &PreparedBlock) -> Option<Vec<Vec3<i128>>> {
     solid
         .block
         .vertices()
@@ -138,7 +138,7 @@ fn small_vertices(lattice: &Lattice, solid: &Solid) -> Option<Vec<Vec3<i128>>> {
 
 impl<'s> Pair<'s> {
     /// The pair of two blocks; A is the first everywhere.
-    pub fn new(a: &'s Solid, b: &'s Solid) -> Pair<'s> {
+    pub fn new(a: &'s PreparedBlock, b: &'s PreparedBlock) -> Pair<'s> {
         Pair {
             a,
             b,
@@ -153,7 +153,7 @@ impl<'s> Pair<'s> {
     }
 
     #[inline(always)]
-    pub(crate) fn solid(&self, side: Side) -> &'s Solid {
+    pub(crate) fn solid(&self, side: Side) -> &'s PreparedBlock {
         match side {
             Side::A => self.a,
             Side::B => self.b,
@@ -165,16 +165,16 @@ impl<'s> Pair<'s> {
         self.solid(side).block.topology()
     }
 
-    pub(crate) fn grid(&self) -> &Grid {
-        self.grid.get_or_init(|| Grid::new(self.a, self.b))
+    pub(crate) fn grid(&self) -> &PairLattice {
+        self.grid.get_or_init(|| PairLattice::new(self.a, self.b))
     }
 
     /// The exact vectors in any integer type, made anew.
     pub(crate) fn exact<T: FromUnits>(&self) -> ExactPair<'s, T> {
         let grid = self.grid();
         ExactPair {
-            a: ExactSolid::new(self.topology(Side::A), grid.vertices(Side::A)),
-            b: ExactSolid::new(self.topology(Side::B), grid.vertices(Side::B)),
+            a: ExactBlock::new(self.topology(Side::A), grid.vertices(Side::A)),
+            b: ExactBlock::new(self.topology(Side::B), grid.vertices(Side::B)),
         }
     }
 
@@ -201,5 +201,20 @@ impl<'s> Pair<'s> {
     /// For margins: integers with the sizes of their terms.
     pub(crate) fn magnitudes(&self) -> &ExactPair<'s, Magnitude> {
         self.magnitudes.get_or_init(|| self.exact())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_integers_are_the_same_in_every_type() {
+        for value in [0, 1, -1, 1i128 << 70, -(1i128 << 70), (1 << 120) - 1, 1 - (1 << 120)] {
+            let big = BigInt::from(value);
+            assert_eq!(i128::from_big(&big), value);
+            assert_eq!(Int256::from_big(&big), Int256::from_small(value));
+            assert_eq!(BigInt::from_small(value), big);
+        }
     }
 }

@@ -28,7 +28,7 @@ mod motion;
 use crate::boxes::{Box3, meeting_pairs};
 use crate::penetration::{Penetration, penetration};
 use certificate::Certificate;
-use motion::Moving;
+use motion::MovingPair;
 pub use motion::StraightMotion;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -78,7 +78,7 @@ pub fn swept_neighbours(motions: &[StraightMotion<'_>]) -> Vec<[usize; 2]> {
 
 /// Whether two moving blocks pass through one another. `penetration_limit` is g.
 pub fn passage(a: &StraightMotion<'_>, b: &StraightMotion<'_>, penetration_limit: &Number) -> PassageReport {
-    let moving = Moving::new(a, b, penetration_limit);
+    let moving = MovingPair::new(a, b, penetration_limit);
     let certificate = Certificate::new(&moving);
     let report = |answer, intervals| PassageReport { answer, intervals };
     // The whole step first: nearly every pair ends here, and its ends are not deep then.

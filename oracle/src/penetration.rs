@@ -48,7 +48,7 @@ impl Penetration {
 ///
 /// Convexity is that of the blocks as loaded.
 pub fn penetration(a: &Block, b: &Block) -> Option<Penetration> {
-    let pair = Units::new(a, b);
+    let pair = LatticePair::new(a, b);
     if a.is_convex() && b.is_convex() { convex::least_translation(&pair) } else { vertices::deepest_point(&pair) }
 }
 
@@ -77,7 +77,7 @@ pub fn deepest(blocks: &[&Block]) -> (Option<Deepest>, usize) {
         }
         let [a, b] = pair.blocks.map(|k| blocks[k]);
         if a.is_convex() && b.is_convex() {
-            let (least, most) = convex::rough_depth(&Units::new(a, b));
+            let (least, most) = convex::rough_depth(&LatticePair::new(a, b));
             pair.most = pair.most.min(most);
             proved = proved.max(least);
         }
@@ -154,7 +154,7 @@ fn exactly_apart(blocks: [&Block; 2], axis: usize) -> bool {
 }
 
 /// Two blocks with their vertices on a common lattice.
-struct Units<'a> {
+struct LatticePair<'a> {
     blocks: [&'a Block; 2],
     /// Vertices in lattice units.
     points: [Vec<Vec3<BigInt>>; 2],
@@ -162,11 +162,11 @@ struct Units<'a> {
     scale: (BigInt, BigInt),
 }
 
-impl<'a> Units<'a> {
-    fn new(a: &'a Block, b: &'a Block) -> Units<'a> {
+impl<'a> LatticePair<'a> {
+    fn new(a: &'a Block, b: &'a Block) -> LatticePair<'a> {
         let lattice = Lattice::covering(a.coordinates().chain(b.coordinates()));
         let units = |block: &Block| block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
-        Units { blocks: [a, b], points: [units(a), units(b)], scale: lattice.units_per_metre() }
+        LatticePair { blocks: [a, b], points: [units(a), units(b)], scale: lattice.units_per_metre() }
     }
 
     /// A squared length in m², from lattice units squared.

@@ -56,20 +56,20 @@ const fn after<P: Polynomial>() -> usize {
 
 /// A length tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Limit {
+pub(crate) enum LengthTolerance {
     Search,
     Territory,
     Penetration,
 }
 
-impl Limit {
+impl LengthTolerance {
     /// The tolerance in a view's number type.
     #[inline(always)]
     pub(crate) fn of<V: View>(self, view: &V) -> V::T {
         match self {
-            Limit::Search => view.scales().search.clone(),
-            Limit::Territory => view.scales().territory.clone(),
-            Limit::Penetration => view.scales().penetration.clone(),
+            LengthTolerance::Search => view.scales().search.clone(),
+            LengthTolerance::Territory => view.scales().territory.clone(),
+            LengthTolerance::Penetration => view.scales().penetration.clone(),
         }
     }
 }

@@ -22,7 +22,7 @@ use std::cell::{Cell, OnceCell};
 
 /// Points and the f64 next to them.
 #[derive(Clone, Copy)]
-pub(crate) struct Points<'p> {
+pub(crate) struct PointSet<'p> {
     /// The points in m.
     pub(crate) exact: &'p [Point],
     /// Each within `error` of the exact one along every axis.
@@ -33,7 +33,7 @@ pub(crate) struct Points<'p> {
 
 /// What is known of two sets of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Verdict {
+pub(crate) struct SeparationAnswer {
     /// Whether a plane separates them; **touching says yes**.
     pub(crate) is_separated: bool,
     /// Whether f64 with its bounds decided every sign.
@@ -41,10 +41,10 @@ pub(crate) struct Verdict {
 }
 
 /// Whether a plane separates two sets of points; **a plane that both touch does**.
-pub(crate) fn separate(a: Points<'_>, b: Points<'_>) -> Verdict {
+pub(crate) fn separate(a: PointSet<'_>, b: PointSet<'_>) -> SeparationAnswer {
     let search = Search { sets: [a, b], integers: OnceCell::new(), asked_integers: Cell::new(false) };
     let is_separated = search.parts_in_order().into_iter().any(|part| search.survives(part));
-    Verdict { is_separated, by_float: !search.asked_integers.get() }
+    SeparationAnswer { is_separated, by_float: !search.asked_integers.get() }
 }
 
 /// The side of the cube a part of the directions passes through.
@@ -77,13 +77,13 @@ struct Ray {
 }
 
 struct Search<'p> {
-    sets: [Points<'p>; 2],
+    sets: [PointSet<'p>; 2],
     integers: OnceCell<[Vec<Vec3<BigInt>>; 2]>,
     asked_integers: Cell<bool>,
 }
 
 /// What is left of a part after some conditions.
-struct Part<'s, 'p> {
+struct DirectionCone<'s, 'p> {
     search: &'s Search<'p>,
     side: CubeSide,
     conditions: Vec<(Condition, Vec3<Ball>)>,
@@ -93,7 +93,7 @@ struct Part<'s, 'p> {
 impl Search<'_> {
     /// The six parts, first the one in which the sets' middles lie apart.
     fn parts_in_order(&self) -> [CubeSide; 6] {
-        let middle = |set: &Points<'_>| {
+        let middle = |set: &PointSet<'_>| {
             let sum = set.near.iter().fold(Vec3::new(Approx(0.0), Approx(0.0), Approx(0.0)), |s, p| s.plus(p));
             sum.map(|c| c.0 / set.near.len() as f64)
         };
@@ -107,7 +107,7 @@ impl Search<'_> {
 
     /// Whether a direction of a part separates the sets.
     fn survives(&self, side: CubeSide) -> bool {
-        let mut part = Part::new(self, side);
+        let mut part = DirectionCone::new(self, side);
         loop {
             let n = part.middle();
             let [a, b] = self.hindering(n);
@@ -195,9 +195,9 @@ fn dot(n: [f64; 3], p: [f64; 3]) -> f64 {
     n[0] * p[0] + n[1] * p[1] + n[2] * p[2]
 }
 
-impl<'s, 'p> Part<'s, 'p> {
-    fn new(search: &'s Search<'p>, side: CubeSide) -> Part<'s, 'p> {
-        let mut part = Part { search, side, conditions: Vec::with_capacity(16), rays: Vec::with_capacity(8) };
+impl<'s, 'p> DirectionCone<'s, 'p> {
+    fn new(search: &'s Search<'p>, side: CubeSide) -> DirectionCone<'s, 'p> {
+        let mut part = DirectionCone { search, side, conditions: Vec::with_capacity(16), rays: Vec::with_capacity(8) };
         let sign = if side.is_negative { -1 } else { 1 };
         // The other coordinate along `l` is at most, or against it at least, that along the axis.
         for (l, against) in [(1, -1), (2, -1), (1, 1), (2, 1)] {

@@ -6,14 +6,14 @@
 //! definite, elimination in balls takes over (`eliminate`), and the exact solution comes from elimination without
 //! fractions (`fraction_free`).
 
-mod blocks;
+mod block_sparse;
 mod eliminate;
 mod factor;
 mod fraction_free;
 mod refine;
 mod system;
 
-pub(crate) use blocks::BlockSystem;
+pub(crate) use block_sparse::BlockSparseSystem;
 pub(crate) use eliminate::eliminate;
 pub(crate) use factor::Factor;
 pub(crate) use fraction_free::solve as fraction_free_solve;

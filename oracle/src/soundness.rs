@@ -1,10 +1,13 @@
+// Longer than 400 lines: every polynomial is asked at every level in one walk.
 //! Tests that no level of the ladder ever proves a wrong sign, on input made to tempt it: near-ties, ties, tiny and huge
 //! coordinates, far origins, fractions.
 
+use crate::levels::LevelCounts;
 use crate::number::{Approx, Ball, Bits, Bound, INFLATION};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
 use crate::predicate::*;
-use crate::solid::Solid;
+use crate::prepared_block::PreparedBlock;
+use crate::sign_ladder::{Classification, Unobserved};
 use crate::unit_bounds::unit_bounds_for;
 use crate::view::{BallView, BitsView, BoundView, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
@@ -14,6 +17,8 @@ use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, BlockOptions, Criteria, Entrance, EntranceKind, Number, Sign, ToleranceSet, Vec3};
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
+
+mod vectors;
 
 /// A small generator of its own (SplitMix64): the tests must not depend on a library's stream.
 struct Dice(u64);
@@ -47,9 +52,13 @@ enum Input {
     Huge,
     Underflowing,
     Fractions,
+    /// Fractions beyond sixteen times their extent from the origin.
+    FarFractions,
+    /// Integers of so many binary digits: they bring polynomials to every width of integers.
+    Digits(u32),
 }
 
-const INPUTS: [Input; 8] = [
+const INPUTS: [Input; 10] = [
     Input::SmallIntegers,
     Input::FullDoubles,
     Input::NearTies,
@@ -58,6 +67,8 @@ const INPUTS: [Input; 8] = [
     Input::Huge,
     Input::Underflowing,
     Input::Fractions,
+    Input::FarFractions,
+    Input::Digits(0),
 ];
 
 fn coordinate(dice: &mut Dice, corner: i32, input: Input) -> Number {
@@ -75,11 +86,31 @@ fn coordinate(dice: &mut Dice, corner: i32, input: Input) -> Number {
         Input::Fractions => {
             Number::from_rational(BigRational::new((whole as i64 * 7 + dice.below(3) as i64).into(), 21.into()))
         }
+        Input::FarFractions => Number::from_rational(BigRational::new(
+            ((100_000 + whole as i64) * 7 + dice.below(3) as i64).into(),
+            21.into(),
+        )),
+        Input::Digits(digits) => float((whole * 2f64.powi(digits as i32)).trunc() + dice.below(1 << digits) as f64),
     }
 }
 
-/// A tetrahedron or a hexahedron whose quadrilaterals need not be planar: predicates must hold for those too.
+/// A prism over a polygon of so many corners, on a parabola.
+fn prism(corners: i32) -> (Vec<[i32; 3]>, Vec<Vec<u32>>) {
+    let n = corners as u32;
+    let vertices = [0, 4].into_iter().flat_map(|z| (0..corners).map(move |k| [k, k * k, z])).collect();
+    let sides = (0..n).map(|k| vec![k, (k + 1) % n, n + (k + 1) % n, n + k]);
+    (vertices, [(0..n).rev().collect(), (n..2 * n).collect()].into_iter().chain(sides).collect())
+}
+
+/// A tetrahedron, a hexahedron whose quadrilaterals need not be planar (predicates must hold for those too), or a prism.
 fn block(dice: &mut Dice, input: Input, shift: i32) -> Option<Block> {
+    if dice.below(16) == 0 {
+        let (corners, faces) = prism([5, 8, 9, 33][dice.below(4) as usize]);
+        let unit = coordinate(dice, 1, input);
+        let vertices =
+            corners.iter().map(|c| Vec3::new(c[0], c[1], c[2] + shift).map(|&c| unit.times(&Number::from_integer(c))));
+        return Block::new(vertices.collect(), faces, &BlockOptions { planarity: Number::from_integer(1) }).ok();
+    }
     let corners: Vec<[i32; 3]> = if dice.below(2) == 0 {
         vec![[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
     } else {
@@ -100,7 +131,11 @@ fn block(dice: &mut Dice, input: Input, shift: i32) -> Option<Block> {
 }
 
 fn tolerances(dice: &mut Dice, size: f64) -> ToleranceSet {
-    let length = |dice: &mut Dice| Number::from_f64(size * dice.pick(&[0.0, 0.25, 1.0, 1.5, 0.1])).unwrap();
+    let third = Number::from_rational(BigRational::new(1.into(), 3.into()));
+    let length = |dice: &mut Dice| match dice.pick(&[0.0, 0.25, 1.0, 1.5, 0.1, 40.0, 1.0 / 3.0]) {
+        part if part == 1.0 / 3.0 => Number::from_f64(size).unwrap().times(&third),
+        part => Number::from_f64(size * part).unwrap(),
+    };
     let sine = |dice: &mut Dice| dice.pick(&[(0, 1), (3, 64), (3, 5), (1, 3)]);
     let ratio = |(n, d): (i64, i64)| Number::from_rational(BigRational::new(n.into(), d.into()));
     ToleranceSet {
@@ -109,7 +144,7 @@ fn tolerances(dice: &mut Dice, size: f64) -> ToleranceSet {
         penetration: length(dice),
         overlap_sine: ratio(sine(dice)),
         parallel_sine: ratio(sine(dice)),
-        equal: Number::from_f64(dice.pick(&[0.0, 1e-9, 0.5])).unwrap(),
+        equal: Number::from_f64(dice.pick(&[0.0, 1e-9, 0.5, 3.0])).unwrap(),
         open: Number::ZERO,
         close: Number::ZERO,
         max_displacement: Number::ZERO,
@@ -129,6 +164,7 @@ struct Seen {
 
 struct Checker<'p, 's> {
     pair: &'p Pair<'s>,
+    run: Classification<'p, 's, Unobserved>,
     tolerances: &'p ToleranceSet,
     seen: &'p mut BTreeMap<usize, Seen>,
     about: String,
@@ -146,6 +182,7 @@ impl Checker<'_, '_> {
         let slot = P::FIRST_SLOT + p.variant();
         assert!(p.variant() < P::VARIANTS && slot < SLOTS);
         let exact = self.in_integers::<P, BigInt>(p);
+        assert_eq!(self.run.exact_sign(p), exact, "the width of integers chosen, slot {slot}, {about}");
         let certain = |value: f64, bound: f64| {
             if value > bound {
                 Some(Sign::Positive)
@@ -160,14 +197,20 @@ impl Checker<'_, '_> {
         let value = p.value(&float_view).0;
         let seen = self.seen.entry(slot).or_default();
         seen.signs[(exact.as_i8() + 1) as usize] += 1;
-
         let (unit, powers) = unit_bounds_for(pair, &floats);
-        let unit_bound = p.value(&BoundView::of_unit_size(pair.a, pair.b, unit)).error * INFLATION;
+        let unit_bound =
+            p.value(&BoundView::of_unit_size(pair.a, pair.b, unit.longest_loop, unit.coordinate)).error * INFLATION;
         if let Some(sign) = certain(value, unit_bound * powers[P::DEGREE]) {
             assert_eq!(sign, exact, "unit bound, slot {slot}, {about}");
             seen.by_unit_bound += 1;
         }
         let pair_bound = p.value(&BoundView::of(pair.a, pair.b, Scales::<Bound>::bounds(t))).error;
+        // What holds for all pairs of a size holds for this one.
+        let of_size = unit_bound * powers[P::DEGREE] * (1.0 + 1e-9);
+        assert!(
+            pair_bound <= of_size || !of_size.is_finite(),
+            "{pair_bound:e} beyond {of_size:e}, slot {slot}, {about}"
+        );
         if let Some(sign) = certain(value, pair_bound) {
             assert_eq!(sign, exact, "bound of the pair, slot {slot}, {about}");
             seen.by_pair_bound += 1;
@@ -197,8 +240,9 @@ impl Checker<'_, '_> {
         }
     }
 
-    /// Asks every polynomial about features drawn at random.
-    fn visit_all(&mut self, dice: &mut Dice) {
+    /// Asks every polynomial about features drawn at random; how many integers of each width that took.
+    fn visit_all(mut self, dice: &mut Dice) -> LevelCounts {
+        vectors::check(self.pair, self.tolerances, &self.about);
         let any = |dice: &mut Dice, n: usize| dice.below(n as u64) as u32;
         let of = |side| self.pair.topology(side);
         let (ta, tb) = (of(Side::A), of(Side::B));
@@ -208,7 +252,7 @@ impl Checker<'_, '_> {
         let axis = dice.below(3) as usize;
         let flip = dice.below(2) == 0;
         self.visit(&BoxesMeet { low: (Side::A, va), high: (Side::B, vb), axis });
-        for limit in [Limit::Search, Limit::Territory, Limit::Penetration] {
+        for limit in [LengthTolerance::Search, LengthTolerance::Territory, LengthTolerance::Penetration] {
             self.visit(&Near { a: va, b: vb, limit });
             for (vertex, edge) in [((Side::A, va), (Side::B, edge_b)), ((Side::B, vb), (Side::A, edge_a))] {
                 self.visit(&NearLine { vertex, edge, limit });
@@ -264,7 +308,7 @@ impl Checker<'_, '_> {
             Entrance { kind: EntranceKind::EdgeEdge, a: da, b: db },
         ];
         for first in entrances {
-            for limit in [Limit::Search, Limit::Territory, Limit::Penetration] {
+            for limit in [LengthTolerance::Search, LengthTolerance::Territory, LengthTolerance::Penetration] {
                 self.visit(&GapWithin { entrance: first, limit });
             }
             for second in others {
@@ -275,17 +319,22 @@ impl Checker<'_, '_> {
                 }
             }
         }
+        self.run.levels
     }
 }
 
 #[test]
 fn no_level_proves_a_wrong_sign() {
     let mut dice = Dice(7);
-    let mut seen = BTreeMap::new();
+    let (mut seen, mut levels) = (BTreeMap::new(), LevelCounts::default());
     let rounds = if cfg!(debug_assertions) { 560 } else { 2_000 };
     for round in 0..rounds {
-        let input = INPUTS[round % INPUTS.len()];
-        let shift = dice.below(3) as i32;
+        let input = match INPUTS[round % INPUTS.len()] {
+            Input::Digits(_) => Input::Digits(1 + dice.below(49) as u32),
+            input => input,
+        };
+        // Below A's first vertex as well: then differences are longer than coordinates.
+        let shift = dice.below(4) as i32 - 1;
         let (Some(a), Some(b)) = (block(&mut dice, input, 0), block(&mut dice, input, shift)) else { continue };
         let size = match input {
             Input::Tiny => 2f64.powi(-55),
@@ -294,11 +343,20 @@ fn no_level_proves_a_wrong_sign() {
             _ => 1.0,
         };
         let t = tolerances(&mut dice, size);
-        let (a, b) = (Solid::new(&a), Solid::new(&b));
+        let (a, b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
         let pair = Pair::new(&a, &b);
         let about = format!("round {round}, {input:?}");
-        Checker { pair: &pair, tolerances: &t, seen: &mut seen, about }.visit_all(&mut dice);
+        levels += Checker {
+            pair: &pair,
+            run: Classification::new(&pair, &t, Unobserved),
+            tolerances: &t,
+            seen: &mut seen,
+            about,
+        }
+        .visit_all(&mut dice);
     }
+    // The widths of integers are reached by what they are for.
+    assert!(levels.fixed.into_iter().chain([levels.i128, levels.heap]).all(|count| count > 100), "{levels:?}");
     for (slot, seen) in &seen {
         assert!(
             seen.by_unit_bound > 0 && seen.by_pair_bound > 0 && seen.by_ball > 0,
@@ -346,7 +404,7 @@ fn polynomials_have_the_degree_they_say() {
     let build = |corners: &[[i32; 3]; 4], factor: i32| {
         let number = |n: i32| Number::from_integer(n * factor);
         let vertices = corners.iter().map(|&[x, y, z]| Vec3::new(number(x), number(y), number(z))).collect();
-        Solid::new(&Block::new(vertices, faces.clone(), &BlockOptions { planarity: Number::ZERO }).unwrap())
+        PreparedBlock::new(&Block::new(vertices, faces.clone(), &BlockOptions { planarity: Number::ZERO }).unwrap())
     };
     let (a1, b1, a3, b3) = (build(&vertices, 1), build(&moved, 1), build(&vertices, 3), build(&moved, 3));
     // Three times an odd coordinate is odd: both pairs are on the lattice of the integers.
@@ -364,19 +422,19 @@ fn polynomials_have_the_degree_they_say() {
     let (first, second) = (entrance(EntranceKind::VertexFace, 1, 2), entrance(EntranceKind::EdgeEdge, 1, 4));
     let inward = InwardAcross { edge_a: 1, edge_b: 4, side: Side::A, right: false };
     degree.check(&BoxesMeet { low: vertex, high: (Side::B, 2), axis: 0 });
-    degree.check(&Near { a: 1, b: 2, limit: Limit::Search });
+    degree.check(&Near { a: 1, b: 2, limit: LengthTolerance::Search });
     degree.check(&NearForEdge { a: 1, b: 2, edge });
     degree.check(&BeyondVertex { point: vertex, at: (Side::B, b1.block.topology().edges()[2].p), edge: 2 });
     degree.check(&FootAlong { vertex, edge, from_end: true });
-    degree.check(&NearLine { vertex, edge, limit: Limit::Territory });
+    degree.check(&NearLine { vertex, edge, limit: LengthTolerance::Territory });
     let ends = b1.block.topology().edges()[2];
     let far = (0..4).find(|&v| v != ends.p && v != ends.q).unwrap();
     degree.check(&NearLineForHeight { vertex, edge, height_at: far });
     degree.check(&InwardOf { vertex, edge, right: true });
     degree.check(&FootBeyondVertex { vertex, edge, at_vertex: a1.block.topology().vertex_edges(1)[0] });
     degree.check(&AbovePlane { vertex, face });
-    degree.check(&GapWithin { entrance: second, limit: Limit::Penetration });
-    degree.check(&GapWithin { entrance: first, limit: Limit::Search });
+    degree.check(&GapWithin { entrance: second, limit: LengthTolerance::Penetration });
+    degree.check(&GapWithin { entrance: first, limit: LengthTolerance::Search });
     degree.check(&PolygonHeight { vertex, corner: 1, face, axis: 1 });
     degree.check(&NormalComponent { face, axis: 0 });
     degree.check(&EdgeAbovePlane { vertex, edge: a1.block.topology().vertex_edges(1)[0], face });

@@ -8,15 +8,15 @@
 mod answer;
 mod approximate;
 mod attempt;
-mod chain;
+mod attempt_state;
 mod contact;
+mod decisions;
 mod frame;
 mod friction;
 mod iteration;
 mod ladder;
 mod margin;
 mod prepare;
-mod questions;
 mod run;
 mod state;
 mod strength;
@@ -30,4 +30,4 @@ pub use answer::{
 pub use ladder::StepLevels;
 pub use margin::{ModeMargin, friction_margins, mode_margins};
 pub use run::{certified_step, exact_step, first_system};
-pub use state::{BlockState, ContactMemory, Keep, Mode, State};
+pub use state::{BlockState, ContactMemory, KeptPrecision, Mode, State};

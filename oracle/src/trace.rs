@@ -2,7 +2,7 @@
 
 use crate::number::Magnitude;
 use crate::pair::Pair;
-use crate::run::{Observer, Run};
+use crate::sign_ladder::{Classification, Observer};
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use rockproof_model::decision::Decision;
@@ -38,7 +38,7 @@ impl Pair<'_> {
 
     /// All decisions of [`Pair::classify_keeping`], likewise.
     pub fn trace_keeping(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Vec<TraceEntry> {
-        let mut run = Run::new(self, tolerances, Recorder::default()).keeping(kept);
+        let mut run = Classification::new(self, tolerances, Recorder::default()).keeping(kept);
         run.classify();
         let mut seen = std::collections::HashSet::new();
         run.observer.entries.retain(|entry| seen.insert(entry.decision));
@@ -64,7 +64,7 @@ impl Pair<'_> {
     ) -> Vec<Option<Margin>> {
         let recorder =
             Recorder { wanted: decisions.to_vec(), margins: vec![None; decisions.len()], ..Recorder::default() };
-        let mut run = Run::new(self, tolerances, recorder).keeping(kept);
+        let mut run = Classification::new(self, tolerances, recorder).keeping(kept);
         run.classify();
         run.observer.margins
     }

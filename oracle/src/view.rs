@@ -3,8 +3,7 @@
 // Longer than 400 lines: one view of a pair's vectors for all number types, which must not drift apart.
 
 use crate::number::{Approx, Ball, Bits, Bound};
-use crate::solid::{Errors, Solid, centre_sum, subtracted};
-use crate::unit_bounds::UnitBounds;
+use crate::prepared_block::{PreparedBlock, VectorErrors, centre_sum, subtracted};
 use rockproof_model::block::face_normal;
 use rockproof_model::decision::Side;
 use rockproof_model::{Block, Ring, Topology, Vec3};
@@ -87,14 +86,14 @@ pub(crate) trait View {
 
 /// Plain f64: the first level.
 pub(crate) struct FloatView<'p> {
-    pub(crate) a: &'p Solid,
-    pub(crate) b: &'p Solid,
+    pub(crate) a: &'p PreparedBlock,
+    pub(crate) b: &'p PreparedBlock,
     pub(crate) scales: &'p Scales<Approx>,
 }
 
 impl FloatView<'_> {
     #[inline(always)]
-    fn solid(&self, side: Side) -> &Solid {
+    fn solid(&self, side: Side) -> &PreparedBlock {
         match side {
             Side::A => self.a,
             Side::B => self.b,
@@ -150,7 +149,7 @@ impl View for FloatView<'_> {
 pub(crate) struct BoundView<'p> {
     a: &'p Topology,
     b: &'p Topology,
-    errors: [Errors; 2],
+    errors: [VectorErrors; 2],
     longest_loops: [usize; 2],
     scales: Scales<Bound>,
     across: Bound,
@@ -158,7 +157,7 @@ pub(crate) struct BoundView<'p> {
 
 impl<'p> BoundView<'p> {
     /// From the vectors the two blocks have.
-    pub(crate) fn of(a: &'p Solid, b: &'p Solid, scales: Scales<Bound>) -> BoundView<'p> {
+    pub(crate) fn of(a: &'p PreparedBlock, b: &'p PreparedBlock, scales: Scales<Bound>) -> BoundView<'p> {
         let extent = joint_extent(a, b);
         let longest_loops = [a, b].map(|s| s.longest_loop());
         BoundView {
@@ -171,11 +170,15 @@ impl<'p> BoundView<'p> {
         }
     }
 
-    /// For all pairs that span at most 1 along each axis, with coordinates off by at most `unit.coordinate`, faces of at
-    /// most `unit.longest_loop` vertices, and tolerances of at most 1.
-    pub(crate) fn of_unit_size(a: &'p Solid, b: &'p Solid, unit: &UnitBounds) -> BoundView<'p> {
-        let longest_loop = unit.longest_loop;
-        let errors = Errors::worst(1.0, unit.coordinate, longest_loop);
+    /// For all pairs that span at most 1 along each axis, with coordinates off by at most `coordinate`, faces of at
+    /// most `longest_loop` vertices, and tolerances of at most 1.
+    pub(crate) fn of_unit_size(
+        a: &'p PreparedBlock,
+        b: &'p PreparedBlock,
+        longest_loop: usize,
+        coordinate: f64,
+    ) -> BoundView<'p> {
+        let errors = VectorErrors::worst(1.0, coordinate, longest_loop);
         BoundView {
             a: a.block.topology(),
             b: b.block.topology(),
@@ -186,13 +189,13 @@ impl<'p> BoundView<'p> {
         }
     }
 
-    fn errors(&self, side: Side) -> &Errors {
+    fn errors(&self, side: Side) -> &VectorErrors {
         &self.errors[usize::from(side == Side::B)]
     }
 }
 
 /// The longest side of the box around both blocks.
-pub(crate) fn joint_extent(a: &Solid, b: &Solid) -> f64 {
+pub(crate) fn joint_extent(a: &PreparedBlock, b: &PreparedBlock) -> f64 {
     (0..3).map(|k| a.box_max[k].max(b.box_max[k]) - a.box_min[k].min(b.box_min[k])).fold(0.0, f64::max)
 }
 
@@ -326,8 +329,8 @@ impl View for BitsView<'_> {
 
 /// The vectors of both blocks as integers on their common lattice.
 pub(crate) struct ExactPair<'s, T> {
-    pub(crate) a: ExactSolid<'s, T>,
-    pub(crate) b: ExactSolid<'s, T>,
+    pub(crate) a: ExactBlock<'s, T>,
+    pub(crate) b: ExactBlock<'s, T>,
 }
 
 /// Exact lattice vectors with tolerances: the last levels. Tolerances are made when a polynomial first asks for them.
@@ -337,7 +340,7 @@ pub(crate) struct ExactView<'p, 's, T> {
 }
 
 /// One block of an [`ExactPair`]; what is derived from the vertices is made when first asked for.
-pub(crate) struct ExactSolid<'p, T> {
+pub(crate) struct ExactBlock<'p, T> {
     topology: &'p Topology,
     vertices: Vec<Vec3<T>>,
     normals: Vec<OnceCell<Vec3<T>>>,
@@ -345,9 +348,9 @@ pub(crate) struct ExactSolid<'p, T> {
     inwards: Vec<[OnceCell<Vec3<T>>; 2]>,
 }
 
-impl<'p, T: Ring> ExactSolid<'p, T> {
+impl<'p, T: Ring> ExactBlock<'p, T> {
     pub(crate) fn new(topology: &'p Topology, vertices: Vec<Vec3<T>>) -> Self {
-        ExactSolid {
+        ExactBlock {
             topology,
             vertices,
             normals: topology.faces().iter().map(|_| OnceCell::new()).collect(),
@@ -367,7 +370,7 @@ impl<'p, T: Ring> ExactSolid<'p, T> {
 }
 
 impl<'s, T> ExactView<'_, 's, T> {
-    fn solid(&self, side: Side) -> &ExactSolid<'s, T> {
+    fn solid(&self, side: Side) -> &ExactBlock<'s, T> {
         match side {
             Side::A => &self.geometry.a,
             Side::B => &self.geometry.b,

@@ -8,8 +8,8 @@ use num_traits::{Signed, Zero};
 use rockproof_model::preset::{Preset, derive};
 use rockproof_model::scene::Scene;
 use rockproof_model::{Block, ContactKind, Number, Precision, ToleranceSet, Vec3};
-use rockproof_oracle::Solid;
-use rockproof_oracle::audit::{Audit, Auditor, Decider, Overlap, Sight, audit};
+use rockproof_oracle::PreparedBlock;
+use rockproof_oracle::audit::{Audit, Auditor, Decider, Meaning, Overlap, OverlapVisibility, audit, rounding_depth};
 use support::shapes::{block, cuboid, exact, number, point, revised, slab, step, tetrahedron};
 
 type Place = Vec3<BigRational>;
@@ -150,10 +150,10 @@ fn contacts_see_half_of_the_depth_or_all_of_it_or_nothing() {
     // g = 1/20. The contacts of the left bottom vertices are 1/100 deep; those on the right too deep, or as deep as given.
     let tolerances = revised(&[("overlap_sine", "3/5")]);
     for (right, sight, is_deeper) in [
-        ("1/100", Sight::Seen, false),
-        ("1/20", Sight::Seen, false),
-        ("501/10000", Sight::Shallow, true),
-        ("59/1000", Sight::Shallow, true),
+        ("1/100", OverlapVisibility::Seen, false),
+        ("1/20", OverlapVisibility::Seen, false),
+        ("501/10000", OverlapVisibility::Shallow, true),
+        ("59/1000", OverlapVisibility::Shallow, true),
     ] {
         let found = overlap_of(&sheared(["1/100", right]), &slab(), &tolerances).unwrap();
         assert_eq!((found.sight, found.is_deeper_than_g), (sight, is_deeper), "{right}");
@@ -162,9 +162,9 @@ fn contacts_see_half_of_the_depth_or_all_of_it_or_nothing() {
     // A contact with h = −1/20 on the left and 1/10 on the right: exactly half is seen; a little less is shallow.
     let tolerances = |g: &str| revised(&[("overlap_sine", "3/5"), ("penetration", g)]);
     let half = overlap_of(&sheared(["1/20", "1/10"]), &slab(), &tolerances("9/100")).unwrap();
-    assert_eq!((half.sight, half.contact.unwrap().1.squared), (Sight::Seen, exact("1/400")));
+    assert_eq!((half.sight, half.contact.unwrap().1.squared), (OverlapVisibility::Seen, exact("1/400")));
     let less = overlap_of(&sheared(["499/10000", "1/10"]), &slab(), &tolerances("9/100")).unwrap();
-    assert_eq!((less.sight, less.is_deeper_than_g), (Sight::Shallow, true));
+    assert_eq!((less.sight, less.is_deeper_than_g), (OverlapVisibility::Shallow, true));
 }
 
 #[test]
@@ -173,17 +173,41 @@ fn a_little_is_seen_and_five_centimetres_are_not() {
     let on_slab = |depth: &str| cuboid(["-1", "-1", "0"], ["1", "1", "2"]).translated(&point(["0", "0", depth]));
     let found = overlap_of(&slab(), &on_slab("-1/1000000000"), &set("1/50")).unwrap();
     let (contact, gap) = found.contact.clone().unwrap();
-    assert_eq!((found.sight, contact.kind, contact.a, contact.b), (Sight::Seen, ContactKind::FaceVertex, 1, 0));
+    assert_eq!(
+        (found.sight, contact.kind, contact.a, contact.b),
+        (OverlapVisibility::Seen, ContactKind::FaceVertex, 1, 0)
+    );
     assert_eq!(gap.squared, found.depth_squared());
     assert!(!found.is_deeper_than_g && !found.is_within_unevenness);
     // Exactly g is seen and not deeper.
     let found = overlap_of(&slab(), &on_slab("-1/50"), &set("1/50")).unwrap();
-    assert_eq!((found.sight, found.is_deeper_than_g), (Sight::Seen, false));
+    assert_eq!((found.sight, found.is_deeper_than_g), (OverlapVisibility::Seen, false));
     let found = overlap_of(&slab(), &on_slab("-1/20"), &set("1/50")).unwrap();
-    assert_eq!((found.sight, found.is_deeper_than_g, found.contact), (Sight::Unseen, true, None));
+    assert_eq!((found.sight, found.is_deeper_than_g, found.contact), (OverlapVisibility::Unseen, true, None));
     // Of blocks that are not convex any contact with h < 0 sees.
     let in_notch = cuboid(["2", "-1", "2"], ["3", "1", "3"]).translated(&point(["1/2", "0", "-1/100"]));
-    assert_eq!(overlap_of(&step(), &in_notch, &wide()).unwrap().sight, Sight::Seen);
+    assert_eq!(overlap_of(&step(), &in_notch, &wide()).unwrap().sight, OverlapVisibility::Seen);
+}
+
+#[test]
+fn what_an_overlap_means_depends_on_depth_and_sight() {
+    let on_slab = |depth: &str| cuboid(["-1", "-1", "0"], ["1", "1", "2"]).translated(&point(["0", "0", depth]));
+    let found = |depth: &str| overlap_of(&slab(), &on_slab(depth), &revised(&[("penetration", "1/50")])).unwrap();
+    let (seen, lost) = (found("-1/1000"), found("-1/20"));
+    // Exactly as deep as rounding makes it is rounding.
+    let meaning = |overlap: &Overlap, rounding: &str| overlap.meaning(&number(rounding));
+    assert_eq!(meaning(&seen, "1/1000"), Meaning::Rounding);
+    assert_eq!(meaning(&seen, "999/1000000"), Meaning::Held);
+    assert!(meaning(&lost, "1/1000") == Meaning::Lost && lost.is_unseen(&number("1/1000")));
+    // As deep and seen, as a contact kept closed makes it: lost for a model, held in a run.
+    let kept = Overlap { sight: OverlapVisibility::Seen, ..lost };
+    assert!(meaning(&kept, "1/1000") == Meaning::Lost && !kept.is_unseen(&number("1/1000")));
+    let unseen = Overlap { sight: OverlapVisibility::Unseen, ..seen };
+    assert!(meaning(&unseen, "999/1000000") == Meaning::Lost && unseen.is_unseen(&number("999/1000000")));
+    assert!(!unseen.is_unseen(&number("1/1000")));
+    // 2⁸·2⁻⁵²·4 m
+    assert_eq!(rounding_depth(&[&slab(), &unit()], Precision::F64), Number::from_f64(2f64.powi(-42)).unwrap());
+    assert_eq!(rounding_depth(&[&slab(), &unit()], Precision::F32), Number::from_f64(2f64.powi(-13)).unwrap());
 }
 
 #[test]
@@ -224,7 +248,7 @@ fn pairs_are_found_and_put_in_order_whoever_audits_them() {
         })
         .collect();
     let tolerances = revised(&[("search", "1")]);
-    let solids: Vec<Solid> = blocks.iter().map(Solid::new).collect();
+    let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
     let auditor = Auditor::new(&solids, &tolerances);
     let pairs = auditor.neighbours();
     let meets = |a: &Block, b: &Block| {
@@ -254,7 +278,7 @@ fn the_joints_of_a_slope_overlap_in_19_pairs() {
     let found = audit(&shapes, &derive(Preset::Auto, &shapes, Precision::F64).unwrap());
     let deep: Vec<_> = found.overlaps.iter().filter(|o| !o.is_within_unevenness).collect();
     assert_eq!(deep.len(), 19);
-    assert!(deep.iter().all(|o| o.is_deeper_than_g && o.sight == Sight::Unseen));
+    assert!(deep.iter().all(|o| o.is_deeper_than_g && o.sight == OverlapVisibility::Unseen));
     let worst = found.deepest().unwrap();
     assert_eq!((worst.blocks, worst.penetration.depth_m()), ([2, 3], Some(1.169_429_902_352_878_5)));
 }
@@ -337,7 +361,7 @@ fn random_tetrahedra_overlap_where_a_search_of_all_directions_says_so() {
         let b = b.translated(&random.offset(2, "2"));
         let expected = brute_force(&a, &b);
         for (one, two) in [(&a, &b), (&turned(&a), &turned(&b))] {
-            let solids = [Solid::new(one), Solid::new(two)];
+            let solids = [PreparedBlock::new(one), PreparedBlock::new(two)];
             let found = Auditor::new(&solids, &wide()).pair([0, 1]);
             assert_eq!(found.overlap.is_some(), expected, "{one:?}\n{two:?}");
             *deciders.entry(found.decider).or_insert(0) += 1;

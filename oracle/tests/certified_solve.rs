@@ -185,6 +185,39 @@ fn what_is_not_definite_is_refused() {
     assert_eq!(SpdSystem::new(q([[1, 0], [0, 1]]), vec![fraction(1, 1)]).unwrap_err(), SolveError::Shape);
 }
 
+/// Neighbours of the Fibonacci numbers: the determinant is 1 and −1 in turn, whatever their size; f64 holds the entries.
+#[test]
+fn a_matrix_indefinite_by_less_than_f64_can_see_is_not_called_definite() {
+    let (mut one, mut two, mut three) = (1i64, 1i64, 2i64);
+    let mut proved = 0;
+    for n in 3.. {
+        if three >= 1 << 53 {
+            break;
+        }
+        let matrix = vec![vec![fraction(three, 1), fraction(two, 1)], vec![fraction(two, 1), fraction(one, 1)]];
+        let system = SpdSystem::new(matrix, vec![fraction(1, 1), fraction(2, 1)]).unwrap();
+        let definite = three as i128 * one as i128 > two as i128 * two as i128;
+        let exact = system.exact().unwrap();
+        if let Some(enclosure) = system.float_enclosure() {
+            assert!(definite, "the matrix of Fibonacci number {n} is indefinite");
+            assert!(enclosure.iter().zip(&exact).all(|(x, exact)| x.holds(exact)), "number {n}");
+            proved += 1;
+        }
+        (one, two, three) = (two, three, two + three);
+    }
+    assert!(proved > 5, "f64 proves {proved}");
+}
+
+#[test]
+fn a_singular_matrix_that_rounding_makes_definite_is_not_called_so() {
+    for n in 1..400 {
+        let p = fraction(n, 2 * n + 1);
+        let matrix = vec![vec![fraction(1, 1), p.clone()], vec![p.clone(), &p * &p]];
+        let system = SpdSystem::new(matrix, vec![fraction(1, 1), fraction(1, 1)]).unwrap();
+        assert!(system.float_enclosure().is_none(), "n = {n}");
+    }
+}
+
 #[test]
 fn a_right_side_of_zeros_gives_zeros() {
     let system = SpdSystem::new(vec![vec![fraction(1, 3)]], vec![fraction(0, 1)]).unwrap();

@@ -7,7 +7,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::simulation::{Kinematics, Motion};
 use rockproof_model::{Block, Number, Sign, Vec3};
-use rockproof_oracle::step::{Keep, Mode};
+use rockproof_oracle::step::{KeptPrecision, Mode};
 use support::shapes::{block, cuboid, exact, number, point};
 use support::steps::Scene;
 
@@ -22,7 +22,7 @@ fn free_fall_is_half_g_t_squared() {
     scene.bodies[0].velocity = Vec3::new(number("3"), Number::ZERO, number("1/3"));
     let mut state = scene.start();
     for k in 1..=10 {
-        state = scene.step(&state, Keep::Exact).state;
+        state = scene.step(&state, KeptPrecision::Exact).state;
         let t = BigRational::new(k.into(), 100.into());
         let z = exact("1/3") * &t - exact("5") * &t * &t;
         for (moved, at) in state.blocks[0].vertices.iter().zip(scene.blocks[0].vertices()) {
@@ -58,7 +58,7 @@ fn a_block_slides_without_friction_with_the_slope_s_share_of_gravity() {
     let scene = incline("0", CARRIED);
     let mut state = scene.start();
     for k in 1..=8 {
-        let answer = scene.step(&state, Keep::Exact);
+        let answer = scene.step(&state, KeptPrecision::Exact);
         assert_eq!(answer.contacts.len(), 4);
         assert!(answer.converged && answer.cuts.is_empty() && answer.levels.undecided == 0);
         assert!(answer.modes.last().unwrap().iter().all(|&mode| mode == Mode::Sliding));
@@ -88,7 +88,7 @@ fn a_block_slides_with_rational_friction_to_the_last_digit() {
     scene.simulation.loads = vec![load("-1", -force.clone()), load("1", force)];
     let mut state = scene.start();
     for k in 1..=5 {
-        let answer = scene.step(&state, Keep::Exact);
+        let answer = scene.step(&state, KeptPrecision::Exact);
         assert_eq!(answer.levels.undecided, 0);
         assert!(answer.converged);
         assert!(answer.modes.last().unwrap().iter().all(|&mode| mode == Mode::Sliding), "{:?}", answer.modes);
@@ -110,7 +110,7 @@ fn a_settled_block_rests_where_friction_holds_it() {
     // At rest the block leans: edges at the upper corners dip by the angle of its overlaps.
     scene.tolerances.overlap_sine = number("1/1000");
     let mut state = scene.start();
-    let keep = Keep::Grid { exponent: 256 };
+    let keep = KeptPrecision::Grid { exponent: 256 };
     for _ in 0..60 {
         state = scene.step(&state, keep).state;
     }
@@ -139,7 +139,7 @@ fn stretch_under_uniaxial_load_is_hooke_s() {
         table: vec![(Number::ZERO, point(["0", "0", f]))],
     };
     scene.simulation.loads = vec![pull("0", "-1000000"), pull("2", "1000000")];
-    let state = scene.step(&scene.start(), Keep::Exact).state;
+    let state = scene.step(&scene.start(), KeptPrecision::Exact).state;
     let stress: Vec<BigRational> = state.blocks[0].stress.iter().map(value).collect();
     // V σ + (2/Δt²) M ε = pull: with the second moments 1/6, 1/6, 2/3 (times ρ) on the three normal strains.
     let (young, poisson) = (exact("10000000000"), exact("1/4"));
@@ -158,8 +158,8 @@ fn stretch_under_uniaxial_load_is_hooke_s() {
 fn the_grid_keeps_within_one_unit_of_the_fractions() {
     let scene = incline("1/4", "1/100000");
     let (mut fine, start) = (scene.start(), scene.start());
-    let exactly = scene.step(&start, Keep::Exact);
-    let grid = scene.step(&fine, Keep::Grid { exponent: 256 });
+    let exactly = scene.step(&start, KeptPrecision::Exact);
+    let grid = scene.step(&fine, KeptPrecision::Grid { exponent: 256 });
     assert_eq!((&exactly.modes, exactly.iterations), (&grid.modes, grid.iterations));
     let unit = BigRational::new(1.into(), BigInt::from(1) << 256);
     for (a, b) in exactly.state.blocks[1].vertices.iter().zip(&grid.state.blocks[1].vertices) {
@@ -191,7 +191,7 @@ fn a_tetrahedron_turns_and_keeps_its_volume_under_cayley() {
     let mut scene = Scene::new(vec![(tetrahedron, Motion::Rigid)], "0", ["0", "0", "0"]);
     scene.simulation.control.kinematics = Kinematics::Cayley;
     scene.bodies[0].spin = Vec3::new(number("1"), number("2"), number("-1"));
-    let state = scene.step(&scene.start(), Keep::Exact).state;
+    let state = scene.step(&scene.start(), KeptPrecision::Exact).state;
     let turned = scene.blocks[0].with_vertices(state.blocks[0].vertices.clone());
     assert_ne!(turned, scene.blocks[0]);
     assert_eq!(turned.volume(), scene.blocks[0].volume());

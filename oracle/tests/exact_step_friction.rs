@@ -7,8 +7,8 @@ use num_rational::BigRational;
 use rockproof_model::simulation::Motion;
 use rockproof_model::{EntranceKind, Number, Point, Vec3};
 use rockproof_oracle::step::{
-    ContactMemory, IterationEnd, Keep, Mode, State, StepAnswer, certified_step, first_system, friction_margins,
-    mode_margins,
+    ContactMemory, IterationEnd, KeptPrecision, Mode, State, StepAnswer, certified_step, first_system,
+    friction_margins, mode_margins,
 };
 use support::shapes::{cuboid, exact, number, point};
 use support::steps::Scene;
@@ -41,7 +41,7 @@ fn clamped(overlap: &str, time_step: &str) -> Scene {
 /// The state in which all contacts are closed in this mode with this stretch of the block along x and y, the block moving as told.
 fn moving(scene: &Scene, mode: Mode, stretch: [&str; 2], velocity: [&str; 2]) -> State {
     let mut state = scene.start();
-    let contacts = scene.step(&state, Keep::Exact).contacts;
+    let contacts = scene.step(&state, KeptPrecision::Exact).contacts;
     assert_eq!(contacts.len(), 8, "{contacts:?}");
     let stretch: Point = point([stretch[0], stretch[1], "0"]);
     let memory = |(blocks, contact): ([usize; 2], rockproof_model::Contact)| {
@@ -75,7 +75,7 @@ fn a_kick_of_two_metres_a_second_ends_after_a_third_of_a_metre_and_turns() {
     let scene = clamped(OVERLAP, "1/96");
     let mut state = moving(&scene, Mode::Sliding, [HELD, "0"], ["2", "0"]);
     for k in 1..=32 {
-        let answer = scene.step(&state, Keep::Exact);
+        let answer = scene.step(&state, KeptPrecision::Exact);
         assert_eq!((answer.end, answer.iterations), (IterationEnd::Settled, 1), "step {k}");
         assert!(all(&answer, 1, Mode::Sliding));
         state = answer.state;
@@ -92,7 +92,7 @@ fn a_kick_of_two_metres_a_second_ends_after_a_third_of_a_metre_and_turns() {
     assert_eq!(value(&state.blocks[2].velocity[0]), exact("0"));
     // At rest the force would push back by 6/2 · (1/96)² m, beyond the anchors, with more than friction holds: the slip turned, and
     // locks. Then eight springs that are stretched by τ/p_s meet the inertia 2m/Δt².
-    let answer = scene.step(&state, Keep::Exact);
+    let answer = scene.step(&state, KeptPrecision::Exact);
     assert!(all(&answer, 0, Mode::Sliding) && all(&answer, 1, Mode::Locked) && all(&answer, 2, Mode::Locked));
     assert_eq!((answer.end, answer.iterations), (IterationEnd::Settled, 2));
     let springs = exact("8") * exact(SHEAR);
@@ -110,7 +110,7 @@ fn a_slip_that_swings_by_a_right_angle_has_not_turned() {
     for (less, mode) in [("0", Mode::Sliding), ("1/1000000000", Mode::Locked), ("-1/1000000000", Mode::Sliding)] {
         let speed = (&speed - exact(less)).to_string();
         let state = moving(&scene, Mode::Sliding, [HELD, "0"], [&speed, "1/10"]);
-        let answer = scene.step(&state, Keep::Grid { exponent: 200 });
+        let answer = scene.step(&state, KeptPrecision::Grid { exponent: 200 });
         assert!(all(&answer, 0, Mode::Sliding) && all(&answer, 1, mode), "{less}: {:?}", answer.modes);
         assert_eq!(answer.levels.undecided, 0);
         let shapes: Vec<_> = scene.blocks.iter().collect();
@@ -128,7 +128,7 @@ fn a_spring_of_the_shear_stiffness_holds_across_the_first_slip() {
     // of the force is below a hundredth of what presses, so that one solve settles.
     let scene = clamped(OVERLAP, "1/100");
     let state = moving(&scene, Mode::Sliding, [HELD, "0"], ["1", "1/100000"]);
-    let answer = scene.step(&state, Keep::Grid { exponent: 200 });
+    let answer = scene.step(&state, KeptPrecision::Grid { exponent: 200 });
     assert_eq!((answer.end, answer.iterations), (IterationEnd::Settled, 1), "{:?}", answer.modes);
     let inertia = exact("2") * exact(MASS) * exact("10000");
     let aside = &inertia * exact("1/10000000") / (&inertia + exact("8") * exact(SHEAR));
@@ -139,7 +139,7 @@ fn a_spring_of_the_shear_stiffness_holds_across_the_first_slip() {
     assert!(ahead < unit && -ahead < unit);
     // Where the last slip lies along both, 3-4-5, the constant part of the stretch is along it too: nothing acts across.
     let slanted = moving(&scene, Mode::Sliding, ["36/5000000", "48/5000000"], ["3", "4"]);
-    let answer = scene.step(&slanted, Keep::Exact);
+    let answer = scene.step(&slanted, KeptPrecision::Exact);
     assert_eq!((answer.end, answer.iterations), (IterationEnd::Settled, 1));
     let far = exact("5/100") - exact("3/10000");
     assert_eq!(along(&answer.state, 0), &far * exact("3/5"));
@@ -159,7 +159,7 @@ fn the_spring_of_a_later_solve_is_the_force_over_the_slip() {
     let aside = exact("3") * &length * (&inertia + springs) / &inertia;
     let speeds = [&ahead, &aside].map(|free| (free * exact("100")).to_string());
     let state = moving(&scene, Mode::Sliding, [&held.to_string(), "0"], [&speeds[0], &speeds[1]]);
-    let answer = scene.step(&state, Keep::Grid { exponent: 200 });
+    let answer = scene.step(&state, KeptPrecision::Grid { exponent: 200 });
     assert_eq!((answer.end, answer.iterations), (IterationEnd::Settled, 2), "{:?}", answer.modes);
     assert!((0..=2).all(|solve| all(&answer, solve, Mode::Sliding)));
     let (three, four) = (exact("3/5"), exact("4/5"));
@@ -179,7 +179,7 @@ fn a_locked_contact_that_slides_has_the_force_of_its_own_stretch() {
     // At first locked and moving along x with v: s = d, sliding follows. The second solve has f = τ along x, Δf = 0 after it.
     let scene = clamped(OVERLAP, "1/100");
     let state = moving(&scene, Mode::Locked, ["0", "0"], ["1", "0"]);
-    let answer = scene.step(&state, Keep::Exact);
+    let answer = scene.step(&state, KeptPrecision::Exact);
     assert!(all(&answer, 0, Mode::Locked) && all(&answer, 1, Mode::Sliding));
     assert_eq!((answer.end, answer.iterations), (IterationEnd::Settled, 2));
     assert_eq!(along(&answer.state, 0), exact("1/100") - exact("3/10000"));
@@ -197,7 +197,7 @@ fn friction_that_changes_by_just_a_hundredth_of_what_presses_has_settled() {
         (HELD, 1),
     ] {
         let state = moving(&scene, Mode::Sliding, [stretch, "0"], ["1", "0"]);
-        let answer = scene.step(&state, Keep::Exact);
+        let answer = scene.step(&state, KeptPrecision::Exact);
         assert_eq!((answer.end, answer.iterations), (IterationEnd::Settled, solves), "{stretch}");
         assert_eq!(answer.levels.undecided, 0, "{stretch}");
         // The last solve has the force of the anchors in one case, τ in the other.
@@ -224,12 +224,12 @@ fn what_nothing_presses_never_settles_and_ends_with_the_seventh_solve() {
     scene.simulation.joints.other.tension = number("6000");
     // Straight on, nothing changes.
     let straight = moving(&scene, Mode::Sliding, [HELD, "0"], ["1", "0"]);
-    let answer = scene.step(&straight, Keep::Exact);
+    let answer = scene.step(&straight, KeptPrecision::Exact);
     assert_eq!((answer.end, answer.iterations, answer.levels.undecided), (IterationEnd::Settled, 1, 0));
     assert_eq!(along(&answer.state, 0), exact("1/100") - exact("3/10000"));
     // Aside, every solve turns the slip a little more.
     let aside = moving(&scene, Mode::Sliding, [HELD, "0"], ["1", "1/5"]);
-    let answer = scene.step(&aside, Keep::Grid { exponent: 200 });
+    let answer = scene.step(&aside, KeptPrecision::Grid { exponent: 200 });
     assert!((0..=7).all(|solve| all(&answer, solve, Mode::Sliding)));
     assert_eq!((answer.end, answer.iterations), (IterationEnd::Unchanged, 7));
     assert!(answer.converged && answer.cuts.is_empty());
@@ -241,18 +241,18 @@ fn the_next_step_begins_with_three_halves_of_the_last() {
     let mut scene = Scene::new(vec![(cuboid(["0", "0", "0"], ["1", "1", "1"]), Motion::Rigid)], "0", ["0", "0", "0"]);
     scene.bodies[0].velocity = point(["40", "0", "0"]);
     // 40 m/s and a limit of 1/10 m: 1/100 s is halved to 1/400 s.
-    let first = scene.step(&scene.start(), Keep::Exact);
+    let first = scene.step(&scene.start(), KeptPrecision::Exact);
     assert_eq!((first.time_step, first.cuts.len()), (exact("1/400"), 2));
     assert_eq!(value(&first.state.last_time_step), exact("1/400"));
     // 3/800 s is too long and halved; 9/3200 s too.
-    let second = scene.step(&first.state, Keep::Exact);
+    let second = scene.step(&first.state, KeptPrecision::Exact);
     assert_eq!((second.time_step, second.cuts.len()), (exact("3/1600"), 1));
     assert_eq!(second.cuts[0].time_step, exact("3/800"));
     // Without the limit it grows to the full Δt and no further.
     scene.tolerances.max_displacement = number("1");
     let mut state = second.state;
     for expected in ["9/3200", "27/6400", "81/12800", "243/25600", "1/100", "1/100"] {
-        let answer = scene.step(&state, Keep::Exact);
+        let answer = scene.step(&state, KeptPrecision::Exact);
         assert_eq!(answer.time_step, exact(expected));
         assert!(answer.cuts.is_empty());
         state = answer.state;
@@ -268,11 +268,11 @@ fn what_the_step_before_left_closed_is_kept_however_deep() {
     for (block, moved) in state.blocks.iter_mut().zip(&deep.blocks) {
         block.vertices = moved.vertices().to_vec();
     }
-    assert_eq!(deep.step(&state, Keep::Exact).contacts.len(), 8);
+    assert_eq!(deep.step(&state, KeptPrecision::Exact).contacts.len(), 8);
     state.contacts.iter_mut().for_each(|contact| contact.mode = Mode::Open);
-    assert!(deep.step(&state, Keep::Exact).contacts.is_empty());
+    assert!(deep.step(&state, KeptPrecision::Exact).contacts.is_empty());
     state.contacts[3].mode = Mode::Sliding;
-    let kept = deep.step(&state, Keep::Grid { exponent: 100 }).contacts;
+    let kept = deep.step(&state, KeptPrecision::Grid { exponent: 100 }).contacts;
     assert_eq!(kept.iter().map(|(_, c)| c.key()).collect::<Vec<_>>(), [state.contacts[3].contact.key()]);
 }
 

@@ -9,12 +9,12 @@ use num_rational::BigRational;
 use rockproof_model::simulation::{FixedPoint, Kinematics, Motion, PointLoad};
 use rockproof_model::{Block, ContactKind, Number, Vec3};
 use rockproof_oracle::step::{
-    Cut, FailedAttempt, IterationEnd, Keep, Mode, StepFailure, StepModel, certified_step, exact_step,
+    Cut, FailedAttempt, IterationEnd, KeptPrecision, Mode, StepFailure, StepModel, certified_step, exact_step,
 };
 use support::shapes::{Prism, WEDGE, cuboid, exact, number, point, spike};
 use support::steps::Scene;
 
-const FINE: Keep = Keep::Grid { exponent: 128 };
+const FINE: KeptPrecision = KeptPrecision::Grid { exponent: 128 };
 
 fn value(n: &Number) -> BigRational {
     n.to_rational()
@@ -22,7 +22,7 @@ fn value(n: &Number) -> BigRational {
 
 /// How far each vertex of a block moved in a step that must move it along z alone.
 fn risen(scene: &Scene, block: usize) -> BigRational {
-    let state = scene.step(&scene.start(), Keep::Exact).state;
+    let state = scene.step(&scene.start(), KeptPrecision::Exact).state;
     let moved: Vec<BigRational> = state.blocks[block]
         .vertices
         .iter()
@@ -55,7 +55,7 @@ fn crossing_ridges_press_each_other_apart() {
         (true, vec![(upper, Motion::Rigid), (lower, Motion::Fixed)]),
     ] {
         let scene = Scene::new(blocks, "0", ["0", "0", "-10"]);
-        let answer = scene.step(&scene.start(), Keep::Exact);
+        let answer = scene.step(&scene.start(), KeptPrecision::Exact);
         assert_eq!(answer.contacts.len(), 1, "{:?}", answer.contacts);
         assert_eq!(answer.contacts[0].1.kind, ContactKind::EdgeEdge);
         let force = exact("1000000") - &mass * exact("10");
@@ -74,7 +74,7 @@ fn a_tip_presses_a_slab_whichever_comes_first() {
         (ContactKind::VertexFace, 0, vec![(tip(), Motion::Rigid), (slab(), Motion::Fixed)]),
     ] {
         let scene = Scene::new(blocks, "0", ["0", "0", "-10"]);
-        assert_eq!(scene.step(&scene.start(), Keep::Exact).contacts[0].1.kind, kind);
+        assert_eq!(scene.step(&scene.start(), KeptPrecision::Exact).contacts[0].1.kind, kind);
         assert_eq!(risen(&scene, block), pushed(&mass, "1000000000", force.clone()));
     }
 }
@@ -90,13 +90,13 @@ fn a_fixed_point_holds_by_its_spring() {
     // Without a stiffness of its own it has that of the stiffest joint. The second step: the point pulls back.
     scene.simulation.fixed_points[0].stiffness = None;
     let first = pushed(&mass, "1000000000", exact("-40000"));
-    let state = scene.step(&scene.start(), Keep::Exact).state;
+    let state = scene.step(&scene.start(), KeptPrecision::Exact).state;
     assert_eq!(value(&state.fixed_points[0].z), exact("1") + &first);
     let velocity = exact("200") * &first;
     assert_eq!(value(&state.blocks[0].velocity[2]), velocity);
     let force = exact("-40000") - exact("1000000000") * &first + exact("200") * &mass * &velocity;
     let second = pushed(&mass, "1000000000", force);
-    let state = scene.step(&state, Keep::Exact).state;
+    let state = scene.step(&state, KeptPrecision::Exact).state;
     assert_eq!(value(&state.fixed_points[0].z), exact("1") + first + second);
 }
 
@@ -109,16 +109,16 @@ fn a_load_is_that_of_the_end_of_the_step() {
     scene.simulation.loads = vec![PointLoad { block: 0, at: point(["1/2", "1/2", "1"]), table }];
     let mass = exact("4000");
     let start = scene.start();
-    let first = scene.step(&start, Keep::Exact).state;
+    let first = scene.step(&start, KeptPrecision::Exact).state;
     let moved = |state: &rockproof_oracle::step::State| value(&state.load_points[0].z) - exact("1");
     assert_eq!(moved(&first), pushed(&mass, "0", exact("3000")));
     let velocity = value(&first.blocks[0].velocity[2]);
-    let second = scene.step(&first, Keep::Exact).state;
+    let second = scene.step(&first, KeptPrecision::Exact).state;
     let force = exact("6000") + exact("200") * &mass * velocity;
     assert_eq!(moved(&second) - moved(&first), pushed(&mass, "0", force));
     // While settling, time stands at 0.
     scene.simulation.control.settle = 1;
-    assert_eq!(moved(&scene.step(&scene.start(), Keep::Exact).state), exact("0"));
+    assert_eq!(moved(&scene.step(&scene.start(), KeptPrecision::Exact).state), exact("0"));
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn initial_stress_strains_a_free_block() {
     let mut scene =
         Scene::new(vec![(cuboid(["0", "0", "0"], ["1", "1", "1"]), Motion::Deformable)], "0", ["0", "0", "0"]);
     scene.bodies[0].stress[5] = number("1000000");
-    let state = scene.step(&scene.start(), Keep::Exact).state;
+    let state = scene.step(&scene.start(), KeptPrecision::Exact).state;
     // Of γxy: (2/Δt²)·ρ·(1/12 + 1/12)/4 + V·G against −V·τ, G = E/(2(1 + ν)) = 4·10⁹.
     let strain = exact("-1000000") / (exact("20000") * exact("2000") / exact("24") + exact("4000000000"));
     assert_eq!(value(&state.blocks[0].stress[5]), exact("1000000") + exact("4000000000") * &strain);
@@ -139,7 +139,7 @@ fn a_fast_block_is_halved_until_it_keeps_the_limit() {
     let mut scene = Scene::new(vec![(cuboid(["0", "0", "0"], ["1", "1", "1"]), Motion::Rigid)], "0", ["0", "0", "0"]);
     scene.bodies[0].velocity = point(["40", "0", "0"]);
     // 40 m/s: 4/10 of a metre, 2/10, and 1/10, which is the limit and allowed.
-    let answer = scene.step(&scene.start(), Keep::Exact);
+    let answer = scene.step(&scene.start(), KeptPrecision::Exact);
     let cut = |time_step: &str, cut| FailedAttempt {
         time_step: exact(time_step),
         cut,
@@ -154,13 +154,13 @@ fn a_fast_block_is_halved_until_it_keeps_the_limit() {
     scene.bodies[0].spin = point(["0", "0", "16"]);
     scene.tolerances.max_displacement = number("1");
     // 16 rad/s: 16/100, and 8/100 below the limit of 1/10.
-    let answer = scene.step(&scene.start(), Keep::Exact);
+    let answer = scene.step(&scene.start(), KeptPrecision::Exact);
     assert_eq!(answer.cuts, [cut("1/100", Cut::Rotation)]);
     scene.tolerances.max_rotation = number("1/1000000");
     let shapes: Vec<&Block> = scene.blocks.iter().collect();
     let model: StepModel<'_> = scene.model(&shapes);
     assert_eq!(
-        exact_step(&model, &scene.start(), Keep::Exact).unwrap_err(),
+        exact_step(&model, &scene.start(), KeptPrecision::Exact).unwrap_err(),
         StepFailure::TooFast { block: 0, limit: Cut::Rotation }
     );
     assert!(certified_step(&model, &scene.start()).is_err());
@@ -189,12 +189,12 @@ fn irrational_friction_is_enclosed() {
         let scene = diagonal(kinematics);
         let shapes: Vec<&Block> = scene.blocks.iter().collect();
         let model = scene.model(&shapes);
-        assert_eq!(exact_step(&model, &scene.start(), Keep::Exact).unwrap_err(), StepFailure::NotKept);
+        assert_eq!(exact_step(&model, &scene.start(), KeptPrecision::Exact).unwrap_err(), StepFailure::NotKept);
         let mut kept = [60u32, 90, 200, 600].map(|exponent| (exponent, scene.start()));
         let mut modes = Vec::new();
         for step in 0..3 {
             for (exponent, state) in &mut kept {
-                let answer = scene.step(state, Keep::Grid { exponent: *exponent });
+                let answer = scene.step(state, KeptPrecision::Grid { exponent: *exponent });
                 assert_eq!(answer.levels.undecided, 0);
                 assert!(answer.modes.last().unwrap().contains(&Mode::Sliding));
                 modes.push((step, answer.modes));

@@ -6,7 +6,7 @@ mod support;
 use num_rational::BigRational;
 use rockproof_model::simulation::{Motion, PointLoad};
 use rockproof_model::{Block, Number, Vec3};
-use rockproof_oracle::step::{Keep, Mode, StepAnswer};
+use rockproof_oracle::step::{KeptPrecision, Mode, StepAnswer};
 use support::shapes::{block, cuboid, exact, number, point};
 use support::steps::Scene;
 
@@ -81,7 +81,7 @@ fn tension_holds_what_its_area_can_hold() {
         let start = scene.start();
         scene.simulation.joints.other.tension = number("1000000000000");
         scene.simulation.joints.other.cohesion = number("1000000000000");
-        let free = scene.step(&start, Keep::Exact);
+        let free = scene.step(&start, KeptPrecision::Exact);
         assert!(last_modes(&free).iter().all(|&mode| mode == Mode::Locked), "{name}");
         let contacts = free.contacts.len();
         // Anchors begin at the feet, h0 = 0, and move with the blocks: their distance along z is h.
@@ -96,7 +96,7 @@ fn tension_holds_what_its_area_can_hold() {
         let just_enough = &rise * &stiffness / share;
         for (factor, opens) in [("1", false), ("999999/1000000", true), ("1000001/1000000", false)] {
             scene.simulation.joints.other.tension = Number::from_rational(&just_enough * exact(factor));
-            let answer = scene.step(&start, Keep::Exact);
+            let answer = scene.step(&start, KeptPrecision::Exact);
             assert_eq!(
                 last_modes(&answer).contains(&Mode::Open),
                 opens,
@@ -114,7 +114,7 @@ fn cohesion_holds_what_its_area_can_hold() {
         scene.simulation.joints.other.tension = number("1000000000000");
         scene.simulation.joints.other.cohesion = number("1000000000000");
         let start = scene.start();
-        let free = scene.step(&start, Keep::Exact);
+        let free = scene.step(&start, KeptPrecision::Exact);
         assert!(last_modes(&free).iter().all(|&mode| mode == Mode::Locked), "{name}");
         let squares = free.state.contacts.iter().map(|memory| {
             let [p, q] = &memory.anchors;
@@ -131,7 +131,7 @@ fn cohesion_holds_what_its_area_can_hold() {
         let above = &below + exact("1") / &scale;
         for (cohesion, slides) in [(below - exact("1") / &scale, true), (above, false)] {
             scene.simulation.joints.other.cohesion = Number::from_rational(cohesion);
-            let answer = scene.step(&start, Keep::Grid { exponent: 256 });
+            let answer = scene.step(&start, KeptPrecision::Grid { exponent: 256 });
             assert_eq!(answer.modes[1].contains(&Mode::Sliding), slides, "{name}");
         }
     }
@@ -144,7 +144,7 @@ fn a_block_whose_cohesion_holds_exactly_is_locked() {
     let spike = support::shapes::spike(["0", "0", "0"]);
     let mut tip = scene(slab.clone(), spike, [exact("1000"), exact("0"), exact("-1000")]);
     tip.simulation.joints.other.cohesion = number("1000000000000");
-    let answer = tip.step(&tip.start(), Keep::Grid { exponent: 256 });
+    let answer = tip.step(&tip.start(), KeptPrecision::Grid { exponent: 256 });
     assert_eq!(answer.contacts.len(), 1);
     assert_ne!(answer.modes[1][0], Mode::Locked);
     // A cube pushed at its contacts' height moves along x alone: |s| is that of all four, and a fraction.
@@ -152,14 +152,14 @@ fn a_block_whose_cohesion_holds_exactly_is_locked() {
     cube.simulation.loads[0].at.z = Number::ZERO;
     cube.simulation.joints.other.tension = number("1000000000000");
     cube.simulation.joints.other.cohesion = number("1000000000000");
-    let free = cube.step(&cube.start(), Keep::Exact);
+    let free = cube.step(&cube.start(), KeptPrecision::Exact);
     let stretches: Vec<BigRational> =
         free.state.contacts.iter().map(|m| m.anchors[0].x.to_rational() - m.anchors[1].x.to_rational()).collect();
     let largest = stretches.iter().map(|s| if *s < exact("0") { -s } else { s.clone() }).max().unwrap();
     let tie = largest * exact("500000000") * exact("4");
     for (factor, mode) in [("1", Mode::Locked), ("1048575/1048576", Mode::Sliding)] {
         cube.simulation.joints.other.cohesion = Number::from_rational(&tie * exact(factor));
-        let answer = cube.step(&cube.start(), Keep::Grid { exponent: 256 });
+        let answer = cube.step(&cube.start(), KeptPrecision::Grid { exponent: 256 });
         assert!(answer.modes[1].contains(&mode), "{:?}", answer.modes);
         assert_eq!(answer.modes[1].contains(&Mode::Sliding), mode == Mode::Sliding);
     }

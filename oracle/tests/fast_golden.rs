@@ -3,13 +3,13 @@
 #[path = "support/golden.rs"]
 mod golden;
 
-use rockproof_oracle::{Pair, Solid};
+use rockproof_oracle::{Pair, PreparedBlock};
 
 #[test]
 fn reproduces_every_golden_pair() {
     let mut wrong = Vec::new();
     for golden in golden::pairs() {
-        let (a, b) = (Solid::new(&golden.a), Solid::new(&golden.b));
+        let (a, b) = (PreparedBlock::new(&golden.a), PreparedBlock::new(&golden.b));
         let pair = Pair::new(&a, &b);
         let found: Vec<_> = pair
             .classify(&golden.tolerances)

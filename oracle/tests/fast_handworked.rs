@@ -4,7 +4,7 @@
 mod support;
 
 use num_rational::BigRational;
-use rockproof_oracle::{Pair, Solid, plain};
+use rockproof_oracle::{Pair, PreparedBlock, plain};
 use std::collections::BTreeMap;
 use support::handworked;
 
@@ -14,7 +14,7 @@ fn every_hand_worked_pair_comes_out() {
     assert!(cases.len() >= 120);
     let mut wrong = Vec::new();
     for case in &cases {
-        let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
+        let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
         let pair = Pair::new(&a, &b);
         let found: Vec<_> = pair
             .classify_keeping(&case.tolerances, &case.kept)
@@ -33,7 +33,7 @@ fn every_hand_worked_pair_comes_out() {
 fn decisions_agree_with_the_plain_path() {
     let mut compared = 0;
     for case in handworked::cases() {
-        let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
+        let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
         let plain: BTreeMap<_, _> = plain::trace_keeping::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept)
             .into_iter()
             .map(|(decision, outcome, _)| (decision, outcome))
@@ -52,7 +52,7 @@ fn decisions_agree_with_the_plain_path() {
 fn margins_are_zero_exactly_at_ties() {
     let (mut ties, mut others) = (0, 0);
     for case in handworked::cases() {
-        let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
+        let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
         let pair = Pair::new(&a, &b);
         let trace = pair.trace_keeping(&case.tolerances, &case.kept);
         let decisions: Vec<_> = trace.iter().map(|entry| entry.decision).collect();

@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Block, Contact, ContactKey, ContactKind, ToleranceSet};
-use rockproof_oracle::{Pair, Solid, plain};
+use rockproof_oracle::{Pair, PreparedBlock, plain};
 use std::collections::{BTreeMap, BTreeSet};
 use support::random::{blocks, kept_choice, tolerances};
 
@@ -19,7 +19,7 @@ fn plainly(a: &Block, b: &Block, t: &ToleranceSet, kept: &[ContactKey]) -> Vec<(
 }
 
 fn fast(a: &Block, b: &Block, t: &ToleranceSet, kept: &[ContactKey]) -> Vec<(Contact, BigRational)> {
-    let (a, b) = (Solid::new(a), Solid::new(b));
+    let (a, b) = (PreparedBlock::new(a), PreparedBlock::new(b));
     let pair = Pair::new(&a, &b);
     let contacts = pair.classify_keeping(t, kept).contacts;
     contacts.into_iter().map(|contact| (contact, pair.gap(&contact.entrance).squared)).collect()
@@ -42,7 +42,7 @@ proptest! {
             .into_iter()
             .map(|(decision, outcome, _)| (decision, outcome))
             .collect();
-        let (a, b) = (Solid::new(&a), Solid::new(&b));
+        let (a, b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
         let trace = Pair::new(&a, &b).trace_keeping(&t, &kept);
         for entry in &trace {
             if let Some(outcome) = plain.get(&entry.decision) {
@@ -73,7 +73,7 @@ fn the_random_pairs_reach_what_they_are_for() {
                 deep.insert(contact.kind);
             }
         }
-        let (a, b) = (Solid::new(&a), Solid::new(&b));
+        let (a, b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
         let trace = Pair::new(&a, &b).trace(&t);
         exits.extend(trace.iter().filter(|e| e.decision.predicate == Predicate::TrueExit).map(|e| e.outcome));
     }

@@ -9,14 +9,14 @@ use num_traits::{One, Signed};
 use rockproof_model::Number;
 use rockproof_model::simulation::Unconverged;
 use rockproof_oracle::step::{
-    Cut, IterationEnd, Keep, Mode, State, StepAnswer, StepFailure, StepModel, certified_step, exact_step,
+    Cut, IterationEnd, KeptPrecision, Mode, State, StepAnswer, StepFailure, StepModel, certified_step, exact_step,
 };
 use std::sync::atomic::{AtomicUsize, Ordering};
 use support::golden_steps::{GoldenScene, GoldenStep, scenes};
 use support::shapes::exact;
 
 /// The grid of the witness.
-const KEEP: Keep = Keep::Grid { exponent: 252 };
+const KEEP: KeptPrecision = KeptPrecision::Grid { exponent: 252 };
 
 fn power_of_ten(exponent: usize) -> BigRational {
     BigRational::from_integer(num_traits::pow(BigInt::from(10), exponent))

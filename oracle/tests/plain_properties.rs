@@ -8,15 +8,15 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Block, ContactKey, ContactKind, Criteria, EntranceKind, Number, Precision, ToleranceSet, Vec3};
-use rockproof_oracle::plain::{self, Found};
+use rockproof_oracle::plain::{self, ExactContact};
 use support::random::{blocks, kept_choice, swapped, tolerances};
 use support::shapes::{classic, exact, flat_corner, flat_corner_upside_down, number, point, revised, slab, spike};
 
-fn classified(a: &Block, b: &Block, t: &ToleranceSet) -> Vec<Found<BigRational>> {
+fn classified(a: &Block, b: &Block, t: &ToleranceSet) -> Vec<ExactContact<BigRational>> {
     plain::classify(a, b, t)
 }
 
-fn keeping(a: &Block, b: &Block, t: &ToleranceSet, kept: &[ContactKey]) -> Vec<Found<BigRational>> {
+fn keeping(a: &Block, b: &Block, t: &ToleranceSet, kept: &[ContactKey]) -> Vec<ExactContact<BigRational>> {
     plain::classify_keeping(a, b, t, kept)
 }
 
@@ -59,7 +59,7 @@ proptest! {
         let found = keeping(&scaled(&a, &factor), &scaled(&b, &factor), &longer, &kept);
         let area = exact("49/9");
         let expected: Vec<_> =
-            expected.into_iter().map(|f| Found { gap_squared: f.gap_squared * &area, ..f }).collect();
+            expected.into_iter().map(|f| ExactContact { gap_squared: f.gap_squared * &area, ..f }).collect();
         prop_assert_eq!(found, expected);
     }
 
@@ -98,7 +98,7 @@ proptest! {
         prop_assert_eq!(plain::trace::<BigRational>(&a, &b, &t), plain::trace::<rug::Rational>(&a, &b, &t));
         let of_gmp: Vec<_> = plain::classify::<rug::Rational>(&a, &b, &t)
             .into_iter()
-            .map(|f| Found { contact: f.contact, gap_squared: f.gap_squared.to_big_rational() })
+            .map(|f| ExactContact { contact: f.contact, gap_squared: f.gap_squared.to_big_rational() })
             .collect();
         prop_assert_eq!(classified(&a, &b, &t), of_gmp);
     }
@@ -136,7 +136,7 @@ fn the_random_pairs_reach_every_kind() {
 fn crossing_edges_yield_to_the_territory_of_their_ends() {
     let a = flat_corner_upside_down(["1/100", "-1/100", "1/100"]);
     let b = flat_corner();
-    let edges = |contacts: &[Found<BigRational>]| {
+    let edges = |contacts: &[ExactContact<BigRational>]| {
         contacts.iter().any(|f| (f.contact.kind, f.contact.a, f.contact.b) == (ContactKind::EdgeEdge, 1, 1))
     };
     let set = |territory| revised(&[("territory", territory)]);

@@ -1,11 +1,11 @@
 //! `bench` runs on a tiny sample, says the same in both formats, and its CSV is one.
 //!
-//! What it cannot show is that the figures are right; it shows that every contestant takes part and that those that
+//! What it cannot show is that the figures are right; it shows that every entry takes part and that those that
 //! are exact agree, which the command itself checks.
 
 use assert_cmd::Command;
-use rockproof_bench::error::{self, Engine, ErrorOf, ErrorRow};
-use rockproof_bench::{Sample, Sort};
+use rockproof_bench::accuracy::{self, AccuracyRow, ErrorQuantity, MeasuredEngine};
+use rockproof_bench::{Sample, SampleKind};
 use rockproof_model::decision::Predicate;
 use rockproof_oracle::Pair;
 use std::collections::BTreeSet;
@@ -99,7 +99,7 @@ fn table_has_its_three_parts() {
 /// What ties in generic pairs is a gap compared with itself under ε = 0, when one exit is left to choose from.
 #[test]
 fn generic_pairs_hold_no_tie_of_two_different_things() {
-    let generic = Sample::new(Sort::Generic, 5, 200).unwrap();
+    let generic = Sample::new(SampleKind::Generic, 5, 200).unwrap();
     // Version 2 of SPEC wants both measures, so fewer generic pairs touch than the 100 and more before: 78.
     assert!(generic.touching > 60, "only {} of 200 touch", generic.touching);
     for ready in &generic.pairs {
@@ -113,7 +113,7 @@ fn generic_pairs_hold_no_tie_of_two_different_things() {
 
 #[test]
 fn directed_pairs_hold_ties() {
-    let directed = Sample::new(Sort::Directed, 5, 100).unwrap();
+    let directed = Sample::new(SampleKind::Directed, 5, 100).unwrap();
     assert!(directed.ties > 30, "only {} of 100 hold a tie", directed.ties);
 }
 
@@ -139,28 +139,28 @@ fn the_committed_plots_are_those_of_the_committed_table() {
     let text = fs::read_to_string(folder.join("bench.csv")).unwrap();
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let number = |text: &str| text.parse().unwrap_or(f64::NAN);
-    let rows: Vec<ErrorRow> = reader
+    let rows: Vec<AccuracyRow> = reader
         .records()
         .map(|row| {
             let row = row.unwrap();
-            ErrorRow {
+            AccuracyRow {
                 kind: if &row[0] == "scene" { "scene" } else { "family" },
                 // A plot does not tell subjects, sets and Δt apart.
                 subject: "any",
-                engine: Engine::ALL.into_iter().find(|engine| engine.name() == &row[2]).unwrap(),
+                engine: MeasuredEngine::ALL.into_iter().find(|engine| engine.name() == &row[2]).unwrap(),
                 tolerances: "any",
                 time_step: None,
                 units: row[5].parse().unwrap(),
                 micros: number(&row[6]),
                 error: number(&row[7]),
-                of: ErrorOf::Contacts,
+                of: ErrorQuantity::Contacts,
                 front: &row[9] == "1",
                 note: row[10].to_owned(),
             }
         })
         .collect();
     for (name, kind) in [("bench_scenes.svg", "scene"), ("bench_pairs.svg", "family")] {
-        let (drawn, file) = (error::plot(&rows, kind).unwrap(), folder.join(name));
+        let (drawn, file) = (accuracy::plot(&rows, kind).unwrap(), folder.join(name));
         if std::env::var_os("RENEW").is_some() {
             fs::write(&file, &drawn).unwrap();
         }

@@ -8,15 +8,15 @@ use rayon::prelude::*;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::directed::CHOSEN;
 use rockproof_campaign::families;
-use rockproof_campaign::pairs::{Form, PairCase};
+use rockproof_campaign::pairs::{PairCase, PairForm};
 use rockproof_campaign::source::{self, FamilySource};
 use rockproof_differential::attribution::examine;
 use rockproof_differential::builtin;
-use rockproof_differential::finding::{Cause, Who};
-use rockproof_differential::subject::Source;
+use rockproof_differential::finding::{Cause, FindingScope};
+use rockproof_differential::subject::PairSource;
 use rockproof_model::decision::Predicate;
 use rockproof_model::{ContactKind, Precision, Sign};
-use rockproof_oracle::{Pair, Solid};
+use rockproof_oracle::{Pair, PreparedBlock};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Batches of the slice: fourteen families take turns.
@@ -39,23 +39,23 @@ fn f32_differs_and_f64_far_less() {
         .flat_map_iter(|number| source.batch(number))
         .flat_map_iter(|subject| examine(&subject, &panel).findings)
         .map(|finding| {
-            let who = match &finding.who {
-                Who::Any => "any".to_owned(),
-                Who::Rounded(precision) => precision.to_string(),
-                Who::Engine(name) => name.to_string(),
+            let scope = match &finding.scope {
+                FindingScope::Any => "any".to_owned(),
+                FindingScope::Rounded(precision) => precision.to_string(),
+                FindingScope::Engine(name) => name.to_string(),
             };
             assert_ne!(finding.cause, Cause::Defect, "{finding:?}");
-            (who, finding.cause)
+            (scope, finding.cause)
         })
         .collect();
     let mut counts = Counts::new();
     for key in examined {
         *counts.entry(key).or_default() += 1;
     }
-    for ((who, cause), count) in &counts {
-        println!("{who:12} {:15} {count:6}", cause.name());
+    for ((scope, cause), count) in &counts {
+        println!("{scope:12} {:15} {count:6}", cause.name());
     }
-    let of = |who: &str, cause| counts.get(&(who.to_owned(), cause)).copied().unwrap_or(0);
+    let of = |scope: &str, cause| counts.get(&(scope.to_owned(), cause)).copied().unwrap_or(0);
     let (single, double) = (of("stepper-f32", Cause::Arithmetic), of("stepper-f64", Cause::Arithmetic));
     println!("arithmetic: {single} in f32, {double} in f64, in {} pairs", BATCHES * source.batch_len());
     assert!(double > 0 && double * 5 <= single, "arithmetic: {single} in f32, {double} in f64");
@@ -95,8 +95,8 @@ impl Seen {
         self
     }
 
-    fn look(&mut self, case: &PairCase) {
-        let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
+    fn examine(&mut self, case: &PairCase) {
+        let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
         let pair = Pair::new(&a, &b);
         let mut kinds = BTreeSet::new();
         for set in &case.sets {
@@ -110,7 +110,7 @@ impl Seen {
             *self.outcomes.entry((entry.decision.predicate, entry.outcome)).or_default() += 1;
             *self.ties.entry(entry.decision.predicate).or_default() += u32::from(entry.tie);
         }
-        let Form::Directed { decision, rung } = &case.form else { return };
+        let PairForm::Directed { decision, rung } = &case.form else { return };
         // Of two faces chosen between, a third may be the better way in, and then the choice is not between the two.
         let chosen = CHOSEN.contains(&decision.predicate) || decision.predicate == Predicate::EntranceDepth;
         let (Some(margin), false) = (case.margin, chosen) else { return };
@@ -135,7 +135,7 @@ impl Seen {
 fn kinds_predicates_and_ties_are_reached() {
     let source = default_source();
     let look = |mut seen: Seen, number| {
-        source.cases(number).iter().for_each(|case| seen.look(case));
+        source.cases(number).iter().for_each(|case| seen.examine(case));
         seen
     };
     let seen = (0..BATCHES).into_par_iter().fold(Seen::default, look).reduce(Seen::default, Seen::plus);

@@ -86,7 +86,7 @@ fn agrees_wherever_rounding_cannot_matter(dir: &Path, command: &str) {
     let found = rows(dir, "sat", command, &ONLY);
     let run = fs::read_to_string(dir.join("sat/run.json")).expect("run.json");
     let run: serde_json::Value = serde_json::from_str(&run).expect("JSON");
-    let asked = run["external_engines_since_start"]["mine"]["asked"].as_u64();
+    let asked = run["external_engines"]["mine"]["asked"].as_u64();
     assert!(asked.is_some_and(|asked| asked >= 256), "{run}");
     for row in &found {
         let far = row[12].parse::<f64>().is_ok_and(|ulps| ulps.abs() > 1e6);

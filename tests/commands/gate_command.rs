@@ -21,7 +21,7 @@ fn passes_on_what_is_known_and_fails_on_each_planted_regression() {
     assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
     let ran = gate(dir, &planted("", baseline), &[], false);
     assert_eq!(ran.code, 0, "the clean engine: {}{}", ran.out, ran.err);
-    for (trick, told) in [
+    for (trick, message) in [
         ("crash", "crash"),
         ("malformed", "malformed"),
         ("unsupported", "unsupported"),
@@ -29,14 +29,14 @@ fn passes_on_what_is_known_and_fails_on_each_planted_regression() {
         ("state", "state"),
     ] {
         let ran = gate(dir, &planted(trick, baseline), &[], false);
-        assert!(ran.code == 1 && ran.out.contains(told) && ran.out.contains("gate failed"), "{trick}: {}", ran.out);
+        assert!(ran.code == 1 && ran.out.contains(message) && ran.out.contains("gate failed"), "{trick}: {}", ran.out);
         let cases = fs::read_dir(dir.join("reports/gate/fixed/cases")).expect("cases").count();
         assert!(cases > 0, "{trick}: a case to replay");
-        let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{told}\"\ncount = 0\n");
+        let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{message}\"\ncount = 0\n");
         assert_eq!(gate(dir, &planted(trick, &limit), &[], false).code, 1, "{trick} by count");
-        let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{told}\"\nrate = 1e-6\n");
+        let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{message}\"\nrate = 1e-6\n");
         assert_eq!(gate(dir, &planted(trick, &limit), &[], false).code, 1, "{trick} by rate");
-        let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{told}\"\nrate = 0.9\n");
+        let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{message}\"\nrate = 0.9\n");
         assert_eq!(gate(dir, &planted(trick, &limit), &[], false).code, 0, "{trick} is allowed");
     }
 }
@@ -113,6 +113,12 @@ fn the_action_is_yaml_and_asks_for_what_there_is() {
     assert_eq!(action["runs"]["using"].as_str(), Some("composite"));
     let steps = action["runs"]["steps"].as_vec().expect("steps");
     assert!(steps.iter().all(|s| s["uses"].as_str().is_some() || s["shell"].as_str() == Some("bash")), "{steps:?}");
+    // A tag may be moved to other code; a commit may not.
+    for uses in steps.iter().filter_map(|step| step["uses"].as_str()) {
+        let commit = uses.split_once('@').map_or("", |(_, commit)| commit);
+        let pinned = commit.len() == 40 && commit.chars().all(|c| c.is_ascii_hexdigit());
+        assert!(pinned || uses.starts_with("./"), "{uses} is not held by its commit");
+    }
     let help = Command::cargo_bin("rockproof").expect("the program").args(["gate", "--help"]).output().expect("runs");
     let help = String::from_utf8_lossy(&help.stdout).into_owned();
     for flag in ["--out", "--junit", "--rotating-seed"] {
@@ -123,7 +129,7 @@ fn the_action_is_yaml_and_asks_for_what_there_is() {
 #[test]
 fn errors_exit_with_2_and_name_the_place_and_what_is_allowed() {
     let dir = tempfile::tempdir().expect("a directory");
-    for (text, told) in [
+    for (text, message) in [
         ("pears = 3\n", vec!["line 1", "campaign"]),
         ("[campaign]\npears = 3\n", vec!["line 2", "pairs"]),
         (
@@ -147,6 +153,6 @@ fn errors_exit_with_2_and_name_the_place_and_what_is_allowed() {
     ] {
         let ran = gate(dir.path(), text, &[], false);
         assert_eq!(ran.code, 2, "{text}: {}{}", ran.out, ran.err);
-        assert!(told.iter().all(|t| ran.err.contains(t)) && !ran.err.contains("panicked"), "{text}: {}", ran.err);
+        assert!(message.iter().all(|t| ran.err.contains(t)) && !ran.err.contains("panicked"), "{text}: {}", ran.err);
     }
 }

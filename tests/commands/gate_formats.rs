@@ -9,9 +9,9 @@ use std::collections::BTreeMap;
 
 const NASTY: &str = "50%: a,b::c | d_e_f *g* `h` <i> & \"j\" [k](l) \\ m%0An";
 
-fn check(group: &'static str, name: &str, told: &str, verdict: Verdict) -> Check {
+fn check(group: &'static str, name: &str, message: &str, verdict: Verdict) -> Check {
     let place = (format!("a,b:c%/{name}.toml"), 3);
-    Check { group, name: name.to_owned(), told: told.to_owned(), verdict, place, rows: Vec::new() }
+    Check { group, name: name.to_owned(), message: message.to_owned(), verdict, place, rows: Vec::new() }
 }
 
 fn checks() -> Vec<Check> {
@@ -123,7 +123,7 @@ fn annotations_come_apart_as_they_were_put_together() {
         assert_eq!(properties.keys().collect::<Vec<_>>(), ["file", "line", "title"]);
         assert_eq!((properties["file"].as_str(), properties["line"].as_str()), (check.place.0.as_str(), "3"));
         assert_eq!(properties["title"], format!("rockproof {}", check.group));
-        assert_eq!(*message, format!("{}: {}", check.name, check.told));
+        assert_eq!(*message, format!("{}: {}", check.name, check.message));
     }
     assert_eq!(annotations(&[check("limit", "plain", "fine", Verdict::Pass)]), "");
 }

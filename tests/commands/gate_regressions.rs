@@ -8,13 +8,13 @@ use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::source;
-use rockproof_differential::attribution::Panel;
+use rockproof_differential::attribution::EnginePanel;
 use rockproof_differential::builtin;
 use rockproof_differential::engine::Engine;
 use rockproof_differential::finding::Finding;
 use rockproof_gate::config::GateConfig;
-use rockproof_gate::known::Known;
-use rockproof_gate::tally::Tally;
+use rockproof_gate::known_findings::KnownFindings;
+use rockproof_gate::tally::CampaignTally;
 use rockproof_gate::{self, Verdict};
 use rockproof_results::Start;
 use std::fs;
@@ -35,19 +35,19 @@ const GATE: &str = "[campaign]\npairs = 512\nengines = [\"stepper-f64\"]\ncases_
                     [baseline]\nfile = \"known.toml\"\n[[limit]]\ncause = \"defect\"\ncount = 0\n";
 
 /// What a campaign with this engine in place of the stepper finds.
-fn tally(dir: &Path, config: &CampaignConfig, engine: Option<OneEngine>) -> Tally {
+fn tally(dir: &Path, config: &CampaignConfig, engine: Option<OneEngine>) -> CampaignTally {
     let source = source::of(config).expect("what exists");
     let panel = || builtin::panel(&config.engines, 0).expect("the stepper");
     let mut mistaken = panel();
     if let Some(engine) = engine {
         mistaken.engines = vec![Box::new(engine) as Box<dyn Engine>];
     }
-    let narrow = |_: &Finding| -> Panel { panel() };
+    let narrow = |_: &Finding| -> EnginePanel { panel() };
     let campaign = Campaign { config, source: &source, panel: &mistaken, narrow: &narrow, steppers: &[], threads: 0 };
     let identity = source::identity(config).expect("a map");
     let mut journal = Journal::open(dir, identity, Start::Overwrite).expect("a folder");
     campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {}).expect("runs");
-    Tally::read(dir).expect("tables")
+    CampaignTally::read(dir).expect("tables")
 }
 
 #[test]
@@ -56,8 +56,8 @@ fn mistakes_in_the_stepper_fail_and_the_stepper_passes() {
     let config = GateConfig::from_toml(GATE, "gate.toml").expect("good");
     let baseline = config.baseline.as_ref().expect("there is one");
     let clean = tally(dir.path(), &config.campaign, None);
-    let known = Known::of(&clean, baseline);
-    let failed = |tally: &Tally| {
+    let known = KnownFindings::of(&clean, baseline);
+    let failed = |tally: &CampaignTally| {
         let limits = rockproof_gate::limits(&config, ("gate.toml", GATE), "fixed", tally);
         let checks = [limits, known.check("fixed", tally, baseline)];
         checks.map(|checks| checks.iter().filter(|check| check.verdict == Verdict::Fail).count())
@@ -181,8 +181,8 @@ fn what_is_known_may_not_become_more_frequent() {
     let words: Vec<&str> = worse.iter().map(String::as_str).collect();
     let ran = gate(dir, &text(&words), &["--rotating-seed", "7"], false);
     for run in ["fixed", "rotating"] {
-        let told = format!("{run}: more often: mine | engine | missing");
-        assert!(ran.code == 1 && ran.out.contains(&told), "{run}: {}{}", ran.out, ran.err);
+        let message = format!("{run}: more often: mine | engine | missing");
+        assert!(ran.code == 1 && ran.out.contains(&message), "{run}: {}{}", ran.out, ran.err);
     }
     assert!(!ran.out.contains("new: "), "{}", ran.out);
     // What the baseline has never seen fails a rotating campaign only where it is no chance.

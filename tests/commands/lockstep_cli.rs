@@ -35,11 +35,11 @@ block = "slider"
 at = [0.6, 0.6, 0.5]
 "#;
 
-struct Place(tempfile::TempDir);
+struct WorkDir(tempfile::TempDir);
 
-impl Place {
-    fn new() -> Place {
-        let place = Place(tempfile::tempdir().expect("a directory"));
+impl WorkDir {
+    fn new() -> WorkDir {
+        let place = WorkDir(tempfile::tempdir().expect("a directory"));
         fs::write(place.path("slider.toml"), SLIDER).expect("write");
         place
     }
@@ -75,7 +75,7 @@ impl Place {
 
 #[test]
 fn lockstep_writes_the_documented_tables_and_goes_on_to_the_same_bytes() {
-    let place = Place::new();
+    let place = WorkDir::new();
     let asked = ["--engine", "f32", "--lockstep"];
     let (code, said) = place.simulate("whole", &asked);
     assert_eq!(code, 0, "{said}");
@@ -109,7 +109,7 @@ fn lockstep_writes_the_documented_tables_and_goes_on_to_the_same_bytes() {
 
 #[test]
 fn state_files_replay() {
-    let place = Place::new();
+    let place = WorkDir::new();
     // At the incline's edge: the ideal tolerances have crossing edges where territories have vertices.
     let edge =
         SLIDER.replace("min = [0.1, 0.1, 0], max = [1.1, 1.1, 1]", "min = [3.002, 0.1, 0], max = [4.002, 1.1, 1]");
@@ -139,7 +139,7 @@ fn state_files_replay() {
 
 #[test]
 fn the_exact_trajectory_stands_beside_the_stepper_s() {
-    let place = Place::new();
+    let place = WorkDir::new();
     let (code, said) = place.simulate("free", &["--free", "--steps", "3"]);
     assert_eq!(code, 0, "{said}");
     let rows = place.rows("free/free.csv");
@@ -153,7 +153,7 @@ fn the_exact_trajectory_stands_beside_the_stepper_s() {
 
 #[test]
 fn an_exact_run_says_what_it_keeps() {
-    let place = Place::new();
+    let place = WorkDir::new();
     let (code, said) = place.simulate("exact", &["--engine", "exact", "--steps", "2"]);
     assert_eq!(code, 0, "{said}");
     // The model is 16 m long.

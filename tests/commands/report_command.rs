@@ -294,3 +294,30 @@ fn damage_of_a_stress_set_is_named() {
         assert!(code == 2 && err.contains(&format!("{name}: line ")) && err.contains(wanted), "{name}: {err}");
     }
 }
+
+/// The verdict and the rows of the page's table of agreement about an engine that says the same of every pair.
+fn says_always(answer: &str) -> (String, usize) {
+    let dir = tempfile::tempdir().expect("a directory");
+    let out = dir.path().join("run");
+    let out = out.to_str().expect("text");
+    let engine = format!(r#"mine=sed -u -E 's/^."id":([0-9]+),.*/{{"id":\1,{answer}}}/'"#);
+    let campaign = ["campaign", "--pairs", "96", "--family", "face_stack", "--tolerances", "auto", "--out", out];
+    let (code, _, err) = rockproof(&[&campaign[..], &["--engine-command", &engine, "--engine", "mine"]].concat());
+    assert_eq!(code, 0, "{err}");
+    assert_eq!(rockproof(&["report", out]).0, 0);
+    let page = fs::read_to_string(Path::new(out).join("report/report.html")).expect("a page");
+    let table = page.split("id=\"table-agreement\"").nth(1).and_then(|rest| rest.split("</table>").next());
+    let rows = table.expect("a table").matches("<td>mine</td>").count();
+    let (_, verdict, _) = rockproof(&["report", out, "--format", "markdown"]);
+    (verdict.lines().filter(|line| line.starts_with("- ")).collect::<Vec<_>>().join("\n"), rows)
+}
+
+#[test]
+fn a_broken_engine_is_never_called_good() {
+    for answer in [r#""state":"apart""#, r#""contacts":[]"#] {
+        let (verdict, rows) = says_always(answer);
+        assert!(rows > 0, "{answer}: the table of agreement is empty");
+        assert!(verdict.contains("- ❌ mine: ") && verdict.contains("almost surely mistakes"), "{verdict}");
+        assert!(!verdict.contains('✅'), "{verdict}");
+    }
+}

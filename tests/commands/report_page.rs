@@ -47,7 +47,7 @@ fn chromium() -> Option<PathBuf> {
 }
 
 /// What the page looks like in a window of the given width.
-fn look(browser: &Path, dir: &Path, page: &str, width: u32, theme: &str) -> Value {
+fn inspect_page(browser: &Path, dir: &Path, page: &str, width: u32, theme: &str) -> Value {
     let probed = page.replacen("<head>", WATCH, 1);
     let (start, end) = probed.rsplit_once("</body>").expect("a body");
     let file = dir.join("probed.html");
@@ -107,7 +107,7 @@ fn the_page_works_in_a_browser() {
     let page = fs::read_to_string(Path::new(run).join("report/report.html")).expect("a page");
     assert!(page.len() < 8 << 20, "the page has {} bytes", page.len());
     for width in [360, 1600] {
-        let seen = look(&browser, dir.path(), &page, width, "light");
+        let seen = inspect_page(&browser, dir.path(), &page, width, "light");
         let list = |name: &str| seen[name].as_array().unwrap_or_else(|| panic!("{name}: {seen}")).clone();
         assert_eq!(list("errors"), [] as [Value; 0], "{width} px");
         assert_eq!(list("requests"), [] as [Value; 0], "{width} px");

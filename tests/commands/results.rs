@@ -26,11 +26,11 @@ box = { min = [1, 0, 0], max = [2, 1, 1] }
 "#;
 
 /// A folder of its own, with a scene.
-struct Place(tempfile::TempDir);
+struct WorkDir(tempfile::TempDir);
 
-impl Place {
-    fn new() -> Place {
-        let place = Place(tempfile::tempdir().expect("a directory"));
+impl WorkDir {
+    fn new() -> WorkDir {
+        let place = WorkDir(tempfile::tempdir().expect("a directory"));
         fs::write(place.at("model.toml"), SCENE).expect("write");
         place
     }
@@ -82,7 +82,7 @@ fn flip(file: &Path) {
 
 #[test]
 fn other_peoples_files_are_named_and_left_alone() {
-    let place = Place::new();
+    let place = WorkDir::new();
     let simulate = ["simulate", "model.toml", "--steps", "2", "--force"];
     let tune = ["tune", "model.toml", "--candidates", "1", "--steps", "1"];
     let commands: [(&[&str], &str); 5] = [
@@ -127,7 +127,7 @@ fn other_peoples_files_are_named_and_left_alone() {
 
 #[test]
 fn a_second_process_is_told_who_works_there() {
-    let place = Place::new();
+    let place = WorkDir::new();
     let mut first = std::process::Command::new(assert_cmd::cargo::cargo_bin("rockproof"))
         .current_dir(place.0.path())
         .args(["campaign", "--pairs", "100000000", "--out", "run"])
@@ -152,7 +152,7 @@ fn a_second_process_is_told_who_works_there() {
 
 #[test]
 fn what_is_damaged_is_not_gone_on_from() {
-    let place = Place::new();
+    let place = WorkDir::new();
     let campaign = [&SLIVERS[..], &["--out", "campaign"]].concat();
     let run = ["simulate", "model.toml", "--steps", "3", "--force", "--contacts", "--lockstep", "--out", "run"];
     let tune = ["tune", "model.toml", "--candidates", "2", "--steps", "1", "--out", "tune"];
@@ -186,7 +186,7 @@ fn what_is_damaged_is_not_gone_on_from() {
 
 #[test]
 fn progress_beyond_the_plan_is_refused() {
-    let place = Place::new();
+    let place = WorkDir::new();
     let campaign = [&SLIVERS[..], &["--out", "run"]].concat();
     place.works(&campaign);
     let file = place.at("run/progress.json");
@@ -202,7 +202,7 @@ fn progress_beyond_the_plan_is_refused() {
 
 #[test]
 fn a_grid_over_six_tolerances_has_files_of_bounded_names() {
-    let place = Place::new();
+    let place = WorkDir::new();
     let factor = "[\"1234567890123456789/1234567890123456790\"]";
     let axes = ["search", "territory", "penetration", "overlap_sine", "parallel_sine", "equal"];
     let grid: String = axes.iter().map(|axis| format!("{axis} = {factor}\n")).collect();

@@ -1,5 +1,5 @@
-//! Pins the command `simulate`: what it writes, what it refuses and why, that a run killed or interrupted goes on to the
-//! same bytes, and that one which cannot go on says so and keeps its last good state.
+//! Pins the command `simulate`: what it writes, what it refuses and why, that a run killed or interrupted resumes with
+//! byte-identical files, and that one which cannot go on says so and keeps its last good state.
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use std::collections::BTreeMap;
@@ -60,11 +60,11 @@ at = [0.5, 0.5, 0.5]
 table = [[0, 0, 0, 0], [0.1, 0, 0, 0], [0.11, 1e12, 0, 0]]
 "#;
 
-struct Place(tempfile::TempDir);
+struct WorkDir(tempfile::TempDir);
 
-impl Place {
-    fn new() -> Place {
-        Place(tempfile::tempdir().expect("a directory"))
+impl WorkDir {
+    fn new() -> WorkDir {
+        WorkDir(tempfile::tempdir().expect("a directory"))
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -130,7 +130,7 @@ fn rows(path: &Path) -> Vec<BTreeMap<String, String>> {
 
 #[test]
 fn a_run_leaves_tables_pictures_and_what_they_were_made_from() {
-    let place = Place::new();
+    let place = WorkDir::new();
     place.file("fall.toml", FALL);
     let out = place.finishes(&["fall.toml", "--contacts", "--every", "50"]);
     assert!(out.contains("120 steps") && out.contains("written to reports/simulate-fall: steps.csv"), "{out}");
@@ -168,7 +168,7 @@ fn a_run_leaves_tables_pictures_and_what_they_were_made_from() {
 
 #[test]
 fn options_choose_precision_length_and_place() {
-    let place = Place::new();
+    let place = WorkDir::new();
     place.file("fall.toml", FALL);
     let last = |dir: &str| rows(&place.path(dir).join("steps.csv")).pop().expect("a row");
     place.finishes(&["fall.toml", "--steps", "7", "--out", "steps"]);
@@ -206,7 +206,7 @@ fn options_choose_precision_length_and_place() {
 
 #[test]
 fn mistakes_exit_with_2_and_say_where() {
-    let place = Place::new();
+    let place = WorkDir::new();
     place.file("fall.toml", FALL);
     place.file("endless.toml", &FALL.replace("steps = 120\n", ""));
     place.file("wrong.toml", &FALL.replace("settle = 2", "settle = -2"));
@@ -222,7 +222,7 @@ fn mistakes_exit_with_2_and_say_where() {
         (vec!["fall.toml", "--time", "soon"], "above 0"),
         (vec!["fall.toml", "--steps", "-3"], "-3"),
         (vec!["fall.toml", "--every", "0"], "--every"),
-        (vec!["fall.toml", "--engine", "f16"], "f64, f32"),
+        (vec!["fall.toml", "--engine", "f16"], "stepper-f64, stepper-f32"),
         (vec!["fall.toml", "--tolerances", "loose"], "auto, shi, zero"),
         (vec!["fall.toml", "--set", "serch=1"], "serch"),
         (vec!["fall.toml", "--planarity", "-1"], "0 or more"),
@@ -251,7 +251,7 @@ fn mistakes_exit_with_2_and_say_where() {
 
 #[test]
 fn violated_rules_stop_a_run_before_it_begins() {
-    let place = Place::new();
+    let place = WorkDir::new();
     place.file("fall.toml", FALL);
     let loose = ["fall.toml", "--steps", "2", "--set", "search=1/1000", "--out", "out"];
     let (code, out, err) = place.simulate(&loose);
@@ -270,7 +270,7 @@ fn violated_rules_stop_a_run_before_it_begins() {
 
 #[test]
 fn a_killed_run_goes_on_to_the_same_bytes() {
-    let place = Place::new();
+    let place = WorkDir::new();
     place.file("fall.toml", FALL);
     for engine in ["f64", "f32"] {
         let args = |out| ["fall.toml", "--contacts", "--every", "7", "--engine", engine, "--out", out];
@@ -297,7 +297,7 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_ends_in_good_order_and_goes_on() {
-    let place = Place::new();
+    let place = WorkDir::new();
     place.file("fall.toml", FALL);
     let args = |out| ["fall.toml", "--steps", "100000", "--every", "1000", "--out", out];
     let mut child = place.begin(&args("out"));
@@ -318,7 +318,7 @@ fn an_interrupted_run_ends_in_good_order_and_goes_on() {
 
 #[test]
 fn a_run_that_cannot_go_on_says_where_and_keeps_the_last_good_state() {
-    let place = Place::new();
+    let place = WorkDir::new();
     place.file("fast.toml", FAST);
     let (code, out, err) = place.simulate(&["fast.toml", "--out", "out"]);
     assert_eq!(code, 1, "{out}{err}");
@@ -338,7 +338,7 @@ fn a_run_that_cannot_go_on_says_where_and_keeps_the_last_good_state() {
 
 #[test]
 fn help_shows_examples() {
-    let help = Place::new().finishes(&["--help"]);
+    let help = WorkDir::new().finishes(&["--help"]);
     for told in ["rockproof simulate incline.toml --time 0.5", "--resume", "Exit status"] {
         assert!(help.contains(told), "{help}");
     }

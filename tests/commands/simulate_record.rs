@@ -11,10 +11,10 @@ use rockproof_model::{
 use rockproof_results::{ResultsError, Start};
 use rockproof_simulate::identity::identity;
 use rockproof_simulate::run::{Ending, Run, Stepping, headers};
-use rockproof_simulate::{Plan, Record};
+use rockproof_simulate::{Plan, RunRecord};
 use rockproof_stepper::Vector;
 use rockproof_stepper::dynamics::{
-    BlockState, Concerned, ContactState, Mode, Retry, RetryReason, State, StepReport, Stopped,
+    BlockState, ContactState, Mode, ModeChange, Retry, RetryReason, State, StepError, StepReport,
 };
 use std::collections::BTreeMap;
 use std::fs;
@@ -66,18 +66,18 @@ struct StandIn {
 }
 
 impl Stepping<f64> for StandIn {
-    fn step(&mut self) -> Result<StepReport, Stopped> {
+    fn step(&mut self) -> Result<StepReport, StepError> {
         let settling = self.state.settling > 0;
         let step = if settling { 1 - i64::from(self.state.settling) } else { self.state.step as i64 + 1 };
         if step == self.wall {
-            let concerned = Concerned {
+            let concerned = ModeChange {
                 blocks: [0, 1],
                 kind: ContactKind::VertexFace,
                 features: [7, 3],
                 from: Mode::Sliding,
                 to: Mode::Open,
             };
-            return Err(Stopped::NotConverged { step, time_step: 1e-5, contacts: vec![concerned] });
+            return Err(StepError::NotConverged { step, time_step: 1e-5, contacts: vec![concerned] });
         }
         let k = step as f64;
         let moved = Vector::new(0.1 / (k.abs() + 3.0), 1e-3 / 3.0 * (k + 9.0), (k * 0.7).abs().sqrt());
@@ -145,7 +145,7 @@ fn run(dir: &Path, job: Job, stop: &AtomicBool, watch: &mut dyn FnMut(i64)) -> R
     let plan = Plan { steps: Some(job.steps), time: None, smallest_step: 1e-5, every: 4, contacts: true };
     let set = ToleranceSpec::default().derive(&scene.shapes(), rockproof_model::Precision::F64).expect("a set");
     let identity = identity(&scene, &set, "f64", &plan);
-    let (mut record, saved) = Record::open(dir, identity, headers(&plan).expect("headers"), job.start)?;
+    let (mut record, saved) = RunRecord::open(dir, identity, headers(&plan).expect("headers"), job.start)?;
     let begin = begin(&scene, job.settling);
     let state = saved.map_or(begin.clone(), |saved| saved.state().expect("a state"));
     let mut stepping = StandIn { state, wall: job.wall };

@@ -1,4 +1,4 @@
-//! Pins `campaign --stress`: what it writes, that it is a function of seed and pairs alone, and that it goes on to the same bytes.
+//! Pins `campaign --stress`: what it writes, that it is a function of seed and pairs alone, and that it produces byte-identical files.
 
 use assert_cmd::Command;
 use std::fs;

@@ -1,4 +1,4 @@
-//! Pins `tune`: what it says and writes, that it goes on to the same bytes, what it refuses, and that the reference is not stale.
+//! Pins `tune`: what it says and writes, that it produces byte-identical files, what it refuses, and that the reference is not stale.
 
 use assert_cmd::Command;
 use std::collections::HashMap;
@@ -120,6 +120,32 @@ fn tolerances_below_roundoff_are_replaced() {
     assert!(printed.contains("breaks 1 rules"), "{printed}");
 }
 
+/// A block 15 mm in the floor and under an author's set that records overlaps of 5 mm, which meets every rule; `auto` has 20 mm.
+#[test]
+fn a_set_that_loses_a_pair_of_the_model_is_not_recommended_beside_one_that_loses_none() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let (scene, out) = (path(dir.path(), "sunk.toml"), path(dir.path(), "out"));
+    let sunk = SCENE
+        .replace(
+            "preset = \"shi\"\nsearch = 0.01",
+            "preset = \"auto\"\nmax_displacement = 0.005\npenetration = 0.005\nmax_rotation = 0.01",
+        )
+        .replace("min = [0, 0, 0], max = [1, 1, 1]", "min = [0, 0, \"-15/1000\"], max = [1, 1, \"985/1000\"]");
+    fs::write(&scene, sunk).expect("write");
+    let (code, printed, err) = rockproof(&["tune", &scene, "--candidates", "6", "--steps", "4", "--out", &out]);
+    assert!(code == 0 || code == 1, "{err}");
+    let rows = rows(&out);
+    let best = best(&rows);
+    assert!(rows[0]["violated"].is_empty() && rows[0]["lost_pairs"] == "1", "{:?}", rows[0]);
+    assert_eq!(best["lost_pairs"], "0", "{best:?}");
+    assert!(printed.contains("Overlaps of the model: 1, each seen by a contact"), "{printed}");
+    assert!(printed.contains("- leaves overlaps of the model too deep or unseen: 1, instead of 0"), "{printed}");
+    // Where every candidate loses it, that is said.
+    let alone = path(dir.path(), "alone");
+    let (code, printed, err) = rockproof(&["tune", &scene, "--candidates", "1", "--steps", "4", "--out", &alone]);
+    assert!(code == 1 && printed.contains("Overlaps of the model: 1, of which 1 are deeper"), "{printed}{err}");
+}
+
 #[test]
 fn bad_input_exits_with_2() {
     let dir = tempfile::tempdir().expect("a directory");
@@ -134,7 +160,7 @@ fn bad_input_exits_with_2() {
         (&[&scene, "--candidates", "0"], "--candidates"),
         (&[&scene, "--budget", "x"], "--budget"),
         (&[&scene, "--steps", "0"], "--steps"),
-        (&[&scene, "--engine", "f16"], "f32 and f64"),
+        (&[&scene, "--engine", "f16"], "stepper-f32 and stepper-f64"),
         (&[&scene, "--set", "search=-1"], "search"),
         (&[&scene, "--tolerances", "nothing"], "nothing"),
     ];

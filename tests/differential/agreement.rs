@@ -10,9 +10,9 @@
 use rockproof_campaign::pairs::{PairConfig, batch};
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use rockproof_oracle::rational::Rational;
-use rockproof_oracle::{LevelCounts, Pair, Solid, plain};
-use rockproof_stepper::contact::Spec;
-use rockproof_stepper::wide;
+use rockproof_oracle::{LevelCounts, Pair, PreparedBlock, plain};
+use rockproof_stepper::contact::SpecRules;
+use rockproof_stepper::engine::wide_contacts;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Write;
@@ -62,8 +62,8 @@ fn plain_contacts<Q: Rational>(a: &Block, b: &Block, t: &ToleranceSet) -> Vec<Co
 
 fn compare(a: &Block, b: &Block, t: &ToleranceSet, name: &str, pure: bool, tally: &mut Tally) {
     // A block that rounding collapsed is no block; campaigns report it as such.
-    let Ok((wide, unsettled)) = wide::classify::<Spec>(a, b, t) else { return };
-    let (solid_a, solid_b) = (Solid::new(a), Solid::new(b));
+    let Ok((wide, unsettled)) = wide_contacts::<SpecRules>(a, b, t) else { return };
+    let (solid_a, solid_b) = (PreparedBlock::new(a), PreparedBlock::new(b));
     let answer = Pair::new(&solid_a, &solid_b).classify(t);
     let fast = answer.contacts;
     if pure {

@@ -9,20 +9,20 @@ use crate::mistakes::Mistaken;
 use rayon::prelude::*;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::source::{self, FamilySource};
-use rockproof_differential::attribution::{Panel, examine};
-use rockproof_differential::builtin::{self, Exact};
+use rockproof_differential::attribution::{EnginePanel, examine};
+use rockproof_differential::builtin::{self, BuiltinOracle};
 use rockproof_differential::engine::Engine;
 use rockproof_differential::finding::{Cause, Finding};
-use rockproof_differential::subject::{Source, Subject};
+use rockproof_differential::subject::{PairSource, Subject};
 use rockproof_model::{Block, Contact, Precision};
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::{Classifier, Stepper};
 
 /// Pairs looked at: a fraction of the default campaign's.
 const PAIRS: u64 = if cfg!(debug_assertions) { 512 } else { 65_536 };
 
 /// Pairs looked at for what the default campaign's did not show: bases that are not perturbed, which hold more ties.
-const UNSHAKEN: u64 = 8_192;
+const UNPERTURBED: u64 = 8_192;
 
 /// How many mistakes may be left to them.
 const MOST_LEFT: usize = 8;
@@ -53,7 +53,7 @@ fn default_source() -> FamilySource {
 /// The first defect that a campaign with this engine alone reports for the pair.
 fn defect(subject: &Subject, name: &'static str, engine: Mistaken) -> Option<Finding> {
     let engines: Vec<Box<dyn Engine>> = vec![Box::new(OneEngine(name, engine))];
-    let panel = Panel { oracle: Box::new(Exact), engines, metamorphic_every: 0 };
+    let panel = EnginePanel { oracle: Box::new(BuiltinOracle), engines, metamorphic_every: 0 };
     examine(subject, &panel).findings.into_iter().find(|f| f.cause == Cause::Defect)
 }
 
@@ -69,17 +69,17 @@ struct Spectrum(Vec<Option<Vec<Contact>>>);
 
 impl Spectrum {
     fn of(subject: &Subject, [a, b]: &[Block; 2]) -> Spectrum {
-        let spec = Stepper::<Spec>::new();
+        let spec = Stepper::<SpecRules>::new();
         Spectrum(subject.sets.iter().map(|set| spec.f64(a, b, &set.f64).ok()).collect())
     }
 }
 
 /// Looks at one batch: the defects of the mistakes still sought, by their place in the list, and those of the stepper.
-fn look(
+fn finding_of(
     source: &FamilySource,
     batch: u64,
     list: &[Sought],
-    right: &Panel,
+    right: &EnginePanel,
 ) -> (Vec<(usize, u64, Finding)>, Vec<Finding>) {
     let mut found: Vec<(usize, u64, Finding)> = Vec::new();
     let mut wrong = Vec::new();
@@ -113,7 +113,7 @@ fn search(list: &mut [Sought], source: &FamilySource, pairs: u64) {
             break;
         }
         let numbers: Vec<u64> = (chunk * CHUNK..((chunk + 1) * CHUNK).min(batches)).collect();
-        let results: Vec<_> = numbers.par_iter().map(|&batch| look(source, batch, list, &right)).collect();
+        let results: Vec<_> = numbers.par_iter().map(|&batch| finding_of(source, batch, list, &right)).collect();
         for (found, wrong) in results {
             assert!(wrong.is_empty(), "the stepper itself has a defect: {:?}", wrong[0]);
             for (number, index, finding) in found {
@@ -146,7 +146,7 @@ fn campaigns_find_every_mistake() {
     }
     // What shows at one rare tie only is looked for where ties are many.
     assert!(ties.len() <= MOST_LEFT, "in {PAIRS} pairs too few are found; missed are {ties:#?}");
-    search(&mut list, &default_source().unshaken(), UNSHAKEN);
+    search(&mut list, &default_source().unperturbed(), UNPERTURBED);
     for mistake in list.iter().filter(|m| ties.contains(&m.name)) {
         if let Some((index, f)) = &mistake.found {
             println!("{index:6}  {:60} {} {} {}, unshaken", mistake.name, f.family, f.form, f.set);
@@ -154,5 +154,5 @@ fn campaigns_find_every_mistake() {
     }
     let mut missed = missed(&list);
     missed.retain(|name| !BY_HAND.contains(name));
-    assert!(missed.is_empty(), "nor in {UNSHAKEN} unshaken pairs: {missed:#?}");
+    assert!(missed.is_empty(), "nor in {UNPERTURBED} unshaken pairs: {missed:#?}");
 }

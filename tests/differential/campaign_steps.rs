@@ -6,17 +6,17 @@ use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::source::{self, FamilySource};
-use rockproof_campaign::steps::summary::Counts;
-use rockproof_campaign::steps::{self, Examined, StepEngine, StepperSteps, examine, examine_all};
+use rockproof_campaign::steps::summary::StepCounts;
+use rockproof_campaign::steps::{self, StepEngine, StepExamination, StepperStepEngine, examine, examine_all};
 use rockproof_differential::builtin;
 use rockproof_differential::finding::{Cause, Finding};
 use rockproof_differential::lockstep::case_file::{Expected, StepCase};
-use rockproof_differential::lockstep::{Links, Lockstep};
+use rockproof_differential::lockstep::{ComparedLinks, Lockstep};
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{Source, Subject};
+use rockproof_differential::subject::{PairSource, Subject};
 use rockproof_model::Precision;
 use rockproof_results::Start;
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, RetryReason, State, StepRules};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -46,7 +46,7 @@ fn motions_reach_what_steps_can_do() {
     let unequal =
         CampaignConfig { families: vec!["size_ratio".to_owned()], steps_every: 4, ..CampaignConfig::default() };
     pairs.extend(moving(&source_of(&unequal), 0..12));
-    let engine = StepperSteps::<f64, Spec>::f64("stepper-f64");
+    let engine = StepperStepEngine::<f64, SpecRules>::f64("stepper-f64");
     let (mut reasons, mut most) = (BTreeMap::new(), 0);
     for (subject, motion) in &pairs {
         for made in engine.steps(subject, &subject.sets[0], motion).unwrap_or_default() {
@@ -58,12 +58,12 @@ fn motions_reach_what_steps_can_do() {
             }
         }
     }
-    let mut all = Examined::default();
+    let mut all = StepExamination::default();
     let engines: Vec<Box<dyn StepEngine>> = vec![Box::new(engine)];
     pairs.iter().for_each(|(subject, motion)| examine(subject, motion, &engines, &mut all));
     let counts = all.summary.by_engine()["stepper-f64"];
     println!("{counts:?}\nat most {most} solves; attempts given up: {reasons:?}");
-    let Counts { open, sliding, locked, turning, iterated, retried, .. } = counts;
+    let StepCounts { open, sliding, locked, turning, iterated, retried, .. } = counts;
     for (what, count) in [
         ("open", open),
         ("sliding", sliding),
@@ -169,9 +169,13 @@ fn the_same_bytes_however_it_runs_and_the_same_classification_without() {
 
 fn again<R: rockproof_stepper::dynamics::Solve>(case: &StepCase) -> Expected {
     let (scene, set) = case.scene().unwrap();
-    let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, case.precision().unwrap(), Links::Arithmetic).unwrap();
+    let mut lockstep =
+        Lockstep::<R, SpecRules>::new(&scene, &set, case.precision().unwrap(), ComparedLinks::Arithmetic).unwrap();
+    if case.expected.intrusions.is_some() {
+        lockstep = lockstep.watching();
+    }
     lockstep.restore(case.state.state().unwrap()).unwrap();
-    Expected::of(lockstep.step().1.oracle.as_ref().unwrap())
+    Expected::of_step(&lockstep.step().1).unwrap()
 }
 
 /// The states after each step, by the rules M.
@@ -186,13 +190,14 @@ fn states<M: StepRules>(subject: &Subject, motion: &PairMotion, set: usize) -> V
 fn found(config: &CampaignConfig, batches: u64) -> (Vec<(u64, &'static str, String)>, Vec<&'static str>) {
     let _alone = crate::step_mistakes::PLANTING.lock();
     let source = source_of(config);
-    let engines: Vec<Box<dyn StepEngine>> = vec![Box::new(StepperSteps::<f64, Mistaken>::f64("stepper-f64"))];
+    let engines: Vec<Box<dyn StepEngine>> = vec![Box::new(StepperStepEngine::<f64, Mistaken>::f64("stepper-f64"))];
     let mut sought: Vec<(Mistake, &'static str)> =
         ALL.iter().copied().filter(|(m, _)| *m != Mistake::Nothing).collect();
     let mut found = Vec::new();
     for number in 0..batches {
         for (subject, motion) in moving(&source, number..number + 1) {
-            let right: Vec<_> = (0..subject.sets.len()).map(|set| states::<Spec>(&subject, &motion, set)).collect();
+            let right: Vec<_> =
+                (0..subject.sets.len()).map(|set| states::<SpecRules>(&subject, &motion, set)).collect();
             sought.retain(|&(mistake, what)| {
                 plant(mistake);
                 // Only where the mistake changes the stepper's step is it worth an exact one.
@@ -202,7 +207,7 @@ fn found(config: &CampaignConfig, batches: u64) -> (Vec<(u64, &'static str, Stri
                 let examined = examine_all(&[(&subject, motion.clone())], &engines);
                 let defects: u64 = examined.summary.by_engine().values().map(|counts| counts.defect).sum();
                 if defects > 0 {
-                    let change = examined.findings.iter().find(|finding| finding.cause == Cause::Defect);
+                    let change = examined.findings.iter().find(|finding| finding.cause == Cause::Defect.into());
                     let change = change.map_or("contacts", |finding| finding.change.name());
                     found.push((subject.index, what, format!("{change} in {} {}", subject.family, subject.form)));
                 }

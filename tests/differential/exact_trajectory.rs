@@ -7,7 +7,7 @@ use rockproof_differential::lockstep::Trajectory;
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::simulation::{Material, PointLoad};
 use rockproof_model::{Block, Motion, Number, Point, Scene, Vec3};
-use rockproof_oracle::step::{ContactMemory, Keep, Mode};
+use rockproof_oracle::step::{ContactMemory, KeptPrecision, Mode};
 
 fn q(text: &str) -> BigRational {
     n(text).to_rational()
@@ -45,7 +45,7 @@ fn load(block: usize, at: Point, force: [Number; 3]) -> PointLoad {
 }
 
 fn trajectory(scene: &Scene) -> Trajectory {
-    Trajectory::new(scene, &tolerances(), Keep::Exact)
+    Trajectory::new(scene, &tolerances(), KeptPrecision::Exact)
 }
 
 #[test]

@@ -9,10 +9,10 @@ use rand_chacha::rand_core::SeedableRng;
 use rockproof_campaign::directed::{CHOSEN, MOVED, Rung};
 use rockproof_campaign::families::{self, Family};
 use rockproof_campaign::ladder::TOLERANCES;
-use rockproof_campaign::pairs::{BATCH, Form, PairCase, PairConfig, SetSource, batch};
+use rockproof_campaign::pairs::{BATCH, PairCase, PairConfig, PairForm, SetSource, batch};
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Block, BlockOptions, ContactKind, Criteria, Number, Precision, Sign};
-use rockproof_oracle::{Pair, Solid};
+use rockproof_oracle::{Pair, PreparedBlock};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ fn every_family_yields_canonical_blocks() {
 
 #[test]
 fn a_pair_depends_on_seed_and_index_alone() {
-    let config = unshaken();
+    let config = unperturbed();
     let forwards: Vec<Vec<PairCase>> = (0..60).map(|k| batch(3, k, &config)).collect();
     let mut backwards: Vec<Vec<PairCase>> = (0..60).rev().map(|k| batch(3, k, &config)).collect();
     backwards.reverse();
@@ -47,7 +47,7 @@ fn a_pair_depends_on_seed_and_index_alone() {
     for (k, cases) in forwards.iter().enumerate() {
         let indices: Vec<u64> = cases.iter().map(|c| c.index).collect();
         assert_eq!(indices, (k as u64 * BATCH..(k as u64 + 1) * BATCH).collect::<Vec<_>>());
-        assert_eq!(cases[0].form, Form::Base);
+        assert_eq!(cases[0].form, PairForm::Base);
         assert!(cases.iter().all(|c| !c.sets.is_empty()));
     }
 }
@@ -57,7 +57,7 @@ fn a_pair_depends_on_seed_and_index_alone() {
 #[test]
 fn the_first_pairs_are_pinned() {
     let sets = [Criteria::Revised, Criteria::Classic].map(SetSource::dyadic).to_vec();
-    let config = PairConfig { sets, ..unshaken() };
+    let config = PairConfig { sets, ..unperturbed() };
     // FNV-1a, 64 bits.
     let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
     let mut eat = |text: String| text.bytes().for_each(|b| hash = (hash ^ u64::from(b)).wrapping_mul(0x100_0000_01b3));
@@ -95,14 +95,14 @@ impl Hits {
 /// Runs the default configuration and evaluates each margin anew.
 #[test]
 fn aims_hit_and_ladders_turn_where_they_say() {
-    let config = unshaken();
+    let config = unperturbed();
     let mut by_predicate: BTreeMap<Predicate, Hits> = BTreeMap::new();
     let mut by_tolerance: BTreeMap<&str, Hits> = BTreeMap::new();
     let mut wrong = Vec::new();
     for k in 0..1800 {
         for case in batch(11, k, &config) {
             let Some(decision) = case.form.decision() else { continue };
-            if let Form::Ladder { tolerance, .. } = case.form {
+            if let PairForm::Ladder { tolerance, .. } = case.form {
                 by_tolerance.entry(tolerance).or_default().add(case.margin);
             }
             by_predicate.entry(decision.predicate).or_default().add(case.margin);
@@ -135,7 +135,7 @@ fn aims_hit_and_ladders_turn_where_they_say() {
 /// Ties must survive rounding to be seen by a float engine: exact rungs whose blocks and tolerances f32 holds.
 #[test]
 fn ties_that_f32_holds_are_frequent() {
-    let config = unshaken();
+    let config = unperturbed();
     let mut held: BTreeMap<Predicate, u32> = BTreeMap::new();
     for k in 0..1800 {
         for case in batch(5, k, &config) {
@@ -169,7 +169,7 @@ fn the_oracle_sees_the_kinds_and_the_aims() {
         let mut kinds: BTreeMap<ContactKind, u32> = BTreeMap::new();
         let config = only(family);
         for case in (0..80).flat_map(|k| batch(21, k, &config)) {
-            let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
+            let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
             let pair = Pair::new(&a, &b);
             let set = case.sets[0].of(case.aimed_for);
             let contacts = pair.classify(set).contacts;
@@ -285,15 +285,15 @@ fn speed() {
 
 #[test]
 fn exact_rungs_are_named_so() {
-    let config = unshaken();
+    let config = unperturbed();
     for case in (0..200).flat_map(|k| batch(2, k, &config)) {
-        if let Form::Directed { rung: Rung::Exact, .. } | Form::Ladder { rung: Rung::Exact, .. } = case.form {
+        if let PairForm::Directed { rung: Rung::Exact, .. } | PairForm::Ladder { rung: Rung::Exact, .. } = case.form {
             assert_eq!(case.margin, Some(Sign::Zero), "{}", case.index);
         }
     }
 }
 
 /// The default, with every base left on its ties.
-fn unshaken() -> PairConfig {
-    PairConfig { shaken_percent: 0, ..PairConfig::default() }
+fn unperturbed() -> PairConfig {
+    PairConfig { perturbed_percent: 0, ..PairConfig::default() }
 }

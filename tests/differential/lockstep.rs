@@ -1,15 +1,15 @@
 //! The stepper's code in 512 bits beside the oracle, on the scenes of cases/handmade: contacts, modes after each solve, number of
 //! solves and retries of every step must be the same, from the same state; exact ties aside, which are counted.
 
-use rockproof_differential::lockstep::answer::{Answer, compare};
-use rockproof_differential::lockstep::errors::{anchor_error, largest_distance, velocity_error};
+use rockproof_differential::lockstep::answer::{StepDecisions, compare};
 use rockproof_differential::lockstep::run::KEEP;
 use rockproof_differential::lockstep::scene::ExactScene;
 use rockproof_differential::lockstep::state::{converted, exact_state};
+use rockproof_differential::lockstep::state_errors::{anchor_error, largest_distance, velocity_error};
 use rockproof_differential::lockstep::wide::WideStepper;
 use rockproof_model::{Precision, Scene};
 use rockproof_oracle::step as exact;
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, State};
 use std::path::PathBuf;
 
@@ -41,7 +41,7 @@ struct Ties {
 /// Runs a scene in 512 bits, each state rounded to f64, beside the oracle.
 fn agree(name: &str, scene: &ExactScene, steps: usize) -> Ties {
     let mut state: State<f64> = Dynamics::<f64>::new(scene.scene(), scene.tolerances()).unwrap().state().clone();
-    let mut wide = WideStepper::<Spec>::new(scene).unwrap();
+    let mut wide = WideStepper::<SpecRules>::new(scene).unwrap();
     let shapes = scene.scene().shapes();
     let mut ties = Ties::default();
     for _ in 0..steps {
@@ -53,7 +53,7 @@ fn agree(name: &str, scene: &ExactScene, steps: usize) -> Ties {
             (Ok(exact), Ok(stepped)) => (exact, stepped),
             (exact, stepped) => panic!("{name}, step {number}: {:?}, {:?}", exact.err(), stepped.err()),
         };
-        let found = compare(&Answer::of_oracle(&exact), &answer, &shapes);
+        let found = compare(&StepDecisions::of_oracle(&exact), &answer, &shapes);
         let own = exact_state(&after).unwrap();
         if found.is_empty() {
             same_state(&format!("{name}, step {number}"), &own, &exact.state);

@@ -3,14 +3,14 @@
 //!     RENEW=1 cargo test --release --test differential lockstep_table -- --ignored --nocapture
 
 use rockproof_differential::lockstep::table::CAUSES;
-use rockproof_differential::lockstep::{Compared, Links, Lockstep};
+use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, Lockstep};
 use rockproof_model::{Precision, Scene};
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::Solve;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-const BEGIN: &str = "<!-- lockstep table: renewed by tests/lockstep_table.rs -->\n";
+const BEGIN: &str = "<!-- lockstep table: renewed by tests/differential/lockstep_table.rs -->\n";
 const END: &str = "<!-- end of lockstep table -->\n";
 
 /// What a run in lockstep comes to.
@@ -30,7 +30,7 @@ struct Sum {
 const EFFECTS: [&str; 4] = ["none", "classification", "iteration", "arithmetic"];
 
 impl Sum {
-    fn add(&mut self, step: &Compared) {
+    fn add(&mut self, step: &ComparedStep) {
         self.steps += 1;
         self.differing += usize::from(step.differs());
         for (sum, cause) in self.causes.iter_mut().zip(CAUSES) {
@@ -79,7 +79,7 @@ fn run<R: Solve>(path: &Path, precision: Precision) -> Sum {
     let mut scene = Scene::load(path).unwrap();
     let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), precision).unwrap();
     scene.derive_stiffness(&set);
-    let mut lockstep = Lockstep::<R, Spec>::new(&scene, &set, precision, Links::All).unwrap();
+    let mut lockstep = Lockstep::<R, SpecRules>::new(&scene, &set, precision, ComparedLinks::All).unwrap();
     let mut sum = Sum::default();
     for _ in 0..STEPS {
         let (made, compared) = lockstep.step();

@@ -1,13 +1,13 @@
 //! Stepper, oracle and engines side by side: agreement, causes, families, lockstep, and planted mistakes that must be found.
 
-#[path = "../support/beside.rs"]
-mod beside;
 #[path = "../support/boxes.rs"]
 mod boxes;
 #[path = "../support/mistaken_engine.rs"]
 mod mistaken_engine;
 #[path = "../../crates/stepper/tests/support/mistakes.rs"]
 mod mistakes;
+#[path = "../support/side_by_side_step.rs"]
+mod side_by_side_step;
 #[path = "../../crates/stepper/tests/support/step_mistakes.rs"]
 mod step_mistakes;
 
@@ -19,4 +19,5 @@ mod exact_trajectory;
 mod families;
 mod lockstep;
 mod lockstep_table;
+mod passages;
 mod planted_step_mistakes;

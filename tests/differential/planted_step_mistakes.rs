@@ -1,9 +1,9 @@
 //! Deliberate mistakes in the stepper's open–close iteration and step control, one at a time: each is found by comparing
 //! its steps with the oracle's on a few scenes, and without a mistake no step differs.
 
-use crate::beside::first_difference;
+use crate::side_by_side_step::first_difference;
 use crate::step_mistakes::{ALL, Mistake, Mistaken, PLANTING, plant};
-use rockproof_model::scene::{Format, SceneBlock};
+use rockproof_model::scene::{SceneBlock, SceneFormat};
 use rockproof_model::simulation::{PointLoad, Unconverged};
 use rockproof_model::{Block, Criteria, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
 
@@ -178,7 +178,7 @@ fn golden(name: &'static str, steps: u32) -> Case {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/golden_steps.json");
     let scenes: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
     let found = scenes.as_array().unwrap().iter().find(|scene| scene["name"] == name).unwrap();
-    let scene = Scene::parse(found["scene"].as_str().unwrap(), Format::Toml, file.as_ref()).unwrap();
+    let scene = Scene::parse(found["scene"].as_str().unwrap(), SceneFormat::Toml, file.as_ref()).unwrap();
     let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), Precision::F64).unwrap();
     Case { name, scene, set, steps }
 }

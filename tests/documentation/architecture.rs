@@ -29,7 +29,7 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 13] = [
     ("gate", &["model", "differential", "campaign", "results"]),
     ("tune", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
     ("bench", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
-    ("report", &["model", "oracle", "differential", "campaign", "results"]),
+    ("report", &["model", "oracle", "simulate", "differential", "campaign", "results"]),
     // The stepper against closed forms; what those say needs no oracle.
     ("validation", &["model", "simulate", "stepper"]),
     (

@@ -11,12 +11,13 @@ use std::path::Path;
 use std::process::Command;
 
 /// Beginnings of commands that are not run, and why.
-const NOT_RUN: [(&str, &str); 8] = [
+const NOT_RUN: [(&str, &str); 9] = [
     ("cargo test", "it is the test, or one of hours; `.ci/run` has `cargo test --release`"),
     ("cargo install", "it builds the program anew; `.ci/run` builds it"),
     ("cargo build --release --locked --manifest-path examples/other_codes/parry", "minutes; `.ci/run` has it"),
     ("cargo run --release -p rockproof-validation", "minutes; the tests of that crate hold what it finds"),
-    ("mdbook", "a tool that neither the program nor its tests need; tests/book.rs checks what it would"),
+    ("mdbook", "a tool that neither the program nor its tests need; tests/documentation/book.rs checks what it would"),
+    ("sbatch", "a cluster; docs/scale.md runs the script itself without one"),
     ("pip install", "other people's codes, of hundreds of megabytes"),
     ("cargo run --release --features gmp", "GMP builds for minutes; `.ci/run` tests with it"),
     ("ROCKPROOF_", "settings of tests that take hours; docs/validation.md says when they were run"),
@@ -130,7 +131,7 @@ fn alike(shown: &[String], found: &[String]) -> bool {
 /// A folder to run in, with the files that commands name and the program.
 fn workplace() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["cases", "examples/engines"] {
+    for name in ["cases", "examples/engines", "examples/scale"] {
         copy(&root().join(name), &folder.path().join(name));
     }
     fs::create_dir(folder.path().join("bin")).unwrap();
@@ -251,6 +252,36 @@ fn no_command_escapes() {
     for name in names.iter().filter(|name| !["", "help"].contains(name)) {
         assert!(all.contains(&format!("\n$ rockproof {name} ")), "no page runs `rockproof {name}`");
     }
+}
+
+/// The directories that a command leaves results in, to be refused by the next one that would.
+fn directory(command: &str) -> Option<String> {
+    let words: Vec<&str> = command.strip_prefix("rockproof ")?.split_whitespace().collect();
+    let after = |flag: &str| words.iter().position(|word| *word == flag).and_then(|at| words.get(at + 1)).copied();
+    let again = words.iter().any(|word| matches!(*word, "--overwrite" | "--resume" | "markdown"));
+    let stem = |file: &str| Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let default = match *words.first()? {
+        "campaign" => format!("reports/campaign-{}", after("--seed").unwrap_or("1")),
+        what @ ("simulate" | "tune") => format!("reports/{what}-{}", stem(words.get(1)?)?),
+        "report" => format!("{}/report", words.get(1)?),
+        _ => return None,
+    };
+    (!again).then(|| after("--out").map_or(default, str::to_owned))
+}
+
+#[test]
+fn pages_of_the_book_can_be_followed_one_after_another() {
+    let mut taken: std::collections::BTreeMap<String, String> = std::collections::BTreeMap::new();
+    for page in pages().into_iter().filter(|page| page.starts_with("docs/")) {
+        for command in shown(&read(&page)) {
+            let command = command.command.replace("cargo run --release -- ", "rockproof ");
+            let Some(directory) = directory(&command).filter(|_| not_run(&command).is_none()) else { continue };
+            if let Some(other) = taken.insert(directory.clone(), page.clone()) {
+                panic!("{other} and {page} both leave results in {directory}: the second is refused");
+            }
+        }
+    }
+    assert!(taken.len() > 12, "{taken:?}");
 }
 
 #[test]

@@ -118,7 +118,8 @@ pub fn exact_stepping(name: &str, scene: &Scene, steps: u32) -> Result<ExactCost
         let state = state?;
         let (certified, seconds) = timed(|| exact::certified_step(&model, &state));
         if let Ok(certified) = certified {
-            let (_, with_state) = timed(|| exact::exact_step(&model, &state, exact::Keep::Grid { exponent: 80 }));
+            let (_, with_state) =
+                timed(|| exact::exact_step(&model, &state, exact::KeptPrecision::Grid { exponent: 80 }));
             iterations += certified.modes.len() - 1;
             made += 1;
             add(&mut levels, &certified.levels);

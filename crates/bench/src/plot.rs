@@ -6,22 +6,22 @@ use std::ops::Range;
 
 /// An axis.
 #[derive(Clone, Debug)]
-pub struct Axis {
+pub struct PlotAxis {
     /// What it shows, with its unit.
     pub label: String,
     /// Whether it is logarithmic. Values of 0 and below then lie at its lower end.
     pub log: bool,
 }
 
-impl Axis {
+impl PlotAxis {
     /// A linear axis.
-    pub fn linear(label: impl Into<String>) -> Axis {
-        Axis { label: label.into(), log: false }
+    pub fn linear(label: impl Into<String>) -> PlotAxis {
+        PlotAxis { label: label.into(), log: false }
     }
 
     /// A logarithmic axis.
-    pub fn log(label: impl Into<String>) -> Axis {
-        Axis { label: label.into(), log: true }
+    pub fn log(label: impl Into<String>) -> PlotAxis {
+        PlotAxis { label: label.into(), log: true }
     }
 }
 
@@ -60,13 +60,13 @@ pub struct Series {
 
 /// A chart.
 #[derive(Clone, Debug)]
-pub struct Chart {
+pub struct Plot {
     /// Its title.
     pub title: String,
     /// The axis to the right.
-    pub x: Axis,
+    pub x: PlotAxis,
     /// The axis upwards.
-    pub y: Axis,
+    pub y: PlotAxis,
     /// What it shows.
     pub series: Vec<Series>,
     /// Where the legend is.
@@ -100,7 +100,7 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(90, 90, 90),
 ];
 
-impl Chart {
+impl Plot {
     /// The chart as an SVG text.
     ///
     /// # Errors
@@ -189,7 +189,7 @@ struct Scale {
 }
 
 impl Scale {
-    fn of(chart: &Chart, axis: usize) -> Option<Scale> {
+    fn of(chart: &Plot, axis: usize) -> Option<Scale> {
         let log = if axis == 0 { chart.x.log } else { chart.y.log };
         let values = || {
             let ends = |s: &Series| if axis == 1 { s.intervals.concat() } else { Vec::new() };
@@ -243,11 +243,11 @@ impl Scale {
 mod tests {
     use super::*;
 
-    fn chart(points: Vec<[f64; 2]>) -> Chart {
+    fn chart(points: Vec<[f64; 2]>) -> Plot {
         let intervals = points.iter().map(|p| [p[1] / 2.0, p[1] * 2.0]).collect();
         let series = vec![Series { name: "one & all".to_owned(), points, intervals, marks: Marks::Joined }];
-        let (x, y, legend) = (Axis::log("x (m)"), Axis::linear("y"), Legend::Inside);
-        Chart { title: "A title".to_owned(), x, y, series, legend }
+        let (x, y, legend) = (PlotAxis::log("x (m)"), PlotAxis::linear("y"), Legend::Inside);
+        Plot { title: "A title".to_owned(), x, y, series, legend }
     }
 
     #[test]

@@ -1,32 +1,32 @@
 //! The pairs that are timed.
 
 use rockproof_campaign::generic::Generic;
-use rockproof_campaign::pairs::{self, Form, PairCase, PairConfig};
-use rockproof_campaign::sets::NamedSet;
+use rockproof_campaign::pairs::{self, PairCase, PairConfig, PairForm};
 use rockproof_campaign::source::{self, SourceError};
+use rockproof_campaign::tolerance_sets::NamedSet;
 use rockproof_model::{Block, ToleranceSet};
 use rockproof_oracle::{self, LevelCounts, Pair};
-use rockproof_stepper::contact::{Solid, Tolerances};
+use rockproof_stepper::contact::{PreparedBlock, Tolerances};
 use std::sync::Arc;
 
 /// Which pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sort {
+pub enum SampleKind {
     /// The pairs of [`Generic`], as generated and moved at random.
     Generic,
     /// Pairs that the campaign moved, or whose tolerances it chose, to be at or near the boundary of a decision.
     Directed,
 }
 
-impl Sort {
+impl SampleKind {
     /// Both.
-    pub const ALL: [Sort; 2] = [Sort::Generic, Sort::Directed];
+    pub const ALL: [SampleKind; 2] = [SampleKind::Generic, SampleKind::Directed];
 
     /// `generic` or `directed`.
     pub fn name(self) -> &'static str {
         match self {
-            Sort::Generic => "generic",
-            Sort::Directed => "directed",
+            SampleKind::Generic => "generic",
+            SampleKind::Directed => "directed",
         }
     }
 
@@ -35,34 +35,38 @@ impl Sort {
     /// # Errors
     /// When a default set does not exist.
     pub fn config(self) -> Result<PairConfig, SourceError> {
-        let sets =
-            rockproof_campaign::sets::NAMES.into_iter().map(source::set_source).collect::<Result<Vec<_>, _>>()?;
+        let sets = rockproof_campaign::tolerance_sets::NAMES
+            .into_iter()
+            .map(source::set_source)
+            .collect::<Result<Vec<_>, _>>()?;
         let sets_per_batch = sets.len().min(3);
         let config = PairConfig { sets, sets_per_batch, ..PairConfig::default() };
         Ok(match self {
-            Sort::Generic => PairConfig {
+            SampleKind::Generic => PairConfig {
                 families: vec![Arc::new(Generic::default())],
                 directed_percent: 0,
                 ladder_percent: 0,
                 // These have their last bits moved already; shaking would make their coordinates longer than f64 holds.
-                shaken_percent: 0,
+                perturbed_percent: 0,
                 ..config
             },
             // Onto the boundary itself as well as beside it.
-            Sort::Directed => PairConfig { directed_percent: 67, ladder_percent: 33, shaken_percent: 0, ..config },
+            SampleKind::Directed => {
+                PairConfig { directed_percent: 67, ladder_percent: 33, perturbed_percent: 0, ..config }
+            }
         })
     }
 
-    fn takes(self, form: &Form) -> bool {
+    fn takes(self, form: &PairForm) -> bool {
         match self {
-            Sort::Generic => matches!(form, Form::Base | Form::Moved),
-            Sort::Directed => matches!(form, Form::Directed { .. } | Form::Ladder { .. }),
+            SampleKind::Generic => matches!(form, PairForm::Base | PairForm::Moved),
+            SampleKind::Directed => matches!(form, PairForm::Directed { .. } | PairForm::Ladder { .. }),
         }
     }
 }
 
-/// A pair with everything the contestants need.
-pub struct Ready {
+/// A pair with everything the entries need.
+pub struct PreparedPair {
     /// The first block.
     pub a: Block,
     /// The second block.
@@ -72,25 +76,25 @@ pub struct Ready {
     /// The tolerances for f32, exact.
     pub tolerances_f32: ToleranceSet,
     /// The blocks in the stepper in f32, and the tolerances rounded.
-    pub f32: ([Solid<f32>; 2], Tolerances<f32>),
+    pub f32: ([PreparedBlock<f32>; 2], Tolerances<f32>),
     /// The blocks in the stepper in f64, and the tolerances rounded.
-    pub f64: ([Solid<f64>; 2], Tolerances<f64>),
+    pub f64: ([PreparedBlock<f64>; 2], Tolerances<f64>),
     /// The blocks in the oracle.
-    pub exact: [rockproof_oracle::Solid; 2],
+    pub exact: [rockproof_oracle::PreparedBlock; 2],
 }
 
-impl Ready {
+impl PreparedPair {
     /// `None` where rounding destroys a block, or where the boxes are out of reach, so that there is nothing to classify.
-    fn new(case: PairCase) -> Option<Ready> {
+    fn new(case: PairCase) -> Option<PreparedPair> {
         let NamedSet { f32: tolerances_f32, f64: tolerances, .. } =
             case.sets.get(case.index as usize % case.sets.len())?.clone();
-        let exact = [rockproof_oracle::Solid::new(&case.a), rockproof_oracle::Solid::new(&case.b)];
+        let exact = [rockproof_oracle::PreparedBlock::new(&case.a), rockproof_oracle::PreparedBlock::new(&case.b)];
         if !Pair::new(&exact[0], &exact[1]).are_neighbours(&tolerances) {
             return None;
         }
-        let f32 = [Solid::new(&case.a).ok()?, Solid::new(&case.b).ok()?];
-        let f64 = [Solid::new(&case.a).ok()?, Solid::new(&case.b).ok()?];
-        Some(Ready {
+        let f32 = [PreparedBlock::new(&case.a).ok()?, PreparedBlock::new(&case.b).ok()?];
+        let f64 = [PreparedBlock::new(&case.a).ok()?, PreparedBlock::new(&case.b).ok()?];
+        Some(PreparedPair {
             f32: (f32, Tolerances::new(&tolerances_f32).ok()?),
             f64: (f64, Tolerances::new(&tolerances).ok()?),
             a: case.a,
@@ -102,12 +106,12 @@ impl Ready {
     }
 }
 
-/// Pairs of one sort, and what the oracle says of them.
+/// Pairs of one kind, and what the oracle says of them.
 pub struct Sample {
     /// Which pairs.
-    pub sort: Sort,
+    pub kind: SampleKind,
     /// The pairs.
-    pub pairs: Vec<Ready>,
+    pub pairs: Vec<PreparedPair>,
     /// Exact contacts.
     pub contacts: u64,
     /// Pairs with at least one contact.
@@ -119,17 +123,17 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// The first `count` pairs of a sort whose boxes are within reach.
+    /// The first `count` pairs of a kind whose boxes are within reach.
     ///
     /// # Errors
-    /// As [`Sort::config`].
-    pub fn new(sort: Sort, seed: u64, count: usize) -> Result<Sample, SourceError> {
-        let config = sort.config()?;
+    /// As [`SampleKind::config`].
+    pub fn new(kind: SampleKind, seed: u64, count: usize) -> Result<Sample, SourceError> {
+        let config = kind.config()?;
         let cases = (0..).flat_map(|number| pairs::batch(seed, number, &config));
-        let ready: Vec<Ready> =
-            cases.filter(|case| sort.takes(&case.form)).filter_map(Ready::new).take(count).collect();
+        let ready: Vec<PreparedPair> =
+            cases.filter(|case| kind.takes(&case.form)).filter_map(PreparedPair::new).take(count).collect();
         let mut sample =
-            Sample { sort, pairs: ready, contacts: 0, touching: 0, ties: 0, levels: LevelCounts::default() };
+            Sample { kind, pairs: ready, contacts: 0, touching: 0, ties: 0, levels: LevelCounts::default() };
         for ready in &sample.pairs {
             let pair = Pair::new(&ready.exact[0], &ready.exact[1]);
             let answer = pair.classify(&ready.tolerances);

@@ -4,7 +4,7 @@ use rockproof_differential::lockstep::state::NotFinite;
 use rockproof_model::{
     Block, BlockError, BlockOptions, Number, Precision, Scene, SceneBlock, SpecError, ToleranceSpec, Vec3,
 };
-use rockproof_stepper::dynamics::{Dynamics, SetupError, Solve, Stopped};
+use rockproof_stepper::dynamics::{Dynamics, SetupError, Solve, StepError};
 use std::time::{Duration, Instant};
 
 /// Why steps cannot be timed.
@@ -21,7 +21,7 @@ pub enum SteppingError {
     Setup(#[from] SetupError),
     /// A step cannot be made.
     #[error(transparent)]
-    Stopped(#[from] Stopped),
+    Stopped(#[from] StepError),
     /// A state is not finite.
     #[error(transparent)]
     NotFinite(#[from] NotFinite),
@@ -102,7 +102,7 @@ pub fn rock(blocks: u16) -> Result<Scene, BlockError> {
 
 /// What the steps of one scene cost.
 #[derive(Clone, Debug)]
-pub struct Cost {
+pub struct SteppingCost {
     /// Blocks, the fixed one too.
     pub blocks: usize,
     /// Contacts of the last step.
@@ -118,16 +118,16 @@ pub struct Cost {
     /// A step, in time of processors (s), to hundredths of a second for all steps; none where the system does not tell. Other programs
     /// bear on it less.
     pub processor: Option<f64>,
-    /// Shares of the time of [`Cost::PHASES`].
+    /// Shares of the time of [`SteppingCost::PHASES`].
     pub shares: [f64; 8],
     /// The most memory that the process held, without what it held before the scene was made (bytes); none where the system does not
     /// tell.
     pub memory: Option<u64>,
 }
 
-impl Cost {
-    /// What a step is made of: boxes and pairs; classification; then the open–close iteration: orders of elimination, adding up matrices,
-    /// factors, solving by them, judging the contacts; and moving the blocks.
+impl SteppingCost {
+    /// What a step is made of: boxes and pairs; classification; then the open–close iteration: orders of elimination, adding up forces,
+    /// matrices and their factors, solving by them, judging the contacts; and moving the blocks.
     pub const PHASES: [&'static str; 8] =
         ["rough", "detection", "order", "assembly", "factor", "solve", "judge", "update"];
 }
@@ -141,7 +141,7 @@ pub fn stepping<R: Solve>(
     make: impl FnOnce() -> Result<Scene, BlockError>,
     steps: u32,
     precision: Precision,
-) -> Result<Cost, SteppingError> {
+) -> Result<SteppingCost, SteppingError> {
     let before = memory("VmRSS:");
     let mut scene = make()?;
     let settle = &mut scene.simulation.control.settle;
@@ -153,7 +153,7 @@ pub fn stepping<R: Solve>(
     while dynamics.state().settling > 0 {
         dynamics.step()?;
     }
-    let (earlier, solves) = (phases(&dynamics), dynamics.spent().solves);
+    let (earlier, solves) = (phases(&dynamics), dynamics.iteration_times().solves);
     let (begun, busy) = (Instant::now(), processor());
     let mut retries = 0;
     for _ in 0..steps {
@@ -164,12 +164,12 @@ pub fn stepping<R: Solve>(
     let now = phases(&dynamics);
     let memory = memory("VmHWM:").zip(before).map(|(most, before)| most.saturating_sub(before));
     let count = f64::from(steps.max(1));
-    Ok(Cost {
+    Ok(SteppingCost {
         blocks: dynamics.state().blocks.len(),
         contacts: dynamics.state().contacts.len(),
         steps,
         retries: retries as f64 / count,
-        solves: (dynamics.spent().solves - solves) as f64 / count,
+        solves: (dynamics.iteration_times().solves - solves) as f64 / count,
         step: seconds / count,
         processor: busy.map(|seconds| seconds / count),
         shares: std::array::from_fn(|k| (now[k] - earlier[k]).as_secs_f64() / seconds.max(f64::MIN_POSITIVE)),
@@ -178,8 +178,14 @@ pub fn stepping<R: Solve>(
 }
 
 fn phases<R: Solve>(dynamics: &Dynamics<R>) -> [Duration; 8] {
-    let (phases, spent) = (dynamics.phases(), dynamics.spent());
-    let iteration = [spent.order, spent.assembly, spent.factor, spent.substitution, spent.judgement];
+    let (phases, iteration_times) = (dynamics.phases(), dynamics.iteration_times());
+    let iteration = [
+        iteration_times.order,
+        iteration_times.assembly,
+        iteration_times.factor,
+        iteration_times.substitution,
+        iteration_times.judgement,
+    ];
     let [order, assembly, factor, substitution, judgement] = iteration;
     [phases.rough, phases.contacts, order, assembly, factor, substitution, judgement, phases.update]
 }

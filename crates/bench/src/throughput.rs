@@ -1,16 +1,16 @@
 //! How many pairs a second a whole campaign examines: generation, both engines, the oracle on exact and rounded input,
 //! comparison, metamorphic checks and the journal.
 
-use crate::sample::Sort;
+use crate::sample::SampleKind;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::pairs::{self, PairCase, PairConfig};
 use rockproof_campaign::run::{Campaign, RunError};
 use rockproof_campaign::source::SourceError;
-use rockproof_differential::attribution::{Panel, examine};
+use rockproof_differential::attribution::{EnginePanel, examine};
 use rockproof_differential::builtin::{self, ENGINES};
 use rockproof_differential::finding::Finding;
-use rockproof_differential::subject::{Source, Subject, SubjectSet};
+use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
 use rockproof_results::{Owner, ResultsError, Start};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -19,9 +19,9 @@ use std::sync::{Mutex, PoisonError};
 
 /// What is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Run {
+pub struct ThroughputRun {
     /// Which pairs.
-    pub sort: Sort,
+    pub kind: SampleKind,
     /// Seed of all pairs.
     pub seed: u64,
     /// How many pairs, before those with findings are left out.
@@ -38,7 +38,7 @@ pub struct Run {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Throughput {
     /// What was run.
-    pub run: Run,
+    pub run: ThroughputRun,
     /// Pairs examined each time.
     pub pairs: u64,
     /// Pairs, times the tolerance sets of each.
@@ -78,14 +78,14 @@ pub enum ThroughputError {
     },
 }
 
-/// The pairs of a sort, without those left out.
-struct Pairs {
+/// The pairs of a kind, without those left out.
+struct CleanPairs {
     seed: u64,
     config: PairConfig,
     left_out: HashSet<u64>,
 }
 
-impl Source for Pairs {
+impl PairSource for CleanPairs {
     fn batch_len(&self) -> u64 {
         pairs::BATCH
     }
@@ -109,13 +109,13 @@ fn subject(case: PairCase) -> Subject {
 }
 
 /// A source that notes which pairs have findings.
-struct Noting<'p> {
-    pairs: &'p Pairs,
-    panel: &'p Panel,
+struct FindingCollector<'p> {
+    pairs: &'p CleanPairs,
+    panel: &'p EnginePanel,
     found: Mutex<HashSet<u64>>,
 }
 
-impl Source for Noting<'_> {
+impl PairSource for FindingCollector<'_> {
     fn batch_len(&self) -> u64 {
         self.pairs.batch_len()
     }
@@ -134,7 +134,7 @@ impl Source for Noting<'_> {
 ///
 /// # Errors
 /// When a campaign cannot run.
-pub fn throughput(run: &Run, scratch: &Path) -> Result<Throughput, ThroughputError> {
+pub fn throughput(run: &ThroughputRun, scratch: &Path) -> Result<Throughput, ThroughputError> {
     let names = ENGINES.map(str::to_owned);
     let config = CampaignConfig {
         pairs: run.pairs,
@@ -144,9 +144,9 @@ pub fn throughput(run: &Run, scratch: &Path) -> Result<Throughput, ThroughputErr
         ..CampaignConfig::default()
     };
     let panel = builtin::panel(&names, config.metamorphic_every).map_err(ThroughputError::Engine)?;
-    let mut pairs = Pairs { seed: run.seed, config: run.sort.config()?, left_out: HashSet::new() };
+    let mut pairs = CleanPairs { seed: run.seed, config: run.kind.config()?, left_out: HashSet::new() };
     let narrow = |finding: &Finding| builtin::panel_for(&names, finding);
-    let go = |source: &dyn Source| {
+    let go = |source: &dyn PairSource| {
         in_directory(scratch, |directory| {
             let mut journal = Journal::open_for(Owner::Bench, directory, serde_json::Map::new(), Start::Overwrite)?;
             let campaign = Campaign {
@@ -161,7 +161,7 @@ pub fn throughput(run: &Run, scratch: &Path) -> Result<Throughput, ThroughputErr
             Ok(journal.progress().clone())
         })
     };
-    let noting = Noting { pairs: &pairs, panel: &panel, found: Mutex::default() };
+    let noting = FindingCollector { pairs: &pairs, panel: &panel, found: Mutex::default() };
     go(&noting)?;
     let found = noting.found.into_inner().unwrap_or_else(PoisonError::into_inner);
     let pairs_with_findings = found.len() as u64;
@@ -176,7 +176,7 @@ pub fn throughput(run: &Run, scratch: &Path) -> Result<Throughput, ThroughputErr
         last = go(&pairs)?;
         seconds.push(last.seconds);
     }
-    let seconds = super::race::median(seconds).unwrap_or(f64::NAN);
+    let seconds = super::time_interleaved::median(seconds).unwrap_or(f64::NAN);
     Ok(Throughput {
         run: *run,
         pairs: count,

@@ -1,6 +1,7 @@
 //! What a campaign is asked to do.
 
-use super::grid::Grid;
+use super::tolerance_grid::ToleranceGrid;
+use rockproof_differential::builtin;
 use rockproof_differential::external::EngineSpec;
 use rockproof_model::Number;
 use serde::{Deserialize, Serialize};
@@ -16,19 +17,19 @@ pub struct CampaignConfig {
     pub pairs: u64,
     /// The seed of all pairs.
     pub seed: u64,
-    /// The built-in engines by name.
+    /// The engines by name. Where external ones are named here, these and no others of `external` take part.
     pub engines: Vec<String>,
-    /// The external engines, which take part beside the built-in ones.
+    /// The external engines, which take part beside the built-in ones unless `engines` names some of them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub external: Vec<EngineSpec>,
     /// Whether external engines are asked everything twice, of two processes.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub ask_twice: bool,
-    /// The tolerance presets; empty for all, or for none beside a grid.
+    /// The tolerance sets: names, or TOML files of tolerances; empty for all that have names, or for none beside a grid.
     pub tolerances: Vec<String>,
     /// Tolerance sets on a grid.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub grid: Option<Grid>,
+    pub grid: Option<ToleranceGrid>,
     /// The families; empty for all.
     pub families: Vec<String>,
     /// Whether the pairs are those of the stress set ([`crate::stress`]) instead of the families'.
@@ -89,6 +90,22 @@ impl CampaignConfig {
         toml::from_str(text)
     }
 
+    /// Leaves built-in engines alone in `engines`, by the names that tables have, and in `external` those that take part: what means the same
+    /// then is the same configuration, however it was asked for.
+    pub fn settle_engines(&mut self) {
+        for name in &mut self.engines {
+            if let Some(full) = builtin::full_name(name) {
+                full.clone_into(name);
+            }
+        }
+        let (outside, builtin): (Vec<String>, Vec<String>) =
+            self.engines.drain(..).partition(|name| self.external.iter().any(|spec| spec.name == *name));
+        self.engines = builtin;
+        if !outside.is_empty() {
+            self.external.retain(|spec| outside.contains(&spec.name));
+        }
+    }
+
     /// What must be the same for a run to go on, key by key.
     ///
     /// # Errors
@@ -119,6 +136,25 @@ mod tests {
         assert!(error.contains("line 2") && error.contains("pears") && error.contains("pairs"), "{error}");
         let error = CampaignConfig::from_toml("seed = \"x\"").expect_err("wrong type").to_string();
         assert!(error.contains("line 1") && error.contains("u64"), "{error}");
+    }
+
+    #[test]
+    fn engines_from_outside_are_named_like_others() {
+        let external =
+            "[[external]]\nname = \"mine\"\ncommand = \"x\"\n[[external]]\nname = \"other\"\ncommand = \"y\"\n";
+        let settled = |engines: &str| {
+            let mut config = CampaignConfig::from_toml(&format!("{engines}{external}")).expect("good");
+            config.settle_engines();
+            let external: Vec<String> = config.external.into_iter().map(|spec| spec.name).collect();
+            (config.engines.join(" "), external.join(" "))
+        };
+        let text = |one: &str, other: &str| (one.to_owned(), other.to_owned());
+        assert_eq!(settled("engines = [\"mine\"]\n"), text("", "mine"));
+        assert_eq!(settled("engines = [\"mine\", \"f32\"]\n"), text("stepper-f32", "mine"));
+        assert_eq!(settled("engines = [\"stepper-f64\"]\n"), text("stepper-f64", "mine other"));
+        assert_eq!(settled(""), text("stepper-f32 stepper-f64", "mine other"));
+        // A name that nobody has stays, to be refused.
+        assert_eq!(settled("engines = [\"nobody\"]\n"), text("nobody", "mine other"));
     }
 
     #[test]

@@ -31,19 +31,19 @@
 mod check;
 pub(crate) mod edges;
 pub(crate) mod exact;
+pub(crate) mod f64_view;
 pub(crate) mod faces;
-pub(crate) mod shadow;
 pub(crate) mod vertices;
 
-use super::families::Kit;
-use exact::{Affine, Exact};
+use super::families::PairSampler;
+use exact::{AffineMargin, ExactPlacement};
+use f64_view::{F64Vector, F64View, dot, length, minus, quantum, times};
 use num_rational::BigRational;
 use num_traits::Zero;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::number::{power_of_two, round_rational};
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, Criteria, Number, Precision, Sign, ToleranceSet};
-use shadow::{Shadow, V, dot, length, minus, quantum, times};
 
 /// Where B has to be for a decision to be on its boundary.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,26 +105,31 @@ pub const CHOSEN: [Predicate; 2] = [Predicate::EntranceChoice, Predicate::Shorte
 /// `None` where the pair has no suitable features, or the predicate does not depend on where B is.
 /// Where other decisions of the same test would keep this one from being asked, or from mattering, the answer is
 /// `None` too: try again.
-pub fn aim(kit: &mut Kit<'_>, (a, b): (&Block, &Block), set: &ToleranceSet, predicate: Predicate) -> Option<Aim> {
-    let pair = Pair::new(a, b, set);
+pub fn aim(
+    sampler: &mut PairSampler<'_>,
+    (a, b): (&Block, &Block),
+    set: &ToleranceSet,
+    predicate: Predicate,
+) -> Option<Aim> {
+    let pair = DirectedPair::new(a, b, set);
     let aim = match predicate {
-        Predicate::Neighbours => vertices::neighbours(kit, &pair),
-        Predicate::VertexVertexNear | Predicate::VertexTerritory => vertices::distance(kit, &pair, predicate),
-        Predicate::VertexRegion => vertices::region(kit, &pair),
-        Predicate::FootInside => edges::foot_inside(kit, &pair),
-        Predicate::EdgeRegion => edges::edge_region(kit, &pair),
-        Predicate::FootRegion => edges::foot_region(kit, &pair),
-        Predicate::VertexEdgeNear | Predicate::EdgeTerritory => edges::distance(kit, &pair, predicate),
+        Predicate::Neighbours => vertices::neighbours(sampler, &pair),
+        Predicate::VertexVertexNear | Predicate::VertexTerritory => vertices::distance(sampler, &pair, predicate),
+        Predicate::VertexRegion => vertices::region(sampler, &pair),
+        Predicate::FootInside => edges::foot_inside(sampler, &pair),
+        Predicate::EdgeRegion => edges::edge_region(sampler, &pair),
+        Predicate::FootRegion => edges::foot_region(sampler, &pair),
+        Predicate::VertexEdgeNear | Predicate::EdgeTerritory => edges::distance(sampler, &pair, predicate),
         Predicate::VertexFaceNear | Predicate::VertexFaceDepth | Predicate::InsideFace => {
-            faces::vertex_face(kit, &pair, predicate)
+            faces::vertex_face(sampler, &pair, predicate)
         }
-        Predicate::GapSign if kit.chance(60) => faces::vertex_face(kit, &pair, predicate),
+        Predicate::GapSign if sampler.chance(60) => faces::vertex_face(sampler, &pair, predicate),
         Predicate::GapSign | Predicate::FeetInside | Predicate::EdgeEdgeNear | Predicate::EdgeEdgeDepth => {
-            edges::edge_edge(kit, &pair, predicate)
+            edges::edge_edge(sampler, &pair, predicate)
         }
-        Predicate::EntranceDepth => faces::entrance_depth(kit, &pair),
-        Predicate::EntranceChoice => faces::entrance_choice(kit, &pair),
-        Predicate::ShortestExit => faces::shortest_exit(kit, &pair),
+        Predicate::EntranceDepth => faces::entrance_depth(sampler, &pair),
+        Predicate::EntranceChoice => faces::entrance_choice(sampler, &pair),
+        Predicate::ShortestExit => faces::shortest_exit(sampler, &pair),
         Predicate::ConePasses
         | Predicate::NearlyParallel
         | Predicate::WedgesPass
@@ -135,27 +140,27 @@ pub fn aim(kit: &mut Kit<'_>, (a, b): (&Block, &Block), set: &ToleranceSet, pred
 }
 
 /// What every aim needs to know of the pair.
-pub(crate) struct Pair<'p> {
-    pub(crate) shadow: Shadow<'p>,
+pub(crate) struct DirectedPair<'p> {
+    pub(crate) f64_view: F64View<'p>,
     pub(crate) set: &'p ToleranceSet,
     /// The coarsest precision that holds the pair: offsets are kept to its spacing where they can be.
     precision: Precision,
 }
 
-impl<'p> Pair<'p> {
-    pub(crate) fn new(a: &'p Block, b: &'p Block, set: &'p ToleranceSet) -> Pair<'p> {
+impl<'p> DirectedPair<'p> {
+    pub(crate) fn new(a: &'p Block, b: &'p Block, set: &'p ToleranceSet) -> DirectedPair<'p> {
         let held = a.is_exact_in(Precision::F32) && b.is_exact_in(Precision::F32);
         let precision = if held { Precision::F32 } else { Precision::F64 };
-        Pair { shadow: Shadow::of(a, b), set, precision }
+        DirectedPair { f64_view: F64View::of(a, b), set, precision }
     }
 
     fn blocks(&self) -> (&'p Block, &'p Block) {
-        (self.shadow.a, self.shadow.b)
+        (self.f64_view.a, self.f64_view.b)
     }
 
     /// The lattice of these vertices with B moved by `start`.
-    pub(crate) fn exact(&self, vertices: &[(Side, u32)], start: V) -> Exact<'p> {
-        Exact::new(self.blocks(), vertices, start, self.set)
+    pub(crate) fn exact(&self, vertices: &[(Side, u32)], start: F64Vector) -> ExactPlacement<'p> {
+        ExactPlacement::new(self.blocks(), vertices, start, self.set)
     }
 
     fn search(&self) -> f64 {
@@ -175,45 +180,45 @@ impl<'p> Pair<'p> {
     }
 
     /// A random vector of at most about `reach` in each component, on the grid.
-    fn jitter(&self, kit: &mut Kit<'_>, reach: f64) -> V {
-        let part = |kit: &mut Kit<'_>| reach * kit.between(-64, 64) as f64 / 64.0;
-        self.on_grid([part(kit), part(kit), part(kit)])
+    fn jitter(&self, sampler: &mut PairSampler<'_>, reach: f64) -> F64Vector {
+        let part = |sampler: &mut PairSampler<'_>| reach * sampler.between(-64, 64) as f64 / 64.0;
+        self.on_grid([part(sampler), part(sampler), part(sampler)])
     }
 
-    fn on_grid(&self, vector: V) -> V {
-        self.shadow.on_grid(vector, self.precision)
+    fn on_grid(&self, vector: F64Vector) -> F64Vector {
+        self.f64_view.on_grid(vector, self.precision)
     }
 
     /// The offset of B, on the grid, that brings a vertex to `target` (where the other block's features are now).
-    pub(crate) fn bring(&self, (side, vertex): (Side, u32), target: V) -> V {
-        let way = minus(target, self.shadow.vertex(side, vertex));
+    pub(crate) fn offset_to(&self, (side, vertex): (Side, u32), target: F64Vector) -> F64Vector {
+        let way = minus(target, self.f64_view.vertex(side, vertex));
         self.on_grid(if side == Side::B { way } else { times(way, -1.0) })
     }
 
     pub(crate) fn corners(&self, side: Side, face: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
-        self.shadow.block(side).topology().faces()[face as usize].iter().map(move |&v| (side, v))
+        self.f64_view.block(side).topology().faces()[face as usize].iter().map(move |&v| (side, v))
     }
 
     /// The vertices of the two faces at an edge, its ends among them.
-    pub(crate) fn beside(&self, side: Side, edge: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
-        let e = self.shadow.block(side).topology().edges()[edge as usize];
+    pub(crate) fn faces_at_edge(&self, side: Side, edge: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
+        let e = self.f64_view.block(side).topology().edges()[edge as usize];
         self.corners(side, e.left).chain(self.corners(side, e.right))
     }
 
     /// How far the end of an edge at a vertex dips below the direction of a face's plane (m), in f64.
     pub(crate) fn dip(&self, (side, vertex): (Side, u32), face: u32, edge: u32) -> f64 {
-        let end = self.shadow.block(side).topology().edges()[edge as usize].other(vertex);
-        let arm = minus(self.shadow.vertex(side, end), self.shadow.vertex(side, vertex));
-        -dot(arm, self.shadow.normal(side.other(), face))
+        let end = self.f64_view.block(side).topology().edges()[edge as usize].other(vertex);
+        let arm = minus(self.f64_view.vertex(side, end), self.f64_view.vertex(side, vertex));
+        -dot(arm, self.f64_view.normal(side.other(), face))
     }
 
     /// Whether the cone at a vertex passes a face plane, as far as f64 can tell; `but` one edge.
     pub(crate) fn cone_passes(&self, (side, vertex): (Side, u32), face: u32, but: Option<u32>) -> bool {
-        let edges = self.shadow.block(side).topology().vertex_edges(vertex).iter();
+        let edges = self.f64_view.block(side).topology().vertex_edges(vertex).iter();
         let sine = self.set.overlap_sine.approximate();
         edges.filter(|e| Some(**e) != but).all(|&e| {
             let dip = self.dip((side, vertex), face, e);
-            let long = length(self.shadow.edge(side, e).1);
+            let long = length(self.f64_view.edge(side, e).1);
             let slack = f64::EPSILON * 64.0 * long;
             dip <= sine * long + slack && self.is_shallow(dip - slack)
         })
@@ -226,11 +231,11 @@ impl<'p> Pair<'p> {
 
     /// Whether a face plane that the cone at a vertex passes is a true exit, as far as f64 can tell.
     pub(crate) fn cone_leaves(&self, (side, vertex): (Side, u32), face: u32) -> bool {
-        let edges = self.shadow.block(side).topology().vertex_edges(vertex).iter();
+        let edges = self.f64_view.block(side).topology().vertex_edges(vertex).iter();
         let limit = self.set.territory.approximate() * TRUE_EXIT;
         self.set.criteria == Criteria::Classic
             || edges.copied().all(|e| {
-                let slack = f64::EPSILON * 64.0 * length(self.shadow.edge(side, e).1);
+                let slack = f64::EPSILON * 64.0 * length(self.f64_view.edge(side, e).1);
                 self.dip((side, vertex), face, e) <= limit + slack
             })
     }
@@ -238,18 +243,23 @@ impl<'p> Pair<'p> {
 
 /// The aim at the zero of an affine margin, by a move along one axis: one that matters, and mostly one along which the
 /// place is binary if there is such, so that the tie survives in a float.
-fn linear(kit: &mut Kit<'_>, exact: &Exact<'_>, decision: Decision, margin: &Affine) -> Option<Aim> {
+fn linear(
+    sampler: &mut PairSampler<'_>,
+    exact: &ExactPlacement<'_>,
+    decision: Decision,
+    margin: &AffineMargin,
+) -> Option<Aim> {
     let slopes = margin.gradient.components();
     let steepest = slopes.iter().map(|c| c.magnitude()).max()?;
     if steepest.is_zero() {
         return None;
     }
-    let first = kit.below(3) as usize;
+    let first = sampler.below(3) as usize;
     let axes = (0..3).map(|i| (first + i) % 3).filter(|&i| slopes[i].magnitude() * 8u32 >= *steepest);
     let places = axes.map(|i| (i, exact.metres(&-&margin.constant, slopes[i])));
     let mut places: Vec<(usize, BigRational)> = places.collect();
     let binary = |(_, place): &(usize, BigRational)| exact::is_power_of_two(place.denom());
-    let wanted = if kit.chance(75) { places.iter().position(binary).unwrap_or(0) } else { 0 };
+    let wanted = if sampler.chance(75) { places.iter().position(binary).unwrap_or(0) } else { 0 };
     let (axis, place) = places.swap_remove(wanted);
     Some(Aim {
         decision,
@@ -267,13 +277,13 @@ fn about(predicate: Predicate, features: &[Feature]) -> Decision {
 }
 
 /// One of the two sides.
-pub(crate) fn side(kit: &mut Kit<'_>) -> Side {
-    if kit.chance(50) { Side::A } else { Side::B }
+pub(crate) fn side(sampler: &mut PairSampler<'_>) -> Side {
+    if sampler.chance(50) { Side::A } else { Side::B }
 }
 
 /// An offset of B, and the sign the margin has there if that is certain.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Step {
+pub struct OffsetStep {
     /// How far B moves (m).
     pub offset: [Number; 3],
     /// The sign of the margin there; `None` where rounding the root may have crossed it.
@@ -288,10 +298,11 @@ impl Aim {
 
     /// Where B goes for `rung`. `magnitude` is the largest coordinate of the pair (m), which says what a step is;
     /// `tolerance` (m) what a thousandth is of. `None` where the rung asks for an exact zero and there is none.
-    pub fn step(&self, rung: Rung, magnitude: f64, tolerance: f64) -> Option<Step> {
+    pub fn step(&self, rung: Rung, magnitude: f64, tolerance: f64) -> Option<OffsetStep> {
         let (spacing, steps) = match rung {
             Rung::Exact => {
-                let zero = Step { offset: self.root.clone().map(Number::from_rational), margin: Some(Sign::Zero) };
+                let zero =
+                    OffsetStep { offset: self.root.clone().map(Number::from_rational), margin: Some(Sign::Zero) };
                 return self.exact.then_some(zero);
             }
             Rung::Steps(precision, steps) => (quantum(magnitude, precision), steps as f64),
@@ -303,7 +314,7 @@ impl Aim {
         let mut offset = self.approximate_root().map(|c| (c / spacing).round() * spacing);
         offset[self.axis] += steps * spacing;
         let offset = offset.map(|c| Number::from_f64(c).unwrap_or(Number::ZERO));
-        Some(Step { margin: self.sign_at(&offset, spacing), offset })
+        Some(OffsetStep { margin: self.sign_at(&offset, spacing), offset })
     }
 
     /// The root in f64; infinite where that overflows.

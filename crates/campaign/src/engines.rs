@@ -1,13 +1,13 @@
 //! The engines of a campaign: the built-in ones and external programs, as panels.
 
 use super::config::CampaignConfig;
-use rockproof_differential::attribution::Panel;
-use rockproof_differential::builtin::{self, Exact};
+use rockproof_differential::attribution::EnginePanel;
+use rockproof_differential::builtin::{self, BuiltinOracle};
 use rockproof_differential::case_file::Case;
-use rockproof_differential::compare::Change;
+use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::Engine;
-use rockproof_differential::external::{EngineSpec, External, SpecFault};
-use rockproof_differential::finding::{Finding, Who};
+use rockproof_differential::external::{EngineSpec, EngineSpecError, External};
+use rockproof_differential::finding::{Finding, FindingScope};
 use rockproof_differential::hull::convex_hull;
 use rockproof_model::preset::{self, Preset};
 use rockproof_model::{Block, Number, Point, Precision};
@@ -32,7 +32,7 @@ pub enum EnginesError {
     },
     /// An external engine that cannot be.
     #[error(transparent)]
-    Spec(#[from] SpecFault),
+    Spec(#[from] EngineSpecError),
     /// No engine is left.
     #[error("no engine is named; there are {allowed}")]
     None {
@@ -115,24 +115,29 @@ impl Engines {
     }
 
     /// The oracle with all engines.
-    pub fn panel(&self) -> Panel {
-        Panel { oracle: Box::new(Exact), engines: self.named(), metamorphic_every: self.metamorphic_every }
+    pub fn panel(&self) -> EnginePanel {
+        EnginePanel {
+            oracle: Box::new(BuiltinOracle),
+            engines: self.named(),
+            metamorphic_every: self.metamorphic_every,
+        }
     }
 
     /// A panel with no engine that a finding is not about, and metamorphic checks only where it is about one: what it takes
     /// to see the finding again.
-    pub fn panel_for(&self, finding: &Finding) -> Panel {
-        self.narrow(&finding.who, finding.difference.change)
+    pub fn panel_for(&self, finding: &Finding) -> EnginePanel {
+        self.narrow(&finding.scope, finding.difference.change)
     }
 
     /// The same for a finding about `who` with the given change.
-    pub fn narrow(&self, who: &Who, change: Change) -> Panel {
-        builtin::narrowed(self.named(), who, change)
+    pub fn narrow(&self, scope: &FindingScope, change: AnswerChange) -> EnginePanel {
+        builtin::narrowed(self.named(), scope, change)
     }
 
     /// The same for a case; `None` where its change does not exist or its engine takes no part.
-    pub fn panel_of(&self, case: &Case) -> Option<Panel> {
-        let panel = self.narrow(&Who::from_name(&case.about.engine), Change::from_name(&case.about.change)?);
+    pub fn panel_of(&self, case: &Case) -> Option<EnginePanel> {
+        let panel =
+            self.narrow(&FindingScope::from_name(&case.about.engine), AnswerChange::from_name(&case.about.change)?);
         (!panel.engines.is_empty()).then_some(panel)
     }
 }

@@ -1,6 +1,6 @@
 //! Generic pairs: those of the families, turned and moved until no coincidence is left.
 
-use crate::families::{self, Family, Kit, Style};
+use crate::families::{self, CoordinateStyle, Family, PairSampler};
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind, Number, Vec3};
 use std::sync::Arc;
@@ -58,10 +58,11 @@ impl Family for Generic {
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
         for _ in 0..TRIES {
-            let number = Kit::with_style(rng, Style::Grid).below(self.families.len() as u64);
+            let number = PairSampler::with_style(rng, CoordinateStyle::Grid).below(self.families.len() as u64);
             let (a, b) = self.families[number as usize].generate(rng);
             if let (Some(at_a), Some(at_b)) = (grid_units(&a), grid_units(&b))
-                && let Some(turned) = turned(&mut Kit::with_style(rng, Style::Grid), (&a, at_a), (&b, at_b))
+                && let Some(turned) =
+                    turned(&mut PairSampler::with_style(rng, CoordinateStyle::Grid), (&a, at_a), (&b, at_b))
             {
                 return turned;
             }
@@ -81,17 +82,21 @@ fn grid_units(block: &Block) -> Option<Units> {
 
 /// Both blocks turned by a common random rotation, B besides by a small one about its vertex nearest to A and moved by up
 /// to a sixty-fourth of a metre; `None` where a coordinate would not be an f64.
-fn turned(kit: &mut Kit<'_>, (a, at_a): (&Block, Units), (b, at_b): (&Block, Units)) -> Option<(Block, Block)> {
+fn turned(
+    sampler: &mut PairSampler<'_>,
+    (a, at_a): (&Block, Units),
+    (b, at_b): (&Block, Units),
+) -> Option<(Block, Block)> {
     let pivot = nearest(&at_b, &at_a)?;
     let relative = |points: Units| points.into_iter().map(|p| [0, 1, 2].map(|k| p[k] - pivot[k])).collect::<Units>();
     let (at_a, at_b) = (relative(at_a), relative(at_b));
     let largest = at_a.iter().chain(&at_b).flatten().map(|c| c.unsigned_abs()).max()?;
     let digits = SUM_DIGITS.checked_sub(u64::BITS - largest.leading_zeros())?;
-    let common = rotation(kit, 1000);
-    let lean = *kit.pick(&[1, 1, 10, 100]);
-    let own = product(&common, &rotation(kit, lean));
+    let common = rotation(sampler, 1000);
+    let lean = *sampler.pick(&[1, 1, 10, 100]);
+    let own = product(&common, &rotation(sampler, lean));
     let reach = 1i128 << (GRID_DIGITS as u32 + digits - 6);
-    let offset = [0; 3].map(|_: i32| kit.between(-reach, reach) as i64);
+    let offset = [0; 3].map(|_: i32| sampler.between(-reach, reach) as i64);
     let unit = (-f64::from(GRID_DIGITS) - f64::from(digits)).exp2();
     Some((
         placed(a, &at_a, &rounded(&common, digits), [0; 3], unit)?,
@@ -111,10 +116,10 @@ type Matrix = [[f64; 3]; 3];
 
 /// The rotation of a random quaternion whose vector part is at most `lean` thousandths of its scalar part along each axis.
 /// Four operations only, so that it is the same on every machine.
-fn rotation(kit: &mut Kit<'_>, lean: i128) -> Matrix {
+fn rotation(sampler: &mut PairSampler<'_>, lean: i128) -> Matrix {
     const ONE: i128 = 1 << 50;
     let most = ONE / 1000 * lean;
-    let [b, c, d] = [0; 3].map(|_: i32| kit.between(1, most) as f64 * kit.sign() as f64 / ONE as f64);
+    let [b, c, d] = [0; 3].map(|_: i32| sampler.between(1, most) as f64 * sampler.sign() as f64 / ONE as f64);
     let norm = 1.0 + b * b + c * c + d * d;
     [
         [1.0 + b * b - c * c - d * d, 2.0 * (b * c - d), 2.0 * (b * d + c)],

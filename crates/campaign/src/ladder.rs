@@ -5,10 +5,10 @@ mod dip;
 mod exits;
 mod search;
 
-use crate::directed::exact::Root;
-use crate::directed::shadow::quantum;
-use crate::directed::{Pair, Rung};
-use crate::families::Kit;
+use crate::directed::exact::IntegerRoot;
+use crate::directed::f64_view::quantum;
+use crate::directed::{DirectedPair, Rung};
+use crate::families::PairSampler;
 use num_rational::BigRational;
 use num_traits::Signed;
 use rockproof_model::decision::Decision;
@@ -41,13 +41,13 @@ impl Critical {
         if !squared.is_positive() {
             return None;
         }
-        let (numerator, denominator) = (Root::of(squared.numer()), Root::of(squared.denom()));
+        let (numerator, denominator) = (IntegerRoot::of(squared.numer()), IntegerRoot::of(squared.denom()));
         let exact = numerator.is_exact() && denominator.is_exact();
         let value = if exact {
             Number::from_rational(BigRational::new(numerator.root, denominator.root))
         } else {
             // √(n/d) = √(n·d)/d
-            let product = Root::of(&(squared.numer() * squared.denom()));
+            let product = IntegerRoot::of(&(squared.numer() * squared.denom()));
             let near = BigRational::new(product.root, squared.denom() << product.shift);
             Number::from_f64(round_rational(&near, Precision::F64)?).ok()?
         };
@@ -93,13 +93,13 @@ pub const KINDS: u64 = 60;
 /// on where B is may ask for B to be moved to where they are asked. `None` where the pair has no such decision, or the
 /// value is out of all proportion.
 pub fn critical(
-    kit: &mut Kit<'_>,
+    sampler: &mut PairSampler<'_>,
     (a, b): (&Block, &Block),
     set: &ToleranceSet,
     (tolerance, kind): (&'static str, u64),
 ) -> Option<Critical> {
-    let pair = Pair::new(a, b, set);
-    let (decision, squared, offset) = search::found(kit, &pair, (tolerance, kind))?;
+    let pair = DirectedPair::new(a, b, set);
+    let (decision, squared, offset) = search::found(sampler, &pair, (tolerance, kind))?;
     let mut critical = Critical::new(decision, tolerance, squared)?;
     let moved = offset.iter().any(|c| *c != 0.0);
     critical.offset = moved.then(|| offset.map(|c| Number::from_f64(c).unwrap_or(Number::ZERO)));

@@ -2,10 +2,10 @@
 //! share their base pair, so that blocks are built once a batch and moved for the rest.
 
 use crate::directed::{self, Rung};
-use crate::families::{self, Family, Kit, Style};
+use crate::families::{self, CoordinateStyle, Family, PairSampler};
 use crate::ladder::{self, Critical};
-pub use crate::sets::{NamedSet, SetSource};
-use crate::{sets, shake};
+pub use crate::tolerance_sets::{NamedSet, SetSource};
+use crate::{perturbation, tolerance_sets};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rockproof_model::decision::{Decision, Predicate};
@@ -20,7 +20,7 @@ const SEGMENT: usize = 5;
 
 /// How a pair came about.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum PairForm {
     /// As its family generates it.
     Base,
     /// The base with B moved at random.
@@ -43,22 +43,22 @@ pub enum Form {
     },
 }
 
-impl Form {
+impl PairForm {
     /// `base`, `moved`, `directed` or `ladder`.
     pub fn name(&self) -> &'static str {
         match self {
-            Form::Base => "base",
-            Form::Moved => "moved",
-            Form::Directed { .. } => "directed",
-            Form::Ladder { .. } => "ladder",
+            PairForm::Base => "base",
+            PairForm::Moved => "moved",
+            PairForm::Directed { .. } => "directed",
+            PairForm::Ladder { .. } => "ladder",
         }
     }
 
     /// The decision aimed at.
     pub fn decision(&self) -> Option<&Decision> {
         match self {
-            Form::Base | Form::Moved => None,
-            Form::Directed { decision, .. } | Form::Ladder { decision, .. } => Some(decision),
+            PairForm::Base | PairForm::Moved => None,
+            PairForm::Directed { decision, .. } | PairForm::Ladder { decision, .. } => Some(decision),
         }
     }
 }
@@ -71,7 +71,7 @@ pub struct PairCase {
     /// The family that generated its base.
     pub family: &'static str,
     /// How it came about.
-    pub form: Form,
+    pub form: PairForm,
     /// The sign of the margin (see [`directed`]) of the decision aimed at, for the exact input and `sets[0]` for the
     /// precision `aimed_for`, where the generator knows it.
     pub margin: Option<Sign>,
@@ -96,11 +96,11 @@ pub struct PairConfig {
     pub sets_per_batch: usize,
     /// Share of boundary-directed pairs, in percent.
     pub directed_percent: u64,
-    /// Share of tolerance ladders, in percent. The rest are random moves, or off no shaken base mostly ladders of r and g.
+    /// Share of tolerance ladders, in percent. The rest are random moves, or off no perturbed base mostly ladders of r and g.
     pub ladder_percent: u64,
-    /// Share of batches taken off their ties, in percent: their base is shaken by some steps of f32, and what is aimed
+    /// Share of batches taken off their ties, in percent: their base is perturbed by some steps of f32, and what is aimed
     /// from there keeps an f32 step or more away from the boundary.
-    pub shaken_percent: u64,
+    pub perturbed_percent: u64,
 }
 
 impl Default for PairConfig {
@@ -112,14 +112,14 @@ impl Default for PairConfig {
             sets_per_batch: 2,
             directed_percent: 50,
             ladder_percent: 25,
-            shaken_percent: 92,
+            perturbed_percent: 92,
         }
     }
 }
 
-/// All of [`sets::NAMES`].
+/// All of [`tolerance_sets::NAMES`].
 pub fn default_sets() -> Vec<SetSource> {
-    sets::NAMES.into_iter().filter_map(SetSource::named).collect()
+    tolerance_sets::NAMES.into_iter().filter_map(SetSource::named).collect()
 }
 
 /// The pairs `16·batch .. 16·batch + 16` of a seed.
@@ -127,32 +127,33 @@ pub fn batch(seed: u64, batch: u64, config: &PairConfig) -> Vec<PairCase> {
     let mut rng = generator(seed, batch);
     let family = &config.families[(batch % config.families.len() as u64) as usize];
     let (a, mut b) = family.generate(&mut rng);
-    let mut kit = Kit::with_style(&mut rng, Style::Grid);
-    let shaken = config.shaken_percent > 0 && kit.chance(config.shaken_percent);
-    if shaken {
-        b = shake::shaken(&mut kit, &b, directed::magnitude(&a, &b));
+    let mut sampler = PairSampler::with_style(&mut rng, CoordinateStyle::Grid);
+    let perturbed = config.perturbed_percent > 0 && sampler.chance(config.perturbed_percent);
+    if perturbed {
+        b = perturbation::perturbed(&mut sampler, &b, directed::magnitude(&a, &b));
     }
-    let sets = chosen_sets(&mut kit, (&a, &b), config);
-    let (form, margin, aimed_for) = (Form::Base, None, Precision::F64);
+    let sets = chosen_sets(&mut sampler, (&a, &b), config);
+    let (form, margin, aimed_for) = (PairForm::Base, None, Precision::F64);
     let base = PairCase { index: batch * BATCH, family: family.name(), form, margin, aimed_for, a, b, sets };
     let mut cases = Vec::with_capacity(BATCH as usize);
-    let mut rungs = Rungs { kit: &mut kit, base: &base, magnitude: 0.0, held_by_f32: false, shaken };
-    rungs.magnitude = directed::magnitude(&base.a, &base.b);
-    rungs.held_by_f32 = base.a.is_exact_in(Precision::F32) && base.b.is_exact_in(Precision::F32);
+    let mut variants =
+        PairVariants { sampler: &mut sampler, base: &base, magnitude: 0.0, held_by_f32: false, perturbed };
+    variants.magnitude = directed::magnitude(&base.a, &base.b);
+    variants.held_by_f32 = base.a.is_exact_in(Precision::F32) && base.b.is_exact_in(Precision::F32);
     let mut made = Vec::with_capacity(BATCH as usize - 1);
     while made.len() < BATCH as usize - 1 {
         let room = (BATCH as usize - 1 - made.len()).min(SEGMENT);
-        let draw = rungs.kit.below(100);
+        let draw = variants.sampler.below(100);
         let segment = if draw < config.directed_percent {
-            rungs.directed(room)
+            variants.directed(room)
         } else if draw < config.directed_percent + config.ladder_percent {
-            rungs.ladder(room)
-        } else if !shaken && config.ladder_percent > 0 && rungs.kit.chance(60) {
-            rungs.length_ladder(room)
+            variants.ladder(room)
+        } else if !perturbed && config.ladder_percent > 0 && variants.sampler.chance(60) {
+            variants.length_ladder(room)
         } else {
             None
         };
-        made.extend(segment.unwrap_or_else(|| rungs.moved(room)));
+        made.extend(segment.unwrap_or_else(|| variants.moved(room)));
     }
     cases.push(base);
     for (case, index) in made.into_iter().zip(batch * BATCH + 1..) {
@@ -171,9 +172,9 @@ fn generator(seed: u64, batch: u64) -> ChaCha8Rng {
 }
 
 /// The batch's share of the configured sets, in turn from a random one; where none can be derived, [`SetSource::dyadic`].
-fn chosen_sets(kit: &mut Kit<'_>, (a, b): (&Block, &Block), config: &PairConfig) -> Vec<NamedSet> {
+fn chosen_sets(sampler: &mut PairSampler<'_>, (a, b): (&Block, &Block), config: &PairConfig) -> Vec<NamedSet> {
     let count = config.sets.len();
-    let first = kit.below(count.max(1) as u64) as usize;
+    let first = sampler.below(count.max(1) as u64) as usize;
     let wanted = config.sets_per_batch.clamp(1, count.max(1));
     let mut sets: Vec<NamedSet> =
         (0..count).map(|i| &config.sets[(first + i) % count]).filter_map(|s| s.derive(a, b)).take(wanted).collect();
@@ -184,12 +185,12 @@ fn chosen_sets(kit: &mut Kit<'_>, (a, b): (&Block, &Block), config: &PairConfig)
 }
 
 /// Makes the pairs after the base.
-struct Rungs<'k, 'r, 'b> {
-    kit: &'k mut Kit<'r>,
+struct PairVariants<'k, 'r, 'b> {
+    sampler: &'k mut PairSampler<'r>,
     base: &'b PairCase,
     magnitude: f64,
     held_by_f32: bool,
-    shaken: bool,
+    perturbed: bool,
 }
 
 /// How often another predicate or other features are tried before a segment becomes random moves.
@@ -201,10 +202,10 @@ const EXACT_TRIES: usize = 24;
 /// The tolerances that dips are measured by.
 const LENGTHS: [&str; 2] = ["territory", "penetration"];
 
-impl Rungs<'_, '_, '_> {
+impl PairVariants<'_, '_, '_> {
     fn case(
         &self,
-        (form, aimed_for): (Form, Precision),
+        (form, aimed_for): (PairForm, Precision),
         margin: Option<Sign>,
         offset: Option<[Number; 3]>,
         set: NamedSet,
@@ -214,37 +215,37 @@ impl Rungs<'_, '_, '_> {
     }
 
     fn set(&mut self) -> NamedSet {
-        self.kit.pick(&self.base.sets).clone()
+        self.sampler.pick(&self.base.sets).clone()
     }
 
     /// The number format whose spacing the rungs step by.
     fn precision(&mut self) -> Precision {
-        let share = match (self.shaken, self.held_by_f32) {
+        let share = match (self.perturbed, self.held_by_f32) {
             (true, _) => 100,
             (false, true) => 65,
             (false, false) => 35,
         };
-        if self.kit.chance(share) { Precision::F32 } else { Precision::F64 }
+        if self.sampler.chance(share) { Precision::F32 } else { Precision::F64 }
     }
 
-    /// The tie (but not off a shaken base), one step to each side, and places further off: powers of two of steps, and
+    /// The tie (but not off a perturbed base), one step to each side, and places further off: powers of two of steps, and
     /// thousandths.
     fn rungs(&mut self, precision: Precision, room: usize) -> Vec<Rung> {
         let far = if precision == Precision::F32 { 14 } else { 40 };
-        let mut rungs = vec![Rung::Exact, Rung::Steps(precision, -1), Rung::Steps(precision, 1)];
-        if self.shaken {
-            rungs.remove(0);
+        let mut variants = vec![Rung::Exact, Rung::Steps(precision, -1), Rung::Steps(precision, 1)];
+        if self.perturbed {
+            variants.remove(0);
         }
-        while rungs.len() < room {
-            let away = self.kit.sign() as i64;
-            rungs.push(match self.kit.below(3) {
-                0 => Rung::Permille(*self.kit.pick(&[-100, -50, -10, -1, 1, 10, 50, 100])),
-                1 => Rung::Steps(precision, away * (1 << self.kit.between(1, 4))),
-                _ => Rung::Steps(precision, away * (1 << self.kit.between(1, far))),
+        while variants.len() < room {
+            let away = self.sampler.sign() as i64;
+            variants.push(match self.sampler.below(3) {
+                0 => Rung::Permille(*self.sampler.pick(&[-100, -50, -10, -1, 1, 10, 50, 100])),
+                1 => Rung::Steps(precision, away * (1 << self.sampler.between(1, 4))),
+                _ => Rung::Steps(precision, away * (1 << self.sampler.between(1, far))),
             });
         }
-        rungs.truncate(room);
-        rungs
+        variants.truncate(room);
+        variants
     }
 
     fn directed(&mut self, room: usize) -> Option<Vec<PairCase>> {
@@ -254,17 +255,17 @@ impl Rungs<'_, '_, '_> {
         let aim = (0..TRIES).find_map(|_| {
             let predicate = self.predicate();
             // Other features may serve where the first ones do not.
-            (0..3).find_map(|_| directed::aim(self.kit, (&self.base.a, &self.base.b), &chosen, predicate))
+            (0..3).find_map(|_| directed::aim(self.sampler, (&self.base.a, &self.base.b), &chosen, predicate))
         })?;
         // A long fraction is carried now and then only: it makes every exact number after it long.
-        let carry = aim.is_short() || self.kit.chance(10);
+        let carry = aim.is_short() || self.sampler.chance(10);
         let tolerance = chosen.search.approximate();
-        let rungs = self.rungs(precision, room);
-        let cases = rungs.into_iter().map(|rung| {
+        let variants = self.rungs(precision, room);
+        let cases = variants.into_iter().map(|rung| {
             let exact = if carry { aim.step(rung, self.magnitude, tolerance) } else { None };
             let rung = if rung == Rung::Exact && exact.is_none() { Rung::Steps(precision, 0) } else { rung };
             let step = exact.or_else(|| aim.step(rung, self.magnitude, tolerance));
-            let form = Form::Directed { decision: aim.decision, rung };
+            let form = PairForm::Directed { decision: aim.decision, rung };
             let (offset, margin) = step.map_or((None, None), |s| (Some(s.offset), s.margin));
             self.case((form, precision), margin, offset, set.clone())
         });
@@ -273,11 +274,11 @@ impl Rungs<'_, '_, '_> {
 
     fn predicate(&mut self) -> Predicate {
         let concave = !(self.base.a.is_convex() && self.base.b.is_convex());
-        match self.kit.below(20) {
+        match self.sampler.below(20) {
             0..=6 if concave => Predicate::ShortestExit,
             0..=2 => Predicate::EntranceChoice,
             3 => Predicate::EntranceDepth,
-            _ => *self.kit.pick(&directed::MOVED),
+            _ => *self.sampler.pick(&directed::MOVED),
         }
     }
 
@@ -298,11 +299,11 @@ impl Rungs<'_, '_, '_> {
         let set = self.set();
         let precision = self.precision();
         let (set, critical) = (0..TRIES).find_map(|_| {
-            let tolerance = self.kit.pick(tolerances);
+            let tolerance = self.sampler.pick(tolerances);
             self.critical(&set, precision, tolerance)
         })?;
-        let rungs = self.rungs(precision, room);
-        let cases = rungs.into_iter().filter_map(|rung| {
+        let variants = self.rungs(precision, room);
+        let cases = variants.into_iter().filter_map(|rung| {
             let (rung, (value, margin)) = match critical.at(rung) {
                 None => (Rung::Steps(precision, 0), critical.at(Rung::Steps(precision, 0))?),
                 Some(place) => (rung, place),
@@ -312,13 +313,13 @@ impl Rungs<'_, '_, '_> {
                 f32: critical.applied(&set.f32, &value),
                 f64: critical.applied(&set.f64, &value),
             };
-            let form = Form::Ladder { tolerance: critical.tolerance, decision: critical.decision, rung };
+            let form = PairForm::Ladder { tolerance: critical.tolerance, decision: critical.decision, rung };
             Some(self.case((form, precision), Some(margin), critical.offset.clone(), changed))
         });
         Some(cases.collect())
     }
 
-    /// A critical value of one tolerance, and the set it was found with; off no shaken base an exact one if some tries
+    /// A critical value of one tolerance, and the set it was found with; off no perturbed base an exact one if some tries
     /// meet one, for only there is a tie, and best one that f32 holds, for only there does the tie survive in a float.
     fn critical(
         &mut self,
@@ -327,14 +328,15 @@ impl Rungs<'_, '_, '_> {
         tolerance: &'static str,
     ) -> Option<(NamedSet, Critical)> {
         let revised = set.of(precision).criteria == Criteria::Revised;
-        let steep = !self.shaken && revised && LENGTHS.contains(&tolerance) && self.kit.chance(60);
-        let set = if steep { sets::steep(set, &self.base.a, &self.base.b) } else { set.clone() };
-        let kind = self.kit.below(ladder::KINDS);
+        let steep = !self.perturbed && revised && LENGTHS.contains(&tolerance) && self.sampler.chance(60);
+        let set = if steep { tolerance_sets::steep(set, &self.base.a, &self.base.b) } else { set.clone() };
+        let kind = self.sampler.below(ladder::KINDS);
         let mut found: Option<Critical> = None;
-        for _ in 0..if self.shaken { 3 } else { EXACT_TRIES } {
-            let next = ladder::critical(self.kit, (&self.base.a, &self.base.b), set.of(precision), (tolerance, kind));
+        for _ in 0..if self.perturbed { 3 } else { EXACT_TRIES } {
+            let next =
+                ladder::critical(self.sampler, (&self.base.a, &self.base.b), set.of(precision), (tolerance, kind));
             let Some(next) = next else { continue };
-            if self.shaken || (next.exact && next.value.is_exact_in(Precision::F32)) {
+            if self.perturbed || (next.exact && next.value.is_exact_in(Precision::F32)) {
                 return Some((set, next));
             }
             if found.as_ref().is_none_or(|f| next.exact && !f.exact) {
@@ -350,20 +352,20 @@ impl Rungs<'_, '_, '_> {
             .map(|_| {
                 let set = self.set();
                 let precision = self.precision();
-                let spacing = directed::shadow::quantum(self.magnitude, precision);
+                let spacing = directed::f64_view::quantum(self.magnitude, precision);
                 let reach = set.f64.search.approximate();
-                let range = match self.kit.below(3) {
+                let range = match self.sampler.below(3) {
                     0 => 4,
-                    1 => 1 << self.kit.between(3, 10),
+                    1 => 1 << self.sampler.between(3, 10),
                     _ => ((2.0 * reach / spacing) as i128).clamp(4, 1 << 50),
                 };
-                let one_axis = self.kit.chance(40).then(|| self.kit.below(3) as usize);
+                let one_axis = self.sampler.chance(40).then(|| self.sampler.below(3) as usize);
                 let offset = [0, 1, 2].map(|axis| {
-                    let steps = self.kit.between(-range, range);
+                    let steps = self.sampler.between(-range, range);
                     let metres = if one_axis.is_none_or(|a| a == axis) { steps as f64 * spacing } else { 0.0 };
                     Number::from_f64(metres).unwrap_or(Number::ZERO)
                 });
-                self.case((Form::Moved, precision), None, Some(offset), set)
+                self.case((PairForm::Moved, precision), None, Some(offset), set)
             })
             .collect()
     }

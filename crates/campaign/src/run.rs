@@ -1,21 +1,23 @@
 //! The campaign itself: chunk by chunk, in parallel inside a chunk, results merged in the order of indices.
 
 use super::config::CampaignConfig;
-use super::journal::{Journal, Progress};
-use super::kept::{Counts, Kept, Most, Wish, keep};
-use super::shrink::Shrinker;
-use super::steps::{self, StepEngine, StepFinding};
-use super::summary::{Origin, Summary};
+use super::engine_counts::{self, ENGINES, EngineSums};
+use super::journal::{CampaignProgress, Journal, Seen};
+use super::merge::MergeError;
+use super::part::Part;
+use super::steps::{self, StepEngine};
+use super::summary::{PairGroup, Summary};
 use rayon::prelude::*;
 use rockproof_differential::agreement::Agreement;
-use rockproof_differential::attribution::{Examined, Panel, examine};
-use rockproof_differential::case_file::Case;
+use rockproof_differential::attribution::{EnginePanel, PairExamination, examine};
 use rockproof_differential::engine::Levels;
 use rockproof_differential::finding::Finding;
-use rockproof_differential::subject::{Source, Subject};
+use rockproof_differential::subject::PairSource;
 use rockproof_results::ResultsError;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -24,19 +26,16 @@ pub struct Campaign<'c> {
     /// What to do.
     pub config: &'c CampaignConfig,
     /// Where the pairs come from.
-    pub source: &'c dyn Source,
+    pub source: &'c dyn PairSource,
     /// The oracle and the engines.
-    pub panel: &'c Panel,
+    pub panel: &'c EnginePanel,
     /// A panel with one engine of the given name, or all of a precision: what a shrinker needs.
-    pub narrow: &'c (dyn Fn(&Finding) -> Panel + Sync),
+    pub narrow: &'c (dyn Fn(&Finding) -> EnginePanel + Sync),
     /// What makes the steps of pairs that the source moves; empty for no steps.
     pub steppers: &'c [Box<dyn StepEngine>],
     /// Worker threads; 0 for one a core.
     pub threads: usize,
 }
-
-/// Of findings about steps one case is kept where of others so many are: they are larger, and each is a step made some ten times.
-const STEP_CASES: u64 = 4;
 
 /// How a campaign ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +55,18 @@ pub enum RunError {
     /// No worker threads.
     #[error("cannot start the worker threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The pairs done end inside a batch.
+    #[error(
+        "{dir}: the run ended after {done} pairs, inside a batch of {batch}, and cannot go on to more; one whose pairs are a multiple of {batch} can. --overwrite begins anew"
+    )]
+    InsideBatch {
+        /// The directory.
+        dir: String,
+        /// Pairs done.
+        done: u64,
+        /// Pairs of a batch.
+        batch: u64,
+    },
     /// A table cannot be written.
     #[error("cannot write a table: {0}")]
     Csv(#[from] csv::Error),
@@ -65,22 +76,39 @@ pub enum RunError {
     /// `run.json` cannot be written.
     #[error("cannot write run.json: {0}")]
     Json(#[from] serde_json::Error),
+    /// A built-in engine does not exist.
+    #[error("engine \"{0}\" does not exist")]
+    Engine(String),
+    /// A merge has begun in the directory, and has not ended.
+    #[error("{dir} is being made of parts: go on with `rockproof merge` and --resume, or use --overwrite or --out DIR")]
+    Merging {
+        /// The directory.
+        dir: PathBuf,
+    },
+    /// A part, or what is to be made of parts, cannot be used.
+    #[error(transparent)]
+    Merge(#[from] MergeError),
 }
+
+/// Whether a run was told to stop.
+pub(super) type Stopped<'s> = &'s (dyn Fn() -> bool + Sync);
 
 /// What one batch brought.
 #[derive(Default)]
-struct Batch {
+struct BatchResult {
     findings: Vec<Finding>,
     summary: Summary,
     levels: Levels,
     contacts: u64,
     metamorphic_checks: u64,
     agreement: Agreement,
-    steps: steps::Examined,
+    steps: steps::StepExamination,
 }
 
 impl Campaign<'_> {
-    /// Runs until all pairs are done or `stop` is set, calling `watch` with what is done after each chunk.
+    /// Runs until all pairs are done or `stop` is set, calling `watch` with what is done after each chunk. `stop` is looked at between
+    /// pairs; the chunk it comes in is made anew when the run is resumed, so that answers of engines that end together with this program
+    /// count for nothing.
     ///
     /// # Errors
     /// When a file cannot be written. What was committed before stays, and can be resumed.
@@ -88,26 +116,68 @@ impl Campaign<'_> {
         &self,
         journal: &mut Journal,
         stop: &AtomicBool,
-        watch: &mut dyn FnMut(&Progress),
+        watch: &mut dyn FnMut(&CampaignProgress),
     ) -> Result<Ending, RunError> {
-        let (done, pairs) = (journal.progress().pairs_done, self.config.pairs);
+        self.work(0..self.config.pairs, journal, stop, watch)
+    }
+
+    /// The same for a part of the pairs, in a journal that [`Journal::open_part`] opened. No case files are made.
+    ///
+    /// # Errors
+    /// As [`Campaign::run`].
+    pub fn run_part(
+        &self,
+        part: Part,
+        journal: &mut Journal,
+        stop: &AtomicBool,
+        watch: &mut dyn FnMut(&CampaignProgress),
+    ) -> Result<Ending, RunError> {
+        self.work(part.pairs(self.config.pairs, self.source.batch_len()), journal, stop, watch)
+    }
+
+    /// Pairs of a chunk, by which the cases are chosen: whole batches.
+    pub(super) fn chunk(&self) -> u64 {
+        let batch_len = self.source.batch_len();
+        self.config.chunk.div_ceil(batch_len).max(1).saturating_mul(batch_len)
+    }
+
+    /// Examines a share of the pairs, chunk by chunk. Chunks begin where they do in the whole campaign.
+    fn work(
+        &self,
+        share: Range<u64>,
+        journal: &mut Journal,
+        stop: &AtomicBool,
+        watch: &mut dyn FnMut(&CampaignProgress),
+    ) -> Result<Ending, RunError> {
+        if journal.progress().merging {
+            return Err(RunError::Merging { dir: journal.dir().to_owned() });
+        }
+        let (done, pairs) = (journal.progress().pairs_done, share.end - share.start);
         if done > pairs {
             return Err(journal.damaged(format!("{done} pairs are done, but only {pairs} are asked for")).into());
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
+        let pool = self.pool()?;
         if self.makes_steps() {
             journal.keep_steps()?;
         }
         let before = journal.progress().seconds;
+        let engines = EngineSums::begin(self.panel, &journal.progress().engines);
+        let stopped = || stop.load(Ordering::SeqCst);
         let started = Instant::now();
-        let batch_len = self.source.batch_len();
-        let chunk = self.config.chunk.div_ceil(batch_len).max(1) * batch_len;
-        while journal.progress().pairs_done < self.config.pairs && !stop.load(Ordering::Relaxed) {
-            let first = journal.progress().pairs_done;
-            let end = (first + chunk).min(self.config.pairs);
-            let batches: Vec<Batch> = pool.install(|| {
-                (first / batch_len..end.div_ceil(batch_len)).into_par_iter().map(|n| self.batch(n, end)).collect()
+        let seen = journal.seen();
+        let (batch_len, chunk) = (self.source.batch_len(), self.chunk());
+        if done < pairs && !done.is_multiple_of(batch_len) {
+            let dir = journal.dir().display().to_string();
+            return Err(RunError::InsideBatch { dir, done, batch: batch_len });
+        }
+        while journal.progress().pairs_done < pairs && !stopped() {
+            let first = share.start + journal.progress().pairs_done;
+            let end = (first / chunk + 1).saturating_mul(chunk).min(share.end);
+            let batches: Option<Vec<BatchResult>> = pool.install(|| {
+                let numbers = (first / batch_len..end.div_ceil(batch_len)).into_par_iter();
+                numbers.map(|n| self.batch(n, end, &seen, &stopped)).collect()
             });
+            let Some(batches) = batches else { break };
             let mut progress = journal.progress().clone();
             let (mut findings, mut stepped) = (Vec::new(), Vec::new());
             for batch in batches {
@@ -122,18 +192,36 @@ impl Campaign<'_> {
                 progress.steps.add(batch.steps.summary);
                 stepped.extend(batch.steps.findings);
             }
-            let kept = pool.install(|| self.keep_cases(&findings, &mut progress))?;
-            let finding_rows = rows(&findings, &kept.names, Finding::row)?;
-            journal.write_cases(kept.files)?;
-            let kept = pool.install(|| self.keep_step_cases(&stepped, &mut progress))?;
-            let step_rows = rows(&stepped, &kept.names, StepFinding::row)?;
-            journal.write_cases(kept.files)?;
-            progress.pairs_done = end;
+            seen.shrinking.store(true, Ordering::Relaxed);
+            let (new, cases) = pool.install(|| self.chosen(&findings, &stepped, &mut progress, &stopped))?;
+            if stopped() {
+                break;
+            }
+            journal.write_cases(cases)?;
+            progress.engines = engines.now(self.panel);
+            progress.pairs_done = end - share.start;
             progress.seconds = before + started.elapsed().as_secs_f64();
-            journal.commit(&finding_rows, &step_rows, progress)?;
+            journal.commit(&new, progress)?;
+            seen.shrinking.store(false, Ordering::Relaxed);
             watch(journal.progress());
         }
-        let finished = journal.progress().pairs_done >= self.config.pairs;
+        let finished = journal.progress().pairs_done >= pairs;
+        self.write_tables(journal, finished, None)?;
+        Ok(if finished { Ending::Finished } else { Ending::Stopped })
+    }
+
+    /// The worker threads.
+    pub(super) fn pool(&self) -> Result<rayon::ThreadPool, RunError> {
+        Ok(rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?)
+    }
+
+    /// Writes the tables of counts, and `run.json`, which says of which parts it was put together.
+    pub(super) fn write_tables(
+        &self,
+        journal: &mut Journal,
+        finished: bool,
+        parts: Option<Value>,
+    ) -> Result<(), RunError> {
         let progress = journal.progress();
         let mut files = vec![
             ("summary.csv", progress.summary.to_csv()?),
@@ -143,27 +231,36 @@ impl Campaign<'_> {
         if self.makes_steps() {
             files.push(("step_summary.csv", progress.steps.to_csv()?));
         }
-        files.push(("run.json", self.run_json(journal, finished)?));
-        files.into_iter().try_for_each(|(name, bytes)| journal.write(name, &bytes))?;
-        Ok(if finished { Ending::Finished } else { Ending::Stopped })
+        if !progress.engines.is_empty() {
+            files.push((ENGINES, engine_counts::to_csv(&progress.engines)?));
+        }
+        files.push(("run.json", self.run_json(journal, finished, parts)?));
+        Ok(files.into_iter().try_for_each(|(name, bytes)| journal.write(name, &bytes))?)
     }
 
-    fn makes_steps(&self) -> bool {
+    pub(super) fn makes_steps(&self) -> bool {
         !self.steppers.is_empty() && self.config.steps_every > 0 && self.config.steps > 0
     }
 
-    fn batch(&self, number: u64, end: u64) -> Batch {
-        let mut batch = Batch::default();
+    /// One batch; `None` where the run is stopped meanwhile.
+    fn batch(&self, number: u64, end: u64, seen: &Seen, stopped: Stopped<'_>) -> Option<BatchResult> {
+        let mut batch = BatchResult::default();
         let subjects = self.source.batch(number);
         for subject in subjects.iter().filter(|s| s.index < end) {
+            if stopped() {
+                return None;
+            }
             for set in &subject.sets {
-                batch.summary.add_pair(Origin {
+                batch.summary.add_pair(PairGroup {
                     family: subject.family.to_string(),
                     form: subject.form.to_string(),
                     tolerances: set.name.to_string(),
                 });
             }
-            let Examined { findings, levels, contacts, metamorphic_checks, agreement } = examine(subject, self.panel);
+            let PairExamination { findings, levels, contacts, metamorphic_checks, agreement } =
+                examine(subject, self.panel);
+            seen.pairs.fetch_add(1, Ordering::Relaxed);
+            seen.findings.fetch_add(findings.len() as u64, Ordering::Relaxed);
             for finding in &findings {
                 batch.summary.add_finding(finding);
             }
@@ -174,65 +271,24 @@ impl Campaign<'_> {
             batch.agreement.add(agreement);
         }
         batch.agreement.close_batch();
+        if stopped() {
+            return None;
+        }
         if self.makes_steps() {
             let moving = subjects.iter().filter(|s| s.index < end);
-            let moving: Vec<_> = moving.filter_map(|s| Some((s, self.source.motion(s)?))).collect();
+            let beside = self.source.step_pairs(number);
+            let beside = beside.iter().filter(|(s, _)| s.index < end).map(|(s, motion)| (s, motion.clone()));
+            let mut moving: Vec<_> = moving.filter_map(|s| Some((s, self.source.motion(s)?))).chain(beside).collect();
+            // Rows come in the order of indices; the sort is stable.
+            moving.sort_by_key(|(subject, _)| subject.index);
             if !moving.is_empty() {
                 batch.steps = steps::examine_all(&moving, self.steppers);
             }
         }
-        batch
+        Some(batch)
     }
 
-    /// Keeps case files of findings: the first few of each fingerprint.
-    fn keep_cases(&self, findings: &[Finding], progress: &mut Progress) -> Result<Kept, RunError> {
-        let wish = |finding: &Finding| {
-            let fingerprint = finding.fingerprint();
-            let name = format!("{}.toml", fingerprint.file_stem(&finding.set, finding.index));
-            Wish { fingerprint: fingerprint.text(), cause: finding.cause.name(), name }
-        };
-        let most = Most { of_cause: self.config.cases_per_cause, alike: self.config.cases_per_fingerprint };
-        let counts = Counts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
-        keep(findings, wish, most, counts, |finding| self.case(finding))
-    }
-
-    /// The same of findings about steps.
-    fn keep_step_cases(&self, findings: &[StepFinding], progress: &mut Progress) -> Result<Kept, RunError> {
-        let wish = |finding: &StepFinding| Wish {
-            fingerprint: finding.fingerprint(),
-            cause: finding.cause.name(),
-            name: finding.file_name(),
-        };
-        let of_cause = self.config.cases_per_cause / STEP_CASES;
-        let most = Most { of_cause, alike: self.config.cases_per_fingerprint };
-        let counts = Counts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
-        keep(findings, wish, most, counts, |finding| self.step_case(finding))
-    }
-
-    /// The subject of a pair.
-    fn subject(&self, index: u64) -> Option<Subject> {
-        let subjects = self.source.batch(index / self.source.batch_len());
-        subjects.into_iter().find(|subject| subject.index == index)
-    }
-
-    /// The case file of a finding, made small; none where the pair alone does not show the finding again.
-    fn case(&self, finding: &Finding) -> Result<Option<Vec<u8>>, RunError> {
-        let panel = (self.narrow)(finding);
-        let case = self.subject(finding.index).and_then(|s| Case::of(finding, &s, self.config.seed, &panel));
-        let Some(case) = case else { return Ok(None) };
-        Ok(Some(Shrinker::new(&panel, self.config.shrink_evaluations).shrink(case).to_toml()?.into_bytes()))
-    }
-
-    /// The case file of a finding about a step; none where the oracle's step ends in a stop, so that there is no answer to record, or where
-    /// the step does not show the finding again.
-    fn step_case(&self, finding: &StepFinding) -> Result<Option<Vec<u8>>, RunError> {
-        let Some(subject) = self.subject(finding.index) else { return Ok(None) };
-        let Some(motion) = self.source.motion(&subject) else { return Ok(None) };
-        let case = steps::case::of(finding, &subject, &motion, self.steppers);
-        Ok(case.map(|case| case.text()).transpose()?)
-    }
-
-    fn run_json(&self, journal: &Journal, finished: bool) -> Result<Vec<u8>, RunError> {
+    fn run_json(&self, journal: &Journal, finished: bool, parts: Option<Value>) -> Result<Vec<u8>, RunError> {
         let progress = journal.progress();
         let levels: Map<String, Value> =
             Levels::NAMES.iter().zip(progress.levels).map(|(name, count)| ((*name).to_owned(), count.into())).collect();
@@ -241,8 +297,6 @@ impl Campaign<'_> {
             .iter()
             .map(|cause| (cause.name().to_owned(), summary.count_of(cause.name()).into()))
             .collect();
-        let counted = |e: &dyn rockproof_differential::engine::Engine| Some((e.name().to_owned(), e.counts()?));
-        let external: Map<String, Value> = self.panel.engines.iter().filter_map(|e| counted(&**e)).collect();
         let mut text = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "seed": self.config.seed,
@@ -258,7 +312,7 @@ impl Campaign<'_> {
             "contacts": progress.contacts,
             "findings": { "total": summary.total(), "by_cause": by_cause },
             "metamorphic_checks": progress.metamorphic_checks,
-            "external_engines_since_start": external,
+            "external_engines": progress.engines,
             "oracle_levels": levels,
             "case_files": progress.cases.values().sum::<u64>(),
             "seconds": progress.seconds,
@@ -274,6 +328,9 @@ impl Campaign<'_> {
                 "case_files": progress.step_cases.values().sum::<u64>(),
             });
         }
+        if let Some(parts) = parts {
+            text["parts"] = parts;
+        }
         let mut bytes = serde_json::to_vec_pretty(&text)?;
         bytes.push(b'\n');
         Ok(bytes)
@@ -281,7 +338,7 @@ impl Campaign<'_> {
 }
 
 /// Rows of `findings.csv` or `step_findings.csv`, each with the case file of its finding.
-fn rows<F, R: Serialize>(
+pub(super) fn rows<F, R: Serialize>(
     findings: &[F],
     names: &[Option<String>],
     row: impl Fn(&F, String) -> R,

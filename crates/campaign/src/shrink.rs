@@ -6,31 +6,33 @@
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use rockproof_differential::attribution::Panel;
+use rockproof_differential::attribution::EnginePanel;
 use rockproof_differential::case_file::Case;
-use rockproof_differential::finding::Finding;
+use rockproof_differential::finding::{FAR, Finding};
 use rockproof_differential::hull::convex_hull;
 use rockproof_model::number::split_f64;
 use rockproof_model::{Block, BlockOptions, Criteria, Number, Point};
 
 /// Makes cases smaller.
 pub struct Shrinker<'p> {
-    panel: &'p Panel,
+    panel: &'p EnginePanel,
     left: u64,
+    /// The margin in roundoffs that the finding must keep, so that one far from any tie stays one.
+    least: f64,
 }
 
 /// One of the two blocks of a case.
 #[derive(Clone, Copy)]
-enum Which {
+enum CaseBlock {
     A,
     B,
 }
 
-impl Which {
+impl CaseBlock {
     fn of(self, case: &mut Case) -> &mut Block {
         match self {
-            Which::A => &mut case.a,
-            Which::B => &mut case.b,
+            CaseBlock::A => &mut case.a,
+            CaseBlock::B => &mut case.b,
         }
     }
 }
@@ -41,13 +43,14 @@ const FEWER_BITS: [u32; 7] = [3, 5, 8, 12, 16, 24, 40];
 impl<'p> Shrinker<'p> {
     /// A shrinker that may examine `evaluations` pairs. The panel should hold no engine the case is not about, and ask
     /// for metamorphic checks only where the case is about one.
-    pub fn new(panel: &'p Panel, evaluations: u64) -> Shrinker<'p> {
-        Shrinker { panel, left: evaluations }
+    pub fn new(panel: &'p EnginePanel, evaluations: u64) -> Shrinker<'p> {
+        Shrinker { panel, left: evaluations, least: 0.0 }
     }
 
     /// The smallest case found. A case that does not show its finding is returned as it is.
     pub fn shrink(mut self, case: Case) -> Case {
-        let Some(finding) = self.shows(&case) else { return case };
+        self.least = case.about.margin_ulps.map(f64::abs).filter(|ulps| *ulps > FAR).map_or(0.0, |ulps| ulps / 10.0);
+        let Some(finding) = self.reproduces(&case) else { return case };
         let mut best = case;
         best.describe(&finding, self.panel);
         loop {
@@ -60,20 +63,26 @@ impl<'p> Shrinker<'p> {
                 break;
             }
         }
-        if let Some(finding) = best.findings(self.panel).into_iter().next() {
+        if let Some(finding) = self.look(&best) {
             best.describe(&finding, self.panel);
         }
         best
     }
 
-    fn shows(&mut self, case: &Case) -> Option<Finding> {
+    fn reproduces(&mut self, case: &Case) -> Option<Finding> {
         self.left = self.left.checked_sub(1)?;
-        case.findings(self.panel).into_iter().next()
+        self.look(case)
+    }
+
+    fn look(&self, case: &Case) -> Option<Finding> {
+        let far_enough =
+            |finding: &Finding| self.least == 0.0 || finding.margin_ulps().is_some_and(|u| u.abs() >= self.least);
+        case.findings(self.panel).into_iter().find(far_enough)
     }
 
     /// Replaces `best` by `proposal` if that is simpler and shows the finding.
     fn keep(&mut self, best: &mut Case, proposal: Case) -> bool {
-        let better = size(&proposal) < size(best) && self.shows(&proposal).is_some();
+        let better = size(&proposal) < size(best) && self.reproduces(&proposal).is_some();
         if better {
             *best = proposal;
         }
@@ -93,7 +102,7 @@ impl<'p> Shrinker<'p> {
 
     /// Takes the convex hull of all vertices but one, for as long as that works.
     fn drop_vertices(&mut self, best: &mut Case) {
-        for which in [Which::A, Which::B] {
+        for which in [CaseBlock::A, CaseBlock::B] {
             let mut vertex = 0;
             while vertex < which.of(best).vertices().len() && which.of(best).vertices().len() > 4 && self.left > 0 {
                 let mut proposal = best.clone();
@@ -120,7 +129,7 @@ impl<'p> Shrinker<'p> {
             return;
         }
         let top = largest.log2().ceil() as i32;
-        for which in [&[Which::A, Which::B][..], &[Which::A], &[Which::B]] {
+        for which in [&[CaseBlock::A, CaseBlock::B][..], &[CaseBlock::A], &[CaseBlock::B]] {
             for bits in FEWER_BITS {
                 let grid = top - bits as i32;
                 let mut proposal = best.clone();
@@ -134,7 +143,7 @@ impl<'p> Shrinker<'p> {
                 }
             }
         }
-        for which in [Which::A, Which::B] {
+        for which in [CaseBlock::A, CaseBlock::B] {
             for vertex in 0..which.of(best).vertices().len() {
                 for axis in 0..3 {
                     self.shorten_one(best, which, vertex, axis);
@@ -143,7 +152,7 @@ impl<'p> Shrinker<'p> {
         }
     }
 
-    fn shorten_one(&mut self, best: &mut Case, which: Which, vertex: usize, axis: usize) {
+    fn shorten_one(&mut self, best: &mut Case, which: CaseBlock, vertex: usize, axis: usize) {
         let simpler = |c: &Number| {
             let value = c.approximate();
             let near = [0.0, value.round(), (value * 8.0).round() / 8.0, (value * 1024.0).round() / 1024.0];

@@ -1,18 +1,19 @@
 //! Where a campaign's pairs come from: the families, under the presets.
 
 use super::config::CampaignConfig;
-use super::families::{self, Real};
-use super::grid::GridFault;
+use super::families::{self, RealNeighbours};
 use super::pairs::{self, PairCase, PairConfig};
-use super::sets::{self, SetSource};
-use super::steps::motion;
+use super::steps::{PASSAGE, motion, passing};
+use super::tolerance_grid::ToleranceGridError;
+use super::tolerance_sets::{self, SetSource};
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{Source, Subject, SubjectSet};
-use rockproof_model::{Block, LoadOptions, Scene, SceneError};
+use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
+use rockproof_model::files::read_limited;
+use rockproof_model::{Block, LoadOptions, Number, Precision, Scene, SceneError, SpecError, ToleranceSpec, Vec3};
 use serde_json::{Map, Value};
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Why a configuration names no pairs.
@@ -28,7 +29,7 @@ pub enum SourceError {
     },
     /// A tolerance set that does not exist.
     #[error(
-        "tolerance set \"{found}\" does not exist; there are {allowed}, and changes of them: auto@territory*1/2@criteria=classic"
+        "tolerance set \"{found}\" does not exist; there are {allowed}, changes of them (auto@territory*1/2@criteria=classic), and TOML files of tolerances"
     )]
     Set {
         /// What was found.
@@ -36,9 +37,35 @@ pub enum SourceError {
         /// The sets.
         allowed: String,
     },
+    /// A file of tolerances that names no set.
+    #[error("{file}: {source}")]
+    Spec {
+        /// The file.
+        file: String,
+        /// Why.
+        source: Box<SpecError>,
+    },
+    /// A file whose name cannot be that of a set.
+    #[error(
+        "{file}: in tables its set would be called \"{stem}\"; allowed is what no other set is called, without ':' and '@': rename the file"
+    )]
+    Stem {
+        /// The file.
+        file: String,
+        /// Its stem.
+        stem: String,
+    },
+    /// Two sets of one name.
+    #[error("{file}: another tolerance set is called \"{name}\" as well; rename the file")]
+    Twice {
+        /// The file.
+        file: String,
+        /// Its stem.
+        name: String,
+    },
     /// A grid of tolerance sets that is none.
     #[error(transparent)]
-    Grid(#[from] GridFault),
+    Grid(#[from] ToleranceGridError),
     /// A block file that cannot be read.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -48,6 +75,11 @@ pub enum SourceError {
         /// The file.
         file: String,
     },
+    /// Only the family that makes steps, and no steps.
+    #[error(
+        "family \"{PASSAGE}\" makes steps and nothing else, and steps_every is 0; allowed are 1 and more, or other families beside it"
+    )]
+    NothingToDo,
     /// The identity of the run cannot be written down.
     #[error("the configuration cannot be written as JSON: {0}")]
     Identity(#[from] serde_json::Error),
@@ -59,6 +91,8 @@ pub struct FamilySource {
     pairs: PairConfig,
     /// One pair in so many moves, for so many steps.
     steps: (u64, u32),
+    /// The tolerance sets of the pairs of [`PASSAGE`]; none where it takes no part.
+    passages: Vec<SetSource>,
 }
 
 /// The pairs that a configuration asks for.
@@ -66,11 +100,12 @@ pub struct FamilySource {
 /// # Errors
 /// When it names what does not exist, or a file that holds no pairs.
 pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
-    let names: Vec<&str> = config.families.iter().map(String::as_str).collect();
-    let chosen = if names.is_empty() { Ok(families::all()) } else { families::named(&names) };
+    let names: Vec<&str> = config.families.iter().map(String::as_str).filter(|name| *name != PASSAGE).collect();
+    let with_passages = config.families.is_empty() || names.len() < config.families.len();
+    let chosen = if config.families.is_empty() { Ok(families::all()) } else { families::named(&names) };
     let mut families = chosen.map_err(|found| SourceError::Family {
         found: found.to_owned(),
-        allowed: families::all().iter().map(|f| f.name()).collect::<Vec<_>>().join(", "),
+        allowed: families::all().iter().map(|f| f.name()).chain([PASSAGE]).collect::<Vec<_>>().join(", "),
     })?;
     if !config.real.is_empty() {
         let mut blocks = Vec::new();
@@ -78,39 +113,97 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
             // Pairs are sought within a file, so files are kept apart by a family of their own each.
             let scene = Scene::load_with(file, &LoadOptions { planarity: config.planarity.clone() })?;
             blocks.push(
-                Real::neighbours(&scene.shapes().into_iter().cloned().collect::<Vec<Block>>())
+                RealNeighbours::neighbours(&scene.shapes().into_iter().cloned().collect::<Vec<Block>>())
                     .ok_or_else(|| SourceError::NoNeighbours { file: file.display().to_string() })?,
             );
         }
         families.retain(|f| f.name() != "real");
         families.extend(blocks.into_iter().map(|real| Arc::new(real) as Arc<dyn families::Family>));
     }
-    let names: Vec<&str> = if config.tolerances.is_empty() && config.grid.is_none() {
-        sets::NAMES.to_vec()
-    } else {
-        config.tolerances.iter().map(String::as_str).collect()
-    };
-    let mut sets = names.into_iter().map(set_source).collect::<Result<Vec<_>, _>>()?;
+    let own = config.tolerances.is_empty() && config.grid.is_none();
+    let names: Vec<&str> =
+        if own { tolerance_sets::NAMES.to_vec() } else { config.tolerances.iter().map(String::as_str).collect() };
+    let mut sets = set_sources(&names)?;
     // On a grid sets are to be compared with one another, so every base pair gets all of them.
     let sets_per_batch = if config.grid.is_some() { usize::MAX } else { sets.len().min(3) };
     if let Some(grid) = &config.grid {
         sets.extend(grid.sources()?);
     }
+    if families.is_empty() && config.steps_every == 0 {
+        return Err(SourceError::NothingToDo);
+    }
+    let passages = match (with_passages, own) {
+        (false, _) => Vec::new(),
+        (true, true) => passing::SETS.into_iter().map(set_source).collect::<Result<_, _>>()?,
+        (true, false) => sets.clone(),
+    };
     Ok(FamilySource {
         seed: config.seed,
+        passages,
         pairs: PairConfig { families, sets, sets_per_batch, ..PairConfig::default() },
         steps: (config.steps_every, config.steps),
     })
 }
 
-/// The tolerance sets of a name.
+/// The tolerance sets of a name, or of a TOML file of tolerances, which the file's stem names in tables.
 ///
 /// # Errors
-/// When there is none of that name.
+/// When there is none of that name, the file is none of tolerances, or its stem cannot be a name.
 pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
-    let unknown = || SourceError::Set { found: name.to_owned(), allowed: sets::NAMES.join(", ") };
-    SetSource::named(name).ok_or_else(unknown)
+    if let Some(known) = SetSource::named(name) {
+        return Ok(known);
+    }
+    let Some(file) = tolerance_file(name) else {
+        return Err(SourceError::Set { found: name.to_owned(), allowed: tolerance_sets::NAMES.join(", ") });
+    };
+    let spec = ToleranceSpec::load(file)?;
+    let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    // A colon is for ladders, an @ for changes, and a name is of one set.
+    if stem.is_empty() || stem.contains([':', '@']) || SetSource::named(&stem).is_some() {
+        return Err(SourceError::Stem { file: name.to_owned(), stem });
+    }
+    // Values missing without a preset would be missing for every pair.
+    let zero = || Vec3::new(Number::ZERO, Number::ZERO, Number::ZERO);
+    let one = Vec3::new(Number::from_integer(1), Number::from_integer(1), Number::from_integer(1));
+    if let Ok(cube) = Block::cuboid(&zero(), &one) {
+        spec.derive(&[&cube, &cube], Precision::F64)
+            .map_err(|source| SourceError::Spec { file: name.to_owned(), source: Box::new(source) })?;
+    }
+    Ok(SetSource::new(stem, move |a, b, precision| spec.derive(&[a, b], precision).ok()))
 }
+
+/// The file of tolerances that a name stands for, if it is one.
+fn tolerance_file(name: &str) -> Option<&Path> {
+    let path = Path::new(name);
+    let is_toml = path.extension().is_some_and(|extension| extension == "toml");
+    (SetSource::named(name).is_none() && (is_toml || path.is_file())).then_some(path)
+}
+
+/// The sources of these names and files; no two of one name.
+///
+/// # Errors
+/// As [`set_source`], and when two files would have one name.
+pub(super) fn set_sources(names: &[&str]) -> Result<Vec<SetSource>, SourceError> {
+    let sources = names.iter().map(|name| set_source(name)).collect::<Result<Vec<_>, _>>()?;
+    let twice = |at: usize| sources[..at].iter().any(|other| other.name() == sources[at].name());
+    match (0..sources.len()).find(|&at| twice(at)) {
+        Some(at) if tolerance_file(names[at]).is_some() => {
+            Err(SourceError::Twice { file: names[at].to_owned(), name: sources[at].name().to_owned() })
+        }
+        _ => Ok(sources),
+    }
+}
+
+/// What the sets of a configuration are called in tables.
+///
+/// # Errors
+/// As [`set_source`].
+pub fn set_names(config: &CampaignConfig) -> Result<Vec<String>, SourceError> {
+    config.tolerances.iter().map(|name| Ok(set_source(name)?.name().to_owned())).collect()
+}
+
+/// What stands before a file's name in the key of its content.
+pub(crate) const CONTENT: &str = "content of ";
 
 /// What must be the same for a run to go on: the configuration, and the content of the block files.
 ///
@@ -118,15 +211,16 @@ pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
 /// When a path cannot be written as JSON.
 pub fn identity(config: &CampaignConfig) -> Result<Map<String, Value>, SourceError> {
     let mut identity = config.identity()?;
-    for file in &config.real {
-        identity.insert(format!("content of {}", file.display()), content(file).into());
+    let tolerances = config.tolerances.iter().filter_map(|name| tolerance_file(name));
+    for file in config.real.iter().map(PathBuf::as_path).chain(tolerances) {
+        identity.insert(format!("{CONTENT}{}", file.display()), content(file).into());
     }
     Ok(identity)
 }
 
 /// Length and hash of a file; empty if it cannot be read, which [`of`] reports.
 fn content(file: &Path) -> String {
-    std::fs::read(file).map_or(String::new(), |bytes| {
+    read_limited(file).map_or(String::new(), |bytes| {
         let mut hasher = DefaultHasher::new();
         bytes.hash(&mut hasher);
         format!("{} bytes, hash {:016x}", bytes.len(), hasher.finish())
@@ -136,18 +230,21 @@ fn content(file: &Path) -> String {
 impl FamilySource {
     /// The same source of bases as their families make them, none perturbed: these hold the most exact ties.
     #[must_use]
-    pub fn unshaken(mut self) -> FamilySource {
-        self.pairs.shaken_percent = 0;
+    pub fn unperturbed(mut self) -> FamilySource {
+        self.pairs.perturbed_percent = 0;
         self
     }
 
     /// The pairs of one batch with all that is known of how they were made.
     pub fn cases(&self, number: u64) -> Vec<PairCase> {
+        if self.pairs.families.is_empty() {
+            return Vec::new();
+        }
         pairs::batch(self.seed, number, &self.pairs)
     }
 }
 
-impl Source for FamilySource {
+impl PairSource for FamilySource {
     fn batch_len(&self) -> u64 {
         pairs::BATCH
     }
@@ -177,7 +274,18 @@ impl Source for FamilySource {
             return None;
         }
         let family = self.pairs.families.iter().find(|family| family.name() == &*subject.family);
-        let manner = family.map(|family| family.manner()).unwrap_or_default();
+        let manner = family.map(|family| family.motion_style()).unwrap_or_default();
         Some(motion::drawn(&mut rng, manner, &subject.a, &subject.b, steps))
+    }
+
+    fn step_pairs(&self, number: u64) -> Vec<(Subject, PairMotion)> {
+        let (every, steps) = self.steps;
+        if self.passages.is_empty() || steps == 0 {
+            return Vec::new();
+        }
+        // Half as many as of another family, for each makes its step under more sets.
+        let every = every * (2 * self.pairs.families.len() as u64).max(1);
+        let indices = number * pairs::BATCH..(number + 1) * pairs::BATCH;
+        indices.filter_map(|index| passing::pair(self.seed, index, every, steps, &self.passages)).collect()
     }
 }

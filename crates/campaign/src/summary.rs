@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 /// Where pairs come from and under which set they were examined.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Origin {
+pub struct PairGroup {
     /// The family.
     pub family: String,
     /// The form.
@@ -17,7 +17,7 @@ pub struct Origin {
 
 /// What was found.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Sort {
+pub struct FindingClass {
     /// Whom it is about.
     pub engine: String,
     /// The cause.
@@ -30,33 +30,33 @@ pub struct Sort {
 
 /// Counts of pairs and findings. Adding is commutative; the order of rows is that of their keys.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(from = "Rows", into = "Rows")]
+#[serde(from = "SummaryRows", into = "SummaryRows")]
 pub struct Summary {
-    pairs: BTreeMap<Origin, u64>,
-    findings: BTreeMap<(Origin, Sort), u64>,
+    pairs: BTreeMap<PairGroup, u64>,
+    findings: BTreeMap<(PairGroup, FindingClass), u64>,
 }
 
 /// A summary as lists, for JSON.
 #[derive(Serialize, Deserialize)]
-struct Rows {
-    pairs: Vec<(Origin, u64)>,
-    findings: Vec<(Origin, Sort, u64)>,
+struct SummaryRows {
+    pairs: Vec<(PairGroup, u64)>,
+    findings: Vec<(PairGroup, FindingClass, u64)>,
 }
 
-impl From<Rows> for Summary {
-    fn from(rows: Rows) -> Summary {
+impl From<SummaryRows> for Summary {
+    fn from(rows: SummaryRows) -> Summary {
         Summary {
             pairs: rows.pairs.into_iter().collect(),
-            findings: rows.findings.into_iter().map(|(origin, sort, count)| ((origin, sort), count)).collect(),
+            findings: rows.findings.into_iter().map(|(origin, class, count)| ((origin, class), count)).collect(),
         }
     }
 }
 
-impl From<Summary> for Rows {
-    fn from(summary: Summary) -> Rows {
-        Rows {
+impl From<Summary> for SummaryRows {
+    fn from(summary: Summary) -> SummaryRows {
+        SummaryRows {
             pairs: summary.pairs.into_iter().collect(),
-            findings: summary.findings.into_iter().map(|((origin, sort), count)| (origin, sort, count)).collect(),
+            findings: summary.findings.into_iter().map(|((origin, class), count)| (origin, class, count)).collect(),
         }
     }
 }
@@ -90,24 +90,24 @@ pub const SUMMARY_COLUMNS: [&str; 9] =
 
 impl Summary {
     /// Counts a pair examined under a tolerance set.
-    pub fn add_pair(&mut self, origin: Origin) {
+    pub fn add_pair(&mut self, origin: PairGroup) {
         *self.pairs.entry(origin).or_default() += 1;
     }
 
     /// Counts a finding.
     pub fn add_finding(&mut self, finding: &Finding) {
-        let origin = Origin {
+        let origin = PairGroup {
             family: finding.family.to_string(),
             form: finding.form.to_string(),
             tolerances: finding.set.to_string(),
         };
-        let sort = Sort {
-            engine: finding.who.to_string(),
+        let class = FindingClass {
+            engine: finding.scope.to_string(),
             cause: finding.cause.to_string(),
             change: finding.difference.change.to_string(),
             kind: finding.kind().map_or(String::new(), |k| k.to_string()),
         };
-        *self.findings.entry((origin, sort)).or_default() += 1;
+        *self.findings.entry((origin, class)).or_default() += 1;
     }
 
     /// Adds the counts of `other`.
@@ -121,7 +121,7 @@ impl Summary {
     }
 
     /// Pairs examined, by where they come from.
-    pub fn examined(&self) -> impl Iterator<Item = (&Origin, u64)> {
+    pub fn examined(&self) -> impl Iterator<Item = (&PairGroup, u64)> {
         self.pairs.iter().map(|(origin, count)| (origin, *count))
     }
 
@@ -148,10 +148,10 @@ impl Summary {
     }
 
     /// Findings by engine, cause and change, and within these by kind.
-    pub fn by_sort(&self) -> BTreeMap<&Sort, u64> {
+    pub fn by_class(&self) -> BTreeMap<&FindingClass, u64> {
         let mut sorts = BTreeMap::new();
-        for ((_, sort), count) in &self.findings {
-            *sorts.entry(sort).or_default() += count;
+        for ((_, class), count) in &self.findings {
+            *sorts.entry(class).or_default() += count;
         }
         sorts
     }
@@ -164,23 +164,23 @@ impl Summary {
         let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
         writer.write_record(SUMMARY_COLUMNS)?;
         let nothing =
-            || Sort { engine: String::new(), cause: String::new(), change: String::new(), kind: String::new() };
+            || FindingClass { engine: String::new(), cause: String::new(), change: String::new(), kind: String::new() };
         for (origin, pairs) in &self.pairs {
-            let row = |sort: &Sort, findings| SummaryRow {
+            let row = |class: &FindingClass, findings| SummaryRow {
                 family: origin.family.clone(),
                 form: origin.form.clone(),
                 tolerances: origin.tolerances.clone(),
                 pairs: *pairs,
-                engine: sort.engine.clone(),
-                cause: sort.cause.clone(),
-                change: sort.change.clone(),
-                kind: sort.kind.clone(),
+                engine: class.engine.clone(),
+                cause: class.cause.clone(),
+                change: class.change.clone(),
+                kind: class.kind.clone(),
                 findings,
             };
             let mut any = false;
             let from = (origin.clone(), nothing());
-            for ((_, sort), count) in self.findings.range(from..).take_while(|((o, _), _)| o == origin) {
-                writer.serialize(row(sort, *count))?;
+            for ((_, class), count) in self.findings.range(from..).take_while(|((o, _), _)| o == origin) {
+                writer.serialize(row(class, *count))?;
                 any = true;
             }
             if !any {

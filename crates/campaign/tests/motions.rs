@@ -6,9 +6,9 @@ use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::source;
 use rockproof_differential::collapse::collapsed_feature;
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{Source, Subject};
+use rockproof_differential::subject::{PairSource, Subject};
 use rockproof_stepper::Real;
-use rockproof_stepper::contact::{Rules, Spec};
+use rockproof_stepper::contact::{ContactRules, SpecRules};
 use rockproof_stepper::dynamics::{Dynamics, Mode, StepRules};
 
 /// Nothing is kept.
@@ -23,10 +23,10 @@ struct NoSeventh;
 /// Δt begins full each time.
 struct FullAtOnce;
 
-impl Rules for NothingKept {}
-impl Rules for TurnsSlide {}
-impl Rules for NoSeventh {}
-impl Rules for FullAtOnce {}
+impl ContactRules for NothingKept {}
+impl ContactRules for TurnsSlide {}
+impl ContactRules for NoSeventh {}
+impl ContactRules for FullAtOnce {}
 
 impl StepRules for NothingKept {
     fn leaves_kept(_: Mode) -> bool {
@@ -79,7 +79,7 @@ fn motions_reach_the_new_rules() {
             continue;
         }
         pairs += 1;
-        let right = trajectory::<Spec>(&subject, &motion);
+        let right = trajectory::<SpecRules>(&subject, &motion);
         let others = [
             trajectory::<NothingKept>(&subject, &motion),
             trajectory::<TurnsSlide>(&subject, &motion),

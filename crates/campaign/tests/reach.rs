@@ -7,10 +7,10 @@ use num_traits::{Signed, Zero};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rockproof_campaign::families::{self, Family};
-use rockproof_campaign::pairs::{Form, PairCase, PairConfig, SetSource, batch};
+use rockproof_campaign::pairs::{PairCase, PairConfig, PairForm, SetSource, batch};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Block, Sign};
-use rockproof_oracle::{Pair, Solid, TraceEntry};
+use rockproof_oracle::{Pair, PreparedBlock, TraceEntry};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// No, tie and yes.
@@ -29,12 +29,12 @@ fn sets(names: &[&str]) -> Vec<SetSource> {
 }
 
 fn trace(case: &PairCase) -> Vec<TraceEntry> {
-    let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
+    let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
     Pair::new(&a, &b).trace(case.sets[0].of(case.aimed_for))
 }
 
 fn family(name: &str) -> PairConfig {
-    PairConfig { families: families::named(&[name]).unwrap(), shaken_percent: 0, ..PairConfig::default() }
+    PairConfig { families: families::named(&[name]).unwrap(), perturbed_percent: 0, ..PairConfig::default() }
 }
 
 /// Whether a plane is that of a v-f contact, and so asked in test 5: its vertex projects into the face, and is in no
@@ -64,16 +64,18 @@ fn ladders_decide_by_each_measure_alone() {
     let mut counts: BTreeMap<(&str, Predicate, &str), Counts> = BTreeMap::new();
     let mut aims: BTreeMap<(&str, Predicate), [u32; 2]> = BTreeMap::new();
     let mut wrong = Vec::new();
-    for shaken_percent in [0, 92] {
+    for perturbed_percent in [0, 92] {
         let config = PairConfig {
             sets: sets(&names),
             directed_percent: 0,
             ladder_percent: 100,
-            shaken_percent,
+            perturbed_percent,
             ..PairConfig::default()
         };
         for case in (0..450).flat_map(|k| batch(17, k, &config)) {
-            let (Form::Ladder { tolerance, decision, .. }, Some(margin)) = (&case.form, case.margin) else { continue };
+            let (PairForm::Ladder { tolerance, decision, .. }, Some(margin)) = (&case.form, case.margin) else {
+                continue;
+            };
             let [all, asked] = aims.entry((tolerance, decision.predicate)).or_default();
             *all += 1;
             let entries = trace(&case);
@@ -187,13 +189,13 @@ fn concave_notches_have_level_edges() {
 #[test]
 fn fractional_tolerances_tie() {
     let config =
-        PairConfig { sets: sets(&["fractional"]), sets_per_batch: 1, shaken_percent: 0, ..PairConfig::default() };
+        PairConfig { sets: sets(&["fractional"]), sets_per_batch: 1, perturbed_percent: 0, ..PairConfig::default() };
     let mut ties: BTreeMap<&str, u32> = BTreeMap::new();
     for case in (0..400).flat_map(|k| batch(37, k, &config)) {
         let (Some(decision), Some(Sign::Zero)) = (case.form.decision(), case.margin) else { continue };
         let set = case.sets[0].of(case.aimed_for);
         let name = match &case.form {
-            Form::Ladder { tolerance, .. } => {
+            PairForm::Ladder { tolerance, .. } => {
                 let value = set.numbers().into_iter().find(|(name, _)| name == tolerance).unwrap().1;
                 if value.as_f64().is_some() {
                     continue;
@@ -224,12 +226,12 @@ fn fractional_tolerances_tie() {
 #[test]
 fn deep_sets_have_contacts_deeper_than_the_search_distance() {
     let config =
-        PairConfig { sets: sets(&["dyadic-deep"]), shaken_percent: 0, sets_per_batch: 1, ..PairConfig::default() };
+        PairConfig { sets: sets(&["dyadic-deep"]), perturbed_percent: 0, sets_per_batch: 1, ..PairConfig::default() };
     let mut deeper = 0;
     for case in (0..200).flat_map(|k| batch(31, k, &config)) {
         let set = case.sets[0].of(case.aimed_for);
         let shallow = rockproof_model::ToleranceSet { penetration: set.search.clone(), ..set.clone() };
-        let (a, b) = (Solid::new(&case.a), Solid::new(&case.b));
+        let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
         let pair = Pair::new(&a, &b);
         let lost = |p: Predicate| matches!(p, Predicate::VertexFaceDepth | Predicate::EdgeEdgeDepth);
         let too_deep: BTreeSet<Decision> = pair

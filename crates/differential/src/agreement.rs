@@ -1,8 +1,8 @@
 //! How often two links of the chain of SPEC section 6 agree, and which kind of contact became which: the counts behind
 //! `agreement.csv` and `confusion.csv`. Findings say what differs; these say of how many.
 
-use super::compare::{Change, Difference, Features, differences};
-use super::mapped::Mapped;
+use super::collision::StateComparison;
+use super::compare::{AnswerChange, Difference, Features, differences};
 use rockproof_model::{Contact, ContactKind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// Which two links of the chain are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Span {
+pub enum ChainSpan {
     /// From the ideal tolerances to the given ones, both exact.
     Tolerance,
     /// From the exact input to the rounded one, both classified exactly.
@@ -23,27 +23,28 @@ pub enum Span {
     Whole,
 }
 
-impl Span {
+impl ChainSpan {
     /// All spans in the order of the chain.
-    pub const ALL: [Span; 4] = [Span::Tolerance, Span::Representation, Span::Arithmetic, Span::Whole];
+    pub const ALL: [ChainSpan; 4] =
+        [ChainSpan::Tolerance, ChainSpan::Representation, ChainSpan::Arithmetic, ChainSpan::Whole];
 
     /// The name in files.
     pub fn name(self) -> &'static str {
         match self {
-            Span::Tolerance => "tolerance",
-            Span::Representation => "representation",
-            Span::Arithmetic => "arithmetic",
-            Span::Whole => "whole",
+            ChainSpan::Tolerance => "tolerance",
+            ChainSpan::Representation => "representation",
+            ChainSpan::Arithmetic => "arithmetic",
+            ChainSpan::Whole => "whole",
         }
     }
 
     /// The span written `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<Span> {
+    pub fn from_name(name: &str) -> Option<ChainSpan> {
         Self::ALL.into_iter().find(|span| span.name() == name)
     }
 }
 
-impl fmt::Display for Span {
+impl fmt::Display for ChainSpan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
     }
@@ -51,18 +52,18 @@ impl fmt::Display for Span {
 
 /// What was compared: under which set, which links, and for whom: `f32` or `f64` up to the rounded input, then an engine.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Compared {
+pub struct ComparisonKey {
     /// The tolerance set.
     pub tolerances: String,
     /// The links.
-    pub span: Span,
+    pub span: ChainSpan,
     /// The precision or the engine.
     pub engine: String,
 }
 
 /// Counts over the pairs of one family. A contact that is there on both sides, features and all, is *kept*.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Counts {
+pub struct AgreementCounts {
     /// Pairs compared, those without an answer too.
     pub pairs: u64,
     /// Pairs with the same answer on both sides: contacts, kinds, features, entrances and signs of gaps.
@@ -84,9 +85,9 @@ pub struct Counts {
     pub pairs_squared: u64,
 }
 
-impl Counts {
-    fn add(&mut self, other: &Counts) {
-        let Counts { pairs, agreeing, silent, contacts, entrance, gap_sign, .. } = *other;
+impl AgreementCounts {
+    fn add(&mut self, other: &AgreementCounts) {
+        let AgreementCounts { pairs, agreeing, silent, contacts, entrance, gap_sign, .. } = *other;
         self.pairs += pairs;
         self.agreeing += agreeing;
         self.silent += silent;
@@ -101,28 +102,28 @@ impl Counts {
 
 /// How a contact, or a pair where an engine says only that, was before and after: kinds of contact or states of a pair;
 /// `none` for a contact that is not there.
-type Became = (String, String);
+type Transition = (String, String);
 
 /// No contact.
 pub const NONE: &str = "none";
 
 /// All counts of a campaign. Adding is commutative; the order of rows is that of their keys.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(from = "Rows", into = "Rows")]
+#[serde(from = "AgreementRows", into = "AgreementRows")]
 pub struct Agreement {
-    counts: BTreeMap<(String, Compared), Counts>,
-    confusion: BTreeMap<(Compared, Became), u64>,
+    counts: BTreeMap<(String, ComparisonKey), AgreementCounts>,
+    confusion: BTreeMap<(ComparisonKey, Transition), u64>,
 }
 
 /// The counts as lists, for JSON.
 #[derive(Serialize, Deserialize)]
-struct Rows {
-    counts: Vec<(String, Compared, Counts)>,
-    confusion: Vec<(Compared, Became, u64)>,
+struct AgreementRows {
+    counts: Vec<(String, ComparisonKey, AgreementCounts)>,
+    confusion: Vec<(ComparisonKey, Transition, u64)>,
 }
 
-impl From<Rows> for Agreement {
-    fn from(rows: Rows) -> Agreement {
+impl From<AgreementRows> for Agreement {
+    fn from(rows: AgreementRows) -> Agreement {
         Agreement {
             counts: rows.counts.into_iter().map(|(family, compared, counts)| ((family, compared), counts)).collect(),
             confusion: rows.confusion.into_iter().map(|(compared, became, n)| ((compared, became), n)).collect(),
@@ -130,9 +131,9 @@ impl From<Rows> for Agreement {
     }
 }
 
-impl From<Agreement> for Rows {
-    fn from(agreement: Agreement) -> Rows {
-        Rows {
+impl From<Agreement> for AgreementRows {
+    fn from(agreement: Agreement) -> AgreementRows {
+        AgreementRows {
             counts: agreement.counts.into_iter().map(|((family, compared), c)| (family, compared, c)).collect(),
             confusion: agreement.confusion.into_iter().map(|((compared, became), n)| (compared, became, n)).collect(),
         }
@@ -159,69 +160,74 @@ pub const AGREEMENT_COLUMNS: [&str; 13] = [
 /// The columns of `confusion.csv`: so many contacts of kind `before` became kind `after`.
 pub const CONFUSION_COLUMNS: [&str; 6] = ["tolerances", "span", "engine", "before", "after", "contacts"];
 
-/// Takes down comparisons of one pair.
+/// Records the comparisons of one pair.
 #[derive(Debug)]
-pub struct Scribe {
+pub struct AgreementRecorder {
     family: Arc<str>,
     agreement: Agreement,
 }
 
-impl Scribe {
+impl AgreementRecorder {
     /// For a pair of a family.
-    pub fn new(family: Arc<str>) -> Scribe {
-        Scribe { family, agreement: Agreement::default() }
+    pub fn new(family: Arc<str>) -> AgreementRecorder {
+        AgreementRecorder { family, agreement: Agreement::default() }
     }
 
-    /// What was taken down.
+    /// What was recorded.
     pub fn into_agreement(self) -> Agreement {
         self.agreement
     }
 
-    fn counts(&mut self, compared: &Compared) -> &mut Counts {
+    fn counts(&mut self, compared: &ComparisonKey) -> &mut AgreementCounts {
         self.agreement.counts.entry((self.family.to_string(), compared.clone())).or_default()
     }
 
-    fn became(&mut self, compared: &Compared, before: &str, after: &str, times: u64) {
+    fn add_transition(&mut self, compared: &ComparisonKey, before: &str, after: &str, times: u64) {
         let key = (compared.clone(), (before.to_owned(), after.to_owned()));
         *self.agreement.confusion.entry(key).or_default() += times;
     }
 
     /// Two answers.
-    pub fn answers(&mut self, compared: &Compared, before: &[Contact], after: &[Contact], features: Features<'_>) {
+    pub fn answers(&mut self, compared: &ComparisonKey, before: &[Contact], after: &[Contact], features: Features<'_>) {
         let changed = differences(before, after, features);
         let of = |change| changed.iter().filter(|d| d.change == change).count() as u64;
-        let new = Counts {
+        let new = AgreementCounts {
             pairs: 1,
             agreeing: u64::from(changed.is_empty()),
             contacts: before.len() as u64,
-            entrance: of(Change::Entrance),
-            gap_sign: of(Change::GapSign),
-            ..Counts::default()
+            entrance: of(AnswerChange::Entrance),
+            gap_sign: of(AnswerChange::GapSign),
+            ..AgreementCounts::default()
         };
         self.counts(compared).add(&new);
         let name = |contact: Option<Contact>| contact.map_or(NONE, |c| c.kind.name());
-        let moved = |d: &&Difference| matches!(d.change, Change::Missing | Change::Extra | Change::Kind);
+        let moved =
+            |d: &&Difference| matches!(d.change, AnswerChange::Missing | AnswerChange::Extra | AnswerChange::Kind);
         for kind in ContactKind::ALL {
             let there = before.iter().filter(|c| c.kind == kind).count();
             let left = changed.iter().filter(moved).filter(|d| d.before.is_some_and(|c| c.kind == kind)).count();
             if there > left {
-                self.became(compared, kind.name(), kind.name(), (there - left) as u64);
+                self.add_transition(compared, kind.name(), kind.name(), (there - left) as u64);
             }
         }
         for difference in changed.iter().filter(moved) {
-            self.became(compared, name(difference.before), name(difference.after), 1);
+            self.add_transition(compared, name(difference.before), name(difference.after), 1);
         }
     }
 
     /// An engine's word on how two blocks lie, and whether it is right in all it said.
-    pub fn state(&mut self, compared: &Compared, mapped: &Mapped, right: bool) {
-        self.counts(compared).add(&Counts { pairs: 1, agreeing: u64::from(right), ..Counts::default() });
-        self.became(compared, mapped.exact.name(), mapped.said.state.name(), 1);
+    pub fn state(&mut self, compared: &ComparisonKey, comparison: &StateComparison, right: bool) {
+        self.counts(compared).add(&AgreementCounts {
+            pairs: 1,
+            agreeing: u64::from(right),
+            ..AgreementCounts::default()
+        });
+        self.add_transition(compared, comparison.exact.name(), comparison.reported.state.name(), 1);
     }
 
     /// No answer on the later side.
-    pub fn silence(&mut self, compared: &Compared) {
-        self.counts(compared).add(&Counts { pairs: 1, silent: 1, ..Counts::default() });
+    pub fn no_answer(&mut self, compared: &ComparisonKey) {
+        self.counts(compared).add(&AgreementCounts { pairs: 1, silent: 1, ..AgreementCounts::default() });
     }
 }
 
@@ -271,7 +277,7 @@ impl Agreement {
         writer.write_record(CONFUSION_COLUMNS)?;
         for ((compared, (before, after)), times) in &self.confusion {
             let times = times.to_string();
-            let Compared { tolerances, span, engine } = compared;
+            let ComparisonKey { tolerances, span, engine } = compared;
             writer.write_record([&**tolerances, span.name(), engine, before, after, &times])?;
         }
         writer.into_inner().map_err(|e| e.into_error().into())

@@ -7,14 +7,16 @@
 
 // Longer than 400 lines: one chain of causes, link after link.
 
-use super::agreement::{Agreement, Compared, Scribe, Span};
+use super::agreement::{Agreement, AgreementRecorder, ChainSpan, ComparisonKey};
 use super::collapse::collapsed_feature;
-use super::compare::{Change, Difference, Features, differences};
-use super::engine::{Answer, Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, guarded};
-use super::explain::{Link, explain, suspect};
+use super::collision::{self, ReportedState};
+use super::compare::{AnswerChange, Difference, Features, differences};
+use super::engine::{
+    Answer, Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, catch_panic,
+};
+use super::explain::{ChainLink, explain, suspect};
 use super::external::protocol::completed;
-use super::finding::{Cause, Deciding, Finding, Who};
-use super::mapped::{self, Said};
+use super::finding::{Cause, DecidingDecision, Finding, FindingScope};
 use super::metamorphic;
 use super::subject::{Subject, SubjectSet};
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
@@ -23,7 +25,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// Who takes part in a campaign, and which checks are made.
-pub struct Panel {
+pub struct EnginePanel {
     /// The exact side.
     pub oracle: Box<dyn Oracle>,
     /// The engines under examination.
@@ -32,7 +34,7 @@ pub struct Panel {
     pub metamorphic_every: u64,
 }
 
-impl Panel {
+impl EnginePanel {
     /// The precisions its engines use, f32 first.
     pub fn precisions(&self) -> Vec<Precision> {
         [Precision::F32, Precision::F64]
@@ -44,7 +46,7 @@ impl Panel {
 
 /// What the examination of one pair brought.
 #[derive(Debug, Default)]
-pub struct Examined {
+pub struct PairExamination {
     /// The findings, by tolerance set, precision and cause.
     pub findings: Vec<Finding>,
     /// What each level of the oracle decided.
@@ -58,18 +60,18 @@ pub struct Examined {
 }
 
 /// Examines one pair under all its tolerance sets.
-pub fn examine(subject: &Subject, panel: &Panel) -> Examined {
-    let rounded: Vec<Rounded<'_>> = panel.precisions().into_iter().map(|p| Rounded::new(subject, p)).collect();
+pub fn examine(subject: &Subject, panel: &EnginePanel) -> PairExamination {
+    let rounded: Vec<RoundedPair<'_>> = panel.precisions().into_iter().map(|p| RoundedPair::new(subject, p)).collect();
     let solids = panel.oracle.prepare(&subject.a, &subject.b);
     let exact = ExactSide::new(solids.pair());
-    let views: Vec<View<'_, '_>> = rounded.iter().map(|r| View::new(r, panel)).collect();
-    let mut examination = Examination {
+    let views: Vec<PrecisionView<'_, '_>> = rounded.iter().map(|r| PrecisionView::new(r, panel)).collect();
+    let mut examination = Examiner {
         subject,
         panel,
         features: Features { a: subject.a.topology(), b: subject.b.topology() },
         exact,
-        found: Examined::default(),
-        scribe: Scribe::new(Arc::clone(&subject.family)),
+        found: PairExamination::default(),
+        recorder: AgreementRecorder::new(Arc::clone(&subject.family)),
     };
     for (number, set) in subject.sets.iter().enumerate() {
         examination.tolerance_link(set, &views);
@@ -78,7 +80,7 @@ pub fn examine(subject: &Subject, panel: &Panel) -> Examined {
         }
     }
     let mut found = examination.found;
-    found.agreement = examination.scribe.into_agreement();
+    found.agreement = examination.recorder.into_agreement();
     found.levels.add(&examination.exact.levels.into_inner());
     for view in views {
         if let Some(side) = view.exact.into_inner() {
@@ -89,7 +91,7 @@ pub fn examine(subject: &Subject, panel: &Panel) -> Examined {
 }
 
 /// A pair as the engines of one precision see it.
-struct Rounded<'o> {
+struct RoundedPair<'o> {
     precision: Precision,
     /// The rounded blocks, or why there are none.
     blocks: Result<[Block; 2], String>,
@@ -101,7 +103,7 @@ struct Rounded<'o> {
     solids: OnceCell<Box<dyn ExactSolids + 'o>>,
 }
 
-impl Rounded<'_> {
+impl RoundedPair<'_> {
     fn new(subject: &Subject, precision: Precision) -> Self {
         let same = subject.a.is_exact_in(precision) && subject.b.is_exact_in(precision);
         let blocks = if same {
@@ -118,7 +120,7 @@ impl Rounded<'_> {
                 .or_else(|| collapsed_feature(b).map(|what| format!("{what} in block B"))),
             _ => None,
         };
-        Rounded { precision, blocks, same, collapsed, solids: OnceCell::new() }
+        RoundedPair { precision, blocks, same, collapsed, solids: OnceCell::new() }
     }
 }
 
@@ -162,22 +164,22 @@ fn classify_alike(one: &ToleranceSet, other: &ToleranceSet) -> bool {
 type EngineView<'p> = (&'p dyn Engine, Result<Box<dyn Prepared + 'p>, EngineFailure>);
 
 /// The engines of one precision with the rounded pair inside.
-struct View<'p, 'o> {
-    rounded: &'p Rounded<'o>,
+struct PrecisionView<'p, 'o> {
+    rounded: &'p RoundedPair<'o>,
     oracle: &'o dyn Oracle,
     engines: Vec<EngineView<'p>>,
     exact: OnceCell<ExactSide<'p>>,
 }
 
-impl<'p, 'o: 'p> View<'p, 'o> {
-    fn new(rounded: &'p Rounded<'o>, panel: &'o Panel) -> Self {
+impl<'p, 'o: 'p> PrecisionView<'p, 'o> {
+    fn new(rounded: &'p RoundedPair<'o>, panel: &'o EnginePanel) -> Self {
         let mut engines = Vec::new();
         if let (Ok([a, b]), None) = (&rounded.blocks, &rounded.collapsed) {
             for engine in panel.engines.iter().filter(|e| e.precision() == rounded.precision) {
-                engines.push((&**engine, guarded(|| engine.prepare(a, b))));
+                engines.push((&**engine, catch_panic(|| engine.prepare(a, b))));
             }
         }
-        View { rounded, oracle: &*panel.oracle, engines, exact: OnceCell::new() }
+        PrecisionView { rounded, oracle: &*panel.oracle, engines, exact: OnceCell::new() }
     }
 
     /// The oracle's side of the rounded pair.
@@ -186,33 +188,47 @@ impl<'p, 'o: 'p> View<'p, 'o> {
     }
 }
 
-struct Examination<'p> {
+struct Examiner<'p> {
     subject: &'p Subject,
-    panel: &'p Panel,
+    panel: &'p EnginePanel,
     features: Features<'p>,
     exact: ExactSide<'p>,
-    found: Examined,
-    scribe: Scribe,
+    found: PairExamination,
+    recorder: AgreementRecorder,
 }
 
-impl<'p> Examination<'p> {
-    fn report(&mut self, set: &SubjectSet, who: Who, cause: Cause, difference: Difference, deciding: Option<Deciding>) {
+impl<'p> Examiner<'p> {
+    fn report(
+        &mut self,
+        set: &SubjectSet,
+        scope: FindingScope,
+        cause: Cause,
+        difference: Difference,
+        deciding: Option<DecidingDecision>,
+    ) {
         self.found.findings.push(Finding {
             index: self.subject.index,
             family: Arc::clone(&self.subject.family),
             form: Arc::clone(&self.subject.form),
             set: Arc::clone(&set.name),
-            who,
+            scope,
             cause,
             difference,
             deciding,
-            mapped: None,
+            comparison: None,
             note: None,
         });
     }
 
-    fn report_failure(&mut self, set: &SubjectSet, who: Who, cause: Cause, change: Change, note: String) {
-        self.report(set, who, cause, Difference { change, before: None, after: None }, None);
+    fn report_failure(
+        &mut self,
+        set: &SubjectSet,
+        scope: FindingScope,
+        cause: Cause,
+        change: AnswerChange,
+        note: String,
+    ) {
+        self.report(set, scope, cause, Difference { change, before: None, after: None }, None);
         if let Some(last) = self.found.findings.last_mut() {
             last.note = Some(note);
         }
@@ -220,89 +236,89 @@ impl<'p> Examination<'p> {
 
     /// O(exact, ideal(T)) against O(exact, T). Where the sets of the precisions differ, what they have in common is
     /// reported once.
-    fn tolerance_link(&mut self, set: &SubjectSet, views: &[View<'p, '_>]) {
+    fn tolerance_link(&mut self, set: &SubjectSet, views: &[PrecisionView<'p, '_>]) {
         let precisions: Vec<Precision> = views.iter().map(|v| v.rounded.precision).collect();
-        let mut sets: Vec<(Who, &ToleranceSet)> = Vec::new();
+        let mut sets: Vec<(FindingScope, &ToleranceSet)> = Vec::new();
         for &precision in &precisions {
-            let who = if precisions.len() == 1 { Who::Any } else { Who::Rounded(precision) };
+            let scope = if precisions.len() == 1 { FindingScope::Any } else { FindingScope::Rounded(precision) };
             match sets.iter_mut().find(|(_, t)| classify_alike(t, set.of(precision))) {
-                Some((shared, _)) => *shared = Who::Any,
-                None => sets.push((who, set.of(precision))),
+                Some((shared, _)) => *shared = FindingScope::Any,
+                None => sets.push((scope, set.of(precision))),
             }
         }
         for &precision in &precisions {
             let tolerances = set.of(precision);
             let (ideal, given) = (self.exact.contacts(&tolerances.ideal()), self.exact.contacts(tolerances));
-            let compared = compared(set, Span::Tolerance, &precision.to_string());
-            self.scribe.answers(&compared, &ideal, &given, self.features);
+            let compared = compared(set, ChainSpan::Tolerance, &precision.to_string());
+            self.recorder.answers(&compared, &ideal, &given, self.features);
         }
-        let mut changed: Vec<(Who, &ToleranceSet, Difference)> = Vec::new();
-        for (who, tolerances) in &sets {
+        let mut changed: Vec<(FindingScope, &ToleranceSet, Difference)> = Vec::new();
+        for (scope, tolerances) in &sets {
             let ideal = self.exact.contacts(&tolerances.ideal());
             let given = self.exact.contacts(tolerances);
             self.found.contacts += given.len() as u64;
             for difference in differences(&ideal, &given, self.features) {
                 match changed.iter_mut().find(|(_, _, known)| *known == difference) {
-                    Some((shared, _, _)) => *shared = Who::Any,
-                    None => changed.push((who.clone(), tolerances, difference)),
+                    Some((shared, _, _)) => *shared = FindingScope::Any,
+                    None => changed.push((scope.clone(), tolerances, difference)),
                 }
             }
         }
         for (_, tolerances) in &sets {
-            let here: Vec<(Who, Difference)> = changed
+            let here: Vec<(FindingScope, Difference)> = changed
                 .iter()
                 .filter(|(_, t, _)| std::ptr::eq(*t, *tolerances))
-                .map(|(who, _, difference)| (who.clone(), *difference))
+                .map(|(scope, _, difference)| (scope.clone(), *difference))
                 .collect();
             if here.is_empty() {
                 continue;
             }
             let only: Vec<Difference> = here.iter().map(|(_, d)| *d).collect();
-            let link = Link {
+            let link = ChainLink {
                 before: &|| Some(self.exact.pair.trace(&tolerances.ideal())),
                 after: &|| Some(self.exact.pair.trace(tolerances)),
                 margins: &|decisions| self.exact.pair.margins(tolerances, decisions),
                 roundoff: None,
             };
             let reasons = explain(&only, &link, self.features);
-            for ((who, difference), deciding) in here.into_iter().zip(reasons) {
-                self.report(set, who, Cause::Tolerance, difference, deciding);
+            for ((scope, difference), deciding) in here.into_iter().zip(reasons) {
+                self.report(set, scope, Cause::Tolerance, difference, deciding);
             }
         }
     }
 
     /// O(exact, T) against O(rounded, T), and that against F(rounded, T) of each engine of one precision.
-    fn engine_links(&mut self, set: &SubjectSet, number: usize, view: &View<'p, '_>) {
+    fn engine_links(&mut self, set: &SubjectSet, number: usize, view: &PrecisionView<'p, '_>) {
         let precision = view.rounded.precision;
         let given = set.of(precision);
         let mut lost = |change, note: String| {
-            self.scribe.silence(&compared(set, Span::Representation, &precision.to_string()));
+            self.recorder.no_answer(&compared(set, ChainSpan::Representation, &precision.to_string()));
             for engine in self.panel.engines.iter().filter(|e| e.precision() == precision) {
-                self.scribe.silence(&compared(set, Span::Whole, engine.name()));
+                self.recorder.no_answer(&compared(set, ChainSpan::Whole, engine.name()));
             }
-            self.report_failure(set, Who::Rounded(precision), Cause::Representation, change, note);
+            self.report_failure(set, FindingScope::Rounded(precision), Cause::Representation, change, note);
         };
         let blocks = match &view.rounded.blocks {
             Ok(blocks) => blocks,
-            Err(note) => return lost(Change::Failure, note.clone()),
+            Err(note) => return lost(AnswerChange::Failure, note.clone()),
         };
         let tolerances = match given.rounded(precision) {
             Ok(tolerances) => tolerances,
-            Err(name) => return lost(Change::Failure, format!("tolerance {name} overflows in {precision}")),
+            Err(name) => return lost(AnswerChange::Failure, format!("tolerance {name} overflows in {precision}")),
         };
         if let Some(what) = &view.rounded.collapsed {
-            return lost(Change::Collapsed, what.clone());
+            return lost(AnswerChange::Collapsed, what.clone());
         }
         let same = view.rounded.same && classify_alike(given, &tolerances);
         let exact = self.exact.contacts(given);
         let side = || if view.rounded.same { &self.exact } else { view.exact_side(blocks) };
         let rounded = if same { Rc::clone(&exact) } else { side().contacts(&tolerances) };
         let roundoff = Some(precision.epsilon() / 2.0);
-        let represented = compared(set, Span::Representation, &precision.to_string());
-        self.scribe.answers(&represented, &exact, &rounded, self.features);
+        let represented = compared(set, ChainSpan::Representation, &precision.to_string());
+        self.recorder.answers(&represented, &exact, &rounded, self.features);
         let changed = differences(&exact, &rounded, self.features);
         if !changed.is_empty() {
-            let link = Link {
+            let link = ChainLink {
                 before: &|| Some(self.exact.pair.trace(given)),
                 after: &|| Some(side().pair.trace(&tolerances)),
                 margins: &|decisions| self.exact.pair.margins(given, decisions),
@@ -310,7 +326,7 @@ impl<'p> Examination<'p> {
             };
             let reasons = explain(&changed, &link, self.features);
             for (difference, deciding) in changed.into_iter().zip(reasons) {
-                self.report(set, Who::Rounded(precision), Cause::Representation, difference, deciding);
+                self.report(set, FindingScope::Rounded(precision), Cause::Representation, difference, deciding);
             }
         }
         for (engine, prepared) in &view.engines {
@@ -334,31 +350,31 @@ impl<'p> Examination<'p> {
         prepared: &Result<Box<dyn Prepared + 'p>, EngineFailure>,
         side: Option<&ExactSide<'p>>,
     ) {
-        let who = Who::Engine(at.engine.name().into());
+        let scope = FindingScope::Engine(at.engine.name().into());
         let answer = match prepared {
-            Ok(prepared) => guarded(|| prepared.answer(at.tolerances)).map(|answer| (prepared, answer)),
+            Ok(prepared) => catch_panic(|| prepared.answer(at.tolerances)).map(|answer| (prepared, answer)),
             Err(failure) => Err(failure.clone()),
         };
         let (prepared, said) = match answer {
             Ok((prepared, Answer::Contacts(contacts))) => (prepared, contacts),
-            Ok((_, Answer::State(said))) => return self.state_link(at, &who, said),
+            Ok((_, Answer::State(said))) => return self.state_link(at, &scope, said),
             Err(failure) => {
-                self.scribe.silence(&at.compared(Span::Arithmetic));
-                self.scribe.silence(&at.compared(Span::Whole));
-                return self.report_failure(at.set, who, at.engine.cause(), failure.change(), failure.to_string());
+                self.recorder.no_answer(&at.compared(ChainSpan::Arithmetic));
+                self.recorder.no_answer(&at.compared(ChainSpan::Whole));
+                return self.report_failure(at.set, scope, at.engine.cause(), failure.change(), failure.to_string());
             }
         };
         let pair = &side.unwrap_or(&self.exact).pair;
         let contacts = completed(said.clone(), at.rounded);
-        self.scribe.answers(&at.compared(Span::Arithmetic), at.rounded, &contacts, self.features);
+        self.recorder.answers(&at.compared(ChainSpan::Arithmetic), at.rounded, &contacts, self.features);
         let whole = completed(said.clone(), at.exact);
-        self.scribe.answers(&at.compared(Span::Whole), at.exact, &whole, self.features);
+        self.recorder.answers(&at.compared(ChainSpan::Whole), at.exact, &whole, self.features);
         if contacts != **at.rounded {
             let changed = differences(at.rounded, &contacts, self.features);
-            let wide = guarded(|| Ok(prepared.classify_wide(at.tolerances))).ok().flatten();
-            let link = Link {
+            let wide = catch_panic(|| Ok(prepared.classify_wide(at.tolerances))).ok().flatten();
+            let link = ChainLink {
                 before: &|| Some(pair.trace(at.tolerances)),
-                after: &|| guarded(|| Ok(prepared.trace(at.tolerances))).ok().flatten(),
+                after: &|| catch_panic(|| Ok(prepared.trace(at.tolerances))).ok().flatten(),
                 margins: &|decisions| pair.margins(at.tolerances, decisions),
                 roundoff: Some(at.engine.precision().epsilon() / 2.0),
             };
@@ -370,11 +386,11 @@ impl<'p> Examination<'p> {
                     .as_ref()
                     .is_some_and(|wide| wide.unsettled == 0 && answers_differ(at.rounded, &wide.contacts, &difference));
                 let cause = if remains { Cause::Defect } else { at.engine.cause() };
-                self.report(at.set, who.clone(), cause, difference, deciding);
+                self.report(at.set, scope.clone(), cause, difference, deciding);
             }
         }
         if self.is_checked(at.number) {
-            let base = metamorphic::Base {
+            let base = metamorphic::MetamorphicBase {
                 subject: self.subject,
                 engine: at.engine,
                 oracle: &*self.panel.oracle,
@@ -387,7 +403,7 @@ impl<'p> Examination<'p> {
             let checks = metamorphic::check(&base);
             self.found.metamorphic_checks += checks.made;
             for (cause, difference, deciding) in checks.violations {
-                self.report(at.set, who.clone(), cause, difference, deciding);
+                self.report(at.set, scope.clone(), cause, difference, deciding);
             }
         }
     }
@@ -400,8 +416,8 @@ impl<'p> Examination<'p> {
     }
 
     /// The arithmetic link of an engine that says only how the blocks lie.
-    fn state_link(&mut self, at: &EngineAt<'_>, who: &Who, said: Said) {
-        let pair = mapped::Judged {
+    fn state_link(&mut self, at: &EngineAt<'_>, scope: &FindingScope, said: ReportedState) {
+        let pair = collision::CollisionCheck {
             engine: at.engine,
             exact: [&self.subject.a, &self.subject.b],
             blocks: at.blocks,
@@ -410,15 +426,15 @@ impl<'p> Examination<'p> {
         };
         let judgement = pair.judge(said);
         self.found.metamorphic_checks += judgement.made;
-        if let Some(mapped) = &judgement.mapped {
+        if let Some(comparison) = &judgement.comparison {
             let right = judgement.wrong.iter().all(|(change, _)| change.is_metamorphic());
-            self.scribe.state(&at.compared(Span::Arithmetic), mapped, right);
+            self.recorder.state(&at.compared(ChainSpan::Arithmetic), comparison, right);
         }
-        for (change, mapped) in judgement.wrong {
+        for (change, comparison) in judgement.wrong {
             let difference = Difference { change, before: None, after: None };
-            self.report(at.set, who.clone(), at.engine.cause(), difference, None);
+            self.report(at.set, scope.clone(), at.engine.cause(), difference, None);
             if let Some(last) = self.found.findings.last_mut() {
-                last.mapped = Some(mapped);
+                last.comparison = Some(comparison);
             }
         }
     }
@@ -436,13 +452,13 @@ struct EngineAt<'x> {
 }
 
 impl EngineAt<'_> {
-    fn compared(&self, span: Span) -> Compared {
+    fn compared(&self, span: ChainSpan) -> ComparisonKey {
         compared(self.set, span, self.engine.name())
     }
 }
 
-fn compared(set: &SubjectSet, span: Span, engine: &str) -> Compared {
-    Compared { tolerances: set.name.to_string(), span, engine: engine.to_owned() }
+fn compared(set: &SubjectSet, span: ChainSpan, engine: &str) -> ComparisonKey {
+    ComparisonKey { tolerances: set.name.to_string(), span, engine: engine.to_owned() }
 }
 
 /// Whether two answers differ in the contacts a difference is about.
@@ -454,5 +470,5 @@ pub(super) fn answers_differ(one: &[Contact], other: &[Contact], about: &Differe
 
 /// The trace of an engine as a list, for callers that show it.
 pub fn engine_trace(prepared: &dyn Prepared, tolerances: &ToleranceSet) -> Option<Trace> {
-    guarded(|| Ok(prepared.trace(tolerances))).ok().flatten()
+    catch_panic(|| Ok(prepared.trace(tolerances))).ok().flatten()
 }

@@ -1,19 +1,20 @@
 //! The built-in engines and the oracle behind the campaign's traits.
 
-use super::attribution::Panel;
-use super::compare::Change;
+use super::attribution::EnginePanel;
+use super::compare::AnswerChange;
 use super::engine::{
     Engine, EngineFailure, ExactAnswer, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, WideAnswer,
 };
-use super::finding::{Finding, Who};
+use super::finding::{Finding, FindingScope};
 use rockproof_model::decision::Decision;
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 
-use rockproof_stepper::contact::{Rules, Solid, Spec, Tolerances, classify, classify_traced};
-use rockproof_stepper::{Collapsed, Real, wide};
+use rockproof_stepper::contact::{ContactRules, PreparedBlock, SpecRules, Tolerances, classify, classify_traced};
+use rockproof_stepper::engine::wide_contacts;
+use rockproof_stepper::{Collapsed, Real};
 use std::marker::PhantomData;
 
-/// The stepper's classification in the scalar `R` by the rules `M`: [`Spec`], or those with a deliberate mistake.
+/// The stepper's classification in the scalar `R` by the rules `M`: [`SpecRules`], or those with a deliberate mistake.
 #[derive(Clone, Debug)]
 pub struct StepperEngine<R, M> {
     name: String,
@@ -21,14 +22,14 @@ pub struct StepperEngine<R, M> {
     code: PhantomData<fn() -> (R, M)>,
 }
 
-impl<M: Rules> StepperEngine<f32, M> {
+impl<M: ContactRules> StepperEngine<f32, M> {
     /// The stepper in f32.
     pub fn f32(name: &str) -> Self {
         StepperEngine { name: name.to_owned(), precision: Precision::F32, code: PhantomData }
     }
 }
 
-impl<M: Rules> StepperEngine<f64, M> {
+impl<M: ContactRules> StepperEngine<f64, M> {
     /// The stepper in f64.
     pub fn f64(name: &str) -> Self {
         StepperEngine { name: name.to_owned(), precision: Precision::F64, code: PhantomData }
@@ -37,8 +38,8 @@ impl<M: Rules> StepperEngine<f64, M> {
 
 /// A pair in the stepper.
 struct StepperPair<R, M> {
-    a: Solid<R>,
-    b: Solid<R>,
+    a: PreparedBlock<R>,
+    b: PreparedBlock<R>,
     code: PhantomData<fn() -> M>,
 }
 
@@ -46,7 +47,7 @@ fn collapsed(error: Collapsed) -> EngineFailure {
     EngineFailure::Collapsed(error.to_string())
 }
 
-impl<R: Real, M: Rules> Engine for StepperEngine<R, M> {
+impl<R: Real, M: ContactRules> Engine for StepperEngine<R, M> {
     fn name(&self) -> &str {
         &self.name
     }
@@ -56,12 +57,12 @@ impl<R: Real, M: Rules> Engine for StepperEngine<R, M> {
     }
 
     fn prepare<'p>(&'p self, a: &'p Block, b: &'p Block) -> Result<Box<dyn Prepared + 'p>, EngineFailure> {
-        let (a, b) = (Solid::new(a).map_err(collapsed)?, Solid::new(b).map_err(collapsed)?);
+        let (a, b) = (PreparedBlock::new(a).map_err(collapsed)?, PreparedBlock::new(b).map_err(collapsed)?);
         Ok(Box::new(StepperPair::<R, M> { a, b, code: PhantomData }))
     }
 }
 
-impl<R: Real, M: Rules> Prepared for StepperPair<R, M> {
+impl<R: Real, M: ContactRules> Prepared for StepperPair<R, M> {
     fn classify(&self, tolerances: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure> {
         let tolerances = Tolerances::new(tolerances).map_err(|e| EngineFailure::Unsupported(e.to_string()))?;
         Ok(classify::<R, M>(&self.a, &self.b, &tolerances).into_iter().map(|found| found.contact).collect())
@@ -73,27 +74,30 @@ impl<R: Real, M: Rules> Prepared for StepperPair<R, M> {
     }
 
     fn classify_wide(&self, tolerances: &ToleranceSet) -> Option<WideAnswer> {
-        let (contacts, unsettled) = wide::classify::<M>(self.a.block(), self.b.block(), tolerances).ok()?;
+        let (contacts, unsettled) = wide_contacts::<M>(self.a.block(), self.b.block(), tolerances).ok()?;
         Some(WideAnswer { contacts, unsettled })
     }
 }
 
 /// The oracle.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Exact;
+pub struct BuiltinOracle;
 
-struct Solids {
-    a: rockproof_oracle::Solid,
-    b: rockproof_oracle::Solid,
+struct BuiltinSolids {
+    a: rockproof_oracle::PreparedBlock,
+    b: rockproof_oracle::PreparedBlock,
 }
 
-impl Oracle for Exact {
+impl Oracle for BuiltinOracle {
     fn prepare<'o>(&'o self, a: &Block, b: &Block) -> Box<dyn ExactSolids + 'o> {
-        Box::new(Solids { a: rockproof_oracle::Solid::new(a), b: rockproof_oracle::Solid::new(b) })
+        Box::new(BuiltinSolids {
+            a: rockproof_oracle::PreparedBlock::new(a),
+            b: rockproof_oracle::PreparedBlock::new(b),
+        })
     }
 }
 
-impl ExactSolids for Solids {
+impl ExactSolids for BuiltinSolids {
     fn pair(&self) -> Box<dyn ExactPair + '_> {
         Box::new(rockproof_oracle::Pair::new(&self.a, &self.b))
     }
@@ -128,11 +132,16 @@ pub(crate) fn signed(margin: rockproof_oracle::Margin) -> f64 {
 /// The names of the built-in engines.
 pub const ENGINES: [&str; 2] = ["stepper-f32", "stepper-f64"];
 
+/// The name in tables of a built-in engine that is called by it or, in short, by its precision.
+pub fn full_name(name: &str) -> Option<&'static str> {
+    ENGINES.into_iter().find(|full| *full == name || full.strip_prefix("stepper-") == Some(name))
+}
+
 /// The built-in engine of a name, if there is one.
 pub fn engine(name: &str) -> Option<Box<dyn Engine>> {
     match name {
-        "stepper-f32" => Some(Box::new(StepperEngine::<f32, Spec>::f32(name))),
-        "stepper-f64" => Some(Box::new(StepperEngine::<f64, Spec>::f64(name))),
+        "stepper-f32" => Some(Box::new(StepperEngine::<f32, SpecRules>::f32(name))),
+        "stepper-f64" => Some(Box::new(StepperEngine::<f64, SpecRules>::f64(name))),
         _ => None,
     }
 }
@@ -141,33 +150,33 @@ pub fn engine(name: &str) -> Option<Box<dyn Engine>> {
 ///
 /// # Errors
 /// The unknown name.
-pub fn panel(names: &[String], metamorphic_every: u64) -> Result<Panel, String> {
+pub fn panel(names: &[String], metamorphic_every: u64) -> Result<EnginePanel, String> {
     let engines = names.iter().map(|name| engine(name).ok_or_else(|| name.clone())).collect::<Result<_, _>>()?;
-    Ok(Panel { oracle: Box::new(Exact), engines, metamorphic_every })
+    Ok(EnginePanel { oracle: Box::new(BuiltinOracle), engines, metamorphic_every })
 }
 
 /// A panel with no engine that a finding is not about, and metamorphic checks only where it is about one: what it takes to
 /// see the finding again.
-pub fn panel_for(names: &[String], finding: &Finding) -> Panel {
-    narrow_panel(names, &finding.who, finding.difference.change)
+pub fn panel_for(names: &[String], finding: &Finding) -> EnginePanel {
+    narrow_panel(names, &finding.scope, finding.difference.change)
 }
 
 /// The same for a finding about `who` with the given change.
-pub fn narrow_panel(names: &[String], who: &Who, change: Change) -> Panel {
-    narrowed(names.iter().filter_map(|n| engine(n)).collect(), who, change)
+pub fn narrow_panel(names: &[String], scope: &FindingScope, change: AnswerChange) -> EnginePanel {
+    narrowed(names.iter().filter_map(|n| engine(n)).collect(), scope, change)
 }
 
 /// The same of engines at hand. What tolerances or rounding the input do shows with any engine of the precision, so
 /// a built-in one stands for them all: it answers at once.
-pub fn narrowed(mut engines: Vec<Box<dyn Engine>>, who: &Who, change: Change) -> Panel {
-    engines.retain(|engine| match who {
-        Who::Any => true,
-        Who::Rounded(precision) => engine.precision() == *precision,
-        Who::Engine(name) => engine.name() == &**name,
+pub fn narrowed(mut engines: Vec<Box<dyn Engine>>, scope: &FindingScope, change: AnswerChange) -> EnginePanel {
+    engines.retain(|engine| match scope {
+        FindingScope::Any => true,
+        FindingScope::Rounded(precision) => engine.precision() == *precision,
+        FindingScope::Engine(name) => engine.name() == &**name,
     });
-    if !matches!(who, Who::Engine(_)) {
+    if !matches!(scope, FindingScope::Engine(_)) {
         let finest = if engines.iter().any(|e| e.precision() == Precision::F64) { ENGINES[1] } else { ENGINES[0] };
         engines = if engines.is_empty() { Vec::new() } else { engine(finest).into_iter().collect() };
     }
-    Panel { oracle: Box::new(Exact), engines, metamorphic_every: u64::from(change.is_metamorphic()) }
+    EnginePanel { oracle: Box::new(BuiltinOracle), engines, metamorphic_every: u64::from(change.is_metamorphic()) }
 }

@@ -2,15 +2,18 @@
 
 // Longer than 400 lines: one file format, its reader and its writer side by side.
 
-use super::attribution::{Panel, examine};
-use super::compare::Change;
-use super::external::protocol::completed;
-use super::finding::{Cause, Finding, Who};
+use super::attribution::{EnginePanel, examine};
+use super::compare::{AnswerChange, contact_features};
+use super::external::protocol::{UNNAMED, completed};
+use super::external::spec::is_name;
+use super::finding::{Cause, Finding, FindingScope};
 use super::subject::{Subject, SubjectSet};
-use rockproof_model::decision::Predicate;
+use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::files::read_text;
+use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{
     Block, BlockError, BlockOptions, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, Point, Precision,
-    Sign, ToleranceSet,
+    Sign, SpecError, ToleranceSet, ToleranceSpec,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -19,7 +22,7 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// What was found, and where it came from.
-    pub about: About,
+    pub about: CaseDescription,
     /// The first block, exact.
     pub a: Block,
     /// The second block, exact.
@@ -31,7 +34,7 @@ pub struct Case {
 /// What a case is about, as written in the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct About {
+pub struct CaseDescription {
     /// An engine's name, `f32` or `f64` for every engine that rounds to it, or `any`.
     pub engine: String,
     /// The cause.
@@ -41,7 +44,7 @@ pub struct About {
     /// The kind of the contact it is about, or `v-v to v-e` where the kind changed; empty where any will do.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub kind: String,
-    /// The deciding predicate; empty where no trace tells.
+    /// The deciding predicate, under the cause `engine` the one nearest to a tie; empty where no trace tells.
     #[serde(default)]
     pub predicate: String,
     /// The features it was asked of.
@@ -120,7 +123,7 @@ pub fn contact_rows(contacts: &[Contact]) -> Vec<ContactRow> {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CaseFile {
-    case: About,
+    case: CaseDescription,
     tolerances: Tolerances,
     block: Vec<CaseBlock>,
 }
@@ -181,6 +184,14 @@ pub enum CaseError {
         /// What is allowed.
         allowed: String,
     },
+    /// A tolerance that is none.
+    #[error("{file}: [tolerances]: {source}")]
+    Tolerance {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        source: SpecError,
+    },
     /// A case has two blocks.
     #[error("{file}: {found} [[block]] tables; a case has 2")]
     Blocks {
@@ -205,14 +216,14 @@ impl Case {
     /// The case of a finding about one of `subject`'s sets. `expected` and `found` are worked out anew.
     ///
     /// Returns `None` when the finding names a set the subject does not have.
-    pub fn of(finding: &Finding, subject: &Subject, seed: u64, panel: &Panel) -> Option<Case> {
+    pub fn of(finding: &Finding, subject: &Subject, seed: u64, panel: &EnginePanel) -> Option<Case> {
         let set = subject.sets.iter().find(|s| s.name == finding.set)?;
-        let tolerances = set.of(precision_of(&finding.who, panel)).clone();
+        let tolerances = set.of(precision_of(&finding.scope, panel)).clone();
         let origin =
             format!("{} {} under {}, seed {seed}, index {}", finding.family, finding.form, finding.set, finding.index);
         let mut case = Case {
-            about: About {
-                engine: finding.who.to_string(),
+            about: CaseDescription {
+                engine: finding.scope.to_string(),
                 cause: finding.cause.to_string(),
                 change: finding.difference.change.to_string(),
                 kind: finding.difference.kinds(),
@@ -248,35 +259,36 @@ impl Case {
     }
 
     /// The findings of the same cause, change, kind, predicate and engine that the pair shows now.
-    pub fn findings(&self, panel: &Panel) -> Vec<Finding> {
+    pub fn findings(&self, panel: &EnginePanel) -> Vec<Finding> {
         let about = &self.about;
         let alike = |f: &Finding| {
             f.cause.name() == about.cause
                 && f.difference.change.name() == about.change
                 && (about.kind.is_empty() || f.difference.kinds() == about.kind)
-                && f.predicate().map_or("", Predicate::name) == about.predicate
+                // What is nearest to a tie says nothing about an engine from outside.
+                && (f.cause == Cause::Engine || f.predicate().map_or("", Predicate::name) == about.predicate)
                 // With one engine left, what a tolerance set for one precision does is the doing of all there are.
-                && (f.cause == Cause::Tolerance || f.who.to_string() == about.engine)
+                && (f.cause == Cause::Tolerance || f.scope.to_string() == about.engine)
         };
         examine(&self.subject(), panel).findings.into_iter().filter(alike).collect()
     }
 
     /// Takes what decided it, and both answers, from a finding about this pair.
-    pub fn describe(&mut self, finding: &Finding, panel: &Panel) {
+    pub fn describe(&mut self, finding: &Finding, panel: &EnginePanel) {
         self.about.predicate = finding.predicate().map_or(String::new(), |p| p.to_string());
         self.about.features = finding.deciding.map_or(String::new(), |d| d.features());
         self.about.margin = finding.margin();
         self.about.margin_ulps = finding.margin_ulps();
         self.about.note = finding.note.clone();
-        self.about.states = finding.mapped.map(|m| m.to_string());
+        self.about.states = finding.comparison.map(|m| m.to_string());
         let answers = self.answers(finding, panel);
         [self.about.expected, self.about.found] = answers.map(|contacts| contact_rows(&contacts));
     }
 
-    fn answers(&self, finding: &Finding, panel: &Panel) -> [Vec<Contact>; 2] {
+    fn answers(&self, finding: &Finding, panel: &EnginePanel) -> [Vec<Contact>; 2] {
         let exact = |a: &Block, b: &Block, t: &ToleranceSet| panel.oracle.prepare(a, b).pair().classify(t).contacts;
         let given = || exact(&self.a, &self.b, &self.tolerances);
-        let precision = precision_of(&finding.who, panel);
+        let precision = precision_of(&finding.scope, panel);
         let rounded = self
             .a
             .rounded(precision)
@@ -286,8 +298,8 @@ impl Case {
             (_, None) => [given(), Vec::new()],
             (Cause::Representation, Some((a, b, t))) => [given(), exact(&a, &b, &t)],
             (Cause::Arithmetic | Cause::Defect | Cause::Engine, Some((a, b, t))) => {
-                let engine = panel.engines.iter().find(|e| finding.who == Who::Engine(e.name().into()));
-                let said = engine.and_then(|e| super::engine::guarded(|| e.prepare(&a, &b)?.classify(&t)).ok());
+                let engine = panel.engines.iter().find(|e| finding.scope == FindingScope::Engine(e.name().into()));
+                let said = engine.and_then(|e| super::engine::catch_panic(|| e.prepare(&a, &b)?.classify(&t)).ok());
                 let right = exact(&a, &b, &t);
                 let said = completed(said.unwrap_or_default(), &right);
                 [right, said]
@@ -332,7 +344,7 @@ impl Case {
     /// What is wrong with it, and where.
     pub fn load(path: &Path) -> Result<Case, CaseError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| CaseError::Io { file: file.clone(), source })?;
+        let text = read_text(path).map_err(|source| CaseError::Io { file: file.clone(), source })?;
         Case::from_toml(&text, file)
     }
 
@@ -348,11 +360,21 @@ impl Case {
             if allowed.contains(&found) {
                 return Ok(());
             }
-            let (file, found, allowed) = (file.clone(), found.to_owned(), allowed.join(", "));
+            let (file, found, allowed) = (file.clone(), excerpt(found, SHOWN), allowed.join(", "));
             Err(CaseError::Value { file, key, found, allowed })
         };
+        if !["any", "f32", "f64"].contains(&about.engine.as_str()) && !is_name(&about.engine) {
+            let allowed = "any, f32, f64, and names of letters, digits, '-', '_' and '.'".to_owned();
+            return Err(CaseError::Value { file, key: "engine", found: excerpt(&about.engine, SHOWN), allowed });
+        }
+        for (key, margin) in [("margin", about.margin), ("margin_ulps", about.margin_ulps)] {
+            if let Some(found) = margin.filter(|margin| !margin.is_finite()) {
+                let allowed = "finite numbers".to_owned();
+                return Err(CaseError::Value { file, key, found: found.to_string(), allowed });
+            }
+        }
         known("cause", &about.cause, &Cause::ALL.map(Cause::name))?;
-        known("change", &about.change, &Change::ALL.map(Change::name))?;
+        known("change", &about.change, &AnswerChange::ALL.map(AnswerChange::name))?;
         if about.kind.split(" to ").any(|kind| !kind.is_empty() && ContactKind::from_name(kind).is_none()) {
             known("kind", &about.kind, &ContactKind::ALL.map(ContactKind::name))?;
         }
@@ -379,6 +401,14 @@ impl Case {
                 source,
             })
         };
+        let [a, b] = [block(0, a)?, block(1, b)?];
+        for contact in about.expected.iter().chain(&about.found).filter_map(ContactRow::contact) {
+            if !has_features([&a, &b], &contact) {
+                let allowed = "the vertices, edges and faces of the two blocks".to_owned();
+                let found = format!("{} {}/{} by {:?}", contact.kind, contact.a, contact.b, contact.entrance);
+                return Err(CaseError::Value { file, key: "a contact of expected or found", found, allowed });
+            }
+        }
         let t = parsed.tolerances;
         let tolerances = ToleranceSet {
             search: t.search,
@@ -393,16 +423,37 @@ impl Case {
             max_rotation: t.max_rotation,
             criteria: if t.criteria == "classic" { Criteria::Classic } else { Criteria::Revised },
         };
-        Ok(Case { about, a: block(0, a)?, b: block(1, b)?, tolerances })
+        let mut spec = ToleranceSpec::empty();
+        for (name, number) in tolerances.numbers() {
+            spec.set_number(name, number.clone())
+                .map_err(|source| CaseError::Tolerance { file: file.clone(), source })?;
+        }
+        Ok(Case { about, a, b, tolerances })
     }
 }
 
+/// Whether blocks have the features that a contact and its entrance name; an entrance that an engine did not name is none.
+fn has_features(blocks: [&Block; 2], contact: &Contact) -> bool {
+    let has = |feature: Feature| {
+        let (side, number, of): (Side, u32, fn(&Block) -> usize) = match feature {
+            Feature::Vertex(side, number) => (side, number, |block| block.vertices().len()),
+            Feature::Edge(side, number) => (side, number, |block| block.topology().edges().len()),
+            Feature::Face(side, number) => (side, number, |block| block.topology().faces().len()),
+        };
+        (number as usize) < of(blocks[usize::from(side == Side::B)])
+    };
+    let entrance = ContactKind::from_name(contact.entrance.kind.name());
+    let entrance = entrance.map(|kind| Contact { kind, a: contact.entrance.a, b: contact.entrance.b, ..*contact });
+    let named = entrance.filter(|_| contact.entrance != UNNAMED);
+    [Some(*contact), named].into_iter().flatten().flat_map(|c| contact_features(&c)).all(has)
+}
+
 /// The precision whose input and tolerance set a finding is about; f64's where it is about all, if there is one.
-pub fn precision_of(who: &Who, panel: &Panel) -> Precision {
-    match who {
-        Who::Rounded(precision) => *precision,
-        Who::Any => panel.precisions().pop().unwrap_or(Precision::F64),
-        Who::Engine(name) => {
+pub fn precision_of(scope: &FindingScope, panel: &EnginePanel) -> Precision {
+    match scope {
+        FindingScope::Rounded(precision) => *precision,
+        FindingScope::Any => panel.precisions().pop().unwrap_or(Precision::F64),
+        FindingScope::Engine(name) => {
             panel.engines.iter().find(|e| e.name() == &**name).map_or(Precision::F64, |e| e.precision())
         }
     }

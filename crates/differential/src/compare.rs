@@ -6,7 +6,7 @@ use std::fmt;
 
 /// How an answer changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Change {
+pub enum AnswerChange {
     /// A contact is no longer found.
     Missing,
     /// A contact is found that was not there.
@@ -49,69 +49,76 @@ pub enum Change {
     FarBlock,
 }
 
-impl Change {
+impl AnswerChange {
     /// All changes in sorted order.
-    pub const ALL: [Change; 20] = [
-        Change::Missing,
-        Change::Extra,
-        Change::Kind,
-        Change::Entrance,
-        Change::GapSign,
-        Change::Collapsed,
-        Change::Failure,
-        Change::Crash,
-        Change::Timeout,
-        Change::Malformed,
-        Change::Unsupported,
-        Change::Unstable,
-        Change::State,
-        Change::Gap,
-        Change::Normal,
-        Change::Swap,
-        Change::Renumber,
-        Change::Translate,
-        Change::Scale,
-        Change::FarBlock,
+    pub const ALL: [AnswerChange; 20] = [
+        AnswerChange::Missing,
+        AnswerChange::Extra,
+        AnswerChange::Kind,
+        AnswerChange::Entrance,
+        AnswerChange::GapSign,
+        AnswerChange::Collapsed,
+        AnswerChange::Failure,
+        AnswerChange::Crash,
+        AnswerChange::Timeout,
+        AnswerChange::Malformed,
+        AnswerChange::Unsupported,
+        AnswerChange::Unstable,
+        AnswerChange::State,
+        AnswerChange::Gap,
+        AnswerChange::Normal,
+        AnswerChange::Swap,
+        AnswerChange::Renumber,
+        AnswerChange::Translate,
+        AnswerChange::Scale,
+        AnswerChange::FarBlock,
     ];
 
     /// The name in tables and files: lower case, hyphens.
     pub fn name(self) -> &'static str {
         match self {
-            Change::Missing => "missing",
-            Change::Extra => "extra",
-            Change::Kind => "kind",
-            Change::Entrance => "entrance",
-            Change::GapSign => "gap-sign",
-            Change::Collapsed => "collapsed",
-            Change::Failure => "failure",
-            Change::Crash => "crash",
-            Change::Timeout => "timeout",
-            Change::Malformed => "malformed",
-            Change::Unsupported => "unsupported",
-            Change::Unstable => "unstable",
-            Change::State => "state",
-            Change::Gap => "gap",
-            Change::Normal => "normal",
-            Change::Swap => "swap",
-            Change::Renumber => "renumber",
-            Change::Translate => "translate",
-            Change::Scale => "scale",
-            Change::FarBlock => "far-block",
+            AnswerChange::Missing => "missing",
+            AnswerChange::Extra => "extra",
+            AnswerChange::Kind => "kind",
+            AnswerChange::Entrance => "entrance",
+            AnswerChange::GapSign => "gap-sign",
+            AnswerChange::Collapsed => "collapsed",
+            AnswerChange::Failure => "failure",
+            AnswerChange::Crash => "crash",
+            AnswerChange::Timeout => "timeout",
+            AnswerChange::Malformed => "malformed",
+            AnswerChange::Unsupported => "unsupported",
+            AnswerChange::Unstable => "unstable",
+            AnswerChange::State => "state",
+            AnswerChange::Gap => "gap",
+            AnswerChange::Normal => "normal",
+            AnswerChange::Swap => "swap",
+            AnswerChange::Renumber => "renumber",
+            AnswerChange::Translate => "translate",
+            AnswerChange::Scale => "scale",
+            AnswerChange::FarBlock => "far-block",
         }
     }
 
     /// The change written `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<Change> {
+    pub fn from_name(name: &str) -> Option<AnswerChange> {
         Self::ALL.into_iter().find(|change| change.name() == name)
     }
 
     /// Whether this is a violated metamorphic check rather than a difference from the oracle.
     pub fn is_metamorphic(self) -> bool {
-        matches!(self, Change::Swap | Change::Renumber | Change::Translate | Change::Scale | Change::FarBlock)
+        matches!(
+            self,
+            AnswerChange::Swap
+                | AnswerChange::Renumber
+                | AnswerChange::Translate
+                | AnswerChange::Scale
+                | AnswerChange::FarBlock
+        )
     }
 }
 
-impl fmt::Display for Change {
+impl fmt::Display for AnswerChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
     }
@@ -121,7 +128,7 @@ impl fmt::Display for Change {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Difference {
     /// What changed.
-    pub change: Change,
+    pub change: AnswerChange,
     /// The contact in the first answer, unless it is extra.
     pub before: Option<Contact>,
     /// The contact in the second answer, unless it is missing.
@@ -196,7 +203,7 @@ pub fn contact_features(contact: &Contact) -> [Feature; 2] {
 /// The differences between two sorted answers, in the order of the contacts they are about.
 ///
 /// Contacts with the same kind and features are the same contact. Of those found on one side only, a missing and an
-/// extra one of another kind at the same place count as one difference, [`Change::Kind`]; each is used once, in order.
+/// extra one of another kind at the same place count as one difference, [`AnswerChange::Kind`]; each is used once, in order.
 pub fn differences(before: &[Contact], after: &[Contact], features: Features<'_>) -> Vec<Difference> {
     if before == after {
         return Vec::new();
@@ -208,7 +215,7 @@ pub fn differences(before: &[Contact], after: &[Contact], features: Features<'_>
     while i < before.len() || j < after.len() {
         match (before.get(i), after.get(j)) {
             (Some(x), Some(y)) if key(x) == key(y) => {
-                let change = if x.entrance != y.entrance { Change::Entrance } else { Change::GapSign };
+                let change = if x.entrance != y.entrance { AnswerChange::Entrance } else { AnswerChange::GapSign };
                 if x != y {
                     found.push(Difference { change, before: Some(*x), after: Some(*y) });
                 }
@@ -229,11 +236,15 @@ pub fn differences(before: &[Contact], after: &[Contact], features: Features<'_>
     for lost in missing {
         let place = extra.iter().position(|new| new.kind != lost.kind && features.same_place(&lost, new));
         found.push(match place {
-            Some(at) => Difference { change: Change::Kind, before: Some(lost), after: Some(extra.remove(at)) },
-            None => Difference { change: Change::Missing, before: Some(lost), after: None },
+            Some(at) => Difference { change: AnswerChange::Kind, before: Some(lost), after: Some(extra.remove(at)) },
+            None => Difference { change: AnswerChange::Missing, before: Some(lost), after: None },
         });
     }
-    found.extend(extra.into_iter().map(|new| Difference { change: Change::Extra, before: None, after: Some(new) }));
+    found.extend(extra.into_iter().map(|new| Difference {
+        change: AnswerChange::Extra,
+        before: None,
+        after: Some(new),
+    }));
     found.sort_by_key(|d| (d.contact(), d.after));
     found
 }
@@ -253,7 +264,7 @@ mod tests {
         Contact { kind, a, b, entrance, gap: Sign::Positive }
     }
 
-    fn changes(before: &[Contact], after: &[Contact]) -> Vec<Change> {
+    fn changes(before: &[Contact], after: &[Contact]) -> Vec<AnswerChange> {
         let cube = cube();
         differences(before, after, Features { a: &cube, b: &cube }).iter().map(|d| d.change).collect()
     }
@@ -264,36 +275,43 @@ mod tests {
         let turned = Contact { entrance: Entrance { b: 3, ..vf.entrance }, gap: Sign::Zero, ..vf };
         let touching = Contact { gap: Sign::Zero, ..vf };
         assert_eq!(changes(&[vf], &[vf]), []);
-        assert_eq!(changes(&[vf], &[]), [Change::Missing]);
-        assert_eq!(changes(&[], &[vf]), [Change::Extra]);
-        assert_eq!(changes(&[vf], &[turned]), [Change::Entrance]);
-        assert_eq!(changes(&[vf], &[touching]), [Change::GapSign]);
+        assert_eq!(changes(&[vf], &[]), [AnswerChange::Missing]);
+        assert_eq!(changes(&[], &[vf]), [AnswerChange::Extra]);
+        assert_eq!(changes(&[vf], &[turned]), [AnswerChange::Entrance]);
+        assert_eq!(changes(&[vf], &[touching]), [AnswerChange::GapSign]);
     }
 
     #[test]
     fn another_kind_counts_only_at_the_same_place() {
         // Vertex 4 is a corner of face 1 (4 5 6 7); vertex 0 is not.
         let vf = contact(ContactKind::VertexFace, 2, 1);
-        assert_eq!(changes(&[vf], &[contact(ContactKind::VertexVertex, 2, 4)]), [Change::Kind]);
-        assert_eq!(changes(&[contact(ContactKind::VertexVertex, 2, 4)], &[vf]), [Change::Kind]);
-        assert_eq!(changes(&[contact(ContactKind::VertexVertex, 2, 0)], &[vf]), [Change::Missing, Change::Extra]);
+        assert_eq!(changes(&[vf], &[contact(ContactKind::VertexVertex, 2, 4)]), [AnswerChange::Kind]);
+        assert_eq!(changes(&[contact(ContactKind::VertexVertex, 2, 4)], &[vf]), [AnswerChange::Kind]);
+        assert_eq!(
+            changes(&[contact(ContactKind::VertexVertex, 2, 0)], &[vf]),
+            [AnswerChange::Missing, AnswerChange::Extra]
+        );
         let other_face = contact(ContactKind::VertexFace, 2, 3);
-        assert_eq!(changes(&[vf], &[other_face]), [Change::Missing, Change::Extra], "the same kind is another contact");
+        assert_eq!(
+            changes(&[vf], &[other_face]),
+            [AnswerChange::Missing, AnswerChange::Extra],
+            "the same kind is another contact"
+        );
     }
 
     #[test]
     fn each_contact_is_part_of_one_difference() {
         let vf = contact(ContactKind::VertexFace, 2, 1);
         let corner = |b| contact(ContactKind::VertexVertex, 2, b);
-        assert_eq!(changes(&[corner(4), corner(5)], &[vf]), [Change::Kind, Change::Missing]);
-        assert_eq!(changes(&[vf], &[corner(4), corner(5)]), [Change::Extra, Change::Kind]);
+        assert_eq!(changes(&[corner(4), corner(5)], &[vf]), [AnswerChange::Kind, AnswerChange::Missing]);
+        assert_eq!(changes(&[vf], &[corner(4), corner(5)]), [AnswerChange::Extra, AnswerChange::Kind]);
     }
 
     #[test]
     fn every_change_has_a_name_of_its_own() {
-        for change in Change::ALL {
-            assert_eq!(Change::from_name(change.name()), Some(change));
+        for change in AnswerChange::ALL {
+            assert_eq!(AnswerChange::from_name(change.name()), Some(change));
         }
-        assert_eq!(Change::from_name("nothing"), None);
+        assert_eq!(AnswerChange::from_name("nothing"), None);
     }
 }

@@ -3,11 +3,12 @@
 //! Everything the campaign knows about the stepper and the oracle is in `builtin`; the rest of the campaign sees these
 //! traits only, so that a mistaken stepper or an external program plugs in without a change elsewhere.
 
-use super::compare::Change;
+use super::collision::ReportedState;
+use super::compare::AnswerChange;
 use super::finding::Cause;
-use super::mapped::Said;
 use rockproof_model::decision::Decision;
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
+use serde::{Deserialize, Serialize};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Decisions and their outcomes, in the order they were taken.
@@ -40,9 +41,55 @@ pub trait Engine: Send + Sync {
     /// Takes note that an answer of its could not be compared, for want of an exact one.
     fn not_compared(&self) {}
 
-    /// What it was put through since the program began, for `run.json`; `None` for a built-in engine.
-    fn counts(&self) -> Option<serde_json::Value> {
+    /// What it was put through since the program began; `None` for a built-in engine.
+    fn counts(&self) -> Option<EngineCounts> {
         None
+    }
+}
+
+/// What an external engine was put through. These depend on threads and on luck; findings do not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EngineCounts {
+    /// Questions asked.
+    pub asked: u64,
+    /// Processes started.
+    pub processes_started: u64,
+    /// Failures that a fresh process did not repeat.
+    pub recovered: u64,
+    /// Answers that nothing exact stands against.
+    pub not_compared: u64,
+}
+
+impl EngineCounts {
+    /// What came on top of `before` since it was taken.
+    #[must_use]
+    pub fn since(&self, before: &EngineCounts) -> EngineCounts {
+        EngineCounts {
+            asked: self.asked.saturating_sub(before.asked),
+            processes_started: self.processes_started.saturating_sub(before.processes_started),
+            recovered: self.recovered.saturating_sub(before.recovered),
+            not_compared: self.not_compared.saturating_sub(before.not_compared),
+        }
+    }
+
+    /// The sums of both.
+    #[must_use]
+    pub fn plus(&self, other: &EngineCounts) -> EngineCounts {
+        EngineCounts {
+            asked: self.asked.saturating_add(other.asked),
+            processes_started: self.processes_started.saturating_add(other.processes_started),
+            recovered: self.recovered.saturating_add(other.recovered),
+            not_compared: self.not_compared.saturating_add(other.not_compared),
+        }
+    }
+
+    /// Says that failures did not repeat, where there were any.
+    pub fn told(&self) -> Option<String> {
+        let EngineCounts { asked, recovered, .. } = self;
+        (*recovered > 0).then(|| {
+            format!("{recovered} of {asked} questions failed and were answered by a fresh process (\"recovered\")")
+        })
     }
 }
 
@@ -52,7 +99,7 @@ pub enum Answer {
     /// The contacts, sorted as SPEC section 4 asks.
     Contacts(Vec<Contact>),
     /// Only how the blocks lie to one another, as a collision code tells.
-    State(Said),
+    State(ReportedState),
 }
 
 /// A pair of blocks inside an engine.
@@ -115,15 +162,15 @@ pub enum EngineFailure {
 
 impl EngineFailure {
     /// What a finding about it is called.
-    pub fn change(&self) -> Change {
+    pub fn change(&self) -> AnswerChange {
         match self {
-            EngineFailure::Collapsed(_) => Change::Collapsed,
-            EngineFailure::Unsupported(_) => Change::Unsupported,
-            EngineFailure::Failed(_) => Change::Failure,
-            EngineFailure::Crashed(_) => Change::Crash,
-            EngineFailure::TimedOut(_) => Change::Timeout,
-            EngineFailure::Malformed(_) => Change::Malformed,
-            EngineFailure::Unstable(_) => Change::Unstable,
+            EngineFailure::Collapsed(_) => AnswerChange::Collapsed,
+            EngineFailure::Unsupported(_) => AnswerChange::Unsupported,
+            EngineFailure::Failed(_) => AnswerChange::Failure,
+            EngineFailure::Crashed(_) => AnswerChange::Crash,
+            EngineFailure::TimedOut(_) => AnswerChange::Timeout,
+            EngineFailure::Malformed(_) => AnswerChange::Malformed,
+            EngineFailure::Unstable(_) => AnswerChange::Unstable,
         }
     }
 }
@@ -182,7 +229,7 @@ impl Levels {
 ///
 /// # Errors
 /// What the engine said, or that it panicked.
-pub fn guarded<T>(work: impl FnOnce() -> Result<T, EngineFailure>) -> Result<T, EngineFailure> {
+pub fn catch_panic<T>(work: impl FnOnce() -> Result<T, EngineFailure>) -> Result<T, EngineFailure> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let text = panic
             .downcast_ref::<String>()

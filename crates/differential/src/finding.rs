@@ -1,7 +1,7 @@
 //! A finding: one difference between neighbouring links of the chain of SPEC section 6, its cause and what decided it.
 
-use super::compare::{Change, Difference};
-use super::mapped::{Mapped, State};
+use super::collision::{SeparationState, StateComparison};
+use super::compare::{AnswerChange, Difference};
 use super::row::FindingRow;
 use rockproof_model::decision::{Decision, Predicate};
 use rockproof_model::{ContactKind, Precision};
@@ -57,7 +57,7 @@ impl fmt::Display for Cause {
 /// Whom a finding is about, so that each is counted once: a tolerance changes the exact answer for everyone, rounding
 /// the input changes it for every engine of a precision, arithmetic belongs to one engine.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Who {
+pub enum FindingScope {
     /// Every engine of the campaign.
     Any,
     /// Every engine that rounds its input to this precision.
@@ -66,31 +66,34 @@ pub enum Who {
     Engine(Arc<str>),
 }
 
-impl Who {
-    /// What [`Who`]'s text form stands for.
-    pub fn from_name(name: &str) -> Who {
+impl FindingScope {
+    /// What [`FindingScope`]'s text form stands for.
+    pub fn from_name(name: &str) -> FindingScope {
         match name {
-            "any" => Who::Any,
-            "f32" => Who::Rounded(Precision::F32),
-            "f64" => Who::Rounded(Precision::F64),
-            engine => Who::Engine(engine.into()),
+            "any" => FindingScope::Any,
+            "f32" => FindingScope::Rounded(Precision::F32),
+            "f64" => FindingScope::Rounded(Precision::F64),
+            engine => FindingScope::Engine(engine.into()),
         }
     }
 }
 
-impl fmt::Display for Who {
+impl fmt::Display for FindingScope {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Who::Any => f.pad("any"),
-            Who::Rounded(precision) => precision.fmt(f),
-            Who::Engine(name) => f.pad(name),
+            FindingScope::Any => f.pad("any"),
+            FindingScope::Rounded(precision) => precision.fmt(f),
+            FindingScope::Engine(name) => f.pad(name),
         }
     }
 }
+
+/// Beyond so many roundoffs from a tie, the rounding of a sound formula does not explain a wrong outcome.
+pub const FAR: f64 = 1000.0;
 
 /// The decision behind a difference: of those that came out differently on the two sides, the one nearest to a tie.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Deciding {
+pub struct DecidingDecision {
     /// The decision.
     pub decision: Decision,
     /// Its outcome before and after.
@@ -102,7 +105,7 @@ pub struct Deciding {
     pub margin_ulps: Option<f64>,
 }
 
-impl Deciding {
+impl DecidingDecision {
     /// The features of the decision, one after the other.
     pub fn features(&self) -> String {
         self.decision.features.iter().flatten().map(ToString::to_string).collect::<Vec<_>>().join(" ")
@@ -121,15 +124,15 @@ pub struct Finding {
     /// The tolerance set.
     pub set: Arc<str>,
     /// Whom it is about.
-    pub who: Who,
+    pub scope: FindingScope,
     /// Why the answer changed.
     pub cause: Cause,
     /// What changed.
     pub difference: Difference,
-    /// What decided it, where traces tell.
-    pub deciding: Option<Deciding>,
+    /// What decided it, where traces tell; under [`Cause::Engine`] no more than the decision of the oracle nearest to a tie around it.
+    pub deciding: Option<DecidingDecision>,
     /// What was said and what is so, where the engine says only apart, touching or overlapping.
-    pub mapped: Option<Mapped>,
+    pub comparison: Option<StateComparison>,
     /// What the engine said when it gave no answer.
     pub note: Option<String>,
 }
@@ -148,41 +151,41 @@ impl Finding {
     /// What makes two findings alike.
     pub fn fingerprint(&self) -> Fingerprint {
         Fingerprint {
-            who: self.who.clone(),
+            scope: self.scope.clone(),
             cause: self.cause,
             change: self.difference.change,
-            predicate: self.predicate(),
+            predicate: self.predicate().filter(|_| tells_apart(self.cause)),
             kind: self.kind(),
-            states: self.mapped.map(|m| [m.exact, m.said.state]),
+            states: self.comparison.map(|m| [m.exact, m.reported.state]),
             family: Arc::clone(&self.family),
         }
     }
 
     /// The exact margin, if there is one: that of the deciding predicate, or of touching.
     pub fn margin(&self) -> Option<f64> {
-        self.deciding.and_then(|d| d.margin).or(self.mapped.map(|m| m.margin))
+        self.deciding.and_then(|d| d.margin).or(self.comparison.map(|m| m.margin))
     }
 
     /// The margin in units of the engine's roundoff, if there is one.
     pub fn margin_ulps(&self) -> Option<f64> {
-        self.deciding.and_then(|d| d.margin_ulps).or(self.mapped.map(|m| m.margin_ulps))
+        self.deciding.and_then(|d| d.margin_ulps).or(self.comparison.map(|m| m.margin_ulps))
     }
 
     /// The finding's row of `findings.csv`; `case` is its case file, empty where there is none.
     pub fn row(&self, case: String) -> FindingRow {
-        let kind = |c: Option<rockproof_model::Contact>, state: Option<State>| {
-            c.map_or(state.map_or("", State::name), |c| c.kind.name()).to_owned()
+        let kind = |c: Option<rockproof_model::Contact>, state: Option<SeparationState>| {
+            c.map_or(state.map_or("", SeparationState::name), |c| c.kind.name()).to_owned()
         };
         FindingRow {
             index: self.index,
             family: self.family.to_string(),
             form: self.form.to_string(),
             tolerances: self.set.to_string(),
-            engine: self.who.clone(),
+            engine: self.scope.clone(),
             cause: self.cause,
             change: self.difference.change,
-            kind_before: kind(self.difference.before, self.mapped.map(|m| m.exact)),
-            kind_after: kind(self.difference.after, self.mapped.map(|m| m.said.state)),
+            kind_before: kind(self.difference.before, self.comparison.map(|m| m.exact)),
+            kind_after: kind(self.difference.after, self.comparison.map(|m| m.reported.state)),
             predicate: self.predicate().map_or(String::new(), |p| p.to_string()),
             features: self.deciding.map_or(String::new(), |d| d.features()),
             margin: self.margin(),
@@ -214,26 +217,48 @@ pub const FINDING_COLUMNS: [&str; 14] = [
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Fingerprint {
     /// Whom it is about.
-    pub who: Who,
+    pub scope: FindingScope,
     /// Why the answer changed.
     pub cause: Cause,
     /// What changed.
-    pub change: Change,
+    pub change: AnswerChange,
     /// What decided it.
     pub predicate: Option<Predicate>,
     /// The contact's kind.
     pub kind: Option<ContactKind>,
     /// How the blocks lie, and how the engine says they do.
-    pub states: Option<[State; 2]>,
+    pub states: Option<[SeparationState; 2]>,
     /// The family that showed it.
     pub family: Arc<str>,
 }
 
+/// Whether the predicate of a finding of this cause tells it from others: an engine from outside tells no decisions, and what is nearest to a
+/// tie there may have nothing to do with it.
+fn tells_apart(cause: Cause) -> bool {
+    cause != Cause::Engine
+}
+
 impl Fingerprint {
+    /// The fingerprint of the finding that a row tells of.
+    pub fn of_row(row: &FindingRow) -> Fingerprint {
+        let either = row.kind_before.as_str();
+        let either = if either.is_empty() { row.kind_after.as_str() } else { either };
+        let states = SeparationState::from_name(&row.kind_before).zip(SeparationState::from_name(&row.kind_after));
+        Fingerprint {
+            scope: row.engine.clone(),
+            cause: row.cause,
+            change: row.change,
+            predicate: Predicate::from_name(&row.predicate).filter(|_| tells_apart(row.cause)),
+            kind: ContactKind::from_name(either),
+            states: states.map(|(exact, said)| [exact, said]),
+            family: row.family.as_str().into(),
+        }
+    }
+
     /// The fingerprint in one line: what decided it, or how the blocks lie and how the engine says they do.
     pub fn text(&self) -> String {
         let kind = self.kind.map_or("pair", ContactKind::name);
-        format!("{kind} {} {} {} {} {}", self.cause, self.change, self.decided(), self.who, self.family)
+        format!("{kind} {} {} {} {} {}", self.cause, self.change, self.decided(), self.scope, self.family)
     }
 
     fn decided(&self) -> String {
@@ -249,7 +274,7 @@ impl Fingerprint {
         let decided = self.decided();
         let kind = self.kind.map_or("pair", ContactKind::name);
         let stem =
-            format!("{kind}-{}-{}-{decided}-{}-{}-{set}-{index}", self.cause, self.change, self.who, self.family);
+            format!("{kind}-{}-{}-{decided}-{}-{}-{set}-{index}", self.cause, self.change, self.scope, self.family);
         let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
         bounded(&stem.chars().map(plain).collect::<String>())
     }

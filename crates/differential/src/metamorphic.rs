@@ -6,16 +6,16 @@
 //! goes through the same check, and what changes in its answer is allowed to change in the same way in the engine's.
 
 use super::attribution::{answers_differ, engine_trace};
-use super::compare::{Change, Difference, Features, differences};
-use super::engine::{Engine, Oracle, Prepared, WideAnswer, guarded};
-use super::explain::{Link, explain};
-use super::finding::{Cause, Deciding};
+use super::compare::{AnswerChange, Difference, Features, differences};
+use super::engine::{Engine, Oracle, Prepared, WideAnswer, catch_panic};
+use super::explain::{ChainLink, explain};
+use super::finding::{Cause, DecidingDecision};
 use super::subject::Subject;
 use super::transform::{Transform, Transformed};
 use rockproof_model::{Block, Contact, Number, Point, Precision, ToleranceSet};
 
 /// The answers a check starts from: one engine, one pair rounded to its precision, one tolerance set.
-pub struct Base<'x> {
+pub struct MetamorphicBase<'x> {
     /// The pair, exact.
     pub subject: &'x Subject,
     /// The engine.
@@ -36,16 +36,16 @@ pub struct Base<'x> {
 
 /// What the checks of one engine on one pair brought.
 #[derive(Debug, Default)]
-pub struct Checks {
+pub struct MetamorphicResult {
     /// Checks made; one that cannot be made exactly is not counted.
     pub made: u64,
     /// The violations, with cause arithmetic or defect.
-    pub violations: Vec<(Cause, Difference, Option<Deciding>)>,
+    pub violations: Vec<(Cause, Difference, Option<DecidingDecision>)>,
 }
 
 /// Makes all checks on a pair.
-pub fn check(base: &Base<'_>) -> Checks {
-    let mut checks = Checks::default();
+pub fn check(base: &MetamorphicBase<'_>) -> MetamorphicResult {
+    let mut checks = MetamorphicResult::default();
     for transform in Transform::ALL {
         if let Some(other) = transform.apply(&[&base.subject.a, &base.subject.b], base.blocks, base.engine.precision())
         {
@@ -56,9 +56,9 @@ pub fn check(base: &Base<'_>) -> Checks {
     if let Some(far) = far_away(base.blocks, base.tolerances, base.engine.precision()) {
         checks.made += 1;
         for (a, b) in [(&base.blocks[0], &far), (&far, &base.blocks[0])] {
-            let answer = guarded(|| base.engine.prepare(a, b)?.classify(base.tolerances)).unwrap_or_default();
+            let answer = catch_panic(|| base.engine.prepare(a, b)?.classify(base.tolerances)).unwrap_or_default();
             let invented = answer.into_iter().map(|contact| {
-                let difference = Difference { change: Change::FarBlock, before: None, after: Some(contact) };
+                let difference = Difference { change: AnswerChange::FarBlock, before: None, after: Some(contact) };
                 (base.engine.cause(), difference, None)
             });
             checks.violations.extend(invented);
@@ -67,12 +67,12 @@ pub fn check(base: &Base<'_>) -> Checks {
     checks
 }
 
-fn compare(base: &Base<'_>, change: Change, other: &Transformed, checks: &mut Checks) {
+fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed, checks: &mut MetamorphicResult) {
     let tolerances = other.tolerances(base.tolerances);
     let [a, b] = &other.blocks;
     // An engine that fails here failed on the pair itself, which is a finding already, or says so on its own account.
-    let Ok(prepared) = guarded(|| base.engine.prepare(a, b)) else { return };
-    let Ok(answer) = guarded(|| prepared.classify(&tolerances)) else { return };
+    let Ok(prepared) = catch_panic(|| base.engine.prepare(a, b)) else { return };
+    let Ok(answer) = catch_panic(|| prepared.classify(&tolerances)) else { return };
     let answer = other.back(&answer);
     if answer == base.contacts {
         return;
@@ -89,8 +89,8 @@ fn compare(base: &Base<'_>, change: Change, other: &Transformed, checks: &mut Ch
             continue;
         }
         let wide = wide.get_or_insert_with(|| {
-            let here = guarded(|| Ok(base.prepared.classify_wide(base.tolerances))).ok().flatten()?;
-            let mut there = guarded(|| Ok(prepared.classify_wide(&tolerances))).ok().flatten()?;
+            let here = catch_panic(|| Ok(base.prepared.classify_wide(base.tolerances))).ok().flatten()?;
+            let mut there = catch_panic(|| Ok(prepared.classify_wide(&tolerances))).ok().flatten()?;
             there.contacts = other.back(&there.contacts);
             Some([here, there])
         });
@@ -101,13 +101,14 @@ fn compare(base: &Base<'_>, change: Change, other: &Transformed, checks: &mut Ch
         };
         let remains = wide.as_ref().is_some_and(|[here, there]| wrong(here, base.exact) || wrong(there, &exact));
         let cause = if remains { Cause::Defect } else { base.engine.cause() };
-        let deciding = deciding(base, &difference, &Turned { other, tolerances: &tolerances, prepared: &*prepared });
+        let deciding =
+            deciding(base, &difference, &TransformedAnswer { other, tolerances: &tolerances, prepared: &*prepared });
         checks.violations.push((cause, Difference { change, ..difference }, deciding));
     }
 }
 
 /// The changed pair inside the engine.
-struct Turned<'x> {
+struct TransformedAnswer<'x> {
     other: &'x Transformed,
     tolerances: &'x ToleranceSet,
     prepared: &'x dyn Prepared,
@@ -115,7 +116,11 @@ struct Turned<'x> {
 
 /// What decided a violation: the oracle's answer did not change, so the engine differs from it before the change or
 /// after; where it does, their traces part. Features of a decision after the change are those of the changed pair.
-fn deciding(base: &Base<'_>, difference: &Difference, turned: &Turned<'_>) -> Option<Deciding> {
+fn deciding(
+    base: &MetamorphicBase<'_>,
+    difference: &Difference,
+    turned: &TransformedAnswer<'_>,
+) -> Option<DecidingDecision> {
     let wrong_before = answers_differ(base.exact, base.contacts, difference);
     let (blocks, tolerances, prepared) = if wrong_before {
         (base.blocks, base.tolerances, base.prepared)
@@ -125,7 +130,7 @@ fn deciding(base: &Base<'_>, difference: &Difference, turned: &Turned<'_>) -> Op
     let local = if wrong_before { *difference } else { turned.other.forth(difference) };
     let solids = base.oracle.prepare(&blocks[0], &blocks[1]);
     let pair = solids.pair();
-    let link = Link {
+    let link = ChainLink {
         before: &|| Some(pair.trace(tolerances)),
         after: &|| engine_trace(prepared, tolerances),
         margins: &|decisions| pair.margins(tolerances, decisions),

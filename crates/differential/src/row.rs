@@ -1,7 +1,7 @@
 //! A row of `findings.csv`, for whoever writes or reads one.
 
-use super::compare::Change;
-use super::finding::{Cause, Who};
+use super::compare::AnswerChange;
+use super::finding::{Cause, FindingScope};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt::Display;
@@ -20,14 +20,14 @@ pub struct FindingRow {
     #[serde(deserialize_with = "named")]
     pub tolerances: String,
     /// Whom it is about.
-    #[serde(serialize_with = "text", deserialize_with = "who")]
-    pub engine: Who,
+    #[serde(serialize_with = "text", deserialize_with = "deserialize_scope")]
+    pub engine: FindingScope,
     /// Why the answer changed.
-    #[serde(serialize_with = "text", deserialize_with = "cause")]
+    #[serde(serialize_with = "text", deserialize_with = "deserialize_cause")]
     pub cause: Cause,
     /// What changed.
     #[serde(serialize_with = "text", deserialize_with = "change")]
-    pub change: Change,
+    pub change: AnswerChange,
     /// The contact's kind or the blocks' state before the change; empty where there is none.
     pub kind_before: String,
     /// The same after it.
@@ -82,15 +82,15 @@ pub fn finite<'d, D: Deserializer<'d>>(deserializer: D) -> Result<Option<f64>, D
 ///
 /// # Errors
 /// Where nothing is named.
-pub fn who<'d, D: Deserializer<'d>>(deserializer: D) -> Result<Who, D::Error> {
-    named(deserializer).map(|text| Who::from_name(&text))
+pub fn deserialize_scope<'d, D: Deserializer<'d>>(deserializer: D) -> Result<FindingScope, D::Error> {
+    named(deserializer).map(|text| FindingScope::from_name(&text))
 }
 
 /// A cause.
 ///
 /// # Errors
 /// Where there is no such cause.
-pub fn cause<'d, D: Deserializer<'d>>(deserializer: D) -> Result<Cause, D::Error> {
+pub fn deserialize_cause<'d, D: Deserializer<'d>>(deserializer: D) -> Result<Cause, D::Error> {
     let text = String::deserialize(deserializer)?;
     Cause::from_name(&text).ok_or_else(|| D::Error::custom(format!("cause is \"{text}\"")))
 }
@@ -100,9 +100,9 @@ fn named<'d, D: Deserializer<'d>>(deserializer: D) -> Result<String, D::Error> {
     if text.is_empty() { Err(D::Error::custom("family, tolerance set or engine has no name")) } else { Ok(text) }
 }
 
-fn change<'d, D: Deserializer<'d>>(deserializer: D) -> Result<Change, D::Error> {
+fn change<'d, D: Deserializer<'d>>(deserializer: D) -> Result<AnswerChange, D::Error> {
     let text = String::deserialize(deserializer)?;
-    Change::from_name(&text).ok_or_else(|| D::Error::custom(format!("change is \"{text}\"")))
+    AnswerChange::from_name(&text).ok_or_else(|| D::Error::custom(format!("change is \"{text}\"")))
 }
 
 #[cfg(test)]
@@ -117,9 +117,9 @@ mod tests {
             family: "sliver".into(),
             form: "random".into(),
             tolerances: "auto".into(),
-            engine: Who::Rounded(Precision::F32),
+            engine: FindingScope::Rounded(Precision::F32),
             cause: Cause::Representation,
-            change: Change::GapSign,
+            change: AnswerChange::GapSign,
             kind_before: "v-f".into(),
             kind_after: String::new(),
             predicate: "gap".into(),

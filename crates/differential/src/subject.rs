@@ -43,7 +43,7 @@ impl SubjectSet {
 }
 
 /// Where pairs come from: a function of the batch number alone, so that any thread can make any batch.
-pub trait Source: Sync {
+pub trait PairSource: Sync {
     /// Pairs a batch holds; pair `i` is in batch `i / batch_len`.
     fn batch_len(&self) -> u64;
 
@@ -53,5 +53,23 @@ pub trait Source: Sync {
     /// How a pair moves, for those of the source that do: a function of the pair alone.
     fn motion(&self, _subject: &Subject) -> Option<PairMotion> {
         None
+    }
+
+    /// Pairs beside those of a batch that make steps and are not classified. Each has the index of a pair of the batch, and a family
+    /// that no pair of the batch has.
+    fn step_pairs(&self, _number: u64) -> Vec<(Subject, PairMotion)> {
+        Vec::new()
+    }
+
+    /// The pair of an index and a family, and how it moves, if it does.
+    fn moving(&self, index: u64, family: &str) -> Option<(Subject, PairMotion)> {
+        let number = index / self.batch_len();
+        let same = |subject: &Subject| subject.index == index && &*subject.family == family;
+        let beside = self.step_pairs(number).into_iter().find(|(subject, _)| same(subject));
+        beside.or_else(|| {
+            let subject = self.batch(number).into_iter().find(same)?;
+            let motion = self.motion(&subject)?;
+            Some((subject, motion))
+        })
     }
 }

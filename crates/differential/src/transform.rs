@@ -1,6 +1,6 @@
 //! Changes of a pair that may not change its contacts, and the way back from the changed pair's contacts.
 
-use super::compare::{Change, Difference};
+use super::compare::{AnswerChange, Difference};
 use rockproof_model::lattice::Lattice;
 use rockproof_model::{
     Block, BlockOptions, Contact, ContactKind, Entrance, EntranceKind, Number, Point, Precision, ToleranceSet, Topology,
@@ -34,12 +34,12 @@ impl Transform {
     pub const ALL: [Transform; 4] = [Transform::Swap, Transform::Renumber, Transform::Translate, Transform::Scale];
 
     /// What a violation of it is called.
-    pub fn change(self) -> Change {
+    pub fn change(self) -> AnswerChange {
         match self {
-            Transform::Swap => Change::Swap,
-            Transform::Renumber => Change::Renumber,
-            Transform::Translate => Change::Translate,
-            Transform::Scale => Change::Scale,
+            Transform::Swap => AnswerChange::Swap,
+            Transform::Renumber => AnswerChange::Renumber,
+            Transform::Translate => AnswerChange::Translate,
+            Transform::Scale => AnswerChange::Scale,
         }
     }
 
@@ -122,13 +122,13 @@ impl Transformed {
 /// New numbers of one block's features, both ways.
 #[derive(Clone, Debug)]
 struct Numbering {
-    back: Map,
-    forth: Map,
+    back: IndexMap,
+    forth: IndexMap,
 }
 
 /// A number for each vertex, edge and face.
 #[derive(Clone, Debug)]
-struct Map {
+struct IndexMap {
     vertices: Vec<u32>,
     edges: Vec<u32>,
     faces: Vec<u32>,
@@ -160,7 +160,7 @@ impl Numbering {
             from.edges().iter().map(|e| to.edge_between(number(e.p), number(e.q))).collect::<Option<Vec<_>>>()
         };
         // Reversing twice is no change, so vertices and faces have the same map both ways.
-        let map = |edges| Map { vertices: vertex_numbers.clone(), edges, faces: face_numbers.clone() };
+        let map = |edges| IndexMap { vertices: vertex_numbers.clone(), edges, faces: face_numbers.clone() };
         let numbering = Numbering { back: map(edges(new, old)?), forth: map(edges(old, new)?) };
         Some((renumbered, numbering))
     }
@@ -171,7 +171,7 @@ fn number(map: &[u32], feature: u32) -> u32 {
     map.get(feature as usize).copied().unwrap_or(u32::MAX)
 }
 
-fn renumbered(contact: Contact, a: &Map, b: &Map) -> Contact {
+fn renumbered(contact: Contact, a: &IndexMap, b: &IndexMap) -> Contact {
     let Entrance { kind, a: entrance_a, b: entrance_b } = contact.entrance;
     let (ea, eb) = match kind {
         EntranceKind::VertexFace => (&a.vertices, &b.faces),
@@ -256,7 +256,7 @@ mod tests {
         for transform in Transform::ALL {
             let changed = apply(transform, &pair);
             let forth = |c: &Contact| {
-                let difference = Difference { change: Change::Extra, before: None, after: Some(*c) };
+                let difference = Difference { change: AnswerChange::Extra, before: None, after: Some(*c) };
                 changed.forth(&difference).after.expect("a contact")
             };
             let there: Vec<Contact> = all.iter().map(forth).collect();

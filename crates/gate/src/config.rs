@@ -2,8 +2,9 @@
 
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::steps::StepChange;
-use rockproof_differential::compare::Change;
+use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::Cause;
+use rockproof_differential::lockstep::StepCause;
 use rockproof_model::ContactKind;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -26,7 +27,7 @@ pub struct GateConfig {
     pub corpus: Vec<PathBuf>,
     /// What may be found at most.
     #[serde(default)]
-    pub limit: Vec<Spanned<Limit>>,
+    pub limit: Vec<Spanned<FindingLimit>>,
 }
 
 /// Where known findings are kept, and which are.
@@ -48,7 +49,7 @@ pub struct Baseline {
 /// How many findings of a sort there may be. What a limit leaves out may be anything.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limit {
+pub struct FindingLimit {
     /// The engine; or `any`, `f32`, `f64` as in `findings.csv`.
     pub engine: Option<String>,
     /// The tolerance set.
@@ -83,6 +84,9 @@ fn default_fields() -> Vec<String> {
     ["engine", "cause", "change", "kind_before", "kind_after", "predicate", "family"].map(str::to_owned).to_vec()
 }
 
+/// The change that a limit names to count failures of external engines that a fresh process did not repeat. No finding has it.
+pub const RECOVERED: &str = "recovered";
+
 /// The columns a baseline may tell findings apart by.
 pub const FIELDS: [&str; 9] =
     ["family", "form", "tolerances", "engine", "cause", "change", "kind_before", "kind_after", "predicate"];
@@ -97,6 +101,12 @@ impl GateConfig {
         let asked = |table: &toml::Table| table.get("campaign")?.get("steps_every").cloned();
         if toml::from_str::<toml::Table>(text).ok().as_ref().and_then(asked).is_none() {
             config.campaign.steps_every = 0;
+        }
+        config.campaign.settle_engines();
+        if config.campaign.pairs == 0 && (!config.limit.is_empty() || config.baseline.is_some()) {
+            return Err(format!(
+                "{file}: campaign.pairs is 0, where limits and baselines hold whatever the engines do; allowed are 1 and more"
+            ));
         }
         for limit in &config.limit {
             let place = format!("{file} line {}", line_of(text, limit.span().start));
@@ -130,7 +140,7 @@ pub fn line_of(text: &str, place: usize) -> usize {
     1 + text.bytes().take(place).filter(|byte| *byte == b'\n').count()
 }
 
-impl Limit {
+impl FindingLimit {
     fn check(&self) -> Result<(), String> {
         let one_of = |key: &str, value: &Option<String>, allowed: &[&str]| match value {
             Some(found) if !allowed.contains(&found.as_str()) => {
@@ -138,10 +148,20 @@ impl Limit {
             }
             _ => Ok(()),
         };
-        one_of("cause", &self.cause, &Cause::ALL.map(Cause::name))?;
-        let changes: Vec<&str> = Change::ALL.map(Change::name).into_iter().chain(StepChange::NAMES).collect();
+        let causes: Vec<&str> = Cause::ALL.map(Cause::name).into_iter().chain(StepCause::NAMES).collect();
+        one_of("cause", &self.cause, &causes)?;
+        let of_steps = StepChange::NAMES.into_iter().chain([RECOVERED]);
+        let changes: Vec<&str> = AnswerChange::ALL.map(AnswerChange::name).into_iter().chain(of_steps).collect();
         one_of("change", &self.change, &changes)?;
         one_of("kind", &self.kind, &ContactKind::ALL.map(ContactKind::name))?;
+        if self.is_of_recovered() {
+            let more = [&self.tolerances, &self.family, &self.cause, &self.kind].into_iter().any(Option::is_some);
+            if more || self.beyond_ulps.is_some() || self.rate.is_some() {
+                return Err(format!(
+                    "a limit of change \"{RECOVERED}\" is about questions, not findings: it may name engine, and needs count"
+                ));
+            }
+        }
         match (self.count, self.rate) {
             (Some(_), None) if self.confidence.is_some() => Err("confidence belongs to a rate, not to a count".into()),
             (Some(_), None) => Ok(()),
@@ -152,6 +172,11 @@ impl Limit {
             (None, Some(_)) => Ok(()),
             _ => Err("a limit needs either count or rate".into()),
         }
+    }
+
+    /// Whether it counts failures that a fresh process did not repeat.
+    pub fn is_of_recovered(&self) -> bool {
+        self.change.as_deref() == Some(RECOVERED)
     }
 
     /// The limit in one line.

@@ -3,7 +3,7 @@
 use super::{Check, Verdict};
 use rockproof_campaign::engines::Engines;
 use rockproof_differential::case_file::{Case, CaseError, contact_rows};
-use rockproof_differential::engine::guarded;
+use rockproof_differential::engine::catch_panic;
 use rockproof_differential::external::protocol::completed;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -55,9 +55,9 @@ fn files(path: &Path) -> Result<Vec<PathBuf>, CorpusError> {
 
 fn check(file: &Path, engines: &Engines) -> Result<Check, CorpusError> {
     let case = Case::load(file)?;
-    let (verdict, told) = judge(&case, engines);
+    let (verdict, message) = judge(&case, engines);
     let name = file.display().to_string();
-    Ok(Check { group: "corpus", name: name.clone(), told, verdict, place: (name, 1), rows: Vec::new() })
+    Ok(Check { group: "corpus", name: name.clone(), message, verdict, place: (name, 1), rows: Vec::new() })
 }
 
 fn judge(case: &Case, engines: &Engines) -> (Verdict, String) {
@@ -83,7 +83,7 @@ fn judge(case: &Case, engines: &Engines) -> (Verdict, String) {
         "representation" => exact(&a, &b, &t),
         _ => {
             let Some(engine) = panel.engines.first() else { return (Verdict::Skip, "no engine".to_owned()) };
-            match guarded(|| engine.prepare(&a, &b)?.classify(&t)) {
+            match catch_panic(|| engine.prepare(&a, &b)?.classify(&t)) {
                 Ok(contacts) => completed(contacts, &right),
                 Err(failure) if failure.change().name() == about.change => {
                     return (Verdict::Pass, "as recorded".to_owned());

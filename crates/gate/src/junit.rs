@@ -2,6 +2,7 @@
 
 use super::{Check, Verdict};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+use rockproof_model::text::excerpt;
 
 /// JUnit XML: a suite for each group, a case for each check.
 ///
@@ -18,7 +19,7 @@ pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
                 Verdict::Skip => TestCaseStatus::skipped(),
             };
             if check.verdict != Verdict::Pass {
-                status.set_message(check.told.as_str());
+                status.set_message(check.message.as_str());
             }
             if check.verdict == Verdict::Fail {
                 status.set_type("gate");
@@ -40,20 +41,27 @@ pub fn annotations(checks: &[Check]) -> String {
     let line = |check: &Check| {
         let (file, line) = &check.place;
         let (file, title) = (property(file), property(&format!("rockproof {}", check.group)));
-        format!("::error file={file},line={line},title={title}::{}\n", data(&format!("{}: {}", check.name, check.told)))
+        format!(
+            "::error file={file},line={line},title={title}::{}\n",
+            data(&format!("{}: {}", check.name, check.message))
+        )
     };
     failed.map(line).collect()
 }
 
+/// So many characters of a check's name or text are in the summary.
+const LONGEST: usize = 1000;
+
 /// The summary in Markdown: one row for each check but the corpus' passes.
 pub fn markdown(checks: &[Check]) -> String {
     let special = |c: char| if "\\`*_{}[]<>&#|~".contains(c) { format!("\\{c}") } else { c.to_string() };
-    let cell = |text: &str| text.replace(['\n', '\r'], " ").chars().map(special).collect::<String>();
+    let line = |text: &str| excerpt(&text.replace(['\n', '\r'], " "), LONGEST);
+    let cell = |text: &str| line(text).chars().map(special).collect::<String>();
     let failed = checks.iter().filter(|check| check.verdict == Verdict::Fail).count();
     let mut text = format!("## Rockproof gate: {}\n\n", if failed == 0 { "passed" } else { "failed" });
     text += "| verdict | check | found |\n| --- | --- | --- |\n";
     for check in checks.iter().filter(|c| c.group != "corpus" || c.verdict != Verdict::Pass) {
-        text += &format!("| {} | {} | {} |\n", check.verdict.name(), cell(&check.name), cell(&check.told));
+        text += &format!("| {} | {} | {} |\n", check.verdict.name(), cell(&check.name), cell(&check.message));
     }
     let corpus = checks.iter().filter(|c| c.group == "corpus" && c.verdict == Verdict::Pass).count();
     text + &format!("\n{failed} of {} checks failed; {corpus} cases of the corpus passed.\n", checks.len())

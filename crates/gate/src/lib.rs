@@ -3,11 +3,11 @@
 pub mod config;
 pub mod corpus;
 pub mod junit;
-pub mod known;
+pub mod known_findings;
 pub mod tally;
 
-use config::{GateConfig, Limit, line_of};
-use tally::Tally;
+use config::{FindingLimit, GateConfig, RECOVERED, line_of};
+use tally::CampaignTally;
 
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +39,7 @@ pub struct Check {
     /// What was checked.
     pub name: String,
     /// What was found, and what is allowed.
-    pub told: String,
+    pub message: String,
     /// How it came out.
     pub verdict: Verdict,
     /// The file it is about, and the line in it.
@@ -52,27 +52,56 @@ pub struct Check {
 pub const CONFIDENCE: f64 = 0.999;
 
 /// Checks the limits of a gate file against what a campaign found; `run` names the campaign.
-pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally: &Tally) -> Vec<Check> {
-    let check = |limit: &toml::Spanned<Limit>| {
+pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally: &CampaignTally) -> Vec<Check> {
+    let check = |limit: &toml::Spanned<FindingLimit>| {
         let place = (file.to_owned(), line_of(text, limit.span().start));
         let limit = limit.get_ref();
         let found = tally.count(limit);
-        let (failed, told) = if let Some(count) = limit.count {
+        let (failed, message) = if let (Some(count), true) = (limit.count, limit.is_of_recovered()) {
+            let message = format!("{} failures that a fresh process did not repeat, at most {count}", found.findings);
+            (found.findings > count, message)
+        } else if let Some(count) = limit.count {
             (found.findings > count, format!("{} findings, at most {count}", found.findings))
         } else {
             let rate = limit.rate.unwrap_or(1.0);
             let chance = found.chance(rate);
-            let told = format!(
+            let message = format!(
                 "{} of {} pairs ({:.3e}), at most {rate}; by chance with probability {chance:.2e}",
                 found.pairs,
                 found.examined,
                 found.rate()
             );
-            (found.rate() > rate && chance < 1.0 - limit.confidence.unwrap_or(CONFIDENCE), told)
+            (found.rate() > rate && chance < 1.0 - limit.confidence.unwrap_or(CONFIDENCE), message)
         };
         let rows = (0..tally.rows.len()).filter(|&at| failed && tally.rows[at].is_of(limit)).collect();
         let verdict = if failed { Verdict::Fail } else { Verdict::Pass };
-        Check { group: "limit", name: format!("{run}: {}", limit.text()), told, verdict, place, rows }
+        Check { group: "limit", name: format!("{run}: {}", limit.text()), message, verdict, place, rows }
     };
-    config.limit.iter().map(check).collect()
+    config.limit.iter().map(check).chain(recovered(config, file, run, tally)).collect()
+}
+
+/// Says of engines whose failures did not repeat that they had some, where no limit names these: such a failure is no finding, so all limits may
+/// hold of an engine that crashes every now and then.
+fn recovered<'x>(
+    config: &'x GateConfig,
+    file: &'x str,
+    run: &'x str,
+    tally: &'x CampaignTally,
+) -> impl Iterator<Item = Check> + 'x {
+    let limited = |engine: &str| {
+        let of = config.limit.iter().map(toml::Spanned::get_ref).filter(|limit| limit.is_of_recovered());
+        of.into_iter().any(|limit| limit.engine.as_ref().is_none_or(|name| name == engine))
+    };
+    let rows = tally.engines.iter().filter(move |row| row.recovered > 0 && !limited(&row.engine));
+    rows.map(move |row| Check {
+        group: "limit",
+        name: format!("{run}: engine {}, change {RECOVERED}", row.engine),
+        message: format!(
+            "{} of {} questions failed and were answered by a fresh process; no limit names them",
+            row.recovered, row.asked
+        ),
+        verdict: Verdict::Skip,
+        place: (file.to_owned(), 1),
+        rows: Vec::new(),
+    })
 }

@@ -1,12 +1,15 @@
 //! What a finished campaign found, counted for a gate out of its `findings.csv` and `summary.csv`.
 
-use super::config::{Baseline, Limit};
-use super::known::SEPARATOR;
+use super::config::{Baseline, FindingLimit};
+use super::known_findings::SEPARATOR;
+use rockproof_campaign::engine_counts::{ENGINES, EngineRow};
 use rockproof_campaign::pairs::BATCH;
 use rockproof_campaign::steps::StepFindingRow;
 use rockproof_campaign::summary::SummaryRow;
-use rockproof_differential::finding::{Cause, Who};
+use rockproof_differential::finding::{Cause, FindingScope};
+use rockproof_differential::lockstep::StepCause;
 use rockproof_differential::row::FindingRow;
+use rockproof_model::files::open_table;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use statrs::function::beta::checked_beta_reg;
@@ -15,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 /// One row of `findings.csv` or of `step_findings.csv`.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Row {
+pub enum TallyRow {
     /// About a pair.
     Pair(FindingRow),
     /// About a step.
@@ -23,13 +26,13 @@ pub enum Row {
 }
 
 /// What both sorts of rows tell.
-struct Common<'r> {
+struct CommonColumns<'r> {
     index: u64,
     family: &'r str,
     form: &'r str,
     tolerances: &'r str,
-    who: &'r Who,
-    cause: Cause,
+    scope: &'r FindingScope,
+    cause: StepCause,
     change: &'r str,
     /// Before the change and after it; of a step both are its contact's.
     kinds: [&'r str; 2],
@@ -37,27 +40,27 @@ struct Common<'r> {
     margin_ulps: Option<f64>,
 }
 
-impl Row {
-    fn common(&self) -> Common<'_> {
+impl TallyRow {
+    fn common(&self) -> CommonColumns<'_> {
         match self {
-            Row::Pair(row) => Common {
+            TallyRow::Pair(row) => CommonColumns {
                 index: row.index,
                 family: &row.family,
                 form: &row.form,
                 tolerances: &row.tolerances,
-                who: &row.engine,
-                cause: row.cause,
+                scope: &row.engine,
+                cause: row.cause.into(),
                 change: row.change.name(),
                 kinds: [&row.kind_before, &row.kind_after],
                 predicate: &row.predicate,
                 margin_ulps: row.margin_ulps,
             },
-            Row::Step(row) => Common {
+            TallyRow::Step(row) => CommonColumns {
                 index: row.index,
                 family: &row.family,
                 form: &row.form,
                 tolerances: &row.tolerances,
-                who: &row.engine,
+                scope: &row.engine,
                 cause: row.cause,
                 change: &row.change,
                 kinds: [&row.kind, &row.kind],
@@ -69,7 +72,7 @@ impl Row {
 
     /// Whether it is about a step.
     pub fn is_of_step(&self) -> bool {
-        matches!(self, Row::Step(_))
+        matches!(self, TallyRow::Step(_))
     }
 
     /// The number of the pair.
@@ -84,11 +87,13 @@ impl Row {
             "family" => row.family.to_owned(),
             "form" => row.form.to_owned(),
             "tolerances" => row.tolerances.to_owned(),
-            "engine" => row.who.to_string(),
+            "engine" => row.scope.to_string(),
             "cause" => row.cause.to_string(),
             "change" => row.change.to_owned(),
             "kind_before" => row.kinds[0].to_owned(),
             "kind_after" => row.kinds[1].to_owned(),
+            // Of an engine from outside it is no more than the tie nearest to the difference.
+            "predicate" if row.cause == StepCause::Link(Cause::Engine) => String::new(),
             "predicate" => row.predicate.to_owned(),
             _ => String::new(),
         };
@@ -96,11 +101,11 @@ impl Row {
     }
 
     /// Whether a limit is about it.
-    pub fn is_of(&self, limit: &Limit) -> bool {
+    pub fn is_of(&self, limit: &FindingLimit) -> bool {
         let row = self.common();
         let same = |wanted: &Option<String>, found: &str| wanted.as_ref().is_none_or(|wanted| wanted == found);
         let beyond = |least: f64| row.margin_ulps.is_some_and(|ulps| ulps.abs() > least);
-        same(&limit.engine, &row.who.to_string())
+        same(&limit.engine, &row.scope.to_string())
             && limit.tolerances.as_ref().is_none_or(|set| of_set(row.tolerances, set))
             && same(&limit.family, row.family)
             && same(&limit.cause, row.cause.name())
@@ -138,17 +143,19 @@ pub enum TallyError {
 
 /// What a campaign found.
 #[derive(Debug)]
-pub struct Tally {
+pub struct CampaignTally {
     /// Every finding.
-    pub rows: Vec<Row>,
-    /// Pairs examined by (family, set); a pair counts once for each set.
+    pub rows: Vec<TallyRow>,
+    /// Pairs examined by (family, set); a pair counts once for each set. Of a family that is not classified, pairs that make steps.
     examined: BTreeMap<(String, String), u64>,
+    /// What external engines were put through.
+    pub engines: Vec<EngineRow>,
 }
 
 /// How often a sort of finding occurred.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sorted {
+pub struct ClassCount {
     /// Findings.
     pub findings: u64,
     /// Pairs with such a finding; a pair counts once for each tolerance set.
@@ -157,22 +164,22 @@ pub struct Sorted {
     pub squares: u64,
 }
 
-impl Sorted {
+impl ClassCount {
     /// Counts findings by their pair's number and tolerance set.
-    fn of(hits: &[(u64, &str)]) -> Sorted {
+    fn of(hits: &[(u64, &str)]) -> ClassCount {
         let pairs: BTreeSet<_> = hits.iter().collect();
         let mut batches: BTreeMap<u64, u64> = BTreeMap::new();
         for (index, _) in &pairs {
             *batches.entry(index / BATCH).or_default() += 1;
         }
         let squares = batches.values().map(|n| n * n).sum();
-        Sorted { findings: hits.len() as u64, pairs: pairs.len() as u64, squares }
+        ClassCount { findings: hits.len() as u64, pairs: pairs.len() as u64, squares }
     }
 }
 
 /// What is found of a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct LimitCount {
     /// Findings.
     pub findings: u64,
     /// Pairs with such a finding.
@@ -183,16 +190,16 @@ pub struct Found {
     pub design_effect: f64,
 }
 
-impl Tally {
+impl CampaignTally {
     /// Reads the run in a directory.
     ///
     /// # Errors
     /// When its tables cannot be read: a count that nobody can read must not pass for none.
-    pub fn read(dir: &Path) -> Result<Tally, TallyError> {
-        let mut rows: Vec<Row> = table(&dir.join("findings.csv"))?.into_iter().map(Row::Pair).collect();
+    pub fn read(dir: &Path) -> Result<CampaignTally, TallyError> {
+        let mut rows: Vec<TallyRow> = table(&dir.join("findings.csv"))?.into_iter().map(TallyRow::Pair).collect();
         let steps = dir.join("step_findings.csv");
         if steps.is_file() {
-            rows.extend(table(&steps)?.into_iter().map(Row::Step));
+            rows.extend(table(&steps)?.into_iter().map(TallyRow::Step));
         }
         let file = dir.join("summary.csv");
         let mut origins: BTreeMap<[String; 3], u64> = BTreeMap::new();
@@ -206,7 +213,13 @@ impl Tally {
         for ([family, _, set], pairs) in origins {
             *examined.entry((family, set)).or_default() += pairs;
         }
-        Ok(Tally { rows, examined })
+        let file = dir.join("step_summary.csv");
+        let moved = if file.is_file() { moved(&file)? } else { BTreeMap::new() };
+        let classified: BTreeSet<String> = examined.keys().map(|(family, _)| family.clone()).collect();
+        examined.extend(moved.into_iter().filter(|((family, _), _)| !classified.contains(family)));
+        let file = dir.join(ENGINES);
+        let engines = if file.is_file() { table(&file)? } else { Vec::new() };
+        Ok(CampaignTally { rows, examined, engines })
     }
 
     /// Pairs examined of each family; a pair counts once for each set.
@@ -220,26 +233,35 @@ impl Tally {
 
     /// How often each sort of finding occurred whose causes a baseline holds, by fingerprint; findings about steps are none of
     /// them.
-    pub fn sorted(&self, baseline: &Baseline) -> BTreeMap<String, Sorted> {
-        let known = |row: &&Row| baseline.causes.iter().any(|cause| cause == row.common().cause.name());
+    pub fn by_class(&self, baseline: &Baseline) -> BTreeMap<String, ClassCount> {
+        let known = |row: &&TallyRow| baseline.causes.iter().any(|cause| cause == row.common().cause.name());
         let of = self.rows.iter().filter(|row| !row.is_of_step()).filter(known);
         let mut hits: BTreeMap<String, Vec<(u64, &str)>> = BTreeMap::new();
         for row in of {
             hits.entry(row.fingerprint(baseline)).or_default().push((row.index(), row.common().tolerances));
         }
-        hits.into_iter().map(|(fingerprint, hits)| (fingerprint, Sorted::of(&hits))).collect()
+        hits.into_iter().map(|(fingerprint, hits)| (fingerprint, ClassCount::of(&hits))).collect()
     }
 
     /// Counts what a limit is about.
-    pub fn count(&self, limit: &Limit) -> Found {
+    pub fn count(&self, limit: &FindingLimit) -> LimitCount {
+        if limit.is_of_recovered() {
+            let of = self.engines.iter().filter(|row| limit.engine.as_ref().is_none_or(|name| *name == row.engine));
+            return LimitCount {
+                findings: of.map(|row| row.recovered).sum(),
+                pairs: 0,
+                examined: 0,
+                design_effect: 1.0,
+            };
+        }
         let of = self.rows.iter().filter(|row| row.is_of(limit));
         let hits: Vec<(u64, &str)> = of.map(|row| (row.index(), row.common().tolerances)).collect();
-        let sorted = Sorted::of(&hits);
+        let sorted = ClassCount::of(&hits);
         let wanted = |wanted: &Option<String>, found: &str| wanted.as_ref().is_none_or(|w| w == found);
         let counted = self.examined.iter().filter(|((family, set), _)| {
             wanted(&limit.family, family) && limit.tolerances.as_ref().is_none_or(|w| of_set(set, w))
         });
-        Found {
+        LimitCount {
             findings: sorted.findings,
             pairs: sorted.pairs,
             examined: counted.map(|(_, pairs)| pairs).sum(),
@@ -248,12 +270,36 @@ impl Tally {
     }
 }
 
-fn table<T: DeserializeOwned>(file: &Path) -> Result<Vec<T>, TallyError> {
-    let at = |source| TallyError::Csv { file: file.to_owned(), source };
-    csv::Reader::from_path(file).map_err(at)?.into_deserialize().collect::<Result<_, _>>().map_err(at)
+/// Pairs that make steps, by (family, set): as many as the engine has of them that takes the most.
+fn moved(file: &Path) -> Result<BTreeMap<(String, String), u64>, TallyError> {
+    let mut by_engine: BTreeMap<[String; 3], u64> = BTreeMap::new();
+    for MovedRow { family, tolerances, engine, pairs } in table(file)? {
+        *by_engine.entry([family, tolerances, engine]).or_default() += pairs;
+    }
+    let mut moved = BTreeMap::new();
+    for ([family, set, _], pairs) in by_engine {
+        let most = moved.entry((family, set)).or_insert(pairs);
+        *most = pairs.max(*most);
+    }
+    Ok(moved)
 }
 
-impl Found {
+/// What of a row of `step_summary.csv` tells how many pairs there were.
+#[derive(Deserialize)]
+struct MovedRow {
+    family: String,
+    tolerances: String,
+    engine: String,
+    pairs: u64,
+}
+
+fn table<T: DeserializeOwned>(file: &Path) -> Result<Vec<T>, TallyError> {
+    let at = |source| TallyError::Csv { file: file.to_owned(), source };
+    let opened = open_table(file).map_err(|error| at(error.into()))?;
+    csv::Reader::from_reader(opened).into_deserialize().collect::<Result<_, _>>().map_err(at)
+}
+
+impl LimitCount {
     /// The share of pairs with such a finding.
     pub fn rate(&self) -> f64 {
         if self.examined == 0 { 0.0 } else { self.pairs as f64 / self.examined as f64 }
@@ -292,9 +338,9 @@ mod tests {
             };
             write("findings.csv", &FINDING_COLUMNS, finding);
             write("summary.csv", &SUMMARY_COLUMNS, origin);
-            Tally::read(dir.path())
+            CampaignTally::read(dir.path())
         };
-        let limit = Limit { rate: Some(1e-4), beyond_ulps: Some(2.0), ..Limit::default() };
+        let limit = FindingLimit { rate: Some(1e-4), beyond_ulps: Some(2.0), ..FindingLimit::default() };
         let found = read(finding, origin).expect("a tally").count(&limit);
         assert_eq!((found.pairs, found.examined, found.rate()), (1, 1000, 1e-3));
         for damaged in [finding.replacen('3', "x", 1), finding.replace("2.5", "2.5.1"), finding.replace(",f32,", ",,")]
@@ -313,7 +359,7 @@ mod tests {
 
     #[test]
     fn chance_is_the_binomial_tail() {
-        let found = |pairs, examined, design_effect| Found { findings: pairs, pairs, examined, design_effect };
+        let found = |pairs, examined, design_effect| LimitCount { findings: pairs, pairs, examined, design_effect };
         // P(X ≥ 2), X binomial of 10 and 0.1: 1 − 0.9¹⁰ − 10·0.1·0.9⁹.
         let tail = 1.0 - 0.9f64.powi(10) - 0.9f64.powi(9);
         assert!((found(2, 10, 1.0).chance(0.1) - tail).abs() < 1e-12);

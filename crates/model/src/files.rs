@@ -1,11 +1,11 @@
-//! Reading files that have an end.
+//! Reading files that have an end: every file that a user names is read through here.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 
 /// The largest file that is read: 1 GiB. The largest scene of a few thousand blocks takes a hundredth of that.
-pub(crate) const LARGEST_INPUT: u64 = 1 << 30;
+pub const LARGEST_INPUT: u64 = 1 << 30;
 
 /// The bytes of a file of at most [`LARGEST_INPUT`]. A pipe is read as a file is; a device is refused unread, since it
 /// may have no end, and whatever grows while it is read is given up at the limit.
@@ -13,16 +13,45 @@ pub(crate) const LARGEST_INPUT: u64 = 1 << 30;
 /// # Errors
 /// Those of the operating system; [`io::ErrorKind::FileTooLarge`] beyond the limit and
 /// [`io::ErrorKind::InvalidInput`] for a device, the limit being named in both.
-pub(crate) fn read_limited(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
+pub fn read_limited(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
     read_at_most(path.as_ref(), LARGEST_INPUT)
+}
+
+/// The text of a file of at most [`LARGEST_INPUT`].
+///
+/// # Errors
+/// As [`read_limited`]; [`io::ErrorKind::InvalidData`] for a file that is not UTF-8, with line and byte.
+pub fn read_text(path: impl AsRef<Path>) -> io::Result<String> {
+    String::from_utf8(read_limited(path)?).map_err(|error| {
+        let (at, bytes) = (error.utf8_error().valid_up_to(), error.as_bytes());
+        let line = bytes[..at].iter().filter(|byte| **byte == b'\n').count() + 1;
+        let text = format!("line {line}: byte {at} of the file is {:#04x}; a text in UTF-8 is expected", bytes[at]);
+        io::Error::new(io::ErrorKind::InvalidData, text)
+    })
+}
+
+/// Opens a table that is read row by row and may be of any length.
+///
+/// # Errors
+/// Those of the operating system; [`io::ErrorKind::InvalidInput`] for a device.
+pub fn open_table(path: impl AsRef<Path>) -> io::Result<File> {
+    let file = File::open(path)?;
+    match is_device(&file.metadata()?.file_type()) {
+        true => Err(device()),
+        false => Ok(file),
+    }
+}
+
+fn device() -> io::Error {
+    let text = format!("this is a device and may have no end; files of at most {LARGEST_INPUT} bytes are read");
+    io::Error::new(io::ErrorKind::InvalidInput, text)
 }
 
 fn read_at_most(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
     let about = file.metadata()?;
     if is_device(&about.file_type()) {
-        let text = format!("this is a device and may have no end; files of at most {limit} bytes are read");
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
+        return Err(device());
     }
     let too_large = |found: String| {
         let text = format!("the file has {found} bytes; at most {limit} are read, so split it into several files");

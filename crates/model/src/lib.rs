@@ -5,7 +5,7 @@
 pub mod block;
 pub mod contact;
 pub mod decision;
-mod files;
+pub mod files;
 pub mod lattice;
 pub mod number;
 pub mod number_text;
@@ -15,8 +15,9 @@ pub mod rules;
 pub mod scene;
 pub mod sign;
 pub mod simulation;
-pub mod spec;
+pub mod text;
 pub mod tolerance;
+pub mod tolerance_spec;
 pub mod topology;
 pub mod vector;
 
@@ -29,7 +30,7 @@ pub use rules::{Rule, Violation};
 pub use scene::{LoadOptions, Scene, SceneBlock, SceneError};
 pub use sign::Sign;
 pub use simulation::{Body, Motion, Simulation};
-pub use spec::{SpecError, ToleranceSpec};
 pub use tolerance::{Criteria, ToleranceSet};
+pub use tolerance_spec::{SpecError, ToleranceSpec};
 pub use topology::{Topology, TopologyError};
 pub use vector::Vec3;

@@ -13,10 +13,10 @@ use std::fmt;
 ///
 /// The two forms never overlap, so equality of the representation is equality of the value.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Number(Repr);
+pub struct Number(NumberForm);
 
 #[derive(Clone, Debug, PartialEq)]
-enum Repr {
+enum NumberForm {
     /// Finite, never −0.
     Float(f64),
     /// Not representable as f64.
@@ -127,7 +127,7 @@ impl fmt::Display for Precision {
 
 impl Number {
     /// Zero.
-    pub const ZERO: Number = Number(Repr::Float(0.0));
+    pub const ZERO: Number = Number(NumberForm::Float(0.0));
 
     /// The number a finite f64 stands for.
     ///
@@ -135,7 +135,7 @@ impl Number {
     /// When `value` is NaN or infinite.
     pub fn from_f64(value: f64) -> Result<Number, NumberError> {
         if value.is_finite() {
-            Ok(Number(Repr::Float(value + 0.0)))
+            Ok(Number(NumberForm::Float(value + 0.0)))
         } else {
             Err(NumberError::NotFinite { found: value.to_string() })
         }
@@ -143,26 +143,26 @@ impl Number {
 
     /// The number an integer stands for.
     pub fn from_integer(value: i32) -> Number {
-        Number(Repr::Float(f64::from(value)))
+        Number(NumberForm::Float(f64::from(value)))
     }
 
     /// The number a fraction stands for.
     pub fn from_rational(value: BigRational) -> Number {
         // In lowest terms only a power of two under the bar can be a float; most fractions end here, without a division.
         if value.denom().trailing_zeros().map_or(0, |twos| twos + 1) != value.denom().bits() {
-            return Number(Repr::Ratio(Box::new(value)));
+            return Number(NumberForm::Ratio(Box::new(value)));
         }
         match round_rational(&value, Precision::F64) {
-            Some(float) if rational_of_f64(float) == value => Number(Repr::Float(float + 0.0)),
-            _ => Number(Repr::Ratio(Box::new(value))),
+            Some(float) if rational_of_f64(float) == value => Number(NumberForm::Float(float + 0.0)),
+            _ => Number(NumberForm::Ratio(Box::new(value))),
         }
     }
 
     /// The value as a fraction in lowest terms.
     pub fn to_rational(&self) -> BigRational {
         match &self.0 {
-            Repr::Float(value) => rational_of_f64(*value),
-            Repr::Ratio(value) => (**value).clone(),
+            NumberForm::Float(value) => rational_of_f64(*value),
+            NumberForm::Ratio(value) => (**value).clone(),
         }
     }
 
@@ -170,8 +170,8 @@ impl Number {
     #[inline]
     pub fn as_f64(&self) -> Option<f64> {
         match self.0 {
-            Repr::Float(value) => Some(value),
-            Repr::Ratio(_) => None,
+            NumberForm::Float(value) => Some(value),
+            NumberForm::Ratio(_) => None,
         }
     }
 
@@ -179,27 +179,27 @@ impl Number {
     #[inline]
     pub fn as_ratio(&self) -> Option<&BigRational> {
         match &self.0 {
-            Repr::Float(_) => None,
-            Repr::Ratio(value) => Some(value),
+            NumberForm::Float(_) => None,
+            NumberForm::Ratio(value) => Some(value),
         }
     }
 
     /// The nearest value of the precision, ties to even, or `None` if that overflows.
     pub fn rounded(&self, precision: Precision) -> Option<f64> {
         match (&self.0, precision) {
-            (Repr::Float(value), Precision::F64) => Some(*value),
-            (Repr::Float(value), Precision::F32) => {
+            (NumberForm::Float(value), Precision::F64) => Some(*value),
+            (NumberForm::Float(value), Precision::F32) => {
                 let near = *value as f32;
                 near.is_finite().then(|| f64::from(near) + 0.0)
             }
-            (Repr::Ratio(value), precision) => round_rational(value, precision).map(|v| v + 0.0),
+            (NumberForm::Ratio(value), precision) => round_rational(value, precision).map(|v| v + 0.0),
         }
     }
 
     /// The nearest f64, infinite where that overflows: for showing to people, never for deciding.
     pub fn approximate(&self) -> f64 {
         self.rounded(Precision::F64).unwrap_or(match &self.0 {
-            Repr::Ratio(value) if value.is_negative() => f64::NEG_INFINITY,
+            NumberForm::Ratio(value) if value.is_negative() => f64::NEG_INFINITY,
             _ => f64::INFINITY,
         })
     }
@@ -207,9 +207,9 @@ impl Number {
     /// Whether the precision represents the value exactly.
     pub fn is_exact_in(&self, precision: Precision) -> bool {
         match (&self.0, precision) {
-            (Repr::Float(_), Precision::F64) => true,
-            (Repr::Float(value), Precision::F32) => f64::from(*value as f32) == *value,
-            (Repr::Ratio(_), _) => false,
+            (NumberForm::Float(_), Precision::F64) => true,
+            (NumberForm::Float(value), Precision::F32) => f64::from(*value as f32) == *value,
+            (NumberForm::Ratio(_), _) => false,
         }
     }
 
@@ -219,17 +219,18 @@ impl Number {
         if other.is_zero() {
             return self.clone();
         }
-        if let (Repr::Float(a), Repr::Float(b)) = (&self.0, &other.0) {
+        if let (NumberForm::Float(a), NumberForm::Float(b)) = (&self.0, &other.0) {
             // Knuth's two-sum: the sum is exact when the error term is zero.
             let sum = a + b;
             let b_part = sum - a;
             let error = (a - (sum - b_part)) + (b - b_part);
             if error == 0.0 && sum.is_finite() {
-                return Number(Repr::Float(sum + 0.0));
+                return Number(NumberForm::Float(sum + 0.0));
             }
         }
         match (&self.0, &other.0) {
-            (Repr::Ratio(ratio), Repr::Float(float)) | (Repr::Float(float), Repr::Ratio(ratio)) => {
+            (NumberForm::Ratio(ratio), NumberForm::Float(float))
+            | (NumberForm::Float(float), NumberForm::Ratio(ratio)) => {
                 Number::from_rational(ratio_plus_float(ratio, *float))
             }
             _ => Number::from_rational(self.to_rational() + other.to_rational()),
@@ -239,11 +240,11 @@ impl Number {
     /// `self · other`, exactly.
     #[must_use]
     pub fn times(&self, other: &Number) -> Number {
-        if let (Repr::Float(a), Repr::Float(b)) = (&self.0, &other.0) {
+        if let (NumberForm::Float(a), NumberForm::Float(b)) = (&self.0, &other.0) {
             // The fused product tells what the rounded one lost; well above underflow it loses nothing itself.
             let product = a * b;
             if product.is_finite() && product.abs() > 1e-250 && a.mul_add(*b, -product) == 0.0 {
-                return Number(Repr::Float(product));
+                return Number(NumberForm::Float(product));
             }
         }
         Number::from_rational(self.to_rational() * other.to_rational())
@@ -253,21 +254,21 @@ impl Number {
     #[must_use]
     pub fn negated(&self) -> Number {
         match &self.0 {
-            Repr::Float(value) => Number(Repr::Float(0.0 - value)),
-            Repr::Ratio(value) => Number(Repr::Ratio(Box::new(-(**value).clone()))),
+            NumberForm::Float(value) => Number(NumberForm::Float(0.0 - value)),
+            NumberForm::Ratio(value) => Number(NumberForm::Ratio(Box::new(-(**value).clone()))),
         }
     }
 
     /// Whether the value is exactly zero.
     pub fn is_zero(&self) -> bool {
-        self.0 == Repr::Float(0.0)
+        self.0 == NumberForm::Float(0.0)
     }
 
     /// Whether the value is below zero.
     pub fn is_negative(&self) -> bool {
         match &self.0 {
-            Repr::Float(value) => *value < 0.0,
-            Repr::Ratio(value) => value.is_negative(),
+            NumberForm::Float(value) => *value < 0.0,
+            NumberForm::Ratio(value) => value.is_negative(),
         }
     }
 }
@@ -275,7 +276,7 @@ impl Number {
 impl Ord for Number {
     fn cmp(&self, other: &Self) -> Ordering {
         match (&self.0, &other.0) {
-            (Repr::Float(a), Repr::Float(b)) => a.total_cmp(b),
+            (NumberForm::Float(a), NumberForm::Float(b)) => a.total_cmp(b),
             _ => self.to_rational().cmp(&other.to_rational()),
         }
     }

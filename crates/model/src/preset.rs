@@ -90,13 +90,13 @@ pub fn sine_of_degrees(degrees: f64) -> f64 {
 /// # Errors
 /// When there are no blocks, or a value leaves the range of f64.
 pub fn derive(preset: Preset, blocks: &[&Block], precision: Precision) -> Result<ToleranceSet, PresetError> {
-    let lengths = Lengths::of(blocks).ok_or(PresetError::NoBlocks { preset })?;
+    let lengths = ModelLengths::of(blocks).ok_or(PresetError::NoBlocks { preset })?;
     let values = match preset {
-        Preset::Auto => Values::auto(&lengths, precision),
-        Preset::Shi => Values::shi(&lengths),
+        Preset::Auto => PresetValues::auto(&lengths, precision),
+        Preset::Shi => PresetValues::shi(&lengths),
         Preset::Zero => {
-            let auto = Values::auto(&lengths, precision);
-            Values { territory: 0.0, overlap_sine: 0.0, parallel_sine: 0.0, equal: 0.0, ..auto }
+            let auto = PresetValues::auto(&lengths, precision);
+            PresetValues { territory: 0.0, overlap_sine: 0.0, parallel_sine: 0.0, equal: 0.0, ..auto }
         }
     };
     values.into_set(preset, &lengths)
@@ -118,7 +118,7 @@ pub fn derive_checked(preset: Preset, blocks: &[&Block], precision: Precision) -
 }
 
 /// The lengths of a model from which presets are made, in metres.
-struct Lengths {
+struct ModelLengths {
     /// ℓ
     shortest_edge: f64,
     /// H
@@ -129,8 +129,8 @@ struct Lengths {
     radius: f64,
 }
 
-impl Lengths {
-    fn of(blocks: &[&Block]) -> Option<Lengths> {
+impl ModelLengths {
+    fn of(blocks: &[&Block]) -> Option<ModelLengths> {
         let first = blocks.first()?.bounds();
         let (mut min, mut max) = (first.min, first.max);
         for block in &blocks[1..] {
@@ -143,7 +143,7 @@ impl Lengths {
             max.z = max.z.max(bounds.max.z);
         }
         let [x, y, z] = [difference(max.x, min.x), difference(max.y, min.y), difference(max.z, min.z)];
-        Some(Lengths {
+        Some(ModelLengths {
             shortest_edge: blocks.iter().map(|b| shortest_edge(b)).fold(f64::INFINITY, f64::min),
             half_side: x.max(y).max(z) / 2.0,
             half_height: z / 2.0,
@@ -227,7 +227,7 @@ fn exact_centroid(block: &Block, size: f64) -> [f64; 3] {
 }
 
 /// A set in f64, `max_rotation` apart.
-struct Values {
+struct PresetValues {
     search: f64,
     territory: f64,
     penetration: f64,
@@ -242,12 +242,12 @@ struct Values {
 
 const THREE_DEGREES: f64 = 3.0;
 
-impl Values {
-    fn auto(lengths: &Lengths, precision: Precision) -> Values {
+impl PresetValues {
+    fn auto(lengths: &ModelLengths, precision: Precision) -> PresetValues {
         let displacement = (lengths.shortest_edge / 16.0).min(lengths.half_side / 100.0);
         let search = 2.5 * displacement;
         let equal = 1024.0 * precision.epsilon();
-        Values {
+        PresetValues {
             search,
             territory: (lengths.shortest_edge / 8.0).min(search / 4.0),
             penetration: displacement,
@@ -261,11 +261,11 @@ impl Values {
         }
     }
 
-    fn shi(lengths: &Lengths) -> Values {
+    fn shi(lengths: &ModelLengths) -> PresetValues {
         let height = lengths.half_height;
         let displacement = 0.01 * height;
         let search = 2.5 * displacement;
-        Values {
+        PresetValues {
             search,
             territory: search,
             penetration: (0.3 * search).max(0.0012 * height),
@@ -279,7 +279,7 @@ impl Values {
         }
     }
 
-    fn into_set(self, preset: Preset, lengths: &Lengths) -> Result<ToleranceSet, PresetError> {
+    fn into_set(self, preset: Preset, lengths: &ModelLengths) -> Result<ToleranceSet, PresetError> {
         // ω = sqrt(2g/R), rounded down by far more than the radius may be off.
         let rotation = (2.0 * self.penetration / lengths.radius).sqrt() * (1.0 - 1.0 / f64::from(1 << 18));
         let exact = |name: &'static str, value: f64| {

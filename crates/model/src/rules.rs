@@ -4,8 +4,10 @@
 
 // Longer than 400 lines: rule after rule with its reason and its remedy, as in the table of SPEC section 3.
 
+mod fall;
 mod stiffness;
 
+pub use fall::{Fall, fall};
 pub use stiffness::{check_scene, stiffness_slack};
 
 use crate::block::Block;
@@ -96,14 +98,14 @@ impl Rule {
 
 /// Where the length that decides a rule is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct LengthLocation {
     /// Index among the blocks given.
     pub block: usize,
     /// The ends of an edge, when it is an edge.
     pub edge: Option<(u32, u32)>,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for LengthLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.edge {
             Some((p, q)) => write!(f, "edge {p}-{q} of block {}", self.block),
@@ -122,7 +124,7 @@ pub struct Violation {
     /// The right side of its formula.
     pub allowed: f64,
     /// Where the deciding length is.
-    pub place: Option<Place>,
+    pub place: Option<LengthLocation>,
     /// What would satisfy the rule.
     pub remedy: String,
 }
@@ -140,7 +142,7 @@ impl fmt::Display for Violation {
 
 /// How far a tolerance set is from breaking a rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slack {
+pub struct RuleSlack {
     /// The rule.
     pub rule: Rule,
     /// The side of its formula that must be the larger one over the other: 1 where the rule is just met, below 1 where it is not,
@@ -149,12 +151,12 @@ pub struct Slack {
 }
 
 /// What the rules need to know of some blocks, measured once for many sets.
-pub struct Measured(Option<Extremes>);
+pub struct MeasuredModel(Option<Extremes>);
 
-impl Measured {
+impl MeasuredModel {
     /// Measures the blocks.
-    pub fn of(blocks: &[&Block]) -> Measured {
-        Measured(Extremes::of(blocks))
+    pub fn of(blocks: &[&Block]) -> MeasuredModel {
+        MeasuredModel(Extremes::of(blocks))
     }
 
     /// As [`check`].
@@ -163,7 +165,7 @@ impl Measured {
     }
 
     /// How far the set is from breaking each rule of [`check`] that concerns it, in the order of [`Rule`].
-    pub fn slacks(&self, set: &ToleranceSet, precision: Precision) -> Vec<Slack> {
+    pub fn slacks(&self, set: &ToleranceSet, precision: Precision) -> Vec<RuleSlack> {
         let mut slacks = self.compare(set, precision).slacks;
         // Nothing is asked where both sides are 0.
         slacks.iter_mut().filter(|slack| slack.factor.is_nan()).for_each(|slack| slack.factor = f64::INFINITY);
@@ -184,7 +186,7 @@ impl Measured {
 /// Every rule that `set` does not meet for these blocks in this precision, in the order of [`Rule`]; all comparisons
 /// are exact. Without blocks, only the rules between tolerances.
 pub fn check(set: &ToleranceSet, blocks: &[&Block], precision: Precision) -> Vec<Violation> {
-    Measured::of(blocks).check(set, precision)
+    MeasuredModel::of(blocks).check(set, precision)
 }
 
 /// The rules between tolerances.
@@ -198,28 +200,31 @@ fn between(set: &ToleranceSet) -> Violations {
         Rule::Search,
         (&search, &(&displacement * &two)),
         None,
-        &[("search", Bound::OrMore(&displacement * &two)), ("max_displacement", Bound::OrLess(&search / &two))],
+        &[
+            ("search", RequiredValue::OrMore(&displacement * &two)),
+            ("max_displacement", RequiredValue::OrLess(&search / &two)),
+        ],
     );
     violations.at_least(
         Rule::Penetration,
         (&penetration, &displacement),
         None,
         &[
-            ("penetration", Bound::OrMore(displacement.clone())),
-            ("max_displacement", Bound::OrLess(penetration.clone())),
+            ("penetration", RequiredValue::OrMore(displacement.clone())),
+            ("max_displacement", RequiredValue::OrLess(penetration.clone())),
         ],
     );
     violations.at_most(
         Rule::TerritoryInSearch,
         (&territory, &search),
         None,
-        &[("territory", Bound::OrLess(search.clone())), ("search", Bound::OrMore(territory.clone()))],
+        &[("territory", RequiredValue::OrLess(search.clone())), ("search", RequiredValue::OrMore(territory.clone()))],
     );
     violations
 }
 
 /// What a tolerance would have to be.
-enum Bound {
+enum RequiredValue {
     OrMore(BigRational),
     OrLess(BigRational),
     /// The square root or more.
@@ -228,16 +233,16 @@ enum Bound {
     RootOrLess(BigRational),
 }
 
-impl Bound {
+impl RequiredValue {
     /// Six digits on the safe side of the bound.
     fn text(&self, name: &str) -> String {
         let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
         let is_f64 = |value: &BigRational| Number::from_rational(value.clone()).as_f64().is_some();
         match self {
-            Bound::OrMore(value) => format!("{name} ≥ {}", six_digits(near(value), true, is_f64(value))),
-            Bound::RootOrMore(value) => format!("{name} ≥ {}", six_digits(near(value).sqrt(), true, false)),
-            Bound::OrLess(value) => format!("{name} ≤ {}", six_digits(near(value), false, is_f64(value))),
-            Bound::RootOrLess(value) => format!("{name} ≤ {}", six_digits(near(value).sqrt(), false, false)),
+            RequiredValue::OrMore(value) => format!("{name} ≥ {}", six_digits(near(value), true, is_f64(value))),
+            RequiredValue::RootOrMore(value) => format!("{name} ≥ {}", six_digits(near(value).sqrt(), true, false)),
+            RequiredValue::OrLess(value) => format!("{name} ≤ {}", six_digits(near(value), false, is_f64(value))),
+            RequiredValue::RootOrLess(value) => format!("{name} ≤ {}", six_digits(near(value).sqrt(), false, false)),
         }
     }
 }
@@ -263,7 +268,7 @@ fn plain(value: f64) -> String {
 #[derive(Default)]
 struct Violations {
     found: Vec<Violation>,
-    slacks: Vec<Slack>,
+    slacks: Vec<RuleSlack>,
 }
 
 impl Violations {
@@ -271,11 +276,11 @@ impl Violations {
         &mut self,
         rule: Rule,
         sides: (&BigRational, &BigRational),
-        place: Option<Place>,
-        remedies: &[(&str, Bound)],
+        place: Option<LengthLocation>,
+        remedies: &[(&str, RequiredValue)],
     ) {
         let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
-        self.slacks.push(Slack { rule, factor: near(sides.0) / near(sides.1) });
+        self.slacks.push(RuleSlack { rule, factor: near(sides.0) / near(sides.1) });
         if sides.0 < sides.1 {
             self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
         }
@@ -285,11 +290,11 @@ impl Violations {
         &mut self,
         rule: Rule,
         sides: (&BigRational, &BigRational),
-        place: Option<Place>,
-        remedies: &[(&str, Bound)],
+        place: Option<LengthLocation>,
+        remedies: &[(&str, RequiredValue)],
     ) {
         let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
-        self.slacks.push(Slack { rule, factor: near(sides.1) / near(sides.0) });
+        self.slacks.push(RuleSlack { rule, factor: near(sides.1) / near(sides.0) });
         if sides.0 > sides.1 {
             self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
         }
@@ -300,17 +305,23 @@ impl Violations {
         &mut self,
         rule: Rule,
         sides: (&BigRational, &BigRational),
-        place: Option<Place>,
-        remedies: &[(&str, Bound)],
+        place: Option<LengthLocation>,
+        remedies: &[(&str, RequiredValue)],
     ) {
         let near = |value: &BigRational| Number::from_rational(value.clone()).approximate().sqrt();
-        self.slacks.push(Slack { rule, factor: near(sides.1) / near(sides.0) });
+        self.slacks.push(RuleSlack { rule, factor: near(sides.1) / near(sides.0) });
         if sides.0 > sides.1 {
             self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
         }
     }
 
-    fn push(&mut self, rule: Rule, (found, allowed): (f64, f64), place: Option<Place>, remedies: &[(&str, Bound)]) {
+    fn push(
+        &mut self,
+        rule: Rule,
+        (found, allowed): (f64, f64),
+        place: Option<LengthLocation>,
+        remedies: &[(&str, RequiredValue)],
+    ) {
         let remedy = remedies.iter().map(|(name, bound)| bound.text(name)).collect::<Vec<_>>().join(" or ");
         self.found.push(Violation { rule, found, allowed, place, remedy });
     }
@@ -319,13 +330,13 @@ impl Violations {
 /// The lengths of a model that rules are about, exactly; lengths squared, in m².
 struct Extremes {
     shortest_squared: BigRational,
-    shortest: Place,
+    shortest: LengthLocation,
     longest_squared: BigRational,
-    longest: Place,
+    longest: LengthLocation,
     radius_squared: BigRational,
-    widest: Place,
+    widest: LengthLocation,
     largest_coordinate: BigRational,
-    furthest: Place,
+    furthest: LengthLocation,
 }
 
 impl Extremes {
@@ -343,16 +354,19 @@ impl Extremes {
             let (shortest, longest) =
                 (lengths.clone().min()?, lengths.max_by(|a, b| a.0.cmp(&b.0).then(b.1.cmp(&a.1)))?);
             for (squared, ends) in [shortest, longest] {
-                edges.push((BigRational::from_integer(squared) * &metres_squared, Place { block, edge: Some(ends) }));
+                edges.push((
+                    BigRational::from_integer(squared) * &metres_squared,
+                    LengthLocation { block, edge: Some(ends) },
+                ));
             }
-            let place = Place { block, edge: None };
+            let place = LengthLocation { block, edge: None };
             radii.push((radius_squared(shape, &points) * &metres_squared, place));
             let largest = points.iter().flat_map(|p| p.components().map(|c| c.abs())).max()?;
             reach.push((BigRational::from_integer(largest) * metres, place));
         }
         // The first of equals, so that the place named does not depend on chance.
-        let least = |all: &[(BigRational, Place)]| all.iter().min_by(|a, b| a.0.cmp(&b.0)).cloned();
-        let greatest = |all: &[(BigRational, Place)]| all.iter().rev().max_by(|a, b| a.0.cmp(&b.0)).cloned();
+        let least = |all: &[(BigRational, LengthLocation)]| all.iter().min_by(|a, b| a.0.cmp(&b.0)).cloned();
+        let greatest = |all: &[(BigRational, LengthLocation)]| all.iter().rev().max_by(|a, b| a.0.cmp(&b.0)).cloned();
         let ((shortest_squared, shortest), (longest_squared, longest)) = (least(&edges)?, greatest(&edges)?);
         let ((radius_squared, widest), (largest_coordinate, furthest)) = (greatest(&radii)?, greatest(&reach)?);
         Some(Extremes {
@@ -379,7 +393,7 @@ impl Extremes {
             Rule::TerritoryOnEdge,
             (&squared(&set.territory), &quarter),
             Some(self.shortest),
-            &[("territory", Bound::RootOrLess(quarter.clone()))],
+            &[("territory", RequiredValue::RootOrLess(quarter.clone()))],
         );
         let eps = Number::from_f64(256.0 * precision.epsilon()).unwrap_or(Number::ZERO).to_rational();
         let resolved = &eps * &self.largest_coordinate;
@@ -387,13 +401,16 @@ impl Extremes {
             Rule::TerritoryResolved,
             (&territory, &resolved),
             Some(self.furthest),
-            &[("territory", Bound::OrMore(resolved.clone())), ("all coordinates", Bound::OrLess(&territory / &eps))],
+            &[
+                ("territory", RequiredValue::OrMore(resolved.clone())),
+                ("all coordinates", RequiredValue::OrLess(&territory / &eps)),
+            ],
         );
         violations.at_most_squared(
             Rule::Displacement,
             (&squared(&set.max_displacement), &quarter),
             Some(self.shortest),
-            &[("max_displacement", Bound::RootOrLess(quarter.clone()))],
+            &[("max_displacement", RequiredValue::RootOrLess(quarter.clone()))],
         );
         self.check_rotation(set, violations);
         if set.criteria == Criteria::Classic {
@@ -404,8 +421,8 @@ impl Extremes {
                 (&parallel, &territory_squared),
                 Some(self.longest),
                 &[
-                    ("parallel_sine", Bound::RootOrLess(&territory_squared / &self.longest_squared)),
-                    ("territory", Bound::RootOrMore(parallel.clone())),
+                    ("parallel_sine", RequiredValue::RootOrLess(&territory_squared / &self.longest_squared)),
+                    ("territory", RequiredValue::RootOrMore(parallel.clone())),
                 ],
             );
             let penetration_squared = squared(&set.penetration);
@@ -415,8 +432,8 @@ impl Extremes {
                 (&overlap, &penetration_squared),
                 Some(self.longest),
                 &[
-                    ("overlap_sine", Bound::RootOrLess(&penetration_squared / &self.longest_squared)),
-                    ("penetration", Bound::RootOrMore(overlap.clone())),
+                    ("overlap_sine", RequiredValue::RootOrLess(&penetration_squared / &self.longest_squared)),
+                    ("penetration", RequiredValue::RootOrMore(overlap.clone())),
                 ],
             );
         }
@@ -429,7 +446,7 @@ impl Extremes {
         let swelling_squared = &rotation * &rotation * &self.radius_squared;
         let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
         let swelling = near(&swelling_squared).sqrt();
-        violations.slacks.push(Slack { rule: Rule::Rotation, factor: near(&twice) / swelling });
+        violations.slacks.push(RuleSlack { rule: Rule::Rotation, factor: near(&twice) / swelling });
         if swelling_squared > &twice * &twice {
             // Six digits on the safe side leave room for the two roots taken here.
             let largest = (near(&twice) / near(&self.radius_squared).sqrt()).sqrt();

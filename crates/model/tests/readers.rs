@@ -2,7 +2,7 @@
 
 use num_rational::BigRational;
 use proptest::prelude::*;
-use rockproof_model::scene::{Format, write_obj, write_toml, write_vtk};
+use rockproof_model::scene::{SceneFormat, write_obj, write_toml, write_vtk};
 use rockproof_model::{Block, Criteria, LoadOptions, Merged, Motion, Number, Precision, Scene, SceneBlock, Vec3};
 use std::path::{Path, PathBuf};
 
@@ -139,7 +139,7 @@ fn facts(scene: &Scene) -> Vec<(&str, bool, &Number, &Block)> {
 fn toml_keeps_everything() {
     let all = [Scene::load(fixture("scene.toml")).unwrap(), Scene::load(real("openpit_rock.dda")).unwrap(), voronoi()];
     for scene in all {
-        let again = Scene::parse(&write_toml(&scene), Format::Toml, Path::new("again.toml")).unwrap();
+        let again = Scene::parse(&write_toml(&scene), SceneFormat::Toml, Path::new("again.toml")).unwrap();
         assert_eq!(facts(&again), facts(&scene));
         assert_eq!(again.tolerances, scene.tolerances);
     }
@@ -149,10 +149,10 @@ fn toml_keeps_everything() {
 fn obj_and_vtk_keep_shapes() {
     let mut scene = Scene::load(real("openpit_rock.dda")).unwrap();
     scene.blocks.extend(Scene::load(fixture("l_block_triangles.obj")).unwrap().blocks);
-    let obj = Scene::parse(&write_obj(&scene).unwrap(), Format::Obj, Path::new("again.obj")).unwrap();
+    let obj = Scene::parse(&write_obj(&scene).unwrap(), SceneFormat::Obj, Path::new("again.obj")).unwrap();
     assert_eq!(obj.shapes(), scene.shapes());
     assert!(obj.blocks.iter().zip(&scene.blocks).all(|(a, b)| a.name == b.name));
-    let vtk = Scene::parse(&write_vtk(&scene).unwrap(), Format::Vtk, Path::new("again.vtk")).unwrap();
+    let vtk = Scene::parse(&write_vtk(&scene).unwrap(), SceneFormat::Vtk, Path::new("again.vtk")).unwrap();
     assert_eq!(vtk.shapes(), scene.shapes());
 }
 
@@ -188,7 +188,7 @@ proptest! {
                 block.body.motion = Motion::Fixed;
             }
             let scene = Scene { blocks: vec![block], ..Scene::default() };
-            let again = Scene::parse(&write_toml(&scene), Format::Toml, Path::new("again.toml")).unwrap();
+            let again = Scene::parse(&write_toml(&scene), SceneFormat::Toml, Path::new("again.toml")).unwrap();
             prop_assert_eq!(facts(&again), facts(&scene));
         }
     }
@@ -199,7 +199,8 @@ proptest! {
     }
 }
 
-const FORMATS: [Format; 5] = [Format::Toml, Format::Dda, Format::Obj, Format::Vtk, Format::Voro];
+const FORMATS: [SceneFormat; 5] =
+    [SceneFormat::Toml, SceneFormat::Dda, SceneFormat::Obj, SceneFormat::Vtk, SceneFormat::Voro];
 
 fn read_by_all(text: &str) {
     for format in FORMATS {
@@ -209,15 +210,18 @@ fn read_by_all(text: &str) {
 }
 
 /// Good files with a few bytes changed, cut or doubled come closer to the readers' depths than random text.
-fn damaged() -> impl Strategy<Value = (Format, String)> {
+fn damaged() -> impl Strategy<Value = (SceneFormat, String)> {
     let file = |name: PathBuf| std::fs::read_to_string(name).unwrap();
     let good = vec![
-        (Format::Dda, file(real("smallAngle.dda"))),
-        (Format::Voro, file(real("voronoi_120.txt")).lines().take(2).collect::<Vec<_>>().join("\n")),
-        (Format::Obj, file(fixture("two_cubes.obj"))),
-        (Format::Vtk, file(fixture("two_cubes.vtk"))),
-        (Format::Vtk, file(fixture("two_cubes_version_5.vtk"))),
-        (Format::Toml, file(fixture("scene.toml")).split("[[block]]\nname = \"pile\"").next().unwrap().to_string()),
+        (SceneFormat::Dda, file(real("smallAngle.dda"))),
+        (SceneFormat::Voro, file(real("voronoi_120.txt")).lines().take(2).collect::<Vec<_>>().join("\n")),
+        (SceneFormat::Obj, file(fixture("two_cubes.obj"))),
+        (SceneFormat::Vtk, file(fixture("two_cubes.vtk"))),
+        (SceneFormat::Vtk, file(fixture("two_cubes_version_5.vtk"))),
+        (
+            SceneFormat::Toml,
+            file(fixture("scene.toml")).split("[[block]]\nname = \"pile\"").next().unwrap().to_string(),
+        ),
     ];
     let edit =
         (any::<prop::sample::Index>(), 0_usize..4, prop::sample::select(b"0123456789-.eE/(),[] \n\"xn".to_vec()));

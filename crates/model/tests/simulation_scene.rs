@@ -2,7 +2,7 @@
 
 use num_rational::BigRational;
 use proptest::prelude::*;
-use rockproof_model::scene::{Format, write_toml};
+use rockproof_model::scene::{SceneFormat, write_toml};
 use rockproof_model::simulation::{
     Control, FixedPoint, JointPair, JointProperties, Kinematics, Material, MeasuredPoint, PointLoad, Unconverged,
 };
@@ -13,7 +13,7 @@ const PAGE: &str = include_str!("../../../docs/scene.md");
 const BOX: &str = "[[block]]\nname = \"base\"\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n";
 
 fn parse(text: &str) -> Result<Scene, String> {
-    Scene::parse(text, Format::Toml, Path::new("a.toml")).map_err(|error| error.to_string())
+    Scene::parse(text, SceneFormat::Toml, Path::new("a.toml")).map_err(|error| error.to_string())
 }
 
 fn example() -> &'static str {

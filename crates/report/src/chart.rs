@@ -68,7 +68,7 @@ impl Chart {
 }
 
 /// A share with its interval, as plotly's error bar takes it.
-pub fn error_bars(shares: &[rockproof_campaign::interval::Share]) -> Value {
+pub fn error_bars(shares: &[rockproof_campaign::proportion::Proportion]) -> Value {
     json!({
         "type": "data", "symmetric": false, "thickness": 1.5, "width": 3,
         "array": shares.iter().map(|s| (s.high - s.value) * 100.0).collect::<Vec<_>>(),

@@ -5,11 +5,13 @@
 //! tables, charts and views of them; [`page`] and [`markdown`] write these down.
 
 pub mod chart;
-pub mod fault;
+pub mod error;
 pub mod glossary;
 pub mod load;
 pub mod lockstep;
 pub mod markdown;
+pub mod motion;
+pub mod own;
 pub mod page;
 mod rows;
 pub mod sections;
@@ -20,20 +22,20 @@ pub mod timing;
 pub mod verdict;
 pub mod view;
 
-use fault::ReportError;
+use error::ReportError;
 use load::Results;
-use rockproof_results::{Claim, Directory, Kind, Owner, Start};
+use rockproof_results::{Claim, Directory, FileKind, Owner, Start};
 use sections::Section;
 use std::path::{Path, PathBuf};
-use verdict::Line;
+use verdict::VerdictLine;
 
 /// A report, ready to be written.
 #[derive(Debug)]
 pub struct Report {
     /// What it is about, in a few words.
     pub title: String,
-    /// The verdict in three lines.
-    pub verdict: Vec<Line>,
+    /// The verdict: three lines, and one more for each external engine.
+    pub verdict: Vec<VerdictLine>,
     /// The sections.
     pub sections: Vec<Section>,
 }
@@ -54,6 +56,7 @@ impl Report {
         let results = Results::read(dirs)?;
         let names = results.campaigns.iter().map(|run| &run.name);
         let names = names.chain(results.locksteps.iter().map(|run| &run.name));
+        let names = names.chain(results.alone().map(|run| &run.name));
         let names = names.chain(results.stresses.iter().map(|run| &run.name));
         let names = names.chain(results.timings.iter().map(|run| &run.name));
         let mut names: Vec<&str> = names.map(String::as_str).collect();
@@ -77,9 +80,9 @@ impl Report {
         let mut directory = Directory::claim(Claim { dir, owner: Owner::Report, start, files: &files })?;
         directory.make_folder(TABLES)?;
         for (table, name) in tables.iter().zip(&names) {
-            directory.write(name, Kind::Table, table.to_csv()?.as_ref())?;
+            directory.write(name, FileKind::Table, table.to_csv()?.as_ref())?;
         }
-        directory.write(name, Kind::Text, contents.as_bytes())?;
+        directory.write(name, FileKind::Text, contents.as_bytes())?;
         Ok(dir.join(name))
     }
 }

@@ -1,17 +1,24 @@
 //! Reads the directories of runs.
 
-use super::fault::{ReportError, at};
-use super::rows::Rows;
-use super::tally::Tally;
-use super::{lockstep, stress, timing};
-use rockproof_campaign::interval::{Clusters, Share};
+// Longer than 400 lines: every kind of run, its files and what is refused of them.
+
+use super::error::{ReportError, at};
+use super::rows::CsvTable;
+use super::tally::FindingTally;
+use super::{lockstep, motion, stress, timing};
+use rockproof_campaign::proportion::{ClusterSums, Proportion};
 use rockproof_campaign::steps::STEP_SUMMARY_COLUMNS;
-use rockproof_campaign::steps::summary::{Counts, Depths, Place};
-use rockproof_differential::agreement::{AGREEMENT_COLUMNS, CONFUSION_COLUMNS, Compared, Span};
+use rockproof_campaign::steps::summary::{PenetrationSums, StepCounts, StepGroup};
+use rockproof_differential::agreement::{AGREEMENT_COLUMNS, CONFUSION_COLUMNS, ChainSpan, ComparisonKey};
+use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::FINDING_COLUMNS;
+use rockproof_differential::row::FindingRow;
+use rockproof_model::files::read_text;
+use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_results::is_inside;
 use serde::Deserialize;
 use serde_json::{Map, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Everything a report is made of.
@@ -21,6 +28,8 @@ pub struct Results {
     pub campaigns: Vec<CampaignRun>,
     /// Runs in which stepper and oracle made the same steps.
     pub locksteps: Vec<lockstep::LockstepRun>,
+    /// Runs of a scene over time, those with a lockstep among them.
+    pub motions: Vec<motion::MotionRun>,
     /// Stress sets.
     pub stresses: Vec<stress::StressRun>,
     /// Measurements of run time against error.
@@ -50,6 +59,9 @@ pub struct RunFile {
     pub metamorphic_checks: u64,
     /// How long it took.
     pub seconds: f64,
+    /// What external engines were put through.
+    #[serde(default)]
+    pub external_engines: BTreeMap<String, EngineCounts>,
 }
 
 /// Where a campaign ran.
@@ -70,9 +82,9 @@ pub struct FindingCounts {
     pub total: u64,
 }
 
-/// Sums of [`rockproof_differential::agreement::Counts`].
+/// Sums of [`rockproof_differential::agreement::AgreementCounts`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sums {
+pub struct AgreementSums {
     /// Pairs compared.
     pub pairs: u64,
     /// Pairs with the same answer on both sides.
@@ -86,12 +98,12 @@ pub struct Sums {
     /// Kept contacts whose gap has another sign.
     pub gap_sign: u64,
     /// How pairs of a batch hang together.
-    pub clusters: Clusters,
+    pub clusters: ClusterSums,
 }
 
-impl Sums {
+impl AgreementSums {
     /// Adds the sums of `other`.
-    pub fn add(&mut self, other: &Sums) {
+    pub fn add(&mut self, other: &AgreementSums) {
         self.pairs += other.pairs;
         self.agreeing += other.agreeing;
         self.silent += other.silent;
@@ -102,13 +114,13 @@ impl Sums {
     }
 
     /// The share of pairs with the same answer, of all that were compared.
-    pub fn agreement(&self) -> Option<Share> {
-        Share::of(self.agreeing, self.pairs, self.clusters.effective(self.agreeing, self.pairs))
+    pub fn agreement(&self) -> Option<Proportion> {
+        Proportion::of(self.agreeing, self.pairs, self.clusters.effective(self.agreeing, self.pairs))
     }
 }
 
 /// Which kind became which, and how often.
-pub type Confusion = BTreeMap<(String, String), u64>;
+pub type ConfusionCounts = BTreeMap<(String, String), u64>;
 
 /// A campaign read from disk.
 #[derive(Debug)]
@@ -120,13 +132,13 @@ pub struct CampaignRun {
     /// What `run.json` tells.
     pub run: RunFile,
     /// Counts by family and what was compared.
-    pub agreement: Vec<(String, Compared, Sums)>,
+    pub agreement: Vec<(String, ComparisonKey, AgreementSums)>,
     /// Kinds by what was compared.
-    pub confusion: BTreeMap<Compared, Confusion>,
+    pub confusion: BTreeMap<ComparisonKey, ConfusionCounts>,
     /// The findings, counted.
-    pub tally: Tally,
+    pub tally: FindingTally,
     /// Counts of steps by family, tolerance set and engine; empty where no pair made any.
-    pub steps: Vec<(Place, Counts)>,
+    pub steps: Vec<(StepGroup, StepCounts)>,
 }
 
 impl Results {
@@ -139,8 +151,8 @@ impl Results {
         for dir in dirs {
             let has = |name: &str| dir.join(name).is_file();
             let (campaign, lockstep, timing) = (has("findings.csv"), has("lockstep.csv"), has(timing::FILE));
-            let stress = has(stress::FILE);
-            if !campaign && !lockstep && !timing && !stress {
+            let (motion, stress) = (has(motion::FILE), has(stress::FILE));
+            if !campaign && !lockstep && !timing && !motion && !stress {
                 return Err(ReportError::NoRun { dir: dir.clone(), found: what_is_there(dir) });
             }
             if campaign {
@@ -148,6 +160,9 @@ impl Results {
             }
             if lockstep {
                 results.locksteps.push(lockstep::LockstepRun::read(dir)?);
+            }
+            if motion {
+                results.motions.push(motion::MotionRun::read(dir)?);
             }
             if stress {
                 results.stresses.push(stress::StressRun::read(dir)?);
@@ -164,6 +179,11 @@ impl Results {
             }
         }
         Ok(results)
+    }
+
+    /// Runs of a scene that have no lockstep.
+    pub fn alone(&self) -> impl Iterator<Item = &motion::MotionRun> {
+        self.motions.iter().filter(|run| self.locksteps.iter().all(|lockstep| lockstep.dir != run.dir))
     }
 }
 
@@ -189,7 +209,7 @@ pub(super) fn name_of(dir: &Path) -> String {
 
 /// Reads a JSON file that names the version that wrote it.
 pub(super) fn read_json<T: for<'d> Deserialize<'d>>(file: &Path) -> Result<T, ReportError> {
-    let text = std::fs::read_to_string(file).map_err(at(file))?;
+    let text = read_text(file).map_err(at(file))?;
     let damaged = |error: &serde_json::Error, expected: &str| ReportError::Damaged {
         file: file.to_owned(),
         line: error.line() as u64,
@@ -217,10 +237,20 @@ impl CampaignRun {
         let agreement = read_agreement(&dir.join("agreement.csv"))?;
         let confusion = read_confusion(&dir.join("confusion.csv"))?;
         let file = dir.join("findings.csv");
-        let mut rows = Rows::open(file.clone(), &FINDING_COLUMNS)?;
-        let mut tally = Tally::default();
+        let mut rows = CsvTable::open(file.clone(), &FINDING_COLUMNS)?;
+        let mut tally = FindingTally::default();
         while let Some(row) = rows.next(&FINDING_COLUMNS)? {
-            tally.add(row.parsed()?);
+            let finding: FindingRow = row.parsed()?;
+            if !finding.case.is_empty() && !is_inside(&finding.case) {
+                return Err(row.invalid_row(
+                    &format!("case is \"{}\"", excerpt(&finding.case, SHOWN)),
+                    "the name of a file in the directory of the run, as cases/NAME.toml",
+                ));
+            }
+            if [finding.margin, finding.margin_ulps].into_iter().flatten().any(|margin| !margin.is_finite()) {
+                return Err(row.invalid_row("a margin that is no finite number", "a finite number or nothing"));
+            }
+            tally.add(finding);
         }
         if tally.total != run.findings.total {
             return Err(ReportError::Contradiction {
@@ -236,44 +266,64 @@ impl CampaignRun {
     }
 
     /// Sums over families and over the rungs of ladders, by what was compared; see [`setting`].
-    pub fn by_setting(&self) -> BTreeMap<Compared, Sums> {
-        let mut sums: BTreeMap<Compared, Sums> = BTreeMap::new();
+    pub fn by_setting(&self) -> BTreeMap<ComparisonKey, AgreementSums> {
+        let mut sums: BTreeMap<ComparisonKey, AgreementSums> = BTreeMap::new();
         for (_, compared, counts) in &self.agreement {
-            let compared = Compared { tolerances: setting(&compared.tolerances), ..compared.clone() };
+            let compared = ComparisonKey { tolerances: setting(&compared.tolerances), ..compared.clone() };
             sums.entry(compared).or_default().add(counts);
         }
         sums
     }
 
     /// Sums over tolerance sets, by family, span and engine.
-    pub fn by_family(&self) -> BTreeMap<(&str, Span, &str), Sums> {
-        let mut sums: BTreeMap<(&str, Span, &str), Sums> = BTreeMap::new();
+    pub fn by_family(&self) -> BTreeMap<(&str, ChainSpan, &str), AgreementSums> {
+        let mut sums: BTreeMap<(&str, ChainSpan, &str), AgreementSums> = BTreeMap::new();
         for (family, compared, counts) in &self.agreement {
             sums.entry((family, compared.span, &compared.engine)).or_default().add(counts);
         }
         sums
     }
 
+    /// Whether a setting is shown: those made for ties only where there are no others.
+    pub fn shows(&self, setting: &str) -> bool {
+        let usual =
+            || self.agreement.iter().any(|(_, compared, _)| !is_made_for_ties(&self::setting(&compared.tolerances)));
+        !is_made_for_ties(setting) || !usual()
+    }
+
+    /// How many settings are not shown.
+    pub fn not_shown(&self) -> usize {
+        let settings: BTreeSet<String> = self.agreement.iter().map(|(_, c, _)| setting(&c.tolerances)).collect();
+        settings.iter().filter(|setting| !self.shows(setting)).count()
+    }
+
     /// The engines, in order.
     pub fn engines(&self) -> Vec<String> {
-        let of = self.agreement.iter().filter(|(_, c, _)| matches!(c.span, Span::Arithmetic | Span::Whole));
+        let of = self.agreement.iter().filter(|(_, c, _)| matches!(c.span, ChainSpan::Arithmetic | ChainSpan::Whole));
         of.map(|(_, c, _)| c.engine.clone()).collect::<std::collections::BTreeSet<_>>().into_iter().collect()
     }
 
-    /// Sums over everything, for an engine: the whole chain, or the arithmetic alone for an engine that says only how blocks
-    /// lie.
-    pub fn of_engine(&self, engine: &str) -> Sums {
-        let mut whole = Sums::default();
-        for span in [Span::Whole, Span::Arithmetic] {
-            for (_, _, counts) in self.agreement.iter().filter(|(_, c, _)| c.span == span && c.engine == engine) {
-                whole.add(counts);
-            }
-            if whole.pairs > whole.silent {
-                break;
-            }
-            whole = Sums::default();
+    /// Which links show how often an engine is right: the whole chain, or for one that says only how blocks lie the arithmetic alone.
+    pub fn span_of(&self, engine: &str) -> ChainSpan {
+        let answers = |span| {
+            let of = self.agreement.iter().filter(|(_, c, _)| c.span == span && c.engine == engine);
+            of.map(|(_, _, counts)| counts.pairs - counts.silent).sum::<u64>()
+        };
+        if answers(ChainSpan::Whole) == 0 && answers(ChainSpan::Arithmetic) > 0 {
+            ChainSpan::Arithmetic
+        } else {
+            ChainSpan::Whole
         }
-        whole
+    }
+
+    /// Sums over everything, for an engine, along [`CampaignRun::span_of`] it.
+    pub fn of_engine(&self, engine: &str) -> AgreementSums {
+        let span = self.span_of(engine);
+        let mut sums = AgreementSums::default();
+        for (_, _, counts) in self.agreement.iter().filter(|(_, c, _)| c.span == span && c.engine == engine) {
+            sums.add(counts);
+        }
+        sums
     }
 }
 
@@ -286,21 +336,29 @@ pub fn setting(set: &str) -> String {
     }
 }
 
-fn read_agreement(file: &Path) -> Result<Vec<(String, Compared, Sums)>, ReportError> {
+/// Whether a setting was made to hold exact ties or put on the edge of a decision: a hard question for engines, and none that a user
+/// would take.
+pub fn is_made_for_ties(setting: &str) -> bool {
+    setting.ends_with("(ladders)")
+        || setting.ends_with("-steep")
+        || ["dyadic", "fractional"].iter().any(|start| setting.starts_with(start))
+}
+
+fn read_agreement(file: &Path) -> Result<Vec<(String, ComparisonKey, AgreementSums)>, ReportError> {
     let columns = &AGREEMENT_COLUMNS;
-    let mut rows = Rows::open(file.to_owned(), columns)?;
+    let mut rows = CsvTable::open(file.to_owned(), columns)?;
     let mut found = Vec::new();
     while let Some(row) = rows.next(columns)? {
-        let span = row.of(2, "tolerance, representation, arithmetic or whole", Span::from_name)?;
-        let compared = Compared { tolerances: row.name(1)?.to_owned(), span, engine: row.name(3)?.to_owned() };
-        let sums = Sums {
+        let span = row.of(2, "tolerance, representation, arithmetic or whole", ChainSpan::from_name)?;
+        let compared = ComparisonKey { tolerances: row.name(1)?.to_owned(), span, engine: row.name(3)?.to_owned() };
+        let sums = AgreementSums {
             pairs: row.count(4)?,
             agreeing: row.count(5)?,
             silent: row.count(6)?,
             contacts: row.count(7)?,
             entrance: row.count(8)?,
             gap_sign: row.count(9)?,
-            clusters: Clusters {
+            clusters: ClusterSums {
                 hits_squared: row.count(10)?,
                 hits_times_trials: row.count(11)?,
                 trials_squared: row.count(12)?,
@@ -308,39 +366,39 @@ fn read_agreement(file: &Path) -> Result<Vec<(String, Compared, Sums)>, ReportEr
         };
         if sums.agreeing.checked_add(sums.silent).is_none_or(|sum| sum > sums.pairs) {
             let found = format!("{} pairs agree and {} have no answer", sums.agreeing, sums.silent);
-            return Err(row.nonsense(&found, &format!("at most {} together, as there are pairs", sums.pairs)));
+            return Err(row.invalid_row(&found, &format!("at most {} together, as there are pairs", sums.pairs)));
         }
         found.push((row.name(0)?.to_owned(), compared, sums));
     }
     Ok(found)
 }
 
-fn read_steps(file: &Path) -> Result<Vec<(Place, Counts)>, ReportError> {
+fn read_steps(file: &Path) -> Result<Vec<(StepGroup, StepCounts)>, ReportError> {
     let columns = &STEP_SUMMARY_COLUMNS;
-    let mut rows = Rows::open(file.to_owned(), columns)?;
+    let mut rows = CsvTable::open(file.to_owned(), columns)?;
     let mut found = Vec::new();
     while let Some(row) = rows.next(columns)? {
         let name = |column: usize| row.name(column).map(str::to_owned);
-        let place = Place { family: name(0)?, form: name(1)?, tolerances: name(2)?, engine: name(3)? };
-        let first = 4 + Counts::NAMES.len();
+        let place = StepGroup { family: name(0)?, form: name(1)?, tolerances: name(2)?, engine: name(3)? };
+        let first = 4 + StepCounts::NAMES.len();
         let numbers = (4..first).map(|column| row.count(column)).collect::<Result<Vec<u64>, _>>()?;
         let depth = |column: usize| row.number(column).map(|depth| depth.unwrap_or(0.0));
-        let depths = |side: usize| -> Result<Depths, ReportError> {
+        let depths = |side: usize| -> Result<PenetrationSums, ReportError> {
             let [deepest, relative, sum] = [first + side, first + 2 + side, first + 4 + side].map(depth);
-            Ok(Depths { deepest: deepest?, relative: relative?, sum: sum? })
+            Ok(PenetrationSums { deepest: deepest?, relative: relative?, sum: sum?.into() })
         };
-        found.push((place, Counts::of(numbers, [depths(0)?, depths(1)?])));
+        found.push((place, StepCounts::of(numbers, [depths(0)?, depths(1)?])));
     }
     Ok(found)
 }
 
-fn read_confusion(file: &Path) -> Result<BTreeMap<Compared, Confusion>, ReportError> {
+fn read_confusion(file: &Path) -> Result<BTreeMap<ComparisonKey, ConfusionCounts>, ReportError> {
     let columns = &CONFUSION_COLUMNS;
-    let mut rows = Rows::open(file.to_owned(), columns)?;
-    let mut found: BTreeMap<Compared, Confusion> = BTreeMap::new();
+    let mut rows = CsvTable::open(file.to_owned(), columns)?;
+    let mut found: BTreeMap<ComparisonKey, ConfusionCounts> = BTreeMap::new();
     while let Some(row) = rows.next(columns)? {
-        let span = row.of(1, "tolerance, representation, arithmetic or whole", Span::from_name)?;
-        let compared = Compared { tolerances: setting(row.name(0)?), span, engine: row.name(2)?.to_owned() };
+        let span = row.of(1, "tolerance, representation, arithmetic or whole", ChainSpan::from_name)?;
+        let compared = ComparisonKey { tolerances: setting(row.name(0)?), span, engine: row.name(2)?.to_owned() };
         let became = (row.name(3)?.to_owned(), row.name(4)?.to_owned());
         *found.entry(compared).or_default().entry(became).or_default() += row.count(5)?;
     }

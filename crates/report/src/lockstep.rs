@@ -1,8 +1,8 @@
 //! Runs in which the stepper and the oracle made the same steps.
 
-use super::fault::ReportError;
+use super::error::ReportError;
 use super::load::{name_of, read_json};
-use super::rows::{Row, Rows};
+use super::rows::{CsvRow, CsvTable};
 use rockproof_differential::finding::Cause;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -59,7 +59,7 @@ pub struct DifferingStep {
 
 /// Differences of one sort.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sort {
+pub struct DifferenceCount {
     /// How many.
     pub differences: u64,
     /// In how many steps.
@@ -123,7 +123,7 @@ pub struct LockstepRun {
     /// Why one side could not make a step.
     pub failure: Option<String>,
     /// Differences by cause, change and the predicate behind it, if there is one.
-    pub sorts: BTreeMap<(Cause, String, String), Sort>,
+    pub sorts: BTreeMap<(Cause, String, String), DifferenceCount>,
     /// The first steps that differ.
     pub differing: Vec<DifferingStep>,
     /// How many more there are.
@@ -142,7 +142,7 @@ impl LockstepRun {
     pub(super) fn read(dir: &Path) -> Result<LockstepRun, ReportError> {
         let RunFile { engine } = read_json(&dir.join("run.json"))?;
         let mut run = LockstepRun { dir: dir.to_owned(), name: name_of(dir), engine, ..LockstepRun::default() };
-        let mut rows = Rows::open_wider(dir.join("lockstep.csv"), &COLUMNS)?;
+        let mut rows = CsvTable::open_wider(dir.join("lockstep.csv"), &COLUMNS)?;
         let mut stride = 1;
         let mut seen = 0;
         while let Some(row) = rows.next(&COLUMNS)? {
@@ -166,7 +166,7 @@ impl LockstepRun {
     }
 
     fn read_differences(&mut self, dir: &Path) -> Result<(), ReportError> {
-        let mut rows = Rows::open_wider(dir.join("differences.csv"), &DIFFERENCES)?;
+        let mut rows = CsvTable::open_wider(dir.join("differences.csv"), &DIFFERENCES)?;
         while let Some(row) = rows.next(&DIFFERENCES)? {
             let step = row.of(0, "the number of a step", |text| text.parse::<i64>().ok())?;
             let cause = row.of(1, "a cause", Cause::from_name)?;
@@ -178,7 +178,7 @@ impl LockstepRun {
         Ok(())
     }
 
-    fn add(&mut self, row: &Row<'_>) -> Result<StepPoint, ReportError> {
+    fn add(&mut self, row: &CsvRow<'_>) -> Result<StepPoint, ReportError> {
         let step = row.of(0, "the number of a step", |text| text.parse::<i64>().ok())?;
         let count = |column| if row.text(column).is_empty() { Ok(0) } else { row.count(column) };
         self.steps += 1;

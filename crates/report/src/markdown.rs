@@ -1,11 +1,11 @@
 //! The report as a short text for a pull request.
 
 use super::Report;
-use super::sections::Part;
-use super::verdict::Mood;
+use super::sections::SectionPart;
+use super::verdict::Severity;
 
 /// Tables of a pull request's text, and how many rows of each it shows.
-const SHOWN: [(&str, usize); 10] = [
+const SHOWN: [(&str, usize); 11] = [
     ("agreement", 24),
     ("causes", 8),
     ("worst", 6),
@@ -14,6 +14,7 @@ const SHOWN: [(&str, usize); 10] = [
     ("lockstep", 20),
     ("lockstep_causes", 20),
     ("lockstep_steps", 12),
+    ("audit", 20),
     ("stress_limits", 24),
     ("runs", 10),
 ];
@@ -22,16 +23,16 @@ const SHOWN: [(&str, usize); 10] = [
 pub fn markdown(report: &Report) -> String {
     let mut text = format!("## Rockproof: {}\n\n", clean(&report.title));
     for line in &report.verdict {
-        let mark = match line.mood {
-            Mood::Good => "✅",
-            Mood::Fair => "ℹ️",
-            Mood::Bad => "❌",
+        let mark = match line.severity {
+            Severity::Good => "✅",
+            Severity::Fair => "ℹ️",
+            Severity::Bad => "❌",
         };
         text += &format!("- {mark} {}\n", clean(&line.text));
     }
     for section in &report.sections {
         for part in &section.parts {
-            let (Part::Table(table, _) | Part::Quiet(table)) = part else { continue };
+            let (SectionPart::Table(table, _) | SectionPart::Quiet(table)) = part else { continue };
             let Some((_, most)) = SHOWN.iter().find(|(name, _)| *name == table.name) else { continue };
             if table.rows.is_empty() {
                 continue;

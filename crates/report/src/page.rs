@@ -4,9 +4,9 @@
 //! leaves no `<`. A content security policy in the page forbids any request.
 
 use super::Report;
-use super::fault::ReportError;
+use super::error::ReportError;
 use super::glossary::GLOSSARY;
-use super::sections::{Part, Section};
+use super::sections::{Section, SectionPart};
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
 use serde::Serialize;
@@ -27,13 +27,13 @@ pub fn page(report: &Report) -> Result<String, ReportError> {
     let mut environment = Environment::new();
     environment.add_template("page.html", TEMPLATE)?;
     let parts = || report.sections.iter().flat_map(|section| &section.parts);
-    let charts = parts().any(|part| matches!(part, Part::Chart(_)));
-    let views = parts().any(|part| matches!(part, Part::Findings(views) if !views.is_empty()));
+    let charts = parts().any(|part| matches!(part, SectionPart::Chart(_)));
+    let views = parts().any(|part| matches!(part, SectionPart::Findings(views) if !views.is_empty()));
     let page = environment.get_template("page.html")?;
     Ok(page.render(context! {
         title => report.title.clone(),
         version => env!("CARGO_PKG_VERSION"),
-        verdict => told(&report.verdict),
+        verdict => html_value(&report.verdict),
         sections => report.sections.iter().map(section).collect::<Vec<_>>(),
         glossary => GLOSSARY.map(|(term, meaning)| context! { term, meaning }),
         style => STYLE,
@@ -44,7 +44,7 @@ pub fn page(report: &Report) -> Result<String, ReportError> {
 }
 
 /// Anything serde knows, as the template takes it.
-fn told(value: impl Serialize) -> Value {
+fn html_value(value: impl Serialize) -> Value {
     Value::from(Serde(value))
 }
 
@@ -53,13 +53,13 @@ fn section(section: &Section) -> Value {
     context! { id => section.id, title => section.title, lead => &section.lead, parts }
 }
 
-fn part(part: &Part) -> Option<Value> {
+fn part(part: &SectionPart) -> Option<Value> {
     Some(match part {
-        Part::Text(text) => context! { what => "text", text },
-        Part::Table(table, most) => context! { what => "table", table => told(table.page(*most)) },
-        Part::Quiet(_) => return None,
-        Part::Chart(chart) => context! { what => "chart", chart => told(chart) },
-        Part::Matrices(matrices) => context! { what => "matrices", matrices => told(matrices) },
-        Part::Findings(views) => context! { what => "findings", findings => told(views) },
+        SectionPart::Text(text) => context! { what => "text", text },
+        SectionPart::Table(table, most) => context! { what => "table", table => html_value(table.page(*most)) },
+        SectionPart::Quiet(_) => return None,
+        SectionPart::Chart(chart) => context! { what => "chart", chart => html_value(chart) },
+        SectionPart::Matrices(matrices) => context! { what => "matrices", matrices => html_value(matrices) },
+        SectionPart::Findings(views) => context! { what => "findings", findings => html_value(views) },
     })
 }

@@ -1,6 +1,7 @@
 //! Reads the tables of runs, a row at a time, and says where one is damaged.
 
-use super::fault::{ReportError, at};
+use super::error::{ReportError, at};
+use rockproof_model::files::open_table;
 use serde::de::DeserializeOwned;
 use std::fs::File;
 use std::io::BufReader;
@@ -8,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// A table on disk.
-pub(super) struct Rows {
+pub(super) struct CsvTable {
     file: PathBuf,
     reader: csv::Reader<BufReader<File>>,
     record: csv::StringRecord,
@@ -18,7 +19,7 @@ pub(super) struct Rows {
 }
 
 /// One row of it.
-pub(super) struct Row<'r> {
+pub(super) struct CsvRow<'r> {
     file: &'r Path,
     names: &'r [&'static str],
     header: &'r csv::StringRecord,
@@ -26,10 +27,10 @@ pub(super) struct Row<'r> {
     places: &'r [usize],
 }
 
-impl Rows {
+impl CsvTable {
     /// Opens a table that must have these columns in this order.
-    pub(super) fn open(file: PathBuf, columns: &[&str]) -> Result<Rows, ReportError> {
-        let opened = File::open(&file).map_err(at(&file))?;
+    pub(super) fn open(file: PathBuf, columns: &[&str]) -> Result<CsvTable, ReportError> {
+        let opened = open_table(&file).map_err(at(&file))?;
         let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(BufReader::new(opened));
         let places = (0..columns.len()).collect();
         let header = reader.headers().map_err(|e| damaged(&file, &e))?.clone();
@@ -42,12 +43,12 @@ impl Rows {
                 expected: format!("\"{}\" (another version of rockproof may have written it)", columns.join(",")),
             });
         }
-        Ok(Rows { file, reader, header, record: csv::StringRecord::new(), places })
+        Ok(CsvTable { file, reader, header, record: csv::StringRecord::new(), places })
     }
 
     /// Opens a table that must have these columns, in any order and beside others.
-    pub(super) fn open_wider(file: PathBuf, columns: &[&str]) -> Result<Rows, ReportError> {
-        let opened = File::open(&file).map_err(at(&file))?;
+    pub(super) fn open_wider(file: PathBuf, columns: &[&str]) -> Result<CsvTable, ReportError> {
+        let opened = open_table(&file).map_err(at(&file))?;
         let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(BufReader::new(opened));
         let header = reader.headers().map_err(|e| damaged(&file, &e))?.clone();
         let mut places = Vec::new();
@@ -59,15 +60,15 @@ impl Rows {
             };
             places.push(place);
         }
-        Ok(Rows { file, reader, header, record: csv::StringRecord::new(), places })
+        Ok(CsvTable { file, reader, header, record: csv::StringRecord::new(), places })
     }
 
-    /// The next row. `names` are the columns given to [`Rows::open`].
-    pub(super) fn next<'r>(&'r mut self, names: &'r [&'static str]) -> Result<Option<Row<'r>>, ReportError> {
+    /// The next row. `names` are the columns given to [`CsvTable::open`].
+    pub(super) fn next<'r>(&'r mut self, names: &'r [&'static str]) -> Result<Option<CsvRow<'r>>, ReportError> {
         if !self.reader.read_record(&mut self.record).map_err(|e| damaged(&self.file, &e))? {
             return Ok(None);
         }
-        let row = Row { file: &self.file, names, header: &self.header, record: &self.record, places: &self.places };
+        let row = CsvRow { file: &self.file, names, header: &self.header, record: &self.record, places: &self.places };
         if self.record.len() != self.header.len() {
             let found = format!("{} fields", self.record.len());
             return Err(row.damaged(found, format!("{}", self.header.len())));
@@ -93,7 +94,7 @@ fn shortened(text: &str, length: usize) -> String {
     }
 }
 
-impl Row<'_> {
+impl CsvRow<'_> {
     fn damaged(&self, found: String, expected: String) -> ReportError {
         let line = self.record.position().map_or(1, csv::Position::line);
         ReportError::Damaged { file: self.file.to_owned(), line, found, expected }
@@ -153,7 +154,7 @@ impl Row<'_> {
     }
 
     /// An error about the whole row.
-    pub(super) fn nonsense(&self, found: &str, expected: &str) -> ReportError {
+    pub(super) fn invalid_row(&self, found: &str, expected: &str) -> ReportError {
         self.damaged(found.to_owned(), expected.to_owned())
     }
 }

@@ -1,11 +1,11 @@
 //! The stress set: the tables of `campaign --stress` (docs/stress.md).
 
-use super::fault::ReportError;
+use super::error::ReportError;
 use super::load::name_of;
-use super::rows::{Row, Rows};
+use super::rows::{CsvRow, CsvTable};
 use rockproof_campaign::stress::steps::STEP_COLUMNS;
-use rockproof_campaign::stress::table::{CELL_COLUMNS, LIMIT_COLUMNS};
-use rockproof_campaign::stress::{Axis, Form};
+use rockproof_campaign::stress::table::{CELL_COLUMNS, LIMIT_COLUMNS, Proof};
+use rockproof_campaign::stress::{PairAlignment, StressAxis};
 use std::path::{Path, PathBuf};
 
 /// The table that makes a directory one of a stress set.
@@ -34,9 +34,9 @@ pub struct StressCell {
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Curve {
     /// In which way pairs are extreme.
-    pub axis: Axis,
+    pub axis: StressAxis,
     /// With or without ties.
-    pub form: Form,
+    pub form: PairAlignment,
     /// The tolerance set.
     pub setting: String,
     /// The engine.
@@ -56,6 +56,8 @@ pub struct StressLimit {
     pub pairs: u64,
     /// The first level beyond, and the share that differs there; none where the last level is safe.
     pub beyond: Option<(String, f64)>,
+    /// What the pairs of that level prove, as `stress.csv` counts them; [`Proof::Safe`] where there is none.
+    pub proof: Proof,
 }
 
 /// A step against its closed form.
@@ -90,22 +92,23 @@ pub struct StressRun {
     pub steps: Vec<StressStep>,
 }
 
-fn curve(row: &Row<'_>, [axis, form, setting, engine]: [usize; 4]) -> Result<Curve, ReportError> {
-    let axes = Axis::ALL.map(Axis::name).join(", ");
+fn curve(row: &CsvRow<'_>, [axis, form, setting, engine]: [usize; 4]) -> Result<Curve, ReportError> {
+    let axes = StressAxis::ALL.map(StressAxis::name).join(", ");
     Ok(Curve {
-        axis: row.of(axis, &axes, |text| Axis::ALL.into_iter().find(|axis| axis.name() == text))?,
-        form: row.of(form, "aligned or generic", |text| Form::ALL.into_iter().find(|form| form.name() == text))?,
+        axis: row.of(axis, &axes, |text| StressAxis::ALL.into_iter().find(|axis| axis.name() == text))?,
+        form: row
+            .of(form, "aligned or generic", |text| PairAlignment::ALL.into_iter().find(|form| form.name() == text))?,
         setting: row.name(setting)?.to_owned(),
         engine: row.name(engine)?.to_owned(),
     })
 }
 
-fn share(row: &Row<'_>, column: usize) -> Result<f64, ReportError> {
+fn share(row: &CsvRow<'_>, column: usize) -> Result<f64, ReportError> {
     row.of(column, "a share from 0 to 1", |text| text.parse().ok().filter(|share| (0.0..=1.0).contains(share)))
 }
 
 /// A level that may be missing.
-fn level(row: &Row<'_>, column: usize) -> Result<Option<String>, ReportError> {
+fn level(row: &CsvRow<'_>, column: usize) -> Result<Option<String>, ReportError> {
     if row.text(column).is_empty() {
         return Ok(None);
     }
@@ -115,24 +118,25 @@ fn level(row: &Row<'_>, column: usize) -> Result<Option<String>, ReportError> {
 
 impl StressRun {
     pub(super) fn read(dir: &Path) -> Result<StressRun, ReportError> {
-        let (cells, limits, steps) = (cells(&dir.join(FILE))?, limits(&dir.join(LIMITS))?, steps(&dir.join(STEPS))?);
+        let cells = cells(&dir.join(FILE))?;
+        let (limits, steps) = (limits(&dir.join(LIMITS), &cells)?, steps(&dir.join(STEPS))?);
         Ok(StressRun { dir: dir.to_owned(), name: name_of(dir), cells, limits, steps })
     }
 }
 
 fn cells(file: &Path) -> Result<Vec<StressCell>, ReportError> {
-    let mut rows = Rows::open(file.to_owned(), &CELL_COLUMNS)?;
+    let mut rows = CsvTable::open(file.to_owned(), &CELL_COLUMNS)?;
     let mut found = Vec::new();
     while let Some(row) = rows.next(&CELL_COLUMNS)? {
         let (pairs, differ) = (row.count(5)?, row.count(9)?);
         if differ > pairs {
             return Err(
-                row.nonsense(&format!("{differ} pairs differ"), &format!("at most {pairs}, as there are pairs"))
+                row.invalid_row(&format!("{differ} pairs differ"), &format!("at most {pairs}, as there are pairs"))
             );
         }
         found.push(StressCell {
             curve: curve(&row, [0, 2, 3, 4])?,
-            level: level(&row, 1)?.ok_or_else(|| row.nonsense("no level", "a level"))?,
+            level: level(&row, 1)?.ok_or_else(|| row.invalid_row("no level", "a level"))?,
             pairs,
             differ,
             sorts: [row.count(6)?, row.count(7)?, row.count(8)?],
@@ -142,34 +146,45 @@ fn cells(file: &Path) -> Result<Vec<StressCell>, ReportError> {
     Ok(found)
 }
 
-fn limits(file: &Path) -> Result<Vec<StressLimit>, ReportError> {
-    let mut rows = Rows::open(file.to_owned(), &LIMIT_COLUMNS)?;
+fn limits(file: &Path, cells: &[StressCell]) -> Result<Vec<StressLimit>, ReportError> {
+    let mut rows = CsvTable::open(file.to_owned(), &LIMIT_COLUMNS)?;
     let mut found = Vec::new();
     while let Some(row) = rows.next(&LIMIT_COLUMNS)? {
         let beyond = match level(&row, 9)? {
             Some(level) => Some((level, share(&row, 10)?)),
             None => None,
         };
+        let curve = curve(&row, [0, 1, 2, 3])?;
+        let proof = match &beyond {
+            None => Proof::Safe,
+            Some((level, _)) => match cells.iter().find(|cell| cell.curve == curve && cell.level == *level) {
+                Some(cell) => Proof::of(cell.differ, cell.pairs),
+                None => {
+                    return Err(row.invalid_row(&format!("beyond is {level}"), "a level that stress.csv has a row for"));
+                }
+            },
+        };
         found.push(StressLimit {
-            curve: curve(&row, [0, 1, 2, 3])?,
+            curve,
             clean_to: level(&row, 4)?,
             safe_to: level(&row, 5)?,
             pairs: row.count(6)?,
             beyond,
+            proof,
         });
     }
     Ok(found)
 }
 
 fn steps(file: &Path) -> Result<Vec<StressStep>, ReportError> {
-    let mut rows = Rows::open(file.to_owned(), &STEP_COLUMNS)?;
+    let mut rows = CsvTable::open(file.to_owned(), &STEP_COLUMNS)?;
     let mut found = Vec::new();
     while let Some(row) = rows.next(&STEP_COLUMNS)? {
         found.push(StressStep {
             case: row.name(0)?.to_owned(),
             motion: row.name(1)?.to_owned(),
             engine: row.name(2)?.to_owned(),
-            level: row.number(3)?.ok_or_else(|| row.nonsense("no level", "a number"))?,
+            level: row.number(3)?.ok_or_else(|| row.invalid_row("no level", "a number"))?,
             error: row.number(6)?,
             stopped: row.text(9).to_owned(),
         });

@@ -1,10 +1,11 @@
 //! Tables as they go into the page, into CSV files and into Markdown: one source for all three.
 
+use rockproof_model::text::{SHOWN, csv_cell, excerpt};
 use serde::Serialize;
 
 /// What a cell holds.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Cell {
+pub enum TableCell {
     /// Nothing.
     Empty,
     /// Words.
@@ -17,54 +18,54 @@ pub enum Cell {
     Number(f64),
 }
 
-impl From<&str> for Cell {
-    fn from(text: &str) -> Cell {
-        Cell::Text(text.to_owned())
+impl From<&str> for TableCell {
+    fn from(text: &str) -> TableCell {
+        TableCell::Text(text.to_owned())
     }
 }
 
-impl From<String> for Cell {
-    fn from(text: String) -> Cell {
-        Cell::Text(text)
+impl From<String> for TableCell {
+    fn from(text: String) -> TableCell {
+        TableCell::Text(text)
     }
 }
 
-impl From<u64> for Cell {
-    fn from(count: u64) -> Cell {
-        Cell::Count(count)
+impl From<u64> for TableCell {
+    fn from(count: u64) -> TableCell {
+        TableCell::Count(count)
     }
 }
 
-impl Cell {
+impl TableCell {
     /// A number, or nothing.
-    pub fn number(value: Option<f64>) -> Cell {
-        value.map_or(Cell::Empty, Cell::Number)
+    pub fn number(value: Option<f64>) -> TableCell {
+        value.map_or(TableCell::Empty, TableCell::Number)
     }
 
-    /// As in a CSV file: numbers the shortest that give the value back, shares to six digits.
+    /// As in a CSV file: numbers the shortest that give the value back, shares to six digits, no text a formula.
     pub fn raw(&self) -> String {
         match self {
-            Cell::Empty => String::new(),
-            Cell::Text(text) => text.clone(),
-            Cell::Count(count) => count.to_string(),
-            Cell::Share(share) => format!("{share:.6}"),
-            Cell::Number(number) => format!("{number:?}"),
+            TableCell::Empty => String::new(),
+            TableCell::Text(text) => csv_cell(text),
+            TableCell::Count(count) => count.to_string(),
+            TableCell::Share(share) => format!("{share:.6}"),
+            TableCell::Number(number) => format!("{number:?}"),
         }
     }
 
     /// As a reader likes it: thousands apart, shares in percent, numbers to three digits.
     pub fn shown(&self) -> String {
         match self {
-            Cell::Empty => "–".to_owned(),
-            Cell::Text(text) => text.clone(),
-            Cell::Count(count) => grouped(*count),
-            Cell::Share(share) => percent(*share),
-            Cell::Number(number) => short(*number),
+            TableCell::Empty => "–".to_owned(),
+            TableCell::Text(text) => excerpt(text, SHOWN),
+            TableCell::Count(count) => grouped(*count),
+            TableCell::Share(share) => percent(*share),
+            TableCell::Number(number) => short(*number),
         }
     }
 
     fn is_number(&self) -> bool {
-        !matches!(self, Cell::Text(_))
+        !matches!(self, TableCell::Text(_))
     }
 }
 
@@ -111,21 +112,21 @@ pub struct Table {
     /// The names of the columns.
     pub columns: Vec<&'static str>,
     /// The rows, each as long as `columns`.
-    pub rows: Vec<Vec<Cell>>,
+    pub rows: Vec<Vec<TableCell>>,
 }
 
 /// A table as the page's template takes it.
 #[derive(Debug, Serialize)]
-pub(super) struct Shown {
+pub(super) struct RenderedTable {
     name: &'static str,
     caption: String,
-    head: Vec<Head>,
+    head: Vec<ColumnHead>,
     rows: Vec<Vec<String>>,
     left_out: usize,
 }
 
 #[derive(Debug, Serialize)]
-struct Head {
+struct ColumnHead {
     name: String,
     number: bool,
 }
@@ -137,12 +138,12 @@ impl Table {
     }
 
     /// Adds a row.
-    pub fn push(&mut self, row: Vec<Cell>) {
+    pub fn push(&mut self, row: Vec<TableCell>) {
         self.rows.push(row);
     }
 
     fn is_number(&self, column: usize) -> bool {
-        !self.rows.is_empty() && self.rows.iter().all(|row| row.get(column).is_some_and(Cell::is_number))
+        !self.rows.is_empty() && self.rows.iter().all(|row| row.get(column).is_some_and(TableCell::is_number))
     }
 
     /// The columns a reader needs: without the run where there is only one.
@@ -153,18 +154,20 @@ impl Table {
     }
 
     /// The table for the page, at most `most` rows of it.
-    pub(super) fn page(&self, most: usize) -> Shown {
+    pub(super) fn page(&self, most: usize) -> RenderedTable {
         let needed = self.needed();
         let head = self.columns.iter().enumerate().skip(needed.start);
-        Shown {
+        RenderedTable {
             name: self.name,
             caption: self.caption.clone(),
-            head: head.map(|(i, name)| Head { name: name.replace('_', " "), number: self.is_number(i) }).collect(),
+            head: head
+                .map(|(i, name)| ColumnHead { name: name.replace('_', " "), number: self.is_number(i) })
+                .collect(),
             rows: self
                 .rows
                 .iter()
                 .take(most)
-                .map(|row| row.iter().skip(needed.start).map(Cell::shown).collect())
+                .map(|row| row.iter().skip(needed.start).map(TableCell::shown).collect())
                 .collect(),
             left_out: self.rows.len().saturating_sub(most),
         }
@@ -178,7 +181,7 @@ impl Table {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(&self.columns)?;
         for row in &self.rows {
-            writer.write_record(row.iter().map(Cell::raw))?;
+            writer.write_record(row.iter().map(TableCell::raw))?;
         }
         writer.into_inner().map_err(|e| e.into_error().into())
     }
@@ -203,7 +206,7 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cell, Table, grouped, percent};
+    use super::{Table, TableCell, grouped, percent};
 
     #[test]
     fn groups_by_three() {
@@ -218,9 +221,10 @@ mod tests {
     #[test]
     fn the_same_table_in_each_form() {
         let mut table = Table::new("t", "a table", &["who", "so_many"]);
-        table.push(vec!["a|b <c>".into(), Cell::Count(12_345)]);
-        table.push(vec!["d".into(), Cell::Empty]);
-        assert_eq!(table.to_csv().expect("csv"), b"who,so_many\na|b <c>,12345\nd,\n");
+        table.push(vec!["a|b <c>".into(), TableCell::Count(12_345)]);
+        table.push(vec!["=d\n".into(), TableCell::Empty]);
+        assert_eq!(table.to_csv().expect("csv"), b"who,so_many\na|b <c>,12345\n\"'=d\n\",\n");
+        assert_eq!(table.rows[1][0].shown(), "=d\\n");
         let text = table.to_markdown(1);
         assert!(text.contains("| a\\|b &lt;c> | 12\u{202f}345 |") && text.contains("1 more rows in t.csv"), "{text}");
     }

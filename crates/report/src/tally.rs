@@ -1,7 +1,8 @@
 //! Counts the findings of a campaign while reading them, in memory that does not grow with their number.
 
 use super::load::setting;
-use rockproof_differential::compare::Change;
+use super::own::{self, Owns};
+use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::row::FindingRow;
 use std::cmp::Ordering;
@@ -10,9 +11,13 @@ use std::collections::BTreeMap;
 /// How many of the worst findings of each cause are kept.
 const WORST: usize = 8;
 
+/// The causes in the order in which they worry.
+pub const WORRYING: [Cause; 5] =
+    [Cause::Defect, Cause::Engine, Cause::Arithmetic, Cause::Representation, Cause::Tolerance];
+
 /// Whom a finding is about and why.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Sort {
+pub struct FindingGroup {
     /// The tolerance set, without the rungs of ladders.
     pub setting: String,
     /// An engine, `f32` or `f64`, or `any`.
@@ -20,12 +25,12 @@ pub struct Sort {
     /// Why the answer changed.
     pub cause: Cause,
     /// What changed.
-    pub change: Change,
+    pub change: AnswerChange,
 }
 
 /// A finding with a case file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Worst {
+pub struct WorstFinding {
     /// The pair's number.
     pub index: u64,
     /// The pair's family.
@@ -37,7 +42,7 @@ pub struct Worst {
     /// Why the answer changed.
     pub cause: Cause,
     /// What changed.
-    pub change: Change,
+    pub change: AnswerChange,
     /// The kind before and after; empty where there is none.
     pub kinds: [String; 2],
     /// What decided it.
@@ -52,14 +57,19 @@ pub struct Worst {
     pub case: String,
 }
 
-impl Worst {
+impl WorstFinding {
+    /// How far from a tie it was, whichever way: in roundoffs where there are any, else relative; infinite without a margin.
+    pub fn magnitude(&self) -> f64 {
+        self.margin_ulps.or(self.margin).map_or(f64::INFINITY, f64::abs)
+    }
+
     /// What no rounding excuses first: no margin at all, then the largest.
-    fn rank(&self, other: &Worst) -> Ordering {
-        let size = |w: &Worst| w.margin_ulps.or(w.margin).map_or(f64::INFINITY, f64::abs);
+    fn rank(&self, other: &WorstFinding) -> Ordering {
         // Sets that a ladder put on an edge differ by design; a plain setting that differs is worse.
-        let laddered = |w: &Worst| w.tolerances.contains(':');
-        size(other)
-            .total_cmp(&size(self))
+        let laddered = |w: &WorstFinding| w.tolerances.contains(':');
+        other
+            .magnitude()
+            .total_cmp(&self.magnitude())
             .then_with(|| laddered(self).cmp(&laddered(other)))
             .then_with(|| self.index.cmp(&other.index))
             .then_with(|| self.case.cmp(&other.case))
@@ -71,11 +81,11 @@ pub type Decade = Option<i32>;
 
 /// The findings of a campaign, counted.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tally {
+pub struct FindingTally {
     /// All of them.
     pub total: u64,
     /// By whom and why.
-    pub sorts: BTreeMap<Sort, u64>,
+    pub sorts: BTreeMap<FindingGroup, u64>,
     /// By engine, cause and decade of the margin: in roundoffs where the finding tells, else relative.
     pub margins: BTreeMap<(String, Cause), BTreeMap<Decade, u64>>,
     /// Findings without a margin, by engine and cause.
@@ -83,18 +93,27 @@ pub struct Tally {
     /// By predicate, cause and engine.
     pub predicates: BTreeMap<String, BTreeMap<(Cause, String), u64>>,
     /// The worst with a case file, by cause, worst first.
-    pub worst: BTreeMap<Cause, Vec<Worst>>,
+    pub worst: BTreeMap<Cause, Vec<WorstFinding>>,
+    /// The largest margin in roundoffs, whichever way, by engine and cause.
+    pub furthest: BTreeMap<(String, Cause), f64>,
+    /// What external engines get wrong.
+    pub own: Owns,
 }
 
-impl Tally {
+impl FindingTally {
     /// Adds a row of `findings.csv`.
     pub(super) fn add(&mut self, row: FindingRow) {
+        own::count(&mut self.own, &row);
         let FindingRow { cause, change, margin, margin_ulps, .. } = row;
         let engine = row.engine.to_string();
         self.total += 1;
-        let sort = Sort { setting: setting(&row.tolerances), engine: engine.clone(), cause, change };
+        let sort = FindingGroup { setting: setting(&row.tolerances), engine: engine.clone(), cause, change };
         *self.sorts.entry(sort).or_default() += 1;
         let who = (engine.clone(), cause);
+        if let Some(ulps) = margin_ulps.map(f64::abs) {
+            let furthest = self.furthest.entry(who.clone()).or_default();
+            *furthest = furthest.max(ulps);
+        }
         match margin_ulps.or(margin) {
             Some(margin) => *self.margins.entry(who).or_default().entry(decade(margin)).or_default() += 1,
             None => *self.unmeasured.entry(who).or_default() += 1,
@@ -104,7 +123,7 @@ impl Tally {
             *counts.entry((cause, engine.clone())).or_default() += 1;
         }
         if !row.case.is_empty() {
-            let worst = Worst {
+            let worst = WorstFinding {
                 index: row.index,
                 family: row.family,
                 tolerances: row.tolerances,
@@ -123,6 +142,11 @@ impl Tally {
             list.insert(place, worst);
             list.truncate(WORST);
         }
+    }
+
+    /// The finding with a case to look at first: of the cause that worries most, the furthest from a tie.
+    pub fn worst_of_all(&self) -> Option<&WorstFinding> {
+        WORRYING.iter().find_map(|cause| self.worst.get(cause)?.first())
     }
 
     /// Findings by cause.

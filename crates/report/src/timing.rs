@@ -1,8 +1,8 @@
 //! Run time against error: what `bench` measured.
 
-use super::fault::ReportError;
+use super::error::ReportError;
 use super::load::name_of;
-use super::rows::Rows;
+use super::rows::CsvTable;
 use std::path::{Path, PathBuf};
 
 /// The table of `bench --error` (docs/bench.md).
@@ -47,7 +47,7 @@ pub struct TimingRun {
 
 impl TimingRun {
     pub(super) fn read(dir: &Path) -> Result<TimingRun, ReportError> {
-        let mut rows = Rows::open_wider(dir.join(FILE), &COLUMNS)?;
+        let mut rows = CsvTable::open_wider(dir.join(FILE), &COLUMNS)?;
         let mut measurements = Vec::new();
         let mut blank = 0;
         while let Some(row) = rows.next(&COLUMNS)? {
@@ -57,7 +57,7 @@ impl TimingRun {
                 continue;
             };
             if micros < 0.0 || error < 0.0 {
-                return Err(row.nonsense("a negative time or error", "neither below 0"));
+                return Err(row.invalid_row("a negative time or error", "neither below 0"));
             }
             let (kind, subject, error_of) = (row.name(0)?, row.name(1)?, row.text(8));
             measurements.push(Measurement {

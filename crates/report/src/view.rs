@@ -10,14 +10,14 @@ use rockproof_differential::compare::contact_features;
 use rockproof_model::decision::{Feature, Side};
 use rockproof_model::{Block, Contact, ContactKind, Number, Point, Sign};
 use rockproof_oracle::rational::Rational;
-use rockproof_oracle::{Pair, Solid};
+use rockproof_oracle::{Pair, PreparedBlock};
 use serde_json::{Value, json};
 
-type Place = [f64; 3];
+type ViewPoint = [f64; 3];
 
 /// A contact of a finding, and who has it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SeenContact {
+pub struct ViewedContact {
     /// The contact.
     pub contact: Contact,
     /// Whether it is there before the change.
@@ -28,7 +28,7 @@ pub struct SeenContact {
     pub gap_m: f64,
 }
 
-impl SeenContact {
+impl ViewedContact {
     /// `v-f 3/1 through v-f 3/1`.
     pub fn name(&self) -> String {
         let c = &self.contact;
@@ -46,11 +46,11 @@ impl SeenContact {
 }
 
 /// The contacts of a case: those before the change, then those that are new after it.
-pub fn contacts(case: &Case) -> Vec<SeenContact> {
+pub fn contacts(case: &Case) -> Vec<ViewedContact> {
     let list = |rows: &[ContactRow]| rows.iter().filter_map(ContactRow::contact).collect::<Vec<Contact>>();
     let (before, after) = (list(&case.about.expected), list(&case.about.found));
     let new = after.iter().filter(|c| !before.contains(c));
-    let solids = [Solid::new(&case.a), Solid::new(&case.b)];
+    let solids = [PreparedBlock::new(&case.a), PreparedBlock::new(&case.b)];
     let pair = Pair::new(&solids[0], &solids[1]);
     before
         .iter()
@@ -59,7 +59,7 @@ pub fn contacts(case: &Case) -> Vec<SeenContact> {
         .map(|contact| {
             let gap = pair.gap(&contact.entrance);
             let size = gap.squared.sqrt_rounded().unwrap_or(f64::INFINITY);
-            SeenContact {
+            ViewedContact {
                 contact: *contact,
                 before: before.contains(contact),
                 after: after.contains(contact),
@@ -89,14 +89,14 @@ fn block(case: &Case, side: Side) -> &Block {
 }
 
 /// The blocks of a case around their common centre.
-struct Stage<'c> {
+struct BlockView<'c> {
     case: &'c Case,
     centre: Point,
-    places: [Vec<Place>; 2],
+    places: [Vec<ViewPoint>; 2],
 }
 
-impl<'c> Stage<'c> {
-    fn new(case: &'c Case) -> Stage<'c> {
+impl<'c> BlockView<'c> {
+    fn new(case: &'c Case) -> BlockView<'c> {
         let middle = |axis: usize| {
             let along = || {
                 [&case.a, &case.b].into_iter().flat_map(|b| b.vertices()).map(|v| v.components()[axis].approximate())
@@ -111,10 +111,10 @@ impl<'c> Stage<'c> {
             block.vertices().iter().map(|v| [offset(v, 0), offset(v, 1), offset(v, 2)]).collect()
         };
         let places = [near(&case.a), near(&case.b)];
-        Stage { case, centre, places }
+        BlockView { case, centre, places }
     }
 
-    fn places(&self, side: Side) -> &[Place] {
+    fn places(&self, side: Side) -> &[ViewPoint] {
         &self.places[usize::from(side == Side::B)]
     }
 
@@ -123,7 +123,7 @@ impl<'c> Stage<'c> {
         let mut corners: [Vec<u32>; 3] = Default::default();
         let mut cutter = Earcut::new();
         for face in block(self.case, side).topology().faces() {
-            let around: Vec<Place> = face.iter().map(|&v| places[v as usize]).collect();
+            let around: Vec<ViewPoint> = face.iter().map(|&v| places[v as usize]).collect();
             let mut flat = Vec::new();
             let mut triangles: Vec<u32> = Vec::new();
             if project3d_to_2d(&around, around.len(), &mut flat) {
@@ -146,7 +146,7 @@ impl<'c> Stage<'c> {
     fn edges(&self, side: Side, name: &str, color: &str) -> Value {
         let places = self.places(side);
         let edges = block(self.case, side).topology().edges();
-        let ends: Vec<[Place; 2]> = edges.iter().map(|e| [places[e.p as usize], places[e.q as usize]]).collect();
+        let ends: Vec<[ViewPoint; 2]> = edges.iter().map(|e| [places[e.p as usize], places[e.q as usize]]).collect();
         let mut trace = segments(&ends, color, 3.0);
         trace["name"] = name.into();
         trace["legendgroup"] = name.into();
@@ -156,7 +156,7 @@ impl<'c> Stage<'c> {
     }
 
     /// The outline of a feature.
-    fn outline(&self, feature: Feature) -> Vec<[Place; 2]> {
+    fn outline(&self, feature: Feature) -> Vec<[ViewPoint; 2]> {
         let (Feature::Vertex(side, _) | Feature::Edge(side, _) | Feature::Face(side, _)) = feature;
         let (places, topology) = (self.places(side), block(self.case, side).topology());
         match feature {
@@ -174,7 +174,7 @@ impl<'c> Stage<'c> {
     }
 
     /// Where the two features are nearest to one another.
-    fn nearest(&self, [a, b]: [Feature; 2]) -> [Place; 2] {
+    fn nearest(&self, [a, b]: [Feature; 2]) -> [ViewPoint; 2] {
         let (ends_a, ends_b) = (self.outline(a), self.outline(b));
         match (a, b) {
             (Feature::Face(..), Feature::Vertex(..)) => [onto_plane(ends_b[0][0], &ends_a), ends_b[0][0]],
@@ -183,7 +183,7 @@ impl<'c> Stage<'c> {
         }
     }
 
-    fn contact(&self, seen: &SeenContact, number: usize) -> Vec<Value> {
+    fn contact(&self, seen: &ViewedContact, number: usize) -> Vec<Value> {
         let features = contact_features(&seen.contact);
         let (color, word) = match seen.who() {
             "true" => ("$true", "true"),
@@ -193,7 +193,7 @@ impl<'c> Stage<'c> {
         let name = format!("{word}: {} {}/{}", seen.contact.kind, seen.contact.a, seen.contact.b);
         let group = format!("contact {number}");
         let text = format!("{word}: {}, gap {:?} m", seen.name(), seen.gap_m);
-        let outlines: Vec<[Place; 2]> = features.iter().flat_map(|&f| self.outline(f)).collect();
+        let outlines: Vec<[ViewPoint; 2]> = features.iter().flat_map(|&f| self.outline(f)).collect();
         let mut lines = segments(&outlines, color, 9.0);
         let [p, q] = self.nearest(features);
         let mut marks = segments(&[[p, q]], color, 5.0);
@@ -210,12 +210,12 @@ impl<'c> Stage<'c> {
     }
 }
 
-fn axis(places: &[Place], axis: usize) -> Vec<f64> {
+fn axis(places: &[ViewPoint], axis: usize) -> Vec<f64> {
     places.iter().map(|place| place[axis]).collect()
 }
 
 /// Separate pieces of line in one trace.
-fn segments(ends: &[[Place; 2]], color: &str, width: f64) -> Value {
+fn segments(ends: &[[ViewPoint; 2]], color: &str, width: f64) -> Value {
     let along = |axis: usize| -> Vec<Value> {
         ends.iter().flat_map(|[p, q]| [json!(p[axis]), json!(q[axis]), Value::Null]).collect()
     };
@@ -225,20 +225,20 @@ fn segments(ends: &[[Place; 2]], color: &str, width: f64) -> Value {
     })
 }
 
-fn minus(p: Place, q: Place) -> Place {
+fn minus(p: ViewPoint, q: ViewPoint) -> ViewPoint {
     [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
 }
 
-fn dot(p: Place, q: Place) -> f64 {
+fn dot(p: ViewPoint, q: ViewPoint) -> f64 {
     p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
 }
 
-fn along(p: Place, d: Place, t: f64) -> Place {
+fn along(p: ViewPoint, d: ViewPoint, t: f64) -> ViewPoint {
     [p[0] + t * d[0], p[1] + t * d[1], p[2] + t * d[2]]
 }
 
 /// The foot of `point` on the plane of an outline.
-fn onto_plane(point: Place, outline: &[[Place; 2]]) -> Place {
+fn onto_plane(point: ViewPoint, outline: &[[ViewPoint; 2]]) -> ViewPoint {
     let origin = outline[0][0];
     let mut normal = [0.0; 3];
     for [p, q] in outline {
@@ -251,7 +251,7 @@ fn onto_plane(point: Place, outline: &[[Place; 2]]) -> Place {
 }
 
 /// The points of two pieces of line where their lines are nearest, kept on the pieces. A point is a piece without length.
-fn between_lines([p1, q1]: [Place; 2], [p2, q2]: [Place; 2]) -> [Place; 2] {
+fn between_lines([p1, q1]: [ViewPoint; 2], [p2, q2]: [ViewPoint; 2]) -> [ViewPoint; 2] {
     let (d1, d2, r) = (minus(q1, p1), minus(q2, p2), minus(p1, p2));
     let (a, e, b, c, f) = (dot(d1, d1), dot(d2, d2), dot(d1, d2), dot(d1, r), dot(d2, r));
     let ratio = |n: f64, d: f64| if d > 0.0 { (n / d).clamp(0.0, 1.0) } else { 0.0 };
@@ -262,8 +262,8 @@ fn between_lines([p1, q1]: [Place; 2], [p2, q2]: [Place; 2]) -> [Place; 2] {
 }
 
 /// What plotly draws for a case: the traces, and the point its axes count from (m).
-pub fn traces(case: &Case, contacts: &[SeenContact]) -> (Vec<Value>, [f64; 3]) {
-    let stage = Stage::new(case);
+pub fn traces(case: &Case, contacts: &[ViewedContact]) -> (Vec<Value>, [f64; 3]) {
+    let stage = BlockView::new(case);
     let mut traces = Vec::new();
     for (side, name, color) in [(Side::A, "block A", "$a"), (Side::B, "block B", "$b")] {
         traces.push(stage.mesh(side, name, color));

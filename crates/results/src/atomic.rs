@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Those of the operating system; then the file beside is removed and `path` is as it was.
 pub fn write_atomically(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> io::Result<()> {
     let path = path.as_ref();
-    let beside = beside(path)?;
+    let beside = temporary_path(path)?;
     let written = File::create_new(&beside).and_then(|mut file| {
         file.write_all(bytes.as_ref())?;
         file.sync_all()
@@ -25,7 +25,7 @@ pub fn write_atomically(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> io::
     renamed
 }
 
-fn beside(path: &Path) -> io::Result<PathBuf> {
+fn temporary_path(path: &Path) -> io::Result<PathBuf> {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the path names no file"))?;
     let mut beside = std::ffi::OsString::from(".");
@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn knows_what_a_kill_leaves() {
-        let beside = beside(Path::new("folder/run.json")).expect("a name");
+        let beside = temporary_path(Path::new("folder/run.json")).expect("a name");
         assert_eq!(beside.file_name().and_then(|name| unfinished(name.to_str()?)), Some("run.json"));
         assert_eq!(unfinished(".blocks_000010.vtu.71.12.tmp"), Some("blocks_000010.vtu"));
         let others = [".run.json", "run.json.71.0.tmp", ".run.json.x.0.tmp", ".0.tmp", ".a...tmp", "..1.2.tmp"];

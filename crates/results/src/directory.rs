@@ -4,9 +4,9 @@ use super::atomic::{unfinished, write_atomically};
 use super::claim::{Claim, Start};
 use super::error::ResultsError;
 use super::lock::Lock;
-use super::manifest::{Kind, MANIFEST, Manifest, Owner};
-use super::seal::{Seal, sealed, unsealed};
-use super::table::Table;
+use super::manifest::{FileKind, MANIFEST, Manifest, Owner};
+use super::seal::{Seal, read_sealed, sealed};
+use super::table::AppendedTable;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, BTreeSet};
@@ -72,14 +72,16 @@ impl Directory {
     ///
     /// # Errors
     /// When the checkpoint is missing, or what is left cannot be removed.
-    pub fn goes_on(&mut self, checkpoint: &str, table: &str) -> Result<bool, ResultsError> {
+    pub fn is_resumable(&mut self, checkpoint: &str, table: &str) -> Result<bool, ResultsError> {
         if !self.resumes {
             return Ok(false);
         }
         if self.has(checkpoint) {
             return Ok(true);
         }
-        let lines = fs::read(self.path.join(table)).map_or(0, |rows| rows.iter().filter(|b| **b == b'\n').count());
+        let table = Some(self.path.join(table)).filter(|table| table.is_file());
+        let lines =
+            table.and_then(|table| fs::read(table).ok()).map_or(0, |rows| rows.iter().filter(|b| **b == b'\n').count());
         if lines > 1 || self.has("run.json") {
             return Err(ResultsError::damaged(&self.path.join(checkpoint), "it is missing"));
         }
@@ -105,7 +107,7 @@ impl Directory {
     ///
     /// # Errors
     /// When a file that is not ours is in the way, or it cannot be written.
-    pub fn write(&mut self, name: &str, kind: Kind, bytes: &[u8]) -> Result<(), ResultsError> {
+    pub fn write(&mut self, name: &str, kind: FileKind, bytes: &[u8]) -> Result<(), ResultsError> {
         self.write_all([(name.to_owned(), kind, bytes)])
     }
 
@@ -115,7 +117,7 @@ impl Directory {
     /// When a file that is not ours is in the way of any of them, or one cannot be written.
     pub fn write_all<B: AsRef<[u8]>>(
         &mut self,
-        files: impl IntoIterator<Item = (String, Kind, B)>,
+        files: impl IntoIterator<Item = (String, FileKind, B)>,
     ) -> Result<(), ResultsError> {
         let files: Vec<_> = files.into_iter().collect();
         self.list(files.iter().map(|(name, kind, _)| (name.clone(), *kind)))?;
@@ -135,7 +137,7 @@ impl Directory {
     /// As [`Directory::write`].
     pub fn write_sealed(&mut self, name: &str, object: &impl Serialize) -> Result<(), ResultsError> {
         let text = serde_json::to_string(object).map_err(|e| ResultsError::at(&self.path.join(name))(e.into()))?;
-        self.write(name, Kind::Run, sealed(&text).as_bytes())
+        self.write(name, FileKind::Run, sealed(&text).as_bytes())
     }
 
     /// Reads what [`Directory::write_sealed`] wrote.
@@ -143,20 +145,16 @@ impl Directory {
     /// # Errors
     /// When it cannot be read, or is not as it was written.
     pub fn read_sealed<T: DeserializeOwned>(&self, name: &str) -> Result<T, ResultsError> {
-        let file = self.path.join(name);
-        let text = fs::read(&file).map_err(ResultsError::at(&file))?;
-        let text = std::str::from_utf8(&text).map_err(|e| ResultsError::damaged(&file, e))?;
-        let object = unsealed(text).map_err(|what| ResultsError::damaged(&file, what))?;
-        serde_json::from_str(&object).map_err(|e| ResultsError::damaged(&file, e))
+        read_sealed(&self.path.join(name))
     }
 
     /// Begins a growing table with its first line.
     ///
     /// # Errors
     /// As [`Directory::write`].
-    pub fn begin_table(&mut self, name: &str, header: &[u8]) -> Result<Table, ResultsError> {
-        self.list([(name.to_owned(), Kind::Table)])?;
-        Table::begin(self.path.join(name), header)
+    pub fn begin_table(&mut self, name: &str, header: &[u8]) -> Result<AppendedTable, ResultsError> {
+        self.list([(name.to_owned(), FileKind::Table)])?;
+        AppendedTable::begin(self.path.join(name), header)
     }
 
     /// Opens tables to go on with what was sealed of them. What comes after it is cut off, once all of them are found to be whole.
@@ -166,10 +164,10 @@ impl Directory {
     pub fn resume_tables<'t>(
         &self,
         tables: impl IntoIterator<Item = (&'t str, &'t Seal)>,
-    ) -> Result<Vec<Table>, ResultsError> {
-        let open = |(name, seal): (&str, &Seal)| Table::open(&self.path.join(name), seal);
-        let mut tables: Vec<Table> = tables.into_iter().map(open).collect::<Result<_, _>>()?;
-        tables.iter_mut().try_for_each(Table::cut)?;
+    ) -> Result<Vec<AppendedTable>, ResultsError> {
+        let open = |(name, seal): (&str, &Seal)| AppendedTable::open(&self.path.join(name), seal);
+        let mut tables: Vec<AppendedTable> = tables.into_iter().map(open).collect::<Result<_, _>>()?;
+        tables.iter_mut().try_for_each(AppendedTable::cut)?;
         Ok(tables)
     }
 
@@ -194,9 +192,9 @@ impl Directory {
     }
 
     /// Lists files before they are written.
-    fn list(&mut self, files: impl IntoIterator<Item = (String, Kind)>) -> Result<(), ResultsError> {
+    fn list(&mut self, files: impl IntoIterator<Item = (String, FileKind)>) -> Result<(), ResultsError> {
         let is_new = |name: &str| !self.manifest.files.contains_key(name);
-        let new: Vec<(String, Kind)> = files.into_iter().filter(|(name, _)| is_new(name)).collect();
+        let new: Vec<(String, FileKind)> = files.into_iter().filter(|(name, _)| is_new(name)).collect();
         if new.is_empty() {
             return Ok(());
         }

@@ -1,6 +1,6 @@
 //! Why a directory of results cannot be used.
 
-use super::manifest::Owner;
+use super::manifest::{MANIFEST, Owner};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -30,6 +30,23 @@ pub enum ResultsError {
         found: Owner,
         /// The command that asks for it.
         owner: Owner,
+    },
+    /// The directory is to be read, and is not one of the command's.
+    #[error(
+        "{dir} is no directory of `rockproof {owner}`: {}",
+        match found {
+            Some(found) => format!("its manifest says `rockproof {found}`"),
+            None if dir.is_dir() => format!("it has no {MANIFEST}"),
+            None => "there is no such directory".to_owned(),
+        }
+    )]
+    NotOf {
+        /// The directory.
+        dir: PathBuf,
+        /// The command whose it should be.
+        owner: Owner,
+        /// The command that owns it, if there is one.
+        found: Option<Owner>,
     },
     /// The run in the directory was started otherwise.
     #[error(

@@ -3,7 +3,7 @@
 //! A command claims a [`Directory`] before it writes there. The claim takes a lock, so that two processes never mix their files, and reads
 //! the manifest: `rockproof.manifest.json` names the command and lists every file that it wrote. Only what the manifest lists is ever
 //! replaced or deleted; a file is listed before it is first written, so a kill leaves nothing of ours that is not listed. Files are
-//! written beside their final name and renamed ([`write_atomically`]), tables that grow carry a [`Seal`].
+//! written beside their final name and renamed ([`write_atomically`]), tables that grow carry a [`Seal`]. A [`View`] reads what others wrote.
 
 mod atomic;
 mod claim;
@@ -15,13 +15,15 @@ mod manifest;
 mod seal;
 mod stem;
 mod table;
+mod view;
 
 pub use atomic::write_atomically;
 pub use claim::{Claim, Start};
 pub use directory::Directory;
 pub use error::ResultsError;
 pub use identity::identity_differences;
-pub use manifest::{Kind, MANIFEST, Owner};
+pub use manifest::{FileKind, MANIFEST, Owner, is_inside};
 pub use seal::{Seal, digest};
 pub use stem::bounded;
-pub use table::Table;
+pub use table::AppendedTable;
+pub use view::View;

@@ -13,6 +13,9 @@ const LOCK: &str = ".rockproof.lock";
 /// What it begins with; it goes on with the process that holds it.
 const FIRST: &str = "locked by ";
 
+/// So many bytes of it are read; what we write there is shorter.
+const LONGEST: u64 = 4096;
+
 /// An advisory lock on a directory, given up when it is dropped. The operating system gives it up for a process that was killed.
 #[derive(Debug)]
 pub(crate) struct Lock {
@@ -34,7 +37,7 @@ impl Lock {
                 Ok(()) => Ok(true),
             };
             let mut text = Vec::new();
-            file.read_to_end(&mut text).map_err(at())?;
+            (&mut file).take(LONGEST).read_to_end(&mut text).map_err(at())?;
             let held = String::from_utf8_lossy(&text);
             match locked {
                 // A file system without locks: better unprotected than not at all.

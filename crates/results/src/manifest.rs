@@ -69,7 +69,7 @@ impl fmt::Display for Owner {
 /// What a file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum FileKind {
     /// Rows of CSV.
     Table,
     /// What the run knows of itself: configuration, progress, checkpoint.
@@ -90,13 +90,17 @@ pub enum Kind {
 pub(crate) struct Manifest {
     pub(crate) owner: Owner,
     /// What each file is, by its path within the directory, the parts separated by `/`.
-    pub(crate) files: BTreeMap<String, Kind>,
+    pub(crate) files: BTreeMap<String, FileKind>,
 }
 
 impl Manifest {
     /// The manifest of a directory, if it has one.
     pub(crate) fn read(dir: &Path) -> Result<Option<Manifest>, ResultsError> {
         let file = dir.join(MANIFEST);
+        if file.exists() && !file.is_file() {
+            let what = "it is a folder or a device, not a file".to_owned();
+            return Err(ResultsError::Manifest { file, what });
+        }
         let text = match std::fs::read(&file) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             read => read.map_err(ResultsError::at(&file))?,
@@ -118,7 +122,7 @@ impl Manifest {
     }
 }
 
-/// Whether a name is that of a file within the directory.
-fn is_inside(name: &str) -> bool {
+/// Whether a name, as a manifest or a table has it, is that of a file within a directory: it leads nowhere else.
+pub fn is_inside(name: &str) -> bool {
     !name.is_empty() && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
 }

@@ -1,7 +1,10 @@
 //! Seals: what a file held when it was written, so that a changed one is never gone on from.
 
+use super::error::ResultsError;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
+use std::path::Path;
 
 /// What the beginning of a table was when it was last made durable.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,6 +43,14 @@ pub(crate) fn unsealed(text: &str) -> Result<String, &'static str> {
     let (body, seal) = place.map(|at| text.split_at(at)).ok_or("it has no seal")?;
     let found = seal.strip_prefix(BEFORE).and_then(|seal| seal.strip_suffix(AFTER)).ok_or("it has no seal")?;
     if found == digest(body.as_bytes()) { Ok(format!("{body}}}")) } else { Err("it is not as it was written") }
+}
+
+/// Reads a sealed JSON object.
+pub(crate) fn read_sealed<T: DeserializeOwned>(file: &Path) -> Result<T, ResultsError> {
+    let text = std::fs::read(file).map_err(ResultsError::at(file))?;
+    let text = std::str::from_utf8(&text).map_err(|e| ResultsError::damaged(file, e))?;
+    let object = unsealed(text).map_err(|what| ResultsError::damaged(file, what))?;
+    serde_json::from_str(&object).map_err(|e| ResultsError::damaged(file, e))
 }
 
 #[cfg(test)]

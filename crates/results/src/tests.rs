@@ -35,7 +35,7 @@ fn what_is_not_ours_is_named_and_nothing_changes() {
     let mut directory = claim(dir.path(), Start::Fresh).expect("free");
     fs::create_dir(dir.path().join("cases")).expect("a folder");
     fs::write(dir.path().join("cases/a.toml"), "theirs").expect("write");
-    assert!(matches!(directory.write("cases/a.toml", Kind::Case, b"ours"), Err(ResultsError::Foreign { .. })));
+    assert!(matches!(directory.write("cases/a.toml", FileKind::Case, b"ours"), Err(ResultsError::Foreign { .. })));
     assert_eq!(fs::read(dir.path().join("cases/a.toml")).expect("a file"), b"theirs");
 }
 
@@ -43,8 +43,8 @@ fn what_is_not_ours_is_named_and_nothing_changes() {
 fn overwriting_discards_what_is_listed_and_nothing_else() {
     let dir = tempfile::tempdir().expect("a folder");
     let mut directory = claim(dir.path(), Start::Fresh).expect("free");
-    directory.write("cases/ours.toml", Kind::Case, b"ours").expect("written");
-    directory.write("run.json", Kind::Run, b"{}").expect("written");
+    directory.write("cases/ours.toml", FileKind::Case, b"ours").expect("written");
+    directory.write("run.json", FileKind::Run, b"{}").expect("written");
     drop(directory);
     for name in ["cases/theirs.toml", "notes.txt", ".notes.txt.1.2.tmp", ".summary.csv.1.2.tmp"] {
         fs::write(dir.path().join(name), "theirs").expect("write");

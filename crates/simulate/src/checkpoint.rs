@@ -1,6 +1,6 @@
-//! A state as text, from which a run goes on to the same bits.
+//! A state as text, from which a resumed run is bit-identical.
 
-use crate::exact::Exact;
+use crate::exact_float::ExactFloat;
 use rockproof_model::{Contact, ContactKind, Entrance, EntranceKind, Sign};
 use rockproof_stepper::dynamics::{BlockState, ContactState, Mode, State};
 use rockproof_stepper::{Real, Vector};
@@ -9,15 +9,15 @@ use serde::{Deserialize, Serialize};
 /// A state in f64, which holds f32 and f64 exactly.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Saved {
+pub struct SavedState {
     /// Steps done, settling not counted.
     pub step: u64,
     /// In s.
-    pub time: Exact,
+    pub time: ExactFloat,
     /// Static steps still to do.
     pub settling: u32,
     /// Δt of the last step, the full one before the first (s).
-    pub last_time_step: Exact,
+    pub last_time_step: ExactFloat,
     blocks: Vec<SavedBlock>,
     load_points: Vec<Triple>,
     fixed_points: Vec<Triple>,
@@ -25,14 +25,14 @@ pub struct Saved {
     contacts: Vec<SavedContact>,
 }
 
-type Triple = [Exact; 3];
+type Triple = [ExactFloat; 3];
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SavedBlock {
     vertices: Vec<Triple>,
-    velocity: [Exact; 12],
-    stress: [Exact; 6],
+    velocity: [ExactFloat; 12],
+    stress: [ExactFloat; 6],
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,7 +46,7 @@ struct SavedContact {
     gap_sign: i8,
     mode: String,
     anchors: [Triple; 2],
-    gap: Exact,
+    gap: ExactFloat,
     normal: Triple,
     points: [Triple; 2],
     force: Triple,
@@ -54,7 +54,7 @@ struct SavedContact {
 
 /// What in a saved state is no state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NoState {
+pub enum InvalidState {
     /// A number that the engine's precision does not hold.
     #[error("a number is not one of the engine's precision")]
     Number,
@@ -63,9 +63,9 @@ pub enum NoState {
     Word,
 }
 
-impl Saved {
+impl SavedState {
     /// The state as it is.
-    pub fn of<R: Real>(state: &State<R>) -> Saved {
+    pub fn of<R: Real>(state: &State<R>) -> SavedState {
         let State {
             step,
             time,
@@ -83,7 +83,7 @@ impl Saved {
             velocity: velocity.map(save),
             stress: stress.map(save),
         };
-        Saved {
+        SavedState {
             step: *step,
             time: save(*time),
             settling: *settling,
@@ -99,9 +99,9 @@ impl Saved {
     /// The state that was saved.
     ///
     /// # Errors
-    /// When the text was not made by [`Saved::of`] in this precision.
-    pub fn state<R: Real>(&self) -> Result<State<R>, NoState> {
-        let vectors = |points: &[Triple]| points.iter().map(vector).collect::<Result<Vec<Vector<R>>, NoState>>();
+    /// When the text was not made by [`SavedState::of`] in this precision.
+    pub fn state<R: Real>(&self) -> Result<State<R>, InvalidState> {
+        let vectors = |points: &[Triple]| points.iter().map(vector).collect::<Result<Vec<Vector<R>>, InvalidState>>();
         let block = |block: &SavedBlock| {
             let (velocity, stress) = (numbers(&block.velocity)?, numbers(&block.stress)?);
             Ok(BlockState { vertices: vectors(&block.vertices)?, velocity, stress })
@@ -111,11 +111,11 @@ impl Saved {
             time: number(self.time)?,
             settling: self.settling,
             last_time_step: number(self.last_time_step)?,
-            blocks: self.blocks.iter().map(block).collect::<Result<_, NoState>>()?,
+            blocks: self.blocks.iter().map(block).collect::<Result<_, InvalidState>>()?,
             load_points: vectors(&self.load_points)?,
             fixed_points: vectors(&self.fixed_points)?,
             measured_points: vectors(&self.measured_points)?,
-            contacts: self.contacts.iter().map(SavedContact::state).collect::<Result<_, NoState>>()?,
+            contacts: self.contacts.iter().map(SavedContact::state).collect::<Result<_, InvalidState>>()?,
         })
     }
 }
@@ -139,11 +139,11 @@ impl SavedContact {
         }
     }
 
-    fn state<R: Real>(&self) -> Result<ContactState<R>, NoState> {
+    fn state<R: Real>(&self) -> Result<ContactState<R>, InvalidState> {
         let sign = [Sign::Negative, Sign::Zero, Sign::Positive].into_iter().find(|s| s.as_i8() == self.gap_sign);
-        let kind = ContactKind::from_name(&self.kind).ok_or(NoState::Word)?;
-        let entrance = EntranceKind::from_name(&self.entrance).ok_or(NoState::Word)?;
-        let mode = Mode::from_name(&self.mode).ok_or(NoState::Word)?;
+        let kind = ContactKind::from_name(&self.kind).ok_or(InvalidState::Word)?;
+        let entrance = EntranceKind::from_name(&self.entrance).ok_or(InvalidState::Word)?;
+        let mode = Mode::from_name(&self.mode).ok_or(InvalidState::Word)?;
         let ([a, b], [entrance_a, entrance_b]) = (self.features, self.entrance_features);
         let two = |points: &[Triple; 2]| Ok([vector(&points[0])?, vector(&points[1])?]);
         Ok(ContactState {
@@ -153,7 +153,7 @@ impl SavedContact {
                 a,
                 b,
                 entrance: Entrance { kind: entrance, a: entrance_a, b: entrance_b },
-                gap: sign.ok_or(NoState::Word)?,
+                gap: sign.ok_or(InvalidState::Word)?,
             },
             mode,
             anchors: two(&self.anchors)?,
@@ -165,8 +165,8 @@ impl SavedContact {
     }
 }
 
-fn save<R: Real>(value: R) -> Exact {
-    Exact(value.to_f64())
+fn save<R: Real>(value: R) -> ExactFloat {
+    ExactFloat(value.to_f64())
 }
 
 fn triple<R: Real>(v: Vector<R>) -> Triple {
@@ -174,13 +174,13 @@ fn triple<R: Real>(v: Vector<R>) -> Triple {
 }
 
 /// The number of the engine's precision that was saved; another one is no number of a state.
-fn number<R: Real>(saved: Exact) -> Result<R, NoState> {
+fn number<R: Real>(saved: ExactFloat) -> Result<R, InvalidState> {
     let value = R::from_f64(saved.0);
     let same = value.to_f64().to_bits() == saved.0.to_bits() || saved.0.is_nan();
-    if same { Ok(value) } else { Err(NoState::Number) }
+    if same { Ok(value) } else { Err(InvalidState::Number) }
 }
 
-fn numbers<R: Real, const N: usize>(saved: &[Exact; N]) -> Result<[R; N], NoState> {
+fn numbers<R: Real, const N: usize>(saved: &[ExactFloat; N]) -> Result<[R; N], InvalidState> {
     let mut values = [R::ZERO; N];
     for (value, saved) in values.iter_mut().zip(saved) {
         *value = number(*saved)?;
@@ -188,7 +188,7 @@ fn numbers<R: Real, const N: usize>(saved: &[Exact; N]) -> Result<[R; N], NoStat
     Ok(values)
 }
 
-fn vector<R: Real>(saved: &Triple) -> Result<Vector<R>, NoState> {
+fn vector<R: Real>(saved: &Triple) -> Result<Vector<R>, InvalidState> {
     let [x, y, z] = numbers(saved)?;
     Ok(Vector::new(x, y, z))
 }
@@ -248,12 +248,12 @@ mod tests {
 
     fn comes_back<R: Real>() {
         let state = awkward::<R>();
-        let text = serde_json::to_string(&Saved::of(&state)).expect("JSON");
-        let saved: Saved = serde_json::from_str(&text).expect("a saved state");
+        let text = serde_json::to_string(&SavedState::of(&state)).expect("JSON");
+        let saved: SavedState = serde_json::from_str(&text).expect("a saved state");
         let back = saved.state::<R>().expect("a state");
         assert_eq!(back, state);
         assert!(back.contacts[0].gap.to_f64().is_sign_negative(), "minus zero stays");
-        assert_eq!(serde_json::to_string(&Saved::of(&back)).expect("JSON"), text);
+        assert_eq!(serde_json::to_string(&SavedState::of(&back)).expect("JSON"), text);
     }
 
     #[test]
@@ -264,12 +264,12 @@ mod tests {
 
     #[test]
     fn what_is_no_state_is_refused() {
-        let saved = Saved::of(&awkward::<f64>());
-        assert_eq!(saved.state::<f32>(), Err(NoState::Number));
+        let saved = SavedState::of(&awkward::<f64>());
+        assert_eq!(saved.state::<f32>(), Err(InvalidState::Number));
         for (good, bad) in [("\"v-e\"", "\"v-g\""), ("\"sliding\"", "\"slid\""), ("\"f-v\"", "\"e-v\"")] {
             let text = serde_json::to_string(&saved).expect("JSON").replace(good, bad);
-            let changed: Saved = serde_json::from_str(&text).expect("JSON of the same form");
-            assert_eq!(changed.state::<f64>(), Err(NoState::Word), "{bad}");
+            let changed: SavedState = serde_json::from_str(&text).expect("JSON of the same form");
+            assert_eq!(changed.state::<f64>(), Err(InvalidState::Word), "{bad}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A state as pictures: the blocks, and the contacts as points.
 
-use crate::vtu::{Array, Cells, Grid, Polyhedra, SCALAR, VECTOR};
+use crate::vtu::{Cells, DataArray, Polyhedra, SCALAR, UnstructuredGrid, VECTOR};
 use rockproof_model::{Scene, Topology};
 use rockproof_stepper::dynamics::{ContactState, State};
 use rockproof_stepper::{Real, Vector};
@@ -61,8 +61,8 @@ fn rate(v: &[f64; 12], [x, y, z]: Point) -> Point {
 /// The blocks as polyhedra. On points: displacement since `begin` (m) and velocity (m/s). On cells: block number, unknowns
 /// (12 deformable, 6 rigid, 0 fixed), volume (m³), velocity of the centroid (m/s), angular velocity (rad/s), stress (Pa,
 /// tension positive, in VTK's order).
-pub fn blocks<R: Real>(scene: &Scene, begin: &State<R>, state: &State<R>) -> Grid {
-    let mut grid = Grid { time: state.time.to_f64(), ..Grid::default() };
+pub fn blocks<R: Real>(scene: &Scene, begin: &State<R>, state: &State<R>) -> UnstructuredGrid {
+    let mut grid = UnstructuredGrid { time: state.time.to_f64(), ..UnstructuredGrid::default() };
     let mut polyhedra = Polyhedra::default();
     let (mut displacement, mut velocity) = (Vec::new(), Vec::new());
     let (mut volume, mut drift, mut spin, mut stress) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -84,14 +84,14 @@ pub fn blocks<R: Real>(scene: &Scene, begin: &State<R>, state: &State<R>) -> Gri
     }
     let unknowns = scene.blocks.iter().map(|block| block.body.motion.unknowns() as i64).collect();
     grid.point_data =
-        vec![Array::floats("displacement", VECTOR, displacement), Array::floats("velocity", VECTOR, velocity)];
+        vec![DataArray::floats("displacement", VECTOR, displacement), DataArray::floats("velocity", VECTOR, velocity)];
     grid.cell_data = vec![
-        Array::integers("block", SCALAR, (0..scene.blocks.len() as i64).collect()),
-        Array::integers("unknowns", SCALAR, unknowns),
-        Array::floats("volume", SCALAR, volume),
-        Array::floats("centroid_velocity", VECTOR, drift),
-        Array::floats("spin", VECTOR, spin),
-        Array::floats("stress", TENSOR, stress),
+        DataArray::integers("block", SCALAR, (0..scene.blocks.len() as i64).collect()),
+        DataArray::integers("unknowns", SCALAR, unknowns),
+        DataArray::floats("volume", SCALAR, volume),
+        DataArray::floats("centroid_velocity", VECTOR, drift),
+        DataArray::floats("spin", VECTOR, spin),
+        DataArray::floats("stress", TENSOR, stress),
     ];
     grid.cells = Cells::Polyhedra(polyhedra);
     grid
@@ -99,21 +99,21 @@ pub fn blocks<R: Real>(scene: &Scene, begin: &State<R>, state: &State<R>) -> Gri
 
 /// The contacts of the last step as points, where they act on A. Data: blocks, kind (0 v-v, 1 v-e, 2 e-v, 3 v-f, 4 f-v,
 /// 5 e-e), mode (0 open, 1 sliding, 2 locked), gap (m, negative overlaps), normal (from B to A), force (N, of B on A).
-pub fn contacts<R: Real>(state: &State<R>) -> Grid {
+pub fn contacts<R: Real>(state: &State<R>) -> UnstructuredGrid {
     let all = &state.contacts;
     let vectors = |of: &dyn Fn(&ContactState<R>) -> Vector<R>| all.iter().flat_map(|c| point(of(c))).collect();
     let integers = |of: &dyn Fn(&ContactState<R>) -> i64| all.iter().map(of).collect();
-    Grid {
+    UnstructuredGrid {
         time: state.time.to_f64(),
         points: all.iter().map(|c| point(c.points[0])).collect(),
         cells: Cells::Vertices,
         point_data: vec![
-            Array::integers("blocks", BLOCKS, all.iter().flat_map(|c| c.blocks.map(i64::from)).collect()),
-            Array::integers("kind", SCALAR, integers(&|c| c.contact.kind as i64)),
-            Array::integers("mode", SCALAR, integers(&|c| c.mode as i64)),
-            Array::floats("gap", SCALAR, all.iter().map(|c| c.gap.to_f64()).collect()),
-            Array::floats("normal", VECTOR, vectors(&|c| c.normal)),
-            Array::floats("force", VECTOR, vectors(&|c| c.force)),
+            DataArray::integers("blocks", BLOCKS, all.iter().flat_map(|c| c.blocks.map(i64::from)).collect()),
+            DataArray::integers("kind", SCALAR, integers(&|c| c.contact.kind as i64)),
+            DataArray::integers("mode", SCALAR, integers(&|c| c.mode as i64)),
+            DataArray::floats("gap", SCALAR, all.iter().map(|c| c.gap.to_f64()).collect()),
+            DataArray::floats("normal", VECTOR, vectors(&|c| c.normal)),
+            DataArray::floats("force", VECTOR, vectors(&|c| c.force)),
         ],
         cell_data: Vec::new(),
     }

@@ -1,10 +1,11 @@
 //! A run of the stepper over time, and what it leaves on disk: tables, pictures for ParaView, checkpoints.
 //!
-//! `docs/simulate.md` describes the files. A run can be killed at any moment and goes on from its last checkpoint to the
-//! same bytes.
+//! `docs/simulate.md` describes the files. A run can be killed at any moment and resumes from its last
+//! checkpoint with byte-identical files.
 
+pub mod audit;
 pub mod checkpoint;
-pub mod exact;
+pub mod exact_float;
 pub mod frame;
 pub mod identity;
 pub mod plan;
@@ -14,7 +15,8 @@ pub mod tables;
 pub mod totals;
 pub mod vtu;
 
+pub use audit::{AuditTotals, PairDepth, StepAudit};
 pub use plan::Plan;
-pub use record::Record;
+pub use record::RunRecord;
 pub use run::{Ending, Run, RunError, Stepping};
 pub use totals::Totals;

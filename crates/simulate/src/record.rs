@@ -4,12 +4,12 @@
 //! step: the state, the seal of each table, which frames there are. What came after the last such step is cut off on
 //! resuming and made again, byte for byte, because it depends on scene and state alone.
 
-use crate::checkpoint::Saved;
-use crate::exact::Exact;
+use crate::checkpoint::SavedState;
+use crate::exact_float::ExactFloat;
 use crate::totals::Totals;
 use crate::vtu;
 use rockproof_results as results;
-use rockproof_results::{Claim, Directory, Kind, Owner, ResultsError, Seal, Start, identity_differences};
+use rockproof_results::{Claim, Directory, FileKind, Owner, ResultsError, Seal, Start, identity_differences};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -18,11 +18,11 @@ use std::path::Path;
 /// What a run knows of itself between two steps, beside its state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Progress {
+pub struct RunProgress {
     /// What must be the same for the run to go on.
     pub identity: Map<String, Value>,
-    /// What the tables hold, by [`Table`]; none for a table that is not written.
-    pub tables: [Option<Seal>; Table::COUNT],
+    /// What the tables hold, by [`RunTable`]; none for a table that is not written.
+    pub tables: [Option<Seal>; RunTable::COUNT],
     /// The frames every so many steps.
     pub frames: Vec<Frame>,
     /// The frame at the end of the run, where none of the others is. A run that goes on does not keep it.
@@ -44,24 +44,25 @@ pub struct Frame {
     /// After which step.
     pub step: u64,
     /// The time then (s).
-    pub time: Exact,
+    pub time: ExactFloat,
 }
 
-/// The form of `checkpoint.jsonl`. Form 1, which did not say so, had no Δt of the last step and was of version 1 of SPEC.
-const FORM: u32 = 2;
+/// The form of `checkpoint.jsonl`. Form 1, which did not say so, had no Δt of the last step and was of version 1 of SPEC; runs of
+/// form 2 have a `steps.csv` without columns for the audit.
+const FORM: u32 = 3;
 
 /// The content of `checkpoint.jsonl`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Checkpoint {
     form: u32,
-    progress: Progress,
-    state: Saved,
+    progress: RunProgress,
+    state: SavedState,
 }
 
 /// A table that grows with every step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Table {
+pub enum RunTable {
     /// `steps.csv`
     Steps,
     /// `measured.csv`
@@ -76,21 +77,27 @@ pub enum Table {
     Free,
 }
 
-impl Table {
+impl RunTable {
     /// How many there are.
     pub const COUNT: usize = 6;
 
-    const ALL: [Table; Table::COUNT] =
-        [Table::Steps, Table::Measured, Table::Contacts, Table::Lockstep, Table::Differences, Table::Free];
+    const ALL: [RunTable; RunTable::COUNT] = [
+        RunTable::Steps,
+        RunTable::Measured,
+        RunTable::Contacts,
+        RunTable::Lockstep,
+        RunTable::Differences,
+        RunTable::Free,
+    ];
 
     fn name(self) -> &'static str {
         match self {
-            Table::Steps => "steps.csv",
-            Table::Measured => "measured.csv",
-            Table::Contacts => "contacts.csv",
-            Table::Lockstep => "lockstep.csv",
-            Table::Differences => "differences.csv",
-            Table::Free => "free.csv",
+            RunTable::Steps => "steps.csv",
+            RunTable::Measured => "measured.csv",
+            RunTable::Contacts => "contacts.csv",
+            RunTable::Lockstep => "lockstep.csv",
+            RunTable::Differences => "differences.csv",
+            RunTable::Free => "free.csv",
         }
     }
 }
@@ -105,45 +112,45 @@ const OTHERS: [&str; 5] = ["blocks.pvd", "contacts.pvd", "scene.toml", "run.json
 
 /// A run on disk.
 #[derive(Debug)]
-pub struct Record {
+pub struct RunRecord {
     directory: Directory,
-    /// By [`Table`]; the contacts only where asked for.
-    tables: [Option<results::Table>; Table::COUNT],
-    progress: Progress,
+    /// By [`RunTable`]; the contacts only where asked for.
+    tables: [Option<results::AppendedTable>; RunTable::COUNT],
+    progress: RunProgress,
 }
 
-impl Record {
+impl RunRecord {
     /// Opens the run in `dir`, or makes one. With it the state to go on from; none at the beginning.
     ///
-    /// `headers` are the first lines of the tables, by [`Table`]; a table without one is not written.
+    /// `headers` are the first lines of the tables, by [`RunTable`]; a table without one is not written.
     ///
     /// # Errors
     /// When the directory holds something that may not be touched, or cannot be written.
     pub fn open(
         dir: &Path,
         identity: Map<String, Value>,
-        headers: [Option<Vec<u8>>; Table::COUNT],
+        headers: [Option<Vec<u8>>; RunTable::COUNT],
         start: Start,
-    ) -> Result<(Record, Option<Saved>), ResultsError> {
-        let written = Table::ALL.into_iter().zip(&headers).filter(|(_, header)| header.is_some());
+    ) -> Result<(RunRecord, Option<SavedState>), ResultsError> {
+        let written = RunTable::ALL.into_iter().zip(&headers).filter(|(_, header)| header.is_some());
         let files: Vec<_> = written.map(|(table, _)| table.name()).chain(OTHERS).collect();
         let mut directory = Directory::claim(Claim { dir, owner: Owner::Simulate, start, files: &files })?;
-        if directory.goes_on(CHECKPOINT, Table::Steps.name())? {
-            return Record::resume(directory, &identity);
+        if directory.is_resumable(CHECKPOINT, RunTable::Steps.name())? {
+            return RunRecord::resume(directory, &identity);
         }
         directory.make_folder(FRAMES)?;
-        let mut tables = [const { None }; Table::COUNT];
-        for (table, header) in Table::ALL.into_iter().zip(headers) {
+        let mut tables = [const { None }; RunTable::COUNT];
+        for (table, header) in RunTable::ALL.into_iter().zip(headers) {
             tables[table as usize] = header.map(|header| directory.begin_table(table.name(), &header)).transpose()?;
         }
-        let progress = Progress { identity, ..Progress::default() };
-        Ok((Record { directory, tables, progress }, None))
+        let progress = RunProgress { identity, ..RunProgress::default() };
+        Ok((RunRecord { directory, tables, progress }, None))
     }
 
     fn resume(
         mut directory: Directory,
         identity: &Map<String, Value>,
-    ) -> Result<(Record, Option<Saved>), ResultsError> {
+    ) -> Result<(RunRecord, Option<SavedState>), ResultsError> {
         let Checkpoint { form, mut progress, state } = directory.read_sealed(CHECKPOINT)?;
         if form != FORM {
             let (file, what) = (directory.path().join(CHECKPOINT), format!("it is of form {form}, not {FORM}"));
@@ -154,25 +161,25 @@ impl Record {
             let (dir, owner) = (directory.path().to_owned(), directory.owner());
             return Err(ResultsError::OtherIdentity { dir, owner, differences });
         }
-        let sealed = Table::ALL.into_iter().filter_map(|t| Some((t, progress.tables[t as usize].as_ref()?)));
+        let sealed = RunTable::ALL.into_iter().filter_map(|t| Some((t, progress.tables[t as usize].as_ref()?)));
         let mut resumed = directory.resume_tables(sealed.map(|(table, seal)| (table.name(), seal)))?.into_iter();
-        let tables = Table::ALL.map(|t| progress.tables[t as usize].as_ref().and_then(|_| resumed.next()));
+        let tables = RunTable::ALL.map(|t| progress.tables[t as usize].as_ref().and_then(|_| resumed.next()));
         progress.resumed += 1;
         progress.last_frame = None;
         // What came after the checkpoint is made again.
         let wanted: std::collections::HashSet<String> =
             progress.frames.iter().flat_map(|frame| PICTURES.map(|name| picture(name, frame.step))).collect();
         directory.remove(|name| name.starts_with(&format!("{FRAMES}/")) && !wanted.contains(name))?;
-        Ok((Record { directory, tables, progress }, Some(state)))
+        Ok((RunRecord { directory, tables, progress }, Some(state)))
     }
 
     /// What is known of the run.
-    pub fn progress(&self) -> &Progress {
+    pub fn progress(&self) -> &RunProgress {
         &self.progress
     }
 
     /// The same, to change it.
-    pub fn progress_mut(&mut self) -> &mut Progress {
+    pub fn progress_mut(&mut self) -> &mut RunProgress {
         &mut self.progress
     }
 
@@ -183,8 +190,8 @@ impl Record {
 
     /// Names of the files and folders it writes.
     pub fn names(&self) -> Vec<&'static str> {
-        let tables = Table::ALL.into_iter().filter(|t| self.tables[*t as usize].is_some()).map(Table::name);
-        let states = self.tables[Table::Differences as usize].is_some().then_some(STATES);
+        let tables = RunTable::ALL.into_iter().filter(|t| self.tables[*t as usize].is_some()).map(RunTable::name);
+        let states = self.tables[RunTable::Differences as usize].is_some().then_some(STATES);
         tables.chain(OTHERS).chain([FRAMES]).chain(states).collect()
     }
 
@@ -192,7 +199,7 @@ impl Record {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn append(&mut self, table: Table, rows: &[u8]) -> Result<(), ResultsError> {
+    pub fn append(&mut self, table: RunTable, rows: &[u8]) -> Result<(), ResultsError> {
         self.tables[table as usize].as_mut().map_or(Ok(()), |table| table.append(rows))
     }
 
@@ -202,7 +209,7 @@ impl Record {
     /// When they cannot be written.
     pub fn write_frame(&mut self, frame: Frame, pictures: [&[u8]; 2]) -> Result<(), ResultsError> {
         let pictures = PICTURES.into_iter().zip(pictures);
-        self.directory.write_all(pictures.map(|(name, bytes)| (picture(name, frame.step), Kind::Picture, bytes)))
+        self.directory.write_all(pictures.map(|(name, bytes)| (picture(name, frame.step), FileKind::Picture, bytes)))
     }
 
     /// Writes a state file, beside its final name first.
@@ -210,16 +217,16 @@ impl Record {
     /// # Errors
     /// When it cannot be written.
     pub fn write_state(&mut self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
-        self.directory.write(&format!("{STATES}/{name}"), Kind::Case, bytes)
+        self.directory.write(&format!("{STATES}/{name}"), FileKind::Case, bytes)
     }
 
     /// Makes everything written so far what a resumed run goes on from, together with `state`.
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn commit(&mut self, state: Saved) -> Result<(), ResultsError> {
+    pub fn commit(&mut self, state: SavedState) -> Result<(), ResultsError> {
         for (seal, table) in self.progress.tables.iter_mut().zip(&self.tables) {
-            *seal = table.as_ref().map(results::Table::seal).transpose()?;
+            *seal = table.as_ref().map(results::AppendedTable::seal).transpose()?;
         }
         self.directory.write_sealed(CHECKPOINT, &Checkpoint { form: FORM, progress: self.progress.clone(), state })?;
         for name in PICTURES {
@@ -227,7 +234,7 @@ impl Record {
             let files: Vec<_> = frames.map(|frame| (frame.time.0, picture(name, frame.step))).collect();
             let list = format!("{name}.pvd");
             let text = vtu::pvd(&files).map_err(ResultsError::at(&self.dir().join(&list)))?;
-            self.directory.write(&list, Kind::Picture, &text)?;
+            self.directory.write(&list, FileKind::Picture, &text)?;
         }
         Ok(())
     }
@@ -237,7 +244,7 @@ impl Record {
     /// # Errors
     /// When it cannot be written.
     pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
-        let kind = if name.ends_with(".toml") { Kind::Input } else { Kind::Run };
+        let kind = if name.ends_with(".toml") { FileKind::Input } else { FileKind::Run };
         self.directory.write(name, kind, bytes)
     }
 }

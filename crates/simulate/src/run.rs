@@ -1,13 +1,14 @@
 //! The run itself: step after step, each one written, until the plan is done, somebody asks to stop, or nothing goes on.
 
-use crate::checkpoint::Saved;
-use crate::exact::Exact;
-use crate::record::{Frame, Record, Table};
+use crate::audit::{AuditTotals, StepAudit};
+use crate::checkpoint::SavedState;
+use crate::exact_float::ExactFloat;
+use crate::record::{Frame, RunRecord, RunTable};
 use crate::{Plan, frame, tables, vtu};
 use rockproof_model::Scene;
 use rockproof_results::ResultsError;
 use rockproof_stepper::Real;
-use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport, StepRules, Stopped};
+use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepError, StepReport, StepRules};
 use serde_json::{Map, Value, json};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -18,22 +19,27 @@ pub trait Stepping<R> {
     ///
     /// # Errors
     /// Why it cannot be made; the state is then as it was before it.
-    fn step(&mut self) -> Result<StepReport, Stopped>;
+    fn step(&mut self) -> Result<StepReport, StepError>;
 
     /// The state after the last step.
     fn state(&self) -> &State<R>;
 
     /// What was found beside the last step, made or not; asked once after each. Nothing, for a stepper by itself.
-    fn beside(&mut self) -> Option<Beside> {
+    fn annotations(&mut self) -> Option<StepAnnotations> {
+        None
+    }
+
+    /// The exact audit of the last step that was made; asked once after each. None, for a run without audit.
+    fn audit(&mut self) -> Option<StepAudit> {
         None
     }
 }
 
 /// What was found beside a step (`docs/lockstep.md`).
 #[derive(Clone, Debug, Default)]
-pub struct Beside {
+pub struct StepAnnotations {
     /// Rows, and the tables they belong to.
-    pub rows: Vec<(Table, Vec<Vec<String>>)>,
+    pub rows: Vec<(RunTable, Vec<Vec<String>>)>,
     /// State files: a name within `states/`, and what it holds.
     pub states: Vec<(String, Vec<u8>)>,
     /// What adds up over a run, by name.
@@ -43,7 +49,7 @@ pub struct Beside {
 }
 
 impl<R: Solve, M: StepRules> Stepping<R> for Dynamics<R, M> {
-    fn step(&mut self) -> Result<StepReport, Stopped> {
+    fn step(&mut self) -> Result<StepReport, StepError> {
         Dynamics::step(self)
     }
 
@@ -72,9 +78,9 @@ pub enum Ending {
     /// Somebody asked it to stop; it can be resumed.
     Interrupted,
     /// It cannot go on.
-    Stopped(Stopped),
+    Stopped(StepError),
     /// Stepper and oracle differ, and the run was to end at the first such step.
-    Parted,
+    Diverged,
     /// The oracle cannot make the step, and why.
     Unproved(String),
 }
@@ -85,7 +91,7 @@ impl Ending {
             Ending::Finished => "finished",
             Ending::Interrupted => "interrupted",
             Ending::Stopped(_) => "stopped",
-            Ending::Parted => "parted",
+            Ending::Diverged => "parted",
             Ending::Unproved(_) => "unproved",
         }
     }
@@ -112,7 +118,7 @@ pub enum RunError {
 ///
 /// # Errors
 /// None that writing to memory has.
-pub fn headers(plan: &Plan) -> Result<[Option<Vec<u8>>; Table::COUNT], csv::Error> {
+pub fn headers(plan: &Plan) -> Result<[Option<Vec<u8>>; RunTable::COUNT], csv::Error> {
     let contacts = plan.contacts.then(|| tables::lines([tables::CONTACTS])).transpose()?;
     Ok([
         Some(tables::lines([tables::step_columns()])?),
@@ -132,11 +138,11 @@ impl<R: Real> Run<'_, R> {
     pub fn run(
         &self,
         stepping: &mut dyn Stepping<R>,
-        record: &mut Record,
+        record: &mut RunRecord,
         stop: &AtomicBool,
         watch: &mut dyn FnMut(&StepReport, &State<R>),
     ) -> Result<Ending, RunError> {
-        let clock = Clock { before: record.progress().seconds, started: Instant::now() };
+        let clock = SessionClock { before: record.progress().seconds, started: Instant::now() };
         if record.progress().totals == Default::default() && record.progress().frames.is_empty() {
             self.checkpoint(stepping.state(), record, &clock)?;
         }
@@ -148,13 +154,18 @@ impl<R: Real> Run<'_, R> {
                 break Ending::Interrupted;
             }
             let made = stepping.step();
-            let end = stepping.beside().map(|beside| append_beside(beside, record)).transpose()?.flatten();
+            let end = stepping.annotations().map(|beside| append_beside(beside, record)).transpose()?.flatten();
             match made {
                 Err(stopped) => break Ending::Stopped(stopped),
                 Ok(report) => {
+                    let audit = stepping.audit();
                     let state = stepping.state();
-                    self.append(&report, state, record)?;
-                    record.progress_mut().totals.add(&report);
+                    self.append(&report, audit.as_ref(), state, record)?;
+                    let totals = &mut record.progress_mut().totals;
+                    totals.add(&report);
+                    if let Some(audit) = &audit {
+                        totals.audit.get_or_insert_with(AuditTotals::default).add(report.step, audit);
+                    }
                     if self.plan.has_checkpoint(state) {
                         self.checkpoint(state, record, &clock)?;
                     }
@@ -171,40 +182,46 @@ impl<R: Real> Run<'_, R> {
             record.progress_mut().last_frame = Some(frame);
         }
         record.progress_mut().seconds = clock.seconds();
-        record.commit(Saved::of(state))?;
+        record.commit(SavedState::of(state))?;
         let about = self.run_json(record, state, &ending)?;
         record.write("run.json", &about)?;
         Ok(ending)
     }
 
-    fn append(&self, report: &StepReport, state: &State<R>, record: &mut Record) -> Result<(), RunError> {
-        record.append(Table::Steps, &tables::lines([tables::step_row(report)])?)?;
+    fn append(
+        &self,
+        report: &StepReport,
+        audit: Option<&StepAudit>,
+        state: &State<R>,
+        record: &mut RunRecord,
+    ) -> Result<(), RunError> {
+        record.append(RunTable::Steps, &tables::lines([tables::step_row(report, audit)])?)?;
         let measured = tables::measured_rows(self.scene, self.begin, report, state);
-        record.append(Table::Measured, &tables::lines(measured)?)?;
+        record.append(RunTable::Measured, &tables::lines(measured)?)?;
         if self.plan.contacts {
-            record.append(Table::Contacts, &tables::lines(tables::contact_rows(report, state))?)?;
+            record.append(RunTable::Contacts, &tables::lines(tables::contact_rows(report, state))?)?;
         }
         Ok(())
     }
 
-    fn checkpoint(&self, state: &State<R>, record: &mut Record, clock: &Clock) -> Result<(), RunError> {
+    fn checkpoint(&self, state: &State<R>, record: &mut RunRecord, clock: &SessionClock) -> Result<(), RunError> {
         if self.plan.has_frame(state) {
             let frame = self.write_frame(state, record)?;
             record.progress_mut().frames.push(frame);
         }
         record.progress_mut().seconds = clock.seconds();
-        Ok(record.commit(Saved::of(state))?)
+        Ok(record.commit(SavedState::of(state))?)
     }
 
-    fn write_frame(&self, state: &State<R>, record: &mut Record) -> Result<Frame, RunError> {
+    fn write_frame(&self, state: &State<R>, record: &mut RunRecord) -> Result<Frame, RunError> {
         let blocks = vtu::vtu(&frame::blocks(self.scene, self.begin, state))?;
         let contacts = vtu::vtu(&frame::contacts(state))?;
-        let frame = Frame { step: state.step, time: Exact(state.time.to_f64()) };
+        let frame = Frame { step: state.step, time: ExactFloat(state.time.to_f64()) };
         record.write_frame(frame, [&blocks, &contacts])?;
         Ok(frame)
     }
 
-    fn run_json(&self, record: &Record, state: &State<R>, ending: &Ending) -> Result<Vec<u8>, RunError> {
+    fn run_json(&self, record: &RunRecord, state: &State<R>, ending: &Ending) -> Result<Vec<u8>, RunError> {
         let progress = record.progress();
         let totals = &progress.totals;
         let mut map = self.about.clone();
@@ -242,7 +259,7 @@ impl<R: Real> Run<'_, R> {
     }
 }
 
-fn append_beside(beside: Beside, record: &mut Record) -> Result<Option<Ending>, RunError> {
+fn append_beside(beside: StepAnnotations, record: &mut RunRecord) -> Result<Option<Ending>, RunError> {
     for (table, rows) in beside.rows {
         record.append(table, &tables::lines(rows)?)?;
     }
@@ -257,24 +274,24 @@ fn append_beside(beside: Beside, record: &mut Record) -> Result<Option<Ending>, 
 }
 
 /// Counts the seconds of all sessions.
-struct Clock {
+struct SessionClock {
     before: f64,
     started: Instant,
 }
 
-impl Clock {
+impl SessionClock {
     fn seconds(&self) -> f64 {
         self.before + self.started.elapsed().as_secs_f64()
     }
 }
 
 /// Why a run stopped, for programs.
-fn describe(stopped: &Stopped) -> Value {
+fn describe(stopped: &StepError) -> Value {
     let mut value = json!({ "message": stopped.to_string() });
     match stopped {
-        Stopped::NotConverged { step, contacts, .. } => {
+        StepError::NotConverged { step, contacts, .. } => {
             value["step"] = (*step).into();
-            let contact = |c: &rockproof_stepper::dynamics::Concerned| {
+            let contact = |c: &rockproof_stepper::dynamics::ModeChange| {
                 json!({
                     "blocks": c.blocks, "kind": c.kind.name(), "features": c.features,
                     "from": c.from.name(), "to": c.to.name(),
@@ -282,11 +299,11 @@ fn describe(stopped: &Stopped) -> Value {
             };
             value["contacts"] = contacts.iter().map(contact).collect();
         }
-        Stopped::TooFast { step, block, .. }
-        | Stopped::Inverted { step, block, .. }
-        | Stopped::Collapsed { step, block, .. }
-        | Stopped::NotFinite { step, block }
-        | Stopped::Singular { step, block } => {
+        StepError::TooFast { step, block, .. }
+        | StepError::Inverted { step, block, .. }
+        | StepError::Collapsed { step, block, .. }
+        | StepError::NotFinite { step, block }
+        | StepError::Singular { step, block } => {
             value["step"] = (*step).into();
             value["block"] = (*block).into();
         }

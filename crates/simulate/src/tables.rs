@@ -1,5 +1,7 @@
 //! Rows of `steps.csv`, `measured.csv` and `contacts.csv`. Every number is the shortest decimal that is this f64.
 
+use crate::audit::{self, StepAudit};
+use rockproof_model::text::csv_cell;
 use rockproof_model::{ContactKind, Scene};
 use rockproof_stepper::dynamics::{Mode, State, StepReport};
 use rockproof_stepper::{Real, Vector};
@@ -32,7 +34,7 @@ pub const CONTACTS: [&str; 21] = [
     "force_z_N",
 ];
 
-/// Columns of `steps.csv`: what is known of a step, then its contacts by kind and mode.
+/// Columns of `steps.csv`: what is known of a step, its contacts by kind and mode, what the audit found.
 pub fn step_columns() -> Vec<String> {
     let first = [
         "step",
@@ -51,15 +53,16 @@ pub fn step_columns() -> Vec<String> {
         "retries",
     ];
     let counts = kinds_and_modes().map(|(kind, mode)| format!("{}_{}", kind.name(), mode.name()));
-    first.into_iter().map(str::to_owned).chain(counts).collect()
+    let first = first.into_iter().map(str::to_owned);
+    first.chain(counts).chain(audit::COLUMNS.map(str::to_owned)).collect()
 }
 
 fn kinds_and_modes() -> impl Iterator<Item = (ContactKind, Mode)> {
     ContactKind::ALL.into_iter().flat_map(|kind| Mode::ALL.into_iter().map(move |mode| (kind, mode)))
 }
 
-/// The row of a step. Retries as `reason@Δt`, with a space between.
-pub fn step_row(report: &StepReport) -> Vec<String> {
+/// The row of a step, with what its audit found if it has one. Retries as `reason@Δt`, with a space between.
+pub fn step_row(report: &StepReport, audit: Option<&StepAudit>) -> Vec<String> {
     let StepReport { step, time, time_step, iterations, converged, .. } = report;
     let retries: Vec<String> =
         report.retries.iter().map(|retry| format!("{}@{:?}", retry.why.name(), retry.time_step)).collect();
@@ -70,6 +73,7 @@ pub fn step_row(report: &StepReport) -> Vec<String> {
     row.extend([report.gravitational, report.elastic, report.springs].map(number));
     row.push(retries.join(" "));
     row.extend(kinds_and_modes().map(|(kind, mode)| report.count(kind, mode).to_string()));
+    row.extend(audit.map(StepAudit::cells).unwrap_or_default());
     row
 }
 
@@ -85,7 +89,7 @@ pub fn measured_rows<R: Real>(
         .map(|(point, (then, now))| {
             let (then, now) = (then.components().map(R::to_f64), now.components().map(R::to_f64));
             let moved = std::array::from_fn::<f64, 3, _>(|k| now[k] - then[k]);
-            let mut row = vec![report.step.to_string(), number(report.time), point.name.clone()];
+            let mut row = vec![report.step.to_string(), number(report.time), csv_cell(&point.name)];
             row.extend(now.into_iter().chain(moved).map(number));
             row
         })

@@ -1,6 +1,7 @@
 //! What a run comes to, over all its steps.
 
-use crate::exact::Exact;
+use crate::audit::AuditTotals;
+use crate::exact_float::ExactFloat;
 use rockproof_stepper::dynamics::{Mode, RetryReason, StepReport};
 use serde::{Deserialize, Serialize};
 
@@ -20,18 +21,21 @@ pub struct Totals {
     pub unconverged: u64,
     /// Attempts given up because modes still changed, because a vertex moved too far, because a block turned too far.
     pub retries: [u64; 3],
-    /// The deepest overlap of a contact after a step, settling not counted (m).
+    /// The deepest overlap of a contact after a step, to first order, settling not counted (m).
     pub deepest: Extreme,
     /// The largest displacement of a vertex in a step, settling not counted (m).
     pub furthest: Extreme,
     /// The smallest Δt that was accepted (s), settling not counted; none before the first step.
-    pub smallest_step: Option<Exact>,
+    pub smallest_step: Option<ExactFloat>,
     /// Contacts after the last step: open, sliding, locked.
     pub contacts: [u64; 3],
     /// Kinetic energy after the last step (J).
-    pub kinetic: Exact,
+    pub kinetic: ExactFloat,
     /// All other energy after the last step (J).
-    pub potential: Exact,
+    pub potential: ExactFloat,
+    /// What the exact audit of the steps found; none without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub audit: Option<AuditTotals>,
 }
 
 /// A value and the step it belongs to.
@@ -39,7 +43,7 @@ pub struct Totals {
 #[serde(deny_unknown_fields)]
 pub struct Extreme {
     /// The value.
-    pub value: Exact,
+    pub value: ExactFloat,
     /// The first step that has it.
     pub step: i64,
 }
@@ -47,7 +51,7 @@ pub struct Extreme {
 impl Extreme {
     fn add(&mut self, value: f64, step: i64) {
         if value > self.value.0 {
-            *self = Extreme { value: Exact(value), step };
+            *self = Extreme { value: ExactFloat(value), step };
         }
     }
 }
@@ -60,7 +64,7 @@ impl Totals {
             self.deepest.add(report.max_penetration, report.step);
             self.furthest.add(report.max_displacement, report.step);
             let smallest = self.smallest_step.map_or(f64::INFINITY, |s| s.0);
-            self.smallest_step = Some(Exact(smallest.min(report.time_step)));
+            self.smallest_step = Some(ExactFloat(smallest.min(report.time_step)));
         } else {
             self.settling += 1;
         }
@@ -72,7 +76,7 @@ impl Totals {
         }
         self.contacts = [Mode::Open, Mode::Sliding, Mode::Locked]
             .map(|mode| report.contacts.iter().map(|of_kind| u64::from(of_kind[mode as usize])).sum());
-        (self.kinetic, self.potential) = (Exact(report.kinetic), Exact(report.potential()));
+        (self.kinetic, self.potential) = (ExactFloat(report.kinetic), ExactFloat(report.potential()));
     }
 
     /// Retries with the names of their reasons.

@@ -11,7 +11,7 @@ use std::io;
 
 /// Points, cells on them, and data on both.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Grid {
+pub struct UnstructuredGrid {
     /// The time it shows (s).
     pub time: f64,
     /// Where the points are (m).
@@ -19,9 +19,9 @@ pub struct Grid {
     /// The cells.
     pub cells: Cells,
     /// Data on the points.
-    pub point_data: Vec<Array>,
+    pub point_data: Vec<DataArray>,
     /// Data on the cells.
-    pub cell_data: Vec<Array>,
+    pub cell_data: Vec<DataArray>,
 }
 
 /// The cells of a grid, all of one kind.
@@ -69,7 +69,7 @@ impl Polyhedra {
 
 /// A named array of data, of one or more components each.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Array {
+pub struct DataArray {
     /// Its name.
     pub name: &'static str,
     /// The names of the components; one without a name for a scalar.
@@ -92,15 +92,15 @@ pub const SCALAR: &[&str] = &[""];
 /// Components of a vector.
 pub const VECTOR: &[&str] = &["X", "Y", "Z"];
 
-impl Array {
+impl DataArray {
     /// An array of numbers.
-    pub fn floats(name: &'static str, components: &'static [&'static str], values: Vec<f64>) -> Array {
-        Array { name, components, values: Values::Float(values) }
+    pub fn floats(name: &'static str, components: &'static [&'static str], values: Vec<f64>) -> DataArray {
+        DataArray { name, components, values: Values::Float(values) }
     }
 
     /// An array of integers.
-    pub fn integers(name: &'static str, components: &'static [&'static str], values: Vec<i64>) -> Array {
-        Array { name, components, values: Values::Integer(values) }
+    pub fn integers(name: &'static str, components: &'static [&'static str], values: Vec<i64>) -> DataArray {
+        DataArray { name, components, values: Values::Integer(values) }
     }
 }
 
@@ -150,7 +150,7 @@ fn attribute(key: impl Into<String>, value: impl Into<String>) -> (String, Strin
     (key.into(), value.into())
 }
 
-fn array(xml: &mut Xml, array: &Array) -> io::Result<()> {
+fn array(xml: &mut Xml, array: &DataArray) -> io::Result<()> {
     let mut more = vec![attribute("Name", array.name)];
     if array.components.len() > 1 {
         more.push(attribute("NumberOfComponents", array.components.len().to_string()));
@@ -160,7 +160,7 @@ fn array(xml: &mut Xml, array: &Array) -> io::Result<()> {
     data_array(xml, array.values.type_name(), &more, &array.values.bytes())
 }
 
-fn arrays(xml: &mut Xml, element: &str, all: &[Array]) -> io::Result<()> {
+fn arrays(xml: &mut Xml, element: &str, all: &[DataArray]) -> io::Result<()> {
     xml.create_element(element).write_inner_content(|xml| all.iter().try_for_each(|one| array(xml, one)))?;
     Ok(())
 }
@@ -173,7 +173,7 @@ const VTK_POLYHEDRON: u8 = 42;
 ///
 /// # Errors
 /// None that writing to memory has.
-pub fn vtu(grid: &Grid) -> io::Result<Vec<u8>> {
+pub fn vtu(grid: &UnstructuredGrid) -> io::Result<Vec<u8>> {
     let count = grid.points.len();
     let vertices = || (0..count as i64).collect::<Vec<_>>();
     let (connectivity, offsets, kind, faces) = match &grid.cells {
@@ -196,14 +196,14 @@ pub fn vtu(grid: &Grid) -> io::Result<Vec<u8>> {
                 arrays(xml, "PointData", &grid.point_data)?;
                 arrays(xml, "CellData", &grid.cell_data)?;
                 let points = grid.points.iter().flatten().copied().collect();
-                arrays(xml, "Points", &[Array::floats("Points", VECTOR, points)])?;
+                arrays(xml, "Points", &[DataArray::floats("Points", VECTOR, points)])?;
                 xml.create_element("Cells").write_inner_content(|xml| {
-                    array(xml, &Array::integers("connectivity", SCALAR, connectivity))?;
-                    array(xml, &Array::integers("offsets", SCALAR, offsets))?;
+                    array(xml, &DataArray::integers("connectivity", SCALAR, connectivity))?;
+                    array(xml, &DataArray::integers("offsets", SCALAR, offsets))?;
                     data_array(xml, "UInt8", &[attribute("Name", "types")], &vec![kind; cells])?;
                     if let Some((faces, face_offsets)) = faces {
-                        array(xml, &Array::integers("faces", SCALAR, faces))?;
-                        array(xml, &Array::integers("faceoffsets", SCALAR, face_offsets))?;
+                        array(xml, &DataArray::integers("faces", SCALAR, faces))?;
+                        array(xml, &DataArray::integers("faceoffsets", SCALAR, face_offsets))?;
                     }
                     Ok(())
                 })?;

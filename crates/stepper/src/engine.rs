@@ -1,8 +1,8 @@
 //! A stepper with its rules, as something that classifies blocks.
 
-use crate::contact::{Collapsed, Rules, Solid, ToleranceOverflow, Tolerances, classify_keeping};
+use crate::contact::{Collapsed, ContactRules, PreparedBlock, ToleranceOverflow, Tolerances, classify_keeping};
 use crate::real::Real;
-use crate::wide;
+use crate::wide::{Wide, count_unsettled};
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
 use std::marker::PhantomData;
 
@@ -21,7 +21,7 @@ pub trait Classifier: Send + Sync {
     /// When rounding collapses a block or a tolerance overflows.
     fn f64(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError>;
 
-    /// The contacts in [`wide::Wide`] and the number of comparisons that rounding left unsettled.
+    /// The contacts in [`Wide`] and the number of comparisons that rounding left unsettled.
     ///
     /// # Errors
     /// When a block collapses.
@@ -31,7 +31,7 @@ pub trait Classifier: Send + Sync {
 /// Why the stepper cannot classify a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EngineError {
-    /// Rounding left no block of it.
+    /// Rounding made it degenerate.
     #[error(transparent)]
     Collapsed(#[from] Collapsed),
     /// A tolerance is out of range.
@@ -39,7 +39,7 @@ pub enum EngineError {
     Tolerance(#[from] ToleranceOverflow),
 }
 
-/// The stepper with the rules `M`: [`crate::contact::Spec`], or those with a deliberate mistake.
+/// The stepper with the rules `M`: [`crate::contact::SpecRules`], or those with a deliberate mistake.
 #[derive(Clone, Copy, Debug)]
 pub struct Stepper<M> {
     rules: PhantomData<fn() -> M>,
@@ -59,7 +59,7 @@ impl<M> Default for Stepper<M> {
     }
 }
 
-impl<M: Rules> Classifier for Stepper<M> {
+impl<M: ContactRules> Classifier for Stepper<M> {
     fn f32(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError> {
         contacts_in::<f32, M>(a, b, t)
     }
@@ -69,7 +69,7 @@ impl<M: Rules> Classifier for Stepper<M> {
     }
 
     fn wide(&self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<(Vec<Contact>, u64), EngineError> {
-        wide::classify::<M>(a, b, t)
+        wide_contacts::<M>(a, b, t)
     }
 }
 
@@ -77,8 +77,26 @@ impl<M: Rules> Classifier for Stepper<M> {
 ///
 /// # Errors
 /// When rounding collapses a block or a tolerance overflows.
-pub fn contacts_in<R: Real, M: Rules>(a: &Block, b: &Block, t: &ToleranceSet) -> Result<Vec<Contact>, EngineError> {
+pub fn contacts_in<R: Real, M: ContactRules>(
+    a: &Block,
+    b: &Block,
+    t: &ToleranceSet,
+) -> Result<Vec<Contact>, EngineError> {
     contacts_keeping::<R, M>(a, b, t, &[])
+}
+
+/// The contacts of a pair in [`Wide`] by the rules `M`, preparation of both blocks included, and the number of unsettled
+/// comparisons. Where that is 0, each decision is the exact one.
+///
+/// # Errors
+/// When a block collapses; with exact coordinates of a canonical block it does not.
+pub fn wide_contacts<M: ContactRules>(
+    a: &Block,
+    b: &Block,
+    t: &ToleranceSet,
+) -> Result<(Vec<Contact>, u64), EngineError> {
+    let (contacts, unsettled) = count_unsettled(|| contacts_in::<Wide, M>(a, b, t));
+    Ok((contacts?, unsettled))
 }
 
 /// Prepares and classifies a pair in one precision, in a step in which the contacts `kept` go on whatever their depth.
@@ -88,12 +106,12 @@ pub fn contacts_in<R: Real, M: Rules>(a: &Block, b: &Block, t: &ToleranceSet) ->
 ///
 /// # Panics
 /// When a kept contact names a feature that its block does not have.
-pub fn contacts_keeping<R: Real, M: Rules>(
+pub fn contacts_keeping<R: Real, M: ContactRules>(
     a: &Block,
     b: &Block,
     t: &ToleranceSet,
     kept: &[ContactKey],
 ) -> Result<Vec<Contact>, EngineError> {
-    let (a, b, t) = (Solid::<R>::new(a)?, Solid::<R>::new(b)?, Tolerances::<R>::new(t)?);
+    let (a, b, t) = (PreparedBlock::<R>::new(a)?, PreparedBlock::<R>::new(b)?, Tolerances::<R>::new(t)?);
     Ok(classify_keeping::<R, M>(&a, &b, &t, kept).into_iter().map(|found| found.contact).collect())
 }

@@ -11,7 +11,10 @@ pub mod real;
 pub mod vector;
 pub mod wide;
 
-pub use contact::{Collapsed, Found, Request, Solid, Tolerances, classify, classify_keeping, classify_traced};
+pub use contact::{
+    ClassificationRequest, Collapsed, ComputedContact, PreparedBlock, Tolerances, classify, classify_keeping,
+    classify_traced,
+};
 pub use engine::{Classifier, EngineError, Stepper};
 pub use real::Real;
 pub use vector::Vector;

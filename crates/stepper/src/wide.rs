@@ -15,12 +15,10 @@
 mod radius;
 
 use self::radius::Radius;
-use crate::contact::Rules;
-use crate::engine::{EngineError, contacts_in};
 use crypto_bigint::{NonZero, U64, U512, U1024};
 use num_bigint::{BigInt, Sign as BigSign};
+use rockproof_model::Number;
 use rockproof_model::number::split_f64;
-use rockproof_model::{Block, Contact, Number, ToleranceSet};
 use std::cell::Cell;
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -44,22 +42,12 @@ thread_local! {
 }
 
 /// Runs `work` and tells how many of its comparisons rounding left unsettled. Counts on this thread only.
-pub fn counting<T>(work: impl FnOnce() -> T) -> (T, u64) {
+pub fn count_unsettled<T>(work: impl FnOnce() -> T) -> (T, u64) {
     let before = UNSETTLED.replace(0);
     let result = work();
     let count = UNSETTLED.replace(before);
     UNSETTLED.set(before + count);
     (result, count)
-}
-
-/// The contacts of a pair in [`Wide`] by the rules `M`, preparation of both blocks included, and the number of unsettled
-/// comparisons. Where that is 0, each decision is the exact one.
-///
-/// # Errors
-/// When a block collapses; with exact coordinates of a canonical block it does not.
-pub fn classify<M: Rules>(a: &Block, b: &Block, t: &ToleranceSet) -> Result<(Vec<Contact>, u64), EngineError> {
-    let (contacts, unsettled) = counting(|| contacts_in::<Wide, M>(a, b, t));
-    Ok((contacts?, unsettled))
 }
 
 impl Wide {

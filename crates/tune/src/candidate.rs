@@ -1,12 +1,12 @@
 //! Tolerance sets as a few small numbers, so that they can be drawn and changed.
 
-use rockproof_campaign::families::Kit;
+use rockproof_campaign::families::PairSampler;
 use rockproof_model::preset::{self, Preset, sine_of_degrees};
 use rockproof_model::{Block, Criteria, Number, Precision, PresetError, ToleranceSet};
 
 /// The lengths of a model that tolerance sets are made of (m).
 #[derive(Clone, Copy, Debug)]
-pub struct Model {
+pub struct ModelLengths {
     /// ℓ
     shortest_edge: f64,
     /// H
@@ -23,12 +23,12 @@ pub struct Model {
     eps: f64,
 }
 
-impl Model {
+impl ModelLengths {
     /// Measures the blocks.
     ///
     /// # Errors
     /// When `auto` cannot be derived from them.
-    pub fn of(blocks: &[&Block], precision: Precision) -> Result<Model, PresetError> {
+    pub fn of(blocks: &[&Block], precision: Precision) -> Result<ModelLengths, PresetError> {
         let auto = preset::derive(Preset::Auto, blocks, precision)?;
         let [displacement, penetration, rotation] =
             [&auto.max_displacement, &auto.penetration, &auto.max_rotation].map(Number::approximate);
@@ -46,35 +46,35 @@ impl Model {
         let eps = precision.epsilon();
         // `auto` has ω² = 2g/R and εo = 2¹⁰·eps·H.
         let (radius, half_side) = (2.0 * penetration / (rotation * rotation), auto.open.approximate() / (1024.0 * eps));
-        Ok(Model { shortest_edge, half_side, radius, displacement, longest_edge, coordinate, eps })
+        Ok(ModelLengths { shortest_edge, half_side, radius, displacement, longest_edge, coordinate, eps })
     }
 }
 
-impl Model {
+impl ModelLengths {
     /// A set with as little changed as the rules of SPEC section 3 ask for; `max_displacement` gives way to `search` and `penetration`.
-    pub fn mended(&self, set: &ToleranceSet) -> ToleranceSet {
-        let mut mended = set.clone();
+    pub fn repaired(&self, set: &ToleranceSet) -> ToleranceSet {
+        let mut repaired = set.clone();
         let (quarter, resolved) = (self.shortest_edge / 4.0, self.resolved_territory());
         if set.search.approximate() < resolved && resolved <= quarter {
-            mended.search = number(digits(resolved, true));
+            repaired.search = number(digits(resolved, true));
         }
-        let [search, penetration] = [&mended.search, &mended.penetration].map(Number::approximate);
-        lower(&mut mended.max_displacement, quarter.min(search / 2.0).min(penetration));
-        lower(&mut mended.territory, quarter.min(search));
-        if mended.territory.approximate() < resolved {
-            mended.territory = number(digits(resolved, true));
+        let [search, penetration] = [&repaired.search, &repaired.penetration].map(Number::approximate);
+        lower(&mut repaired.max_displacement, quarter.min(search / 2.0).min(penetration));
+        lower(&mut repaired.territory, quarter.min(search));
+        if repaired.territory.approximate() < resolved {
+            repaired.territory = number(digits(resolved, true));
         }
-        lower(&mut mended.max_rotation, (2.0 * penetration / self.radius).sqrt());
+        lower(&mut repaired.max_rotation, (2.0 * penetration / self.radius).sqrt());
         if set.criteria == Criteria::Classic {
-            lower(&mut mended.parallel_sine, mended.territory.approximate() / self.longest_edge);
-            lower(&mut mended.overlap_sine, penetration / self.longest_edge);
+            lower(&mut repaired.parallel_sine, repaired.territory.approximate() / self.longest_edge);
+            lower(&mut repaired.overlap_sine, penetration / self.longest_edge);
         }
-        mended
+        repaired
     }
 
     /// A set with what docs/rules_of_thumb.md proposes: the revised criteria, an overlap angle of a quarter of a degree, no parallel angle,
     /// and, if `territory`, twice the least territory that rounding does not decide.
-    pub fn by_thumb(&self, set: &ToleranceSet, territory: bool) -> ToleranceSet {
+    pub fn by_rules_of_thumb(&self, set: &ToleranceSet, territory: bool) -> ToleranceSet {
         let mut proposed = ToleranceSet {
             overlap_sine: number(sine_of_degrees(0.25)),
             parallel_sine: Number::ZERO,
@@ -110,7 +110,7 @@ fn number(value: f64) -> Number {
 
 /// A tolerance set as places on scales of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Knobs([i32; 9]);
+pub struct SetParameters([i32; 9]);
 
 /// The angles that are tried (degrees).
 const ANGLES: [f64; 11] = [0.0, 0.125, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0];
@@ -125,10 +125,10 @@ const LAST: [i32; 9] = [40, 12, 12, 24, 10, 10, 7, 8, 1];
 /// The first place on each scale: an overlap angle of 0 loses contacts (docs/rules_of_thumb.md), and what is not found cannot differ.
 const FIRST: [i32; 9] = [0, 0, 0, 0, 1, 0, 0, 0, 0];
 
-impl Knobs {
+impl SetParameters {
     /// Anything.
-    pub fn drawn(kit: &mut Kit<'_>) -> Knobs {
-        Knobs(std::array::from_fn(|knob| kit.between(FIRST[knob].into(), LAST[knob].into()) as i32))
+    pub fn random(sampler: &mut PairSampler<'_>) -> SetParameters {
+        SetParameters(std::array::from_fn(|k| sampler.between(FIRST[k].into(), LAST[k].into()) as i32))
     }
 
     /// The places, apart by spaces.
@@ -136,20 +136,20 @@ impl Knobs {
         self.0.map(|place| place.to_string()).join(" ")
     }
 
-    /// One to three knobs turned by one to four places.
+    /// One to three parameters changed by one to four places.
     #[must_use]
-    pub fn turned(&self, kit: &mut Kit<'_>) -> Knobs {
+    pub fn mutated(&self, sampler: &mut PairSampler<'_>) -> SetParameters {
         let mut places = self.0;
-        for _ in 0..kit.between(1, 3) {
-            let knob = kit.below(places.len() as u64) as usize;
-            let by = kit.between(1, 4) * kit.sign();
-            places[knob] = (places[knob] + by as i32).clamp(FIRST[knob], LAST[knob]);
+        for _ in 0..sampler.between(1, 3) {
+            let k = sampler.below(places.len() as u64) as usize;
+            let by = sampler.between(1, 4) * sampler.sign();
+            places[k] = (places[k] + by as i32).clamp(FIRST[k], LAST[k]);
         }
-        Knobs(places)
+        SetParameters(places)
     }
 
     /// The place nearest to a set.
-    pub fn nearest(set: &ToleranceSet, model: &Model) -> Knobs {
+    pub fn nearest(set: &ToleranceSet, model: &ModelLengths) -> SetParameters {
         let [search, territory, penetration, displacement, rotation] =
             [&set.search, &set.territory, &set.penetration, &set.max_displacement, &set.max_rotation]
                 .map(Number::approximate);
@@ -176,7 +176,7 @@ impl Knobs {
                 (1..EQUAL.len()).min_by(|&i, &j| off(i).total_cmp(&off(j))).unwrap_or(0) as i32
             }
         };
-        Knobs([
+        SetParameters([
             place(displacement, quarter, LAST[0]),
             place(2.0 * displacement, search, LAST[1]),
             place(displacement, penetration, LAST[2]),
@@ -191,7 +191,7 @@ impl Knobs {
 
     /// The set for a model: every value an f64 of three digits. Lengths: u from ℓ/4 down in steps of 2^¼ but not below a quarter of `auto`'s, s
     /// from 2u up, g from u up, r from its limit down.
-    pub fn set(&self, model: &Model) -> ToleranceSet {
+    pub fn set(&self, model: &ModelLengths) -> ToleranceSet {
         let [u, s, g, r, overlap, parallel, equal, rotation, criteria] = self.0;
         let quarter = model.shortest_edge / 4.0;
         let displacement = digits((quarter * quarter_power(-u)).max(model.displacement / 4.0).min(quarter), false);
@@ -258,20 +258,20 @@ mod tests {
         let whole = Number::from_integer;
         let corner = |x, y, z| rockproof_model::Vec3::new(whole(x), whole(y), whole(z));
         let block = Block::cuboid(&corner(0, 0, 0), &corner(1, 2, 3)).expect("a box");
-        let model = Model::of(&[&block], Precision::F64).expect("lengths");
+        let model = ModelLengths::of(&[&block], Precision::F64).expect("lengths");
         assert!(
             (model.shortest_edge, model.half_side) == (1.0, 1.5) && (model.radius - 14f64.sqrt() / 2.0).abs() < 1e-4
         );
         let mut rng = ChaCha8Rng::from_seed([3; 32]);
-        let mut kit = Kit::with_style(&mut rng, rockproof_campaign::families::Style::Grid);
+        let mut sampler = PairSampler::with_style(&mut rng, rockproof_campaign::families::CoordinateStyle::Grid);
         for _ in 0..200 {
-            let knobs = Knobs::drawn(&mut kit).turned(&mut kit);
-            let broken = rules::check(&knobs.set(&model), &[&block], Precision::F64);
-            let near = Knobs::nearest(&knobs.set(&model), &model);
-            assert_eq!(Knobs::nearest(&near.set(&model), &model), near, "{knobs:?}");
+            let parameters = SetParameters::random(&mut sampler).mutated(&mut sampler);
+            let broken = rules::check(&parameters.set(&model), &[&block], Precision::F64);
+            let near = SetParameters::nearest(&parameters.set(&model), &model);
+            assert_eq!(SetParameters::nearest(&near.set(&model), &model), near, "{parameters:?}");
             // Only what angles have to do with lengths under the classic criteria is left to chance.
             let chance = |v: &rules::Violation| matches!(v.rule, rules::Rule::ParallelEdges | rules::Rule::Overlap);
-            assert!(broken.iter().all(chance), "{knobs:?}: {broken:?}");
+            assert!(broken.iter().all(chance), "{parameters:?}: {broken:?}");
         }
     }
 }

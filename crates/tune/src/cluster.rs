@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use rockproof_model::simulation::Unconverged;
 use rockproof_model::{Motion, Number, Scene, ToleranceSet, Vec3};
-use rockproof_stepper::contact::{Solid, Spec, Tolerances, classify};
+use rockproof_stepper::contact::{PreparedBlock, SpecRules, Tolerances, classify};
 use std::collections::BTreeSet;
 
 /// Blocks of a cluster at most.
@@ -14,7 +14,7 @@ const MOST_CONTACTS: usize = 192;
 
 /// What holds a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Held {
+pub enum ClusterSupport {
     /// What the scene has as fixed.
     Given,
     /// Nothing in the scene is fixed: so many of its blocks, the lowest.
@@ -35,7 +35,7 @@ pub struct Cluster {
     /// Whether it is the whole scene.
     pub is_whole: bool,
     /// What holds it.
-    pub held: Held,
+    pub held: ClusterSupport,
     /// Contacts of the part as it stands, but those of two blocks that are held, in f64.
     pub contacts: usize,
 }
@@ -118,12 +118,12 @@ impl Cluster {
         part.blocks = members.iter().map(|&block| scene.blocks[block].clone()).collect();
         let nothing_fixed = part.blocks.iter().all(|block| !block.body.is_fixed());
         let held = match nothing_fixed && members.len() > 1 {
-            false => Held::Given,
+            false => ClusterSupport::Given,
             true if is_whole => hold_lowest(&mut part),
             true => {
                 let free = members.len().div_ceil(3);
                 part.blocks[free..].iter_mut().for_each(|block| block.body.motion = Motion::Fixed);
-                Held::Ring(members.len() - free)
+                ClusterSupport::Ring(members.len() - free)
             }
         };
         // What is attached to blocks by number stays only where all of them are there.
@@ -162,7 +162,7 @@ impl Cluster {
 
 /// Fixes the blocks that reach as far down along gravity as any, to a thousandth of the scene's height; where that is all of them, or gravity
 /// pulls nowhere, the largest.
-fn hold_lowest(scene: &mut Scene) -> Held {
+fn hold_lowest(scene: &mut Scene) -> ClusterSupport {
     let gravity = scene.simulation.gravity.map(Number::approximate);
     let depths: Vec<[f64; 2]> = scene
         .blocks
@@ -183,23 +183,23 @@ fn hold_lowest(scene: &mut Scene) -> Held {
     if low < depths.len() {
         let blocks = scene.blocks.iter_mut().zip(&is_low).filter(|(_, low)| **low);
         blocks.for_each(|(block, _)| block.body.motion = Motion::Fixed);
-        return Held::Lowest(low);
+        return ClusterSupport::Lowest(low);
     }
     let volumes: Vec<_> = scene.blocks.iter().map(|block| block.block.volume()).collect();
     let largest = (0..volumes.len()).rev().max_by(|&i, &j| volumes[i].cmp(&volumes[j]));
     if let Some(largest) = largest {
         scene.blocks[largest].body.motion = Motion::Fixed;
     }
-    Held::Largest
+    ClusterSupport::Largest
 }
 
 /// The number of contacts of each pair in f64; none where the set or a block cannot be had in it.
 fn contacts(scene: &Scene, pairs: &[[usize; 2]], set: &ToleranceSet) -> Vec<([usize; 2], usize)> {
-    let solids: Vec<_> = scene.blocks.iter().map(|block| Solid::<f64>::new(&block.block).ok()).collect();
+    let solids: Vec<_> = scene.blocks.iter().map(|block| PreparedBlock::<f64>::new(&block.block).ok()).collect();
     let tolerances = Tolerances::new(set).ok();
     let count = |&[i, j]: &[usize; 2]| {
         let both = solids[i].as_ref().zip(solids[j].as_ref()).zip(tolerances.as_ref());
-        ([i, j], both.map_or(0, |((a, b), tolerances)| classify::<f64, Spec>(a, b, tolerances).len()))
+        ([i, j], both.map_or(0, |((a, b), tolerances)| classify::<f64, SpecRules>(a, b, tolerances).len()))
     };
     pairs.par_iter().map(count).collect()
 }
@@ -255,8 +255,8 @@ mod tests {
             (cluster.held, held.into_iter().map(|at| cluster.members[at]).collect::<BTreeSet<_>>())
         };
         let low = [cuboid([0, 0, 1], [2, 1, 2]), cuboid([0, 0, 0], [1, 1, 1]), cuboid([1, 0, 0], [2, 1, 1])];
-        assert_eq!(fixed(low.to_vec()), (Held::Lowest(2), BTreeSet::from([1, 2])));
+        assert_eq!(fixed(low.to_vec()), (ClusterSupport::Lowest(2), BTreeSet::from([1, 2])));
         let level = [cuboid([0, 0, 0], [1, 1, 1]), cuboid([1, 0, 0], [3, 1, 1]), cuboid([3, 0, 0], [4, 1, 1])];
-        assert_eq!(fixed(level.to_vec()), (Held::Largest, BTreeSet::from([1])));
+        assert_eq!(fixed(level.to_vec()), (ClusterSupport::Largest, BTreeSet::from([1])));
     }
 }

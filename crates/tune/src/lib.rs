@@ -6,21 +6,22 @@
 
 mod candidate;
 mod cluster;
-mod look;
-mod measure;
+mod evaluator;
+mod given;
+mod pair_check;
 mod probes;
 mod record;
 pub mod report;
 mod search;
 mod steps;
 
-pub use candidate::{Knobs, Model};
-pub use cluster::{Cluster, Held};
-pub use measure::{Measurement, Workbench};
+pub use candidate::{ModelLengths, SetParameters};
+pub use cluster::{Cluster, ClusterSupport};
+pub use evaluator::{Evaluator, Measurement};
 pub use probes::{Differences, Probes};
-pub use record::{COLUMNS, Record, RecordError};
-pub use search::{Next, Origin, Search, Tried};
-pub use steps::{Locked, Overlaps, Stepped};
+pub use record::{COLUMNS, RecordError, SearchRecord};
+pub use search::{CandidateOrigin, EvaluatedCandidate, PendingCandidate, Search};
+pub use steps::{LockstepMeasures, Overlaps, StepMeasures};
 
 use rockproof_model::SpecError;
 use rockproof_stepper::dynamics::SetupError;

@@ -1,14 +1,14 @@
-//! The pairs on which engine and oracle are compared for every candidate: the scene's neighbours as they stand, and relatives of theirs.
+//! The pairs on which engine and oracle are compared for every candidate: the scene's neighbours as they stand, and perturbed copies of them.
 
 use super::TuneError;
 use super::cluster;
-use super::look::{Ready, Seen, Sets};
+use super::pair_check::{CheckedSet, PairCheck, PairChecker};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rayon::prelude::*;
 use rockproof_campaign::directed::Rung;
-use rockproof_campaign::families::{Family, Kit, Real, Style};
-use rockproof_campaign::pairs::{self, Form, PairConfig, SetSource};
+use rockproof_campaign::families::{CoordinateStyle, Family, PairSampler, RealNeighbours};
+use rockproof_campaign::pairs::{self, PairConfig, PairForm, SetSource};
 use rockproof_differential::engine::Engine;
 use rockproof_model::{Block, Precision, Scene, ToleranceSet};
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Neighbouring pairs looked at as they stand, at most.
 const STANDING: usize = 384;
 
-/// Batches of sixteen relatives.
+/// Batches of sixteen perturbed pairs.
 const BATCHES: u64 = 12;
 
 /// Pairs that engine and oracle answer differently, with what was looked at. A pair differs when rounding its input changes the exact
@@ -66,8 +66,8 @@ impl Differences {
 pub struct Probes {
     seed: u64,
     precision: Precision,
-    standing: Vec<Ready>,
-    relatives: Arc<dyn Family>,
+    standing: Vec<PairChecker>,
+    perturbed: Arc<dyn Family>,
     /// Neighbouring pairs of the scene, whether looked at or not.
     pub neighbours: usize,
 }
@@ -79,22 +79,23 @@ impl Probes {
     /// When there are no neighbours.
     pub fn of(scene: &Scene, precision: Precision, seed: u64) -> Result<Probes, TuneError> {
         let blocks: Vec<Block> = scene.blocks.iter().map(|block| block.block.clone()).collect();
-        let relatives = Real::neighbours(&blocks).ok_or(TuneError::NoNeighbours)?;
+        let perturbed = RealNeighbours::neighbours(&blocks).ok_or(TuneError::NoNeighbours)?;
         let mut pairs = cluster::neighbours(scene);
         let neighbours = pairs.len();
         let mut key = *b"rockproof tuner, standing pairs.";
         key[24..].copy_from_slice(&seed.to_le_bytes());
         let mut rng = ChaCha8Rng::from_seed(key);
-        let mut kit = Kit::with_style(&mut rng, Style::Grid);
+        let mut sampler = PairSampler::with_style(&mut rng, CoordinateStyle::Grid);
         // The first of a random order (Fisher and Yates).
         for at in 0..pairs.len().min(STANDING) {
-            let other = at + kit.below((pairs.len() - at) as u64) as usize;
+            let other = at + sampler.below((pairs.len() - at) as u64) as usize;
             pairs.swap(at, other);
         }
         pairs.truncate(STANDING);
         pairs.sort_unstable();
-        let standing = pairs.into_par_iter().map(|[i, j]| Ready::new(&blocks[i], &blocks[j], precision)).collect();
-        Ok(Probes { seed, precision, standing, relatives: Arc::new(relatives), neighbours })
+        let standing =
+            pairs.into_par_iter().map(|[i, j]| PairChecker::new(&blocks[i], &blocks[j], precision)).collect();
+        Ok(Probes { seed, precision, standing, perturbed: Arc::new(perturbed), neighbours })
     }
 
     /// Compares an engine of the precision with the oracle under a set.
@@ -102,38 +103,39 @@ impl Probes {
     /// # Errors
     /// The name of a tolerance that overflows in the precision.
     pub fn compare(&self, set: &ToleranceSet, engine: &dyn Engine) -> Result<Differences, &'static str> {
-        let sets = Sets::new(set, self.precision)?;
+        let sets = CheckedSet::new(set, self.precision)?;
         let standing = self.standing.par_iter().map(|pair| {
-            let Seen { differs, changed } = pair.look(&sets, engine);
+            let PairCheck { differs, changed } = pair.check(&sets, engine);
             Differences { standing: [1, differs.into()], changed, ..Differences::default() }
         });
         let config = PairConfig {
-            families: vec![Arc::clone(&self.relatives)],
+            families: vec![Arc::clone(&self.perturbed)],
             sets: vec![SetSource::given("candidate", set.clone())],
             sets_per_batch: 1,
             directed_percent: 80,
             ladder_percent: 0,
-            shaken_percent: 0,
+            perturbed_percent: 0,
         };
-        let relatives = (0..BATCHES).into_par_iter().flat_map_iter(|batch| {
+        let perturbed = (0..BATCHES).into_par_iter().flat_map_iter(|batch| {
             pairs::batch(self.seed, batch, &config).into_iter().map(|case| {
-                let Seen { differs, changed } = Ready::new(&case.a, &case.b, self.precision).look(&sets, engine);
+                let PairCheck { differs, changed } =
+                    PairChecker::new(&case.a, &case.b, self.precision).check(&sets, engine);
                 let none = Differences { changed, ..Differences::default() };
                 let differs = differs.into();
                 match case.form {
-                    Form::Directed { rung, .. } if is_on_boundary(rung) => {
+                    PairForm::Directed { rung, .. } if is_on_boundary(rung) => {
                         Differences { boundary: [1, differs], ..none }
                     }
-                    Form::Directed { .. } => Differences { near: [1, differs], ..none },
+                    PairForm::Directed { .. } => Differences { near: [1, differs], ..none },
                     _ => Differences { moved: [1, differs], ..none },
                 }
             })
         });
-        let [standing, relatives] = [
+        let [standing, perturbed] = [
             standing.reduce(Differences::default, Differences::add),
-            relatives.reduce(Differences::default, Differences::add),
+            perturbed.reduce(Differences::default, Differences::add),
         ];
-        Ok(standing.add(relatives))
+        Ok(standing.add(perturbed))
     }
 }
 

@@ -1,12 +1,13 @@
 //! The search on disk: one row for each candidate, so that it can be killed at any moment and go on.
 
-use super::candidate::Knobs;
-use super::measure::Measurement;
+use super::candidate::SetParameters;
+use super::evaluator::Measurement;
 use super::probes::Differences;
-use super::search::{Next, Search, Tried};
-use super::steps::{Locked, Overlaps, Stepped};
-use rockproof_model::rules::{Rule, Slack};
-use rockproof_results::{Claim, Directory, Kind, Owner, ResultsError, Start, digest, identity_differences};
+use super::search::{EvaluatedCandidate, PendingCandidate, Search};
+use super::steps::{LockstepMeasures, Overlaps, StepMeasures};
+use rockproof_model::files::read_limited;
+use rockproof_model::rules::{Rule, RuleSlack};
+use rockproof_results::{Claim, Directory, FileKind, Owner, ResultsError, Start, digest, identity_differences};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -24,7 +25,7 @@ pub enum RecordError {
 
 /// The columns of `candidates.csv`: number and origin, the set, then what was measured. Lengths in m. Those that begin with `lock_` are empty
 /// for candidates whose steps the oracle was not asked about.
-pub const COLUMNS: [&str; 40] = [
+pub const COLUMNS: [&str; 41] = [
     "candidate",
     "origin",
     "search",
@@ -41,6 +42,7 @@ pub const COLUMNS: [&str; 40] = [
     "violated",
     "slack",
     "tightest",
+    "lost_pairs",
     "standing_pairs",
     "standing_differ",
     "moved_pairs",
@@ -74,7 +76,7 @@ const FILES: [&str; 4] = [TABLE, ABOUT, "tune.md", "tolerances.toml"];
 
 /// The content of `tune.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct About {
+struct SearchDescription {
     #[serde(flatten)]
     identity: Map<String, Value>,
     /// SHA-256 of `candidates.csv`: of the table before the last change and of the one after it, for a kill may come between. Empty as
@@ -84,12 +86,12 @@ struct About {
 
 /// A search on disk.
 #[derive(Debug)]
-pub struct Record {
+pub struct SearchRecord {
     directory: Directory,
-    about: About,
+    about: SearchDescription,
 }
 
-impl Record {
+impl SearchRecord {
     /// Opens the directory; where a search goes on, takes its candidates into `search`.
     ///
     /// # Errors
@@ -99,14 +101,14 @@ impl Record {
         identity: &Map<String, Value>,
         start: Start,
         search: &mut Search<'_>,
-    ) -> Result<Record, RecordError> {
+    ) -> Result<SearchRecord, RecordError> {
         let mut directory = Directory::claim(Claim { dir, owner: Owner::Tune, start, files: &FILES })?;
-        if !directory.goes_on(ABOUT, TABLE)? {
-            let about = About { identity: identity.clone(), candidates_sha256: Vec::new() };
+        if !directory.is_resumable(ABOUT, TABLE)? {
+            let about = SearchDescription { identity: identity.clone(), candidates_sha256: Vec::new() };
             directory.write_sealed(ABOUT, &about)?;
-            return Ok(Record { directory, about });
+            return Ok(SearchRecord { directory, about });
         }
-        let about: About = directory.read_sealed(ABOUT)?;
+        let about: SearchDescription = directory.read_sealed(ABOUT)?;
         let differences = identity_differences(&about.identity, identity);
         if !differences.is_empty() {
             let (dir, owner) = (directory.path().to_owned(), directory.owner());
@@ -118,16 +120,16 @@ impl Record {
             if !about.candidates_sha256.contains(&digest(&table)) {
                 return Err(ResultsError::damaged(&file, "its rows are not as they were written").into());
             }
-            take_in(&file, &table, search)?;
+            restore_rows(&file, &table, search)?;
         } else if about.candidates_sha256.len() > 1 {
             return Err(ResultsError::damaged(&file, "it is missing").into());
         }
-        Ok(Record { directory, about })
+        Ok(SearchRecord { directory, about })
     }
 
     /// The steps of the search that a directory holds, if it holds one.
     pub fn steps(dir: &Path) -> Option<u64> {
-        let text = std::fs::read(dir.join(ABOUT)).ok()?;
+        let text = read_limited(dir.join(ABOUT)).ok()?;
         let about: Map<String, Value> = serde_json::from_slice(&text).ok()?;
         about.get("steps")?.as_u64()
     }
@@ -140,15 +142,15 @@ impl Record {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(COLUMNS)?;
         let best = search.best();
-        for (number, tried) in search.tried().iter().enumerate() {
-            writer.write_record(row(number, tried, best == Some(number)))?;
+        for (number, evaluated) in search.tried().iter().enumerate() {
+            writer.write_record(row(number, evaluated, best == Some(number)))?;
         }
         let bytes = writer.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
         let seals = &mut self.about.candidates_sha256;
         seals.drain(..seals.len().saturating_sub(1));
         seals.push(digest(&bytes));
         self.directory.write_sealed(ABOUT, &self.about)?;
-        Ok(self.directory.write(TABLE, Kind::Table, &bytes)?)
+        Ok(self.directory.write(TABLE, FileKind::Table, &bytes)?)
     }
 
     /// Writes `tune.md` or `tolerances.toml`, beside its final name first.
@@ -156,35 +158,36 @@ impl Record {
     /// # Errors
     /// When it cannot be written.
     pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), RecordError> {
-        let kind = if name.ends_with(".toml") { Kind::Input } else { Kind::Text };
+        let kind = if name.ends_with(".toml") { FileKind::Input } else { FileKind::Text };
         Ok(self.directory.write(name, kind, bytes)?)
     }
 }
 
-fn row(number: usize, tried: &Tried, best: bool) -> Vec<String> {
-    let m = &tried.measurement;
+fn row(number: usize, evaluated: &EvaluatedCandidate, best: bool) -> Vec<String> {
+    let m = &evaluated.measurement;
     let d = &m.differences;
-    let mut row = vec![number.to_string(), tried.origin.name().to_owned()];
-    row.extend(tried.set.numbers().map(|(_, value)| value.to_string()));
-    row.push(tried.set.criteria.name().to_owned());
+    let mut row = vec![number.to_string(), evaluated.origin.name().to_owned()];
+    row.extend(evaluated.set.numbers().map(|(_, value)| value.to_string()));
+    row.push(evaluated.set.criteria.name().to_owned());
     row.push(m.violated.iter().map(|rule| (*rule as usize).to_string()).collect::<Vec<_>>().join(" "));
     row.extend([format!("{:?}", m.tightest.factor), (m.tightest.rule as usize).to_string()]);
+    row.push(m.lost_pairs.to_string());
     row.extend([d.standing, d.moved, d.near, d.boundary].into_iter().flatten().map(|count| count.to_string()));
-    let s = &m.stepped;
+    let s = &m.steps_measured;
     row.extend([d.changed.to_string(), s.steps.to_string()]);
     row.extend([format!("{:?}", s.overlaps.deepest), format!("{:?}", s.overlaps.sunk)]);
     row.extend([s.unconverged.to_string(), s.retries.to_string(), s.stopped.clone().unwrap_or_default()]);
-    let locked = m.locked.as_ref();
+    let lockstep = m.lockstep.as_ref();
     let counts =
-        locked.map(|l| [l.steps, l.differ, l.found, l.contacts, l.modes, l.failed].map(|count| count.to_string()));
+        lockstep.map(|l| [l.steps, l.differ, l.found, l.contacts, l.modes, l.failed].map(|count| count.to_string()));
     row.extend(counts.unwrap_or_default());
-    row.push(locked.and_then(|locked| locked.deepest).map(|depth| format!("{depth:?}")).unwrap_or_default());
-    row.extend([tried.knobs.map_or(String::new(), Knobs::text), u8::from(best).to_string()]);
+    row.push(lockstep.and_then(|lockstep| lockstep.deepest).map(|depth| format!("{depth:?}")).unwrap_or_default());
+    row.extend([evaluated.parameters.map_or(String::new(), SetParameters::text), u8::from(best).to_string()]);
     row
 }
 
 /// Takes the candidates of a table into a search that has none. Each must be the one that the search would try.
-fn take_in(file: &Path, table: &[u8], search: &mut Search<'_>) -> Result<(), RecordError> {
+fn restore_rows(file: &Path, table: &[u8], search: &mut Search<'_>) -> Result<(), RecordError> {
     let damaged = |number: usize, what: &str| ResultsError::damaged(file, format!("candidate {number} {what}"));
     let mut reader = csv::Reader::from_reader(table);
     for (number, record) in reader.records().enumerate() {
@@ -200,7 +203,7 @@ fn take_in(file: &Path, table: &[u8], search: &mut Search<'_>) -> Result<(), Rec
 }
 
 /// Whether a row is about a candidate.
-fn is_same(record: &csv::StringRecord, next: &Next) -> bool {
+fn is_same(record: &csv::StringRecord, next: &PendingCandidate) -> bool {
     let numbers = next.set.numbers();
     record.get(1) == Some(next.origin.name())
         && numbers.iter().enumerate().all(|(k, (_, value))| record.get(2 + k) == Some(&value.to_string()))
@@ -218,8 +221,8 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
         true => Some(number("lock_penetration_m")?),
         false => None,
     };
-    let locked = match is_there("lock_steps") {
-        true => Some(Locked {
+    let lockstep = match is_there("lock_steps") {
+        true => Some(LockstepMeasures {
             steps: count("lock_steps")?,
             differ: count("lock_differ")?,
             found: count("lock_found")?,
@@ -232,7 +235,8 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
     };
     Some(Measurement {
         violated: field("violated")?.split_whitespace().map(rule).collect::<Option<_>>()?,
-        tightest: Slack { rule: rule(field("tightest")?)?, factor: number("slack")? },
+        tightest: RuleSlack { rule: rule(field("tightest")?)?, factor: number("slack")? },
+        lost_pairs: count("lost_pairs")?,
         differences: Differences {
             standing: pair("standing")?,
             moved: pair("moved")?,
@@ -240,13 +244,13 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
             boundary: pair("boundary")?,
             changed: count("changed_contacts")?,
         },
-        stepped: Stepped {
+        steps_measured: StepMeasures {
             steps: count("steps")?,
             overlaps: Overlaps { deepest: number("penetration_m")?, sunk: number("sunk_m")? },
             unconverged: count("unconverged")?,
             retries: count("retries")?,
             stopped: Some(field("stopped")?.to_owned()).filter(|text| !text.is_empty()),
         },
-        locked,
+        lockstep,
     })
 }

@@ -1,9 +1,9 @@
 //! What a search says to the one who asked.
 
-use super::cluster::Held;
-use super::measure::Measurement;
-use super::search::{Search, Tried, formulas};
-use super::{Cluster, Workbench};
+use super::cluster::ClusterSupport;
+use super::evaluator::Measurement;
+use super::search::{EvaluatedCandidate, Search, formulas};
+use super::{Cluster, Evaluator};
 use rockproof_model::scene::write_tolerances;
 use rockproof_model::{ToleranceSet, ToleranceSpec};
 use std::fmt::Write;
@@ -17,52 +17,53 @@ pub fn as_toml(set: &ToleranceSet) -> String {
 }
 
 /// The whole answer as Markdown. A function of what was tried: no times, no machine.
-pub fn markdown(name: &str, bench: &Workbench, search: &Search<'_>) -> String {
+pub fn markdown(name: &str, evaluator: &Evaluator, search: &Search<'_>) -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
-    let _ = write_all(&mut text, name, bench, search);
+    let _ = write_all(&mut text, name, evaluator, search);
     text
 }
 
-fn write_all(out: &mut String, name: &str, bench: &Workbench, search: &Search<'_>) -> std::fmt::Result {
-    let tried = search.tried();
-    let (Some(best), Some(author)) = (search.best(), tried.first()) else {
+fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Search<'_>) -> std::fmt::Result {
+    let evaluated = search.tried();
+    let (Some(best), Some(author)) = (search.best(), evaluated.first()) else {
         return writeln!(out, "Nothing was tried.");
     };
-    writeln!(out, "# Tolerances for {name}, {}\n", bench.precision())?;
-    verdict(out, &tried[best], best == 0)?;
-    writeln!(out, "\n```toml\n{}```\n", as_toml(&tried[best].set))?;
+    writeln!(out, "# Tolerances for {name}, {}\n", evaluator.precision())?;
+    verdict(out, &evaluated[best], best == 0)?;
+    overlaps(out, &evaluated[best].measurement, evaluator.overlapping())?;
+    writeln!(out, "\n```toml\n{}```\n", as_toml(&evaluated[best].set))?;
     writeln!(out, "## Measured on\n")?;
-    let d = tried[best].measurement.differences;
+    let d = evaluated[best].measurement.differences;
     writeln!(
         out,
         "- {} candidates: {} given, the others drawn or turned from the best so far",
-        tried.len(),
-        search.given().min(tried.len())
+        evaluated.len(),
+        search.given().min(evaluated.len())
     )?;
     writeln!(
         out,
         "- {} of the {} neighbouring pairs as they stand; {} of them moved at random, {} beside the boundary of a decision, {} on it",
-        d.standing[0], bench.probes.neighbours, d.moved[0], d.near[0], d.boundary[0]
+        d.standing[0], evaluator.probes.neighbours, d.moved[0], d.near[0], d.boundary[0]
     )?;
-    let locked = tried.iter().filter(|tried| tried.measurement.locked.is_some()).count();
+    let lockstep = evaluated.iter().filter(|evaluated| evaluated.measurement.lockstep.is_some()).count();
     writeln!(
         out,
-        "- {} steps of {}, after {} of settling; the oracle made the same steps exactly for {locked} candidates that might be the best",
-        bench.steps(),
-        part(&bench.cluster),
-        bench.cluster.scene.simulation.control.settle
+        "- {} steps of {}, after {} of settling; the oracle made the same steps exactly for {lockstep} candidates that might be the best",
+        evaluator.steps(),
+        part(&evaluator.cluster),
+        evaluator.cluster.scene.simulation.control.settle
     )?;
     writeln!(out, "- every rule of SPEC section 3, exactly\n")?;
     writeln!(out, "## What each would do\n")?;
     match best {
-        0 => sides(out, &[("author, and recommended", &tried[0])])?,
-        _ => sides(out, &[("author", &tried[0]), ("recommended", &tried[best])])?,
+        0 => sides(out, &[("author, and recommended", &evaluated[0])])?,
+        _ => sides(out, &[("author", &evaluated[0]), ("recommended", &evaluated[best])])?,
     }
     if best != 0 {
-        compare(out, &tried[best].measurement, &author.measurement)?;
+        compare(out, &evaluated[best].measurement, &author.measurement)?;
     }
-    let given: Vec<usize> = (1..search.given().min(tried.len())).collect();
+    let given: Vec<usize> = (1..search.given().min(evaluated.len())).collect();
     if !given.is_empty() {
         writeln!(out, "\n## The other sets that were given\n")?;
         table(out, search, &given)?;
@@ -96,60 +97,66 @@ fn part(cluster: &Cluster) -> String {
         false => format!("{} blocks around block {}", cluster.members.len(), cluster.members[0]),
     };
     let held = match cluster.held {
-        Held::Given => "what the scene fixes held".to_owned(),
-        Held::Lowest(1) => "its lowest block held, as the file fixes none".to_owned(),
-        Held::Lowest(count) => format!("its {count} lowest blocks held, as the file fixes none"),
-        Held::Largest => "its largest block held, as the file fixes none".to_owned(),
-        Held::Ring(count) => format!("the {count} further out held, as the file fixes none of them"),
+        ClusterSupport::Given => "what the scene fixes held".to_owned(),
+        ClusterSupport::Lowest(1) => "its lowest block held, as the file fixes none".to_owned(),
+        ClusterSupport::Lowest(count) => format!("its {count} lowest blocks held, as the file fixes none"),
+        ClusterSupport::Largest => "its largest block held, as the file fixes none".to_owned(),
+        ClusterSupport::Ring(count) => format!("the {count} further out held, as the file fixes none of them"),
     };
     format!("{blocks} ({} contacts, {} unknowns; {held})", cluster.contacts, cluster.unknowns())
 }
 
 /// Everything that was measured, a column for each set.
-fn sides(out: &mut String, sets: &[(&str, &Tried)]) -> std::fmt::Result {
-    let row = |out: &mut String, name: &str, cell: fn(&Tried) -> String| {
-        let cells: Vec<String> = sets.iter().map(|(_, tried)| cell(tried)).collect();
+fn sides(out: &mut String, sets: &[(&str, &EvaluatedCandidate)]) -> std::fmt::Result {
+    let row = |out: &mut String, name: &str, cell: fn(&EvaluatedCandidate) -> String| {
+        let cells: Vec<String> = sets.iter().map(|(_, evaluated)| cell(evaluated)).collect();
         writeln!(out, "| {name} | {} |", cells.join(" | "))
     };
     let names: Vec<&str> = sets.iter().map(|(name, _)| *name).collect();
     writeln!(out, "| | {} |", names.join(" | "))?;
     writeln!(out, "| --- |{}", " --: |".repeat(names.len()))?;
     let numbers = |out: &mut String, name: &str, at: usize| {
-        let cells: Vec<String> = sets.iter().map(|(_, tried)| value(&tried.set, at)).collect();
+        let cells: Vec<String> = sets.iter().map(|(_, evaluated)| value(&evaluated.set, at)).collect();
         writeln!(out, "| {name} | {} |", cells.join(" | "))
     };
     for (at, name) in NAMES.into_iter().enumerate() {
         numbers(out, name, at)?;
     }
-    row(out, "criteria", |tried| tried.set.criteria.name().to_owned())?;
-    row(out, "rules broken", |tried| tried.measurement.violated.len().to_string())?;
-    row(out, "the nearest rule is met", |tried| format!("{:.2} times", tried.measurement.tightest.factor))?;
-    row(out, "pairs that differ as they stand", |tried| of(tried.measurement.differences.standing))?;
-    row(out, "moved at random", |tried| of(tried.measurement.differences.moved))?;
-    row(out, "beside a boundary", |tried| of(tried.measurement.differences.near))?;
-    row(out, "on a boundary", |tried| of(tried.measurement.differences.boundary))?;
-    row(out, "contacts that tolerances change", |tried| tried.measurement.differences.changed.to_string())?;
-    row(out, "steps made", |tried| tried.measurement.stepped.steps.to_string())?;
-    row(out, "unconverged, attempts given up", |tried| {
-        format!("{}, {}", tried.measurement.stepped.unconverged, tried.measurement.stepped.retries)
+    row(out, "criteria", |evaluated| evaluated.set.criteria.name().to_owned())?;
+    row(out, "overlaps of the model too deep or unseen", |evaluated| evaluated.measurement.lost_pairs.to_string())?;
+    row(out, "rules broken", |evaluated| evaluated.measurement.violated.len().to_string())?;
+    row(out, "the nearest rule is met", |evaluated| format!("{:.2} times", evaluated.measurement.tightest.factor))?;
+    row(out, "pairs that differ as they stand", |evaluated| of(evaluated.measurement.differences.standing))?;
+    row(out, "moved at random", |evaluated| of(evaluated.measurement.differences.moved))?;
+    row(out, "beside a boundary", |evaluated| of(evaluated.measurement.differences.near))?;
+    row(out, "on a boundary", |evaluated| of(evaluated.measurement.differences.boundary))?;
+    row(out, "contacts that tolerances change", |evaluated| evaluated.measurement.differences.changed.to_string())?;
+    row(out, "steps made", |evaluated| evaluated.measurement.steps_measured.steps.to_string())?;
+    row(out, "unconverged, attempts given up", |evaluated| {
+        format!(
+            "{}, {}",
+            evaluated.measurement.steps_measured.unconverged, evaluated.measurement.steps_measured.retries
+        )
     })?;
-    row(out, "some pair sinks by", |tried| format!("{:.3e} m", tried.measurement.stepped.overlaps.sunk))?;
-    row(out, "deepest overlap after the last", |tried| {
-        format!("{:.3e} m", tried.measurement.stepped.overlaps.deepest)
+    row(out, "some pair sinks by", |evaluated| {
+        format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.sunk)
     })?;
-    row(out, "the same by the oracle", |tried| {
-        let deepest = tried.measurement.locked.as_ref().and_then(|locked| locked.deepest);
+    row(out, "deepest overlap after the last", |evaluated| {
+        format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.deepest)
+    })?;
+    row(out, "the same by the oracle", |evaluated| {
+        let deepest = evaluated.measurement.lockstep.as_ref().and_then(|lockstep| lockstep.deepest);
         deepest.map_or("–".to_owned(), |deepest| format!("{deepest:.3e} m"))
     })?;
-    row(out, "steps that differ from the oracle's", |tried| lockstep(&tried.measurement))?;
-    row(out, "contacts, modes that differ in them", |tried| {
-        let locked = tried.measurement.locked.as_ref();
-        locked.map_or("–".to_owned(), |l| {
+    row(out, "steps that differ from the oracle's", |evaluated| lockstep(&evaluated.measurement))?;
+    row(out, "contacts, modes that differ in them", |evaluated| {
+        let lockstep = evaluated.measurement.lockstep.as_ref();
+        lockstep.map_or("–".to_owned(), |l| {
             format!("{}, {} of {} ({:.1} %)", l.contacts, l.modes, l.found, 100.0 * l.share())
         })
     })?;
-    row(out, "steps that one side could not make", |tried| {
-        tried.measurement.locked.as_ref().map_or("–".to_owned(), |locked| locked.failed.to_string())
+    row(out, "steps that one side could not make", |evaluated| {
+        evaluated.measurement.lockstep.as_ref().map_or("–".to_owned(), |lockstep| lockstep.failed.to_string())
     })
 }
 
@@ -180,10 +187,10 @@ fn of([examined, differ]: [u64; 2]) -> String {
 }
 
 fn lockstep(m: &Measurement) -> String {
-    m.locked.as_ref().map_or("–".to_owned(), |locked| format!("{} of {}", locked.differ, locked.steps))
+    m.lockstep.as_ref().map_or("–".to_owned(), |lockstep| format!("{} of {}", lockstep.differ, lockstep.steps))
 }
 
-fn verdict(out: &mut String, best: &Tried, is_author: bool) -> std::fmt::Result {
+fn verdict(out: &mut String, best: &EvaluatedCandidate, is_author: bool) -> std::fmt::Result {
     let m = &best.measurement;
     let d = &m.differences;
     if is_author {
@@ -208,31 +215,46 @@ fn verdict(out: &mut String, best: &Tried, is_author: bool) -> std::fmt::Result 
         )?,
         false => writeln!(out, "No candidate met every rule; this one breaks: {}.", formulas(&m.violated))?,
     }
-    match &m.stepped.stopped {
-        None if m.stepped.overlaps.sunk == 0.0 => {
+    match &m.steps_measured.stopped {
+        None if m.steps_measured.overlaps.sunk == 0.0 => {
             writeln!(
                 out,
                 "In {} steps no pair of blocks sinks: overlaps deeper than in the scene as given.",
-                m.stepped.steps
+                m.steps_measured.steps
             )?;
         }
         None => writeln!(
             out,
             "In {} steps no pair of blocks sinks by more than {:.3e} m: overlaps deeper than in the scene as given.",
-            m.stepped.steps, m.stepped.overlaps.sunk
+            m.steps_measured.steps, m.steps_measured.overlaps.sunk
         )?,
-        Some(why) => writeln!(out, "The steps stopped after {}: {why}.", m.stepped.steps)?,
+        Some(why) => writeln!(out, "The steps stopped after {}: {why}.", m.steps_measured.steps)?,
     }
-    match &m.locked {
-        Some(locked) if locked.differ + locked.failed == 0 => {
-            writeln!(out, "All {} steps are the oracle's, settling among them.", locked.steps)
+    match &m.lockstep {
+        Some(lockstep) if lockstep.differ + lockstep.failed == 0 => {
+            writeln!(out, "All {} steps are the oracle's, settling among them.", lockstep.steps)
         }
-        Some(locked) => writeln!(
+        Some(lockstep) => writeln!(
             out,
             "{} of {} steps, settling among them, differ from the oracle's ({} of {} contacts, and {} modes), {} could not be made on one side.",
-            locked.differ, locked.steps, locked.contacts, locked.found, locked.modes, locked.failed
+            lockstep.differ, lockstep.steps, lockstep.contacts, lockstep.found, lockstep.modes, lockstep.failed
         ),
         None => Ok(()),
+    }
+}
+
+/// What the set makes of blocks that overlap before the first step.
+fn overlaps(out: &mut String, best: &Measurement, overlapping: u64) -> std::fmt::Result {
+    match (best.lost_pairs, overlapping) {
+        (0, 0) => writeln!(out, "Overlaps of the model by more than rounding: none."),
+        (0, all) => {
+            writeln!(out, "Overlaps of the model: {all}, each seen by a contact and none deeper than `penetration`.")
+        }
+        (lost, all) => writeln!(
+            out,
+            "Overlaps of the model: {all}, of which {lost} are deeper than `penetration` or seen by no contact, and some are under every candidate: \
+             `simulate` will not begin (`check` names the pairs)."
+        ),
     }
 }
 
@@ -244,17 +266,20 @@ fn table(out: &mut String, search: &Search<'_>, which: &[usize]) -> std::fmt::Re
     )?;
     writeln!(out, "| --- | --: | --: | --: | --: | --: | --: | --: | --- | --: | --: | --: | --: | --: | --: |")?;
     for &number in which {
-        let tried = &search.tried()[number];
-        let (set, m) = (&tried.set, &tried.measurement);
+        let evaluated = &search.tried()[number];
+        let (set, m) = (&evaluated.set, &evaluated.measurement);
         let d = &m.differences;
         let length = |value: &rockproof_model::Number| format!("{:.3e}", value.approximate());
         let angle = |sine: &rockproof_model::Number| format!("{:.2}°", sine.approximate().asin().to_degrees());
-        let steps =
-            m.stepped.stopped.as_ref().map_or(format!("{:.2e} m", m.stepped.overlaps.sunk), |_| "stopped".to_owned());
+        let steps = m
+            .steps_measured
+            .stopped
+            .as_ref()
+            .map_or(format!("{:.2e} m", m.steps_measured.overlaps.sunk), |_| "stopped".to_owned());
         writeln!(
             out,
             "| {number} {} | {} | {} | {} | {} | {} | {} | {:.1e} | {} | {} + {} + {} ({}) | {} | {:.2} | {steps} | {} | {} |",
-            tried.origin.name(),
+            evaluated.origin.name(),
             length(&set.search),
             length(&set.territory),
             length(&set.penetration),
@@ -282,19 +307,23 @@ fn compare(out: &mut String, best: &Measurement, author: &Measurement) -> std::f
     if !author.violated.is_empty() {
         writeln!(out, "- breaks {} rules: {}", author.violated.len(), formulas(&author.violated))?;
     }
+    if author.lost_pairs != best.lost_pairs {
+        let (theirs, ours) = (author.lost_pairs, best.lost_pairs);
+        writeln!(out, "- leaves overlaps of the model too deep or unseen: {theirs}, instead of {ours}")?;
+    }
     let (ours, theirs) = (best.differences.avoidable(), author.differences.avoidable());
     if ours != theirs {
         let (ours_of, theirs_of) = (best.differences.examined(), author.differences.examined());
         writeln!(out, "- has {theirs} pairs of {theirs_of} that differ, instead of {ours} of {ours_of}")?;
     }
-    let share = |m: &Measurement| m.locked.as_ref().map_or(0.0, |locked| 100.0 * locked.share());
+    let share = |m: &Measurement| m.lockstep.as_ref().map_or(0.0, |lockstep| 100.0 * lockstep.share());
     if share(best) != share(author) {
         let (theirs, ours) = (share(author), share(best));
         writeln!(out, "- has {theirs:.1} % of contacts in steps that are not the oracle's, instead of {ours:.1} %")?;
     }
-    let sunk = |m: &Measurement| m.stepped.overlaps.sunk;
-    match &author.stepped.stopped {
-        Some(why) => writeln!(out, "- stops after {} steps: {why}", author.stepped.steps)?,
+    let sunk = |m: &Measurement| m.steps_measured.overlaps.sunk;
+    match &author.steps_measured.stopped {
+        Some(why) => writeln!(out, "- stops after {} steps: {why}", author.steps_measured.steps)?,
         None if sunk(author) != sunk(best) => {
             writeln!(out, "- lets blocks sink {:.2e} m instead of {:.2e} m", sunk(author), sunk(best))?;
         }

@@ -5,14 +5,14 @@ use rayon::prelude::*;
 use rockproof_differential::lockstep::run::KEEP;
 use rockproof_differential::lockstep::scene::ExactScene;
 use rockproof_differential::lockstep::state::exact_state;
-use rockproof_differential::lockstep::{Answer, Change, compare};
+use rockproof_differential::lockstep::{StepAnswerChange, StepDecisions, compare};
 use rockproof_model::{Block, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::penetration::penetration;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State};
 
 /// What steps under a set came to.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Stepped {
+pub struct StepMeasures {
     /// Steps made, settling not counted.
     pub steps: u64,
     /// The exact overlaps.
@@ -27,7 +27,7 @@ pub struct Stepped {
 
 /// What the oracle said of the same steps, each made from the state in which the stepper was.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Locked {
+pub struct LockstepMeasures {
     /// Steps compared, settling too.
     pub steps: u64,
     /// Steps that differ in anything: contacts, modes, solves, retries, Δt.
@@ -44,7 +44,7 @@ pub struct Locked {
     pub deepest: Option<f64>,
 }
 
-impl Locked {
+impl LockstepMeasures {
     /// What differs, of all contacts: contacts, modes, and steps that differ in something else. Zero only where nothing differs.
     pub fn share(&self) -> f64 {
         let differ = (self.contacts + self.modes).max(self.differ);
@@ -63,22 +63,22 @@ pub struct Overlaps {
 }
 
 /// The overlaps of a part as it is given.
-pub(super) struct Begun {
+pub(super) struct InitialOverlaps {
     /// Pairs of which one can move, and how deep they overlap.
     pairs: Vec<([usize; 2], f64)>,
     /// Sinking that is none: 2⁸·eps times the largest coordinate (m), as for what a territory resolves.
     nothing: f64,
 }
 
-impl Begun {
-    pub(super) fn of(part: &Scene, precision: Precision) -> Begun {
+impl InitialOverlaps {
+    pub(super) fn of(part: &Scene, precision: Precision) -> InitialOverlaps {
         let is_fixed = |block: usize| part.blocks[block].body.is_fixed();
         let count = part.blocks.len();
         let all: Vec<[usize; 2]> = (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j])).collect();
         let free = all.into_par_iter().filter(|[i, j]| !(is_fixed(*i) && is_fixed(*j)));
         let coordinates = part.blocks.iter().flat_map(|block| block.block.coordinates());
         let largest = coordinates.map(|c| c.approximate().abs()).fold(0.0, f64::max);
-        Begun {
+        InitialOverlaps {
             pairs: free.map(|pair| (pair, depth(pair.map(|k| &part.blocks[k].block)))).collect(),
             nothing: 256.0 * precision.epsilon() * largest,
         }
@@ -113,18 +113,18 @@ fn boxes_overlap(a: &Block, b: &Block) -> bool {
 }
 
 /// Steps the part and looks after each step how deep its blocks overlap.
-pub(super) fn stepped<R: Solve>(
+pub(super) fn measure_steps<R: Solve>(
     part: &Scene,
     set: &ToleranceSet,
-    begun: &Begun,
+    initial: &InitialOverlaps,
     steps: u64,
-) -> Result<Stepped, TuneError> {
+) -> Result<StepMeasures, TuneError> {
     let mut dynamics = Dynamics::<R>::new(part, set)?;
-    let mut found = Stepped::default();
+    let mut found = StepMeasures::default();
     while found.steps < steps && found.stopped.is_none() {
         match dynamics.step() {
             Ok(report) => {
-                let now = begun.overlaps(&placed(part, dynamics.state()));
+                let now = initial.overlaps(&placed(part, dynamics.state()));
                 found.overlaps = Overlaps { deepest: now.deepest, sunk: now.sunk.max(found.overlaps.sunk) };
                 found.steps = dynamics.state().step;
                 found.unconverged += u64::from(!report.converged);
@@ -148,19 +148,19 @@ fn placed<R: Solve>(part: &Scene, state: &State<R>) -> Vec<Block> {
 }
 
 /// Makes the same steps with the oracle beside the stepper: each from the stepper's state, taken as exact.
-pub(super) fn locked<R: Solve>(
+pub(super) fn measure_lockstep<R: Solve>(
     part: &Scene,
     set: &ToleranceSet,
     precision: Precision,
-    begun: &Begun,
+    initial: &InitialOverlaps,
     steps: u64,
-) -> Result<Locked, TuneError> {
+) -> Result<LockstepMeasures, TuneError> {
     let mut dynamics = Dynamics::<R>::new(part, set)?;
     let rounded = ExactScene::new(part, set)
         .rounded(precision)
         .map_err(|overflow| TuneError::Overflow { what: format!("`{}`", overflow.0), precision })?;
     let shapes = rounded.scene().shapes();
-    let mut found = Locked::default();
+    let mut found = LockstepMeasures::default();
     while dynamics.state().step < steps {
         let is_last = dynamics.state().settling == 0 && dynamics.state().step + 1 == steps;
         let Ok(before) = exact_state(dynamics.state()) else {
@@ -170,11 +170,11 @@ pub(super) fn locked<R: Solve>(
         let made = dynamics.step();
         let exact = if is_last {
             rounded.step(&before, KEEP).map(|step| {
-                found.deepest = Some(begun.overlaps(&rounded.blocks_at(&step.state)).deepest);
-                Answer::of_oracle(&step)
+                found.deepest = Some(initial.overlaps(&rounded.blocks_at(&step.state)).deepest);
+                StepDecisions::of_oracle(&step)
             })
         } else {
-            rounded.decide(&before).map(|step| Answer::of_certified(&step))
+            rounded.decide(&before).map(|step| StepDecisions::of_certified(&step))
         };
         found.steps += 1;
         let (made, exact) = match (made, exact) {
@@ -189,12 +189,13 @@ pub(super) fn locked<R: Solve>(
                 break;
             }
         };
-        let stepper = Answer::of_stepper(&made, dynamics.modes(), dynamics.state());
+        let stepper = StepDecisions::of_stepper(&made, dynamics.modes(), dynamics.state());
         let differences = compare(&exact, &stepper, &shapes);
         found.found += exact.contacts.len() as u64;
         found.differ += u64::from(!differences.is_empty());
         found.contacts += differences.iter().filter(|difference| difference.is_of_contacts()).count() as u64;
-        found.modes += differences.iter().filter(|difference| difference.change == Change::Mode).count() as u64;
+        found.modes +=
+            differences.iter().filter(|difference| difference.change == StepAnswerChange::Mode).count() as u64;
     }
     Ok(found)
 }

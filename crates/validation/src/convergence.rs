@@ -1,10 +1,10 @@
 //! How errors shrink with Δt: measured orders, and what start-up costs on an incline.
 
-use crate::case::Engine;
+use crate::case::CasePrecision;
 use crate::incline::{Slide, Start};
-use crate::lab::{Failure, Lab, number, relative, scene};
+use crate::stepped_scene::{CaseFailure, SteppedScene, number, relative, scene};
 use rayon::prelude::*;
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 
 /// Error against Δt for one quantity.
 pub struct Study {
@@ -19,8 +19,8 @@ pub struct Study {
     /// What to say of it.
     pub why: &'static str,
     time_steps: &'static [f64],
-    f64: fn(f64) -> Result<f64, Failure>,
-    f32: fn(f64) -> Result<f64, Failure>,
+    f64: fn(f64) -> Result<f64, CaseFailure>,
+    f32: fn(f64) -> Result<f64, CaseFailure>,
 }
 
 /// Errors by Δt.
@@ -36,9 +36,9 @@ impl Study {
     ///
     /// # Errors
     /// When a run fails.
-    pub fn measure(&self) -> Result<Curve, Failure> {
+    pub fn measure(&self) -> Result<Curve, CaseFailure> {
         let point = |&step: &f64| Ok((step, (self.f64)(step)?, (self.f32)(step)?));
-        let points = self.time_steps.par_iter().map(point).collect::<Result<Vec<_>, Failure>>()?;
+        let points = self.time_steps.par_iter().map(point).collect::<Result<Vec<_>, CaseFailure>>()?;
         let order = slope(points.iter().map(|&(step, error, _)| (step.ln(), error.ln())));
         Ok(Curve { points, order })
     }
@@ -124,14 +124,14 @@ pub fn studies() -> Vec<Study> {
 }
 
 /// A scene with another Δt, at its beginning.
-fn lab<R: Engine>(name: &str, time_step: f64) -> Result<Lab<R, Spec>, Failure> {
+fn stepped_scene<R: CasePrecision>(name: &str, time_step: f64) -> Result<SteppedScene<R, SpecRules>, CaseFailure> {
     let mut scene = scene(name)?;
     scene.simulation.control.time_step = number(time_step)?;
-    Lab::new(scene)
+    SteppedScene::new(scene)
 }
 
-fn ramp<R: Engine>(time_step: f64) -> Result<f64, Failure> {
-    let mut lab = lab::<R>("ramp_load", time_step)?;
+fn ramp<R: CasePrecision>(time_step: f64) -> Result<f64, CaseFailure> {
+    let mut lab = stepped_scene::<R>("ramp_load", time_step)?;
     let begin = lab.centroid(0)[0];
     lab.run()?;
     let time = lab.time();
@@ -139,8 +139,8 @@ fn ramp<R: Engine>(time_step: f64) -> Result<f64, Failure> {
     Ok(relative(lab.centroid(0)[0] - begin, 3.0 * time * time * time / 6.0))
 }
 
-fn spring<R: Engine>(time_step: f64) -> Result<f64, Failure> {
-    let mut lab = lab::<R>("spring", time_step)?;
+fn spring<R: CasePrecision>(time_step: f64) -> Result<f64, CaseFailure> {
+    let mut lab = stepped_scene::<R>("spring", time_step)?;
     let begin = lab.centroid(0)[2];
     lab.run()?;
     // Eight springs of 32500 N/m on 2600 kg: ω = 10/s.
@@ -149,9 +149,9 @@ fn spring<R: Engine>(time_step: f64) -> Result<f64, Failure> {
     Ok(relative(lab.centroid(0)[2] - begin, known))
 }
 
-fn turn<R: Engine>(time_step: f64) -> Result<f64, Failure> {
-    let mut lab = lab::<R>("rotation_cayley", time_step)?;
-    let angle = |lab: &Lab<R, Spec>| {
+fn turn<R: CasePrecision>(time_step: f64) -> Result<f64, CaseFailure> {
+    let mut lab = stepped_scene::<R>("rotation_cayley", time_step)?;
+    let angle = |lab: &SteppedScene<R, SpecRules>| {
         let (a, b) = (lab.vertex(0, 0), lab.vertex(0, 1));
         (b[1] - a[1]).atan2(b[0] - a[0])
     };
@@ -162,20 +162,20 @@ fn turn<R: Engine>(time_step: f64) -> Result<f64, Failure> {
     Ok(relative(angle(&lab) - begin, lab.velocity(0)[5] * lab.time()))
 }
 
-fn sliding<R: Engine>(start: Start, time_step: f64) -> Result<f64, Failure> {
-    let slid = Slide { friction: "1_2", start, time_step: Some(time_step) }.run::<R, Spec>()?;
+fn sliding<R: CasePrecision>(start: Start, time_step: f64) -> Result<f64, CaseFailure> {
+    let slid = Slide { friction: "1_2", start, time_step: Some(time_step) }.run::<R, SpecRules>()?;
     Ok(relative(slid.way, slid.known))
 }
 
-fn well_settled<R: Engine>(time_step: f64) -> Result<f64, Failure> {
+fn well_settled<R: CasePrecision>(time_step: f64) -> Result<f64, CaseFailure> {
     sliding::<R>(Start::WellSettled, time_step)
 }
 
-fn settled<R: Engine>(time_step: f64) -> Result<f64, Failure> {
+fn settled<R: CasePrecision>(time_step: f64) -> Result<f64, CaseFailure> {
     sliding::<R>(Start::Settled, time_step)
 }
 
-fn unsettled<R: Engine>(time_step: f64) -> Result<f64, Failure> {
+fn unsettled<R: CasePrecision>(time_step: f64) -> Result<f64, CaseFailure> {
     sliding::<R>(Start::Unsettled, time_step)
 }
 
@@ -191,9 +191,9 @@ pub struct StartUp {
 ///
 /// # Errors
 /// When a run fails.
-pub fn start_up() -> Result<Vec<StartUp>, Failure> {
-    let one = |start: Start, step: f64| -> Result<(f64, f64), Failure> {
-        let slid = Slide { friction: "1_2", start, time_step: Some(step) }.run::<f64, Spec>()?;
+pub fn start_up() -> Result<Vec<StartUp>, CaseFailure> {
+    let one = |start: Start, step: f64| -> Result<(f64, f64), CaseFailure> {
+        let slid = Slide { friction: "1_2", start, time_step: Some(step) }.run::<f64, SpecRules>()?;
         Ok(((slid.way - slid.known) / slid.known, slid.open as f64 / slid.steps as f64))
     };
     let all = |&time_step: &f64| {

@@ -1,11 +1,11 @@
 //! Hooke's law in one block and through joints.
 
-use crate::case::{Case, Engine, Measure, Measured};
-use crate::lab::{Failure, Lab, length, minus, relative, worst};
+use crate::case::{CaseMeasurement, CasePrecision, Measure, ValidationCase};
+use crate::stepped_scene::{CaseFailure, SteppedScene, length, minus, relative, worst};
 use rockproof_stepper::dynamics::StepRules;
 
 /// The cases of this group.
-pub fn cases<M: StepRules>() -> Vec<Case> {
+pub fn cases<M: StepRules>() -> Vec<ValidationCase> {
     let hooke = ("relative", Some(1e-10));
     let uniform = ("relative to the stress", Some(1e-9));
     vec![
@@ -34,7 +34,7 @@ pub fn cases<M: StepRules>() -> Vec<Case> {
 }
 
 /// Young's modulus and Poisson's ratio of a block.
-fn moduli<R: Engine, M: StepRules>(lab: &Lab<R, M>, block: usize) -> [f64; 2] {
+fn moduli<R: CasePrecision, M: StepRules>(lab: &SteppedScene<R, M>, block: usize) -> [f64; 2] {
     let material = &lab.scene.simulation.materials[lab.scene.blocks[block].body.material];
     [material.young.approximate(), material.poisson.approximate()]
 }
@@ -49,7 +49,7 @@ fn strains([young, poisson]: [f64; 2], stress: [f64; 6]) -> [f64; 6] {
 }
 
 /// Three edges of a cuboid from its first vertex: along x, y and z.
-fn edges<R: Engine, M: StepRules>(lab: &Lab<R, M>, block: usize) -> [[f64; 3]; 3] {
+fn edges<R: CasePrecision, M: StepRules>(lab: &SteppedScene<R, M>, block: usize) -> [[f64; 3]; 3] {
     let corner = lab.vertex(block, 0);
     [1, 3, 4].map(|k| minus(lab.vertex(block, k), corner))
 }
@@ -71,7 +71,10 @@ fn add_strains(total: &mut [f64; 6], before: [[f64; 3]; 3], after: [[f64; 3]; 3]
 }
 
 /// Runs a scene, and adds up the strains of a cuboid.
-fn run_straining<R: Engine, M: StepRules>(lab: &mut Lab<R, M>, block: usize) -> Result<[f64; 6], Failure> {
+fn run_straining<R: CasePrecision, M: StepRules>(
+    lab: &mut SteppedScene<R, M>,
+    block: usize,
+) -> Result<[f64; 6], CaseFailure> {
     let (mut total, mut before) = ([0.0; 6], edges(lab, block));
     lab.run_watched(|lab| {
         let after = edges(lab, block);
@@ -82,7 +85,7 @@ fn run_straining<R: Engine, M: StepRules>(lab: &mut Lab<R, M>, block: usize) -> 
 }
 
 /// The force that presses from above.
-fn load<R: Engine, M: StepRules>(lab: &Lab<R, M>) -> f64 {
+fn load<R: CasePrecision, M: StepRules>(lab: &SteppedScene<R, M>) -> f64 {
     let down = |load: &rockproof_model::simulation::PointLoad| (-load.table[0].1.z.approximate()).max(0.0);
     lab.scene.simulation.loads.iter().map(down).sum()
 }
@@ -104,8 +107,8 @@ struct Compression {
 }
 
 impl Measure for Compression {
-    fn measure<R: Engine, M: StepRules>(&self) -> Result<Measured, Failure> {
-        let mut lab = Lab::<R, M>::open(if self.confined { "compression_confined" } else { "compression" })?;
+    fn measure<R: CasePrecision, M: StepRules>(&self) -> Result<CaseMeasurement, CaseFailure> {
+        let mut lab = SteppedScene::<R, M>::open(if self.confined { "compression_confined" } else { "compression" })?;
         let rest = length(edges(&lab, 0)[0]);
         let strain = run_straining(&mut lab, 0)?;
         let [young, poisson] = moduli(&lab, 0);
@@ -122,7 +125,7 @@ impl Measure for Compression {
         let expected = strains([young, poisson], stress);
         let error = apart(lab.stress(0), stress, down).max(apart(strain, expected, expected[2]));
         let seen = format!("σz {:.6e} Pa, σx {:.6e} Pa, εz {:.6e}", lab.stress(0)[2], lab.stress(0)[0], strain[2]);
-        Ok(Measured::new(error, seen))
+        Ok(CaseMeasurement::new(error, seen))
     }
 }
 
@@ -131,15 +134,15 @@ impl Measure for Compression {
 struct Release;
 
 impl Measure for Release {
-    fn measure<R: Engine, M: StepRules>(&self) -> Result<Measured, Failure> {
-        let mut lab = Lab::<R, M>::open("stress_release")?;
+    fn measure<R: CasePrecision, M: StepRules>(&self) -> Result<CaseMeasurement, CaseFailure> {
+        let mut lab = SteppedScene::<R, M>::open("stress_release")?;
         let before = lab.stress(0);
         let size = worst(before.map(f64::abs));
         let strain = run_straining(&mut lab, 0)?;
         let expected = strains(moduli(&lab, 0), before.map(|stress| -stress));
         let left = apart(lab.stress(0), [0.0; 6], size);
         let error = left.max(apart(strain, expected, worst(expected.map(f64::abs))));
-        Ok(Measured::new(error, format!("{left:.1e} of the stress left")))
+        Ok(CaseMeasurement::new(error, format!("{left:.1e} of the stress left")))
     }
 }
 
@@ -148,8 +151,8 @@ impl Measure for Release {
 struct Patch(&'static str);
 
 impl Measure for Patch {
-    fn measure<R: Engine, M: StepRules>(&self) -> Result<Measured, Failure> {
-        let mut lab = Lab::<R, M>::open(self.0)?;
+    fn measure<R: CasePrecision, M: StepRules>(&self) -> Result<CaseMeasurement, CaseFailure> {
+        let mut lab = SteppedScene::<R, M>::open(self.0)?;
         lab.run()?;
         let force = load(&lab);
         let mut errors = Vec::new();
@@ -164,6 +167,6 @@ impl Measure for Patch {
             lab.contacts(0, 1).map(|contact| relative(length(contact.force.components().map(R::to_f64)), force / 4.0)),
         );
         let deepest = lab.last.as_ref().map_or(0.0, |last| last.max_penetration);
-        Ok(Measured::new(worst(errors.clone()), format!("{count} contacts, overlap {deepest:.1e} m")))
+        Ok(CaseMeasurement::new(worst(errors.clone()), format!("{count} contacts, overlap {deepest:.1e} m")))
     }
 }

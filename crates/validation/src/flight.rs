@@ -1,33 +1,33 @@
 //! Blocks that touch nothing: weight, inertia, rotation.
 
-use crate::case::{Case, Engine, Measure, Measured};
-use crate::lab::{Failure, Lab, length, minus, relative, worst};
+use crate::case::{CaseMeasurement, CasePrecision, Measure, ValidationCase};
+use crate::stepped_scene::{CaseFailure, SteppedScene, length, minus, relative, worst};
 use rockproof_stepper::dynamics::StepRules;
 
 /// The cases of this group.
-pub fn cases<M: StepRules>() -> Vec<Case> {
+pub fn cases<M: StepRules>() -> Vec<ValidationCase> {
     let exact = ("relative", Some(1e-12));
     vec![
         Flight("free_fall").case::<M>("free fall, 1 s", "x = ½gt², v = gt", exact),
         Flight("thrown_block").case::<M>("thrown block, 1 s", "x = v₀t + ½gt², v = v₀ + gt", exact),
-        Turn { scene: "rotation_cayley", what: Kept::Volume }.case::<M>("a turn, `cayley`: volume", "kept", exact),
-        Turn { scene: "rotation_cayley", what: Kept::Momentum }.case::<M>(
+        Turn { scene: "rotation_cayley", what: Conserved::Volume }.case::<M>("a turn, `cayley`: volume", "kept", exact),
+        Turn { scene: "rotation_cayley", what: Conserved::Momentum }.case::<M>(
             "a turn, `cayley`: angular momentum",
             "kept",
             exact,
         ),
-        Turn { scene: "rotation_cayley", what: Kept::Energy }.case::<M>("a turn, `cayley`: energy", "kept", exact),
-        Turn { scene: "rotation_linear", what: Kept::Swelling }.case::<M>(
+        Turn { scene: "rotation_cayley", what: Conserved::Energy }.case::<M>("a turn, `cayley`: energy", "kept", exact),
+        Turn { scene: "rotation_linear", what: Conserved::Swelling }.case::<M>(
             "a turn, `linear`: volume",
             "swells by (1 + ω²Δt²)ⁿ",
             ("relative to the swelling", Some(1e-9)),
         ),
-        Turn { scene: "rotation_linear", what: Kept::Energy }.case::<M>(
+        Turn { scene: "rotation_linear", what: Conserved::Energy }.case::<M>(
             "a turn, `linear`: energy",
             "kept",
             ("relative", None),
         ),
-        Turn { scene: "rotation_skew", what: Kept::Momentum }.case::<M>(
+        Turn { scene: "rotation_skew", what: Conserved::Momentum }.case::<M>(
             "a turn about no principal axis: angular momentum",
             "kept",
             ("relative", None),
@@ -40,8 +40,8 @@ pub fn cases<M: StepRules>() -> Vec<Case> {
 struct Flight(&'static str);
 
 impl Measure for Flight {
-    fn measure<R: Engine, M: StepRules>(&self) -> Result<Measured, Failure> {
-        let mut lab = Lab::<R, M>::open(self.0)?;
+    fn measure<R: CasePrecision, M: StepRules>(&self) -> Result<CaseMeasurement, CaseFailure> {
+        let mut lab = SteppedScene::<R, M>::open(self.0)?;
         let (begin, thrown, pull) = (lab.centroid(0), lab.velocity(0), lab.gravity());
         lab.run()?;
         // The time that passed, which fifty or a hundred roundings of Δt make.
@@ -52,13 +52,13 @@ impl Measure for Flight {
         let moved = minus(at, begin);
         let error = length(minus(moved, way)) / length(way);
         let of_speed = length(minus([rate[0], rate[1], rate[2]], speed)) / length(speed);
-        Ok(Measured::new(error.max(of_speed), format!("{:.9} m moved", length(moved))))
+        Ok(CaseMeasurement::new(error.max(of_speed), format!("{:.9} m moved", length(moved))))
     }
 }
 
 /// What should be kept by a block that turns freely.
 #[derive(Clone, Copy)]
-enum Kept {
+enum Conserved {
     Volume,
     Momentum,
     Energy,
@@ -69,18 +69,19 @@ enum Kept {
 #[derive(Clone, Copy)]
 struct Turn {
     scene: &'static str,
-    what: Kept,
+    what: Conserved,
 }
 
 impl Measure for Turn {
-    fn measure<R: Engine, M: StepRules>(&self) -> Result<Measured, Failure> {
-        let mut lab = Lab::<R, M>::open(self.scene)?;
-        let momentum = |lab: &Lab<R, M>| {
+    fn measure<R: CasePrecision, M: StepRules>(&self) -> Result<CaseMeasurement, CaseFailure> {
+        let mut lab = SteppedScene::<R, M>::open(self.scene)?;
+        let momentum = |lab: &SteppedScene<R, M>| {
             let all = lab.momenta(0);
             [all[3], all[4], all[5]]
         };
-        let energy =
-            |lab: &Lab<R, M>| lab.momenta(0).iter().zip(lab.velocity(0)).map(|(p, v)| 0.5 * p * v).sum::<f64>();
+        let energy = |lab: &SteppedScene<R, M>| {
+            lab.momenta(0).iter().zip(lab.velocity(0)).map(|(p, v)| 0.5 * p * v).sum::<f64>()
+        };
         let (volume, spin, work) = (lab.dynamics.volume(0), momentum(&lab), energy(&lab));
         let angle_squared = {
             let rates = lab.velocity(0);
@@ -101,12 +102,12 @@ impl Measure for Turn {
         })?;
         let grown = lab.dynamics.volume(0) / volume - 1.0;
         let measured = match self.what {
-            Kept::Volume => Measured::new(largest[0], format!("{:.1e} at the end", grown.abs())),
-            Kept::Momentum => Measured::new(largest[1], format!("{} steps", steps)),
-            Kept::Energy => Measured::new(largest[2], format!("{} steps", steps)),
-            Kept::Swelling => {
+            Conserved::Volume => CaseMeasurement::new(largest[0], format!("{:.1e} at the end", grown.abs())),
+            Conserved::Momentum => CaseMeasurement::new(largest[1], format!("{} steps", steps)),
+            Conserved::Energy => CaseMeasurement::new(largest[2], format!("{} steps", steps)),
+            Conserved::Swelling => {
                 let expected = (1.0 + angle_squared).powi(steps) - 1.0;
-                Measured::new(relative(grown, expected), format!("{:.4} % larger", 100.0 * grown))
+                CaseMeasurement::new(relative(grown, expected), format!("{:.4} % larger", 100.0 * grown))
             }
         };
         Ok(measured)

@@ -1,11 +1,11 @@
 //! Impacts: contacts act on both blocks alike.
 
-use crate::case::{Case, Engine, Measure, Measured};
-use crate::lab::{Failure, Lab, length, minus, worst};
+use crate::case::{CaseMeasurement, CasePrecision, Measure, ValidationCase};
+use crate::stepped_scene::{CaseFailure, SteppedScene, length, minus, worst};
 use rockproof_stepper::dynamics::StepRules;
 
 /// The cases of this group.
-pub fn cases<M: StepRules>() -> Vec<Case> {
+pub fn cases<M: StepRules>() -> Vec<ValidationCase> {
     let momentum = ("relative to one block's", Some(1e-12));
     vec![
         Impact("head_on_impact").case::<M>("head-on impact: momentum", "the sum stays", momentum),
@@ -23,13 +23,13 @@ pub fn cases<M: StepRules>() -> Vec<Case> {
 struct Impact(&'static str);
 
 impl Measure for Impact {
-    fn measure<R: Engine, M: StepRules>(&self) -> Result<Measured, Failure> {
-        let mut lab = Lab::<R, M>::open(self.0)?;
-        let of = |lab: &Lab<R, M>, block: usize| {
+    fn measure<R: CasePrecision, M: StepRules>(&self) -> Result<CaseMeasurement, CaseFailure> {
+        let mut lab = SteppedScene::<R, M>::open(self.0)?;
+        let of = |lab: &SteppedScene<R, M>, block: usize| {
             let all = lab.momenta(block);
             [all[0], all[1], all[2]]
         };
-        let sum = |lab: &Lab<R, M>| {
+        let sum = |lab: &SteppedScene<R, M>| {
             let (one, other) = (of(lab, 0), of(lab, 1));
             std::array::from_fn(|k| one[k] + other[k])
         };
@@ -42,9 +42,12 @@ impl Measure for Impact {
             energy = [if energy[0] == 0.0 { now } else { energy[0] }, now];
         })?;
         if touched == 0 || of(&lab, 1) == own {
-            return Err(Failure::Unexpected("the blocks do not meet".to_owned()));
+            return Err(CaseFailure::Unexpected("the blocks do not meet".to_owned()));
         }
         let kept = 100.0 * energy[1] / energy[0];
-        Ok(Measured::new(error, format!("in contact for {touched} steps; {kept:.1} % of the kinetic energy left")))
+        Ok(CaseMeasurement::new(
+            error,
+            format!("in contact for {touched} steps; {kept:.1} % of the kinetic energy left"),
+        ))
     }
 }

@@ -1,14 +1,14 @@
 //! A block on a 3-4-5 incline: Coulomb friction in motion and at rest, settled and not.
 
-use crate::case::{Case, Engine, Measure, Measured};
-use crate::lab::{Failure, Lab, number, relative, scene};
+use crate::case::{CaseMeasurement, CasePrecision, Measure, ValidationCase};
+use crate::stepped_scene::{CaseFailure, SteppedScene, number, relative, scene};
 use rockproof_stepper::dynamics::StepRules;
 
 /// tan φ as in names of scenes and as a number.
 const FRICTIONS: [(&str, f64); 3] = [("0", 0.0), ("1_4", 0.25), ("1_2", 0.5)];
 
 /// The cases of this group.
-pub fn cases<M: StepRules>() -> Vec<Case> {
+pub fn cases<M: StepRules>() -> Vec<ValidationCase> {
     let mut all = Vec::new();
     for start in [Start::Settled, Start::Unsettled] {
         for (name, friction) in FRICTIONS {
@@ -78,7 +78,7 @@ impl Slide {
     ///
     /// # Errors
     /// When the scene cannot be run to its end.
-    pub fn run<R: Engine, M: StepRules>(&self) -> Result<Slid, Failure> {
+    pub fn run<R: CasePrecision, M: StepRules>(&self) -> Result<Slid, CaseFailure> {
         let state = if self.start == Start::Unsettled { "unsettled" } else { "settled" };
         let mut scene = scene(&format!("incline_{}_{state}", self.friction))?;
         if let Some(step) = self.time_step {
@@ -88,7 +88,7 @@ impl Slide {
             scene.simulation.control.settle = enough(scene.simulation.control.time_step.approximate());
         }
         let friction = scene.simulation.joints.other.friction.approximate();
-        let mut lab = Lab::<R, M>::new(scene)?;
+        let mut lab = SteppedScene::<R, M>::new(scene)?;
         lab.settle()?;
         let begin = lab.centroid(1)[0];
         let [mut open, mut steps, mut retries] = [0; 3];
@@ -115,10 +115,10 @@ fn enough(time_step: f64) -> u32 {
 }
 
 impl Measure for Slide {
-    fn measure<R: Engine, M: StepRules>(&self) -> Result<Measured, Failure> {
+    fn measure<R: CasePrecision, M: StepRules>(&self) -> Result<CaseMeasurement, CaseFailure> {
         let Slid { way, known, open, steps, .. } = self.run::<R, M>()?;
         let seen = format!("{way:.6} m for {known:.6} m; a contact open in {open} of {steps} steps");
-        Ok(Measured::new(relative(way, known), seen))
+        Ok(CaseMeasurement::new(relative(way, known), seen))
     }
 }
 
@@ -129,8 +129,8 @@ struct Rest {
 }
 
 impl Measure for Rest {
-    fn measure<R: Engine, M: StepRules>(&self) -> Result<Measured, Failure> {
-        let mut lab = Lab::<R, M>::open("incline_4_5_settled")?;
+    fn measure<R: CasePrecision, M: StepRules>(&self) -> Result<CaseMeasurement, CaseFailure> {
+        let mut lab = SteppedScene::<R, M>::open("incline_4_5_settled")?;
         let placed = lab.centroid(1)[0];
         lab.settle()?;
         let settled = lab.centroid(1)[0];
@@ -146,6 +146,6 @@ impl Measure for Rest {
         let end = lab.centroid(1)[0];
         let (drift, late) = ((end - settled).abs() / slip, (end - half).abs() / slip);
         let seen = format!("slip {slip:.3e} m; settling moved it by {:.6} slips", (settled - placed).abs() / slip);
-        Ok(Measured::new(if self.growth { late } else { drift }, seen))
+        Ok(CaseMeasurement::new(if self.growth { late } else { drift }, seen))
     }
 }

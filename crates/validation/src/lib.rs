@@ -11,27 +11,27 @@ pub mod elastic;
 pub mod flight;
 pub mod impact;
 pub mod incline;
-pub mod lab;
 pub mod plot;
 pub mod regimes;
 pub mod report;
 pub mod rest;
+pub mod stepped_scene;
 pub mod wedge;
 
-pub use case::{Case, Engine, Measured};
-pub use lab::{Failure, Lab};
+pub use case::{CaseMeasurement, CasePrecision, ValidationCase};
+pub use stepped_scene::{CaseFailure, SteppedScene};
 
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::StepRules;
 
 /// Every case by the rules of SPEC, in the order of the table.
-pub fn table() -> Vec<Case> {
-    cases::<Spec>()
+pub fn table() -> Vec<ValidationCase> {
+    cases::<SpecRules>()
 }
 
 /// Every case by other rules.
-pub fn cases<M: StepRules>() -> Vec<Case> {
-    let groups: [fn() -> Vec<Case>; 8] = [
+pub fn cases<M: StepRules>() -> Vec<ValidationCase> {
+    let groups: [fn() -> Vec<ValidationCase>; 8] = [
         flight::cases::<M>,
         incline::cases::<M>,
         rest::cases::<M>,

@@ -1,8 +1,8 @@
 //! Plots of error against Δt.
 
 use crate::convergence::{Curve, Study};
-use crate::lab::Failure;
 use crate::report::short;
+use crate::stepped_scene::CaseFailure;
 use plotters::prelude::*;
 
 const SIZE: (u32, u32) = (640, 400);
@@ -15,9 +15,10 @@ const PAPER: RGBColor = RGBColor(251, 250, 247);
 ///
 /// # Errors
 /// When the plot cannot be drawn: no point, or an error that is 0.
-pub fn plot(study: &Study, curve: &Curve) -> Result<String, Failure> {
+pub fn plot(study: &Study, curve: &Curve) -> Result<String, CaseFailure> {
     let mut text = String::new();
-    draw(&mut text, study, curve).map_err(|error| Failure::Unexpected(format!("plot of {}: {error}", study.name)))?;
+    draw(&mut text, study, curve)
+        .map_err(|error| CaseFailure::Unexpected(format!("plot of {}: {error}", study.name)))?;
     Ok(text)
 }
 

@@ -4,20 +4,20 @@
 //! slides without toppling when tan φ ≤ δ; else it topples, about a toe that keeps its place when friction can hold it there.
 //! That last limit is dynamic: the toe bears what the falling block's acceleration leaves (Sagaseta 1986; Yeung 1991 for DDA).
 
-use crate::case::{Case, Engine, Measure, Measured};
-use crate::lab::{Failure, Lab, number, scene, vector};
+use crate::case::{CaseMeasurement, CasePrecision, Measure, ValidationCase};
+use crate::stepped_scene::{CaseFailure, SteppedScene, number, scene, vector};
 use rockproof_model::{Block, Scene};
 use rockproof_stepper::dynamics::StepRules;
 
 /// The cases of this group.
-pub fn cases<M: StepRules>() -> Vec<Case> {
+pub fn cases<M: StepRules>() -> Vec<ValidationCase> {
     vec![
-        Points { what: What::Regime }.case::<M>(
+        Points { what: PointQuantity::Regime }.case::<M>(
             "inclined block, 12 points of height, breadth, angle, friction",
             "rests, slides, topples, or both",
             ("points wrong", Some(0.0)),
         ),
-        Points { what: What::Motion }.case::<M>(
+        Points { what: PointQuantity::Motion }.case::<M>(
             "the same: how far they slide and turn in 0.1 s",
             "½ẍt², ½θ̈t² of the start",
             ("relative, worst point", None),
@@ -111,14 +111,14 @@ impl Inclined {
     ///
     /// # Errors
     /// When the scene or a number cannot be read.
-    pub fn scene(&self) -> Result<Scene, Failure> {
+    pub fn scene(&self) -> Result<Scene, CaseFailure> {
         let mut scene = scene("inclined_slides_and_topples")?;
         let [sine, cosine] = self.lean;
         scene.simulation.gravity = vector([-GRAVITY * sine, 0.0, -GRAVITY * cosine])?;
         scene.simulation.joints.other.friction = number(self.friction)?;
         let corner = vector([self.slenderness * HEIGHT, 1.0, HEIGHT])?;
         let block = Block::cuboid(&vector([0.0; 3])?, &corner);
-        scene.blocks[1].block = block.map_err(|error| Failure::Unexpected(error.to_string()))?;
+        scene.blocks[1].block = block.map_err(|error| CaseFailure::Unexpected(error.to_string()))?;
         Ok(scene)
     }
 
@@ -126,11 +126,11 @@ impl Inclined {
     ///
     /// # Errors
     /// When the scene cannot be run.
-    pub fn motion<R: Engine, M: StepRules>(&self, time: f64) -> Result<[f64; 2], Failure> {
-        let mut lab = Lab::<R, M>::new(self.scene()?)?;
+    pub fn motion<R: CasePrecision, M: StepRules>(&self, time: f64) -> Result<[f64; 2], CaseFailure> {
+        let mut lab = SteppedScene::<R, M>::new(self.scene()?)?;
         lab.settle()?;
         // Vertex 0 is the toe, 4 above it.
-        let lean = |lab: &Lab<R, M>| {
+        let lean = |lab: &SteppedScene<R, M>| {
             let (toe, above) = (lab.vertex(1, 0), lab.vertex(1, 4));
             (toe[0] - above[0]).atan2(above[2] - toe[2])
         };
@@ -144,7 +144,7 @@ impl Inclined {
 
 /// What is asked of the points.
 #[derive(Clone, Copy)]
-enum What {
+enum PointQuantity {
     Regime,
     Motion,
 }
@@ -152,11 +152,11 @@ enum What {
 /// All points.
 #[derive(Clone, Copy)]
 struct Points {
-    what: What,
+    what: PointQuantity,
 }
 
 impl Measure for Points {
-    fn measure<R: Engine, M: StepRules>(&self) -> Result<Measured, Failure> {
+    fn measure<R: CasePrecision, M: StepRules>(&self) -> Result<CaseMeasurement, CaseFailure> {
         let (mut wrong, mut error) = (Vec::new(), 0.0f64);
         let time = 0.1;
         for point in points() {
@@ -174,9 +174,11 @@ impl Measure for Points {
             }
         }
         Ok(match self.what {
-            What::Regime if wrong.is_empty() => Measured::new(0.0, "3 rest, 3 slide, 3 topple, 3 do both"),
-            What::Regime => Measured::new(wrong.len() as f64, wrong.join("; ")),
-            What::Motion => Measured::new(error, "springs give way first"),
+            PointQuantity::Regime if wrong.is_empty() => {
+                CaseMeasurement::new(0.0, "3 rest, 3 slide, 3 topple, 3 do both")
+            }
+            PointQuantity::Regime => CaseMeasurement::new(wrong.len() as f64, wrong.join("; ")),
+            PointQuantity::Motion => CaseMeasurement::new(error, "springs give way first"),
         })
     }
 }

@@ -1,22 +1,22 @@
 //! The table of `docs/validation.md`.
 
-use crate::case::{Case, Measured};
+use crate::case::{CaseMeasurement, ValidationCase};
 use crate::convergence::{Curve, StartUp, Study};
-use crate::lab::Failure;
+use crate::stepped_scene::CaseFailure;
 use rayon::prelude::*;
 use std::fmt::Write;
 
 /// A case and what it showed in either precision.
-pub struct Line {
+pub struct CaseResult {
     /// The case.
-    pub case: Case,
+    pub case: ValidationCase,
     /// In f64.
-    pub f64: Result<Measured, Failure>,
+    pub f64: Result<CaseMeasurement, CaseFailure>,
     /// In f32.
-    pub f32: Result<Measured, Failure>,
+    pub f32: Result<CaseMeasurement, CaseFailure>,
 }
 
-impl Line {
+impl CaseResult {
     /// Whether the case keeps its bound in f64.
     pub fn holds(&self) -> bool {
         self.f64.as_ref().is_ok_and(|measured| self.case.holds(measured))
@@ -24,12 +24,12 @@ impl Line {
 }
 
 /// Runs every case in both precisions.
-pub fn measure(cases: Vec<Case>) -> Vec<Line> {
-    cases.into_par_iter().map(|case| Line { f64: case.f64(), f32: case.f32(), case }).collect()
+pub fn measure(cases: Vec<ValidationCase>) -> Vec<CaseResult> {
+    cases.into_par_iter().map(|case| CaseResult { f64: case.f64(), f32: case.f32(), case }).collect()
 }
 
 /// The table in Markdown.
-pub fn markdown(lines: &[Line]) -> String {
+pub fn markdown(lines: &[CaseResult]) -> String {
     let mut out = String::from(
         "| case | closed form | error | must be | f64 | f32 | |\n| --- | --- | --- | ---: | ---: | ---: | --- |\n",
     );
@@ -83,7 +83,7 @@ pub fn start_up(all: &[StartUp]) -> String {
     out
 }
 
-fn shown(measured: &Result<Measured, Failure>) -> String {
+fn shown(measured: &Result<CaseMeasurement, CaseFailure>) -> String {
     measured.as_ref().map_or_else(|failure| format!("none: {failure}"), |measured| short(measured.error))
 }
 
@@ -106,9 +106,9 @@ pub fn short(value: f64) -> String {
 ///
 /// # Errors
 /// When the page has not both marks in order.
-pub fn replace(page: &str, name: &str, text: &str) -> Result<String, Failure> {
+pub fn replace(page: &str, name: &str, text: &str) -> Result<String, CaseFailure> {
     let marks = [format!("<!-- {name}: begin -->\n"), format!("<!-- {name}: end -->\n")];
-    let missing = || Failure::Unexpected(format!("the page lacks the marks of `{name}`"));
+    let missing = || CaseFailure::Unexpected(format!("the page lacks the marks of `{name}`"));
     let begin = page.find(&marks[0]).ok_or_else(missing)? + marks[0].len();
     let end = begin + page[begin..].find(&marks[1]).ok_or_else(missing)?;
     Ok(format!("{}{text}{}", &page[..begin], &page[end..]))

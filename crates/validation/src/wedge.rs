@@ -1,7 +1,7 @@
 //! A wedge on two planes: the limit-equilibrium factor decides whether it slides.
 
-use crate::case::{Case, Engine, Measure, Measured};
-use crate::lab::{Failure, Lab, number, relative, scene};
+use crate::case::{CaseMeasurement, CasePrecision, Measure, ValidationCase};
+use crate::stepped_scene::{CaseFailure, SteppedScene, number, relative, scene};
 use rockproof_stepper::dynamics::StepRules;
 
 /// tan φ at which the factor is 1: N1 + N2 = 33/21 W⊥, W∥/W⊥ = 3/4.
@@ -14,19 +14,19 @@ const FACTORS: [f64; 4] = [0.9, 0.99, 1.01, 1.1];
 const LATE: f64 = 1.5;
 
 /// The cases of this group.
-pub fn cases<M: StepRules>() -> Vec<Case> {
+pub fn cases<M: StepRules>() -> Vec<ValidationCase> {
     vec![
-        Limit.case::<M>(
+        LimitEquilibrium.case::<M>(
             "wedge on two planes: factors 0.9, 0.99, 1.01, 1.1",
             "slides below 1, holds above",
             ("largest distance from 1 that goes wrong", Some(0.0099)),
         ),
-        Factor { factor: 0.99 }.case::<M>(
+        AccelerationFactor { factor: 0.99 }.case::<M>(
             "wedge on two planes, 0.99: factor that its acceleration shows",
             "a = g sin ψ (1 − F)",
             ("relative", Some(0.01)),
         ),
-        Factor { factor: 0.5 }.case::<M>(
+        AccelerationFactor { factor: 0.5 }.case::<M>(
             "wedge on two planes, 1/2: factor that its acceleration shows",
             "a = g sin ψ (1 − F)",
             ("relative", Some(0.01)),
@@ -35,16 +35,16 @@ pub fn cases<M: StepRules>() -> Vec<Case> {
 }
 
 /// The wedge with a factor, settled.
-fn lab<R: Engine, M: StepRules>(factor: f64) -> Result<Lab<R, M>, Failure> {
+fn stepped_scene<R: CasePrecision, M: StepRules>(factor: f64) -> Result<SteppedScene<R, M>, CaseFailure> {
     let mut scene = scene("wedge")?;
     scene.simulation.joints.other.friction = number(factor * CRITICAL)?;
-    let mut lab = Lab::new(scene)?;
+    let mut lab = SteppedScene::new(scene)?;
     lab.settle()?;
     Ok(lab)
 }
 
 /// Steps until a time (s).
-fn until<R: Engine, M: StepRules>(lab: &mut Lab<R, M>, time: f64) -> Result<(), Failure> {
+fn until<R: CasePrecision, M: StepRules>(lab: &mut SteppedScene<R, M>, time: f64) -> Result<(), CaseFailure> {
     while lab.time() < time - 1e-6 {
         lab.step()?;
     }
@@ -56,13 +56,13 @@ fn until<R: Engine, M: StepRules>(lab: &mut Lab<R, M>, time: f64) -> Result<(), 
 /// Settling locks every contact, so that shear springs across the line bear part of the weight and normal forces begin too low: the
 /// wedge starts with a slip of some centimetres a second whatever the factor. What counts is whether it comes to rest.
 #[derive(Clone, Copy)]
-struct Limit;
+struct LimitEquilibrium;
 
-impl Measure for Limit {
-    fn measure<R: Engine, M: StepRules>(&self) -> Result<Measured, Failure> {
+impl Measure for LimitEquilibrium {
+    fn measure<R: CasePrecision, M: StepRules>(&self) -> Result<CaseMeasurement, CaseFailure> {
         let (mut error, mut seen) = (0.0f64, Vec::new());
         for factor in FACTORS {
-            let mut lab = lab::<R, M>(factor)?;
+            let mut lab = stepped_scene::<R, M>(factor)?;
             until(&mut lab, 0.1)?;
             let early = -lab.velocity(2)[0];
             until(&mut lab, LATE)?;
@@ -73,25 +73,25 @@ impl Measure for Limit {
             }
             seen.push(format!("{factor}: {early:.1e} to {late:.1e}"));
         }
-        Ok(Measured::new(error, format!("m/s after 0.1 s and 1.5 s: {}", seen.join(", "))))
+        Ok(CaseMeasurement::new(error, format!("m/s after 0.1 s and 1.5 s: {}", seen.join(", "))))
     }
 }
 
 /// The factor that the acceleration of a moving wedge shows.
 #[derive(Clone, Copy)]
-struct Factor {
+struct AccelerationFactor {
     factor: f64,
 }
 
-impl Measure for Factor {
-    fn measure<R: Engine, M: StepRules>(&self) -> Result<Measured, Failure> {
-        let mut lab = lab::<R, M>(self.factor)?;
+impl Measure for AccelerationFactor {
+    fn measure<R: CasePrecision, M: StepRules>(&self) -> Result<CaseMeasurement, CaseFailure> {
+        let mut lab = stepped_scene::<R, M>(self.factor)?;
         until(&mut lab, 0.25)?;
         let (early, begun) = (-lab.velocity(2)[0], lab.time());
         until(&mut lab, 0.5)?;
         let acceleration = (-lab.velocity(2)[0] - early) / (lab.time() - begun);
         let shown = 1.0 - acceleration / ALONG;
         let known = ALONG * (1.0 - self.factor);
-        Ok(Measured::new(relative(shown, self.factor), format!("{acceleration:.5} m/s² for {known:.5}")))
+        Ok(CaseMeasurement::new(relative(shown, self.factor), format!("{acceleration:.5} m/s² for {known:.5}")))
     }
 }

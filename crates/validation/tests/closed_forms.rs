@@ -3,7 +3,7 @@
 
 use rockproof_validation::convergence::studies;
 use rockproof_validation::regimes::points;
-use rockproof_validation::{lab, report, table};
+use rockproof_validation::{report, stepped_scene, table};
 
 /// Cases that f32 cannot hold: they rest on overlaps below the last bits of its coordinates.
 const LOST_IN_F32: [&str; 3] = ["inclined block, 12 points", "arch, t/R", "patch test, joint of slope 1/2"];
@@ -44,7 +44,7 @@ fn points_on_the_incline_are_those_of_the_files() {
     let files =
         [(1, "inclined_rests"), (4, "inclined_slides"), (6, "inclined_topples"), (9, "inclined_slides_and_topples")];
     for (place, name) in files {
-        let (made, file) = (points()[place].scene().unwrap(), lab::scene(name).unwrap());
+        let (made, file) = (points()[place].scene().unwrap(), stepped_scene::scene(name).unwrap());
         assert_eq!(made.blocks[1].block, file.blocks[1].block, "{name}");
         let numbers = |scene: &rockproof_model::Scene| {
             let simulation = &scene.simulation;

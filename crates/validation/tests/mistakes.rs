@@ -3,9 +3,9 @@
 //! One implementation of the rules looks up at run time which mistake is planted, so that the stepper is compiled once.
 
 use rockproof_stepper::Real;
-use rockproof_stepper::contact::Rules;
+use rockproof_stepper::contact::ContactRules;
 use rockproof_stepper::dynamics::StepRules;
-use rockproof_validation::{Case, cases};
+use rockproof_validation::{ValidationCase, cases};
 use std::sync::atomic::{AtomicU8, Ordering};
 
 static PLANTED: AtomicU8 = AtomicU8::new(0);
@@ -24,7 +24,7 @@ fn is(mistake: u8) -> bool {
     PLANTED.load(Ordering::Relaxed) == mistake
 }
 
-impl Rules for Planted {}
+impl ContactRules for Planted {}
 
 impl StepRules for Planted {
     fn closes<R: Real>(gap: R, close: R) -> bool {
@@ -59,7 +59,7 @@ impl StepRules for Planted {
 }
 
 /// Whether the case of this name misses: a bound, or the end of its run.
-fn misses(all: &[Case], name: &str) -> bool {
+fn misses(all: &[ValidationCase], name: &str) -> bool {
     let case = all.iter().find(|case| case.name == name).unwrap_or_else(|| panic!("no case `{name}`"));
     assert!(case.bound.is_some(), "{name}");
     !case.f64().is_ok_and(|measured| case.holds(&measured))

@@ -4,7 +4,7 @@ use super::axonometric::{Camera, cross, dot, minus, normal_of, plus, scaled, uni
 use super::shapes::{Metres, number, parallelepiped, prism, pyramid};
 use super::svg::{ACCENT, At, BLOCK_A, BLOCK_B, HEADING, PLAIN, SMALL, Svg};
 use rockproof_model::{Block, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, ToleranceSet};
-use rockproof_oracle::{Gap, Pair, Solid};
+use rockproof_oracle::{Gap, Pair, PreparedBlock};
 
 const PANEL: At = (240.0, 318.0);
 const TINT: &str = "#e78fb3";
@@ -70,7 +70,7 @@ fn panels() -> [Panel; 4] {
 }
 
 fn draw_panel(svg: &mut Svg, panel: &Panel, left: f64) {
-    let (solid_a, solid_b) = (Solid::new(&panel.a), Solid::new(&panel.b));
+    let (solid_a, solid_b) = (PreparedBlock::new(&panel.a), PreparedBlock::new(&panel.b));
     let pair = Pair::new(&solid_a, &solid_b);
     let contacts = pair.classify(&tolerances()).contacts;
     let [contact] = contacts.as_slice() else { panic!("{}: one contact is drawn, found {contacts:?}", panel.heading) };

@@ -8,7 +8,7 @@ use super::shapes::Metres;
 use super::svg::{ACCENT, At, BLOCK_A, BLOCK_B, GREY, HEADING, PLAIN, SMALL, Svg, Text};
 use rockproof_model::decision::{Feature, Predicate};
 use rockproof_model::{Block, Entrance, EntranceKind, Number};
-use rockproof_oracle::{Gap, Pair, Solid, TraceEntry};
+use rockproof_oracle::{Gap, Pair, PreparedBlock, TraceEntry};
 
 const PANEL: At = (214.0, 318.0);
 const LIST: f64 = 318.0;
@@ -25,7 +25,7 @@ struct Candidate {
 pub(super) fn draw() -> String {
     let a = standing_on_a_corner([0.125, -0.0625, 0.4375]);
     let b = with_a_corner_on_top([0.0; 3]);
-    let (solid_a, solid_b) = (Solid::new(&a), Solid::new(&b));
+    let (solid_a, solid_b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
     let pair = Pair::new(&solid_a, &solid_b);
     let trace = pair.trace(&tolerances());
     let candidates: Vec<Candidate> = trace

@@ -6,9 +6,9 @@
 use super::shapes::{Metres, block, metres, number};
 use super::svg::{At, GREY, HEADING, INK, PLAIN, SMALL, Svg};
 use rockproof_model::{Block, ContactKind, Criteria, Number, ToleranceSet};
-use rockproof_oracle::{Pair, Solid as OracleSolid};
-use rockproof_stepper::contact::{Rules, Spec};
-use rockproof_stepper::{Solid, Tolerances};
+use rockproof_oracle::{Pair, PreparedBlock as OracleSolid};
+use rockproof_stepper::contact::{ContactRules, SpecRules};
+use rockproof_stepper::{PreparedBlock, Tolerances};
 
 /// The sliver's upper face, counter-clockwise, at z = 0.
 const OUTLINE: [[f64; 2]; 3] = [[0.0, 0.0], [4.0, 0.0], [4.0, 0.5]];
@@ -116,17 +116,17 @@ fn draw_kinds(svg: &mut Svg, sliver: &OracleSolid, t: &ToleranceSet, at: impl Fn
 }
 
 fn draw_radii(svg: &mut Svg, block: &Block, t: &ToleranceSet, at: impl Fn([f64; 2]) -> At) {
-    let solid = Solid::<f64>::new(block).expect("the sliver has extent");
+    let solid = PreparedBlock::<f64>::new(block).expect("the sliver has extent");
     let t = Tolerances::<f64>::new(t).expect("the tolerances are finite");
     for v in 0..OUTLINE.len() as u32 {
-        let radius = Spec::vertex_radius(&t, solid.vertex(v).shortest);
+        let radius = SpecRules::vertex_radius(&t, solid.vertex(v).shortest);
         let [x, y, _] = metres(&block.vertices()[v as usize]);
         svg.ring(at([x, y]), radius * SCALE, GREY);
     }
     for k in 0..OUTLINE.len() as u32 {
         let Some(e) = block.topology().edge_between(k, (k + 1) % OUTLINE.len() as u32) else { continue };
         let ridge = solid.edge(e);
-        let radius = Spec::edge_radius(&t, ridge.width_left, ridge.width_right);
+        let radius = SpecRules::edge_radius(&t, ridge.width_left, ridge.width_right);
         let ends = [ridge.p, ridge.q].map(|p| [p.x, p.y]);
         let across = [-ridge.direction.y * radius, ridge.direction.x * radius];
         for side in [-1.0, 1.0] {

@@ -1,7 +1,7 @@
 //! Planes of faces that separate two blocks.
 
 use super::Decider;
-use crate::Solid;
+use crate::PreparedBlock;
 use crate::number::{Ball, UNDERFLOW};
 use crate::pair::Pair;
 use crate::separation::on_lattice;
@@ -25,7 +25,7 @@ pub(super) struct FacePlanes {
 }
 
 impl FacePlanes {
-    pub(super) fn of(solid: &Solid) -> FacePlanes {
+    pub(super) fn of(solid: &PreparedBlock) -> FacePlanes {
         let reach = |n: [f64; 3]| {
             solid.vertices.iter().map(|p| dot(n, [p.x.0, p.y.0, p.z.0])).fold(f64::NEG_INFINITY, f64::max)
         };
@@ -88,7 +88,7 @@ fn separates_exactly(pair: &Pair<'_>, points: &[Vec<Vec3<BigInt>>; 2], side: Sid
 }
 
 /// Whether the vertices do not all lie in one plane, exactly.
-pub(super) fn has_inside(solid: &Solid) -> bool {
+pub(super) fn has_inside(solid: &PreparedBlock) -> bool {
     // f64 first: any determinant that is certainly not zero.
     let ball = |v: &Vec3<crate::number::Approx>| v.map(|c| Ball { middle: c.0, radius: solid.errors.coordinate });
     let origin = ball(&solid.vertices[0]);

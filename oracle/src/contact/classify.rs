@@ -1,12 +1,12 @@
 //! The whole classification of a pair: rough phase, the four tests with both roles, one exit.
 
 use super::entrance::Candidate;
-use super::exit::Found;
+use super::exit::ExitCandidate;
 use super::reach::Reach;
 use crate::levels::LevelCounts;
 use crate::pair::Pair;
 use crate::predicate::{BoxesMeet, Vertex};
-use crate::run::{Observer, Run, Silent};
+use crate::sign_ladder::{Classification, Observer, Unobserved};
 use rockproof_model::decision::{Decision, Predicate, Side};
 use rockproof_model::{Contact, ContactKey, ContactKind, ToleranceSet};
 
@@ -30,18 +30,18 @@ impl Pair<'_> {
     /// The contacts of the pair where the step before left the contacts `kept` of it closed: these may be deeper than g;
     /// every other condition holds for them as for all. Order and repetitions do not matter.
     pub fn classify_keeping(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Answer {
-        let mut run = Run::new(self, tolerances, Silent).keeping(kept);
+        let mut run = Classification::new(self, tolerances, Unobserved).keeping(kept);
         let contacts = run.classify();
         Answer { contacts, levels: run.levels }
     }
 
     /// Whether the pair passes the rough phase: A's box grown by s meets B's; **touching says yes**.
     pub fn are_neighbours(&self, tolerances: &ToleranceSet) -> bool {
-        Run::new(self, tolerances, Silent).neighbours()
+        Classification::new(self, tolerances, Unobserved).neighbours()
     }
 }
 
-impl<O: Observer> Run<'_, '_, O> {
+impl<O: Observer> Classification<'_, '_, O> {
     pub(crate) fn classify(&mut self) -> Vec<Contact> {
         if !self.neighbours() {
             return Vec::new();
@@ -80,7 +80,7 @@ impl<O: Observer> Run<'_, '_, O> {
         )
     }
 
-    fn vertex_vertex_contacts(&mut self, a: &Reach, b: &Reach, distance: f64, found: &mut Vec<Found>) {
+    fn vertex_vertex_contacts(&mut self, a: &Reach, b: &Reach, distance: f64, found: &mut Vec<ExitCandidate>) {
         for &i in &a.vertices {
             for &j in &b.vertices {
                 if !self.vertices_out_of_reach(i, j, distance)
@@ -93,7 +93,14 @@ impl<O: Observer> Run<'_, '_, O> {
     }
 
     /// v-e for vertices of A, e-v for vertices of B.
-    fn vertex_edge_contacts(&mut self, side: Side, own: &Reach, other: &Reach, distance: f64, found: &mut Vec<Found>) {
+    fn vertex_edge_contacts(
+        &mut self,
+        side: Side,
+        own: &Reach,
+        other: &Reach,
+        distance: f64,
+        found: &mut Vec<ExitCandidate>,
+    ) {
         for &v in &own.vertices {
             for &e in &other.edges {
                 if !self.vertex_out_of_reach_of_edge((side, v), e, distance)
@@ -109,7 +116,7 @@ impl<O: Observer> Run<'_, '_, O> {
     }
 
     /// v-f for vertices of A, f-v for vertices of B.
-    fn vertex_face_contacts(&mut self, side: Side, own: &Reach, found: &mut Vec<Found>) {
+    fn vertex_face_contacts(&mut self, side: Side, own: &Reach, found: &mut Vec<ExitCandidate>) {
         let both_convex = self.pair.a.block.is_convex() && self.pair.b.block.is_convex();
         let faces = self.pair.topology(side.other()).faces().len() as u32;
         let beyond = self.kept_vertices_beyond(side, own);
@@ -131,7 +138,7 @@ impl<O: Observer> Run<'_, '_, O> {
         }
     }
 
-    fn edge_edge_contacts(&mut self, a: &Reach, b: &Reach, distance: f64, found: &mut Vec<Found>) {
+    fn edge_edge_contacts(&mut self, a: &Reach, b: &Reach, distance: f64, found: &mut Vec<ExitCandidate>) {
         for &i in &a.edges {
             for &j in &b.edges {
                 if !self.edges_out_of_reach(i, j, distance)
@@ -147,6 +154,6 @@ impl<O: Observer> Run<'_, '_, O> {
     }
 }
 
-fn contact(kind: ContactKind, a: u32, b: u32, candidate: Candidate) -> Found {
-    Found { contact: Contact { kind, a, b, entrance: candidate.entrance, gap: candidate.gap }, candidate }
+fn contact(kind: ContactKind, a: u32, b: u32, candidate: Candidate) -> ExitCandidate {
+    ExitCandidate { contact: Contact { kind, a, b, entrance: candidate.entrance, gap: candidate.gap }, candidate }
 }

@@ -2,8 +2,8 @@
 
 use super::entrance::Candidate;
 use super::no_overlap::about_edges;
-use crate::predicate::{CommonFoot, Limit};
-use crate::run::{Observer, Run};
+use crate::predicate::{CommonFoot, LengthTolerance};
+use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Predicate, Side};
 use rockproof_model::{ContactKey, ContactKind};
 
@@ -12,7 +12,7 @@ pub(super) fn contact_of(edge_a: u32, edge_b: u32) -> ContactKey {
     ContactKey { kind: ContactKind::EdgeEdge, a: edge_a, b: edge_b }
 }
 
-impl<O: Observer> Run<'_, '_, O> {
+impl<O: Observer> Classification<'_, '_, O> {
     /// Whether two convex edges cross and touch.
     ///
     /// Not nearly parallel, the feet of the common perpendicular strictly inside both, no endpoint in the territory of
@@ -21,7 +21,7 @@ impl<O: Observer> Run<'_, '_, O> {
         if !(self.edge_is_convex(Side::A, edge_a) && self.edge_is_convex(Side::B, edge_b)) {
             return None;
         }
-        if self.edges_hopeless(edge_a, edge_b)
+        if self.edges_certainly_fail(edge_a, edge_b)
             || self.nearly_parallel(edge_a, edge_b)
             || !self.feet_inside(edge_a, edge_b)
         {
@@ -31,7 +31,7 @@ impl<O: Observer> Run<'_, '_, O> {
         let candidate = self.edge_candidate(edge_a, edge_b, sigma);
         let near = self.decide(
             || about_edges(Predicate::EdgeEdgeNear, edge_a, edge_b),
-            |run| run.gap_at_most(&candidate, Limit::Search),
+            |run| run.gap_at_most(&candidate, LengthTolerance::Search),
         ) && self.not_too_deep(contact_of(edge_a, edge_b), &candidate, || {
             about_edges(Predicate::EdgeEdgeDepth, edge_a, edge_b)
         });

@@ -2,8 +2,8 @@
 //! (SPEC section 4, "Entrance").
 
 use super::no_overlap::Passes;
-use crate::predicate::{AbovePlane, Edge, EdgesApart, Factor, GapWithin, LargerGap, Limit, Vertex};
-use crate::run::{Observer, Run};
+use crate::predicate::{AbovePlane, Edge, EdgesApart, Factor, GapWithin, LargerGap, LengthTolerance, Vertex};
+use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{ContactKey, Entrance, EntranceKind, Sign};
 use smallvec::SmallVec;
@@ -30,7 +30,7 @@ impl Candidate {
 /// Candidates in the order in which ties are broken.
 pub(crate) type Candidates = SmallVec<[Candidate; 24]>;
 
-impl<O: Observer> Run<'_, '_, O> {
+impl<O: Observer> Classification<'_, '_, O> {
     /// The plane of a vertex and a face of the other block, with the sign of its gap.
     pub(crate) fn face_candidate(&mut self, vertex: Vertex, face: u32) -> Candidate {
         let (entrance, turn, face) = match vertex.0 {
@@ -165,14 +165,16 @@ impl<O: Observer> Run<'_, '_, O> {
     }
 
     /// `h ≤ limit`; **a tie says yes**.
-    pub(crate) fn gap_at_most(&mut self, candidate: &Candidate, limit: Limit) -> bool {
+    pub(crate) fn gap_at_most(&mut self, candidate: &Candidate, limit: LengthTolerance) -> bool {
         !candidate.gap.is_positive() || self.sign(&GapWithin { entrance: candidate.entrance, limit }).is_at_least_zero()
     }
 
     /// `h ≥ −g`; **a tie says yes**.
     fn gap_not_deeper(&mut self, candidate: &Candidate) -> bool {
         !candidate.gap.is_negative()
-            || self.sign(&GapWithin { entrance: candidate.entrance, limit: Limit::Penetration }).is_at_least_zero()
+            || self
+                .sign(&GapWithin { entrance: candidate.entrance, limit: LengthTolerance::Penetration })
+                .is_at_least_zero()
     }
 
     /// Whether a contact is not too deep: it is kept, and then nothing is asked, or its plane has `h ≥ −g`; **a tie says
@@ -200,7 +202,7 @@ fn about_gap(entrance: &Entrance) -> Decision {
 }
 
 /// An edge's two faces, ascending: the order in which candidates are tried.
-pub(crate) fn faces_of<O: Observer>(run: &Run<'_, '_, O>, edge: Edge) -> [u32; 2] {
+pub(crate) fn faces_of<O: Observer>(run: &Classification<'_, '_, O>, edge: Edge) -> [u32; 2] {
     let ends = run.pair.topology(edge.0).edges()[edge.1 as usize];
     [ends.left.min(ends.right), ends.left.max(ends.right)]
 }

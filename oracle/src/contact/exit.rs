@@ -2,18 +2,18 @@
 
 use super::entrance::{Candidate, Candidates};
 use crate::predicate::{NormalsAgree, NormalsWithin};
-use crate::run::{Observer, Run};
+use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Contact, ContactKind};
 
 /// A contact with what its later tests need.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Found {
+pub(crate) struct ExitCandidate {
     pub(crate) contact: Contact,
     pub(crate) candidate: Candidate,
 }
 
-impl<O: Observer> Run<'_, '_, O> {
+impl<O: Observer> Classification<'_, '_, O> {
     /// Shortest exit: of the faces that one vertex overlaps and that convex edges join, only the one with the largest
     /// gap stays; gaps equal by Eq. (1) leave the lower face. `found` are the contacts of the vertex, by face.
     pub(crate) fn keep_shortest_exit(&mut self, vertex: (Side, u32), found: &mut Vec<(u32, Candidate)>) {
@@ -68,7 +68,7 @@ impl<O: Observer> Run<'_, '_, O> {
     /// One exit, for two convex blocks: with n* the normal of the largest gap found among true exits, or among all
     /// contacts if none is one, an overlapping contact stays only if its normal is within the overlap angle of n*;
     /// **a tie stays**. `found` is sorted. Where something overlaps, every contact is asked whether it is a true exit.
-    pub(crate) fn keep_one_exit(&mut self, found: &mut Vec<Found>) {
+    pub(crate) fn keep_one_exit(&mut self, found: &mut Vec<ExitCandidate>) {
         if !found.iter().any(|f| f.candidate.gap.is_negative()) {
             return;
         }
@@ -83,7 +83,15 @@ impl<O: Observer> Run<'_, '_, O> {
             }
             self.decide(
                 || Decision::about(Predicate::OneExit, &contact_features(&f.contact)),
-                |run| run.same_way_out(&f.candidate, &way_out),
+                |run| {
+                    // Whether a contact stays rests on which way out was chosen, too: its record holds how near that choice was.
+                    if O::ACTIVE {
+                        for other in candidates[..best].iter().chain(&candidates[best + 1..]) {
+                            run.equals_best(other, &candidates[best]);
+                        }
+                    }
+                    run.same_way_out(&f.candidate, &way_out)
+                },
             )
         });
     }

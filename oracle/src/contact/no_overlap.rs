@@ -6,7 +6,7 @@ use crate::predicate::{
     DipLimit, Edge, EdgeAbovePlane, EdgeDipAngle, EdgeDipDepth, Face, InwardAcross, Orientation, ParallelAngle,
     ParallelReach, Vertex, WedgeDipAngle, WedgeDipDepth,
 };
-use crate::run::{Observer, Run};
+use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{EntranceKind, Sign};
 
@@ -31,7 +31,7 @@ impl Passes {
     }
 }
 
-impl<O: Observer> Run<'_, '_, O> {
+impl<O: Observer> Classification<'_, '_, O> {
     /// Whether every edge at a vertex stays above a face's plane or dips within tolerance; **a tie passes**.
     pub(crate) fn cone_passes(&mut self, vertex: Vertex, face: Face) -> Passes {
         let edges = self.pair.topology(vertex.0).vertex_edges(vertex.1);

@@ -7,8 +7,8 @@
 //!
 //! A v-f or e-e contact that is kept may be deeper than g, and so out of this reach: those are looked at by name.
 
-use crate::run::{Observer, Run};
-use crate::solid::Solid;
+use crate::prepared_block::PreparedBlock;
+use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::Side;
 use rockproof_model::{ContactKey, ContactKind};
 use smallvec::SmallVec;
@@ -34,7 +34,7 @@ impl GrownBox {
     }
 }
 
-impl<O: Observer> Run<'_, '_, O> {
+impl<O: Observer> Classification<'_, '_, O> {
     /// How far features may be apart and still matter, slack included.
     pub(crate) fn reach_distance(&self) -> f64 {
         let t = self.tolerances;
@@ -133,7 +133,7 @@ fn vertex_of_face_contact(side: Side, contact: ContactKey) -> Option<u32> {
 }
 
 #[inline(always)]
-fn point(solid: &Solid, vertex: u32) -> [f64; 3] {
+fn point(solid: &PreparedBlock, vertex: u32) -> [f64; 3] {
     let v = &solid.vertices[vertex as usize];
     [v.x.0, v.y.0, v.z.0]
 }

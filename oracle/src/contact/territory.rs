@@ -1,10 +1,10 @@
 //! Territories: the zones around vertices and edges that belong to them (SPEC section 4, "Territory radius").
 
-use crate::predicate::{Edge, FootAlong, Limit, Near, NearForEdge, NearLine, NearLineForHeight, Vertex};
-use crate::run::{Observer, Run};
+use crate::predicate::{Edge, FootAlong, LengthTolerance, Near, NearForEdge, NearLine, NearLineForHeight, Vertex};
+use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 
-impl<O: Observer> Run<'_, '_, O> {
+impl<O: Observer> Classification<'_, '_, O> {
     /// Whether vertices a of A and b of B lie in one another's territory: both convex and `|a − b| ≤ min(r_a, r_b)`;
     /// **a tie says yes**.
     pub(crate) fn share_territory(&mut self, a: u32, b: u32) -> bool {
@@ -15,9 +15,9 @@ impl<O: Observer> Run<'_, '_, O> {
             || Decision::about(Predicate::VertexTerritory, &[Feature::Vertex(Side::A, a), Feature::Vertex(Side::B, b)]);
         self.decide(decision, |run| {
             if run.classic {
-                return run.sign(&Near { a, b, limit: Limit::Search }).is_at_least_zero();
+                return run.sign(&Near { a, b, limit: LengthTolerance::Search }).is_at_least_zero();
             }
-            run.sign(&Near { a, b, limit: Limit::Territory }).is_at_least_zero()
+            run.sign(&Near { a, b, limit: LengthTolerance::Territory }).is_at_least_zero()
                 && run.within_shortest_edge((Side::A, a), a, b)
                 && run.within_shortest_edge((Side::B, b), a, b)
         })
@@ -29,7 +29,7 @@ impl<O: Observer> Run<'_, '_, O> {
         edges.iter().all(|&edge| self.sign(&NearForEdge { a, b, edge: (at.0, edge) }).is_at_least_zero())
     }
 
-    /// [`Run::share_territory`] for vertices given with their sides.
+    /// [`Classification::share_territory`] for vertices given with their sides.
     pub(crate) fn vertices_share_territory(&mut self, vertex: Vertex, other: u32) -> bool {
         match vertex.0 {
             Side::A => self.share_territory(vertex.1, other),
@@ -63,9 +63,9 @@ impl<O: Observer> Run<'_, '_, O> {
             || about_vertex_edge(Predicate::EdgeTerritory, vertex, edge),
             |run| {
                 if run.classic {
-                    return run.sign(&NearLine { vertex, edge, limit: Limit::Search }).is_at_least_zero();
+                    return run.sign(&NearLine { vertex, edge, limit: LengthTolerance::Search }).is_at_least_zero();
                 }
-                if run.sign(&NearLine { vertex, edge, limit: Limit::Territory }).is_negative() {
+                if run.sign(&NearLine { vertex, edge, limit: LengthTolerance::Territory }).is_negative() {
                     return false;
                 }
                 // w_e is the smaller of two greatest distances: within λ·w_e means within λ of some corner of each face.

@@ -2,12 +2,12 @@
 
 use super::entrance::{Candidate, Candidates, faces_of};
 use super::territory::about_vertex_edge;
-use crate::predicate::{Edge, FootBeyondVertex, InwardOf, Limit, NearLine, Vertex};
-use crate::run::{Observer, Run};
+use crate::predicate::{Edge, FootBeyondVertex, InwardOf, LengthTolerance, NearLine, Vertex};
+use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{ContactKey, ContactKind};
 
-impl<O: Observer> Run<'_, '_, O> {
+impl<O: Observer> Classification<'_, '_, O> {
     /// Whether a vertex touches an edge of the other block, and through which entrance.
     ///
     /// Both convex, the foot strictly inside, the distance ≤ s, the vertex in the territory of neither end, and either
@@ -52,7 +52,7 @@ impl<O: Observer> Run<'_, '_, O> {
     fn near_edge(&mut self, vertex: Vertex, edge: Edge) -> bool {
         self.decide(
             || about_vertex_edge(Predicate::VertexEdgeNear, vertex, edge),
-            |run| run.sign(&NearLine { vertex, edge, limit: Limit::Search }).is_at_least_zero(),
+            |run| run.sign(&NearLine { vertex, edge, limit: LengthTolerance::Search }).is_at_least_zero(),
         )
     }
 

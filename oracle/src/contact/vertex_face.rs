@@ -1,8 +1,8 @@
 //! Test 3: v-f, and f-v with the roles exchanged.
 
 use super::entrance::Candidate;
-use crate::predicate::{Face, InwardOf, Limit, NormalComponent, PolygonHeight, Vertex};
-use crate::run::{Observer, Run};
+use crate::predicate::{Face, InwardOf, LengthTolerance, NormalComponent, PolygonHeight, Vertex};
+use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{ContactKey, ContactKind, Sign};
 
@@ -14,20 +14,20 @@ pub(super) fn contact_of(vertex: Vertex, face: Face) -> ContactKey {
     }
 }
 
-impl<O: Observer> Run<'_, '_, O> {
+impl<O: Observer> Classification<'_, '_, O> {
     /// Whether a vertex, convex or not, touches a face of the other block.
     ///
     /// `h ≤ s`, not too deep, the projection strictly inside the polygon, the vertex in no territory of the face's vertices and
     /// edges, and its cone passes the plane.
     pub(crate) fn vertex_face(&mut self, vertex: Vertex, face: Face) -> Option<Candidate> {
-        if self.vertex_face_hopeless(vertex, face) {
+        if self.vertex_face_certainly_fails(vertex, face) {
             return None;
         }
         let candidate = self.face_candidate(vertex, face.1);
         let features = [Feature::Vertex(vertex.0, vertex.1), Feature::Face(face.0, face.1)];
         let near = self.decide(
             || Decision::about(Predicate::VertexFaceNear, &features),
-            |run| run.gap_at_most(&candidate, Limit::Search),
+            |run| run.gap_at_most(&candidate, LengthTolerance::Search),
         ) && self.not_too_deep(contact_of(vertex, face), &candidate, || {
             Decision::about(Predicate::VertexFaceDepth, &features)
         });

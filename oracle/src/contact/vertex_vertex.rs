@@ -1,12 +1,12 @@
 //! Test 1: v-v.
 
 use super::entrance::{Candidate, Candidates};
-use crate::predicate::{BeyondVertex, Limit, Near, Vertex};
-use crate::run::{Observer, Run};
+use crate::predicate::{BeyondVertex, LengthTolerance, Near, Vertex};
+use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{ContactKey, ContactKind};
 
-impl<O: Observer> Run<'_, '_, O> {
+impl<O: Observer> Classification<'_, '_, O> {
     /// Whether vertices a of A and b of B touch, and through which entrance.
     ///
     /// Both convex, `|a − b| ≤ s`, and either in one another's territory or each in the other's vertex region; a
@@ -18,7 +18,7 @@ impl<O: Observer> Run<'_, '_, O> {
         let of = [Feature::Vertex(Side::A, a), Feature::Vertex(Side::B, b)];
         let near = self.decide(
             || Decision::about(Predicate::VertexVertexNear, &of),
-            |run| run.sign(&Near { a, b, limit: Limit::Search }).is_at_least_zero(),
+            |run| run.sign(&Near { a, b, limit: LengthTolerance::Search }).is_at_least_zero(),
         );
         if !near {
             return None;

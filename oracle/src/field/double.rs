@@ -3,7 +3,7 @@
 //! theorems 3.1, 5.1 and 6.2: off by at most 3u², 7u² and 15u² of themselves, and a little; the root is that of V. Lefèvre and others
 //! (2022), 25/8·u². [`ROUNDING`] covers all.
 
-use super::{Field, Magnitude, dyadic};
+use super::{Field, UpperBound, dyadic};
 use crate::number::{INFLATION, UNDERFLOW, UNIT_ROUNDOFF};
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -217,16 +217,16 @@ impl Field for DoubleBall {
         part(self.high) + part(self.low)
     }
 
-    fn radius(&self) -> Option<Magnitude> {
-        if self.high.is_finite() && self.low.is_finite() { Magnitude::of_f64(self.radius) } else { None }
+    fn radius(&self) -> Option<UpperBound> {
+        if self.high.is_finite() && self.low.is_finite() { UpperBound::of_f64(self.radius) } else { None }
     }
 
-    fn most(&self) -> Option<Magnitude> {
-        let part = |value: f64| Magnitude::of_f64(value.abs());
+    fn most(&self) -> Option<UpperBound> {
+        let part = |value: f64| UpperBound::of_f64(value.abs());
         Some(part(self.high)?.plus(part(self.low)?).plus(part(self.radius)?))
     }
 
-    fn within(size: Magnitude) -> Option<Self> {
+    fn within(size: UpperBound) -> Option<Self> {
         Some(DoubleBall { high: 0.0, low: 0.0, radius: size.to_f64() })
     }
 

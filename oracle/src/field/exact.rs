@@ -1,6 +1,6 @@
 //! The exact level: fractions.
 
-use super::{Field, Magnitude};
+use super::{Field, UpperBound};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{CheckedDiv, Signed};
@@ -38,15 +38,15 @@ impl Field for BigRational {
         self.clone()
     }
 
-    fn radius(&self) -> Option<Magnitude> {
-        Some(Magnitude::ZERO)
+    fn radius(&self) -> Option<UpperBound> {
+        Some(UpperBound::ZERO)
     }
 
-    fn most(&self) -> Option<Magnitude> {
+    fn most(&self) -> Option<UpperBound> {
         None
     }
 
-    fn within(_size: Magnitude) -> Option<Self> {
+    fn within(_size: UpperBound) -> Option<Self> {
         None
     }
 

@@ -1,7 +1,7 @@
 //! The cheapest level: f64 balls. Each radius is formed from at most eight roundings, which [`INFLATION`] makes up for;
 //! [`UNDERFLOW`] is added wherever a result may have fallen below the normal numbers.
 
-use super::{Field, Magnitude, dyadic};
+use super::{Field, UpperBound, dyadic};
 use crate::number::{Ball, INFLATION, UNDERFLOW, UNIT_ROUNDOFF};
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -95,15 +95,15 @@ impl Field for Ball {
         dyadic(BigInt::from(significand), i64::from(exponent))
     }
 
-    fn radius(&self) -> Option<Magnitude> {
-        if self.middle.is_finite() { Magnitude::of_f64(self.radius) } else { None }
+    fn radius(&self) -> Option<UpperBound> {
+        if self.middle.is_finite() { UpperBound::of_f64(self.radius) } else { None }
     }
 
-    fn most(&self) -> Option<Magnitude> {
-        Some(Magnitude::of_f64(self.middle.abs())?.plus(Magnitude::of_f64(self.radius)?))
+    fn most(&self) -> Option<UpperBound> {
+        Some(UpperBound::of_f64(self.middle.abs())?.plus(UpperBound::of_f64(self.radius)?))
     }
 
-    fn within(size: Magnitude) -> Option<Self> {
+    fn within(size: UpperBound) -> Option<Self> {
         Some(Ball { middle: 0.0, radius: size.to_f64() })
     }
 

@@ -1,11 +1,11 @@
 //! Random expressions: every enclosure holds the exact value, and no certain sign is wrong.
 
-use super::{DoubleBall, Field, Magnitude, WideBall};
+use super::{DoubleBall, Field, UpperBound, WideBall};
 use crate::number::Ball;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Signed;
-use rockproof_model::{Number, Sign};
+use rockproof_model::{Number, Ring, Sign};
 
 struct Random(u64);
 
@@ -127,8 +127,8 @@ fn what_cannot_be_compared_is_enclosed_by_both() {
         }
     }
     // One is anything from −1/4 to 1/4, the other from −1/8 to 1/8.
-    let quarter = Magnitude::power_of_two(-2);
-    let eighth = Magnitude::power_of_two(-3);
+    let quarter = UpperBound::power_of_two(-2);
+    let eighth = UpperBound::power_of_two(-3);
     let values = ["-1/4", "0", "1/8"];
     holds(Ball::within(quarter).unwrap(), Ball::within(eighth).unwrap(), &values);
     holds(DoubleBall::within(quarter).unwrap(), DoubleBall::within(eighth).unwrap(), &values);
@@ -141,13 +141,74 @@ fn what_cannot_be_compared_is_enclosed_by_both() {
 
 #[test]
 fn a_middle_of_few_bits_is_told_from_a_far_smaller_radius() {
-    let one = WideBall::exactly(1.into(), 0, 200).widened(Magnitude::power_of_two(-300));
+    let one = WideBall::exactly(1.into(), 0, 200).widened(UpperBound::power_of_two(-300));
     assert_eq!(one.certain_sign(), Some(Sign::Positive));
     let exact = BigRational::from_integer(1.into());
     for value in [one.over(&one), one.root()] {
         let value = value.expect("not zero");
         assert!((value.middle() - &exact).abs() <= value.radius().expect("known").to_rational());
     }
-    let half = WideBall::exactly(1.into(), 0, 200).widened(Magnitude::power_of_two(0));
+    let half = WideBall::exactly(1.into(), 0, 200).widened(UpperBound::power_of_two(0));
     assert!(half.certain_sign().is_none() && half.root().is_none() && one.over(&half).is_none(), "it may be zero");
+}
+
+/// Every operation on bounds rounds up, and the lower bound of an f64 down: numbers of many digits lose in each.
+#[test]
+fn a_magnitude_is_never_below_what_it_bounds() {
+    let mut random = Random(3);
+    for _ in 0..2_000 {
+        let mut number = || {
+            let digits = BigInt::from(random.next()) * BigInt::from(random.next()) + BigInt::from(1);
+            (digits, random.next() as i64 % 200 - 100)
+        };
+        let ((n, e), (m, f)) = (number(), number());
+        let (one, two) = (UpperBound::of_integer(&n, e), UpperBound::of_integer(&m, f));
+        let (x, y) = (one.to_rational(), two.to_rational());
+        assert!(x >= super::dyadic(n, e) && y >= super::dyadic(m, f));
+        assert!(one.plus(two).to_rational() >= &x + &y, "{one:?} + {two:?}");
+        assert!(one.times(two).to_rational() >= &x * &y, "{one:?} * {two:?}");
+        assert!(one.over(two).unwrap().to_rational() >= &x / &y, "{one:?} / {two:?}");
+        let root = one.root().to_rational();
+        assert!(&root * &root >= x, "the root of {one:?}");
+        for unit in [e - 3, e, e + 20, e + 90] {
+            let units = BigRational::from_integer(one.in_units(unit));
+            assert!(units * super::dyadic(1.into(), unit) >= x, "{one:?} in units of 2^{unit}");
+        }
+        let float = Number::from_f64(one.to_f64()).unwrap().to_rational();
+        assert!(float >= x, "{one:?} as f64");
+        let value = random.next() as f64 * random.next() as f64 + 1.0;
+        let exact = Number::from_f64(value).unwrap().to_rational();
+        assert!(UpperBound::of_f64(value).unwrap().to_rational() >= exact, "{value}");
+        assert!(UpperBound::floor_of_f64(value).unwrap().to_rational() <= exact, "at most {value}");
+    }
+}
+
+#[test]
+fn what_one_operation_may_lose_is_in_its_radius() {
+    let rational = |value: f64| Number::from_f64(value).unwrap().to_rational();
+    // A divisor that may be anything from 1/2 to 3/2, a dividend from 0 to 2: the quotient may be as much as 4.
+    let wide = |middle: f64, radius: f64| Ball { middle, radius };
+    let quotient = wide(1.0, 1.0).over(&wide(1.0, 0.5)).unwrap();
+    assert!(quotient.middle + quotient.radius >= 4.0 && quotient.middle - quotient.radius <= 0.0, "{quotient:?}");
+    // A difference of f64 that rounds.
+    let (a, b) = (1.0, f64::EPSILON / 8.0);
+    let difference = Ball::of_difference(&Number::from_f64(a).unwrap(), &Number::from_f64(b).unwrap(), 53);
+    assert!((rational(difference.middle) - (rational(a) - rational(b))).abs() <= rational(difference.radius));
+    // A sign only where the whole ball has it.
+    let double = |high: f64, radius: f64| DoubleBall { high, low: 0.0, radius };
+    assert_eq!(double(1.0, 0.75).certain_sign(), Some(Sign::Positive));
+    assert_eq!(double(1.0, 1.0).certain_sign(), None);
+    assert_eq!(double(-1.0, 1.25).certain_sign(), None);
+    // An addend far below the other's last bit.
+    let one = WideBall::exactly(1.into(), 0, 64);
+    let tiny = WideBall::exactly(1.into(), -1_000, 64);
+    for sum in [one.plus(&tiny), tiny.plus(&one), one.minus(&tiny)] {
+        assert!((sum.middle() - rational(1.0)).abs() + sum.radius().unwrap().to_rational() > BigRational::default());
+    }
+    // The root of a number that is no square.
+    let root = WideBall::exactly(2.into(), 0, 64).root().unwrap();
+    let (middle, radius) = (root.middle(), root.radius().unwrap().to_rational());
+    let two = rational(2.0);
+    let (most, least) = (&middle + &radius, &middle - &radius);
+    assert!(&most * &most >= two && &least * &least <= two, "{root:?}");
 }

@@ -1,6 +1,6 @@
 //! Balls of as many bits as asked for: a binary number and an upper bound of its distance from the exact value.
 
-use super::{Field, Magnitude, dyadic};
+use super::{Field, UpperBound, dyadic};
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
@@ -16,7 +16,7 @@ use rockproof_model::{Number, Ring, Sign};
 pub(crate) struct WideBall {
     significand: BigInt,
     exponent: i64,
-    radius: Magnitude,
+    radius: UpperBound,
     bits: u32,
 }
 
@@ -28,7 +28,7 @@ const LEAST_BITS: u32 = 64;
 impl WideBall {
     /// The number `significand · 2^exponent` itself.
     pub(crate) fn exactly(significand: BigInt, exponent: i64, bits: u32) -> WideBall {
-        WideBall { significand, exponent, radius: Magnitude::ZERO, bits }
+        WideBall { significand, exponent, radius: UpperBound::ZERO, bits }
     }
 
     /// The f64 itself; it must be finite.
@@ -47,7 +47,7 @@ impl WideBall {
         if excess > 0 && length > 0 {
             let excess = excess.min(length);
             if self.significand.trailing_zeros().is_some_and(|zeros| (zeros as i64) < excess) {
-                self.radius = self.radius.plus(Magnitude::power_of_two(self.exponent + excess));
+                self.radius = self.radius.plus(UpperBound::power_of_two(self.exponent + excess));
             }
             self.significand >>= excess as usize;
             self.exponent += excess;
@@ -57,7 +57,7 @@ impl WideBall {
 
     /// The exact number in the middle.
     pub(crate) fn without_radius(&self) -> WideBall {
-        WideBall { radius: Magnitude::ZERO, ..self.clone() }
+        WideBall { radius: UpperBound::ZERO, ..self.clone() }
     }
 
     /// The same number in the middle as one of so many bits, exactly.
@@ -66,17 +66,17 @@ impl WideBall {
     }
 
     /// The ball with a radius larger by `more`.
-    pub(crate) fn widened(&self, more: Magnitude) -> WideBall {
+    pub(crate) fn widened(&self, more: UpperBound) -> WideBall {
         WideBall { radius: self.radius.plus(more), ..self.clone() }
     }
 
     /// At least the size of every value enclosed.
-    pub(crate) fn size(&self) -> Magnitude {
-        Magnitude::of_integer(&self.significand, self.exponent).plus(self.radius)
+    pub(crate) fn size(&self) -> UpperBound {
+        UpperBound::of_integer(&self.significand, self.exponent).plus(self.radius)
     }
 
     /// The radius alone.
-    pub(crate) fn spread(&self) -> Magnitude {
+    pub(crate) fn spread(&self) -> UpperBound {
         self.radius
     }
 
@@ -125,11 +125,11 @@ impl WideBall {
         let reach = 2 * i64::from(bits.max(LEAST_BITS)) + 64;
         match (self.top(), other.top()) {
             (Some(mine), Some(theirs)) if mine - theirs > reach && self.exponent > theirs => {
-                let lost = Magnitude::of_integer(&other.significand, other.exponent);
+                let lost = UpperBound::of_integer(&other.significand, other.exponent);
                 return WideBall { radius: radius.plus(lost), bits, ..self.clone() }.cut();
             }
             (Some(mine), Some(theirs)) if theirs - mine > reach && other.exponent > mine => {
-                let lost = Magnitude::of_integer(&self.significand, self.exponent);
+                let lost = UpperBound::of_integer(&self.significand, self.exponent);
                 let significand = signed(&other.significand);
                 return WideBall { significand, exponent: other.exponent, radius: radius.plus(lost), bits }.cut();
             }
@@ -171,7 +171,7 @@ impl Ring for WideBall {
         if self.is_exact_zero() || other.is_exact_zero() {
             return WideBall::exactly(BigInt::zero(), 0, bits);
         }
-        let size = |ball: &WideBall| Magnitude::of_integer(&ball.significand, ball.exponent);
+        let size = |ball: &WideBall| UpperBound::of_integer(&ball.significand, ball.exponent);
         let mut radius = self.radius.times(other.radius);
         if !other.radius.is_zero() {
             radius = radius.plus(size(self).times(other.radius));
@@ -218,9 +218,9 @@ impl Field for WideBall {
         let widened = &self.significand << shift as usize;
         let root = widened.sqrt();
         let exponent = (self.exponent - shift) / 2;
-        let mut radius = Magnitude::ZERO;
+        let mut radius = UpperBound::ZERO;
         if &root * &root != widened {
-            radius = Magnitude::power_of_two(exponent);
+            radius = UpperBound::power_of_two(exponent);
         }
         if !self.radius.is_zero() {
             // |√x − √m| ≤ r/√m; the integer root, above zero, bounds √m from below.
@@ -244,15 +244,15 @@ impl Field for WideBall {
         dyadic(self.significand.clone(), self.exponent)
     }
 
-    fn radius(&self) -> Option<Magnitude> {
+    fn radius(&self) -> Option<UpperBound> {
         Some(self.radius)
     }
 
-    fn most(&self) -> Option<Magnitude> {
+    fn most(&self) -> Option<UpperBound> {
         Some(self.size())
     }
 
-    fn within(size: Magnitude) -> Option<Self> {
+    fn within(size: UpperBound) -> Option<Self> {
         Some(WideBall::exactly(BigInt::zero(), 0, 0).widened(size))
     }
 
@@ -266,10 +266,10 @@ impl Field for WideBall {
 }
 
 /// At most `|value| · 2^exponent`: the leading 32 bits.
-fn floor(value: &BigInt, exponent: i64) -> Magnitude {
+fn floor(value: &BigInt, exponent: i64) -> UpperBound {
     let excess = value.bits().saturating_sub(32) as usize;
     let whole: BigInt = BigInt::from(value.magnitude().clone()) >> excess << excess;
-    Magnitude::of_integer(&whole, exponent)
+    UpperBound::of_integer(&whole, exponent)
 }
 
 /// `a / b` to `bits` bits; `None` where b may be zero.
@@ -286,10 +286,10 @@ fn quotient(a: &WideBall, b: &WideBall, bits: u32) -> Option<WideBall> {
     let shift = (wanted + b.significand.bits() as i64 - a.significand.bits() as i64).max(0);
     let (significand, rest) = (&a.significand << shift as usize).div_rem(&b.significand);
     let exponent = a.exponent - shift - b.exponent;
-    let mut radius = if rest.is_zero() { Magnitude::ZERO } else { Magnitude::power_of_two(exponent) };
+    let mut radius = if rest.is_zero() { UpperBound::ZERO } else { UpperBound::power_of_two(exponent) };
     if !a.radius.is_zero() || !b.radius.is_zero() {
         // |x/y − m/w| ≤ (r + |m/w|·ρ) / (|w| − ρ), with one unit more for the quotient that was cut.
-        let size = Magnitude::of_integer(&significand, exponent).plus(Magnitude::power_of_two(exponent));
+        let size = UpperBound::of_integer(&significand, exponent).plus(UpperBound::power_of_two(exponent));
         radius = radius.plus(a.radius.plus(size.times(b.radius)).over(floor(&least, unit))?);
     }
     Some(WideBall { significand, exponent, radius, bits }.cut())

@@ -139,6 +139,20 @@ mod tests {
     }
 
     #[test]
+    fn a_sign_is_certain_beyond_the_radius_only() {
+        let sign = |middle: f64, radius: f64| Ball { middle, radius }.certain_sign();
+        for scale in [1.0, f64::MIN_POSITIVE, 1e300] {
+            assert_eq!(sign(scale, scale), None);
+            assert_eq!(sign(-scale, scale), None);
+            assert_eq!(sign(scale, scale.next_down()), Some(Sign::Positive));
+            assert_eq!(sign(-scale, scale.next_down()), Some(Sign::Negative));
+            assert_eq!(sign(0.0, scale), None);
+        }
+        assert_eq!(sign(1.0, f64::NAN), None);
+        assert_eq!(sign(0.0, 0.0), Some(Sign::Zero));
+    }
+
+    #[test]
     fn ties_of_few_digits_are_decided() {
         let ball = |middle| Ball { middle, radius: 0.0 };
         let (a, b) = (ball(1.25), ball(-3.75));

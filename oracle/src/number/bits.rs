@@ -24,3 +24,23 @@ impl Ring for Bits {
         *self
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_integers_of_so_many_bits_stay_within_the_count() {
+        let largest = |bits: u32| (1i64 << bits) - 1;
+        for one in 0..20 {
+            for other in 0..20 {
+                let (x, y) = (largest(one), largest(other));
+                let fits = |value: i64, bits: Bits| value < 1 << bits.0;
+                assert!(fits(x + y, Bits(one).plus(&Bits(other))), "{one} + {other}");
+                assert!(fits(x + y, Bits(one).minus(&Bits(other))), "{one} - {other}");
+                assert!(fits(x * y, Bits(one).times(&Bits(other))), "{one} * {other}");
+                assert!(fits(x, Bits::from_i32(x as i32)) && fits(x, Bits::from_i32(-x as i32)));
+            }
+        }
+    }
+}

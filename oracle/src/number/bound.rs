@@ -56,3 +56,47 @@ impl Ring for Bound {
         *self
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::Approx;
+    use num_rational::BigRational;
+    use num_traits::Signed;
+
+    fn rational(value: f64) -> BigRational {
+        BigRational::from_float(value).unwrap()
+    }
+
+    /// Each operation by itself, on numbers whose rounding loses all that it may, and on inputs off by all that they may be.
+    #[test]
+    fn one_operation_is_never_further_off_than_its_bound() {
+        let u = UNIT_ROUNDOFF;
+        let values =
+            [1.0, -1.0, u, 1.0 + 2.0 * u, 1.0 + f64::powi(2.0, -26), 3.0, 0.1, 1e-200, f64::MIN_POSITIVE, 1e-320];
+        let errors = [0.0, u, 1e-3, 1e-210];
+        let mut closest: f64 = 0.0;
+        let mut check = |bound: Bound, calculated: Approx, exact: BigRational| {
+            let off = (rational(calculated.0) - &exact).abs();
+            assert!(off <= rational(bound.error), "{calculated:?} is off by {off} for {exact}, {bound:?}");
+            assert!(
+                rational(calculated.0).abs() <= rational(bound.magnitude) && exact.abs() <= rational(bound.magnitude)
+            );
+            closest = closest.max(calculated.0.abs() * u / bound.error);
+        };
+        let all = || values.into_iter().flat_map(move |v| errors.into_iter().map(move |e| (v, e)));
+        for (x, e) in all() {
+            for (y, d) in all() {
+                let bounds = [Bound::around(x, e), Bound::around(y, d)];
+                for sign in [1.0, -1.0] {
+                    let (exact_x, exact_y) = (rational(x) + rational(sign * e), rational(y) + rational(d));
+                    let (a, b) = (Approx(x), Approx(y));
+                    check(bounds[0].plus(&bounds[1]), a.plus(&b), &exact_x + &exact_y);
+                    check(bounds[0].minus(&bounds[1]), a.minus(&b), &exact_x - &exact_y);
+                    check(bounds[0].times(&bounds[1]), a.times(&b), exact_x * exact_y);
+                }
+            }
+        }
+        assert!(closest > 0.9, "no bound is used up: {closest}");
+    }
+}

@@ -65,3 +65,20 @@ impl<const BITS: usize, const LIMBS: usize> ExactRing for Fixed<BITS, LIMBS> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_integer_that_fits_has_its_sign() {
+        type Int = Fixed<256, 4>;
+        for bits in 0..255 {
+            let value: BigInt = BigInt::from(1) << bits;
+            assert_eq!(ExactRing::sign(&Int::from_bigint(&value)), Sign::Positive, "2^{bits}");
+            assert_eq!(ExactRing::sign(&Int::from_bigint(&-value)), Sign::Negative, "-2^{bits}");
+        }
+        assert_eq!(ExactRing::sign(&Int::from_bigint(&BigInt::ZERO)), Sign::Zero);
+        assert_eq!(Int::from_i128(-7), Int::from_bigint(&BigInt::from(-7)));
+    }
+}

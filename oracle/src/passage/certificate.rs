@@ -1,24 +1,24 @@
 //! The certificate that an interval of time is free.
 
-use super::motion::Moving;
-use crate::inside::triangles;
+use super::motion::MovingPair;
+use crate::point_in_surface::triangles;
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
 use rockproof_model::block::face_normal;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, Vec3};
 
-type Place = Vec3<BigInt>;
+type LatticePoint = Vec3<BigInt>;
 
 /// Certifies intervals for two moving blocks.
 pub(super) struct Certificate<'m, 'b> {
-    moving: &'m Moving<'b>,
+    moving: &'m MovingPair<'b>,
     /// The vertices of each block's convex parts, and the edges and faces whose directions are tried.
-    parts: [Vec<Part>; 2],
+    parts: [Vec<ConvexPart>; 2],
 }
 
 /// A convex part of a block by the numbers of its vertices.
-struct Part {
+struct ConvexPart {
     vertices: Vec<u32>,
     /// Loops whose normals are tried.
     faces: Vec<Vec<u32>>,
@@ -27,15 +27,15 @@ struct Part {
 }
 
 /// Two convex parts at both ends of an interval: what a direction has to part.
-struct Ends<'e> {
-    parts: [&'e Part; 2],
+struct PartsAtEnds<'e> {
+    parts: [&'e ConvexPart; 2],
     /// Both blocks' places at the start and at the end.
-    places: &'e [[Vec<Place>; 2]; 2],
+    places: &'e [[Vec<LatticePoint>; 2]; 2],
 }
 
 /// A direction and how it was found to do.
 struct Candidate {
-    n: Place,
+    n: LatticePoint,
     /// The gap along it, the lesser one of both ends, over its length: an f64 without a bound.
     gap: f64,
 }
@@ -44,11 +44,11 @@ struct Candidate {
 const TRIED: usize = 4;
 
 impl<'m, 'b> Certificate<'m, 'b> {
-    pub(super) fn new(moving: &'m Moving<'b>) -> Certificate<'m, 'b> {
+    pub(super) fn new(moving: &'m MovingPair<'b>) -> Certificate<'m, 'b> {
         let start = moving.at(&BigInt::zero(), 0);
         let parts = [0, 1].map(|side| {
             let block = moving.blocks[side];
-            if block.is_convex() { vec![Part::whole(block)] } else { tetrahedra(block, &start[side]) }
+            if block.is_convex() { vec![ConvexPart::whole(block)] } else { tetrahedra(block, &start[side]) }
         });
         Certificate { moving, parts }
     }
@@ -57,9 +57,9 @@ impl<'m, 'b> Certificate<'m, 'b> {
     pub(super) fn is_free(&self, ends: &[BigInt; 2], halvings: u32) -> bool {
         let places = [0, 1].map(|k| self.moving.at(&ends[k], halvings));
         let limit = &self.moving.limit << halvings;
-        let whole = [0, 1].map(|side| Part::whole(self.moving.blocks[side]));
-        let hulls = Ends { parts: [&whole[0], &whole[1]], places: &places };
-        let is_within = |n: &Place| hulls.parts_within(n, &limit);
+        let whole = [0, 1].map(|side| ConvexPart::whole(self.moving.blocks[side]));
+        let hulls = PartsAtEnds { parts: [&whole[0], &whole[1]], places: &places };
+        let is_within = |n: &LatticePoint| hulls.parts_within(n, &limit);
         // Along the axes first: most pairs that are apart are so by their boxes.
         if axes().iter().any(is_within) || hulls.best_directions().iter().any(|candidate| is_within(&candidate.n)) {
             return true;
@@ -69,16 +69,16 @@ impl<'m, 'b> Certificate<'m, 'b> {
     }
 
     /// Whether every part of one block, moved by a translation of length at most g, is parted from all parts of the other.
-    fn cover_stays_shallow(&self, side: usize, places: &[[Vec<Place>; 2]; 2], limit: &BigInt) -> bool {
+    fn cover_stays_shallow(&self, side: usize, places: &[[Vec<LatticePoint>; 2]; 2], limit: &BigInt) -> bool {
         self.parts[side].iter().all(|own| {
-            let against: Vec<Ends<'_>> = self.parts[1 - side]
+            let against: Vec<PartsAtEnds<'_>> = self.parts[1 - side]
                 .iter()
                 .map(|other| {
                     let parts = if side == 0 { [own, other] } else { [other, own] };
-                    Ends { parts, places }
+                    PartsAtEnds { parts, places }
                 })
                 .collect();
-            let directions: Vec<Vec<Candidate>> = against.iter().map(Ends::best_directions).collect();
+            let directions: Vec<Vec<Candidate>> = against.iter().map(PartsAtEnds::best_directions).collect();
             // No translation, then by g along the direction that the part overlapped most asks for, or along the middle of
             // all that are asked for, as in a corner of the other block.
             let best = || directions.iter().filter_map(|best| best.first()).filter(|best| best.gap < 0.0);
@@ -95,19 +95,19 @@ impl<'m, 'b> Certificate<'m, 'b> {
     }
 }
 
-impl Part {
-    fn whole(block: &Block) -> Part {
+impl ConvexPart {
+    fn whole(block: &Block) -> ConvexPart {
         let topology = block.topology();
-        Part {
+        ConvexPart {
             vertices: (0..block.vertices().len() as u32).collect(),
             faces: topology.faces().to_vec(),
             edges: topology.edges().iter().map(|edge| [edge.p, edge.q]).collect(),
         }
     }
 
-    fn of_points(v: [u32; 4]) -> Part {
+    fn of_points(v: [u32; 4]) -> ConvexPart {
         let [o, a, b, c] = v;
-        Part {
+        ConvexPart {
             vertices: v.to_vec(),
             faces: vec![vec![o, a, b], vec![o, b, c], vec![o, c, a], vec![a, b, c]],
             edges: vec![[o, a], [o, b], [o, c], [a, b], [b, c], [c, a]],
@@ -117,7 +117,7 @@ impl Part {
 
 /// Tetrahedra from one vertex to all triangles of the surface. The vertex is the first of those before most triangles'
 /// planes the fewest are on its outer side: from one that sees the whole block the tetrahedra fill no more than the block.
-fn tetrahedra(block: &Block, places: &[Place]) -> Vec<Part> {
+fn tetrahedra(block: &Block, places: &[LatticePoint]) -> Vec<ConvexPart> {
     let sides = |v: u32| {
         let volumes = triangles(block, places).map(move |[a, b, c]| {
             let from = &places[v as usize];
@@ -130,12 +130,12 @@ fn tetrahedra(block: &Block, places: &[Place]) -> Vec<Part> {
     triangles(block, &numbers)
         .map(|corners| corners.map(|v| v.x))
         .filter(|corners| !corners.contains(&apex))
-        .map(|[a, b, c]| Part::of_points([apex, a, b, c]))
+        .map(|[a, b, c]| ConvexPart::of_points([apex, a, b, c]))
         .collect()
 }
 
 /// The six directions along the axes.
-fn axes() -> [Place; 6] {
+fn axes() -> [LatticePoint; 6] {
     std::array::from_fn(|k| {
         let along = |axis: i32| BigInt::from(i32::from(k as i32 % 3 == axis) * if k < 3 { 1 } else { -1 });
         Vec3::new(along(0), along(1), along(2))
@@ -143,7 +143,7 @@ fn axes() -> [Place; 6] {
 }
 
 /// A direction between others, rounded; `None` without others.
-fn middle_of<'n>(directions: impl Iterator<Item = &'n Place>) -> Option<Place> {
+fn middle_of<'n>(directions: impl Iterator<Item = &'n LatticePoint>) -> Option<LatticePoint> {
     let units = directions.map(|n| {
         let n = direction(n.components());
         let size = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
@@ -155,24 +155,24 @@ fn middle_of<'n>(directions: impl Iterator<Item = &'n Place>) -> Option<Place> {
 }
 
 /// A vector along n, of whole lattice units, no longer than `limit`.
-fn at_most_as_long(n: &Place, limit: &BigInt) -> Place {
+fn at_most_as_long(n: &LatticePoint, limit: &BigInt) -> LatticePoint {
     // n·limit/√(n²), the root rounded up and the quotients towards zero.
     let root = n.norm_squared().sqrt() + 1;
     n.map(|c| c * limit / &root)
 }
 
-impl Ends<'_> {
-    fn places_of(&self, end: usize, side: usize) -> impl Iterator<Item = &Place> {
+impl PartsAtEnds<'_> {
+    fn places_of(&self, end: usize, side: usize) -> impl Iterator<Item = &LatticePoint> {
         self.parts[side].vertices.iter().map(move |&v| &self.places[end][side][v as usize])
     }
 
-    fn edge(&self, end: usize, side: usize, edge: usize) -> Place {
+    fn edge(&self, end: usize, side: usize, edge: usize) -> LatticePoint {
         let [p, q] = self.parts[side].edges[edge].map(|v| &self.places[end][side][v as usize]);
         q.minus(p)
     }
 
     /// The least gap along n at both ends: A's lowest point less B's highest, times |n|.
-    fn gap(&self, n: &Place) -> BigInt {
+    fn gap(&self, n: &LatticePoint) -> BigInt {
         let gap = |end: usize| {
             let low = self.places_of(end, 0).map(|p| n.dot(p)).min().unwrap_or_default();
             low - self.places_of(end, 1).map(|p| n.dot(p)).max().unwrap_or_default()
@@ -181,14 +181,14 @@ impl Ends<'_> {
     }
 
     /// Whether at both ends A's lowest point along n is at most `limit` below B's highest; **exactly the limit says yes**.
-    fn parts_within(&self, n: &Place, limit: &BigInt) -> bool {
+    fn parts_within(&self, n: &LatticePoint, limit: &BigInt) -> bool {
         let square = n.norm_squared();
         let gap = self.gap(n);
         !Zero::is_zero(&square) && (!gap.is_negative() || &gap * &gap <= limit * limit * square)
     }
 
     /// Whether at both ends A, moved by `shift` relative to B, is not below B along n; **touching says yes**.
-    fn parts_shifted(&self, n: &Place, shift: &Place) -> bool {
+    fn parts_shifted(&self, n: &LatticePoint, shift: &LatticePoint) -> bool {
         !Zero::is_zero(&n.norm_squared()) && !(self.gap(n) + n.dot(shift)).is_negative()
     }
 
@@ -261,7 +261,7 @@ enum Features {
 }
 
 impl Source {
-    fn exactly(self, ends: &Ends<'_>) -> Place {
+    fn exactly(self, ends: &PartsAtEnds<'_>) -> LatticePoint {
         let n = match self.features {
             Features::Face(side, face) => face_normal(&ends.places[self.end][side], &ends.parts[side].faces[face]),
             Features::Edges(one, two) => ends.edge(self.end, 0, one).cross(&ends.edge(self.end, 1, two)),
@@ -270,7 +270,7 @@ impl Source {
     }
 
     /// The direction in f64, of any length; the parts' edges are given, by the end of the interval and the part.
-    fn near(self, ends: &Ends<'_>, edges: &[[Vec<[f64; 3]>; 2]; 2]) -> [f64; 3] {
+    fn near(self, ends: &PartsAtEnds<'_>, edges: &[[Vec<[f64; 3]>; 2]; 2]) -> [f64; 3] {
         match self.features {
             Features::Edges(one, two) => {
                 let (d, e) = (edges[self.end][0][one], edges[self.end][1][two]);

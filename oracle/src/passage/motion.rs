@@ -41,7 +41,7 @@ impl<'b> StraightMotion<'b> {
 }
 
 /// Two moving blocks on one lattice.
-pub(super) struct Moving<'b> {
+pub(super) struct MovingPair<'b> {
     pub(super) blocks: [&'b Block; 2],
     /// The places of each block's vertices before and after, in lattice units.
     places: [[Vec<Vec3<BigInt>>; 2]; 2],
@@ -49,12 +49,12 @@ pub(super) struct Moving<'b> {
     pub(super) limit: BigInt,
 }
 
-impl<'b> Moving<'b> {
-    pub(super) fn new(a: &StraightMotion<'b>, b: &StraightMotion<'b>, limit: &Number) -> Moving<'b> {
+impl<'b> MovingPair<'b> {
+    pub(super) fn new(a: &StraightMotion<'b>, b: &StraightMotion<'b>, limit: &Number) -> MovingPair<'b> {
         let all = [a.before, a.after, b.before, b.after];
         let lattice = Lattice::covering(all.iter().flat_map(|block| block.coordinates()).chain([limit]));
         let units = |block: &Block| block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
-        Moving {
+        MovingPair {
             blocks: [a.before, b.before],
             places: [a, b].map(|motion| [units(motion.before), units(motion.after)]),
             limit: lattice.units(limit),

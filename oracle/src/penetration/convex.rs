@@ -8,7 +8,7 @@
 //!
 //! f64 first measures all directions; those that it does not prove worse than another are measured exactly.
 
-use super::{Penetration, Units, compare, near};
+use super::{LatticePair, Penetration, compare, near};
 use crate::Gap;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -18,8 +18,8 @@ use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, Vec3};
 
 /// The direction with the largest gap; `None` where no direction has a length.
-pub(super) fn least_translation(pair: &Units<'_>) -> Option<Penetration> {
-    let rough = Rough::new(pair);
+pub(super) fn least_translation(pair: &LatticePair<'_>) -> Option<Penetration> {
+    let rough = F64Pair::new(pair);
     let gaps: Vec<(Direction, f64)> = rough.gaps().collect();
     let best = gaps.iter().map(|&(_, gap)| gap - rough.doubt).fold(f64::NEG_INFINITY, f64::max);
     let mut found: Option<(Vec3<BigInt>, BigInt, BigInt)> = None;
@@ -53,8 +53,8 @@ pub(super) fn least_translation(pair: &Units<'_>) -> Option<Penetration> {
 }
 
 /// At least and at most how deep the blocks overlap, in m; zero for blocks apart.
-pub(super) fn rough_depth(pair: &Units<'_>) -> (f64, f64) {
-    let rough = Rough::new(pair);
+pub(super) fn rough_depth(pair: &LatticePair<'_>) -> (f64, f64) {
+    let rough = F64Pair::new(pair);
     let gap =
         rough.gaps().map(|(_, gap)| if gap.is_nan() { f64::INFINITY } else { gap }).fold(f64::NEG_INFINITY, f64::max);
     if !gap.is_finite() {
@@ -78,7 +78,7 @@ enum Direction {
 }
 
 impl Direction {
-    fn exactly(self, pair: &Units<'_>) -> Vec3<BigInt> {
+    fn exactly(self, pair: &LatticePair<'_>) -> Vec3<BigInt> {
         let face = |side: usize, face: u32| {
             face_normal(&pair.points[side], &pair.blocks[side].topology().faces()[face as usize])
         };
@@ -93,14 +93,14 @@ impl Direction {
     }
 }
 
-fn edge(pair: &Units<'_>, side: usize, edge: u32) -> Vec3<BigInt> {
+fn edge(pair: &LatticePair<'_>, side: usize, edge: u32) -> Vec3<BigInt> {
     let ends = &pair.blocks[side].topology().edges()[edge as usize];
     pair.points[side][ends.q as usize].minus(&pair.points[side][ends.p as usize])
 }
 
 /// Both blocks in f64, in lattice units from the first vertex of A.
-struct Rough<'p, 'a> {
-    pair: &'p Units<'a>,
+struct F64Pair<'p, 'a> {
+    pair: &'p LatticePair<'a>,
     points: [Vec<[f64; 3]>; 2],
     /// No gap is off by more (lattice units).
     doubt: f64,
@@ -109,8 +109,8 @@ struct Rough<'p, 'a> {
 /// A cross product shorter than this share of its factors' lengths is formed exactly, then rounded.
 const PARALLEL: f64 = 1.0 / 1024.0;
 
-impl<'p, 'a> Rough<'p, 'a> {
-    fn new(pair: &'p Units<'a>) -> Rough<'p, 'a> {
+impl<'p, 'a> F64Pair<'p, 'a> {
+    fn new(pair: &'p LatticePair<'a>) -> F64Pair<'p, 'a> {
         let origin = &pair.points[0][0];
         let side = |side: usize| -> Vec<[f64; 3]> {
             let relative = pair.points[side].iter().map(|p| p.minus(origin));
@@ -121,7 +121,7 @@ impl<'p, 'a> Rough<'p, 'a> {
         // Edges and face normals are within a roundoff of the exact ones, cross products no shorter than
         // `PARALLEL`, or exact: the angle to the exact direction is below 2⁻³⁶. Turning a direction by an angle moves a gap
         // by that angle times the distance of two points, below 4·size.
-        Rough { pair, points, doubt: size * 2f64.powi(-33) }
+        F64Pair { pair, points, doubt: size * 2f64.powi(-33) }
     }
 
     /// Edge directions, rounded once: the difference of rounded ends would lose a short one.

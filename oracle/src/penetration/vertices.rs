@@ -15,10 +15,10 @@
 //!
 //! Of 2 and 3 the depth is that of points inside, at most that of the deepest ones.
 
-use super::{Penetration, Units, compare};
+use super::{LatticePair, Penetration, compare};
 use crate::Gap;
-use crate::inside::{holds_origin, triangles};
-use crate::pieces::{Piece, cells};
+use crate::convex_cells::{SeparableCell, cells};
+use crate::point_in_surface::{surface_holds_origin, triangles};
 use crate::separation::separate;
 use num_bigint::BigInt;
 use num_integer::Integer;
@@ -30,12 +30,12 @@ use rockproof_model::{Block, Sign, Vec3};
 use std::borrow::Cow;
 
 /// The deepest point of either block; `None` where a block has no face with an area.
-pub(super) fn deepest_point(pair: &Units<'_>) -> Option<Penetration> {
-    let surfaces = [Surface::new(pair, 0)?, Surface::new(pair, 1)?];
+pub(super) fn deepest_point(pair: &LatticePair<'_>) -> Option<Penetration> {
+    let surfaces = [LatticeSurface::new(pair, 0)?, LatticeSurface::new(pair, 1)?];
     let best = deepest_vertex(&surfaces)
         .or_else(|| deepest_of(&surfaces, |side| surfaces[side].middles_between_crossings(&surfaces[1 - side])))
         .or_else(|| deepest_common(pair, &surfaces));
-    let Some(Deep { nearest, is_of_a }) = best else {
+    let Some(DeepPoint { nearest, is_of_a }) = best else {
         return Some(Penetration::none());
     };
     // A's point moves to the surface; where it is B's, A moves the other way.
@@ -46,25 +46,25 @@ pub(super) fn deepest_point(pair: &Units<'_>) -> Option<Penetration> {
 }
 
 /// A point inside the other block, by its nearest point on the other's surface.
-struct Deep {
-    nearest: Nearest,
+struct DeepPoint {
+    nearest: NearestPoint,
     is_of_a: bool,
 }
 
-fn deepest_vertex(surfaces: &[Surface<'_>; 2]) -> Option<Deep> {
+fn deepest_vertex(surfaces: &[LatticeSurface<'_>; 2]) -> Option<DeepPoint> {
     deepest_of(surfaces, |side| surfaces[side].points.iter().map(|p| Fraction::whole(p.clone())).collect())
 }
 
 /// The deepest of some points of each block, the first of several equally deep.
-fn deepest_of(surfaces: &[Surface<'_>; 2], points: impl Fn(usize) -> Vec<Fraction>) -> Option<Deep> {
-    let mut best: Option<Deep> = None;
+fn deepest_of(surfaces: &[LatticeSurface<'_>; 2], points: impl Fn(usize) -> Vec<Fraction>) -> Option<DeepPoint> {
+    let mut best: Option<DeepPoint> = None;
     for side in 0..2 {
         let other = &surfaces[1 - side];
         for point in points(side) {
             let deeper_than_best =
-                |nearest: &Nearest| best.as_ref().is_none_or(|best| nearest.cmp_square(&best.nearest).is_gt());
+                |nearest: &NearestPoint| best.as_ref().is_none_or(|best| nearest.cmp_square(&best.nearest).is_gt());
             if let Some(nearest) = other.depth(&point, deeper_than_best) {
-                best = Some(Deep { nearest, is_of_a: side == 0 });
+                best = Some(DeepPoint { nearest, is_of_a: side == 0 });
             }
         }
     }
@@ -72,14 +72,14 @@ fn deepest_of(surfaces: &[Surface<'_>; 2], points: impl Fn(usize) -> Vec<Fractio
 }
 
 /// The deepest of the middles of what the blocks' cells share.
-fn deepest_common(pair: &Units<'_>, surfaces: &[Surface<'_>; 2]) -> Option<Deep> {
-    let [a, b] = pair.blocks.map(|block| Piece::new(block.vertices().to_vec()));
+fn deepest_common(pair: &LatticePair<'_>, surfaces: &[LatticeSurface<'_>; 2]) -> Option<DeepPoint> {
+    let [a, b] = pair.blocks.map(|block| SeparableCell::new(block.vertices().to_vec()));
     if separate(a.points(), b.points()).is_separated {
         return None;
     }
     let [ones, twos] = pair.blocks.map(cells);
     let (units, metres) = &pair.scale;
-    let mut best: Option<Deep> = None;
+    let mut best: Option<DeepPoint> = None;
     for (one, two) in ones.iter().flat_map(|one| twos.iter().map(move |two| (one, two))) {
         let Some(common) = one.common(two) else { continue };
         let point = Fraction::of(&common.middle().map(|c| c * units / metres));
@@ -89,7 +89,7 @@ fn deepest_common(pair: &Units<'_>, surfaces: &[Surface<'_>; 2]) -> Option<Deep>
         let is_of_a = as_a.cmp_square(&as_b).is_le();
         let nearest = if is_of_a { as_a } else { as_b };
         if best.as_ref().is_none_or(|best| nearest.cmp_square(&best.nearest).is_gt()) {
-            best = Some(Deep { nearest, is_of_a });
+            best = Some(DeepPoint { nearest, is_of_a });
         }
     }
     best
@@ -113,26 +113,26 @@ impl Fraction {
 }
 
 /// The point of a surface next to a point: the squared distance as a fraction, and the way there times something above zero.
-struct Nearest {
+struct NearestPoint {
     numerator: BigInt,
     denominator: BigInt,
     way: Vec3<BigInt>,
 }
 
-impl Nearest {
+impl NearestPoint {
     /// The same in units `factor` times as long.
-    fn on_coarser_lattice(&self, factor: &BigInt) -> Nearest {
+    fn on_coarser_lattice(&self, factor: &BigInt) -> NearestPoint {
         let denominator = &self.denominator * factor * factor;
-        Nearest { numerator: self.numerator.clone(), denominator, way: self.way.clone() }
+        NearestPoint { numerator: self.numerator.clone(), denominator, way: self.way.clone() }
     }
 
-    fn cmp_square(&self, other: &Nearest) -> std::cmp::Ordering {
+    fn cmp_square(&self, other: &NearestPoint) -> std::cmp::Ordering {
         compare((&self.numerator, &self.denominator), (&other.numerator, &other.denominator))
     }
 }
 
 /// The surface of a block in lattice units.
-struct Surface<'p> {
+struct LatticeSurface<'p> {
     block: &'p Block,
     points: Cow<'p, [Vec3<BigInt>]>,
     /// Normal of each face.
@@ -141,32 +141,32 @@ struct Surface<'p> {
     bounds: [Vec3<BigInt>; 2],
 }
 
-impl<'p> Surface<'p> {
-    fn new(pair: &'p Units<'_>, side: usize) -> Option<Surface<'p>> {
-        let surface = Surface::through(pair.blocks[side], Cow::Borrowed(&pair.points[side]));
+impl<'p> LatticeSurface<'p> {
+    fn new(pair: &'p LatticePair<'_>, side: usize) -> Option<LatticeSurface<'p>> {
+        let surface = LatticeSurface::through(pair.blocks[side], Cow::Borrowed(&pair.points[side]));
         let has_area = surface.normals.iter().any(|n| !Zero::is_zero(&n.norm_squared()));
         has_area.then_some(surface)
     }
 
-    fn through(block: &'p Block, points: Cow<'p, [Vec3<BigInt>]>) -> Surface<'p> {
+    fn through(block: &'p Block, points: Cow<'p, [Vec3<BigInt>]>) -> LatticeSurface<'p> {
         let normals = block.topology().faces().iter().map(|face| face_normal(&points, face)).collect();
         let corner = |pick: fn(BigInt, BigInt) -> BigInt| {
             let first = points[0].clone();
             points.iter().cloned().fold(first, |a, b| Vec3::new(pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z)))
         };
         let bounds = [corner(std::cmp::min), corner(std::cmp::max)];
-        Surface { block, points, normals, bounds }
+        LatticeSurface { block, points, normals, bounds }
     }
 
     /// How deep a point is inside; `None` where it is not inside, or its depth not one that is asked for.
-    fn depth(&self, point: &Fraction, is_asked_for: impl Fn(&Nearest) -> bool) -> Option<Nearest> {
+    fn depth(&self, point: &Fraction, is_asked_for: impl Fn(&NearestPoint) -> bool) -> Option<NearestPoint> {
         if !point.denominator.is_one() {
             // On a lattice finer by the denominator the point is whole.
             let finer = self.points.iter().map(|p| p.scaled(&point.denominator)).collect();
-            let surface = Surface::through(self.block, Cow::Owned(finer));
-            let in_finer_units = |nearest: &Nearest| is_asked_for(&nearest.on_coarser_lattice(&point.denominator));
+            let surface = LatticeSurface::through(self.block, Cow::Owned(finer));
+            let in_finer_units = |nearest: &NearestPoint| is_asked_for(&nearest.on_coarser_lattice(&point.denominator));
             let nearest = surface
-                .depth(&Fraction::whole(point.numerators.clone()), &in_finer_units as &dyn Fn(&Nearest) -> bool)?;
+                .depth(&Fraction::whole(point.numerators.clone()), &in_finer_units as &dyn Fn(&NearestPoint) -> bool)?;
             return Some(nearest.on_coarser_lattice(&point.denominator));
         }
         let point = &point.numerators;
@@ -179,7 +179,7 @@ impl<'p> Surface<'p> {
     }
 
     /// The middles of the parts into which the other's triangles cut each edge, where they cut it at all.
-    fn middles_between_crossings(&self, other: &Surface<'_>) -> Vec<Fraction> {
+    fn middles_between_crossings(&self, other: &LatticeSurface<'_>) -> Vec<Fraction> {
         let surface: Vec<_> = triangles(other.block, &other.points).collect();
         let mut middles = Vec::new();
         for edge in self.block.topology().edges() {
@@ -208,7 +208,7 @@ impl<'p> Surface<'p> {
     }
 
     /// The nearest point of the surface.
-    fn nearest(&self, point: &Vec3<BigInt>) -> Option<Nearest> {
+    fn nearest(&self, point: &Vec3<BigInt>) -> Option<NearestPoint> {
         let topology = self.block.topology();
         let faces = (0..topology.faces().len()).filter_map(|face| self.to_face(point, face));
         let edges = topology.edges().iter().filter_map(|edge| {
@@ -217,14 +217,14 @@ impl<'p> Surface<'p> {
         });
         let vertices = self.points.iter().map(|vertex| {
             let way = vertex.minus(point);
-            Nearest { numerator: way.norm_squared(), denominator: BigInt::from(1), way }
+            NearestPoint { numerator: way.norm_squared(), denominator: BigInt::from(1), way }
         });
         // `min_by` keeps the first of several.
-        faces.chain(edges).chain(vertices).min_by(Nearest::cmp_square)
+        faces.chain(edges).chain(vertices).min_by(NearestPoint::cmp_square)
     }
 
     /// The foot on a face's plane, where it is inside the polygon or on its boundary.
-    fn to_face(&self, point: &Vec3<BigInt>, face: usize) -> Option<Nearest> {
+    fn to_face(&self, point: &Vec3<BigInt>, face: usize) -> Option<NearestPoint> {
         let (n, corners) = (&self.normals[face], &self.block.topology().faces()[face]);
         let square = n.norm_squared();
         if Zero::is_zero(&square) || !self.projects_inside(point, n, corners) {
@@ -235,7 +235,7 @@ impl<'p> Surface<'p> {
         let sum = corners.iter().fold(Vec3::zero(), |sum: Vec3<BigInt>, &v| sum.plus(&self.points[v as usize]));
         let off = n.dot(&sum) - &k * n.dot(point);
         let way = if off.is_negative() { n.negated() } else { n.clone() };
-        Some(Nearest { numerator: &off * &off, denominator: square * &k * &k, way })
+        Some(NearestPoint { numerator: &off * &off, denominator: square * &k * &k, way })
     }
 
     /// Whether a point, seen along n, is inside a polygon or on its boundary.
@@ -266,21 +266,21 @@ impl<'p> Surface<'p> {
     }
 
     /// The foot on an edge, where it is strictly inside.
-    fn to_edge(&self, point: &Vec3<BigInt>, p: &Vec3<BigInt>, q: &Vec3<BigInt>) -> Option<Nearest> {
+    fn to_edge(&self, point: &Vec3<BigInt>, p: &Vec3<BigInt>, q: &Vec3<BigInt>) -> Option<NearestPoint> {
         let (d, from) = (q.minus(p), point.minus(p));
         let (along, length) = (d.dot(&from), d.norm_squared());
         if !along.is_positive() || along >= length {
             return None;
         }
         let way = d.scaled(&along).minus(&from.scaled(&length));
-        Some(Nearest { numerator: way.norm_squared(), denominator: &length * &length, way })
+        Some(NearestPoint { numerator: way.norm_squared(), denominator: &length * &length, way })
     }
 
     /// Whether a point that is not on the surface is inside.
     fn holds(&self, point: &Vec3<BigInt>) -> bool {
         let around: Vec<_> =
             triangles(self.block, &self.points).map(|corners| corners.map(|v| v.minus(point))).collect();
-        holds_origin(&around)
+        surface_holds_origin(&around)
     }
 }
 

@@ -1,14 +1,14 @@
 //! Test 4 of SPEC section 4: crossing e-e.
 
-use super::pair::{Meeting, Pair, Plane};
+use super::pair::{ContactWithPlane, EntrancePlane, Pair};
+use super::predicate_answer::PredicateAnswer;
 use super::vector::{cross, difference, dot, multiple, squared_length, sum};
-use super::verdict::Verdict;
 use crate::rational::Rational;
 use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::{ContactKind, Entrance, EntranceKind};
 
 /// All e-e contacts of the pair.
-pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>) -> Vec<Meeting<Q>> {
+pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>) -> Vec<ContactWithPlane<Q>> {
     let mut found = Vec::new();
     for a in 0..pair.a.edges.len() as u32 {
         for b in 0..pair.b.edges.len() as u32 {
@@ -18,7 +18,7 @@ pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>) -> Vec<Meeting<Q>> {
     found
 }
 
-fn contact<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Option<Meeting<Q>> {
+fn contact<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Option<ContactWithPlane<Q>> {
     let crossing = pair.a.block.edge_is_convex(a)
         && pair.b.block.edge_is_convex(b)
         && !nearly_parallel(pair, a, b)
@@ -27,7 +27,7 @@ fn contact<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Option<Meeting<Q>
     if !crossing {
         return None;
     }
-    let contact = Meeting { kind: ContactKind::EdgeEdge, a, b, plane: plane(pair, a, b) };
+    let contact = ContactWithPlane { kind: ContactKind::EdgeEdge, a, b, plane: plane(pair, a, b) };
     let passes = pair.not_too_deep(Predicate::EdgeEdgeDepth, &edges(a, b), &contact)
         && pair.decide(Predicate::EdgeEdgeNear, &edges(a, b), contact.plane.near(&pair.limits))
         && wedges_pass(pair, &contact.plane);
@@ -41,18 +41,18 @@ pub(super) fn nearly_parallel<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -
     let area_squared = squared_length(&cross(&d1.direction, &d2.direction));
     let limits = &pair.limits;
     let by_angle = limits.parallel_squared.times(&d1.length_squared).times(&d2.length_squared);
-    let mut verdict = Verdict::at_most(&area_squared, &by_angle);
+    let mut verdict = PredicateAnswer::at_most(&area_squared, &by_angle);
     if !pair.is_classic() {
         let longer_squared = (&d1.length_squared).max(&d2.length_squared);
         let by_length = limits.territory_squared.times(longer_squared);
-        verdict = verdict.and(|| Verdict::at_most(&area_squared, &by_length));
+        verdict = verdict.and(|| PredicateAnswer::at_most(&area_squared, &by_length));
     }
     pair.decide(Predicate::NearlyParallel, &edges(a, b), verdict)
 }
 
 /// The plane of two edges that are not parallel: `n = σ·(d1 × d2)`, σ the sign of
 /// `n·(m_L + m_R)_A − n·(m_L + m_R)_B` (**zero counts as +**); `h = n·(p_A − p_B)/|n|`, 0 for `n = 0`.
-pub(super) fn plane<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Plane<Q> {
+pub(super) fn plane<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> EntrancePlane<Q> {
     let (d1, d2) = (&pair.a.edges[a as usize], &pair.b.edges[b as usize]);
     let product = cross(&d1.direction, &d2.direction);
     let inward_a = dot(&product, &sum(&d1.inward[0], &d1.inward[1]));
@@ -64,17 +64,17 @@ pub(super) fn plane<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Plane<Q>
     let gap_signed_square =
         dot(&normal, &from_b_to_a).signed_square().over(&squared_length(&normal)).unwrap_or_else(Q::zero);
     let entrance = Entrance { kind: EntranceKind::EdgeEdge, a, b };
-    Plane { entrance, normal, gap_signed_square, unsided: side.is_zero() }
+    EntrancePlane { entrance, normal, gap_signed_square, unsided: side.is_zero() }
 }
 
 /// **Wedges pass**: `n·m ≥ 0` for A's two inward directions and `n·m ≤ 0` for B's two, each within the tolerance where
 /// `(n·m)² ≤ so²·|n|²·|m|²` and, under `revised`, `(n·m)²·w² ≤ g²·|n|²·|m|²` as well. **A tie says yes.**
-pub(super) fn wedges_pass<Q: Rational>(pair: &Pair<'_, Q>, plane: &Plane<Q>) -> bool {
+pub(super) fn wedges_pass<Q: Rational>(pair: &Pair<'_, Q>, plane: &EntrancePlane<Q>) -> bool {
     let limits = &pair.limits;
     let verdict = every_wing(pair, plane, |wing| {
         let by_angle = || {
             let limit = limits.overlap_squared.times(&wing.lengths_squared);
-            Verdict::at_most(&wing.rise.squared(), &limit)
+            PredicateAnswer::at_most(&wing.rise.squared(), &limit)
         };
         let by_length = || wing.dips_at_most(&limits.penetration_squared);
         if pair.is_classic() { by_angle() } else { by_angle().and(by_length) }
@@ -84,12 +84,12 @@ pub(super) fn wedges_pass<Q: Rational>(pair: &Pair<'_, Q>, plane: &Plane<Q>) -> 
 
 /// The plane of two edges is a **true exit** under `revised`: `n·m ≥ 0` for A's two inward directions and `n·m ≤ 0` for
 /// B's two, or `(n·m)²·w² ≤ (r/10)²·|n|²·|m|²`. **A tie says yes.**
-pub(super) fn is_true_exit<Q: Rational>(pair: &Pair<'_, Q>, plane: &Plane<Q>) -> Verdict {
+pub(super) fn is_true_exit<Q: Rational>(pair: &Pair<'_, Q>, plane: &EntrancePlane<Q>) -> PredicateAnswer {
     every_wing(pair, plane, |wing| wing.dips_at_most(&pair.limits.exit_squared))
 }
 
 /// One of the four faces at two edges, along their normal n.
-struct Wing<'a, Q> {
+struct WedgeFace<'a, Q> {
     /// `n·m`, for B's faces `−n·m`: negative where the face dips.
     rise: Q,
     /// `|n|²·|m|²`
@@ -98,29 +98,29 @@ struct Wing<'a, Q> {
     width_squared: &'a Q,
 }
 
-impl<Q: Rational> Wing<'_, Q> {
+impl<Q: Rational> WedgeFace<'_, Q> {
     /// `(n·m)²·w² ≤ limit²·|n|²·|m|²`: the face's far end is within the limit of the plane. **A tie says yes.**
-    fn dips_at_most(&self, limit_squared: &Q) -> Verdict {
+    fn dips_at_most(&self, limit_squared: &Q) -> PredicateAnswer {
         let dip = self.rise.squared().times(self.width_squared);
-        Verdict::at_most(&dip, &limit_squared.times(&self.lengths_squared))
+        PredicateAnswer::at_most(&dip, &limit_squared.times(&self.lengths_squared))
     }
 }
 
 /// All four faces at two edges rise along n (**a tie says yes**) or are tolerated.
 fn every_wing<Q: Rational>(
     pair: &Pair<'_, Q>,
-    plane: &Plane<Q>,
-    tolerated: impl Fn(&Wing<'_, Q>) -> Verdict,
-) -> Verdict {
+    plane: &EntrancePlane<Q>,
+    tolerated: impl Fn(&WedgeFace<'_, Q>) -> PredicateAnswer,
+) -> PredicateAnswer {
     let (a, b) = (plane.entrance.a as usize, plane.entrance.b as usize);
     let n = &plane.normal;
-    let mut all = Verdict { yes: true, tie: plane.unsided };
+    let mut all = PredicateAnswer { yes: true, tie: plane.unsided };
     for (line, along_n) in [(&pair.a.edges[a], 1), (&pair.b.edges[b], -1)] {
         for (inward, width_squared) in line.inward.iter().zip(&line.width_squared) {
             let rise = dot(n, inward).times(&Q::from_integer(along_n));
             let lengths_squared = squared_length(n).times(&squared_length(inward));
-            let wing = Wing { rise, lengths_squared, width_squared };
-            all = all.and(|| Verdict::at_least_zero(&wing.rise).or(|| tolerated(&wing)));
+            let wing = WedgeFace { rise, lengths_squared, width_squared };
+            all = all.and(|| PredicateAnswer::at_least_zero(&wing.rise).or(|| tolerated(&wing)));
         }
     }
     all
@@ -135,7 +135,7 @@ fn feet_inside<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> bool {
     let c = cross(d1, d2);
     let whole = squared_length(&c);
     let w = difference(pair.vertex(Side::B, pair.b.edge(b).p), pair.vertex(Side::A, pair.a.edge(a).p));
-    let inside = |part: Q| Verdict::above_zero(&part).and(|| Verdict::above_zero(&whole.minus(&part)));
+    let inside = |part: Q| PredicateAnswer::above_zero(&part).and(|| PredicateAnswer::above_zero(&whole.minus(&part)));
     let verdict = inside(dot(&cross(&w, d2), &c)).and(|| inside(dot(&cross(&w, d1), &c)));
     pair.decide(Predicate::FeetInside, &edges(a, b), verdict)
 }

@@ -2,8 +2,8 @@
 //! largest gap (SPEC section 4, "Entrance").
 
 use super::edge_edge;
-use super::pair::{Meeting, Pair, Plane};
-use super::verdict::Verdict;
+use super::pair::{ContactWithPlane, EntrancePlane, Pair};
+use super::predicate_answer::PredicateAnswer;
 use super::vertex_face;
 use crate::rational::Rational;
 use rockproof_model::decision::{Predicate, Side};
@@ -12,7 +12,7 @@ use rockproof_model::{ContactKind, EntranceKind};
 /// The candidates of one contact that pass the no-overlap check.
 pub(super) struct Candidates<'p, 'a, Q> {
     pair: &'p Pair<'a, Q>,
-    planes: Vec<Plane<Q>>,
+    planes: Vec<EntrancePlane<Q>>,
 }
 
 impl<'p, 'a, Q: Rational> Candidates<'p, 'a, Q> {
@@ -39,13 +39,13 @@ impl<'p, 'a, Q: Rational> Candidates<'p, 'a, Q> {
     }
 
     /// The contact of these two features, if a candidate passes and the chosen one is not too deep.
-    pub(super) fn confirm(self, kind: ContactKind, a: u32, b: u32) -> Option<Meeting<Q>> {
+    pub(super) fn confirm(self, kind: ContactKind, a: u32, b: u32) -> Option<ContactWithPlane<Q>> {
         let pair = self.pair;
         let (planes, chosen) = self.choose()?;
-        let contact = Meeting { kind, a, b, plane: planes[chosen.index].clone() };
+        let contact = ContactWithPlane { kind, a, b, plane: planes[chosen.index].clone() };
         let features = contact.features();
         for (index, (plane, tie)) in planes.iter().zip(chosen.ties).enumerate() {
-            let verdict = Verdict { yes: index == chosen.index, tie };
+            let verdict = PredicateAnswer { yes: index == chosen.index, tie };
             let [of_a, of_b] = plane.features();
             pair.decide(Predicate::EntranceChoice, &[features[0], features[1], of_a, of_b], verdict);
         }
@@ -53,7 +53,7 @@ impl<'p, 'a, Q: Rational> Candidates<'p, 'a, Q> {
     }
 
     /// The candidates to choose from, in order, and which of them is chosen; `None` when there is none.
-    fn choose(self) -> Option<(Vec<Plane<Q>>, Choice)> {
+    fn choose(self) -> Option<(Vec<EntrancePlane<Q>>, Choice)> {
         let mut planes = self.planes;
         planes.sort_by_key(|plane| plane.entrance);
         // Asked only where there is a choice.
@@ -68,7 +68,7 @@ impl<'p, 'a, Q: Rational> Candidates<'p, 'a, Q> {
 
 /// For each of several planes, whether it is a true exit; if none is, all count. Under `classic` every plane that passes
 /// is one, and nothing is asked.
-pub(super) fn true_exits_or_all<Q: Rational>(pair: &Pair<'_, Q>, planes: &[Plane<Q>]) -> Vec<bool> {
+pub(super) fn true_exits_or_all<Q: Rational>(pair: &Pair<'_, Q>, planes: &[EntrancePlane<Q>]) -> Vec<bool> {
     if pair.is_classic() {
         return vec![true; planes.len()];
     }
@@ -79,7 +79,7 @@ pub(super) fn true_exits_or_all<Q: Rational>(pair: &Pair<'_, Q>, planes: &[Plane
     exits
 }
 
-fn is_true_exit<Q: Rational>(pair: &Pair<'_, Q>, plane: &Plane<Q>) -> bool {
+fn is_true_exit<Q: Rational>(pair: &Pair<'_, Q>, plane: &EntrancePlane<Q>) -> bool {
     let (a, b) = (plane.entrance.a, plane.entrance.b);
     let verdict = match plane.entrance.kind {
         EntranceKind::VertexFace => vertex_face::is_true_exit(pair, Side::A, a, b),
@@ -109,13 +109,14 @@ impl Choice {
 /// Compared by signed squares: `h_best − ε·|h_best| = f·h_best` with `f = 1 ∓ ε` for a positive (negative) gap, so the
 /// test is `h_k·|h_k| ≥ f·|f|·h_best·|h_best|`. The tie flag of a plane says that this held with equality for it, or, for
 /// the largest, for any other one.
-pub(super) fn first_of_the_largest<Q: Rational>(planes: &[Plane<Q>], equal: &Q) -> Option<Choice> {
+pub(super) fn first_of_the_largest<Q: Rational>(planes: &[EntrancePlane<Q>], equal: &Q) -> Option<Choice> {
     let gap = |k: usize| &planes[k].gap_signed_square;
     let best = (0..planes.len()).reduce(|best, k| if gap(k) > gap(best) { k } else { best })?;
     let one = Q::from_integer(1);
     let factor = if gap(best).sign().is_positive() { one.minus(equal) } else { one.plus(equal) };
     let threshold = factor.signed_square().times(gap(best));
-    let reaches: Vec<Verdict> = (0..planes.len()).map(|k| Verdict::at_least(gap(k), &threshold)).collect();
+    let reaches: Vec<PredicateAnswer> =
+        (0..planes.len()).map(|k| PredicateAnswer::at_least(gap(k), &threshold)).collect();
     let index = (0..planes.len()).find(|&k| k == best || reaches[k].yes)?;
     let mut ties: Vec<bool> = reaches.iter().map(|r| r.tie).collect();
     ties[best] = (0..planes.len()).any(|k| k != best && reaches[k].tie);

@@ -1,9 +1,9 @@
 //! Which overlapping contacts stay: the shortest exit of test 3 and the one exit of test 5 (SPEC section 4).
 
 use super::entrance::{first_of_the_largest, true_exits_or_all};
-use super::pair::{Meeting, Pair};
+use super::pair::{ContactWithPlane, Pair};
+use super::predicate_answer::PredicateAnswer;
 use super::vector::{cross, dot, squared_length};
-use super::verdict::Verdict;
 use super::vertex_face::vertex_and_face;
 use crate::rational::Rational;
 use rockproof_model::decision::{Predicate, Side};
@@ -11,13 +11,17 @@ use rockproof_model::decision::{Predicate, Side};
 /// **Shortest exit**, unless both blocks are convex: of the faces that one vertex of `side` overlaps and that convex
 /// edges join (one after another, within that set), only the one with the largest gap stays; ties by Eq. (1), then the
 /// lower face.
-pub(super) fn shortest<Q: Rational>(pair: &Pair<'_, Q>, side: Side, contacts: Vec<Meeting<Q>>) -> Vec<Meeting<Q>> {
+pub(super) fn shortest<Q: Rational>(
+    pair: &Pair<'_, Q>,
+    side: Side,
+    contacts: Vec<ContactWithPlane<Q>>,
+) -> Vec<ContactWithPlane<Q>> {
     if pair.a.block.is_convex() && pair.b.block.is_convex() {
         return contacts;
     }
-    let face_of = |contact: &Meeting<Q>| if side == Side::A { contact.b } else { contact.a };
-    let vertex_of = |contact: &Meeting<Q>| if side == Side::A { contact.a } else { contact.b };
-    let overlaps = |contact: &Meeting<Q>| contact.plane.gap_sign().is_negative();
+    let face_of = |contact: &ContactWithPlane<Q>| if side == Side::A { contact.b } else { contact.a };
+    let vertex_of = |contact: &ContactWithPlane<Q>| if side == Side::A { contact.a } else { contact.b };
+    let overlaps = |contact: &ContactWithPlane<Q>| contact.plane.gap_sign().is_negative();
     let mut dropped = vec![false; contacts.len()];
     for vertex in 0..pair.side(side).block.topology().vertex_count() as u32 {
         // By face, ascending, so that the first of a group is its lowest face.
@@ -32,7 +36,7 @@ pub(super) fn shortest<Q: Rational>(pair: &Pair<'_, Q>, side: Side, contacts: Ve
                 continue;
             }
             for (place, &k) in group.iter().enumerate() {
-                let verdict = Verdict { yes: place == choice.index, tie: choice.ties[place] };
+                let verdict = PredicateAnswer { yes: place == choice.index, tie: choice.ties[place] };
                 let features = vertex_and_face(side, vertex, face_of(&contacts[k]));
                 dropped[k] = !pair.decide(Predicate::ShortestExit, &features, verdict);
             }
@@ -66,7 +70,7 @@ fn take_group<Q: Rational>(
 /// **One exit**, for two convex blocks: with n* the normal of the contact with the largest gap among those whose entrance
 /// is a true exit, or among all if none is (ties by Eq. (1), to the first in sorted order), a contact with h < 0 stays only
 /// if `n·n* > 0` and `|n × n*|² ≤ so²·|n|²·|n*|²`. Expects the contacts sorted.
-pub(super) fn only<Q: Rational>(pair: &Pair<'_, Q>, contacts: Vec<Meeting<Q>>) -> Vec<Meeting<Q>> {
+pub(super) fn only<Q: Rational>(pair: &Pair<'_, Q>, contacts: Vec<ContactWithPlane<Q>>) -> Vec<ContactWithPlane<Q>> {
     if !pair.a.block.is_convex() || !pair.b.block.is_convex() {
         return contacts;
     }
@@ -79,11 +83,11 @@ pub(super) fn only<Q: Rational>(pair: &Pair<'_, Q>, contacts: Vec<Meeting<Q>>) -
     let planes: Vec<_> = places.iter().map(|&k| all[k].clone()).collect();
     let Some(choice) = first_of_the_largest(&planes, &pair.limits.equal) else { return contacts };
     let star = &planes[choice.index].normal;
-    let within_overlap_angle = |contact: &Meeting<Q>| {
+    let within_overlap_angle = |contact: &ContactWithPlane<Q>| {
         let n = &contact.plane.normal;
         let limit = pair.limits.overlap_squared.times(&squared_length(n)).times(&squared_length(star));
-        Verdict::above_zero(&dot(n, star))
-            .and(|| Verdict::at_most(&squared_length(&cross(n, star)), &limit))
+        PredicateAnswer::above_zero(&dot(n, star))
+            .and(|| PredicateAnswer::at_most(&squared_length(&cross(n, star)), &limit))
             .tied_if(choice.is_tied())
     };
     contacts

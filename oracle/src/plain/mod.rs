@@ -17,10 +17,10 @@ mod edge_edge;
 mod entrance;
 mod exit;
 mod pair;
-mod solid;
+mod predicate_answer;
+mod rational_block;
 mod territory;
 mod vector;
-mod verdict;
 mod vertex_edge;
 mod vertex_face;
 mod vertex_vertex;
@@ -31,14 +31,14 @@ use rockproof_model::{Block, Contact, ContactKey, Sign, ToleranceSet};
 
 /// A contact and its exact gap.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found<Q> {
+pub struct ExactContact<Q> {
     /// The contact; the sign of its gap is `contact.gap`.
     pub contact: Contact,
     /// The square of the gap of the contact's entrance, in m².
     pub gap_squared: Q,
 }
 
-impl<Q: Rational> Found<Q> {
+impl<Q: Rational> ExactContact<Q> {
     /// The gap in metres, positive apart, rounded to the nearest f64; `None` when it overflows.
     pub fn gap_m(&self) -> Option<f64> {
         let magnitude = self.gap_squared.sqrt_rounded()?;
@@ -47,7 +47,7 @@ impl<Q: Rational> Found<Q> {
 }
 
 /// A decision, its outcome (as described at [`Decision`]), and whether it hung on an exact tie.
-pub type Traced = (Decision, i8, bool);
+pub type TracedDecision = (Decision, i8, bool);
 
 /// The contacts of a pair of blocks, sorted by kind and features (SPEC section 4, "Result").
 ///
@@ -76,7 +76,7 @@ pub type Traced = (Decision, i8, bool);
 /// assert_eq!(found.len(), 1);
 /// assert_eq!((found[0].contact.kind.name(), found[0].contact.gap), ("v-v", Sign::Positive));
 /// ```
-pub fn classify<Q: Rational>(a: &Block, b: &Block, tolerances: &ToleranceSet) -> Vec<Found<Q>> {
+pub fn classify<Q: Rational>(a: &Block, b: &Block, tolerances: &ToleranceSet) -> Vec<ExactContact<Q>> {
     classify_keeping(a, b, tolerances, &[])
 }
 
@@ -87,19 +87,24 @@ pub fn classify_keeping<Q: Rational>(
     b: &Block,
     tolerances: &ToleranceSet,
     kept: &[ContactKey],
-) -> Vec<Found<Q>> {
-    let pair = pair::Pair::new(a, b, tolerances, pair::Log::off()).keeping(kept);
-    classify::contacts(&pair).into_iter().map(pair::Meeting::published).collect()
+) -> Vec<ExactContact<Q>> {
+    let pair = pair::Pair::new(a, b, tolerances, pair::DecisionLog::off()).keeping(kept);
+    classify::contacts(&pair).into_iter().map(pair::ContactWithPlane::published).collect()
 }
 
 /// Every decision that [`classify`] evaluates for the pair, each once, in the order of its first evaluation.
-pub fn trace<Q: Rational>(a: &Block, b: &Block, tolerances: &ToleranceSet) -> Vec<Traced> {
+pub fn trace<Q: Rational>(a: &Block, b: &Block, tolerances: &ToleranceSet) -> Vec<TracedDecision> {
     trace_keeping::<Q>(a, b, tolerances, &[])
 }
 
 /// Every decision that [`classify_keeping`] evaluates, as [`trace`] gives them.
-pub fn trace_keeping<Q: Rational>(a: &Block, b: &Block, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Vec<Traced> {
-    let pair = pair::Pair::<Q>::new(a, b, tolerances, pair::Log::on()).keeping(kept);
+pub fn trace_keeping<Q: Rational>(
+    a: &Block,
+    b: &Block,
+    tolerances: &ToleranceSet,
+    kept: &[ContactKey],
+) -> Vec<TracedDecision> {
+    let pair = pair::Pair::<Q>::new(a, b, tolerances, pair::DecisionLog::on()).keeping(kept);
     classify::contacts(&pair);
     pair.into_trace()
 }

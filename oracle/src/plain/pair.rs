@@ -1,8 +1,8 @@
 //! Two blocks, the tolerances between them, and the record of what was decided.
 
-use super::solid::{Limits, Solid};
-use super::verdict::Verdict;
-use super::{Found, Traced};
+use super::predicate_answer::PredicateAnswer;
+use super::rational_block::{RationalBlock, SquaredTolerances};
+use super::{ExactContact, TracedDecision};
 use crate::rational::Rational;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Block, Contact, ContactKey, ContactKind, Criteria, Entrance, Sign, ToleranceSet, Vec3};
@@ -11,42 +11,42 @@ use std::collections::BTreeSet;
 
 /// A pair of blocks under a tolerance set.
 pub(super) struct Pair<'a, Q> {
-    pub(super) a: Solid<'a, Q>,
-    pub(super) b: Solid<'a, Q>,
-    pub(super) limits: Limits<Q>,
+    pub(super) a: RationalBlock<'a, Q>,
+    pub(super) b: RationalBlock<'a, Q>,
+    pub(super) limits: SquaredTolerances<Q>,
     /// The contacts that the step before left closed.
     kept: BTreeSet<ContactKey>,
-    log: RefCell<Log>,
+    log: RefCell<DecisionLog>,
 }
 
 /// A true exit dips by no more than r over this (SPEC section 4).
 const TRUE_EXIT_INVERSE: i32 = 10;
 
 /// The decisions taken so far, if anybody asks for them.
-pub(super) struct Log {
-    kept: Option<Vec<Traced>>,
+pub(super) struct DecisionLog {
+    kept: Option<Vec<TracedDecision>>,
     seen: BTreeSet<Decision>,
 }
 
-impl Log {
+impl DecisionLog {
     /// Keeps nothing.
-    pub(super) fn off() -> Log {
-        Log { kept: None, seen: BTreeSet::new() }
+    pub(super) fn off() -> DecisionLog {
+        DecisionLog { kept: None, seen: BTreeSet::new() }
     }
 
     /// Keeps each decision once.
-    pub(super) fn on() -> Log {
-        Log { kept: Some(Vec::new()), seen: BTreeSet::new() }
+    pub(super) fn on() -> DecisionLog {
+        DecisionLog { kept: Some(Vec::new()), seen: BTreeSet::new() }
     }
 }
 
 impl<'a, Q: Rational> Pair<'a, Q> {
-    pub(super) fn new(a: &'a Block, b: &'a Block, tolerances: &ToleranceSet, log: Log) -> Self {
+    pub(super) fn new(a: &'a Block, b: &'a Block, tolerances: &ToleranceSet, log: DecisionLog) -> Self {
         let exact = |n| Q::from_number(n);
         let search = exact(&tolerances.search);
         let territory = exact(&tolerances.territory);
         let exit = territory.over(&Q::from_integer(TRUE_EXIT_INVERSE)).unwrap_or_else(Q::zero);
-        let limits = Limits {
+        let limits = SquaredTolerances {
             search_squared: search.squared(),
             search,
             territory_squared: territory.squared(),
@@ -57,7 +57,7 @@ impl<'a, Q: Rational> Pair<'a, Q> {
             equal: exact(&tolerances.equal),
             criteria: tolerances.criteria,
         };
-        let (a, b) = (Solid::new(a, &limits), Solid::new(b, &limits));
+        let (a, b) = (RationalBlock::new(a, &limits), RationalBlock::new(b, &limits));
         Pair { a, b, limits, kept: BTreeSet::new(), log: RefCell::new(log) }
     }
 
@@ -72,12 +72,17 @@ impl<'a, Q: Rational> Pair<'a, Q> {
 
     /// A contact is **not too deep** when it is kept, and then nothing is asked, or its plane has `h ≥ −g`.
     /// **A tie says yes.**
-    pub(super) fn not_too_deep(&self, predicate: Predicate, features: &[Feature], contact: &Meeting<Q>) -> bool {
+    pub(super) fn not_too_deep(
+        &self,
+        predicate: Predicate,
+        features: &[Feature],
+        contact: &ContactWithPlane<Q>,
+    ) -> bool {
         let key = ContactKey { kind: contact.kind, a: contact.a, b: contact.b };
         self.kept.contains(&key) || self.decide(predicate, features, contact.plane.not_too_deep(&self.limits))
     }
 
-    pub(super) fn side(&self, side: Side) -> &Solid<'a, Q> {
+    pub(super) fn side(&self, side: Side) -> &RationalBlock<'a, Q> {
         match side {
             Side::A => &self.a,
             Side::B => &self.b,
@@ -89,13 +94,13 @@ impl<'a, Q: Rational> Pair<'a, Q> {
     }
 
     /// Records a verdict and hands on its answer.
-    pub(super) fn decide(&self, predicate: Predicate, features: &[Feature], verdict: Verdict) -> bool {
+    pub(super) fn decide(&self, predicate: Predicate, features: &[Feature], verdict: PredicateAnswer) -> bool {
         self.record(predicate, features, i8::from(verdict.yes), verdict.tie);
         verdict.yes
     }
 
     /// Records the sign of the gap of a contact's entrance.
-    pub(super) fn record_gap_sign(&self, plane: &Plane<Q>) {
+    pub(super) fn record_gap_sign(&self, plane: &EntrancePlane<Q>) {
         let sign = plane.gap_sign();
         self.record(Predicate::GapSign, &plane.features(), sign.as_i8(), plane.unsided || sign == Sign::Zero);
     }
@@ -109,14 +114,14 @@ impl<'a, Q: Rational> Pair<'a, Q> {
     }
 
     /// The decisions recorded.
-    pub(super) fn into_trace(self) -> Vec<Traced> {
+    pub(super) fn into_trace(self) -> Vec<TracedDecision> {
         self.log.into_inner().kept.unwrap_or_default()
     }
 }
 
 /// A plane through which the blocks may enter one another, with the gap along its normal.
 #[derive(Clone)]
-pub(super) struct Plane<Q> {
+pub(super) struct EntrancePlane<Q> {
     pub(super) entrance: Entrance,
     /// Points from B to A; not normalised.
     pub(super) normal: Vec3<Q>,
@@ -126,20 +131,20 @@ pub(super) struct Plane<Q> {
     pub(super) unsided: bool,
 }
 
-impl<Q: Rational> Plane<Q> {
+impl<Q: Rational> EntrancePlane<Q> {
     /// The sign of the gap.
     pub(super) fn gap_sign(&self) -> Sign {
         self.gap_signed_square.sign()
     }
 
     /// `h ≤ s`
-    pub(super) fn near(&self, limits: &Limits<Q>) -> Verdict {
-        Verdict::at_most(&self.gap_signed_square, &limits.search_squared).tied_if(self.unsided)
+    pub(super) fn near(&self, limits: &SquaredTolerances<Q>) -> PredicateAnswer {
+        PredicateAnswer::at_most(&self.gap_signed_square, &limits.search_squared).tied_if(self.unsided)
     }
 
     /// `h ≥ −g`
-    pub(super) fn not_too_deep(&self, limits: &Limits<Q>) -> Verdict {
-        Verdict::at_least(&self.gap_signed_square, &limits.penetration_squared.negated()).tied_if(self.unsided)
+    pub(super) fn not_too_deep(&self, limits: &SquaredTolerances<Q>) -> PredicateAnswer {
+        PredicateAnswer::at_least(&self.gap_signed_square, &limits.penetration_squared.negated()).tied_if(self.unsided)
     }
 
     /// The two features that span the plane.
@@ -156,21 +161,21 @@ impl<Q: Rational> Plane<Q> {
 
 /// A contact with the plane of its entrance.
 #[derive(Clone)]
-pub(super) struct Meeting<Q> {
+pub(super) struct ContactWithPlane<Q> {
     pub(super) kind: ContactKind,
     /// Index of A's feature.
     pub(super) a: u32,
     /// Index of B's feature.
     pub(super) b: u32,
-    pub(super) plane: Plane<Q>,
+    pub(super) plane: EntrancePlane<Q>,
 }
 
-impl<Q: Rational> Meeting<Q> {
+impl<Q: Rational> ContactWithPlane<Q> {
     /// What is handed out.
-    pub(super) fn published(self) -> Found<Q> {
+    pub(super) fn published(self) -> ExactContact<Q> {
         let gap = self.plane.gap_sign();
         let contact = Contact { kind: self.kind, a: self.a, b: self.b, entrance: self.plane.entrance, gap };
-        Found { contact, gap_squared: self.plane.gap_signed_square.magnitude() }
+        ExactContact { contact, gap_squared: self.plane.gap_signed_square.magnitude() }
     }
 
     /// The contact's two features.

@@ -1,8 +1,8 @@
 //! Territories: the zones around vertices and edges that belong to them (SPEC section 4, building blocks).
 
 use super::pair::Pair;
+use super::predicate_answer::PredicateAnswer;
 use super::vector::{difference, squared_length};
-use super::verdict::Verdict;
 use crate::rational::Rational;
 use rockproof_model::decision::{Feature, Predicate, Side};
 
@@ -16,7 +16,7 @@ impl<Q: Rational> Pair<'_, Q> {
         let apart = squared_length(&difference(self.vertex(Side::A, a), self.vertex(Side::B, b)));
         let radius_squared = (&self.a.vertex_radius_squared[a as usize]).min(&self.b.vertex_radius_squared[b as usize]);
         let features = [Feature::Vertex(Side::A, a), Feature::Vertex(Side::B, b)];
-        self.decide(Predicate::VertexTerritory, &features, Verdict::at_most(&apart, radius_squared))
+        self.decide(Predicate::VertexTerritory, &features, PredicateAnswer::at_most(&apart, radius_squared))
     }
 
     /// Vertex of `side` in the territory of an edge of the other block: both are convex, the foot lies strictly inside
@@ -34,7 +34,8 @@ impl<Q: Rational> Pair<'_, Q> {
         let other = self.side(side.other());
         let along = other.against_line(self.vertex(side, vertex), edge).along;
         let length_squared = &other.edges[edge as usize].length_squared;
-        let verdict = Verdict::above_zero(&along).and(|| Verdict::above_zero(&length_squared.minus(&along)));
+        let verdict =
+            PredicateAnswer::above_zero(&along).and(|| PredicateAnswer::above_zero(&length_squared.minus(&along)));
         self.decide(Predicate::FootInside, &vertex_and_edge(side, vertex, edge), verdict)
     }
 
@@ -45,11 +46,11 @@ impl<Q: Rational> Pair<'_, Q> {
     }
 
     /// `|(x − p) × d|² ≤ radius²·|d|²`: the squared distance to the line against a squared radius, over no denominator.
-    pub(super) fn line_within(&self, side: Side, vertex: u32, edge: u32, radius_squared: &Q) -> Verdict {
+    pub(super) fn line_within(&self, side: Side, vertex: u32, edge: u32, radius_squared: &Q) -> PredicateAnswer {
         let other = self.side(side.other());
         let beside_squared = other.against_line(self.vertex(side, vertex), edge).beside_squared;
         let length_squared = &other.edges[edge as usize].length_squared;
-        Verdict::at_most(&beside_squared, &radius_squared.times(length_squared))
+        PredicateAnswer::at_most(&beside_squared, &radius_squared.times(length_squared))
     }
 }
 

@@ -1,16 +1,16 @@
 //! Test 2 of SPEC section 4: v-e and e-v.
 
 use super::entrance::Candidates;
-use super::pair::{Meeting, Pair, indices_in_order};
+use super::pair::{ContactWithPlane, Pair, indices_in_order};
+use super::predicate_answer::PredicateAnswer;
 use super::territory::vertex_and_edge;
 use super::vector::{difference, dot, multiple, sum};
-use super::verdict::Verdict;
 use crate::rational::Rational;
 use rockproof_model::ContactKind;
 use rockproof_model::decision::{Feature, Predicate, Side};
 
 /// All contacts of a vertex of `side` and an edge of the other block.
-pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>, side: Side) -> Vec<Meeting<Q>> {
+pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>, side: Side) -> Vec<ContactWithPlane<Q>> {
     let mut found = Vec::new();
     for vertex in 0..pair.side(side).block.topology().vertex_count() as u32 {
         for edge in 0..pair.side(side.other()).block.topology().edges().len() as u32 {
@@ -20,7 +20,7 @@ pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>, side: Side) -> Vec<Meeti
     found
 }
 
-fn contact<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, edge: u32) -> Option<Meeting<Q>> {
+fn contact<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, edge: u32) -> Option<ContactWithPlane<Q>> {
     let (own, other) = (pair.side(side), pair.side(side.other()));
     let belongs = own.block.vertex_is_convex(vertex)
         && other.block.edge_is_convex(edge)
@@ -72,7 +72,7 @@ fn in_edge_region<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, edge
     [(ends.left, left), (ends.right, right)].into_iter().all(|(face, inward)| {
         let [vertex, edge] = vertex_and_edge(side, vertex, edge);
         let features = [vertex, edge, Feature::Face(side.other(), face)];
-        pair.decide(Predicate::EdgeRegion, &features, Verdict::at_most(&dot(&from_p, inward), &Q::zero()))
+        pair.decide(Predicate::EdgeRegion, &features, PredicateAnswer::at_most(&dot(&from_p, inward), &Q::zero()))
     })
 }
 
@@ -89,6 +89,6 @@ fn foot_in_vertex_region<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u3
     pair.side(side).edges_away(vertex).iter().all(|(own_edge, away)| {
         let [vertex, edge] = vertex_and_edge(side, vertex, edge);
         let features = [vertex, edge, Feature::Edge(side, *own_edge)];
-        pair.decide(Predicate::FootRegion, &features, Verdict::at_most(&dot(&offset, away), &Q::zero()))
+        pair.decide(Predicate::FootRegion, &features, PredicateAnswer::at_most(&dot(&offset, away), &Q::zero()))
     })
 }

@@ -1,14 +1,14 @@
 //! Test 3 of SPEC section 4, without the shortest exit: v-f and f-v.
 
-use super::pair::{Meeting, Pair, Plane, indices_in_order};
+use super::pair::{ContactWithPlane, EntrancePlane, Pair, indices_in_order};
+use super::predicate_answer::PredicateAnswer;
 use super::vector::{cross, difference, dot, opposite, squared_length};
-use super::verdict::Verdict;
 use crate::rational::Rational;
 use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::{ContactKind, Entrance, EntranceKind, Vec3};
 
 /// All contacts of a vertex of `side` and a face of the other block, before the shortest exit.
-pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>, side: Side) -> Vec<Meeting<Q>> {
+pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>, side: Side) -> Vec<ContactWithPlane<Q>> {
     let mut found = Vec::new();
     for vertex in 0..pair.side(side).block.topology().vertex_count() as u32 {
         for face in 0..pair.side(side.other()).block.topology().faces().len() as u32 {
@@ -18,13 +18,13 @@ pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>, side: Side) -> Vec<Meeti
     found
 }
 
-fn contact<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> Option<Meeting<Q>> {
+fn contact<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> Option<ContactWithPlane<Q>> {
     let kind = match side {
         Side::A => ContactKind::VertexFace,
         Side::B => ContactKind::FaceVertex,
     };
     let (a, b) = indices_in_order(side, vertex, face);
-    let contact = Meeting { kind, a, b, plane: plane(pair, side, vertex, face) };
+    let contact = ContactWithPlane { kind, a, b, plane: plane(pair, side, vertex, face) };
     let features = vertex_and_face(side, vertex, face);
     let passes = pair.not_too_deep(Predicate::VertexFaceDepth, &features, &contact)
         && pair.decide(Predicate::VertexFaceNear, &features, contact.plane.near(&pair.limits))
@@ -35,7 +35,7 @@ fn contact<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) 
 }
 
 /// The plane of a face of the other block, with its gap to a vertex of `side`: `h = N·(a − c)/|N|`, 0 for `N = 0`.
-pub(super) fn plane<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> Plane<Q> {
+pub(super) fn plane<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> EntrancePlane<Q> {
     let plane = &pair.side(side.other()).faces[face as usize];
     let offset = dot(&plane.normal, &difference(pair.vertex(side, vertex), &plane.point));
     let gap_signed_square = offset.signed_square().over(&squared_length(&plane.normal)).unwrap_or_else(Q::zero);
@@ -44,7 +44,7 @@ pub(super) fn plane<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, fa
         Side::B => (EntranceKind::FaceVertex, opposite(&plane.normal)),
     };
     let (a, b) = indices_in_order(side, vertex, face);
-    Plane { entrance: Entrance { kind, a, b }, normal, gap_signed_square, unsided: false }
+    EntrancePlane { entrance: Entrance { kind, a, b }, normal, gap_signed_square, unsided: false }
 }
 
 /// **Cone passes plane**: every edge direction e at the vertex has `e·N ≥ 0`, or `(e·N)² ≤ so²·|e|²·|N|²` and, under
@@ -57,11 +57,12 @@ pub(super) fn cone_passes<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u
         let rise = dot(away, normal);
         let by_angle = || {
             let limit = limits.overlap_squared.times(&squared_length(away)).times(&normal_squared);
-            Verdict::at_most(&rise.squared(), &limit)
+            PredicateAnswer::at_most(&rise.squared(), &limit)
         };
-        let by_length = || Verdict::at_most(&rise.squared(), &limits.penetration_squared.times(&normal_squared));
+        let by_length =
+            || PredicateAnswer::at_most(&rise.squared(), &limits.penetration_squared.times(&normal_squared));
         let within_tolerance = || if pair.is_classic() { by_angle() } else { by_angle().and(by_length) };
-        let verdict = Verdict::at_least_zero(&rise).or(within_tolerance);
+        let verdict = PredicateAnswer::at_least_zero(&rise).or(within_tolerance);
         let features = [Feature::Vertex(side, vertex), Feature::Face(side.other(), face), Feature::Edge(side, *edge)];
         pair.decide(Predicate::ConePasses, &features, verdict)
     })
@@ -69,12 +70,12 @@ pub(super) fn cone_passes<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u
 
 /// The plane of a vertex and a face is a **true exit** under `revised`: every edge direction e at the vertex has
 /// `e·N ≥ 0` or `(e·N)² ≤ (r/10)²·|N|²`. **A tie says yes.**
-pub(super) fn is_true_exit<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> Verdict {
+pub(super) fn is_true_exit<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> PredicateAnswer {
     let normal = &pair.side(side.other()).faces[face as usize].normal;
     let limit = pair.limits.exit_squared.times(&squared_length(normal));
-    pair.side(side).edges_away(vertex).iter().fold(Verdict { yes: true, tie: false }, |all, (_, away)| {
+    pair.side(side).edges_away(vertex).iter().fold(PredicateAnswer { yes: true, tie: false }, |all, (_, away)| {
         let rise = dot(away, normal);
-        all.and(|| Verdict::at_least_zero(&rise).or(|| Verdict::at_most(&rise.squared(), &limit)))
+        all.and(|| PredicateAnswer::at_least_zero(&rise).or(|| PredicateAnswer::at_most(&rise.squared(), &limit)))
     })
 }
 
@@ -92,8 +93,8 @@ fn in_territory_of_the_boundary<Q: Rational>(pair: &Pair<'_, Q>, side: Side, ver
 /// Two directions `u ⊥ N` and `v = N × u` span the face plane; `(x·u, x·v)` are the coordinates there of whatever
 /// projects along N. A ray from the vertex along u crosses the boundary an odd number of times when it starts inside;
 /// a polygon that rounding has made cross itself is inside where that count is odd.
-fn inside_face<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> Verdict {
-    const ON_BOUNDARY: Verdict = Verdict { yes: false, tie: true };
+fn inside_face<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> PredicateAnswer {
+    const ON_BOUNDARY: PredicateAnswer = PredicateAnswer { yes: false, tie: true };
     let other = pair.side(side.other());
     let normal = &other.faces[face as usize].normal;
     if squared_length(normal).sign().is_zero() {
@@ -127,7 +128,7 @@ fn inside_face<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u
             inside = !inside;
         }
     }
-    Verdict { yes: inside, tie: false }
+    PredicateAnswer { yes: inside, tie: false }
 }
 
 /// The features of a decision about a vertex of `side` and a face of the other block, the vertex first.

@@ -1,15 +1,15 @@
 //! Test 1 of SPEC section 4: v-v.
 
 use super::entrance::Candidates;
-use super::pair::{Meeting, Pair};
+use super::pair::{ContactWithPlane, Pair};
+use super::predicate_answer::PredicateAnswer;
 use super::vector::{difference, dot, squared_length};
-use super::verdict::Verdict;
 use crate::rational::Rational;
 use rockproof_model::ContactKind;
 use rockproof_model::decision::{Feature, Predicate, Side};
 
 /// All v-v contacts of the pair.
-pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>) -> Vec<Meeting<Q>> {
+pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>) -> Vec<ContactWithPlane<Q>> {
     let mut found = Vec::new();
     for a in 0..pair.a.block.topology().vertex_count() as u32 {
         for b in 0..pair.b.block.topology().vertex_count() as u32 {
@@ -19,7 +19,7 @@ pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>) -> Vec<Meeting<Q>> {
     found
 }
 
-fn contact<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Option<Meeting<Q>> {
+fn contact<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Option<ContactWithPlane<Q>> {
     let both_convex = pair.a.block.vertex_is_convex(a) && pair.b.block.vertex_is_convex(b);
     let belongs = both_convex
         && near(pair, a, b)
@@ -48,7 +48,7 @@ fn contact<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Option<Meeting<Q>
 fn near<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> bool {
     let apart = squared_length(&difference(pair.vertex(Side::A, a), pair.vertex(Side::B, b)));
     let features = [Feature::Vertex(Side::A, a), Feature::Vertex(Side::B, b)];
-    pair.decide(Predicate::VertexVertexNear, &features, Verdict::at_most(&apart, &pair.limits.search_squared))
+    pair.decide(Predicate::VertexVertexNear, &features, PredicateAnswer::at_most(&apart, &pair.limits.search_squared))
 }
 
 /// Vertex `asked` of `side` lies in the region of vertex `owner` of the other block: `(asked − owner)·e ≤ 0` for all
@@ -58,6 +58,6 @@ fn in_vertex_region<Q: Rational>(pair: &Pair<'_, Q>, side: Side, asked: u32, own
     pair.side(side.other()).edges_away(owner).iter().all(|(edge, away)| {
         let features =
             [Feature::Vertex(side, asked), Feature::Vertex(side.other(), owner), Feature::Edge(side.other(), *edge)];
-        pair.decide(Predicate::VertexRegion, &features, Verdict::at_most(&dot(&offset, away), &Q::zero()))
+        pair.decide(Predicate::VertexRegion, &features, PredicateAnswer::at_most(&dot(&offset, away), &Q::zero()))
     })
 }

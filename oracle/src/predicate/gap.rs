@@ -69,13 +69,13 @@ impl Polynomial for AbovePlane {
 /// `limit²·Q − P²`: at least zero where the gap's size is within the limit.
 pub(crate) struct GapWithin {
     pub(crate) entrance: Entrance,
-    pub(crate) limit: Limit,
+    pub(crate) limit: LengthTolerance,
 }
 
 impl GapWithin {
     /// The variant of all gaps of this kind of entrance.
     #[inline(always)]
-    pub(crate) fn variant_of(kind: EntranceKind, limit: Limit) -> usize {
+    pub(crate) fn variant_of(kind: EntranceKind, limit: LengthTolerance) -> usize {
         kind as usize * 3 + limit as usize
     }
 }

@@ -27,7 +27,7 @@ impl Polynomial for BoxesMeet {
 pub(crate) struct Near {
     pub(crate) a: u32,
     pub(crate) b: u32,
-    pub(crate) limit: Limit,
+    pub(crate) limit: LengthTolerance,
 }
 
 impl Polynomial for Near {
@@ -98,7 +98,7 @@ impl Polynomial for FootAlong {
 pub(crate) struct NearLine {
     pub(crate) vertex: Vertex,
     pub(crate) edge: Edge,
-    pub(crate) limit: Limit,
+    pub(crate) limit: LengthTolerance,
 }
 
 impl Polynomial for NearLine {

@@ -1,6 +1,6 @@
 //! Symmetric elimination in any number type: the way out where f64 cannot prove a matrix definite.
 
-use super::BlockSystem;
+use super::BlockSparseSystem;
 use crate::field::Field;
 use rockproof_model::Sign;
 
@@ -8,7 +8,7 @@ use rockproof_model::Sign;
 ///
 /// In balls every step encloses the exact step, so the result encloses the exact solution, and pivots above zero prove
 /// the matrix positive definite (they are the quotients of its leading minors).
-pub(crate) fn eliminate<S: Field>(system: &BlockSystem<S>) -> Option<Vec<S>> {
+pub(crate) fn eliminate<S: Field>(system: &BlockSparseSystem<S>) -> Option<Vec<S>> {
     let n = system.unknowns();
     let (mut rows, mut right) = (system.dense(), system.right.clone());
     for pivot in 0..n {

@@ -1,6 +1,6 @@
 //! The f64 Cholesky factor: proves a lower bound of the smallest eigenvalue, and corrects approximate solutions.
 
-use super::{BlockSystem, Support};
+use super::{BlockSparseSystem, Support};
 use crate::field::Field;
 use crate::number::{UNDERFLOW, UNIT_ROUNDOFF};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -21,7 +21,7 @@ const LARGEST_EXPONENT: i32 = 400;
 
 impl Factor {
     /// Factors the matrix and proves it positive definite; `None` where f64 cannot.
-    pub(crate) fn new<S: Field>(system: &BlockSystem<S>) -> Option<Factor> {
+    pub(crate) fn new<S: Field>(system: &BlockSparseSystem<S>) -> Option<Factor> {
         let scaled = Scaled::new(system)?;
         let cholesky = Cholesky::new(scaled.matrix.clone())?;
         let mut shift = 0.5 * smallest_eigenvalue(&cholesky, scaled.matrix.nrows());
@@ -69,7 +69,7 @@ struct Scaled {
 }
 
 impl Scaled {
-    fn new<S: Field>(system: &BlockSystem<S>) -> Option<Scaled> {
+    fn new<S: Field>(system: &BlockSparseSystem<S>) -> Option<Scaled> {
         let n = system.unknowns();
         let mut scale = vec![0; n];
         for (row, column, value) in system.lower() {

@@ -1,24 +1,24 @@
 //! Iterative refinement with a rigorous bound of what is left.
 
-use super::{BlockSystem, Factor, eliminate, fraction_free};
-use crate::field::{DoubleBall, Field, Magnitude, WideBall};
+use super::{BlockSparseSystem, Factor, eliminate, fraction_free};
+use crate::field::{DoubleBall, Field, UpperBound, WideBall};
 use crate::number::Ball;
 use num_rational::BigRational;
 
 /// A number type in which a certified system can be solved.
 pub(crate) trait Solvable: Field {
     /// Encloses the solution; `None` where this type cannot.
-    fn solve(system: &BlockSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>>;
+    fn solve(system: &BlockSparseSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>>;
 }
 
 impl Solvable for Ball {
-    fn solve(system: &BlockSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>> {
+    fn solve(system: &BlockSparseSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>> {
         refine(&Assembled(system), factor?, None, bits)
     }
 }
 
 impl Solvable for WideBall {
-    fn solve(system: &BlockSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>> {
+    fn solve(system: &BlockSparseSystem<Self>, factor: Option<&Factor>, bits: u32) -> Option<Vec<Self>> {
         match factor {
             Some(factor) => refine(&Assembled(system), factor, None, bits),
             None => eliminate::eliminate(system),
@@ -27,7 +27,7 @@ impl Solvable for WideBall {
 }
 
 impl Solvable for BigRational {
-    fn solve(system: &BlockSystem<Self>, _factor: Option<&Factor>, _bits: u32) -> Option<Vec<Self>> {
+    fn solve(system: &BlockSparseSystem<Self>, _factor: Option<&Factor>, _bits: u32) -> Option<Vec<Self>> {
         fraction_free::solve(&system.dense(), &system.right)
     }
 }
@@ -40,7 +40,7 @@ pub(crate) trait Residual<S> {
     fn residual(&self, x: &[S]) -> Vec<S>;
 }
 
-struct Assembled<'s, S>(&'s BlockSystem<S>);
+struct Assembled<'s, S>(&'s BlockSparseSystem<S>);
 
 impl<S: Field> Residual<S> for Assembled<'_, S> {
     fn right(&self) -> Vec<S> {
@@ -66,9 +66,9 @@ pub(crate) trait Correctable: Field {
     /// The middle of `self + correction · 2^exponent`, cut to the bits of the type: an exact number.
     fn corrected(&self, correction: f64, exponent: i64, bits: u32) -> Self;
     /// The ball with its radius larger by `more`.
-    fn widened_by(&self, more: Magnitude) -> Self;
+    fn widened_by(&self, more: UpperBound) -> Self;
     /// At least the size of the middle.
-    fn middle_size(&self) -> Option<Magnitude>;
+    fn middle_size(&self) -> Option<UpperBound>;
     /// The middle over `2^exponent`, roughly.
     fn middle_over(&self, exponent: i64) -> f64;
 }
@@ -79,11 +79,11 @@ impl Correctable for Ball {
         let shifted = correction * 2f64.powi(half) * 2f64.powi(exponent as i32 - half);
         Ball { middle: self.middle + shifted, radius: 0.0 }
     }
-    fn widened_by(&self, more: Magnitude) -> Self {
+    fn widened_by(&self, more: UpperBound) -> Self {
         Ball { middle: self.middle, radius: (self.radius + more.to_f64()) * (1.0 + 2.0 * f64::EPSILON) }
     }
-    fn middle_size(&self) -> Option<Magnitude> {
-        Magnitude::of_f64(self.middle.abs())
+    fn middle_size(&self) -> Option<UpperBound> {
+        UpperBound::of_f64(self.middle.abs())
     }
     fn middle_over(&self, exponent: i64) -> f64 {
         let half = (exponent / 2) as i32;
@@ -99,11 +99,11 @@ impl Correctable for DoubleBall {
         let shift = DoubleBall { high: shifted, low: 0.0, radius: 0.0 };
         DoubleBall { radius: 0.0, ..self.plus(&shift) }
     }
-    fn widened_by(&self, more: Magnitude) -> Self {
+    fn widened_by(&self, more: UpperBound) -> Self {
         DoubleBall { radius: (self.radius + more.to_f64()) * (1.0 + 2.0 * f64::EPSILON), ..*self }
     }
-    fn middle_size(&self) -> Option<Magnitude> {
-        Some(Magnitude::of_f64(self.high.abs())?.plus(Magnitude::of_f64(self.low.abs())?))
+    fn middle_size(&self) -> Option<UpperBound> {
+        Some(UpperBound::of_f64(self.high.abs())?.plus(UpperBound::of_f64(self.low.abs())?))
     }
     fn middle_over(&self, exponent: i64) -> f64 {
         let half = (exponent / 2) as i32;
@@ -118,10 +118,10 @@ impl Correctable for WideBall {
         let shift = WideBall::exactly(1.into(), exponent, bits);
         self.plus(&WideBall::of_f64(correction, bits).times(&shift)).without_radius()
     }
-    fn widened_by(&self, more: Magnitude) -> Self {
+    fn widened_by(&self, more: UpperBound) -> Self {
         self.widened(more)
     }
-    fn middle_size(&self) -> Option<Magnitude> {
+    fn middle_size(&self) -> Option<UpperBound> {
         Some(self.without_radius().size())
     }
     fn middle_over(&self, exponent: i64) -> f64 {
@@ -131,13 +131,13 @@ impl Correctable for WideBall {
 
 /// What a residual says: the norms of its middles and of its radii, scaled by D.
 struct Norms {
-    middle: Magnitude,
-    radius: Magnitude,
+    middle: UpperBound,
+    radius: UpperBound,
 }
 
 fn norms<S: Correctable>(residual: &[S], scale: &[i32]) -> Option<Norms> {
-    let norm = |part: &dyn Fn(&S) -> Option<Magnitude>| {
-        let mut sum = Magnitude::ZERO;
+    let norm = |part: &dyn Fn(&S) -> Option<UpperBound>| {
+        let mut sum = UpperBound::ZERO;
         for (value, &scale) in residual.iter().zip(scale) {
             let size = part(value)?.shifted(i64::from(scale));
             sum = sum.plus(size.times(size));
@@ -192,7 +192,7 @@ pub(crate) fn refine<S: Correctable>(
             break;
         }
     }
-    let least = Magnitude::floor_of_f64(support.least_eigenvalue())?;
+    let least = UpperBound::floor_of_f64(support.least_eigenvalue())?;
     let bound = norm.middle.plus(norm.radius).over(least)?;
     Some(x.iter().zip(scale).map(|(x, &s)| x.widened_by(bound.shifted(i64::from(s)))).collect())
 }

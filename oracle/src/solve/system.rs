@@ -1,6 +1,6 @@
 //! The public face of the certified solver: a system of fractions, enclosures on demand, the exact solution on demand.
 
-use super::{BlockSystem, Factor, Solvable, fraction_free};
+use super::{BlockSparseSystem, Factor, Solvable, fraction_free};
 use crate::field::{Field, WideBall};
 use crate::number::Ball;
 use num_rational::BigRational;
@@ -66,7 +66,7 @@ impl std::error::Error for SolveError {}
 /// ```
 #[derive(Debug)]
 pub struct SpdSystem {
-    exact: BlockSystem<BigRational>,
+    exact: BlockSparseSystem<BigRational>,
 }
 
 impl SpdSystem {
@@ -85,7 +85,7 @@ impl SpdSystem {
         if (0..n).any(|i| (0..i).any(|j| matrix[i][j] != matrix[j][i])) {
             return Err(SolveError::NotSymmetric);
         }
-        let mut exact = BlockSystem::zero(&[n]);
+        let mut exact = BlockSparseSystem::zero(&[n]);
         exact.add(0, 0, |row, column| matrix[row][column].clone());
         exact.right = right;
         Ok(SpdSystem { exact })
@@ -129,10 +129,10 @@ impl SpdSystem {
     }
 
     /// The system as a step assembles it.
-    pub(crate) fn of_blocks(system: BlockSystem<BigRational>) -> SpdSystem {
+    pub(crate) fn of_blocks(system: BlockSparseSystem<BigRational>) -> SpdSystem {
         let n = system.unknowns();
         let dense = system.dense();
-        let mut exact = BlockSystem::zero(&[n]);
+        let mut exact = BlockSparseSystem::zero(&[n]);
         exact.add(0, 0, |row, column| dense[row][column].clone());
         exact.right = system.right;
         SpdSystem { exact }
@@ -151,10 +151,10 @@ impl SpdSystem {
         super::eliminate(&self.exact).ok_or(SolveError::NotPositiveDefinite)
     }
 
-    fn rounded<S: Field>(&self, bits: u32) -> BlockSystem<S> {
+    fn rounded<S: Field>(&self, bits: u32) -> BlockSparseSystem<S> {
         let n = self.exact.unknowns();
         let dense = self.exact.dense();
-        let mut system = BlockSystem::zero(&[n]);
+        let mut system = BlockSparseSystem::zero(&[n]);
         system.add(0, 0, |row, column| {
             if Field::is_zero(&dense[row][column]) { S::from_i32(0) } else { S::of_rational(&dense[row][column], bits) }
         });

@@ -106,7 +106,7 @@ impl<'l> Stiffness<'l> {
     }
 
     /// The matrix of the later block's rows and the earlier one's columns.
-    pub(crate) fn beside(&mut self, i: usize, j: usize) -> Option<&mut Square> {
+    pub(crate) fn coupling(&mut self, i: usize, j: usize) -> Option<&mut Square> {
         let (column, row) = (i.min(j), i.max(j));
         let of_column = &self.layout.below[column];
         let place = of_column.binary_search_by_key(&row, |&(row, _)| row).ok()?;

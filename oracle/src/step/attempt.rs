@@ -2,7 +2,7 @@
 
 use super::answer::StepModel;
 use super::state::{Mode, State};
-use super::transfer::Started;
+use super::transfer::StartingContact;
 use num_rational::BigRational;
 use num_traits::Zero;
 use rockproof_model::simulation::{JointProperties, Material, PointLoad};
@@ -24,7 +24,7 @@ pub(crate) struct Attempt<'a> {
     pub(crate) model: &'a StepModel<'a>,
     pub(crate) state: &'a State,
     pub(crate) blocks: &'a [Block],
-    pub(crate) started: &'a [Started],
+    pub(crate) started: &'a [StartingContact],
     pub(crate) joints: &'a [Joint<'a>],
     pub(crate) fixed_stiffness: &'a [Number],
     /// Unknowns of each moving block.

@@ -1,7 +1,7 @@
 //! The tangential forces of contacts (docs/step.md 8 and 9): what friction does to a sliding one, and how far that is from what
 //! its last solve asks for.
 
-use super::chain::{Chain, Iterate};
+use super::attempt_state::{AttemptState, Iterate};
 use super::state::Mode;
 use crate::field::Field;
 use rockproof_model::Vec3;
@@ -39,7 +39,7 @@ impl<S: Field> SlipForce<S> {
     }
 }
 
-impl<S: Field> Chain<'_, S> {
+impl<S: Field> AttemptState<'_, S> {
     /// What friction does in the next solve to each contact that slides in these modes. `None` where this type has no such root, or
     /// cannot tell a slip from none.
     pub(crate) fn friction(&self, modes: &[Mode]) -> Option<Vec<Option<SlipForce<S>>>> {

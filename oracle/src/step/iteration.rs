@@ -2,9 +2,9 @@
 
 use super::answer::{Cut, FailedAttempt, IterationEnd, StepFailure, UNCHANGED_SOLVES};
 use super::attempt::Attempt;
+use super::decisions::{FrictionSettled, NextMode, TooFar, TooTurned};
 use super::ladder::{Ladder, StepLevels};
-use super::prepare::Begun;
-use super::questions::{FrictionSettled, NextMode, TooFar, TooTurned};
+use super::prepare::PreparedStep;
 use super::state::Mode;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -14,13 +14,13 @@ use rockproof_model::simulation::{Control, Unconverged};
 const GROWTH: (i32, i32) = (3, 2);
 
 /// The Δt with which a step begins: the full one, or 3/2 of the last that was accepted, whichever is less.
-pub(super) fn first_time_step(begun: &Begun<'_>) -> BigRational {
+pub(super) fn first_time_step(prepared: &PreparedStep<'_>) -> BigRational {
     let growth = BigRational::new(GROWTH.0.into(), GROWTH.1.into());
-    begun.full_time_step().min(begun.state.last_time_step.to_rational() * growth)
+    prepared.full_time_step().min(prepared.state.last_time_step.to_rational() * growth)
 }
 
 /// How an iteration ended.
-pub(super) struct Iterated {
+pub(super) struct IterationResult {
     /// The modes after the last solve.
     pub(super) after: Vec<Mode>,
     pub(super) end: IterationEnd,
@@ -28,14 +28,14 @@ pub(super) struct Iterated {
 
 /// Tries until an attempt is good, or the last one allowed, and hands it on.
 pub(super) fn attempts<T>(
-    begun: &Begun<'_>,
-    finish: impl FnOnce(Ladder<'_>, &Attempt<'_>, Iterated, Vec<FailedAttempt>) -> Result<T, StepFailure>,
+    prepared: &PreparedStep<'_>,
+    finish: impl FnOnce(Ladder<'_>, &Attempt<'_>, IterationResult, Vec<FailedAttempt>) -> Result<T, StepFailure>,
 ) -> Result<T, StepFailure> {
-    let smallest = begun.full_time_step() / BigInt::from(Control::SMALLEST);
-    let (mut time_step, mut cuts, mut levels) = (first_time_step(begun), Vec::new(), StepLevels::default());
+    let smallest = prepared.full_time_step() / BigInt::from(Control::SMALLEST);
+    let (mut time_step, mut cuts, mut levels) = (first_time_step(prepared), Vec::new(), StepLevels::default());
     loop {
-        let attempt = begun.attempt(time_step.clone());
-        let mut ladder = Ladder::new(&attempt, &begun.layout, levels);
+        let attempt = prepared.attempt(time_step.clone());
+        let mut ladder = Ladder::new(&attempt, &prepared.layout, levels);
         let iterated = iterate(&mut ladder, &attempt);
         let beyond =
             if iterated.end.is_converged() { beyond_limits(&mut ladder) } else { Some((Cut::NotConverged, 0)) };
@@ -43,7 +43,7 @@ pub(super) fn attempts<T>(
         let (numerator, denominator) = if cut == Cut::NotConverged { Control::CUT } else { (1, 2) };
         let shorter = &time_step * BigRational::new(numerator.into(), denominator.into());
         if shorter < smallest {
-            return match (cut, begun.model.simulation.control.unconverged) {
+            return match (cut, prepared.model.simulation.control.unconverged) {
                 (Cut::NotConverged, Unconverged::Accept) => finish(ladder, &attempt, iterated, cuts),
                 (Cut::NotConverged, Unconverged::Stop) => Err(StepFailure::NotConverged),
                 (limit, _) => Err(StepFailure::TooFast { block, limit }),
@@ -56,7 +56,7 @@ pub(super) fn attempts<T>(
     }
 }
 
-fn iterate(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>) -> Iterated {
+fn iterate(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>) -> IterationResult {
     let mut modes = attempt.first_modes();
     let (mut unchanged, mut changing) = (0, 0);
     loop {
@@ -65,16 +65,16 @@ fn iterate(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>) -> Iterated {
         let after: Vec<Mode> = modes.iter().enumerate().map(next).collect();
         // The last solve allowed without a change ends the iteration whether friction has settled or not.
         if after == modes && unchanged + 1 == UNCHANGED_SOLVES {
-            return Iterated { after, end: IterationEnd::Unchanged };
+            return IterationResult { after, end: IterationEnd::Unchanged };
         }
         if modes.iter().zip(&after).all(|(mode, next)| (*mode == Mode::Open) == (*next == Mode::Open))
             && has_settled(ladder, [&modes, &after])
         {
-            return Iterated { after, end: IterationEnd::Settled };
+            return IterationResult { after, end: IterationEnd::Settled };
         }
         *(if after == modes { &mut unchanged } else { &mut changing }) += 1;
         if changing == Control::ITERATIONS {
-            return Iterated { after, end: IterationEnd::Changing };
+            return IterationResult { after, end: IterationEnd::Changing };
         }
         modes = after;
     }

@@ -2,10 +2,10 @@
 
 use super::approximate::{Approximate, Layout};
 use super::attempt::Attempt;
-use super::chain::Chain;
-use super::questions::Question;
+use super::attempt_state::AttemptState;
+use super::decisions::StepDecision;
 use super::state::Mode;
-use super::system::{Bound, StepSupport, Stepwise, stiffness};
+use super::system::{StepSupport, Stepwise, StiffnessBound, stiffness};
 use crate::field::{DoubleBall, WideBall};
 use crate::number::Ball;
 use num_rational::BigRational;
@@ -43,7 +43,7 @@ struct History {
     /// The factor of each; `None` where f64 has none.
     factors: Vec<Option<Rc<Approximate>>>,
     /// `None` where f64 proves nothing, even of numbers that a wider type has calculated.
-    bound: Option<Bound>,
+    bound: Option<StiffnessBound>,
 }
 
 impl History {
@@ -55,15 +55,15 @@ impl History {
 /// One number type of the ladder, made when first asked.
 enum Level<'a, S> {
     Unused,
-    Ready(Box<Chain<'a, S>>),
+    Ready(Box<AttemptState<'a, S>>),
     /// It failed, and will again.
     Failed,
 }
 
 impl<'a, S: Stepwise> Level<'a, S> {
-    fn begin(&mut self, attempt: &'a Attempt<'a>, bits: u32) -> Option<&mut Chain<'a, S>> {
+    fn begin(&mut self, attempt: &'a Attempt<'a>, bits: u32) -> Option<&mut AttemptState<'a, S>> {
         if matches!(self, Level::Unused) {
-            *self = Chain::new(attempt, bits).map_or(Level::Failed, |chain| Level::Ready(Box::new(chain)));
+            *self = AttemptState::new(attempt, bits).map_or(Level::Failed, |chain| Level::Ready(Box::new(chain)));
         }
         match self {
             Level::Ready(chain) => Some(chain),
@@ -78,7 +78,7 @@ impl<'a, S: Stepwise> Level<'a, S> {
         bits: u32,
         history: &History,
         start: impl Fn(usize) -> Option<Vec<S>>,
-    ) -> Option<&Chain<'a, S>> {
+    ) -> Option<&AttemptState<'a, S>> {
         let mut failed = false;
         if let Some(chain) = self.begin(attempt, bits) {
             while chain.iterates.len() < history.modes.len() && !failed {
@@ -92,7 +92,7 @@ impl<'a, S: Stepwise> Level<'a, S> {
         self.ready()
     }
 
-    fn ready(&self) -> Option<&Chain<'a, S>> {
+    fn ready(&self) -> Option<&AttemptState<'a, S>> {
         match self {
             Level::Ready(chain) => Some(chain),
             _ => None,
@@ -130,7 +130,7 @@ impl<'a> Ladder<'a> {
             exact: Level::Unused,
             levels,
         };
-        ladder.history.bound = ladder.first(Bound::new, Bound::new, Bound::new);
+        ladder.history.bound = ladder.first(StiffnessBound::new, StiffnessBound::new, StiffnessBound::new);
         ladder
     }
 
@@ -138,9 +138,9 @@ impl<'a> Ladder<'a> {
     /// but parallel.
     fn first<T>(
         &mut self,
-        float: impl FnOnce(&Chain<'a, Ball>) -> Option<T>,
-        double: impl FnOnce(&Chain<'a, DoubleBall>) -> Option<T>,
-        wide: impl FnOnce(&Chain<'a, WideBall>) -> Option<T>,
+        float: impl FnOnce(&AttemptState<'a, Ball>) -> Option<T>,
+        double: impl FnOnce(&AttemptState<'a, DoubleBall>) -> Option<T>,
+        wide: impl FnOnce(&AttemptState<'a, WideBall>) -> Option<T>,
     ) -> Option<T> {
         if let Some(chain) = self.float.begin(self.attempt, 53) {
             return float(chain);
@@ -189,7 +189,7 @@ impl<'a> Ladder<'a> {
     }
 
     /// The answer of the cheapest level that has one; `None` is undecided, and counted.
-    pub(crate) fn ask<Q: Question>(&mut self, question: &Q) -> Option<Q::Answer> {
+    pub(crate) fn ask<Q: StepDecision>(&mut self, question: &Q) -> Option<Q::Answer> {
         if let Some(answer) = self.float().and_then(|chain| question.ask(chain)) {
             self.levels.float += 1;
             return Some(answer);
@@ -222,12 +222,12 @@ impl<'a> Ladder<'a> {
     }
 
     /// The chain in f64 balls.
-    pub(crate) fn float(&mut self) -> Option<&Chain<'a, Ball>> {
+    pub(crate) fn float(&mut self) -> Option<&AttemptState<'a, Ball>> {
         self.float.caught_up(self.attempt, 53, &self.history, |_| None)
     }
 
     /// The chain in balls of two f64.
-    pub(crate) fn double(&mut self) -> Option<&Chain<'a, DoubleBall>> {
+    pub(crate) fn double(&mut self) -> Option<&AttemptState<'a, DoubleBall>> {
         let float = &self.float;
         let near = |x: &Ball| x.middle.is_finite().then_some(DoubleBall { high: x.middle, low: 0.0, radius: 0.0 });
         let start = |solve| float.found(solve, near);
@@ -235,7 +235,7 @@ impl<'a> Ladder<'a> {
     }
 
     /// The chain in balls of [`WIDE_BITS`]`[k]`.
-    fn wide(&mut self, k: usize) -> Option<&Chain<'a, WideBall>> {
+    fn wide(&mut self, k: usize) -> Option<&AttemptState<'a, WideBall>> {
         let level = std::mem::replace(&mut self.wide[k], Level::Unused);
         self.wide[k] = self.wider(level, WIDE_BITS[k]);
         self.wide[k].ready()
@@ -258,12 +258,12 @@ impl<'a> Ladder<'a> {
     }
 
     /// The chain in fractions, where the forces are rational and no island is too large.
-    pub(crate) fn exact(&mut self) -> Option<&Chain<'a, BigRational>> {
+    pub(crate) fn exact(&mut self) -> Option<&AttemptState<'a, BigRational>> {
         self.exact.caught_up(self.attempt, 0, &self.history, |_| None)
     }
 
     /// A chain with so many bits.
-    pub(crate) fn with_bits(&mut self, bits: u32) -> Option<Box<Chain<'a, WideBall>>> {
+    pub(crate) fn with_bits(&mut self, bits: u32) -> Option<Box<AttemptState<'a, WideBall>>> {
         let known = WIDE_BITS.iter().position(|&known| known == bits);
         let level = known.map_or(Level::Unused, |k| std::mem::replace(&mut self.wide[k], Level::Unused));
         match self.wider(level, bits) {

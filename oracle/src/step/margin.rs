@@ -1,10 +1,10 @@
 //! How close the decisions about modes were.
 
 use super::answer::{StepFailure, StepModel};
-use super::chain::Chain;
+use super::attempt_state::AttemptState;
+use super::decisions::SETTLED;
 use super::iteration::attempts;
-use super::prepare::Begun;
-use super::questions::SETTLED;
+use super::prepare::PreparedStep;
 use super::state::{Mode, State};
 use crate::field::Field;
 
@@ -29,8 +29,8 @@ pub struct ModeMargin {
 /// # Errors
 /// When the step cannot be made: see [`StepFailure`].
 pub fn mode_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Vec<ModeMargin>>, StepFailure> {
-    let begun = Begun::new(model, state)?;
-    attempts(&begun, |mut ladder, _, _, _| {
+    let prepared = PreparedStep::new(model, state)?;
+    attempts(&prepared, |mut ladder, _, _, _| {
         let solves = ladder.modes().to_vec();
         let Some(chain) = ladder.double() else { return Ok(Vec::new()) };
         let of_solve = |(solve, modes): (usize, &Vec<Mode>)| {
@@ -47,8 +47,8 @@ pub fn mode_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Vec<Mode
 /// # Errors
 /// When the step cannot be made: see [`StepFailure`].
 pub fn friction_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Option<f64>>, StepFailure> {
-    let begun = Begun::new(model, state)?;
-    attempts(&begun, |mut ladder, _, iterated, _| {
+    let prepared = PreparedStep::new(model, state)?;
+    attempts(&prepared, |mut ladder, _, iterated, _| {
         let mut modes = ladder.modes().to_vec();
         modes.push(iterated.after);
         let Some(chain) = ladder.double() else { return Ok(vec![None; modes.len() - 1]) };
@@ -64,7 +64,7 @@ pub fn friction_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Opti
     })
 }
 
-fn margin<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize, mode: Mode) -> ModeMargin {
+fn margin<S: Field>(chain: &AttemptState<'_, S>, solve: usize, k: usize, mode: Mode) -> ModeMargin {
     ModeMargin {
         equal: equal(chain, solve, k),
         gap: gap(chain, solve, k, mode),
@@ -82,13 +82,13 @@ fn share(value: f64, terms: f64) -> Option<f64> {
     share.is_finite().then_some(share)
 }
 
-fn equal<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize) -> Option<f64> {
+fn equal<S: Field>(chain: &AttemptState<'_, S>, solve: usize, k: usize) -> Option<f64> {
     let square = chain.iterates.get(solve)?.gaps[k].squared();
     let limit = chain.limits.equal.times(&chain.contacts[k].gap.squared());
     share(near(&square.minus(&limit)), near(&square).abs() + near(&limit).abs())
 }
 
-fn gap<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize, mode: Mode) -> Option<f64> {
+fn gap<S: Field>(chain: &AttemptState<'_, S>, solve: usize, k: usize, mode: Mode) -> Option<f64> {
     let (contact, joint) = (&chain.contacts[k], &chain.joints[k]);
     let gap = &chain.iterates.get(solve)?.gaps[k];
     let length = |square: &S| match square.is_zero() {
@@ -109,14 +109,14 @@ fn gap<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize, mode: Mode) -> Op
     share(near(&value), near(&contact.gap).abs() + near(&change).abs() + near(&limit).abs())
 }
 
-fn slip<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize) -> Option<f64> {
+fn slip<S: Field>(chain: &AttemptState<'_, S>, solve: usize, k: usize) -> Option<f64> {
     let (contact, joint, iterate) = (&chain.contacts[k], &chain.joints[k], chain.iterates.get(solve)?);
     let shear = joint.shear.squared().times(&iterate.stretches[k].norm_squared()).times(&contact.square);
     let strength = chain.strength(k, &iterate.gaps[k])?.squared();
     share(near(&shear.minus(&strength)), near(&shear).abs() + near(&strength).abs())
 }
 
-fn turn<S: Field>(chain: &Chain<'_, S>, solve: usize, k: usize) -> Option<f64> {
+fn turn<S: Field>(chain: &AttemptState<'_, S>, solve: usize, k: usize) -> Option<f64> {
     let iterate = chain.iterates.get(solve)?;
     let (s, last) = (&iterate.stretches[k], &iterate.friction[k].as_ref()?.last);
     let terms = s.components().into_iter().zip(last.components()).map(|(a, b)| near(&a.times(b)).abs());

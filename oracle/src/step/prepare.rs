@@ -5,21 +5,21 @@ use super::approximate::Layout;
 use super::attempt::{Attempt, Joint, force_at};
 use super::state::{ContactMemory, Mode, State};
 use super::strength;
-use super::transfer::{Started, transfer};
-use crate::{LevelCounts, Pair, Solid, mass};
+use super::transfer::{StartingContact, transfer};
+use crate::{LevelCounts, Pair, PreparedBlock, mass};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::CheckedDiv;
 use rockproof_model::{Block, Contact, ContactKey, Number};
 
 /// Everything that the attempts at a step share.
-pub(crate) struct Begun<'a> {
+pub(crate) struct PreparedStep<'a> {
     pub(crate) model: &'a StepModel<'a>,
     pub(crate) state: &'a State,
     blocks: Vec<Block>,
     pub(crate) contacts: Vec<([usize; 2], Contact)>,
     pub(crate) contact_levels: LevelCounts,
-    started: Vec<Started>,
+    started: Vec<StartingContact>,
     joints: Vec<Joint<'a>>,
     fixed_stiffness: Vec<Number>,
     /// Unknowns of each moving block.
@@ -29,9 +29,9 @@ pub(crate) struct Begun<'a> {
     pub(crate) layout: Layout,
 }
 
-impl<'a> Begun<'a> {
+impl<'a> PreparedStep<'a> {
     /// Finds the contacts of a state and what they remember.
-    pub(crate) fn new(model: &'a StepModel<'a>, state: &'a State) -> Result<Begun<'a>, StepFailure> {
+    pub(crate) fn new(model: &'a StepModel<'a>, state: &'a State) -> Result<PreparedStep<'a>, StepFailure> {
         let moved = |(shape, block): (&&Block, &super::BlockState)| shape.with_vertices(block.vertices.clone());
         let blocks: Vec<Block> = model.shapes.iter().zip(&state.blocks).map(moved).collect();
         if !model.bodies.iter().all(|body| mass::is_elastic(&model.simulation.materials[body.material])) {
@@ -47,7 +47,7 @@ impl<'a> Begun<'a> {
         let pairs = started.iter().filter_map(|s| Some([rows[s.blocks[0]]?, rows[s.blocks[1]]?]));
         let layout = Layout::new(&sizes, pairs);
         let fixed_stiffness = fixed_stiffness(model)?;
-        Ok(Begun {
+        Ok(PreparedStep {
             model,
             state,
             blocks,
@@ -100,7 +100,7 @@ fn contacts(
     blocks: &[Block],
     before: &[ContactMemory],
 ) -> (Vec<([usize; 2], Contact)>, LevelCounts) {
-    let solids: Vec<Solid> = blocks.iter().map(Solid::new).collect();
+    let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
     let (mut found, mut levels) = (Vec::new(), LevelCounts::default());
     for [i, j] in neighbours(model, &solids) {
         let of_pair = before.iter().filter(|memory| memory.blocks == [i, j] && memory.mode != Mode::Open);
@@ -113,7 +113,7 @@ fn contacts(
 }
 
 /// Pairs of blocks, not both fixed, that f64 does not prove to be out of reach; ascending.
-fn neighbours(model: &StepModel<'_>, solids: &[Solid]) -> Vec<[usize; 2]> {
+fn neighbours(model: &StepModel<'_>, solids: &[PreparedBlock]) -> Vec<[usize; 2]> {
     let ends = solids.iter().flat_map(|solid| solid.box_min.iter().chain(&solid.box_max));
     let size = ends.fold(0.0f64, |most, end| most.max(end.abs()));
     let search = model.tolerances.search.approximate();
@@ -142,7 +142,11 @@ fn neighbours(model: &StepModel<'_>, solids: &[Solid]) -> Vec<[usize; 2]> {
 }
 
 /// The joint of each contact.
-fn joints<'a>(model: &StepModel<'a>, blocks: &[Block], started: &[Started]) -> Result<Vec<Joint<'a>>, StepFailure> {
+fn joints<'a>(
+    model: &StepModel<'a>,
+    blocks: &[Block],
+    started: &[StartingContact],
+) -> Result<Vec<Joint<'a>>, StepFailure> {
     let mut joints = Vec::with_capacity(started.len());
     for pair in started.chunk_by(|one, two| one.blocks == two.blocks) {
         let [i, j] = pair[0].blocks;

@@ -2,11 +2,11 @@
 
 use super::answer::{CertifiedStep, GapChange, StepAnswer, StepFailure, StepModel};
 use super::attempt::Attempt;
-use super::chain::Chain;
+use super::attempt_state::AttemptState;
 use super::iteration::{attempts, first_time_step};
 use super::ladder::Ladder;
-use super::prepare::Begun;
-use super::state::{BlockState, Keep, Mode, State};
+use super::prepare::PreparedStep;
+use super::state::{BlockState, KeptPrecision, Mode, State};
 use super::update::{gap_changes, updated};
 use crate::field::Field;
 use crate::solve::SpdSystem;
@@ -20,8 +20,8 @@ use rockproof_model::simulation::Body;
 /// # Errors
 /// When the step cannot be made: see [`StepFailure`].
 pub fn certified_step(model: &StepModel<'_>, state: &State) -> Result<CertifiedStep, StepFailure> {
-    let begun = Begun::new(model, state)?;
-    let mut certified = attempts(&begun, |mut ladder, attempt, iterated, cuts| {
+    let prepared = PreparedStep::new(model, state)?;
+    let mut certified = attempts(&prepared, |mut ladder, attempt, iterated, cuts| {
         let float = ladder.float().and_then(displacements).filter(|d| are_narrow(d));
         let displacements = float.or_else(|| ladder.double().and_then(displacements));
         Ok(CertifiedStep {
@@ -34,15 +34,15 @@ pub fn certified_step(model: &StepModel<'_>, state: &State) -> Result<CertifiedS
             time_step: attempt.time_step.clone(),
             displacements,
             levels: ladder.levels,
-            contact_levels: begun.contact_levels,
+            contact_levels: prepared.contact_levels,
         })
     })?;
-    certified.contacts = begun.contacts;
+    certified.contacts = prepared.contacts;
     Ok(certified)
 }
 
 /// The unknowns of each block after the last solve, each as an f64 and at least its distance from the exact value.
-fn displacements<S: Field>(chain: &Chain<'_, S>) -> Option<Vec<Vec<[f64; 2]>>> {
+fn displacements<S: Field>(chain: &AttemptState<'_, S>) -> Option<Vec<Vec<[f64; 2]>>> {
     let pairs = |d: &Vec<S>| d.iter().map(|value| value.nearby().into()).collect();
     Some(chain.iterates.last()?.d.iter().map(pairs).collect())
 }
@@ -57,9 +57,9 @@ fn are_narrow(displacements: &[Vec<[f64; 2]>]) -> bool {
 
 /// The system of the first solve of a step, exactly; `None` where the step cannot be made.
 pub fn first_system(model: &StepModel<'_>, state: &State) -> Option<SpdSystem> {
-    let begun = Begun::new(model, state).ok()?;
-    let attempt = begun.attempt(first_time_step(&begun));
-    let chain: Chain<'_, BigRational> = Chain::new(&attempt, 0)?;
+    let prepared = PreparedStep::new(model, state).ok()?;
+    let attempt = prepared.attempt(first_time_step(&prepared));
+    let chain: AttemptState<'_, BigRational> = AttemptState::new(&attempt, 0)?;
     Some(SpdSystem::of_blocks(chain.assembled(&attempt.first_modes())?))
 }
 
@@ -67,9 +67,9 @@ pub fn first_system(model: &StepModel<'_>, state: &State) -> Option<SpdSystem> {
 ///
 /// # Errors
 /// When the step cannot be made or its state not be kept as asked: see [`StepFailure`].
-pub fn exact_step(model: &StepModel<'_>, state: &State, keep: Keep) -> Result<StepAnswer, StepFailure> {
-    let begun = Begun::new(model, state)?;
-    let mut answer = attempts(&begun, |mut ladder, attempt, iterated, cuts| {
+pub fn exact_step(model: &StepModel<'_>, state: &State, keep: KeptPrecision) -> Result<StepAnswer, StepFailure> {
+    let prepared = PreparedStep::new(model, state)?;
+    let mut answer = attempts(&prepared, |mut ladder, attempt, iterated, cuts| {
         let (state, gaps) = kept(&mut ladder, attempt, &iterated.after, keep).ok_or(StepFailure::NotKept)?;
         Ok(StepAnswer {
             contacts: Vec::new(),
@@ -82,10 +82,10 @@ pub fn exact_step(model: &StepModel<'_>, state: &State, keep: Keep) -> Result<St
             gaps,
             state,
             levels: ladder.levels,
-            contact_levels: begun.contact_levels,
+            contact_levels: prepared.contact_levels,
         })
     })?;
-    answer.contacts = begun.contacts;
+    answer.contacts = prepared.contacts;
     Ok(answer)
 }
 
@@ -100,8 +100,13 @@ fn modes(ladder: &Ladder<'_>, after: Vec<Mode>) -> Vec<Vec<Mode>> {
 const DOUBLE_GRID: u32 = 96;
 
 /// The state after the last solve, and the gaps. The modes that followed from it are those that are remembered.
-fn kept(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>, after: &[Mode], keep: Keep) -> Option<(State, Vec<GapChange>)> {
-    let Keep::Grid { exponent } = keep else {
+fn kept(
+    ladder: &mut Ladder<'_>,
+    attempt: &Attempt<'_>,
+    after: &[Mode],
+    keep: KeptPrecision,
+) -> Option<(State, Vec<GapChange>)> {
+    let KeptPrecision::Grid { exponent } = keep else {
         return ladder.exact().and_then(|chain| kept_by(attempt, chain, after, keep));
     };
     if exponent <= DOUBLE_GRID
@@ -115,9 +120,9 @@ fn kept(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>, after: &[Mode], keep: Ke
 
 fn kept_by<S: Field>(
     attempt: &Attempt<'_>,
-    chain: &Chain<'_, S>,
+    chain: &AttemptState<'_, S>,
     after: &[Mode],
-    keep: Keep,
+    keep: KeptPrecision,
 ) -> Option<(State, Vec<GapChange>)> {
     Some((updated(attempt, chain, after, keep)?, gap_changes(chain, keep)?))
 }

@@ -58,7 +58,7 @@ pub struct ContactMemory {
 
 /// How coordinates are kept after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Keep {
+pub enum KeptPrecision {
     /// As the fractions they are. Impossible where a friction force was irrational.
     Exact,
     /// As multiples of `2^−exponent` m, each within one such unit of the exact value; velocities and stresses as binary

@@ -1,19 +1,19 @@
 //! The system of one solve: its residual without a matrix, its matrix where elimination wants one, and its f64 stiffness.
 
 use super::approximate::{Approximate, Layout, Square, Stiffness};
-use super::chain::Chain;
+use super::attempt_state::AttemptState;
 use super::frame;
 use super::friction::SlipForce;
 use super::ladder::EXACT_UNKNOWNS;
 use super::state::Mode;
 use crate::field::{DoubleBall, Field, WideBall};
 use crate::number::Ball;
-use crate::solve::{BlockSystem, Factor, Residual, Support, eliminate, fraction_free_solve, refine};
+use crate::solve::{BlockSparseSystem, Factor, Residual, Support, eliminate, fraction_free_solve, refine};
 use num_rational::BigRational;
 
 /// Contacts in these modes, with what friction does to those that slide.
 pub(crate) struct System<'c, 'a, S> {
-    chain: &'c Chain<'a, S>,
+    chain: &'c AttemptState<'a, S>,
     modes: &'c [Mode],
     friction: &'c [Option<SlipForce<S>>],
 }
@@ -71,7 +71,7 @@ impl Stepwise for BigRational {
     }
 }
 
-impl<S: Stepwise> Chain<'_, S> {
+impl<S: Stepwise> AttemptState<'_, S> {
     /// Solves once more, with these modes; `None` where this type cannot.
     pub(crate) fn advance(
         &mut self,
@@ -86,7 +86,7 @@ impl<S: Stepwise> Chain<'_, S> {
     }
 
     /// The system of the next solve with these modes, as a matrix.
-    pub(crate) fn assembled(&self, modes: &[Mode]) -> Option<BlockSystem<S>> {
+    pub(crate) fn assembled(&self, modes: &[Mode]) -> Option<BlockSparseSystem<S>> {
         Some(System { chain: self, modes, friction: &self.friction(modes)? }.assembled())
     }
 }
@@ -140,9 +140,9 @@ impl<S: Field> Residual<S> for System<'_, '_, S> {
 
 impl<S: Field> System<'_, '_, S> {
     /// The system as a matrix and a right side.
-    fn assembled(&self) -> BlockSystem<S> {
+    fn assembled(&self) -> BlockSparseSystem<S> {
         let chain = self.chain;
-        let mut system = BlockSystem::zero(chain.attempt.sizes);
+        let mut system = BlockSparseSystem::zero(chain.attempt.sizes);
         for (row, base) in chain.base.iter().enumerate() {
             system.add(row, row, |r, c| base.matrix[r][c].clone());
             system.add_right(row, |r| base.right[r].clone());
@@ -193,24 +193,24 @@ impl<S: Field> System<'_, '_, S> {
 ///
 /// Springs only add to the stiffness (`vᵀKv ≥ vᵀBv`, B the system without contacts), so the bound of B, block by
 /// block, is one of every K.
-pub(crate) struct Bound {
+pub(crate) struct StiffnessBound {
     scale: Vec<i32>,
     least: f64,
 }
 
-impl Bound {
+impl StiffnessBound {
     /// The bound of a chain's base; `None` where f64 proves none, or a stiffness may be negative.
-    pub(crate) fn new<S: Field>(chain: &Chain<'_, S>) -> Option<Bound> {
-        let springs = |joint: &super::chain::JointIn<S>| {
+    pub(crate) fn new<S: Field>(chain: &AttemptState<'_, S>) -> Option<StiffnessBound> {
+        let springs = |joint: &super::attempt_state::JointIn<S>| {
             let mut signs = [&joint.normal, &joint.shear].into_iter().map(Field::certain_sign);
             signs.all(|sign| sign.is_some_and(|sign| !sign.is_negative()))
         };
         if !chain.joints.iter().all(springs) {
             return None;
         }
-        let mut bound = Bound { scale: Vec::new(), least: f64::INFINITY };
+        let mut bound = StiffnessBound { scale: Vec::new(), least: f64::INFINITY };
         for base in &chain.base {
-            let mut system = BlockSystem::zero(&[base.right.len()]);
+            let mut system = BlockSparseSystem::zero(&[base.right.len()]);
             system.add(0, 0, |r, c| base.matrix[r][c].clone());
             let factor = Factor::new(&system)?;
             bound.scale.extend_from_slice(factor.scale());
@@ -222,7 +222,7 @@ impl Bound {
 
 /// What f64 knows of one system.
 pub(crate) struct StepSupport<'s> {
-    pub(crate) bound: &'s Bound,
+    pub(crate) bound: &'s StiffnessBound,
     pub(crate) factor: &'s Approximate,
 }
 
@@ -268,7 +268,7 @@ fn float_spring<S: Field>(slip: &SlipForce<S>, normal: f64) -> Option<(f64, [f64
 /// The f64 stiffness of contacts in these modes, in the next solve of a chain; `None` where it knows too little of the springs across
 /// the slips.
 pub(crate) fn stiffness<'l, S: Field>(
-    chain: &Chain<'_, S>,
+    chain: &AttemptState<'_, S>,
     modes: &[Mode],
     layout: &'l Layout,
 ) -> Option<Stiffness<'l>> {
@@ -310,7 +310,7 @@ pub(crate) fn stiffness<'l, S: Field>(
             let Some(other) = rows[1 - one] else { continue };
             // The later block's rows and this one's columns.
             if other > row
-                && let Some(square) = stiffness.beside(row, other)
+                && let Some(square) = stiffness.coupling(row, other)
             {
                 add(square, &lines[1 - one], &forced, -1.0);
             }

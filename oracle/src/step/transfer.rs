@@ -5,7 +5,7 @@ use rockproof_model::{Contact, EntranceKind, Point};
 
 /// A contact of the step, with the mode it begins with and the anchors it keeps.
 #[derive(Clone, Debug)]
-pub(crate) struct Started {
+pub(crate) struct StartingContact {
     pub(crate) blocks: [usize; 2],
     pub(crate) contact: Contact,
     pub(crate) mode: Mode,
@@ -13,7 +13,7 @@ pub(crate) struct Started {
     pub(crate) anchors: Option<[Point; 2]>,
 }
 
-impl Started {
+impl StartingContact {
     /// The side of block j, whose anchor is dragged: B but for f-v entrances (docs/step.md 3).
     pub(crate) fn other_side(&self) -> usize {
         usize::from(self.contact.entrance.kind != EntranceKind::FaceVertex)
@@ -21,7 +21,7 @@ impl Started {
 }
 
 /// Gives each contact its memory. `found` is ordered by pair and as SPEC sorts contacts.
-pub(crate) fn transfer(found: &[([usize; 2], Contact)], old: &[ContactMemory]) -> Vec<Started> {
+pub(crate) fn transfer(found: &[([usize; 2], Contact)], old: &[ContactMemory]) -> Vec<StartingContact> {
     let mut taken = vec![false; old.len()];
     let mut from: Vec<Option<usize>> = vec![None; found.len()];
     let same_features = |one: &Contact, two: &Contact| (one.kind, one.a, one.b) == (two.kind, two.a, two.b);
@@ -46,7 +46,7 @@ pub(crate) fn transfer(found: &[([usize; 2], Contact)], old: &[ContactMemory]) -
             None if contact.gap.is_at_most_zero() => (Mode::Locked, None),
             None => (Mode::Open, None),
         };
-        Started { blocks: *blocks, contact: *contact, mode, anchors }
+        StartingContact { blocks: *blocks, contact: *contact, mode, anchors }
     };
     found.iter().zip(from).map(start).collect()
 }

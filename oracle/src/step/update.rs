@@ -2,10 +2,10 @@
 
 use super::answer::GapChange;
 use super::attempt::Attempt;
-use super::chain::Chain;
+use super::attempt_state::AttemptState;
 use super::contact::ContactGeometry;
 use super::frame;
-use super::state::{BlockState, ContactMemory, Keep, Mode, State};
+use super::state::{BlockState, ContactMemory, KeptPrecision, Mode, State};
 use crate::field::{Field, WideBall, dyadic};
 use crate::mass;
 use num_bigint::BigInt;
@@ -22,9 +22,9 @@ const EXACT_GAP: u32 = 200;
 /// The state after the last solve of a chain; `None` where the chain is too wide for the grid.
 pub(crate) fn updated<S: Field>(
     attempt: &Attempt<'_>,
-    chain: &Chain<'_, S>,
+    chain: &AttemptState<'_, S>,
     modes: &[Mode],
-    keep: Keep,
+    keep: KeptPrecision,
 ) -> Option<State> {
     let last = chain.iterates.last()?;
     let maps: Vec<Map<'_, S>> = (0..attempt.blocks.len())
@@ -84,16 +84,16 @@ pub(crate) fn updated<S: Field>(
 }
 
 /// The gap of each contact before the step and in the last solve.
-pub(crate) fn gap_changes<S: Field>(chain: &Chain<'_, S>, keep: Keep) -> Option<Vec<GapChange>> {
+pub(crate) fn gap_changes<S: Field>(chain: &AttemptState<'_, S>, keep: KeptPrecision) -> Option<Vec<GapChange>> {
     let last = chain.iterates.last()?;
     let of = |(contact, after): (&ContactGeometry<S>, &S)| {
         let metres = |gap: &S| match keep {
-            Keep::Grid { .. } => kept(&gap.over(&contact.square.root()?)?, keep),
-            Keep::Exact => {
+            KeptPrecision::Grid { .. } => kept(&gap.over(&contact.square.root()?)?, keep),
+            KeptPrecision::Exact => {
                 // |N| need not be a fraction.
                 let wide = |value: &S| WideBall::of_rational(&value.middle(), 2 * EXACT_GAP);
                 let length = wide(&contact.square).root()?;
-                kept(&wide(gap).over(&length)?, Keep::Grid { exponent: EXACT_GAP })
+                kept(&wide(gap).over(&length)?, KeptPrecision::Grid { exponent: EXACT_GAP })
             }
         };
         Some(GapChange { before: metres(&contact.gap)?, after: metres(after)? })
@@ -102,19 +102,19 @@ pub(crate) fn gap_changes<S: Field>(chain: &Chain<'_, S>, keep: Keep) -> Option<
 }
 
 /// The centroid of A less that of B.
-fn between_centroids<S: Field>(attempt: &Attempt<'_>, chain: &Chain<'_, S>, a: usize, b: usize) -> Vec3<S> {
+fn between_centroids<S: Field>(attempt: &Attempt<'_>, chain: &AttemptState<'_, S>, a: usize, b: usize) -> Vec3<S> {
     let origin = &attempt.blocks[a].vertices()[0];
     chain.relative(b, origin).plus(&chain.moments[a].centroid)
 }
 
 fn rates<S: Field>(
     attempt: &Attempt<'_>,
-    chain: &Chain<'_, S>,
+    chain: &AttemptState<'_, S>,
     block: usize,
     d: &[S],
     old: &BlockState,
     vertices: Vec<Point>,
-    keep: Keep,
+    keep: KeptPrecision,
 ) -> Option<BlockState> {
     let rate = S::of_rational(&attempt.rate, chain.bits);
     let zero = Number::ZERO;
@@ -147,7 +147,7 @@ struct Map<'d, S> {
 }
 
 impl<'d, S: Field> Map<'d, S> {
-    fn new(attempt: &Attempt<'_>, _chain: &Chain<'_, S>, block: usize, d: &'d [S]) -> Option<Map<'d, S>> {
+    fn new(attempt: &Attempt<'_>, _chain: &AttemptState<'_, S>, block: usize, d: &'d [S]) -> Option<Map<'d, S>> {
         if attempt.model.simulation.control.kinematics == Kinematics::Linear || attempt.rows[block].is_none() {
             return Some(Map { d, turned: None });
         }
@@ -184,14 +184,14 @@ impl<'d, S: Field> Map<'d, S> {
     }
 }
 
-fn point<S: Field>(at: &Vec3<S>, keep: Keep) -> Option<Point> {
+fn point<S: Field>(at: &Vec3<S>, keep: KeptPrecision) -> Option<Point> {
     Some(Vec3::new(kept(&at.x, keep)?, kept(&at.y, keep)?, kept(&at.z, keep)?))
 }
 
 /// A coordinate as it is kept; `None` where its enclosure is wider than half a unit of the grid.
-fn kept<S: Field>(value: &S, keep: Keep) -> Option<Number> {
+fn kept<S: Field>(value: &S, keep: KeptPrecision) -> Option<Number> {
     let middle = value.middle();
-    let Keep::Grid { exponent } = keep else { return Some(Number::from_rational(middle)) };
+    let KeptPrecision::Grid { exponent } = keep else { return Some(Number::from_rational(middle)) };
     let half_unit = dyadic(BigInt::from(1), -i64::from(exponent) - 1);
     if value.radius()?.to_rational() > half_unit {
         return None;
@@ -201,9 +201,9 @@ fn kept<S: Field>(value: &S, keep: Keep) -> Option<Number> {
     Some(Number::from_rational(dyadic(units, -i64::from(exponent))))
 }
 
-fn significant<S: Field>(value: &S, keep: Keep) -> Number {
+fn significant<S: Field>(value: &S, keep: KeptPrecision) -> Number {
     let middle = value.middle();
-    if keep == Keep::Exact {
+    if keep == KeptPrecision::Exact {
         return Number::from_rational(middle);
     }
     let top = middle.numer().abs().bits() as i64 - middle.denom().bits() as i64;

@@ -2,7 +2,7 @@
 
 use super::shapes::exact;
 use num_rational::BigRational;
-use rockproof_model::scene::Format;
+use rockproof_model::scene::SceneFormat;
 use rockproof_model::{Block, Body, ContactKind, EntranceKind, Precision, Scene, Simulation, ToleranceSet};
 use rockproof_oracle::step::{Cut, Mode, StepModel};
 use serde::Deserialize;
@@ -80,7 +80,7 @@ pub(crate) fn scenes() -> Vec<GoldenScene> {
 }
 
 fn scene(raw: RawScene) -> GoldenScene {
-    let mut scene = Scene::parse(&raw.scene, Format::Toml, Path::new(&raw.name)).expect("the scene reads");
+    let mut scene = Scene::parse(&raw.scene, SceneFormat::Toml, Path::new(&raw.name)).expect("the scene reads");
     let spec = scene.tolerances.clone().expect("the scene has tolerances");
     let tolerances = spec.resolve(&scene.shapes(), Precision::F64).expect("the tolerances resolve");
     scene.derive_stiffness(&tolerances);

@@ -3,7 +3,7 @@
 use super::shapes::{number, point, revised};
 use rockproof_model::simulation::{Body, Control, Kinematics, Motion, Simulation};
 use rockproof_model::{Block, ToleranceSet};
-use rockproof_oracle::step::{Keep, State, StepAnswer, StepModel, exact_step};
+use rockproof_oracle::step::{KeptPrecision, State, StepAnswer, StepModel, exact_step};
 
 /// Blocks, how they move, and the tolerances.
 #[derive(Clone)]
@@ -30,7 +30,7 @@ impl Scene {
     }
 
     /// One step.
-    pub(crate) fn step(&self, state: &State, keep: Keep) -> StepAnswer {
+    pub(crate) fn step(&self, state: &State, keep: KeptPrecision) -> StepAnswer {
         let shapes: Vec<&Block> = self.blocks.iter().collect();
         exact_step(&self.model(&shapes), state, keep).unwrap()
     }

@@ -1,23 +1,23 @@
 //! Pins which cause and change each difference gets, link by link of SPEC section 6's chain, with scripted answers.
 
-use super::toys::{Said, Script, contact, cube, decision, scripted, subject};
-use rockproof_differential::attribution::{Examined, examine};
-use rockproof_differential::compare::Change;
+use super::scripted::{Script, ScriptedAnswer, contact, cube, decision, scripted, subject};
+use rockproof_differential::attribution::{PairExamination, examine};
+use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::{EngineFailure, WideAnswer};
-use rockproof_differential::finding::{Cause, Who};
+use rockproof_differential::finding::{Cause, FindingScope};
 use rockproof_model::{Contact, ContactKind, Entrance, EntranceKind, Precision, Sign};
 
-fn run(script: &Script) -> Examined {
+fn run(script: &Script) -> PairExamination {
     // 0.1 is not an f32, so the oracle can tell the exact pair from the rounded one.
     examine(&subject(5, cube(0.1, 1.0), cube(1.0, 1.0)), &scripted(script))
 }
 
-fn found(script: &Script) -> Vec<(String, Cause, Change)> {
-    run(script).findings.iter().map(|f| (f.who.to_string(), f.cause, f.difference.change)).collect()
+fn found(script: &Script) -> Vec<(String, Cause, AnswerChange)> {
+    run(script).findings.iter().map(|f| (f.scope.to_string(), f.cause, f.difference.change)).collect()
 }
 
-fn said(contacts: &[Contact]) -> Said {
-    Said { contacts: contacts.to_vec(), trace: Vec::new() }
+fn said(contacts: &[Contact]) -> ScriptedAnswer {
+    ScriptedAnswer { contacts: contacts.to_vec(), trace: Vec::new() }
 }
 
 const CORNER: u32 = 4;
@@ -27,15 +27,15 @@ fn base() -> Contact {
 }
 
 /// One answer for each change from `base`.
-fn changed() -> Vec<(Change, Vec<Contact>)> {
+fn changed() -> Vec<(AnswerChange, Vec<Contact>)> {
     let base = base();
     let turned = Entrance { kind: EntranceKind::EdgeEdge, a: 2, b: 3 };
     vec![
-        (Change::Missing, vec![]),
-        (Change::Extra, vec![base, contact(ContactKind::EdgeEdge, 7, 7)]),
-        (Change::Kind, vec![contact(ContactKind::VertexVertex, 0, CORNER)]),
-        (Change::Entrance, vec![Contact { entrance: turned, ..base }]),
-        (Change::GapSign, vec![Contact { gap: Sign::Negative, ..base }]),
+        (AnswerChange::Missing, vec![]),
+        (AnswerChange::Extra, vec![base, contact(ContactKind::EdgeEdge, 7, 7)]),
+        (AnswerChange::Kind, vec![contact(ContactKind::VertexVertex, 0, CORNER)]),
+        (AnswerChange::Entrance, vec![Contact { entrance: turned, ..base }]),
+        (AnswerChange::GapSign, vec![Contact { gap: Sign::Negative, ..base }]),
     ]
 }
 
@@ -78,8 +78,8 @@ fn an_error_that_undoes_a_tolerance_still_counts() {
     assert_eq!(
         found(&script),
         [
-            ("any".to_owned(), Cause::Tolerance, Change::Missing),
-            ("scripted".to_owned(), Cause::Arithmetic, Change::Extra)
+            ("any".to_owned(), Cause::Tolerance, AnswerChange::Missing),
+            ("scripted".to_owned(), Cause::Arithmetic, AnswerChange::Extra)
         ]
     );
 }
@@ -87,12 +87,12 @@ fn an_error_that_undoes_a_tolerance_still_counts() {
 #[test]
 fn no_answer_is_a_verdict() {
     for (failure, change) in [
-        (EngineFailure::Unsupported("concave".into()), Change::Unsupported),
-        (EngineFailure::Failed("panic".into()), Change::Failure),
-        (EngineFailure::Crashed("signal 11".into()), Change::Crash),
-        (EngineFailure::TimedOut("10 s".into()), Change::Timeout),
-        (EngineFailure::Malformed("no JSON".into()), Change::Malformed),
-        (EngineFailure::Unstable("one, then two".into()), Change::Unstable),
+        (EngineFailure::Unsupported("concave".into()), AnswerChange::Unsupported),
+        (EngineFailure::Failed("panic".into()), AnswerChange::Failure),
+        (EngineFailure::Crashed("signal 11".into()), AnswerChange::Crash),
+        (EngineFailure::TimedOut("10 s".into()), AnswerChange::Timeout),
+        (EngineFailure::Malformed("no JSON".into()), AnswerChange::Malformed),
+        (EngineFailure::Unstable("one, then two".into()), AnswerChange::Unstable),
     ] {
         let script = Script { engine: Err(failure.clone()), ..Script::unanimous(&[base()]) };
         let examined = run(&script);
@@ -103,7 +103,7 @@ fn no_answer_is_a_verdict() {
     let script = Script { engine: Err(EngineFailure::Collapsed("edge 3".into())), ..Script::unanimous(&[base()]) };
     assert_eq!(
         found(&script),
-        [("scripted".to_owned(), Cause::Arithmetic, Change::Collapsed)],
+        [("scripted".to_owned(), Cause::Arithmetic, AnswerChange::Collapsed)],
         "the rounded block still has its features, so the engine lost them"
     );
 }
@@ -113,12 +113,12 @@ fn features_that_rounding_destroyed_are_counted_once_for_the_precision() {
     let tiny = subject(5, cube(1.0, 1e-9), cube(3.0, 1.0));
     let findings = examine(&tiny, &scripted(&Script::unanimous(&[base()]))).findings;
     assert_eq!(findings.len(), 1);
-    assert_eq!(findings[0].who, Who::Rounded(Precision::F32));
-    assert_eq!((findings[0].cause, findings[0].difference.change), (Cause::Representation, Change::Collapsed));
+    assert_eq!(findings[0].scope, FindingScope::Rounded(Precision::F32));
+    assert_eq!((findings[0].cause, findings[0].difference.change), (Cause::Representation, AnswerChange::Collapsed));
     assert_eq!(findings[0].note.as_deref(), Some("edge 0 has no length in block A"));
     let huge = subject(5, cube(1.0, 1e300), cube(3.0, 1.0));
     let findings = examine(&huge, &scripted(&Script::unanimous(&[base()]))).findings;
-    assert_eq!((findings[0].cause, findings[0].difference.change), (Cause::Representation, Change::Failure));
+    assert_eq!((findings[0].cause, findings[0].difference.change), (Cause::Representation, AnswerChange::Failure));
 }
 
 #[test]
@@ -128,7 +128,7 @@ fn the_decision_nearest_to_a_tie_decides() {
     script.rounded.trace = vec![(decision(6), 1), (decision(3), 1), (decision(2), 1), (decision(1), 1)];
     let engine = |trace: &[(u32, i8)]| {
         let trace = trace.iter().map(|&(n, outcome)| (decision(n), outcome)).collect();
-        Ok(Said { contacts: vec![], trace })
+        Ok(ScriptedAnswer { contacts: vec![], trace })
     };
     let deciding = |script: &Script| run(script).findings[0].deciding;
     // Decisions 6 and 2 part; both touch what the difference is about or not: 2 does.

@@ -1,16 +1,16 @@
 //! Pins that each metamorphic check catches an engine that is right on the pair itself and wrong on the changed one, and
 //! that an engine which is always right violates none.
 
-use super::toys::{cube, subject};
-use rockproof_differential::attribution::{Panel, examine};
-use rockproof_differential::builtin::Exact;
-use rockproof_differential::compare::Change;
+use super::scripted::{cube, subject};
+use rockproof_differential::attribution::{EnginePanel, examine};
+use rockproof_differential::builtin::BuiltinOracle;
+use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::{Engine, EngineFailure, Oracle, Prepared, Trace, WideAnswer};
 use rockproof_differential::finding::Cause;
 use rockproof_model::{Block, Contact, ContactKind, Precision, ToleranceSet};
 
 /// Answers as the oracle does, but loses every contact of a pair changed in the given way.
-struct Upset(Option<Change>);
+struct Upset(Option<AnswerChange>);
 
 struct UpsetPair {
     a: Block,
@@ -32,13 +32,15 @@ impl Engine for Upset {
         let far = corner(b, 0).abs() > 10.0 || corner(a, 0).abs() > 10.0;
         // The pair itself: A a unit cube from 0, B one from 1, face 0 the loop 0 3 2 1.
         let upset = match self.0 {
-            Some(Change::Swap) => edge == 1.0 && !far && corner(a, 0) > corner(b, 0) && a.topology().faces()[0][0] == 0,
-            Some(Change::Renumber) => a.topology().faces()[0][0] != 0,
-            Some(Change::Translate) => edge == 1.0 && !far && corner(a, 0) >= 2.0,
-            Some(Change::Scale) => edge < 1.0,
+            Some(AnswerChange::Swap) => {
+                edge == 1.0 && !far && corner(a, 0) > corner(b, 0) && a.topology().faces()[0][0] == 0
+            }
+            Some(AnswerChange::Renumber) => a.topology().faces()[0][0] != 0,
+            Some(AnswerChange::Translate) => edge == 1.0 && !far && corner(a, 0) >= 2.0,
+            Some(AnswerChange::Scale) => edge < 1.0,
             _ => false,
         };
-        let invents = self.0 == Some(Change::FarBlock) && far;
+        let invents = self.0 == Some(AnswerChange::FarBlock) && far;
         Ok(Box::new(UpsetPair { a: a.clone(), b: b.clone(), upset, invents }))
     }
 }
@@ -46,9 +48,9 @@ impl Engine for Upset {
 impl Prepared for UpsetPair {
     fn classify(&self, tolerances: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure> {
         if self.invents {
-            return Ok(vec![super::toys::contact(ContactKind::VertexVertex, 0, 0)]);
+            return Ok(vec![super::scripted::contact(ContactKind::VertexVertex, 0, 0)]);
         }
-        let contacts = Exact.prepare(&self.a, &self.b).pair().classify(tolerances).contacts;
+        let contacts = BuiltinOracle.prepare(&self.a, &self.b).pair().classify(tolerances).contacts;
         Ok(if self.upset { Vec::new() } else { contacts })
     }
     fn trace(&self, _: &ToleranceSet) -> Option<Trace> {
@@ -59,11 +61,12 @@ impl Prepared for UpsetPair {
     }
 }
 
-fn violations(upset: Option<Change>) -> Vec<(Cause, Change)> {
-    let panel = Panel { oracle: Box::new(Exact), engines: vec![Box::new(Upset(upset))], metamorphic_every: 1 };
+fn violations(upset: Option<AnswerChange>) -> Vec<(Cause, AnswerChange)> {
+    let panel =
+        EnginePanel { oracle: Box::new(BuiltinOracle), engines: vec![Box::new(Upset(upset))], metamorphic_every: 1 };
     let examined = examine(&subject(0, cube(0.0, 1.0), cube(1.0, 1.0)), &panel);
     assert_eq!(examined.metamorphic_checks, 5);
-    let engine = examined.findings.iter().filter(|f| f.who.to_string() == "upset");
+    let engine = examined.findings.iter().filter(|f| f.scope.to_string() == "upset");
     let mut found: Vec<_> = engine.map(|f| (f.cause, f.difference.change)).collect();
     found.dedup();
     found
@@ -76,8 +79,8 @@ fn an_engine_that_is_always_right_violates_nothing() {
 
 #[test]
 fn each_check_catches_its_violation() {
-    for change in [Change::Swap, Change::Renumber, Change::Translate, Change::Scale] {
+    for change in [AnswerChange::Swap, AnswerChange::Renumber, AnswerChange::Translate, AnswerChange::Scale] {
         assert_eq!(violations(Some(change)), [(Cause::Defect, change)], "{change}");
     }
-    assert_eq!(violations(Some(Change::FarBlock)), [(Cause::Arithmetic, Change::FarBlock)]);
+    assert_eq!(violations(Some(AnswerChange::FarBlock)), [(Cause::Arithmetic, AnswerChange::FarBlock)]);
 }

@@ -1,7 +1,7 @@
 //! Pins that a campaign writes the same bytes whatever interrupts it: stops between chunks, a torn tail of
 //! `findings.csv`, a lost rename, any number of threads. Answers are toys; only the machinery is tested.
 
-use super::toys::{Counting, counting};
+use super::scripted::{Counting, counting};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::{Campaign, Ending};
@@ -13,7 +13,7 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-fn config() -> CampaignConfig {
+pub(crate) fn config() -> CampaignConfig {
     CampaignConfig { pairs: 203, chunk: 16, shrink_evaluations: 20, ..CampaignConfig::default() }
 }
 
@@ -39,7 +39,7 @@ fn run(
 }
 
 /// Every file that must not depend on how a run went.
-fn results(dir: &Path) -> BTreeMap<String, Vec<u8>> {
+pub(crate) fn results(dir: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = BTreeMap::new();
     for name in ["findings.csv", "summary.csv", "agreement.csv", "confusion.csv"] {
         files.insert(name.to_owned(), fs::read(dir.join(name)).expect(name));
@@ -52,7 +52,7 @@ fn results(dir: &Path) -> BTreeMap<String, Vec<u8>> {
     files
 }
 
-fn uninterrupted() -> BTreeMap<String, Vec<u8>> {
+pub(crate) fn uninterrupted() -> BTreeMap<String, Vec<u8>> {
     let dir = tempfile::tempdir().expect("a directory");
     assert_eq!(run(dir.path(), &config(), Start::Fresh, 1, usize::MAX).expect("runs"), Ending::Finished);
     results(dir.path())

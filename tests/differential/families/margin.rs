@@ -5,7 +5,7 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use rockproof_campaign::pairs::{Form, PairCase};
+use rockproof_campaign::pairs::{PairCase, PairForm};
 use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::{Block, Criteria, Sign, ToleranceSet};
 
@@ -288,7 +288,7 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
         points: [points(&case.a), points(&case.b)],
         set: case.sets[0].of(case.aimed_for),
         across_angle: match &case.form {
-            Form::Ladder { tolerance, .. } => Some(tolerance.ends_with("_sine")),
+            PairForm::Ladder { tolerance, .. } => Some(tolerance.ends_with("_sine")),
             _ => None,
         },
     };
@@ -388,7 +388,7 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
                 _ => return None,
             };
             let faces = pair.blocks[side.other() as usize].topology().vertex_faces(owner);
-            if let Form::Ladder { .. } = case.form {
+            if let PairForm::Ladder { .. } = case.form {
                 let edges = pair.blocks[side as usize].topology().vertex_edges(v);
                 let passes = |f: &&u32| edges.iter().all(|&e| pair.cone(side, v, **f, e) != Sign::Negative);
                 let passing: Vec<u32> = faces.iter().filter(passes).copied().collect();

@@ -1,15 +1,15 @@
 //! Whether an aim is worth taking: at the root, the other decisions of the same test must not settle it first.
 
-use super::shadow::{dot, length, minus};
-use super::{Aim, Pair};
+use super::f64_view::{dot, length, minus};
+use super::{Aim, DirectedPair};
 use rockproof_model::decision::{Feature, Predicate, Side};
 
 /// The share of a feature's length that a foot keeps from its ends, and a vertex from the other sides of a face.
 const MARGIN: f64 = 1.0 / 64.0;
 
 /// The aim, with its reach; `None` where it would not be asked.
-pub(super) fn checked(pair: &Pair<'_>, mut aim: Aim) -> Option<Aim> {
-    let shadow = pair.shadow.moved(aim.approximate_root());
+pub(super) fn checked(pair: &DirectedPair<'_>, mut aim: Aim) -> Option<Aim> {
+    let f64_view = pair.f64_view.moved(aim.approximate_root());
     let search = pair.search() * 1.001;
     let inside = |t: f64| (MARGIN..1.0 - MARGIN).contains(&t);
     let radial = |from: [f64; 3]| from[aim.axis].abs();
@@ -19,7 +19,7 @@ pub(super) fn checked(pair: &Pair<'_>, mut aim: Aim) -> Option<Aim> {
             predicate @ (Predicate::VertexVertexNear | Predicate::VertexTerritory | Predicate::VertexRegion),
             [Some(Feature::Vertex(side, v)), Some(Feature::Vertex(_, w)), ..],
         ) => {
-            let apart = minus(shadow.vertex(side, v), shadow.vertex(side.other(), w));
+            let apart = minus(f64_view.vertex(side, v), f64_view.vertex(side.other(), w));
             if length(apart) > search {
                 return None;
             }
@@ -33,26 +33,26 @@ pub(super) fn checked(pair: &Pair<'_>, mut aim: Aim) -> Option<Aim> {
             | Predicate::FootRegion),
             [Some(Feature::Vertex(side, v)), Some(Feature::Edge(_, e)), ..],
         ) => {
-            let (along, distance) = shadow.foot(side, v, e);
+            let (along, distance) = f64_view.foot(side, v, e);
             if distance > search || (predicate != Predicate::FootInside && !inside(along)) {
                 return None;
             }
-            let (p, d) = shadow.edge(side.other(), e);
+            let (p, d) = f64_view.edge(side.other(), e);
             match predicate {
                 Predicate::FootInside => length(d) * MARGIN,
                 Predicate::EdgeRegion | Predicate::FootRegion => f64::INFINITY,
                 _ => {
-                    let x = minus(shadow.vertex(side, v), p);
+                    let x = minus(f64_view.vertex(side, v), p);
                     radial(minus(x, d.map(|c| c * dot(x, d) / dot(d, d))))
                 }
             }
         }
         (Predicate::InsideFace, [Some(Feature::Vertex(side, v)), Some(Feature::Face(_, f)), ..]) => {
-            let (gap, _) = shadow.above_face(side, v, f);
+            let (gap, _) = f64_view.above_face(side, v, f);
             if gap > search || gap < -pair.penetration() * 1.001 {
                 return None;
             }
-            inner_reach(&shadow, side, v, f)?
+            inner_reach(&f64_view, side, v, f)?
         }
         (
             Predicate::VertexFaceNear | Predicate::VertexFaceDepth | Predicate::ShortestExit,
@@ -60,15 +60,15 @@ pub(super) fn checked(pair: &Pair<'_>, mut aim: Aim) -> Option<Aim> {
         )
         | (Predicate::GapSign, [Some(Feature::Vertex(side, v)), Some(Feature::Face(_, f)), ..])
         | (Predicate::GapSign, [Some(Feature::Face(_, f)), Some(Feature::Vertex(side, v)), ..]) => {
-            let (gap, outside) = shadow.above_face(side, v, f);
+            let (gap, outside) = f64_view.above_face(side, v, f);
             if outside > 0.0 || (aim.decision.predicate == Predicate::ShortestExit && gap >= 0.0) {
                 return None;
             }
             f64::INFINITY
         }
         (predicate, [Some(Feature::Edge(Side::A, e)), Some(Feature::Edge(_, f)), ..]) => {
-            let (s, t, apart) = shadow.feet(e, f)?;
-            let shorter = length(shadow.edge(Side::A, e).1).min(length(shadow.edge(Side::B, f).1));
+            let (s, t, apart) = f64_view.feet(e, f)?;
+            let shorter = length(f64_view.edge(Side::A, e).1).min(length(f64_view.edge(Side::B, f).1));
             if predicate != Predicate::FeetInside {
                 if !(inside(s) && inside(t)) {
                     return None;
@@ -79,14 +79,14 @@ pub(super) fn checked(pair: &Pair<'_>, mut aim: Aim) -> Option<Aim> {
                     return None;
                 }
                 // The gradient of a foot grows as the edges become parallel.
-                shorter * MARGIN * sine(&shadow, e, f)
+                shorter * MARGIN * sine(&f64_view, e, f)
             }
         }
         (
             Predicate::EntranceDepth | Predicate::EntranceChoice,
             [Some(Feature::Vertex(_, v)), Some(Feature::Vertex(_, w)), ..],
         ) => {
-            if length(minus(shadow.vertex(Side::A, v), shadow.vertex(Side::B, w))) > search {
+            if length(minus(f64_view.vertex(Side::A, v), f64_view.vertex(Side::B, w))) > search {
                 return None;
             }
             f64::INFINITY
@@ -97,10 +97,10 @@ pub(super) fn checked(pair: &Pair<'_>, mut aim: Aim) -> Option<Aim> {
 }
 
 /// The shorter of the two blocks' sides along an axis.
-fn extent(pair: &Pair<'_>, axis: usize) -> f64 {
+fn extent(pair: &DirectedPair<'_>, axis: usize) -> f64 {
     let side = |side: Side| {
-        let count = pair.shadow.block(side).vertices().len() as u32;
-        let along = || (0..count).map(|v| pair.shadow.vertex(side, v)[axis]);
+        let count = pair.f64_view.block(side).vertices().len() as u32;
+        let along = || (0..count).map(|v| pair.f64_view.vertex(side, v)[axis]);
         along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
     };
     side(Side::A).min(side(Side::B))
@@ -108,21 +108,21 @@ fn extent(pair: &Pair<'_>, axis: usize) -> f64 {
 
 /// How far a vertex on one side of a convex face is from the face's other sides; `None` when it is outside one, or the
 /// face is not convex.
-fn inner_reach(shadow: &super::shadow::Shadow<'_>, side: Side, vertex: u32, face: u32) -> Option<f64> {
+fn inner_reach(f64_view: &super::f64_view::F64View<'_>, side: Side, vertex: u32, face: u32) -> Option<f64> {
     let other = side.other();
-    if !shadow.block(other).face_is_convex(face) {
+    if !f64_view.block(other).face_is_convex(face) {
         return None;
     }
-    let count = shadow.block(other).topology().faces()[face as usize].len();
-    let x = shadow.vertex(side, vertex);
-    let mut distances: Vec<f64> = (0..count).map(|k| shadow.inside_side(x, other, face, k)).collect();
+    let count = f64_view.block(other).topology().faces()[face as usize].len();
+    let x = f64_view.vertex(side, vertex);
+    let mut distances: Vec<f64> = (0..count).map(|k| f64_view.inside_side(x, other, face, k)).collect();
     distances.sort_by(f64::total_cmp);
     // The first is the side aimed at, about zero; the second must be well inside.
     let size = distances.last()?;
     (distances[1] > size * MARGIN && distances[0].abs() < distances[1] * MARGIN).then(|| distances[1] * MARGIN)
 }
 
-fn sine(shadow: &super::shadow::Shadow<'_>, e: u32, f: u32) -> f64 {
-    let (d, c) = (shadow.edge(Side::A, e).1, shadow.edge(Side::B, f).1);
-    length(super::shadow::cross(d, c)) / (length(d) * length(c))
+fn sine(f64_view: &super::f64_view::F64View<'_>, e: u32, f: u32) -> f64 {
+    let (d, c) = (f64_view.edge(Side::A, e).1, f64_view.edge(Side::B, f).1);
+    length(super::f64_view::cross(d, c)) / (length(d) * length(c))
 }

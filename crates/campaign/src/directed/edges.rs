@@ -1,10 +1,10 @@
 //! Aims at decisions about vertices near edges, and about crossing edges.
 
-use super::exact::{Affine, Exact, Root, Z};
-use super::shadow::{V, cross, dot, length, minus, plus, times, unit};
+use super::exact::{AffineMargin, ExactPlacement, IntVector, IntegerRoot};
+use super::f64_view::{F64Vector, cross, dot, length, minus, plus, times, unit};
 use super::vertices::around;
-use super::{Aim, Pair, about, linear, side};
-use crate::families::Kit;
+use super::{Aim, DirectedPair, about, linear, side};
+use crate::families::PairSampler;
 use num_bigint::BigInt;
 use num_traits::Zero;
 use rockproof_model::decision::{Feature, Predicate, Side};
@@ -12,80 +12,84 @@ use rockproof_model::tolerance::LAMBDA_INVERSE;
 use rockproof_model::{Criteria, Vec3};
 
 /// A near vertex and edge, with the vertex's side.
-fn near(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<(Side, u32, u32)> {
-    let asked = side(kit);
-    let (vertex, edge) = pair.shadow.vertex_edge(kit, asked)?;
+fn near(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<(Side, u32, u32)> {
+    let asked = side(sampler);
+    let (vertex, edge) = pair.f64_view.vertex_edge(sampler, asked)?;
     Some((asked, vertex, edge))
 }
 
 /// The lattice of the edge's faces and of the edges at the vertex.
-fn exact_of<'p>(pair: &Pair<'p>, (asked, vertex, edge): (Side, u32, u32), start: V) -> Exact<'p> {
+fn exact_of<'p>(
+    pair: &DirectedPair<'p>,
+    (asked, vertex, edge): (Side, u32, u32),
+    start: F64Vector,
+) -> ExactPlacement<'p> {
     let vertices: Vec<_> =
-        pair.beside(asked.other(), edge).chain([(asked, vertex)]).chain(around(pair, asked, vertex)).collect();
+        pair.faces_at_edge(asked.other(), edge).chain([(asked, vertex)]).chain(around(pair, asked, vertex)).collect();
     pair.exact(&vertices, start)
 }
 
 /// A point of the edge some sixteenths along it.
-fn on_edge(kit: &mut Kit<'_>, pair: &Pair<'_>, side: Side, edge: u32) -> V {
-    let (p, d) = pair.shadow.edge(side, edge);
-    plus(p, times(d, kit.between(3, 13) as f64 / 16.0))
+fn on_edge(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, side: Side, edge: u32) -> F64Vector {
+    let (p, d) = pair.f64_view.edge(side, edge);
+    plus(p, times(d, sampler.between(3, 13) as f64 / 16.0))
 }
 
 /// The foot of a vertex exactly at an end of an edge.
-pub(super) fn foot_inside(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
-    let (asked, vertex, edge) = near(kit, pair)?;
+pub(super) fn foot_inside(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<Aim> {
+    let (asked, vertex, edge) = near(sampler, pair)?;
     let other = asked.other();
-    let (_, distance) = pair.shadow.foot(asked, vertex, edge);
+    let (_, distance) = pair.f64_view.foot(asked, vertex, edge);
     let start = if distance <= pair.search() {
         [0.0; 3]
     } else {
-        let target = plus(on_edge(kit, pair, other, edge), pair.jitter(kit, pair.search() / 2.0));
-        pair.bring((asked, vertex), target)
+        let target = plus(on_edge(sampler, pair, other, edge), pair.jitter(sampler, pair.search() / 2.0));
+        pair.offset_to((asked, vertex), target)
     };
     let exact = exact_of(pair, (asked, vertex, edge), start);
     let d = exact.direction(other, edge);
     let from_p = exact.along((asked, vertex), exact.edge(other, edge).p, &d);
-    let margin = if kit.chance(50) { from_p } else { from_p.negated().plus(&d.norm_squared()) };
+    let margin = if sampler.chance(50) { from_p } else { from_p.negated().plus(&d.norm_squared()) };
     let features = [Feature::Vertex(asked, vertex), Feature::Edge(other, edge)];
-    linear(kit, &exact, about(Predicate::FootInside, &features), &margin)
+    linear(sampler, &exact, about(Predicate::FootInside, &features), &margin)
 }
 
 /// How far from an edge a vertex is outside its territory and within the search distance; `None` if nowhere.
-fn beyond_territory(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<f64> {
+fn beyond_territory(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<f64> {
     let (low, high) = (pair.territory(), pair.search());
-    (low < 0.9 * high).then(|| low + (high - low) * kit.between(4, 60) as f64 / 64.0)
+    (low < 0.9 * high).then(|| low + (high - low) * sampler.between(4, 60) as f64 / 64.0)
 }
 
 /// A vertex exactly on the boundary of an edge's region: in the direction of a face's normal from the edge.
-pub(super) fn edge_region(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
-    let (asked, vertex, edge) = near(kit, pair)?;
+pub(super) fn edge_region(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<Aim> {
+    let (asked, vertex, edge) = near(sampler, pair)?;
     let other = asked.other();
-    let e = pair.shadow.block(other).topology().edges()[edge as usize];
-    let face = if kit.chance(50) { e.left } else { e.right };
-    let away = times(pair.shadow.normal(other, face), beyond_territory(kit, pair)?);
-    let target = plus(on_edge(kit, pair, other, edge), away);
-    let exact = exact_of(pair, (asked, vertex, edge), pair.bring((asked, vertex), target));
+    let e = pair.f64_view.block(other).topology().edges()[edge as usize];
+    let face = if sampler.chance(50) { e.left } else { e.right };
+    let away = times(pair.f64_view.normal(other, face), beyond_territory(sampler, pair)?);
+    let target = plus(on_edge(sampler, pair, other, edge), away);
+    let exact = exact_of(pair, (asked, vertex, edge), pair.offset_to((asked, vertex), target));
     let m = exact.inward(other, edge, face);
     let margin = exact.along((asked, vertex), e.p, &m).negated();
     let features = [Feature::Vertex(asked, vertex), Feature::Edge(other, edge), Feature::Face(other, face)];
-    linear(kit, &exact, about(Predicate::EdgeRegion, &features), &margin)
+    linear(sampler, &exact, about(Predicate::EdgeRegion, &features), &margin)
 }
 
 /// The foot of a vertex exactly on the boundary of the vertex's region with respect to one edge there, and in it with
 /// respect to the others.
-pub(super) fn foot_region(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
-    let (asked, vertex, edge) = near(kit, pair)?;
+pub(super) fn foot_region(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<Aim> {
+    let (asked, vertex, edge) = near(sampler, pair)?;
     let other = asked.other();
-    let (_, d) = pair.shadow.edge(other, edge);
-    let e = pair.shadow.block(other).topology().edges()[edge as usize];
-    let arms: Vec<V> = around(pair, asked, vertex)
-        .map(|(_, w)| minus(pair.shadow.vertex(asked, w), pair.shadow.vertex(asked, vertex)))
+    let (_, d) = pair.f64_view.edge(other, edge);
+    let e = pair.f64_view.block(other).topology().edges()[edge as usize];
+    let arms: Vec<F64Vector> = around(pair, asked, vertex)
+        .map(|(_, w)| minus(pair.f64_view.vertex(asked, w), pair.f64_view.vertex(asked, vertex)))
         .collect();
     // The way x from the foot to the vertex is square to the edge and to the arm; x·arm ≥ 0 for the other arms, and
     // x is between the two faces' outward normals.
-    let inward = |face: u32, d: V| cross(pair.shadow.normal(other, face), d);
+    let inward = |face: u32, d: F64Vector| cross(pair.f64_view.normal(other, face), d);
     let (left, right) = (inward(e.left, d), inward(e.right, times(d, -1.0)));
-    let first = kit.below(arms.len() as u64) as usize;
+    let first = sampler.below(arms.len() as u64) as usize;
     let (k, x) = (0..2 * arms.len()).find_map(|i| {
         let k = (first + i / 2) % arms.len();
         let x = times(unit(cross(d, arms[k])), if i % 2 == 0 { 1.0 } else { -1.0 });
@@ -94,9 +98,9 @@ pub(super) fn foot_region(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
             && arms.iter().enumerate().all(|(j, arm)| j == k || dot(x, *arm) >= 0.0);
         (in_regions && length(x) > 0.5).then_some((k, x))
     })?;
-    let target = plus(on_edge(kit, pair, other, edge), times(x, beyond_territory(kit, pair)?));
-    let exact = exact_of(pair, (asked, vertex, edge), pair.bring((asked, vertex), target));
-    let at = pair.shadow.block(asked).topology().vertex_edges(vertex)[k];
+    let target = plus(on_edge(sampler, pair, other, edge), times(x, beyond_territory(sampler, pair)?));
+    let exact = exact_of(pair, (asked, vertex, edge), pair.offset_to((asked, vertex), target));
+    let at = pair.f64_view.block(asked).topology().vertex_edges(vertex)[k];
     let end = exact.edge(asked, at).other(vertex);
     let away = exact.vertex(asked, end).minus(&exact.vertex(asked, vertex));
     let d = exact.direction(other, edge);
@@ -104,12 +108,12 @@ pub(super) fn foot_region(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
     let w = d.scaled(&d.dot(&away)).minus(&away.scaled(&d.norm_squared()));
     let margin = exact.along((asked, vertex), e.p, &w).negated();
     let features = [Feature::Vertex(asked, vertex), Feature::Edge(other, edge), Feature::Edge(asked, at)];
-    linear(kit, &exact, about(Predicate::FootRegion, &features), &margin)
+    linear(sampler, &exact, about(Predicate::FootRegion, &features), &margin)
 }
 
 /// A vertex exactly the search distance or the territory radius from an edge's line.
-pub(super) fn distance(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Option<Aim> {
-    let (asked, vertex, edge) = near(kit, pair)?;
+pub(super) fn distance(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Predicate) -> Option<Aim> {
+    let (asked, vertex, edge) = near(sampler, pair)?;
     let exact = exact_of(pair, (asked, vertex, edge), [0.0; 3]);
     let d = exact.direction(asked.other(), edge);
     let territory = predicate == Predicate::EdgeTerritory && pair.set.criteria == Criteria::Revised;
@@ -121,17 +125,17 @@ pub(super) fn distance(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate)
     let (u, over, rational) = match arm {
         // A quarter of the shorter face's width is smaller than r: the arm itself, shortened.
         Some((arm, over)) => {
-            let arm = if kit.chance(50) { arm } else { arm.negated() };
+            let arm = if sampler.chance(50) { arm } else { arm.negated() };
             (arm, over * BigInt::from(LAMBDA_INVERSE), true)
         }
         None => {
-            let (u, norm) = outward(kit, &exact, asked.other(), edge)?;
+            let (u, norm) = outward(sampler, &exact, asked.other(), edge)?;
             // L·u/|u|, with |u| = root / 2^shift.
             (u.scaled(&(radius << norm.shift)), norm.root.clone(), norm.is_exact())
         }
     };
     // x = a − p is to become (k/8)·d + u/over.
-    let eighth = BigInt::from(kit.between(1, 7));
+    let eighth = BigInt::from(sampler.between(1, 7));
     let target = d.scaled(&(&eighth * &over)).plus(&u.scaled(&BigInt::from(8)));
     let over = over * BigInt::from(8);
     let p = exact.edge(asked.other(), edge).p;
@@ -155,15 +159,20 @@ pub(super) fn distance(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate)
 }
 
 /// A vector away from the edge, square to it, and its length: rational where one offers itself.
-fn outward(kit: &mut Kit<'_>, exact: &Exact<'_>, side: Side, edge: u32) -> Option<(Z, Root)> {
+fn outward(
+    sampler: &mut PairSampler<'_>,
+    exact: &ExactPlacement<'_>,
+    side: Side,
+    edge: u32,
+) -> Option<(IntVector, IntegerRoot)> {
     let e = exact.edge(side, edge);
-    let mut choices: Vec<(Z, Root)> = Vec::new();
+    let mut choices: Vec<(IntVector, IntegerRoot)> = Vec::new();
     for face in [e.left, e.right] {
         let n = exact.normal(side, face);
         // A face that is not quite planar has a normal that is not quite square to the edge.
         let square = n.dot(&exact.direction(side, edge)).is_zero();
         for u in square.then_some(n).into_iter().chain([exact.inward(side, edge, face).negated()]) {
-            let norm = Root::of(&u.norm_squared());
+            let norm = IntegerRoot::of(&u.norm_squared());
             choices.push((u, norm));
         }
     }
@@ -171,19 +180,25 @@ fn outward(kit: &mut Kit<'_>, exact: &Exact<'_>, side: Side, edge: u32) -> Optio
     if let [(n, n_norm), (m, m_norm), _, _] = &choices[..]
         && n_norm.is_exact()
         && m_norm.is_exact()
-        && kit.chance(50)
+        && sampler.chance(50)
     {
         let u = n.scaled(&(&m_norm.root * 3)).plus(&m.scaled(&(&n_norm.root * 4)));
-        choices.push((u, Root { root: &n_norm.root * &m_norm.root * 5, shift: 0 }));
+        choices.push((u, IntegerRoot { root: &n_norm.root * &m_norm.root * 5, shift: 0 }));
     }
     let whole: Vec<usize> = (0..choices.len()).filter(|&i| choices[i].1.is_exact()).collect();
-    let i = if whole.is_empty() { kit.below(choices.len() as u64) as usize } else { *kit.pick(&whole) };
+    let i = if whole.is_empty() { sampler.below(choices.len() as u64) as usize } else { *sampler.pick(&whole) };
     choices.into_iter().nth(i)
 }
 
 /// The arm from the edge's line to the furthest vertex of the narrower of its faces, times `|d|²`, and that factor; if
 /// a quarter of its length is below `radius`.
-fn shorter_arm(exact: &Exact<'_>, side: Side, edge: u32, d: &Z, radius: &BigInt) -> Option<(Z, BigInt)> {
+fn shorter_arm(
+    exact: &ExactPlacement<'_>,
+    side: Side,
+    edge: u32,
+    d: &IntVector,
+    radius: &BigInt,
+) -> Option<(IntVector, BigInt)> {
     let e = exact.edge(side, edge);
     let dd = d.norm_squared();
     let p = exact.vertex(side, e.p);
@@ -204,30 +219,35 @@ fn shorter_arm(exact: &Exact<'_>, side: Side, edge: u32, d: &Z, radius: &BigInt)
 }
 
 /// Crossing edges: foot at an end, or gap exactly 0, s or −g.
-pub(super) fn edge_edge(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Option<Aim> {
-    let (ea, eb) = pair.shadow.edge_edge(kit)?;
-    let start = across(kit, pair, ea, eb)?;
-    let exact = pair.exact(&pair.beside(Side::A, ea).chain(pair.beside(Side::B, eb)).collect::<Vec<_>>(), start);
+pub(super) fn edge_edge(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Predicate) -> Option<Aim> {
+    let (ea, eb) = pair.f64_view.edge_edge(sampler)?;
+    let start = across(sampler, pair, ea, eb)?;
+    let exact =
+        pair.exact(&pair.faces_at_edge(Side::A, ea).chain(pair.faces_at_edge(Side::B, eb)).collect::<Vec<_>>(), start);
     let (d1, d2) = (exact.direction(Side::A, ea), exact.direction(Side::B, eb));
     let n = d1.cross(&d2);
     let (pa, pb) = (exact.edge(Side::A, ea).p, exact.edge(Side::B, eb).p);
     let decision = about(predicate, &[Feature::Edge(Side::A, ea), Feature::Edge(Side::B, eb)]);
     let margin = if predicate == Predicate::FeetInside {
-        let w = if kit.chance(50) { d2.cross(&n) } else { d1.cross(&n) };
+        let w = if sampler.chance(50) { d2.cross(&n) } else { d1.cross(&n) };
         // (p_B − p_A)·w is the foot's place along the edge, times |n|².
         let place = exact.along((Side::B, pb), pa, &w);
-        if kit.chance(50) { place } else { place.negated().plus(&n.norm_squared()) }
+        if sampler.chance(50) { place } else { place.negated().plus(&n.norm_squared()) }
     } else {
         let n = exact.perpendicular(ea, eb);
         let gap = exact.along((Side::A, pa), pb, &n);
         let scaled = (gap, n.norm_squared(), BigInt::from(1));
         level(&exact, &scaled, predicate)
     };
-    linear(kit, &exact, decision, &margin)
+    linear(sampler, &exact, decision, &margin)
 }
 
 /// The margin of a gap decision: h, s − h or h + g.
-pub(super) fn level(exact: &Exact<'_>, gap: &(Affine, BigInt, BigInt), predicate: Predicate) -> Affine {
+pub(super) fn level(
+    exact: &ExactPlacement<'_>,
+    gap: &(AffineMargin, BigInt, BigInt),
+    predicate: Predicate,
+) -> AffineMargin {
     match predicate {
         Predicate::VertexFaceNear | Predicate::EdgeEdgeNear => exact.gap_above(gap, &-&exact.search).negated(),
         Predicate::VertexFaceDepth | Predicate::EdgeEdgeDepth | Predicate::EntranceDepth => {
@@ -238,19 +258,19 @@ pub(super) fn level(exact: &Exact<'_>, gap: &(Affine, BigInt, BigInt), predicate
 }
 
 /// An offset of B that makes the edges cross inside, about a gap apart; none if they do.
-pub(crate) fn across(kit: &mut Kit<'_>, pair: &Pair<'_>, ea: u32, eb: u32) -> Option<V> {
-    let (s, t, apart) = pair.shadow.feet(ea, eb)?;
+pub(crate) fn across(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, ea: u32, eb: u32) -> Option<F64Vector> {
+    let (s, t, apart) = pair.f64_view.feet(ea, eb)?;
     let inside = |x: f64| (0.05..0.95).contains(&x);
     if inside(s) && inside(t) && apart <= pair.search() {
         return Some([0.0; 3]);
     }
-    let ((p, d), (q, e)) = (pair.shadow.edge(Side::A, ea), pair.shadow.edge(Side::B, eb));
-    let mut part = || kit.between(2, 14) as f64 / 16.0;
+    let ((p, d), (q, e)) = (pair.f64_view.edge(Side::A, ea), pair.f64_view.edge(Side::B, eb));
+    let mut part = || sampler.between(2, 14) as f64 / 16.0;
     let (s, t) = (part(), part());
     let n = unit(cross(d, e));
     // Keep B on the side of A where it is.
     let n = if dot(n, minus(q, p)) < 0.0 { times(n, -1.0) } else { n };
-    let apart = pair.search() * kit.between(-16, 64) as f64 / 64.0;
+    let apart = pair.search() * sampler.between(-16, 64) as f64 / 64.0;
     let way = minus(plus(p, times(d, s)), plus(q, times(e, t)));
     Some(pair.on_grid(plus(way, times(n, apart))))
 }

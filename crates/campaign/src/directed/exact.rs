@@ -1,6 +1,6 @@
 //! The features aimed at, on an integer lattice, and margins as affine functions of where B is.
 
-use super::shadow::V;
+use super::f64_view::F64Vector;
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
@@ -11,16 +11,16 @@ use rockproof_model::topology::Edge;
 use rockproof_model::{Block, Number, ToleranceSet, Vec3};
 
 /// An integer vector.
-pub(crate) type Z = Vec3<BigInt>;
+pub(crate) type IntVector = Vec3<BigInt>;
 
 /// A pair of blocks on the lattice of a few of its features, B moved by a first offset.
 #[derive(Debug)]
-pub(crate) struct Exact<'p> {
+pub(crate) struct ExactPlacement<'p> {
     a: &'p Block,
     b: &'p Block,
     lattice: Lattice,
     start: [Number; 3],
-    shift: Z,
+    shift: IntVector,
     pub(crate) search: BigInt,
     pub(crate) territory: BigInt,
     pub(crate) penetration: BigInt,
@@ -28,52 +28,52 @@ pub(crate) struct Exact<'p> {
 
 /// A margin: `constant + gradient · (offset of B beyond its start)`, in lattice units to some power.
 #[derive(Clone, Debug)]
-pub(crate) struct Affine {
+pub(crate) struct AffineMargin {
     pub(crate) constant: BigInt,
-    pub(crate) gradient: Z,
+    pub(crate) gradient: IntVector,
     /// Whether no square root was rounded.
     pub(crate) exact: bool,
 }
 
-impl Affine {
-    pub(crate) fn plus(&self, constant: &BigInt) -> Affine {
-        Affine { constant: &self.constant + constant, ..self.clone() }
+impl AffineMargin {
+    pub(crate) fn plus(&self, constant: &BigInt) -> AffineMargin {
+        AffineMargin { constant: &self.constant + constant, ..self.clone() }
     }
 
-    pub(crate) fn minus(&self, other: &Affine) -> Affine {
-        Affine {
+    pub(crate) fn minus(&self, other: &AffineMargin) -> AffineMargin {
+        AffineMargin {
             constant: &self.constant - &other.constant,
             gradient: self.gradient.minus(&other.gradient),
             exact: self.exact && other.exact,
         }
     }
 
-    pub(crate) fn negated(&self) -> Affine {
+    pub(crate) fn negated(&self) -> AffineMargin {
         self.times(&BigInt::from(-1))
     }
 
-    pub(crate) fn times(&self, factor: &BigInt) -> Affine {
-        Affine { constant: &self.constant * factor, gradient: self.gradient.scaled(factor), exact: self.exact }
+    pub(crate) fn times(&self, factor: &BigInt) -> AffineMargin {
+        AffineMargin { constant: &self.constant * factor, gradient: self.gradient.scaled(factor), exact: self.exact }
     }
 }
 
 /// A square root on the integers: `root / 2^shift`, rounded down.
 #[derive(Clone, Debug)]
-pub(crate) struct Root {
+pub(crate) struct IntegerRoot {
     pub(crate) root: BigInt,
     pub(crate) shift: usize,
 }
 
-impl Root {
+impl IntegerRoot {
     /// Bits behind the point where the root is irrational.
     const BITS: usize = 96;
 
-    pub(crate) fn of(square: &BigInt) -> Root {
+    pub(crate) fn of(square: &BigInt) -> IntegerRoot {
         let root = square.sqrt();
         if &root * &root == *square {
-            Root { root, shift: 0 }
+            IntegerRoot { root, shift: 0 }
         } else {
-            Root { root: (square << (2 * Self::BITS)).sqrt(), shift: Self::BITS }
+            IntegerRoot { root: (square << (2 * Self::BITS)).sqrt(), shift: Self::BITS }
         }
     }
 
@@ -106,14 +106,14 @@ pub(crate) fn is_power_of_two(number: &BigInt) -> bool {
     number.trailing_zeros().map(|twos| twos + 1) == Some(number.bits())
 }
 
-impl<'p> Exact<'p> {
+impl<'p> ExactPlacement<'p> {
     /// The lattice of the vertices named, of the lengths of `set`, and of the offset at which B starts.
     pub(crate) fn new(
         (a, b): (&'p Block, &'p Block),
         vertices: &[(Side, u32)],
-        start: V,
+        start: F64Vector,
         set: &ToleranceSet,
-    ) -> Exact<'p> {
+    ) -> ExactPlacement<'p> {
         let start = start.map(|c| Number::from_f64(c).unwrap_or(Number::ZERO));
         let coordinates = vertices.iter().flat_map(|&(side, v)| {
             let block = if side == Side::A { a } else { b };
@@ -122,7 +122,7 @@ impl<'p> Exact<'p> {
         let lengths = [&set.search, &set.territory, &set.penetration];
         let lattice = Lattice::covering(coordinates.chain(lengths).chain(&start));
         let units = |n: &Number| lattice.units(n);
-        Exact {
+        ExactPlacement {
             shift: Vec3::new(units(&start[0]), units(&start[1]), units(&start[2])),
             search: units(&set.search),
             territory: units(&set.territory),
@@ -142,7 +142,7 @@ impl<'p> Exact<'p> {
     }
 
     /// A vertex, B's moved by the start.
-    pub(crate) fn vertex(&self, side: Side, vertex: u32) -> Z {
+    pub(crate) fn vertex(&self, side: Side, vertex: u32) -> IntVector {
         let units = self.block(side).vertices()[vertex as usize].map(|c| self.lattice.units(c));
         if side == Side::B { units.plus(&self.shift) } else { units }
     }
@@ -152,28 +152,28 @@ impl<'p> Exact<'p> {
     }
 
     /// `q − p`.
-    pub(crate) fn direction(&self, side: Side, edge: u32) -> Z {
+    pub(crate) fn direction(&self, side: Side, edge: u32) -> IntVector {
         let e = self.edge(side, edge);
         self.vertex(side, e.q).minus(&self.vertex(side, e.p))
     }
 
     /// `N_f`.
-    pub(crate) fn normal(&self, side: Side, face: u32) -> Z {
+    pub(crate) fn normal(&self, side: Side, face: u32) -> IntVector {
         let corners = &self.block(side).topology().faces()[face as usize];
         let origin = self.vertex(side, corners[0]);
-        let arms: Vec<Z> = corners[1..].iter().map(|&v| self.vertex(side, v).minus(&origin)).collect();
+        let arms: Vec<IntVector> = corners[1..].iter().map(|&v| self.vertex(side, v).minus(&origin)).collect();
         arms.windows(2).fold(Vec3::zero(), |n, pair| n.plus(&pair[0].cross(&pair[1])))
     }
 
     /// `m_L` or `m_R`: the inward direction of `face` at the edge.
-    pub(crate) fn inward(&self, side: Side, edge: u32, face: u32) -> Z {
+    pub(crate) fn inward(&self, side: Side, edge: u32, face: u32) -> IntVector {
         let d = self.direction(side, edge);
         let d = if self.edge(side, edge).left == face { d } else { d.negated() };
         self.normal(side, face).cross(&d)
     }
 
     /// `n = σ·(d₁ × d₂)` of an edge of A and one of B.
-    pub(crate) fn perpendicular(&self, ea: u32, eb: u32) -> Z {
+    pub(crate) fn perpendicular(&self, ea: u32, eb: u32) -> IntVector {
         let n = self.direction(Side::A, ea).cross(&self.direction(Side::B, eb));
         let inward = |side: Side, edge: u32| {
             let e = self.edge(side, edge);
@@ -183,30 +183,30 @@ impl<'p> Exact<'p> {
     }
 
     /// `(x − y)·w` for vertices of the two blocks, as a function of where B is.
-    pub(crate) fn along(&self, (x_side, x): (Side, u32), y: u32, w: &Z) -> Affine {
+    pub(crate) fn along(&self, (x_side, x): (Side, u32), y: u32, w: &IntVector) -> AffineMargin {
         let from = self.vertex(x_side.other(), y);
         let constant = self.vertex(x_side, x).minus(&from).dot(w);
-        Affine { constant, gradient: if x_side == Side::B { w.clone() } else { w.negated() }, exact: true }
+        AffineMargin { constant, gradient: if x_side == Side::B { w.clone() } else { w.negated() }, exact: true }
     }
 
     /// `k·N·(x − c)` for a vertex and a face of the other block with `k` corners, and `|N|²`. Its quotient by `k·|N|` is
     /// the gap.
-    pub(crate) fn gap(&self, side: Side, vertex: u32, face: u32) -> (Affine, BigInt, BigInt) {
+    pub(crate) fn gap(&self, side: Side, vertex: u32, face: u32) -> (AffineMargin, BigInt, BigInt) {
         let other = side.other();
         let corners = &self.block(other).topology().faces()[face as usize];
         let k = BigInt::from(corners.len());
         let n = self.normal(other, face);
-        let sum = corners.iter().fold(Z::zero(), |s, &v| s.plus(&self.vertex(other, v)));
+        let sum = corners.iter().fold(IntVector::zero(), |s, &v| s.plus(&self.vertex(other, v)));
         let constant = self.vertex(side, vertex).scaled(&k).minus(&sum).dot(&n);
         let gradient = n.scaled(&k);
         let gradient = if side == Side::B { gradient } else { gradient.negated() };
         let square = n.norm_squared();
-        (Affine { constant, gradient, exact: true }, square, k)
+        (AffineMargin { constant, gradient, exact: true }, square, k)
     }
 
     /// The gap times `2^shift·|N|` (all times `k`), plus `length·|N|·2^shift`: zero where the gap is −`length`.
-    pub(crate) fn gap_above(&self, (gap, square, k): &(Affine, BigInt, BigInt), length: &BigInt) -> Affine {
-        let norm = Root::of(square);
+    pub(crate) fn gap_above(&self, (gap, square, k): &(AffineMargin, BigInt, BigInt), length: &BigInt) -> AffineMargin {
+        let norm = IntegerRoot::of(square);
         let mut margin = gap.times(&(BigInt::from(1) << norm.shift)).plus(&(length * k * &norm.root));
         margin.exact = norm.is_exact() || length.is_zero();
         margin
@@ -232,7 +232,7 @@ impl<'p> Exact<'p> {
     }
 
     /// The offset of B from where the block is, when it is `vector / over` lattice units from its start.
-    pub(crate) fn offset_by(&self, vector: &Z, over: &BigInt) -> [BigRational; 3] {
+    pub(crate) fn offset_by(&self, vector: &IntVector, over: &BigInt) -> [BigRational; 3] {
         let [x, y, z] = vector.components().map(|c| self.metres(c, over));
         let [sx, sy, sz] = self.start.each_ref().map(Number::to_rational);
         [x + sx, y + sy, z + sz]

@@ -1,11 +1,11 @@
 //! Aims at decisions about vertices and faces, and about which of two faces is the way in.
 
 use super::edges::level;
-use super::exact::Affine;
-use super::shadow::{V, dot, length, minus, plus, times, unit};
+use super::exact::AffineMargin;
+use super::f64_view::{F64Vector, dot, length, minus, plus, times, unit};
 use super::vertices::DRAWS;
-use super::{Aim, Pair, about, linear, side};
-use crate::families::Kit;
+use super::{Aim, DirectedPair, about, linear, side};
+use crate::families::PairSampler;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::One;
@@ -14,13 +14,13 @@ use rockproof_model::tolerance::LAMBDA_INVERSE;
 use rockproof_model::{Criteria, Number};
 
 /// A vertex over a face at a gap of exactly 0, s or −g, or over one of its sides.
-pub(super) fn vertex_face(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Option<Aim> {
-    let asked = side(kit);
+pub(super) fn vertex_face(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Predicate) -> Option<Aim> {
+    let asked = side(sampler);
     let other = asked.other();
-    let (vertex, face) = pair.shadow.vertex_face(kit, asked);
+    let (vertex, face) = pair.f64_view.vertex_face(sampler, asked);
     let at_side = predicate == Predicate::InsideFace;
-    let k = kit.below(pair.shadow.block(other).topology().faces()[face as usize].len() as u64) as usize;
-    let start = over_face(kit, pair, (asked, vertex), face, at_side.then_some(k));
+    let k = sampler.below(pair.f64_view.block(other).topology().faces()[face as usize].len() as u64) as usize;
+    let start = over_face(sampler, pair, (asked, vertex), face, at_side.then_some(k));
     let vertices: Vec<_> = pair.corners(other, face).chain([(asked, vertex)]).collect();
     let exact = pair.exact(&vertices, start);
     let both = [Feature::Vertex(asked, vertex), Feature::Face(other, face)];
@@ -38,114 +38,118 @@ pub(super) fn vertex_face(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predica
         (Predicate::GapSign, Side::B) => about(predicate, &[both[1], both[0]]),
         _ => about(predicate, &both),
     };
-    linear(kit, &exact, decision, &margin)
+    linear(sampler, &exact, decision, &margin)
 }
 
 /// An offset of B that brings a vertex over the inside of a face, or over the middle part of its side `k`, at a gap
 /// between −g and s; none if it is so.
 pub(crate) fn over_face(
-    kit: &mut Kit<'_>,
-    pair: &Pair<'_>,
+    sampler: &mut PairSampler<'_>,
+    pair: &DirectedPair<'_>,
     (asked, vertex): (Side, u32),
     face: u32,
     k: Option<usize>,
-) -> V {
-    let (gap, outside) = pair.shadow.above_face(asked, vertex, face);
+) -> F64Vector {
+    let (gap, outside) = pair.f64_view.above_face(asked, vertex, face);
     if k.is_none() && outside == 0.0 && gap.abs() <= 2.0 * pair.search() {
         return [0.0; 3];
     }
     let other = asked.other();
-    let loop_ = &pair.shadow.block(other).topology().faces()[face as usize];
-    let at = |i: usize| pair.shadow.vertex(other, loop_[i % loop_.len()]);
+    let loop_ = &pair.f64_view.block(other).topology().faces()[face as usize];
+    let at = |i: usize| pair.f64_view.vertex(other, loop_[i % loop_.len()]);
     let foot = match k {
         Some(k) => {
-            let t = kit.between(2, 14) as f64 / 16.0;
+            let t = sampler.between(2, 14) as f64 / 16.0;
             plus(at(k), times(minus(at(k + 1), at(k)), t))
         }
         None => {
-            let (c, corner) = (pair.shadow.centre(other, face), at(kit.below(loop_.len() as u64) as usize));
-            plus(c, times(minus(corner, c), kit.between(0, 12) as f64 / 16.0))
+            let (c, corner) = (pair.f64_view.centre(other, face), at(sampler.below(loop_.len() as u64) as usize));
+            plus(c, times(minus(corner, c), sampler.between(0, 12) as f64 / 16.0))
         }
     };
     let up = if k.is_some() && gap.abs() <= pair.search() {
         gap
     } else {
-        let share = kit.between(-32, 64) as f64 / 64.0;
+        let share = sampler.between(-32, 64) as f64 / 64.0;
         share * if share < 0.0 { 2.0 * pair.penetration() } else { pair.search() }
     };
-    let target = plus(foot, times(pair.shadow.normal(other, face), up));
-    pair.bring((asked, vertex), target)
+    let target = plus(foot, times(pair.f64_view.normal(other, face), up));
+    pair.offset_to((asked, vertex), target)
 }
 
 /// A vertex in the territory of a convex corner, as deep as g under the way in. Possible where g is within the territory.
-pub(super) fn entrance_depth(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
-    let corner = Corner::choose(kit, pair, 1)?;
+pub(super) fn entrance_depth(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<Aim> {
+    let corner = Corner::choose(sampler, pair, 1)?;
     let (g, r) = (pair.penetration(), corner.territory(pair));
     if g >= 0.9 * r {
         return None;
     }
     let (start, face) = (0..DRAWS).find_map(|_| {
-        let face = *kit.pick(&corner.faces);
-        let n = pair.shadow.normal(corner.side.other(), face);
-        let drawn = pair.jitter(kit, r);
+        let face = *sampler.pick(&corner.faces);
+        let n = pair.f64_view.normal(corner.side.other(), face);
+        let drawn = pair.jitter(sampler, r);
         let x = minus(drawn, times(n, dot(drawn, n) + g));
-        (length(x) < 0.98 * r && corner.enters(pair, x, face)).then(|| (corner.bring(pair, x), face))
+        (length(x) < 0.98 * r && corner.enters(pair, x, face)).then(|| (corner.offset_to(pair, x), face))
     })?;
     let vertices: Vec<_> = pair.corners(corner.side.other(), face).chain([(corner.side, corner.vertex)]).collect();
     let exact = pair.exact(&vertices, start);
     let margin = level(&exact, &exact.gap(corner.side, corner.vertex, face), Predicate::EntranceDepth);
-    linear(kit, &exact, about(Predicate::EntranceDepth, &corner.contact()), &margin)
+    linear(sampler, &exact, about(Predicate::EntranceDepth, &corner.contact()), &margin)
 }
 
 /// A vertex in the territory of a convex corner, two faces of the corner the best ways in: equally far from it, or
 /// different by the share ε.
-pub(super) fn entrance_choice(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
-    let corner = Corner::choose(kit, pair, 2)?;
+pub(super) fn entrance_choice(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<Aim> {
+    let corner = Corner::choose(sampler, pair, 2)?;
     let r = corner.territory(pair);
-    let i = kit.below(corner.faces.len() as u64) as usize;
-    let j = (i + 1 + kit.below(corner.faces.len() as u64 - 1) as usize) % corner.faces.len();
+    let i = sampler.below(corner.faces.len() as u64) as usize;
+    let j = (i + 1 + sampler.below(corner.faces.len() as u64 - 1) as usize) % corner.faces.len();
     let (first, second) = (corner.faces[i], corner.faces[j]);
-    let normal = |face: u32| pair.shadow.normal(corner.side.other(), face);
+    let normal = |face: u32| pair.f64_view.normal(corner.side.other(), face);
     let apart = unit(minus(normal(first), normal(second)));
     let start = (0..DRAWS).find_map(|_| {
-        let drawn = pair.jitter(kit, r.min(pair.penetration()));
+        let drawn = pair.jitter(sampler, r.min(pair.penetration()));
         let x = minus(drawn, times(apart, dot(drawn, apart)));
         let best = corner.best(pair, x);
         let deepest = dot(normal(first), x) >= -pair.penetration();
-        (length(x) < 0.98 * r && deepest && (best == first || best == second)).then(|| corner.bring(pair, x))
+        (length(x) < 0.98 * r && deepest && (best == first || best == second)).then(|| corner.offset_to(pair, x))
     })?;
     let ([a, b], [c, d]) = (corner.contact(), corner.candidate(first));
     let decision = about(Predicate::EntranceChoice, &[a, b, c, d]);
-    two_faces(kit, pair, (corner.side, corner.vertex), [first, second], start, decision)
+    two_faces(sampler, pair, (corner.side, corner.vertex), [first, second], start, decision)
 }
 
 /// A vertex inside a concave block, as deep under one as under the other of two faces that a convex edge joins.
-pub(super) fn shortest_exit(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<Aim> {
-    if pair.shadow.a.is_convex() && pair.shadow.b.is_convex() {
+pub(super) fn shortest_exit(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<Aim> {
+    if pair.f64_view.a.is_convex() && pair.f64_view.b.is_convex() {
         return None;
     }
-    let (asked, vertex, edge) = (0..DRAWS).find_map(|_| ridge_under_vertex(kit, pair, false))?;
+    let (asked, vertex, edge) = (0..DRAWS).find_map(|_| ridge_under_vertex(sampler, pair, false))?;
     let other = asked.other();
-    let e = pair.shadow.block(other).topology().edges()[edge as usize];
+    let e = pair.f64_view.block(other).topology().edges()[edge as usize];
     let (low, high) = (pair.territory(), pair.penetration());
     if low >= 0.9 * high {
         return None;
     }
-    let depth = low + (high - low) * kit.between(4, 60) as f64 / 64.0;
-    let start = under_faces(kit, pair, (asked, vertex, edge), [depth, depth])?;
-    let [first, second] = if kit.chance(50) { [e.left, e.right] } else { [e.right, e.left] };
+    let depth = low + (high - low) * sampler.between(4, 60) as f64 / 64.0;
+    let start = under_faces(sampler, pair, (asked, vertex, edge), [depth, depth])?;
+    let [first, second] = if sampler.chance(50) { [e.left, e.right] } else { [e.right, e.left] };
     let decision = about(Predicate::ShortestExit, &[Feature::Vertex(asked, vertex), Feature::Face(other, first)]);
-    two_faces(kit, pair, (asked, vertex), [first, second], start, decision)
+    two_faces(sampler, pair, (asked, vertex), [first, second], start, decision)
 }
 
 /// A vertex, and a convex edge of the other block (a `blunt` one, of more than 90 degrees) whose two faces its cone
 /// passes.
-pub(crate) fn ridge_under_vertex(kit: &mut Kit<'_>, pair: &Pair<'_>, blunt: bool) -> Option<(Side, u32, u32)> {
-    let asked = side(kit);
-    let (vertex, edge) = pair.shadow.vertex_edge(kit, asked)?;
-    let e = pair.shadow.block(asked.other()).topology().edges()[edge as usize];
+pub(crate) fn ridge_under_vertex(
+    sampler: &mut PairSampler<'_>,
+    pair: &DirectedPair<'_>,
+    blunt: bool,
+) -> Option<(Side, u32, u32)> {
+    let asked = side(sampler);
+    let (vertex, edge) = pair.f64_view.vertex_edge(sampler, asked)?;
+    let e = pair.f64_view.block(asked.other()).topology().edges()[edge as usize];
     let passes = |face: u32| pair.cone_passes((asked, vertex), face, None);
-    let normal = |face: u32| pair.shadow.normal(asked.other(), face);
+    let normal = |face: u32| pair.f64_view.normal(asked.other(), face);
     let shaped = !blunt || dot(normal(e.left), normal(e.right)) > 0.0;
     (shaped && passes(e.left) && passes(e.right)).then_some((asked, vertex, edge))
 }
@@ -153,31 +157,31 @@ pub(crate) fn ridge_under_vertex(kit: &mut Kit<'_>, pair: &Pair<'_>, blunt: bool
 /// An offset of B that puts a vertex under both faces at an edge, at these depths; `None` where the faces are nearly
 /// parallel.
 pub(crate) fn under_faces(
-    kit: &mut Kit<'_>,
-    pair: &Pair<'_>,
+    sampler: &mut PairSampler<'_>,
+    pair: &DirectedPair<'_>,
     (asked, vertex, edge): (Side, u32, u32),
     [left, right]: [f64; 2],
-) -> Option<V> {
+) -> Option<F64Vector> {
     let other = asked.other();
-    let e = pair.shadow.block(other).topology().edges()[edge as usize];
-    let (n, m) = (pair.shadow.normal(other, e.left), pair.shadow.normal(other, e.right));
-    let (p, d) = pair.shadow.edge(other, edge);
-    let place = plus(p, times(d, kit.between(4, 12) as f64 / 16.0));
+    let e = pair.f64_view.block(other).topology().edges()[edge as usize];
+    let (n, m) = (pair.f64_view.normal(other, e.left), pair.f64_view.normal(other, e.right));
+    let (p, d) = pair.f64_view.edge(other, edge);
+    let place = plus(p, times(d, sampler.between(4, 12) as f64 / 16.0));
     // x = −(α·n + β·m) with x·n = −left, x·m = −right.
     let c = dot(n, m);
     let square = 1.0 - c * c;
     let (alpha, beta) = ((left - c * right) / square, (right - c * left) / square);
     let target = minus(place, plus(times(n, alpha), times(m, beta)));
-    (square > 1e-3).then(|| pair.bring((asked, vertex), target))
+    (square > 1e-3).then(|| pair.offset_to((asked, vertex), target))
 }
 
 /// The gap of the first face equal to that of the second, or smaller by the share ε of it (Eq. (1)).
 fn two_faces(
-    kit: &mut Kit<'_>,
-    pair: &Pair<'_>,
+    sampler: &mut PairSampler<'_>,
+    pair: &DirectedPair<'_>,
     (asked, vertex): (Side, u32),
     [first, second]: [u32; 2],
-    start: V,
+    start: F64Vector,
     decision: Decision,
 ) -> Option<Aim> {
     let other = asked.other();
@@ -185,23 +189,23 @@ fn two_faces(
         pair.corners(other, first).chain(pair.corners(other, second)).chain([(asked, vertex)]).collect();
     let exact = pair.exact(&vertices, start);
     let (h1, h2) = (exact.gap(asked, vertex, first), exact.gap(asked, vertex, second));
-    let share = if kit.chance(50) { pair.set.equal.clone() } else { Number::ZERO };
+    let share = if sampler.chance(50) { pair.set.equal.clone() } else { Number::ZERO };
     let margin = equal_gaps(&h1, &h2, &share)?;
-    let aim = linear(kit, &exact, decision, &margin)?;
+    let aim = linear(sampler, &exact, decision, &margin)?;
     // |h2| was opened on the side where it starts.
-    let there = pair.shadow.moved(aim.approximate_root()).above_face(asked, vertex, second).0;
+    let there = pair.f64_view.moved(aim.approximate_root()).above_face(asked, vertex, second).0;
     let same_side = (there < 0.0) == (h2.0.constant.sign() == num_bigint::Sign::Minus);
     (share.is_zero() || (same_side && there != 0.0)).then_some(aim)
 }
 
 /// `h1 − h2 + ε·|h2|` times a positive number, given each as `k·|N|·h`, `|N|²` and `k`.
 fn equal_gaps(
-    (q1, square1, k1): &(Affine, BigInt, BigInt),
-    (q2, square2, k2): &(Affine, BigInt, BigInt),
+    (q1, square1, k1): &(AffineMargin, BigInt, BigInt),
+    (q2, square2, k2): &(AffineMargin, BigInt, BigInt),
     share: &Number,
-) -> Option<Affine> {
+) -> Option<AffineMargin> {
     // h1·|N1||N2| = q1·|N2|/k1; with |N2|/|N1| = √(N1²·N2²)/N1² one root is enough.
-    let product = super::exact::Root::of(&(square1 * square2));
+    let product = super::exact::IntegerRoot::of(&(square1 * square2));
     let one = BigRational::one();
     let best_is_negative = q2.constant.sign() == num_bigint::Sign::Minus;
     // h2 − ε|h2| = h2·(1 ∓ ε)
@@ -224,12 +228,12 @@ pub(crate) struct Corner {
 
 impl Corner {
     /// A corner with at least `least` faces to enter by.
-    pub(crate) fn choose(kit: &mut Kit<'_>, pair: &Pair<'_>, least: usize) -> Option<Corner> {
+    pub(crate) fn choose(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, least: usize) -> Option<Corner> {
         (0..DRAWS).find_map(|_| {
-            let (va, vb) = pair.shadow.vertex_vertex(kit)?;
-            let side = side(kit);
+            let (va, vb) = pair.f64_view.vertex_vertex(sampler)?;
+            let side = side(sampler);
             let (vertex, owner) = if side == Side::A { (va, vb) } else { (vb, va) };
-            let all = pair.shadow.block(side.other()).topology().vertex_faces(owner).iter().copied();
+            let all = pair.f64_view.block(side.other()).topology().vertex_faces(owner).iter().copied();
             let mut faces: Vec<u32> = all.filter(|&f| pair.cone_passes((side, vertex), f, None)).collect();
             // The choice is among the true exits, where there is one.
             if faces.iter().any(|&f| pair.cone_leaves((side, vertex), f)) {
@@ -256,58 +260,58 @@ impl Corner {
     }
 
     /// An offset of B that puts the vertex somewhere in the corner's territory, no deeper than g.
-    pub(crate) fn visit(&self, kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<V> {
+    pub(crate) fn visit(&self, sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<F64Vector> {
         let r = self.territory(pair);
         (0..DRAWS).find_map(|_| {
-            let x = pair.jitter(kit, r.min(pair.penetration()));
-            (length(x) < 0.98 * r).then(|| self.bring(pair, x))
+            let x = pair.jitter(sampler, r.min(pair.penetration()));
+            (length(x) < 0.98 * r).then(|| self.offset_to(pair, x))
         })
     }
 
     /// An offset of B that puts the vertex into the corner's territory, and the face below which it is the way in.
-    pub(crate) fn overlap(&self, kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<(V, u32)> {
+    pub(crate) fn overlap(&self, sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<(F64Vector, u32)> {
         let r = self.territory(pair);
         (0..DRAWS).find_map(|n| {
-            let x = pair.jitter(kit, r / f64::from(1 << (n % 4)));
+            let x = pair.jitter(sampler, r / f64::from(1 << (n % 4)));
             let face = self.best(pair, x);
-            let below = dot(pair.shadow.normal(self.side.other(), face), x) < 0.0;
-            (below && length(x) < 0.98 * r && self.enters(pair, x, face)).then(|| (self.bring(pair, x), face))
+            let below = dot(pair.f64_view.normal(self.side.other(), face), x) < 0.0;
+            (below && length(x) < 0.98 * r && self.enters(pair, x, face)).then(|| (self.offset_to(pair, x), face))
         })
     }
 
     /// Whether nothing dips below the face, so that the plane passes and is a true exit whatever the tolerances, and it
     /// is a better way in when the vertex is `x` away from the corner than the other faces of both corners.
-    fn enters(&self, pair: &Pair<'_>, x: V, face: u32) -> bool {
+    fn enters(&self, pair: &DirectedPair<'_>, x: F64Vector, face: u32) -> bool {
         let other = self.side.other();
-        let edges = pair.shadow.block(self.side).topology().vertex_edges(self.vertex);
+        let edges = pair.f64_view.block(self.side).topology().vertex_edges(self.vertex);
         let level = edges.iter().all(|&e| pair.dip((self.side, self.vertex), face, e) <= 0.0);
-        let gap = dot(pair.shadow.normal(other, face), x);
-        let rivals = pair.shadow.block(self.side).topology().vertex_faces(self.vertex).iter();
+        let gap = dot(pair.f64_view.normal(other, face), x);
+        let rivals = pair.f64_view.block(self.side).topology().vertex_faces(self.vertex).iter();
         let mut rivals = rivals.filter(|&&f| pair.cone_passes((other, self.owner), f, None));
         level
             && self.best(pair, x) == face
-            && rivals.all(|&f| -dot(pair.shadow.normal(self.side, f), x) <= gap + f64::EPSILON * length(x))
+            && rivals.all(|&f| -dot(pair.f64_view.normal(self.side, f), x) <= gap + f64::EPSILON * length(x))
     }
 
     /// The offset of B that puts the vertex `x` away from the corner.
-    fn bring(&self, pair: &Pair<'_>, x: V) -> V {
-        pair.bring((self.side, self.vertex), plus(pair.shadow.vertex(self.side.other(), self.owner), x))
+    fn offset_to(&self, pair: &DirectedPair<'_>, x: F64Vector) -> F64Vector {
+        pair.offset_to((self.side, self.vertex), plus(pair.f64_view.vertex(self.side.other(), self.owner), x))
     }
 
     /// The face with the largest gap when the vertex is `x` away from the corner.
-    fn best(&self, pair: &Pair<'_>, x: V) -> u32 {
-        let gap = |f: &&u32| dot(pair.shadow.normal(self.side.other(), **f), x);
+    fn best(&self, pair: &DirectedPair<'_>, x: F64Vector) -> u32 {
+        let gap = |f: &&u32| dot(pair.f64_view.normal(self.side.other(), **f), x);
         self.faces.iter().max_by(|f, g| gap(f).total_cmp(&gap(g))).copied().unwrap_or(self.faces[0])
     }
 
     /// The radius of the two vertices' common territory.
-    fn territory(&self, pair: &Pair<'_>) -> f64 {
+    fn territory(&self, pair: &DirectedPair<'_>) -> f64 {
         if pair.set.criteria == Criteria::Classic {
             return pair.territory();
         }
         let edges = |side: Side, v: u32| {
-            let all = pair.shadow.block(side).topology().vertex_edges(v).iter();
-            all.map(move |&e| length(pair.shadow.edge(side, e).1) / f64::from(LAMBDA_INVERSE))
+            let all = pair.f64_view.block(side).topology().vertex_edges(v).iter();
+            all.map(move |&e| length(pair.f64_view.edge(side, e).1) / f64::from(LAMBDA_INVERSE))
         };
         let shortest = edges(self.side, self.vertex).chain(edges(self.side.other(), self.owner));
         shortest.fold(pair.territory(), f64::min)
@@ -321,7 +325,7 @@ mod tests {
 
     #[test]
     fn equal_gaps_vanish_where_they_are_equal() {
-        let affine = |constant: i32, x: i32| Affine {
+        let affine = |constant: i32, x: i32| AffineMargin {
             constant: BigInt::from(constant),
             gradient: Vec3::new(BigInt::from(x), BigInt::from(0), BigInt::from(0)),
             exact: true,

@@ -1,7 +1,7 @@
 //! Blocks side by side with faces in one plane.
 
-use super::{Family, Kit};
-use crate::steps::Manner;
+use super::{Family, PairSampler};
+use crate::steps::MotionStyle;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 
@@ -21,43 +21,43 @@ impl Family for CoplanarSlide {
         &ContactKind::ALL
     }
 
-    fn manner(&self) -> Manner {
-        Manner::Sliding
+    fn motion_style(&self) -> MotionStyle {
+        MotionStyle::Sliding
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut kit = Kit::new(rng);
-        let sides = kit.lengths(8, 48);
+        let mut sampler = PairSampler::new(rng);
+        let sides = sampler.lengths(8, 48);
         // Often sides in common, so that edges and corners coincide as well.
-        let [mut u, mut v, w] = kit.lengths(8, 48);
-        if kit.chance(50) {
+        let [mut u, mut v, w] = sampler.lengths(8, 48);
+        if sampler.chance(50) {
             u = sides[0];
         }
-        if kit.chance(50) {
+        if sampler.chance(50) {
             v = sides[1];
         }
         let prisms = ["cuboid", "cuboid", "cuboid", "cuboid", "hexagon", "rhombus", "trapezoid"];
-        let shape = *kit.pick(&prisms);
-        let a = kit.shape(shape, sides);
-        let shape = if kit.chance(70) { shape } else { *kit.pick(&prisms) };
-        let b = kit.shape(shape, [u, v, w]);
-        let unit = a.denominator() / kit.denominator();
-        let size = 2 * kit.denominator();
+        let shape = *sampler.pick(&prisms);
+        let a = sampler.shape(shape, sides);
+        let shape = if sampler.chance(70) { shape } else { *sampler.pick(&prisms) };
+        let b = sampler.shape(shape, [u, v, w]);
+        let unit = a.denominator() / sampler.denominator();
+        let size = 2 * sampler.denominator();
         // On top; then each way: flush on either side, slid by a share of the block, or by about a tolerance.
         let mut offset = [0, 0, sides[2]];
-        if kit.chance(30) {
-            offset[2] += kit.gap(size);
+        if sampler.chance(30) {
+            offset[2] += sampler.gap(size);
         }
         for axis in 0..2 {
             let far = sides[axis] - if axis == 0 { u } else { v };
-            offset[axis] = match kit.below(6) {
+            offset[axis] = match sampler.below(6) {
                 0 | 1 => 0,
                 2 => far,
-                3 => kit.gap(size),
+                3 => sampler.gap(size),
                 4 => sides[axis],
-                _ => kit.between(0, sides[axis]),
+                _ => sampler.between(0, sides[axis]),
             };
         }
-        kit.finish(a, b.moved(offset.map(|c| c * unit)))
+        sampler.finish(a, b.moved(offset.map(|c| c * unit)))
     }
 }

@@ -1,8 +1,8 @@
 //! A corner of a block near a corner of another.
 
-use super::{Family, Kit};
-use crate::shapes::Solid;
-use crate::steps::Manner;
+use super::{Family, PairSampler};
+use crate::shapes::LatticeSolid;
+use crate::steps::MotionStyle;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 
@@ -22,40 +22,40 @@ impl Family for CornerCorner {
         &[ContactKind::VertexVertex, ContactKind::VertexEdge, ContactKind::EdgeVertex]
     }
 
-    fn manner(&self) -> Manner {
-        Manner::Turning
+    fn motion_style(&self) -> MotionStyle {
+        MotionStyle::Turning
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut kit = Kit::new(rng);
-        let diagonal = kit.chance(20);
+        let mut sampler = PairSampler::new(rng);
+        let diagonal = sampler.chance(20);
         let (mut a, mut b) = if diagonal {
-            (on_diagonals(&mut kit), on_diagonals(&mut kit))
+            (on_diagonals(&mut sampler), on_diagonals(&mut sampler))
         } else {
-            (kit.convex(8, 40), kit.convex(8, 40))
+            (sampler.convex(8, 40), sampler.convex(8, 40))
         };
-        if !diagonal && kit.chance(25) {
-            a = kit.turned(&a);
+        if !diagonal && sampler.chance(25) {
+            a = sampler.turned(&a);
         }
-        if !diagonal && kit.chance(35) {
-            b = kit.turned(&b);
+        if !diagonal && sampler.chance(35) {
+            b = sampler.turned(&b);
         } else {
-            b = kit.cube_turned(&b);
-            if kit.chance(40) {
-                b = kit.tipped(&b);
+            b = sampler.cube_turned(&b);
+            if sampler.chance(40) {
+                b = sampler.tipped(&b);
             }
         }
-        let out = kit.direction();
+        let out = sampler.direction();
         let (va, vb) = (a.furthest(out), b.furthest(out.map(|c| -c)));
-        let offset = kit.small_vector(2 * kit.denominator());
-        let (a, b) = kit.vertex_to_vertex((&a, va), (&b, vb), offset);
-        kit.finish(a, b)
+        let offset = sampler.small_vector(2 * sampler.denominator());
+        let (a, b) = sampler.vertex_to_vertex((&a, va), (&b, vb), offset);
+        sampler.finish(a, b)
     }
 }
 
 /// A block whose edges or normals run along the diagonals of cubes: sines between those are exactly a half.
-fn on_diagonals(kit: &mut Kit<'_>) -> Solid {
-    let name = *kit.pick(&["rhombus", "rhombus", "regular tetrahedron", "cuboctahedron"]);
-    let sides = [kit.length(8, 40); 3];
-    kit.shape(name, sides)
+fn on_diagonals(sampler: &mut PairSampler<'_>) -> LatticeSolid {
+    let name = *sampler.pick(&["rhombus", "rhombus", "regular tetrahedron", "cuboctahedron"]);
+    let sides = [sampler.length(8, 40); 3];
+    sampler.shape(name, sides)
 }

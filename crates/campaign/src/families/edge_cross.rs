@@ -1,9 +1,9 @@
 //! Two ridges that cross.
 
-use super::{Family, Kit};
-use crate::shapes::Solid;
-use crate::shapes::solid::Units;
-use crate::steps::Manner;
+use super::{Family, PairSampler};
+use crate::shapes::LatticeSolid;
+use crate::shapes::lattice_solid::Units;
+use crate::steps::MotionStyle;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 
@@ -23,70 +23,74 @@ impl Family for EdgeCross {
         &[ContactKind::EdgeEdge]
     }
 
-    fn manner(&self) -> Manner {
-        Manner::Pressing
+    fn motion_style(&self) -> MotionStyle {
+        MotionStyle::Pressing
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut kit = Kit::new(rng);
-        let below = ridge(&mut kit);
-        let above = keel(&mut kit);
+        let mut sampler = PairSampler::new(rng);
+        let below = ridge(&mut sampler);
+        let above = keel(&mut sampler);
         let across = above.mapped(&[[0, -1, 0], [1, 0, 0], [0, 0, 1]], 1);
-        let above = if kit.chance(60) { kit.turned_flat(&across) } else { across };
-        let (a, b) = crossing_ridges(&mut kit, &below, &above);
-        kit.finish(a, b)
+        let above = if sampler.chance(60) { sampler.turned_flat(&across) } else { across };
+        let (a, b) = crossing_ridges(&mut sampler, &below, &above);
+        sampler.finish(a, b)
     }
 }
 
 /// A block whose highest feature is an edge along x.
-pub(crate) fn ridge(kit: &mut Kit<'_>) -> Solid {
-    let sides = kit.lengths(12, 48);
-    match kit.below(4) {
-        0 => kit.shape("wedge", [sides[1], sides[0], sides[2]]).mapped(&[[0, 1, 0], [-1, 0, 0], [0, 0, 1]], 1),
+pub(crate) fn ridge(sampler: &mut PairSampler<'_>) -> LatticeSolid {
+    let sides = sampler.lengths(12, 48);
+    match sampler.below(4) {
+        0 => sampler.shape("wedge", [sides[1], sides[0], sides[2]]).mapped(&[[0, 1, 0], [-1, 0, 0], [0, 0, 1]], 1),
         // A square bar on its edge.
         1 => {
-            let bar = kit.shape("cuboid", [sides[0], sides[1], sides[1]]);
+            let bar = sampler.shape("cuboid", [sides[0], sides[1], sides[1]]);
             bar.mapped(&[[2, 0, 0], [0, 1, -1], [0, 1, 1]], 2)
         }
-        2 => kit.shape("hipped ridge", sides),
-        _ => kit.shape("ridge", sides),
+        2 => sampler.shape("hipped ridge", sides),
+        _ => sampler.shape("ridge", sides),
     }
 }
 
 /// A block whose lowest feature is an edge along x.
-pub(crate) fn keel(kit: &mut Kit<'_>) -> Solid {
-    ridge(kit).mapped(&[[1, 0, 0], [0, -1, 0], [0, 0, -1]], 1)
+pub(crate) fn keel(sampler: &mut PairSampler<'_>) -> LatticeSolid {
+    ridge(sampler).mapped(&[[1, 0, 0], [0, -1, 0], [0, 0, -1]], 1)
 }
 
 /// `above` moved so that its lowest edge crosses the highest edge of `below`.
-pub(crate) fn crossing_ridges(kit: &mut Kit<'_>, below: &Solid, above: &Solid) -> (Solid, Solid) {
+pub(crate) fn crossing_ridges(
+    sampler: &mut PairSampler<'_>,
+    below: &LatticeSolid,
+    above: &LatticeSolid,
+) -> (LatticeSolid, LatticeSolid) {
     let (low, high) = (middle(below, 2, below.extent(2).1), middle(above, 2, above.extent(2).0));
-    crossing(kit, (below, low), (above, high))
+    crossing(sampler, (below, low), (above, high))
 }
 
 /// `above` moved so that an edge of it crosses one of `below`, at the middle of each or off by a share of its half, with
 /// a gap along z. The edges are given as by [`middle`].
 pub(super) fn crossing(
-    kit: &mut Kit<'_>,
-    (below, (p, half_p)): (&Solid, (Units, Units)),
-    (above, (q, half_q)): (&Solid, (Units, Units)),
-) -> (Solid, Solid) {
-    let slide = |kit: &mut Kit<'_>| match kit.below(6) {
+    sampler: &mut PairSampler<'_>,
+    (below, (p, half_p)): (&LatticeSolid, (Units, Units)),
+    (above, (q, half_q)): (&LatticeSolid, (Units, Units)),
+) -> (LatticeSolid, LatticeSolid) {
+    let slide = |sampler: &mut PairSampler<'_>| match sampler.below(6) {
         0 | 1 => 0,
-        2 => 64 * kit.sign(),
-        3 => (64 + kit.between(-2, 2)) * kit.sign(),
-        _ => kit.between(-60, 60),
+        2 => 64 * sampler.sign(),
+        3 => (64 + sampler.between(-2, 2)) * sampler.sign(),
+        _ => sampler.between(-60, 60),
     };
-    let (s, t) = (slide(kit), slide(kit));
+    let (s, t) = (slide(sampler), slide(sampler));
     // Halves, so that the middles are whole; 64 steps from the middle to the end, so that the ends are met exactly.
     let (below, above) = (below.refined(64), above.refined(64));
     let at = |middle: Units, half: Units, step: i128| [0, 1, 2].map(|i| 64 * middle[i] + step * half[i]);
-    let gap = kit.gap(2 * kit.denominator());
-    kit.point_to_point((&below, at(p, half_p, s)), (&above, at(q, half_q, t)), [0, 0, gap])
+    let gap = sampler.gap(2 * sampler.denominator());
+    sampler.point_to_point((&below, at(p, half_p, s)), (&above, at(q, half_q, t)), [0, 0, gap])
 }
 
 /// Twice the middle, and twice half the length, of the edge at this place along an axis.
-pub(super) fn middle(solid: &Solid, axis: usize, place: i128) -> (Units, Units) {
+pub(super) fn middle(solid: &LatticeSolid, axis: usize, place: i128) -> (Units, Units) {
     let ends: Vec<Units> = solid.points().iter().copied().filter(|p| p[axis] == place).collect();
     let (p, q) = (ends[0], ends[ends.len() - 1]);
     ([0, 1, 2].map(|i| p[i] + q[i]), [0, 1, 2].map(|i| q[i] - p[i]))

@@ -1,6 +1,6 @@
 //! Ordinary pairs far from the origin.
 
-use super::{Family, Kit, Style};
+use super::{CoordinateStyle, Family, PairSampler};
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind, Number, Vec3};
 use std::sync::Arc;
@@ -30,13 +30,13 @@ impl Family for FarOrigin {
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut kit = Kit::with_style(rng, Style::Grid);
-        let family = Arc::clone(kit.pick(&self.families));
-        let distance = 1 << kit.between(8, 20);
+        let mut sampler = PairSampler::with_style(rng, CoordinateStyle::Grid);
+        let family = Arc::clone(sampler.pick(&self.families));
+        let distance = 1 << sampler.between(8, 20);
         // Whole metres, or odd sixteenths, which f32 drops at this distance.
-        let parts = if kit.chance(50) { 1 } else { 16 };
+        let parts = if sampler.chance(50) { 1 } else { 16 };
         let offset = [(); 3].map(|()| {
-            let metres = kit.between(-distance * parts, distance * parts) as f64 / parts as f64;
+            let metres = sampler.between(-distance * parts, distance * parts) as f64 / parts as f64;
             Number::from_f64(metres).unwrap_or(Number::ZERO)
         });
         let offset = Vec3::new(offset[0].clone(), offset[1].clone(), offset[2].clone());

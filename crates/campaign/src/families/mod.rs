@@ -7,19 +7,19 @@ pub(crate) mod edge_cross;
 mod face_stack;
 mod far_origin;
 mod joint_cut;
-pub mod kit;
 mod quasi_parallel_edges;
 pub mod real;
+pub mod sampler;
 mod sharp_wedge;
 mod size_ratio;
 mod sliver;
 mod unit_scale;
 mod vertex_on_edge;
 
-pub use kit::{Kit, Style};
-pub use real::Real;
+pub use real::RealNeighbours;
+pub use sampler::{CoordinateStyle, PairSampler};
 
-use crate::steps::Manner;
+use crate::steps::MotionStyle;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 use std::fmt;
@@ -37,8 +37,8 @@ pub trait Family: fmt::Debug + Send + Sync {
     /// state alone.
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block);
     /// How its pairs move, where they do.
-    fn manner(&self) -> Manner {
-        Manner::Any
+    fn motion_style(&self) -> MotionStyle {
+        MotionStyle::Any
     }
 }
 
@@ -48,7 +48,7 @@ pub fn all() -> Vec<Arc<dyn Family>> {
     families.push(Arc::new(far_origin::FarOrigin::new(local())));
     families.push(Arc::new(unit_scale::UnitScale::new(local())));
     families.push(Arc::new(joint_cut::JointCut));
-    families.push(Arc::new(Real::carried()));
+    families.push(Arc::new(RealNeighbours::bundled()));
     families
 }
 

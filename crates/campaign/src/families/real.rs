@@ -1,6 +1,6 @@
 //! Neighbouring blocks of block files.
 
-use super::{Family, Kit, Style};
+use super::{CoordinateStyle, Family, PairSampler};
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, BlockOptions, ContactKind, Number, Vec3};
 use std::str::FromStr;
@@ -8,24 +8,24 @@ use std::sync::{Arc, OnceLock};
 
 /// Pairs of neighbours, as they are or one of them moved by a little.
 #[derive(Clone, Debug)]
-pub struct Real {
+pub struct RealNeighbours {
     pairs: Arc<Vec<(Block, Block)>>,
 }
 
 /// Pairs out of the block files of public generators, so that a campaign needs no file.
 const CARRIED: &str = include_str!("real.txt");
 
-impl Real {
+impl RealNeighbours {
     /// Three dozen pairs that the program carries, from UnBlocks-gen and voro++.
-    pub fn carried() -> Real {
+    pub fn bundled() -> RealNeighbours {
         static PAIRS: OnceLock<Arc<Vec<(Block, Block)>>> = OnceLock::new();
         let read = || Arc::new(CARRIED.lines().filter(|l| !l.starts_with('#')).filter_map(read_pair).collect());
-        Real { pairs: Arc::clone(PAIRS.get_or_init(read)) }
+        RealNeighbours { pairs: Arc::clone(PAIRS.get_or_init(read)) }
     }
 
     /// The neighbours among `blocks`: pairs whose boxes, grown by a hundredth of their size, meet. `None` when there
     /// are none.
-    pub fn neighbours(blocks: &[Block]) -> Option<Real> {
+    pub fn neighbours(blocks: &[Block]) -> Option<RealNeighbours> {
         let boxes: Vec<[(f64, f64); 3]> = blocks.iter().map(grown_box).collect();
         let mut order: Vec<usize> = (0..blocks.len()).collect();
         order.sort_by(|&i, &j| boxes[i][0].0.total_cmp(&boxes[j][0].0).then(i.cmp(&j)));
@@ -40,7 +40,7 @@ impl Real {
         }
         found.sort_unstable();
         let pairs: Vec<_> = found.into_iter().map(|(i, j)| (blocks[i].clone(), blocks[j].clone())).collect();
-        (!pairs.is_empty()).then(|| Real { pairs: Arc::new(pairs) })
+        (!pairs.is_empty()).then(|| RealNeighbours { pairs: Arc::new(pairs) })
     }
 
     /// The pairs it draws from.
@@ -49,7 +49,7 @@ impl Real {
     }
 }
 
-impl Family for Real {
+impl Family for RealNeighbours {
     fn name(&self) -> &'static str {
         "real"
     }
@@ -63,20 +63,20 @@ impl Family for Real {
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut kit = Kit::with_style(rng, Style::Grid);
-        let (a, b) = kit.pick(&self.pairs).clone();
-        let b = match kit.below(3) {
+        let mut sampler = PairSampler::with_style(rng, CoordinateStyle::Grid);
+        let (a, b) = sampler.pick(&self.pairs).clone();
+        let b = match sampler.below(3) {
             0 => b,
             _ => {
                 let step = grown_box(&b).map(|(low, high)| high - low).into_iter().fold(0.0, f64::max) / 65_536.0;
                 let [x, y, z] = [(); 3].map(|()| {
-                    let metres = kit.gap(2048) as f64 * step;
+                    let metres = sampler.gap(2048) as f64 * step;
                     Number::from_f64(metres).unwrap_or(Number::ZERO)
                 });
                 b.translated(&Vec3::new(x, y, z))
             }
         };
-        if kit.chance(50) { (a, b) } else { (b, a) }
+        if sampler.chance(50) { (a, b) } else { (b, a) }
     }
 }
 
@@ -129,16 +129,16 @@ mod tests {
     #[test]
     fn every_carried_pair_is_read() {
         let lines = CARRIED.lines().filter(|l| !l.starts_with('#')).count();
-        assert_eq!(Real::carried().pairs().len(), lines);
+        assert_eq!(RealNeighbours::bundled().pairs().len(), lines);
         assert!(lines >= 36);
     }
 
     #[test]
     fn neighbours_are_those_whose_boxes_meet() {
-        let (a, b) = Real::carried().pairs()[0].clone();
+        let (a, b) = RealNeighbours::bundled().pairs()[0].clone();
         let far = a.translated(&Vec3::new(Number::from_integer(1000), Number::ZERO, Number::ZERO));
-        let found = Real::neighbours(&[far.clone(), b.clone(), a.clone()]).unwrap();
+        let found = RealNeighbours::neighbours(&[far.clone(), b.clone(), a.clone()]).unwrap();
         assert_eq!(found.pairs(), &[(b, a.clone())]);
-        assert!(Real::neighbours(&[a, far]).is_none());
+        assert!(RealNeighbours::neighbours(&[a, far]).is_none());
     }
 }

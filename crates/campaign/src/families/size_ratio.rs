@@ -1,6 +1,6 @@
 //! A small block on a large one.
 
-use super::{Family, Kit};
+use super::{Family, PairSampler};
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 
@@ -21,28 +21,28 @@ impl Family for SizeRatio {
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut kit = Kit::new(rng);
-        let small = kit.convex(8, 32);
-        let small = if kit.chance(40) { kit.turned(&small) } else { kit.cube_turned(&small) };
-        let ratio = 1 << kit.between(3, 12);
-        let large = if kit.chance(70) { kit.cuboid(8, 32) } else { kit.convex(8, 32) };
+        let mut sampler = PairSampler::new(rng);
+        let small = sampler.convex(8, 32);
+        let small = if sampler.chance(40) { sampler.turned(&small) } else { sampler.cube_turned(&small) };
+        let ratio = 1 << sampler.between(3, 12);
+        let large = if sampler.chance(70) { sampler.cuboid(8, 32) } else { sampler.convex(8, 32) };
         let large = large.stretched([ratio; 3], 1);
-        let top = large.furthest([kit.sign(), kit.sign(), 64]);
-        let sole = small.furthest([kit.between(-1, 1), kit.between(-1, 1), -3]);
-        let size = 2 * kit.denominator();
-        let mut offset = kit.small_vector(size);
+        let top = large.furthest([sampler.sign(), sampler.sign(), 64]);
+        let sole = small.furthest([sampler.between(-1, 1), sampler.between(-1, 1), -3]);
+        let size = 2 * sampler.denominator();
+        let mut offset = sampler.small_vector(size);
         // Inward from the corner, by nothing, a small block's size, or anywhere.
         for (axis, offset) in offset.iter_mut().enumerate().take(2) {
-            let width = (large.extent(axis).1 - large.extent(axis).0) * kit.denominator() / large.denominator();
+            let width = (large.extent(axis).1 - large.extent(axis).0) * sampler.denominator() / large.denominator();
             let inward =
                 if large.points()[top][axis] * 2 > large.extent(axis).0 + large.extent(axis).1 { -1 } else { 1 };
-            match kit.below(4) {
+            match sampler.below(4) {
                 0 => {}
-                1 => *offset += inward * kit.length(0, 32),
-                _ => *offset += inward * kit.between(0, width),
+                1 => *offset += inward * sampler.length(0, 32),
+                _ => *offset += inward * sampler.between(0, width),
             }
         }
-        let (a, b) = kit.vertex_to_vertex((&large, top), (&small, sole), offset);
-        kit.finish(a, b)
+        let (a, b) = sampler.vertex_to_vertex((&large, top), (&small, sole), offset);
+        sampler.finish(a, b)
     }
 }

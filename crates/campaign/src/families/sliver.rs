@@ -1,7 +1,7 @@
 //! Thin plates, needles and short edges.
 
-use super::{Family, Kit};
-use crate::shapes::Solid;
+use super::{Family, PairSampler};
+use crate::shapes::LatticeSolid;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 
@@ -22,37 +22,37 @@ impl Family for Sliver {
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut kit = Kit::new(rng);
-        let thin = thin(&mut kit);
-        let a = kit.cube_turned(&thin);
-        let a = if kit.chance(25) { kit.turned(&a) } else { a };
-        let b = if kit.chance(20) { self::thin(&mut kit) } else { kit.convex(8, 48) };
-        let (va, vb) = if kit.chance(50) {
-            let out = kit.direction();
+        let mut sampler = PairSampler::new(rng);
+        let thin = thin(&mut sampler);
+        let a = sampler.cube_turned(&thin);
+        let a = if sampler.chance(25) { sampler.turned(&a) } else { a };
+        let b = if sampler.chance(20) { self::thin(&mut sampler) } else { sampler.convex(8, 48) };
+        let (va, vb) = if sampler.chance(50) {
+            let out = sampler.direction();
             (a.furthest(out), b.furthest(out.map(|c| -c)))
         } else {
             (a.furthest([1, 2, 4]), b.furthest([1, 2, -4]))
         };
-        let size = 2 * kit.denominator();
-        let offset = if kit.chance(50) {
-            kit.small_vector(size)
+        let size = 2 * sampler.denominator();
+        let offset = if sampler.chance(50) {
+            sampler.small_vector(size)
         } else {
-            [-kit.length(0, 16), -kit.length(0, 16), kit.gap(size)]
+            [-sampler.length(0, 16), -sampler.length(0, 16), sampler.gap(size)]
         };
-        let (a, b) = kit.vertex_to_vertex((&a, va), (&b, vb), offset);
-        kit.finish(a, b)
+        let (a, b) = sampler.vertex_to_vertex((&a, va), (&b, vb), offset);
+        sampler.finish(a, b)
     }
 }
 
-fn thin(kit: &mut Kit<'_>) -> Solid {
-    let [x, y, z] = kit.lengths(16, 48);
-    let thin = (z / (1 << kit.between(4, 9))).max(8);
-    match kit.below(6) {
-        0 => kit.shape("cuboid", [x, thin, thin]),
-        1 => kit.shape("tetrahedron", [x, y, thin]),
-        2 => kit.shape("hexagon", [x, thin, y]),
-        3 => kit.shape("trapezoid", [x, thin, z]),
-        4 => kit.shape("cut corner", [x, y, thin]),
-        _ => kit.shape("cuboid", [x, y, thin]),
+fn thin(sampler: &mut PairSampler<'_>) -> LatticeSolid {
+    let [x, y, z] = sampler.lengths(16, 48);
+    let thin = (z / (1 << sampler.between(4, 9))).max(8);
+    match sampler.below(6) {
+        0 => sampler.shape("cuboid", [x, thin, thin]),
+        1 => sampler.shape("tetrahedron", [x, y, thin]),
+        2 => sampler.shape("hexagon", [x, thin, y]),
+        3 => sampler.shape("trapezoid", [x, thin, z]),
+        4 => sampler.shape("cut corner", [x, y, thin]),
+        _ => sampler.shape("cuboid", [x, y, thin]),
     }
 }

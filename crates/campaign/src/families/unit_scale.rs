@@ -1,7 +1,7 @@
 //! Ordinary pairs in other units.
 
-use super::{Family, Kit, Style};
-use crate::shapes::solid::number_of;
+use super::{CoordinateStyle, Family, PairSampler};
+use crate::shapes::lattice_solid::number_of;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind, Number};
 use std::sync::Arc;
@@ -31,15 +31,15 @@ impl Family for UnitScale {
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut kit = Kit::with_style(rng, Style::Grid);
-        let family = Arc::clone(kit.pick(&self.families));
-        let factor = match kit.below(8) {
+        let mut sampler = PairSampler::with_style(rng, CoordinateStyle::Grid);
+        let family = Arc::clone(sampler.pick(&self.families));
+        let factor = match sampler.below(8) {
             0 => number_of(1000, 1, 0),
             1 => number_of(1, 1000, 0),
             2 => number_of(1_000_000, 1, 0),
             3 => number_of(3, 1, -2),
-            4 => number_of(1, 1, kit.between(-40, 40) as i32),
-            _ => number_of(1, 1, kit.between(-16, 16) as i32),
+            4 => number_of(1, 1, sampler.between(-40, 40) as i32),
+            _ => number_of(1, 1, sampler.between(-16, 16) as i32),
         };
         let (a, b) = family.generate(rng);
         (scaled(&a, &factor), scaled(&b, &factor))

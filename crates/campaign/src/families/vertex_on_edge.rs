@@ -1,7 +1,7 @@
 //! A corner near an edge.
 
 use super::edge_cross::ridge;
-use super::{Family, Kit};
+use super::{Family, PairSampler};
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 
@@ -22,28 +22,28 @@ impl Family for VertexOnEdge {
     }
 
     fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut kit = Kit::new(rng);
-        let below = if kit.chance(50) { ridge(&mut kit) } else { kit.cuboid(16, 48) };
-        let above = kit.convex(8, 40);
-        let above = if kit.chance(40) { kit.turned(&above) } else { kit.cube_turned(&above) };
-        let above = if kit.chance(20) { kit.tipped(&above) } else { above };
+        let mut sampler = PairSampler::new(rng);
+        let below = if sampler.chance(50) { ridge(&mut sampler) } else { sampler.cuboid(16, 48) };
+        let above = sampler.convex(8, 40);
+        let above = if sampler.chance(40) { sampler.turned(&above) } else { sampler.cube_turned(&above) };
+        let above = if sampler.chance(20) { sampler.tipped(&above) } else { above };
         // A vertex on the sharp side of the edge, and the edge from there along x (every shape drawn here has one).
         let p = below.furthest([-1, 0, 64]);
         let q = below.furthest([1, 0, 64]);
-        let tip = above.furthest([kit.between(-1, 1), kit.between(-1, 1), -3]);
+        let tip = above.furthest([sampler.between(-1, 1), sampler.between(-1, 1), -3]);
         let (from, to) = (below.points()[p], below.points()[q]);
-        let along = match kit.below(6) {
+        let along = match sampler.below(6) {
             0 => 0,
-            1 => kit.between(-2, 2),
+            1 => sampler.between(-2, 2),
             2 => 32,
-            _ => kit.between(1, 63),
+            _ => sampler.between(1, 63),
         };
         let below = below.refined(64);
         let above = above.refined(64);
         let foot = [0, 1, 2].map(|i| 2 * (64 * from[i] + along * (to[i] - from[i])));
-        let offset = kit.small_vector(2 * kit.denominator());
+        let offset = sampler.small_vector(2 * sampler.denominator());
         let tip = above.points()[tip].map(|c| 2 * c);
-        let (a, b) = kit.point_to_point((&below, foot), (&above, tip), offset);
-        kit.finish(a, b)
+        let (a, b) = sampler.point_to_point((&below, foot), (&above, tip), offset);
+        sampler.finish(a, b)
     }
 }

@@ -1,12 +1,12 @@
 //! How far a solid angle dips below a plane: the two measures of the no-overlap checks, and ladders across each.
 
-use super::search::{Found, both_edges};
+use super::search::{CriticalDecision, both_edges};
 use crate::directed::edges::across;
-use crate::directed::exact::{Exact, fraction};
+use crate::directed::exact::{ExactPlacement, fraction};
 use crate::directed::faces::over_face;
 use crate::directed::vertices::DRAWS;
-use crate::directed::{Pair, side};
-use crate::families::Kit;
+use crate::directed::{DirectedPair, side};
+use crate::families::PairSampler;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
@@ -15,7 +15,7 @@ use rockproof_model::{Criteria, ToleranceSet, Vec3};
 
 /// What a dip is measured by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Measure {
+pub(super) enum DipMeasure {
     /// The sine of its angle, compared with the overlap angle.
     Angle,
     /// The depth of its far end (m), compared with g; under `revised` only.
@@ -32,37 +32,39 @@ pub(super) struct Dip {
 
 impl Dip {
     /// Whether one measure alone lets the dip pass; **a tie says yes**.
-    fn within(&self, set: &ToleranceSet, measure: Measure) -> bool {
+    fn within(&self, set: &ToleranceSet, measure: DipMeasure) -> bool {
         match measure {
-            Measure::Angle => self.sine <= set.overlap_sine.to_rational().pow(2),
-            Measure::Length => set.criteria == Criteria::Classic || self.depth <= set.penetration.to_rational().pow(2),
+            DipMeasure::Angle => self.sine <= set.overlap_sine.to_rational().pow(2),
+            DipMeasure::Length => {
+                set.criteria == Criteria::Classic || self.depth <= set.penetration.to_rational().pow(2)
+            }
         }
     }
 
     /// Whether the dip passes: by both measures.
     pub(super) fn passes(&self, set: &ToleranceSet) -> bool {
-        self.within(set, Measure::Angle) && self.within(set, Measure::Length)
+        self.within(set, DipMeasure::Angle) && self.within(set, DipMeasure::Length)
     }
 
     /// The square of the tolerance at which the dip begins to pass. Both measures must hold, so one decides only where
     /// the other says yes; `None` elsewhere.
-    fn critical(&self, set: &ToleranceSet, measure: Measure) -> Option<&BigRational> {
+    fn critical(&self, set: &ToleranceSet, measure: DipMeasure) -> Option<&BigRational> {
         match measure {
-            Measure::Angle => self.within(set, Measure::Length).then_some(&self.sine),
-            Measure::Length => self.within(set, Measure::Angle).then_some(&self.depth),
+            DipMeasure::Angle => self.within(set, DipMeasure::Length).then_some(&self.sine),
+            DipMeasure::Length => self.within(set, DipMeasure::Angle).then_some(&self.depth),
         }
     }
 }
 
 /// The vertices that [`cone_dip`] needs on the lattice, for all edges at the vertex.
-pub(super) fn cone_vertices(pair: &Pair<'_>, (asked, vertex): (Side, u32), face: u32) -> Vec<(Side, u32)> {
-    let topology = pair.shadow.block(asked).topology();
+pub(super) fn cone_vertices(pair: &DirectedPair<'_>, (asked, vertex): (Side, u32), face: u32) -> Vec<(Side, u32)> {
+    let topology = pair.f64_view.block(asked).topology();
     let ends = topology.vertex_edges(vertex).iter().map(|&e| (asked, topology.edges()[e as usize].other(vertex)));
     pair.corners(asked.other(), face).chain([(asked, vertex)]).chain(ends).collect()
 }
 
 /// The dip of one edge at a vertex below a face of the other block; `None` where it does not dip.
-pub(super) fn cone_dip(exact: &Exact<'_>, (asked, vertex): (Side, u32), face: u32, edge: u32) -> Option<Dip> {
+pub(super) fn cone_dip(exact: &ExactPlacement<'_>, (asked, vertex): (Side, u32), face: u32, edge: u32) -> Option<Dip> {
     let n = exact.normal(asked.other(), face);
     let end = exact.edge(asked, edge).other(vertex);
     let e = exact.vertex(asked, end).minus(&exact.vertex(asked, vertex));
@@ -75,7 +77,7 @@ pub(super) fn cone_dip(exact: &Exact<'_>, (asked, vertex): (Side, u32), face: u3
 }
 
 /// The dips of the four faces at two edges, along their common perpendicular.
-pub(super) fn wedge_dips(exact: &Exact<'_>, (ea, eb): (u32, u32)) -> Vec<Dip> {
+pub(super) fn wedge_dips(exact: &ExactPlacement<'_>, (ea, eb): (u32, u32)) -> Vec<Dip> {
     let n = exact.perpendicular(ea, eb);
     let mut dips = Vec::new();
     for (side, edge) in [(Side::A, ea), (Side::B, eb)] {
@@ -96,7 +98,7 @@ pub(super) fn wedge_dips(exact: &Exact<'_>, (ea, eb): (u32, u32)) -> Vec<Dip> {
 }
 
 /// The square of the greatest distance of a face's vertices from the line of one of its edges: numerator, denominator.
-fn width_squared(exact: &Exact<'_>, side: Side, edge: u32, face: u32) -> (BigInt, BigInt) {
+fn width_squared(exact: &ExactPlacement<'_>, side: Side, edge: u32, face: u32) -> (BigInt, BigInt) {
     let d = exact.direction(side, edge);
     let p = exact.vertex(side, exact.edge(side, edge).p);
     let corners = &exact.block(side).topology().faces()[face as usize];
@@ -106,18 +108,18 @@ fn width_squared(exact: &Exact<'_>, side: Side, edge: u32, face: u32) -> (BigInt
 
 /// The one edge direction at a vertex that dips below a plane by one measure, while the other lets it pass. The vertex is
 /// brought over the face.
-pub(super) fn cone(kit: &mut Kit<'_>, pair: &Pair<'_>, by: Measure) -> Found {
+pub(super) fn cone(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, by: DipMeasure) -> CriticalDecision {
     let (asked, v, f, edge) = (0..DRAWS).find_map(|_| {
-        let asked = side(kit);
-        let (v, f) = pair.shadow.vertex_face(kit, asked);
-        let edge = *kit.pick(pair.shadow.block(asked).topology().vertex_edges(v));
+        let asked = side(sampler);
+        let (v, f) = pair.f64_view.vertex_face(sampler, asked);
+        let edge = *sampler.pick(pair.f64_view.block(asked).topology().vertex_edges(v));
         // The decision matters only where the other edges pass.
         let dip = pair.dip((asked, v), f, edge);
         let alone = dip > 0.0 && pair.cone_passes((asked, v), f, Some(edge));
-        let decides = by == Measure::Length || pair.is_shallow(dip);
+        let decides = by == DipMeasure::Length || pair.is_shallow(dip);
         (alone && decides).then_some((asked, v, f, edge))
     })?;
-    let start = over_face(kit, pair, (asked, v), f, None);
+    let start = over_face(sampler, pair, (asked, v), f, None);
     let exact = pair.exact(&cone_vertices(pair, (asked, v), f), start);
     let dip = cone_dip(&exact, (asked, v), f, edge)?;
     let features = [Feature::Vertex(asked, v), Feature::Face(asked.other(), f), Feature::Edge(asked, edge)];
@@ -126,9 +128,9 @@ pub(super) fn cone(kit: &mut Kit<'_>, pair: &Pair<'_>, by: Measure) -> Found {
 
 /// The worst of the faces at two crossing edges that dip by one measure, while the other lets all of them pass. The
 /// edges are brought across each other.
-pub(super) fn wedges(kit: &mut Kit<'_>, pair: &Pair<'_>, by: Measure) -> Found {
-    let (ea, eb) = pair.shadow.edge_edge(kit)?;
-    let start = across(kit, pair, ea, eb)?;
+pub(super) fn wedges(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, by: DipMeasure) -> CriticalDecision {
+    let (ea, eb) = pair.f64_view.edge_edge(sampler)?;
+    let start = across(sampler, pair, ea, eb)?;
     let dips = wedge_dips(&both_edges(pair, (ea, eb), start), (ea, eb));
     let critical = dips.iter().map(|dip| dip.critical(pair.set, by)).collect::<Option<Vec<_>>>()?;
     let worst = critical.into_iter().max()?.clone();

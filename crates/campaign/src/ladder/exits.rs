@@ -1,14 +1,14 @@
 //! Ladders across the decisions about the way out: which planes are true exits, and which contacts one exit keeps.
 
 use super::dip::{cone_dip, cone_vertices, wedge_dips};
-use super::search::{Found, STAY, both_edges};
+use super::search::{CriticalDecision, STAY, both_edges};
 use crate::directed::exact::fraction;
+use crate::directed::f64_view::{F64Vector, cross, length, minus, plus, times, unit};
 use crate::directed::faces::{ridge_under_vertex, under_faces};
-use crate::directed::shadow::{V, cross, length, minus, plus, times, unit};
 use crate::directed::vertices::DRAWS;
-use crate::directed::{Pair, side};
-use crate::families::Kit;
-use crate::sets::size;
+use crate::directed::{DirectedPair, side};
+use crate::families::PairSampler;
+use crate::tolerance_sets::size;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
@@ -20,7 +20,7 @@ const EXIT_INVERSE: i32 = 10;
 
 /// The plane of an entrance.
 #[derive(Clone, Copy)]
-enum Plane {
+enum EntrancePlane {
     /// A vertex of a side and a face of the other.
     Face((Side, u32), u32),
     /// An edge of A and one of B.
@@ -29,7 +29,7 @@ enum Plane {
 
 /// Where a plane is one of several that are asked.
 #[derive(Clone, Copy)]
-enum Place {
+enum PlaneRole {
     /// A vertex in the territory of a vertex of the other block.
     Corner((Side, u32), u32),
     /// A vertex in the territory of an edge of the other block.
@@ -38,134 +38,135 @@ enum Place {
     Under((Side, u32), u32),
 }
 
-impl Plane {
+impl EntrancePlane {
     fn decision(self) -> Decision {
         let features = match self {
-            Plane::Face((Side::A, v), f) => [Feature::Vertex(Side::A, v), Feature::Face(Side::B, f)],
-            Plane::Face((Side::B, v), f) => [Feature::Face(Side::A, f), Feature::Vertex(Side::B, v)],
-            Plane::Edges(a, b) => [Feature::Edge(Side::A, a), Feature::Edge(Side::B, b)],
+            EntrancePlane::Face((Side::A, v), f) => [Feature::Vertex(Side::A, v), Feature::Face(Side::B, f)],
+            EntrancePlane::Face((Side::B, v), f) => [Feature::Face(Side::A, f), Feature::Vertex(Side::B, v)],
+            EntrancePlane::Edges(a, b) => [Feature::Edge(Side::A, a), Feature::Edge(Side::B, b)],
         };
         Decision::about(Predicate::TrueExit, &features)
     }
 
     /// The square of the deepest dip (m²) of a plane that passes; `None` where it does not, or nothing dips.
-    fn deepest(self, pair: &Pair<'_>) -> Option<BigRational> {
+    fn deepest(self, pair: &DirectedPair<'_>) -> Option<BigRational> {
         let dips = match self {
-            Plane::Face(vertex, face) => {
+            EntrancePlane::Face(vertex, face) => {
                 let exact = pair.exact(&cone_vertices(pair, vertex, face), STAY);
-                let edges = pair.shadow.block(vertex.0).topology().vertex_edges(vertex.1);
+                let edges = pair.f64_view.block(vertex.0).topology().vertex_edges(vertex.1);
                 edges.iter().filter_map(|&edge| cone_dip(&exact, vertex, face, edge)).collect()
             }
-            Plane::Edges(a, b) => wedge_dips(&both_edges(pair, (a, b), STAY), (a, b)),
+            EntrancePlane::Edges(a, b) => wedge_dips(&both_edges(pair, (a, b), STAY), (a, b)),
         };
         dips.iter().all(|dip| dip.passes(pair.set)).then_some(())?;
         dips.into_iter().map(|dip| dip.depth).max()
     }
 
     /// Whether something dips below the plane of a face, as far as f64 can tell.
-    fn dips(self, pair: &Pair<'_>) -> bool {
+    fn dips(self, pair: &DirectedPair<'_>) -> bool {
         match self {
-            Plane::Face(vertex, face) => {
-                let edges = pair.shadow.block(vertex.0).topology().vertex_edges(vertex.1);
+            EntrancePlane::Face(vertex, face) => {
+                let edges = pair.f64_view.block(vertex.0).topology().vertex_edges(vertex.1);
                 edges.iter().any(|&edge| pair.dip(vertex, face, edge) > 0.0)
             }
-            Plane::Edges(..) => true,
+            EntrancePlane::Edges(..) => true,
         }
     }
 }
 
 /// The territory `r` for which r/10 is the deepest dip below a plane that passes: the candidate for the entrance of a
 /// v-v or v-e with several of them, or the plane of an overlap of convex blocks.
-pub(super) fn true_exit(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
+pub(super) fn true_exit(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> CriticalDecision {
     let (place, plane, squared) = (0..DRAWS).find_map(|_| {
-        let (place, planes) = drawn(kit, pair)?;
-        let first = kit.below(planes.len() as u64) as usize;
+        let (place, planes) = drawn(sampler, pair)?;
+        let first = sampler.below(planes.len() as u64) as usize;
         let mut turn = (0..planes.len()).map(|i| planes[(first + i) % planes.len()]);
         let plane = turn.find(|plane| plane.dips(pair))?;
         let squared = plane.deepest(pair)? * BigInt::from(EXIT_INVERSE * EXIT_INVERSE);
         // No rule allows r > s.
         (squared <= pair.set.search.to_rational().pow(2)).then_some((place, plane, squared))
     })?;
-    let shortest = size(pair.shadow.a).0.min(size(pair.shadow.b).0);
+    let shortest = size(pair.f64_view.a).0.min(size(pair.f64_view.b).0);
     let territory = squared.to_f64()?.sqrt().min(shortest / f64::from(LAMBDA_INVERSE));
-    Some((plane.decision(), squared, place.reached(kit, pair, territory)?))
+    Some((plane.decision(), squared, place.reached(sampler, pair, territory)?))
 }
 
 /// A place and the planes asked there: at least two where they are candidates for an entrance.
-fn drawn(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Option<(Place, Vec<Plane>)> {
-    let convex = pair.shadow.a.is_convex() && pair.shadow.b.is_convex();
-    let asked = side(kit);
+fn drawn(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<(PlaneRole, Vec<EntrancePlane>)> {
+    let convex = pair.f64_view.a.is_convex() && pair.f64_view.b.is_convex();
+    let asked = side(sampler);
     let other = asked.other();
     let passes = |vertex: (Side, u32), face: u32| pair.cone_passes(vertex, face, None);
-    match kit.below(5) {
+    match sampler.below(5) {
         0 if convex => {
-            let (v, f) = pair.shadow.vertex_face(kit, asked);
-            let plane = Plane::Face((asked, v), f);
-            passes((asked, v), f).then(|| (Place::Under((asked, v), f), vec![plane]))
+            let (v, f) = pair.f64_view.vertex_face(sampler, asked);
+            let plane = EntrancePlane::Face((asked, v), f);
+            passes((asked, v), f).then(|| (PlaneRole::Under((asked, v), f), vec![plane]))
         }
         1 | 2 => {
-            let (v, e) = pair.shadow.vertex_edge(kit, asked)?;
-            let edge = pair.shadow.block(other).topology().edges()[e as usize];
+            let (v, e) = pair.f64_view.vertex_edge(sampler, asked)?;
+            let edge = pair.f64_view.block(other).topology().edges()[e as usize];
             let faces = [edge.left, edge.right].into_iter().filter(|&f| passes((asked, v), f));
-            let mut planes: Vec<Plane> = faces.map(|f| Plane::Face((asked, v), f)).collect();
-            let arms = pair.shadow.block(asked).topology().vertex_edges(v).iter();
+            let mut planes: Vec<EntrancePlane> = faces.map(|f| EntrancePlane::Face((asked, v), f)).collect();
+            let arms = pair.f64_view.block(asked).topology().vertex_edges(v).iter();
             planes.extend(arms.filter_map(|&arm| crossing(pair, (asked, arm), e)));
-            (planes.len() >= 2).then_some((Place::Edge((asked, v), e), planes))
+            (planes.len() >= 2).then_some((PlaneRole::Edge((asked, v), e), planes))
         }
         _ => {
-            let (va, vb) = pair.shadow.vertex_vertex(kit)?;
-            let at = |side: Side, v: u32| pair.shadow.block(side).topology().vertex_edges(v).iter().copied();
-            let faces = |side: Side, v: u32| pair.shadow.block(side).topology().vertex_faces(v).iter().copied();
+            let (va, vb) = pair.f64_view.vertex_vertex(sampler)?;
+            let at = |side: Side, v: u32| pair.f64_view.block(side).topology().vertex_edges(v).iter().copied();
+            let faces = |side: Side, v: u32| pair.f64_view.block(side).topology().vertex_faces(v).iter().copied();
             let of_a = faces(Side::B, vb).map(|f| ((Side::A, va), f));
             let all = of_a.chain(faces(Side::A, va).map(|f| ((Side::B, vb), f)));
             let passing = all.filter(|&(vertex, f)| passes(vertex, f));
-            let mut planes: Vec<Plane> = passing.map(|(vertex, f)| Plane::Face(vertex, f)).collect();
+            let mut planes: Vec<EntrancePlane> = passing.map(|(vertex, f)| EntrancePlane::Face(vertex, f)).collect();
             planes.extend(
                 at(Side::A, va).flat_map(|a| at(Side::B, vb).filter_map(move |b| crossing(pair, (Side::A, a), b))),
             );
-            (planes.len() >= 2).then_some((Place::Corner((Side::A, va), vb), planes))
+            (planes.len() >= 2).then_some((PlaneRole::Corner((Side::A, va), vb), planes))
         }
     }
 }
 
 /// The plane of two convex edges whose angle alone says that they are not nearly parallel.
-fn crossing(pair: &Pair<'_>, (side, edge): (Side, u32), other: u32) -> Option<Plane> {
+fn crossing(pair: &DirectedPair<'_>, (side, edge): (Side, u32), other: u32) -> Option<EntrancePlane> {
     let (a, b) = if side == Side::A { (edge, other) } else { (other, edge) };
-    let ((_, d), (_, c)) = (pair.shadow.edge(Side::A, a), pair.shadow.edge(Side::B, b));
+    let ((_, d), (_, c)) = (pair.f64_view.edge(Side::A, a), pair.f64_view.edge(Side::B, b));
     let sine = length(cross(unit(d), unit(c)));
-    let convex = pair.shadow.a.edge_is_convex(a) && pair.shadow.b.edge_is_convex(b);
-    (convex && sine > pair.set.parallel_sine.approximate() * 1.001 + 1e-6).then_some(Plane::Edges(a, b))
+    let convex = pair.f64_view.a.edge_is_convex(a) && pair.f64_view.b.edge_is_convex(b);
+    (convex && sine > pair.set.parallel_sine.approximate() * 1.001 + 1e-6).then_some(EntrancePlane::Edges(a, b))
 }
 
-impl Place {
+impl PlaneRole {
     /// An offset of B with which the plane is asked at a territory of about `r` (m).
-    fn reached(self, kit: &mut Kit<'_>, pair: &Pair<'_>, r: f64) -> Option<V> {
+    fn reached(self, sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, r: f64) -> Option<F64Vector> {
         match self {
-            Place::Corner((side, v), owner) => {
+            PlaneRole::Corner((side, v), owner) => {
                 let other = side.other();
-                within(kit, r, |x| {
-                    let start = pair.bring((side, v), plus(pair.shadow.vertex(other, owner), x));
-                    let moved = pair.shadow.moved(start);
+                within(sampler, r, |x| {
+                    let start = pair.offset_to((side, v), plus(pair.f64_view.vertex(other, owner), x));
+                    let moved = pair.f64_view.moved(start);
                     (start, length(minus(moved.vertex(side, v), moved.vertex(other, owner))))
                 })
             }
-            Place::Edge((side, v), edge) => {
-                let (p, d) = pair.shadow.edge(side.other(), edge);
-                let foot = plus(p, times(d, kit.between(6, 10) as f64 / 16.0));
-                within(kit, r, |x| {
-                    let start = pair.bring((side, v), plus(foot, x));
-                    (start, pair.shadow.moved(start).foot(side, v, edge).1)
+            PlaneRole::Edge((side, v), edge) => {
+                let (p, d) = pair.f64_view.edge(side.other(), edge);
+                let foot = plus(p, times(d, sampler.between(6, 10) as f64 / 16.0));
+                within(sampler, r, |x| {
+                    let start = pair.offset_to((side, v), plus(foot, x));
+                    (start, pair.f64_view.moved(start).foot(side, v, edge).1)
                 })
             }
-            Place::Under((side, v), face) => {
+            PlaneRole::Under((side, v), face) => {
                 let other = side.other();
-                let normal = pair.shadow.normal(other, face);
-                let depth = pair.penetration() * kit.between(1, 60) as f64 / 64.0;
+                let normal = pair.f64_view.normal(other, face);
+                let depth = pair.penetration() * sampler.between(1, 60) as f64 / 64.0;
                 let corners: Vec<u32> = pair.corners(other, face).map(|(_, c)| c).collect();
-                let (c, corner) = (pair.shadow.centre(other, face), pair.shadow.vertex(other, *kit.pick(&corners)));
-                let foot = plus(c, times(minus(corner, c), kit.between(0, 6) as f64 / 16.0));
-                let start = pair.bring((side, v), minus(foot, times(normal, depth)));
-                let (gap, outside) = pair.shadow.moved(start).above_face(side, v, face);
+                let (c, corner) =
+                    (pair.f64_view.centre(other, face), pair.f64_view.vertex(other, *sampler.pick(&corners)));
+                let foot = plus(c, times(minus(corner, c), sampler.between(0, 6) as f64 / 16.0));
+                let start = pair.offset_to((side, v), minus(foot, times(normal, depth)));
+                let (gap, outside) = pair.f64_view.moved(start).above_face(side, v, face);
                 (outside == 0.0 && gap < 0.0 && gap >= -pair.penetration()).then_some(start)
             }
         }
@@ -174,12 +175,12 @@ impl Place {
 
 /// The offset of B that `place` makes of a small vector such that the distance there is within territories of radius `r`
 /// and the features' own.
-fn within(kit: &mut Kit<'_>, r: f64, place: impl Fn(V) -> (V, f64)) -> Option<V> {
+fn within(sampler: &mut PairSampler<'_>, r: f64, place: impl Fn(F64Vector) -> (F64Vector, f64)) -> Option<F64Vector> {
     // Every rung of the ladder has to keep it inside.
     let radius = r * 0.8;
     (0..DRAWS).find_map(|n| {
         let reach = radius / f64::from(1 << n.min(4));
-        let drawn = [(); 3].map(|()| reach * kit.between(-64, 64) as f64 / 64.0);
+        let drawn = [(); 3].map(|()| reach * sampler.between(-64, 64) as f64 / 64.0);
         let (start, distance) = place(drawn);
         (distance <= radius).then_some(start)
     })
@@ -188,22 +189,22 @@ fn within(kit: &mut Kit<'_>, r: f64, place: impl Fn(V) -> (V, f64)) -> Option<V>
 /// The sine between the two faces at a blunt edge of a convex block, and an offset of B that puts a vertex of the
 /// other under both: one of the overlaps may be another way out than the other. The way out is the shallower one, or the
 /// one that is a true exit alone.
-pub(super) fn one_exit(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
-    if !(pair.shadow.a.is_convex() && pair.shadow.b.is_convex()) {
+pub(super) fn one_exit(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> CriticalDecision {
+    if !(pair.f64_view.a.is_convex() && pair.f64_view.b.is_convex()) {
         return None;
     }
     let (low, high) = (pair.territory(), pair.penetration());
     if low >= 0.8 * high {
         return None;
     }
-    let (asked, vertex, edge) = (0..DRAWS).find_map(|_| ridge_under_vertex(kit, pair, true))?;
+    let (asked, vertex, edge) = (0..DRAWS).find_map(|_| ridge_under_vertex(sampler, pair, true))?;
     let other = asked.other();
-    let shallow = low + (high - low) / 16.0 * kit.between(2, 8) as f64;
-    let deep = shallow + (high - low) / 16.0 * kit.between(1, 5) as f64;
-    let left_is_deep = kit.chance(50);
+    let shallow = low + (high - low) / 16.0 * sampler.between(2, 8) as f64;
+    let deep = shallow + (high - low) / 16.0 * sampler.between(1, 5) as f64;
+    let left_is_deep = sampler.chance(50);
     let depths = if left_is_deep { [deep, shallow] } else { [shallow, deep] };
-    let start = under_faces(kit, pair, (asked, vertex, edge), depths)?;
-    let exact = pair.exact(&pair.beside(other, edge).collect::<Vec<_>>(), start);
+    let start = under_faces(sampler, pair, (asked, vertex, edge), depths)?;
+    let exact = pair.exact(&pair.faces_at_edge(other, edge).collect::<Vec<_>>(), start);
     let e = exact.edge(other, edge);
     let (n, m) = (exact.normal(other, e.left), exact.normal(other, e.right));
     if !n.dot(&m).is_positive() {

@@ -1,14 +1,14 @@
 //! Finding the decision that a tolerance settles, and the square of the value at which it does.
 
-use super::dip::{Measure, cone, wedges};
+use super::dip::{DipMeasure, cone, wedges};
 use super::exits::{one_exit, true_exit};
 use crate::directed::edges::across;
-use crate::directed::exact::{Exact, Root, fraction};
+use crate::directed::exact::{ExactPlacement, IntegerRoot, fraction};
+use crate::directed::f64_view::{F64Vector, cross, length, minus};
 use crate::directed::faces::Corner;
-use crate::directed::shadow::{V, cross, length, minus};
 use crate::directed::vertices::DRAWS;
-use crate::directed::{Pair, side};
-use crate::families::Kit;
+use crate::directed::{DirectedPair, side};
+use crate::families::PairSampler;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -16,53 +16,57 @@ use rockproof_model::Criteria;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 
 /// A decision, the square of the critical value (m², or dimensionless), and how far B is to be moved first (m).
-pub(super) type Found = Option<(Decision, BigRational, V)>;
+pub(super) type CriticalDecision = Option<(Decision, BigRational, F64Vector)>;
 
 /// No move.
-pub(super) const STAY: V = [0.0; 3];
+pub(super) const STAY: F64Vector = [0.0; 3];
 
 /// λ = 1/4, less a thousandth: what is measured against it is in f64.
 const QUARTER: f64 = 0.25 * 0.999;
 
 /// A decision that `tolerance` settles, of one kind.
-pub(super) fn found(kit: &mut Kit<'_>, pair: &Pair<'_>, (tolerance, kind): (&str, u64)) -> Found {
+pub(super) fn found(
+    sampler: &mut PairSampler<'_>,
+    pair: &DirectedPair<'_>,
+    (tolerance, kind): (&str, u64),
+) -> CriticalDecision {
     let revised = pair.set.criteria == Criteria::Revised;
     match tolerance {
         "search" => match kind % 4 {
-            0 => to_vertex(kit, pair, Predicate::VertexVertexNear),
-            1 => to_edge(kit, pair, Predicate::VertexEdgeNear),
-            2 => face_gap(kit, pair, Predicate::VertexFaceNear),
-            _ => edge_gap(kit, pair, Predicate::EdgeEdgeNear),
+            0 => to_vertex(sampler, pair, Predicate::VertexVertexNear),
+            1 => to_edge(sampler, pair, Predicate::VertexEdgeNear),
+            2 => face_gap(sampler, pair, Predicate::VertexFaceNear),
+            _ => edge_gap(sampler, pair, Predicate::EdgeEdgeNear),
         },
         // Under `classic` every territory is the search distance.
         "territory" if revised => match kind % 6 {
-            0 | 1 => nearly_parallel(kit, pair, true),
-            2 | 3 => true_exit(kit, pair),
-            4 => to_vertex(kit, pair, Predicate::VertexTerritory),
-            _ => to_edge(kit, pair, Predicate::EdgeTerritory),
+            0 | 1 => nearly_parallel(sampler, pair, true),
+            2 | 3 => true_exit(sampler, pair),
+            4 => to_vertex(sampler, pair, Predicate::VertexTerritory),
+            _ => to_edge(sampler, pair, Predicate::EdgeTerritory),
         },
         "penetration" => match kind % 6 {
-            4 => entrance_depth(kit, pair),
-            0 | 5 if revised => cone(kit, pair, Measure::Length),
-            1 if revised => wedges(kit, pair, Measure::Length),
-            0 | 1 | 2 | 5 => face_gap(kit, pair, Predicate::VertexFaceDepth),
-            _ => edge_gap(kit, pair, Predicate::EdgeEdgeDepth),
+            4 => entrance_depth(sampler, pair),
+            0 | 5 if revised => cone(sampler, pair, DipMeasure::Length),
+            1 if revised => wedges(sampler, pair, DipMeasure::Length),
+            0 | 1 | 2 | 5 => face_gap(sampler, pair, Predicate::VertexFaceDepth),
+            _ => edge_gap(sampler, pair, Predicate::EdgeEdgeDepth),
         },
         "overlap_sine" => match kind % 4 {
-            0 | 3 => one_exit(kit, pair),
-            1 => wedges(kit, pair, Measure::Angle),
-            _ => cone(kit, pair, Measure::Angle),
+            0 | 3 => one_exit(sampler, pair),
+            1 => wedges(sampler, pair, DipMeasure::Angle),
+            _ => cone(sampler, pair, DipMeasure::Angle),
         },
-        "parallel_sine" => nearly_parallel(kit, pair, false),
+        "parallel_sine" => nearly_parallel(sampler, pair, false),
         // Most gaps have an irrational ratio.
-        "equal" => (0..DRAWS).find_map(|_| equal(kit, pair)),
+        "equal" => (0..DRAWS).find_map(|_| equal(sampler, pair)),
         _ => None,
     }
 }
 
-fn to_vertex(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
-    let (va, vb) = pair.shadow.vertex_vertex(kit)?;
-    let distance = length(minus(pair.shadow.vertex(Side::A, va), pair.shadow.vertex(Side::B, vb)));
+fn to_vertex(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Predicate) -> CriticalDecision {
+    let (va, vb) = pair.f64_view.vertex_vertex(sampler)?;
+    let distance = length(minus(pair.f64_view.vertex(Side::A, va), pair.f64_view.vertex(Side::B, vb)));
     let limit = quarter_edge(pair, Side::A, va).min(quarter_edge(pair, Side::B, vb));
     if predicate == Predicate::VertexTerritory && distance >= limit {
         return None;
@@ -74,21 +78,21 @@ fn to_vertex(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found 
 }
 
 /// λ times the shortest edge at a vertex, a little less to be sure.
-fn quarter_edge(pair: &Pair<'_>, side: Side, vertex: u32) -> f64 {
-    let edges = pair.shadow.block(side).topology().vertex_edges(vertex).iter();
-    edges.map(|&e| length(pair.shadow.edge(side, e).1)).fold(f64::INFINITY, f64::min) * QUARTER
+fn quarter_edge(pair: &DirectedPair<'_>, side: Side, vertex: u32) -> f64 {
+    let edges = pair.f64_view.block(side).topology().vertex_edges(vertex).iter();
+    edges.map(|&e| length(pair.f64_view.edge(side, e).1)).fold(f64::INFINITY, f64::min) * QUARTER
 }
 
-fn to_edge(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
-    let asked = side(kit);
+fn to_edge(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Predicate) -> CriticalDecision {
+    let asked = side(sampler);
     let other = asked.other();
-    let (v, e) = pair.shadow.vertex_edge(kit, asked)?;
-    let (along, distance) = pair.shadow.foot(asked, v, e);
+    let (v, e) = pair.f64_view.vertex_edge(sampler, asked)?;
+    let (along, distance) = pair.f64_view.foot(asked, v, e);
     let too_far = predicate == Predicate::EdgeTerritory && distance >= quarter_width(pair, other, e);
     if !(0.0..1.0).contains(&along) || too_far {
         return None;
     }
-    let exact = pair.exact(&pair.beside(other, e).chain([(asked, v)]).collect::<Vec<_>>(), STAY);
+    let exact = pair.exact(&pair.faces_at_edge(other, e).chain([(asked, v)]).collect::<Vec<_>>(), STAY);
     let d = exact.direction(other, e);
     let x = exact.vertex(asked, v).minus(&exact.vertex(other, exact.edge(other, e).p));
     let decision = Decision::about(predicate, &[Feature::Vertex(asked, v), Feature::Edge(other, e)]);
@@ -96,19 +100,19 @@ fn to_edge(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
 }
 
 /// λ times the smaller width of the faces at an edge, a little less to be sure.
-fn quarter_width(pair: &Pair<'_>, side: Side, edge: u32) -> f64 {
-    let e = pair.shadow.block(side).topology().edges()[edge as usize];
-    let (p, d) = pair.shadow.edge(side, edge);
-    let far = |(side, v): (Side, u32)| length(cross(minus(pair.shadow.vertex(side, v), p), d)) / length(d);
+fn quarter_width(pair: &DirectedPair<'_>, side: Side, edge: u32) -> f64 {
+    let e = pair.f64_view.block(side).topology().edges()[edge as usize];
+    let (p, d) = pair.f64_view.edge(side, edge);
+    let far = |(side, v): (Side, u32)| length(cross(minus(pair.f64_view.vertex(side, v), p), d)) / length(d);
     let width = |face: u32| pair.corners(side, face).map(far).fold(0.0, f64::max);
     width(e.left).min(width(e.right)) * QUARTER
 }
 
 /// A gap (for `search`) or a depth (for `penetration`) of a vertex over a face.
-fn face_gap(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
-    let asked = side(kit);
-    let (v, f) = pair.shadow.vertex_face(kit, asked);
-    if pair.shadow.above_face(asked, v, f).1 > 0.0 {
+fn face_gap(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Predicate) -> CriticalDecision {
+    let asked = side(sampler);
+    let (v, f) = pair.f64_view.vertex_face(sampler, asked);
+    if pair.f64_view.above_face(asked, v, f).1 > 0.0 {
         return None;
     }
     let exact = pair.exact(&pair.corners(asked.other(), f).chain([(asked, v)]).collect::<Vec<_>>(), STAY);
@@ -118,9 +122,9 @@ fn face_gap(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
 }
 
 /// A gap or a depth of crossing edges.
-fn edge_gap(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
-    let (ea, eb) = pair.shadow.edge_edge(kit)?;
-    let (s, t, _) = pair.shadow.feet(ea, eb)?;
+fn edge_gap(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Predicate) -> CriticalDecision {
+    let (ea, eb) = pair.f64_view.edge_edge(sampler)?;
+    let (s, t, _) = pair.f64_view.feet(ea, eb)?;
     if !((0.0..1.0).contains(&s) && (0.0..1.0).contains(&t)) {
         return None;
     }
@@ -131,15 +135,15 @@ fn edge_gap(kit: &mut Kit<'_>, pair: &Pair<'_>, predicate: Predicate) -> Found {
     depth_or_gap(&exact, Decision::about(predicate, &features), &gap, n.norm_squared())
 }
 
-pub(super) fn both_edges<'p>(pair: &Pair<'p>, (ea, eb): (u32, u32), start: V) -> Exact<'p> {
-    pair.exact(&pair.beside(Side::A, ea).chain(pair.beside(Side::B, eb)).collect::<Vec<_>>(), start)
+pub(super) fn both_edges<'p>(pair: &DirectedPair<'p>, (ea, eb): (u32, u32), start: F64Vector) -> ExactPlacement<'p> {
+    pair.exact(&pair.faces_at_edge(Side::A, ea).chain(pair.faces_at_edge(Side::B, eb)).collect::<Vec<_>>(), start)
 }
 
 /// The depth of a vertex below the way in, at a corner of the other block to whose territory it is brought.
-fn entrance_depth(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
+fn entrance_depth(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> CriticalDecision {
     let (corner, (start, face)) = (0..DRAWS).find_map(|_| {
-        let corner = Corner::choose(kit, pair, 1)?;
-        let place = corner.overlap(kit, pair)?;
+        let corner = Corner::choose(sampler, pair, 1)?;
+        let place = corner.overlap(sampler, pair)?;
         Some((corner, place))
     })?;
     let vertices = pair.corners(corner.side.other(), face).chain([(corner.side, corner.vertex)]);
@@ -151,7 +155,7 @@ fn entrance_depth(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
 }
 
 /// `gap²/square`, where the gap has the sign that the decision asks about.
-fn depth_or_gap(exact: &Exact<'_>, decision: Decision, gap: &BigInt, square: BigInt) -> Found {
+fn depth_or_gap(exact: &ExactPlacement<'_>, decision: Decision, gap: &BigInt, square: BigInt) -> CriticalDecision {
     let deep =
         matches!(decision.predicate, Predicate::VertexFaceDepth | Predicate::EdgeEdgeDepth | Predicate::EntranceDepth);
     (!gap.is_zero() && deep == gap.is_negative()).then(|| (decision, exact.square_metres(&(gap * gap), &square), STAY))
@@ -159,9 +163,9 @@ fn depth_or_gap(exact: &Exact<'_>, decision: Decision, gap: &BigInt, square: Big
 
 /// The sine between two edges, or (`by_territory`) how far one drifts from the other over the longer's length. The
 /// edges are brought across each other.
-fn nearly_parallel(kit: &mut Kit<'_>, pair: &Pair<'_>, by_territory: bool) -> Found {
-    let (ea, eb) = pair.shadow.edge_edge(kit)?;
-    let start = across(kit, pair, ea, eb)?;
+fn nearly_parallel(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, by_territory: bool) -> CriticalDecision {
+    let (ea, eb) = pair.f64_view.edge_edge(sampler)?;
+    let start = across(sampler, pair, ea, eb)?;
     let exact = both_edges(pair, (ea, eb), start);
     let (d1, d2) = (exact.direction(Side::A, ea), exact.direction(Side::B, eb));
     let (cross, l1, l2) = (d1.cross(&d2).norm_squared(), d1.norm_squared(), d2.norm_squared());
@@ -180,9 +184,9 @@ fn nearly_parallel(kit: &mut Kit<'_>, pair: &Pair<'_>, by_territory: bool) -> Fo
 
 /// The relative difference of the gaps of a vertex above two faces of a corner of the other block, to which it is
 /// brought.
-fn equal(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
-    let corner = Corner::choose(kit, pair, 2)?;
-    let start = corner.visit(kit, pair)?;
+fn equal(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> CriticalDecision {
+    let corner = Corner::choose(sampler, pair, 2)?;
+    let start = corner.visit(sampler, pair)?;
     let (asked, other) = (corner.side, corner.side.other());
     let vertices = corner.faces.iter().flat_map(|&f| pair.corners(other, f)).chain([(asked, corner.vertex)]);
     let exact = pair.exact(&vertices.collect::<Vec<_>>(), start);
@@ -197,13 +201,13 @@ fn equal(kit: &mut Kit<'_>, pair: &Pair<'_>) -> Found {
         })
         .collect();
     let (best, largest) = gaps.iter().max_by(|g, h| g.1.cmp(&h.1).then(h.0.cmp(&g.0)))?;
-    let (f, second) = kit.pick(&gaps);
+    let (f, second) = sampler.pick(&gaps);
     if f == best || largest.is_zero() || largest.is_positive() != second.is_positive() {
         return None;
     }
     // ε = |h_best − h|/|h_best| = |1 − √(h²/h_best²)|; rational where the ratio is a square.
     let ratio = second / largest;
-    let root = Root::of(&(ratio.numer() * ratio.denom()));
+    let root = IntegerRoot::of(&(ratio.numer() * ratio.denom()));
     if !root.is_exact() {
         return None;
     }

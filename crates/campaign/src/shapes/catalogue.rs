@@ -1,7 +1,7 @@
 //! The shapes pairs are made of, each in the cube [0, 8]³ on integers. Stretched, turned and moved they become blocks.
 
+use super::lattice_solid::{LatticeSolid, Units};
 use super::round;
-use super::solid::{Solid, Units};
 use rockproof_differential::hull::convex_hull;
 use rockproof_model::{Block, BlockError, BlockOptions, Number, Point, Vec3};
 use std::sync::OnceLock;
@@ -15,7 +15,7 @@ pub struct Template {
     /// What it is, in one or two words.
     pub name: &'static str,
     /// The shape in [0, 8]³.
-    pub solid: Solid,
+    pub solid: LatticeSolid,
 }
 
 /// The convex shapes. The first is the cube.
@@ -50,16 +50,16 @@ pub fn round() -> &'static [Template] {
 ///
 /// # Panics
 /// When there is none: names are constants of the generators, and each is used by a test.
-pub(crate) fn named(name: &str) -> &'static Solid {
+pub(crate) fn named(name: &str) -> &'static LatticeSolid {
     let found = convex().iter().chain(concave()).find(|t| t.name == name);
     &found.unwrap_or_else(|| panic!("no shape is called {name}")).solid
 }
 
 /// A solid from the convex hull of points in lattice units, at most 28 bits each; `None` when they are flat.
-pub fn hull_of(points: &[Units], denominator: i128) -> Option<Solid> {
+pub fn hull_of(points: &[Units], denominator: i128) -> Option<LatticeSolid> {
     let block = convex_hull(&points.iter().map(point_of).collect::<Vec<_>>()).ok()?;
     let kept = block.vertices().iter().map(units_of).collect();
-    Some(Solid::new(block, kept, denominator))
+    Some(LatticeSolid::new(block, kept, denominator))
 }
 
 fn hull_template(name: &'static str, points: &[[i8; 3]]) -> Option<Template> {
@@ -77,10 +77,14 @@ fn units_of(point: &Point) -> Units {
 }
 
 /// The block of these faces over points in lattice units.
-pub(super) fn solid_of(points: Vec<Units>, faces: Vec<Vec<u32>>, denominator: i128) -> Result<Solid, BlockError> {
+pub(super) fn solid_of(
+    points: Vec<Units>,
+    faces: Vec<Vec<u32>>,
+    denominator: i128,
+) -> Result<LatticeSolid, BlockError> {
     let vertices = points.iter().map(point_of).collect();
     let block = Block::new(vertices, faces, &BlockOptions { planarity: Number::ZERO })?;
-    Ok(Solid::new(block, points, denominator))
+    Ok(LatticeSolid::new(block, points, denominator))
 }
 
 /// A prism from z = 0 to z = 8 over a counter-clockwise polygon.

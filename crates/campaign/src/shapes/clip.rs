@@ -1,24 +1,24 @@
 //! Convex polyhedra cut by planes, exactly. Coordinates are homogeneous integers, so a cut never rounds and the numbers
 //! stay as small as the planes that meet at a vertex allow.
 
-use super::solid::number_of;
+use super::lattice_solid::number_of;
 use num_integer::Integer;
 use rockproof_model::{Block, BlockError, BlockOptions, Number, Vec3};
 
 /// The half space `normal·x <= level`, everything in lattice units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plane {
+pub struct HalfSpace {
     /// Points out of the part that stays.
     pub normal: [i128; 3],
     /// `normal·x` of the plane's points.
     pub level: i128,
 }
 
-impl Plane {
+impl HalfSpace {
     /// The plane with the other side kept.
     #[must_use]
-    pub fn reversed(self) -> Plane {
-        Plane { normal: self.normal.map(|c| -c), level: -self.level }
+    pub fn reversed(self) -> HalfSpace {
+        HalfSpace { normal: self.normal.map(|c| -c), level: -self.level }
     }
 }
 
@@ -41,15 +41,15 @@ type Homogeneous = [i128; 4];
 
 /// A convex polyhedron while it is being cut.
 #[derive(Clone, Debug)]
-pub struct Cut {
+pub struct ClippedPolyhedron {
     vertices: Vec<Homogeneous>,
     faces: Vec<Vec<u32>>,
     denominator: i128,
 }
 
-impl Cut {
+impl ClippedPolyhedron {
     /// The box between two corners, given in units of `1/denominator` metres.
-    pub fn cuboid(low: [i128; 3], high: [i128; 3], denominator: i128) -> Cut {
+    pub fn cuboid(low: [i128; 3], high: [i128; 3], denominator: i128) -> ClippedPolyhedron {
         let corner = |i: usize| {
             let side = |bit: usize, axis: usize| if i >> bit & 1 == 1 { high[axis] } else { low[axis] };
             [side(0, 0), side(1, 1), side(2, 2), 1]
@@ -57,14 +57,14 @@ impl Cut {
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]]
             .map(Vec::from)
             .to_vec();
-        Cut { vertices: (0..8).map(corner).collect(), faces, denominator }
+        ClippedPolyhedron { vertices: (0..8).map(corner).collect(), faces, denominator }
     }
 
     /// What lies on the inner side of `plane`; the cut closes with a new last face where it takes something away.
     ///
     /// # Errors
     /// When nothing solid is left, or numbers outgrow 126 bits.
-    pub fn clipped(&self, plane: Plane) -> Result<Cut, ClipError> {
+    pub fn clipped(&self, plane: HalfSpace) -> Result<ClippedPolyhedron, ClipError> {
         let heights = self.vertices.iter().map(|v| height(&plane, v)).collect::<Option<Vec<i128>>>();
         let heights = heights.ok_or(ClipError::TooLarge)?;
         if heights.iter().all(|&h| h <= 0) {
@@ -90,7 +90,7 @@ impl Cut {
             rim.extend(seam);
         }
         faces.push(chain(&rim).ok_or(ClipError::Empty)?);
-        Ok(Cut { vertices: cut.vertices, faces, denominator: self.denominator })
+        Ok(ClippedPolyhedron { vertices: cut.vertices, faces, denominator: self.denominator })
     }
 
     /// The block, its length scaled by `2^exponent`.
@@ -114,14 +114,14 @@ impl Cut {
 type Clipped = (Vec<u32>, Option<(u32, u32)>);
 
 /// `normal·(x, y, z) − level·w`, of the sign of the distance; `None` beyond 126 bits.
-fn height(plane: &Plane, [x, y, z, w]: &Homogeneous) -> Option<i128> {
+fn height(plane: &HalfSpace, [x, y, z, w]: &Homogeneous) -> Option<i128> {
     let [a, b, c] = plane.normal;
     let sum = a.checked_mul(*x)?.checked_add(b.checked_mul(*y)?)?.checked_add(c.checked_mul(*z)?)?;
     sum.checked_sub(plane.level.checked_mul(*w)?)
 }
 
 struct Clipping<'a> {
-    old: &'a Cut,
+    old: &'a ClippedPolyhedron,
     heights: Vec<i128>,
     vertices: Vec<Homogeneous>,
     kept: Vec<Option<u32>>,
@@ -208,13 +208,13 @@ fn chain(edges: &[(u32, u32)]) -> Option<Vec<u32>> {
 mod tests {
     use super::*;
 
-    fn unit_box() -> Cut {
-        Cut::cuboid([0; 3], [12, 12, 12], 12)
+    fn unit_box() -> ClippedPolyhedron {
+        ClippedPolyhedron::cuboid([0; 3], [12, 12, 12], 12)
     }
 
     #[test]
     fn halves_share_their_cut() {
-        let plane = Plane { normal: [1, 2, 5], level: 47 };
+        let plane = HalfSpace { normal: [1, 2, 5], level: 47 };
         let below = unit_box().clipped(plane).unwrap().block(0).unwrap();
         let above = unit_box().clipped(plane.reversed()).unwrap().block(0).unwrap();
         assert!(below.is_convex() && above.is_convex());
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn cuts_through_corners_and_edges_stay_blocks() {
         for (normal, level) in [([1, 1, 0], 12), ([1, 1, 1], 12), ([1, 0, 0], 5), ([2, 1, 0], 12)] {
-            let plane = Plane { normal, level };
+            let plane = HalfSpace { normal, level };
             for side in [plane, plane.reversed()] {
                 assert!(unit_box().clipped(side).unwrap().block(3).unwrap().is_convex(), "{side:?}");
             }
@@ -235,8 +235,8 @@ mod tests {
 
     #[test]
     fn a_plane_that_misses_keeps_all_or_nothing() {
-        let whole = unit_box().clipped(Plane { normal: [0, 0, 1], level: 12 }).unwrap();
+        let whole = unit_box().clipped(HalfSpace { normal: [0, 0, 1], level: 12 }).unwrap();
         assert_eq!(whole.vertices.len(), 8);
-        assert!(matches!(unit_box().clipped(Plane { normal: [0, 0, 1], level: 0 }), Err(ClipError::Empty)));
+        assert!(matches!(unit_box().clipped(HalfSpace { normal: [0, 0, 1], level: 0 }), Err(ClipError::Empty)));
     }
 }

@@ -2,10 +2,10 @@
 
 pub mod catalogue;
 pub mod clip;
+pub mod lattice_solid;
+pub mod rotation;
 mod round;
-pub mod solid;
-pub mod turn;
 
-pub use clip::{ClipError, Cut, Plane};
-pub use solid::Solid;
-pub use turn::Turn;
+pub use clip::{ClipError, ClippedPolyhedron, HalfSpace};
+pub use lattice_solid::LatticeSolid;
+pub use rotation::RationalRotation;

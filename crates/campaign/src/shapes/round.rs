@@ -1,7 +1,7 @@
 //! Round convex shapes: many vertices, with five, six or seven triangles at most of them.
 
 use super::catalogue::{SIDE, solid_of};
-use super::solid::{Solid, Units};
+use super::lattice_solid::{LatticeSolid, Units};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::collections::BTreeSet;
@@ -14,7 +14,7 @@ const PLACES: usize = 2000;
 
 /// A triangulated sphere of `count` vertices in the cube [0, 8]³, the same each time; `None` where no place is left for
 /// that many.
-pub(super) fn solid(count: usize) -> Option<Solid> {
+pub(super) fn solid(count: usize) -> Option<LatticeSolid> {
     let mut rng = ChaCha8Rng::seed_from_u64(count as u64);
     (0..64).find_map(|_| {
         let points = scattered(&mut rng, count)?;

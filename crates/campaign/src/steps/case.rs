@@ -1,6 +1,6 @@
 //! The case file of a finding about a step: the scene, the state before the step, and the oracle's answer, for `replay`.
 
-use super::engine::{Made, StepEngine};
+use super::engine::{ComparedPairStep, StepEngine};
 use super::finding::{StepChange, StepFinding};
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCase;
@@ -25,6 +25,37 @@ pub fn of(
     })
 }
 
+/// Whether a finding can have a case, without making it small where that is not needed to know: `false` only if [`of`] gives `None`.
+pub fn is_possible(
+    finding: &StepFinding,
+    subject: &Subject,
+    motion: &PairMotion,
+    engines: &[Box<dyn StepEngine>],
+) -> bool {
+    let possible = || {
+        let Some(made) = shown_again(finding, subject, motion, engines) else { return false };
+        // Another motion may let the oracle's step come to its end.
+        made.compared.oracle.is_some() || self::made(finding, subject, motion, engines).is_some()
+    };
+    std::thread::scope(|scope| match scope.spawn(possible).join() {
+        Ok(possible) => possible,
+        Err(panic) => std::panic::resume_unwind(panic),
+    })
+}
+
+/// The step of a finding, made once more under a motion, if it shows the finding.
+fn shown_again(
+    finding: &StepFinding,
+    subject: &Subject,
+    motion: &PairMotion,
+    engines: &[Box<dyn StepEngine>],
+) -> Option<ComparedPairStep> {
+    let set = subject.sets.iter().find(|set| set.name == finding.set)?;
+    let engine = engines.iter().find(|engine| engine.name() == &*finding.engine)?;
+    let steps = engine.steps(subject, set, motion).ok()?;
+    steps.into_iter().find(|made| made.compared.step == finding.step).filter(|made| reproduces(made, finding))
+}
+
 fn made(
     finding: &StepFinding,
     subject: &Subject,
@@ -33,10 +64,7 @@ fn made(
 ) -> Option<StepCase> {
     let set = subject.sets.iter().find(|set| set.name == finding.set)?;
     let engine = &**engines.iter().find(|engine| engine.name() == &*finding.engine)?;
-    let again = |motion: &PairMotion| -> Option<Made> {
-        let steps = engine.steps(subject, set, motion).ok()?;
-        steps.into_iter().find(|made| made.compared.step == finding.step).filter(|made| shows(made, finding))
-    };
+    let again = |motion: &PairMotion| shown_again(finding, subject, motion, engines);
     let mut best = (motion.clone(), again(motion)?);
     // A later step is made from a state that simpler motions do not come to.
     if finding.step == 1 {
@@ -57,11 +85,11 @@ fn written(
     subject: &Subject,
     set: &SubjectSet,
     precision: Precision,
-    (motion, made): &(PairMotion, Made),
+    (motion, made): &(PairMotion, ComparedPairStep),
 ) -> Option<StepCase> {
     let tolerances = set.of(precision);
     let scene = motion.scene(&subject.a, &subject.b, tolerances);
-    let about = |c: &rockproof_differential::lockstep::Caused| {
+    let about = |c: &rockproof_differential::lockstep::AttributedDifference| {
         let d = &c.difference;
         let contact = d.contact.map_or(String::new(), |(_, contact)| format!(" {}", contact.kind));
         format!("{} {}{contact}: {} → {}", c.cause, d.change.name(), d.before, d.after)
@@ -76,7 +104,12 @@ fn written(
             finding.after
         ));
     }
-    let oracle = made.compared.oracle.as_ref()?;
+    let about_intrusion = matches!(finding.change, StepChange::Intrusion(_));
+    let expected = if about_intrusion {
+        Expected::of_step(&made.compared)
+    } else {
+        made.compared.oracle.as_ref().map(Expected::of)
+    };
     Some(StepCase {
         format: StepCase::FORMAT.to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -85,25 +118,30 @@ fn written(
         differences,
         scene: with_tolerances(&scene, tolerances).ok()?,
         state: made.before.clone(),
-        expected: Expected::of(oracle),
+        expected: expected?,
     })
 }
 
 /// Whether a step shows what a finding says.
-fn shows(made: &Made, finding: &StepFinding) -> bool {
+fn reproduces(made: &ComparedPairStep, finding: &StepFinding) -> bool {
     let compared = &made.compared;
     match finding.change {
         StepChange::Decision(change) => compared.differences.iter().any(|c| {
             let d = &c.difference;
-            let same =
-                (c.cause, d.change, d.contact.map(|(_, contact)| contact)) == (finding.cause, change, finding.contact);
+            let same = (c.cause.into(), d.change, d.contact.map(|(_, contact)| contact))
+                == (finding.cause, change, finding.contact);
             same && d.before == finding.before && d.after == finding.after
         }),
         StepChange::State(what) => made.drift == Some(what),
+        StepChange::Intrusion(kind) => {
+            compared.watched.iter().flat_map(|watched| &watched.attributed).any(|attributed| {
+                (attributed.kind, attributed.cause, attributed.words()[1]) == (kind, finding.cause, &*finding.after)
+            })
+        }
         StepChange::Deeper | StepChange::Shallower => {
             let [Some(stepper), Some(oracle)] = compared.penetration else { return false };
             let [Some(was), Some(right)] = finding.penetration else { return false };
-            let same_cause = (compared.count(Cause::Defect) > 0) == (finding.cause == Cause::Defect);
+            let same_cause = (compared.count(Cause::Defect) > 0) == (finding.cause == Cause::Defect.into());
             // As much of a difference as was found, in the same direction.
             same_cause && (stepper - oracle) * (was - right).signum() >= 0.5 * (was - right).abs()
         }

@@ -1,28 +1,28 @@
 //! What makes the steps of a campaign: the stepper beside the oracle, in f32 or f64.
 
 use rockproof_differential::collapse::collapsed_feature;
-use rockproof_differential::lockstep::{Compared, Links, Lockstep};
+use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, Lockstep};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Subject, SubjectSet};
-use rockproof_model::Precision;
-use rockproof_simulate::checkpoint::Saved;
-use rockproof_stepper::contact::Spec;
+use rockproof_model::{Block, Precision};
+use rockproof_simulate::checkpoint::SavedState;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Mode, Solve, State, StepRules};
 use std::marker::PhantomData;
 
 /// One step, made on both sides.
 #[derive(Clone, Debug)]
-pub struct Made {
+pub struct ComparedPairStep {
     /// What both did.
-    pub compared: Compared,
+    pub compared: ComparedStep,
     /// The state before it.
-    pub before: Saved,
+    pub before: SavedState,
     /// What differs of the state after it where all decisions are the same, and as much in 512 bits: no rounding.
     pub drift: Option<&'static str>,
     /// Contacts by their mode after the last solve of the oracle: open, sliding, locked.
     pub modes: [u64; 3],
-    /// Contacts that, exactly, were closed and open by turns between solves of the accepted attempt.
-    pub turning: u64,
+    /// Contacts that, exactly, chattered: closed after one solve and open after another of the accepted attempt.
+    pub chattering: u64,
 }
 
 /// Something that makes steps beside the oracle.
@@ -37,28 +37,28 @@ pub trait StepEngine: Send + Sync {
     ///
     /// # Errors
     /// Why there is not even one: the pair does not survive rounding.
-    fn steps(&self, subject: &Subject, set: &SubjectSet, motion: &PairMotion) -> Result<Vec<Made>, String>;
+    fn steps(&self, subject: &Subject, set: &SubjectSet, motion: &PairMotion) -> Result<Vec<ComparedPairStep>, String>;
 }
 
 /// The stepper in the scalar `R` by the rules `M`.
 #[derive(Clone, Debug)]
-pub struct StepperSteps<R, M> {
+pub struct StepperStepEngine<R, M> {
     name: String,
     precision: Precision,
     code: PhantomData<fn() -> (R, M)>,
 }
 
-impl<M: StepRules> StepperSteps<f32, M> {
+impl<M: StepRules> StepperStepEngine<f32, M> {
     /// In f32.
     pub fn f32(name: &str) -> Self {
-        StepperSteps { name: name.to_owned(), precision: Precision::F32, code: PhantomData }
+        StepperStepEngine { name: name.to_owned(), precision: Precision::F32, code: PhantomData }
     }
 }
 
-impl<M: StepRules> StepperSteps<f64, M> {
+impl<M: StepRules> StepperStepEngine<f64, M> {
     /// In f64.
     pub fn f64(name: &str) -> Self {
-        StepperSteps { name: name.to_owned(), precision: Precision::F64, code: PhantomData }
+        StepperStepEngine { name: name.to_owned(), precision: Precision::F64, code: PhantomData }
     }
 }
 
@@ -66,15 +66,24 @@ impl<M: StepRules> StepperSteps<f64, M> {
 pub fn engines<'n>(names: impl IntoIterator<Item = &'n str>) -> Vec<Box<dyn StepEngine>> {
     let engine = |name: &str| -> Option<Box<dyn StepEngine>> {
         match name {
-            "stepper-f32" => Some(Box::new(StepperSteps::<f32, Spec>::f32(name))),
-            "stepper-f64" => Some(Box::new(StepperSteps::<f64, Spec>::f64(name))),
+            "stepper-f32" => Some(Box::new(StepperStepEngine::<f32, SpecRules>::f32(name))),
+            "stepper-f64" => Some(Box::new(StepperStepEngine::<f64, SpecRules>::f64(name))),
             _ => None,
         }
     };
     names.into_iter().filter_map(engine).collect()
 }
 
-impl<R: Solve, M: StepRules> StepEngine for StepperSteps<R, M> {
+/// Faces of a block beyond which its steps are not looked through for passages and unseen overlaps.
+const MOST_WATCHED_FACES: usize = 12;
+
+/// Whether steps of a block are looked through for passages and unseen overlaps: rounding bends its faces, and a bent block is cut into convex
+/// cells by the planes of all its faces, whose number grows as the third power of theirs.
+fn is_watched(block: &Block) -> bool {
+    block.is_convex() && block.topology().faces().len() <= MOST_WATCHED_FACES
+}
+
+impl<R: Solve, M: StepRules> StepEngine for StepperStepEngine<R, M> {
     fn name(&self) -> &str {
         &self.name
     }
@@ -83,7 +92,7 @@ impl<R: Solve, M: StepRules> StepEngine for StepperSteps<R, M> {
         self.precision
     }
 
-    fn steps(&self, subject: &Subject, set: &SubjectSet, motion: &PairMotion) -> Result<Vec<Made>, String> {
+    fn steps(&self, subject: &Subject, set: &SubjectSet, motion: &PairMotion) -> Result<Vec<ComparedPairStep>, String> {
         for block in [&subject.a, &subject.b] {
             let rounded = block.rounded(self.precision).ok_or("a coordinate overflows")?;
             if let Some(what) = collapsed_feature(&rounded) {
@@ -92,8 +101,11 @@ impl<R: Solve, M: StepRules> StepEngine for StepperSteps<R, M> {
         }
         let tolerances = set.of(self.precision);
         let scene = motion.scene(&subject.a, &subject.b, tolerances);
-        let mut lockstep = Lockstep::<R, M>::new(&scene, tolerances, self.precision, Links::All)
+        let mut lockstep = Lockstep::<R, M>::new(&scene, tolerances, self.precision, ComparedLinks::All)
             .map_err(|failure| failure.to_string())?;
+        if [&subject.a, &subject.b].into_iter().all(is_watched) {
+            lockstep = lockstep.watching();
+        }
         let reach = tolerances.max_displacement.approximate();
         let mut all = Vec::new();
         for _ in 0..motion.steps {
@@ -101,11 +113,11 @@ impl<R: Solve, M: StepRules> StepEngine for StepperSteps<R, M> {
             let (made, compared) = lockstep.step();
             let drift = self.drift(&mut lockstep, &before, &compared, reach);
             let ends = made.is_err() || compared.unproved.is_some();
-            all.push(Made {
-                before: Saved::of(&before),
+            all.push(ComparedPairStep {
+                before: SavedState::of(&before),
                 drift,
                 modes: final_modes(&compared),
-                turning: turning(&compared),
+                chattering: chattering(&compared),
                 compared,
             });
             if ends {
@@ -116,7 +128,7 @@ impl<R: Solve, M: StepRules> StepEngine for StepperSteps<R, M> {
     }
 }
 
-impl<R: Solve, M: StepRules> StepperSteps<R, M> {
+impl<R: Solve, M: StepRules> StepperStepEngine<R, M> {
     /// Errors of the state beyond these are looked at in 512 bits: of velocities as a share, of anchors as a share of the largest
     /// displacement allowed.
     fn suspicious(&self) -> f64 {
@@ -130,7 +142,7 @@ impl<R: Solve, M: StepRules> StepperSteps<R, M> {
         &self,
         lockstep: &mut Lockstep<R, M>,
         before: &State<R>,
-        compared: &Compared,
+        compared: &ComparedStep,
         reach: f64,
     ) -> Option<&'static str> {
         let own = compared.stepper.is_some() && compared.oracle.is_some() && !compared.differs();
@@ -151,13 +163,13 @@ impl<R: Solve, M: StepRules> StepperSteps<R, M> {
     }
 }
 
-fn final_modes(compared: &Compared) -> [u64; 3] {
+fn final_modes(compared: &ComparedStep) -> [u64; 3] {
     let last = compared.oracle.as_ref().and_then(|oracle| oracle.modes.last());
     let count = |mode: Mode| last.map_or(0, |modes| modes.iter().filter(|m| **m == mode).count() as u64);
     [count(Mode::Open), count(Mode::Sliding), count(Mode::Locked)]
 }
 
-fn turning(compared: &Compared) -> u64 {
+fn chattering(compared: &ComparedStep) -> u64 {
     let Some(oracle) = &compared.oracle else { return 0 };
     let turned = |contact: usize| {
         let closed = || oracle.modes.iter().filter_map(move |all| all.get(contact)).map(|mode| mode.is_closed());

@@ -1,10 +1,11 @@
 //! The steps of one pair, under all its tolerance sets and by every engine: what differs, and why.
 
-use super::engine::{Made, StepEngine};
+use super::engine::{ComparedPairStep, StepEngine};
 use super::finding::{StepChange, StepFinding};
-use super::summary::{Place, StepSummary, half_side};
-use rockproof_differential::finding::{Cause, Who};
-use rockproof_differential::lockstep::effect::Depths;
+use super::summary::{StepGroup, StepSummary, half_side};
+use rockproof_differential::finding::{Cause, FindingScope};
+use rockproof_differential::lockstep::StepCause;
+use rockproof_differential::lockstep::effect::StepPenetrations;
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::Precision;
@@ -12,7 +13,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What the steps of some pairs brought.
 #[derive(Debug, Default)]
-pub struct Examined {
+pub struct StepExamination {
     /// The findings, by pair, tolerance set, engine, step and cause.
     pub findings: Vec<StepFinding>,
     /// The counts.
@@ -21,9 +22,9 @@ pub struct Examined {
 
 /// Examines some pairs on a thread of their own: the stepper waits for threads inside a step, and a worker that waits would take
 /// up other pairs meanwhile, one inside the other.
-pub fn examine_all(pairs: &[(&Subject, PairMotion)], engines: &[Box<dyn StepEngine>]) -> Examined {
+pub fn examine_all(pairs: &[(&Subject, PairMotion)], engines: &[Box<dyn StepEngine>]) -> StepExamination {
     let work = || {
-        let mut all = Examined::default();
+        let mut all = StepExamination::default();
         for (subject, motion) in pairs {
             examine(subject, motion, engines, &mut all);
         }
@@ -36,19 +37,20 @@ pub fn examine_all(pairs: &[(&Subject, PairMotion)], engines: &[Box<dyn StepEngi
 }
 
 /// Examines one pair.
-pub fn examine(subject: &Subject, motion: &PairMotion, engines: &[Box<dyn StepEngine>], all: &mut Examined) {
+pub fn examine(subject: &Subject, motion: &PairMotion, engines: &[Box<dyn StepEngine>], all: &mut StepExamination) {
     let half = half_side(subject);
     for set in &subject.sets {
         let first = all.findings.len();
         for engine in engines {
-            let place = Place::new(subject, set, engine.name());
+            let place = StepGroup::new(subject, set, engine.name());
+            all.summary.add_pair(&place);
             let steps = catch_unwind(AssertUnwindSafe(|| engine.steps(subject, set, motion)));
             match steps {
                 Ok(Ok(steps)) => {
                     for made in &steps {
-                        let deepened = deepened(subject, engine.precision(), made);
+                        let deepened = penetration_change(subject, engine.precision(), made);
                         all.summary.add_step(&place, made, deepened, half);
-                        told(subject, set, &**engine, (made, deepened), &mut all.findings);
+                        findings_of_step(subject, set, &**engine, (made, deepened), &mut all.findings);
                     }
                 }
                 Ok(Err(_)) => all.summary.add_silent(&place),
@@ -56,35 +58,47 @@ pub fn examine(subject: &Subject, motion: &PairMotion, engines: &[Box<dyn StepEn
                     all.summary.add_silent(&place);
                     let text = panic.downcast_ref::<String>().cloned();
                     let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
-                    let mut finding = blank(subject, set, &**engine, Cause::Defect, 1);
+                    let mut finding = empty_finding(subject, set, &**engine, Cause::Defect.into(), 1);
                     finding.after = format!("panic: {}", text.unwrap_or_else(|| "no message".to_owned()));
                     all.findings.push(finding);
                 }
             }
         }
-        shared(&mut all.findings, first, engines);
+        merge_shared(&mut all.findings, first, engines);
         for finding in &all.findings[first..] {
             all.summary.add_finding(finding);
         }
     }
 }
 
+/// Whether a cause lies in an engine.
+fn is_own(cause: StepCause) -> bool {
+    matches!(cause, StepCause::Link(Cause::Arithmetic | Cause::Defect | Cause::Engine))
+}
+
 /// A finding that says nothing yet.
-fn blank(subject: &Subject, set: &SubjectSet, engine: &dyn StepEngine, cause: Cause, step: i64) -> StepFinding {
-    let who = match cause {
-        Cause::Tolerance | Cause::Representation => Who::Rounded(engine.precision()),
-        _ => Who::Engine(engine.name().into()),
+fn empty_finding(
+    subject: &Subject,
+    set: &SubjectSet,
+    engine: &dyn StepEngine,
+    cause: StepCause,
+    step: i64,
+) -> StepFinding {
+    let scope = if is_own(cause) {
+        FindingScope::Engine(engine.name().into())
+    } else {
+        FindingScope::Rounded(engine.precision())
     };
     StepFinding {
         index: subject.index,
         family: subject.family.clone(),
         form: subject.form.clone(),
         set: set.name.clone(),
-        who,
+        scope,
         engine: engine.name().into(),
         step,
         cause,
-        change: StepChange::Decision(rockproof_differential::lockstep::Change::Stopped),
+        change: StepChange::Decision(rockproof_differential::lockstep::StepAnswerChange::Stopped),
         contact: None,
         solve: None,
         before: String::new(),
@@ -100,74 +114,81 @@ fn blank(subject: &Subject, set: &SubjectSet, engine: &dyn StepEngine, cause: Ca
 const ROUNDOFFS: f64 = 64.0;
 
 /// What differs in a step. Differences of contacts in the first step are those of `findings.csv`, and left to it.
-fn told(
+fn findings_of_step(
     subject: &Subject,
     set: &SubjectSet,
     engine: &dyn StepEngine,
-    (made, deepened): (&Made, Option<StepChange>),
+    (made, deepened): (&ComparedPairStep, Option<StepChange>),
     findings: &mut Vec<StepFinding>,
 ) {
     let compared = &made.compared;
     let effect = compared.depths.map_or("", |depths| depths.effect().name());
-    let own = |cause| matches!(cause, Cause::Arithmetic | Cause::Defect);
-    let new = |cause| {
-        let mut finding = blank(subject, set, engine, cause, compared.step);
-        if own(cause) {
+    let new = |cause: StepCause| {
+        let mut finding = empty_finding(subject, set, engine, cause, compared.step);
+        if is_own(cause) {
             (finding.penetration, finding.effect) = (compared.penetration, effect);
         }
         finding
     };
-    for caused in &compared.differences {
-        if compared.step > 1 || !caused.difference.is_of_contacts() {
-            let mut finding = new(caused.cause);
-            finding.tell(caused);
+    for attributed in &compared.differences {
+        if compared.step > 1 || !attributed.difference.is_of_contacts() {
+            let mut finding = new(attributed.cause.into());
+            finding.take_difference(attributed);
             findings.push(finding);
         }
     }
     if let Some(what) = made.drift {
-        findings.push(StepFinding { change: StepChange::State(what), ..new(Cause::Defect) });
+        findings.push(StepFinding { change: StepChange::State(what), ..new(Cause::Defect.into()) });
+    }
+    for attributed in compared.watched.iter().flat_map(|watched| &watched.attributed) {
+        let mut finding = new(attributed.cause);
+        finding.change = StepChange::Intrusion(attributed.kind);
+        [finding.before, finding.after] = attributed.words().map(str::to_owned);
+        findings.push(finding);
     }
     let Some(change) = deepened else { return };
     let defect = made.drift.is_some() || compared.count(Cause::Defect) > 0;
-    let mut finding = new(if defect { Cause::Defect } else { Cause::Arithmetic });
+    let mut finding = new(if defect { Cause::Defect } else { Cause::Arithmetic }.into());
     let depth = |side: usize| compared.penetration[side].map_or(String::new(), |depth| format!("{depth:e}"));
     (finding.change, finding.before, finding.after) = (change, depth(1), depth(0));
     findings.push(finding);
 }
 
 /// Whether penetrations after a step differ by more than rounding the coordinates explains.
-fn deepened(subject: &Subject, precision: Precision, made: &Made) -> Option<StepChange> {
+fn penetration_change(subject: &Subject, precision: Precision, made: &ComparedPairStep) -> Option<StepChange> {
     let [Some(stepper), Some(oracle)] = made.compared.penetration else { return None };
     let blocks = [&subject.a, &subject.b];
     let coordinates = blocks.into_iter().flat_map(|b| b.vertices()).flat_map(|v| v.components());
     let largest = coordinates.map(|c| c.approximate().abs()).fold(0.0, f64::max);
     let rounding = ROUNDOFFS * precision.epsilon() / 2.0 * largest;
     let change = stepper - oracle;
-    if change.abs() <= rounding.max(Depths::NOTHING * stepper.max(oracle)) {
+    if change.abs() <= rounding.max(StepPenetrations::NOTHING * stepper.max(oracle)) {
         return None;
     }
     Some(if change > 0.0 { StepChange::Deeper } else { StepChange::Shallower })
 }
 
 /// What tolerances and rounding do is counted once, not once an engine: the same tolerance difference in every precision is
-/// about everyone, the same difference of rounding once for its precision.
-fn shared(findings: &mut Vec<StepFinding>, first: usize, engines: &[Box<dyn StepEngine>]) {
+/// about everyone, and so is the same intrusion by the length of the step, or that shorter steps have too; the same difference of rounding is counted
+/// once for its precision.
+fn merge_shared(findings: &mut Vec<StepFinding>, first: usize, engines: &[Box<dyn StepEngine>]) {
     let alone = engines.windows(2).all(|two| two[0].precision() == two[1].precision());
     let mut kept: Vec<StepFinding> = Vec::new();
     for mut finding in findings.drain(first..) {
-        let of_engine = matches!(finding.who, Who::Engine(_));
-        if alone && finding.cause == Cause::Tolerance {
-            finding.who = Who::Any;
+        let of_engine = matches!(finding.scope, FindingScope::Engine(_));
+        let of_all = !of_engine && finding.cause != Cause::Representation.into();
+        if alone && of_all {
+            finding.scope = FindingScope::Any;
         }
         let same = |known: &&mut StepFinding| {
             !of_engine
                 && (known.cause, known.step, known.change) == (finding.cause, finding.step, finding.change)
                 && (known.contact, known.solve) == (finding.contact, finding.solve)
                 && (&known.before, &known.after) == (&finding.before, &finding.after)
-                && (known.who == finding.who || finding.cause == Cause::Tolerance)
+                && (known.scope == finding.scope || of_all)
         };
         match kept.iter_mut().find(same) {
-            Some(known) if known.who != finding.who => known.who = Who::Any,
+            Some(known) if known.scope != finding.scope => known.scope = FindingScope::Any,
             Some(_) => {}
             None => kept.push(finding),
         }

@@ -2,31 +2,34 @@
 //! classification.
 
 use rockproof_differential::compare;
-use rockproof_differential::finding::{Cause, Deciding, Who};
-use rockproof_differential::lockstep::Caused;
-use rockproof_differential::lockstep::answer::Change;
+use rockproof_differential::finding::{DecidingDecision, FindingScope};
+use rockproof_differential::lockstep::answer::StepAnswerChange;
+use rockproof_differential::lockstep::{AttributedDifference, Intrusion, StepCause};
 use rockproof_differential::row;
-use rockproof_model::{Contact, ContactKind};
+use rockproof_model::Contact;
 use rockproof_results::bounded;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::sync::Arc;
 
 /// What differs between two steps, or between the states after them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StepChange {
     /// A decision.
-    Decision(Change),
+    Decision(StepAnswerChange),
     /// The blocks overlap deeper after the stepper's step than after the oracle's.
     Deeper,
     /// They overlap less deep.
     Shallower,
     /// The same decisions and another state, in 512 bits too: `anchors`, `velocity` or `displacement`.
     State(&'static str),
+    /// The blocks pass through one another, or overlap where no contact sees it.
+    Intrusion(Intrusion),
 }
 
 impl StepChange {
     /// The names of changes that only steps have.
-    pub const NAMES: [&'static str; 11] = [
+    pub const NAMES: [&'static str; 13] = [
         "mode",
         "iterations",
         "converged",
@@ -38,6 +41,8 @@ impl StepChange {
         "anchors",
         "velocity",
         "displacement",
+        "passage",
+        "unseen",
     ];
 
     /// The name in tables and files.
@@ -47,12 +52,13 @@ impl StepChange {
             StepChange::Deeper => "deeper",
             StepChange::Shallower => "shallower",
             StepChange::State(what) => what,
+            StepChange::Intrusion(kind) => kind.name(),
         }
     }
 
     /// Whether a change of this name may be found in steps.
     pub fn is_known(name: &str) -> bool {
-        StepChange::NAMES.contains(&name) || compare::Change::from_name(name).is_some()
+        StepChange::NAMES.contains(&name) || compare::AnswerChange::from_name(name).is_some()
     }
 }
 
@@ -68,13 +74,13 @@ pub struct StepFinding {
     /// The tolerance set.
     pub set: Arc<str>,
     /// Whom it is about.
-    pub who: Who,
+    pub scope: FindingScope,
     /// The engine in whose steps it was seen.
     pub engine: Arc<str>,
     /// The step, from 1.
     pub step: i64,
     /// Why the step is another one.
-    pub cause: Cause,
+    pub cause: StepCause,
     /// What differs.
     pub change: StepChange,
     /// The contact it is about, if it is about one.
@@ -86,7 +92,7 @@ pub struct StepFinding {
     /// What the later link has.
     pub after: String,
     /// What decided a difference of contacts.
-    pub deciding: Option<Deciding>,
+    pub deciding: Option<DecidingDecision>,
     /// The exact margin of what decided a difference of contacts or of a mode, **0 at a tie**, and the same in roundoffs.
     pub margins: [Option<f64>; 2],
     /// The exact penetration after the stepper's step and after the oracle's (m).
@@ -103,11 +109,11 @@ pub struct StepFindingRow {
     pub family: String,
     pub form: String,
     pub tolerances: String,
-    #[serde(serialize_with = "row::text", deserialize_with = "row::who")]
-    pub engine: Who,
+    #[serde(serialize_with = "row::text", deserialize_with = "row::deserialize_scope")]
+    pub engine: FindingScope,
     pub step: i64,
-    #[serde(serialize_with = "row::text", deserialize_with = "row::cause")]
-    pub cause: Cause,
+    #[serde(serialize_with = "row::text", deserialize_with = "cause")]
+    pub cause: StepCause,
     pub change: String,
     pub kind: String,
     pub feature_a: Option<u32>,
@@ -127,6 +133,12 @@ pub struct StepFindingRow {
     pub penetration_oracle_m: Option<f64>,
     pub effect: String,
     pub case: String,
+}
+
+/// A cause by its name.
+fn cause<'d, D: Deserializer<'d>>(deserializer: D) -> Result<StepCause, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    StepCause::from_name(&text).ok_or_else(|| D::Error::custom(format!("\"{text}\" is no cause")))
 }
 
 /// The columns of `step_findings.csv`.
@@ -157,39 +169,14 @@ pub const STEP_FINDING_COLUMNS: [&str; 22] = [
 
 impl StepFinding {
     /// Takes over what a difference of two steps says.
-    pub(super) fn tell(&mut self, caused: &Caused) {
-        let difference = &caused.difference;
+    pub(super) fn take_difference(&mut self, attributed: &AttributedDifference) {
+        let difference = &attributed.difference;
         self.change = StepChange::Decision(difference.change);
         self.contact = difference.contact.map(|(_, contact)| contact);
         self.solve = difference.solve;
         (self.before, self.after) = (difference.before.clone(), difference.after.clone());
-        self.deciding = caused.deciding;
-        self.margins = [caused.margin(), caused.margin_ulps()];
-    }
-
-    /// What makes two findings alike, in one line.
-    pub fn fingerprint(&self) -> String {
-        let kind = self.contact.map_or("pair", |contact| contact.kind.name());
-        format!("{kind} {} {} {} {} {}", self.cause, self.change.name(), self.modes(), self.who, self.family)
-    }
-
-    fn modes(&self) -> String {
-        match self.change {
-            StepChange::Decision(Change::Mode) => format!("{}-{}", self.before, self.after),
-            _ => "step".to_owned(),
-        }
-    }
-
-    /// The name of its case file.
-    pub fn file_name(&self) -> String {
-        let kind = self.contact.map_or("pair", |contact| ContactKind::name(contact.kind));
-        let (change, modes) = (self.change.name(), self.modes());
-        let stem = format!(
-            "step-{kind}-{}-{change}-{modes}-{}-{}-{}-{}-{}",
-            self.cause, self.who, self.family, self.set, self.index, self.step
-        );
-        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-        format!("{}.json", bounded(&stem.chars().map(plain).collect::<String>()))
+        self.deciding = attributed.deciding;
+        self.margins = [attributed.margin(), attributed.margin_ulps()];
     }
 
     /// The finding's row of `step_findings.csv`; `case` is its case file, empty where there is none.
@@ -200,7 +187,7 @@ impl StepFinding {
             family: self.family.to_string(),
             form: self.form.to_string(),
             tolerances: self.set.to_string(),
-            engine: self.who.clone(),
+            engine: self.scope.clone(),
             step: self.step,
             cause: self.cause,
             change: self.change.name().to_owned(),
@@ -211,13 +198,41 @@ impl StepFinding {
             before: self.before.clone(),
             after: self.after.clone(),
             predicate: deciding.map_or(String::new(), |d| d.decision.predicate.name().to_owned()),
-            features: deciding.map_or(String::new(), Deciding::features),
+            features: deciding.map_or(String::new(), DecidingDecision::features),
             margin: self.margins[0],
             margin_ulps: self.margins[1],
             penetration_stepper_m: self.penetration[0],
             penetration_oracle_m: self.penetration[1],
             effect: self.effect.to_owned(),
             case,
+        }
+    }
+}
+
+impl StepFindingRow {
+    /// What makes two findings alike, in one line.
+    pub fn fingerprint(&self) -> String {
+        let StepFindingRow { cause, change, engine, family, .. } = self;
+        format!("{} {cause} {change} {} {engine} {family}", self.kind(), self.modes())
+    }
+
+    /// The name of the finding's case file.
+    pub fn file_name(&self) -> String {
+        let StepFindingRow { index, family, tolerances, engine, step, cause, change, .. } = self;
+        let (kind, modes) = (self.kind(), self.modes());
+        let stem = format!("step-{kind}-{cause}-{change}-{modes}-{engine}-{family}-{tolerances}-{index}-{step}");
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+        format!("{}.json", bounded(&stem.chars().map(plain).collect::<String>()))
+    }
+
+    fn kind(&self) -> &str {
+        if self.kind.is_empty() { "pair" } else { &self.kind }
+    }
+
+    fn modes(&self) -> String {
+        match self.change == StepAnswerChange::Mode.name() {
+            true => format!("{}-{}", self.before, self.after),
+            false => "step".to_owned(),
         }
     }
 }

@@ -7,10 +7,12 @@ pub mod engine;
 pub mod examine;
 pub mod finding;
 pub mod motion;
+pub mod passing;
 pub mod summary;
 
-pub use engine::{Made, StepEngine, StepperSteps, engines};
-pub use examine::{Examined, examine, examine_all};
+pub use engine::{ComparedPairStep, StepEngine, StepperStepEngine, engines};
+pub use examine::{StepExamination, examine, examine_all};
 pub use finding::{STEP_FINDING_COLUMNS, StepChange, StepFinding, StepFindingRow};
-pub use motion::Manner;
+pub use motion::MotionStyle;
+pub use passing::PASSAGE;
 pub use summary::{STEP_SUMMARY_COLUMNS, StepSummary};

@@ -7,7 +7,7 @@ use std::fmt;
 
 /// One way to make a pair of blocks extreme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Axis {
+pub enum StressAxis {
     /// Distance from the origin over the size of the pair.
     Offset,
     /// Units: every coordinate divided, as metres become kilometres and more.
@@ -22,61 +22,68 @@ pub enum Axis {
     Angle,
 }
 
-impl Axis {
+impl StressAxis {
     /// All axes.
-    pub const ALL: [Axis; 6] = [Axis::Offset, Axis::ScaleDown, Axis::ScaleUp, Axis::Ratio, Axis::Sliver, Axis::Angle];
+    pub const ALL: [StressAxis; 6] = [
+        StressAxis::Offset,
+        StressAxis::ScaleDown,
+        StressAxis::ScaleUp,
+        StressAxis::Ratio,
+        StressAxis::Sliver,
+        StressAxis::Angle,
+    ];
 
     /// The name in tables; a pair's family is this, a dash and its level.
     pub fn name(self) -> &'static str {
         match self {
-            Axis::Offset => "offset",
-            Axis::ScaleDown => "scale_down",
-            Axis::ScaleUp => "scale_up",
-            Axis::Ratio => "ratio",
-            Axis::Sliver => "sliver",
-            Axis::Angle => "angle",
+            StressAxis::Offset => "offset",
+            StressAxis::ScaleDown => "scale_down",
+            StressAxis::ScaleUp => "scale_up",
+            StressAxis::Ratio => "ratio",
+            StressAxis::Sliver => "sliver",
+            StressAxis::Angle => "angle",
         }
     }
 
     /// What a level counts.
     pub fn meaning(self) -> &'static str {
         match self {
-            Axis::Offset => "distance from the origin over the size of the pair",
-            Axis::ScaleDown | Axis::ScaleUp => "factor on every coordinate",
-            Axis::Ratio => "size of one block over that of the other",
-            Axis::Sliver => "thickness of a block over its length",
-            Axis::Angle => "angle between two edges or two faces (rad)",
+            StressAxis::Offset => "distance from the origin over the size of the pair",
+            StressAxis::ScaleDown | StressAxis::ScaleUp => "factor on every coordinate",
+            StressAxis::Ratio => "size of one block over that of the other",
+            StressAxis::Sliver => "thickness of a block over its length",
+            StressAxis::Angle => "angle between two edges or two faces (rad)",
         }
     }
 
     /// The levels, from the mildest to the most extreme.
-    pub fn levels(self) -> Vec<Level> {
-        let powers = |exponents: &[i32]| exponents.iter().map(|&e| Level::Power(e)).collect();
+    pub fn levels(self) -> Vec<StressLevel> {
+        let powers = |exponents: &[i32]| exponents.iter().map(|&e| StressLevel::Power(e)).collect();
         match self {
-            Axis::Offset => std::iter::once(Level::None).chain((0..=8).map(Level::Power)).collect(),
-            Axis::ScaleDown => powers(&[0, -1, -2, -3, -6]),
-            Axis::ScaleUp => powers(&[0, 1, 2, 3, 6]),
-            Axis::Ratio => (0..=6).map(Level::Power).collect(),
-            Axis::Sliver | Axis::Angle => (1..=9).map(|e| Level::Power(-e)).collect(),
+            StressAxis::Offset => std::iter::once(StressLevel::None).chain((0..=8).map(StressLevel::Power)).collect(),
+            StressAxis::ScaleDown => powers(&[0, -1, -2, -3, -6]),
+            StressAxis::ScaleUp => powers(&[0, 1, 2, 3, 6]),
+            StressAxis::Ratio => (0..=6).map(StressLevel::Power).collect(),
+            StressAxis::Sliver | StressAxis::Angle => (1..=9).map(|e| StressLevel::Power(-e)).collect(),
         }
     }
 }
 
 /// How far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Level {
+pub enum StressLevel {
     /// Not at all.
     None,
     /// A power of ten.
     Power(i32),
 }
 
-impl Level {
+impl StressLevel {
     /// The level, exactly.
     pub fn number(self) -> Number {
         match self {
-            Level::None => Number::ZERO,
-            Level::Power(exponent) => {
+            StressLevel::None => Number::ZERO,
+            StressLevel::Power(exponent) => {
                 let power = BigRational::from_integer(BigInt::from(10).pow(exponent.unsigned_abs()));
                 Number::from_rational(if exponent < 0 { power.recip() } else { power })
             }
@@ -84,49 +91,49 @@ impl Level {
     }
 }
 
-impl fmt::Display for Level {
+impl fmt::Display for StressLevel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Level::None => f.pad("0"),
-            Level::Power(exponent) => f.pad(&format!("1e{exponent}")),
+            StressLevel::None => f.pad("0"),
+            StressLevel::Power(exponent) => f.pad(&format!("1e{exponent}")),
         }
     }
 }
 
 /// Whether the pairs of a cell hold ties.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Form {
+pub enum PairAlignment {
     /// Blocks in a grid, as drawn: faces flush, corners on edges. Most pairs hold exact ties.
     Aligned,
     /// Blocks turned and shifted by random amounts: no tie but by a rare accident.
     Generic,
 }
 
-impl Form {
+impl PairAlignment {
     /// Both forms.
-    pub const ALL: [Form; 2] = [Form::Aligned, Form::Generic];
+    pub const ALL: [PairAlignment; 2] = [PairAlignment::Aligned, PairAlignment::Generic];
 
     /// `aligned` or `generic`.
     pub fn name(self) -> &'static str {
         match self {
-            Form::Aligned => "aligned",
-            Form::Generic => "generic",
+            PairAlignment::Aligned => "aligned",
+            PairAlignment::Generic => "generic",
         }
     }
 }
 
 /// One row of the stress table: pairs of one form, extreme in one way, to one level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Cell {
+pub struct CellKey {
     /// In which way.
-    pub axis: Axis,
+    pub axis: StressAxis,
     /// How far.
-    pub level: Level,
+    pub level: StressLevel,
     /// With or without ties.
-    pub form: Form,
+    pub form: PairAlignment,
 }
 
-impl Cell {
+impl CellKey {
     /// The family of its pairs in findings: `offset-1e4`.
     pub fn family(&self) -> String {
         format!("{}-{}", self.axis.name(), self.level)
@@ -134,11 +141,11 @@ impl Cell {
 }
 
 /// Every cell, axis by axis and level by level.
-pub fn cells() -> Vec<Cell> {
+pub fn cells() -> Vec<CellKey> {
     let mut all = Vec::new();
-    for axis in Axis::ALL {
+    for axis in StressAxis::ALL {
         for level in axis.levels() {
-            all.extend(Form::ALL.map(|form| Cell { axis, level, form }));
+            all.extend(PairAlignment::ALL.map(|form| CellKey { axis, level, form }));
         }
     }
     all
@@ -163,8 +170,8 @@ mod tests {
 
     #[test]
     fn levels_are_exact() {
-        assert_eq!(Level::Power(-9).number(), Number::parse("1/1000000000").unwrap());
-        assert_eq!(Level::Power(8).number(), Number::from_integer(100_000_000));
-        assert_eq!(Level::None.number(), Number::ZERO);
+        assert_eq!(StressLevel::Power(-9).number(), Number::parse("1/1000000000").unwrap());
+        assert_eq!(StressLevel::Power(8).number(), Number::from_integer(100_000_000));
+        assert_eq!(StressLevel::None.number(), Number::ZERO);
     }
 }

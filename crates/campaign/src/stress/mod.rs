@@ -12,5 +12,5 @@ mod source;
 pub mod steps;
 pub mod table;
 
-pub use axis::{Axis, Cell, Form, Level, cells};
+pub use axis::{CellKey, PairAlignment, StressAxis, StressLevel, cells};
 pub use source::{PAIRS_PER_CELL, StressSource};

@@ -4,7 +4,7 @@ use rockproof_model::simulation::{JointPair, JointProperties};
 use rockproof_model::{
     Block, BlockError, Motion, Number, Precision, Scene, SceneBlock, SpecError, ToleranceSet, ToleranceSpec, Vec3,
 };
-use rockproof_stepper::dynamics::{Dynamics, SetupError, Solve, Stopped};
+use rockproof_stepper::dynamics::{Dynamics, SetupError, Solve, StepError};
 
 /// Why a scene cannot be stepped.
 #[derive(Debug, thiserror::Error)]
@@ -20,7 +20,7 @@ pub enum StepsError {
     Setup(#[from] SetupError),
     /// A step cannot be made.
     #[error(transparent)]
-    Stopped(#[from] Stopped),
+    Stopped(#[from] StepError),
 }
 
 /// Weight of a block of 1 m³ of the default material under 10 m/s² (N).

@@ -1,12 +1,12 @@
 //! The pairs of the stress set, as a campaign draws them.
 
-use super::axis::{Cell, cells};
+use super::axis::{CellKey, cells};
 use super::pairs;
-use crate::sets::{self, SetSource};
-use crate::source::{SourceError, set_source};
+use crate::source::{SourceError, set_sources};
+use crate::tolerance_sets::{self, SetSource};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rockproof_differential::subject::{Source, Subject, SubjectSet};
+use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
 
 /// Pairs of one batch: of one cell.
 const BATCH: u64 = 16;
@@ -18,7 +18,7 @@ pub const PAIRS_PER_CELL: u64 = 416;
 #[derive(Debug)]
 pub struct StressSource {
     seed: u64,
-    cells: Vec<Cell>,
+    cells: Vec<CellKey>,
     sets: Vec<SetSource>,
 }
 
@@ -28,9 +28,12 @@ impl StressSource {
     /// # Errors
     /// When a set does not exist.
     pub fn new(seed: u64, tolerances: &[String]) -> Result<StressSource, SourceError> {
-        let names: Vec<&str> =
-            if tolerances.is_empty() { vec![sets::NAMES[0]] } else { tolerances.iter().map(String::as_str).collect() };
-        let sets = names.into_iter().map(set_source).collect::<Result<_, _>>()?;
+        let names: Vec<&str> = if tolerances.is_empty() {
+            vec![tolerance_sets::NAMES[0]]
+        } else {
+            tolerances.iter().map(String::as_str).collect()
+        };
+        let sets = set_sources(&names)?;
         Ok(StressSource { seed, cells: cells(), sets })
     }
 
@@ -39,13 +42,18 @@ impl StressSource {
         cells().len() as u64 * PAIRS_PER_CELL
     }
 
+    /// As many pairs as give each cell at least `pairs`, in whole batches.
+    pub fn pairs_for(pairs: u64) -> u64 {
+        cells().len() as u64 * pairs.next_multiple_of(BATCH)
+    }
+
     /// The cell of a batch.
-    pub fn cell(&self, batch: u64) -> Cell {
+    pub fn cell(&self, batch: u64) -> CellKey {
         self.cells[(batch % self.cells.len() as u64) as usize]
     }
 }
 
-impl Source for StressSource {
+impl PairSource for StressSource {
     fn batch_len(&self) -> u64 {
         BATCH
     }

@@ -6,7 +6,7 @@ use rockproof_stepper::dynamics::{Dynamics, Solve};
 
 /// One measurement against its closed form.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
+pub struct ClosedFormCheck {
     /// `rest` or `contrast`.
     pub case: &'static str,
     /// `rigid` or `deformable`.
@@ -27,7 +27,7 @@ pub struct Measured {
     pub stopped: Option<String>,
 }
 
-impl Measured {
+impl ClosedFormCheck {
     /// The overlap's relative error.
     pub fn error(&self) -> f64 {
         (self.overlap - self.expected).abs() / self.expected
@@ -58,7 +58,7 @@ pub const STEP_COLUMNS: [&str; 10] = [
 ///
 /// # Errors
 /// When a scene cannot be set up. A run that stops is a result.
-pub fn measure(rest_steps: u64) -> Result<Vec<Measured>, StepsError> {
+pub fn measure(rest_steps: u64) -> Result<Vec<ClosedFormCheck>, StepsError> {
     let mut all = Vec::new();
     for motion in [Motion::Rigid, Motion::Deformable] {
         all.extend(rest::<f32>("stepper-f32", Precision::F32, motion, rest_steps)?);
@@ -77,7 +77,7 @@ fn rest<R: Solve>(
     precision: Precision,
     motion: Motion,
     last: u64,
-) -> Result<Vec<Measured>, StepsError> {
+) -> Result<Vec<ClosedFormCheck>, StepsError> {
     let stiffness = 1e8;
     let scene = scenes::column(&[Number::from_f64(stiffness).unwrap_or(Number::ZERO)], motion)?;
     let mut dynamics = scenes::settled::<R>(&scene, precision)?;
@@ -94,7 +94,7 @@ fn rest<R: Solve>(
         let [x, y] = [(now.x, begin.x), (now.y, begin.y)].map(|(now, begin)| now.to_f64() - begin.to_f64());
         let (overlap, expected) = (-lowest(&dynamics, 1), WEIGHT / (4.0 * stiffness));
         let (drift, stopped) = (x.hypot(y), stopped.clone());
-        found.push(Measured {
+        found.push(ClosedFormCheck {
             case: "rest",
             motion,
             engine,
@@ -110,11 +110,15 @@ fn rest<R: Solve>(
 }
 
 /// Two rigid blocks: the lower one on contacts of 10⁸ N/m, the upper one on contacts `10^exponent` times as stiff.
-fn contrast<R: Solve>(engine: &'static str, precision: Precision, exponent: u32) -> Result<Measured, StepsError> {
+fn contrast<R: Solve>(
+    engine: &'static str,
+    precision: Precision,
+    exponent: u32,
+) -> Result<ClosedFormCheck, StepsError> {
     let (soft, ratio) = (1e8, 10f64.powi(exponent as i32));
     let stiffness = [soft, soft * ratio].map(|p| Number::from_f64(p).unwrap_or(Number::ZERO));
     let scene = scenes::column(&stiffness, Motion::Rigid)?;
-    let mut measured = Measured {
+    let mut measured = ClosedFormCheck {
         case: "contrast",
         motion: Motion::Rigid,
         engine,
@@ -127,7 +131,7 @@ fn contrast<R: Solve>(engine: &'static str, precision: Precision, exponent: u32)
     };
     let mut dynamics = match scenes::settled::<R>(&scene, precision) {
         Ok(dynamics) => dynamics,
-        Err(StepsError::Stopped(error)) => return Ok(Measured { stopped: Some(error.to_string()), ..measured }),
+        Err(StepsError::Stopped(error)) => return Ok(ClosedFormCheck { stopped: Some(error.to_string()), ..measured }),
         Err(error) => return Err(error),
     };
     let begin = dynamics.centroid(2);
@@ -160,7 +164,7 @@ fn highest<R: Solve>(dynamics: &Dynamics<R>, block: usize) -> f64 {
 ///
 /// # Errors
 /// Those of the CSV writer.
-pub fn to_csv(all: &[Measured]) -> Result<Vec<u8>, csv::Error> {
+pub fn to_csv(all: &[ClosedFormCheck]) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(STEP_COLUMNS)?;
     let number = |value: f64| if value.is_finite() { format!("{value:.3e}") } else { String::new() };

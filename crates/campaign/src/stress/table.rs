@@ -1,10 +1,10 @@
 //! The stress table: how many pairs of each cell an engine answers otherwise than the oracle, and up to where it does not.
 
-use super::axis::{Axis, Cell, Form, Level, cells};
-use crate::interval::wilson;
+use super::axis::{CellKey, PairAlignment, StressAxis, StressLevel, cells};
+use crate::proportion::{trials_to_tell, wilson};
 use crate::summary::Summary;
-use rockproof_differential::compare::Change;
-use rockproof_differential::finding::{Cause, Who};
+use rockproof_differential::compare::AnswerChange;
+use rockproof_differential::finding::{Cause, FindingScope};
 use rockproof_differential::row::FindingRow;
 use rockproof_model::Precision;
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,9 +12,9 @@ use std::io::Read;
 
 /// One engine on the pairs of one cell under one tolerance set.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Row {
+pub struct CellRow {
     /// The cell.
-    pub cell: Cell,
+    pub cell: CellKey,
     /// The tolerance set.
     pub tolerances: String,
     /// The engine.
@@ -50,23 +50,53 @@ pub const CELL_COLUMNS: [&str; 13] = [
 
 /// How far one engine agrees along one axis.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Limit {
+pub struct AgreementLimit {
     /// The axis.
-    pub axis: Axis,
+    pub axis: StressAxis,
     /// With or without ties.
-    pub form: Form,
+    pub form: PairAlignment,
     /// The tolerance set.
     pub tolerances: String,
     /// The engine.
     pub engine: String,
     /// The most extreme level up to which no pair differs; `None` where some differ at the mildest one.
-    pub clean: Option<Level>,
+    pub clean: Option<StressLevel>,
     /// The most extreme level up to which the upper bound of the share that differs stays at 1 %.
-    pub safe: Option<Level>,
+    pub safe: Option<StressLevel>,
     /// Pairs examined up to `safe`, those that differ, and the upper bound of the share over all of them.
     pub up_to_safe: (u64, u64, f64),
     /// The first level beyond `safe` with the share that differs there; `None` where the last level is safe.
-    pub beyond: Option<(Level, f64)>,
+    pub beyond: Option<(StressLevel, f64)>,
+    /// What the pairs of `beyond` prove; [`Proof::Safe`] where there is none.
+    pub proof: Proof,
+}
+
+/// What the pairs of a cell prove, with 95 % confidence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Proof {
+    /// At most [`SAFE_SHARE`] of such pairs differ.
+    Safe,
+    /// More than [`SAFE_SHARE`] differ.
+    Unsafe,
+    /// There are too few pairs to tell.
+    TooFew {
+        /// So many in the cell would, if the share that differs stays what it is; `None` where it is at the limit itself.
+        needed: Option<u64>,
+    },
+}
+
+impl Proof {
+    /// What `differ` of `pairs` prove.
+    pub fn of(differ: u64, pairs: u64) -> Proof {
+        let [low, high] = wilson(differ, pairs);
+        if high <= SAFE_SHARE {
+            Proof::Safe
+        } else if low > SAFE_SHARE {
+            Proof::Unsafe
+        } else {
+            Proof::TooFew { needed: trials_to_tell(differ as f64 / pairs.max(1) as f64, SAFE_SHARE) }
+        }
+    }
 }
 
 /// The columns of `limits.csv`.
@@ -112,7 +142,11 @@ struct Count {
 ///
 /// # Errors
 /// When the findings are not those of a stress campaign.
-pub fn rows(summary: &Summary, findings: impl Read, engines: &[(String, Precision)]) -> Result<Vec<Row>, TableError> {
+pub fn rows(
+    summary: &Summary,
+    findings: impl Read,
+    engines: &[(String, Precision)],
+) -> Result<Vec<CellRow>, TableError> {
     let mut counts: BTreeMap<(String, String, String, String), Count> = BTreeMap::new();
     let mut reader = csv::Reader::from_reader(findings);
     for (row, record) in reader.deserialize().enumerate() {
@@ -121,16 +155,18 @@ pub fn rows(summary: &Summary, findings: impl Read, engines: &[(String, Precisio
             continue;
         }
         let is_of = |name: &str, precision: Precision| match &row.engine {
-            Who::Any => false,
+            FindingScope::Any => false,
             // What rounding does concerns every engine of the precision.
-            Who::Rounded(rounded) => *rounded == precision,
-            Who::Engine(engine) => **engine == *name,
+            FindingScope::Rounded(rounded) => *rounded == precision,
+            FindingScope::Engine(engine) => **engine == *name,
         };
         for (engine, _) in engines.iter().filter(|(name, precision)| is_of(name, *precision)) {
             let key = (row.family.clone(), row.form.clone(), row.tolerances.clone(), engine.clone());
             let count = counts.entry(key).or_default();
             match (row.cause, row.change) {
-                (_, Change::Collapsed | Change::Failure | Change::Unsupported) => count.lost.insert(row.index),
+                (_, AnswerChange::Collapsed | AnswerChange::Failure | AnswerChange::Unsupported) => {
+                    count.lost.insert(row.index)
+                }
                 (Cause::Representation, _) => count.representation.insert(row.index),
                 _ => count.arithmetic.insert(row.index),
             };
@@ -147,7 +183,7 @@ pub fn rows(summary: &Summary, findings: impl Read, engines: &[(String, Precisio
                 let count = counts.get(&key).unwrap_or(&none);
                 let all: BTreeSet<&u64> =
                     count.representation.iter().chain(&count.arithmetic).chain(&count.lost).collect();
-                rows.push(Row {
+                rows.push(CellRow {
                     cell,
                     tolerances: origin.tolerances.clone(),
                     engine: engine.clone(),
@@ -164,20 +200,20 @@ pub fn rows(summary: &Summary, findings: impl Read, engines: &[(String, Precisio
 }
 
 /// How far each engine agrees along each axis, under each set.
-pub fn limits(rows: &[Row]) -> Vec<Limit> {
-    let mut groups: BTreeMap<(Axis, Form, &str, &str), Vec<&Row>> = BTreeMap::new();
+pub fn limits(rows: &[CellRow]) -> Vec<AgreementLimit> {
+    let mut groups: BTreeMap<(StressAxis, PairAlignment, &str, &str), Vec<&CellRow>> = BTreeMap::new();
     for row in rows {
         groups.entry((row.cell.axis, row.cell.form, &row.tolerances, &row.engine)).or_default().push(row);
     }
-    let limit = |((axis, form, tolerances, engine), rows): (_, Vec<&Row>)| {
-        let until = |fine: &dyn Fn(&Row) -> bool| rows.iter().take_while(|row| fine(row)).count();
+    let limit = |((axis, form, tolerances, engine), rows): (_, Vec<&CellRow>)| {
+        let until = |fine: &dyn Fn(&CellRow) -> bool| rows.iter().take_while(|row| fine(row)).count();
         let clean = until(&|row| row.differ == 0);
-        let safe = until(&|row| wilson(row.differ, row.pairs)[1] <= SAFE_SHARE);
+        let safe = until(&|row| Proof::of(row.differ, row.pairs) == Proof::Safe);
         let (pairs, differ) = rows[..safe].iter().fold((0, 0), |(n, d), row| (n + row.pairs, d + row.differ));
         let level = |count: usize| count.checked_sub(1).map(|last: usize| rows[last].cell.level);
-        let share = |row: &Row| row.differ as f64 / row.pairs.max(1) as f64;
+        let share = |row: &CellRow| row.differ as f64 / row.pairs.max(1) as f64;
         let (tolerances, engine): (&str, &str) = (tolerances, engine);
-        Limit {
+        AgreementLimit {
             axis,
             form,
             tolerances: tolerances.to_owned(),
@@ -186,19 +222,21 @@ pub fn limits(rows: &[Row]) -> Vec<Limit> {
             safe: level(safe),
             up_to_safe: (pairs, differ, wilson(differ, pairs)[1]),
             beyond: rows.get(safe).map(|row| (row.cell.level, share(row))),
+            proof: rows.get(safe).map_or(Proof::Safe, |row| Proof::of(row.differ, row.pairs)),
         }
     };
     groups.into_iter().map(limit).collect()
 }
 
-impl Limit {
+impl AgreementLimit {
     /// What it says, in one sentence for an engineer.
     pub fn sentence(&self) -> String {
         let (engine, form, what) = (&self.engine, self.form.name(), self.axis.meaning());
         let set = &self.tolerances;
-        let beyond = match self.beyond {
-            Some((level, share)) => format!("; at {level}, {:.1} % of pairs differ", 100.0 * share),
-            None => "; no level beyond was tried".to_owned(),
+        let beyond = match (self.beyond, self.proof) {
+            (Some((level, _)), Proof::TooFew { .. }) => format!("; at {level}, too few pairs to tell"),
+            (Some((level, share)), _) => format!("; at {level}, {:.1} % of pairs differ", 100.0 * share),
+            (None, _) => "; no level beyond was tried".to_owned(),
         };
         match self.safe {
             Some(safe) => format!(
@@ -207,6 +245,9 @@ impl Limit {
                 self.up_to_safe.0,
                 100.0 * self.up_to_safe.2
             ),
+            None if matches!(self.proof, Proof::TooFew { .. }) => {
+                format!("{engine}, {form} pairs, {set}: not known ({what}){beyond}")
+            }
             None => format!("{engine}, {form} pairs, {set}: safe at no level tried ({what}){beyond}"),
         }
     }
@@ -216,7 +257,7 @@ impl Limit {
 ///
 /// # Errors
 /// Those of the CSV writer.
-pub fn cells_csv(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
+pub fn cells_csv(rows: &[CellRow]) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(CELL_COLUMNS)?;
     for row in rows {
@@ -234,10 +275,10 @@ pub fn cells_csv(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
 ///
 /// # Errors
 /// Those of the CSV writer.
-pub fn limits_csv(limits: &[Limit]) -> Result<Vec<u8>, csv::Error> {
+pub fn limits_csv(limits: &[AgreementLimit]) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(LIMIT_COLUMNS)?;
-    let level = |level: Option<Level>| level.map_or(String::new(), |level| level.to_string());
+    let level = |level: Option<StressLevel>| level.map_or(String::new(), |level| level.to_string());
     for limit in limits {
         let (pairs, differ, high) = limit.up_to_safe;
         writer.write_record([
@@ -261,27 +302,45 @@ pub fn limits_csv(limits: &[Limit]) -> Result<Vec<u8>, csv::Error> {
 mod tests {
     use super::*;
 
-    fn row(level: Level, differ: u64) -> Row {
-        let cell = Cell { axis: Axis::Offset, level, form: Form::Generic };
+    fn row(level: StressLevel, differ: u64) -> CellRow {
+        let cell = CellKey { axis: StressAxis::Offset, level, form: PairAlignment::Generic };
         let (tolerances, engine) = ("auto".to_owned(), "stepper-f64".to_owned());
-        Row { cell, tolerances, engine, pairs: 1000, representation: differ, arithmetic: 0, lost: 0, differ }
+        CellRow { cell, tolerances, engine, pairs: 1000, representation: differ, arithmetic: 0, lost: 0, differ }
     }
 
     #[test]
     fn a_limit_is_the_last_level_before_the_first_bad_one() {
-        let rows = [row(Level::None, 0), row(Level::Power(0), 2), row(Level::Power(1), 50), row(Level::Power(2), 0)];
+        let rows = [
+            row(StressLevel::None, 0),
+            row(StressLevel::Power(0), 2),
+            row(StressLevel::Power(1), 50),
+            row(StressLevel::Power(2), 0),
+        ];
         let limits = limits(&rows);
         assert_eq!(limits.len(), 1);
-        assert_eq!((limits[0].clean, limits[0].safe), (Some(Level::None), Some(Level::Power(0))));
-        assert_eq!(limits[0].beyond, Some((Level::Power(1), 0.05)));
+        assert_eq!((limits[0].clean, limits[0].safe), (Some(StressLevel::None), Some(StressLevel::Power(0))));
+        assert_eq!(limits[0].beyond, Some((StressLevel::Power(1), 0.05)));
         assert_eq!((limits[0].up_to_safe.0, limits[0].up_to_safe.1), (2000, 2));
         assert!(limits[0].sentence().contains("safe to 1e0"), "{}", limits[0].sentence());
     }
 
     #[test]
     fn nothing_is_safe_when_the_mildest_level_is_not() {
-        let limits = limits(&[row(Level::None, 300)]);
-        assert_eq!((limits[0].clean, limits[0].safe, limits[0].beyond), (None, None, Some((Level::None, 0.3))));
+        let limits = limits(&[row(StressLevel::None, 300)]);
+        assert_eq!((limits[0].clean, limits[0].safe, limits[0].beyond), (None, None, Some((StressLevel::None, 0.3))));
+    }
+
+    #[test]
+    fn few_pairs_prove_nothing_either_way() {
+        let few = |differ, pairs| CellRow { pairs, ..row(StressLevel::None, differ) };
+        let of = |row: CellRow| limits(&[row]).remove(0);
+        let limit = of(few(0, 16));
+        assert_eq!((limit.safe, limit.proof), (None, Proof::TooFew { needed: Some(381) }));
+        assert!(limit.sentence().contains("too few pairs") && limit.sentence().contains("not known"));
+        assert_eq!(of(few(0, 381)).proof, Proof::Safe);
+        assert_eq!(of(few(8, 16)).proof, Proof::Unsafe);
+        // 1 of 100 is the limit itself, and no number of pairs tells.
+        assert_eq!(of(few(1, 100)).proof, Proof::TooFew { needed: None });
     }
 
     #[test]
@@ -289,7 +348,7 @@ mod tests {
         let cell = cells().into_iter().next().expect("a cell");
         let (family, form) = (cell.family(), cell.form.name());
         let mut summary = Summary::default();
-        summary.add_pair(crate::summary::Origin {
+        summary.add_pair(crate::summary::PairGroup {
             family: family.clone(),
             form: form.to_owned(),
             tolerances: "auto".to_owned(),

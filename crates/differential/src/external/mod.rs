@@ -1,23 +1,38 @@
 //! Engines that are programs of their own, asked over stdin and stdout (docs/engines.md).
 
+#[cfg(unix)]
+mod group;
+#[cfg(unix)]
+mod pipes;
+#[cfg(unix)]
 pub mod process;
 pub mod protocol;
 pub mod spec;
 
-pub use spec::{EngineSpec, SpecFault};
+#[cfg(not(unix))]
+#[path = "elsewhere.rs"]
+pub mod process;
 
-use super::engine::{Answer, Engine, EngineFailure, Prepared, Trace, WideAnswer};
+#[cfg(unix)]
+pub use group::end_all;
+#[cfg(not(unix))]
+pub use process::end_all;
+pub use spec::{EngineSpec, EngineSpecError};
+
+use super::engine::{Answer, Engine, EngineCounts, EngineFailure, Prepared, Trace, WideAnswer};
 use super::finding::Cause;
-use process::{Process, Silence};
+use process::{NoAnswer, Process};
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
-use serde_json::{Value, json};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// What an engine was put through since the program began. These depend on threads and on luck; findings do not.
+/// The longest line a program may answer with, in bytes.
+pub const LONGEST_ANSWER: usize = 1 << 24;
+
+/// [`EngineCounts`], counted by many threads.
 #[derive(Debug, Default)]
-struct Counts {
+struct EngineCounters {
     asked: AtomicU64,
     started: AtomicU64,
     recovered: AtomicU64,
@@ -28,7 +43,7 @@ struct Shared {
     spec: EngineSpec,
     ask_twice: bool,
     idle: Mutex<Vec<Process>>,
-    counts: Counts,
+    counts: EngineCounters,
 }
 
 /// A program that answers questions about pairs. Copies share its running processes, of which there is one for each thread that
@@ -40,7 +55,7 @@ impl External {
     /// The engine of a specification. Nothing is started before the first question. With `ask_twice`, every question goes to two
     /// processes, whose answers must be the same.
     pub fn new(spec: EngineSpec, ask_twice: bool) -> External {
-        let (idle, counts) = (Mutex::default(), Counts::default());
+        let (idle, counts) = (Mutex::default(), EngineCounters::default());
         External(Arc::new(Shared { spec, ask_twice, idle, counts }))
     }
 
@@ -60,7 +75,7 @@ impl External {
         }
     }
 
-    fn start(&self) -> Result<Process, Silence> {
+    fn start(&self) -> Result<Process, NoAnswer> {
         self.0.counts.started.fetch_add(1, Ordering::Relaxed);
         Process::start(&self.0.spec.command)
     }
@@ -125,13 +140,19 @@ impl External {
         }
     }
 
-    fn verdict(&self, silence: Silence) -> EngineFailure {
+    fn verdict(&self, silence: NoAnswer) -> EngineFailure {
         match silence {
-            Silence::NotStarted(why) | Silence::Ended(why) => EngineFailure::Crashed(why),
-            Silence::TimedOut => EngineFailure::TimedOut(format!("no answer within {} ms", self.0.spec.timeout_ms)),
-            Silence::TooLong => {
-                EngineFailure::Malformed(format!("a line of more than {} bytes", process::LONGEST_ANSWER))
-            }
+            NoAnswer::NotStarted(why) => EngineFailure::Crashed(why),
+            #[cfg(unix)]
+            NoAnswer::Ended(why) => EngineFailure::Crashed(why),
+            #[cfg(unix)]
+            NoAnswer::TimedOut => EngineFailure::TimedOut(format!("no answer within {} ms", self.0.spec.timeout_ms)),
+            #[cfg(unix)]
+            NoAnswer::TooLong => EngineFailure::Malformed(format!("a line of more than {LONGEST_ANSWER} bytes")),
+            #[cfg(unix)]
+            NoAnswer::Unasked => EngineFailure::Malformed(
+                "output that nobody asked for; each question has one line in answer".to_owned(),
+            ),
         }
     }
 }
@@ -174,15 +195,15 @@ impl Engine for External {
         self.0.counts.uncompared.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Questions asked, processes started, failures that a fresh process did not repeat, answers that nothing exact stands
-    /// against.
-    fn counts(&self) -> Option<Value> {
+    fn counts(&self) -> Option<EngineCounts> {
         let count = |n: &AtomicU64| n.load(Ordering::Relaxed);
-        let Counts { asked, started, recovered, uncompared } = &self.0.counts;
-        Some(json!({
-            "asked": count(asked), "processes_started": count(started), "recovered": count(recovered),
-            "not_compared": count(uncompared),
-        }))
+        let EngineCounters { asked, started, recovered, uncompared } = &self.0.counts;
+        Some(EngineCounts {
+            asked: count(asked),
+            processes_started: count(started),
+            recovered: count(recovered),
+            not_compared: count(uncompared),
+        })
     }
 }
 
@@ -209,7 +230,7 @@ impl Prepared for ExternalPair<'_> {
         if same(&first, &second) {
             return first;
         }
-        Err(EngineFailure::Unstable(format!("first {}, then {}", told(&first), told(&second))))
+        Err(EngineFailure::Unstable(format!("first {}, then {}", describe_answer(&first), describe_answer(&second))))
     }
 
     fn trace(&self, _: &ToleranceSet) -> Option<Trace> {
@@ -230,7 +251,7 @@ fn same(one: &Result<Answer, EngineFailure>, other: &Result<Answer, EngineFailur
     }
 }
 
-fn told(answer: &Result<Answer, EngineFailure>) -> String {
+fn describe_answer(answer: &Result<Answer, EngineFailure>) -> String {
     match answer {
         Ok(Answer::Contacts(contacts)) => {
             let list: Vec<String> = contacts.iter().map(|c| format!("{} {}/{}", c.kind, c.a, c.b)).collect();

@@ -1,13 +1,14 @@
 //! The line protocol: one JSON object a line, question and answer (docs/engines.md).
 
+use crate::collision::{ReportedState, SeparationState};
 use crate::engine::{Answer, EngineFailure};
-use crate::mapped::{Said, State};
+use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Block, Contact, ContactKind, Entrance, EntranceKind, Sign, ToleranceSet, Topology};
 use serde_json::{Map, Value, json};
 
 /// The feature number that stands for an entrance an engine did not name. Exchanging the blocks or numbering them
 /// otherwise leaves it as it is.
-const UNNAMED: Entrance = Entrance { kind: EntranceKind::EdgeEdge, a: u32::MAX, b: u32::MAX };
+pub(crate) const UNNAMED: Entrance = Entrance { kind: EntranceKind::EdgeEdge, a: u32::MAX, b: u32::MAX };
 
 /// The part of a question that the tolerances do not change: `"a":{…},"b":{…}`.
 pub fn blocks_text(a: &Block, b: &Block) -> String {
@@ -37,19 +38,21 @@ pub fn question(id: u64, blocks: &str, tolerances: &ToleranceSet) -> String {
 /// [`EngineFailure::Unsupported`] as the engine says, [`EngineFailure::Malformed`] with what is wrong with the line.
 pub fn answer(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, EngineFailure> {
     read(line, id, features).map_err(|fault| match fault {
-        Fault::Unsupported(why) => EngineFailure::Unsupported(why),
-        Fault::Malformed(what) => EngineFailure::Malformed(format!("{what}; the line was {}", quoted(line))),
+        ProtocolError::Unsupported(why) => EngineFailure::Unsupported(excerpt(&why, SHOWN)),
+        ProtocolError::Malformed(what) => {
+            EngineFailure::Malformed(format!("{}; the line was {}", excerpt(&what, SHOWN), quoted(line)))
+        }
     })
 }
 
-enum Fault {
+enum ProtocolError {
     Unsupported(String),
     Malformed(String),
 }
 
-impl From<String> for Fault {
-    fn from(what: String) -> Fault {
-        Fault::Malformed(what)
+impl From<String> for ProtocolError {
+    fn from(what: String) -> ProtocolError {
+        ProtocolError::Malformed(what)
     }
 }
 
@@ -62,7 +65,7 @@ fn quoted(line: &[u8]) -> String {
     format!("{start:?}{rest}")
 }
 
-fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, Fault> {
+fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, ProtocolError> {
     let value: Value = serde_json::from_slice(line).map_err(|error| format!("not JSON ({error})"))?;
     let Value::Object(object) = value else {
         return Err(format!("expected an object, found {}", kind_of(&value)).into());
@@ -76,7 +79,7 @@ fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, Fault>
     match (contacts, state, unsupported) {
         (Some(contacts), None, None) => Ok(Answer::Contacts(read_contacts(contacts, features)?)),
         (None, Some(state), None) => Ok(Answer::State(read_state(state, &object)?)),
-        (None, None, Some(Value::String(why))) => Err(Fault::Unsupported(why.clone())),
+        (None, None, Some(Value::String(why))) => Err(ProtocolError::Unsupported(why.clone())),
         (None, None, Some(other)) => Err(format!("unsupported is {}; expected a text", kind_of(other)).into()),
         _ => Err("expected one of contacts, state, unsupported".to_owned().into()),
     }
@@ -93,11 +96,11 @@ fn kind_of(value: &Value) -> &'static str {
     }
 }
 
-fn read_state(state: &Value, object: &Map<String, Value>) -> Result<Said, String> {
-    let allowed = || State::ALL.map(State::name).join(", ");
+fn read_state(state: &Value, object: &Map<String, Value>) -> Result<ReportedState, String> {
+    let allowed = || SeparationState::ALL.map(SeparationState::name).join(", ");
     let state = state
         .as_str()
-        .and_then(State::from_name)
+        .and_then(SeparationState::from_name)
         .ok_or_else(|| format!("state is {state}; allowed are {}", allowed()))?;
     let number = |value: &Value, name: &str| {
         value.as_f64().ok_or_else(|| format!("{name} holds {}; expected a number", kind_of(value)))
@@ -109,7 +112,7 @@ fn read_state(state: &Value, object: &Map<String, Value>) -> Result<Said, String
         let [x, y, z] = [0, 1, 2].map(|axis| number(&list[axis], "normal"));
         Ok::<_, String>([x?, y?, z?])
     });
-    Ok(Said { state, gap_m, normal: normal.transpose()? })
+    Ok(ReportedState { state, gap_m, normal: normal.transpose()? })
 }
 
 fn read_contacts(contacts: &Value, features: [&Topology; 2]) -> Result<Vec<Contact>, String> {

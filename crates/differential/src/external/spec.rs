@@ -15,7 +15,7 @@ pub struct EngineSpec {
     pub command: Vec<String>,
     /// The format its input is rounded to.
     #[serde(default)]
-    pub precision: Format,
+    pub precision: NumberFormat,
     /// How long it may take for one answer, the start of the program included (ms).
     #[serde(default = "default_timeout")]
     pub timeout_ms: u64,
@@ -28,7 +28,7 @@ pub struct EngineSpec {
 /// A number format.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Format {
+pub enum NumberFormat {
     /// Single precision.
     F32,
     /// Double precision.
@@ -36,11 +36,11 @@ pub enum Format {
     F64,
 }
 
-impl From<Format> for Precision {
-    fn from(format: Format) -> Precision {
+impl From<NumberFormat> for Precision {
+    fn from(format: NumberFormat) -> Precision {
         match format {
-            Format::F32 => Precision::F32,
-            Format::F64 => Precision::F64,
+            NumberFormat::F32 => Precision::F32,
+            NumberFormat::F64 => Precision::F64,
         }
     }
 }
@@ -55,7 +55,7 @@ const fn default_accuracy() -> u64 {
 
 /// Why a text or a list of specifications names no engines.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SpecFault {
+pub enum EngineSpecError {
     /// Not `NAME=COMMAND`.
     #[error(
         "\"{0}\": expected NAME=COMMAND or NAME:f32=COMMAND, as in parry=./parry-client or mine:f32=python3 client.py"
@@ -70,7 +70,7 @@ pub enum SpecFault {
         text: String,
     },
     /// A name that cannot be one.
-    #[error("engine name \"{0}\": allowed are letters, digits, '-', '_' and '.', and none of any, f32, f64, {list}", list = ENGINES.join(", "))]
+    #[error("engine name \"{0}\": allowed are letters, digits, '-', '_' and '.', the first a letter or digit, and none of any, f32, f64, {list}", list = ENGINES.join(", "))]
     Name(String),
     /// Two engines of one name.
     #[error("two external engines have the name \"{0}\"; each needs its own")]
@@ -86,6 +86,12 @@ pub enum SpecFault {
     /// No time to answer.
     #[error("engine \"{0}\": timeout_ms is 0; allowed are 1 and more")]
     Timeout(String),
+}
+
+/// Whether a text can be the name of an engine, in tables and files; no spreadsheet takes it for a formula.
+pub fn is_name(text: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    text.starts_with(|c: char| c.is_ascii_alphanumeric()) && text.chars().all(plain)
 }
 
 fn split(command: &str) -> Option<Vec<String>> {
@@ -111,18 +117,18 @@ impl EngineSpec {
     ///
     /// # Errors
     /// What is wrong with the text.
-    pub fn parse(text: &str) -> Result<EngineSpec, SpecFault> {
-        let (name, command) = text.split_once('=').ok_or_else(|| SpecFault::Form(text.to_owned()))?;
+    pub fn parse(text: &str) -> Result<EngineSpec, EngineSpecError> {
+        let (name, command) = text.split_once('=').ok_or_else(|| EngineSpecError::Form(text.to_owned()))?;
         let (name, precision) = match name.split_once(':') {
-            None => (name, Format::F64),
-            Some((name, "f32")) => (name, Format::F32),
-            Some((name, "f64")) => (name, Format::F64),
+            None => (name, NumberFormat::F64),
+            Some((name, "f32")) => (name, NumberFormat::F32),
+            Some((name, "f64")) => (name, NumberFormat::F64),
             Some((_, found)) => {
-                return Err(SpecFault::Precision { found: found.to_owned(), text: text.to_owned() });
+                return Err(EngineSpecError::Precision { found: found.to_owned(), text: text.to_owned() });
             }
         };
         let (name, command) = (name.trim().to_owned(), command.to_owned());
-        let words = split(&command).ok_or_else(|| SpecFault::Command { name: name.clone(), command })?;
+        let words = split(&command).ok_or_else(|| EngineSpecError::Command { name: name.clone(), command })?;
         let spec =
             EngineSpec { name, command: words, precision, timeout_ms: default_timeout(), accuracy: default_accuracy() };
         spec.check()?;
@@ -133,27 +139,26 @@ impl EngineSpec {
     ///
     /// # Errors
     /// The first thing that is wrong.
-    pub fn check_all(specs: &[EngineSpec]) -> Result<(), SpecFault> {
+    pub fn check_all(specs: &[EngineSpec]) -> Result<(), EngineSpecError> {
         for (number, spec) in specs.iter().enumerate() {
             spec.check()?;
             if specs[..number].iter().any(|other| other.name == spec.name) {
-                return Err(SpecFault::Twice(spec.name.clone()));
+                return Err(EngineSpecError::Twice(spec.name.clone()));
             }
         }
         Ok(())
     }
 
-    fn check(&self) -> Result<(), SpecFault> {
-        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    fn check(&self) -> Result<(), EngineSpecError> {
         let taken = ["any", "f32", "f64"].into_iter().chain(ENGINES).any(|name| name == self.name);
-        if self.name.is_empty() || !self.name.chars().all(plain) || taken {
-            return Err(SpecFault::Name(self.name.clone()));
+        if !is_name(&self.name) || taken {
+            return Err(EngineSpecError::Name(self.name.clone()));
         }
         if self.command.first().is_none_or(String::is_empty) {
-            return Err(SpecFault::Command { name: self.name.clone(), command: self.command.join(" ") });
+            return Err(EngineSpecError::Command { name: self.name.clone(), command: self.command.join(" ") });
         }
         if self.timeout_ms == 0 {
-            return Err(SpecFault::Timeout(self.name.clone()));
+            return Err(EngineSpecError::Timeout(self.name.clone()));
         }
         Ok(())
     }
@@ -166,7 +171,7 @@ mod tests {
     #[test]
     fn reads_names_precisions_and_quotes() {
         let spec = EngineSpec::parse("mine:f32=python3 'my client.py' --fast").expect("good");
-        assert_eq!((spec.name.as_str(), spec.precision), ("mine", Format::F32));
+        assert_eq!((spec.name.as_str(), spec.precision), ("mine", NumberFormat::F32));
         assert_eq!(spec.command, ["python3", "my client.py", "--fast"]);
         assert_eq!(EngineSpec::parse("a=b=c").expect("good").command, ["b=c"]);
     }
@@ -179,6 +184,7 @@ mod tests {
             ("f32=client", "none of any, f32, f64, stepper-f32"),
             ("stepper-f64=client", "none of any"),
             ("a b=client", "allowed are letters"),
+            ("-a=client", "the first a letter or digit"),
             ("a:f16=client", "f32 or f64"),
             ("a=", "names no program"),
             ("a='client", "a quote is not closed"),

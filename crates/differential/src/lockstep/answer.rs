@@ -10,7 +10,7 @@ use rockproof_stepper::dynamics::{Mode, RetryReason, State, StepReport};
 
 /// The decisions of one step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Answer {
+pub struct StepDecisions {
     /// Its contacts with their blocks, by pair and in SPEC order.
     pub contacts: Vec<([u32; 2], Contact)>,
     /// The modes of all contacts after each solve of the accepted attempt.
@@ -23,10 +23,10 @@ pub struct Answer {
     pub time_step: f64,
 }
 
-impl Answer {
+impl StepDecisions {
     /// The stepper's, from what it says of the step, its modes in every attempt, and the state after it.
-    pub fn of_stepper<R: Real>(report: &StepReport, attempts: &[Vec<Vec<Mode>>], state: &State<R>) -> Answer {
-        Answer {
+    pub fn of_stepper<R: Real>(report: &StepReport, attempts: &[Vec<Vec<Mode>>], state: &State<R>) -> StepDecisions {
+        StepDecisions {
             contacts: state.contacts.iter().map(|c| (c.blocks, c.contact)).collect(),
             modes: attempts.last().cloned().unwrap_or_default(),
             converged: report.converged,
@@ -36,15 +36,15 @@ impl Answer {
     }
 
     /// The oracle's.
-    pub fn of_oracle(answer: &StepAnswer) -> Answer {
+    pub fn of_oracle(answer: &StepAnswer) -> StepDecisions {
         let StepAnswer { contacts, modes, converged, cuts, time_step, .. } = answer;
-        Answer::exact(contacts, modes, *converged, cuts, time_step)
+        StepDecisions::exact(contacts, modes, *converged, cuts, time_step)
     }
 
     /// The oracle's, of a step whose state was not asked for.
-    pub fn of_certified(step: &CertifiedStep) -> Answer {
+    pub fn of_certified(step: &CertifiedStep) -> StepDecisions {
         let CertifiedStep { contacts, modes, converged, cuts, time_step, .. } = step;
-        Answer::exact(contacts, modes, *converged, cuts, time_step)
+        StepDecisions::exact(contacts, modes, *converged, cuts, time_step)
     }
 
     fn exact(
@@ -53,14 +53,14 @@ impl Answer {
         converged: bool,
         cuts: &[FailedAttempt],
         time_step: &BigRational,
-    ) -> Answer {
+    ) -> StepDecisions {
         let reason = |cut: Cut| match cut {
             Cut::NotConverged => RetryReason::NotConverged,
             Cut::Displacement => RetryReason::Displacement,
             Cut::Rotation => RetryReason::Rotation,
         };
         let after_solves = modes.iter().skip(1);
-        Answer {
+        StepDecisions {
             contacts: contacts.iter().map(|(pair, c)| (pair.map(|block| block as u32), *c)).collect(),
             modes: after_solves.map(|all| all.iter().map(|mode| float_mode(*mode)).collect()).collect(),
             converged,
@@ -93,7 +93,7 @@ impl Answer {
 
 /// What differs between two answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Change {
+pub enum StepAnswerChange {
     /// A contact: missing, extra, its kind, entrance or sign of the gap.
     Contact(Difference),
     /// The mode of a contact after a solve.
@@ -110,17 +110,17 @@ pub enum Change {
     Stopped,
 }
 
-impl Change {
+impl StepAnswerChange {
     /// The name in tables and files.
     pub fn name(&self) -> &'static str {
         match self {
-            Change::Contact(difference) => difference.change.name(),
-            Change::Mode => "mode",
-            Change::Iterations => "iterations",
-            Change::Converged => "converged",
-            Change::Retries => "retries",
-            Change::TimeStep => "time-step",
-            Change::Stopped => "stopped",
+            StepAnswerChange::Contact(difference) => difference.change.name(),
+            StepAnswerChange::Mode => "mode",
+            StepAnswerChange::Iterations => "iterations",
+            StepAnswerChange::Converged => "converged",
+            StepAnswerChange::Retries => "retries",
+            StepAnswerChange::TimeStep => "time-step",
+            StepAnswerChange::Stopped => "stopped",
         }
     }
 }
@@ -132,10 +132,10 @@ pub const SAME_TIME_STEP: f64 = 1e-5;
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct StepDifference {
     /// What differs.
-    pub change: Change,
+    pub change: StepAnswerChange,
     /// The blocks and the contact it is about, if it is about one.
     pub contact: Option<([u32; 2], Contact)>,
-    /// Of [`Change::Mode`]: the first solve, from 1, after which the modes differ.
+    /// Of [`StepAnswerChange::Mode`]: the first solve, from 1, after which the modes differ.
     pub solve: Option<usize>,
     /// What the first answer has.
     pub before: String,
@@ -144,50 +144,50 @@ pub struct StepDifference {
 }
 
 impl StepDifference {
-    fn of_step(change: Change, before: impl ToString, after: impl ToString) -> StepDifference {
+    fn of_step(change: StepAnswerChange, before: impl ToString, after: impl ToString) -> StepDifference {
         let (before, after) = (before.to_string(), after.to_string());
         StepDifference { change, contact: None, solve: None, before, after }
     }
 
     /// That one side cannot make the step.
     pub fn stopped(before: impl ToString, after: impl ToString) -> StepDifference {
-        StepDifference::of_step(Change::Stopped, before, after)
+        StepDifference::of_step(StepAnswerChange::Stopped, before, after)
     }
 
     /// Whether it is one of contacts.
     pub fn is_of_contacts(&self) -> bool {
-        matches!(self.change, Change::Contact(_))
+        matches!(self.change, StepAnswerChange::Contact(_))
     }
 }
 
 /// The differences between two answers: contacts by pair, then modes of contacts that both have, then the iteration.
 /// Blocks give the features of contacts.
-pub fn compare(before: &Answer, after: &Answer, blocks: &[&Block]) -> Vec<StepDifference> {
+pub fn compare(before: &StepDecisions, after: &StepDecisions, blocks: &[&Block]) -> Vec<StepDifference> {
     let mut found = contact_differences(before, after, blocks);
     for &(pair, contact) in &before.contacts {
         let modes = before.modes_of(pair, &contact).zip(after.modes_of(pair, &contact));
         let Some((one, two)) = modes else { continue };
         if let Some(first) = one.iter().zip(&two).position(|(one, two)| one != two) {
-            let (change, contact, solve) = (Change::Mode, Some((pair, contact)), Some(first + 1));
+            let (change, contact, solve) = (StepAnswerChange::Mode, Some((pair, contact)), Some(first + 1));
             let name = |modes: &[Mode]| modes[first].name().to_owned();
             found.push(StepDifference { change, contact, solve, before: name(&one), after: name(&two) });
         }
     }
     if before.iterations() != after.iterations() {
-        found.push(StepDifference::of_step(Change::Iterations, before.iterations(), after.iterations()));
+        found.push(StepDifference::of_step(StepAnswerChange::Iterations, before.iterations(), after.iterations()));
     }
     if before.converged != after.converged {
-        found.push(StepDifference::of_step(Change::Converged, before.converged, after.converged));
+        found.push(StepDifference::of_step(StepAnswerChange::Converged, before.converged, after.converged));
     }
     if before.retries != after.retries {
-        found.push(StepDifference::of_step(Change::Retries, before.retries_text(), after.retries_text()));
+        found.push(StepDifference::of_step(StepAnswerChange::Retries, before.retries_text(), after.retries_text()));
     } else if (before.time_step - after.time_step).abs() > SAME_TIME_STEP * before.time_step {
-        found.push(StepDifference::of_step(Change::TimeStep, before.time_step, after.time_step));
+        found.push(StepDifference::of_step(StepAnswerChange::TimeStep, before.time_step, after.time_step));
     }
     found
 }
 
-fn contact_differences(before: &Answer, after: &Answer, blocks: &[&Block]) -> Vec<StepDifference> {
+fn contact_differences(before: &StepDecisions, after: &StepDecisions, blocks: &[&Block]) -> Vec<StepDifference> {
     let mut pairs: Vec<[u32; 2]> = before.contacts.iter().chain(&after.contacts).map(|(pair, _)| *pair).collect();
     pairs.sort_unstable();
     pairs.dedup();
@@ -197,7 +197,7 @@ fn contact_differences(before: &Answer, after: &Answer, blocks: &[&Block]) -> Ve
         let features = Features { a: a.topology(), b: b.topology() };
         for difference in differences(&before.of_pair(pair), &after.of_pair(pair), features) {
             found.push(StepDifference {
-                change: Change::Contact(difference),
+                change: StepAnswerChange::Contact(difference),
                 contact: difference.contact().map(|contact| (pair, contact)),
                 solve: None,
                 before: difference.before.as_ref().map_or(String::new(), described),

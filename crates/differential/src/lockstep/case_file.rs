@@ -1,11 +1,20 @@
 //! A state file: one step that stepper and oracle did not make alike, to be made again.
 
-use crate::lockstep::answer::{Answer, described};
-use rockproof_model::scene::Format;
+use crate::lockstep::answer::{StepDecisions, described};
+use crate::lockstep::intrusion::{Intruded, WatchedStep};
+use crate::lockstep::run::ComparedStep;
+use crate::lockstep::state::exact_state;
+use rockproof_model::files::read_text;
+use rockproof_model::scene::SceneFormat;
+use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Precision, Scene, ToleranceSet};
-use rockproof_simulate::checkpoint::Saved;
+use rockproof_simulate::checkpoint::SavedState;
+use rockproof_stepper::Real;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+
+/// More steps than a run can make; what is counted in f64 somewhere stays exact below it.
+const MOST_STEPS: u64 = 1 << 53;
 
 /// What a state file holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,7 +33,7 @@ pub struct StepCase {
     /// The scene as it was run, in TOML: exact, stiffnesses derived, every tolerance given.
     pub scene: String,
     /// The state before the step.
-    pub state: Saved,
+    pub state: SavedState,
     /// What the oracle answers from the engine's numbers.
     pub expected: Expected,
 }
@@ -41,18 +50,30 @@ pub struct Expected {
     pub retries: Vec<String>,
     /// Whether the iteration converged.
     pub converged: bool,
+    /// Passages within the step and unseen overlaps after it, in a case that is about one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub intrusions: Option<Vec<String>>,
 }
 
 impl Expected {
     /// An answer in words.
-    pub fn of(answer: &Answer) -> Expected {
+    pub fn of(answer: &StepDecisions) -> Expected {
         let contact = |(pair, contact): &([u32; 2], _)| format!("{}-{} {}", pair[0], pair[1], described(contact));
         Expected {
             contacts: answer.contacts.iter().map(contact).collect(),
             modes: answer.modes.iter().map(|all| all.iter().map(|mode| mode.name().to_owned()).collect()).collect(),
             retries: answer.retries.iter().map(|why| why.name().to_owned()).collect(),
             converged: answer.converged,
+            intrusions: None,
         }
+    }
+
+    /// What is to be recorded of a step: an answer, and of a step that was looked through what was found there.
+    pub fn of_step(step: &ComparedStep) -> Option<Expected> {
+        let words = |one: &Intruded| format!("{}-{} {}", one.blocks[0], one.blocks[1], one.kind.name());
+        let all = |watched: &WatchedStep| watched.oracle.found.iter().map(words).collect();
+        let intrusions = step.watched.as_ref().map(all);
+        Some(Expected { intrusions, ..Expected::of(step.oracle.as_ref()?) })
     }
 }
 
@@ -71,6 +92,9 @@ pub enum StepCaseError {
     /// The engine has no name that is known.
     #[error("`{0}` is no engine; f32 and f64 are")]
     Engine(String),
+    /// Its state is none.
+    #[error("its state: {0}")]
+    State(String),
     /// Its scene cannot be read.
     #[error("its scene: {0}")]
     Scene(Box<dyn std::error::Error + Send + Sync>),
@@ -95,11 +119,35 @@ impl StepCase {
     /// # Errors
     /// When it is none.
     pub fn load(path: &Path) -> Result<StepCase, StepCaseError> {
-        let case: StepCase = serde_json::from_str(&std::fs::read_to_string(path)?)?;
+        let case: StepCase = serde_json::from_str(&read_text(path)?)?;
         if case.format != StepCase::FORMAT {
-            return Err(StepCaseError::Format(case.format));
+            return Err(StepCaseError::Format(excerpt(&case.format, SHOWN)));
         }
+        match case.precision()? {
+            Precision::F32 => case.check::<f32>()?,
+            Precision::F64 => case.check::<f64>()?,
+        }
+        case.scene()?;
         Ok(case)
+    }
+
+    /// Refuses a state that no run is in: numbers that are not finite, a time before the beginning, a Δt that is none.
+    fn check<R: Real>(&self) -> Result<(), StepCaseError> {
+        let state = self.state.state::<R>().map_err(|error| StepCaseError::State(error.to_string()))?;
+        exact_state(&state).map_err(|error| StepCaseError::State(error.to_string()))?;
+        let refuse = |what: &str, allowed: &str| {
+            Err(StepCaseError::State(format!("`{what}` is not allowed; allowed is {allowed}")))
+        };
+        if self.state.time.0 < 0.0 {
+            return refuse(&format!("time = {:?}", self.state.time.0), "0 or more");
+        }
+        if self.state.last_time_step.0 <= 0.0 {
+            return refuse(&format!("last_time_step = {:?}", self.state.last_time_step.0), "more than 0");
+        }
+        if self.state.step > MOST_STEPS {
+            return refuse(&format!("step = {}", self.state.step), "up to 2^53");
+        }
+        Ok(())
     }
 
     /// The text of the file.
@@ -120,7 +168,7 @@ impl StepCase {
         match self.engine.as_str() {
             "f32" => Ok(Precision::F32),
             "f64" => Ok(Precision::F64),
-            other => Err(StepCaseError::Engine(other.to_owned())),
+            other => Err(StepCaseError::Engine(excerpt(other, SHOWN))),
         }
     }
 
@@ -129,7 +177,15 @@ impl StepCase {
     /// # Errors
     /// When the text is no scene.
     pub fn scene(&self) -> Result<(Scene, ToleranceSet), StepCaseError> {
-        let scene = Scene::parse(&self.scene, Format::Toml, Path::new("state file"))
+        // It holds its blocks itself, so that it opens no other file.
+        let table: toml::Table = toml::from_str(&self.scene).map_err(|e| StepCaseError::Scene(e.into()))?;
+        let blocks = table.get("block").and_then(toml::Value::as_array);
+        if blocks.into_iter().flatten().any(|block| block.get("file").is_some()) {
+            return Err(StepCaseError::Scene(
+                "a block names a `file`; allowed are `vertices` and `faces`, or `box`".into(),
+            ));
+        }
+        let scene = Scene::parse(&self.scene, SceneFormat::Toml, Path::new("state file"))
             .map_err(|e| StepCaseError::Scene(e.into()))?;
         let set = scene
             .tolerances

@@ -42,7 +42,7 @@ impl Effect {
 
 /// Penetrations (m) after one step from one state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Depths {
+pub struct StepPenetrations {
     /// After the stepper's step.
     pub stepper: f64,
     /// After the stepper's with the oracle's contacts.
@@ -53,15 +53,15 @@ pub struct Depths {
     pub oracle: f64,
 }
 
-impl Depths {
+impl StepPenetrations {
     /// Changes below this share of the larger penetration are none.
     pub const NOTHING: f64 = 1.0 / 1_048_576.0;
 
     /// The largest of the three parts of the change from the oracle's to the stepper's penetration; of equal ones the first of
-    /// classification, iteration, arithmetic. None, when the change is below [`Depths::NOTHING`].
+    /// classification, iteration, arithmetic. None, when the change is below [`StepPenetrations::NOTHING`].
     pub fn effect(&self) -> Effect {
         let change = self.stepper - self.oracle;
-        if change.abs() <= Depths::NOTHING * self.stepper.max(self.oracle) {
+        if change.abs() <= StepPenetrations::NOTHING * self.stepper.max(self.oracle) {
             return Effect::None;
         }
         let parts = [
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn the_largest_part_names_the_effect() {
-        let depths = |stepper, contacts, modes, oracle| Depths { stepper, contacts, modes, oracle }.effect();
+        let depths = |stepper, contacts, modes, oracle| StepPenetrations { stepper, contacts, modes, oracle }.effect();
         assert_eq!(depths(3.0, 1.0, 1.0, 1.0), Effect::Classification);
         assert_eq!(depths(3.0, 3.0, 1.0, 1.0), Effect::Iteration);
         assert_eq!(depths(3.0, 3.0, 3.0, 1.0), Effect::Arithmetic);

@@ -1,14 +1,14 @@
 //! The exact trajectory beside the stepper's, each going on from its own state: how far they part over time.
 
-use crate::lockstep::answer::{Answer, compare};
+use crate::lockstep::answer::{StepDecisions, compare};
 use crate::lockstep::effect::penetration;
-use crate::lockstep::errors::largest_distance;
 use crate::lockstep::state::exact_state;
+use crate::lockstep::state_errors::largest_distance;
 use crate::lockstep::trajectory::Trajectory;
 use rockproof_oracle::step as exact;
-use rockproof_simulate::record::Table;
-use rockproof_simulate::run::{Beside, Ending, Stepping};
-use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport, StepRules, Stopped};
+use rockproof_simulate::record::RunTable;
+use rockproof_simulate::run::{Ending, StepAnnotations, Stepping};
+use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepError, StepReport, StepRules};
 
 /// Columns of `free.csv`.
 pub const COLUMNS: [&str; 11] = [
@@ -27,30 +27,33 @@ pub const COLUMNS: [&str; 11] = [
 
 /// A stepper and the oracle, side by side but on their own.
 #[derive(Debug)]
-pub struct FreeRun<R, M> {
+pub struct FreeStepping<R, M> {
     dynamics: Dynamics<R, M>,
     trajectory: Trajectory,
     begin: exact::State,
-    last: Option<Beside>,
+    last: Option<StepAnnotations>,
 }
 
-impl<R: Solve, M: StepRules> FreeRun<R, M> {
+impl<R: Solve, M: StepRules> FreeStepping<R, M> {
     /// Both at the beginning of the same scene.
-    pub fn new(dynamics: Dynamics<R, M>, trajectory: Trajectory) -> FreeRun<R, M> {
+    pub fn new(dynamics: Dynamics<R, M>, trajectory: Trajectory) -> FreeStepping<R, M> {
         let begin = trajectory.state().clone();
-        FreeRun { dynamics, trajectory, begin, last: None }
+        FreeStepping { dynamics, trajectory, begin, last: None }
     }
 
-    fn beside(&mut self, report: &StepReport) -> Beside {
+    fn annotations(&mut self, report: &StepReport) -> StepAnnotations {
         let answer = match self.trajectory.step() {
             Ok(answer) => answer,
             Err(failure) => {
-                return Beside { end: Some(Ending::Unproved(failure.to_string())), ..Beside::default() };
+                return StepAnnotations {
+                    end: Some(Ending::Unproved(failure.to_string())),
+                    ..StepAnnotations::default()
+                };
             }
         };
         let state = self.dynamics.state();
-        let stepper = Answer::of_stepper(report, self.dynamics.modes(), state);
-        let found = compare(&Answer::of_oracle(&answer), &stepper, &self.trajectory.scene().scene().shapes());
+        let stepper = StepDecisions::of_stepper(report, self.dynamics.modes(), state);
+        let found = compare(&StepDecisions::of_oracle(&answer), &stepper, &self.trajectory.scene().scene().shapes());
         let right = self.trajectory.state();
         let mut row = vec![report.step.to_string(), number(report.time), number(right.time.approximate())];
         match exact_state(state) {
@@ -79,7 +82,7 @@ impl<R: Solve, M: StepRules> FreeRun<R, M> {
         row.push(exact_state(state).map_or(String::new(), |own| depth(&own)));
         row.push(depth(right));
         row.push(answer.levels.undecided.to_string());
-        Beside { rows: vec![(Table::Free, vec![row])], ..Beside::default() }
+        StepAnnotations { rows: vec![(RunTable::Free, vec![row])], ..StepAnnotations::default() }
     }
 }
 
@@ -87,10 +90,10 @@ fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
-impl<R: Solve, M: StepRules> Stepping<R> for FreeRun<R, M> {
-    fn step(&mut self) -> Result<StepReport, Stopped> {
+impl<R: Solve, M: StepRules> Stepping<R> for FreeStepping<R, M> {
+    fn step(&mut self) -> Result<StepReport, StepError> {
         let report = self.dynamics.step()?;
-        self.last = Some(self.beside(&report));
+        self.last = Some(self.annotations(&report));
         Ok(report)
     }
 
@@ -98,7 +101,7 @@ impl<R: Solve, M: StepRules> Stepping<R> for FreeRun<R, M> {
         self.dynamics.state()
     }
 
-    fn beside(&mut self) -> Option<Beside> {
+    fn annotations(&mut self) -> Option<StepAnnotations> {
         self.last.take()
     }
 }

@@ -2,24 +2,26 @@
 //! (SPEC section 6). `docs/lockstep.md` describes what comes of it.
 
 pub mod answer;
-pub mod beside;
+pub mod attribution;
 pub mod case_file;
 pub mod effect;
-pub mod errors;
 pub mod free;
-pub mod links;
+pub mod intrusion;
 pub mod run;
 pub mod scene;
 pub mod state;
+pub mod state_errors;
+pub mod stepping;
 pub mod table;
 pub mod trajectory;
 pub mod wide;
 
-pub use answer::{Answer, Change, StepDifference, compare};
-pub use beside::BesideRun;
+pub use answer::{StepAnswerChange, StepDecisions, StepDifference, compare};
+pub use attribution::{AttributedDifference, ComparedLinks};
 pub use case_file::StepCase;
-pub use free::FreeRun;
-pub use links::{Caused, Links};
-pub use run::{Compared, Lockstep, LockstepError};
-pub use scene::{ExactScene, Overflow};
+pub use free::FreeStepping;
+pub use intrusion::{Intrusion, StepCause, WatchedStep};
+pub use run::{ComparedStep, Lockstep, LockstepError};
+pub use scene::{ExactScene, NumberOverflow};
+pub use stepping::LockstepStepping;
 pub use trajectory::Trajectory;

@@ -1,36 +1,41 @@
 //! Lockstep: every step of a stepper's run made exactly as well, from the state in which the stepper is.
 
+// Longer than 400 lines: one step of both sides, what is compared of it and what is asked for causes.
+
 use crate::finding::Cause;
-use crate::lockstep::answer::{Answer, StepDifference, compare};
-use crate::lockstep::effect::{Depths, penetration};
-use crate::lockstep::errors::{anchor_error, displacement_error, largest_distance, rate_error, velocity_error};
-use crate::lockstep::links::{Caused, Explainer, Links, Side, measure_modes, stepper_trace};
-use crate::lockstep::scene::{ExactScene, Overflow};
+use crate::lockstep::answer::{StepDecisions, StepDifference, compare};
+use crate::lockstep::attribution::{
+    AttributedDifference, ComparedLinks, Explainer, LinkSide, measure_modes, stepper_trace,
+};
+use crate::lockstep::effect::{StepPenetrations, penetration};
+use crate::lockstep::intrusion::{Watch, WatchedStep};
+use crate::lockstep::scene::{ExactScene, NumberOverflow};
 use crate::lockstep::state::{NotFinite, exact_state};
+use crate::lockstep::state_errors::{anchor_error, displacement_error, largest_distance, rate_error, velocity_error};
 use crate::lockstep::wide::{WideError, WideStepper};
 use rockproof_model::{Block, ContactKey, Number, Precision, Scene, ToleranceSet};
-use rockproof_oracle::step::{self as exact, Keep, StepAnswer, StepFailure};
+use rockproof_oracle::step::{self as exact, KeptPrecision, StepAnswer, StepFailure};
 use rockproof_stepper::dynamics::{
-    Dynamics, Given, GivenAttempt, SetupError, Solve, State, StepReport, StepRules, Stopped,
+    Dynamics, PrescribedAttempt, PrescribedStep, SetupError, Solve, State, StepError, StepReport, StepRules,
 };
 use std::time::{Duration, Instant};
 
 /// What the oracle keeps of coordinates after a step: far finer than any engine, and within reach of balls of two f64.
-pub const KEEP: Keep = Keep::Grid { exponent: 80 };
+pub const KEEP: KeptPrecision = KeptPrecision::Grid { exponent: 80 };
 
 /// A step made on both sides.
 #[derive(Clone, Debug)]
-pub struct Compared {
+pub struct ComparedStep {
     /// Its number, from 1; settling steps before have the numbers −n + 1 to 0.
     pub step: i64,
     /// The time after it (s); before it, where the stepper cannot make it.
     pub time: f64,
     /// What the stepper decided, if it made the step.
-    pub stepper: Option<Answer>,
+    pub stepper: Option<StepDecisions>,
     /// What the oracle decided, if it made the step.
-    pub oracle: Option<Answer>,
+    pub oracle: Option<StepDecisions>,
     /// All differences, by link of the chain.
-    pub differences: Vec<Caused>,
+    pub differences: Vec<AttributedDifference>,
     /// The largest relative error of a block's displacement, and the block; nothing where nothing moves.
     pub displacement: Option<(f64, usize)>,
     /// The largest relative error of a block's velocity; nothing where nothing has one.
@@ -40,7 +45,9 @@ pub struct Compared {
     /// The exact penetration after the stepper's step and after the oracle's (m).
     pub penetration: [Option<f64>; 2],
     /// Penetrations with the oracle's contacts and modes, where these differ.
-    pub depths: Option<Depths>,
+    pub depths: Option<StepPenetrations>,
+    /// Passages and unseen overlaps, where they are looked for ([`Lockstep::watching`]) and both sides made the step.
+    pub watched: Option<WatchedStep>,
     /// Decisions that the oracle's cap left open.
     pub undecided: u64,
     /// Comparisons that the wide scalar left unsettled; asked only where stepper and oracle differ.
@@ -53,10 +60,10 @@ pub struct Compared {
     pub took: [Duration; 2],
 }
 
-impl Compared {
+impl ComparedStep {
     /// Differences of one cause.
     pub fn count(&self, cause: Cause) -> usize {
-        self.differences.iter().filter(|caused| caused.cause == cause).count()
+        self.differences.iter().filter(|attributed| attributed.cause == cause).count()
     }
 
     /// Whether the stepper differs from its exact counterpart.
@@ -75,7 +82,7 @@ pub struct Drift {
     pub vertices: f64,
     /// The largest error of a rate over the largest rate of its block, before or after the step.
     pub velocity: f64,
-    /// As [`Compared::anchors`] (m).
+    /// As [`ComparedStep::anchors`] (m).
     pub anchors: f64,
 }
 
@@ -87,7 +94,7 @@ pub enum LockstepError {
     Setup(#[from] SetupError),
     /// A number has no counterpart in the engine's precision.
     #[error(transparent)]
-    Overflow(#[from] Overflow),
+    Overflow(#[from] NumberOverflow),
     /// The wide scalar cannot step it.
     #[error(transparent)]
     Wide(#[from] WideError),
@@ -105,12 +112,14 @@ pub struct Lockstep<R, M> {
     /// Whether rounding changes no number of the scene.
     same: bool,
     precision: Precision,
-    links: Links,
+    links: ComparedLinks,
+    /// Whether steps are looked through for passages and unseen overlaps.
+    watches: bool,
     wide: Option<WideStepper<M>>,
 }
 
 /// What the oracle decided in a step, or why it cannot make it.
-type Decided = Result<Answer, StepFailure>;
+type OracleStep = Result<StepDecisions, StepFailure>;
 
 impl<R: Solve, M: StepRules> Lockstep<R, M> {
     /// A scene at its beginning, in the scalar R, which is that of `precision`.
@@ -121,7 +130,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         scene: &Scene,
         set: &ToleranceSet,
         precision: Precision,
-        links: Links,
+        links: ComparedLinks,
     ) -> Result<Lockstep<R, M>, LockstepError> {
         let dynamics = Dynamics::with_rules(scene, set)?;
         let given = ExactScene::new(scene, set);
@@ -129,7 +138,13 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let same = given.same_numbers(&rounded);
         let ideal = given.with_tolerances(set.ideal());
         let begin = dynamics.state().clone();
-        Ok(Lockstep { dynamics, begin, ideal, given, rounded, same, precision, links, wide: None })
+        Ok(Lockstep { dynamics, begin, ideal, given, rounded, same, precision, links, watches: false, wide: None })
+    }
+
+    /// The same lockstep, which also looks for passages within its steps and for unseen overlaps after them.
+    #[must_use]
+    pub fn watching(self) -> Lockstep<R, M> {
+        Lockstep { watches: true, ..self }
     }
 
     /// Goes on from another state.
@@ -158,7 +173,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let step = wide_stepper(&mut self.wide, &self.rounded)?.step(before).ok()?;
         let (answer, after) = step.outcome.ok()?;
         if step.unsettled > 0
-            || !compare(&Answer::of_oracle(&exact), &answer, &self.rounded.scene().shapes()).is_empty()
+            || !compare(&StepDecisions::of_oracle(&exact), &answer, &self.rounded.scene().shapes()).is_empty()
         {
             return None;
         }
@@ -175,13 +190,13 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
     }
 
     /// One step on both sides. The state goes on with the stepper's.
-    pub fn step(&mut self) -> (Result<StepReport, Stopped>, Compared) {
+    pub fn step(&mut self) -> (Result<StepReport, StepError>, ComparedStep) {
         let before = self.dynamics.state().clone();
         let settling = before.settling > 0;
         let number = if settling { 1 - i64::from(before.settling) } else { before.step as i64 + 1 };
         let begun = Instant::now();
         let made = self.dynamics.step();
-        let mut compared = Compared {
+        let mut compared = ComparedStep {
             step: number,
             time: self.dynamics.state().time.to_f64(),
             stepper: None,
@@ -192,6 +207,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             anchors: None,
             penetration: [None; 2],
             depths: None,
+            watched: None,
             undecided: 0,
             unsettled: None,
             failure: String::new(),
@@ -211,17 +227,17 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         &mut self,
         before: &State<R>,
         start: &exact::State,
-        made: &Result<StepReport, Stopped>,
-        compared: &mut Compared,
+        made: &Result<StepReport, StepError>,
+        compared: &mut ComparedStep,
     ) {
         let exact = self.rounded.step(start, KEEP);
-        if self.links == Links::All {
-            let decided = exact.as_ref().map(Answer::of_oracle).map_err(Clone::clone);
+        if self.links == ComparedLinks::All {
+            let decided = exact.as_ref().map(StepDecisions::of_oracle).map_err(Clone::clone);
             self.exact_links(before, start, &decided, compared);
         }
         let attempts = self.dynamics.modes();
-        compared.stepper = made.as_ref().ok().map(|r| Answer::of_stepper(r, attempts, self.dynamics.state()));
-        compared.oracle = exact.as_ref().ok().map(Answer::of_oracle);
+        compared.stepper = made.as_ref().ok().map(|r| StepDecisions::of_stepper(r, attempts, self.dynamics.state()));
+        compared.oracle = exact.as_ref().ok().map(StepDecisions::of_oracle);
         compared.undecided = exact.as_ref().map_or(0, |answer| answer.levels.undecided);
         match (&exact, made) {
             (Ok(exact), Ok(_)) => {
@@ -231,12 +247,13 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
                     compared.displacement = displacement_error(start, after, &exact.state);
                     compared.velocity = velocity_error(after, &exact.state);
                     compared.anchors = anchor_error(after, &exact.state);
+                    compared.watched = self.watches.then(|| self.watch(before, start, [&exact.state, after]));
                 }
                 let oracle = penetration(&self.rounded, &exact.state);
                 let stepper = after.ok().and_then(|after| penetration(&self.rounded, &after));
                 compared.penetration = [stepper, oracle];
-                let decisive = |c: &Caused| c.difference.is_of_contacts() || c.difference.solve.is_some();
-                let own = |c: &Caused| matches!(c.cause, Cause::Arithmetic | Cause::Defect);
+                let decisive = |c: &AttributedDifference| c.difference.is_of_contacts() || c.difference.solve.is_some();
+                let own = |c: &AttributedDifference| matches!(c.cause, Cause::Arithmetic | Cause::Defect);
                 if compared.differences.iter().any(|c| own(c) && decisive(c)) {
                     compared.depths = stepper.zip(oracle).and_then(|ends| self.depths(before, exact, ends.into()));
                 }
@@ -249,14 +266,14 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
                 compared.failure = format!("stepper: {stopped}");
                 let difference = StepDifference::stopped("", stopped);
                 let cause = self.cause_of_stop(before, compared);
-                compared.differences.push(Caused::new(cause, difference));
+                compared.differences.push(AttributedDifference::new(cause, difference));
             }
             (Err(failure), Err(stopped)) => compared.failure = format!("stepper: {stopped}; oracle: {failure}"),
         }
     }
 
     /// Tolerance and representation.
-    fn exact_links(&self, before: &State<R>, start: &exact::State, rounded: &Decided, compared: &mut Compared) {
+    fn exact_links(&self, before: &State<R>, start: &exact::State, rounded: &OracleStep, compared: &mut ComparedStep) {
         // The first step is made from the scene as it is; every later state is the engine's own.
         let own_begin = (*before == self.begin).then(|| self.given.begin());
         let unrounded = own_begin.as_ref().unwrap_or(start);
@@ -266,28 +283,28 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let ideal = decided(&self.ideal, unrounded);
         let blocks = self.given.blocks_at(unrounded);
         let (ideal_side, given_side) = (self.ideal.tolerances(), self.given.tolerances());
-        let side = |tolerances| Side { blocks: &blocks, tolerances };
+        let side = |tolerances| LinkSide { blocks: &blocks, tolerances };
         let explainer =
             Explainer { before: side(ideal_side), after: side(given_side), roundoff: None, state: unrounded };
         let found = exact_differences(&ideal, given, &self.given.scene().shapes());
-        compared.differences.extend(explainer.caused(found, Cause::Tolerance, None));
+        compared.differences.extend(explainer.attribute(found, Cause::Tolerance, None));
         if alike {
             return;
         }
         let rounded_blocks = self.rounded.blocks_at(start);
-        let after = Side { blocks: &rounded_blocks, tolerances: self.rounded.tolerances() };
+        let after = LinkSide { blocks: &rounded_blocks, tolerances: self.rounded.tolerances() };
         let explainer =
             Explainer { before: side(given_side), after, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
         let found = exact_differences(given, rounded, &self.given.scene().shapes());
-        let mut caused = explainer.caused(found, Cause::Representation, None);
+        let mut attributed = explainer.attribute(found, Cause::Representation, None);
         if let Ok(given) = given {
-            measure_modes(&mut caused, given, (&self.given, unrounded), self.precision.epsilon() / 2.0);
+            measure_modes(&mut attributed, given, (&self.given, unrounded), self.precision.epsilon() / 2.0);
         }
-        compared.differences.extend(caused);
+        compared.differences.extend(attributed);
     }
 
     /// Arithmetic and defects.
-    fn engine_link(&mut self, before: &State<R>, start: &exact::State, compared: &mut Compared) {
+    fn engine_link(&mut self, before: &State<R>, start: &exact::State, compared: &mut ComparedStep) {
         let (Some(stepper), Some(oracle)) = (&compared.stepper, &compared.oracle) else { return };
         let shapes = self.rounded.scene().shapes();
         let found = compare(oracle, stepper, &shapes);
@@ -306,20 +323,20 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             _ => Vec::new(),
         };
         let blocks = self.rounded.blocks_at(start);
-        let side = Side { blocks: &blocks, tolerances: self.rounded.tolerances() };
+        let side = LinkSide { blocks: &blocks, tolerances: self.rounded.tolerances() };
         let explainer =
             Explainer { before: side, after: side, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
         let set = self.rounded.tolerances();
         let trace = |a: &Block, b: &Block, kept: &[ContactKey]| stepper_trace::<R, M>([a, b], set, kept);
-        let mut caused = explainer.caused(found, Cause::Arithmetic, Some(&trace));
-        for caused in caused.iter_mut().filter(|c| remaining.contains(&c.difference)) {
-            caused.cause = Cause::Defect;
+        let mut attributed = explainer.attribute(found, Cause::Arithmetic, Some(&trace));
+        for attributed in attributed.iter_mut().filter(|c| remaining.contains(&c.difference)) {
+            attributed.cause = Cause::Defect;
         }
-        measure_modes(&mut caused, oracle, (&self.rounded, start), self.precision.epsilon() / 2.0);
-        compared.differences.extend(caused);
+        measure_modes(&mut attributed, oracle, (&self.rounded, start), self.precision.epsilon() / 2.0);
+        compared.differences.extend(attributed);
     }
 
-    fn cause_of_stop(&mut self, before: &State<R>, compared: &mut Compared) -> Cause {
+    fn cause_of_stop(&mut self, before: &State<R>, compared: &mut ComparedStep) -> Cause {
         let wide = wide_stepper(&mut self.wide, &self.rounded).and_then(|wide| wide.step(before).ok());
         compared.unsettled = wide.as_ref().map(|step| step.unsettled);
         match wide {
@@ -328,22 +345,36 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         }
     }
 
+    /// Passages and unseen overlaps of a step that ended in the states `after`, the oracle's and the stepper's.
+    fn watch(&mut self, before: &State<R>, start: &exact::State, after: [&exact::State; 2]) -> WatchedStep {
+        let own_begin = (*before == self.begin).then(|| self.given.begin());
+        let unrounded = own_begin.as_ref().unwrap_or(start);
+        let (scenes, alike) = ([&self.ideal, &self.given, &self.rounded], self.same && unrounded == start);
+        let step = Watch { scenes, alike, before: [unrounded, start], after, precision: self.precision };
+        let wide = &mut self.wide;
+        step.look(|| {
+            let step = wide_stepper(wide, scenes[2])?.step(before).ok()?;
+            let (_, after) = step.outcome.ok().filter(|_| step.unsettled == 0)?;
+            exact_state(&after).ok()
+        })
+    }
+
     /// The same step with the oracle's contacts, and with its modes too.
-    fn depths(&self, before: &State<R>, exact: &StepAnswer, [stepper, oracle]: [f64; 2]) -> Option<Depths> {
-        let answer = Answer::of_oracle(exact);
+    fn depths(&self, before: &State<R>, exact: &StepAnswer, [stepper, oracle]: [f64; 2]) -> Option<StepPenetrations> {
+        let answer = StepDecisions::of_oracle(exact);
         let modes: Vec<Vec<_>> = exact
             .modes
             .iter()
             .map(|all| all.iter().map(|mode| crate::lockstep::state::float_mode(*mode)).collect())
             .collect();
-        let attempt = GivenAttempt { time_step: answer.time_step, modes: &modes };
+        let attempt = PrescribedAttempt { time_step: answer.time_step, modes: &modes };
         let depth = |attempt| {
             let mut again = self.dynamics.clone();
             again.restore(before.clone()).ok()?;
-            again.step_given(&Given { contacts: &answer.contacts, attempt }).ok()?;
+            again.step_prescribed(&PrescribedStep { contacts: &answer.contacts, attempt }).ok()?;
             penetration(&self.rounded, &exact_state(again.state()).ok()?)
         };
-        Some(Depths { stepper, contacts: depth(None)?, modes: depth(Some(attempt))?, oracle })
+        Some(StepPenetrations { stepper, contacts: depth(None)?, modes: depth(Some(attempt))?, oracle })
     }
 }
 
@@ -358,11 +389,11 @@ fn wide_stepper<'w, M: StepRules>(
     wide.as_mut()
 }
 
-fn decided(scene: &ExactScene, state: &exact::State) -> Decided {
-    scene.decide(state).map(|step| Answer::of_certified(&step))
+fn decided(scene: &ExactScene, state: &exact::State) -> OracleStep {
+    scene.decide(state).map(|step| StepDecisions::of_certified(&step))
 }
 
-fn exact_differences(before: &Decided, after: &Decided, shapes: &[&Block]) -> Vec<StepDifference> {
+fn exact_differences(before: &OracleStep, after: &OracleStep, shapes: &[&Block]) -> Vec<StepDifference> {
     match (before, after) {
         (Ok(before), Ok(after)) => compare(before, after, shapes),
         (Err(before), Ok(_)) => vec![StepDifference::stopped(before, "")],

@@ -2,12 +2,12 @@
 
 use rockproof_model::simulation::{JointProperties, Simulation};
 use rockproof_model::{Block, Body, Number, Precision, Scene, ToleranceSet, Vec3};
-use rockproof_oracle::step::{self, CertifiedStep, Keep, ModeMargin, StepAnswer, StepFailure, StepModel};
+use rockproof_oracle::step::{self, CertifiedStep, KeptPrecision, ModeMargin, StepAnswer, StepFailure, StepModel};
 
 /// A number that an engine's precision cannot hold, by its name in files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` overflows in the engine's precision")]
-pub struct Overflow(pub &'static str);
+pub struct NumberOverflow(pub &'static str);
 
 /// Everything of a scene that does not change from step to step, owned.
 #[derive(Clone, Debug)]
@@ -29,23 +29,31 @@ impl ExactScene {
     ///
     /// # Errors
     /// The name of a number that overflows.
-    pub fn rounded(&self, precision: Precision) -> Result<ExactScene, Overflow> {
-        let round = Round(precision);
+    pub fn rounded(&self, precision: Precision) -> Result<ExactScene, NumberOverflow> {
+        let round = Rounder(precision);
         let mut scene = self.scene.clone();
         for block in &mut scene.blocks {
-            block.block = block.block.rounded(precision).ok_or(Overflow("vertices"))?;
+            block.block = block.block.rounded(precision).ok_or(NumberOverflow("vertices"))?;
             round.vector("velocity", &mut block.body.velocity)?;
             round.vector("spin", &mut block.body.spin)?;
             block.body.stress.iter_mut().try_for_each(|stress| round.number("stress", stress))?;
         }
         round.simulation(&mut scene.simulation)?;
-        Ok(ExactScene::new(&scene, &self.tolerances.rounded(precision).map_err(Overflow)?))
+        Ok(ExactScene::new(&scene, &self.tolerances.rounded(precision).map_err(NumberOverflow)?))
     }
 
     /// The same scene with other tolerances.
     #[must_use]
     pub fn with_tolerances(&self, set: ToleranceSet) -> ExactScene {
         ExactScene { tolerances: set, ..self.clone() }
+    }
+
+    /// The same scene with another full Δt (s).
+    #[must_use]
+    pub fn with_time_step(&self, time_step: Number) -> ExactScene {
+        let mut scene = self.clone();
+        scene.scene.simulation.control.time_step = time_step;
+        scene
     }
 
     /// Whether another version of the same scene has the same numbers.
@@ -76,7 +84,7 @@ impl ExactScene {
     ///
     /// # Errors
     /// Why the oracle cannot make it.
-    pub fn step(&self, state: &step::State, keep: Keep) -> Result<StepAnswer, StepFailure> {
+    pub fn step(&self, state: &step::State, keep: KeptPrecision) -> Result<StepAnswer, StepFailure> {
         self.with_model(|model| step::exact_step(model, state, keep))
     }
 
@@ -108,20 +116,20 @@ impl ExactScene {
 
 /// Rounds numbers in place.
 #[derive(Clone, Copy)]
-struct Round(Precision);
+struct Rounder(Precision);
 
-impl Round {
-    fn number(self, name: &'static str, number: &mut Number) -> Result<(), Overflow> {
-        let near = number.rounded(self.0).ok_or(Overflow(name))?;
-        *number = Number::from_f64(near).map_err(|_| Overflow(name))?;
+impl Rounder {
+    fn number(self, name: &'static str, number: &mut Number) -> Result<(), NumberOverflow> {
+        let near = number.rounded(self.0).ok_or(NumberOverflow(name))?;
+        *number = Number::from_f64(near).map_err(|_| NumberOverflow(name))?;
         Ok(())
     }
 
-    fn vector(self, name: &'static str, v: &mut Vec3<Number>) -> Result<(), Overflow> {
+    fn vector(self, name: &'static str, v: &mut Vec3<Number>) -> Result<(), NumberOverflow> {
         [&mut v.x, &mut v.y, &mut v.z].into_iter().try_for_each(|c| self.number(name, c))
     }
 
-    fn joint(self, joint: &mut JointProperties) -> Result<(), Overflow> {
+    fn joint(self, joint: &mut JointProperties) -> Result<(), NumberOverflow> {
         self.number("friction", &mut joint.friction)?;
         self.number("cohesion", &mut joint.cohesion)?;
         self.number("tension", &mut joint.tension)?;
@@ -138,7 +146,7 @@ impl Round {
         Ok(())
     }
 
-    fn simulation(self, simulation: &mut Simulation) -> Result<(), Overflow> {
+    fn simulation(self, simulation: &mut Simulation) -> Result<(), NumberOverflow> {
         self.vector("gravity", &mut simulation.gravity)?;
         self.number("time_step", &mut simulation.control.time_step)?;
         self.number("dynamic", &mut simulation.control.dynamic)?;

@@ -1,6 +1,6 @@
 //! A stepper's state as the oracle's, and back. Only numbers and names pass: no arithmetic is shared.
 
-use rockproof_model::{Number, Point, Vec3};
+use rockproof_model::{Number, Point, Precision, Vec3};
 use rockproof_oracle::step as exact;
 use rockproof_stepper::dynamics::{BlockState, ContactState, Mode, State};
 use rockproof_stepper::{Real, Vector};
@@ -71,6 +71,26 @@ pub fn exact_state<R: Real>(state: &State<R>) -> Result<exact::State, NotFinite>
         fixed_points: points(&state.fixed_points)?,
         contacts: state.contacts.iter().map(contact).collect::<Result<_, NotFinite>>()?,
     })
+}
+
+/// The state whose numbers are those of `state` rounded to nearest; times stay as they are. `None` where a number is beyond the precision.
+pub fn rounded_state(state: &exact::State, precision: Precision) -> Option<exact::State> {
+    let number = |value: &Number| Number::from_f64(value.rounded(precision)?).ok();
+    let point = |p: &Point| Some(Vec3::new(number(&p.x)?, number(&p.y)?, number(&p.z)?));
+    let points = |all: &[Point]| all.iter().map(point).collect::<Option<Vec<_>>>();
+    let mut rounded = state.clone();
+    for block in &mut rounded.blocks {
+        block.vertices = points(&block.vertices)?;
+        for value in block.velocity.iter_mut().chain(&mut block.stress) {
+            *value = number(value)?;
+        }
+    }
+    rounded.load_points = points(&rounded.load_points)?;
+    rounded.fixed_points = points(&rounded.fixed_points)?;
+    for anchor in rounded.contacts.iter_mut().flat_map(|contact| &mut contact.anchors) {
+        *anchor = point(anchor)?;
+    }
+    Some(rounded)
 }
 
 /// A state in another scalar: the numbers nearest to those of `state`, which lose nothing where the scalar is a finer one.

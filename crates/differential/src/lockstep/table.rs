@@ -1,8 +1,8 @@
 //! Rows of `lockstep.csv` and `differences.csv` (docs/lockstep.md).
 
-use crate::finding::{Cause, Deciding};
-use crate::lockstep::links::Caused;
-use crate::lockstep::run::Compared;
+use crate::finding::{Cause, DecidingDecision};
+use crate::lockstep::attribution::AttributedDifference;
+use crate::lockstep::run::ComparedStep;
 
 /// Columns of `lockstep.csv`.
 pub const STEPS: [&str; 30] = [
@@ -72,9 +72,9 @@ fn cell<T>(value: Option<T>, text: impl Fn(T) -> String) -> String {
 }
 
 /// The row of a step.
-pub fn step_row(step: &Compared) -> Vec<String> {
+pub fn step_row(step: &ComparedStep) -> Vec<String> {
     let [stepper, oracle] = [&step.stepper, &step.oracle].map(Option::as_ref);
-    let both = |text: &dyn Fn(&crate::lockstep::Answer) -> String| [cell(stepper, text), cell(oracle, text)];
+    let both = |text: &dyn Fn(&crate::lockstep::StepDecisions) -> String| [cell(stepper, text), cell(oracle, text)];
     let own = || step.differences.iter().filter(|c| matches!(c.cause, Cause::Arithmetic | Cause::Defect));
     let mut row = vec![step.step.to_string(), number(step.time)];
     row.extend(both(&|answer| answer.contacts.len().to_string()));
@@ -83,7 +83,7 @@ pub fn step_row(step: &Compared) -> Vec<String> {
     row.extend([solves.len().to_string(), cell(solves.iter().min(), usize::to_string)]);
     row.extend(both(&|answer| answer.iterations().to_string()));
     row.extend(both(&|answer| answer.converged.to_string()));
-    row.extend(both(&crate::lockstep::Answer::retries_text));
+    row.extend(both(&crate::lockstep::StepDecisions::retries_text));
     row.extend(both(&|answer| number(answer.time_step)));
     row.push(cell(step.displacement, |(error, _)| number(error)));
     row.push(cell(step.displacement, |(_, block)| block.to_string()));
@@ -99,11 +99,11 @@ pub fn step_row(step: &Compared) -> Vec<String> {
 }
 
 /// The rows of a step's differences; `state` is the state file's name, if one was written.
-pub fn difference_rows(step: &Compared, state: &str) -> Vec<Vec<String>> {
-    let row = |caused: &Caused| {
-        let difference = &caused.difference;
+pub fn difference_rows(step: &ComparedStep, state: &str) -> Vec<Vec<String>> {
+    let row = |attributed: &AttributedDifference| {
+        let difference = &attributed.difference;
         let mut row = vec![step.step.to_string(), number(step.time)];
-        row.extend([caused.cause.name(), difference.change.name()].map(str::to_owned));
+        row.extend([attributed.cause.name(), difference.change.name()].map(str::to_owned));
         let (pair, contact) = difference.contact.unzip();
         row.extend([0, 1].map(|side| cell(pair, |pair: [u32; 2]| pair[side].to_string())));
         row.push(cell(contact, |c| c.kind.name().to_owned()));
@@ -111,12 +111,12 @@ pub fn difference_rows(step: &Compared, state: &str) -> Vec<Vec<String>> {
         row.push(cell(contact, |c| c.b.to_string()));
         row.push(cell(difference.solve, |solve| solve.to_string()));
         row.extend([difference.before.clone(), difference.after.clone()]);
-        let deciding = caused.deciding.as_ref();
+        let deciding = attributed.deciding.as_ref();
         row.push(cell(deciding, |d| d.decision.predicate.name().to_owned()));
-        row.push(cell(deciding, Deciding::features));
-        row.push(cell(caused.margin(), number));
-        row.push(cell(caused.margin_ulps(), number));
-        let own = matches!(caused.cause, Cause::Arithmetic | Cause::Defect);
+        row.push(cell(deciding, DecidingDecision::features));
+        row.push(cell(attributed.margin(), number));
+        row.push(cell(attributed.margin_ulps(), number));
+        let own = matches!(attributed.cause, Cause::Arithmetic | Cause::Defect);
         row.push(cell(step.unsettled.filter(|_| own), |count| count.to_string()));
         row.push(state.to_owned());
         row

@@ -5,13 +5,13 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::simulation::PointLoad;
 use rockproof_model::{Number, Point, Scene, ToleranceSet, Vec3};
-use rockproof_oracle::step::{Keep, State, StepAnswer, StepFailure};
+use rockproof_oracle::step::{KeptPrecision, State, StepAnswer, StepFailure};
 
 /// The oracle alone, step by step.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     scene: ExactScene,
-    keep: Keep,
+    keep: KeptPrecision,
     state: State,
     /// Loads that the scene has; those after them are the measured points.
     loads: usize,
@@ -20,7 +20,7 @@ pub struct Trajectory {
 
 impl Trajectory {
     /// The scene at its beginning. Its joints have stiffnesses ([`rockproof_model::simulation::derive_stiffness`]).
-    pub fn new(scene: &Scene, set: &ToleranceSet, keep: Keep) -> Trajectory {
+    pub fn new(scene: &Scene, set: &ToleranceSet, keep: KeptPrecision) -> Trajectory {
         let mut scene = scene.clone();
         let loads = scene.simulation.loads.len();
         // A measured point is the point of a load without force: it moves with its block and does nothing.
@@ -35,7 +35,7 @@ impl Trajectory {
     }
 
     /// How coordinates are kept.
-    pub fn keep(&self) -> Keep {
+    pub fn keep(&self) -> KeptPrecision {
         self.keep
     }
 
@@ -83,9 +83,9 @@ impl Trajectory {
 }
 
 /// The grid of `2^−256` of the model's size, or the next finer power of two: the default of exact trajectories.
-pub fn default_grid(scene: &Scene) -> Keep {
+pub fn default_grid(scene: &Scene) -> KeptPrecision {
     let exponent = 256 - i64::from(size_exponent(scene));
-    Keep::Grid { exponent: exponent.clamp(0, i64::from(u32::MAX)) as u32 }
+    KeptPrecision::Grid { exponent: exponent.clamp(0, i64::from(u32::MAX)) as u32 }
 }
 
 /// The largest power of two, as its exponent, that is at most the largest side of the box around all blocks; 0 for none.

@@ -1,12 +1,12 @@
 //! The stepper's own code in 512 bits, one step from a given state: what remains different there is no rounding.
 
-use crate::lockstep::answer::Answer;
+use crate::lockstep::answer::StepDecisions;
 use crate::lockstep::scene::ExactScene;
 use crate::lockstep::state::converted;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-use rockproof_stepper::dynamics::{Dynamics, SetupError, State, StepRules, Stopped};
+use rockproof_stepper::dynamics::{Dynamics, SetupError, State, StepError, StepRules};
 use rockproof_stepper::real::Real;
-use rockproof_stepper::wide::{Wide, counting};
+use rockproof_stepper::wide::{Wide, count_unsettled};
 
 /// A scene in the wide scalar.
 #[derive(Debug)]
@@ -31,7 +31,7 @@ pub enum WideError {
 #[derive(Clone, Debug)]
 pub struct WideStep {
     /// What it decided, and the state after it, or why it cannot be made.
-    pub outcome: Result<(Answer, State<Wide>), Stopped>,
+    pub outcome: Result<(StepDecisions, State<Wide>), StepError>,
     /// Comparisons that 512 bits left unsettled: exact ties, or nearly. Where there are none, every decision is the exact one.
     pub unsettled: u64,
 }
@@ -54,14 +54,14 @@ impl<M: StepRules> WideStepper<M> {
         let state: State<Wide> = converted(state);
         let dynamics = &mut self.dynamics;
         let (made, unsettled) = self.alone.install(|| {
-            counting(|| {
+            count_unsettled(|| {
                 dynamics.restore(state)?;
                 Ok::<_, SetupError>(dynamics.step())
             })
         });
         let outcome = made?.map(|report| {
             let state = self.dynamics.state().clone();
-            (Answer::of_stepper(&report, self.dynamics.modes(), &state), state)
+            (StepDecisions::of_stepper(&report, self.dynamics.modes(), &state), state)
         });
         Ok(WideStep { outcome, unsettled })
     }

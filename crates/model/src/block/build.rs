@@ -1,13 +1,13 @@
 //! From vertices and face loops to a canonical block, or to the reason why they are none (SPEC section 2).
 
+use crate::block::certain_sign::{Coordinates, Surface};
 use crate::block::error::BlockError;
-use crate::block::meeting::{Meeting, Solid};
+use crate::block::face_intersection::{FaceIntersection, TriangulatedFaces};
 use crate::block::merge;
 use crate::block::planarity::Planarity;
-use crate::block::questions::{Area, Kappa, SameSide, Turn, Volume};
+use crate::block::polynomials::{Area, Kappa, Orientation, SameSide, Volume};
 use crate::block::simple::check_simple;
-use crate::block::sure::{Coordinates, Surface};
-use crate::block::{Block, BlockOptions, Merged, Merging, Point, Shape};
+use crate::block::{Block, BlockOptions, BlockShape, Merged, Merging, Point};
 use crate::sign::Sign;
 use crate::topology::{Edge, Topology};
 use num_bigint::BigInt;
@@ -18,7 +18,7 @@ use std::cmp::Ordering;
 use std::sync::Arc;
 
 /// Vertices and faces with the numbers they had in the input.
-pub(super) struct Draft {
+pub(super) struct BlockDraft {
     pub(super) vertices: Vec<Point>,
     pub(super) approximate: Vec<[f64; 3]>,
     pub(super) topology: Topology,
@@ -39,7 +39,7 @@ pub(super) fn build(
     check_distinct(&vertices, &approximate)?;
     let topology = Topology::new(vertices.len(), faces)?;
     let (vertex_count, face_count) = (vertices.len(), topology.faces().len());
-    let mut draft = Draft {
+    let mut draft = BlockDraft {
         vertex_names: (0..vertex_count).collect(),
         face_names: (0..face_count).collect(),
         vertices,
@@ -112,7 +112,7 @@ fn check_distinct(vertices: &[Point], approximate: &[[f64; 3]]) -> Result<(), Bl
 }
 
 /// Checks what the input must satisfy before anything is merged, and answers the sign of κ at every edge.
-fn check_input(draft: &Draft, options: &BlockOptions) -> Result<Vec<Sign>, BlockError> {
+fn check_input(draft: &BlockDraft, options: &BlockOptions) -> Result<Vec<Sign>, BlockError> {
     let coordinates = Coordinates::new(&draft.vertices, &draft.approximate);
     let surface = Surface::new(&coordinates, draft.topology.faces());
     check_faces(&surface, draft, options)?;
@@ -121,7 +121,7 @@ fn check_input(draft: &Draft, options: &BlockOptions) -> Result<Vec<Sign>, Block
 }
 
 /// Checks area, planarity and simplicity of every face.
-fn check_faces(surface: &Surface<'_>, draft: &Draft, options: &BlockOptions) -> Result<(), BlockError> {
+fn check_faces(surface: &Surface<'_>, draft: &BlockDraft, options: &BlockOptions) -> Result<(), BlockError> {
     let planarity = Planarity::new(surface.coordinates(), options);
     for (face, boundary) in surface.faces().iter().enumerate() {
         if surface.sign(&Area { face }).is_zero() {
@@ -159,7 +159,7 @@ fn check_volume(surface: &Surface<'_>) -> Result<(), BlockError> {
 }
 
 /// Checks what merging has made, and answers the sign of κ at every edge.
-fn check_merged(draft: &Draft, options: &BlockOptions) -> Result<Vec<Sign>, BlockError> {
+fn check_merged(draft: &BlockDraft, options: &BlockOptions) -> Result<Vec<Sign>, BlockError> {
     let coordinates = Coordinates::new(&draft.vertices, &draft.approximate);
     let surface = Surface::new(&coordinates, draft.topology.faces());
     check_faces(&surface, draft, options)?;
@@ -167,7 +167,7 @@ fn check_merged(draft: &Draft, options: &BlockOptions) -> Result<Vec<Sign>, Bloc
 }
 
 /// The sign of κ at every edge; a folded edge is an error.
-fn signs_of_edges(surface: &Surface<'_>, draft: &Draft) -> Result<Vec<Sign>, BlockError> {
+fn signs_of_edges(surface: &Surface<'_>, draft: &BlockDraft) -> Result<Vec<Sign>, BlockError> {
     let sign = |edge: &Edge| {
         let &Edge { p, q, left, right } = edge;
         let sign = surface.sign(&Kappa { p, q, left, right });
@@ -186,7 +186,7 @@ fn has_two_edge_vertex(topology: &Topology) -> bool {
 }
 
 /// No flat edge, and three edges or more at every vertex.
-fn check_canonical(draft: &Draft, signs: &[Sign]) -> Result<(), BlockError> {
+fn check_canonical(draft: &BlockDraft, signs: &[Sign]) -> Result<(), BlockError> {
     let topology = &draft.topology;
     if let Some(edge) = signs.iter().position(|s| s.is_zero()) {
         let Edge { p, q, left, right } = topology.edges()[edge];
@@ -213,13 +213,13 @@ fn check_canonical(draft: &Draft, signs: &[Sign]) -> Result<(), BlockError> {
 }
 
 /// Faces meet in common vertices and edges only.
-fn check_embedded(draft: &Draft, options: &BlockOptions) -> Result<(), BlockError> {
+fn check_embedded(draft: &BlockDraft, options: &BlockOptions) -> Result<(), BlockError> {
     let coordinates = Coordinates::new(&draft.vertices, &draft.approximate);
     let surface = Surface::new(&coordinates, draft.topology.faces());
     let slack = Planarity::new(&coordinates, options).slack();
-    match Solid::new(&surface, &draft.topology, &draft.approximate, slack).first_meeting() {
+    match TriangulatedFaces::new(&surface, &draft.topology, &draft.approximate, slack).first_intersection() {
         None => Ok(()),
-        Some(Meeting { faces: [first, second], line: [p, q], diagonal }) => Err(BlockError::FacesMeet {
+        Some(FaceIntersection { faces: [first, second], line: [p, q], diagonal }) => Err(BlockError::FacesMeet {
             first: draft.face_names[first],
             second: draft.face_names[second],
             p: draft.vertex_names[p as usize],
@@ -229,7 +229,7 @@ fn check_embedded(draft: &Draft, options: &BlockOptions) -> Result<(), BlockErro
     }
 }
 
-fn shape(draft: &Draft, signs: &[Sign]) -> Result<Shape, BlockError> {
+fn shape(draft: &BlockDraft, signs: &[Sign]) -> Result<BlockShape, BlockError> {
     let coordinates = Coordinates::new(&draft.vertices, &draft.approximate);
     let topology = draft.topology.clone();
     let surface = Surface::new(&coordinates, topology.faces());
@@ -240,7 +240,7 @@ fn shape(draft: &Draft, signs: &[Sign]) -> Result<Shape, BlockError> {
     let face_convex = (0..topology.faces().len()).map(|face| turns_left_only(&surface, face)).collect();
     let convex = edge_convex.iter().all(|&c| c);
     drop(surface);
-    Ok(Shape { topology, edge_convex, vertex_convex, face_convex, convex })
+    Ok(BlockShape { topology, edge_convex, vertex_convex, face_convex, convex })
 }
 
 /// Whether a simple loop is a convex polygon; a straight angle counts as convex.
@@ -250,6 +250,6 @@ fn turns_left_only(surface: &Surface<'_>, face: usize) -> bool {
     n == 3
         || (0..n).all(|k| {
             let [a, b, c] = [k, k + 1, k + 2].map(|i| boundary[i % n]);
-            surface.sign(&Turn { face, a, b, c }).is_at_least_zero()
+            surface.sign(&Orientation { face, a, b, c }).is_at_least_zero()
         })
 }

@@ -1,11 +1,11 @@
 //! The canonical form: coplanar neighbours become one face, vertices in line between two edges go (SPEC section 2).
 
-use crate::block::build::Draft;
+use crate::block::build::BlockDraft;
+use crate::block::certain_sign::{Coordinates, Surface};
 use crate::block::error::BlockError;
 use crate::block::planarity::Planarity;
-use crate::block::questions::{Area, OffLine, Onward, SameSide, SquaredLength};
+use crate::block::polynomials::{Area, BeyondAlongLine, OffLine, SameSide, SquaredLength};
 use crate::block::simple::check_simple;
-use crate::block::sure::{Coordinates, Surface};
 use crate::block::{BlockOptions, Merging};
 use crate::sign::Sign;
 use crate::topology::Topology;
@@ -13,11 +13,11 @@ use std::cmp::Reverse;
 
 /// Merges what `merging` says. `signs` are those of κ at the draft's edges.
 pub(super) fn merge(
-    draft: Draft,
+    draft: BlockDraft,
     signs: &[Sign],
     options: &BlockOptions,
     merging: Merging,
-) -> Result<Draft, BlockError> {
+) -> Result<BlockDraft, BlockError> {
     let (faces, vertices) = (draft.topology.faces().len(), draft.vertices.len());
     let nothing_left = |(error, left): (crate::TopologyError, (usize, usize))| BlockError::NothingLeft {
         faces: faces - left.0,
@@ -45,7 +45,7 @@ pub(super) fn merge(
 type Loops = Vec<(usize, Vec<u32>)>;
 
 /// The draft with other faces over the same vertices; vertices that no face uses any more go.
-fn rebuilt(draft: Draft, faces: Loops) -> Result<Draft, (crate::TopologyError, (usize, usize))> {
+fn rebuilt(draft: BlockDraft, faces: Loops) -> Result<BlockDraft, (crate::TopologyError, (usize, usize))> {
     let mut used = vec![false; draft.vertices.len()];
     for &v in faces.iter().flat_map(|(_, boundary)| boundary) {
         used[v as usize] = true;
@@ -62,7 +62,7 @@ fn rebuilt(draft: Draft, faces: Loops) -> Result<Draft, (crate::TopologyError, (
     let loops: Vec<Vec<u32>> =
         faces.into_iter().map(|(_, boundary)| boundary.iter().map(|&v| place[v as usize]).collect()).collect();
     let left = (loops.len(), next as usize);
-    Ok(Draft {
+    Ok(BlockDraft {
         topology: Topology::new(next as usize, loops).map_err(|error| (error, left))?,
         vertices: kept(draft.vertices, &used),
         approximate: kept(draft.approximate, &used),
@@ -101,7 +101,7 @@ fn flat_groups(topology: &Topology, signs: &[Sign]) -> Vec<usize> {
 }
 
 /// The loops after merging every group, or `None` when no group has two faces.
-fn merged_faces(draft: &Draft, group: &[usize]) -> Result<Option<Loops>, BlockError> {
+fn merged_faces(draft: &BlockDraft, group: &[usize]) -> Result<Option<Loops>, BlockError> {
     let mut members: Vec<Vec<usize>> = vec![Vec::new(); group.len()];
     for (face, &first) in group.iter().enumerate() {
         members[first].push(face);
@@ -176,7 +176,7 @@ fn outline(topology: &Topology, members: &[usize], group: &[usize]) -> Result<Ve
 
 /// Groups of faces that one plane holds within the planarity allowed. Regions grow from the largest face, whose plane
 /// is the best known; one that turns out further from planar by its own plane grows again within half the distance.
-fn near_flat_groups(draft: &Draft, options: &BlockOptions) -> Vec<usize> {
+fn near_flat_groups(draft: &BlockDraft, options: &BlockOptions) -> Vec<usize> {
     let coordinates = Coordinates::new(&draft.vertices, &draft.approximate);
     let surface = Surface::new(&coordinates, draft.topology.faces());
     let planarity = Planarity::new(&coordinates, options);
@@ -238,7 +238,7 @@ fn grow(
 }
 
 /// Whether the faces of a region make one simple face that is planar by its own plane.
-fn is_one_face(coordinates: &Coordinates<'_>, draft: &Draft, planarity: &Planarity<'_>, region: &[usize]) -> bool {
+fn is_one_face(coordinates: &Coordinates<'_>, draft: &BlockDraft, planarity: &Planarity<'_>, region: &[usize]) -> bool {
     let mut inside = vec![usize::MAX; draft.topology.faces().len()];
     for &face in region {
         inside[face] = 0;
@@ -252,7 +252,7 @@ fn is_one_face(coordinates: &Coordinates<'_>, draft: &Draft, planarity: &Planari
 }
 
 /// The loops without the vertices that have two edges in line, or `None` when there are none.
-fn without_vertices_in_line(draft: &Draft, options: &BlockOptions, merging: Merging) -> Option<Loops> {
+fn without_vertices_in_line(draft: &BlockDraft, options: &BlockOptions, merging: Merging) -> Option<Loops> {
     let topology = &draft.topology;
     let coordinates = Coordinates::new(&draft.vertices, &draft.approximate);
     let surface = Surface::new(&coordinates, topology.faces());
@@ -268,7 +268,7 @@ fn without_vertices_in_line(draft: &Draft, options: &BlockOptions, merging: Merg
                         &surface.exact_value(&SquaredLength { a, b }),
                     )
         };
-        surface.sign(&Onward { a, v, b }).is_positive() && on_line()
+        surface.sign(&BeyondAlongLine { a, v, b }).is_positive() && on_line()
     };
     let drop: Vec<bool> = (0..topology.vertex_count() as u32).map(in_line).collect();
     drop.contains(&true).then(|| {

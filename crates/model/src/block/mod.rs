@@ -1,14 +1,14 @@
 //! A block: a closed polyhedron with exact vertices and the convexity of its features, decided once (SPEC section 2).
 
 mod build;
+mod certain_sign;
 mod error;
+mod face_intersection;
 mod measure;
-mod meeting;
 mod merge;
 mod planarity;
-mod questions;
+mod polynomials;
 mod simple;
-mod sure;
 mod triangles;
 
 #[cfg(test)]
@@ -30,13 +30,13 @@ pub type Point = Vec3<Number>;
 /// A canonical block of SPEC section 2.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Block {
-    shape: Arc<Shape>,
+    shape: Arc<BlockShape>,
     vertices: Arc<[Point]>,
 }
 
 /// What does not change when a block is moved or its coordinates are rounded.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Shape {
+struct BlockShape {
     topology: Topology,
     edge_convex: Vec<bool>,
     vertex_convex: Vec<bool>,

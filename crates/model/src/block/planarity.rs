@@ -1,8 +1,8 @@
 //! How far a face is from its plane, measured on the block's size.
 
 use crate::block::BlockOptions;
-use crate::block::questions::{Area, Height};
-use crate::block::sure::{Coordinates, Filtered, Surface};
+use crate::block::certain_sign::{Coordinates, Filtered, Surface};
+use crate::block::polynomials::{Area, Height};
 use crate::ring::Ring;
 use crate::vector::Vec3;
 use num_bigint::BigInt;
@@ -20,7 +20,7 @@ pub(super) struct Planarity<'a> {
 }
 
 /// The vertex of a face furthest from its plane.
-pub(super) struct Worst {
+pub(super) struct FurthestVertex {
     pub(super) vertex: u32,
     /// Its distance over the longest side of the block's box.
     pub(super) deviation: f64,
@@ -62,7 +62,7 @@ impl<'a> Planarity<'a> {
     }
 
     /// The vertex furthest from the face's plane, if that is further than allowed.
-    pub(super) fn violation(&self, surface: &Surface<'_>, face: usize) -> Option<Worst> {
+    pub(super) fn violation(&self, surface: &Surface<'_>, face: usize) -> Option<FurthestVertex> {
         let boundary = &surface.faces()[face];
         if boundary.len() == 3 || self.is_surely_planar(surface, face) {
             return None;
@@ -83,7 +83,10 @@ impl<'a> Planarity<'a> {
         let too_far = (&distance * divisor).squared() > (allowed * &count).squared() * &area;
         too_far.then(|| {
             let share = BigRational::new(distance.squared(), (count * self.size()).squared() * area);
-            Worst { vertex: boundary[furthest], deviation: crate::Number::from_rational(share).approximate().sqrt() }
+            FurthestVertex {
+                vertex: boundary[furthest],
+                deviation: crate::Number::from_rational(share).approximate().sqrt(),
+            }
         })
     }
 

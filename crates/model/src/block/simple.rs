@@ -1,7 +1,7 @@
 //! Whether a face loop is a simple polygon, seen along the face's normal.
 
-use crate::block::questions::{Between, Turn};
-use crate::block::sure::Surface;
+use crate::block::certain_sign::Surface;
+use crate::block::polynomials::{Between, Orientation};
 use crate::topology::loop_pairs;
 
 type Segment = (u32, u32);
@@ -56,7 +56,7 @@ fn is_surely_convex(surface: &Surface<'_>, face: usize) -> bool {
         && (0..n).all(|k| {
             let (a, b) = (boundary[k], boundary[(k + 1) % n]);
             (2..n).all(|i| {
-                let turn = Turn { face, a, b, c: boundary[(k + i) % n] };
+                let turn = Orientation { face, a, b, c: boundary[(k + i) % n] };
                 surface.estimate(&turn).and_then(|t| t.sign()).is_some_and(|s| s.is_positive())
             })
         })
@@ -64,7 +64,7 @@ fn is_surely_convex(surface: &Surface<'_>, face: usize) -> bool {
 
 /// Whether two edges of a loop have a point in common that no simple polygon allows.
 fn meet(surface: &Surface<'_>, face: usize, (a, b): Segment, (c, d): Segment) -> bool {
-    let turn = |a, b, c| surface.sign(&Turn { face, a, b, c });
+    let turn = |a, b, c| surface.sign(&Orientation { face, a, b, c });
     let between = |a, b, c| surface.sign(&Between { face, a, b, c }).is_at_most_zero();
     // Neighbours share a vertex; they overlap when they leave it in the same direction.
     let shared = [(a, b, c, d), (b, a, c, d), (a, b, d, c), (b, a, d, c)].into_iter().find(|&(a, _, c, _)| a == c);

@@ -436,8 +436,8 @@ proptest! {
 /// The filter must be seen undecided, and both exact stages used, or the tests above show nothing.
 #[test]
 fn ties_and_near_ties_reach_the_exact_stages() {
-    use questions::Kappa;
-    use sure::{Coordinates, Surface};
+    use certain_sign::{Coordinates, Surface};
+    use polynomials::Kappa;
     let ask = |vertices: &[Point]| {
         let approximate: Vec<[f64; 3]> = vertices.iter().map(|v| v.components().map(|c| c.approximate())).collect();
         let coordinates = Coordinates::new(vertices, &approximate);

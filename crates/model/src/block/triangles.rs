@@ -1,11 +1,11 @@
 //! A face as triangles between its own vertices: the surface that stands for it where faces are tested against faces.
 
-use crate::block::questions::{Side, Turn};
-use crate::block::sure::Surface;
+use crate::block::certain_sign::Surface;
+use crate::block::polynomials::{Orientation, SideOfPlane};
 use crate::sign::Sign;
 
 /// The triangles of a face, counter-clockwise like its loop, none of them without area seen along the face's normal.
-pub(super) struct Patch {
+pub(super) struct TriangulatedFace {
     pub(super) triangles: Vec<[u32; 3]>,
     /// The sides of triangles that are no edges of the face.
     pub(super) diagonals: Vec<[u32; 2]>,
@@ -15,39 +15,45 @@ pub(super) struct Patch {
     pub(super) is_convex: bool,
 }
 
-impl Patch {
+impl TriangulatedFace {
     /// Cuts up a face whose loop is a simple polygon seen along its normal. `slack` is how far, in metres, its vertices
     /// may be from its plane. Only signs of turns decide, so a turned face gives the same triangles.
-    pub(super) fn new(surface: &Surface<'_>, face: usize, approximate: &[[f64; 3]], slack: f64) -> Patch {
+    pub(super) fn new(surface: &Surface<'_>, face: usize, approximate: &[[f64; 3]], slack: f64) -> TriangulatedFace {
         let boundary = &surface.faces()[face];
         let n = boundary.len();
         if let &[a, b, c] = boundary.as_slice() {
             let triangles = vec![[a, b, c]];
-            return Patch { planes: triangles.clone(), triangles, diagonals: Vec::new(), is_convex: true };
+            return TriangulatedFace { planes: triangles.clone(), triangles, diagonals: Vec::new(), is_convex: true };
         }
         let turn = |k: usize| {
             let [a, b, c] = [k + n - 1, k, k + 1].map(|i| boundary[i % n]);
-            surface.sign(&Turn { face, a, b, c })
+            surface.sign(&Orientation { face, a, b, c })
         };
         let turns: Vec<Sign> = (0..n).map(turn).collect();
         if turns.iter().all(|t| t.is_positive()) {
             let triangles: Vec<[u32; 3]> =
                 boundary[1..].windows(2).map(|pair| [boundary[0], pair[0], pair[1]]).collect();
             let diagonals = boundary[2..n - 1].iter().map(|&v| [boundary[0], v]).collect();
-            return Patch { planes: planes(surface, boundary, &triangles), triangles, diagonals, is_convex: true };
+            return TriangulatedFace {
+                planes: planes(surface, boundary, &triangles),
+                triangles,
+                diagonals,
+                is_convex: true,
+            };
         }
         let is_convex = turns.iter().all(|t| t.is_at_least_zero());
         let blunt = (0..n).filter(|&k| turns[k].is_at_most_zero()).map(|k| boundary[k]).collect();
-        let (triangles, diagonals) = Ears { surface, face, approximate, slack, blunt }.clipped();
-        Patch { planes: planes(surface, boundary, &triangles), triangles, diagonals, is_convex }
+        let (triangles, diagonals) = EarClipping { surface, face, approximate, slack, blunt }.clipped();
+        TriangulatedFace { planes: planes(surface, boundary, &triangles), triangles, diagonals, is_convex }
     }
 }
 
-/// See [`Patch::planes`]. Of a short face a proof that it is planar costs more than it saves.
+/// See [`TriangulatedFace::planes`]. Of a short face a proof that it is planar costs more than it saves.
 fn planes(surface: &Surface<'_>, boundary: &[u32], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     const LONG: usize = 32;
-    let is_on =
-        |plane: [u32; 3]| boundary.iter().all(|&vertex| surface.coordinates().sign(&Side { plane, vertex }).is_zero());
+    let is_on = |plane: [u32; 3]| {
+        boundary.iter().all(|&vertex| surface.coordinates().sign(&SideOfPlane { plane, vertex }).is_zero())
+    };
     match triangles {
         [first, ..] if boundary.len() > LONG && is_on(*first) => vec![*first],
         all => all.to_vec(),
@@ -55,7 +61,7 @@ fn planes(surface: &Surface<'_>, boundary: &[u32], triangles: &[[u32; 3]]) -> Ve
 }
 
 /// Ear clipping (Meisters 1975): a simple polygon of more than three vertices has two ears.
-struct Ears<'a, 's> {
+struct EarClipping<'a, 's> {
     surface: &'a Surface<'s>,
     face: usize,
     approximate: &'a [[f64; 3]],
@@ -65,7 +71,7 @@ struct Ears<'a, 's> {
     blunt: Vec<u32>,
 }
 
-impl Ears<'_, '_> {
+impl EarClipping<'_, '_> {
     fn clipped(&self) -> (Vec<[u32; 3]>, Vec<[u32; 2]>) {
         let mut rest = self.surface.faces()[self.face].clone();
         let (mut triangles, mut diagonals) = (Vec::new(), Vec::new());
@@ -89,10 +95,10 @@ impl Ears<'_, '_> {
 
     /// Whether u-v-w turns left and its triangle, boundary included, holds no other vertex of the rest.
     fn is_ear(&self, [u, v, w]: [u32; 3], rest: &[u32]) -> bool {
-        let is_left = |a, b, c| self.surface.sign(&Turn { face: self.face, a, b, c }).is_at_least_zero();
+        let is_left = |a, b, c| self.surface.sign(&Orientation { face: self.face, a, b, c }).is_at_least_zero();
         let in_triangle = |z: u32| is_left(u, v, z) && is_left(v, w, z) && is_left(w, u, z);
         let spans = self.spans([u, v, w]);
-        self.surface.sign(&Turn { face: self.face, a: u, b: v, c: w }).is_positive()
+        self.surface.sign(&Orientation { face: self.face, a: u, b: v, c: w }).is_positive()
             && !self
                 .blunt
                 .iter()

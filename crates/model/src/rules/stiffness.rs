@@ -1,6 +1,6 @@
 //! SPEC section 3's rule on the penalty stiffness.
 
-use super::{Bound, Place, Rule, Slack, Violation, Violations, check};
+use super::{LengthLocation, RequiredValue, Rule, RuleSlack, Violation, Violations, check};
 use crate::block::Block;
 use crate::number::{Number, Precision};
 use crate::scene::{Scene, SceneBlock};
@@ -22,7 +22,7 @@ pub fn check_scene(set: &ToleranceSet, scene: &Scene, precision: Precision) -> V
 }
 
 /// How far the set is from breaking the rule on the penalty stiffness; `None` where nothing has a weight that rests on anything.
-pub fn stiffness_slack(set: &ToleranceSet, scene: &Scene) -> Option<Slack> {
+pub fn stiffness_slack(set: &ToleranceSet, scene: &Scene) -> Option<RuleSlack> {
     stiffness(set, scene)?.slacks.pop()
 }
 
@@ -58,19 +58,19 @@ fn stiffness(set: &ToleranceSet, scene: &Scene) -> Option<Violations> {
     let allowed = set.penetration.to_rational();
     let allowed_squared = &allowed * &allowed;
     let corners = BigRational::from_integer(BigInt::from(worst.corners));
-    let mut remedies = vec![("penetration", Bound::RootOrMore(worst.squared.clone()))];
+    let mut remedies = vec![("penetration", RequiredValue::RootOrMore(worst.squared.clone()))];
     if !allowed.is_zero() {
         let needed = &worst.weight_squared / (&allowed_squared * &corners * &corners);
-        remedies.insert(0, ("normal_stiffness", Bound::RootOrMore(needed)));
+        remedies.insert(0, ("normal_stiffness", RequiredValue::RootOrMore(needed)));
     }
     let mut violations = Violations::default();
-    let place = Place { block: worst.block, edge: None };
+    let place = LengthLocation { block: worst.block, edge: None };
     violations.at_most_squared(Rule::Stiffness, (&worst.squared, &allowed_squared), Some(place), &remedies);
     Some(violations)
 }
 
 /// The least normal stiffness of a joint that the block can be part of; `None` where there is no other block.
-fn softest(simulation: &Simulation, blocks: &[SceneBlock], block: usize) -> Option<BigRational> {
+pub(super) fn softest(simulation: &Simulation, blocks: &[SceneBlock], block: usize) -> Option<BigRational> {
     let own = blocks[block].body.joint;
     let met = |joint: usize| blocks.iter().enumerate().any(|(i, b)| i != block && b.body.joint == joint);
     (0..simulation.joints.names.len())

@@ -5,7 +5,7 @@
 //! used. No library reads this format.
 
 use crate::block::Point;
-use crate::scene::error::Problem;
+use crate::scene::error::SceneProblem;
 use crate::scene::raw::RawBlock;
 use crate::scene::tokens::{Located, Tokens, unexpected, whole};
 
@@ -86,7 +86,7 @@ fn check_used_once(slices: &[Slice], count: usize, what: &str) -> Result<(), Loc
     for slice in slices {
         let end = slice.start + slice.length;
         if end > count {
-            let problem = Problem::NotAllowed {
+            let problem = SceneProblem::NotAllowed {
                 what: format!("the last {what} that a slice asks for"),
                 found: (end - 1).to_string(),
                 allowed: format!("at most {}", count as i64 - 1),
@@ -104,8 +104,8 @@ fn check_used_once(slices: &[Slice], count: usize, what: &str) -> Result<(), Loc
     }
 }
 
-fn wrong_use(what: &str, entry: usize, found: &str) -> Problem {
-    Problem::NotAllowed {
+fn wrong_use(what: &str, entry: usize, found: &str) -> SceneProblem {
+    SceneProblem::NotAllowed {
         what: format!("{what} {entry}"),
         found: found.to_string(),
         allowed: "to be in exactly one".to_string(),
@@ -116,7 +116,7 @@ fn check_same((found, line): Count, what: &str, (expected, _): Count) -> Result<
     if found == expected {
         return Ok(());
     }
-    let problem = Problem::NotAllowed {
+    let problem = SceneProblem::NotAllowed {
         what: format!("the number of {what}"),
         found: found.to_string(),
         allowed: format!("{expected}, as in POINTS_START_LENGTH"),

@@ -2,7 +2,7 @@
 
 use crate::block::BlockError;
 use crate::number::NumberError;
-use crate::spec::SpecError;
+use crate::tolerance_spec::SpecError;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ pub struct SceneError {
     /// The line, from 1, where one is to blame.
     pub line: Option<usize>,
     /// What is wrong; part of this error's own message.
-    pub problem: Problem,
+    pub problem: SceneProblem,
 }
 
 impl fmt::Display for SceneError {
@@ -29,7 +29,7 @@ impl fmt::Display for SceneError {
 
 /// What is wrong with a file: what was found, and what is allowed.
 #[derive(Debug, thiserror::Error)]
-pub enum Problem {
+pub enum SceneProblem {
     /// The operating system's answer.
     #[error("{0}")]
     Io(std::io::Error),

@@ -10,20 +10,20 @@ mod voro;
 mod vtk;
 mod write;
 
-pub use error::{Problem, SceneError};
+pub use error::{SceneError, SceneProblem};
 pub use write::{FormatError, write_obj, write_tolerances, write_toml, write_vtk};
 
 use crate::block::{Block, BlockOptions, Merged, Merging};
 use crate::files::read_limited;
 use crate::number::Number;
 use crate::simulation::{Body, Motion, Simulation, derive_stiffness};
-use crate::spec::ToleranceSpec;
 use crate::tolerance::ToleranceSet;
+use crate::tolerance_spec::ToleranceSpec;
 use raw::{Assembly, RawBlock};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use tokens::Located;
-use toml::Patch;
+use toml::BodyProperties;
 
 /// Blocks, in the order of their file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -44,7 +44,7 @@ pub struct SceneBlock {
     /// How it moves, and in which state it starts.
     pub body: Body,
     /// Where it was read from.
-    pub origin: Origin,
+    pub origin: BlockOrigin,
     /// The planarity it was read with; see [`crate::BlockOptions`].
     pub planarity: Number,
     /// What was merged to bring it into canonical form.
@@ -55,7 +55,7 @@ pub struct SceneBlock {
 
 /// Where a block was read from.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Origin {
+pub struct BlockOrigin {
     /// The file.
     pub file: PathBuf,
     /// The line it begins on, from 1.
@@ -73,7 +73,7 @@ pub struct LoadOptions {
 
 /// A file format for blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Format {
+pub enum SceneFormat {
     /// The project's own scenes, `.toml`.
     Toml,
     /// UnBlocks-gen, `.dda`.
@@ -86,15 +86,15 @@ pub enum Format {
     Voro,
 }
 
-impl Format {
+impl SceneFormat {
     /// The format that a file's extension names; upper or lower case.
-    pub fn of_path(path: &Path) -> Option<Format> {
+    pub fn of_path(path: &Path) -> Option<SceneFormat> {
         match path.extension().and_then(OsStr::to_str)?.to_ascii_lowercase().as_str() {
-            "toml" => Some(Format::Toml),
-            "dda" => Some(Format::Dda),
-            "obj" => Some(Format::Obj),
-            "vtk" => Some(Format::Vtk),
-            "txt" | "voro" => Some(Format::Voro),
+            "toml" => Some(SceneFormat::Toml),
+            "dda" => Some(SceneFormat::Dda),
+            "obj" => Some(SceneFormat::Obj),
+            "vtk" => Some(SceneFormat::Vtk),
+            "txt" | "voro" => Some(SceneFormat::Voro),
             _ => None,
         }
     }
@@ -102,8 +102,8 @@ impl Format {
     /// Triangulated meshes with rounded coordinates come as OBJ and VTK; the other formats hold faces as they are.
     fn merging(self) -> Merging {
         match self {
-            Format::Obj | Format::Vtk => Merging::WithinPlanarity,
-            Format::Toml | Format::Dda | Format::Voro => Merging::Exact,
+            SceneFormat::Obj | SceneFormat::Vtk => Merging::WithinPlanarity,
+            SceneFormat::Toml | SceneFormat::Dda | SceneFormat::Voro => Merging::Exact,
         }
     }
 }
@@ -147,7 +147,7 @@ impl Scene {
     /// When the file cannot be read to its end, or holds no block.
     pub fn survey(path: impl AsRef<Path>, options: &LoadOptions) -> Result<(Scene, Vec<SceneError>), SceneError> {
         let path = path.as_ref();
-        let format = Format::of_path(path).ok_or_else(|| at(path, (None, Problem::UnknownFormat)))?;
+        let format = SceneFormat::of_path(path).ok_or_else(|| at(path, (None, SceneProblem::UnknownFormat)))?;
         let text = read_text(path, format)?;
         Scene::of_text(&text, format, path, options)
     }
@@ -157,7 +157,7 @@ impl Scene {
     ///
     /// # Errors
     /// The first thing wrong with the text or with a block in it.
-    pub fn parse(text: &str, format: Format, path: &Path) -> Result<Scene, SceneError> {
+    pub fn parse(text: &str, format: SceneFormat, path: &Path) -> Result<Scene, SceneError> {
         match Scene::of_text(text, format, path, &LoadOptions::default())? {
             (scene, problems) if problems.is_empty() => Ok(scene),
             (_, mut problems) => Err(problems.swap_remove(0)),
@@ -166,11 +166,11 @@ impl Scene {
 
     fn of_text(
         text: &str,
-        format: Format,
+        format: SceneFormat,
         path: &Path,
         options: &LoadOptions,
     ) -> Result<(Scene, Vec<SceneError>), SceneError> {
-        let mut gathered = Gathered::default();
+        let mut gathered = SceneBuilder::default();
         let mut scene = Scene::default();
         let mut attached = None;
         match read_foreign(text, format) {
@@ -183,11 +183,11 @@ impl Scene {
             Some(blocks) => {
                 let blocks = blocks.map_err(|problem| at(path, problem))?;
                 let assembly = Assembly { file: path, options, planarity: None, merging: format.merging() };
-                gathered.add_all(blocks, &assembly, &Patch::default());
+                gathered.add_all(blocks, &assembly, &BodyProperties::default());
             }
         }
         if gathered.count == 0 {
-            return Err(at(path, (None, Problem::NoBlock)));
+            return Err(at(path, (None, SceneProblem::NoBlock)));
         }
         scene.blocks = gathered.blocks;
         // Where blocks are missing the numbers of the others mean nothing.
@@ -209,7 +209,7 @@ impl SceneBlock {
         SceneBlock {
             name: name.into(),
             body: Body::default(),
-            origin: Origin::default(),
+            origin: BlockOrigin::default(),
             planarity: BlockOptions::default().planarity,
             merged: Merged::default(),
             block,
@@ -224,21 +224,21 @@ impl ToleranceSpec {
     /// When the file cannot be read or says what is not allowed.
     pub fn load(path: impl AsRef<Path>) -> Result<ToleranceSpec, SceneError> {
         let path = path.as_ref();
-        let text = read_text(path, Format::Toml)?;
+        let text = read_text(path, SceneFormat::Toml)?;
         toml::read_tolerances(&text).map_err(|problem| at(path, problem))
     }
 }
 
 /// Blocks read so far. Blocks are numbered in the order read, good or bad.
 #[derive(Default)]
-struct Gathered {
+struct SceneBuilder {
     blocks: Vec<SceneBlock>,
     problems: Vec<SceneError>,
     count: usize,
 }
 
-impl Gathered {
-    fn add_all(&mut self, raws: Vec<RawBlock>, assembly: &Assembly<'_>, patch: &Patch) {
+impl SceneBuilder {
+    fn add_all(&mut self, raws: Vec<RawBlock>, assembly: &Assembly<'_>, patch: &BodyProperties) {
         for (index, raw) in raws.into_iter().enumerate() {
             self.add_one(raw, index, assembly, patch);
         }
@@ -256,24 +256,26 @@ impl Gathered {
                 line: entry.line,
             };
             match &entry.content {
-                toml::Content::Mesh { vertices, faces } => {
+                toml::ShapeSource::Mesh { vertices, faces } => {
                     self.add_one(raw(vertices.clone(), faces.clone()), index, &assembly, &entry.patch);
                 }
-                toml::Content::Box { min, max } => {
+                toml::ShapeSource::Box { min, max } => {
                     let (vertices, faces) = crate::block::cuboid_mesh(min, max);
                     self.add_one(raw(vertices, faces), index, &assembly, &entry.patch);
                 }
-                toml::Content::File(name) => {
+                toml::ShapeSource::File(name) => {
                     let refuse = |problem| at(path, (Some(entry.line), problem));
                     let file = path.parent().unwrap_or(Path::new("")).join(name);
-                    let format = Format::of_path(&file).filter(|f| *f != Format::Toml).ok_or_else(|| {
-                        refuse(Problem::Unsupported {
+                    let format = SceneFormat::of_path(&file).filter(|f| *f != SceneFormat::Toml).ok_or_else(|| {
+                        refuse(SceneProblem::Unsupported {
                             what: format!("`file` {}", crate::number_text::shown(name)),
                             allowed: "a scene can take blocks from .dda, .obj, .vtk, .txt and .voro".to_string(),
                         })
                     })?;
                     let text = read_text(&file, format).map_err(|error| match error.problem {
-                        Problem::Io(error) => refuse(Problem::NamedFile { file: file.display().to_string(), error }),
+                        SceneProblem::Io(error) => {
+                            refuse(SceneProblem::NamedFile { file: file.display().to_string(), error })
+                        }
                         _ => error,
                     })?;
                     let mut raws = read_foreign(&text, format).unwrap_or(Ok(Vec::new())).map_err(|p| at(&file, p))?;
@@ -291,7 +293,7 @@ impl Gathered {
         Ok(())
     }
 
-    fn add_one(&mut self, raw: RawBlock, index: usize, assembly: &Assembly<'_>, patch: &Patch) {
+    fn add_one(&mut self, raw: RawBlock, index: usize, assembly: &Assembly<'_>, patch: &BodyProperties) {
         match assembly.build(raw, index, self.count) {
             Ok(mut block) => {
                 patch.apply(&mut block.body);
@@ -304,25 +306,25 @@ impl Gathered {
 }
 
 /// The blocks of a file in a format that is not the project's own.
-fn read_foreign(text: &str, format: Format) -> Option<Result<Vec<RawBlock>, Located>> {
+fn read_foreign(text: &str, format: SceneFormat) -> Option<Result<Vec<RawBlock>, Located>> {
     match format {
-        Format::Toml => None,
-        Format::Dda => Some(dda::read(text)),
-        Format::Obj => Some(obj::read(text)),
-        Format::Vtk => Some(vtk::read(text)),
-        Format::Voro => Some(voro::read(text)),
+        SceneFormat::Toml => None,
+        SceneFormat::Dda => Some(dda::read(text)),
+        SceneFormat::Obj => Some(obj::read(text)),
+        SceneFormat::Vtk => Some(vtk::read(text)),
+        SceneFormat::Voro => Some(voro::read(text)),
     }
 }
 
 /// A file as text, or why it is none.
-fn read_text(path: &Path, format: Format) -> Result<String, SceneError> {
-    let bytes = read_limited(path).map_err(|error| at(path, (None, Problem::Io(error))))?;
-    if format == Format::Vtk && vtk::is_binary(&bytes) {
+fn read_text(path: &Path, format: SceneFormat) -> Result<String, SceneError> {
+    let bytes = read_limited(path).map_err(|error| at(path, (None, SceneProblem::Io(error))))?;
+    if format == SceneFormat::Vtk && vtk::is_binary(&bytes) {
         return Err(at(path, vtk::binary()));
     }
     let not_text = |offset: usize, bytes: &[u8]| {
         let line = bytes[..offset].iter().filter(|&&b| b == b'\n').count() + 1;
-        at(path, (Some(line), Problem::NotText { offset, byte: bytes[offset] }))
+        at(path, (Some(line), SceneProblem::NotText { offset, byte: bytes[offset] }))
     };
     if let Some(offset) = bytes.iter().position(|&b| b == 0) {
         return Err(not_text(offset, &bytes));

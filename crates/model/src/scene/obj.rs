@@ -6,7 +6,7 @@
 
 use crate::block::Point;
 use crate::number_text::shown;
-use crate::scene::error::Problem;
+use crate::scene::error::SceneProblem;
 use crate::scene::raw::RawBlock;
 use crate::scene::tokens::{Located, Token, number, unexpected};
 use crate::vector::Vec3;
@@ -52,7 +52,7 @@ pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
     }
     let used: BTreeSet<u32> = objects.iter().flat_map(|o| &o.faces).flat_map(|f| f.vertices.iter().copied()).collect();
     if let Some(unused) = (0..vertices.len() as u32).find(|v| !used.contains(v)) {
-        let problem = Problem::NotAllowed {
+        let problem = SceneProblem::NotAllowed {
             what: format!("vertex {} of the file", unused + 1),
             found: "in no face".to_string(),
             allowed: "to be in a face".to_string(),
@@ -100,14 +100,17 @@ fn vertex<'a>(keyword: Token<'a>, words: impl Iterator<Item = Token<'a>>) -> Res
     }
     let found = format!("\"v\" with {} numbers", words.len());
     let expected = "a vertex of 3 coordinates, with no weight but 1".to_string();
-    Err((Some(keyword.line), Problem::Unexpected { found, expected }))
+    Err((Some(keyword.line), SceneProblem::Unexpected { found, expected }))
 }
 
 fn face<'a>(words: impl Iterator<Item = Token<'a>>, vertices: &[(Point, usize)], line: usize) -> Result<Face, Located> {
     let vertices = words.map(|word| corner(word, vertices.len())).collect::<Result<Vec<u32>, _>>()?;
     if vertices.len() < 3 {
         let found = format!("a face of {} vertices", vertices.len());
-        return Err((Some(line), Problem::Unexpected { found, expected: "a face of 3 vertices or more".to_string() }));
+        return Err((
+            Some(line),
+            SceneProblem::Unexpected { found, expected: "a face of 3 vertices or more".to_string() },
+        ));
     }
     Ok(Face { vertices, line })
 }
@@ -138,7 +141,7 @@ fn corner(word: Token<'_>, count: usize) -> Result<u32, Located> {
     match place {
         Some(place) if (0..count as i64).contains(&place) => Ok(place as u32),
         _ => {
-            let problem = Problem::NotAllowed {
+            let problem = SceneProblem::NotAllowed {
                 what: "a vertex number of a face".to_string(),
                 found: shown(index),
                 allowed: match count {

@@ -2,8 +2,8 @@
 
 use crate::block::{Block, BlockOptions, Merging, Point};
 use crate::number::Number;
-use crate::scene::error::{Problem, SceneError};
-use crate::scene::{LoadOptions, Origin, SceneBlock};
+use crate::scene::error::{SceneError, SceneProblem};
+use crate::scene::{BlockOrigin, LoadOptions, SceneBlock};
 use crate::simulation::{Body, Motion};
 use std::path::Path;
 
@@ -42,7 +42,7 @@ impl Assembly<'_> {
             Ok((block, merged)) => Ok(SceneBlock {
                 name,
                 body: Body { motion: if raw.fixed { Motion::Fixed } else { Motion::default() }, ..Body::default() },
-                origin: Origin { file: self.file.to_path_buf(), line: raw.line, index },
+                origin: BlockOrigin { file: self.file.to_path_buf(), line: raw.line, index },
                 planarity: options.planarity,
                 merged,
                 block,
@@ -50,7 +50,7 @@ impl Assembly<'_> {
             Err(error) => Err(SceneError {
                 file: self.file.to_path_buf(),
                 line: Some(raw.line),
-                problem: Problem::Block { block: label, error },
+                problem: SceneProblem::Block { block: label, error },
             }),
         }
     }

@@ -2,11 +2,11 @@
 
 use crate::number::{Number, NumberError};
 use crate::number_text::shown;
-use crate::scene::error::Problem;
+use crate::scene::error::SceneProblem;
 use crate::vector::Vec3;
 
 /// A problem with the line it is on.
-pub(super) type Located = (Option<usize>, Problem);
+pub(super) type Located = (Option<usize>, SceneProblem);
 
 /// One word of a file.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +43,7 @@ impl<'a> Tokens<'a> {
                 self.last_line = token.line;
                 Ok(token)
             }
-            None => Err((Some(self.last_line), Problem::Truncated { expected: expected.to_string() })),
+            None => Err((Some(self.last_line), SceneProblem::Truncated { expected: expected.to_string() })),
         }
     }
 
@@ -81,17 +81,18 @@ impl<'a> Tokens<'a> {
 
 /// "Found this where that should stand."
 pub(super) fn unexpected(token: Token<'_>, expected: &str) -> Located {
-    let problem = Problem::Unexpected { found: format!("\"{}\"", shown(token.text)), expected: expected.to_string() };
+    let problem =
+        SceneProblem::Unexpected { found: format!("\"{}\"", shown(token.text)), expected: expected.to_string() };
     (Some(token.line), problem)
 }
 
 /// `index` where only 0 to `limit` − 1 exist.
-pub(super) fn out_of(what: &str, index: impl ToString, limit: usize) -> Problem {
+pub(super) fn out_of(what: &str, index: impl ToString, limit: usize) -> SceneProblem {
     let allowed = match limit {
         0 => "none, there are none".to_string(),
         limit => format!("0 to {}", limit - 1),
     };
-    Problem::NotAllowed { what: what.to_string(), found: index.to_string(), allowed }
+    SceneProblem::NotAllowed { what: what.to_string(), found: index.to_string(), allowed }
 }
 
 /// The non-negative integer a word stands for.
@@ -99,7 +100,7 @@ pub(super) fn whole(token: Token<'_>, what: &str) -> Result<usize, Located> {
     if token.text.is_empty() || !token.text.bytes().all(|b| b.is_ascii_digit()) {
         return Err(unexpected(token, &format!("{what}, a whole number")));
     }
-    let too_large = || Problem::NotAllowed {
+    let too_large = || SceneProblem::NotAllowed {
         what: what.to_string(),
         found: shown(token.text),
         allowed: format!("at most {}", u32::MAX),
@@ -112,7 +113,7 @@ pub(super) fn whole(token: Token<'_>, what: &str) -> Result<usize, Located> {
 
 /// The f64 a word parses to (SPEC section 1).
 pub(super) fn number(token: Token<'_>, what: &str) -> Result<Number, Located> {
-    let fail = |error| (Some(token.line), Problem::Number { what: what.to_string(), error });
+    let fail = |error| (Some(token.line), SceneProblem::Number { what: what.to_string(), error });
     let is_plain = token.text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
     match token.text.parse::<f64>() {
         Ok(value) if !is_plain || value.is_infinite() => Number::from_f64(if is_plain { value } else { f64::NAN })

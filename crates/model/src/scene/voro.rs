@@ -2,7 +2,7 @@
 //!
 //! Faces run clockwise seen from outside there, so they are turned round. No library reads this format.
 
-use crate::scene::error::Problem;
+use crate::scene::error::SceneProblem;
 use crate::scene::raw::RawBlock;
 use crate::scene::tokens::{Located, Token, Tokens, number, out_of, unexpected, whole};
 use crate::vector::Vec3;
@@ -42,7 +42,7 @@ fn read_line(text: &str, line: usize) -> Result<RawBlock, Located> {
         faces.push(face);
     }
     if let Some(token) = tokens.peek() {
-        let problem = Problem::Unexpected {
+        let problem = SceneProblem::Unexpected {
             found: format!("\"{}\" after {face_count} faces", crate::number_text::shown(token.text)),
             expected: "the end of the line".to_string(),
         };

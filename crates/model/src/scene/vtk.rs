@@ -6,7 +6,7 @@
 //! away here, so the file is read here. Attributes (CELL_DATA, POINT_DATA) end the part that is read.
 
 use crate::block::Point;
-use crate::scene::error::Problem;
+use crate::scene::error::SceneProblem;
 use crate::scene::raw::RawBlock;
 use crate::scene::tokens::{Located, Token, Tokens, out_of, unexpected, whole};
 use std::collections::{BTreeSet, HashMap};
@@ -21,7 +21,7 @@ pub(super) fn is_binary(bytes: &[u8]) -> bool {
 
 /// That binary data cannot be read.
 pub(super) fn binary() -> Located {
-    let problem = Problem::Unsupported {
+    let problem = SceneProblem::Unsupported {
         what: "a BINARY file".to_string(),
         allowed: "write it as ASCII (in ParaView: Save Data, File Type: Ascii)".to_string(),
     };
@@ -36,10 +36,10 @@ pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
     if kind.text != "UNSTRUCTURED_GRID" {
         let what = format!("the dataset {}", crate::number_text::shown(kind.text));
         let allowed = "only UNSTRUCTURED_GRID with polyhedra can".to_string();
-        return Err((Some(kind.line), Problem::Unsupported { what, allowed }));
+        return Err((Some(kind.line), SceneProblem::Unsupported { what, allowed }));
     }
     let mut points: Option<Vec<(Point, usize)>> = None;
-    let mut cells: Option<Vec<Cell<'_>>> = None;
+    let mut cells: Option<Vec<FaceStream<'_>>> = None;
     let mut types: Option<Vec<Token<'_>>> = None;
     while let Some(keyword) = tokens.peek() {
         tokens.next("a section")?;
@@ -53,7 +53,7 @@ pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
             _ => return Err(unexpected(keyword, "one of each of the sections POINTS, CELLS, CELL_TYPES")),
         }
     }
-    let missing = |what: &str| (None, Problem::Truncated { expected: format!("the section {what}") });
+    let missing = |what: &str| (None, SceneProblem::Truncated { expected: format!("the section {what}") });
     let points = points.ok_or_else(|| missing("POINTS"))?;
     let cells = cells.ok_or_else(|| missing("CELLS"))?;
     let types = types.ok_or_else(|| missing("CELL_TYPES"))?;
@@ -67,7 +67,7 @@ pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
 fn header(text: &str) -> Result<&str, Located> {
     let mut lines = text.split_inclusive('\n');
     let mut line = |number: usize, expected: &str| {
-        lines.next().ok_or_else(|| (Some(number), Problem::Truncated { expected: expected.to_string() }))
+        lines.next().ok_or_else(|| (Some(number), SceneProblem::Truncated { expected: expected.to_string() }))
     };
     let version = line(1, "\"# vtk DataFile Version\"")?;
     if !version.starts_with("# vtk DataFile Version") {
@@ -83,7 +83,7 @@ fn header(text: &str) -> Result<&str, Located> {
 }
 
 /// The face stream of one cell.
-struct Cell<'a> {
+struct FaceStream<'a> {
     stream: Vec<Token<'a>>,
     line: usize,
 }
@@ -99,7 +99,7 @@ fn read_points(tokens: &mut Tokens<'_>) -> Result<Vec<(Point, usize)>, Located> 
     Ok(points)
 }
 
-fn read_cells<'a>(tokens: &mut Tokens<'a>) -> Result<Vec<Cell<'a>>, Located> {
+fn read_cells<'a>(tokens: &mut Tokens<'a>) -> Result<Vec<FaceStream<'a>>, Located> {
     let first = tokens.count("the number of cells")?;
     let size_token = tokens.next("the size of the cell list")?;
     let size = whole(size_token, "the size of the cell list")?;
@@ -116,10 +116,10 @@ fn read_cells<'a>(tokens: &mut Tokens<'a>) -> Result<Vec<Cell<'a>>, Located> {
             stream.push(tokens.next("an entry of a cell")?);
         }
         total += count + 1;
-        cells.push(Cell { stream, line: length.line });
+        cells.push(FaceStream { stream, line: length.line });
     }
     if total != size {
-        let problem = Problem::NotAllowed {
+        let problem = SceneProblem::NotAllowed {
             what: "the size of the cell list".to_string(),
             found: size.to_string(),
             allowed: format!("{total}, the cells with their lengths"),
@@ -130,7 +130,7 @@ fn read_cells<'a>(tokens: &mut Tokens<'a>) -> Result<Vec<Cell<'a>>, Located> {
 }
 
 /// The layout of version 5: `offsets` is one more than the number of cells.
-fn read_offsets<'a>(tokens: &mut Tokens<'a>, offsets: usize, size: usize) -> Result<Vec<Cell<'a>>, Located> {
+fn read_offsets<'a>(tokens: &mut Tokens<'a>, offsets: usize, size: usize) -> Result<Vec<FaceStream<'a>>, Located> {
     tokens.keyword("OFFSETS")?;
     tokens.next("the type of the offsets")?;
     let mut ends: Vec<usize> = Vec::new();
@@ -140,7 +140,7 @@ fn read_offsets<'a>(tokens: &mut Tokens<'a>, offsets: usize, size: usize) -> Res
         let least = ends.last().copied().unwrap_or(0);
         let most = if ends.is_empty() { 0 } else { size };
         if !(least..=most).contains(&offset) {
-            let problem = Problem::NotAllowed {
+            let problem = SceneProblem::NotAllowed {
                 what: "an offset".to_string(),
                 found: offset.to_string(),
                 allowed: format!("{least} to {most}"),
@@ -156,7 +156,7 @@ fn read_offsets<'a>(tokens: &mut Tokens<'a>, offsets: usize, size: usize) -> Res
         entries.push(tokens.next("an entry of the connectivity")?);
     }
     if ends.last().is_some_and(|&last| last != size) {
-        let problem = Problem::NotAllowed {
+        let problem = SceneProblem::NotAllowed {
             what: "the last offset".to_string(),
             found: ends.last().copied().unwrap_or(0).to_string(),
             allowed: format!("{size}, the length of the connectivity"),
@@ -165,7 +165,7 @@ fn read_offsets<'a>(tokens: &mut Tokens<'a>, offsets: usize, size: usize) -> Res
     }
     let cell = |pair: &[usize]| {
         let stream = entries[pair[0]..pair[1]].to_vec();
-        Cell { line: stream.first().map_or(line, |t| t.line), stream }
+        FaceStream { line: stream.first().map_or(line, |t| t.line), stream }
     };
     Ok(ends.windows(2).map(cell).collect())
 }
@@ -181,7 +181,7 @@ fn read_types<'a>(tokens: &mut Tokens<'a>) -> Result<Vec<Token<'a>>, Located> {
 
 fn check_types(types: &[Token<'_>], cells: usize) -> Result<(), Located> {
     if types.len() != cells {
-        let problem = Problem::NotAllowed {
+        let problem = SceneProblem::NotAllowed {
             what: "the number of cell types".to_string(),
             found: types.len().to_string(),
             allowed: format!("{cells}, one for every cell"),
@@ -193,17 +193,20 @@ fn check_types(types: &[Token<'_>], cells: usize) -> Result<(), Located> {
         if kind != POLYHEDRON {
             let what = format!("cell {cell} of type {kind}");
             let allowed = format!("only polyhedra, type {POLYHEDRON}, can");
-            return Err((Some(token.line), Problem::Unsupported { what, allowed }));
+            return Err((Some(token.line), SceneProblem::Unsupported { what, allowed }));
         }
     }
     Ok(())
 }
 
-fn block(cell: &Cell<'_>, points: &[(Point, usize)]) -> Result<RawBlock, Located> {
+fn block(cell: &FaceStream<'_>, points: &[(Point, usize)]) -> Result<RawBlock, Located> {
     let mut stream = cell.stream.iter();
     let mut entry = |what: &str| {
         let token = stream.next().ok_or_else(|| {
-            (Some(cell.line), Problem::Truncated { expected: format!("{what} (the cell is shorter than its faces)") })
+            (
+                Some(cell.line),
+                SceneProblem::Truncated { expected: format!("{what} (the cell is shorter than its faces)") },
+            )
         })?;
         whole(*token, what).map(|value| (value, token.line))
     };
@@ -235,7 +238,7 @@ fn block(cell: &Cell<'_>, points: &[(Point, usize)]) -> Result<RawBlock, Located
     })
 }
 
-fn check_all_used(cells: &[Cell<'_>], points: &[(Point, usize)]) -> Result<(), Located> {
+fn check_all_used(cells: &[FaceStream<'_>], points: &[(Point, usize)]) -> Result<(), Located> {
     let mut used = vec![false; points.len()];
     for cell in cells {
         let mut stream = cell.stream.iter().filter_map(|t| t.text.parse::<usize>().ok()).skip(1);
@@ -250,7 +253,7 @@ fn check_all_used(cells: &[Cell<'_>], points: &[(Point, usize)]) -> Result<(), L
     match used.iter().position(|&u| !u) {
         None => Ok(()),
         Some(point) => {
-            let problem = Problem::NotAllowed {
+            let problem = SceneProblem::NotAllowed {
                 what: format!("point {point}"),
                 found: "in no cell".to_string(),
                 allowed: "to be in a cell".to_string(),

@@ -6,7 +6,7 @@ use crate::block::{BlockOptions, Point};
 use crate::number::Number;
 use crate::scene::{Scene, SceneBlock};
 use crate::simulation::Simulation;
-use crate::spec::ToleranceSpec;
+use crate::tolerance_spec::ToleranceSpec;
 use std::fmt::Write;
 
 /// Why a scene does not fit a format.

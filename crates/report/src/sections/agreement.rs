@@ -1,11 +1,11 @@
 //! How often engines are right: by tolerance setting, and by family of pairs.
 
-use super::{Part, Section, label};
+use super::{Section, SectionPart, label};
 use crate::chart::{Chart, color, error_bars, heat_map, in_lines};
-use crate::load::{CampaignRun, Sums};
-use crate::table::{Cell, Table};
-use rockproof_campaign::interval::Share;
-use rockproof_differential::agreement::Span;
+use crate::load::{AgreementSums, CampaignRun};
+use crate::table::{Table, TableCell};
+use rockproof_campaign::proportion::Proportion;
+use rockproof_differential::agreement::{ChainSpan, ComparisonKey};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,20 +16,33 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
         "The share of pairs whose contacts are exactly those of the oracle: number, kinds, features, entrances and signs of gaps. \
          Most pairs of a campaign are put on the very edge of a decision, so these are shares of hard questions.",
     );
-    section.parts.push(Part::Chart(by_setting(campaigns)));
+    section.parts.push(SectionPart::Chart(by_setting(campaigns)));
+    section.parts.extend(not_shown(campaigns));
     let (table, whole) = table(campaigns);
-    section.parts.push(Part::Table(table, whole.min(MOST)));
+    section.parts.push(SectionPart::Table(table, whole.min(MOST)));
     let families = families(campaigns);
-    section.parts.push(Part::Chart(family_map(campaigns)));
-    section.parts.push(Part::Quiet(families));
+    section.parts.push(SectionPart::Chart(family_map(campaigns)));
+    section.parts.push(SectionPart::Quiet(families));
     section
 }
 
-/// The row's share, or blank cells.
-fn share_cells(sums: &Sums) -> [Cell; 3] {
-    sums.agreement().map_or([Cell::Empty, Cell::Empty, Cell::Empty], |Share { value, low, high }| {
-        [value, low, high].map(Cell::Share)
+/// What the settings are that only CSV files have, where there are any.
+fn not_shown(campaigns: &[CampaignRun]) -> Option<SectionPart> {
+    let count: usize = campaigns.iter().map(CampaignRun::not_shown).sum();
+    (count > 0).then(|| {
+        SectionPart::Text(format!(
+            "{count} more settings are counted in the shares above all settings and in the CSV files, and not shown one by one: dyadic and fractional sets are made of numbers \
+             with which ties are exact, ladders put one tolerance on the edge of a decision. They are hard questions for engines; nobody would use them."
+        ))
     })
+}
+
+/// The row's share, or blank cells.
+fn share_cells(sums: &AgreementSums) -> [TableCell; 3] {
+    sums.agreement()
+        .map_or([TableCell::Empty, TableCell::Empty, TableCell::Empty], |Proportion { value, low, high }| {
+            [value, low, high].map(TableCell::Share)
+        })
 }
 
 /// How many rows of agreement the page shows.
@@ -40,7 +53,7 @@ fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
     let mut table = Table::new(
         "agreement",
         "Agreement by tolerance setting. whole: what a user of the engine sees; tolerance, representation, arithmetic: \
-         what one link of the chain leaves as it was. Intervals are Wilson's, 95 %.",
+         what one link of the chain leaves as it was, which is all there is for engines that say only how blocks lie. Intervals are Wilson's, 95 %.",
         &[
             "run",
             "setting",
@@ -57,11 +70,15 @@ fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
         ],
     );
     let mut whole = 0;
-    for seen in [true, false] {
+    for first in [true, false] {
         let all =
             campaigns.iter().flat_map(|campaign| campaign.by_setting().into_iter().map(move |row| (campaign, row)));
-        for (campaign, (compared, sums)) in all.filter(|(_, (compared, _))| (compared.span == Span::Whole) == seen) {
-            whole += usize::from(seen);
+        let seen = |campaign: &CampaignRun, compared: &ComparisonKey| {
+            let engine = matches!(compared.span, ChainSpan::Whole | ChainSpan::Arithmetic);
+            engine && compared.span == campaign.span_of(&compared.engine) && campaign.shows(&compared.tolerances)
+        };
+        for (campaign, (compared, sums)) in all.filter(|(campaign, (compared, _))| seen(campaign, compared) == first) {
+            whole += usize::from(first);
             let [value, low, high] = share_cells(&sums);
             table.push(vec![
                 campaign.name.as_str().into(),
@@ -89,8 +106,8 @@ const ENDS: usize = 10;
 
 /// The settings that a chart shows: all, or where there are many those under which the worse engine is right most seldom and most often, beyond
 /// chance: by the upper and by the lower end of its interval.
-fn chosen(shares: &BTreeMap<String, Share>) -> Vec<String> {
-    let mut order: Vec<(&String, &Share)> = shares.iter().collect();
+fn chosen(shares: &BTreeMap<String, Proportion>) -> Vec<String> {
+    let mut order: Vec<(&String, &Proportion)> = shares.iter().collect();
     if order.len() >= MANY {
         order.sort_by(|(_, x), (_, y)| x.high.total_cmp(&y.high));
         let mut rest = order.split_off(ENDS);
@@ -101,17 +118,15 @@ fn chosen(shares: &BTreeMap<String, Share>) -> Vec<String> {
 }
 
 fn by_setting(campaigns: &[CampaignRun]) -> Chart {
-    let mut least: BTreeMap<String, Share> = BTreeMap::new();
+    let mut least: BTreeMap<String, Proportion> = BTreeMap::new();
     let mut curves = Vec::new();
     for campaign in campaigns {
         let sums = campaign.by_setting();
         for engine in campaign.engines() {
-            // An engine that says only how blocks lie has no answers along the whole chain.
-            let has = |span| sums.iter().any(|(c, s)| c.span == span && c.engine == engine && s.pairs > s.silent);
-            let span = if has(Span::Whole) { Span::Whole } else { Span::Arithmetic };
-            let of: Vec<(&str, Share)> = sums
+            let span = campaign.span_of(&engine);
+            let of: Vec<(&str, Proportion)> = sums
                 .iter()
-                .filter(|(c, _)| c.span == span && c.engine == engine)
+                .filter(|(c, _)| c.span == span && c.engine == engine && campaign.shows(&c.tolerances))
                 .filter_map(|(c, s)| Some((c.tolerances.as_str(), s.agreement()?)))
                 .collect();
             for (setting, share) in &of {
@@ -120,14 +135,15 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
                     *known = *share;
                 }
             }
-            let of: Vec<(String, Share)> = of.into_iter().map(|(setting, share)| (setting.to_owned(), share)).collect();
+            let of: Vec<(String, Proportion)> =
+                of.into_iter().map(|(setting, share)| (setting.to_owned(), share)).collect();
             curves.push((label(campaigns.len(), &campaign.name, &engine), of));
         }
     }
     let settings = chosen(&least);
     let data = curves.iter().enumerate().map(|(number, (name, of))| {
-        let of: Vec<&(String, Share)> = of.iter().filter(|(setting, _)| settings.contains(setting)).collect();
-        let shares: Vec<Share> = of.iter().map(|(_, share)| *share).collect();
+        let of: Vec<&(String, Proportion)> = of.iter().filter(|(setting, _)| settings.contains(setting)).collect();
+        let shares: Vec<Proportion> = of.iter().map(|(_, share)| *share).collect();
         json!({
             "type": "scatter", "mode": "markers", "name": name,
             "y": of.iter().map(|(setting, _)| in_lines(setting).0).collect::<Vec<_>>(),
@@ -162,7 +178,7 @@ fn families(campaigns: &[CampaignRun]) -> Table {
     for campaign in campaigns {
         for ((family, span, engine), sums) in campaign.by_family() {
             let [value, low, high] = share_cells(&sums);
-            let names = [campaign.name.as_str(), family, engine, span.name()].map(Cell::from);
+            let names = [campaign.name.as_str(), family, engine, span.name()].map(TableCell::from);
             table.push(names.into_iter().chain([sums.pairs.into(), value, low, high, sums.silent.into()]).collect());
         }
     }
@@ -177,18 +193,18 @@ fn family_map(campaigns: &[CampaignRun]) -> Chart {
         families.extend(sums.keys().map(|(family, ..)| (*family).to_owned()));
         let lines = sums.keys().map(|(_, span, engine)| (*span, (*engine).to_owned())).collect::<BTreeSet<_>>();
         for (span, engine) in lines {
-            let what = if span == Span::Whole { engine.clone() } else { format!("{engine}, {span}") };
+            let what = if span == ChainSpan::Whole { engine.clone() } else { format!("{engine}, {span}") };
             columns.push((campaign, span, engine, label(campaigns.len(), &campaign.name, &what)));
         }
     }
     // What an engine's user sees first, then its links.
-    columns.sort_by_key(|(_, span, ..)| *span != Span::Whole);
+    columns.sort_by_key(|(_, span, ..)| *span != ChainSpan::Whole);
     let families: Vec<String> = families.into_iter().collect();
     let sums: Vec<_> = columns.iter().map(|(campaign, ..)| campaign.by_family()).collect();
     let shares: Vec<Vec<Option<f64>>> = families
         .iter()
         .map(|family| {
-            let column = |(sums, (_, span, engine, _)): (&BTreeMap<_, Sums>, &(_, Span, String, _))| {
+            let column = |(sums, (_, span, engine, _)): (&BTreeMap<_, AgreementSums>, &(_, ChainSpan, String, _))| {
                 sums.get(&(family.as_str(), *span, engine.as_str()))?.agreement().map(|share| share.value)
             };
             sums.iter().zip(&columns).map(column).collect()

@@ -1,6 +1,6 @@
 //! Why answers differ: causes, changes, and the predicates that decide most findings.
 
-use super::{Part, Section, label};
+use super::{Section, SectionPart, label};
 use crate::chart::{Chart, in_lines};
 use crate::load::CampaignRun;
 use crate::table::Table;
@@ -15,11 +15,11 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
         "A finding is counted once, at the link of the chain where the answer changes: by the tolerances, by rounding the input, by \
          the engine's arithmetic, or by a mistake in its code (defect).",
     );
-    section.parts.push(Part::Chart(by_setting(campaigns)));
-    section.parts.push(Part::Table(changes(campaigns), 16));
-    section.parts.push(Part::Text("Which questions decide most findings:".to_owned()));
-    section.parts.push(Part::Chart(predicate_chart(campaigns)));
-    section.parts.push(Part::Quiet(predicates(campaigns)));
+    section.parts.push(SectionPart::Chart(by_setting(campaigns)));
+    section.parts.push(SectionPart::Table(changes(campaigns), 16));
+    section.parts.push(SectionPart::Text("Which questions decide most findings:".to_owned()));
+    section.parts.push(SectionPart::Chart(predicate_chart(campaigns)));
+    section.parts.push(SectionPart::Quiet(predicates(campaigns)));
     section
 }
 
@@ -35,7 +35,7 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
     let mut counts: BTreeMap<Cause, BTreeMap<String, u64>> = BTreeMap::new();
     let mut rows = BTreeSet::new();
     for campaign in campaigns {
-        for (sort, count) in &campaign.tally.sorts {
+        for (sort, count) in campaign.tally.sorts.iter().filter(|(sort, _)| campaign.shows(&sort.setting)) {
             let row = label(campaigns.len(), &campaign.name, &sort.setting);
             rows.insert(row.clone());
             *counts.entry(sort.cause).or_default().entry(row).or_default() += count;
@@ -72,12 +72,12 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
 fn changes(campaigns: &[CampaignRun]) -> Table {
     let mut table = Table::new(
         "causes",
-        "Findings by setting, engine, cause and change, most frequent first",
+        "Findings by setting, engine, cause and change, most frequent first; settings made for ties last",
         &["run", "setting", "engine", "cause", "change", "findings"],
     );
     for campaign in campaigns {
         let mut sorts: Vec<_> = campaign.tally.sorts.iter().collect();
-        sorts.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+        sorts.sort_by_key(|(sort, count)| (!campaign.shows(&sort.setting), std::cmp::Reverse(**count)));
         for (sort, count) in sorts {
             let names = [campaign.name.as_str(), &sort.setting, &sort.engine, sort.cause.name(), sort.change.name()];
             table.push(names.into_iter().map(Into::into).chain([(*count).into()]).collect());

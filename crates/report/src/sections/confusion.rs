@@ -1,10 +1,10 @@
 //! Which kind of contact was taken for which.
 
-use super::{Part, Section};
-use crate::load::{CampaignRun, Confusion};
+use super::{Section, SectionPart};
+use crate::load::{CampaignRun, ConfusionCounts};
 use crate::table::{Table, grouped};
-use rockproof_differential::agreement::{NONE, Span};
-use rockproof_differential::mapped::State;
+use rockproof_differential::agreement::{ChainSpan, NONE};
+use rockproof_differential::collision::SeparationState;
 use rockproof_model::ContactKind;
 use serde::Serialize;
 
@@ -76,21 +76,21 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
         }
         for engine in campaign.engines() {
             let has = |span| campaign.confusion.keys().any(|c| c.span == span && c.engine == engine);
-            let span = if has(Span::Whole) { Span::Whole } else { Span::Arithmetic };
+            let span = if has(ChainSpan::Whole) { ChainSpan::Whole } else { ChainSpan::Arithmetic };
             let of = || campaign.confusion.iter().filter(|(c, _)| c.span == span && c.engine == engine);
-            let mut all = Confusion::new();
+            let mut all = ConfusionCounts::new();
             for (became, count) in of().flat_map(|(_, confusion)| confusion) {
                 *all.entry(became.clone()).or_default() += count;
             }
             let name = super::label(campaigns.len(), &campaign.name, &engine);
             matrices.push(Matrix { open: true, ..matrix(format!("{name}, all settings"), &all) });
             // Of many settings those with the largest share that is wrong.
-            let wrong = |confusion: &Confusion| {
+            let wrong = |confusion: &ConfusionCounts| {
                 let all: u64 = confusion.values().sum();
                 let wrong: u64 = confusion.iter().filter(|((before, after), _)| before != after).map(|(_, n)| n).sum();
                 wrong as f64 / all.max(1) as f64
             };
-            let mut settings: Vec<_> = of().collect();
+            let mut settings: Vec<_> = of().filter(|(compared, _)| campaign.shows(&compared.tolerances)).collect();
             if settings.len() > MOST {
                 settings.sort_by(|(_, a), (_, b)| wrong(b).total_cmp(&wrong(a)));
                 left_out += settings.drain(MOST..).count();
@@ -99,20 +99,20 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
             matrices.extend(shown.map(|(c, confusion)| matrix(format!("{name}, {}", c.tolerances), confusion)));
         }
     }
-    section.parts.push(Part::Matrices(matrices));
+    section.parts.push(SectionPart::Matrices(matrices));
     if left_out > 0 {
-        section.parts.push(Part::Text(format!(
+        section.parts.push(SectionPart::Text(format!(
             "Setting by setting are the {MOST} of each engine with the largest share of wrong kinds; {left_out} more in confusion.csv."
         )));
     }
-    section.parts.push(Part::Quiet(table));
+    section.parts.push(SectionPart::Quiet(table));
     section
 }
 
-fn matrix(title: String, confusion: &Confusion) -> Matrix {
-    let states = confusion.keys().any(|(before, _)| State::from_name(before).is_some());
+fn matrix(title: String, confusion: &ConfusionCounts) -> Matrix {
+    let states = confusion.keys().any(|(before, _)| SeparationState::from_name(before).is_some());
     let kinds: Vec<&'static str> = match states {
-        true => State::ALL.map(State::name).to_vec(),
+        true => SeparationState::ALL.map(SeparationState::name).to_vec(),
         false => ContactKind::ALL.map(ContactKind::name).into_iter().chain([NONE]).collect(),
     };
     let count = |before: &str, after: &str| confusion.get(&(before.to_owned(), after.to_owned())).copied().unwrap_or(0);

@@ -1,9 +1,9 @@
 //! Steps of a run made by stepper and oracle from the same states.
 
-use super::{Part, Section};
+use super::{Section, SectionPart};
 use crate::chart::{Chart, color};
 use crate::lockstep::LockstepRun;
-use crate::table::{Cell, Table, grouped};
+use crate::table::{Table, TableCell, grouped};
 use rockproof_differential::finding::Cause;
 use serde_json::{Value, json};
 
@@ -14,18 +14,20 @@ pub(super) fn section(runs: &[LockstepRun]) -> Section {
         "Runs in which the oracle made every step beside the stepper, from the same state: steps with other contacts, modes or \
          numbers of iterations, and how deep blocks overlap afterwards, calculated exactly.",
     );
-    section.parts.push(Part::Table(table(runs), 60));
-    section.parts.push(Part::Table(causes(runs), 60));
-    section.parts.push(Part::Table(sorts(runs), 24));
-    section.parts.push(Part::Table(differing(runs), 24));
+    section.parts.push(SectionPart::Table(table(runs), 60));
+    section.parts.push(SectionPart::Table(causes(runs), 60));
+    section.parts.push(SectionPart::Table(sorts(runs), 24));
+    section.parts.push(SectionPart::Table(differing(runs), 24));
     let left: u64 = runs.iter().map(|run| run.more_differing).sum();
     if left > 0 {
-        section.parts.push(Part::Text(format!("{} more steps differ: see lockstep.csv of the runs.", grouped(left))));
+        section
+            .parts
+            .push(SectionPart::Text(format!("{} more steps differ: see lockstep.csv of the runs.", grouped(left))));
     }
     for (number, run) in runs.iter().enumerate() {
-        section.parts.push(Part::Chart(penetration(number, run).half()));
+        section.parts.push(SectionPart::Chart(penetration(number, run).half()));
         if run.iterations_differ > 0 {
-            section.parts.push(Part::Chart(iterations(number, run).half()));
+            section.parts.push(SectionPart::Chart(iterations(number, run).half()));
         }
     }
     section
@@ -63,8 +65,8 @@ fn table(runs: &[LockstepRun]) -> Table {
         let [stepper, oracle] = run.deepest_m;
         let sizes = [stepper, oracle, run.penetration_difference_m, run.displacement_error];
         let names = [run.name.as_str().into(), run.engine.as_str().into()];
-        let row = names.into_iter().chain(steps.map(Cell::Count)).chain(sizes.map(Cell::Number));
-        table.push(row.chain([run.failure.clone().map_or(Cell::Empty, Cell::Text)]).collect());
+        let row = names.into_iter().chain(steps.map(TableCell::Count)).chain(sizes.map(TableCell::Number));
+        table.push(row.chain([run.failure.clone().map_or(TableCell::Empty, TableCell::Text)]).collect());
     }
     table
 }
@@ -92,7 +94,7 @@ fn causes(runs: &[LockstepRun]) -> Table {
         let causes = [Cause::Tolerance, Cause::Representation, Cause::Arithmetic, Cause::Defect].map(cause);
         let effects = ["classification", "iteration", "arithmetic", "none"].map(effect);
         let names = [run.name.as_str().into(), run.engine.as_str().into()];
-        table.push(names.into_iter().chain(causes.into_iter().chain(effects).map(Cell::Count)).collect());
+        table.push(names.into_iter().chain(causes.into_iter().chain(effects).map(TableCell::Count)).collect());
     }
     table
 }
@@ -105,9 +107,9 @@ fn sorts(runs: &[LockstepRun]) -> Table {
     );
     for run in runs {
         for ((cause, change, predicate), sort) in &run.sorts {
-            let names = [run.name.as_str(), &run.engine, cause.name(), change].map(Cell::from);
-            let predicate = if predicate.is_empty() { Cell::Empty } else { Cell::Text(predicate.clone()) };
-            let counts = [sort.differences, sort.steps].map(Cell::Count);
+            let names = [run.name.as_str(), &run.engine, cause.name(), change].map(TableCell::from);
+            let predicate = if predicate.is_empty() { TableCell::Empty } else { TableCell::Text(predicate.clone()) };
+            let counts = [sort.differences, sort.steps].map(TableCell::Count);
             table.push(names.into_iter().chain([predicate]).chain(counts).collect());
         }
     }
@@ -137,11 +139,12 @@ fn differing(runs: &[LockstepRun]) -> Table {
     );
     for run in runs {
         for step in &run.differing {
-            let counts = step.contacts_modes.into_iter().chain(step.iterations).map(Cell::Count);
-            let effect = if step.effect.is_empty() { Cell::Empty } else { Cell::Text(step.effect.clone()) };
-            let mut row = vec![run.name.as_str().into(), run.engine.as_str().into(), Cell::Text(step.step.to_string())];
-            row.extend(counts.chain([effect]).chain(step.depths_m.map(Cell::number)));
-            row.push(Cell::number(step.displacement_error));
+            let counts = step.contacts_modes.into_iter().chain(step.iterations).map(TableCell::Count);
+            let effect = if step.effect.is_empty() { TableCell::Empty } else { TableCell::Text(step.effect.clone()) };
+            let mut row =
+                vec![run.name.as_str().into(), run.engine.as_str().into(), TableCell::Text(step.step.to_string())];
+            row.extend(counts.chain([effect]).chain(step.depths_m.map(TableCell::number)));
+            row.push(TableCell::number(step.displacement_error));
             table.push(row);
         }
     }

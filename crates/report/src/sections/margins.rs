@@ -1,9 +1,9 @@
 //! How near to a tie findings are.
 
-use super::{Part, Section, label};
+use super::{Section, SectionPart, label};
 use crate::chart::{Chart, color};
 use crate::load::CampaignRun;
-use crate::table::{Cell, Table};
+use crate::table::{Table, TableCell};
 use crate::tally::Decade;
 use rockproof_differential::finding::Cause;
 use serde_json::{Value, json};
@@ -17,15 +17,15 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
          precision could know better; thousands of roundoffs mean a formula that cancels, or a mistake.",
     );
     let measured = |cause| matches!(cause, Cause::Representation | Cause::Arithmetic | Cause::Defect | Cause::Engine);
-    section.parts.push(Part::Chart(chart("chart-margins", "margin in roundoffs", campaigns, measured)));
-    section.parts.push(Part::Text(
+    section.parts.push(SectionPart::Chart(chart("chart-margins", "margin in roundoffs", campaigns, measured)));
+    section.parts.push(SectionPart::Text(
         "Under the cause tolerance nothing is rounded. There the margin says by which share of its terms a predicate misses the tie."
             .to_owned(),
     ));
-    section
-        .parts
-        .push(Part::Chart(chart("chart-margins-tolerance", "relative margin", campaigns, |c| c == Cause::Tolerance)));
-    section.parts.push(Part::Quiet(table(campaigns)));
+    section.parts.push(SectionPart::Chart(chart("chart-margins-tolerance", "relative margin", campaigns, |c| {
+        c == Cause::Tolerance
+    })));
+    section.parts.push(SectionPart::Quiet(table(campaigns)));
     section
 }
 
@@ -41,7 +41,7 @@ fn table(campaigns: &[CampaignRun]) -> Table {
     );
     for campaign in campaigns {
         for ((engine, cause), decades) in &campaign.tally.margins {
-            let start = || [campaign.name.as_str(), engine, cause.name()].map(Cell::from);
+            let start = || [campaign.name.as_str(), engine, cause.name()].map(TableCell::from);
             for (decade, count) in decades {
                 table.push(start().into_iter().chain([name_of(*decade).into(), (*count).into()]).collect());
             }

@@ -5,6 +5,7 @@ mod causes;
 mod confusion;
 mod lockstep;
 mod margins;
+mod passing;
 mod runs;
 mod steps;
 pub(super) mod stress;
@@ -13,16 +14,16 @@ mod timing;
 mod worst;
 
 pub use confusion::{Matrix, MatrixCell, MatrixRow};
-pub use worst::{FindingView, SeenRow};
+pub use worst::{FindingContact, FindingView};
 
 use super::chart::Chart;
-use super::fault::ReportError;
+use super::error::ReportError;
 use super::load::Results;
 use super::table::Table;
 
 /// A part of a section.
 #[derive(Clone, Debug)]
-pub enum Part {
+pub enum SectionPart {
     /// A paragraph.
     Text(String),
     /// A table, of which the page shows so many rows.
@@ -47,7 +48,7 @@ pub struct Section {
     /// What it answers, in a sentence or two.
     pub lead: String,
     /// What it holds.
-    pub parts: Vec<Part>,
+    pub parts: Vec<SectionPart>,
 }
 
 impl Section {
@@ -58,7 +59,7 @@ impl Section {
     /// Its tables.
     pub fn tables(&self) -> impl Iterator<Item = &Table> {
         self.parts.iter().filter_map(|part| match part {
-            Part::Table(table, _) | Part::Quiet(table) => Some(table),
+            SectionPart::Table(table, _) | SectionPart::Quiet(table) => Some(table),
             _ => None,
         })
     }
@@ -82,6 +83,7 @@ pub fn all(results: &Results) -> Result<Vec<Section>, ReportError> {
     if !results.locksteps.is_empty() {
         sections.push(lockstep::section(&results.locksteps));
     }
+    sections.extend(passing::section(results));
     if !results.stresses.is_empty() {
         sections.push(stress::section(&results.stresses));
     }

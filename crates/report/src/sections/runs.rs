@@ -1,8 +1,8 @@
 //! What the report is made of.
 
-use super::{Part, Section};
-use crate::load::Results;
-use crate::table::{Cell, Table};
+use super::{Section, SectionPart};
+use crate::load::{Results, RunFile};
+use crate::table::{Table, TableCell};
 
 pub(super) fn section(results: &Results) -> Section {
     let mut section =
@@ -21,7 +21,7 @@ pub(super) fn section(results: &Results) -> Section {
                 run.version.as_str().into(),
                 run.seed.into(),
                 run.pairs.into(),
-                if run.finished { "yes".into() } else { "no, interrupted".into() },
+                finished(run).into(),
                 run.contacts.into(),
                 run.findings.total.into(),
                 run.metamorphic_checks.into(),
@@ -33,18 +33,29 @@ pub(super) fn section(results: &Results) -> Section {
                 campaign.name, run.seconds, m.cores, m.os, m.architecture
             ));
         }
-        section.parts.push(Part::Table(table, 100));
-        section.parts.push(Part::Text(machines.join(" ")));
+        section.parts.push(SectionPart::Table(table, 100));
+        section.parts.push(SectionPart::Text(machines.join(" ")));
     }
     let others = results.locksteps.iter().map(|r| ("lockstep", &r.name, r.steps, &r.dir));
+    let others =
+        others.chain(results.alone().map(|r| ("simulate", &r.name, r.totals.steps + r.totals.settling, &r.dir)));
     let others = others.chain(results.stresses.iter().map(|r| ("stress", &r.name, r.cells.len() as u64, &r.dir)));
     let others = others.chain(results.timings.iter().map(|r| ("bench", &r.name, r.measurements.len() as u64, &r.dir)));
     let mut table = Table::new("other_runs", "Other runs", &["run", "what", "rows", "directory"]);
     for (what, name, rows, dir) in others {
-        table.push(vec![name.as_str().into(), what.into(), Cell::Count(rows), dir.display().to_string().into()]);
+        table.push(vec![name.as_str().into(), what.into(), TableCell::Count(rows), dir.display().to_string().into()]);
     }
     if !table.rows.is_empty() {
-        section.parts.push(Part::Table(table, 100));
+        section.parts.push(SectionPart::Table(table, 100));
     }
     section
+}
+
+/// Whether all pairs were done, or which parts a merge had.
+fn finished(run: &RunFile) -> String {
+    match run.configuration.get("parts").and_then(|parts| parts.as_str()) {
+        Some(parts) => format!("no, parts {parts}"),
+        None if run.finished => "yes".to_owned(),
+        None => "no, interrupted".to_owned(),
+    }
 }

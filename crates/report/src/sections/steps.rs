@@ -1,12 +1,12 @@
-//! Steps of campaigns: what differs in them, and how deep blocks overlap afterwards.
+//! Steps of campaigns: what differs in them, how deep blocks overlap afterwards, and whether they pass through one another.
 
 use super::sweep::order;
-use super::{Part, Section, label};
+use super::{Section, SectionPart, label};
 use crate::chart::{Chart, color};
 use crate::load::{CampaignRun, setting};
-use crate::table::{Cell, Table};
-use rockproof_campaign::grid::axes_of;
-use rockproof_campaign::steps::summary::Counts;
+use crate::table::{Table, TableCell};
+use rockproof_campaign::steps::summary::{StepCounts, Sum};
+use rockproof_campaign::tolerance_grid::axes_of;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,7 +22,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
         "steps",
         "And if the pairs move?",
         "A share of the pairs makes a step, in each engine and exactly, from the same state: steps with other decisions than the exact \
-         ones, and how deep blocks overlap after either.",
+         ones, how deep blocks overlap after either, and whether they pass through one another unseen.",
     );
     let mut differences = Table::new(
         "steps",
@@ -61,9 +61,26 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
             "mean_oracle_relative",
         ],
     );
+    let mut intrusions = Table::new(
+        "steps_passages",
+        "Steps within which blocks pass through one another, and after which they overlap where no contact sees it, by engine and exactly",
+        &[
+            "run",
+            "setting",
+            "engine",
+            "steps",
+            "passages",
+            "passages_oracle",
+            "passages_undecided",
+            "unseen",
+            "unseen_oracle",
+            "by_step_length",
+            "not_held",
+        ],
+    );
     for run in campaigns {
         for ((setting, engine), counts) in by_setting(run) {
-            let names = || [run.name.as_str(), &setting, engine].map(Cell::from).into_iter();
+            let names = || [run.name.as_str(), &setting, engine].map(TableCell::from).into_iter();
             let c = &counts;
             let numbers = [
                 c.compared,
@@ -77,7 +94,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
                 c.defect,
                 c.undecided,
             ];
-            differences.push(names().chain(numbers.map(Cell::Count)).collect());
+            differences.push(names().chain(numbers.map(TableCell::Count)).collect());
             let [stepper, oracle] = c.depths;
             let sizes = [
                 stepper.deepest,
@@ -87,25 +104,30 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
                 mean(stepper.sum, c.compared),
                 mean(oracle.sum, c.compared),
             ];
-            let steps = [c.compared, c.deeper, c.shallower].map(Cell::Count);
-            penetration.push(names().chain(steps).chain(sizes.map(Cell::Number)).collect());
+            let steps = [c.compared, c.deeper, c.shallower].map(TableCell::Count);
+            penetration.push(names().chain(steps).chain(sizes.map(TableCell::Number)).collect());
+            let passages = [c.passages_stepper, c.passages_oracle, c.passages_undecided];
+            let unseen = [c.unseen_stepper, c.unseen_oracle, c.step_length, c.not_held];
+            let numbers = [c.compared].into_iter().chain(passages).chain(unseen);
+            intrusions.push(names().chain(numbers.map(TableCell::Count)).collect());
         }
     }
-    section.parts.push(Part::Table(differences, 40));
-    section.parts.push(Part::Table(penetration, 40));
+    section.parts.push(SectionPart::Table(differences, 40));
+    section.parts.push(SectionPart::Table(penetration, 40));
+    section.parts.push(SectionPart::Table(intrusions, 40));
     for (number, run) in campaigns.iter().enumerate() {
-        section.parts.extend(charts(number, run, campaigns.len()).into_iter().map(Part::Chart));
+        section.parts.extend(charts(number, run, campaigns.len()).into_iter().map(SectionPart::Chart));
     }
     Some(section)
 }
 
-fn mean(sum: f64, count: u64) -> f64 {
-    if count == 0 { 0.0 } else { sum / count as f64 }
+fn mean(sum: Sum, count: u64) -> f64 {
+    if count == 0 { 0.0 } else { sum.value() / count as f64 }
 }
 
 /// Sums over families and the rungs of ladders.
-fn by_setting(run: &CampaignRun) -> BTreeMap<(String, &str), Counts> {
-    let mut sums: BTreeMap<(String, &str), Counts> = BTreeMap::new();
+fn by_setting(run: &CampaignRun) -> BTreeMap<(String, &str), StepCounts> {
+    let mut sums: BTreeMap<(String, &str), StepCounts> = BTreeMap::new();
     for (place, counts) in &run.steps {
         sums.entry((setting(&place.tolerances), &place.engine)).or_default().add(counts);
     }
@@ -116,7 +138,7 @@ fn by_setting(run: &CampaignRun) -> BTreeMap<(String, &str), Counts> {
 /// they step under every set, so that the same steps are compared.
 fn charts(number: usize, run: &CampaignRun, runs: usize) -> Vec<Chart> {
     let mut axes: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-    let mut sums: BTreeMap<(&str, &str, &str), Counts> = BTreeMap::new();
+    let mut sums: BTreeMap<(&str, &str, &str), StepCounts> = BTreeMap::new();
     for (place, counts) in run.steps.iter().filter(|(place, _)| place.form == BASE) {
         for (axis, factor) in axes_of(&place.tolerances).unwrap_or_default() {
             axes.entry(axis).or_default().insert(factor);

@@ -1,11 +1,13 @@
 //! Where floats stop agreeing with the exact answer: the stress set.
 
-use super::{Part, Section, label};
+// Longer than 400 lines: the tables of one set, cell by cell, and the sentence of each level.
+
+use super::{Section, SectionPart, label};
 use crate::chart::{Chart, engine_color};
 use crate::stress::{Curve, StressCell, StressLimit, StressRun, StressStep};
-use crate::table::{Cell, Table, percent};
-use rockproof_campaign::stress::table::SAFE_SHARE;
-use rockproof_campaign::stress::{Axis, Form};
+use crate::table::{Table, TableCell, grouped, percent};
+use rockproof_campaign::stress::table::{Proof, SAFE_SHARE};
+use rockproof_campaign::stress::{PairAlignment, StressAxis};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,16 +20,16 @@ pub(super) fn section(runs: &[StressRun]) -> Section {
          95 % confidence. Blocks \"with ties\" are drawn on a grid, faces flush and corners on edges; those \"without\" are turned or shifted at random.",
     );
     for run in runs {
-        for words in told(run) {
-            section.parts.push(Part::Text(label(runs.len(), &run.name, &words)));
+        for words in limits_in_words(run) {
+            section.parts.push(SectionPart::Text(label(runs.len(), &run.name, &words)));
         }
     }
     for (number, run) in runs.iter().enumerate() {
-        for axis in Axis::ALL {
-            section.parts.extend(chart(number, run, axis, runs.len()).map(|chart| Part::Chart(chart.half())));
+        for axis in StressAxis::ALL {
+            section.parts.extend(chart(number, run, axis, runs.len()).map(|chart| SectionPart::Chart(chart.half())));
         }
     }
-    section.parts.push(Part::Table(limits(runs), 60));
+    section.parts.push(SectionPart::Table(limits(runs), 60));
     for (number, run) in runs.iter().enumerate() {
         let asked = [
             ("rest", "steps made", "A block at rest: relative error of its overlap after so many steps"),
@@ -41,12 +43,14 @@ pub(super) fn section(runs: &[StressRun]) -> Section {
             let id = format!("chart-stress-{number}-{case}");
             let of: Vec<&StressStep> = run.steps.iter().filter(|step| step.case == case).collect();
             if of.iter().any(|step| step.error.is_some()) {
-                section.parts.push(Part::Chart(steps_chart(id, label(runs.len(), &run.name, what), axis, &of).half()));
+                section
+                    .parts
+                    .push(SectionPart::Chart(steps_chart(id, label(runs.len(), &run.name, what), axis, &of).half()));
             }
         }
     }
-    section.parts.push(Part::Quiet(cells(runs)));
-    section.parts.push(Part::Quiet(steps(runs)));
+    section.parts.push(SectionPart::Quiet(cells(runs)));
+    section.parts.push(SectionPart::Quiet(steps(runs)));
     section
 }
 
@@ -71,68 +75,83 @@ pub(crate) fn power(level: &str) -> String {
 }
 
 /// Up to a level, in words.
-pub(crate) fn up_to(axis: Axis, level: &str) -> String {
+pub(crate) fn up_to(axis: StressAxis, level: &str) -> String {
     let level = power(level);
     match axis {
-        Axis::Offset if level == "0" => "at the origin".to_owned(),
-        Axis::Offset => format!("to {level} times the pair's size from the origin"),
-        Axis::ScaleDown | Axis::ScaleUp => format!("with all coordinates times {level}"),
-        Axis::Ratio => format!("with one block {level} times as large as the other"),
-        Axis::Sliver => format!("with blocks of thickness {level} of their length"),
-        Axis::Angle => format!("at angles down to {level} rad"),
+        StressAxis::Offset if level == "0" => "at the origin".to_owned(),
+        StressAxis::Offset => format!("to {level} times the pair's size from the origin"),
+        StressAxis::ScaleDown | StressAxis::ScaleUp => format!("with all coordinates times {level}"),
+        StressAxis::Ratio => format!("with one block {level} times as large as the other"),
+        StressAxis::Sliver => format!("with blocks of thickness {level} of their length"),
+        StressAxis::Angle => format!("at angles down to {level} rad"),
     }
 }
 
 /// An axis in short, for captions.
-fn noun(axis: Axis) -> &'static str {
+fn noun(axis: StressAxis) -> &'static str {
     match axis {
-        Axis::Offset => "Far from the origin",
-        Axis::ScaleDown => "Smaller units",
-        Axis::ScaleUp => "Larger units",
-        Axis::Ratio => "A small block at a large one",
-        Axis::Sliver => "Thin blocks",
-        Axis::Angle => "Small angles",
+        StressAxis::Offset => "Far from the origin",
+        StressAxis::ScaleDown => "Smaller units",
+        StressAxis::ScaleUp => "Larger units",
+        StressAxis::Ratio => "A small block at a large one",
+        StressAxis::Sliver => "Thin blocks",
+        StressAxis::Angle => "Small angles",
     }
 }
 
 /// What the levels of an axis are, short enough for a phone.
-fn levels_are(axis: Axis) -> &'static str {
+fn levels_are(axis: StressAxis) -> &'static str {
     match axis {
-        Axis::Offset => "distance over size of the pair",
-        Axis::ScaleDown | Axis::ScaleUp => "factor on every coordinate",
-        Axis::Ratio => "size over size",
-        Axis::Sliver => "thickness over length",
-        Axis::Angle => "angle, rad",
+        StressAxis::Offset => "distance over size of the pair",
+        StressAxis::ScaleDown | StressAxis::ScaleUp => "factor on every coordinate",
+        StressAxis::Ratio => "size over size",
+        StressAxis::Sliver => "thickness over length",
+        StressAxis::Angle => "angle, rad",
     }
 }
 
 /// With or without ties.
-pub(crate) fn ties(form: Form) -> &'static str {
+pub(crate) fn ties(form: PairAlignment) -> &'static str {
     match form {
-        Form::Aligned => "with ties",
-        Form::Generic => "without ties",
+        PairAlignment::Aligned => "with ties",
+        PairAlignment::Generic => "without ties",
     }
 }
 
-/// Along which axes an engine is safe, and how far, in words; and where it is not even at the mildest level.
-pub(crate) fn reach<'r>(limits: impl Iterator<Item = &'r StressLimit>) -> [Vec<String>; 2] {
-    let (mut safe, mut never) = (Vec::new(), Vec::new());
+/// Along which axes an engine is safe.
+#[derive(Default)]
+pub(crate) struct Reach {
+    /// Where, and how far, in words.
+    pub(crate) safe: Vec<String>,
+    /// Where not even at the mildest level.
+    pub(crate) never: Vec<String>,
+    /// Where there are too few pairs to tell at the mildest level, and how many would be needed there.
+    pub(crate) untold: Vec<String>,
+}
+
+/// Along which axes an engine is safe, and how far, in words.
+pub(crate) fn reach<'r>(limits: impl Iterator<Item = &'r StressLimit>) -> Reach {
+    let mut reach = Reach::default();
     for limit in limits {
-        match (&limit.safe_to, &limit.beyond) {
-            (Some(level), _) => safe.push(up_to(limit.curve.axis, level)),
-            (None, Some((level, share))) => {
-                let what = noun(limit.curve.axis).to_lowercase();
-                never.push(format!("{what} ({} differ at {})", percent(*share), power(level)));
+        let what = || noun(limit.curve.axis).to_lowercase();
+        match (&limit.safe_to, &limit.beyond, limit.proof) {
+            (Some(level), ..) => reach.safe.push(up_to(limit.curve.axis, level)),
+            (None, Some(_), Proof::TooFew { needed }) => {
+                let needed = needed.map_or(String::new(), |n| format!(" ({} a level would do)", grouped(n)));
+                reach.untold.push(format!("{}{needed}", what()));
             }
-            (None, None) => {}
+            (None, Some((level, share)), _) => {
+                reach.never.push(format!("{} ({} differ at {})", what(), percent(*share), power(level)));
+            }
+            (None, None, _) => {}
         }
     }
-    [safe, never]
+    reach
 }
 
 /// A paragraph for each engine, setting and form.
-fn told(run: &StressRun) -> Vec<String> {
-    let mut groups: BTreeMap<(&str, &str, Form), Vec<&StressLimit>> = BTreeMap::new();
+fn limits_in_words(run: &StressRun) -> Vec<String> {
+    let mut groups: BTreeMap<(&str, &str, PairAlignment), Vec<&StressLimit>> = BTreeMap::new();
     for limit in &run.limits {
         let Curve { form, setting, engine, .. } = &limit.curve;
         groups.entry((engine, setting, *form)).or_default().push(limit);
@@ -141,10 +160,17 @@ fn told(run: &StressRun) -> Vec<String> {
         .into_iter()
         .rev()
         .map(|((engine, setting, form), limits)| {
-            let [safe, never] = reach(limits.into_iter());
+            let Reach { safe, never, untold } = reach(limits.into_iter());
             let list = |all: &[String]| all.join("; ");
             let mut words = format!("{engine}, {} ({setting}): ", ties(form));
-            words += &if safe.is_empty() { "safe nowhere".to_owned() } else { format!("safe {}", list(&safe)) };
+            words += &match (safe.is_empty(), untold.is_empty()) {
+                (false, _) => format!("safe {}", list(&safe)),
+                (true, true) => "safe nowhere".to_owned(),
+                (true, false) => "safe nowhere that is known".to_owned(),
+            };
+            if !untold.is_empty() {
+                words += &format!(". Too few pairs to tell: {}", list(&untold));
+            }
             if !never.is_empty() {
                 words += &format!(". Not even at the mildest level: {}", list(&never));
             }
@@ -153,15 +179,16 @@ fn told(run: &StressRun) -> Vec<String> {
         .collect()
 }
 
-fn text_of(level: Option<&String>) -> Cell {
-    level.map_or(Cell::Empty, |level| Cell::Text(power(level)))
+fn text_of(level: Option<&String>) -> TableCell {
+    level.map_or(TableCell::Empty, |level| TableCell::Text(power(level)))
 }
 
 fn limits(runs: &[StressRun]) -> Table {
     let mut table = Table::new(
         "stress_limits",
         "How far each engine agrees. safe to, none differs to: the last level before the first that is not safe, or at which any pair differs; \
-         beyond: the first level that is not safe, and the share of pairs that differ there",
+         beyond: the first level that is not proven safe, and the share of pairs that differ there; pairs needed: so many at that level would tell, if the \
+         share stays what it is",
         &[
             "run",
             "axis",
@@ -170,6 +197,8 @@ fn limits(runs: &[StressRun]) -> Table {
             "safe_to",
             "beyond",
             "differ_beyond",
+            "beyond_is",
+            "pairs_needed",
             "none_differs_to",
             "pairs_to_safe",
             "setting",
@@ -185,7 +214,16 @@ fn limits(runs: &[StressRun]) -> Table {
                 ties(*form).into(),
                 text_of(limit.safe_to.as_ref()),
                 text_of(limit.beyond.as_ref().map(|(level, _)| level)),
-                limit.beyond.as_ref().map_or(Cell::Empty, |(_, share)| Cell::Share(*share)),
+                limit.beyond.as_ref().map_or(TableCell::Empty, |(_, share)| TableCell::Share(*share)),
+                match limit.proof {
+                    Proof::Safe => TableCell::Empty,
+                    Proof::Unsafe => "not safe".into(),
+                    Proof::TooFew { .. } => "too few pairs to tell".into(),
+                },
+                match limit.proof {
+                    Proof::TooFew { needed: Some(needed) } => TableCell::Count(needed),
+                    _ => TableCell::Empty,
+                },
                 text_of(limit.clean_to.as_ref()),
                 limit.pairs.into(),
                 setting.as_str().into(),
@@ -219,10 +257,11 @@ fn cells(runs: &[StressRun]) -> Table {
     for run in runs {
         for cell in &run.cells {
             let Curve { axis, form, setting, engine } = &cell.curve;
-            let names = [run.name.as_str(), axis.name(), &cell.level, form.name(), setting, engine].map(Cell::from);
+            let names =
+                [run.name.as_str(), axis.name(), &cell.level, form.name(), setting, engine].map(TableCell::from);
             let [representation, arithmetic, lost] = cell.sorts;
-            let counts = [cell.pairs, representation, arithmetic, lost, cell.differ].map(Cell::Count);
-            let shares = [share_of(cell), cell.interval[0], cell.interval[1]].map(Cell::Share);
+            let counts = [cell.pairs, representation, arithmetic, lost, cell.differ].map(TableCell::Count);
+            let shares = [share_of(cell), cell.interval[0], cell.interval[1]].map(TableCell::Share);
             table.push(names.into_iter().chain(counts).chain(shares).collect());
         }
     }
@@ -237,10 +276,15 @@ fn steps(runs: &[StressRun]) -> Table {
     );
     for run in runs {
         for step in &run.steps {
-            let names = [run.name.as_str(), &step.case, &step.motion, &step.engine].map(Cell::from);
-            let stopped = if step.stopped.is_empty() { Cell::Empty } else { Cell::Text(step.stopped.clone()) };
-            table
-                .push(names.into_iter().chain([Cell::Number(step.level), Cell::number(step.error), stopped]).collect());
+            let names = [run.name.as_str(), &step.case, &step.motion, &step.engine].map(TableCell::from);
+            let stopped =
+                if step.stopped.is_empty() { TableCell::Empty } else { TableCell::Text(step.stopped.clone()) };
+            table.push(
+                names
+                    .into_iter()
+                    .chain([TableCell::Number(step.level), TableCell::number(step.error), stopped])
+                    .collect(),
+            );
         }
     }
     table
@@ -257,7 +301,7 @@ fn color_of(run: &StressRun, engine: &str) -> String {
 }
 
 /// The share that differs over the levels of an axis. Nothing lies at 0 on a logarithmic scale: it is drawn at the lower end, marked so.
-fn chart(number: usize, run: &StressRun, axis: Axis, runs: usize) -> Option<Chart> {
+fn chart(number: usize, run: &StressRun, axis: StressAxis, runs: usize) -> Option<Chart> {
     let of: Vec<&StressCell> = run.cells.iter().filter(|cell| cell.curve.axis == axis && cell.pairs > 0).collect();
     let mut levels: Vec<String> = Vec::new();
     for cell in &of {
@@ -290,7 +334,7 @@ fn chart(number: usize, run: &StressRun, axis: Axis, runs: usize) -> Option<Char
             cells.iter().map(|cell| if cell.differ == 0 { "circle-open" } else { "circle" }).collect();
         json!({
             "type": "scatter", "mode": "lines+markers", "name": format!("{}, {}{set}", curve.engine, ties(curve.form)),
-            "line": { "color": color_of(run, &curve.engine), "dash": if curve.form == Form::Generic { "solid" } else { "dot" }, "width": 1.5 },
+            "line": { "color": color_of(run, &curve.engine), "dash": if curve.form == PairAlignment::Generic { "solid" } else { "dot" }, "width": 1.5 },
             "marker": { "size": 7, "symbol": symbols },
             "x": cells.iter().map(|cell| power(&cell.level)).collect::<Vec<_>>(), "y": height,
             "error_y": {
@@ -347,7 +391,7 @@ fn steps_chart(id: String, caption: String, axis: &str, of: &[&StressStep]) -> C
 
 #[cfg(test)]
 mod tests {
-    use super::{Axis, power, up_to};
+    use super::{StressAxis, power, up_to};
 
     #[test]
     fn levels_are_told_as_a_reader_likes_them() {
@@ -355,7 +399,7 @@ mod tests {
             ["0", "1e0", "1e1", "1e-1", "1e8", "1e-9", "x"].map(power),
             ["0", "1", "10", "0.1", "10⁸", "10⁻⁹", "x"]
         );
-        assert_eq!(up_to(Axis::Offset, "0"), "at the origin");
-        assert_eq!(up_to(Axis::Angle, "1e-3"), "at angles down to 10⁻³ rad");
+        assert_eq!(up_to(StressAxis::Offset, "0"), "at the origin");
+        assert_eq!(up_to(StressAxis::Angle, "1e-3"), "at angles down to 10⁻³ rad");
     }
 }

@@ -1,12 +1,12 @@
 //! What each tolerance does: campaigns over a grid of tolerance sets.
 
-use super::{Part, Section, label};
+use super::{Section, SectionPart, label};
 use crate::chart::{Chart, color, error_bars, heat_map};
-use crate::load::{CampaignRun, Sums};
-use crate::table::{Cell, Table};
-use rockproof_campaign::grid::axes_of;
-use rockproof_campaign::interval::Share;
-use rockproof_differential::agreement::Span;
+use crate::load::{AgreementSums, CampaignRun};
+use crate::table::{Table, TableCell};
+use rockproof_campaign::proportion::Proportion;
+use rockproof_campaign::tolerance_grid::axes_of;
+use rockproof_differential::agreement::ChainSpan;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,7 +18,7 @@ struct Sweep<'r> {
     run: &'r CampaignRun,
     /// The factors of each axis, in numerical order.
     axes: Vec<(&'r str, Vec<&'r str>)>,
-    curves: BTreeMap<(Span, &'r str), Vec<(Point<'r>, Sums)>>,
+    curves: BTreeMap<(ChainSpan, &'r str), Vec<(Point<'r>, AgreementSums)>>,
 }
 
 /// The section, where a campaign went over a grid.
@@ -41,24 +41,24 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
     );
     for (number, sweep) in sweeps.iter().enumerate() {
         for (at, (axis, factors)) in sweep.axes.iter().enumerate() {
-            section.parts.push(Part::Chart(sweep.lines(number, at, axis, factors, campaigns.len()).half()));
+            section.parts.push(SectionPart::Chart(sweep.lines(number, at, axis, factors, campaigns.len()).half()));
         }
         for (one, other) in pairs_of(sweep.axes.len()) {
-            section
-                .parts
-                .extend(sweep.maps(number, one, other, campaigns.len()).into_iter().map(|map| Part::Chart(map.half())));
+            section.parts.extend(
+                sweep.maps(number, one, other, campaigns.len()).into_iter().map(|map| SectionPart::Chart(map.half())),
+            );
         }
         for ((span, engine), points) in &sweep.curves {
             for (point, sums) in points {
-                let Some(Share { value, low, high }) = sums.agreement() else { continue };
+                let Some(Proportion { value, low, high }) = sums.agreement() else { continue };
                 let setting: Vec<String> = point.iter().map(|(axis, factor)| format!("{axis}*{factor}")).collect();
-                let names = [sweep.run.name.as_str(), &setting.join(" "), engine, span.name()].map(Cell::from);
-                let shares = [value, low, high].map(Cell::Share);
+                let names = [sweep.run.name.as_str(), &setting.join(" "), engine, span.name()].map(TableCell::from);
+                let shares = [value, low, high].map(TableCell::Share);
                 table.push(names.into_iter().chain([sums.pairs.into()]).chain(shares).collect());
             }
         }
     }
-    section.parts.push(Part::Quiet(table));
+    section.parts.push(SectionPart::Quiet(table));
     Some(section)
 }
 
@@ -77,7 +77,7 @@ pub(super) fn order(one: &str, other: &str) -> std::cmp::Ordering {
 
 impl<'r> Sweep<'r> {
     fn of(run: &'r CampaignRun) -> Option<Sweep<'r>> {
-        let mut curves: BTreeMap<(Span, &str), BTreeMap<Point<'_>, Sums>> = BTreeMap::new();
+        let mut curves: BTreeMap<(ChainSpan, &str), BTreeMap<Point<'_>, AgreementSums>> = BTreeMap::new();
         let mut factors: Vec<(&str, BTreeSet<&str>)> = Vec::new();
         for (_, compared, sums) in &run.agreement {
             if compared.tolerances.contains(':') {
@@ -94,7 +94,7 @@ impl<'r> Sweep<'r> {
                 };
             }
             // What users see, and what the tolerances do; the links between are in agreement.csv.
-            if matches!(compared.span, Span::Tolerance | Span::Whole) {
+            if matches!(compared.span, ChainSpan::Tolerance | ChainSpan::Whole) {
                 curves.entry((compared.span, &compared.engine)).or_default().entry(point).or_default().add(sums);
             }
         }
@@ -108,30 +108,30 @@ impl<'r> Sweep<'r> {
         (!axes.is_empty()).then_some(Sweep { run, axes, curves })
     }
 
-    fn sums(points: &[(Point<'_>, Sums)], wanted: &[(&str, &str)]) -> Sums {
-        let mut all = Sums::default();
+    fn sums(points: &[(Point<'_>, AgreementSums)], wanted: &[(&str, &str)]) -> AgreementSums {
+        let mut all = AgreementSums::default();
         for (_, sums) in points.iter().filter(|(point, _)| wanted.iter().all(|w| point.contains(w))) {
             all.add(sums);
         }
         all
     }
 
-    fn curve_name(span: Span, engine: &str) -> String {
-        if span == Span::Whole { engine.to_owned() } else { format!("{span} ({engine})") }
+    fn curve_name(span: ChainSpan, engine: &str) -> String {
+        if span == ChainSpan::Whole { engine.to_owned() } else { format!("{span} ({engine})") }
     }
 
     fn lines(&self, number: usize, at: usize, axis: &str, factors: &[&str], runs: usize) -> Chart {
         let mut data: Vec<Value> = Vec::new();
         for ((span, engine), points) in &self.curves {
-            let of: Vec<(&str, Share)> = factors
+            let of: Vec<(&str, Proportion)> = factors
                 .iter()
                 .filter_map(|factor| Some((*factor, Self::sums(points, &[(axis, factor)]).agreement()?)))
                 .collect();
-            let shares: Vec<Share> = of.iter().map(|(_, share)| *share).collect();
+            let shares: Vec<Proportion> = of.iter().map(|(_, share)| *share).collect();
             let name = Self::curve_name(*span, engine);
             data.push(json!({
                 "type": "scatter", "mode": "lines+markers", "name": name, "error_y": error_bars(&shares),
-                "line": { "color": color(data.len()), "dash": if *span == Span::Whole { "solid" } else { "dot" } },
+                "line": { "color": color(data.len()), "dash": if *span == ChainSpan::Whole { "solid" } else { "dot" } },
                 "x": of.iter().map(|(factor, _)| factor).collect::<Vec<_>>(),
                 "y": shares.iter().map(|share| share.value * 100.0).collect::<Vec<_>>(),
                 "hovertemplate": "×%{x}: %{y:.2f} %<extra>%{fullData.name}</extra>",

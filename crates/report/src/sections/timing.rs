@@ -1,9 +1,9 @@
 //! Run time against error.
 
 use super::stress::power;
-use super::{Part, Section};
+use super::{Section, SectionPart};
 use crate::chart::{Chart, engine_color};
-use crate::table::{Cell, Table, short};
+use crate::table::{Table, TableCell, short};
 use crate::timing::{Measurement, TimingRun};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -22,7 +22,7 @@ pub(super) fn section(runs: &[TimingRun]) -> Section {
     );
     for (number, run) in runs.iter().enumerate() {
         for (n, case) in run.cases().into_iter().enumerate() {
-            section.parts.push(Part::Chart(chart(format!("chart-timing-{number}-{n}"), run, case).half()));
+            section.parts.push(SectionPart::Chart(chart(format!("chart-timing-{number}-{n}"), run, case).half()));
         }
         for m in &run.measurements {
             table.push(vec![
@@ -30,20 +30,20 @@ pub(super) fn section(runs: &[TimingRun]) -> Section {
                 m.case.as_str().into(),
                 m.engine.as_str().into(),
                 m.tolerances.as_str().into(),
-                Cell::number(m.time_step_s),
-                Cell::Number(m.seconds),
-                Cell::Number(m.error),
+                TableCell::number(m.time_step_s),
+                TableCell::Number(m.seconds),
+                TableCell::Number(m.error),
                 m.error_of.as_str().into(),
-                if m.efficient { "yes".into() } else { Cell::Empty },
+                if m.efficient { "yes".into() } else { TableCell::Empty },
             ]);
         }
     }
-    section.parts.push(Part::Table(table, 60));
+    section.parts.push(SectionPart::Table(table, 60));
     let blank: u64 = runs.iter().map(|run| run.blank).sum();
     if blank > 0 {
-        section
-            .parts
-            .push(Part::Text(format!("{blank} measurements have no figure, for the run stopped; bench.csv says why.")));
+        section.parts.push(SectionPart::Text(format!(
+            "{blank} measurements have no figure, for the run stopped; bench.csv says why."
+        )));
     }
     section
 }

@@ -1,13 +1,14 @@
 //! The worst findings, each with a view to turn.
 
-use super::{Part, Section, label};
-use crate::fault::ReportError;
+use super::{Section, SectionPart, label};
+use crate::error::ReportError;
 use crate::load::CampaignRun;
-use crate::table::{Cell, Table, short};
-use crate::tally::Worst;
+use crate::table::{Table, TableCell, short};
+use crate::tally::{WORRYING, WorstFinding};
 use crate::view;
 use rockproof_differential::case_file::Case;
-use rockproof_differential::finding::Cause;
+use rockproof_differential::finding::{Cause, FAR};
+use rockproof_model::decision::Predicate;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -27,7 +28,7 @@ pub struct FindingView {
     /// What each thing about it is.
     pub facts: Vec<(&'static str, String)>,
     /// The contacts.
-    pub contacts: Vec<SeenRow>,
+    pub contacts: Vec<FindingContact>,
     /// The command that shows it decision by decision.
     pub replay: String,
     /// What plotly draws.
@@ -36,7 +37,7 @@ pub struct FindingView {
 
 /// A contact of it.
 #[derive(Clone, Debug, Serialize)]
-pub struct SeenRow {
+pub struct FindingContact {
     /// `true`, `seen` or `both`.
     pub who: &'static str,
     /// Kind, features and entrance.
@@ -45,14 +46,12 @@ pub struct SeenRow {
     pub gap: String,
 }
 
-/// The causes in the order in which they worry.
-const ORDER: [Cause; 5] = [Cause::Defect, Cause::Engine, Cause::Arithmetic, Cause::Representation, Cause::Tolerance];
-
 pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError> {
     let mut section = Section::new(
         "worst",
         "The worst findings",
-        "Of each cause the findings furthest from a tie, which rounding excuses least, among those that were shrunk to a case. Open one to \
+        "Of each cause the findings furthest from a tie, whichever side of it, which rounding excuses least; what is further than all found before it \
+         has a case. Open one to \
          see both blocks, or where one is much larger the surroundings of the smaller: drag to turn, scroll or pinch to come nearer. Green is \
          the true contact, orange the one that was seen.",
     );
@@ -68,6 +67,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError>
             "kind_after",
             "predicate",
             "features",
+            "magnitude",
             "margin",
             "margin_roundoffs",
             "family",
@@ -77,7 +77,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError>
         ],
     );
     let mut views = Vec::new();
-    for cause in ORDER {
+    for cause in WORRYING {
         for campaign in campaigns {
             let worst = campaign.tally.worst.get(&cause).map_or(&[][..], Vec::as_slice);
             for finding in worst {
@@ -90,14 +90,14 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError>
         }
     }
     if views.is_empty() {
-        section.parts.push(Part::Text("No finding was kept as a case.".to_owned()));
+        section.parts.push(SectionPart::Text("No finding was kept as a case.".to_owned()));
     }
-    section.parts.push(Part::Findings(views));
-    section.parts.push(Part::Quiet(table));
+    section.parts.push(SectionPart::Findings(views));
+    section.parts.push(SectionPart::Quiet(table));
     Ok(section)
 }
 
-fn row(campaign: &CampaignRun, finding: &Worst) -> Vec<Cell> {
+fn row(campaign: &CampaignRun, finding: &WorstFinding) -> Vec<TableCell> {
     let [before, after] = &finding.kinds;
     vec![
         campaign.name.as_str().into(),
@@ -108,8 +108,9 @@ fn row(campaign: &CampaignRun, finding: &Worst) -> Vec<Cell> {
         after.as_str().into(),
         finding.predicate.as_str().into(),
         finding.features.as_str().into(),
-        Cell::number(finding.margin),
-        Cell::number(finding.margin_ulps),
+        TableCell::number(Some(finding.magnitude()).filter(|size| size.is_finite())),
+        TableCell::number(finding.margin),
+        TableCell::number(finding.margin_ulps),
         finding.family.as_str().into(),
         finding.tolerances.as_str().into(),
         finding.index.into(),
@@ -117,8 +118,13 @@ fn row(campaign: &CampaignRun, finding: &Worst) -> Vec<Cell> {
     ]
 }
 
-fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<FindingView, ReportError> {
+fn show(dir: &Path, finding: &WorstFinding, name: String, number: usize) -> Result<FindingView, ReportError> {
     let path = dir.join(&finding.case);
+    if !lies_in(dir, &path) {
+        let found = "the case lies outside of the run, behind a link".to_owned();
+        let other = "a report reads what is in the directory of the run".to_owned();
+        return Err(ReportError::Contradiction { file: path, found, other });
+    }
     let case = Case::load(&path)?;
     let contacts = view::contacts(&case);
     let (mut traces, centre) = view::traces(&case, &contacts);
@@ -127,7 +133,8 @@ fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<Find
     let kinds = if about.kind.is_empty() { "the pair".to_owned() } else { about.kind.clone() };
     let mut facts = vec![("who", about.engine.clone())];
     if !about.predicate.is_empty() {
-        facts.push(("decided by", format!("{} of {}", about.predicate, about.features)));
+        let how = if finding.cause == Cause::Engine { "nearest tie" } else { "decided by" };
+        facts.push((how, format!("{} of {}", about.predicate, about.features)));
     }
     if let Some(margin) = about.margin {
         let size = if margin == 0.0 { "0, a tie".to_owned() } else { short(margin) };
@@ -136,12 +143,13 @@ fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<Find
     if let Some(ulps) = about.margin_ulps {
         facts.push(("in roundoffs", short(ulps)));
     }
+    facts.extend(remark(finding, about.margin_ulps.map(f64::abs)).map(|text| ("what that means", text.to_owned())));
     facts.push(("from", about.origin.clone()));
     for (what, text) in [("lying", &about.states), ("the engine said", &about.note)] {
         facts.extend(text.iter().map(|text| (what, text.clone())));
     }
     facts.push(("axes from", format!("({})", centre.map(|c| format!("{c:?}")).join(", "))));
-    let row = |c: &view::SeenContact| SeenRow { who: c.who(), name: c.name(), gap: nine_digits(c.gap_m) };
+    let row = |c: &view::ViewedContact| FindingContact { who: c.who(), name: c.name(), gap: nine_digits(c.gap_m) };
     Ok(FindingView {
         id: format!("finding-{number}"),
         title: format!("{name}: {kinds}, {}", finding.engine),
@@ -151,6 +159,35 @@ fn show(dir: &Path, finding: &Worst, name: String, number: usize) -> Result<Find
         replay: format!("rockproof replay {}", quoted(&path.display().to_string())),
         traces,
     })
+}
+
+/// Whether a file lies in a directory, links followed. Of one that is not there the reader tells.
+fn lies_in(dir: &Path, file: &Path) -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    real(dir).zip(real(file)).is_none_or(|(dir, file)| file.starts_with(dir))
+}
+
+/// Questions whose answer is a choice among several, made elsewhere.
+const CHOICES: [Predicate; 3] = [Predicate::EntranceChoice, Predicate::ShortestExit, Predicate::OneExit];
+
+/// What a margin says about where to look.
+fn remark(finding: &WorstFinding, ulps: Option<f64>) -> Option<&'static str> {
+    if ulps? <= FAR {
+        return None;
+    }
+    match finding.cause {
+        Cause::Arithmetic if CHOICES.iter().any(|choice| choice.name() == finding.predicate) => Some(
+            "No rounding turns what is so clear: it follows from a choice, nearly tied, that was made before it and is no decision of its own. \
+             Replay lists all decisions that parted, in order.",
+        ),
+        Cause::Arithmetic => {
+            Some("The rounding of a sound formula is not so large: a formula here cancels, and can be written better.")
+        }
+        Cause::Engine => Some(
+            "None of the oracle's decisions near the difference is so near to a tie that rounding could be the reason: almost surely a mistake.",
+        ),
+        _ => None,
+    }
 }
 
 /// A gap as a reader likes it; the command below gives it in full.

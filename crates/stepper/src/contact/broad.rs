@@ -1,8 +1,8 @@
 //! Boxes: which blocks are neighbours, and which features of two neighbours can be in a contact at all.
 
-use crate::contact::classify::Request;
-use crate::contact::rules::{Rules, Spec};
-use crate::contact::solid::Solid;
+use crate::contact::classify::ClassificationRequest;
+use crate::contact::prepared_block::PreparedBlock;
+use crate::contact::rules::{ContactRules, SpecRules};
 use crate::contact::tolerances::Tolerances;
 use crate::real::Real;
 use crate::vector::Vector;
@@ -53,13 +53,13 @@ impl<R: Real> Bounds<R> {
 }
 
 /// Rough phase: A's box grown by s meets B's. **Touching counts.**
-pub fn neighbours<R: Real, M: Rules>(a: &Solid<R>, b: &Solid<R>, t: &Tolerances<R>) -> bool {
+pub fn neighbours<R: Real, M: ContactRules>(a: &PreparedBlock<R>, b: &PreparedBlock<R>, t: &Tolerances<R>) -> bool {
     a.bounds().apart(b.bounds()).into_iter().all(|apart| M::neighbours(apart, t.search))
 }
 
 /// All pairs (i, j), i < j, of blocks that are neighbours, in ascending order: a sweep along the axis on which the
 /// blocks spread the widest.
-pub fn neighbouring_pairs<R: Real>(solids: &[Solid<R>], t: &Tolerances<R>) -> Vec<(usize, usize)> {
+pub fn neighbouring_pairs<R: Real>(solids: &[PreparedBlock<R>], t: &Tolerances<R>) -> Vec<(usize, usize)> {
     let axis = widest_axis(solids);
     let low = |i: usize| solids[i].bounds().low.components()[axis];
     let high = |i: usize| solids[i].bounds().high.components()[axis];
@@ -75,7 +75,7 @@ pub fn neighbouring_pairs<R: Real>(solids: &[Solid<R>], t: &Tolerances<R>) -> Ve
     for &i in &order {
         open.retain(|&j| !t.reach.below(low(i) - high(j)));
         for &j in &open {
-            if neighbours::<R, Spec>(&solids[i.min(j)], &solids[i.max(j)], t) {
+            if neighbours::<R, SpecRules>(&solids[i.min(j)], &solids[i.max(j)], t) {
                 pairs.push((i.min(j), i.max(j)));
             }
         }
@@ -85,7 +85,7 @@ pub fn neighbouring_pairs<R: Real>(solids: &[Solid<R>], t: &Tolerances<R>) -> Ve
     pairs
 }
 
-fn widest_axis<R: Real>(solids: &[Solid<R>]) -> usize {
+fn widest_axis<R: Real>(solids: &[PreparedBlock<R>]) -> usize {
     let Some(first) = solids.first() else { return 0 };
     let all = solids.iter().fold(*first.bounds(), |all, solid| Bounds {
         low: all.low.smaller(solid.bounds().low),
@@ -97,9 +97,9 @@ fn widest_axis<R: Real>(solids: &[Solid<R>]) -> usize {
 
 /// How far apart the features of a contact of this pair may be: the tolerances' reach, or farther where the features of a
 /// kept contact are. Those of v-v and v-e contacts are within s, kept or not.
-pub(super) fn reach_of_kept<R: Real>(request: Request<'_, R>) -> R {
-    let Request { a, b, tolerances, kept } = request;
-    let at = |solid: &Solid<R>, v: u32| Bounds::around(&[solid.vertex(v).at]);
+pub(super) fn reach_of_kept<R: Real>(request: ClassificationRequest<'_, R>) -> R {
+    let ClassificationRequest { a, b, tolerances, kept } = request;
+    let at = |solid: &PreparedBlock<R>, v: u32| Bounds::around(&[solid.vertex(v).at]);
     kept.iter().fold(tolerances.reach, |reach, key| {
         let apart = match key.kind {
             ContactKind::VertexFace => at(a, key.a).apart(b.bounds()),
@@ -113,14 +113,14 @@ pub(super) fn reach_of_kept<R: Real>(request: Request<'_, R>) -> R {
 
 /// The features of two neighbours that are within reach of the other block's box.
 #[derive(Debug)]
-pub(super) struct Near<R> {
+pub(super) struct NearFeatures<R> {
     vertices: [Vec<u32>; 2],
     edges: [Vec<(u32, Bounds<R>)>; 2],
 }
 
-impl<R: Real> Near<R> {
-    pub(super) fn new<M: Rules>(a: &Solid<R>, b: &Solid<R>, reach: R) -> Near<R> {
-        Near {
+impl<R: Real> NearFeatures<R> {
+    pub(super) fn new<M: ContactRules>(a: &PreparedBlock<R>, b: &PreparedBlock<R>, reach: R) -> NearFeatures<R> {
+        NearFeatures {
             vertices: [near_vertices(a, b.bounds(), reach), near_vertices(b, a.bounds(), reach)],
             edges: [near_edges::<R, M>(a, b.bounds(), reach), near_edges::<R, M>(b, a.bounds(), reach)],
         }
@@ -137,13 +137,17 @@ impl<R: Real> Near<R> {
     }
 }
 
-fn near_vertices<R: Real>(solid: &Solid<R>, other: &Bounds<R>, reach: R) -> Vec<u32> {
+fn near_vertices<R: Real>(solid: &PreparedBlock<R>, other: &Bounds<R>, reach: R) -> Vec<u32> {
     let mut near = Vec::with_capacity(solid.vertices().len());
     near.extend((0..).zip(solid.vertices()).filter(|(_, v)| !other.is_beyond(v.at, reach)).map(|(i, _)| i));
     near
 }
 
-fn near_edges<R: Real, M: Rules>(solid: &Solid<R>, other: &Bounds<R>, reach: R) -> Vec<(u32, Bounds<R>)> {
+fn near_edges<R: Real, M: ContactRules>(
+    solid: &PreparedBlock<R>,
+    other: &Bounds<R>,
+    reach: R,
+) -> Vec<(u32, Bounds<R>)> {
     let mut near = Vec::with_capacity(solid.edges().len());
     let takes_part = (0..).zip(solid.edges()).filter(|(_, e)| M::edge_takes_part(e.convex));
     near.extend(takes_part.map(|(i, e)| (i, e.bounds())).filter(|(_, bounds)| !other.beyond(bounds, reach)));

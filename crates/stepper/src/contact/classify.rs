@@ -1,9 +1,9 @@
 //! The classification of a pair: rough phase, the four tests in their order, exits.
 
-use crate::contact::broad::{Near, neighbours, reach_of_kept};
-use crate::contact::pair::{Hit, Pair};
-use crate::contact::rules::Rules;
-use crate::contact::solid::Solid;
+use crate::contact::broad::{NearFeatures, neighbours, reach_of_kept};
+use crate::contact::pair::{ExitCandidate, Pair};
+use crate::contact::prepared_block::PreparedBlock;
+use crate::contact::rules::ContactRules;
 use crate::contact::tolerances::Tolerances;
 use crate::contact::trace::{Observer, Trace, Unobserved};
 use crate::real::Real;
@@ -13,7 +13,7 @@ use std::marker::PhantomData;
 
 /// A contact and its gap as calculated.
 #[derive(Clone, Copy, Debug)]
-pub struct Found<R> {
+pub struct ComputedContact<R> {
     /// The contact, with the sign of its gap.
     pub contact: Contact,
     /// The gap of its entrance in metres: positive apart, negative overlapping.
@@ -22,11 +22,11 @@ pub struct Found<R> {
 
 /// What is classified: a pair of blocks, in a step with the contacts that the step before left it.
 #[derive(Clone, Copy, Debug)]
-pub struct Request<'s, R> {
+pub struct ClassificationRequest<'s, R> {
     /// The first block.
-    pub a: &'s Solid<R>,
+    pub a: &'s PreparedBlock<R>,
     /// The second block.
-    pub b: &'s Solid<R>,
+    pub b: &'s PreparedBlock<R>,
     /// The tolerances.
     pub tolerances: &'s Tolerances<R>,
     /// The contacts of this pair that the step before left closed, in any order: depth alone does not end them.
@@ -34,48 +34,52 @@ pub struct Request<'s, R> {
 }
 
 /// The contacts of two blocks, in the order of SPEC section 4, where nothing is kept.
-pub fn classify<R: Real, M: Rules>(a: &Solid<R>, b: &Solid<R>, t: &Tolerances<R>) -> Vec<Found<R>> {
+pub fn classify<R: Real, M: ContactRules>(
+    a: &PreparedBlock<R>,
+    b: &PreparedBlock<R>,
+    t: &Tolerances<R>,
+) -> Vec<ComputedContact<R>> {
     classify_keeping::<R, M>(a, b, t, &[])
 }
 
-/// The contacts of two blocks in a step; `kept` as in [`Request`].
+/// The contacts of two blocks in a step; `kept` as in [`ClassificationRequest`].
 ///
 /// # Panics
 /// When a kept contact names a feature that its block does not have.
-pub fn classify_keeping<R: Real, M: Rules>(
-    a: &Solid<R>,
-    b: &Solid<R>,
+pub fn classify_keeping<R: Real, M: ContactRules>(
+    a: &PreparedBlock<R>,
+    b: &PreparedBlock<R>,
     t: &Tolerances<R>,
     kept: &[ContactKey],
-) -> Vec<Found<R>> {
-    Request { a, b, tolerances: t, kept }.observed::<M, _>(&mut Unobserved)
+) -> Vec<ComputedContact<R>> {
+    ClassificationRequest { a, b, tolerances: t, kept }.observed::<M, _>(&mut Unobserved)
 }
 
 /// The contacts of two blocks where nothing is kept, with every decision made on the way.
-pub fn classify_traced<R: Real, M: Rules>(
-    a: &Solid<R>,
-    b: &Solid<R>,
+pub fn classify_traced<R: Real, M: ContactRules>(
+    a: &PreparedBlock<R>,
+    b: &PreparedBlock<R>,
     t: &Tolerances<R>,
-) -> (Vec<Found<R>>, Vec<(Decision, i8)>) {
-    Request { a, b, tolerances: t, kept: &[] }.traced::<M>()
+) -> (Vec<ComputedContact<R>>, Vec<(Decision, i8)>) {
+    ClassificationRequest { a, b, tolerances: t, kept: &[] }.traced::<M>()
 }
 
 /// The contacts of two blocks where nothing is kept, watched by an observer.
-pub fn classify_observed<R: Real, M: Rules, O: Observer>(
-    a: &Solid<R>,
-    b: &Solid<R>,
+pub fn classify_observed<R: Real, M: ContactRules, O: Observer>(
+    a: &PreparedBlock<R>,
+    b: &PreparedBlock<R>,
     t: &Tolerances<R>,
     seen: &mut O,
-) -> Vec<Found<R>> {
-    Request { a, b, tolerances: t, kept: &[] }.observed::<M, O>(seen)
+) -> Vec<ComputedContact<R>> {
+    ClassificationRequest { a, b, tolerances: t, kept: &[] }.observed::<M, O>(seen)
 }
 
-impl<R: Real> Request<'_, R> {
+impl<R: Real> ClassificationRequest<'_, R> {
     /// The contacts, with every decision made on the way.
     ///
     /// # Panics
     /// When a kept contact names a feature that its block does not have.
-    pub fn traced<M: Rules>(self) -> (Vec<Found<R>>, Vec<(Decision, i8)>) {
+    pub fn traced<M: ContactRules>(self) -> (Vec<ComputedContact<R>>, Vec<(Decision, i8)>) {
         let mut trace = Trace::default();
         let found = self.observed::<M, _>(&mut trace);
         (found, trace.decisions)
@@ -85,15 +89,15 @@ impl<R: Real> Request<'_, R> {
     ///
     /// # Panics
     /// When a kept contact names a feature that its block does not have.
-    pub fn observed<M: Rules, O: Observer>(self, seen: &mut O) -> Vec<Found<R>> {
-        let Request { a, b, tolerances: t, kept } = self;
+    pub fn observed<M: ContactRules, O: Observer>(self, seen: &mut O) -> Vec<ComputedContact<R>> {
+        let ClassificationRequest { a, b, tolerances: t, kept } = self;
         let adjacent = neighbours::<R, M>(a, b, t);
-        seen.saw(Predicate::Neighbours, &[], i8::from(adjacent));
+        seen.observe(Predicate::Neighbours, &[], i8::from(adjacent));
         if !adjacent {
             return Vec::new();
         }
         let reach = reach_of_kept(self);
-        let near = Near::<R>::new::<M>(a, b, reach);
+        let near = NearFeatures::<R>::new::<M>(a, b, reach);
         let mut pair: Pair<'_, R, M, O> = Pair {
             a,
             b,
@@ -119,8 +123,8 @@ impl<R: Real> Request<'_, R> {
     }
 }
 
-impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
-    fn vertices_and_vertices(&mut self, near: &Near<R>) {
+impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
+    fn vertices_and_vertices(&mut self, near: &NearFeatures<R>) {
         for &v in near.vertices(Side::A) {
             for &w in near.vertices(Side::B) {
                 self.vertex_vertex(v, w);
@@ -128,7 +132,7 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         }
     }
 
-    fn vertices_and_edges(&mut self, near: &Near<R>, side: Side) {
+    fn vertices_and_edges(&mut self, near: &NearFeatures<R>, side: Side) {
         let own = self.solid(side);
         for &v in near.vertices(side) {
             for &(e, bounds) in near.edges(side.other()) {
@@ -139,7 +143,7 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         }
     }
 
-    fn vertices_and_faces(&mut self, near: &Near<R>, side: Side) {
+    fn vertices_and_faces(&mut self, near: &NearFeatures<R>, side: Side) {
         let exits = M::shortest_exit_applies(self.both_convex());
         let faces = self.solid(side.other()).faces().len() as u32;
         for &v in near.vertices(side) {
@@ -153,7 +157,7 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         }
     }
 
-    fn edges_and_edges(&mut self, near: &Near<R>, reach: R) {
+    fn edges_and_edges(&mut self, near: &NearFeatures<R>, reach: R) {
         for (e, bounds) in near.edges(Side::A) {
             for (f, other) in near.edges(Side::B) {
                 if !bounds.beyond(other, reach) {
@@ -163,12 +167,12 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         }
     }
 
-    fn finish(mut self) -> Vec<Found<R>> {
+    fn finish(mut self) -> Vec<ComputedContact<R>> {
         self.hits.sort_unstable_by_key(|hit| hit.contact);
         if M::one_exit_applies(self.both_convex()) {
             self.one_exit();
         }
-        self.hits.iter().map(|&Hit { contact, gap, .. }| Found { contact, gap }).collect()
+        self.hits.iter().map(|&ExitCandidate { contact, gap, .. }| ComputedContact { contact, gap }).collect()
     }
 
     fn both_convex(&self) -> bool {

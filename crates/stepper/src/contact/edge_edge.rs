@@ -2,7 +2,7 @@
 
 use crate::contact::entrance::Candidate;
 use crate::contact::pair::Pair;
-use crate::contact::rules::Rules;
+use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
@@ -17,7 +17,7 @@ pub(super) struct Crossing<R> {
     sine: R,
 }
 
-impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
+impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Records the contact of edge `e` of A and edge `f` of B, if there is one.
     pub(super) fn edge_edge(&mut self, e: u32, f: u32) {
         let (one, two) = (self.a.edge(e), self.b.edge(f));

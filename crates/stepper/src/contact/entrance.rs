@@ -1,7 +1,7 @@
 //! Entrances: the planes through which two blocks enter one another, and which of them a contact takes.
 
 use crate::contact::pair::Pair;
-use crate::contact::rules::Rules;
+use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
@@ -34,7 +34,7 @@ impl<R: Real> Candidate<R> {
     }
 }
 
-impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
+impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// "Cone passes plane": no edge at vertex `v` of `side` dips below the plane of face `f` of the other block by more
     /// than the tolerance.
     pub(super) fn cone_passes(&mut self, side: Side, v: u32, f: u32) -> bool {
@@ -120,19 +120,19 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         let chosen = first_of_the_best::<R, M, _>(gaps, self.t.equal)?;
         for (k, candidate) in self.candidates.iter().enumerate() {
             let [a, b] = candidate.features();
-            self.seen.saw(Predicate::EntranceChoice, &[about[0], about[1], a, b], i8::from(k == chosen));
+            self.seen.observe(Predicate::EntranceChoice, &[about[0], about[1], a, b], i8::from(k == chosen));
         }
         Some(self.candidates[chosen])
     }
 }
 
-fn key<M: Rules>(entrance: Entrance) -> (EntranceKind, u32, u32) {
+fn key<M: ContactRules>(entrance: Entrance) -> (EntranceKind, u32, u32) {
     (M::entrance_order(entrance.kind), entrance.a, entrance.b)
 }
 
 /// Among gaps with a place and a key, the place of the one that Eq. (1) counts as equal to the largest and whose key is the
 /// smallest.
-pub(super) fn first_of_the_best<R: Real, M: Rules, K: Ord + Copy>(
+pub(super) fn first_of_the_best<R: Real, M: ContactRules, K: Ord + Copy>(
     gaps: impl Iterator<Item = (usize, R, K)> + Clone,
     equal: R,
 ) -> Option<usize> {

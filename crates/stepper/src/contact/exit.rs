@@ -1,25 +1,25 @@
 //! Exits: which of several overlapping contacts stay (SPEC section 4, test 3 "shortest exit" and test 5 "one exit").
 
 use crate::contact::entrance::first_of_the_best;
-use crate::contact::pair::{Hit, Pair};
-use crate::contact::rules::Rules;
+use crate::contact::pair::{ExitCandidate, Pair};
+use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::{Contact, ContactKind, EntranceKind};
 
-impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
+impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Shortest exit of the vertex whose v-f (f-v) contacts are the hits from `first` on: of faces it overlaps that hang
     /// together by convex edges, only the one with the largest gap stays.
     pub(super) fn shortest_exit(&mut self, side: Side, first: usize) {
         let of_vertex = self.hits.split_off(first);
-        let face = |hit: &Hit<R>| if side == Side::A { hit.contact.b } else { hit.contact.a };
+        let face = |hit: &ExitCandidate<R>| if side == Side::A { hit.contact.b } else { hit.contact.a };
         let (overlapping, apart): (Vec<_>, Vec<_>) = of_vertex.into_iter().partition(|hit| M::overlaps(hit.gap));
         self.hits.extend(apart);
         let faces: Vec<u32> = overlapping.iter().map(face).collect();
         let groups = self.groups(side.other(), &faces);
         for group in 0..groups.iter().map(|g| g + 1).max().unwrap_or(0) {
-            let members: Vec<Hit<R>> =
+            let members: Vec<ExitCandidate<R>> =
                 overlapping.iter().zip(&groups).filter(|&(_, &g)| g == group).map(|(hit, _)| *hit).collect();
             let stays = first_of_the_best::<R, M, _>(
                 members.iter().enumerate().map(|(k, hit)| (k, hit.gap, face(hit))),
@@ -78,7 +78,7 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
         self.hits.truncate(kept);
     }
 
-    fn leaves_by(&mut self, hit: &Hit<R>, way_out: &Hit<R>) -> bool {
+    fn leaves_by(&mut self, hit: &ExitCandidate<R>, way_out: &ExitCandidate<R>) -> bool {
         // One plane has one normal; comparing it with itself would leave so = 0 to rounding.
         let stays = same_plane(&hit.contact, &way_out.contact) || {
             let cosine = hit.normal.dot(way_out.normal);

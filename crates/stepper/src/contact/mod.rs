@@ -6,8 +6,8 @@ mod edge_edge;
 mod entrance;
 mod exit;
 mod pair;
+pub mod prepared_block;
 pub mod rules;
-pub mod solid;
 mod territory;
 mod tolerances;
 pub mod trace;
@@ -16,8 +16,10 @@ mod vertex_face;
 mod vertex_vertex;
 
 pub use broad::{Bounds, neighbouring_pairs, neighbours};
-pub use classify::{Found, Request, classify, classify_keeping, classify_observed, classify_traced};
-pub use rules::{Rules, Spec};
-pub use solid::{Collapsed, Solid};
+pub use classify::{
+    ClassificationRequest, ComputedContact, classify, classify_keeping, classify_observed, classify_traced,
+};
+pub use prepared_block::{Collapsed, PreparedBlock};
+pub use rules::{ContactRules, SpecRules};
 pub use tolerances::{ToleranceOverflow, Tolerances};
 pub use trace::{Observer, Trace, Unobserved};

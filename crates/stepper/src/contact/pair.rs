@@ -1,8 +1,8 @@
 //! Two blocks under classification: what all four tests share.
 
 use crate::contact::entrance::Candidate;
-use crate::contact::rules::Rules;
-use crate::contact::solid::Solid;
+use crate::contact::prepared_block::PreparedBlock;
+use crate::contact::rules::ContactRules;
 use crate::contact::tolerances::Tolerances;
 use crate::contact::trace::Observer;
 use crate::real::Real;
@@ -13,8 +13,8 @@ use std::marker::PhantomData;
 
 /// Two blocks, their tolerances, the rules, and who watches.
 pub(super) struct Pair<'s, R, M, O> {
-    pub(super) a: &'s Solid<R>,
-    pub(super) b: &'s Solid<R>,
+    pub(super) a: &'s PreparedBlock<R>,
+    pub(super) b: &'s PreparedBlock<R>,
     pub(super) t: &'s Tolerances<R>,
     /// The contacts that the step before left closed: depth alone does not end them.
     pub(super) kept: &'s [ContactKey],
@@ -23,13 +23,13 @@ pub(super) struct Pair<'s, R, M, O> {
     pub(super) candidates: Vec<Candidate<R>>,
     /// Which of the planes in question are true exits; kept to reuse its memory.
     pub(super) true_exits: Vec<bool>,
-    pub(super) hits: Vec<Hit<R>>,
+    pub(super) hits: Vec<ExitCandidate<R>>,
     pub(super) rules: PhantomData<M>,
 }
 
 /// A contact with the numbers that the exit rules need.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Hit<R> {
+pub(super) struct ExitCandidate<R> {
     pub(super) contact: Contact,
     /// Metres, positive apart.
     pub(super) gap: R,
@@ -37,16 +37,16 @@ pub(super) struct Hit<R> {
     pub(super) normal: Vector<R>,
 }
 
-impl<R: Real> Hit<R> {
+impl<R: Real> ExitCandidate<R> {
     /// The plane of its entrance.
     pub(super) fn plane(&self) -> Candidate<R> {
         Candidate { entrance: self.contact.entrance, gap: self.gap, normal: self.normal }
     }
 }
 
-impl<'s, R: Real, M: Rules, O: Observer> Pair<'s, R, M, O> {
+impl<'s, R: Real, M: ContactRules, O: Observer> Pair<'s, R, M, O> {
     #[inline(always)]
-    pub(super) fn solid(&self, side: Side) -> &'s Solid<R> {
+    pub(super) fn solid(&self, side: Side) -> &'s PreparedBlock<R> {
         match side {
             Side::A => self.a,
             Side::B => self.b,
@@ -56,7 +56,7 @@ impl<'s, R: Real, M: Rules, O: Observer> Pair<'s, R, M, O> {
     /// Tells the observer, and hands the answer on.
     #[inline(always)]
     pub(super) fn ask(&mut self, predicate: Predicate, features: &[Feature], answer: bool) -> bool {
-        self.seen.saw(predicate, features, i8::from(answer));
+        self.seen.observe(predicate, features, i8::from(answer));
         answer
     }
 
@@ -77,9 +77,9 @@ impl<'s, R: Real, M: Rules, O: Observer> Pair<'s, R, M, O> {
     /// Adds a contact of two features, A's first.
     pub(super) fn record(&mut self, kind: ContactKind, about: [Feature; 2], best: Candidate<R>) {
         let sign = M::gap_sign(best.gap);
-        self.seen.saw(Predicate::GapSign, &best.features(), sign.as_i8());
+        self.seen.observe(Predicate::GapSign, &best.features(), sign.as_i8());
         let contact = Contact { kind, a: number(about[0]), b: number(about[1]), entrance: best.entrance, gap: sign };
-        self.hits.push(Hit { contact, gap: best.gap, normal: best.normal });
+        self.hits.push(ExitCandidate { contact, gap: best.gap, normal: best.normal });
     }
 }
 

@@ -1,9 +1,9 @@
 //! Every comparison and every role of SPEC section 4, one small method each.
 //!
 //! The classification asks these methods and compares nothing else, except for culling that cannot change an answer.
-//! [`Spec`] takes all of them as they stand here. The trait exists so that a test can plant one deliberate mistake at a
+//! [`SpecRules`] takes all of them as they stand here. The trait exists so that a test can plant one deliberate mistake at a
 //! time, by overriding one method, and show that a campaign finds it. Everything is resolved at compile time: with
-//! `Spec` the methods are the bare comparisons.
+//! `SpecRules` the methods are the bare comparisons.
 //!
 //! Distances, gaps and radii are in metres; `u`, `n` and `m` are unit vectors; sines have no unit.
 
@@ -13,7 +13,7 @@ use crate::vector::Vector;
 use rockproof_model::{ContactKey, EntranceKind, Sign};
 
 /// The rules of SPEC section 4 as the classification asks them. The defaults are SPEC's.
-pub trait Rules: 'static {
+pub trait ContactRules: 'static {
     /// Rough phase: the boxes are at most s apart along an axis. **A tie says yes.**
     #[inline(always)]
     fn neighbours<R: Real>(apart: R, search: R) -> bool {
@@ -366,6 +366,6 @@ pub trait Rules: 'static {
 
 /// The rules as SPEC section 4 states them.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Spec;
+pub struct SpecRules;
 
-impl Rules for Spec {}
+impl ContactRules for SpecRules {}

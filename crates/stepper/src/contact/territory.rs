@@ -1,8 +1,8 @@
 //! The zones around convex vertices and edges that belong to them (SPEC section 4, "Territory radius").
 
 use crate::contact::pair::{Pair, a_first};
-use crate::contact::rules::Rules;
-use crate::contact::solid::Ridge;
+use crate::contact::prepared_block::PreparedEdge;
+use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
@@ -10,11 +10,11 @@ use rockproof_model::decision::{Feature, Predicate, Side};
 
 /// The distance of a point from an edge's line.
 #[inline]
-pub(super) fn distance_to_line<R: Real>(point: Vector<R>, edge: &Ridge<R>) -> R {
+pub(super) fn distance_to_line<R: Real>(point: Vector<R>, edge: &PreparedEdge<R>) -> R {
     (point - edge.p).cross(edge.direction).length()
 }
 
-impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
+impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Vertex `v` of `side` is in the territory of vertex `w` of the other block (and `w` in that of `v`).
     pub(super) fn in_vertex_territory(&mut self, side: Side, v: u32, w: u32) -> bool {
         let (one, two) = (self.solid(side).vertex(v), self.solid(side.other()).vertex(w));

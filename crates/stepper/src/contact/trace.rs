@@ -5,7 +5,7 @@ use rockproof_model::decision::{Decision, Feature, Predicate};
 /// Is told every decision as it is made.
 pub trait Observer {
     /// A predicate was asked of features, in the order of the table at [`Decision`]; `outcome` as there.
-    fn saw(&mut self, predicate: Predicate, features: &[Feature], outcome: i8);
+    fn observe(&mut self, predicate: Predicate, features: &[Feature], outcome: i8);
 }
 
 /// Watches nothing, at no cost.
@@ -14,7 +14,7 @@ pub struct Unobserved;
 
 impl Observer for Unobserved {
     #[inline(always)]
-    fn saw(&mut self, _: Predicate, _: &[Feature], _: i8) {}
+    fn observe(&mut self, _: Predicate, _: &[Feature], _: i8) {}
 }
 
 /// Writes all decisions down, in the order in which they are made. A decision asked twice is written twice.
@@ -25,7 +25,7 @@ pub struct Trace {
 }
 
 impl Observer for Trace {
-    fn saw(&mut self, predicate: Predicate, features: &[Feature], outcome: i8) {
+    fn observe(&mut self, predicate: Predicate, features: &[Feature], outcome: i8) {
         self.decisions.push((Decision::about(predicate, features), outcome));
     }
 }

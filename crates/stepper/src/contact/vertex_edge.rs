@@ -1,14 +1,14 @@
 //! Test 2: v-e, and e-v with the roles exchanged.
 
 use crate::contact::pair::{Pair, a_first};
-use crate::contact::rules::Rules;
+use crate::contact::rules::ContactRules;
 use crate::contact::territory::distance_to_line;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use rockproof_model::ContactKind;
 use rockproof_model::decision::{Feature, Predicate, Side};
 
-impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
+impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Records the contact of vertex `v` of `side` and edge `e` of the other block, if there is one.
     pub(super) fn vertex_edge(&mut self, side: Side, v: u32, e: u32) {
         let (own, other) = (self.solid(side), self.solid(side.other()));

@@ -1,15 +1,15 @@
 //! Test 3: v-f, and f-v with the roles exchanged.
 
 use crate::contact::pair::{Pair, a_first};
-use crate::contact::rules::Rules;
-use crate::contact::solid::Solid;
+use crate::contact::prepared_block::PreparedBlock;
+use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::ContactKind;
 use rockproof_model::decision::{Feature, Predicate, Side};
 
-impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
+impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Records the contact of vertex `v` of `side` and face `f` of the other block, if there is one.
     pub(super) fn vertex_face(&mut self, side: Side, v: u32, f: u32) {
         let other = self.solid(side.other());
@@ -52,7 +52,7 @@ impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
 }
 
 /// The projection of a point along the normal lies strictly inside the face. **On the rim says no.**
-fn is_over_face<R: Real, M: Rules>(at: Vector<R>, solid: &Solid<R>, f: u32) -> bool {
+fn is_over_face<R: Real, M: ContactRules>(at: Vector<R>, solid: &PreparedBlock<R>, f: u32) -> bool {
     if solid.face(f).turns_left {
         solid.block().topology().face_edges(f).iter().all(|&e| M::inside_face(inward(at, solid, f, e)))
     } else {
@@ -62,7 +62,7 @@ fn is_over_face<R: Real, M: Rules>(at: Vector<R>, solid: &Solid<R>, f: u32) -> b
 
 /// How far a point is on the inner side of edge `e` of face `f`.
 #[inline]
-fn inward<R: Real>(at: Vector<R>, solid: &Solid<R>, f: u32, e: u32) -> R {
+fn inward<R: Real>(at: Vector<R>, solid: &PreparedBlock<R>, f: u32, e: u32) -> R {
     let ridge = solid.edge(e);
     let into = if ridge.edge.left == f { ridge.into_left } else { ridge.into_right };
     (at - ridge.p).dot(into)
@@ -71,7 +71,7 @@ fn inward<R: Real>(at: Vector<R>, solid: &Solid<R>, f: u32, e: u32) -> R {
 /// Inside by the winding number (Sunday 2001), for a face with a corner that turns right. Levels are measured from the
 /// point along a direction in the face plane. What counts as above at the point's own level changes nothing, because each
 /// corner's level is judged once for both its edges; so only sides are decisions.
-fn winds_around<R: Real, M: Rules>(at: Vector<R>, solid: &Solid<R>, f: u32) -> bool {
+fn winds_around<R: Real, M: ContactRules>(at: Vector<R>, solid: &PreparedBlock<R>, f: u32) -> bool {
     let topology = solid.block().topology();
     let corners = &topology.faces()[f as usize];
     let upwards = across(solid.face(f).normal);
@@ -99,7 +99,7 @@ fn winds_around<R: Real, M: Rules>(at: Vector<R>, solid: &Solid<R>, f: u32) -> b
 }
 
 /// For a point on an edge's line: whether it is on the edge, ends included.
-fn is_between_ends<R: Real>(at: Vector<R>, solid: &Solid<R>, e: u32) -> bool {
+fn is_between_ends<R: Real>(at: Vector<R>, solid: &PreparedBlock<R>, e: u32) -> bool {
     let ridge = solid.edge(e);
     !(at - ridge.p).dot(ridge.direction).below(R::ZERO) && !R::ZERO.below((at - ridge.q).dot(ridge.direction))
 }

@@ -1,13 +1,13 @@
 //! Test 1: v-v.
 
 use crate::contact::pair::Pair;
-use crate::contact::rules::Rules;
+use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use rockproof_model::ContactKind;
 use rockproof_model::decision::{Feature, Predicate, Side};
 
-impl<R: Real, M: Rules, O: Observer> Pair<'_, R, M, O> {
+impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Records the v-v contact of vertex `v` of A and vertex `w` of B, if there is one.
     pub(super) fn vertex_vertex(&mut self, v: u32, w: u32) {
         let (one, two) = (self.a.vertex(v), self.b.vertex(w));

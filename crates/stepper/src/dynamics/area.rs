@@ -1,7 +1,7 @@
 //! The area on which a contact's cohesion and tensile strength act: its share of the overlap of its two faces.
 
-use crate::contact::Solid;
-use crate::dynamics::contact::Active;
+use crate::contact::PreparedBlock;
+use crate::dynamics::contact::StepContact;
 use crate::dynamics::material::Joint;
 use crate::dynamics::plane::Plane;
 use crate::dynamics::solve::Solve;
@@ -11,7 +11,12 @@ use rockproof_model::Contact;
 use rockproof_model::EntranceKind;
 
 /// Gives the contacts of a pair their shares of the areas in which the pair's faces overlap.
-pub(super) fn share<R: Solve>(active: &mut [Active<R>], solids: [&Solid<R>; 2], joint: &Joint<R>, overlap_sine: R) {
+pub(super) fn share<R: Solve>(
+    active: &mut [StepContact<R>],
+    solids: [&PreparedBlock<R>; 2],
+    joint: &Joint<R>,
+    overlap_sine: R,
+) {
     let joined: Vec<Option<[u32; 2]>> =
         active.iter().map(|c| faces(solids, &c.contact, &c.plane, overlap_sine)).collect();
     for (contact, both) in active.iter_mut().zip(&joined) {
@@ -25,7 +30,7 @@ pub(super) fn share<R: Solve>(active: &mut [Active<R>], solids: [&Solid<R>; 2], 
 
 /// The faces of A and B that a contact joins, if they face each other within the overlap angle.
 pub(super) fn faces<R: Real>(
-    [a, b]: [&Solid<R>; 2],
+    [a, b]: [&PreparedBlock<R>; 2],
     contact: &Contact,
     plane: &Plane<R>,
     overlap_sine: R,
@@ -33,8 +38,8 @@ pub(super) fn faces<R: Real>(
     // From B to A.
     let up = if plane.a_enters { plane.normal } else { -plane.normal };
     let entrance = &contact.entrance;
-    let at_vertex = |solid: &Solid<R>, vertex: u32| solid.block().topology().vertex_faces(vertex).to_vec();
-    let at_edge = |solid: &Solid<R>, edge: u32| {
+    let at_vertex = |solid: &PreparedBlock<R>, vertex: u32| solid.block().topology().vertex_faces(vertex).to_vec();
+    let at_edge = |solid: &PreparedBlock<R>, edge: u32| {
         let edge = solid.edge(edge).edge;
         let mut both = vec![edge.left, edge.right];
         both.sort_unstable();
@@ -49,7 +54,7 @@ pub(super) fn faces<R: Real>(
 }
 
 /// The face whose normal is nearest to `towards`, if it is within the overlap angle of it. A tie takes the first.
-fn squarest<R: Real>(solid: &Solid<R>, faces: &[u32], towards: Vector<R>, overlap_sine: R) -> Option<u32> {
+fn squarest<R: Real>(solid: &PreparedBlock<R>, faces: &[u32], towards: Vector<R>, overlap_sine: R) -> Option<u32> {
     let cosine = |face: u32| solid.face(face).normal.dot(towards);
     let mut best = *faces.first()?;
     for &face in &faces[1..] {
@@ -65,10 +70,10 @@ fn squarest<R: Real>(solid: &Solid<R>, faces: &[u32], towards: Vector<R>, overla
 ///
 /// A polygon is the signed sum of the triangles of its fan, whatever its shape, so the overlap is the sum over pairs of
 /// triangles of signed overlaps, and each of those is a convex polygon.
-pub(super) fn overlap<R: Real>([a, b]: [&Solid<R>; 2], [face_a, face_b]: [u32; 2], along: Vector<R>) -> R {
+pub(super) fn overlap<R: Real>([a, b]: [&PreparedBlock<R>; 2], [face_a, face_b]: [u32; 2], along: Vector<R>) -> R {
     let (x, y) = tangents(along);
     let origin = a.face(face_a).point;
-    let flat = |solid: &Solid<R>, face: u32| -> Vec<[R; 2]> {
+    let flat = |solid: &PreparedBlock<R>, face: u32| -> Vec<[R; 2]> {
         let corners = &solid.block().topology().faces()[face as usize];
         corners.iter().map(|&v| solid.vertex(v).at - origin).map(|p| [x.dot(p), y.dot(p)]).collect()
     };
@@ -78,6 +83,7 @@ pub(super) fn overlap<R: Real>([a, b]: [&Solid<R>; 2], [face_a, face_b]: [u32; 2
 }
 
 /// Two unit vectors that make a right-handed frame with a third.
+#[inline(always)]
 pub(super) fn tangents<R: Real>(normal: Vector<R>) -> (Vector<R>, Vector<R>) {
     let size = normal.components().map(R::abs);
     let (zero, one) = (R::ZERO, R::from_f64(1.0));

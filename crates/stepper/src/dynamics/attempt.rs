@@ -1,62 +1,63 @@
 //! The open–close iteration of one attempt at a step, with one Δt (SPEC section 5).
 
-use crate::dynamics::contact::Active;
-use crate::dynamics::displacement::Twelve;
+use crate::dynamics::contact::StepContact;
+use crate::dynamics::displacement::BlockVector;
 use crate::dynamics::friction::Settling;
-use crate::dynamics::island::{Alone, Kept, Unsolved, Work, islands};
+use crate::dynamics::island::{BlockSystem, CachedFactor, FactorizationFailure, Memory, SolveContext, islands};
 use crate::dynamics::layout::Layouts;
-use crate::dynamics::report::{Concerned, Spent};
+use crate::dynamics::report::{IterationTimes, ModeChange};
 use crate::dynamics::rules::StepRules;
-use crate::dynamics::setup::Limits;
+use crate::dynamics::setup::StepLimits;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::Mode;
 use std::collections::HashMap;
 use std::time::Instant;
 
 /// What an iteration needs to know besides the contacts.
-pub(super) struct Iteration<'s, R> {
-    pub(super) alone: &'s [Alone<R>],
-    pub(super) limits: &'s Limits<R>,
+pub(super) struct OpenCloseIteration<'s, R> {
+    pub(super) block_systems: &'s [BlockSystem<R>],
+    pub(super) limits: &'s StepLimits<R>,
     pub(super) settling: bool,
     /// The modes of each solve and those after the last, where they are not to be judged.
-    pub(super) given: Option<&'s [Vec<Mode>]>,
+    pub(super) prescribed: Option<&'s [Vec<Mode>]>,
 }
 
 /// How an iteration ended.
 #[derive(Clone, Debug)]
-pub(super) struct Ended<R> {
+pub(super) struct IterationResult<R> {
     /// The displacement of every block.
-    pub(super) d: Vec<Twelve<R>>,
+    pub(super) d: Vec<BlockVector<R>>,
     pub(super) iterations: u32,
     /// Whether the iteration ended by itself, not because modes went on changing.
     pub(super) converged: bool,
     /// Contacts whose mode the last solve changed.
-    pub(super) changing: Vec<Concerned>,
+    pub(super) changing: Vec<ModeChange>,
     /// The modes of all contacts after each solve.
     pub(super) modes: Vec<Vec<Mode>>,
 }
 
-impl<R: Solve> Iteration<'_, R> {
+impl<R: Solve> OpenCloseIteration<'_, R> {
     /// Solves and judges until the iteration ends by itself, or modes have changed too often.
     pub(super) fn run<M: StepRules>(
         &self,
-        contacts: &mut [Active<R>],
+        contacts: &mut [StepContact<R>],
         layouts: &mut Layouts,
-        spent: &mut Spent,
-    ) -> Result<Ended<R>, Unsolved> {
-        let unknowns: Vec<usize> = self.alone.iter().map(|block| block.unknowns).collect();
+        spare: &mut Memory<R>,
+        iteration_times: &mut IterationTimes,
+    ) -> Result<IterationResult<R>, FactorizationFailure> {
+        let unknowns: Vec<usize> = self.block_systems.iter().map(|block| block.unknowns).collect();
         let mut d = vec![[R::ZERO; 12]; unknowns.len()];
         // Blocks whose system is not the one solved before.
         let mut touched = vec![true; unknowns.len()];
         let mut ended =
-            Ended { d: Vec::new(), iterations: 0, converged: false, changing: Vec::new(), modes: Vec::new() };
-        contacts.iter_mut().for_each(Active::reset::<M>);
-        let given = |solve: u32, contact: usize| self.given?.get(solve as usize)?.get(contact).copied();
+            IterationResult { d: Vec::new(), iterations: 0, converged: false, changing: Vec::new(), modes: Vec::new() };
+        contacts.iter_mut().for_each(StepContact::reset::<M>);
+        let prescribed = |solve: u32, contact: usize| self.prescribed?.get(solve as usize)?.get(contact).copied();
         for (k, contact) in contacts.iter_mut().enumerate() {
-            contact.now.mode = given(0, k).unwrap_or(contact.now.mode);
+            contact.iterate.mode = prescribed(0, k).unwrap_or(contact.iterate.mode);
         }
         // What solving the islands left, by their lowest block, and contacts whose springs are not those of the solve before.
-        let mut kept: HashMap<usize, Kept<R>> = HashMap::new();
+        let mut kept: HashMap<usize, CachedFactor<R>> = HashMap::new();
         let mut changed = vec![false; contacts.len()];
         // Solves that did not end the iteration by themselves: those in which no mode changed, and those in which one did.
         let (mut unchanging, mut changing) = (0, 0);
@@ -65,30 +66,30 @@ impl<R: Solve> Iteration<'_, R> {
             for island in islands(&unknowns, contacts) {
                 let lowest = island.lowest();
                 let left = before.remove(&lowest);
-                if !island.ties.blocks.iter().any(|block| touched[*block as usize]) {
+                if !island.couplings.blocks.iter().any(|block| touched[*block as usize]) {
                     kept.extend(left.map(|left| (lowest, left)));
                     continue;
                 }
-                let mut work = Work { alone: self.alone, layouts, spent };
+                let mut work = SolveContext { block_systems: self.block_systems, layouts, spare, iteration_times };
                 let (solved, left) = island.solve(contacts, &changed, left, &mut work)?;
                 kept.insert(lowest, left);
-                for (&block, found) in island.ties.blocks.iter().zip(solved) {
+                for (&block, found) in island.couplings.blocks.iter().zip(solved) {
                     d[block as usize] = found;
                 }
             }
-            drop(before);
+            Memory::of(before.into_values(), spare);
             let begun = Instant::now();
-            spent.solves += 1;
+            iteration_times.solves += 1;
             ended.iterations += 1;
             ended.changing.clear();
             touched.fill(false);
             let mut opens_or_closes = false;
             for (k, contact) in contacts.iter_mut().enumerate() {
                 let [i, j] = contact.entering();
-                let (from, stiff) = (contact.now.mode, contact.is_stiff_across());
-                let given = given(ended.iterations, k);
-                contact.judge::<M>([&d[i], &d[j]], self.limits, self.settling, given);
-                let to = contact.now.mode;
+                let (from, stiff) = (contact.iterate.mode, contact.is_stiff_across());
+                let prescribed = prescribed(ended.iterations, k);
+                contact.decide_mode::<M>([&d[i], &d[j]], self.limits, self.settling, prescribed);
+                let to = contact.iterate.mode;
                 // The force of a sliding contact, and the spring across its slip, are those of the last solve: its system is a new one.
                 changed[k] = from != to || stiff || contact.is_stiff_across();
                 if changed[k] || to == Mode::Sliding {
@@ -97,34 +98,35 @@ impl<R: Solve> Iteration<'_, R> {
                 opens_or_closes |= M::opens_or_closes(from, to);
                 if M::counts_as_change(from, to) {
                     let (kind, features) = (contact.contact.kind, [contact.contact.a, contact.contact.b]);
-                    ended.changing.push(Concerned { blocks: contact.blocks, kind, features, from, to });
+                    ended.changing.push(ModeChange { blocks: contact.blocks, kind, features, from, to });
                 }
             }
-            ended.modes.push(contacts.iter().map(|contact| contact.now.mode).collect());
+            ended.modes.push(contacts.iter().map(|contact| contact.iterate.mode).collect());
             let settled = !opens_or_closes && self.friction_settled::<M>(contacts);
             ended.converged = settled || ended.changing.is_empty();
             if !settled {
                 *(if ended.changing.is_empty() { &mut unchanging } else { &mut changing }) += 1;
             }
-            spent.judgement += begun.elapsed();
-            let ends = match self.given {
+            iteration_times.judgement += begun.elapsed();
+            let ends = match self.prescribed {
                 None => settled || unchanging >= M::unchanging_solves() || changing >= M::changing_solves(),
                 Some(modes) => ended.modes.len() + 1 >= modes.len(),
             };
             if ends {
                 ended.d = d;
+                Memory::of(kept.into_values(), spare);
                 return Ok(ended);
             }
         }
     }
 
     /// Whether friction has settled at every block that is not fixed.
-    fn friction_settled<M: StepRules>(&self, contacts: &[Active<R>]) -> bool {
-        let mut blocks = vec![Settling::NONE; self.alone.len()];
+    fn friction_settled<M: StepRules>(&self, contacts: &[StepContact<R>]) -> bool {
+        let mut blocks = vec![Settling::NONE; self.block_systems.len()];
         for contact in contacts {
-            contact.blocks.iter().for_each(|&block| blocks[block as usize].add(contact.now.settling));
+            contact.blocks.iter().for_each(|&block| blocks[block as usize].add(contact.iterate.settling));
         }
-        let free = blocks.iter().zip(self.alone).filter(|(_, alone)| alone.unknowns > 0);
+        let free = blocks.iter().zip(self.block_systems).filter(|(_, block_systems)| block_systems.unknowns > 0);
         free.into_iter().all(|(block, _)| M::settled(block.misfit, block.pressing))
     }
 }

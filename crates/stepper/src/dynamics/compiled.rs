@@ -1,12 +1,12 @@
 //! The step by the rules of SPEC, compiled in this crate once for each scalar.
 //!
-//! Generic code is compiled in every crate that uses it. [`Dynamics`] by [`Spec`] is used in many; so its work goes through the functions
+//! Generic code is compiled in every crate that uses it. [`Dynamics`] by [`SpecRules`] is used in many; so its work goes through the functions
 //! of [`CompiledSteps`], which have no type parameter left. Steps by other rules, those of tests, take the generic way.
 
-use crate::contact::Spec;
+use crate::contact::SpecRules;
 use crate::dynamics::engine::Dynamics;
-use crate::dynamics::given::Given;
-use crate::dynamics::report::{StepReport, Stopped};
+use crate::dynamics::prescribed::PrescribedStep;
+use crate::dynamics::report::{StepError, StepReport};
 use crate::dynamics::setup::SetupError;
 use crate::dynamics::state::State;
 use crate::real::Real;
@@ -19,37 +19,40 @@ pub trait CompiledSteps: Real {
     ///
     /// # Errors
     /// As there.
-    fn begin(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<Self, Spec>, SetupError>;
+    fn begin(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<Self, SpecRules>, SetupError>;
 
     /// [`Dynamics::restore`].
     ///
     /// # Errors
     /// As there.
-    fn restore(dynamics: &mut Dynamics<Self, Spec>, state: State<Self>) -> Result<(), SetupError>;
+    fn restore(dynamics: &mut Dynamics<Self, SpecRules>, state: State<Self>) -> Result<(), SetupError>;
 
-    /// [`Dynamics::step`], or [`Dynamics::step_given`].
+    /// [`Dynamics::step`], or [`Dynamics::step_prescribed`].
     ///
     /// # Errors
     /// As there.
-    fn step(dynamics: &mut Dynamics<Self, Spec>, given: Option<&Given<'_>>) -> Result<StepReport, Stopped>;
+    fn step(
+        dynamics: &mut Dynamics<Self, SpecRules>,
+        prescribed: Option<&PrescribedStep<'_>>,
+    ) -> Result<StepReport, StepError>;
 }
 
 macro_rules! compiled {
     ($($scalar:ty),*) => {$(
         impl CompiledSteps for $scalar {
             #[inline(never)]
-            fn begin(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<Self, Spec>, SetupError> {
+            fn begin(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<Self, SpecRules>, SetupError> {
                 Dynamics::begin(scene, set)
             }
 
             #[inline(never)]
-            fn restore(dynamics: &mut Dynamics<Self, Spec>, state: State<Self>) -> Result<(), SetupError> {
-                dynamics.go_on_from(state)
+            fn restore(dynamics: &mut Dynamics<Self, SpecRules>, state: State<Self>) -> Result<(), SetupError> {
+                dynamics.continue_from(state)
             }
 
             #[inline(never)]
-            fn step(dynamics: &mut Dynamics<Self, Spec>, given: Option<&Given<'_>>) -> Result<StepReport, Stopped> {
-                dynamics.make_step(given)
+            fn step(dynamics: &mut Dynamics<Self, SpecRules>, prescribed: Option<&PrescribedStep<'_>>) -> Result<StepReport, StepError> {
+                dynamics.make_step(prescribed)
             }
         }
     )*};

@@ -1,11 +1,11 @@
 //! A contact within a step: its springs, and what the last solve says of it (SPEC section 5).
 
-use crate::dynamics::displacement::{Twelve, displacement, dot, generalized};
+use crate::dynamics::displacement::{BlockVector, displacement, dot, generalized};
 use crate::dynamics::friction::{Friction, Settling};
 use crate::dynamics::material::Joint;
 use crate::dynamics::plane::Plane;
-use crate::dynamics::rules::{Slip, StepRules};
-use crate::dynamics::setup::Limits;
+use crate::dynamics::rules::{StepRules, TangentialState};
+use crate::dynamics::setup::StepLimits;
 use crate::dynamics::state::{ContactState, Mode};
 use crate::real::Real;
 use crate::vector::Vector;
@@ -13,7 +13,7 @@ use rockproof_model::Contact;
 
 /// A contact of the step in work. What is called i and j is as in SPEC: i enters, j holds the entrance's face.
 #[derive(Clone, Debug)]
-pub(super) struct Active<R> {
+pub(super) struct StepContact<R> {
     /// The blocks: A, B.
     pub(super) blocks: [u32; 2],
     pub(super) contact: Contact,
@@ -32,12 +32,12 @@ pub(super) struct Active<R> {
     /// P − x₀ of block i and Q − x₀ of block j.
     pub(super) arms: [Vector<R>; 2],
     /// What the last solve says.
-    pub(super) now: Now<R>,
+    pub(super) iterate: ContactIterate<R>,
 }
 
 /// What the last solve says of a contact.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Now<R> {
+pub(super) struct ContactIterate<R> {
     /// The mode in which the next solve takes it; the last one's when the iteration is over.
     pub(super) mode: Mode,
     /// h in m.
@@ -50,7 +50,7 @@ pub(super) struct Now<R> {
     pub(super) settling: Settling<R>,
 }
 
-impl<R: Real> Active<R> {
+impl<R: Real> StepContact<R> {
     /// Blocks i and j.
     pub(super) fn entering(&self) -> [usize; 2] {
         let [a, b] = self.blocks.map(|block| block as usize);
@@ -63,14 +63,15 @@ impl<R: Real> Active<R> {
     }
 
     /// `T_iᵀn` and `T_jᵀn`.
-    pub(super) fn rows(&self) -> [Twelve<R>; 2] {
+    #[inline(always)]
+    pub(super) fn rows(&self) -> [BlockVector<R>; 2] {
         self.arms.map(|arm| generalized(arm, self.plane.normal))
     }
 
     /// As it was when the step began. The last slip of a sliding contact is then s0, and f = p_s·s0: what the dragged anchor remembers.
     pub(super) fn reset<M: StepRules>(&mut self) {
         let shear = self.joint.shear;
-        self.now = Now {
+        self.iterate = ContactIterate {
             mode: self.begins,
             gap: self.plane.gap,
             stretch: self.stretch,
@@ -85,23 +86,23 @@ impl<R: Real> Active<R> {
     }
 
     /// Reads h and s of a solve, and takes the mode for the next that follows from them, or the one that is given.
-    pub(super) fn judge<M: StepRules>(
+    pub(super) fn decide_mode<M: StepRules>(
         &mut self,
-        d: [&Twelve<R>; 2],
-        limits: &Limits<R>,
+        d: [&BlockVector<R>; 2],
+        limits: &StepLimits<R>,
         settling: bool,
-        given: Option<Mode>,
+        prescribed: Option<Mode>,
     ) {
-        let before = self.now.mode;
+        let before = self.iterate.mode;
         let [e, g] = self.rows();
         let gap = self.plane.gap + dot(&e, d[0], 12) - dot(&g, d[1], 12);
         let moved = displacement(self.arms[0], d[0]) - displacement(self.arms[1], d[1]);
         let stretch = self.stretch + self.across(moved);
-        (self.now.gap, self.now.stretch) = (gap, stretch);
+        (self.iterate.gap, self.iterate.stretch) = (gap, stretch);
         let acted = self.tangential(before);
-        let after = given.unwrap_or_else(|| self.follows::<M>(limits, settling));
+        let after = prescribed.unwrap_or_else(|| self.mode_after_solve::<M>(limits, settling));
         self.take::<M>(after);
-        self.now.settling = if before.is_closed() && after.is_closed() {
+        self.iterate.settling = if before.is_closed() && after.is_closed() {
             let stuck = before == Mode::Locked && after == Mode::Locked;
             let misfit = if stuck { R::ZERO } else { (self.tangential_after(after) - acted).length() };
             Settling { misfit, pressing: self.joint.normal * M::pressing(gap) }
@@ -111,8 +112,8 @@ impl<R: Real> Active<R> {
     }
 
     /// The mode that follows from h and s of a solve in which it had the present one. While settling, what is closed is locked.
-    fn follows<M: StepRules>(&self, limits: &Limits<R>, settling: bool) -> Mode {
-        let (before, gap) = (self.now.mode, self.now.gap);
+    fn mode_after_solve<M: StepRules>(&self, limits: &StepLimits<R>, settling: bool) -> Mode {
+        let (before, gap) = (self.iterate.mode, self.iterate.gap);
         let kept = M::keeps_mode(gap, self.plane.gap, limits.equal);
         let closed = match before {
             _ if kept => before.is_closed(),
@@ -131,22 +132,22 @@ impl<R: Real> Active<R> {
 
     /// Whether what is closed after a solve is locked: its spring holds, or it slid in this solve and its slip turned.
     fn locks<M: StepRules>(&self, before: Mode) -> bool {
-        let turned = || M::slip_turned(self.now.stretch.dot(self.now.friction.force));
+        let turned = || M::slip_turned(self.iterate.stretch.dot(self.iterate.friction.force));
         M::holds(before, &self.slip::<M>()) || (before == Mode::Sliding && turned())
     }
 
     /// Whether a spring acts across its slip in the next solve.
     pub(super) fn is_stiff_across(&self) -> bool {
-        self.now.mode == Mode::Sliding && self.now.friction.is_stiff()
+        self.iterate.mode == Mode::Sliding && self.iterate.friction.is_stiff()
     }
 
     /// Takes a mode for the next solve, with the gap and the stretch of the last one.
     fn take<M: StepRules>(&mut self, mode: Mode) {
-        self.now.mode = mode;
+        self.iterate.mode = mode;
         if mode == Mode::Sliding {
-            let slip = self.now.stretch;
+            let slip = self.iterate.stretch;
             let length = slip.length();
-            self.now.friction = if R::ZERO.below(length) {
+            self.iterate.friction = if R::ZERO.below(length) {
                 let secant = self.strength::<M>() / length;
                 Friction::along::<M>(slip, secant, self.joint.shear, self.plane.normal)
             } else {
@@ -159,8 +160,8 @@ impl<R: Real> Active<R> {
     fn tangential(&self, mode: Mode) -> Vector<R> {
         match mode {
             Mode::Open => Vector::ZERO,
-            Mode::Locked => self.now.stretch * self.joint.shear,
-            Mode::Sliding => self.now.friction.at(self.now.stretch),
+            Mode::Locked => self.iterate.stretch * self.joint.shear,
+            Mode::Sliding => self.iterate.friction.at(self.iterate.stretch),
         }
     }
 
@@ -168,51 +169,54 @@ impl<R: Real> Active<R> {
     fn tangential_after(&self, mode: Mode) -> Vector<R> {
         match mode {
             Mode::Open => Vector::ZERO,
-            Mode::Locked => self.now.stretch * self.joint.shear,
-            Mode::Sliding => self.now.friction.force,
+            Mode::Locked => self.iterate.stretch * self.joint.shear,
+            Mode::Sliding => self.iterate.friction.force,
         }
     }
 
-    fn slip<M: StepRules>(&self) -> Slip<R> {
-        Slip {
+    fn slip<M: StepRules>(&self) -> TangentialState<R> {
+        TangentialState {
             normal: self.joint.normal,
             shear: self.joint.shear,
-            stretch_squared: self.now.stretch.dot(self.now.stretch),
-            friction: M::strength(self.joint.friction, self.joint.normal * M::pressing(self.now.gap), R::ZERO),
+            stretch_squared: self.iterate.stretch.dot(self.iterate.stretch),
+            friction: M::strength(self.joint.friction, self.joint.normal * M::pressing(self.iterate.gap), R::ZERO),
             strength: self.strength::<M>(),
         }
     }
 
     /// τ in N at the present gap.
     pub(super) fn strength<M: StepRules>(&self) -> R {
-        let normal_force = self.joint.normal * M::pressing(self.now.gap);
+        let normal_force = self.joint.normal * M::pressing(self.iterate.gap);
         M::strength(self.joint.friction, normal_force, self.cohesive)
     }
 
     /// A length along the slip direction s/|s|; zero where nothing slipped.
     fn along_slip(&self, length: R) -> Vector<R> {
-        let slip = self.now.stretch.length();
-        if R::ZERO.below(slip) { self.now.stretch * (length / slip) } else { Vector::ZERO }
+        let slip = self.iterate.stretch.length();
+        if R::ZERO.below(slip) { self.iterate.stretch * (length / slip) } else { Vector::ZERO }
     }
 
     /// Whether its stiffness couples two blocks.
     pub(super) fn is_closed(&self) -> bool {
-        self.now.mode.is_closed()
+        self.iterate.mode.is_closed()
     }
 
     /// The force on block i in N, by the mode after the last solve.
     fn force(&self) -> Vector<R> {
-        if self.now.mode == Mode::Open {
+        if self.iterate.mode == Mode::Open {
             return Vector::ZERO;
         }
-        self.plane.normal * (-self.joint.normal * self.now.gap) - self.tangential_after(self.now.mode)
+        self.plane.normal * (-self.joint.normal * self.iterate.gap) - self.tangential_after(self.iterate.mode)
     }
 
     /// What is left of it after a step. `moved` moves a material point of i or of j.
-    pub(super) fn leave<M: StepRules>(&self, moved: impl Fn(usize, Vector<R>) -> Vector<R>) -> ContactState<R> {
+    pub(super) fn state_after_step<M: StepRules>(
+        &self,
+        moved: impl Fn(usize, Vector<R>) -> Vector<R>,
+    ) -> ContactState<R> {
         let [i, j] = self.entering();
         let mut anchors = [moved(i, self.anchors[0]), moved(j, self.anchors[1])];
-        if self.now.mode == Mode::Sliding && M::drags_anchor() {
+        if self.iterate.mode == Mode::Sliding && M::drags_anchor() {
             let shear = self.joint.shear;
             let left = if R::ZERO.below(shear) { self.along_slip(self.strength::<M>() / shear) } else { Vector::ZERO };
             anchors[1] = anchors[0] - left;
@@ -227,9 +231,9 @@ impl<R: Real> Active<R> {
         ContactState {
             blocks: self.blocks,
             contact: self.contact,
-            mode: self.now.mode,
+            mode: self.iterate.mode,
             anchors,
-            gap: self.now.gap,
+            gap: self.iterate.gap,
             normal: on_a(normal),
             points,
             force: on_a(force),

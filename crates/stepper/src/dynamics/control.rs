@@ -1,18 +1,18 @@
 //! Step control (SPEC section 5): Δt is cut until the iteration converges and nothing moves too far.
 
-use crate::dynamics::attempt::{Ended, Iteration};
-use crate::dynamics::contact::Active;
-use crate::dynamics::displacement::{Twelve, displacement};
+use crate::dynamics::attempt::{IterationResult, OpenCloseIteration};
+use crate::dynamics::contact::StepContact;
+use crate::dynamics::displacement::{BlockVector, displacement};
 use crate::dynamics::engine::Dynamics;
-use crate::dynamics::report::{Retry, RetryReason, Stopped};
+use crate::dynamics::report::{Retry, RetryReason, StepError};
 use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
 use rockproof_model::simulation::Unconverged;
 
 /// An attempt that was good, or the last one.
-pub(super) struct Accepted<R> {
+pub(super) struct AcceptedAttempt<R> {
     pub(super) time_step: R,
-    pub(super) ended: Ended<R>,
+    pub(super) ended: IterationResult<R>,
     pub(super) retries: Vec<Retry>,
     /// The largest displacement of a vertex, squared (m²).
     pub(super) farthest: R,
@@ -22,23 +22,28 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// Tries until an attempt is good (SPEC section 5, step control).
     pub(super) fn attempts(
         &mut self,
-        contacts: &mut [Active<R>],
+        contacts: &mut [StepContact<R>],
         number: i64,
         settling: bool,
-    ) -> Result<Accepted<R>, Stopped> {
+    ) -> Result<AcceptedAttempt<R>, StepError> {
         let full = self.setup.control.time_step;
         let smallest = M::smallest(full);
         let mut time_step = M::first_time_step(full, self.state.last_time_step);
         let mut retries = Vec::new();
         loop {
-            let alone = self.alone(time_step, settling);
-            let iteration = Iteration { alone: &alone, limits: &self.setup.limits, settling, given: None };
+            let block_systems = self.block_systems(time_step, settling);
+            let iteration = OpenCloseIteration {
+                block_systems: &block_systems,
+                limits: &self.setup.limits,
+                settling,
+                prescribed: None,
+            };
             let ended = iteration
-                .run::<M>(contacts, &mut self.layouts, &mut self.spent)
-                .map_err(|unsolved| Stopped::Singular { step: number, block: unsolved.block })?;
+                .run::<M>(contacts, &mut self.layouts, &mut self.spare, &mut self.iteration_times)
+                .map_err(|unsolved| StepError::Singular { step: number, block: unsolved.block })?;
             self.modes.push(ended.modes.clone());
             if let Some(block) = ended.d.iter().position(|d| !d.iter().all(|x| x.is_finite())) {
-                return Err(Stopped::NotFinite { step: number, block });
+                return Err(StepError::NotFinite { step: number, block });
             }
             let accepts = self.setup.control.unconverged == Unconverged::Accept;
             let at = time_step.to_f64();
@@ -48,7 +53,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                     Some((block, why)) => {
                         let half = time_step / R::from_f64(2.0);
                         if half < smallest {
-                            return Err(Stopped::TooFast { step: number, time_step: at, block, why });
+                            return Err(StepError::TooFast { step: number, time_step: at, block, why });
                         }
                         Some((why, half))
                     }
@@ -60,14 +65,14 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                     // The last attempt is taken as it is: limits are asked of converged ones.
                     (true, true) => None,
                     (true, false) => {
-                        return Err(Stopped::NotConverged { step: number, time_step: at, contacts: ended.changing });
+                        return Err(StepError::NotConverged { step: number, time_step: at, contacts: ended.changing });
                     }
                 }
             };
             let Some((why, next)) = again else {
                 self.layouts.forget_unused();
                 let farthest = self.farthest(&ended.d);
-                return Ok(Accepted { time_step, ended, retries, farthest });
+                return Ok(AcceptedAttempt { time_step, ended, retries, farthest });
             };
             retries.push(Retry { time_step: at, why });
             time_step = next;
@@ -75,11 +80,11 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     }
 
     /// The first block that exceeds a limit: first that of displacement, then that of rotation.
-    fn beyond_limits(&self, d: &[Twelve<R>]) -> Option<(usize, RetryReason)> {
+    fn beyond_limits(&self, d: &[BlockVector<R>]) -> Option<(usize, RetryReason)> {
         let limits = &self.setup.limits;
         let (far, turned) = (limits.displacement * limits.displacement, limits.rotation * limits.rotation);
         let strays = |(_, squared): &(usize, R)| M::too_far(*squared, far);
-        let turns = |d: &Twelve<R>| M::turned_too_far(d[3] * d[3] + d[4] * d[4] + d[5] * d[5], turned);
+        let turns = |d: &BlockVector<R>| M::turned_too_far(d[3] * d[3] + d[4] * d[4] + d[5] * d[5], turned);
         let strayed = self.displacements(d).find(strays).map(|(block, _)| (block, RetryReason::Displacement));
         strayed.or_else(|| {
             let mut moving = d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block));
@@ -88,12 +93,12 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     }
 
     /// The largest displacement of a vertex, squared (m²).
-    fn farthest(&self, d: &[Twelve<R>]) -> R {
+    fn farthest(&self, d: &[BlockVector<R>]) -> R {
         self.displacements(d).fold(R::ZERO, |farthest, (_, squared)| farthest.larger(squared))
     }
 
     /// Of every vertex of the moving blocks its block and its displacement, squared (m²).
-    fn displacements(&self, d: &[Twelve<R>]) -> impl Iterator<Item = (usize, R)> {
+    fn displacements(&self, d: &[BlockVector<R>]) -> impl Iterator<Item = (usize, R)> {
         let moving = d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block));
         moving.flat_map(|(block, d)| {
             let centroid = self.moments[block].centroid;

@@ -4,10 +4,10 @@ use crate::real::Real;
 use crate::vector::Vector;
 
 /// The unknowns of a block, or what is conjugate to them: (u, v, w, rx, ry, rz, εx, εy, εz, γyz, γzx, γxy).
-pub type Twelve<R> = [R; 12];
+pub type BlockVector<R> = [R; 12];
 
 /// `T(x)·d`, the displacement of a point at `arm` from the centroid (m).
-pub fn displacement<R: Real>(arm: Vector<R>, d: &Twelve<R>) -> Vector<R> {
+pub fn displacement<R: Real>(arm: Vector<R>, d: &BlockVector<R>) -> Vector<R> {
     let half = R::from_f64(0.5);
     let (turn, strain) = (Vector::new(d[3], d[4], d[5]), Vector::new(d[6], d[7], d[8]));
     let (yz, zx, xy) = (d[9] * half, d[10] * half, d[11] * half);
@@ -20,7 +20,8 @@ pub fn displacement<R: Real>(arm: Vector<R>, d: &Twelve<R>) -> Vector<R> {
 }
 
 /// `T(x)ᵀ·f`, what a force at `arm` from the centroid does to the twelve unknowns.
-pub fn generalized<R: Real>(arm: Vector<R>, force: Vector<R>) -> Twelve<R> {
+#[inline(always)]
+pub fn generalized<R: Real>(arm: Vector<R>, force: Vector<R>) -> BlockVector<R> {
     let half = R::from_f64(0.5);
     let moment = arm.cross(force);
     [
@@ -40,6 +41,6 @@ pub fn generalized<R: Real>(arm: Vector<R>, force: Vector<R>) -> Twelve<R> {
 }
 
 /// The dot product of the first `n` numbers.
-pub(super) fn dot<R: Real>(a: &Twelve<R>, b: &Twelve<R>, n: usize) -> R {
+pub(super) fn dot<R: Real>(a: &BlockVector<R>, b: &BlockVector<R>, n: usize) -> R {
     a[..n].iter().zip(&b[..n]).fold(R::ZERO, |sum, (&a, &b)| sum + a * b)
 }

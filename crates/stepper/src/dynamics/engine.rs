@@ -3,18 +3,19 @@
 #[cfg(test)]
 mod tests;
 
-use crate::contact::{Solid, Spec, classify_keeping};
+use crate::contact::{PreparedBlock, SpecRules, classify_keeping};
 use crate::dynamics::area;
-use crate::dynamics::contact::{Active, Now};
+use crate::dynamics::contact::{ContactIterate, StepContact};
 use crate::dynamics::friction::{Friction, Settling};
-use crate::dynamics::given::Given;
+use crate::dynamics::island::Memory;
 use crate::dynamics::layout::Layouts;
-use crate::dynamics::moments::{Matrix, Moments};
+use crate::dynamics::moments::{BlockMatrix, Moments};
 use crate::dynamics::neighbours::Neighbours;
 use crate::dynamics::plane::plane;
-use crate::dynamics::report::{Spent, StepReport, Stopped};
+use crate::dynamics::prescribed::PrescribedStep;
+use crate::dynamics::report::{IterationTimes, StepError, StepReport};
 use crate::dynamics::rules::StepRules;
-use crate::dynamics::setup::{Setup, SetupError};
+use crate::dynamics::setup::{SceneSetup, SetupError};
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, Mode, State};
 use crate::dynamics::transfer;
@@ -27,17 +28,19 @@ use std::time::{Duration, Instant};
 
 /// A scene in motion, in the scalar `R` and by the rules `M`.
 #[derive(Debug)]
-pub struct Dynamics<R, M = Spec> {
-    pub(super) setup: Setup<R>,
+pub struct Dynamics<R, M = SpecRules> {
+    pub(super) setup: SceneSetup<R>,
     pub(super) state: State<R>,
-    pub(super) solids: Vec<Solid<R>>,
+    pub(super) solids: Vec<PreparedBlock<R>>,
     pub(super) moments: Vec<Moments<R>>,
     pub(super) neighbours: Neighbours,
     pub(super) layouts: Layouts,
+    /// Memory for factors, kept from step to step: to fetch it anew costs time.
+    pub(super) spare: Memory<R>,
     first_modes: Vec<Mode>,
     pub(super) modes: Vec<Vec<Vec<Mode>>>,
-    phases: Phases,
-    pub(super) spent: Spent,
+    phases: PhaseTimes,
+    pub(super) iteration_times: IterationTimes,
     rules: PhantomData<fn() -> M>,
 }
 
@@ -51,10 +54,11 @@ impl<R: Clone, M> Clone for Dynamics<R, M> {
             moments: self.moments.clone(),
             neighbours: self.neighbours.clone(),
             layouts: self.layouts.clone(),
+            spare: Memory::NONE,
             first_modes: self.first_modes.clone(),
             modes: self.modes.clone(),
             phases: self.phases,
-            spent: self.spent,
+            iteration_times: self.iteration_times,
             rules: PhantomData,
         }
     }
@@ -62,7 +66,7 @@ impl<R: Clone, M> Clone for Dynamics<R, M> {
 
 /// Where the time went, over all steps so far.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Phases {
+pub struct PhaseTimes {
     /// Boxes, and pairs of neighbours.
     pub rough: Duration,
     /// Classification of neighbours, transfer, areas.
@@ -77,19 +81,20 @@ pub struct Phases {
 const PAIRS_AT_ONCE: usize = 512;
 
 /// What is known of blocks where they stand.
-struct Prepared<R> {
-    solids: Vec<Solid<R>>,
+struct PreparedBlocks<R> {
+    solids: Vec<PreparedBlock<R>>,
     moments: Vec<Moments<R>>,
 }
 
-impl<R: Real> Prepared<R> {
-    fn new(blocks: &[Block], states: &[BlockState<R>]) -> Result<Prepared<R>, SetupError> {
+impl<R: Real> PreparedBlocks<R> {
+    fn new(blocks: &[Block], states: &[BlockState<R>]) -> Result<PreparedBlocks<R>, SetupError> {
         let both = || blocks.iter().zip(states);
         let solid = |(k, (block, state)): (usize, (&Block, &BlockState<R>))| {
-            Solid::with_points(block.clone(), &state.vertices).map_err(|what| SetupError::Collapsed { block: k, what })
+            PreparedBlock::with_points(block.clone(), &state.vertices)
+                .map_err(|what| SetupError::Collapsed { block: k, what })
         };
         let moments = |(block, state): (&Block, &BlockState<R>)| Moments::of(block.topology(), &state.vertices);
-        Ok(Prepared {
+        Ok(PreparedBlocks {
             solids: both().enumerate().map(solid).collect::<Result<_, _>>()?,
             moments: both().map(moments).collect(),
         })
@@ -117,9 +122,9 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     }
 
     pub(super) fn begin(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, M>, SetupError> {
-        let setup = Setup::new(scene, set)?;
+        let setup = SceneSetup::new(scene, set)?;
         let state = setup.begin(scene)?;
-        let Prepared { solids, moments } = Prepared::new(&setup.blocks, &state.blocks)?;
+        let PreparedBlocks { solids, moments } = PreparedBlocks::new(&setup.blocks, &state.blocks)?;
         let at = |moments: &Moments<R>| moments.centroid.components().map(Real::to_f64);
         let layouts = Layouts::new(moments.iter().map(at).collect());
         Ok(Dynamics {
@@ -129,10 +134,11 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             moments,
             neighbours: Neighbours::default(),
             layouts,
+            spare: Memory::NONE,
             first_modes: Vec::new(),
             modes: Vec::new(),
-            phases: Phases::default(),
-            spent: Spent::default(),
+            phases: PhaseTimes::default(),
+            iteration_times: IterationTimes::default(),
             rules: PhantomData,
         })
     }
@@ -150,7 +156,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         M::restore_dynamics(self, state)
     }
 
-    pub(super) fn go_on_from(&mut self, state: State<R>) -> Result<(), SetupError> {
+    pub(super) fn continue_from(&mut self, state: State<R>) -> Result<(), SetupError> {
         let fits = [
             ("blocks", state.blocks.len(), self.state.blocks.len()),
             ("load points", state.load_points.len(), self.state.load_points.len()),
@@ -164,7 +170,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         if let Some(contact) = state.contacts.iter().position(|contact| !self.setup.has(contact)) {
             return Err(SetupError::NoSuchContact { contact });
         }
-        let Prepared { solids, moments } = Prepared::new(&self.setup.blocks, &state.blocks)?;
+        let PreparedBlocks { solids, moments } = PreparedBlocks::new(&self.setup.blocks, &state.blocks)?;
         (self.state, self.solids, self.moments) = (state, solids, moments);
         self.neighbours.forget();
         Ok(())
@@ -181,7 +187,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     }
 
     /// The mass matrix of a block, in kg, kg·m and kg·m².
-    pub fn mass(&self, block: usize) -> Matrix<R> {
+    pub fn mass(&self, block: usize) -> BlockMatrix<R> {
         let density = self.setup.bodies[block].elastic.density;
         self.moments[block].inertia().map(|row| row.map(|value| value * density))
     }
@@ -197,36 +203,36 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     }
 
     /// Where the time went.
-    pub fn phases(&self) -> Phases {
+    pub fn phases(&self) -> PhaseTimes {
         self.phases
     }
 
     /// Where the time of the open–close iteration went.
-    pub fn spent(&self) -> Spent {
-        self.spent
+    pub fn iteration_times(&self) -> IterationTimes {
+        self.iteration_times
     }
 
     /// One step: of settling, while some are left, else of time. When it fails the state is as before.
     ///
     /// # Errors
     /// When the run cannot go on.
-    pub fn step(&mut self) -> Result<StepReport, Stopped> {
+    pub fn step(&mut self) -> Result<StepReport, StepError> {
         M::step_dynamics(self, None)
     }
 
-    pub(super) fn make_step(&mut self, given: Option<&Given<'_>>) -> Result<StepReport, Stopped> {
+    pub(super) fn make_step(&mut self, prescribed: Option<&PrescribedStep<'_>>) -> Result<StepReport, StepError> {
         let settling = self.state.settling > 0;
         let number = if settling { 1 - i64::from(self.state.settling) } else { self.state.step as i64 + 1 };
-        let mut contacts = match given {
+        let mut contacts = match prescribed {
             None => self.contacts(),
-            Some(given) => self.given_contacts(given.contacts),
+            Some(prescribed) => self.prescribed_contacts(prescribed.contacts),
         };
         let begun = Instant::now();
         self.first_modes = contacts.iter().map(|contact| contact.begins).collect();
         self.modes.clear();
-        let accepted = match given.and_then(|given| given.attempt.as_ref()) {
+        let accepted = match prescribed.and_then(|prescribed| prescribed.attempt.as_ref()) {
             None => self.attempts(&mut contacts, number, settling)?,
-            Some(attempt) => self.given_attempt(&mut contacts, attempt, number, settling)?,
+            Some(attempt) => self.prescribed_attempt(&mut contacts, attempt, number, settling)?,
         };
         self.phases.iteration += begun.elapsed();
         let begun = Instant::now();
@@ -236,7 +242,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     }
 
     /// The contacts at the start of a step, with what they remember.
-    fn contacts(&mut self) -> Vec<Active<R>> {
+    fn contacts(&mut self) -> Vec<StepContact<R>> {
         let begun = Instant::now();
         let fixed: Vec<bool> = self.setup.bodies.iter().map(|body| body.motion.unknowns() == 0).collect();
         let pairs = self.neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances).to_vec();
@@ -254,14 +260,14 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let before = self.state.contacts.len();
         let mut contacts = Vec::with_capacity(before + before / 8);
         for part in pairs.chunks(PAIRS_AT_ONCE) {
-            let found: Vec<Vec<Active<R>>> = part.par_iter().map(of_pair).collect();
+            let found: Vec<Vec<StepContact<R>>> = part.par_iter().map(of_pair).collect();
             found.into_iter().for_each(|pair| contacts.extend(pair));
         }
         self.phases.contacts += begun.elapsed();
         contacts
     }
 
-    pub(super) fn of_pair(&self, pair: [u32; 2], contacts: &[Contact]) -> Vec<Active<R>> {
+    pub(super) fn of_pair(&self, pair: [u32; 2], contacts: &[Contact]) -> Vec<StepContact<R>> {
         if contacts.is_empty() {
             return Vec::new();
         }
@@ -278,11 +284,11 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 Some((mode, [a, b])) => (mode, if plane.a_enters { [a, b] } else { [b, a] }),
             };
             let (friction, settling) = (Friction::NONE, Settling::NONE);
-            let now = Now { mode: begins, gap: plane.gap, stretch: Vector::ZERO, friction, settling };
+            let now = ContactIterate { mode: begins, gap: plane.gap, stretch: Vector::ZERO, friction, settling };
             let (arms, zero) = ([Vector::ZERO; 2], R::ZERO);
             let contact = *contact;
             let (cohesive, tensile_gap, stretch) = (zero, zero, Vector::ZERO);
-            let mut active = Active {
+            let mut active = StepContact {
                 blocks: pair,
                 contact,
                 plane,
@@ -293,13 +299,13 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 stretch,
                 begins,
                 arms,
-                now,
+                iterate: now,
             };
             active.stretch = active.across(anchors[0] - anchors[1]);
             active.measure_from(active.entering().map(|block| self.moments[block].centroid));
             active
         });
-        let mut active: Vec<Active<R>> = active.collect();
+        let mut active: Vec<StepContact<R>> = active.collect();
         if joint.needs_area() {
             area::share(&mut active, solids, &joint, self.setup.tolerances.overlap_sine);
         }

@@ -1,35 +1,35 @@
 //! Islands: blocks that closed contacts tie together. Each is a system of its own (SPEC section 5, `K d = F`).
 
-use crate::dynamics::area::tangents;
-use crate::dynamics::contact::Active;
-use crate::dynamics::displacement::{Twelve, generalized};
-use crate::dynamics::layout::{Layout, Layouts, Ties};
-use crate::dynamics::pattern::{Part, Pattern};
-use crate::dynamics::report::Spent;
+use crate::dynamics::assembly::System;
+use crate::dynamics::contact::StepContact;
+use crate::dynamics::displacement::BlockVector;
+use crate::dynamics::layout::{Couplings, IslandLayout, Layouts};
+use crate::dynamics::pattern::Pattern;
+use crate::dynamics::refine::refined;
+use crate::dynamics::report::IterationTimes;
 use crate::dynamics::solve::{Singular, Solve, dense};
-use crate::dynamics::state::Mode;
 use crate::real::Real;
 use std::sync::Arc;
 use std::time::Instant;
 
 /// What a block brings into its system, without contacts.
 #[derive(Clone, Debug)]
-pub(super) struct Alone<R> {
+pub(super) struct BlockSystem<R> {
     /// 12, 6 or 0.
     pub(super) unknowns: usize,
-    pub(super) stiffness: Packed<R>,
-    pub(super) force: Twelve<R>,
+    pub(super) stiffness: PackedBlockMatrix<R>,
+    pub(super) force: BlockVector<R>,
 }
 
 /// Blocks that closed contacts tie together, what is tied within them, and the closed contacts between them and to fixed blocks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Island {
-    pub(super) ties: Ties,
+    pub(super) couplings: Couplings,
     pub(super) contacts: Vec<usize>,
 }
 
 /// The islands, by their lowest block. Contacts are sorted by pair.
-pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[Active<R>]) -> Vec<Island> {
+pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[StepContact<R>]) -> Vec<Island> {
     let mut root: Vec<usize> = (0..unknowns.len()).collect();
     fn find(root: &mut [usize], mut block: usize) -> usize {
         while root[block] != block {
@@ -55,15 +55,15 @@ pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[Active<R>]) -> Ve
             place[block][0] = all.len() as u32;
             all.push(Island::default());
         }
-        let ties = &mut all[place[lowest][0] as usize].ties;
-        place[block] = [place[lowest][0], ties.blocks.len() as u32];
-        ties.blocks.push(block as u32);
-        ties.unknowns.push(unknowns[block] as u8);
+        let couplings = &mut all[place[lowest][0] as usize].couplings;
+        place[block] = [place[lowest][0], couplings.blocks.len() as u32];
+        couplings.blocks.push(block as u32);
+        couplings.unknowns.push(unknowns[block] as u8);
     }
     for same in contacts.chunk_by(|one, other| one.blocks == other.blocks) {
         let [[a, first], [b, second]] = same[0].blocks.map(|block| place[block as usize]);
         if a == b && a != u32::MAX {
-            all[a as usize].ties.pairs.push([first, second]);
+            all[a as usize].couplings.pairs.push([first, second]);
         }
     }
     for (k, contact) in closed() {
@@ -74,57 +74,88 @@ pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[Active<R>]) -> Ve
     all
 }
 
-/// What is left of an island's solution for the next one.
+/// Memory for factors, used again and again: to fetch it anew costs time.
 #[derive(Debug)]
-pub(super) struct Kept<R> {
-    layout: Arc<Layout>,
-    /// The factor begins at `aligned`.
-    values: Vec<R>,
-    aligned: usize,
+pub(super) struct Memory<R> {
+    own: Vec<R>,
+    single: Vec<f32>,
 }
 
-impl<R: Solve> Kept<R> {
-    fn new(layout: Arc<Layout>) -> Kept<R> {
-        let spare = Pattern::ALIGNED;
-        let values = vec![R::ZERO; layout.pattern.values() + spare];
-        let aligned = values.as_ptr().align_offset(64);
-        Kept { layout, values, aligned: if aligned <= spare { aligned } else { 0 } }
+impl<R> Memory<R> {
+    pub(super) const NONE: Self = Memory { own: Vec::new(), single: Vec::new() };
+
+    /// The larger of two, each scalar by itself.
+    fn larger(self, other: Memory<R>) -> Memory<R> {
+        Memory {
+            own: if self.own.len() < other.own.len() { other.own } else { self.own },
+            single: if self.single.len() < other.single.len() { other.single } else { self.single },
+        }
+    }
+
+    /// The largest of that which some factors have had.
+    pub(super) fn of(all: impl Iterator<Item = CachedFactor<R>>, spare: &mut Memory<R>) {
+        let before = std::mem::replace(spare, Memory::NONE);
+        *spare = all.map(|kept| kept.memory).fold(before, Memory::larger);
     }
 }
 
+/// Room for the values of a pattern, aligned, whatever it holds.
+fn room<'r, R: Real>(memory: &'r mut Vec<R>, pattern: &Pattern) -> &'r mut [R] {
+    let needed = pattern.values() + Pattern::ALIGNED;
+    if memory.len() < needed {
+        // What it holds need not be copied.
+        *memory = Vec::new();
+        memory.resize(needed, R::ZERO);
+    }
+    let aligned = memory.as_ptr().align_offset(64);
+    let begin = if aligned <= Pattern::ALIGNED { aligned } else { 0 };
+    &mut memory[begin..][..pattern.values()]
+}
+
+/// The layout and factor of an island's last solution, kept for the next one.
+#[derive(Debug)]
+pub(super) struct CachedFactor<R> {
+    layout: Arc<IslandLayout>,
+    memory: Memory<R>,
+    /// Whether the factor is in f32.
+    is_single: bool,
+}
+
 /// What a solution follows from besides the contacts of the island.
-pub(super) struct Work<'s, R> {
-    pub(super) alone: &'s [Alone<R>],
+pub(super) struct SolveContext<'s, R> {
+    pub(super) block_systems: &'s [BlockSystem<R>],
     pub(super) layouts: &'s mut Layouts,
-    pub(super) spent: &'s mut Spent,
+    /// Memory that no factor has now.
+    pub(super) spare: &'s mut Memory<R>,
+    pub(super) iteration_times: &'s mut IterationTimes,
 }
 
 impl Island {
     /// The lowest of its blocks.
     pub(super) fn lowest(&self) -> usize {
-        self.ties.blocks.first().map_or(0, |&block| block as usize)
+        self.couplings.blocks.first().map_or(0, |&block| block as usize)
     }
 
     /// The displacements of its blocks: twelve numbers each, zero where a block has no such unknown. What the solution before left is
     /// that of the same blocks by the same contacts, of which those that `changed` says had other springs.
     pub(super) fn solve<R: Solve>(
         &self,
-        contacts: &[Active<R>],
+        contacts: &[StepContact<R>],
         changed: &[bool],
-        before: Option<Kept<R>>,
-        work: &mut Work<'_, R>,
-    ) -> Result<(Vec<Twelve<R>>, Kept<R>), Unsolved> {
+        before: Option<CachedFactor<R>>,
+        work: &mut SolveContext<'_, R>,
+    ) -> Result<(Vec<BlockVector<R>>, CachedFactor<R>), FactorizationFailure> {
         let begun = Instant::now();
-        let first = Unsolved { block: self.lowest() };
-        let layout = work.layouts.of(&self.ties).ok_or(first)?;
-        work.spent.order += begun.elapsed();
+        let first = FactorizationFailure { block: self.lowest() };
+        let layout = work.layouts.of(&self.couplings).ok_or(first)?;
+        work.iteration_times.order += begun.elapsed();
         let begun = Instant::now();
-        let (mut kept, marked) = match before {
+        let (mut kept, mut marked) = match before {
             Some(kept) if Arc::ptr_eq(&kept.layout, &layout) && !layout.is_small() => {
                 let mut marked = vec![false; layout.pattern.panel_count()];
                 let touched = contacts.iter().zip(changed).filter(|(_, changed)| **changed);
                 for block in touched.flat_map(|(contact, _)| contact.blocks) {
-                    if let Ok(place) = self.ties.blocks.binary_search(&block) {
+                    if let Ok(place) = self.couplings.blocks.binary_search(&block) {
                         marked[layout.pattern.panel(layout.places[place] as usize)] = true;
                     }
                 }
@@ -132,44 +163,82 @@ impl Island {
                 (kept, marked)
             }
             other => {
-                drop(other);
+                let memory = match other {
+                    Some(kept) => kept.memory,
+                    None if layout.is_small() => Memory::NONE,
+                    None => std::mem::replace(work.spare, Memory::NONE),
+                };
+                let is_single = R::REFINES && layout.is_very_large();
                 let marked = vec![true; layout.pattern.panel_count()];
-                (Kept::new(layout.clone()), marked)
+                (CachedFactor { layout: layout.clone(), memory, is_single }, marked)
             }
         };
-        let aligned = kept.aligned;
-        let values = &mut kept.values[aligned..];
-        let mut system = System::new(&self.ties.blocks, &layout, values, &marked, work.alone);
-        for &k in &self.contacts {
-            system.add(&contacts[k]);
+        let mut system =
+            System::new(&self.couplings.blocks, &layout, &marked, work.block_systems, (contacts, &self.contacts));
+        let mut force = system.force();
+        work.iteration_times.assembly += begun.elapsed();
+        if kept.is_single {
+            if let Some(found) =
+                by_single(&system, &layout, &marked, (&mut kept.memory.single, &force), work.iteration_times)
+            {
+                return Ok((by_block(&layout, &found), kept));
+            }
+            (kept.is_single, kept.memory.single) = (false, Vec::new());
+            marked.fill(true);
+            system =
+                System::new(&self.couplings.blocks, &layout, &marked, work.block_systems, (contacts, &self.contacts));
         }
-        let mut force = system.force;
-        work.spent.assembly += begun.elapsed();
+        let values = room(&mut kept.memory.own, &layout.pattern);
+        let fill = |panel: usize, values: &mut [R]| system.fill(panel, values);
+        let begun = Instant::now();
         let solved = if layout.is_small() {
-            let begun = Instant::now();
+            values.fill(R::ZERO);
+            fill(0, values);
             let solved = dense(&layout.pattern, values, &mut force);
-            work.spent.factor += begun.elapsed();
+            work.iteration_times.factor += begun.elapsed();
             solved
         } else {
-            let begun = Instant::now();
-            let factored = R::factorize(&layout.pattern, values, &marked);
-            work.spent.factor += begun.elapsed();
+            let factored = R::factorize(&layout.pattern, values, &marked, &fill);
+            work.iteration_times.factor += begun.elapsed();
             let begun = Instant::now();
             let solved = factored.and_then(|()| R::substitute(&layout.pattern, values, &mut force));
-            work.spent.substitution += begun.elapsed();
+            work.iteration_times.substitution += begun.elapsed();
             solved
         };
         solved.map_err(|Singular { unknown }| {
             let place = layout.pattern.node_of(unknown);
             let block = layout.places.iter().position(|&p| p as usize == place);
-            Unsolved { block: self.ties.blocks[block.unwrap_or(0)] as usize }
+            FactorizationFailure { block: self.couplings.blocks[block.unwrap_or(0)] as usize }
         })?;
         Ok((by_block(&layout, &force), kept))
     }
 }
 
+/// Solves by a factor in f32, if that is good enough.
+pub(super) fn by_single<R: Solve>(
+    system: &System<'_, R>,
+    layout: &IslandLayout,
+    marked: &[bool],
+    (memory, force): (&mut Vec<f32>, &[R]),
+    iteration_times: &mut IterationTimes,
+) -> Option<Vec<R>> {
+    let begun = Instant::now();
+    let values = room(memory, &layout.pattern);
+    let fill = |panel: usize, values: &mut [f32]| {
+        let mut whole = vec![R::ZERO; values.len()];
+        system.fill(panel, &mut whole);
+        values.iter_mut().zip(whole).for_each(|(value, whole)| *value = whole.to_f64() as f32);
+    };
+    let factored = f32::factorize(&layout.pattern, values, marked, &fill);
+    iteration_times.factor += begun.elapsed();
+    let begun = Instant::now();
+    let found = factored.ok().and_then(|()| refined(system, layout, values, force));
+    iteration_times.substitution += begun.elapsed();
+    found
+}
+
 /// The solution by blocks.
-fn by_block<R: Real>(layout: &Layout, solution: &[R]) -> Vec<Twelve<R>> {
+fn by_block<R: Real>(layout: &IslandLayout, solution: &[R]) -> Vec<BlockVector<R>> {
     let of = |&place: &u32| {
         let unknowns = layout.pattern.unknowns(place as usize);
         let mut d = [R::ZERO; 12];
@@ -181,140 +250,12 @@ fn by_block<R: Real>(layout: &Layout, solution: &[R]) -> Vec<Twelve<R>> {
 
 /// The block at which elimination failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Unsolved {
+pub(super) struct FactorizationFailure {
     pub(super) block: usize,
 }
 
-struct System<'s, R> {
-    blocks: &'s [u32],
-    layout: &'s Layout,
-    /// As the layout's pattern has them.
-    values: &'s mut [R],
-    /// The panels whose values are to be found; the others hold a factor.
-    marked: &'s [bool],
-    force: Vec<R>,
-}
-
-impl<'s, R: Real> System<'s, R> {
-    fn new(
-        blocks: &'s [u32],
-        layout: &'s Layout,
-        values: &'s mut [R],
-        marked: &'s [bool],
-        alone: &[Alone<R>],
-    ) -> System<'s, R> {
-        for (panel, _) in layout.pattern.panels().iter().zip(marked).filter(|(_, marked)| **marked) {
-            values[panel.values..panel.values + panel.width * panel.height].fill(R::ZERO);
-        }
-        let force = vec![R::ZERO; layout.pattern.size()];
-        let mut system = System { blocks, layout, values, marked, force };
-        for (&block, &place) in blocks.iter().zip(&layout.places) {
-            let (alone, place) = (&alone[block as usize], place as usize);
-            let unknowns = layout.pattern.unknowns(place);
-            system.force[unknowns.clone()].copy_from_slice(&alone.force[..unknowns.len()]);
-            let Some(part) = system.part(place, place) else { continue };
-            for column in 0..unknowns.len() {
-                let values = &mut system.values[part.at + part.stride * column..][..unknowns.len()];
-                for (row, value) in values.iter_mut().enumerate().skip(column) {
-                    *value = alone.stiffness[packed(row, column)];
-                }
-            }
-        }
-        system
-    }
-
-    /// Where the rows of a place in the columns of one that is not later stand, if they are to be found.
-    fn part(&self, row: usize, column: usize) -> Option<Part> {
-        if !self.marked[self.layout.pattern.panel(column)] {
-            return None;
-        }
-        self.layout.pattern.part(row, column)
-    }
-
-    fn add(&mut self, contact: &Active<R>) {
-        let place =
-            |block: usize| self.blocks.binary_search(&(block as u32)).ok().map(|k| self.layout.places[k] as usize);
-        let [i, j] = contact.entering().map(place);
-        let [e, g] = contact.rows();
-        self.spring([i, j], [&e, &g], contact.joint.normal, contact.plane.gap);
-        match contact.now.mode {
-            Mode::Locked => {
-                let (one, two) = tangents(contact.plane.normal);
-                for along in [one, two] {
-                    let rows = contact.arms.map(|arm| generalized(arm, along));
-                    let stretch = contact.stretch.dot(along);
-                    self.spring([i, j], [&rows[0], &rows[1]], contact.joint.shear, stretch);
-                }
-            }
-            Mode::Sliding => {
-                let friction = &contact.now.friction;
-                if friction.is_stiff() {
-                    let rows = contact.arms.map(|arm| generalized(arm, friction.across));
-                    let stretch = contact.stretch.dot(friction.across);
-                    self.spring([i, j], [&rows[0], &rows[1]], friction.spring, stretch);
-                }
-                let force = friction.force;
-                for (place, arm, force) in [(i, contact.arms[0], -force), (j, contact.arms[1], force)] {
-                    let Some(place) = place else { continue };
-                    let share = generalized(arm, force);
-                    for (total, share) in self.force[self.layout.pattern.unknowns(place)].iter_mut().zip(share) {
-                        *total = *total + share;
-                    }
-                }
-            }
-            Mode::Open => {}
-        }
-    }
-
-    /// A spring of length `before + e·d_i − g·d_j`.
-    fn spring(&mut self, [i, j]: [Option<usize>; 2], [e, g]: [&Twelve<R>; 2], stiffness: R, before: R) {
-        if let Some(i) = i {
-            self.tie([i, i], [e, e], stiffness);
-            pull(&mut self.force[self.layout.pattern.unknowns(i)], e, -stiffness * before);
-        }
-        if let Some(j) = j {
-            self.tie([j, j], [g, g], stiffness);
-            pull(&mut self.force[self.layout.pattern.unknowns(j)], g, stiffness * before);
-        }
-        if let (Some(i), Some(j)) = (i, j) {
-            // Rows belong to the later place.
-            if i < j { self.tie([i, j], [e, g], -stiffness) } else { self.tie([j, i], [g, e], -stiffness) }
-        }
-    }
-
-    /// Adds `factor·later·earlierᵀ` to the part of two places, which may be one.
-    fn tie(&mut self, [place, other]: [usize; 2], [earlier, later]: [&Twelve<R>; 2], factor: R) {
-        let Some(Part { at, stride, .. }) = self.part(other, place) else { return };
-        let unknowns = |place| self.layout.pattern.unknowns(place).len();
-        let (own, count) = (unknowns(place), unknowns(other));
-        let scaled = later.map(|r| r * factor);
-        for (column, &e) in earlier[..own].iter().enumerate() {
-            let begin = at + stride * column;
-            let values = &mut self.values[begin..begin + count];
-            // Of a known length, so that the loop can be unrolled.
-            match <&mut Twelve<R>>::try_from(&mut *values) {
-                Ok(values) => add(values, &scaled, e),
-                Err(_) => add(values, &scaled, e),
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn add<R: Real>(values: &mut [R], row: &Twelve<R>, factor: R) {
-    for (value, &r) in values.iter_mut().zip(row) {
-        *value = *value + r * factor;
-    }
-}
-
-fn pull<R: Real>(force: &mut [R], row: &Twelve<R>, factor: R) {
-    for (total, &r) in force.iter_mut().zip(row) {
-        *total = *total + r * factor;
-    }
-}
-
 /// The lower triangle of a 12 × 12 matrix, row by row.
-pub(super) type Packed<R> = [R; 78];
+pub(super) type PackedBlockMatrix<R> = [R; 78];
 
 /// Where a row and a column, which is not greater, stand in it.
 pub(super) fn packed(row: usize, column: usize) -> usize {

@@ -1,26 +1,26 @@
 //! How a step's unknowns move the points of a block (SPEC section 5).
 
-use crate::dynamics::displacement::{Twelve, displacement};
+use crate::dynamics::displacement::{BlockVector, displacement};
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::simulation::Kinematics;
 
 /// The affine map of one block and step.
 #[derive(Clone, Debug)]
-pub(super) struct Motion<R> {
+pub(super) struct AffineMotion<R> {
     centroid: Vector<R>,
-    d: Twelve<R>,
+    d: BlockVector<R>,
     /// The rotation of `cayley`, by rows; `None` for `linear`.
     turn: Option<[Vector<R>; 3]>,
 }
 
-impl<R: Real> Motion<R> {
-    pub(super) fn new(kinematics: Kinematics, centroid: Vector<R>, d: &Twelve<R>) -> Motion<R> {
+impl<R: Real> AffineMotion<R> {
+    pub(super) fn new(kinematics: Kinematics, centroid: Vector<R>, d: &BlockVector<R>) -> AffineMotion<R> {
         let turn = match kinematics {
             Kinematics::Linear => None,
             Kinematics::Cayley => Some(cayley(Vector::new(d[3], d[4], d[5]))),
         };
-        Motion { centroid, d: *d, turn }
+        AffineMotion { centroid, d: *d, turn }
     }
 
     /// Where a material point of the block goes.

@@ -1,51 +1,56 @@
 //! Where the unknowns of an island stand: found once, and kept while the same blocks touch one another.
 
-use crate::dynamics::order::{Graph, Renumbered, elimination_order};
+use crate::dynamics::elimination_order::{Graph, Renumbered, elimination_order};
 use crate::dynamics::pattern::Pattern;
-use crate::dynamics::solve::DENSE;
+use crate::dynamics::solve::{COARSE, DENSE};
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The blocks of an island as nodes of the pattern of its matrix.
 #[derive(Debug)]
-pub(super) struct Layout {
+pub(super) struct IslandLayout {
     /// The node of each block of the island.
     pub(super) places: Vec<u32>,
     pub(super) pattern: Pattern,
 }
 
-impl Layout {
+impl IslandLayout {
     /// Whether the system is solved as a dense one.
     pub(super) fn is_small(&self) -> bool {
         self.pattern.size() <= DENSE
+    }
+
+    /// Whether its factor takes so much that one in f32 is made, and the solution refined.
+    pub(super) fn is_very_large(&self) -> bool {
+        self.pattern.work() >= COARSE
     }
 }
 
 /// What a layout follows from: the blocks of an island, ascending, the number of unknowns of each, and pairs of them that touch, by their
 /// places in the list, ascending, the lower one first. Whether a contact is open makes no difference, so that modes may change.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
-pub(super) struct Ties {
+pub(super) struct Couplings {
     pub(super) blocks: Vec<u32>,
     pub(super) unknowns: Vec<u8>,
     pub(super) pairs: Vec<[u32; 2]>,
 }
 
-impl Ties {
+impl Couplings {
     fn size(&self) -> usize {
         self.unknowns.iter().map(|&n| usize::from(n)).sum()
     }
 
-    fn layout(&self, at: &[[f64; 3]]) -> Option<Layout> {
+    fn layout(&self, at: &[[f64; 3]]) -> Option<IslandLayout> {
         let unknowns = &self.unknowns;
         if self.size() <= DENSE {
             let places = (0..unknowns.len() as u32).collect();
-            return Some(Layout { places, pattern: Pattern::whole(unknowns) });
+            return Some(IslandLayout { places, pattern: Pattern::whole(unknowns) });
         }
         let graph = Graph { unknowns, pairs: &self.pairs };
         let at: Vec<[f64; 3]> = self.blocks.iter().map(|&block| at[block as usize]).collect();
         let renumbered = Renumbered::new(graph, &elimination_order(graph, &at)?);
         let pattern = Pattern::new(renumbered.graph());
-        Some(Layout { places: renumbered.places, pattern })
+        Some(IslandLayout { places: renumbered.places, pattern })
     }
 }
 
@@ -54,7 +59,7 @@ impl Ties {
 pub(super) struct Layouts {
     /// Where the blocks are when the scene begins (m). Not where they are now: a run that is resumed must find the same layouts.
     at: Vec<[f64; 3]>,
-    known: HashMap<Ties, (Arc<Layout>, bool)>,
+    known: HashMap<Couplings, (Arc<IslandLayout>, bool)>,
 }
 
 impl Layouts {
@@ -68,14 +73,14 @@ impl Layouts {
     }
 
     /// The layout of an island. Small ones keep the order of the blocks. `None` when a pattern exceeds memory.
-    pub(super) fn of(&mut self, ties: &Ties) -> Option<Arc<Layout>> {
-        if let Some((layout, used)) = self.known.get_mut(ties) {
+    pub(super) fn of(&mut self, couplings: &Couplings) -> Option<Arc<IslandLayout>> {
+        if let Some((layout, used)) = self.known.get_mut(couplings) {
             *used = true;
             return Some(layout.clone());
         }
-        let layout = Arc::new(ties.layout(&self.at)?);
+        let layout = Arc::new(couplings.layout(&self.at)?);
         if !layout.is_small() {
-            self.known.insert(ties.clone(), (layout.clone(), true));
+            self.known.insert(couplings.clone(), (layout.clone(), true));
         }
         Some(layout)
     }

@@ -3,40 +3,44 @@
 //! [`Dynamics`] holds a scene and its state. A step finds the contacts ([`crate::contact`]), lets each continue one of the step
 //! before (`transfer.rs`), and tries: `attempt.rs` is the open–close iteration at one Δt, `engine.rs` cuts Δt until an attempt is good, and
 //! moves the blocks (`kinematics.rs`). `contact.rs` is a contact's springs, `rules.rs` every comparison. Of the system of equations
-//! `island.rs` adds up the matrix, `order.rs` finds an order of elimination, `pattern.rs` where values stand, `solve.rs` the solution.
+//! `island.rs` finds what is solved together, `elimination_order.rs` an order of elimination, `pattern.rs` where values stand; `assembly.rs` adds up
+//! the matrix, `factor.rs` makes its factor, `solve.rs` solves by it.
 
-mod alone;
 mod area;
+mod assembly;
 mod attempt;
+mod block_system;
 mod compiled;
 mod contact;
 mod control;
 pub mod displacement;
+pub mod elimination_order;
 mod engine;
+mod factor;
 mod friction;
-mod given;
 mod island;
 mod kinematics;
 mod layout;
 mod material;
 pub mod moments;
 mod neighbours;
-pub mod order;
 pub mod pattern;
 mod plane;
+mod prescribed;
+mod refine;
 pub mod report;
 pub mod rules;
 mod setup;
 pub mod solve;
 pub mod state;
-mod summed;
+mod step_totals;
 mod transfer;
 mod update;
 
-pub use engine::{Dynamics, Phases};
-pub use given::{Given, GivenAttempt};
-pub use report::{Concerned, Retry, RetryReason, Spent, StepReport, Stopped};
-pub use rules::{Slip, StepRules};
-pub use setup::{Limits, SetupError};
+pub use engine::{Dynamics, PhaseTimes};
+pub use prescribed::{PrescribedAttempt, PrescribedStep};
+pub use report::{IterationTimes, ModeChange, Retry, RetryReason, StepError, StepReport};
+pub use rules::{StepRules, TangentialState};
+pub use setup::{SetupError, StepLimits};
 pub use solve::Solve;
 pub use state::{BlockState, ContactState, Mode, State};

@@ -1,12 +1,12 @@
 //! Mass moments of a polyhedron by simplex integration, and the block matrices they make (SPEC section 5).
 
-use crate::dynamics::displacement::Twelve;
+use crate::dynamics::displacement::BlockVector;
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::Topology;
 
 /// A symmetric or general matrix of a block.
-pub type Matrix<R> = [Twelve<R>; 12];
+pub type BlockMatrix<R> = [BlockVector<R>; 12];
 
 /// Volume, centroid and second moments of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +54,7 @@ impl<R: Real> Moments<R> {
     }
 
     /// `∫TᵀT dV`, the mass matrix over the density.
-    pub fn inertia(&self) -> Matrix<R> {
+    pub fn inertia(&self) -> BlockMatrix<R> {
         let [xx, yy, zz, yz, zx, xy] = self.second;
         let s = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
         let mut matrix = [[R::ZERO; 12]; 12];

@@ -1,7 +1,7 @@
 //! Rough phase over all blocks: pairs that may be neighbours, found by a tree of boxes and found again only when blocks could have
 //! moved into reach.
 
-use crate::contact::{Solid, Tolerances};
+use crate::contact::{PreparedBlock, Tolerances};
 use crate::real::Real;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -17,7 +17,12 @@ pub(super) struct Neighbours {
 
 impl Neighbours {
     /// All pairs, ascending, that can be neighbours by SPEC section 4, but pairs of fixed blocks. May hold more.
-    pub(super) fn pairs<R: Real>(&mut self, solids: &[Solid<R>], fixed: &[bool], t: &Tolerances<R>) -> &[[u32; 2]] {
+    pub(super) fn pairs<R: Real>(
+        &mut self,
+        solids: &[PreparedBlock<R>],
+        fixed: &[bool],
+        t: &Tolerances<R>,
+    ) -> &[[u32; 2]] {
         if !self.known {
             self.find(solids, fixed, t.reach.to_f64());
         }
@@ -36,10 +41,10 @@ impl Neighbours {
         self.known = false;
     }
 
-    fn find<R: Real>(&mut self, solids: &[Solid<R>], fixed: &[bool], reach: f64) {
+    fn find<R: Real>(&mut self, solids: &[PreparedBlock<R>], fixed: &[bool], reach: f64) {
         // Each block of a pair may move by the margin. Rounding of the coordinates is far below the sixteenth that `reach` holds.
         let margin = reach;
-        let grown = |solid: &Solid<R>| {
+        let grown = |solid: &PreparedBlock<R>| {
             let by = (reach + 2.0 * margin) / 2.0;
             let side = |x: R, by: f64| x.to_f64() + by;
             let bounds = solid.bounds();

@@ -1,6 +1,6 @@
 //! Where the values of an island's matrix and of its factor stand.
 
-use crate::dynamics::order::Graph;
+use crate::dynamics::elimination_order::Graph;
 
 /// Where the values of a symmetric matrix stand, and then those of its factor. Nodes are blocks, numbered as they are eliminated. Nodes
 /// whose columns fill alike share a *panel*: the columns of their unknowns, each of the same rows, namely those of the panel's own nodes
@@ -12,10 +12,12 @@ pub struct Pattern {
     /// The panel of each node.
     panel_of: Vec<u32>,
     panels: Vec<Panel>,
+    /// For each panel the first one of its subtree: of those on which it depends, which follow one another and end with it.
+    subtrees: Vec<u32>,
     /// The nodes below each panel, ascending, and the row in the panel where the unknowns of each begin.
-    below: Vec<Below>,
+    below: Vec<PanelRow>,
     /// What the factor of earlier panels takes from each.
-    updates: Vec<Update>,
+    updates: Vec<PanelUpdate>,
     values: usize,
 }
 
@@ -35,14 +37,14 @@ pub(super) struct Panel {
 
 /// A node below a panel.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Below {
+pub(super) struct PanelRow {
     pub(super) node: u32,
     pub(super) row: u32,
 }
 
 /// An earlier panel of which some nodes below stand in a panel.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Update {
+pub(super) struct PanelUpdate {
     pub(super) from: u32,
     /// These of the nodes below it.
     pub(super) below: [u32; 2],
@@ -50,7 +52,7 @@ pub(super) struct Update {
 
 /// Where a part that belongs to two nodes stands: `at + row + stride·column`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Part {
+pub struct BlockSlot {
     /// The panel.
     pub panel: usize,
     /// Where its first value stands.
@@ -60,7 +62,7 @@ pub struct Part {
 }
 
 /// A panel on the way, and how many of its values are no zeros.
-struct Draft {
+struct PanelDraft {
     nodes: [u32; 2],
     full: usize,
 }
@@ -78,18 +80,21 @@ impl Pattern {
     pub fn new(graph: Graph<'_>) -> Pattern {
         let columns = graph.columns();
         let count = |node: u32| usize::from(graph.unknowns[node as usize]);
-        let mut drafts: Vec<Draft> = Vec::new();
+        let mut drafts: Vec<PanelDraft> = Vec::new();
         for (node, column) in (0..).zip(&columns) {
             let (mut width, rest) = (count(node), column.iter().map(|&n| count(n)).sum::<usize>());
-            let mut draft = Draft { nodes: [node, node + 1], full: width * (width + 1) / 2 + width * rest };
+            let mut draft = PanelDraft { nodes: [node, node + 1], full: width * (width + 1) / 2 + width * rest };
             while let Some(before) = drafts.last() {
                 let parent = columns[before.nodes[1] as usize - 1].first();
                 let wider = width + (before.nodes[0]..before.nodes[1]).map(count).sum::<usize>();
                 let (full, all) = (draft.full + before.full, wider * (wider + 1) / 2 + wider * rest);
-                if parent.is_none_or(|&parent| parent > node) || all - full > allowed_zeros(wider, all) {
+                if wider > WIDEST
+                    || parent.is_none_or(|&parent| parent > node)
+                    || all - full > allowed_zeros(wider, all)
+                {
                     break;
                 }
-                draft = Draft { nodes: [before.nodes[0], node + 1], full };
+                draft = PanelDraft { nodes: [before.nodes[0], node + 1], full };
                 width = wider;
                 drafts.pop();
             }
@@ -112,6 +117,7 @@ impl Pattern {
         let mut pattern = Pattern {
             panel_of: vec![0; unknowns.len()],
             panels: Vec::with_capacity(nodes.len()),
+            subtrees: (0..nodes.len() as u32).collect(),
             below: Vec::with_capacity(nodes_below.iter().map(Vec::len).sum()),
             updates: Vec::new(),
             values: 0,
@@ -124,7 +130,7 @@ impl Pattern {
             let mut height = width;
             let from = pattern.below.len() as u32;
             for &node in later {
-                pattern.below.push(Below { node, row: height });
+                pattern.below.push(PanelRow { node, row: height });
                 height += count(node);
             }
             let (width, height) = (width as usize, height as usize);
@@ -134,19 +140,24 @@ impl Pattern {
             pattern.values = (values + width * height).next_multiple_of(Pattern::ALIGNED);
         }
         pattern.begins = begins;
+        for panel in 0..pattern.panels.len() {
+            if let Some(parent) = pattern.parent(panel) {
+                pattern.subtrees[parent] = pattern.subtrees[parent].min(pattern.subtrees[panel]);
+            }
+        }
         pattern.list_updates();
         pattern
     }
 
     fn list_updates(&mut self) {
-        let mut all: Vec<(u32, Update)> = Vec::new();
+        let mut all: Vec<(u32, PanelUpdate)> = Vec::new();
         for (from, panel) in (0..).zip(&self.panels) {
             let mut first = panel.below[0];
             while first < panel.below[1] {
                 let of = self.panel_of[self.below[first as usize].node as usize];
                 let rest = &self.below[first as usize..panel.below[1] as usize];
                 let end = first + rest.partition_point(|below| self.panel_of[below.node as usize] == of) as u32;
-                all.push((of, Update { from, below: [first, end] }));
+                all.push((of, PanelUpdate { from, below: [first, end] }));
                 first = end;
             }
         }
@@ -158,6 +169,11 @@ impl Pattern {
             begin = end;
         }
         self.updates = all.into_iter().map(|(_, update)| update).collect();
+    }
+
+    /// The multiplications that the factor takes, about; twice as many as there are at least.
+    pub(super) fn work(&self) -> u64 {
+        self.panels.iter().map(|panel| (panel.width * panel.height * panel.height) as u64).sum()
     }
 
     /// The number of unknowns.
@@ -181,34 +197,49 @@ impl Pattern {
     }
 
     /// Where the rows of one node in the columns of another, which is not later, stand.
-    pub fn part(&self, row: usize, column: usize) -> Option<Part> {
-        let place = self.panel_of[column] as usize;
-        let panel = &self.panels[place];
+    pub fn part(&self, row: usize, column: usize) -> Option<BlockSlot> {
+        let panel = self.panel(column);
+        let (at, stride) = self.part_of(panel, row, column)?;
+        Some(BlockSlot { panel, at: self.panels[panel].values + at, stride })
+    }
+
+    /// Where the rows of a node in the columns of another, which is one of the panel's own, begin among the panel's values, and how far it
+    /// is from one column to the next.
+    pub(super) fn part_of(&self, panel: usize, row: usize, column: usize) -> Option<(usize, usize)> {
+        let own = panel as u32;
+        let panel = &self.panels[panel];
         let inner = self.begins[column] as usize - panel.begin;
-        let row = if self.panel_of[row] as usize == place {
+        let row = if self.panel_of[row] == own {
             self.begins[row] as usize - panel.begin
         } else {
             let below = self.below(panel);
             let found = below.binary_search_by_key(&(row as u32), |below| below.node).ok()?;
             below[found].row as usize
         };
-        Some(Part { panel: place, at: panel.values + row + panel.height * inner, stride: panel.height })
+        Some((row + panel.height * inner, panel.height))
+    }
+
+    /// The nodes of a panel.
+    pub(super) fn nodes(&self, panel: usize) -> std::ops::Range<usize> {
+        let Panel { begin, width, .. } = self.panels[panel];
+        self.begins.partition_point(|&first| (first as usize) < begin)
+            ..self.begins.partition_point(|&first| (first as usize) < begin + width)
     }
 
     pub(super) fn panels(&self) -> &[Panel] {
         &self.panels
     }
 
-    pub(super) fn below(&self, panel: &Panel) -> &[Below] {
+    pub(super) fn below(&self, panel: &Panel) -> &[PanelRow] {
         &self.below[panel.below[0] as usize..panel.below[1] as usize]
     }
 
-    pub(super) fn updates(&self, panel: &Panel) -> &[Update] {
+    pub(super) fn updates(&self, panel: &Panel) -> &[PanelUpdate] {
         &self.updates[panel.updates[0] as usize..panel.updates[1] as usize]
     }
 
     /// Of an update: the nodes below the earlier panel that stand in the later one, and those after these.
-    pub(super) fn updating(&self, update: Update) -> (&[Below], &[Below]) {
+    pub(super) fn updating(&self, update: PanelUpdate) -> (&[PanelRow], &[PanelRow]) {
         let end = self.panels[update.from as usize].below[1] as usize;
         let rest = &self.below[update.below[0] as usize..end];
         rest.split_at((update.below[1] - update.below[0]) as usize)
@@ -222,11 +253,22 @@ impl Pattern {
 
     /// Marks all panels of which the factor depends on one that is marked.
     pub fn mark_dependent(&self, marked: &mut [bool]) {
-        for (k, panel) in self.panels.iter().enumerate() {
-            if let (true, Some(below)) = (marked[k], self.below(panel).first()) {
-                marked[self.panel_of[below.node as usize] as usize] = true;
+        for panel in 0..self.panels.len() {
+            if let (true, Some(parent)) = (marked[panel], self.parent(panel)) {
+                marked[parent] = true;
             }
         }
+    }
+
+    /// The first panel that depends on a panel.
+    fn parent(&self, panel: usize) -> Option<usize> {
+        let below = self.below(&self.panels[panel]).first()?;
+        Some(self.panel_of[below.node as usize] as usize)
+    }
+
+    /// The first of the panels on which a panel depends; itself if there is none. They follow one another.
+    pub(super) fn subtree(&self, panel: usize) -> usize {
+        self.subtrees[panel] as usize
     }
 
     /// The panel that holds the columns of a node.
@@ -259,6 +301,9 @@ impl Pattern {
         square
     }
 }
+
+/// No panel has more columns: those of wider ones would be factored by one thread, and products on the way take much memory.
+const WIDEST: usize = 192;
 
 /// How many zeros a panel may hold for the sake of being wide, since products of narrow ones are slow: a tenth, and of wide ones less.
 fn allowed_zeros(width: usize, all: usize) -> usize {

@@ -1,6 +1,6 @@
 //! Where a contact acts and along which normal: the plane of its entrance.
 
-use crate::contact::{Rules, Solid};
+use crate::contact::{ContactRules, PreparedBlock};
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::{Entrance, EntranceKind};
@@ -21,7 +21,11 @@ pub(super) struct Plane<R> {
 }
 
 /// The plane of an entrance of two blocks. Feet of edges that are parallel, which no classification gives, are not finite.
-pub(super) fn plane<R: Real, M: Rules>(a: &Solid<R>, b: &Solid<R>, entrance: &Entrance) -> Plane<R> {
+pub(super) fn plane<R: Real, M: ContactRules>(
+    a: &PreparedBlock<R>,
+    b: &PreparedBlock<R>,
+    entrance: &Entrance,
+) -> Plane<R> {
     match entrance.kind {
         EntranceKind::VertexFace => vertex_face(true, a, entrance.a, b, entrance.b),
         EntranceKind::FaceVertex => vertex_face(false, b, entrance.b, a, entrance.a),
@@ -29,13 +33,24 @@ pub(super) fn plane<R: Real, M: Rules>(a: &Solid<R>, b: &Solid<R>, entrance: &En
     }
 }
 
-fn vertex_face<R: Real>(a_enters: bool, i: &Solid<R>, vertex: u32, j: &Solid<R>, face: u32) -> Plane<R> {
+fn vertex_face<R: Real>(
+    a_enters: bool,
+    i: &PreparedBlock<R>,
+    vertex: u32,
+    j: &PreparedBlock<R>,
+    face: u32,
+) -> Plane<R> {
     let (p, face) = (i.vertex(vertex).at, j.face(face));
     let gap = face.normal.dot(p - face.point);
     Plane { a_enters, p, q: p - face.normal * gap, normal: face.normal, gap }
 }
 
-fn edge_edge<R: Real, M: Rules>(a: &Solid<R>, edge_a: u32, b: &Solid<R>, edge_b: u32) -> Plane<R> {
+fn edge_edge<R: Real, M: ContactRules>(
+    a: &PreparedBlock<R>,
+    edge_a: u32,
+    b: &PreparedBlock<R>,
+    edge_b: u32,
+) -> Plane<R> {
     let (one, two) = (a.edge(edge_a), b.edge(edge_b));
     let product = one.direction.cross(two.direction);
     let sine = product.length();

@@ -49,14 +49,14 @@ impl StepReport {
 
 /// Where the time of the open–close iteration went, over all steps so far, those of attempts given up included.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Spent {
+pub struct IterationTimes {
     /// Finding orders of elimination and the patterns of factors.
     pub order: Duration,
-    /// Adding up matrices and forces.
+    /// Adding up forces, and finding where matrices will stand.
     pub assembly: Duration,
-    /// Factoring matrices; of small systems, their whole solution.
+    /// Adding up matrices and factoring them; of small systems, their whole solution.
     pub factor: Duration,
-    /// Solving by the factors.
+    /// Solving by the factors, with the iteration of very large systems.
     pub substitution: Duration,
     /// Reading the solution at the contacts, and deciding their modes.
     pub judgement: Duration,
@@ -97,7 +97,7 @@ impl RetryReason {
 
 /// Why a run cannot go on. The state is as it was before the step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Stopped {
+pub enum StepError {
     /// The open–close iteration does not converge at the smallest Δt.
     #[error(
         "step {step}: the open–close iteration does not converge at the smallest time step, {time_step} s; still changing: {}",
@@ -109,7 +109,7 @@ pub enum Stopped {
         /// Δt of the last attempt (s).
         time_step: f64,
         /// The contacts whose mode changed in the last solve.
-        contacts: Vec<Concerned>,
+        contacts: Vec<ModeChange>,
     },
     /// Motion exceeds the limits at the smallest Δt.
     #[error("step {step}: block {block} exceeds the limit of {} at the smallest time step, {time_step} s", why.name())]
@@ -163,7 +163,7 @@ pub enum Stopped {
 
 /// A contact named in a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Concerned {
+pub struct ModeChange {
     /// Its blocks.
     pub blocks: [u32; 2],
     /// Its kind.
@@ -176,7 +176,7 @@ pub struct Concerned {
     pub to: Mode,
 }
 
-fn list(contacts: &[Concerned]) -> String {
+fn list(contacts: &[ModeChange]) -> String {
     let mut text: Vec<String> = contacts
         .iter()
         .take(8)

@@ -2,11 +2,11 @@
 //!
 //! As in [`crate::contact::rules`], the trait exists so that a test can plant one deliberate mistake at a time.
 
-use crate::contact::{Rules, Spec};
+use crate::contact::{ContactRules, SpecRules};
 use crate::dynamics::compiled::CompiledSteps;
 use crate::dynamics::engine::Dynamics;
-use crate::dynamics::given::Given;
-use crate::dynamics::report::{StepReport, Stopped};
+use crate::dynamics::prescribed::PrescribedStep;
+use crate::dynamics::report::{StepError, StepReport};
 use crate::dynamics::setup::SetupError;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{Mode, State};
@@ -16,7 +16,7 @@ use rockproof_model::{Scene, ToleranceSet};
 
 /// What a closed contact bears across its normal.
 #[derive(Clone, Copy, Debug)]
-pub struct Slip<R> {
+pub struct TangentialState<R> {
     /// p_n in N/m.
     pub normal: R,
     /// p_s in N/m.
@@ -30,7 +30,7 @@ pub struct Slip<R> {
 }
 
 /// The rules of SPEC section 5 as the step asks them. The defaults are SPEC's.
-pub trait StepRules: Rules {
+pub trait StepRules: ContactRules {
     /// Mode of a contact that continues none: locked when its gap is at most 0. **A tie locks.**
     fn begins<R: Real>(gap: R) -> Mode {
         if gap <= R::ZERO { Mode::Locked } else { Mode::Open }
@@ -67,7 +67,7 @@ pub trait StepRules: Rules {
     }
 
     /// Whether the spring of a closed contact holds, with its mode in this solve, which plays no part.
-    fn holds<R: Real>(_before: Mode, slip: &Slip<R>) -> bool {
+    fn holds<R: Real>(_before: Mode, slip: &TangentialState<R>) -> bool {
         let spring = slip.shear * slip.shear * slip.stretch_squared;
         Self::locks(spring, slip.strength * slip.strength)
     }
@@ -153,7 +153,7 @@ pub trait StepRules: Rules {
         dynamic * (twice_mean - before)
     }
 
-    /// Begins a scene by these rules: [`Dynamics::with_rules`]. [`Spec`] takes the code compiled in this crate.
+    /// Begins a scene by these rules: [`Dynamics::with_rules`]. [`SpecRules`] takes the code compiled in this crate.
     #[doc(hidden)]
     fn begin_dynamics<R: Solve>(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, Self>, SetupError>
     where
@@ -168,35 +168,35 @@ pub trait StepRules: Rules {
     where
         Self: Sized,
     {
-        dynamics.go_on_from(state)
+        dynamics.continue_from(state)
     }
 
-    /// Makes a step by these rules: [`Dynamics::step`], or [`Dynamics::step_given`].
+    /// Makes a step by these rules: [`Dynamics::step`], or [`Dynamics::step_prescribed`].
     #[doc(hidden)]
     fn step_dynamics<R: Solve>(
         dynamics: &mut Dynamics<R, Self>,
-        given: Option<&Given<'_>>,
-    ) -> Result<StepReport, Stopped>
+        prescribed: Option<&PrescribedStep<'_>>,
+    ) -> Result<StepReport, StepError>
     where
         Self: Sized,
     {
-        dynamics.make_step(given)
+        dynamics.make_step(prescribed)
     }
 }
 
-impl StepRules for Spec {
-    fn begin_dynamics<R: Solve>(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, Spec>, SetupError> {
+impl StepRules for SpecRules {
+    fn begin_dynamics<R: Solve>(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, SpecRules>, SetupError> {
         <R as CompiledSteps>::begin(scene, set)
     }
 
-    fn restore_dynamics<R: Solve>(dynamics: &mut Dynamics<R, Spec>, state: State<R>) -> Result<(), SetupError> {
+    fn restore_dynamics<R: Solve>(dynamics: &mut Dynamics<R, SpecRules>, state: State<R>) -> Result<(), SetupError> {
         <R as CompiledSteps>::restore(dynamics, state)
     }
 
     fn step_dynamics<R: Solve>(
-        dynamics: &mut Dynamics<R, Spec>,
-        given: Option<&Given<'_>>,
-    ) -> Result<StepReport, Stopped> {
-        <R as CompiledSteps>::step(dynamics, given)
+        dynamics: &mut Dynamics<R, SpecRules>,
+        prescribed: Option<&PrescribedStep<'_>>,
+    ) -> Result<StepReport, StepError> {
+        <R as CompiledSteps>::step(dynamics, prescribed)
     }
 }

@@ -1,7 +1,7 @@
 //! A scene in the stepper's precision: what does not change from step to step.
 
 use crate::contact::{Collapsed, ToleranceOverflow, Tolerances};
-use crate::dynamics::displacement::Twelve;
+use crate::dynamics::displacement::BlockVector;
 use crate::dynamics::material::{Elastic, Joint};
 use crate::dynamics::state::{BlockState, ContactState, State};
 use crate::real::Real;
@@ -62,18 +62,18 @@ pub(super) fn near_vector<R: Real>(what: &'static str, v: &Vec3<Number>) -> Resu
 
 /// A scene, rounded.
 #[derive(Clone, Debug)]
-pub(super) struct Setup<R> {
+pub(super) struct SceneSetup<R> {
     pub(super) blocks: Vec<Block>,
     pub(super) bodies: Vec<BodySetup<R>>,
     pub(super) gravity: Vector<R>,
     pub(super) joints: Vec<Joint<R>>,
     joint_of: Vec<Vec<usize>>,
-    pub(super) loads: Vec<Load<R>>,
-    pub(super) held: Vec<Held<R>>,
+    pub(super) loads: Vec<SetupLoad<R>>,
+    pub(super) held: Vec<HeldPoint<R>>,
     /// The block of each measured point.
     pub(super) measured: Vec<usize>,
     pub(super) control: ControlSetup<R>,
-    pub(super) limits: Limits<R>,
+    pub(super) limits: StepLimits<R>,
     pub(super) tolerances: Tolerances<R>,
 }
 
@@ -83,20 +83,20 @@ pub(super) struct BodySetup<R> {
     pub(super) motion: Motion,
     pub(super) elastic: Elastic<R>,
     pub(super) joint: usize,
-    pub(super) velocity: Twelve<R>,
+    pub(super) velocity: BlockVector<R>,
     stress: [R; 6],
 }
 
 /// A force on a point.
 #[derive(Clone, Debug)]
-pub(super) struct Load<R> {
+pub(super) struct SetupLoad<R> {
     pub(super) block: usize,
     table: Vec<(R, Vector<R>)>,
 }
 
 /// A point held by a spring.
 #[derive(Clone, Debug)]
-pub(super) struct Held<R> {
+pub(super) struct HeldPoint<R> {
     pub(super) block: usize,
     pub(super) at: Vector<R>,
     pub(super) stiffness: R,
@@ -113,7 +113,7 @@ pub(super) struct ControlSetup<R> {
 
 /// The tolerances of the open–close iteration and of step control.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits<R> {
+pub struct StepLimits<R> {
     /// ε of Eq. (1).
     pub equal: R,
     /// εo in m.
@@ -126,7 +126,7 @@ pub struct Limits<R> {
     pub rotation: R,
 }
 
-impl<R: Real> Load<R> {
+impl<R: Real> SetupLoad<R> {
     /// The force at a time: linear between entries, constant outside.
     pub(super) fn force(&self, time: R) -> Vector<R> {
         let (first, last) = (self.table[0], self.table[self.table.len() - 1]);
@@ -141,8 +141,8 @@ impl<R: Real> Load<R> {
     }
 }
 
-impl<R: Real> Setup<R> {
-    pub(super) fn new(scene: &Scene, set: &ToleranceSet) -> Result<Setup<R>, SetupError> {
+impl<R: Real> SceneSetup<R> {
+    pub(super) fn new(scene: &Scene, set: &ToleranceSet) -> Result<SceneSetup<R>, SetupError> {
         let simulation = &scene.simulation;
         let elastic = simulation.materials.iter().map(Elastic::new).collect::<Result<Vec<_>, _>>()?;
         let body = |body: &rockproof_model::Body| -> Result<BodySetup<R>, SetupError> {
@@ -166,14 +166,14 @@ impl<R: Real> Setup<R> {
         let loads = simulation.loads.iter().map(|load| {
             let entry = |(time, force): &(Number, Vec3<Number>)| Ok((near("load", time)?, near_vector("load", force)?));
             let table = load.table.iter().map(entry).collect::<Result<Vec<_>, SetupError>>()?;
-            Ok(Load { block: load.block, table })
+            Ok(SetupLoad { block: load.block, table })
         });
         let held = simulation.fixed_points.iter().map(|point| {
             let stiffness = point.stiffness.as_ref().map_or(Ok(stiffest), |k| near("stiffness", k))?;
-            Ok(Held { block: point.block, at: near_vector("fixed_point", &point.at)?, stiffness })
+            Ok(HeldPoint { block: point.block, at: near_vector("fixed_point", &point.at)?, stiffness })
         });
         let control = &simulation.control;
-        Ok(Setup {
+        Ok(SceneSetup {
             blocks: scene.blocks.iter().map(|block| block.block.clone()).collect(),
             bodies,
             gravity: near_vector("gravity", &simulation.gravity)?,
@@ -188,7 +188,7 @@ impl<R: Real> Setup<R> {
                 kinematics: control.kinematics,
                 unconverged: control.unconverged,
             },
-            limits: Limits {
+            limits: StepLimits {
                 equal: near("equal", &set.equal)?,
                 open: near("open", &set.open)?,
                 close: near("close", &set.close)?,

@@ -1,20 +1,18 @@
 //! Solving `K d = F`: dense Cholesky for small systems, by panels for large ones.
 
 use crate::dynamics::compiled::CompiledSteps;
+use crate::dynamics::factor::factor;
 use crate::dynamics::pattern::{Panel, Pattern};
 use crate::real::Real;
 use crate::wide::Wide;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::triangular::BlockStructure;
-use faer::linalg::matmul::{matmul, triangular};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::traits::RealField;
-use faer::{Accum, MatMut, MatRef, Par};
+use faer::traits::pulp::{Arch, Simd, WithSimd};
 
 /// Systems of up to this many unknowns are solved as dense ones, by sums in an order of our own: the same bits on every machine.
 /// Larger ones take the fastest kernels that the processor has, whose last bits may differ from machine to machine.
 pub const DENSE: usize = 96;
+
+/// Systems of which the factor takes so many multiplications or more, about, are very large: see [`Solve::REFINES`].
+pub const COARSE: u64 = 1_500_000_000;
 
 /// A pivot that is not positive and finite: the system is singular, or became so by rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,14 +21,25 @@ pub struct Singular {
     pub unknown: usize,
 }
 
+/// Adds the values of a matrix in a panel, given by number, to the panel's own.
+pub type Fill<'f, R> = dyn Fn(usize, &mut [R]) + Sync + 'f;
+
 /// A scalar in which systems can be solved.
 pub trait Solve: CompiledSteps + Real + Send + Sync {
-    /// Replaces the values of the panels that are marked, which are those of the matrix, by those of its factor. All others are so
-    /// already, and depend on none that is marked.
+    /// Whether very large systems are solved by a factor in f32, and refined to this scalar's precision.
+    const REFINES: bool;
+
+    /// Gives the panels that are marked the values of the factor. All others have them already, and depend on none that is marked. `fill`
+    /// adds the values of the matrix to those of a panel, which are zero.
     ///
     /// # Errors
     /// When the matrix is not positive definite in this precision.
-    fn factorize(pattern: &Pattern, values: &mut [Self], marked: &[bool]) -> Result<(), Singular>;
+    fn factorize(
+        pattern: &Pattern,
+        values: &mut [Self],
+        marked: &[bool],
+        fill: &Fill<'_, Self>,
+    ) -> Result<(), Singular>;
 
     /// Solves in place by what [`Solve::factorize`] left.
     ///
@@ -40,26 +49,45 @@ pub trait Solve: CompiledSteps + Real + Send + Sync {
 }
 
 macro_rules! solve_by_panels {
-    ($type:ty) => {
+    ($type:ty, $refines:literal) => {
         impl Solve for $type {
-            fn factorize(pattern: &Pattern, values: &mut [Self], marked: &[bool]) -> Result<(), Singular> {
-                factor(pattern, values, marked)
+            const REFINES: bool = $refines;
+
+            fn factorize(
+                pattern: &Pattern,
+                values: &mut [Self],
+                marked: &[bool],
+                fill: &Fill<'_, Self>,
+            ) -> Result<(), Singular> {
+                factor(pattern, values, marked, fill)
             }
 
             fn substitute(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
-                substitute(pattern, values, rhs);
+                Arch::new().dispatch(Substituting { pattern, values, rhs });
                 Ok(())
             }
         }
     };
 }
 
-solve_by_panels!(f32);
-solve_by_panels!(f64);
+solve_by_panels!(f32, false);
+solve_by_panels!(f64, true);
 
 /// Its values stay those of the matrix.
 impl Solve for Wide {
-    fn factorize(_: &Pattern, _: &mut [Self], _: &[bool]) -> Result<(), Singular> {
+    const REFINES: bool = false;
+
+    fn factorize(
+        pattern: &Pattern,
+        values: &mut [Self],
+        marked: &[bool],
+        fill: &Fill<'_, Self>,
+    ) -> Result<(), Singular> {
+        for panel in (0..marked.len()).filter(|&panel| marked[panel]) {
+            let own = &mut values[pattern.range(panel)];
+            own.fill(Wide::ZERO);
+            fill(panel, own);
+        }
         Ok(())
     }
 
@@ -68,108 +96,24 @@ impl Solve for Wide {
     }
 }
 
-/// Cholesky's method, left-looking: each panel gathers what the earlier ones take from it, then is factored as a dense one.
-fn factor<R: Real + RealField>(pattern: &Pattern, values: &mut [R], marked: &[bool]) -> Result<(), Singular> {
-    let widest = pattern.panels().iter().map(|panel| panel.width).max().unwrap_or(0);
-    let scratch = cholesky_in_place_scratch::<R>(widest, Par::Seq, Default::default());
-    let mut buffer = MemBuffer::try_new(scratch).map_err(|_| Singular { unknown: 0 })?;
-    let mut taken = Vec::new();
-    for (panel, _) in pattern.panels().iter().zip(marked).filter(|(_, marked)| **marked) {
-        let (earlier, rest) = values.split_at_mut(panel.values);
-        let values = &mut rest[..panel.height * panel.width];
-        take_updates(pattern, panel, earlier, values, &mut taken);
-        let whole = MatMut::from_column_major_slice_mut(values, panel.height, panel.width);
-        let (mut own, below) = whole.split_at_row_mut(panel.width);
-        let stack = MemStack::new(&mut buffer);
-        let (whole, spec) = (Default::default(), Default::default());
-        cholesky_in_place(own.as_mut(), whole, Par::Seq, stack, spec)
-            .map_err(|LltError::NonPositivePivot { index }| Singular { unknown: panel.begin + index })?;
-        solve_lower_triangular_in_place(own.as_ref(), below.transpose_mut(), Par::Seq);
-    }
-    Ok(())
+/// Solving by a factor, by the widest instructions that the processor has. They change no bit: no sum is cut in other ways.
+struct Substituting<'s, R> {
+    pattern: &'s Pattern,
+    values: &'s [R],
+    rhs: &'s mut [R],
 }
 
-/// Subtracts `L Lᵀ` of the earlier panels from a panel.
-fn take_updates<R: Real + RealField>(
-    pattern: &Pattern,
-    panel: &Panel,
-    earlier: &[R],
-    values: &mut [R],
-    taken: &mut Vec<R>,
-) {
-    let one = R::from_f64(1.0);
-    let mut runs: Vec<[usize; 3]> = Vec::new();
-    for &update in pattern.updates(panel) {
-        let from = &pattern.panels()[update.from as usize];
-        let (inside, after) = pattern.updating(update);
-        let first = inside[0].row as usize;
-        let end = after.first().map_or(from.height, |below| below.row as usize);
-        let (height, width) = (from.height - first, end - first);
-        if taken.len() < height * width {
-            taken.resize(height * width, R::ZERO);
-        }
-        let factor = MatRef::from_column_major_slice(
-            &earlier[from.values..from.values + from.height * from.width],
-            from.height,
-            from.width,
-        );
-        let rows = factor.subrows(first, height);
-        let across = factor.subrows(first, width).transpose();
-        let into = MatMut::from_column_major_slice_mut(&mut taken[..height * width], height, width);
-        // Half of a wide square is not needed.
-        if width > WIDE {
-            let (square, rest) = into.split_at_row_mut(width);
-            let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-            triangular::matmul(
-                square,
-                lower,
-                Accum::Replace,
-                rows.subrows(0, width),
-                full,
-                across,
-                full,
-                one,
-                Par::Seq,
-            );
-            matmul(rest, Accum::Replace, rows.subrows(width, height - width), across, one, Par::Seq);
-        } else {
-            matmul(into, Accum::Replace, rows, across, one, Par::Seq);
-        }
-        // Rows that follow one another in both: where they begin here and there, and how many they are.
-        runs.clear();
-        let own = inside.iter().map(|below| (below, pattern.unknowns(below.node as usize).start - panel.begin));
-        let mut below = pattern.below(panel).iter();
-        let later = after.iter().filter_map(|node| {
-            let found = below.find(|below| below.node == node.node)?;
-            Some((node, found.row as usize))
-        });
-        for (node, row) in own.chain(later) {
-            let (here, count) = (node.row as usize - first, pattern.unknowns(node.node as usize).len());
-            match runs.last_mut() {
-                Some([from, to, length]) if *from + *length == here && *to + *length == row => *length += count,
-                _ => runs.push([here, row, count]),
-            }
-        }
-        let columns = inside.iter().flat_map(|below| {
-            let unknowns = pattern.unknowns(below.node as usize);
-            (0..unknowns.len()).map(move |k| (below.row as usize - first + k, unknowns.start - panel.begin + k))
-        });
-        for (here, there) in columns {
-            let source = &taken[here * height..(here + 1) * height];
-            let target = &mut values[there * panel.height..(there + 1) * panel.height];
-            for &[from, to, length] in &runs {
-                for (value, &taken) in target[to..to + length].iter_mut().zip(&source[from..from + length]) {
-                    *value -= taken;
-                }
-            }
-        }
+impl<R: Real> WithSimd for Substituting<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        substitute(self.pattern, self.values, self.rhs);
     }
 }
-
-/// Of updates that are wider than this, the square is worked out by half.
-const WIDE: usize = 36;
 
 /// Forth through the factor, and back through its transpose.
+#[inline(always)]
 fn substitute<R: Real>(pattern: &Pattern, values: &[R], rhs: &mut [R]) {
     let mut below: Vec<R> = Vec::new();
     for (k, panel) in pattern.panels().iter().enumerate() {
@@ -214,6 +158,7 @@ fn substitute<R: Real>(pattern: &Pattern, values: &[R], rhs: &mut [R]) {
 const COLUMNS: usize = 4;
 
 /// Adds what lies below a panel's own rows in some columns, each times its factor.
+#[inline(always)]
 fn add_columns<R: Real>(sums: &mut [R], columns: &[R], panel: &Panel, factors: &[R; COLUMNS]) {
     let below = |c: usize| columns.get(c * panel.height + panel.width..(c + 1) * panel.height);
     if let (Some(a), Some(b), Some(c), Some(d)) = (below(0), below(1), below(2), below(3)) {
@@ -231,6 +176,7 @@ fn add_columns<R: Real>(sums: &mut [R], columns: &[R], panel: &Panel, factors: &
 }
 
 /// A scalar product in eight strands, which do not wait for one another.
+#[inline(always)]
 fn dot<R: Real>(a: &[R], b: &[R]) -> R {
     let mut strands = [R::ZERO; 8];
     let (parts, others) = (a.chunks_exact(8), b.chunks_exact(8));

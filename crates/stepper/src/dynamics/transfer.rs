@@ -6,7 +6,7 @@ use crate::vector::Vector;
 use std::ops::Range;
 
 /// What a contact takes over: mode and the anchors of A and B.
-pub(super) type Memory<R> = (Mode, [Vector<R>; 2]);
+pub(super) type TransferredState<R> = (Mode, [Vector<R>; 2]);
 
 /// The old contacts of one pair of blocks: a part of all, which are sorted by pair.
 pub(super) fn of_pair<R>(old: &[ContactState<R>], pair: [u32; 2]) -> Range<usize> {
@@ -15,7 +15,10 @@ pub(super) fn of_pair<R>(old: &[ContactState<R>], pair: [u32; 2]) -> Range<usize
 
 /// For each new contact of a pair, given by features and entrance, the old one it continues: first by kind and features, then
 /// by entrance, each old one at most once.
-pub(super) fn continued<R: Real>(new: &[rockproof_model::Contact], old: &[ContactState<R>]) -> Vec<Option<Memory<R>>> {
+pub(super) fn continued<R: Real>(
+    new: &[rockproof_model::Contact],
+    old: &[ContactState<R>],
+) -> Vec<Option<TransferredState<R>>> {
     let memory = |place: usize| (old[place].mode, old[place].anchors);
     let mut taken = vec![false; old.len()];
     let mut found = vec![None; new.len()];

@@ -1,12 +1,12 @@
 //! What an accepted attempt does to the state (SPEC section 5, update).
 
-use crate::contact::{Collapsed, Solid};
-use crate::dynamics::contact::Active;
-use crate::dynamics::control::Accepted;
+use crate::contact::{Collapsed, PreparedBlock};
+use crate::dynamics::contact::StepContact;
+use crate::dynamics::control::AcceptedAttempt;
 use crate::dynamics::engine::Dynamics;
-use crate::dynamics::kinematics::Motion;
+use crate::dynamics::kinematics::AffineMotion;
 use crate::dynamics::moments::Moments;
-use crate::dynamics::report::{StepReport, Stopped};
+use crate::dynamics::report::{StepError, StepReport};
 use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, State};
@@ -20,7 +20,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             if !self.is_fixed(block) {
                 let shape = self.setup.blocks[block].clone();
                 self.solids[block] =
-                    Solid::with_points(shape, &states[block].vertices).map_err(|what| (block, what))?;
+                    PreparedBlock::with_points(shape, &states[block].vertices).map_err(|what| (block, what))?;
             }
         }
         Ok(())
@@ -29,14 +29,16 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// Moves everything by an accepted attempt. Of blocks that end not finite or inverted the first is told, and before any that collapsed.
     pub(super) fn accept(
         &mut self,
-        contacts: &[Active<R>],
-        accepted: Accepted<R>,
+        contacts: &[StepContact<R>],
+        accepted: AcceptedAttempt<R>,
         number: i64,
         settling: bool,
-    ) -> Result<StepReport, Stopped> {
-        let Accepted { time_step, ended, retries, farthest } = accepted;
-        let motions: Vec<Motion<R>> = (0..self.solids.len())
-            .map(|block| Motion::new(self.setup.control.kinematics, self.moments[block].centroid, &ended.d[block]))
+    ) -> Result<StepReport, StepError> {
+        let AcceptedAttempt { time_step, ended, retries, farthest } = accepted;
+        let motions: Vec<AffineMotion<R>> = (0..self.solids.len())
+            .map(|block| {
+                AffineMotion::new(self.setup.control.kinematics, self.moments[block].centroid, &ended.d[block])
+            })
             .collect();
         let now = &self.state;
         let mut next = State {
@@ -68,11 +70,11 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             moments[block] = Moments::of(self.setup.blocks[block].topology(), &state.vertices);
             let finite = state.velocity.iter().chain(&state.stress).all(|x| x.is_finite());
             if !(finite && state.vertices.iter().all(|v| v.is_finite()) && moments[block].volume.is_finite()) {
-                return Err(Stopped::NotFinite { step: number, block });
+                return Err(StepError::NotFinite { step: number, block });
             }
             if !R::ZERO.below(moments[block].volume) {
                 let volume = moments[block].volume.to_f64();
-                return Err(Stopped::Inverted { step: number, block, volume });
+                return Err(StepError::Inverted { step: number, block, volume });
             }
         }
         let load_blocks = self.setup.loads.iter().map(|load| load.block);
@@ -86,7 +88,9 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         next.contacts = contacts
             .iter()
             .map(|contact| {
-                contact.leave::<M>(|block, point| if self.is_fixed(block) { point } else { motions[block].of(point) })
+                contact.state_after_step::<M>(
+                    |block, point| if self.is_fixed(block) { point } else { motions[block].of(point) },
+                )
             })
             .collect();
         if settling {
@@ -106,7 +110,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             let restored = self.prepare_moving(&before, 0..block);
             self.state.blocks = before;
             debug_assert!(restored.is_ok(), "a state that was prepared once is prepared again");
-            return Err(Stopped::Collapsed { step: number, block, what });
+            return Err(StepError::Collapsed { step: number, block, what });
         }
         self.state = next;
         self.moments = moments;

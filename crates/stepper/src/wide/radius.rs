@@ -1,4 +1,4 @@
-//! A bound on an error: 32 bits and an exponent, always rounded up. The oracle has bounds like it (`Magnitude`); neither side uses the other's
+//! A bound on an error: 32 bits and an exponent, always rounded up. The oracle has bounds like it (`UpperBound`); neither side uses the other's
 //! arithmetic, so there are two.
 
 use std::cmp::Ordering;

@@ -5,8 +5,8 @@ use crate::pairs::{self, GoldenPair, show};
 use num_rational::BigRational;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::{Block, Contact, Number};
-use rockproof_stepper::contact::Spec;
-use rockproof_stepper::{Classifier, Found, Real, Solid, Stepper, Tolerances, Wide, classify, wide};
+use rockproof_stepper::contact::SpecRules;
+use rockproof_stepper::{Classifier, ComputedContact, PreparedBlock, Real, Stepper, Tolerances, Wide, classify, wide};
 
 fn expected(pair: &GoldenPair) -> Vec<String> {
     pair.contacts.iter().map(show).collect()
@@ -21,9 +21,9 @@ fn run_wide(pairs: &[GoldenPair], check_gaps: bool) -> (usize, Vec<&str>) {
     let mut settled = 0;
     let mut differing = Vec::new();
     for pair in pairs {
-        let (found, unsettled) = wide::counting(|| {
-            let (a, b) = (Solid::<Wide>::new(&pair.a).unwrap(), Solid::new(&pair.b).unwrap());
-            classify::<Wide, Spec>(&a, &b, &Tolerances::new(&pair.tolerances).unwrap())
+        let (found, unsettled) = wide::count_unsettled(|| {
+            let (a, b) = (PreparedBlock::<Wide>::new(&pair.a).unwrap(), PreparedBlock::new(&pair.b).unwrap());
+            classify::<Wide, SpecRules>(&a, &b, &Tolerances::new(&pair.tolerances).unwrap())
         });
         settled += usize::from(unsettled == 0);
         let contacts: Vec<_> = found.iter().map(|f| f.contact).collect();
@@ -43,7 +43,7 @@ fn run_wide(pairs: &[GoldenPair], check_gaps: bool) -> (usize, Vec<&str>) {
     (settled, differing)
 }
 
-fn check_squared_gaps(pair: &GoldenPair, found: &[Found<Wide>]) {
+fn check_squared_gaps(pair: &GoldenPair, found: &[ComputedContact<Wide>]) {
     for (contact, &expected) in pair.contacts.iter().zip(&pair.gaps_squared) {
         let gap = found.iter().find(|f| f.contact == *contact).unwrap().gap.to_f64();
         // The unit normal of touching edges rounds, so that a gap of 0 may come out as one of some 1e-150.
@@ -88,7 +88,7 @@ fn on_lattice(mut pair: GoldenPair) -> GoldenPair {
 
 #[test]
 fn f64_and_f32_agree_with_most() {
-    let stepper = Stepper::<Spec>::new();
+    let stepper = Stepper::<SpecRules>::new();
     let mut agree = [0, 0];
     for pair in pairs::golden() {
         let expected = expected(&pair);
@@ -103,7 +103,7 @@ fn f64_and_f32_agree_with_most() {
 #[test]
 fn a_swapped_pair_gives_the_swapped_contacts() {
     // Where no entrance ties, and where the sign of a gap does not hang on a tie.
-    let stepper = Stepper::<Spec>::new();
+    let stepper = Stepper::<SpecRules>::new();
     let mut same = 0;
     for pair in pairs::golden() {
         let there = stepper.wide(&pair.a, &pair.b, &pair.tolerances).unwrap();

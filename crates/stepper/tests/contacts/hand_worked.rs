@@ -9,7 +9,7 @@ use crate::pairs::{
 };
 use rockproof_model::{Block, ContactKey, ToleranceSet};
 use rockproof_stepper::Wide;
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::engine::contacts_keeping;
 
 /// In each scalar the contacts are these, where nothing is kept.
@@ -20,9 +20,9 @@ pub(crate) fn check(name: &str, a: &Block, b: &Block, t: &ToleranceSet, expected
 /// In each scalar the contacts are these in a step that keeps some.
 pub(crate) fn check_keeping(name: &str, [a, b]: [&Block; 2], t: &ToleranceSet, kept: &[ContactKey], expected: &[&str]) {
     let found = [
-        ("f32", contacts_keeping::<f32, Spec>(a, b, t, kept).unwrap()),
-        ("f64", contacts_keeping::<f64, Spec>(a, b, t, kept).unwrap()),
-        ("wide", contacts_keeping::<Wide, Spec>(a, b, t, kept).unwrap()),
+        ("f32", contacts_keeping::<f32, SpecRules>(a, b, t, kept).unwrap()),
+        ("f64", contacts_keeping::<f64, SpecRules>(a, b, t, kept).unwrap()),
+        ("wide", contacts_keeping::<Wide, SpecRules>(a, b, t, kept).unwrap()),
     ];
     for (precision, contacts) in found {
         assert_eq!(contacts.iter().map(show).collect::<Vec<_>>(), expected, "{name} in {precision}");

@@ -4,8 +4,8 @@ use crate::hand_worked::{base, check, check_keeping};
 use crate::pairs::{self, cone, cuboid, keel, n, ridge, spike, tolerances};
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Block, ContactKey, ContactKind, ToleranceSet};
-use rockproof_stepper::contact::{Request, Spec};
-use rockproof_stepper::{Real, Solid, Tolerances, Wide};
+use rockproof_stepper::contact::{ClassificationRequest, SpecRules};
+use rockproof_stepper::{PreparedBlock, Real, Tolerances, Wide};
 
 fn key(kind: ContactKind, a: u32, b: u32) -> ContactKey {
     ContactKey { kind, a, b }
@@ -83,10 +83,10 @@ fn all_other_conditions_count() {
 #[test]
 fn the_trace_says_that_a_kept_contact_is_not_too_deep() {
     let (a, b) = (spike([1.0, 1.0, 0.9296875], 0.25, 0.5), base());
-    let (a, b) = (Solid::<f64>::new(&a).unwrap(), Solid::<f64>::new(&b).unwrap());
+    let (a, b) = (PreparedBlock::<f64>::new(&a).unwrap(), PreparedBlock::<f64>::new(&b).unwrap());
     let t = Tolerances::new(&tolerances()).unwrap();
     let depth = |kept: &[ContactKey]| {
-        let (found, decisions) = Request { a: &a, b: &b, tolerances: &t, kept }.traced::<Spec>();
+        let (found, decisions) = ClassificationRequest { a: &a, b: &b, tolerances: &t, kept }.traced::<SpecRules>();
         let depths = decisions.iter().filter(|(decision, _)| decision.predicate == Predicate::VertexFaceDepth);
         let text = "vertex-face-depth(A.v0, B.f1)";
         let of_top: Vec<i8> = depths.filter(|(d, _)| d.to_string() == text).map(|(_, outcome)| *outcome).collect();
@@ -98,14 +98,14 @@ fn the_trace_says_that_a_kept_contact_is_not_too_deep() {
 
 /// With g a sixteenth and the contacts of sixteen times g kept, culling leaves what all pairs of features leave.
 fn culling_is_silent<R: Real>(a: &Block, b: &Block, t: &ToleranceSet) -> usize {
-    let (a, b) = (Solid::<R>::new(a).unwrap(), Solid::<R>::new(b).unwrap());
+    let (a, b) = (PreparedBlock::<R>::new(a).unwrap(), PreparedBlock::<R>::new(b).unwrap());
     let t = Tolerances::<R>::new(t).unwrap();
     let times = |factor: f64| {
         let penetration = t.penetration * R::from_f64(factor);
         Tolerances { penetration, reach: t.search.larger(penetration) * R::from_f64(1.0625), ..t }
     };
     let contacts = |tolerances: &Tolerances<R>, kept: &[ContactKey]| {
-        let found = Request { a: &a, b: &b, tolerances, kept }.traced::<Spec>().0;
+        let found = ClassificationRequest { a: &a, b: &b, tolerances, kept }.traced::<SpecRules>().0;
         found.into_iter().map(|f| f.contact).collect::<Vec<_>>()
     };
     let (shallow, deep) = (times(0.0625), times(16.0));

@@ -7,7 +7,7 @@ use crate::pairs::{
     shifted_keel, spike, tetrahedron, tolerances, turned_cuboid, undercut,
 };
 use rockproof_model::{Block, ContactKey, ContactKind, ToleranceSet};
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::engine::contacts_keeping;
 use rockproof_stepper::{Classifier, Stepper, Wide};
 
@@ -173,7 +173,7 @@ fn dipping(z: f64, low: [f64; 3]) -> Block {
 
 #[test]
 fn every_mistake_changes_an_answer() {
-    let right = Stepper::<Spec>::new();
+    let right = Stepper::<SpecRules>::new();
     let bank = bank();
     let answers: Vec<_> = bank.iter().map(|(_, a, b, t)| right.f64(a, b, t).unwrap()).collect();
     let mut dead = Vec::new();
@@ -208,8 +208,8 @@ fn every_mistake_about_kept_contacts_changes_an_answer() {
     let t = tolerances();
     for (name, engine) in mistakes::in_steps() {
         let notices = steps().iter().any(|(a, b, kept)| {
-            engine.keeping::<f64>(a, b, &t, kept) != contacts_keeping::<f64, Spec>(a, b, &t, kept)
-                && engine.keeping::<Wide>(a, b, &t, kept) != contacts_keeping::<Wide, Spec>(a, b, &t, kept)
+            engine.keeping::<f64>(a, b, &t, kept) != contacts_keeping::<f64, SpecRules>(a, b, &t, kept)
+                && engine.keeping::<Wide>(a, b, &t, kept) != contacts_keeping::<Wide, SpecRules>(a, b, &t, kept)
         });
         assert!(notices, "no pair notices: {name}");
     }

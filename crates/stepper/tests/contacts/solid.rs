@@ -5,14 +5,15 @@ use crate::pairs::{self, block, cuboid, n, spike, tolerances};
 use proptest::prelude::*;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Block, ToleranceSet};
-use rockproof_stepper::contact::solid::Part;
-use rockproof_stepper::contact::{Spec, ToleranceOverflow, neighbouring_pairs, neighbours};
+use rockproof_stepper::contact::prepared_block::CollapsedPart;
+use rockproof_stepper::contact::{SpecRules, ToleranceOverflow, neighbouring_pairs, neighbours};
 use rockproof_stepper::{
-    Classifier, Collapsed, EngineError, Real, Solid, Stepper, Tolerances, Vector, Wide, classify, classify_traced,
+    Classifier, Collapsed, EngineError, PreparedBlock, Real, Stepper, Tolerances, Vector, Wide, classify,
+    classify_traced,
 };
 
 fn measures<R: Real>() {
-    let solid = Solid::<R>::new(&cuboid([1.0, 2.0, 3.0], [3.0, 5.0, 7.0])).unwrap();
+    let solid = PreparedBlock::<R>::new(&cuboid([1.0, 2.0, 3.0], [3.0, 5.0, 7.0])).unwrap();
     let list = |v: Vector<R>| v.components().map(R::to_f64);
     let face = solid.face(3);
     assert_eq!((list(face.normal), list(face.point)), ([1.0, 0.0, 0.0], [3.0, 3.5, 5.0]));
@@ -41,16 +42,16 @@ fn a_cuboid_has_the_measures_of_a_cuboid() {
 
 #[test]
 fn far_and_small_features_collapse_with_a_name() {
-    let what = |block: &Block| Solid::<f32>::new(block).unwrap_err().what;
+    let what = |block: &Block| PreparedBlock::<f32>::new(block).unwrap_err().what;
     let thin = cuboid([1000.0, 0.0, 0.0], [1000.0 + 1e-6, 1.0, 1.0]);
-    assert_eq!(what(&thin), Part::Face(0));
-    assert!(Solid::<f64>::new(&thin).is_ok());
+    assert_eq!(what(&thin), CollapsedPart::Face(0));
+    assert!(PreparedBlock::<f64>::new(&thin).is_ok());
     // The quadrilateral keeps an area when its short side collapses.
     let short = block(
         &[[1000.0, 0.0, 0.0], [1000.0 + 1e-6, 0.0, 0.0], [1001.0, 1.0, 0.0], [999.0, 1.0, 0.0], [1000.0, 0.5, 1.0]],
         &[&[0, 3, 2, 1], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]],
     );
-    assert_eq!(what(&short), Part::Face(1));
+    assert_eq!(what(&short), CollapsedPart::Face(1));
     let prism = block(
         &[
             [1000.0, 0.0, 0.0],
@@ -64,11 +65,11 @@ fn far_and_small_features_collapse_with_a_name() {
         ],
         &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7], &[0, 1, 5, 4]],
     );
-    assert_eq!(what(&prism), Part::Face(5));
-    assert_eq!(what(&cuboid([0.0; 3], [1e39, 1.0, 1.0])), Part::Vertex(1));
-    assert_eq!(what(&cuboid([0.0; 3], [1e30, 1e30, 1.0])), Part::Face(0));
-    let collapsed = EngineError::Collapsed(Collapsed { what: Part::Face(0) });
-    assert_eq!(Stepper::<Spec>::new().f32(&thin, &base(), &tolerances()), Err(collapsed));
+    assert_eq!(what(&prism), CollapsedPart::Face(5));
+    assert_eq!(what(&cuboid([0.0; 3], [1e39, 1.0, 1.0])), CollapsedPart::Vertex(1));
+    assert_eq!(what(&cuboid([0.0; 3], [1e30, 1e30, 1.0])), CollapsedPart::Face(0));
+    let collapsed = EngineError::Collapsed(Collapsed { what: CollapsedPart::Face(0) });
+    assert_eq!(Stepper::<SpecRules>::new().f32(&thin, &base(), &tolerances()), Err(collapsed));
     assert_eq!(collapsed.to_string(), "face 0 has no area in the stepper's precision");
 }
 
@@ -76,14 +77,14 @@ fn far_and_small_features_collapse_with_a_name() {
 fn a_tolerance_that_overflows_is_an_error() {
     let t = ToleranceSet { search: n(1e300), ..tolerances() };
     assert_eq!(Tolerances::<f32>::new(&t).unwrap_err(), ToleranceOverflow { name: "search" });
-    assert!(Stepper::<Spec>::new().f32(&base(), &base(), &t).is_err());
+    assert!(Stepper::<SpecRules>::new().f32(&base(), &base(), &t).is_err());
     assert!(Tolerances::<f64>::new(&t).is_ok());
 }
 
 #[test]
 fn numbers_at_the_end_of_the_range_do_not_panic() {
     // Squares overflow or vanish: errors or answers, but no panic.
-    let stepper = Stepper::<Spec>::new();
+    let stepper = Stepper::<SpecRules>::new();
     for size in [1e-300, 1e-160, 1e-30, 1e-15, 1e15, 1e30, 1e100, 1e150, 1e300] {
         let one = cuboid([0.0; 3], [size; 3]);
         let two = cuboid([0.5 * size, 0.5 * size, size], [1.5 * size; 3]);
@@ -98,11 +99,12 @@ fn numbers_at_the_end_of_the_range_do_not_panic() {
 #[test]
 fn a_trace_names_every_decision_and_changes_nothing() {
     let (a, b) = (spike([1.0, 1.0, 1.0625], 0.25, 0.5), base());
-    let (a, b) = (Solid::<f64>::new(&a).unwrap(), Solid::<f64>::new(&b).unwrap());
+    let (a, b) = (PreparedBlock::<f64>::new(&a).unwrap(), PreparedBlock::<f64>::new(&b).unwrap());
     let t = Tolerances::new(&tolerances()).unwrap();
-    let plain = classify::<f64, Spec>(&a, &b, &t);
-    let (traced, decisions) = classify_traced::<f64, Spec>(&a, &b, &t);
-    let contacts = |found: &[rockproof_stepper::Found<f64>]| found.iter().map(|f| f.contact).collect::<Vec<_>>();
+    let plain = classify::<f64, SpecRules>(&a, &b, &t);
+    let (traced, decisions) = classify_traced::<f64, SpecRules>(&a, &b, &t);
+    let contacts =
+        |found: &[rockproof_stepper::ComputedContact<f64>]| found.iter().map(|f| f.contact).collect::<Vec<_>>();
     assert_eq!(contacts(&plain), contacts(&traced));
     assert_eq!(plain[0].gap, 0.0625);
     let (vertex, face) = (Feature::Vertex(Side::A, 0), Feature::Face(Side::B, 1));
@@ -125,9 +127,9 @@ fn a_trace_names_every_decision_and_changes_nothing() {
 fn all_predicates_are_traced_and_answered_both_ways() {
     let mut seen = std::collections::BTreeSet::new();
     for pair in pairs::golden() {
-        let (a, b) = (Solid::<f64>::new(&pair.a).unwrap(), Solid::<f64>::new(&pair.b).unwrap());
+        let (a, b) = (PreparedBlock::<f64>::new(&pair.a).unwrap(), PreparedBlock::<f64>::new(&pair.b).unwrap());
         let t = Tolerances::new(&pair.tolerances).unwrap();
-        let (_, decisions) = classify_traced::<f64, Spec>(&a, &b, &t);
+        let (_, decisions) = classify_traced::<f64, SpecRules>(&a, &b, &t);
         seen.extend(decisions.iter().map(|(decision, outcome)| (decision.predicate, *outcome)));
     }
     // Not neighbours; a v-v contact (classic) deeper than g; a vertex that overlaps two faces of a concave block.
@@ -139,8 +141,8 @@ fn all_predicates_are_traced_and_answered_both_ways() {
         (unit(1.9296875), base(), pairs::classic()),
         (leaning, pairs::corner_block(), tolerances()),
     ] {
-        let (a, b) = (Solid::<f64>::new(&a).unwrap(), Solid::<f64>::new(&b).unwrap());
-        let (_, decisions) = classify_traced::<f64, Spec>(&a, &b, &Tolerances::new(&t).unwrap());
+        let (a, b) = (PreparedBlock::<f64>::new(&a).unwrap(), PreparedBlock::<f64>::new(&b).unwrap());
+        let (_, decisions) = classify_traced::<f64, SpecRules>(&a, &b, &Tolerances::new(&t).unwrap());
         seen.extend(decisions.iter().map(|(decision, outcome)| (decision.predicate, *outcome)));
     }
     for predicate in Predicate::ALL {
@@ -152,10 +154,10 @@ fn all_predicates_are_traced_and_answered_both_ways() {
 
 /// Whether culling by reach, here and without limit, leaves the same contacts.
 fn culling_is_silent<R: Real>(a: &Block, b: &Block, t: &ToleranceSet) {
-    let (a, b) = (Solid::<R>::new(a).unwrap(), Solid::<R>::new(b).unwrap());
+    let (a, b) = (PreparedBlock::<R>::new(a).unwrap(), PreparedBlock::<R>::new(b).unwrap());
     let culled = Tolerances::<R>::new(t).unwrap();
     let all = Tolerances { reach: R::from_f64(1e30), ..culled };
-    let contacts = |t| classify::<R, Spec>(&a, &b, t).into_iter().map(|f| f.contact).collect::<Vec<_>>();
+    let contacts = |t| classify::<R, SpecRules>(&a, &b, t).into_iter().map(|f| f.contact).collect::<Vec<_>>();
     assert_eq!(contacts(&culled), contacts(&all));
 }
 
@@ -179,14 +181,14 @@ proptest! {
             .map(|(low, size)| {
                 let low = low.map(|c| f64::from(c) / 8.0);
                 let high = [0, 1, 2].map(|k| low[k] + f64::from(size[k]) / 8.0);
-                Solid::<f64>::new(&cuboid(low, high)).unwrap()
+                PreparedBlock::<f64>::new(&cuboid(low, high)).unwrap()
             })
             .collect();
         let t = Tolerances::new(&tolerances()).unwrap();
         let mut expected = Vec::new();
         for j in 0..solids.len() {
             for i in 0..j {
-                if neighbours::<f64, Spec>(&solids[i], &solids[j], &t) {
+                if neighbours::<f64, SpecRules>(&solids[i], &solids[j], &t) {
                     expected.push((i, j));
                 }
             }

@@ -5,8 +5,8 @@ use crate::hand_worked::{base, check};
 use crate::pairs::{behind_side, beside_edge, classic, n, tolerances};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Block, ToleranceSet};
-use rockproof_stepper::contact::{Request, Spec};
-use rockproof_stepper::{Solid, Tolerances, classify_traced};
+use rockproof_stepper::contact::{ClassificationRequest, SpecRules};
+use rockproof_stepper::{PreparedBlock, Tolerances, classify_traced};
 
 #[test]
 fn the_entrance_is_a_true_exit_where_there_is_one() {
@@ -54,8 +54,8 @@ fn the_one_exit_is_true_where_there_is_one() {
 }
 
 fn traced(a: &Block, b: &Block, t: &ToleranceSet) -> Vec<(Decision, i8)> {
-    let (a, b) = (Solid::<f64>::new(a).unwrap(), Solid::<f64>::new(b).unwrap());
-    classify_traced::<f64, Spec>(&a, &b, &Tolerances::new(t).unwrap()).1
+    let (a, b) = (PreparedBlock::<f64>::new(a).unwrap(), PreparedBlock::<f64>::new(b).unwrap());
+    classify_traced::<f64, SpecRules>(&a, &b, &Tolerances::new(t).unwrap()).1
 }
 
 fn true_exits(decisions: &[(Decision, i8)]) -> Vec<(String, i8)> {
@@ -80,7 +80,8 @@ fn true_exits_are_asked_where_they_choose() {
     // One candidate, nothing overlaps: nobody asks.
     let above = crate::pairs::spike([1.0, 1.0, 1.0625], 0.25, 0.5);
     assert!(true_exits(&traced(&above, &base(), &t)).is_empty());
-    let solids = [&behind_side(), &base()].map(|block| Solid::<f64>::new(block).unwrap());
-    let request = Request { a: &solids[0], b: &solids[1], tolerances: &Tolerances::new(&t).unwrap(), kept: &[] };
-    assert_eq!(request.traced::<Spec>().1, decisions);
+    let solids = [&behind_side(), &base()].map(|block| PreparedBlock::<f64>::new(block).unwrap());
+    let request =
+        ClassificationRequest { a: &solids[0], b: &solids[1], tolerances: &Tolerances::new(&t).unwrap(), kept: &[] };
+    assert_eq!(request.traced::<SpecRules>().1, decisions);
 }

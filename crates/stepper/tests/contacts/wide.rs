@@ -15,7 +15,7 @@ fn rational(value: f64) -> BigRational {
 /// Whether a comparison with this exact number is settled, and its outcome.
 fn compare(value: Wide, exact: &BigRational) -> (Option<std::cmp::Ordering>, bool) {
     let other = Wide::of_integer(exact.numer()) / Wide::of_integer(exact.denom());
-    let (order, unsettled) = wide::counting(|| value.partial_cmp(&other));
+    let (order, unsettled) = wide::count_unsettled(|| value.partial_cmp(&other));
     (order, unsettled == 0)
 }
 
@@ -74,7 +74,7 @@ proptest! {
     #[test]
     fn order_and_extremes_follow_the_values(x in ordinary(), y in ordinary()) {
         let (a, b) = (Wide::of_f64(x), Wide::of_f64(y));
-        let (order, unsettled) = wide::counting(|| a.partial_cmp(&b));
+        let (order, unsettled) = wide::count_unsettled(|| a.partial_cmp(&b));
         prop_assert_eq!(order, x.partial_cmp(&y));
         prop_assert_eq!(unsettled, 0);
         prop_assert_eq!(a.larger(b).to_f64(), x.max(y));
@@ -88,13 +88,13 @@ fn a_tie_of_rounded_values_is_unsettled_and_counted() {
     let third = Wide::of_number(&Number::from_rational(BigRational::new(1.into(), 3.into())));
     let one = Wide::of_f64(1.0);
     assert!(!third.is_exact() && one.is_exact());
-    let (_, unsettled) = wide::counting(|| third + third + third >= one);
+    let (_, unsettled) = wide::count_unsettled(|| third + third + third >= one);
     assert_eq!(unsettled, 1);
-    let (_, unsettled) = wide::counting(|| third * Wide::of_f64(3.0) - one <= Wide::EXACT_ZERO);
+    let (_, unsettled) = wide::count_unsettled(|| third * Wide::of_f64(3.0) - one <= Wide::EXACT_ZERO);
     assert_eq!(unsettled, 1, "what is left after cancelling is not compared by its own size");
-    let (above, unsettled) = wide::counting(|| third > Wide::of_f64(1.0 / 3.0));
+    let (above, unsettled) = wide::count_unsettled(|| third > Wide::of_f64(1.0 / 3.0));
     assert_eq!((above, unsettled), (true, 0));
-    let (least, unsettled) = wide::counting(|| (third + third + third).smaller(one));
+    let (least, unsettled) = wide::count_unsettled(|| (third + third + third).smaller(one));
     assert_eq!(unsettled, 0, "an extreme is no decision");
     assert!(!least.is_exact());
 }
@@ -102,9 +102,9 @@ fn a_tie_of_rounded_values_is_unsettled_and_counted() {
 #[test]
 fn counting_nests_and_keeps_what_was_counted_outside() {
     let third = Wide::of_f64(1.0) / Wide::of_f64(3.0);
-    let ((_, inner), outer) = wide::counting(|| {
+    let ((_, inner), outer) = wide::count_unsettled(|| {
         let before = third == third;
-        let (after, inner) = wide::counting(|| third == third);
+        let (after, inner) = wide::count_unsettled(|| third == third);
         ((before, after), inner)
     });
     assert_eq!((inner, outer), (1, 2));
@@ -119,7 +119,7 @@ fn what_is_not_known_stays_unknown_and_never_panics() {
     for unknown in [one / zero, zero / zero, one / nearly_zero, Wide::of_f64(-1.0).sqrt(), Wide::of_f64(f64::NAN)] {
         for value in [unknown, unknown + one, one - unknown, unknown * zero, unknown / one, unknown.sqrt(), -unknown] {
             assert!(!value.is_known() && !value.is_finite() && value.to_f64().is_nan());
-            let (order, unsettled) = wide::counting(|| value.partial_cmp(&zero));
+            let (order, unsettled) = wide::count_unsettled(|| value.partial_cmp(&zero));
             assert_eq!((order, unsettled), (None, 1));
             assert!(!value.larger(one).is_known() && !value.below(one));
         }
@@ -173,7 +173,7 @@ fn the_radius_stays_small_through_a_long_elimination() {
         .collect();
     let right: Vec<Wide> = (0..SIZE).map(|i| rows[i].iter().fold(Wide::EXACT_ZERO, |sum, &a| sum + a)).collect();
     let mut rhs = right;
-    let (_, unsettled) = wide::counting(|| {
+    let (_, unsettled) = wide::count_unsettled(|| {
         for k in 0..SIZE {
             assert!(Wide::EXACT_ZERO < rows[k][k], "pivot {k}");
             let (above, below) = rows.split_at_mut(k + 1);
@@ -193,7 +193,7 @@ fn the_radius_stays_small_through_a_long_elimination() {
             rhs[k] = rhs[k] - rows[k][j] * rhs[j];
         }
         rhs[k] = rhs[k] / rows[k][k];
-        let (order, unsettled) = wide::counting(|| (rhs[k] - Wide::of_f64(1.0)).abs() < Wide::of_f64(1e-30));
+        let (order, unsettled) = wide::count_unsettled(|| (rhs[k] - Wide::of_f64(1.0)).abs() < Wide::of_f64(1e-30));
         assert!(order && unsettled == 0, "unknown {k}: {:?}", rhs[k]);
     }
 }

@@ -5,9 +5,9 @@ use rockproof_model::scene::SceneBlock;
 use rockproof_model::simulation::Unconverged;
 use rockproof_model::{Block, BlockOptions, ContactKind, Motion, Scene, ToleranceSet};
 use rockproof_stepper::Real;
-use rockproof_stepper::contact::Rules;
+use rockproof_stepper::contact::ContactRules;
 use rockproof_stepper::dynamics::{
-    ContactState, Dynamics, Mode, RetryReason, SetupError, StepReport, StepRules, Stopped,
+    ContactState, Dynamics, Mode, RetryReason, SetupError, StepError, StepReport, StepRules,
 };
 
 /// A cube that flies at this speed, with Δt = 1/128 s, so that a limit of 1/16 m is 8 m/s. Everything is a power of two, and exact.
@@ -104,7 +104,7 @@ fn below_the_smallest_step_the_run_stops_and_its_state_is_the_last_good_one() {
     let before = dynamics.state().clone();
     // A thousandth of Δt lies between its 512th and its 1024th part.
     let stopped =
-        Stopped::TooFast { step: 1, time_step: 1.0 / 128.0 / 512.0, block: 0, why: RetryReason::Displacement };
+        StepError::TooFast { step: 1, time_step: 1.0 / 128.0 / 512.0, block: 0, why: RetryReason::Displacement };
     assert_eq!(dynamics.step(), Err(stopped.clone()));
     assert_eq!(dynamics.state(), &before);
     // It stops there again.
@@ -116,7 +116,7 @@ fn below_the_smallest_step_the_run_stops_and_its_state_is_the_last_good_one() {
 #[derive(Clone, Copy, Debug)]
 struct Hasty;
 
-impl Rules for Hasty {}
+impl ContactRules for Hasty {}
 
 impl StepRules for Hasty {
     fn changing_solves() -> u32 {
@@ -128,7 +128,7 @@ impl StepRules for Hasty {
 #[derive(Clone, Copy, Debug)]
 struct Restless;
 
-impl Rules for Restless {}
+impl ContactRules for Restless {}
 
 impl StepRules for Restless {
     fn settled<R: Real>(_: R, _: R) -> bool {
@@ -169,7 +169,7 @@ fn cut(times: usize) -> f64 {
 fn what_does_not_converge_is_cut_five_times_and_stops() {
     let mut dynamics = leaving(Unconverged::Stop);
     let before = dynamics.state().clone();
-    let Err(Stopped::NotConverged { step, time_step, contacts }) = dynamics.step() else { panic!("it went on") };
+    let Err(StepError::NotConverged { step, time_step, contacts }) = dynamics.step() else { panic!("it went on") };
     // 0.3⁵ is 0.00243, 0.3⁶ is less than a thousandth.
     assert_eq!((step, time_step), (1, cut(5)));
     assert_eq!(contacts.len(), 4);
@@ -214,7 +214,7 @@ fn a_block_that_turns_inside_out_stops_the_run() {
     let mut dynamics: Dynamics<f64> = Dynamics::new(&scene, &set).unwrap();
     let before = dynamics.state().clone();
     let stopped = dynamics.step();
-    assert!(matches!(stopped, Err(Stopped::Inverted { step: 1, block: 0, volume }) if volume < 0.0), "{stopped:?}");
+    assert!(matches!(stopped, Err(StepError::Inverted { step: 1, block: 0, volume }) if volume < 0.0), "{stopped:?}");
     assert_eq!(dynamics.state(), &before);
 }
 

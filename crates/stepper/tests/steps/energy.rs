@@ -23,7 +23,7 @@
 use crate::support::{begin, cube, cuboid, floor, n, scene, v};
 use rockproof_model::{Motion, Scene};
 use rockproof_stepper::Vector;
-use rockproof_stepper::dynamics::displacement::{Twelve, displacement, generalized};
+use rockproof_stepper::dynamics::displacement::{BlockVector, displacement, generalized};
 use rockproof_stepper::dynamics::{ContactState, Dynamics, StepReport};
 
 const STEPS: usize = 1000;
@@ -35,14 +35,15 @@ const SHEAR: f64 = 4e7;
 struct Step<'s> {
     before: &'s Dynamics<f64>,
     after: &'s Dynamics<f64>,
-    d: Vec<Twelve<f64>>,
+    d: Vec<BlockVector<f64>>,
     time_step: f64,
 }
 
 impl<'s> Step<'s> {
     fn new(before: &'s Dynamics<f64>, after: &'s Dynamics<f64>, report: &StepReport) -> Step<'s> {
         let blocks = before.state().blocks.iter().zip(&after.state().blocks);
-        let mean = |k: usize, one: &Twelve<f64>, other: &Twelve<f64>| 0.5 * report.time_step * (one[k] + other[k]);
+        let mean =
+            |k: usize, one: &BlockVector<f64>, other: &BlockVector<f64>| 0.5 * report.time_step * (one[k] + other[k]);
         let d = blocks.map(|(one, other)| std::array::from_fn(|k| mean(k, &one.velocity, &other.velocity))).collect();
         Step { before, after, d, time_step: report.time_step }
     }

@@ -6,7 +6,7 @@
 use crate::support::{beginning, cuboid, floor, n, near, scene, v};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::{Block, Motion, Number, Precision, Scene, ToleranceSpec, Vec3};
-use rockproof_stepper::contact::{Rules, Spec};
+use rockproof_stepper::contact::{ContactRules, SpecRules};
 use rockproof_stepper::dynamics::{Dynamics, Mode, StepRules};
 
 #[test]
@@ -38,7 +38,7 @@ fn a_block_that_is_set_moving_slides_as_far_at_every_time_step() {
 /// SPEC's rules, but nothing is kept.
 struct Forgets;
 
-impl Rules for Forgets {}
+impl ContactRules for Forgets {}
 
 impl StepRules for Forgets {
     fn leaves_kept(_: Mode) -> bool {
@@ -66,7 +66,7 @@ fn soft<M: StepRules>() -> f64 {
 #[test]
 fn a_soft_cube_stays_above_the_floor() {
     // It sinks v/√(4p/m) = 0.045 m, more than is recorded of contacts that nothing keeps, 0.01 m.
-    let lowest = soft::<Spec>();
+    let lowest = soft::<SpecRules>();
     assert!((0.5 - 0.046..0.5 - 0.03).contains(&lowest), "{lowest}");
     // Without the rule it falls through.
     let lowest = soft::<Forgets>();
@@ -98,15 +98,16 @@ fn wall_costs(bricks: i32, steps: u32) -> (f64, f64) {
     while dynamics.state().settling > 0 {
         dynamics.step().unwrap();
     }
-    let before = dynamics.spent().solves;
+    let before = dynamics.iteration_times().solves;
     let begun = std::time::Instant::now();
     for _ in 0..steps {
         dynamics.step().unwrap();
     }
     let per_step = |value: f64| value / f64::from(steps);
-    let (solves, time) = (per_step((dynamics.spent().solves - before) as f64), per_step(dynamics.state().time));
+    let (solves, time) =
+        (per_step((dynamics.iteration_times().solves - before) as f64), per_step(dynamics.state().time));
     println!("{bricks} bricks: {solves} solves a step, Δt {time} s, {:?} a step", begun.elapsed() / steps);
-    println!("{:?} {:?}", dynamics.phases(), dynamics.spent());
+    println!("{:?} {:?}", dynamics.phases(), dynamics.iteration_times());
     (solves, time)
 }
 

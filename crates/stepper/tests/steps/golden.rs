@@ -10,11 +10,11 @@
 //! With the rule that a tie has not settled, which differs from SPEC's at ties only, the wide scalar makes every solve of the file.
 
 use rayon::ThreadPoolBuilder;
-use rockproof_model::scene::Format;
+use rockproof_model::scene::SceneFormat;
 use rockproof_model::{Number, Precision, Scene};
-use rockproof_stepper::contact::{Rules, Spec};
+use rockproof_stepper::contact::{ContactRules, SpecRules};
 use rockproof_stepper::dynamics::{Dynamics, Solve, StepReport, StepRules};
-use rockproof_stepper::wide::counting;
+use rockproof_stepper::wide::count_unsettled;
 use rockproof_stepper::{Real, Wide};
 use serde_json::Value;
 use std::path::Path;
@@ -35,7 +35,7 @@ fn list(value: &Value) -> &[Value] {
 }
 
 fn begin<R: Solve, M: StepRules>(scene: &Value) -> Dynamics<R, M> {
-    let mut scene = Scene::parse(text(&scene["scene"]), Format::Toml, Path::new("golden.toml")).unwrap();
+    let mut scene = Scene::parse(text(&scene["scene"]), SceneFormat::Toml, Path::new("golden.toml")).unwrap();
     let set = scene.tolerances.clone().unwrap().derive(&scene.shapes(), Precision::F64).unwrap();
     scene.derive_stiffness(&set);
     Dynamics::with_rules(&scene, &set).unwrap()
@@ -180,7 +180,7 @@ pub(crate) fn run<R: Solve, M: StepRules>(scene: &Value, limits: Limits) -> Resu
 /// The same in the wide scalar, and the number of comparisons left unsettled. One thread, because they are counted where they are made.
 fn run_wide<M: StepRules>(scene: &Value) -> (Result<f64, Otherwise>, u64) {
     let alone = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    alone.install(|| counting(|| run::<Wide, M>(scene, WIDE)))
+    alone.install(|| count_unsettled(|| run::<Wide, M>(scene, WIDE)))
 }
 
 /// Scenes with a tie that f64 decides otherwise, and in which step first.
@@ -200,7 +200,7 @@ fn f64_decides_as_the_file_does_to_rounding() {
     let mut otherwise = Vec::new();
     for scene in &golden() {
         let name = text(&scene["name"]);
-        match run::<f64, Spec>(scene, F64) {
+        match run::<f64, SpecRules>(scene, F64) {
             Ok(off) => {
                 println!("{name}: {off:.1e} of what is allowed");
                 assert!(off <= 1.0, "{name}: {off}");
@@ -217,7 +217,7 @@ fn f64_decides_as_the_file_does_to_rounding() {
 /// SPEC's rules, but a tie has not settled.
 struct TiesUnsettled;
 
-impl Rules for TiesUnsettled {}
+impl ContactRules for TiesUnsettled {}
 
 impl StepRules for TiesUnsettled {
     fn settled<R: Real>(misfit: R, pressing: R) -> bool {
@@ -232,7 +232,7 @@ fn the_wide_scalar_reproduces_the_file() {
     assert_eq!(scenes.len(), 42);
     for scene in &scenes {
         let name = text(&scene["name"]);
-        let (made, unsettled) = run_wide::<Spec>(scene);
+        let (made, unsettled) = run_wide::<SpecRules>(scene);
         let tie = TIES.iter().any(|(other, _)| *other == name);
         let made = if name == "tension_shear" {
             assert!(matches!(made, Err(Otherwise { step: 3, .. })) && unsettled > 0, "{made:?}");

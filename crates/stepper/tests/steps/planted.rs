@@ -5,7 +5,7 @@ use crate::golden::{F64, decided, golden, run, text};
 use crate::step_mistakes::{ALL, Mistake, Mistaken, PLANTING, plant};
 use crate::support::{cuboid, floor, n, scene, tolerances, v};
 use rockproof_model::{Motion, Scene, ToleranceSet};
-use rockproof_stepper::contact::Spec;
+use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, StepRules};
 use serde_json::Value;
 
@@ -54,8 +54,9 @@ fn every_mistake_shows_in_a_step() {
         plant(mistake);
         let of_file = scenes.iter().zip(&right).filter(|(scene, right)| outcome(scene) != **right);
         let of_file = of_file.map(|(scene, _)| text(&scene["name"]));
-        let of_own =
-            own.iter().filter(|(_, scene, set)| decisions::<Mistaken>(scene, set) != decisions::<Spec>(scene, set));
+        let of_own = own
+            .iter()
+            .filter(|(_, scene, set)| decisions::<Mistaken>(scene, set) != decisions::<SpecRules>(scene, set));
         let shows: Vec<&str> = of_file.chain(of_own.map(|(name, _, _)| *name)).collect();
         println!("{what}: {shows:?}");
         if shows.is_empty() {

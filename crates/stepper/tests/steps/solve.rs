@@ -2,7 +2,7 @@
 
 use crate::support::{cuboid, floor, near, run, scene};
 use rockproof_model::Motion;
-use rockproof_stepper::dynamics::order::{Graph, elimination_order};
+use rockproof_stepper::dynamics::elimination_order::{Graph, elimination_order};
 use rockproof_stepper::dynamics::pattern::Pattern;
 use rockproof_stepper::dynamics::solve::{DENSE, Singular, Solve, dense};
 
@@ -34,6 +34,12 @@ impl<R: Solve> Sample<R> {
         }
         let at: Vec<[f64; 3]> = (0..nodes).map(|_| [0; 3].map(|_| numbers.next(1000) as f64)).collect();
         let order = elimination_order(Graph { unknowns: &unknowns, pairs: &pairs }, &at).unwrap();
+        Sample::of(unknowns, &pairs, &order, numbers)
+    }
+
+    /// Of nodes that are eliminated in an order.
+    fn of(unknowns: Vec<u8>, pairs: &[[u32; 2]], order: &[u32], numbers: &mut Numbers) -> Sample<R> {
+        let nodes = unknowns.len();
         let place = |node: u32| order.iter().position(|&n| n == node).unwrap() as u32;
         let mut pairs: Vec<[u32; 2]> = pairs.iter().map(|&[a, b]| [place(a), place(b)]).collect();
         pairs.iter_mut().for_each(|pair| pair.sort_unstable());
@@ -74,10 +80,15 @@ impl<R: Solve> Sample<R> {
 
     /// The solution by the factor, and what is left of it.
     fn sparsely(&self) -> (Vec<R>, Vec<R>) {
-        let (mut values, mut solution) = (self.values.clone(), self.right.clone());
-        R::factorize(&self.pattern, &mut values, &vec![true; self.pattern.panel_count()]).unwrap();
+        let (mut values, mut solution) = (vec![R::ZERO; self.values.len()], self.right.clone());
+        self.factorize(&mut values, &vec![true; self.pattern.panel_count()]);
         R::substitute(&self.pattern, &values, &mut solution).unwrap();
         (solution, values)
+    }
+
+    fn factorize(&self, values: &mut [R], marked: &[bool]) {
+        let fill = |panel: usize, own: &mut [R]| own.copy_from_slice(&self.values[self.pattern.range(panel)]);
+        R::factorize(&self.pattern, values, marked, &fill).unwrap();
     }
 
     fn difference(&self) -> f64 {
@@ -118,11 +129,7 @@ fn a_factor_that_is_renewed_in_part_is_bit_for_bit_a_new_one() {
             let mut marked = vec![false; sample.pattern.panel_count()];
             marked[part.panel] = true;
             sample.pattern.mark_dependent(&mut marked);
-            for (panel, _) in marked.iter().enumerate().filter(|(_, marked)| **marked) {
-                let range = sample.pattern.range(panel);
-                kept[range.clone()].copy_from_slice(&sample.values[range]);
-            }
-            f64::factorize(&sample.pattern, &mut kept, &marked).unwrap();
+            sample.factorize(&mut kept, &marked);
             let mut solution = sample.right.clone();
             f64::substitute(&sample.pattern, &kept, &mut solution).unwrap();
             assert_eq!(sample.sparsely().0, solution);
@@ -133,12 +140,27 @@ fn a_factor_that_is_renewed_in_part_is_bit_for_bit_a_new_one() {
 }
 
 #[test]
+fn a_factor_is_the_same_bits_on_any_number_of_threads() {
+    let (pairs, at) = grid(24);
+    let unknowns = vec![12; 576];
+    let order = elimination_order(Graph { unknowns: &unknowns, pairs: &pairs }, &at).unwrap();
+    let sample = Sample::<f64>::of(unknowns, &pairs, &order, &mut Numbers(3));
+    let by = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| sample.sparsely())
+    };
+    let one = by(1);
+    assert!((0..5).all(|_| by(4) == one));
+}
+
+#[test]
 fn what_is_not_positive_definite_is_refused_by_both() {
     // [1 2; 2 1] has the eigenvalue -1.
     let pattern = Pattern::whole(&[2]);
-    let (mut values, mut right) = ([1.0, 2.0, 0.0, 1.0], [1.0, 1.0]);
-    assert_eq!(dense::<f64>(&pattern, &values, &mut right), Err(Singular { unknown: 1 }));
-    assert_eq!(f64::factorize(&pattern, &mut values, &[true]), Err(Singular { unknown: 1 }));
+    let (given, mut right) = ([1.0, 2.0, 0.0, 1.0], [1.0, 1.0]);
+    assert_eq!(dense::<f64>(&pattern, &given, &mut right), Err(Singular { unknown: 1 }));
+    let fill = |_: usize, own: &mut [f64]| own.copy_from_slice(&given);
+    assert_eq!(f64::factorize(&pattern, &mut [0.0; 4], &[true], &fill), Err(Singular { unknown: 1 }));
 }
 
 #[test]

@@ -3,10 +3,10 @@
 use super::Mistake::*;
 use super::PLANTED;
 use rockproof_model::{ContactKey, EntranceKind, Sign};
-use rockproof_stepper::contact::{Rules, Spec, Tolerances};
+use rockproof_stepper::contact::{ContactRules, SpecRules, Tolerances};
 use rockproof_stepper::{Real, Vector};
 
-/// Methods of [`Rules`] by the mistakes they are wrong under; otherwise they are those of `$right`.
+/// Methods of [`ContactRules`] by the mistakes they are wrong under; otherwise they are those of `$right`.
 macro_rules! wrong_under {
     ($right:ident: $(fn $rule:ident $(<$real:ident>)? ($($arg:ident: $type:ty),*) -> $answer:ty {
         $($mistake:ident => $wrong:expr)*
@@ -30,9 +30,9 @@ fn either_measure<R: Real>(dip: R, length: R, t: &Tolerances<R>) -> bool {
 /// The rules that other rules are made of.
 struct MistakenParts;
 
-impl Rules for MistakenParts {
+impl ContactRules for MistakenParts {
     wrong_under! {
-        Spec:
+        SpecRules:
         fn lambda<R>() -> R {
             LambdaHalf => R::from_f64(0.5)
         }
@@ -57,7 +57,7 @@ impl Rules for MistakenParts {
 /// The rules with the mistake that is planted on this thread.
 pub(super) struct MistakenRules;
 
-impl Rules for MistakenRules {
+impl ContactRules for MistakenRules {
     fn lambda<R: Real>() -> R {
         MistakenParts::lambda()
     }

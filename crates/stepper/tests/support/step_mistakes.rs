@@ -2,8 +2,8 @@
 
 use Mistake::*;
 use rockproof_stepper::Real;
-use rockproof_stepper::contact::{Rules, Spec};
-use rockproof_stepper::dynamics::{Mode, Slip, StepRules};
+use rockproof_stepper::contact::{ContactRules, SpecRules};
+use rockproof_stepper::dynamics::{Mode, StepRules, TangentialState};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -54,6 +54,8 @@ mistakes! {
     BeginsFull "a step begins with the full time step",
     GrowsTwofold "a step begins with up to twice the last time step",
     GrowsBeyondFull "a step begins with half as much again as the last time step, or with the full one if that is more",
+    StepEnlarged "a step begins with four times the full time step",
+    ContactsDropped "vertices near faces are no contacts",
     KeptForgotten "no contact is kept",
     KeptOpen "open contacts are kept, closed ones are not",
     NoDisplacementLimit "the displacement limit is forgotten",
@@ -79,9 +81,9 @@ fn planted(mistake: Mistake) -> bool {
 /// SPEC's rules but for the mistake that is planted.
 pub(crate) struct Mistaken;
 
-impl Rules for Mistaken {
+impl ContactRules for Mistaken {
     fn vertex_face_near<R: Real>(gap: R, search: R) -> bool {
-        gap <= if planted(OuterDistance) { R::from_f64(PENETRATION) } else { search }
+        gap <= if planted(OuterDistance) { R::from_f64(PENETRATION) } else { search } && !planted(ContactsDropped)
     }
     fn vertex_face_depth<R: Real>(gap: R, penetration: R) -> bool {
         gap >= -if planted(OuterDistance) { R::from_f64(SEARCH) } else { penetration }
@@ -114,7 +116,7 @@ impl StepRules for Mistaken {
     fn locks<R: Real>(force_squared: R, strength_squared: R) -> bool {
         force_squared <= if planted(UnsquaredStrength) { strength_squared.sqrt() } else { strength_squared }
     }
-    fn holds<R: Real>(before: Mode, slip: &Slip<R>) -> bool {
+    fn holds<R: Real>(before: Mode, slip: &TangentialState<R>) -> bool {
         if planted(RelockForgets) && before != Mode::Locked {
             let force = slip.normal * slip.normal * slip.stretch_squared;
             return Self::locks(force, slip.friction * slip.friction);
@@ -129,21 +131,21 @@ impl StepRules for Mistaken {
             () if planted(ThreeChanging) => 3,
             () if planted(FiveChanging) => 5,
             () if planted(SevenChanging) => 7,
-            () => Spec::changing_solves(),
+            () => SpecRules::changing_solves(),
         }
     }
     fn unchanging_solves() -> u32 {
         match () {
             () if planted(SixUnchanging) => 6,
             () if planted(EightUnchanging) => 8,
-            () => Spec::unchanging_solves(),
+            () => SpecRules::unchanging_solves(),
         }
     }
     fn opens_or_closes(before: Mode, after: Mode) -> bool {
         match () {
             () if planted(ChangesByForceCount) => before != after,
             () if planted(OpeningIgnored) => false,
-            () => Spec::opens_or_closes(before, after),
+            () => SpecRules::opens_or_closes(before, after),
         }
     }
     fn settled<R: Real>(misfit: R, pressing: R) -> bool {
@@ -152,36 +154,37 @@ impl StepRules for Mistaken {
             () if planted(NeverSettled) => false,
             () if planted(SettledTurnedRound) => R::from_f64(100.0) * misfit >= pressing,
             () if planted(SettledTenfold) => R::from_f64(10.0) * misfit <= pressing,
-            () => Spec::settled(misfit, pressing),
+            () => SpecRules::settled(misfit, pressing),
         }
     }
     fn slip_turned<R: Real>(along: R) -> bool {
         match () {
             () if planted(TurnedForgotten) => false,
             () if planted(TurnedOtherWay) => along > R::ZERO,
-            () => Spec::slip_turned(along),
+            () => SpecRules::slip_turned(along),
         }
     }
     fn spring_across<R: Real>(secant: R, shear: R) -> R {
         match () {
             () if planted(NoSpringAcross) => R::ZERO,
             () if planted(StifferAcross) => secant.larger(shear),
-            () => Spec::spring_across(secant, shear),
+            () => SpecRules::spring_across(secant, shear),
         }
     }
     fn first_time_step<R: Real>(full: R, last: R) -> R {
         match () {
             () if planted(BeginsFull) => full,
             () if planted(GrowsTwofold) => full.smaller(last * R::from_f64(2.0)),
+            () if planted(StepEnlarged) => full * R::from_f64(4.0),
             () if planted(GrowsBeyondFull) => full.larger(last * R::from_f64(1.5)),
-            () => Spec::first_time_step(full, last),
+            () => SpecRules::first_time_step(full, last),
         }
     }
     fn leaves_kept(mode: Mode) -> bool {
         match () {
             () if planted(KeptForgotten) => false,
             () if planted(KeptOpen) => !mode.is_closed(),
-            () => Spec::leaves_kept(mode),
+            () => SpecRules::leaves_kept(mode),
         }
     }
     fn cut<R: Real>(time_step: R) -> R {

@@ -1,44 +1,44 @@
 //! What a scene attaches to blocks: `[[set]]`, `[[load]]`, `[[fixed_point]]` and `[[measured_point]]`. Which blocks are
 //! meant is known only when all of them are read.
 
-use super::body::{KEYS, Patch, Reference};
+use super::body::{BlockReference, BodyProperties, KEYS};
 use super::lines::{Allowed, Lines, Value};
 use crate::block::Point;
 use crate::number::Number;
 use crate::number_text::shown;
 use crate::scene::SceneBlock;
-use crate::scene::error::Problem;
+use crate::scene::error::SceneProblem;
 use crate::scene::tokens::Located;
 use crate::simulation::{FixedPoint, MeasuredPoint, PointLoad, Simulation};
 use crate::vector::Vec3;
 use toml::de::{DeTable, DeValue};
 
 /// As read; blocks not yet looked up.
-pub(in crate::scene) struct Attached {
-    sets: Vec<(Meant, Patch)>,
-    loads: Vec<(Spot, Table)>,
-    fixed: Vec<(Spot, Option<Number>)>,
-    measured: Vec<(Spot, String)>,
+pub(in crate::scene) struct Attachments {
+    sets: Vec<(SetMembers, BodyProperties)>,
+    loads: Vec<(BlockPoint, LoadTable)>,
+    fixed: Vec<(BlockPoint, Option<Number>)>,
+    measured: Vec<(BlockPoint, String)>,
 }
 
 /// Times and forces of a load.
-type Table = Vec<(Number, Vec3<Number>)>;
+type LoadTable = Vec<(Number, Vec3<Number>)>;
 
 /// The blocks of a `[[set]]`.
-enum Meant {
+enum SetMembers {
     All,
-    These(Vec<Reference>),
+    These(Vec<BlockReference>),
 }
 
 /// A point of a block.
-struct Spot {
-    block: Reference,
+struct BlockPoint {
+    block: BlockReference,
     at: Point,
     what: String,
     line: usize,
 }
 
-impl Spot {
+impl BlockPoint {
     /// The block; the point must be no further outside the block's box than the box is long.
     fn resolve(&self, blocks: &[SceneBlock]) -> Result<usize, Located> {
         let block = self.block.resolve(blocks)?;
@@ -62,11 +62,11 @@ impl Spot {
             near(&bounds.min),
             near(&bounds.max)
         );
-        Err((Some(self.line), Problem::NotAllowed { what: self.what.clone(), found, allowed }))
+        Err((Some(self.line), SceneProblem::NotAllowed { what: self.what.clone(), found, allowed }))
     }
 }
 
-impl Attached {
+impl Attachments {
     /// Changes the blocks of the sets, in order, and gives loads and points to the simulation.
     pub(in crate::scene) fn attach(
         self,
@@ -75,8 +75,8 @@ impl Attached {
     ) -> Result<(), Located> {
         for (meant, patch) in &self.sets {
             let places = match meant {
-                Meant::All => (0..blocks.len()).collect(),
-                Meant::These(references) => {
+                SetMembers::All => (0..blocks.len()).collect(),
+                SetMembers::These(references) => {
                     references.iter().map(|r| r.resolve(blocks)).collect::<Result<Vec<_>, _>>()?
                 }
             };
@@ -98,8 +98,8 @@ impl Attached {
 }
 
 impl Lines {
-    pub(super) fn attached(&self, document: &DeTable<'_>, simulation: &Simulation) -> Result<Attached, Located> {
-        let mut attached = Attached { sets: Vec::new(), loads: Vec::new(), fixed: Vec::new(), measured: Vec::new() };
+    pub(super) fn attached(&self, document: &DeTable<'_>, simulation: &Simulation) -> Result<Attachments, Located> {
+        let mut attached = Attachments { sets: Vec::new(), loads: Vec::new(), fixed: Vec::new(), measured: Vec::new() };
         for (value, table) in self.tables(document, "set")? {
             let keys: Vec<&str> = ["blocks"].into_iter().chain(KEYS).collect();
             self.only(table, "[[set]]", &keys)?;
@@ -131,38 +131,38 @@ impl Lines {
         Ok(attached)
     }
 
-    fn meant(&self, value: &Value<'_>) -> Result<Meant, Located> {
+    fn meant(&self, value: &Value<'_>) -> Result<SetMembers, Located> {
         match value.get_ref() {
-            DeValue::String(word) if word == "all" => Ok(Meant::All),
+            DeValue::String(word) if word == "all" => Ok(SetMembers::All),
             DeValue::Array(blocks) => {
                 let references = blocks.iter().map(|block| self.reference(block, "a block of [[set]]"));
-                Ok(Meant::These(references.collect::<Result<_, _>>()?))
+                Ok(SetMembers::These(references.collect::<Result<_, _>>()?))
             }
             _ => Err(self.unexpected(value, "`blocks` of [[set]], an array of numbers and names, or \"all\"")),
         }
     }
 
-    fn spot(&self, value: &Value<'_>, table: &DeTable<'_>, place: &str) -> Result<Spot, Located> {
+    fn spot(&self, value: &Value<'_>, table: &DeTable<'_>, place: &str) -> Result<BlockPoint, Located> {
         let block = self.reference(self.required(value, table, place, "block")?, &format!("`block` of {place}"))?;
         let at = self.required(value, table, place, "at")?;
         let what = format!("`at` of {place}");
-        Ok(Spot { block, at: self.vector(at, &what, "coordinate")?, what, line: self.of(&at.span()) })
+        Ok(BlockPoint { block, at: self.vector(at, &what, "coordinate")?, what, line: self.of(&at.span()) })
     }
 
-    fn load_table(&self, value: &Value<'_>, load: &DeTable<'_>) -> Result<Table, Located> {
+    fn load_table(&self, value: &Value<'_>, load: &DeTable<'_>) -> Result<LoadTable, Located> {
         self.one_of(load, "[[load]]", ["force", "table"])?;
         if let Some(force) = load.get("force") {
             return Ok(vec![(Number::ZERO, self.vector(force, "`force` of [[load]]", "component")?)]);
         }
         let what = "`table` of [[load]]";
         let Some(rows) = load.get("table") else {
-            let problem = Problem::Unexpected {
+            let problem = SceneProblem::Unexpected {
                 found: "no `force`".to_string(),
                 expected: "a [[load]] with `force` or `table`".to_string(),
             };
             return Err((Some(self.of(&value.span())), problem));
         };
-        let mut table: Table = Vec::new();
+        let mut table: LoadTable = Vec::new();
         for row in self.array(rows, what)? {
             let [time, x, y, z] = self.numbers(row, &format!("a row of {what}"), "number")?;
             if let Some((before, _)) = table.last().filter(|(before, _)| *before >= time) {

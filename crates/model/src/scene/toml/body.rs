@@ -4,18 +4,18 @@ use super::lines::{Lines, Value, listed};
 use crate::number::Number;
 use crate::number_text::shown;
 use crate::scene::SceneBlock;
-use crate::scene::error::Problem;
+use crate::scene::error::SceneProblem;
 use crate::scene::tokens::Located;
 use crate::simulation::{Body, Motion, Simulation};
 use crate::vector::Vec3;
 use toml::de::{DeTable, DeValue};
 
-/// Keys of a [`Patch`].
+/// Keys of a [`BodyProperties`].
 pub(super) const KEYS: [&str; 7] = ["motion", "fixed", "material", "joint", "velocity", "spin", "stress"];
 
 /// Properties of bodies, of which a table may give any.
 #[derive(Clone, Default)]
-pub(in crate::scene) struct Patch {
+pub(in crate::scene) struct BodyProperties {
     motion: Option<Motion>,
     material: Option<usize>,
     joint: Option<usize>,
@@ -24,7 +24,7 @@ pub(in crate::scene) struct Patch {
     stress: Option<[Number; 6]>,
 }
 
-impl Patch {
+impl BodyProperties {
     /// Changes what is given.
     pub(in crate::scene) fn apply(&self, body: &mut Body) {
         fn set<T: Clone>(to: &mut T, from: &Option<T>) {
@@ -42,7 +42,7 @@ impl Patch {
 }
 
 /// A block as a table names it.
-pub(in crate::scene) struct Reference {
+pub(in crate::scene) struct BlockReference {
     block: Named,
     /// The key, for messages.
     what: String,
@@ -54,11 +54,11 @@ enum Named {
     Name(String),
 }
 
-impl Reference {
+impl BlockReference {
     /// The place of the block meant.
     pub(in crate::scene) fn resolve(&self, blocks: &[SceneBlock]) -> Result<usize, Located> {
         let refuse = |found: String, allowed: String| {
-            (Some(self.line), Problem::NotAllowed { what: self.what.clone(), found, allowed })
+            (Some(self.line), SceneProblem::NotAllowed { what: self.what.clone(), found, allowed })
         };
         match &self.block {
             Named::Number(digits) => match digits.parse::<usize>() {
@@ -86,11 +86,16 @@ fn numbers_and_names(blocks: &[SceneBlock]) -> String {
 }
 
 impl Lines {
-    pub(super) fn patch(&self, table: &DeTable<'_>, place: &str, simulation: &Simulation) -> Result<Patch, Located> {
+    pub(super) fn patch(
+        &self,
+        table: &DeTable<'_>,
+        place: &str,
+        simulation: &Simulation,
+    ) -> Result<BodyProperties, Located> {
         let what = |key: &str| format!("`{key}` of {place}");
         let names: Vec<String> = simulation.materials.iter().map(|material| material.name.clone()).collect();
         let vector = |key: &str| table.get(key).map(|value| self.vector(value, &what(key), "component")).transpose();
-        Ok(Patch {
+        Ok(BodyProperties {
             motion: self.motion(table, place)?,
             material: table.get("material").map(|v| self.known(v, &what("material"), &names)).transpose()?,
             joint: table.get("joint").map(|v| self.known(v, &what("joint"), &simulation.joints.names)).transpose()?,
@@ -113,12 +118,12 @@ impl Lines {
     }
 
     /// A block's number or name.
-    pub(super) fn reference(&self, value: &Value<'_>, what: &str) -> Result<Reference, Located> {
+    pub(super) fn reference(&self, value: &Value<'_>, what: &str) -> Result<BlockReference, Located> {
         let block = match value.get_ref() {
             DeValue::Integer(integer) if integer.radix() == 10 => Named::Number(integer.as_str().to_string()),
             DeValue::String(name) => Named::Name(name.to_string()),
             _ => return Err(self.unexpected(value, &format!("{what}, a block's number or name"))),
         };
-        Ok(Reference { block, what: what.to_string(), line: self.of(&value.span()) })
+        Ok(BlockReference { block, what: what.to_string(), line: self.of(&value.span()) })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::number::{Number, NumberError, Precision};
 use crate::number_text::shown;
-use crate::scene::error::Problem;
+use crate::scene::error::SceneProblem;
 use crate::scene::tokens::Located;
 use crate::vector::Vec3;
 use std::ops::Range;
@@ -69,11 +69,11 @@ impl Lines {
             DeValue::Array(array) => format!("an array of {}", array.len()),
             other => format!("a {}", other.type_str()),
         };
-        (Some(self.of(&value.span())), Problem::Unexpected { found, expected: expected.to_string() })
+        (Some(self.of(&value.span())), SceneProblem::Unexpected { found, expected: expected.to_string() })
     }
 
     pub(super) fn not_allowed(&self, value: &Value<'_>, what: &str, found: &str, allowed: String) -> Located {
-        let problem = Problem::NotAllowed { what: what.to_string(), found: found.to_string(), allowed };
+        let problem = SceneProblem::NotAllowed { what: what.to_string(), found: found.to_string(), allowed };
         (Some(self.of(&value.span())), problem)
     }
 
@@ -81,7 +81,7 @@ impl Lines {
         match table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
             None => Ok(()),
             Some(key) => {
-                let problem = Problem::UnknownKey {
+                let problem = SceneProblem::UnknownKey {
                     found: shown(key.get_ref()),
                     place: place.to_string(),
                     known: known.join(", "),
@@ -96,7 +96,7 @@ impl Lines {
         match keys.map(|key| table.get(key)) {
             [Some(_), Some(second)] => {
                 let found = format!("`{}` beside `{}`", keys[1], keys[0]);
-                let problem = Problem::Unexpected { found, expected: format!("one of them in {place}") };
+                let problem = SceneProblem::Unexpected { found, expected: format!("one of them in {place}") };
                 Err((Some(self.of(&second.span())), problem))
             }
             _ => Ok(()),
@@ -117,7 +117,7 @@ impl Lines {
     ) -> Result<&'v Value<'i>, Located> {
         table.get(key).ok_or_else(|| {
             let problem =
-                Problem::Unexpected { found: format!("no `{key}`"), expected: format!("a {place} with `{key}`") };
+                SceneProblem::Unexpected { found: format!("no `{key}`"), expected: format!("a {place} with `{key}`") };
             (Some(self.of(&whole.span())), problem)
         })
     }
@@ -180,7 +180,7 @@ impl Lines {
 
     /// A number is the f64 it parses to, a string is exact (SPEC section 1).
     pub(super) fn number(&self, value: &Value<'_>, what: &str) -> Result<Number, Located> {
-        let refuse = |error| (Some(self.of(&value.span())), Problem::Number { what: what.to_string(), error });
+        let refuse = |error| (Some(self.of(&value.span())), SceneProblem::Number { what: what.to_string(), error });
         let number = match value.get_ref() {
             DeValue::String(text) => Number::parse(text).map_err(refuse)?,
             DeValue::Integer(integer) => {

@@ -3,7 +3,7 @@
 use super::lines::{Allowed, Lines, Value};
 use crate::number::Number;
 use crate::number_text::shown;
-use crate::scene::error::Problem;
+use crate::scene::error::SceneProblem;
 use crate::scene::tokens::Located;
 use crate::simulation::{
     Control, JointPair, JointProperties, Joints, Kinematics, Material, Simulation, Unconverged, tangent_of_degrees,
@@ -124,7 +124,7 @@ impl Lines {
                 if other.replace(properties).is_some() {
                     let found = "a second [[joint]] without `between`".to_string();
                     let expected = "`between`: one [[joint]] says what holds for all other pairs".to_string();
-                    return Err((Some(self.of(&value.span())), Problem::Unexpected { found, expected }));
+                    return Err((Some(self.of(&value.span())), SceneProblem::Unexpected { found, expected }));
                 }
                 continue;
             };
@@ -175,7 +175,7 @@ impl Lines {
             (None, Some(_), Some(value)) => {
                 let expected = "`shear_ratio`, or `normal_stiffness` beside it".to_string();
                 let found = "`shear_stiffness` alone".to_string();
-                return Err((Some(self.of(&value.span())), Problem::Unexpected { found, expected }));
+                return Err((Some(self.of(&value.span())), SceneProblem::Unexpected { found, expected }));
             }
             _ => number("shear_ratio", Allowed::NotNegative)?,
         };

@@ -7,15 +7,15 @@ mod body;
 mod lines;
 mod materials;
 
-pub(super) use attach::Attached;
-pub(super) use body::Patch;
+pub(super) use attach::Attachments;
+pub(super) use body::BodyProperties;
 
 use crate::block::Point;
 use crate::number::Number;
-use crate::scene::error::Problem;
+use crate::scene::error::SceneProblem;
 use crate::scene::tokens::Located;
 use crate::simulation::Simulation;
-use crate::spec::{SpecError, ToleranceSpec};
+use crate::tolerance_spec::{SpecError, ToleranceSpec};
 use lines::{Allowed, Lines, Value};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -24,23 +24,23 @@ use toml::de::{DeTable, DeValue};
 pub(super) struct Document {
     pub(super) tolerances: Option<ToleranceSpec>,
     pub(super) planarity: Option<Number>,
-    pub(super) entries: Vec<Entry>,
+    pub(super) entries: Vec<BlockEntry>,
     /// Without loads and points: those are in `attached` until the blocks are known.
     pub(super) simulation: Simulation,
-    pub(super) attached: Attached,
+    pub(super) attached: Attachments,
 }
 
 /// One `[[block]]`.
-pub(super) struct Entry {
+pub(super) struct BlockEntry {
     pub(super) name: Option<String>,
-    pub(super) patch: Patch,
+    pub(super) patch: BodyProperties,
     pub(super) planarity: Option<Number>,
-    pub(super) content: Content,
+    pub(super) content: ShapeSource,
     pub(super) line: usize,
 }
 
 /// Where the shape of a `[[block]]` comes from.
-pub(super) enum Content {
+pub(super) enum ShapeSource {
     Mesh { vertices: Vec<Point>, faces: Vec<Vec<u32>> },
     File(String),
     Box { min: Point, max: Point },
@@ -93,7 +93,7 @@ pub(super) fn read_tolerances(text: &str) -> Result<ToleranceSpec, Located> {
 fn parse<'i>(text: &'i str, lines: &Lines) -> Result<Spanned<DeTable<'i>>, Located> {
     DeTable::parse(text).map_err(|error| {
         let line = error.span().map(|span| lines.of(&span));
-        (line, Problem::Toml { message: error.message().lines().collect::<Vec<_>>().join(", ") })
+        (line, SceneProblem::Toml { message: error.message().lines().collect::<Vec<_>>().join(", ") })
     })
 }
 
@@ -114,7 +114,7 @@ impl Lines {
             let set = match value.get_ref() {
                 DeValue::String(text) => spec.set_text(name, text),
                 // An unknown name matters more than what stands behind it.
-                _ if !crate::spec::NAMES.contains(&name) => spec.set_text(name, ""),
+                _ if !crate::tolerance_spec::NAMES.contains(&name) => spec.set_text(name, ""),
                 _ => spec.set_number(name, self.number(value, &format!("tolerance `{name}`"))?),
             };
             set.map_err(|error| (Some(self.of(&key.span())), error.into()))?;
@@ -122,7 +122,7 @@ impl Lines {
         Ok(spec)
     }
 
-    fn entry(&self, value: &Value<'_>, table: &DeTable<'_>, simulation: &Simulation) -> Result<Entry, Located> {
+    fn entry(&self, value: &Value<'_>, table: &DeTable<'_>, simulation: &Simulation) -> Result<BlockEntry, Located> {
         let line = self.of(&value.span());
         let shape = ["vertices", "faces", "file", "box"];
         let keys = ["name", "planarity"].into_iter().chain(body::KEYS).chain(shape);
@@ -132,28 +132,28 @@ impl Lines {
         let patch = self.patch(table, "[[block]]", simulation)?;
         let content = match shape.map(|key| table.get(key)) {
             [Some(vertices), Some(faces), None, None] => {
-                Content::Mesh { vertices: self.vertices(vertices)?, faces: self.faces(faces)? }
+                ShapeSource::Mesh { vertices: self.vertices(vertices)?, faces: self.faces(faces)? }
             }
-            [None, None, Some(file), None] => Content::File(self.text(file, "`file`")?.to_string()),
+            [None, None, Some(file), None] => ShapeSource::File(self.text(file, "`file`")?.to_string()),
             [None, None, None, Some(corners)] => self.corners(corners)?,
             _ => {
                 let given: Vec<&str> = shape.into_iter().filter(|key| table.get(*key).is_some()).collect();
                 let found = if given.is_empty() { "a block without a shape".to_string() } else { given.join(" and ") };
                 let expected = "`vertices` and `faces`, or `file`, or `box`".to_string();
-                return Err((Some(line), Problem::Unexpected { found, expected }));
+                return Err((Some(line), SceneProblem::Unexpected { found, expected }));
             }
         };
-        Ok(Entry { name, patch, planarity, content, line })
+        Ok(BlockEntry { name, patch, planarity, content, line })
     }
 
-    fn corners(&self, value: &Value<'_>) -> Result<Content, Located> {
+    fn corners(&self, value: &Value<'_>) -> Result<ShapeSource, Located> {
         let table = self.table(value, "`box`")?;
         self.only(table, "`box`", &["min", "max"])?;
         let corner = |key: &str| match table.get(key) {
             Some(corner) => self.vector(corner, &format!("`{key}`"), "coordinate"),
             None => Err(self.unexpected(value, "`box` with `min` and `max`")),
         };
-        Ok(Content::Box { min: corner("min")?, max: corner("max")? })
+        Ok(ShapeSource::Box { min: corner("min")?, max: corner("max")? })
     }
 
     fn vertices(&self, value: &Value<'_>) -> Result<Vec<Point>, Located> {

@@ -1,4 +1,6 @@
 use super::*;
+use crate::dynamics::assembly::System;
+use crate::dynamics::island::{by_single, islands};
 use rockproof_model::{Block, BlockOptions, Number, Precision, SceneBlock, ToleranceSpec, Vec3};
 
 fn block(points: &[[f64; 3]], faces: &[&[u32]]) -> SceneBlock {
@@ -36,8 +38,50 @@ fn a_step_that_collapses_a_block_leaves_all_as_before() {
     let (state, moments) = (dynamics.state.clone(), dynamics.moments.clone());
     for _ in 0..2 {
         let stopped = dynamics.step().expect_err("above it a side does");
-        assert!(matches!(stopped, Stopped::Collapsed { step: 2, block: 1, .. }), "{stopped}");
+        assert!(matches!(stopped, StepError::Collapsed { step: 2, block: 1, .. }), "{stopped}");
         assert_eq!((&dynamics.state, &dynamics.moments), (&state, &moments));
         assert!(agrees(&dynamics), "what is prepared is not what stands");
     }
+}
+
+/// Cubes of 1 m on one another, on a fixed one.
+fn stack(cubes: u32) -> Dynamics<f64> {
+    let cube = |low: u32| {
+        let [low, high] = [low, low + 1].map(f64::from);
+        let points: Vec<[f64; 3]> =
+            (0..8).map(|k| [f64::from(k & 1), f64::from(k >> 1 & 1), if k < 4 { low } else { high }]).collect();
+        block(&points, &[&[0, 2, 3, 1], &[4, 5, 7, 6], &[0, 1, 5, 4], &[1, 3, 7, 5], &[3, 2, 6, 7], &[2, 0, 4, 6]])
+    };
+    let mut scene = Scene { blocks: (0..=cubes).map(cube).collect(), ..Scene::default() };
+    scene.blocks[0].body.motion = rockproof_model::Motion::Fixed;
+    let set = ToleranceSpec::default().derive(&scene.shapes(), Precision::F64).expect("tolerances");
+    scene.derive_stiffness(&set);
+    Dynamics::new(&scene, &set).expect("a scene")
+}
+
+#[test]
+fn a_factor_in_f32_is_refined_to_the_solution_in_f64() {
+    let mut dynamics = stack(12);
+    let mut contacts = dynamics.contacts();
+    contacts.iter_mut().for_each(StepContact::reset::<SpecRules>);
+    // One slides, so that its spring across the slip takes part.
+    let slip = Vector::new(1e-6, 2e-6, 0.0);
+    contacts[5].iterate.mode = Mode::Sliding;
+    contacts[5].iterate.friction =
+        Friction::along::<SpecRules>(slip, 1e8, contacts[5].joint.shear, contacts[5].plane.normal);
+    let block_systems = dynamics.block_systems(0.01, false);
+    let unknowns: Vec<usize> = block_systems.iter().map(|block| block.unknowns).collect();
+    let island = &islands(&unknowns, &contacts)[0];
+    let layout = dynamics.layouts.of(&island.couplings).expect("a layout");
+    let marked = vec![true; layout.pattern.panel_count()];
+    let system = System::new(&island.couplings.blocks, &layout, &marked, &block_systems, (&contacts, &island.contacts));
+    let force = system.force();
+    let refined = by_single(&system, &layout, &marked, (&mut Vec::new(), &force), &mut IterationTimes::default())
+        .expect("an end");
+    let (mut values, mut direct) = (vec![0.0; layout.pattern.values()], force.clone());
+    f64::factorize(&layout.pattern, &mut values, &marked, &|panel, own| system.fill(panel, own)).expect("a factor");
+    f64::substitute(&layout.pattern, &values, &mut direct).expect("a solution");
+    let largest = direct.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    let apart = direct.iter().zip(&refined).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
+    assert!(largest > 1e-5 && apart < 1e-11 * largest, "{apart} of {largest}");
 }

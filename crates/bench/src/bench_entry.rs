@@ -1,0 +1,101 @@
+//! What is timed: each way to classify a pair, with and without the preparation of its blocks.
+
+use crate::sample::PreparedPair;
+use num_rational::BigRational;
+use rockproof_model::Block;
+use rockproof_oracle::rational::Rational;
+use rockproof_oracle::{self, Pair, plain};
+use rockproof_stepper::Real;
+use rockproof_stepper::contact::{PreparedBlock, SpecRules, Tolerances, classify};
+use std::hint::black_box;
+
+/// How much of the work is timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimedPart {
+    /// Classification alone, of blocks made ready before.
+    Prepared,
+    /// Making both blocks ready, then classification.
+    Whole,
+    /// Making both blocks ready, no more.
+    Preparation,
+}
+
+impl TimedPart {
+    /// `classify`, `prepare+classify` or `prepare`.
+    pub fn name(self) -> &'static str {
+        match self {
+            TimedPart::Prepared => "classify",
+            TimedPart::Whole => "prepare+classify",
+            TimedPart::Preparation => "prepare",
+        }
+    }
+}
+
+/// One way to do one part of the work.
+#[derive(Clone, Copy, Debug)]
+pub struct BenchEntry {
+    /// `f32`, `f64`, `certified`, `plain num-rational` or `plain rug`.
+    pub engine: &'static str,
+    /// How much of the work.
+    pub mode: TimedPart,
+    /// Whether it is so slow that it gets a part of the pairs and of the rounds.
+    pub slow: bool,
+    /// Whether its contacts must be those of every other exact entry.
+    pub exact: bool,
+    /// Does the work and says how many contacts there are; 0 if the work is not to find them.
+    pub run: fn(&PreparedPair) -> usize,
+}
+
+/// The entry that times are compared with.
+pub const FLOAT: &str = "f64";
+
+/// The oracle's fast path.
+pub const CERTIFIED: &str = "certified";
+
+/// Every entry; with the feature `gmp`, plain rationals of GMP as well.
+pub fn bench_entries() -> Vec<BenchEntry> {
+    let fast = |engine, mode, run| BenchEntry { engine, mode, slow: false, exact: engine == CERTIFIED, run };
+    let slow = |engine, run| BenchEntry { engine, mode: TimedPart::Whole, slow: true, exact: true, run };
+    let mut all: Vec<BenchEntry> = vec![
+        fast("f32", TimedPart::Prepared, |pair| stepper(&pair.f32)),
+        fast(FLOAT, TimedPart::Prepared, |pair| stepper(&pair.f64)),
+        fast(CERTIFIED, TimedPart::Prepared, |pair| certified(&pair.exact, pair)),
+        fast("f32", TimedPart::Whole, |pair| from_blocks::<f32>(pair).map_or(0, |ready| stepper(&ready))),
+        fast(FLOAT, TimedPart::Whole, |pair| from_blocks::<f64>(pair).map_or(0, |ready| stepper(&ready))),
+        fast(CERTIFIED, TimedPart::Whole, |pair| certified(&solids(pair), pair)),
+        fast("f32", TimedPart::Preparation, |pair| usize::from(black_box(from_blocks::<f32>(pair)).is_none())),
+        fast(FLOAT, TimedPart::Preparation, |pair| usize::from(black_box(from_blocks::<f64>(pair)).is_none())),
+        fast(CERTIFIED, TimedPart::Preparation, |pair| {
+            usize::from(black_box(solids(pair))[0].block().vertices().is_empty())
+        }),
+        slow("plain num-rational", plainly::<BigRational>),
+    ];
+    #[cfg(feature = "gmp")]
+    all.push(slow("plain rug", plainly::<rug::Rational>));
+    all.shrink_to_fit();
+    all
+}
+
+type FloatPair<R> = ([PreparedBlock<R>; 2], Tolerances<R>);
+
+fn stepper<R: Real>(([a, b], tolerances): &FloatPair<R>) -> usize {
+    black_box(classify::<R, SpecRules>(a, b, tolerances)).len()
+}
+
+fn from_blocks<R: Real>(pair: &PreparedPair) -> Option<FloatPair<R>> {
+    let set = if size_of::<R>() == size_of::<f32>() { &pair.tolerances_f32 } else { &pair.tolerances };
+    let solid = |block: &Block| PreparedBlock::new(block).ok();
+    Some(([solid(&pair.a)?, solid(&pair.b)?], Tolerances::new(set).ok()?))
+}
+
+fn solids(pair: &PreparedPair) -> [rockproof_oracle::PreparedBlock; 2] {
+    [rockproof_oracle::PreparedBlock::new(&pair.a), rockproof_oracle::PreparedBlock::new(&pair.b)]
+}
+
+fn certified([a, b]: &[rockproof_oracle::PreparedBlock; 2], pair: &PreparedPair) -> usize {
+    black_box(Pair::new(a, b).classify(&pair.tolerances)).contacts.len()
+}
+
+fn plainly<Q: Rational>(pair: &PreparedPair) -> usize {
+    black_box(plain::classify::<Q>(&pair.a, &pair.b, &pair.tolerances)).len()
+}

@@ -1,0 +1,187 @@
+//! The case files of a campaign: which findings get one, and how it is made.
+
+use super::case_writer::{CaseCounts, CaseFiles, CaseQuota, CaseRequest, Record, write_cases};
+use super::journal::{CampaignProgress, NewRows};
+use super::run::{Campaign, RunError, Stopped, rows};
+use super::shrink::Shrinker;
+use super::steps::{self, StepFinding, StepFindingRow};
+use rockproof_differential::attribution::examine;
+use rockproof_differential::case_file::Case;
+use rockproof_differential::finding::{FAR, Finding, Fingerprint};
+use rockproof_differential::motion::PairMotion;
+use rockproof_differential::row::FindingRow;
+use rockproof_differential::subject::Subject;
+
+/// A case file: its name and its content.
+pub(super) type CaseFile = (String, Vec<u8>);
+
+/// Of findings about steps one case is kept where of others so many are: they are larger, and each is a step made some ten times.
+const STEP_CASES: u64 = 4;
+
+/// The case file that the finding of a row would get.
+pub(super) fn wish(row: &FindingRow) -> CaseRequest {
+    let fingerprint = Fingerprint::of_row(row);
+    let name = format!("{}.toml", fingerprint.file_stem(&row.tolerances, row.index));
+    let far = row.margin_ulps.map(f64::abs).filter(|ulps| *ulps > FAR);
+    let record = far.map(|ulps| Record {
+        key: format!("furthest {} {}", row.engine, row.cause),
+        decade: ulps.log10().floor() as u64,
+    });
+    CaseRequest { fingerprint: fingerprint.text(), cause: row.cause.name(), name, record }
+}
+
+/// The same of a finding about a step.
+pub(super) fn step_wish(row: &StepFindingRow) -> CaseRequest {
+    CaseRequest { fingerprint: row.fingerprint(), cause: row.cause.name(), name: row.file_name(), record: None }
+}
+
+impl Campaign<'_> {
+    /// How many case files there may be.
+    pub(super) fn most_cases(&self) -> CaseQuota {
+        CaseQuota { of_cause: self.config.cases_per_cause, alike: self.config.cases_per_fingerprint }
+    }
+
+    /// The same of findings about steps.
+    pub(super) fn most_step_cases(&self) -> CaseQuota {
+        CaseQuota { of_cause: self.config.cases_per_cause / STEP_CASES, ..self.most_cases() }
+    }
+
+    /// The rows of a chunk's findings and their case files. A part makes no case files. Where the run is stopped meanwhile, the rest is not
+    /// made, and what comes of it is to be thrown away.
+    pub(super) fn chosen(
+        &self,
+        findings: &[Finding],
+        stepped: &[StepFinding],
+        progress: &mut CampaignProgress,
+        stopped: Stopped<'_>,
+    ) -> Result<(NewRows, Vec<CaseFile>), RunError> {
+        let (kept, kept_steps, no_case) = if progress.part.is_some() {
+            let no_case = self.without_case(stepped, progress, stopped)?;
+            (CaseFiles::none(findings.len()), CaseFiles::none(stepped.len()), no_case)
+        } else {
+            let kept = self.keep_cases(findings, progress, stopped)?;
+            (kept, self.keep_step_cases(stepped, progress, stopped)?, Vec::new())
+        };
+        let new = NewRows {
+            findings: rows(findings, &kept.names, Finding::row)?,
+            steps: rows(stepped, &kept_steps.names, StepFinding::row)?,
+            no_case,
+        };
+        Ok((new, kept.files.into_iter().chain(kept_steps.files).collect()))
+    }
+
+    /// Keeps case files of findings: the first few of each fingerprint, and those further from a tie than all before.
+    fn keep_cases(
+        &self,
+        findings: &[Finding],
+        progress: &mut CampaignProgress,
+        stopped: Stopped<'_>,
+    ) -> Result<CaseFiles, RunError> {
+        let wish = |finding: &Finding| wish(&finding.row(String::new()));
+        let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
+        let case = |finding: &Finding| if stopped() { Ok(None) } else { self.case(finding) };
+        write_cases(findings, wish, self.most_cases(), counts, case)
+    }
+
+    /// The same of findings about steps: the first few of each fingerprint.
+    fn keep_step_cases(
+        &self,
+        findings: &[StepFinding],
+        progress: &mut CampaignProgress,
+        stopped: Stopped<'_>,
+    ) -> Result<CaseFiles, RunError> {
+        let wish = |finding: &StepFinding| step_wish(&finding.row(String::new()));
+        let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
+        let case = |finding: &StepFinding| if stopped() { Ok(None) } else { self.step_case(finding) };
+        write_cases(findings, wish, self.most_step_cases(), counts, case)
+    }
+
+    /// Rows of `no_case.csv`: of the findings about steps that a campaign of this part alone would keep, those that cannot have a case file.
+    /// Finding that out is most of what a merge would have to do again.
+    fn without_case(
+        &self,
+        findings: &[StepFinding],
+        progress: &mut CampaignProgress,
+        stopped: Stopped<'_>,
+    ) -> Result<Vec<u8>, RunError> {
+        let Some(part) = &mut progress.part else { return Ok(Vec::new()) };
+        let wish = |finding: &StepFinding| step_wish(&finding.row(String::new()));
+        let counts = CaseCounts { alike: &mut part.fingerprints, of_cause: &mut part.causes };
+        let tried = |finding: &StepFinding| {
+            if stopped() {
+                return Ok(None);
+            }
+            let moving = self.source.moving(finding.index, &finding.family);
+            let possible = moving
+                .is_some_and(|(subject, motion)| steps::case::is_possible(finding, &subject, &motion, self.steppers));
+            Ok(possible.then(Vec::new))
+        };
+        let kept = write_cases(findings, wish, self.most_step_cases(), counts, tried)?;
+        let mut rows = Vec::new();
+        for at in kept.failed {
+            let index = findings[at].index;
+            let before = findings[..at].iter().rev().take_while(|finding| finding.index == index).count();
+            rows.extend(format!("{index},{before}\n").into_bytes());
+        }
+        Ok(rows)
+    }
+
+    /// The subject of a pair.
+    fn subject(&self, index: u64) -> Option<Subject> {
+        let subjects = self.source.batch(index / self.source.batch_len());
+        subjects.into_iter().find(|subject| subject.index == index)
+    }
+
+    /// The pairs of an index that move, and how they do, in the order in which a campaign makes their steps.
+    fn moving(&self, index: u64) -> Vec<(Subject, PairMotion)> {
+        let of_index = self.subject(index).and_then(|subject| Some((self.source.motion(&subject)?, subject)));
+        let beside = self.source.step_pairs(index / self.source.batch_len());
+        let beside = beside.into_iter().filter(|(subject, _)| subject.index == index);
+        of_index.map(|(motion, subject)| (subject, motion)).into_iter().chain(beside).collect()
+    }
+
+    /// The case file of a finding, made small; none where the pair alone does not show the finding again.
+    fn case(&self, finding: &Finding) -> Result<Option<Vec<u8>>, RunError> {
+        let panel = (self.narrow)(finding);
+        let case = self.subject(finding.index).and_then(|s| Case::of(finding, &s, self.config.seed, &panel));
+        let Some(case) = case else { return Ok(None) };
+        Ok(Some(Shrinker::new(&panel, self.config.shrink_evaluations).shrink(case).to_toml()?.into_bytes()))
+    }
+
+    /// The case file of a finding about a step; none where the oracle's step ends in a stop, so that there is no answer to record, or where
+    /// the step does not show the finding again.
+    fn step_case(&self, finding: &StepFinding) -> Result<Option<Vec<u8>>, RunError> {
+        let Some((subject, motion)) = self.source.moving(finding.index, &finding.family) else { return Ok(None) };
+        let case = steps::case::of(finding, &subject, &motion, self.steppers);
+        Ok(case.map(|case| case.text()).transpose()?)
+    }
+
+    /// The finding behind a row, the `place`-th of its pair, from 0: the pair is examined again. `None` where it does not say the same,
+    /// which an external engine may do.
+    fn finding_again(&self, row: &FindingRow, place: usize) -> Option<Finding> {
+        let findings = examine(&self.subject(row.index)?, self.panel).findings;
+        findings.into_iter().nth(place).filter(|finding| finding.row(String::new()) == *row)
+    }
+
+    /// The same of a finding about a step.
+    fn step_finding_again(&self, row: &StepFindingRow, place: usize) -> Option<StepFinding> {
+        let moving = self.moving(row.index);
+        let moving: Vec<_> = moving.iter().map(|(subject, motion)| (subject, motion.clone())).collect();
+        let findings = steps::examine_all(&moving, self.steppers).findings;
+        findings.into_iter().nth(place).filter(|finding| finding.row(String::new()) == *row)
+    }
+
+    /// The case file of the finding behind a row, if the pair shows that again.
+    pub(super) fn case_of_row(&self, row: &FindingRow, place: usize) -> Option<Result<Option<Vec<u8>>, RunError>> {
+        Some(self.case(&self.finding_again(row, place)?))
+    }
+
+    /// The same of a finding about a step.
+    pub(super) fn step_case_of_row(
+        &self,
+        row: &StepFindingRow,
+        place: usize,
+    ) -> Option<Result<Option<Vec<u8>>, RunError>> {
+        Some(self.step_case(&self.step_finding_again(row, place)?))
+    }
+}

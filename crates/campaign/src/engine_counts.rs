@@ -1,0 +1,68 @@
+//! What external engines were put through, over all sessions of a run and all parts of a campaign.
+
+use rockproof_differential::attribution::EnginePanel;
+use rockproof_differential::engine::EngineCounts;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The table of what external engines were put through; only where there are any.
+pub const ENGINES: &str = "engines.csv";
+
+/// A row of it; the fields are its columns.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EngineRow {
+    /// The engine.
+    pub engine: String,
+    /// Questions asked.
+    pub asked: u64,
+    /// Processes started.
+    pub processes_started: u64,
+    /// Failures that a fresh process did not repeat.
+    pub recovered: u64,
+    /// Answers that nothing exact stands against.
+    pub not_compared: u64,
+}
+
+/// The counts of earlier sessions or of parts, and those that the engines of a panel had when this session began.
+pub(super) struct EngineSums {
+    before: BTreeMap<String, EngineCounts>,
+    at_start: BTreeMap<String, EngineCounts>,
+}
+
+impl EngineSums {
+    /// Begins a session after what was counted before.
+    pub(super) fn begin(panel: &EnginePanel, before: &BTreeMap<String, EngineCounts>) -> EngineSums {
+        EngineSums { before: before.clone(), at_start: counts(panel) }
+    }
+
+    /// The sums of what was counted before and in this session.
+    pub(super) fn now(&self, panel: &EnginePanel) -> BTreeMap<String, EngineCounts> {
+        let mut sums = self.before.clone();
+        for (name, now) in counts(panel) {
+            let since = self.at_start.get(&name).map_or(now, |start| now.since(start));
+            add(&mut sums, name, &since);
+        }
+        sums
+    }
+}
+
+/// Adds the counts of an engine.
+pub(super) fn add(sums: &mut BTreeMap<String, EngineCounts>, name: String, counts: &EngineCounts) {
+    let sum = sums.entry(name).or_default();
+    *sum = sum.plus(counts);
+}
+
+/// Since the program began.
+fn counts(panel: &EnginePanel) -> BTreeMap<String, EngineCounts> {
+    panel.engines.iter().filter_map(|engine| Some((engine.name().to_owned(), engine.counts()?))).collect()
+}
+
+/// `engines.csv`: a row for each external engine.
+pub(super) fn to_csv(engines: &BTreeMap<String, EngineCounts>) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for (name, counts) in engines {
+        let EngineCounts { asked, processes_started, recovered, not_compared } = *counts;
+        writer.serialize(EngineRow { engine: name.clone(), asked, processes_started, recovered, not_compared })?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}

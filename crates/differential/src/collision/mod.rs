@@ -1,0 +1,224 @@
+//! Engines that do not classify contacts but say how two blocks lie to one another, as collision codes do: apart, touching
+//! or overlapping, by how much, and which way out. Compared with the exact answer for convex pairs.
+
+pub mod separation;
+
+use super::compare::AnswerChange;
+use super::engine::{Answer, Engine, catch_panic};
+use super::transform::Transform;
+use rockproof_model::{Block, Number, Point, Precision, ToleranceSet};
+use separation::{Separation, normal_separates};
+use std::fmt;
+
+/// How two blocks lie to one another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum SeparationState {
+    /// There is room between them.
+    Apart,
+    /// They have points in common, but none inside both.
+    Touching,
+    /// They have points inside both.
+    Overlapping,
+}
+
+impl SeparationState {
+    /// All states.
+    pub const ALL: [SeparationState; 3] =
+        [SeparationState::Apart, SeparationState::Touching, SeparationState::Overlapping];
+
+    /// `apart`, `touching` or `overlapping`.
+    pub fn name(self) -> &'static str {
+        match self {
+            SeparationState::Apart => "apart",
+            SeparationState::Touching => "touching",
+            SeparationState::Overlapping => "overlapping",
+        }
+    }
+
+    /// The state written `name`, if there is one.
+    pub fn from_name(name: &str) -> Option<SeparationState> {
+        Self::ALL.into_iter().find(|state| state.name() == name)
+    }
+}
+
+impl fmt::Display for SeparationState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// What an engine says about a pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReportedState {
+    /// How the blocks lie.
+    pub state: SeparationState,
+    /// The distance, or minus the depth (m), if the engine tells.
+    pub gap_m: Option<f64>,
+    /// The direction in which A leaves B, of any length, if the engine tells.
+    pub normal: Option<[f64; 3]>,
+}
+
+/// What an engine said, beside what is so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StateComparison {
+    /// How the blocks lie.
+    pub exact: SeparationState,
+    /// The distance, or minus the depth, to the nearest f64 (m).
+    pub exact_gap_m: f64,
+    /// What the engine said.
+    pub reported: ReportedState,
+    /// The exact gap over the largest coordinate: how near to touching. **0 is a tie.**
+    pub margin: f64,
+    /// The margin in units of the engine's roundoff.
+    pub margin_ulps: f64,
+}
+
+impl fmt::Display for StateComparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {:?} m, said {}", self.exact, self.exact_gap_m, self.reported)
+    }
+}
+
+impl fmt::Display for ReportedState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.state)?;
+        if let Some(gap) = self.gap_m {
+            write!(f, " {gap:?} m")?;
+        }
+        if let Some([x, y, z]) = self.normal {
+            write!(f, " along ({x:?}, {y:?}, {z:?})")?;
+        }
+        Ok(())
+    }
+}
+
+/// The pair an engine answered about.
+#[derive(Clone, Copy)]
+pub struct CollisionQuery<'x> {
+    /// The blocks as the engine saw them.
+    pub blocks: &'x [Block; 2],
+    /// The engine's precision.
+    pub precision: Precision,
+    /// How far its gap and normal may be off: so many times eps times the largest coordinate.
+    pub accuracy: u64,
+}
+
+impl CollisionQuery<'_> {
+    /// The largest coordinate of the pair (m).
+    fn largest_coordinate(&self) -> f64 {
+        self.blocks.iter().flat_map(Block::coordinates).map(|c| c.approximate().abs()).fold(0.0, f64::max)
+    }
+
+    /// What is wrong with an answer, and the comparison; `None` where the exact side has no answer: a block is concave.
+    pub fn compare(&self, reported: ReportedState) -> Option<(Option<AnswerChange>, StateComparison)> {
+        let [a, b] = self.blocks;
+        let exact = Separation::of(a, b)?;
+        let (reach, epsilon) = (self.largest_coordinate(), self.precision.epsilon());
+        let gap = exact.gap_m();
+        let margin = if reach > 0.0 { gap / reach } else { 0.0 };
+        let slack = self.accuracy as f64 * epsilon * reach;
+        let comparison = StateComparison {
+            exact: exact.state,
+            exact_gap_m: gap,
+            reported,
+            margin,
+            margin_ulps: margin / (epsilon / 2.0),
+        };
+        let wrong = if reported.state != exact.state {
+            Some(AnswerChange::State)
+        } else if reported.gap_m.is_some_and(|found| (found - gap).abs() > slack) {
+            Some(AnswerChange::Gap)
+        } else if reported.normal.is_some_and(|normal| !normal_separates(a, b, normal, gap, slack)) {
+            Some(AnswerChange::Normal)
+        } else {
+            None
+        };
+        Some((wrong, comparison))
+    }
+}
+
+/// An engine's answer about a pair, to be judged.
+pub struct CollisionCheck<'x> {
+    /// The engine.
+    pub engine: &'x dyn Engine,
+    /// The pair, exact.
+    pub exact: [&'x Block; 2],
+    /// The pair as the engine sees it.
+    pub blocks: &'x [Block; 2],
+    /// The tolerances as the engine sees them.
+    pub tolerances: &'x ToleranceSet,
+    /// Whether to make the metamorphic checks too.
+    pub metamorphic: bool,
+}
+
+/// What is wrong with an answer.
+#[derive(Debug, Default)]
+pub struct CollisionCheckResult {
+    /// What the engine said about the pair itself and what is so; `None` where the exact side has no answer.
+    pub comparison: Option<StateComparison>,
+    /// What is wrong, and how it is.
+    pub wrong: Vec<(AnswerChange, StateComparison)>,
+    /// Metamorphic checks made.
+    pub made: u64,
+}
+
+impl CollisionCheck<'_> {
+    /// Compares an answer with the exact one and, where asked for, with the engine's own for the same pair exchanged, numbered
+    /// otherwise, moved, scaled, and for a block far away: the state may not change, and what is far is apart.
+    pub fn judge(&self, reported: ReportedState) -> CollisionCheckResult {
+        let asked = CollisionQuery {
+            blocks: self.blocks,
+            precision: self.engine.precision(),
+            accuracy: self.engine.accuracy(),
+        };
+        let mut judgement = CollisionCheckResult::default();
+        let Some((wrong, comparison)) = asked.compare(reported) else {
+            self.engine.not_compared();
+            return judgement;
+        };
+        judgement.comparison = Some(comparison);
+        judgement.wrong.extend(wrong.map(|change| (change, comparison)));
+        if !self.metamorphic {
+            return judgement;
+        }
+        for transform in Transform::ALL {
+            if let Some(other) = transform.apply(&self.exact, self.blocks, asked.precision) {
+                judgement.made += 1;
+                let again = self.ask(&other.blocks, &other.tolerances(self.tolerances));
+                if let Some(again) = again.filter(|again| again.state != reported.state) {
+                    judgement.wrong.push((transform.change(), StateComparison { reported: again, ..comparison }));
+                }
+            }
+        }
+        if let Some(far) = far_away(&asked) {
+            judgement.made += 1;
+            let again = self.ask(&[self.blocks[0].clone(), far], self.tolerances);
+            if let Some(again) = again.filter(|again| again.state != SeparationState::Apart) {
+                judgement.wrong.push((
+                    AnswerChange::FarBlock,
+                    StateComparison { exact: SeparationState::Apart, reported: again, ..comparison },
+                ));
+            }
+        }
+        judgement
+    }
+
+    /// The engine's answer about another pair; `None` where it fails, which is a finding where it fails on the pair itself.
+    fn ask(&self, [a, b]: &[Block; 2], tolerances: &ToleranceSet) -> Option<ReportedState> {
+        match catch_panic(|| self.engine.prepare(a, b)?.answer(tolerances)) {
+            Ok(Answer::State(reported)) => Some(reported),
+            _ => None,
+        }
+    }
+}
+
+/// B moved along x by eight times the largest coordinate or more, where that keeps its features.
+fn far_away(asked: &CollisionQuery<'_>) -> Option<Block> {
+    let exponent = (8.0 * asked.largest_coordinate()).log2().ceil();
+    if !exponent.is_finite() {
+        return None;
+    }
+    let step = Number::from_f64(exponent.exp2()).ok()?;
+    let moved = asked.blocks[1].translated(&Point::new(step, Number::ZERO, Number::ZERO)).rounded(asked.precision)?;
+    super::collapse::collapsed_feature(&moved).is_none().then_some(moved)
+}

@@ -1,0 +1,325 @@
+//! How two convex blocks lie to one another, exactly: apart, touching or overlapping, and by how much.
+//!
+//! The blocks meant are the convex hulls of the given vertices, as a collision code that is handed points sees them: a
+//! face that rounding made slightly non-planar is then part of the hull's surface.
+//!
+//! The separating axis theorem gives the sign: of all normals of faces and all cross products of two edges, the largest
+//! separation is positive for blocks that are apart, **zero for blocks that touch**, negative for those that overlap. When
+//! they overlap, the least of these overlaps is the shortest translation that separates them (Cameron and Culley 1986:
+//! the facets of the Minkowski difference have these normals). When they are apart, the distance is the widest slab
+//! between them, and the directions of the widest slab are those above or those between a vertex and the nearest point
+//! of a vertex or an edge.
+
+use super::SeparationState;
+use crate::hull::convex_hull;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::Zero;
+use rockproof_model::lattice::Lattice;
+use rockproof_model::ring::{ExactRing, Ring};
+use rockproof_model::{Block, Sign, Vec3};
+use rockproof_oracle::rational::Rational;
+
+/// Vertices of a block beyond which its hull is not worked out: that takes the fourth power of their number.
+const MOST_VERTICES: usize = 48;
+
+/// How two convex blocks lie to one another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Separation {
+    /// Apart, touching or overlapping.
+    pub state: SeparationState,
+    /// The square of the distance, or of the depth: the length of the shortest translation that separates them (m²).
+    pub squared: BigRational,
+}
+
+impl Separation {
+    /// The distance, or minus the depth: the nearest f64 (m).
+    pub fn gap_m(&self) -> f64 {
+        let size = self.squared.sqrt_rounded().unwrap_or(f64::MAX);
+        if self.state == SeparationState::Overlapping { -size } else { size }
+    }
+
+    /// The separation of two blocks, or `None` where one is not convex or has too many vertices, or where its points have
+    /// no volume left.
+    pub fn of(a: &Block, b: &Block) -> Option<Separation> {
+        if !(a.is_convex() && b.is_convex()) {
+            return None;
+        }
+        let lattice = Lattice::covering(a.coordinates().chain(b.coordinates()));
+        let (a, b) = (Hull::of(a, &lattice)?, Hull::of(b, &lattice)?);
+        let widest = widest(&a, &b)?;
+        let widest = if sign(&widest.width).is_positive() {
+            // Apart: a slab between two vertices, or a vertex and an edge, may be wider still.
+            between_points(&a, &b).fold(widest, Slab::wider)
+        } else {
+            widest
+        };
+        let state = match sign(&widest.width) {
+            Sign::Positive => SeparationState::Apart,
+            Sign::Zero => SeparationState::Touching,
+            Sign::Negative => SeparationState::Overlapping,
+        };
+        let (units, metres) = lattice.units_per_metre();
+        let numerator = &widest.width * &widest.width * &metres * &metres;
+        Some(Separation { state, squared: BigRational::new(numerator, widest.length2 * &units * &units) })
+    }
+}
+
+/// Whether moving along `normal` does what a collision normal promises: apart, the blocks leave a slab across it that is
+/// no narrower than the distance, by more than `slack_m`; else moving A along it by the depth and `slack_m` separates them. The blocks
+/// are taken as they are given, the normal from B to A, of any length but zero.
+pub fn normal_separates(a: &Block, b: &Block, normal: [f64; 3], gap_m: f64, slack_m: f64) -> bool {
+    let Some(normal) = rational_vector(normal) else { return false };
+    let along = |block: &Block| -> Vec<BigRational> {
+        block.vertices().iter().map(|v| v.map(|c| c.to_rational()).dot(&normal)).collect()
+    };
+    let (Some(low), Some(high)) = (along(a).into_iter().min(), along(b).into_iter().max()) else { return false };
+    let Some(bound) = BigRational::from_float(gap_m - slack_m) else { return false };
+    // width ≥ bound·|normal|, by the squares with their signs.
+    let width = low - high;
+    let length2 = normal.dot(&normal);
+    !length2.is_zero() && width.signed_square() >= bound.signed_square() * length2
+}
+
+fn rational_vector([x, y, z]: [f64; 3]) -> Option<Vec3<BigRational>> {
+    let number = BigRational::from_float;
+    Some(Vec3::new(number(x)?, number(y)?, number(z)?))
+}
+
+/// A convex hull on the lattice.
+struct Hull {
+    points: Vec<Vec3<BigInt>>,
+    normals: Vec<Vec3<BigInt>>,
+    edges: Vec<[usize; 2]>,
+}
+
+impl Hull {
+    fn of(block: &Block, lattice: &Lattice) -> Option<Hull> {
+        if block.vertices().len() > MOST_VERTICES {
+            return None;
+        }
+        let hull = Hull::as_it_is(block, lattice);
+        if hull.holds_its_points(block) {
+            return Some(hull);
+        }
+        Some(Hull::as_it_is(&convex_hull(block.vertices()).ok()?, lattice))
+    }
+
+    fn as_it_is(block: &Block, lattice: &Lattice) -> Hull {
+        let points: Vec<_> = block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
+        let at = |v: u32| &points[v as usize];
+        let topology = block.topology();
+        let normals = topology.faces().iter();
+        let normals = normals.map(|f| at(f[1]).minus(at(f[0])).cross(&at(f[2]).minus(at(f[1])))).collect();
+        let edges = topology.edges().iter().map(|e| [e.p as usize, e.q as usize]).collect();
+        Hull { points, normals, edges }
+    }
+
+    /// Whether every face is planar and no vertex lies beyond one: then the block is its own hull.
+    fn holds_its_points(&self, block: &Block) -> bool {
+        block.topology().faces().iter().zip(&self.normals).all(|(face, normal)| {
+            let base = normal.dot(&self.points[face[0] as usize]);
+            !is_zero(normal)
+                && self.points.iter().zip(0u32..).all(|(point, number)| {
+                    let sign = sign(&normal.dot(point).minus(&base));
+                    sign.is_at_most_zero() && (sign.is_zero() || !face.contains(&number))
+                })
+        })
+    }
+
+    fn direction(&self, [p, q]: [usize; 2]) -> Vec3<BigInt> {
+        self.points[q].minus(&self.points[p])
+    }
+}
+
+fn is_zero(vector: &Vec3<BigInt>) -> bool {
+    vector.components().iter().all(|c| c.is_zero())
+}
+
+/// The sign; `BigInt` has a method of the same name.
+fn sign(value: &BigInt) -> Sign {
+    ExactRing::sign(value)
+}
+
+/// The slab between two blocks across one direction.
+struct Slab {
+    /// Its width times the direction's length, negative for an overlap.
+    width: BigInt,
+    /// The square of the direction's length.
+    length2: BigInt,
+}
+
+impl Slab {
+    /// Across a direction from B to A; `None` for none.
+    fn across(a: &Hull, b: &Hull, direction: &Vec3<BigInt>) -> Option<Slab> {
+        if is_zero(direction) {
+            return None;
+        }
+        let low = a.points.iter().map(|p| p.dot(direction)).min()?;
+        let high = b.points.iter().map(|p| p.dot(direction)).max()?;
+        Some(Slab { width: low - high, length2: direction.dot(direction) })
+    }
+
+    /// The wider of two; the first of equal ones.
+    fn wider(self, other: Slab) -> Slab {
+        let (one, two) = (sign(&self.width), sign(&other.width));
+        let wider = if one != two {
+            two > one
+        } else {
+            // With equal signs the squares decide, the other way round for overlaps.
+            let mine = &self.width * &self.width * &other.length2;
+            let others = &other.width * &other.width * &self.length2;
+            if one.is_negative() { others < mine } else { others > mine }
+        };
+        if wider { other } else { self }
+    }
+}
+
+/// The widest slab across normals of faces and cross products of edges.
+fn widest(a: &Hull, b: &Hull) -> Option<Slab> {
+    let of_a = a.normals.iter().map(Vec3::negated);
+    let of_b = b.normals.iter().cloned();
+    let crossed = a.edges.iter().flat_map(|&e| {
+        let of_a = a.direction(e);
+        b.edges.iter().flat_map(move |&f| {
+            let cross = of_a.cross(&b.direction(f));
+            [cross.negated(), cross]
+        })
+    });
+    of_a.chain(of_b).chain(crossed).filter_map(|direction| Slab::across(a, b, &direction)).reduce(Slab::wider)
+}
+
+/// The slabs between a vertex of each, and between a vertex and the nearest point of an edge's line.
+fn between_points<'h>(a: &'h Hull, b: &'h Hull) -> impl Iterator<Item = Slab> + 'h {
+    let vertices = a.points.iter().flat_map(|p| b.points.iter().map(move |q| p.minus(q)));
+    let of_a = a.points.iter().flat_map(move |p| b.edges.iter().map(move |&e| from_line(b, e, p)));
+    let of_b = b.points.iter().flat_map(move |q| a.edges.iter().map(move |&e| from_line(a, e, q).negated()));
+    vertices.chain(of_a).chain(of_b).filter_map(|direction| Slab::across(a, b, &direction))
+}
+
+/// The direction from the line of an edge straight to a point, times the square of the edge's length.
+fn from_line(hull: &Hull, edge: [usize; 2], point: &Vec3<BigInt>) -> Vec3<BigInt> {
+    let along = hull.direction(edge);
+    let away = point.minus(&hull.points[edge[0]]);
+    let share = away.dot(&along);
+    away.scaled(&along.dot(&along)).minus(&along.scaled(&share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_model::{BlockOptions, Number, Point};
+
+    fn number(value: f64) -> Number {
+        Number::from_f64(value).expect("finite")
+    }
+
+    fn block(points: &[[f64; 3]]) -> Block {
+        let points: Vec<Point> = points.iter().map(|p| Point::new(number(p[0]), number(p[1]), number(p[2]))).collect();
+        convex_hull(&points).expect("a block")
+    }
+
+    fn cuboid(min: [f64; 3], max: [f64; 3]) -> Block {
+        let corner = |n: usize| [0, 1, 2].map(|axis| if n >> axis & 1 == 0 { min[axis] } else { max[axis] });
+        block(&(0..8).map(corner).collect::<Vec<_>>())
+    }
+
+    fn gap(a: &Block, b: &Block) -> (SeparationState, f64) {
+        let there = Separation::of(a, b).expect("convex");
+        let back = Separation::of(b, a).expect("convex");
+        assert_eq!(there, back, "exchanging the blocks changes nothing");
+        (there.state, there.gap_m())
+    }
+
+    #[test]
+    fn cubes_are_as_far_as_they_are() {
+        let unit = cuboid([0.0; 3], [1.0; 3]);
+        let at = |x: f64, y: f64, z: f64| cuboid([x, y, z], [x + 1.0, y + 1.0, z + 1.0]);
+        assert_eq!(gap(&unit, &at(0.25, 0.5, 2.0)), (SeparationState::Apart, 1.0), "face to face");
+        assert_eq!(gap(&unit, &at(0.25, 4.0, 5.0)), (SeparationState::Apart, 5.0), "edge to edge: 3, 4, 5");
+        assert_eq!(gap(&unit, &at(3.0, 3.0, 2.0)), (SeparationState::Apart, 3.0), "corner to corner: 2, 2, 1, 3");
+        assert_eq!(gap(&unit, &at(0.25, 0.5, 1.0)), (SeparationState::Touching, 0.0));
+        assert_eq!(gap(&unit, &at(1.0, 1.0, 1.0)), (SeparationState::Touching, 0.0), "corner on corner");
+        assert_eq!(gap(&unit, &at(0.5, 0.5, 0.75)), (SeparationState::Overlapping, -0.25));
+        let tiny = f64::MIN_POSITIVE;
+        assert_eq!(gap(&unit, &cuboid([0.0, 0.0, -1.0], [1.0, 1.0, -tiny])), (SeparationState::Apart, tiny));
+    }
+
+    #[test]
+    fn crossing_edges_overlap_by_their_common_perpendicular() {
+        // Two prisms, ridge on ridge at right angles: A's ridge along x at z = 0, B's along y at z = depth.
+        let a = block(&[
+            [-4.0, -1.0, 1.0],
+            [4.0, -1.0, 1.0],
+            [-4.0, 1.0, 1.0],
+            [4.0, 1.0, 1.0],
+            [-4.0, 0.0, 0.0],
+            [4.0, 0.0, 0.0],
+        ]);
+        let below = |depth: f64| {
+            let z = depth - 1.0;
+            block(&[
+                [-1.0, -4.0, z],
+                [-1.0, 4.0, z],
+                [1.0, -4.0, z],
+                [1.0, 4.0, z],
+                [0.0, -4.0, depth],
+                [0.0, 4.0, depth],
+            ])
+        };
+        assert_eq!(gap(&a, &below(0.125)), (SeparationState::Overlapping, -0.125));
+        assert_eq!(gap(&a, &below(0.0)), (SeparationState::Touching, 0.0));
+        assert_eq!(gap(&a, &below(-0.5)), (SeparationState::Apart, 0.5));
+    }
+
+    #[test]
+    fn a_vertex_may_be_nearest_to_an_edge() {
+        let wedge = block(&[
+            [0.0, -1.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [-2.0, -1.0, 1.0],
+            [-2.0, 1.0, 1.0],
+            [-2.0, -1.0, -1.0],
+            [-2.0, 1.0, -1.0],
+        ]);
+        let spike = block(&[[3.0, 0.0, 4.0], [9.0, 1.0, 5.0], [9.0, -1.0, 5.0], [9.0, 0.0, 4.5]]);
+        assert_eq!(gap(&wedge, &spike), (SeparationState::Apart, 5.0));
+    }
+
+    #[test]
+    fn normals_are_judged_by_what_they_do() {
+        let (low, high) = (cuboid([0.0; 3], [1.0; 3]), cuboid([0.0, 0.0, 1.5], [1.0, 1.0, 2.0]));
+        let serves = |normal, gap, slack| normal_separates(&high, &low, normal, gap, slack);
+        assert!(serves([0.0, 0.0, 1.0], 0.5, 0.0) && serves([0.0, 0.0, 3.0], 0.5, 0.0));
+        assert!(!serves([0.0, 0.0, -1.0], 0.5, 0.0), "from A to B");
+        assert!(!serves([0.0, 0.0, 0.0], 0.5, 9.0), "no direction at all");
+        assert!(!serves([0.0, 0.1, 1.0], 0.5, 1e-3) && serves([0.0, 0.1, 1.0], 0.5, 0.2), "askew");
+        let deep = cuboid([0.0, 0.0, 0.75], [1.0, 1.0, 2.0]);
+        assert!(normal_separates(&deep, &low, [0.0, 0.0, 1.0], -0.25, 0.0));
+        assert!(!normal_separates(&deep, &low, [1.0, 0.0, 0.0], -0.25, 0.5), "sideways takes a metre");
+    }
+
+    #[test]
+    fn faces_bent_by_rounding_are_hulls() {
+        // A cube whose top has one corner a step too high: the hull's top is two triangles, and the corner is the highest point.
+        let up = 1.0f64.next_up();
+        let points = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [1.0, 0.0, 1.0],
+            [1.0, 1.0, up],
+            [0.0, 1.0, 1.0],
+        ];
+        let faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+        let points = points.map(|p| Point::new(number(p[0]), number(p[1]), number(p[2]))).to_vec();
+        let options = BlockOptions { planarity: number(1e-9) };
+        let bent = Block::new(points, faces.map(|f| f.to_vec()).to_vec(), &options).expect("planar enough");
+        let above = cuboid([0.5, 0.5, up], [2.0, 2.0, 3.0]);
+        assert_eq!(gap(&bent, &above), (SeparationState::Touching, 0.0), "the corner touches");
+        let beside = cuboid([-1.0, -1.0, up], [0.5, 0.5, 3.0]);
+        assert_eq!(gap(&bent, &beside).0, SeparationState::Apart, "elsewhere the top is lower");
+    }
+}

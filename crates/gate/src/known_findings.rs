@@ -1,0 +1,193 @@
+//! The baseline: findings that are known, by what makes them alike, and how often they occurred.
+
+use super::config::Baseline;
+use super::tally::{CampaignTally, ClassCount};
+use super::{CONFIDENCE, Check, Verdict};
+use serde::Deserialize;
+use statrs::function::beta::checked_beta_reg;
+use std::collections::BTreeMap;
+
+/// The file of known findings.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KnownFindings {
+    /// The columns of `findings.csv` a line is made of.
+    pub fields: Vec<String>,
+    /// Pairs examined of each family when the file was written; a pair counts once for each tolerance set.
+    #[serde(default)]
+    pub examined: BTreeMap<String, u64>,
+    /// How often each sort of finding occurred then, by its fingerprint.
+    #[serde(default)]
+    pub known: BTreeMap<String, ClassCount>,
+}
+
+impl KnownFindings {
+    /// The fingerprints in what a campaign found.
+    pub fn of(tally: &CampaignTally, baseline: &Baseline) -> KnownFindings {
+        KnownFindings {
+            fields: baseline.fields.clone(),
+            examined: tally.examined_by_family(),
+            known: tally.by_class(baseline),
+        }
+    }
+
+    /// The file's text, a line for each sort of finding.
+    pub fn to_toml(&self) -> String {
+        let text = |text: &str| toml::Value::from(text).to_string();
+        let fields: Vec<String> = self.fields.iter().map(|field| text(field)).collect();
+        let mut file = format!(
+            "# Known findings, written by `rockproof gate --update-baseline`.\nfields = [{}]\n\n[examined]\n",
+            fields.join(", ")
+        );
+        for (family, pairs) in &self.examined {
+            file += &format!("{} = {pairs}\n", text(family));
+        }
+        file += "\n[known]\n";
+        for (fingerprint, ClassCount { findings, pairs, squares }) in &self.known {
+            let counts = format!("{{ findings = {findings}, pairs = {pairs}, squares = {squares} }}");
+            file += &format!("{} = {counts}\n", text(fingerprint));
+        }
+        file
+    }
+
+    /// The checks of what a campaign found against what is known. In the fixed campaign each fingerprint that is new fails. In
+    /// every campaign one fails whose rate is greater than the baseline's by more than chance explains. Where none does, there
+    /// is one check that passes.
+    pub fn check(&self, run: &str, tally: &CampaignTally, baseline: &Baseline) -> Vec<Check> {
+        let now = KnownFindings::of(tally, baseline);
+        // Many sorts are looked at: that any of them exceeds by chance shall be no likelier than one alone (Bonferroni).
+        let sorts = now.known.len().max(1) as f64;
+        let allowed = (1.0 - baseline.confidence.unwrap_or(CONFIDENCE)) / sorts;
+        let mut checks = Vec::new();
+        for (fingerprint, count) in &now.known {
+            let was = self.known.get(fingerprint);
+            if run == "fixed" && was.is_none() {
+                let message = format!("{} findings that the baseline does not know", count.findings);
+                checks.push(failed(format!("new: {fingerprint}"), message, tally, baseline, fingerprint));
+                continue;
+            }
+            let examined = [self.examined_of(fingerprint), now.examined_of(fingerprint)];
+            let growth = ClassGrowth { was: was.copied().unwrap_or_default(), now: *count, examined };
+            if growth.chance() < allowed {
+                let name = format!("{run}: more often: {fingerprint}");
+                checks.push(failed(name, growth.describe(), tally, baseline, fingerprint));
+            }
+        }
+        if checks.is_empty() {
+            let gone = self.known.keys().filter(|fingerprint| !now.known.contains_key(*fingerprint)).count();
+            let known = self.known.len();
+            let message = match run {
+                "fixed" => format!("{known} known sorts of finding, {gone} of them gone, none new, none more often"),
+                _ => format!("{} sorts of finding, none more often than known", now.known.len()),
+            };
+            let place = (baseline.file.display().to_string(), 1);
+            let name = format!("{run}: baseline");
+            checks.push(Check { group: "baseline", name, message, verdict: Verdict::Pass, place, rows: Vec::new() });
+        }
+        checks
+    }
+
+    /// The pairs a fingerprint could have occurred in: those of its family where it names one, else all.
+    fn examined_of(&self, fingerprint: &str) -> u64 {
+        let parts = self.fields.iter().zip(fingerprint.split(SEPARATOR));
+        match parts.into_iter().find(|(field, _)| *field == "family") {
+            Some((_, family)) => self.examined.get(family).copied().unwrap_or(0),
+            None => self.examined.values().sum(),
+        }
+    }
+}
+
+/// What stands between the parts of a fingerprint.
+pub const SEPARATOR: &str = " | ";
+
+fn failed(name: String, message: String, tally: &CampaignTally, baseline: &Baseline, fingerprint: &str) -> Check {
+    let of = |at: &usize| tally.rows[*at].fingerprint(baseline) == *fingerprint;
+    let place = (baseline.file.display().to_string(), 1);
+    let rows = (0..tally.rows.len()).filter(of).collect();
+    Check { group: "baseline", name, message, verdict: Verdict::Fail, place, rows }
+}
+
+/// A sort of finding then and now.
+#[derive(Clone, Copy, Debug)]
+pub struct ClassGrowth {
+    /// In the baseline.
+    pub was: ClassCount,
+    /// In this campaign.
+    pub now: ClassCount,
+    /// Pairs examined then and now.
+    pub examined: [u64; 2],
+}
+
+impl ClassGrowth {
+    /// How likely so many or more pairs of now are by chance where the share is what it was: of all pairs with such a finding, then
+    /// and now, each falls to now with the probability now's share of the pairs examined, so their number is binomial (the
+    /// conditional test of Przyborowski and Wilenski 1940 for two rates; for shares that are not small it errs to the
+    /// side of chance, compared with Fisher's). The pairs of a batch share a base, so all counts are first
+    /// divided by the design effect of both campaigns. **1 where nothing can be said**: nothing found, or none examined then.
+    pub fn chance(&self) -> f64 {
+        let [before, after] = self.examined.map(|n| n as f64);
+        let pairs = self.was.pairs + self.now.pairs;
+        if self.now.pairs == 0 || before == 0.0 || after == 0.0 {
+            return 1.0;
+        }
+        let effect = (self.was.squares + self.now.squares) as f64 / pairs as f64;
+        let [was, now] = [self.was.pairs, self.now.pairs].map(|n| n as f64 / effect.max(1.0));
+        checked_beta_reg(now, was + 1.0, after / (before + after)).unwrap_or(1.0)
+    }
+
+    fn describe(&self) -> String {
+        let share = |pairs: u64, of: u64| format!("{pairs} of {of} pairs ({:.3e})", pairs as f64 / of.max(1) as f64);
+        let [before, after] = self.examined;
+        format!(
+            "{}, in the baseline {}; by chance with probability {:.2e}",
+            share(self.now.pairs, after),
+            share(self.was.pairs, before),
+            self.chance()
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sort(pairs: u64, squares: u64) -> ClassCount {
+        ClassCount { findings: pairs, pairs, squares }
+    }
+
+    fn chance(was: u64, now: u64, examined: [u64; 2]) -> f64 {
+        ClassGrowth { was: sort(was, was), now: sort(now, now), examined }.chance()
+    }
+
+    #[test]
+    fn chance_is_the_conditional_binomial_tail() {
+        // Ten pairs in all, half of the pairs examined are now's: P(X ≥ 9) = 11/1024.
+        assert!((chance(1, 9, [1000, 1000]) - 11.0 / 1024.0).abs() < 1e-12);
+        // P(X ≥ 3), X binomial of 3 and 1/4.
+        assert!((chance(0, 3, [3000, 1000]) - 1.0 / 64.0).abs() < 1e-12);
+        assert!((chance(0, 1, [1000, 1000]) - 0.5).abs() < 1e-12, "one finding tells nothing");
+        assert_eq!(chance(5, 0, [1000, 1000]), 1.0);
+        assert_eq!(chance(0, 5, [0, 1000]), 1.0, "a family the baseline did not examine");
+    }
+
+    #[test]
+    fn equal_rates_are_chance_and_clustered_pairs_tell_less() {
+        assert!(chance(100, 50, [2000, 1000]) > 0.4);
+        let growth =
+            |squares| ClassGrowth { was: sort(10, squares), now: sort(40, 4 * squares), examined: [1000, 1000] };
+        assert!(growth(10).chance() < 1e-4);
+        assert!(growth(160).chance() > growth(10).chance() && growth(160).chance() > 0.1);
+    }
+
+    #[test]
+    fn the_file_reads_back() {
+        let fields = vec!["engine".to_owned(), "family".to_owned()];
+        let known = KnownFindings {
+            fields,
+            examined: [("sliver".to_owned(), 12), ("real".to_owned(), 3)].into(),
+            known: [("a \"b\" | sliver".to_owned(), sort(4, 10)), ("c | real".to_owned(), sort(1, 1))].into(),
+        };
+        assert_eq!(toml::from_str::<KnownFindings>(&known.to_toml()).expect("TOML"), known);
+        assert_eq!((known.examined_of("c | real"), known.examined_of("c | sliver")), (3, 12));
+    }
+}

@@ -1,0 +1,81 @@
+//! What can be wrong with the results a report is made of.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why there is no report.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The directory holds nothing a report is made of.
+    #[error(
+        "{dir}: {found}; expected the directory of a campaign (run.json, findings.csv, agreement.csv, confusion.csv), of a lockstep run (lockstep.csv), of a run of simulate (run.json, checkpoint.jsonl), of a stress set (stress.csv), or of bench --error (bench.csv)"
+    )]
+    NoRun {
+        /// The directory.
+        dir: PathBuf,
+        /// What is there instead.
+        found: String,
+    },
+    /// A line of a file that says something it cannot.
+    #[error("{file}: line {line}: {found}; expected {expected}")]
+    Damaged {
+        /// The file.
+        file: PathBuf,
+        /// The line, from 1.
+        line: u64,
+        /// What is there.
+        found: String,
+        /// What should be there.
+        expected: String,
+    },
+    /// Files of a run that contradict each other.
+    #[error("{file}: {found}; {other}")]
+    Contradiction {
+        /// The file.
+        file: PathBuf,
+        /// What it holds.
+        found: String,
+        /// What other files say.
+        other: String,
+    },
+    /// A run of another version.
+    #[error(
+        "{file}: line {line}: the run was made by rockproof {found}, this is {ours}; run it again, or report on it with that version"
+    )]
+    Version {
+        /// The file.
+        file: PathBuf,
+        /// The line, from 1.
+        line: u64,
+        /// The version that made the run.
+        found: String,
+        /// The version of this program.
+        ours: &'static str,
+    },
+    /// A case of the run that is none.
+    #[error(transparent)]
+    Case(#[from] rockproof_differential::case_file::CaseError),
+    /// A file cannot be read or written.
+    #[error("{file}: {source}")]
+    Io {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The output directory cannot be used.
+    #[error(transparent)]
+    Results(#[from] rockproof_results::ResultsError),
+    /// The page cannot be made.
+    #[error("cannot write the page: {0}")]
+    Page(#[from] minijinja::Error),
+    /// A table cannot be made.
+    #[error("cannot write a table: {0}")]
+    Csv(#[from] csv::Error),
+}
+
+/// Adds the name of the file to an error.
+pub(super) fn at(file: &Path) -> impl FnOnce(io::Error) -> ReportError {
+    let file = file.to_owned();
+    move |source| ReportError::Io { file, source }
+}

@@ -1,0 +1,74 @@
+//! Overlaps and passages in runs whose steps were audited.
+
+use super::{Section, SectionPart};
+use crate::load::Results;
+use crate::motion::MotionRun;
+use crate::table::{Table, TableCell};
+use rockproof_simulate::audit::PairExtreme;
+
+/// The section; `None` where no run was audited and the section on lockstep has them all.
+pub(super) fn section(results: &Results) -> Option<Section> {
+    let runs = &results.motions;
+    if runs.iter().all(|run| run.audit().is_none()) && results.alone().next().is_none() {
+        return None;
+    }
+    let mut section = Section::new(
+        "audit",
+        "Do blocks pass through one another?",
+        "Runs of a scene: pairs of blocks that overlap where no contact sees it after a step, and pairs that pass through one \
+         another within a step, calculated exactly from the stepper's coordinates.",
+    );
+    for run in runs {
+        section.parts.push(SectionPart::Text(format!("{}: {}.", run.name, run.sentence())));
+    }
+    section.parts.push(SectionPart::Table(table(runs), 60));
+    Some(section)
+}
+
+fn table(runs: &[MotionRun]) -> Table {
+    let mut table = Table::new(
+        "audit",
+        "Overlaps and passages; worst pairs by their blocks. Empty where steps were not audited",
+        &[
+            "run",
+            "engine",
+            "ending",
+            "steps",
+            "steps_unseen",
+            "most_unseen_pairs",
+            "worst_unseen",
+            "worst_unseen_m",
+            "passages",
+            "undecided_passages",
+            "worst_passage",
+            "worst_passage_m",
+            "deepest",
+            "deepest_m",
+        ],
+    );
+    for run in runs {
+        let mut row: Vec<TableCell> =
+            vec![run.name.as_str().into(), run.engine.as_str().into(), run.ending.as_str().into()];
+        row.push(TableCell::Count(run.totals.steps + run.totals.settling));
+        match run.audit() {
+            None => row.resize_with(table.columns.len(), || TableCell::Empty),
+            Some(audit) => {
+                row.extend([audit.steps_unseen, audit.most_unseen].map(TableCell::Count));
+                row.extend(pair(audit.worst_unseen));
+                row.extend([audit.passages, audit.undecided].map(TableCell::Count));
+                row.extend([audit.worst_passage, audit.deepest].into_iter().flat_map(pair));
+            }
+        }
+        table.push(row);
+    }
+    table
+}
+
+fn pair(worst: Option<PairExtreme>) -> [TableCell; 2] {
+    match worst {
+        None => [TableCell::Empty, TableCell::Empty],
+        Some(PairExtreme { blocks: [a, b], depth_m, .. }) => {
+            [TableCell::Text(format!("{a}-{b}")), TableCell::Number(depth_m.0)]
+        }
+    }
+}

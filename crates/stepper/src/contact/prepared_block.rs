@@ -1,0 +1,309 @@
+//! What classification needs of one block, computed once (SPEC section 2).
+
+use crate::contact::broad::Bounds;
+use crate::real::Real;
+use crate::vector::Vector;
+use rockproof_model::Block;
+use rockproof_model::topology::Edge;
+
+/// A block prepared for classification in one precision.
+#[derive(Clone, Debug)]
+pub struct PreparedBlock<R> {
+    block: Block,
+    bounds: Bounds<R>,
+    vertices: Vec<Vertex<R>>,
+    edges: Vec<PreparedEdge<R>>,
+    faces: Vec<Face<R>>,
+}
+
+/// A vertex of a prepared block.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex<R> {
+    /// Where it is.
+    pub at: Vector<R>,
+    /// Length of the shortest edge here.
+    pub shortest: R,
+    /// Whether all its edges are convex.
+    pub convex: bool,
+}
+
+/// An edge seen from one of its vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct EdgeAtVertex<R> {
+    /// Unit direction away from the vertex.
+    pub away: Vector<R>,
+    /// The edge's length.
+    pub length: R,
+}
+
+/// An edge of a prepared block, from p to q, p < q.
+#[derive(Clone, Copy, Debug)]
+pub struct PreparedEdge<R> {
+    /// Its vertices and faces.
+    pub edge: Edge,
+    /// Whether κ > 0, decided exactly when the block was loaded.
+    pub convex: bool,
+    /// Where p is.
+    pub p: Vector<R>,
+    /// Where q is.
+    pub q: Vector<R>,
+    /// Unit direction from p to q.
+    pub direction: Vector<R>,
+    /// Length.
+    pub length: R,
+    /// Unit direction into the left face, in its plane and across the edge.
+    pub into_left: Vector<R>,
+    /// Unit direction into the right face.
+    pub into_right: Vector<R>,
+    /// `m_L + m_R = N_L × d − N_R × d`, with the lengths that SPEC gives them; decides σ.
+    pub lean: Vector<R>,
+    /// Greatest distance of a vertex of the left face from the edge's line.
+    pub width_left: R,
+    /// Greatest distance of a vertex of the right face from the edge's line.
+    pub width_right: R,
+}
+
+impl<R: Real> PreparedEdge<R> {
+    /// The box around the edge.
+    #[inline]
+    pub fn bounds(&self) -> Bounds<R> {
+        Bounds { low: self.p.smaller(self.q), high: self.p.larger(self.q) }
+    }
+}
+
+/// A face of a prepared block.
+#[derive(Clone, Copy, Debug)]
+pub struct Face<R> {
+    /// Unit outward normal.
+    pub normal: Vector<R>,
+    /// `c_f`, the mean of the vertices.
+    pub point: Vector<R>,
+    /// Whether no corner turns right, as computed here: then all edges seen from the inner side means inside.
+    pub turns_left: bool,
+}
+
+/// A feature that rounding left without extent, or that overflowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what} in the stepper's precision")]
+pub struct Collapsed {
+    /// What collapsed.
+    pub what: CollapsedPart,
+}
+
+/// The part of a block that collapsed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CollapsedPart {
+    /// A vertex with a coordinate out of range.
+    Vertex(u32),
+    /// An edge without length, or whose length overflows.
+    Edge(u32),
+    /// A face without area, or whose normal overflows.
+    Face(u32),
+    /// A face whose plane holds no direction across one of its edges.
+    EdgeOfFace(u32, u32),
+}
+
+impl std::fmt::Display for CollapsedPart {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            CollapsedPart::Vertex(v) => write!(f, "vertex {v} overflows"),
+            CollapsedPart::Edge(e) => write!(f, "edge {e} has no length"),
+            CollapsedPart::Face(face) => write!(f, "face {face} has no area"),
+            CollapsedPart::EdgeOfFace(e, face) => write!(f, "face {face} has no direction across its edge {e}"),
+        }
+    }
+}
+
+impl<R: Real> PreparedBlock<R> {
+    /// Prepares a block. Coordinates are rounded to nearest; convexity flags stay those of the exact block.
+    ///
+    /// # Errors
+    /// When rounding collapsed the block, naming the feature.
+    pub fn new(block: &Block) -> Result<PreparedBlock<R>, Collapsed> {
+        let topology = block.topology();
+        let mut points = Vec::with_capacity(topology.vertex_count());
+        for (v, exact) in block.vertices().iter().enumerate() {
+            let near = |number| R::from_number(number).ok_or(Collapsed { what: CollapsedPart::Vertex(v as u32) });
+            points.push(Vector::new(near(&exact.x)?, near(&exact.y)?, near(&exact.z)?));
+        }
+        PreparedBlock::with_points(block.clone(), &points)
+    }
+
+    /// Prepares a block whose vertices stand at these points; its convexity flags and what it touches stay as they are.
+    ///
+    /// # Errors
+    /// When a feature has no extent, naming it.
+    pub fn with_points(block: Block, points: &[Vector<R>]) -> Result<PreparedBlock<R>, Collapsed> {
+        let topology = block.topology();
+        let mut areas = Vec::with_capacity(topology.faces().len());
+        let mut faces = Vec::with_capacity(topology.faces().len());
+        for (f, corners) in topology.faces().iter().enumerate() {
+            let area = area_vector(points, corners);
+            let size = area.length();
+            if !has_extent(size) {
+                return Err(Collapsed { what: CollapsedPart::Face(f as u32) });
+            }
+            areas.push(area);
+            faces.push(face(points, corners, area / size));
+        }
+        let mut edges = Vec::with_capacity(topology.edges().len());
+        for e in 0..topology.edges().len() as u32 {
+            edges.push(ridge(&block, points, &PreparedFaces { flat: &faces, areas: &areas }, e)?);
+        }
+        let vertices = (0..)
+            .zip(points)
+            .map(|(v, &at)| {
+                let lengths = topology.vertex_edges(v).iter().map(|&e| edges[e as usize].length);
+                let shortest = lengths.reduce(R::smaller).unwrap_or(R::ZERO);
+                Vertex { at, shortest, convex: block.vertex_is_convex(v) }
+            })
+            .collect();
+        let bounds = Bounds::around(points);
+        Ok(PreparedBlock { block, bounds, vertices, edges, faces })
+    }
+
+    /// The block this was prepared from, with its own exact coordinates.
+    #[inline]
+    pub fn block(&self) -> &Block {
+        &self.block
+    }
+
+    /// The axis-aligned box of the vertices.
+    #[inline]
+    pub fn bounds(&self) -> &Bounds<R> {
+        &self.bounds
+    }
+
+    /// All vertices.
+    #[inline]
+    pub fn vertices(&self) -> &[Vertex<R>] {
+        &self.vertices
+    }
+
+    /// All edges, numbered as in the topology.
+    #[inline]
+    pub fn edges(&self) -> &[PreparedEdge<R>] {
+        &self.edges
+    }
+
+    /// All faces.
+    #[inline]
+    pub fn faces(&self) -> &[Face<R>] {
+        &self.faces
+    }
+
+    /// One vertex.
+    #[inline]
+    pub fn vertex(&self, vertex: u32) -> &Vertex<R> {
+        &self.vertices[vertex as usize]
+    }
+
+    /// One edge.
+    #[inline]
+    pub fn edge(&self, edge: u32) -> &PreparedEdge<R> {
+        &self.edges[edge as usize]
+    }
+
+    /// One face.
+    #[inline]
+    pub fn face(&self, face: u32) -> &Face<R> {
+        &self.faces[face as usize]
+    }
+
+    /// The edges at a vertex, ascending.
+    #[inline]
+    pub fn edges_at(&self, vertex: u32) -> &[u32] {
+        self.block.topology().vertex_edges(vertex)
+    }
+
+    /// An edge seen from one of its vertices.
+    #[inline]
+    pub fn spoke(&self, vertex: u32, edge: u32) -> EdgeAtVertex<R> {
+        let ridge = self.edge(edge);
+        let away = if ridge.edge.p == vertex { ridge.direction } else { -ridge.direction };
+        EdgeAtVertex { away, length: ridge.length }
+    }
+}
+
+/// Positive and finite. Collapse is no decision of SPEC section 4, so nothing is counted.
+fn has_extent<R: Real>(size: R) -> bool {
+    R::ZERO.below(size) && size.is_finite()
+}
+
+/// `N_f`, twice the area vector, relative to the loop's first vertex.
+fn area_vector<R: Real>(points: &[Vector<R>], corners: &[u32]) -> Vector<R> {
+    let origin = points[corners[0] as usize];
+    let mut normal = Vector::ZERO;
+    let mut before = points[corners[1] as usize] - origin;
+    for &corner in &corners[2..] {
+        let next = points[corner as usize] - origin;
+        normal = normal + before.cross(next);
+        before = next;
+    }
+    normal
+}
+
+fn face<R: Real>(points: &[Vector<R>], corners: &[u32], normal: Vector<R>) -> Face<R> {
+    let n = corners.len();
+    let origin = points[corners[0] as usize];
+    let mut sum = Vector::ZERO;
+    for &corner in &corners[1..] {
+        sum = sum + (points[corner as usize] - origin);
+    }
+    let turns_left = n == 3
+        || (0..n).all(|k| {
+            let at = |i: usize| points[corners[if i < n { i } else { i - n }] as usize];
+            let (before, here, after) = (at(k), at(k + 1), at(k + 2));
+            !(here - before).cross(after - here).dot(normal).below(R::ZERO)
+        });
+    Face { normal, point: origin + sum / R::from_f64(n as f64), turns_left }
+}
+
+/// Faces on the way to edges: with the normals that have an area for length.
+struct PreparedFaces<'s, R> {
+    flat: &'s [Face<R>],
+    areas: &'s [Vector<R>],
+}
+
+fn ridge<R: Real>(
+    block: &Block,
+    points: &[Vector<R>],
+    faces: &PreparedFaces<'_, R>,
+    e: u32,
+) -> Result<PreparedEdge<R>, Collapsed> {
+    let edge = &block.topology().edges()[e as usize];
+    let (p, q) = (points[edge.p as usize], points[edge.q as usize]);
+    let along = q - p;
+    let length = along.length();
+    if !has_extent(length) {
+        return Err(Collapsed { what: CollapsedPart::Edge(e) });
+    }
+    let direction = along / length;
+    // The planes of faces that rounding made non-planar do not quite hold the edge, so these need a root of their own.
+    let into = |face: u32, along_loop: Vector<R>| {
+        let across = faces.flat[face as usize].normal.cross(along_loop);
+        let size = across.length();
+        if has_extent(size) { Ok(across / size) } else { Err(Collapsed { what: CollapsedPart::EdgeOfFace(e, face) }) }
+    };
+    let width = |face: u32| {
+        let squares = block.topology().faces()[face as usize]
+            .iter()
+            .filter(|&&v| v != edge.p && v != edge.q)
+            .map(|&v| (points[v as usize] - p).cross(direction))
+            .map(|across| across.dot(across));
+        squares.fold(R::ZERO, R::larger).sqrt()
+    };
+    Ok(PreparedEdge {
+        edge: *edge,
+        convex: block.edge_is_convex(e),
+        p,
+        q,
+        direction,
+        length,
+        into_left: into(edge.left, direction)?,
+        into_right: into(edge.right, -direction)?,
+        lean: (faces.areas[edge.left as usize] - faces.areas[edge.right as usize]).cross(along),
+        width_left: width(edge.left),
+        width_right: width(edge.right),
+    })
+}

@@ -1,0 +1,320 @@
+//! The factor of a large system, panel by panel along the tree of elimination.
+//!
+//! Subtrees know nothing of one another, and of wide panels the columns are gathered by parts, so threads can share the work. What is
+//! computed of a panel does not depend on who computes it, nor on how many there are: the same bits on any number of threads.
+
+use crate::dynamics::pattern::{Panel, PanelRow, Pattern};
+use crate::dynamics::solve::{Fill, Singular};
+use crate::real::Real;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::triangular::BlockStructure;
+use faer::linalg::matmul::{matmul, triangular};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::traits::RealField;
+use faer::traits::pulp::{Arch, Simd, WithSimd};
+use faer::{Accum, MatMut, MatRef, Par};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Subtrees of less work than this, in multiplications, are not worth another thread.
+const WORTH_A_THREAD: u64 = 1_000_000;
+
+/// Of updates that are wider than this, the square is worked out by half.
+const WIDE: usize = 36;
+
+/// The columns of a panel that is wider than this are gathered by parts of about so many.
+const PART: usize = 48;
+
+/// Cholesky's method, left-looking: each panel that is marked is filled, gathers what the earlier ones take from it, then is factored as
+/// a dense one.
+pub(super) fn factor<R: Real + RealField + Send + Sync>(
+    pattern: &Pattern,
+    values: &mut [R],
+    marked: &[bool],
+    fill: &Fill<'_, R>,
+) -> Result<(), Singular> {
+    let panels = pattern.panels().iter().zip(marked);
+    let work =
+        panels.map(|(panel, marked)| if *marked { (panel.width * panel.height * panel.height) as u64 } else { 0 });
+    let mut before = vec![0];
+    before.extend(work.scan(0, |sum, work| {
+        *sum += work;
+        Some(*sum)
+    }));
+    let work = Work { pattern, marked, fill, before };
+    work.forest(0..marked.len(), Values { numbers: values, base: 0 }).map_or(Ok(()), Err)
+}
+
+/// What is to be done, the same for all threads.
+struct Work<'w, R> {
+    pattern: &'w Pattern,
+    marked: &'w [bool],
+    fill: &'w Fill<'w, R>,
+    /// What all panels before each cost, in multiplications, about.
+    before: Vec<u64>,
+}
+
+/// The values of panels that follow one another.
+struct Values<'v, R> {
+    numbers: &'v mut [R],
+    /// The place of the first among the values of all panels.
+    base: usize,
+}
+
+impl<R: Real + RealField + Send + Sync> Work<'_, R> {
+    fn work(&self, panels: Range<usize>) -> u64 {
+        self.before[panels.end] - self.before[panels.start]
+    }
+
+    /// Does panels that are complete subtrees. Tells the first that failed.
+    fn forest(&self, all: Range<usize>, values: Values<'_, R>) -> Option<Singular> {
+        let mut left = all;
+        // Panels on which all before them bear, from the last.
+        let mut later = Vec::new();
+        let mut failed = None;
+        let Values { numbers, base } = values;
+        while self.work(left.clone()) >= 2 * WORTH_A_THREAD {
+            let last = left.end - 1;
+            if self.pattern.subtree(last) <= left.start {
+                later.push(last);
+                left.end = last;
+                continue;
+            }
+            // Where the subtrees are halved best.
+            let mut cut = left.end;
+            let mut best = None;
+            while cut > left.start {
+                cut = self.pattern.subtree(cut - 1).max(left.start);
+                let lesser = self.work(left.start..cut).min(self.work(cut..left.end));
+                if best.is_none_or(|(most, _)| lesser > most) {
+                    best = Some((lesser, cut));
+                }
+            }
+            let Some((lesser, cut)) = best else { break };
+            if lesser >= WORTH_A_THREAD {
+                let at = |panel: usize| self.pattern.range(panel).start - base;
+                let (one, other) = numbers[..self.pattern.range(left.end - 1).end - base].split_at_mut(at(cut));
+                let one = Values { numbers: one, base };
+                let other = Values { numbers: other, base: at(cut) + base };
+                let both = rayon::join(|| self.forest(left.start..cut, one), || self.forest(cut..left.end, other));
+                failed = [failed, both.0, both.1].into_iter().flatten().min_by_key(|failed| failed.unknown);
+                left = cut..cut;
+                break;
+            }
+            // One side is hardly any work.
+            let one_is_less = self.work(left.start..cut) <= self.work(cut..left.end);
+            let (small, rest) =
+                if one_is_less { (left.start..cut, cut..left.end) } else { (cut..left.end, left.start..cut) };
+            let found = self.in_turn(small, numbers, base, false);
+            failed = [failed, found].into_iter().flatten().min_by_key(|failed| failed.unknown);
+            left = rest;
+        }
+        let found = self.in_turn(left, numbers, base, false);
+        failed = [failed, found].into_iter().flatten().min_by_key(|failed| failed.unknown);
+        failed.or_else(|| self.in_turn(later.into_iter().rev(), numbers, base, true))
+    }
+
+    /// Does panels one after another. `shared` says whether threads may share a wide one.
+    fn in_turn(
+        &self,
+        panels: impl Iterator<Item = usize>,
+        numbers: &mut [R],
+        base: usize,
+        shared: bool,
+    ) -> Option<Singular> {
+        let mut room = Room::default();
+        panels
+            .filter(|&panel| self.marked[panel])
+            .find_map(|panel| self.panel(panel, numbers, base, shared, &mut room).err())
+    }
+
+    fn panel(
+        &self,
+        number: usize,
+        numbers: &mut [R],
+        base: usize,
+        shared: bool,
+        room: &mut Room<R>,
+    ) -> Result<(), Singular> {
+        let panel = &self.pattern.panels()[number];
+        let (earlier, rest) = numbers.split_at_mut(panel.values - base);
+        let own = &mut rest[..panel.height * panel.width];
+        own.fill(R::ZERO);
+        (self.fill)(number, own);
+        let parts = parts(self.pattern, panel);
+        let take = |columns: &mut [R], part: &Range<usize>, room: &mut Room<R>| {
+            Taking { pattern: self.pattern, panel, part: part.clone(), earlier, base }.take(columns, room);
+        };
+        if parts.len() > 1 {
+            let mut rest = &mut own[..];
+            let mut all = Vec::with_capacity(parts.len());
+            for part in &parts {
+                let (columns, other) = std::mem::take(&mut rest).split_at_mut(panel.height * part.len());
+                all.push((columns, part));
+                rest = other;
+            }
+            if shared {
+                all.into_par_iter().for_each(|(columns, part)| take(columns, part, &mut Room::default()));
+            } else {
+                all.into_iter().for_each(|(columns, part)| take(columns, part, room));
+            }
+        } else {
+            take(own, &(0..panel.width), room);
+        }
+        let whole = MatMut::from_column_major_slice_mut(own, panel.height, panel.width);
+        let (mut square, below) = whole.split_at_row_mut(panel.width);
+        let needs = cholesky_in_place_scratch::<R>(panel.width, Par::Seq, Default::default());
+        let mut buffer = MemBuffer::try_new(needs).map_err(|_| Singular { unknown: panel.begin })?;
+        let (stack, spec) = (MemStack::new(&mut buffer), Default::default());
+        cholesky_in_place(square.as_mut(), Default::default(), Par::Seq, stack, spec)
+            .map_err(|LltError::NonPositivePivot { index }| Singular { unknown: panel.begin + index })?;
+        solve_lower_triangular_in_place(square.as_ref(), below.transpose_mut(), Par::Seq);
+        Ok(())
+    }
+}
+
+/// The columns of a panel by parts, each of whole nodes.
+fn parts(pattern: &Pattern, panel: &Panel) -> Vec<Range<usize>> {
+    let (mut parts, mut begin, mut end) = (Vec::new(), 0, 0);
+    let mut node = pattern.node_of(panel.begin);
+    while end < panel.width {
+        end += pattern.unknowns(node).len();
+        node += 1;
+        if end - begin >= PART || end >= panel.width {
+            parts.push(begin..end);
+            begin = end;
+        }
+    }
+    parts
+}
+
+/// Memory for products, used again and again.
+struct Room<R> {
+    products: Vec<R>,
+    runs: Vec<[usize; 3]>,
+}
+
+impl<R> Default for Room<R> {
+    fn default() -> Room<R> {
+        Room { products: Vec::new(), runs: Vec::new() }
+    }
+}
+
+/// Subtracting `L Lᵀ` of the earlier panels from columns of a panel.
+struct Taking<'t, R> {
+    pattern: &'t Pattern,
+    panel: &'t Panel,
+    /// The columns.
+    part: Range<usize>,
+    earlier: &'t [R],
+    /// Where the values of the earlier panels begin among all.
+    base: usize,
+}
+
+impl<R: Real + RealField> Taking<'_, R> {
+    fn take(&self, columns: &mut [R], room: &mut Room<R>) {
+        for &update in self.pattern.updates(self.panel) {
+            let from = &self.pattern.panels()[update.from as usize];
+            let (inside, after) = self.pattern.updating(update);
+            let column = |below: &PanelRow| self.pattern.unknowns(below.node as usize).start - self.panel.begin;
+            let begin = inside.partition_point(|below| column(below) < self.part.start);
+            let end = inside.partition_point(|below| column(below) < self.part.end);
+            if begin < end {
+                self.take_from(from, [&inside[begin..end], &inside[end..], after], columns, room);
+            }
+        }
+    }
+
+    /// Of an earlier panel: its rows in these columns, in later ones of the same panel, and in later panels.
+    fn take_from(
+        &self,
+        from: &Panel,
+        [inside, beside, after]: [&[PanelRow]; 3],
+        columns: &mut [R],
+        room: &mut Room<R>,
+    ) {
+        let (pattern, panel) = (self.pattern, self.panel);
+        let first = inside[0].row as usize;
+        let end = beside.first().or(after.first()).map_or(from.height, |below| below.row as usize);
+        let (height, width) = (from.height - first, end - first);
+        if room.products.len() < height * width {
+            room.products.resize(height * width, R::ZERO);
+        }
+        let products = &mut room.products[..height * width];
+        let values = from.values - self.base;
+        let values = &self.earlier[values..values + from.height * from.width];
+        let factor = MatRef::from_column_major_slice(values, from.height, from.width);
+        multiply(factor.subrows(first, height), factor.subrows(first, width), products);
+        // Rows that follow one another in both: where they begin here and there, and how many they are.
+        room.runs.clear();
+        let column = |below: &PanelRow| pattern.unknowns(below.node as usize).start - panel.begin;
+        let own = inside.iter().chain(beside).map(|below| (below, column(below)));
+        let mut below = pattern.below(panel).iter();
+        let later = after.iter().filter_map(|node| {
+            let found = below.find(|below| below.node == node.node)?;
+            Some((node, found.row as usize))
+        });
+        for (node, row) in own.chain(later) {
+            let (here, count) = (node.row as usize - first, pattern.unknowns(node.node as usize).len());
+            match room.runs.last_mut() {
+                Some([from, to, length]) if *from + *length == here && *to + *length == row => *length += count,
+                _ => room.runs.push([here, row, count]),
+            }
+        }
+        for below in inside {
+            let there = column(below) - self.part.start;
+            let count = pattern.unknowns(below.node as usize).len();
+            Arch::new().dispatch(Subtracting {
+                from: &products[(below.row as usize - first) * height..][..count * height],
+                height,
+                into: &mut columns[there * panel.height..][..count * panel.height],
+                into_height: panel.height,
+                runs: &room.runs,
+            });
+        }
+    }
+}
+
+/// Subtracting rows of some columns from rows of as many others.
+struct Subtracting<'s, R> {
+    from: &'s [R],
+    height: usize,
+    into: &'s mut [R],
+    into_height: usize,
+    /// Where the rows begin here and there, and how many they are.
+    runs: &'s [[usize; 3]],
+}
+
+impl<R: Real> WithSimd for Subtracting<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (from, into) in self.from.chunks_exact(self.height).zip(self.into.chunks_exact_mut(self.into_height)) {
+            for &[here, there, count] in self.runs {
+                // What lies above the diagonal means nothing.
+                for (value, &product) in into[there..there + count].iter_mut().zip(&from[here..here + count]) {
+                    *value = *value - product;
+                }
+            }
+        }
+    }
+}
+
+/// `rows · acrossᵀ`, of which the first rows are those across; what lies above the diagonal there may be left as it was.
+fn multiply<R: Real + RealField>(rows: MatRef<'_, R>, across: MatRef<'_, R>, into: &mut [R]) {
+    let (height, width) = (rows.nrows(), across.nrows());
+    let (across, one) = (across.transpose(), R::from_f64(1.0));
+    let into = MatMut::from_column_major_slice_mut(into, height, width);
+    // Half of a wide square is not needed.
+    if width > WIDE {
+        let (square, rest) = into.split_at_row_mut(width);
+        let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
+        let own = rows.subrows(0, width);
+        triangular::matmul(square, lower, Accum::Replace, own, full, across, full, one, Par::Seq);
+        matmul(rest, Accum::Replace, rows.subrows(width, height - width), across, one, Par::Seq);
+    } else {
+        matmul(into, Accum::Replace, rows, across, one, Par::Seq);
+    }
+}

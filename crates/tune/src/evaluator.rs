@@ -1,0 +1,195 @@
+//! What a candidate is worth: the rules, the pairs, and the steps.
+
+use super::TuneError;
+use super::cluster::{self, Cluster};
+use super::given::GivenOverlaps;
+use super::probes::{Differences, Probes};
+use super::steps::{InitialOverlaps, LockstepMeasures, StepMeasures, measure_lockstep, measure_steps};
+use rockproof_differential::builtin::{ENGINES, StepperEngine};
+use rockproof_differential::engine::Engine;
+use rockproof_model::preset::{self, Preset};
+use rockproof_model::rules::{self, MeasuredModel, Rule, RuleSlack};
+use rockproof_model::{Precision, Scene, SpecError, ToleranceSet};
+use rockproof_stepper::contact::SpecRules;
+use std::cmp::Reverse;
+
+/// Everything measured of one set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// The rules that are not met.
+    pub violated: Vec<Rule>,
+    /// The rule that is nearest to be broken.
+    pub tightest: RuleSlack,
+    /// Pairs of the model as given that overlap deeper than `penetration`, or by more than rounding where no contact sees it.
+    pub lost_pairs: u64,
+    /// Where engine and oracle differ.
+    pub differences: Differences,
+    /// What steps came to.
+    pub steps_measured: StepMeasures,
+    /// What the oracle says of these steps; only of candidates that may be the best.
+    pub lockstep: Option<LockstepMeasures>,
+}
+
+/// The order of merit; smaller is better. See [`Measurement::merit`].
+pub(super) type Merit = (bool, usize, [u64; 2], [u64; 3], u64, Reverse<u64>, u64);
+
+impl Measurement {
+    /// Whether pairs of the model as given are lost; rules broken; pairs that differ as they stand, and moved; steps that could not be made; the share of contacts that differ in steps from the oracle's,
+    /// in themselves or in their mode; steps that did not converge; the most by which a pair sinks; slack to the nearest rule; pairs that differ on
+    /// a boundary. What has a sample or a range counts in steps, so that what comes after it has a say: moved pairs in those of twice their root,
+    /// which is what chance makes of such a count; shares, depth, and slack in sixteenths. A share and no count, since a set under which fewer
+    /// contacts are found has fewer that can differ.
+    pub(super) fn merit(&self) -> Merit {
+        // The leading digits of a positive f64, in order: sign, exponent and four binary digits.
+        let coarse = |value: f64| value.max(0.0).to_bits() >> 48;
+        let failed = self.lockstep.as_ref().map_or(0, |lockstep| lockstep.failed);
+        let share = coarse(self.lockstep.as_ref().map_or(0.0, LockstepMeasures::share));
+        let d = &self.differences;
+        (
+            self.lost_pairs > 0,
+            self.violated.len(),
+            [d.standing[1], (4 * (d.moved[1] + d.near[1])).isqrt()],
+            [failed + u64::from(self.steps_measured.stopped.is_some()), share, self.steps_measured.unconverged],
+            coarse(self.steps_measured.overlaps.sunk),
+            Reverse(coarse(self.tightest.factor)),
+            d.boundary[1],
+        )
+    }
+
+    /// The same without what the oracle says of steps.
+    pub(super) fn screened(&self) -> Merit {
+        Measurement { lockstep: None, ..self.clone() }.merit()
+    }
+
+    /// Whether nothing is wrong with the set: every rule kept, no pair of the model lost, no pair that differs but for those on a boundary, and no step.
+    pub fn is_clean(&self) -> bool {
+        let steps = self.lockstep.as_ref().is_some_and(|lockstep| lockstep.failed + lockstep.differ == 0);
+        let holds = self.violated.is_empty() && self.lost_pairs == 0;
+        holds && self.differences.avoidable() == 0 && self.steps_measured.stopped.is_none() && steps
+    }
+}
+
+/// A scene made ready for measuring sets.
+pub struct Evaluator {
+    scene: Scene,
+    precision: Precision,
+    lengths: MeasuredModel,
+    /// The pairs.
+    pub probes: Probes,
+    /// The part that is stepped.
+    pub cluster: Cluster,
+    initial: InitialOverlaps,
+    given: GivenOverlaps,
+    steps: u64,
+    engine: Box<dyn Engine>,
+}
+
+impl Evaluator {
+    /// Makes a scene ready; the seed chooses pairs. `steps` are those of the part for every candidate, after its settling; `None` for as many as
+    /// a budget of so many seconds allows.
+    ///
+    /// # Errors
+    /// When there is nothing to measure, or the scene does not fit the precision.
+    pub fn new(
+        scene: &Scene,
+        precision: Precision,
+        seed: u64,
+        steps: Option<u64>,
+        budget: u64,
+    ) -> Result<Evaluator, TuneError> {
+        if let Some(block) = scene.blocks.iter().find(|block| block.block.rounded(precision).is_none()) {
+            return Err(TuneError::Overflow { what: format!("a coordinate of block \"{}\"", block.name), precision });
+        }
+        let probes = Probes::of(scene, precision, seed)?;
+        let auto = preset::derive(Preset::Auto, &scene.shapes(), precision).map_err(SpecError::from)?;
+        let cluster = Cluster::of(scene, &cluster::neighbours(scene), &auto);
+        let engine: Box<dyn Engine> = match precision {
+            Precision::F32 => Box::new(StepperEngine::<f32, SpecRules>::f32(ENGINES[0])),
+            Precision::F64 => Box::new(StepperEngine::<f64, SpecRules>::f64(ENGINES[1])),
+        };
+        let lengths = MeasuredModel::of(&scene.shapes());
+        let (initial, steps) =
+            (InitialOverlaps::of(&cluster.scene, precision), steps.unwrap_or_else(|| cluster.steps_for(budget)));
+        let given = GivenOverlaps::of(&scene.shapes(), &auto);
+        Ok(Evaluator { scene: scene.clone(), precision, lengths, probes, cluster, initial, given, steps, engine })
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The precision of the engine.
+    pub fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    /// Steps of the part for every candidate, after its settling.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Pairs of the model as given that overlap by more than rounding.
+    pub fn overlapping(&self) -> u64 {
+        self.given.count()
+    }
+
+    /// The rules about lengths and angles that a set breaks; the one on stiffness is left to [`Evaluator::measure`].
+    pub fn broken_rules(&self, set: &ToleranceSet) -> Vec<Rule> {
+        self.lengths.check(set, self.precision).into_iter().map(|violation| violation.rule).collect()
+    }
+
+    /// Measures a set, but for what the oracle says of steps.
+    ///
+    /// # Errors
+    /// When a tolerance overflows in the precision, or the part cannot be set up.
+    pub fn measure(&self, set: &ToleranceSet) -> Result<Measurement, TuneError> {
+        let scene = self.stiff(set);
+        let mut slacks = self.lengths.slacks(set, self.precision);
+        slacks.extend(rules::stiffness_slack(set, &scene));
+        let violated = slacks.iter().filter(|slack| slack.factor < 1.0).map(|slack| slack.rule);
+        let mut violated: Vec<Rule> = violated.chain(self.broken_rules(set)).collect();
+        violated.sort_unstable();
+        violated.dedup();
+        // There are always the rules between tolerances.
+        let none = RuleSlack { rule: Rule::Search, factor: f64::INFINITY };
+        let tightest = slacks.into_iter().min_by(|a, b| a.factor.total_cmp(&b.factor)).unwrap_or(none);
+        let differences = self
+            .probes
+            .compare(set, &*self.engine)
+            .map_err(|name| TuneError::Overflow { what: format!("tolerance `{name}`"), precision: self.precision })?;
+        let part = self.part(&scene);
+        let steps_measured = match self.precision {
+            Precision::F32 => measure_steps::<f32>(&part, set, &self.initial, self.steps)?,
+            Precision::F64 => measure_steps::<f64>(&part, set, &self.initial, self.steps)?,
+        };
+        let lost_pairs = self.given.lost(set);
+        Ok(Measurement { violated, tightest, lost_pairs, differences, steps_measured, lockstep: None })
+    }
+
+    /// Asks the oracle about the steps of a set.
+    ///
+    /// # Errors
+    /// When a number of the scene overflows in the precision, or the part cannot be set up.
+    pub fn lockstep(&self, set: &ToleranceSet) -> Result<LockstepMeasures, TuneError> {
+        let part = self.part(&self.stiff(set));
+        match self.precision {
+            Precision::F32 => measure_lockstep::<f32>(&part, set, self.precision, &self.initial, self.steps),
+            Precision::F64 => measure_lockstep::<f64>(&part, set, self.precision, &self.initial, self.steps),
+        }
+    }
+
+    /// A scene whose joints have stiffnesses: those that suit a set where the scene names none.
+    fn stiff(&self, set: &ToleranceSet) -> Scene {
+        let mut scene = self.scene.clone();
+        scene.derive_stiffness(set);
+        scene
+    }
+
+    /// The part with the joints of the whole scene.
+    fn part(&self, scene: &Scene) -> Scene {
+        let mut part = self.cluster.scene.clone();
+        part.simulation.joints = scene.simulation.joints.clone();
+        part
+    }
+}

@@ -1,0 +1,59 @@
+//! What an overlap means for a run (SPEC section 7): what contacts cannot undo, what they hold, and what is rounding.
+
+use super::{Overlap, OverlapVisibility};
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use rockproof_model::{Block, Number, Precision};
+
+/// What an overlap means for a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Meaning {
+    /// Deeper than g, or seen by no contact though more than rounding: the blocks will pass through one another.
+    Lost,
+    /// Seen by a contact that can push the blocks apart.
+    Held,
+    /// No more than rounded coordinates and uneven faces make of blocks that touch.
+    Rounding,
+}
+
+impl Meaning {
+    /// All, the gravest first.
+    pub const ALL: [Meaning; 3] = [Meaning::Lost, Meaning::Held, Meaning::Rounding];
+}
+
+impl Overlap {
+    /// What the overlap means. `rounding` (m) is the depth that rounded coordinates alone can make ([`rounding_depth`]);
+    /// **exactly so deep is rounding**.
+    pub fn meaning(&self, rounding: &Number) -> Meaning {
+        if self.is_deeper_than_g {
+            return Meaning::Lost;
+        }
+        match (self.is_rounding(rounding), self.sight) {
+            (true, _) => Meaning::Rounding,
+            (false, OverlapVisibility::Unseen) => Meaning::Lost,
+            (false, _) => Meaning::Held,
+        }
+    }
+
+    /// Whether the overlap is no more than rounding makes of blocks that touch, whatever the tolerances.
+    pub fn is_rounding(&self, rounding: &Number) -> bool {
+        self.is_within_unevenness || self.depth_squared() <= rounding.times(rounding).to_rational()
+    }
+
+    /// Whether no contact sees the overlap and it is more than rounding, however deep it is. After a step this is the
+    /// question, not [`Meaning::Lost`]: a contact kept closed holds blocks that overlap deeper than g.
+    pub fn is_unseen(&self, rounding: &Number) -> bool {
+        self.sight == OverlapVisibility::Unseen && self.meaning(rounding) == Meaning::Lost
+    }
+}
+
+/// The depth in m below which rounding decides whether blocks overlap: 2⁸·eps·M, M the largest coordinate magnitude, as
+/// SPEC section 3 has it for `territory`.
+pub fn rounding_depth(blocks: &[&Block], precision: Precision) -> Number {
+    let coordinates = blocks.iter().flat_map(|block| block.coordinates());
+    let sizes = coordinates.map(|c| if c.is_negative() { c.negated() } else { c.clone() });
+    let largest = sizes.reduce(|most, c| if c > most { c } else { most }).unwrap_or(Number::ZERO);
+    // eps is 2 to the power of 1 less the digits of the precision.
+    let share = BigRational::new(BigInt::from(1 << 8), BigInt::from(1) << (precision.digits() - 1));
+    largest.times(&Number::from_rational(share))
+}

@@ -1,0 +1,55 @@
+//! Whether a point is inside a surface of triangles, exactly.
+
+use num_traits::Zero;
+use rockproof_model::ring::ExactRing;
+use rockproof_model::{Block, Vec3};
+
+/// The triangles of a block's faces, each face from the first vertex of its loop, with the given vertices.
+pub(crate) fn triangles<'a, T>(block: &'a Block, points: &'a [Vec3<T>]) -> impl Iterator<Item = [&'a Vec3<T>; 3]> {
+    let fans = block.topology().faces().iter().flat_map(|face| {
+        let first = face[0];
+        face[1..].windows(2).map(move |two| [first, two[0], two[1]])
+    });
+    fans.map(|corners| corners.map(|v| &points[v as usize]))
+}
+
+/// Whether the origin is inside a closed surface of triangles; **it must not be on the surface**.
+///
+/// A ray from the origin crosses the surface an odd number of times. The direction is (1, k, k²) with the first k for which
+/// the ray's line meets no edge of a triangle and lies in no triangle's plane; each edge and each plane excludes two k at
+/// most.
+pub(crate) fn surface_holds_origin<T: ExactRing + Zero>(triangles: &[[Vec3<T>; 3]]) -> bool {
+    (1i32..)
+        .find_map(|k| {
+            let k = T::from_i32(k);
+            odd_crossings(triangles, &Vec3::new(T::from_i32(1), k.clone(), k.squared()))
+        })
+        .unwrap_or(false)
+}
+
+/// Whether a ray from the origin crosses triangles an odd number of times; `None` where it meets an edge or lies in a plane.
+fn odd_crossings<T: ExactRing + Zero>(triangles: &[[Vec3<T>; 3]], ray: &Vec3<T>) -> Option<bool> {
+    let mut odd = false;
+    for [a, b, c] in triangles {
+        let n = b.minus(a).cross(&c.minus(a));
+        if n.components().into_iter().all(Zero::is_zero) {
+            continue;
+        }
+        let towards = n.dot(ray).sign();
+        if towards.is_zero() {
+            return None;
+        }
+        // The plane is met at a·n / ray·n.
+        if n.dot(a).sign() != towards {
+            continue;
+        }
+        let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| p.cross(q).dot(ray).sign());
+        if sides.iter().any(|side| side.is_zero()) {
+            return None;
+        }
+        if sides.iter().all(|&side| side == towards) {
+            odd = !odd;
+        }
+    }
+    Some(odd)
+}

@@ -1,0 +1,146 @@
+//! A symmetric system in blocks: which unknowns meet is known from which blocks touch.
+
+use crate::field::Field;
+use std::collections::BTreeMap;
+
+/// The lower triangle of a symmetric matrix by blocks, and a right side.
+#[derive(Clone, Debug)]
+pub(crate) struct BlockSparseSystem<S> {
+    /// The first unknown of each block, and the number of unknowns at the end.
+    starts: Vec<usize>,
+    /// The block of rows i and columns j, `i ≥ j`, row by row; those on the diagonal are whole squares.
+    blocks: BTreeMap<(usize, usize), Vec<S>>,
+    /// The right side.
+    pub(crate) right: Vec<S>,
+}
+
+impl<S: Field> BlockSparseSystem<S> {
+    /// The system of zeros with blocks of these sizes.
+    pub(crate) fn zero(sizes: &[usize]) -> BlockSparseSystem<S> {
+        let mut starts = vec![0];
+        for size in sizes {
+            starts.push(starts[starts.len() - 1] + size);
+        }
+        let right = vec![S::from_i32(0); starts[sizes.len()]];
+        BlockSparseSystem { starts, blocks: BTreeMap::new(), right }
+    }
+
+    /// Number of unknowns.
+    pub(crate) fn unknowns(&self) -> usize {
+        self.right.len()
+    }
+
+    /// Unknowns of a block.
+    pub(crate) fn size(&self, block: usize) -> usize {
+        self.starts[block + 1] - self.starts[block]
+    }
+
+    /// The unknowns of a block, by number.
+    pub(crate) fn range(&self, block: usize) -> std::ops::Range<usize> {
+        self.starts[block]..self.starts[block + 1]
+    }
+
+    /// Adds `value(row, column)` to the block of rows i and columns j. For `i < j` the transposed block is meant.
+    pub(crate) fn add(&mut self, i: usize, j: usize, value: impl Fn(usize, usize) -> S) {
+        let turned = i < j;
+        let (i, j) = if turned { (j, i) } else { (i, j) };
+        let (rows, columns) = (self.size(i), self.size(j));
+        let block = self.blocks.entry((i, j)).or_insert_with(|| vec![S::from_i32(0); rows * columns]);
+        for row in 0..rows {
+            for column in 0..columns {
+                let place = &mut block[row * columns + column];
+                *place = place.plus(&if turned { value(column, row) } else { value(row, column) });
+            }
+        }
+    }
+
+    /// Adds to the right side of a block.
+    pub(crate) fn add_right(&mut self, block: usize, value: impl Fn(usize) -> S) {
+        let start = self.starts[block];
+        for row in 0..self.size(block) {
+            self.right[start + row] = self.right[start + row].plus(&value(row));
+        }
+    }
+
+    /// Every entry of the lower triangle that a block covers, as (row, column, value).
+    pub(crate) fn lower(&self) -> impl Iterator<Item = (usize, usize, &S)> + '_ {
+        self.blocks.iter().flat_map(move |(&(i, j), block)| {
+            let columns = self.size(j);
+            let (top, left) = (self.starts[i], self.starts[j]);
+            block.iter().enumerate().filter_map(move |(k, value)| {
+                let (row, column) = (top + k / columns, left + k % columns);
+                (row >= column).then_some((row, column, value))
+            })
+        })
+    }
+
+    /// `right − K·x`.
+    pub(crate) fn residual(&self, x: &[S]) -> Vec<S> {
+        let mut residual = self.right.clone();
+        let zero: Vec<bool> = x.iter().map(Field::is_zero).collect();
+        for (row, column, value) in self.lower() {
+            if !zero[column] {
+                residual[row] = residual[row].minus(&value.times(&x[column]));
+            }
+            if row != column && !zero[row] {
+                residual[column] = residual[column].minus(&value.times(&x[row]));
+            }
+        }
+        residual
+    }
+
+    /// The blocks that entries off the diagonal tie together, each list ascending: systems that can be solved apart.
+    fn islands(&self) -> Vec<Vec<usize>> {
+        let count = self.starts.len() - 1;
+        let mut island: Vec<usize> = (0..count).collect();
+        for &(i, j) in self.blocks.keys() {
+            let (from, to) = (island[i].max(island[j]), island[i].min(island[j]));
+            if from != to {
+                island.iter_mut().filter(|place| **place == from).for_each(|place| *place = to);
+            }
+        }
+        let members = |&lowest: &usize| (0..count).filter(|&block| island[block] == lowest).collect();
+        (0..count).filter(|&block| island[block] == block).collect::<Vec<_>>().iter().map(members).collect()
+    }
+
+    /// Solves each island apart by `solve`, which is given its matrix, row by row, and its right side; `None` where one of
+    /// them has no solution, or more than `most` unknowns.
+    pub(crate) fn solve_apart(&self, most: usize, solve: impl Fn(&[Vec<S>], &[S]) -> Option<Vec<S>>) -> Option<Vec<S>> {
+        let mut solution = vec![S::from_i32(0); self.unknowns()];
+        for island in self.islands() {
+            let unknowns: Vec<usize> = island.iter().flat_map(|&block| self.range(block)).collect();
+            if unknowns.len() > most {
+                return None;
+            }
+            let place: BTreeMap<usize, usize> = unknowns.iter().enumerate().map(|(place, &k)| (k, place)).collect();
+            let mut rows = vec![vec![S::from_i32(0); unknowns.len()]; unknowns.len()];
+            for &block in &island {
+                for ((_, other), values) in self.blocks.range((block, 0)..=(block, block)) {
+                    let columns = self.size(*other);
+                    for (k, value) in values.iter().enumerate() {
+                        let row = place[&(self.starts[block] + k / columns)];
+                        let column = place[&(self.starts[*other] + k % columns)];
+                        rows[row][column] = value.clone();
+                        rows[column][row] = value.clone();
+                    }
+                }
+            }
+            let right: Vec<S> = unknowns.iter().map(|&k| self.right[k].clone()).collect();
+            for (k, value) in unknowns.into_iter().zip(solve(&rows, &right)?) {
+                solution[k] = value;
+            }
+        }
+        Some(solution)
+    }
+
+    /// The whole matrix, row by row.
+    pub(crate) fn dense(&self) -> Vec<Vec<S>> {
+        let n = self.unknowns();
+        let mut rows = vec![vec![S::from_i32(0); n]; n];
+        for (row, column, value) in self.lower() {
+            rows[row][column] = value.clone();
+            rows[column][row] = value.clone();
+        }
+        rows
+    }
+}

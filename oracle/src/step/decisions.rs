@@ -1,0 +1,136 @@
+//! The decisions of a step, each asked of one number type (docs/step.md 9 and 11): `None` where that cannot tell.
+
+use super::attempt_state::AttemptState;
+use super::frame;
+use super::friction::SlipForce;
+use super::state::Mode;
+use crate::field::Field;
+use rockproof_model::{Sign, Vec3};
+
+/// A question that any level can be asked.
+pub(crate) trait StepDecision {
+    type Answer;
+    fn ask<S: Field>(&self, chain: &AttemptState<'_, S>) -> Option<Self::Answer>;
+}
+
+/// The mode of a contact after the last solve.
+pub(crate) struct NextMode {
+    pub(crate) contact: usize,
+    pub(crate) mode: Mode,
+}
+
+impl StepDecision for NextMode {
+    type Answer = Mode;
+    fn ask<S: Field>(&self, chain: &AttemptState<'_, S>) -> Option<Mode> {
+        let k = self.contact;
+        let (contact, joint, iterate) = (&chain.contacts[k], &chain.joints[k], chain.iterates.last()?);
+        let gap = &iterate.gaps[k];
+        // Homogeneous in |N|: squares are compared, so no root is taken.
+        let square = gap.squared();
+        if square.minus(&chain.limits.equal.times(&contact.gap.squared())).certain_sign()?.is_at_most_zero() {
+            return Some(self.mode);
+        }
+        let beyond = |square: &S, limit: &S| {
+            let limit = limit.times(&contact.square);
+            Some(square.minus(&limit).certain_sign()?.is_positive())
+        };
+        let closed = match self.mode {
+            Mode::Open => gap.certain_sign()?.is_negative() && beyond(&square, &chain.limits.close)?,
+            _ => {
+                // h − tension·area/p_n beyond εo, times |N|.
+                let stretched = gap.minus(&joint.tensile);
+                !(stretched.certain_sign()?.is_positive() && beyond(&stretched.squared(), &chain.limits.open)?)
+            }
+        };
+        if !closed {
+            return Some(Mode::Open);
+        }
+        if chain.attempt.settling {
+            return Some(Mode::Locked);
+        }
+        // p_s²|s|² ≤ τ², times |N|².
+        let s = &iterate.stretches[k];
+        let shear = joint.shear.squared().times(&s.norm_squared()).times(&contact.square);
+        let excess = shear.minus(&chain.strength(k, gap)?.squared());
+        let held = excess.certain_sign().map(Sign::is_at_most_zero);
+        let turned = iterate.friction[k].as_ref().map_or(Some(false), |slip| has_turned(slip, s));
+        match (held, turned) {
+            (Some(true), _) | (_, Some(true)) => Some(Mode::Locked),
+            (Some(false), Some(false)) => Some(Mode::Sliding),
+            _ => None,
+        }
+    }
+}
+
+/// Whether the slip of a contact that slid turned: `s·f < 0`, which is `s·s₁ < 0` where f is not zero. **A slip across the last one
+/// has not turned.**
+fn has_turned<S: Field>(slip: &SlipForce<S>, s: &Vec3<S>) -> Option<bool> {
+    let (along, force) = (s.dot(&slip.last).certain_sign(), slip.secant.certain_sign());
+    match (along.map(Sign::is_negative), force.map(Sign::is_positive)) {
+        (Some(false), _) | (_, Some(false)) => Some(false),
+        (Some(true), Some(true)) => Some(true),
+        _ => None,
+    }
+}
+
+/// Whether friction has settled in the last solve, in which no contact opened or closed: for each moving block,
+/// `100·Σ|Δf| ≤ Σ p_n·max(0, −h)` over its closed contacts. **Equality has settled.**
+pub(crate) struct FrictionSettled<'m> {
+    /// The modes in the last solve, and those that followed from it.
+    pub(crate) modes: [&'m [Mode]; 2],
+}
+
+/// So many times the change of friction at a block may be no more than what presses it.
+pub(crate) const SETTLED: i32 = 100;
+
+impl StepDecision for FrictionSettled<'_> {
+    type Answer = bool;
+    fn ask<S: Field>(&self, chain: &AttemptState<'_, S>) -> Option<bool> {
+        let iterate = chain.iterates.last()?;
+        let excess = chain.force_changes(iterate, self.modes)?;
+        let excess = excess.iter().map(|[change, pressure]| change.times(&S::from_i32(SETTLED)).minus(pressure));
+        let signs: Vec<Option<Sign>> = excess.map(|excess| excess.certain_sign()).collect();
+        if signs.iter().flatten().any(|sign| sign.is_positive()) {
+            return Some(false);
+        }
+        signs.iter().all(Option::is_some).then_some(true)
+    }
+}
+
+/// Which block moves a vertex beyond u.
+pub(crate) struct TooFar;
+
+impl StepDecision for TooFar {
+    type Answer = Option<usize>;
+    fn ask<S: Field>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
+        let iterate = chain.iterates.last()?;
+        for (block, _) in chain.attempt.moving() {
+            let moments = &chain.moments[block];
+            for vertex in &moments.points {
+                let moved = frame::displacement(&vertex.minus(&moments.centroid), &iterate.d[block]);
+                if moved.norm_squared().minus(&chain.limits.displacement).certain_sign()?.is_positive() {
+                    return Some(Some(block));
+                }
+            }
+        }
+        Some(None)
+    }
+}
+
+/// Which block turns beyond ω.
+pub(crate) struct TooTurned;
+
+impl StepDecision for TooTurned {
+    type Answer = Option<usize>;
+    fn ask<S: Field>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
+        let iterate = chain.iterates.last()?;
+        for (block, _) in chain.attempt.moving() {
+            let d = &iterate.d[block];
+            let turn = Vec3::new(d[3].clone(), d[4].clone(), d[5].clone());
+            if turn.norm_squared().minus(&chain.limits.rotation).certain_sign()?.is_positive() {
+                return Some(Some(block));
+            }
+        }
+        Some(None)
+    }
+}

@@ -1,0 +1,169 @@
+//! The end of a campaign, of a part of one, or of a merge: what it means in three lines, what differs by cause, and what to do next.
+
+use crate::exit::print;
+use crate::table::{grouped, table};
+use rockproof_campaign::journal::{CampaignProgress, Journal};
+use rockproof_campaign::merge::Parts;
+use rockproof_campaign::part::Part;
+use rockproof_campaign::run::Ending;
+use rockproof_campaign::steps::StepSummary;
+use rockproof_differential::external::EngineSpec;
+use rockproof_differential::external::spec::NumberFormat;
+use rockproof_differential::finding::Cause;
+use rockproof_report::load::Results;
+use rockproof_report::tally::{FindingTally, WorstFinding};
+use rockproof_report::verdict::verdict;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Prints the end of a campaign, from what it left on disk.
+pub(crate) fn print_end(journal: &Journal, external: &[EngineSpec], ending: Ending) -> anyhow::Result<()> {
+    let dir = journal.dir().to_owned();
+    let results = Results::read(std::slice::from_ref(&dir))?;
+    let mut out = String::new();
+    for line in verdict(&results) {
+        out += &format!("{}\n", line.text);
+    }
+    for campaign in &results.campaigns {
+        out += &by_cause(&campaign.tally);
+    }
+    let progress = journal.progress();
+    if !progress.steps.is_empty() {
+        out += &format!("\n{}\n", steps_table(&progress.steps));
+    }
+    out += &format!("\n{}", what_is_there(progress, &dir, ending));
+    let worst = results.campaigns.first().and_then(|campaign| campaign.tally.worst_of_all());
+    let next = match setting(progress, Part::KEY) {
+        _ if ending == Ending::Stopped => String::new(),
+        Some(part) => {
+            format!("next: when all parts are done (this is {part}): rockproof merge DIR… --out DIR\n")
+        }
+        None => next(&dir, worst, external),
+    };
+    print(&(out + &next))
+}
+
+/// A text of the configuration.
+fn setting<'p>(progress: &'p CampaignProgress, key: &str) -> Option<&'p str> {
+    progress.configuration.get(key).and_then(Value::as_str)
+}
+
+/// A row for each cause and whom it concerns: how many findings, the change that most of them are, and how far from a tie the clearest is.
+fn by_cause(tally: &FindingTally) -> String {
+    let mut groups: BTreeMap<(Cause, &str), BTreeMap<&str, u64>> = BTreeMap::new();
+    for (sort, count) in &tally.sorts {
+        let changes = groups.entry((sort.cause, &sort.engine)).or_default();
+        *changes.entry(sort.change.name()).or_default() += count;
+    }
+    if groups.is_empty() {
+        return String::new();
+    }
+    let rows = groups.into_iter().map(|((cause, engine), changes)| {
+        let all: u64 = changes.values().sum();
+        // Of equally frequent ones the first by name.
+        let most = changes.iter().max_by(|a, b| a.1.cmp(b.1).then(b.0.cmp(a.0)));
+        let most = most.map_or(String::new(), |(change, n)| format!("{change} ({} %)", 100 * n / all));
+        let far = tally.furthest.get(&(engine.to_owned(), cause)).map_or(String::new(), |ulps| format!("{ulps:.1e}"));
+        vec![cause.to_string(), concerned(engine), grouped(all), most, far]
+    });
+    format!(
+        "\n{}\n",
+        table(&["cause", "concerns", "findings", "mostly", "roundoffs from a tie, at most"], &[2, 4], rows)
+    )
+}
+
+/// Whom a finding is about, in words.
+fn concerned(engine: &str) -> String {
+    match engine {
+        "any" => "every engine".to_owned(),
+        "f32" | "f64" => format!("whatever is given in {engine}"),
+        engine => engine.to_owned(),
+    }
+}
+
+fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> String {
+    let speed = progress.pairs_done as f64 / progress.seconds.max(1e-9);
+    let (pairs, seconds, found) = (grouped(progress.pairs_done), progress.seconds, grouped(progress.summary.total()));
+    let mut out = format!("{pairs} pairs in {seconds:.1} s ({speed:.0} a second), {found} findings\n");
+    for (name, counts) in &progress.engines {
+        if let Some(told) = counts.told() {
+            out += &format!("{name}: {told}; engines.csv counts them\n");
+        }
+    }
+    if ending == Ending::Stopped {
+        out += "interrupted; --resume goes on\n";
+    }
+    if let Some(there) = setting(progress, Parts::KEY) {
+        let asked = progress.configuration.get("pairs").and_then(Value::as_u64).unwrap_or_default();
+        out += &format!("not the whole campaign: parts {there}, {pairs} of {} pairs\n", grouped(asked));
+    }
+    let dir = dir.display();
+    let tables = if progress.steps.is_empty() { "" } else { "step_findings.csv, step_summary.csv, " };
+    out += &format!("written to {dir}: findings.csv, summary.csv, {tables}run.json");
+    let count = |cases: &BTreeMap<String, u64>| cases.values().sum::<u64>();
+    let (pairs, steps) = (count(&progress.cases), count(&progress.step_cases));
+    if pairs > 0 {
+        out += &format!(", {pairs} shrunk findings in cases");
+    }
+    if steps > 0 {
+        out += &format!(", {steps} steps in cases");
+    }
+    out + "\n"
+}
+
+/// The commands that go on from here.
+fn next(dir: &Path, worst: Option<&WorstFinding>, external: &[EngineSpec]) -> String {
+    let mut out = format!("next: rockproof report {}\n", quoted(&dir.display().to_string()));
+    if let Some(worst) = worst {
+        let engine = external.iter().find(|spec| spec.name == worst.engine).map(argument);
+        let engine = engine.map_or(String::new(), |text| format!(" --engine-command {text}"));
+        out += &format!("      rockproof replay {}{engine}\n", quoted(&dir.join(&worst.case).display().to_string()));
+    }
+    out
+}
+
+/// The argument of `--engine-command` that names an engine, for a shell.
+fn argument(spec: &EngineSpec) -> String {
+    let precision = if spec.precision == NumberFormat::F32 { ":f32" } else { "" };
+    let command: Vec<String> = spec.command.iter().map(|word| quoted(word)).collect();
+    quoted(&format!("{}{precision}={}", spec.name, command.join(" ")))
+}
+
+/// For a shell.
+fn quoted(text: &str) -> String {
+    shlex::try_quote(text).map_or_else(|_| text.to_owned(), std::borrow::Cow::into_owned)
+}
+
+/// One row for each engine: its steps, and how many of them differ from the exact ones.
+fn steps_table(steps: &StepSummary) -> String {
+    let rows = steps.by_engine().into_iter().map(|(engine, counts)| {
+        let numbers = [
+            counts.compared,
+            counts.contacts_differ,
+            counts.modes_differ,
+            counts.iterations_differ,
+            counts.retries_differ,
+            counts.deeper,
+            counts.shallower,
+            counts.passages_stepper,
+            counts.unseen_stepper,
+            counts.defect,
+        ];
+        std::iter::once(engine.to_owned()).chain(numbers.map(grouped)).collect()
+    });
+    let header = [
+        "engine",
+        "steps",
+        "other contacts",
+        "modes",
+        "iterations",
+        "retries",
+        "deeper",
+        "shallower",
+        "passages",
+        "unseen",
+        "defects",
+    ];
+    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10], rows).to_string()
+}

@@ -1,0 +1,87 @@
+//! Progress of a campaign or of a merge, while it works.
+
+use crate::exit::print_note;
+use crate::table::grouped;
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use rockproof_campaign::journal::Seen;
+use std::io::IsTerminal;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Shows how much of so many pairs has been seen, until `work` ends, and gives what it gives.
+pub(crate) fn shown_while<T>(pairs: u64, seen: Arc<Seen>, work: impl FnOnce() -> T) -> T {
+    let (display, ended) = (Display::new(pairs, seen), AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        scope.spawn(|| display.show_until(&ended));
+        let _ends = Ends(&ended);
+        work()
+    })
+}
+
+/// Ends the display when work ends, however it ends.
+struct Ends<'e>(&'e AtomicBool);
+
+impl Drop for Ends<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A bar on a terminal, a line now and then otherwise; from the first pair on.
+struct Display {
+    bar: Option<ProgressBar>,
+    pairs: u64,
+    seen: Arc<Seen>,
+}
+
+/// How often a bar moves.
+const MOVES: Duration = Duration::from_millis(200);
+/// How often there is a line.
+const LINES: Duration = Duration::from_secs(10);
+
+impl Display {
+    fn new(pairs: u64, seen: Arc<Seen>) -> Display {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::new(pairs);
+            let template = "{bar:40} {human_pos}/{human_len} pairs, {msg}";
+            if let Ok(style) = ProgressStyle::with_template(template) {
+                bar.set_style(style);
+            }
+            bar.set_position(seen.pairs.load(Ordering::Relaxed));
+            bar.reset_eta();
+            bar
+        });
+        Display { bar, pairs, seen }
+    }
+
+    fn show_until(&self, ended: &AtomicBool) {
+        let mut last = Instant::now();
+        while !ended.load(Ordering::Relaxed) {
+            let (pairs, told) = (self.seen.pairs.load(Ordering::Relaxed), self.told());
+            match &self.bar {
+                Some(bar) => {
+                    bar.set_position(pairs);
+                    // There is no telling before anything is done.
+                    let left = bar.eta();
+                    let left = if left.is_zero() { String::new() } else { format!(", {} left", HumanDuration(left)) };
+                    bar.set_message(format!("{told}{left}"));
+                }
+                None if last.elapsed() > LINES => {
+                    last = Instant::now();
+                    print_note(&format!("{} of {} pairs, {told}", grouped(pairs), grouped(self.pairs)));
+                }
+                None => {}
+            }
+            std::thread::park_timeout(MOVES);
+        }
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn told(&self) -> String {
+        let shrinking = if self.seen.shrinking.load(Ordering::Relaxed) { ", shrinking some" } else { "" };
+        format!("{} findings{shrinking}", grouped(self.seen.findings.load(Ordering::Relaxed)))
+    }
+}

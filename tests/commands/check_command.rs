@@ -1,0 +1,80 @@
+//! Pins what `check` says of a model's size, units and planarity, and what `--scale` does.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn rockproof(args: &[&str]) -> (i32, String, String) {
+    let output = assert_cmd::Command::cargo_bin("rockproof").expect("built").args(args).output().expect("runs");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+}
+
+/// A cube of a size in OBJ, turned so that no face is parallel to an axis; its faces as squares or cut into triangles.
+fn cube(dir: &Path, size: f64, digits: usize, triangles: bool) -> PathBuf {
+    let ([s, c], [t, d]) = ([0.6, 0.8], [5.0 / 13.0, 12.0 / 13.0]);
+    let mut text = String::new();
+    for n in 0..8 {
+        let [x, y, z] = [n & 1, n >> 1 & 1, n >> 2 & 1].map(|bit| f64::from(bit) * size / 3.0 * 3.0);
+        let (x, y) = (c * x - s * y, s * x + c * y);
+        let (y, z) = (d * y - t * z, t * y + d * z);
+        text += &format!("v {x:.digits$} {y:.digits$} {z:.digits$}\n");
+    }
+    for [a, b, c, d] in [[1, 3, 4, 2], [1, 2, 6, 5], [1, 5, 7, 3], [2, 4, 8, 6], [3, 7, 8, 4], [5, 6, 8, 7]] {
+        text += &match triangles {
+            true => format!("f {a} {b} {c}\nf {a} {c} {d}\n"),
+            false => format!("f {a} {b} {c} {d}\n"),
+        };
+    }
+    let file = dir.join(format!("cube_{digits}_{triangles}.obj"));
+    fs::write(&file, text).expect("written");
+    file
+}
+
+#[test]
+fn a_model_in_millimetres_is_doubted_and_can_be_scaled() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let file = cube(dir.path(), 1000.0, 5, false);
+    let file = file.to_str().expect("text");
+    let args = |more: &[&'static str]| [&["check", file, "--planarity", "1e-6"][..], more].concat().join(" ");
+    let run = |more| rockproof(&args(more).split(' ').collect::<Vec<_>>());
+    let (_, out, err) = run(&[]);
+    assert!(out.contains("extent") && out.contains("shortest          1000 m: an edge of block 0"), "{out}");
+    assert!(err.contains("millimetres") && err.contains("--scale 1/1000"), "{err}");
+    let (_, out, err) = run(&["--scale", "1/1000"]);
+    assert!(out.contains("shortest             1 m") && !err.contains("millimetres"), "{out}{err}");
+    assert_eq!(run(&["--scale", "0"]).0, 2);
+    // Converted so, it is the same model in metres.
+    let metres = dir.path().join("metres.toml");
+    let metres = metres.to_str().expect("text");
+    let (code, _, err) = rockproof(&["convert", file, metres, "--planarity", "1e-6", "--scale", "1/1000"]);
+    assert_eq!(code, 0, "{err}");
+    let (_, out, err) = rockproof(&["check", metres]);
+    assert!(out.contains("shortest             1 m") && !err.contains("millimetres"), "{out}{err}");
+    let (code, _, err) = rockproof(&["check", metres, "--scale", "2"]);
+    assert!(code == 2 && err.contains("TOML"), "{err}");
+}
+
+#[test]
+fn the_planarity_that_merges_triangles_is_named() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let file = cube(dir.path(), 1.0, 8, true);
+    let (_, out, err) = rockproof(&["check", file.to_str().expect("text")]);
+    assert!(out.contains("concave              1") && out.contains("rules: all met"), "rounding bent it: {out}");
+    assert!(err.contains("they are 6, and 0 blocks concave instead of 1"), "{err}");
+    let planarity = err.split("--planarity ").nth(1).and_then(|rest| rest.split(' ').next()).expect("a planarity");
+    let (_, out, err) = rockproof(&["check", file.to_str().expect("text"), "--planarity", planarity]);
+    assert!(out.contains("faces                6") && out.contains("concave              0"), "{out}");
+    assert!(!err.contains("nearly coplanar"), "{err}");
+}
+
+#[test]
+fn the_planarity_that_reads_a_file_is_named_once() {
+    let file = "cases/real/voronoi_120.txt";
+    let (code, _, err) = rockproof(&["check", file]);
+    assert_eq!(code, 2);
+    assert!(err.lines().count() < 8 && err.contains("and 117 more of this sort"), "{err}");
+    let planarity = err.split("--planarity ").nth(1).and_then(|rest| rest.lines().next()).expect("a planarity");
+    assert_ne!(rockproof(&["check", file, "--planarity", planarity]).0, 2, "{planarity}");
+    let (code, _, err) = rockproof(&["classify", file]);
+    assert!(code == 2 && err.contains("--planarity"), "{err}");
+}

@@ -1,0 +1,175 @@
+//! External engines as processes: none outlives the program, a signal is answered at once although an engine hangs, what a fresh process mends
+//! is told, and nothing an engine says reaches the terminal as a command.
+#![cfg(target_os = "linux")]
+
+use crate::engines::client;
+use crate::gates::{around, gate};
+use assert_cmd::Command;
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+/// The program in a folder, in the background.
+fn start(dir: &Path, arguments: &[&str]) -> Child {
+    std::process::Command::new(assert_cmd::cargo::cargo_bin("rockproof"))
+        .args(arguments)
+        .current_dir(dir)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("starts")
+}
+
+fn signal(child: &Child, name: &str) {
+    let sent = std::process::Command::new("kill").args([format!("-{name}"), child.id().to_string()]).status();
+    assert!(sent.is_ok_and(|status| status.success()), "{name}");
+}
+
+/// The numbers of processes in a file, once there is one.
+fn numbers(file: &Path) -> Vec<String> {
+    let begin = Instant::now();
+    loop {
+        let text = fs::read_to_string(file).unwrap_or_default();
+        if text.ends_with('\n') {
+            return text.lines().map(str::to_owned).collect();
+        }
+        assert!(begin.elapsed() < Duration::from_secs(60), "no engine was started");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// Whether a process still runs after the moment that a kill may take; what has ended and is not reaped does not.
+fn runs(number: &str) -> bool {
+    let begin = Instant::now();
+    loop {
+        let state = fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
+        if state.rsplit_once(") ").is_none_or(|(_, rest)| rest.starts_with('Z')) {
+            return false;
+        }
+        if begin.elapsed() > Duration::from_secs(5) {
+            return true;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// The end of a child within a time that no engine's patience fits in.
+fn ended(mut child: Child, what: &str) -> Option<i32> {
+    let begin = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().expect("a child") {
+            return status.code();
+        }
+        if begin.elapsed() > Duration::from_secs(20) {
+            child.kill().expect("kill");
+            panic!("{what}: still runs 20 s after the signal");
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn a_signal_ends_hanging_engines_at_once() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let hanging = "sh -c 'echo $$ >>numbers; exec sleep 1000'".to_owned();
+    let midway = format!("sh -c 'echo $$ >>numbers; exec {} hang'", client());
+    let case = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/regressions/f-v-arithmetic-vertex-face-depth.toml");
+    let campaign =
+        ["campaign", "--engine", "mine", "--engine-timeout", "600", "--family", "face_stack", "--out", "out"];
+    let words = ["sh", "-c", "echo $$ >>numbers; exec sleep 1000"];
+    fs::write(dir.join("gate.toml"), around(&words, "").replace("timeout_ms = 500", "timeout_ms = 600000"))
+        .expect("write");
+    let runs_of = [
+        ("INT", &midway, &campaign[..]),
+        ("TERM", &midway, &campaign[..]),
+        ("HUP", &hanging, &campaign[..]),
+        ("TERM", &hanging, &["gate", "gate.toml"]),
+        ("INT", &hanging, &["replay", case, "--engine-timeout", "600"]),
+    ];
+    for (name, command, arguments) in runs_of {
+        let what = format!("{name} to {}", arguments[0]);
+        let _ = fs::remove_file(dir.join("numbers"));
+        let _ = fs::remove_dir_all(dir.join("out"));
+        let engine = format!("mine={command}");
+        let mut all = arguments.to_vec();
+        if arguments[0] != "gate" {
+            all.extend(["--engine-command", &engine]);
+        }
+        let child = start(dir, &all);
+        numbers(&dir.join("numbers"));
+        // Into the first chunk, where a third of the questions is never answered.
+        std::thread::sleep(Duration::from_secs(2));
+        signal(&child, name);
+        assert_eq!(ended(child, &what), Some(130), "{what}");
+        for number in numbers(&dir.join("numbers")) {
+            assert!(!runs(&number), "{what}: engine {number} runs on");
+        }
+    }
+}
+
+/// Runs the program; exit code, stdout and stderr.
+fn rockproof(dir: &Path, arguments: &[&str]) -> (i32, String, String) {
+    let mut command = Command::cargo_bin("rockproof").expect("the program");
+    let output = command.current_dir(dir).args(arguments).output().expect("runs");
+    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let engine = format!("mine={} second", client());
+    let campaign =
+        ["campaign", "--pairs", "64", "--family", "face_stack", "--engine", "mine", "--engine-command", &engine];
+    let (code, out, err) = rockproof(dir, &[&campaign[..], &["--out", "run", "--deny", "crash"]].concat());
+    assert!(code == 0 && out.contains("were answered by a fresh process"), "{out}{err}");
+    let table = fs::read_to_string(dir.join("run/engines.csv")).expect("engines.csv");
+    let row: Vec<&str> = table.lines().nth(1).expect("a row").split(',').collect();
+    let [asked, recovered] = [1, 3].map(|at: usize| row[at].parse::<u64>().expect("a count"));
+    assert!(table.starts_with("engine,asked,processes_started,recovered,not_compared\nmine,"), "{table}");
+    assert!(recovered > 60 && asked >= 2 * recovered, "{table}");
+    // Sums go on where a run does.
+    let more = campaign.map(|word| if word == "64" { "128" } else { word });
+    let (code, _, err) = rockproof(dir, &[&more[..], &["--out", "part", "--deny", "recovered"]].concat());
+    assert!(code == 1 && err.contains("recovered"), "{err}");
+    let (code, out, err) = rockproof(dir, &["report", "run", "--out", "page"]);
+    assert!(code == 0 && out.contains("were answered by a fresh process"), "{out}{err}");
+
+    let gated = |limit: &str| gate(dir, &around(&[&client(), "second"], limit), &[], true);
+    let ran = gated("[[limit]]\nchange = \"crash\"\ncount = 0\n");
+    assert!(ran.code == 0 && ran.out.contains("no limit names them"), "{}{}", ran.out, ran.err);
+    let summary = fs::read_to_string(dir.join("summary.md")).expect("a summary");
+    assert!(summary.contains("no limit names them"), "{summary}");
+    let ran = gated("[[limit]]\nengine = \"mine\"\nchange = \"recovered\"\ncount = 0\n");
+    assert!(ran.code == 1 && ran.out.contains("a fresh process did not repeat, at most 0"), "{}", ran.out);
+    assert!(!ran.out.contains("no limit names them"), "{}", ran.out);
+    assert_eq!(gated("[[limit]]\nchange = \"recovered\"\ncount = 100000\n").code, 0);
+    for limit in ["rate = 0.1", "count = 0\nfamily = \"face_stack\"", "count = 0\nbeyond_ulps = 1"] {
+        let ran = gated(&format!("[[limit]]\nchange = \"recovered\"\n{limit}\n"));
+        assert!(ran.code == 2 && ran.err.contains("it may name engine, and needs count"), "{limit}: {}", ran.err);
+    }
+}
+
+#[test]
+fn what_an_engine_says_is_shown_and_not_done() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let engine = format!("mine={} escape", client());
+    let campaign =
+        ["campaign", "--pairs", "64", "--family", "edge_cross", "--engine", "mine", "--engine-command", &engine];
+    let (code, out, err) = rockproof(dir, &[&campaign[..], &["--out", "run"]].concat());
+    assert_eq!(code, 0, "{out}{err}");
+    let mut cases = fs::read_dir(dir.join("run/cases")).expect("cases").map(|case| case.expect("a case").path());
+    let case = cases.find(|case| case.to_string_lossy().contains("unsupported")).expect("a case of it");
+    let (code, out, err) = rockproof(dir, &["replay", &case.to_string_lossy(), "--engine-command", &engine]);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(out.contains("mine gave no answer: unsupported: \\u{1b}[31mred\\n::error::\\0"), "{out}");
+    let noted = fs::read_to_string(&case).expect("a case");
+    assert!(noted.contains("[31mred"), "{noted}");
+    for text in [out, err, noted] {
+        assert!(!text.contains(['\u{1b}', '\0']) && !text.lines().any(|l| l.trim_start().starts_with("::")), "{text}");
+    }
+}

@@ -1,0 +1,84 @@
+//! Nothing is lost: a campaign that is killed, interrupted within a chunk, or out of room on its disk goes on to the bytes of one that was never
+//! disturbed.
+#![cfg(target_os = "linux")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const SETTINGS: &str = "pairs = 256\nchunk = 32\nfamilies = [\"face_stack\", \"edge_cross\"]\nsteps_every = 0\n";
+
+fn program() -> std::path::PathBuf {
+    assert_cmd::cargo::cargo_bin("rockproof")
+}
+
+fn campaign(dir: &Path, out: &str, more: &[&str]) -> Command {
+    let mut command = Command::new(program());
+    command.current_dir(dir).args(["campaign", "settings.toml", "--out", out]).args(more);
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    command
+}
+
+/// Every file of a run that depends on its settings alone.
+fn files(run: &Path) -> BTreeMap<String, Vec<u8>> {
+    let read = |folder: &Path| -> Vec<(String, Vec<u8>)> {
+        let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+        let files = entries.filter(|path| path.is_file());
+        files
+            .map(|path| (path.strip_prefix(run).expect("within").display().to_string(), fs::read(&path).expect("read")))
+            .collect()
+    };
+    let all = read(run).into_iter().chain(read(&run.join("cases")));
+    // Times, and what depends on them.
+    let own = ["run.json", "progress.json", "rockproof.manifest.json"];
+    all.filter(|(name, _)| !own.contains(&name.as_str())).collect()
+}
+
+/// Waits for the first chunks of a run.
+fn begun(run: &Path) {
+    let begin = Instant::now();
+    let size = || fs::metadata(run.join("findings.csv")).map_or(0, |about| about.len());
+    while size() < 4096 {
+        assert!(begin.elapsed() < Duration::from_secs(120), "nothing was found");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn killed_interrupted_and_out_of_room_it_goes_on_to_the_same_bytes() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    fs::write(dir.join("settings.toml"), SETTINGS).expect("write");
+    assert!(campaign(dir, "whole", &[]).status().expect("runs").success());
+    let whole = files(&dir.join("whole"));
+    assert!(whole.contains_key("findings.csv") && whole.len() > 6, "{:?}", whole.keys());
+    let goes_on = |run: &str| {
+        assert!(campaign(dir, run, &["--resume"]).status().expect("runs").success(), "{run}");
+        let found = files(&dir.join(run));
+        assert!(found.keys().eq(whole.keys()), "{run}: {:?}", found.keys());
+        for (name, bytes) in &whole {
+            assert!(found[name] == *bytes, "{run}: {name}");
+        }
+    };
+
+    for (run, signal) in [("killed", "KILL"), ("interrupted", "INT")] {
+        let mut child = campaign(dir, run, &[]).spawn().expect("starts");
+        begun(&dir.join(run));
+        let sent = Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status();
+        assert!(sent.is_ok_and(|status| status.success()));
+        let code = child.wait().expect("ends").code();
+        assert!(code == if signal == "INT" { Some(130) } else { None } || code == Some(0), "{run}: {code:?}");
+        goes_on(run);
+    }
+
+    // No file may grow beyond three quarters of what the largest needs at the end: writing fails as on a full disk, midway.
+    let blocks = fs::metadata(dir.join("whole/progress.json")).expect("the place").len() * 3 / 4 / 512;
+    let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" campaign settings.toml --out full");
+    let output: Output =
+        Command::new("sh").current_dir(dir).args(["-c", &script]).arg(program()).output().expect("runs");
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && told.contains("full/") && told.contains("too large"), "{told}");
+    goes_on("full");
+}

@@ -1,0 +1,366 @@
+//! Pins `campaign --part` and `merge`: parts put together are the campaign that one machine would have made, byte for byte; what does not
+//! belong together is refused by name, and nothing is written then.
+
+use crate::engines::client;
+use assert_cmd::Command;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Some steps can have no case; chunks and parts do not end together.
+const SETTINGS: &str = "pairs = 250\nchunk = 48\nfamilies = [\"sliver\", \"edge_cross\", \"face_stack\"]\ntolerances = [\"auto\"]\n\
+                        steps_every = 3\nsteps = 2\ncases_per_cause = 60\nshrink_evaluations = 3\n";
+
+/// A folder of its own, with settings.
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new(settings: &str) -> Place {
+        let place = Place(tempfile::tempdir().expect("a directory"));
+        fs::write(place.at("campaign.toml"), settings).expect("write");
+        place
+    }
+
+    fn at(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn run(&self, arguments: &[&str]) -> (i32, String, String) {
+        let mut command = Command::cargo_bin("rockproof").expect("the program");
+        let output = command.current_dir(self.0.path()).args(arguments).output().expect("runs");
+        let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+        (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+    }
+
+    fn works(&self, arguments: &[&str]) -> String {
+        let (code, out, err) = self.run(arguments);
+        assert_eq!(code, 0, "{arguments:?}: {err}");
+        out
+    }
+
+    /// A command that is refused, says all of `wanted`, and makes no directory.
+    fn refuses(&self, arguments: &[&str], wanted: &[&str]) {
+        let (code, _, err) = self.run(arguments);
+        assert!(code == 2 && wanted.iter().all(|part| err.contains(part)), "{arguments:?}: {code}: {err}");
+        assert!(!self.at("out").exists(), "{arguments:?} wrote something");
+    }
+
+    fn campaign(&self, out: &str, more: &[&str]) {
+        self.works(&[&["campaign", "campaign.toml", "--out", out], more].concat());
+    }
+
+    /// Makes all parts, threads by turns, and gives their directories.
+    fn parts(&self, of: u64, more: &[&str]) -> Vec<String> {
+        (1..=of)
+            .map(|number| {
+                let (part, threads) = (format!("{number}/{of}"), (number % 2 + 1).to_string());
+                let out = format!("part{number}of{of}");
+                self.campaign(&out, &[&["--part", &part, "--threads", &threads], more].concat());
+                out
+            })
+            .collect()
+    }
+
+    fn merge(&self, parts: &[String], out: &str, more: &[&str]) {
+        // In another order than theirs.
+        let parts: Vec<&str> = parts.iter().rev().map(String::as_str).collect();
+        self.works(&[&["merge", "--out", out], &parts[..], more].concat());
+    }
+
+    /// Every file of a directory, without what only times and machines make differ.
+    fn files(&self, dir: &str) -> BTreeMap<String, Vec<u8>> {
+        let mut found = files(&self.at(dir), "");
+        assert!(found.remove("run.json").is_some());
+        // It counts questions, and the merge asks again about some findings.
+        found.remove("engines.csv");
+        let progress = found.remove("progress.json").expect("progress");
+        let mut progress: serde_json::Map<String, serde_json::Value> = serde_json::from_slice(&progress).expect("JSON");
+        // The first signs of a process are decided before the filter's bounds are known, so levels differ a little.
+        for key in ["seconds", "resumed", "levels", "engines", "sha256"] {
+            assert!(progress.remove(key).is_some(), "{key}");
+        }
+        found.insert("progress.json".to_owned(), format!("{progress:?}").into_bytes());
+        found
+    }
+
+    fn same(&self, one: &str, other: &str) {
+        let (one, other) = (self.files(one), self.files(other));
+        assert_eq!(one.keys().collect::<Vec<_>>(), other.keys().collect::<Vec<_>>());
+        for (name, bytes) in &one {
+            assert!(other[name] == *bytes, "{name} differs");
+        }
+    }
+}
+
+fn files(dir: &Path, before: &str) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in fs::read_dir(dir).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = format!("{before}{}", path.file_name().expect("a name").to_string_lossy());
+        match path.is_dir() {
+            true => found.extend(files(&path, &format!("{name}/"))),
+            false => drop(found.insert(name, fs::read(&path).expect("a file"))),
+        }
+    }
+    found
+}
+
+fn lines(file: &Path) -> usize {
+    fs::read_to_string(file).expect("a table").lines().count()
+}
+
+#[test]
+fn parts_put_together_are_the_campaign_of_one_machine() {
+    let place = Place::new(SETTINGS);
+    place.campaign("whole", &["--threads", "1"]);
+    let cases = fs::read_dir(place.at("whole/cases")).expect("cases").count();
+    assert!(cases > 12, "{cases} cases");
+    let mut without_case = 0;
+    for of in [1, 3, 7] {
+        let parts = place.parts(of, &[]);
+        for part in &parts {
+            assert_eq!(fs::read_dir(place.at(part).join("cases")).expect("a folder").count(), 0, "made by the merge");
+            without_case += lines(&place.at(part).join("no_case.csv")) - 1;
+        }
+        let out = format!("merged{of}");
+        place.merge(&parts, &out, &["--threads", &(of % 2 + 1).to_string()]);
+        place.same("whole", &out);
+        let run = fs::read(place.at(&out).join("run.json")).expect("run.json");
+        let run: serde_json::Value = serde_json::from_slice(&run).expect("JSON");
+        assert_eq!((&run["finished"], &run["pairs"]), (&true.into(), &250.into()));
+    }
+    assert!(without_case > 0, "findings that cannot have a case are kept from being tried again");
+    // It is a campaign as any other: finished, and readable.
+    place.campaign("merged7", &["--resume"]);
+    place.works(&["report", "merged7", "--format", "markdown"]);
+    let deny = ["merge", "part1of1", "--out", "merged1", "--overwrite", "--deny", "tolerance"];
+    assert_eq!(place.run(&deny).0, 1);
+    place.works(&["merge", "part1of1", "--out", "merged1", "--resume"]);
+    place.same("whole", "merged1");
+}
+
+#[test]
+fn a_part_that_was_killed_goes_on_to_the_same_bytes() {
+    // Here cases run out of places as well.
+    let settings = SETTINGS.replace("chunk = 48", "chunk = 16").replace("per_cause = 60", "per_cause = 8");
+    let place = Place::new(&settings);
+    place.campaign("whole", &[]);
+    let arguments = ["campaign", "campaign.toml", "--part", "2/2", "--out", "part2", "--threads", "1"];
+    let mut killed = std::process::Command::new(assert_cmd::cargo::cargo_bin("rockproof"))
+        .current_dir(place.0.path())
+        .args(arguments)
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .expect("starts");
+    let begun = std::time::Instant::now();
+    let committed = || {
+        let text = fs::read_to_string(place.at("part2/progress.json")).unwrap_or_default();
+        !text.is_empty() && !text.contains("\"pairs_done\":0,")
+    };
+    while !committed() && begun.elapsed().as_secs() < 120 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    killed.kill().expect("killed");
+    killed.wait().expect("ended");
+    let torn = place.at("part2/findings.csv");
+    fs::write(&torn, [fs::read(&torn).expect("rows"), b"249,sliver,ba".to_vec()].concat()).expect("write");
+    place.works(&[&arguments[..], &["--resume"]].concat());
+    place.campaign("part1", &["--part", "1/2"]);
+    place.merge(&["part1".to_owned(), "part2".to_owned()], "merged", &[]);
+    place.same("whole", "merged");
+}
+
+#[test]
+fn an_external_engine_and_a_grid_are_put_together_too() {
+    let grid = "pairs = 224\nchunk = 64\nfamilies = [\"edge_cross\", \"sliver\"]\nshrink_evaluations = 10\n\
+                [grid]\nbase = \"auto\"\nterritory = [0, 2]\n";
+    let place = Place::new(grid);
+    place.campaign("whole", &[]);
+    place.merge(&place.parts(3, &[]), "merged", &[]);
+    place.same("whole", "merged");
+
+    // What it says is so, or is not: fingerprints hold states.
+    let place = Place::new(
+        "pairs = 192\nchunk = 64\nshrink_evaluations = 10\ncases_per_cause = 1\nfamilies = [\"face_stack\", \"edge_cross\"]\n",
+    );
+    let engine = format!("mine={} state", client());
+    let asked = ["--engine-command", &engine];
+    place.campaign("whole", &asked);
+    let cases: Vec<String> = place.files("whole").into_keys().filter(|name| name.contains("mine")).collect();
+    assert!(cases.iter().any(|name| name.contains("overlapping-apart")), "{cases:?}");
+    // There is room for one; the others were further from any tie than all before.
+    assert!(cases.iter().filter(|name| name.contains("-engine-")).count() > 1, "{cases:?}");
+    let parts = place.parts(2, &asked);
+    place.merge(&parts, "merged", &[]);
+    place.same("whole", "merged");
+}
+
+/// The counts of an engine: questions asked, processes started, failures that did not repeat, answers not compared.
+fn counts(dir: &Path) -> Vec<u64> {
+    let table = fs::read_to_string(dir.join("engines.csv")).expect("engines.csv");
+    let row = table.lines().nth(1).expect("a row");
+    row.split(',').skip(1).map(|count| count.parse().expect("a count")).collect()
+}
+
+#[test]
+fn what_engines_were_put_through_adds_up() {
+    let place = Place::new("pairs = 64\nchunk = 32\nfamilies = [\"face_stack\"]\nshrink_evaluations = 10\n");
+    // It crashes on every second question.
+    let engine = format!("mine={} second", client());
+    let asked = ["--engine", "mine", "--engine-command", &engine];
+    let parts = place.parts(2, &asked);
+    let (code, out, err) = place.run(&["merge", &parts[0], &parts[1], "--out", "merged", "--deny", "recovered"]);
+    assert!(code == 1 && err.contains("there are failures that were recovered"), "{out}{err}");
+    assert!(out.contains("were answered by a fresh process"), "{out}");
+    let [one, two, merged] = [parts[0].as_str(), &parts[1], "merged"].map(|dir| counts(&place.at(dir)));
+    // The merge asks again about the findings that it makes cases of.
+    let sums = one.iter().zip(&two).map(|(one, two)| one + two);
+    assert!(sums.zip(&merged).take(3).all(|(sum, merged)| sum > 0 && *merged > sum), "{one:?}, {two:?}: {merged:?}");
+    let run: serde_json::Value =
+        serde_json::from_slice(&fs::read(place.at("merged/run.json")).expect("run.json")).expect("JSON");
+    assert_eq!(run["external_engines"]["mine"]["recovered"], merged[2]);
+    // What came to its end is not added to by asking for it again.
+    place.works(&["merge", &parts[0], &parts[1], "--out", "merged", "--resume"]);
+    assert_eq!(counts(&place.at("merged")), merged);
+}
+
+#[test]
+fn a_stress_set_is_put_together_with_its_tables() {
+    let place = Place::new("");
+    for (out, part) in [("whole", None), ("one", Some("1/2")), ("two", Some("2/2"))] {
+        let part = part.map_or(Vec::new(), |part| vec!["--part", part]);
+        place.works(&[&["campaign", "--stress", "--pairs", "1344", "--out", out], &part[..]].concat());
+    }
+    assert!(!place.at("one/stress.csv").exists());
+    place.merge(&["one".to_owned(), "two".to_owned()], "merged", &[]);
+    assert!(place.at("merged/limits.csv").exists());
+    place.same("whole", "merged");
+}
+
+/// Changes what a part's `progress.json` says, and seals it again.
+fn forge(file: &Path, from: &str, to: &str) {
+    let text = fs::read_to_string(file).expect("progress");
+    let (body, _) = text.rsplit_once(",\"sha256\":").expect("a seal");
+    assert!(body.contains(from), "{from}");
+    let body = body.replacen(from, to, 1);
+    let seal = rockproof_results::digest(body.as_bytes());
+    fs::write(file, format!("{body},\"sha256\":\"{seal}\"}}\n")).expect("write");
+}
+
+fn merge<'p>(parts: &[&'p str]) -> Vec<&'p str> {
+    [&["merge", "--out", "out"], parts].concat()
+}
+
+fn copy(from: &Path, to: &Path) {
+    for (name, bytes) in files(from, "") {
+        let file = to.join(name);
+        fs::create_dir_all(file.parent().expect("a folder")).expect("made");
+        fs::write(file, bytes).expect("write");
+    }
+}
+
+#[test]
+fn what_does_not_belong_together_is_refused_by_name() {
+    let small = "pairs = 96\nchunk = 16\nfamilies = [\"sliver\"]\ntolerances = [\"auto\"]\nsteps_every = 0\n";
+    let place = Place::new(small);
+    let [one, two, three] = <[String; 3]>::try_from(place.parts(3, &[])).expect("three");
+    let forged = |name: &str, from: &str, to: &str| {
+        copy(&place.at(&two), &place.at(name));
+        forge(&place.at(name).join("progress.json"), from, to);
+    };
+    place.refuses(&merge(&[&one, &three]), &["of 3 parts 2 is missing", "--partial"]);
+    place.refuses(&merge(&[&three]), &["1, 2 are missing"]);
+    place.refuses(&merge(&[&one, &two, &three, &two]), &["part 2/3 is there twice"]);
+    copy(&place.at(&two), &place.at("again"));
+    place.refuses(&merge(&[&one, &two, &three, "again"]), &["part 2/3 is there twice", "again", &two]);
+    place.campaign("other_seed", &["--part", "2/3", "--seed", "9"]);
+    place.refuses(&merge(&[&one, "other_seed", &three]), &["other_seed", &one, "seed: 9 there, 1 here"]);
+    place.campaign("other_pairs", &["--part", "2/3", "--pairs", "112"]);
+    place.refuses(&merge(&[&one, "other_pairs", &three]), &["other_pairs", "pairs: 112 there, 96 here"]);
+    place.campaign("other_split", &["--part", "2/4"]);
+    place.refuses(&merge(&[&one, "other_split", &three]), &["other_split", "2/4", "1/3"]);
+    place.campaign("whole", &[]);
+    place.refuses(&merge(&[&one, "whole", &three]), &["whole", "no part"]);
+    let version = env!("CARGO_PKG_VERSION");
+    forged("other_version", &format!("\"version\":\"{version}\""), "\"version\":\"0.0.9\"");
+    place.refuses(&merge(&[&one, "other_version", &three]), &["other_version", "0.0.9", version]);
+    forged("other_machine", "\"answers\":\"", "\"answers\":\"0");
+    place.refuses(&merge(&[&one, "other_machine", &three]), &["other_machine", "part 2/3", "answer the first pairs"]);
+    forged("other_machine_alone", "\"part\":\"2/3\"", "\"part\":\"1/1\"");
+    forge(&place.at("other_machine_alone/progress.json"), "\"answers\":\"", "\"answers\":\"0");
+    place.refuses(&merge(&["other_machine_alone"]), &["other_machine_alone", "this program"]);
+    forged("damaged", "\"seconds\":", "\"seconds\":");
+    let findings = place.at("damaged/findings.csv");
+    let text = fs::read_to_string(&findings).expect("rows").replacen("sliver", "Sliver", 1);
+    fs::write(&findings, text).expect("write");
+    place.refuses(&merge(&[&one, "damaged", &three]), &["damaged/findings.csv", "not as they were written"]);
+    fs::create_dir(place.at("empty")).expect("made");
+    place.refuses(&merge(&[&one, "empty", &three]), &["empty", "rockproof.manifest.json"]);
+    place.refuses(&merge(&[&one, "nowhere", &three]), &["nowhere", "no such directory"]);
+    place.refuses(&["campaign", "campaign.toml", "--part", "4/3", "--out", "out"], &["4/3", "K from 1 to N"]);
+    // Neither is a part another one, nor the whole.
+    let again = ["campaign", "campaign.toml", "--out", &two, "--resume"];
+    place.refuses(&again, &["part: the run has \"2/3\""]);
+    place.refuses(&[&again[..], &["--part", "1/3"]].concat(), &["part: the run has \"2/3\", asked for is \"1/3\""]);
+    // Of more pairs it would be other pairs.
+    let more = [&again[..], &["--part", "2/3", "--pairs", "192"]].concat();
+    place.refuses(&more, &["pairs: the run has 96, asked for is 192"]);
+    let said = place.works(&[&again[..], &["--part", "2/3"]].concat());
+    assert!(said.contains("when all parts are done (this is 2/3): rockproof merge"), "{said}");
+    let (code, _, err) = place.run(&["merge", &one, &two, &three, "--out", &two, "--overwrite"]);
+    assert!(code == 2 && err.contains("one of the parts"), "{err}");
+    let (code, _, err) = place.run(&["merge", &one, &two, &three, "--out", "whole"]);
+    assert!(code == 2 && err.contains("holds a campaign already"), "{err}");
+    place.merge(&[one, two, three], "merged", &[]);
+    place.same("whole", "merged");
+    // What was put together goes on to more pairs as a campaign does.
+    for run in ["whole", "merged"] {
+        place.campaign(run, &["--resume", "--pairs", "128"]);
+    }
+    place.same("whole", "merged");
+}
+
+#[test]
+fn input_files_that_changed_are_refused() {
+    let place = Place::new("");
+    let cube = "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n[[block]]\nbox = { min = [0, 0, 1], max = [1, 1, 2] }\n";
+    fs::write(place.at("mine.toml"), cube).expect("write");
+    fs::write(
+        place.at("campaign.toml"),
+        "pairs = 32\nfamilies = [\"real\"]\nreal = [\"mine.toml\"]\ntolerances = [\"auto\"]\nsteps_every = 0\n",
+    )
+    .expect("write");
+    let parts = place.parts(2, &[]);
+    fs::write(place.at("mine.toml"), cube.replace('2', "3")).expect("write");
+    place.refuses(&["merge", &parts[0], &parts[1], "--out", "out"], &["content of mine.toml", "in the parts", "here"]);
+    fs::write(place.at("mine.toml"), cube).expect("write");
+    place.merge(&parts, "merged", &[]);
+    place.campaign("whole", &[]);
+    place.same("whole", "merged");
+}
+
+#[test]
+fn a_partial_merge_says_what_it_is() {
+    let place = Place::new(&SETTINGS.replace("steps_every = 3", "steps_every = 0"));
+    let parts = place.parts(3, &[]);
+    let text = place.works(&["merge", &parts[2], &parts[0], "--partial", "--out", "some"]);
+    assert!(text.starts_with("Exactly right on hard pairs: "), "{text}");
+    assert!(text.contains("not the whole campaign: parts 1, 3 of 3, 170 of 250 pairs"), "{text}");
+    let run = fs::read(place.at("some/run.json")).expect("run.json");
+    let run: serde_json::Value = serde_json::from_slice(&run).expect("JSON");
+    assert_eq!((&run["finished"], &run["parts"]["there"]), (&false.into(), &"1, 3 of 3".into()));
+    let rows = |dir: &str| lines(&place.at(dir).join("findings.csv")) - 1;
+    assert_eq!(rows("some"), rows(&parts[0]) + rows(&parts[2]));
+    assert!(fs::read_dir(place.at("some/cases")).expect("cases").count() > 2);
+    let report = place.works(&["report", "some", "--format", "markdown"]);
+    assert!(!report.is_empty());
+    place.works(&["report", "some"]);
+    let table = fs::read_to_string(place.at("some/report/tables/runs.csv")).expect("a table");
+    assert!(table.contains("no, parts 1, 3 of 3"), "{table}");
+    let (code, _, err) = place.run(&["campaign", "campaign.toml", "--out", "some", "--resume"]);
+    assert!(code == 2 && err.contains("parts: the run has \"1, 3 of 3\""), "{err}");
+    // With all parts it is the whole.
+    place.merge(&parts, "all", &["--partial"]);
+    place.campaign("whole", &[]);
+    place.same("whole", "all");
+}

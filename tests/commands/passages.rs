@@ -1,0 +1,73 @@
+//! Passages from the command line: found, denied, kept, replayed, limited by a gate.
+
+use crate::gates::gate;
+use assert_cmd::Command;
+use std::fs;
+use std::path::Path;
+
+/// Runs the program in a folder: its exit code, and what it printed on both streams.
+fn rockproof(dir: &Path, arguments: &[&str]) -> (i32, String) {
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("rockproof"));
+    let output = command.current_dir(dir).args(arguments).output().expect("it runs");
+    let text = [output.stdout, output.stderr].concat();
+    (output.status.code().expect("an exit code"), String::from_utf8_lossy(&text).into_owned())
+}
+
+const CAMPAIGN: [&str; 11] = [
+    "campaign",
+    "--family",
+    "passage",
+    "--steps-every",
+    "1",
+    "--pairs",
+    "16",
+    "--engine",
+    "stepper-f64",
+    "--out",
+    "run",
+];
+
+#[test]
+fn a_passage_is_found_denied_kept_and_replayed() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let (code, out) = rockproof(dir, &[&CAMPAIGN[..], &["--deny", "passage"]].concat());
+    assert_eq!(code, 1, "{out}");
+    let (code, out) = rockproof(dir, &[&CAMPAIGN[..], &["--deny", "defect", "--overwrite"]].concat());
+    assert_eq!(code, 0, "{out}");
+    let table = fs::read_to_string(dir.join("run/step_findings.csv")).expect("findings");
+    let kept = |change: &str| {
+        let rows = || table.lines().filter(|row| row.split(',').nth(7) == Some(change) && row.ends_with(".json"));
+        rows().next().unwrap_or_else(|| panic!("no case of {change} in\n{table}")).rsplit(',').next().unwrap_or("")
+    };
+    for (change, told) in [("passage", "pass through one another"), ("unseen", "overlap unseen")] {
+        let file = format!("run/{}", kept(change));
+        let (code, out) = rockproof(dir, &["replay", &file]);
+        assert!(code == 0 && out.contains(told) && out.contains(&format!("{change} 0-1: none → {change}")), "{out}");
+        // A case that records something else is objected to.
+        let text = fs::read_to_string(dir.join(&file)).expect("a case");
+        let other = text.replace(&format!("\"0-1 {change}\""), "\"0-1 other\"");
+        assert_ne!(text, other);
+        fs::write(dir.join("other.json"), other).expect("written");
+        assert_eq!(rockproof(dir, &["replay", "other.json"]).0, 1);
+    }
+}
+
+#[test]
+fn a_gate_limits_passages_by_count_and_rate() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let campaign = "corpus = []\n[campaign]\npairs = 16\nsteps_every = 1\nfamilies = [\"passage\"]\nengines = [\"stepper-f64\"]\n\
+         tolerances = [\"auto@max_displacement*128\"]\n[[limit]]\nfamily = \"passage\"\n";
+    for (limit, code) in [
+        ("change = \"passage\"\ncount = 0\n", 1),
+        ("change = \"passage\"\nrate = 1e-6\n", 1),
+        ("change = \"passage\"\nrate = 0.9\n", 0),
+        ("cause = \"step-length\"\ncount = 0\n", 1),
+        ("cause = \"step-width\"\ncount = 0\n", 2),
+    ] {
+        let ran = gate(dir.path(), &format!("{campaign}{limit}"), &[], false);
+        assert_eq!(ran.code, code, "{limit}: {}{}", ran.out, ran.err);
+    }
+    let ran = rockproof(dir.path(), &["campaign", "--family", "passage", "--steps-every", "0"]);
+    assert!(ran.0 == 2 && ran.1.contains("steps_every"), "{}", ran.1);
+}

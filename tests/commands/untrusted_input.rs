@@ -1,0 +1,265 @@
+//! Files and names by others: each message names its file and says a thing once, values are checked and cut, nothing is a command to a
+//! terminal, a runner or a spreadsheet, no device is read to its end, and no file outside a run is opened.
+
+use crate::gates::gate;
+use assert_cmd::Command;
+use std::fs;
+use std::path::Path;
+
+const CASE: &str = include_str!("../../cases/regressions/f-v-arithmetic-vertex-face-depth.toml");
+const CUBES: &str = include_str!("../fixtures/two_cubes.obj");
+
+fn rockproof(dir: &Path, arguments: &[&str]) -> (i32, String, String) {
+    let mut command = Command::cargo_bin("rockproof").expect("the program");
+    let output = command.current_dir(dir).args(arguments).output().expect("runs");
+    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+}
+
+/// The arguments are refused, and the message holds each of the parts once.
+fn refused(dir: &Path, arguments: &[&str], parts: &[&str]) {
+    let (code, out, err) = rockproof(dir, arguments);
+    assert_eq!(code, 2, "{arguments:?}: {out}{err}");
+    for part in parts {
+        assert_eq!(err.matches(part).count(), 1, "{arguments:?}: {part} once in {err}");
+    }
+    let clean = !err.contains("panicked") && err.len() < 2000 && !err.contains(|c: char| c.is_control() && c != '\n');
+    assert!(clean, "{arguments:?}: {err:?}");
+}
+
+/// `text` with one thing changed, which must be there.
+fn change(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "{from}");
+    text.replacen(from, to, 1)
+}
+
+#[test]
+fn cases_are_checked_as_scenes_are() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let long = "x".repeat(100_000);
+    for (from, to, parts) in [
+        ("search = 0.0", "search = -1", vec!["`search` is -1", "0 or more"]),
+        ("overlap_sine = 0.0", "overlap_sine = 7", vec!["`overlap_sine` is 7", "0 to 1"]),
+        ("parallel_sine = 0.0", "parallel_sine = \"11/10\"", vec!["`parallel_sine`", "0 to 1"]),
+        ("engine = \"stepper-f32\"", "engine = \"abacus\"", vec!["engine is \"abacus\"", "--engine-command"]),
+        (
+            "engine = \"stepper-f32\"",
+            "engine = \"a\\u001b[31m\\n::error::b\"",
+            vec!["engine is \"a\\u{1b}[31m\\n::error::b\""],
+        ),
+        ("cause = \"arithmetic\"", &format!("cause = \"{long}\""), vec!["cause is \"xxx", "…"]),
+        ("margin = -0.0000000006835666174770334", "margin = nan", vec!["margin is \"NaN\"", "finite"]),
+        ("margin_ulps = -0.011468344791801564", "margin_ulps = inf", vec!["margin_ulps is \"inf\"", "finite"]),
+        ("feature_a = 0", "feature_a = 99", vec!["f-v 99/0", "the vertices, edges and faces of the two blocks"]),
+        ("entrance_b = 0", "entrance_b = 4", vec!["the vertices, edges and faces of the two blocks"]),
+    ] {
+        fs::write(dir.join("case.toml"), change(CASE, from, to)).expect("write");
+        for command in ["replay", "shrink"] {
+            refused(dir, &[command, "case.toml"], &[&["case.toml:"][..], &parts].concat());
+        }
+    }
+    fs::write(dir.join("case.toml"), change(CASE, "origin = \"", "origin = \"\\u001b[31m\\n::error::b"))
+        .expect("write");
+    let (code, out, err) = rockproof(dir, &["replay", "case.toml"]);
+    assert!(code == 0 && out.contains("from \\u{1b}[31m\\n::error::b"), "{out}{err}");
+    assert!(!out.contains('\u{1b}'), "{out:?}");
+}
+
+/// A lockstep run that leaves a state file, and the scene's measured point with a name that is a formula.
+const SLIDER: &str = r#"
+[simulation]
+gravity = [-6.1, 0, -8.1]
+time_step = 0.01
+steps = 2
+
+[tolerances]
+preset = "auto"
+
+[[joint]]
+friction = 0.3
+normal_stiffness = 1e8
+
+[[block]]
+name = "incline"
+fixed = true
+box = { min = [-12, -2, -1], max = [4, 3, 0] }
+
+[[block]]
+name = "slider"
+box = { min = [0.1, 0.1, 0], max = [1.1, 1.1, 1] }
+
+[[measured_point]]
+name = "=1+1"
+block = "slider"
+at = [0.6, 0.6, 0.5]
+"#;
+
+#[test]
+fn state_files_are_checked_and_open_no_other_file() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    fs::write(dir.join("slider.toml"), SLIDER).expect("write");
+    let (code, out, err) =
+        rockproof(dir, &["simulate", "slider.toml", "--engine", "f32", "--lockstep", "--out", "run"]);
+    assert_eq!(code, 0, "{out}{err}");
+    let measured = fs::read_to_string(dir.join("run/measured.csv")).expect("a table");
+    assert!(measured.contains(",'=1+1,"), "no spreadsheet calculates it: {measured}");
+    let state = fs::read_dir(dir.join("run/states")).expect("states").next().expect("a state").expect("a file");
+    let text = fs::read_to_string(state.path()).expect("a state");
+    let value: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let with = |place: &[&str], to: serde_json::Value| {
+        let mut changed = value.clone();
+        *place.iter().fold(&mut changed, |value, key| &mut value[*key]) = to;
+        fs::write(dir.join("state.json"), changed.to_string()).expect("write");
+    };
+    with(&["step"], value["step"].clone());
+    assert_eq!(rockproof(dir, &["replay", "state.json"]).0, 0, "unchanged");
+    let scene = value["scene"].as_str().expect("a scene");
+    fs::write(dir.join("secret.obj"), CUBES).expect("write");
+    let outside = format!("{scene}\n[[block]]\nfile = \"secret.obj\"\n");
+    let negative = change(scene, "search = ", "search = -1 # ");
+    for (place, to, part) in [
+        (&["engine"][..], "f16".into(), "`f16` is no engine"),
+        (&["state", "time"], "NaN".into(), "not finite"),
+        (&["state", "time"], (-1.0).into(), "0 or more"),
+        (&["state", "last_time_step"], 0.0.into(), "more than 0"),
+        (&["state", "step"], u64::MAX.into(), "2^53"),
+        (&["scene"], outside.into(), "names a `file`"),
+        (&["scene"], negative.into(), "0 or more"),
+        (&["format"], "\u{1b}[31m".into(), "\\u{1b}[31m"),
+    ] {
+        with(place, to);
+        refused(dir, &["replay", "state.json"], &["state.json:", part]);
+    }
+}
+
+#[test]
+fn messages_name_their_file_and_say_things_once() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let write = |name: &str, text: &str| fs::write(dir.join(name), text).expect("write");
+    write("two.obj", CUBES);
+    write("few.toml", "search = 1\n");
+    write("large.toml", "preset = \"auto\"\nsearch = 1e39\n");
+    write("big.obj", &CUBES.replace("v 1 ", "v 1e39 "));
+    for (name, text, part) in [
+        ("engines.toml", "engines = [\"abacus\"]\n", "\"abacus\""),
+        ("families.toml", "families = [\"pyramids\"]\n", "\"pyramids\""),
+        ("sets.toml", "tolerances = [\"loose\"]\n", "\"loose\""),
+        ("keys.toml", "pears = 3\n", "`pears`"),
+        ("none.toml", "[[external]]\nname = \"f32\"\ncommand = \"x\"\n", "\"f32\":"),
+    ] {
+        write(name, text);
+        let place = format!("{name}:");
+        let (code, _, err) = rockproof(dir, &["campaign", name, "--out", "unused"]);
+        assert!(code == 2 && err.contains(&place) && err.contains(part), "{name}: {err}");
+    }
+    refused(dir, &["classify", "two.obj", "--tolerances", "few.toml"], &["two.obj", "few.toml", "no preset is named"]);
+    refused(dir, &["check", "two.obj", "--tolerances", "few.toml"], &["few.toml", "no preset is named"]);
+    refused(dir, &["tune", "two.obj", "--tolerances", "few.toml"], &["few.toml", "no preset is named"]);
+    for arguments in [
+        &["classify", "two.obj", "--engine", "f32", "--tolerances", "large.toml"][..],
+        &["check", "two.obj", "--precision", "f32", "--tolerances", "large.toml"],
+        &["tune", "two.obj", "--engine", "f32", "--tolerances", "large.toml", "--candidates", "1"],
+    ] {
+        refused(dir, arguments, &["two.obj", "large.toml", "overflows"]);
+    }
+    refused(dir, &["classify", "big.obj", "--engine", "f32"], &["big.obj: block 0", "overflows"]);
+    for arguments in
+        [&["replay", "gone.toml"][..], &["replay", "gone.json"], &["campaign", "gone.toml"], &["gate", "gone.toml"]]
+    {
+        refused(dir, arguments, &["No such file", "gone."]);
+    }
+    for command in ["campaign", "gate", "tune"] {
+        refused(dir, &[command, "two.obj", "--threads", "1025"], &["1 to 1024"]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn no_device_is_read_to_its_end() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    for name in ["zeros.toml", "zeros.json"] {
+        std::os::unix::fs::symlink("/dev/zero", dir.join(name)).expect("a link");
+    }
+    let gates = "corpus = [\"zeros.toml\"]\n";
+    for (arguments, gate_text) in [
+        (&["campaign", "zeros.toml"][..], ""),
+        (&["gate", "zeros.toml"], ""),
+        (&["replay", "zeros.toml"], ""),
+        (&["replay", "zeros.json"], ""),
+        (&["shrink", "zeros.toml"], ""),
+        (&["gate", "gate.toml"], gates),
+        (&["gate", "gate.toml"], "corpus = []\n[baseline]\nfile = \"zeros.toml\"\n"),
+    ] {
+        fs::write(dir.join("gate.toml"), gate_text).expect("write");
+        refused(dir, arguments, &["this is a device", "zeros."]);
+    }
+    let link = |run: &str, name: &str| {
+        fs::create_dir_all(dir.join(run)).expect("a folder");
+        std::os::unix::fs::symlink("/dev/zero", dir.join(run).join(name)).expect("a link");
+    };
+    link("run", "rockproof.manifest.json");
+    refused(dir, &["campaign", "--pairs", "1", "--out", "run"], &["not a file"]);
+    fs::create_dir_all(dir.join("made")).expect("a folder");
+    fs::write(dir.join("made/findings.csv"), "").expect("write");
+    link("made", "run.json");
+    refused(dir, &["report", "made"], &["run.json", "this is a device"]);
+}
+
+#[test]
+fn a_report_reads_nothing_outside_of_the_run() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let (code, _, err) =
+        rockproof(dir, &["campaign", "--pairs", "64", "--family", "face_stack", "--steps-every", "0", "--out", "run"]);
+    assert_eq!(code, 0, "{err}");
+    fs::write(dir.join("secret.toml"), CASE).expect("write");
+    let table = fs::read_to_string(dir.join("run/findings.csv")).expect("findings");
+    let with = |to: &str| {
+        let line = |line: &str| line.rsplit_once(",cases/").map_or(line.to_owned(), |(row, _)| format!("{row},{to}"));
+        let changed: Vec<String> = table.lines().map(line).collect();
+        fs::write(dir.join("run/findings.csv"), changed.join("\n") + "\n").expect("write");
+    };
+    let absolute = dir.join("secret.toml").display().to_string();
+    for outside in ["../secret.toml", "cases/../../secret.toml", &absolute] {
+        with(outside);
+        refused(dir, &["report", "run", "--out", "page"], &["findings.csv: line", "in the directory of the run"]);
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("../../secret.toml", dir.join("run/cases/link.toml")).expect("a link");
+        with("cases/link.toml");
+        refused(dir, &["report", "run", "--out", "page"], &["link.toml", "outside of the run"]);
+    }
+    fs::write(dir.join("run/findings.csv"), &table).expect("write");
+    assert_eq!(rockproof(dir, &["report", "run", "--out", "page"]).0, 0, "unchanged");
+}
+
+#[cfg(unix)]
+#[test]
+fn the_name_of_a_case_is_no_command_to_the_runner() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    fs::create_dir(dir.join("corpus")).expect("a folder");
+    let expected = "expected = [{ kind = \"v-v\", feature_a = 0, feature_b = 0, entrance = \"v-f\", entrance_a = 0, entrance_b = 0, gap_sign = 1 }]";
+    let name = "a\n::error title=planted::b ##[error]c.toml";
+    fs::write(dir.join("corpus").join(name), change(CASE, "expected = []", expected)).expect("write");
+    let ran = gate(dir, "corpus = [\"corpus\"]\n[campaign]\npairs = 16\n", &[], true);
+    assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
+    let text = format!("{}{}", ran.out, ran.err);
+    let commands: Vec<&str> = text.lines().filter(|line| line.trim_start().starts_with("::")).collect();
+    assert!(
+        commands.len() == 1 && commands[0].starts_with("::error file=corpus/a%0A%3A%3Aerror title=planted"),
+        "{text}"
+    );
+    assert!(text.contains("corpus/a\\n::error title=planted"), "{text}");
+    // A broken one is told of as well.
+    fs::write(dir.join("corpus").join(name), "[case]\n\"b\\n::error title=planted::c\" = 1\n").expect("write");
+    let ran = gate(dir, "corpus = [\"corpus\"]\n[campaign]\npairs = 16\n", &[], true);
+    assert_eq!(ran.code, 2, "{}{}", ran.out, ran.err);
+    assert!(!ran.err.lines().any(|line| line.trim_start().starts_with("::")), "{}", ran.err);
+    assert!(!ran.err.contains("##["), "{}", ran.err);
+}
