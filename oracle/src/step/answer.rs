@@ -66,7 +66,7 @@ pub struct FailedAttempt {
     pub end: IterationEnd,
 }
 
-/// The gap of a contact in m, each value within one unit of the grid on which the state is kept, or of 2⁻²⁰⁰ m with [`KeptPrecision::Exact`](super::Keep::Exact).
+/// The gap of a contact in m, each value within one unit of the grid on which the state is kept, or of 2⁻²⁰⁰ m with [`KeptPrecision::Exact`](super::KeptPrecision::Exact).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GapChange {
     /// h0, when the step begins.
