@@ -10,7 +10,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::{Block, ContactKey, Number, Precision};
 use rockproof_oracle::PreparedBlock;
-use rockproof_oracle::audit::{Auditor, Overlap, OverlapVisibility};
+use rockproof_oracle::audit::{Auditor, Overlap, OverlapVisibility, rounding_depth};
 use rockproof_oracle::passage::{PassageAnswer, StraightMotion, passage, swept_neighbours};
 use rockproof_oracle::step::{Mode, State};
 use std::collections::BTreeSet;
@@ -112,7 +112,7 @@ pub struct Intrusions {
 impl Intrusions {
     /// Those of a step of a scene from one state to another. Overlaps within `rounding` m, or within the unevenness of a face, are
     /// none.
-    pub fn of(scene: &ExactScene, before: &State, after: &State, rounding: f64) -> Intrusions {
+    pub fn of(scene: &ExactScene, before: &State, after: &State, rounding: &Number) -> Intrusions {
         let ends = [scene.blocks_at(before), scene.blocks_at(after)];
         let mut all = Intrusions::default();
         all.find_passages(scene, &ends);
@@ -145,12 +145,11 @@ impl Intrusions {
         }
     }
 
-    fn find_unseen(&mut self, scene: &ExactScene, ends: &[Vec<Block>; 2], states: [&State; 2], rounding: f64) {
+    fn find_unseen(&mut self, scene: &ExactScene, ends: &[Vec<Block>; 2], states: [&State; 2], rounding: &Number) {
         let solids = |end: usize| -> Vec<PreparedBlock> { ends[end].iter().map(PreparedBlock::new).collect() };
         let unseen = |auditor: &Auditor<'_>, blocks, end: usize| -> Option<Overlap> {
             let overlap = auditor.pair_keeping(blocks, &kept(states[end], blocks)).overlap?;
-            let is_tiny = overlap.penetration.depth_m().is_some_and(|depth| depth <= rounding);
-            (overlap.sight == OverlapVisibility::Unseen && !overlap.is_within_unevenness && !is_tiny).then_some(overlap)
+            (overlap.sight == OverlapVisibility::Unseen && !overlap.is_rounding(rounding)).then_some(overlap)
         };
         let after = solids(1);
         let auditor = Auditor::new(&after, scene.tolerances());
@@ -174,12 +173,6 @@ impl Intrusions {
 fn kept(state: &State, blocks: [usize; 2]) -> Vec<ContactKey> {
     let closed = state.contacts.iter().filter(|contact| contact.blocks == blocks && contact.mode != Mode::Open);
     closed.map(|contact| contact.contact.key()).collect()
-}
-
-/// What rounded coordinates alone make blocks overlap by (m): 2⁸·eps·M, M the largest coordinate.
-fn rounding(state: &State, precision: Precision) -> f64 {
-    let points = state.blocks.iter().flat_map(|block| &block.vertices).flat_map(|v| v.components());
-    256.0 * precision.epsilon() * points.map(|c| c.approximate().abs()).fold(0.0, f64::max)
 }
 
 /// An intrusion that one link of the chain has and its neighbour has not, or that the exact step itself has.
@@ -230,8 +223,10 @@ impl Watch<'_> {
     /// Looks both sides through. Where either has an intrusion the other links are asked too. `wide` gives the state after the
     /// stepper's step in 512 bits, where no comparison stayed unsettled.
     pub(super) fn look(&self, wide: impl FnOnce() -> Option<State>) -> WatchedStep {
-        let ([ideal, given, rounded], rounding) = (self.scenes, rounding(self.before[1], self.precision));
-        let of = |after: &State| Intrusions::of(rounded, self.before[1], after, rounding);
+        let [ideal, given, rounded] = self.scenes;
+        let begins = rounded.blocks_at(self.before[1]);
+        let rounding = rounding_depth(&begins.iter().collect::<Vec<_>>(), self.precision);
+        let of = |after: &State| Intrusions::of(rounded, self.before[1], after, &rounding);
         let [oracle, stepper] = self.after.map(of);
         let mut step = WatchedStep { stepper, oracle, attributed: Vec::new() };
         let keys: BTreeSet<_> = step.oracle.found.iter().chain(&step.stepper.found).map(Intruded::key).collect();
@@ -245,7 +240,7 @@ impl Watch<'_> {
         };
         let exactly = |scene: &ExactScene| {
             let after = scene.step(self.before[0], KEEP).ok()?;
-            Some((Intrusions::of(scene, self.before[0], &after.state, rounding), after.time_step))
+            Some((Intrusions::of(scene, self.before[0], &after.state, &rounding), after.time_step))
         };
         let asks_exact_links = !step.oracle.found.is_empty();
         let ideal = if asks_exact_links { exactly(ideal) } else { None };
@@ -261,7 +256,7 @@ impl Watch<'_> {
                 let there = ideal.as_ref().and_then(|(ideal, _)| has(ideal, key));
                 let given = given.as_ref().map_or(here, |given| has(given, key));
                 if let (Some(true), Some((_, time_step))) = (there, &ideal) {
-                    tell(self.shorter_steps(key.1, time_step, rounding), true);
+                    tell(self.shorter_steps(key.1, time_step, &rounding), true);
                 }
                 for (cause, two) in [(Cause::Tolerance, [there, given]), (Cause::Representation, [given, here])] {
                     if let [Some(one), Some(other)] = two
@@ -283,12 +278,12 @@ impl Watch<'_> {
 
     /// Whether shorter steps under ideal tolerances, over the time of the one that was made, keep two blocks from intruding. Each begins where
     /// the one before ended, rounded to f64 as an engine's steps are: the digits of exact states grow with every step.
-    fn shorter_steps(&self, blocks: [usize; 2], time_step: &BigRational, rounding: f64) -> StepCause {
+    fn shorter_steps(&self, blocks: [usize; 2], time_step: &BigRational, rounding: &Number) -> StepCause {
         let prevents = |halvings: &u32| self.prevented(blocks, time_step, *halvings, rounding);
         if (1..=MOST_HALVINGS).any(|halvings| prevents(&halvings)) { StepCause::StepLength } else { StepCause::NotHeld }
     }
 
-    fn prevented(&self, blocks: [usize; 2], time_step: &BigRational, halvings: u32, rounding: f64) -> bool {
+    fn prevented(&self, blocks: [usize; 2], time_step: &BigRational, halvings: u32, rounding: &Number) -> bool {
         let scene = self.scenes[0].with_time_step(Number::from_rational(time_step / BigInt::from(1u32 << halvings)));
         let mut state = self.before[0].clone();
         let end = state.time.to_rational() + time_step;
