@@ -105,10 +105,7 @@ impl Campaign {
         check_deny(&self.deny)?;
         let config = self.configuration()?;
         let engines = Engines::of(&config)?;
-        let source: Box<dyn PairSource> = match config.stress {
-            true => Box::new(StressSource::new(config.seed, &config.tolerances)?),
-            false => Box::new(source::of(&config)?),
-        };
+        let source = pair_source(&config)?;
         let name = if config.stress { "stress" } else { "campaign" };
         let suffix = self.part.map_or(String::new(), |part| format!("-part-{}-of-{}", part.number(), part.of()));
         let out = || PathBuf::from(format!("reports/{name}-{}{suffix}", config.seed));
@@ -184,6 +181,14 @@ impl Campaign {
         }
         Ok(config)
     }
+}
+
+/// The pairs that a configuration asks for: of the stress set, or of families.
+pub(crate) fn pair_source(config: &CampaignConfig) -> anyhow::Result<Box<dyn PairSource>> {
+    Ok(match config.stress {
+        true => Box::new(StressSource::new(config.seed, &config.tolerances)?),
+        false => Box::new(source::of(config)?),
+    })
 }
 
 /// Checks the names in a file of settings, before options override any: whatever comes after is about the options.

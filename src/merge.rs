@@ -1,6 +1,6 @@
 //! `merge`: the parts of a campaign put together.
 
-use crate::campaign::{check_deny, denied, probed};
+use crate::campaign::{check_deny, denied, pair_source, probed};
 use crate::campaign_end::print_end;
 use crate::exit::{Outcome, Verdict, print_note};
 use crate::input::threads;
@@ -12,10 +12,8 @@ use rockproof_campaign::journal::Journal;
 use rockproof_campaign::merge::Parts;
 use rockproof_campaign::part::Machine;
 use rockproof_campaign::run::{self, Ending};
-use rockproof_campaign::stress::StressSource;
 use rockproof_campaign::{source, steps};
 use rockproof_differential::finding::Finding;
-use rockproof_differential::subject::PairSource;
 use rockproof_results::Start;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -63,10 +61,7 @@ impl Merge {
         anyhow::ensure!(!parts.hold(&self.out), "--out {} is one of the parts", self.out.display());
         let config = parts.config();
         let engines = Engines::of(config)?;
-        let source: Box<dyn PairSource> = match config.stress {
-            true => Box::new(StressSource::new(config.seed, &config.tolerances)?),
-            false => Box::new(source::of(config)?),
-        };
+        let source = pair_source(config)?;
         let batch_len = source.batch_len();
         parts.check(&source::identity(config)?, &Machine::here(&*source)?, batch_len)?;
         let stop = on_ctrl_c()?;
