@@ -1,8 +1,8 @@
 //! How often two links of the chain of SPEC section 6 agree, and which kind of contact became which: the counts behind
 //! `agreement.csv` and `confusion.csv`. Findings say what differs; these say of how many.
 
-use super::collision::StateComparison;
 use super::compare::{AnswerChange, Difference, Features, differences};
+use super::separation_state::StateComparison;
 use rockproof_model::{Contact, ContactKind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

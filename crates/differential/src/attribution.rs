@@ -9,7 +9,7 @@
 
 use super::agreement::{Agreement, AgreementRecorder, ChainSpan, ComparisonKey};
 use super::collapse::collapsed_feature;
-use super::collision::{self, ReportedState};
+use super::collision;
 use super::compare::{AnswerChange, Difference, Features, differences};
 use super::engine::{
     Answer, Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, catch_panic,
@@ -18,6 +18,7 @@ use super::explain::{ChainLink, explain, suspect};
 use super::external::protocol::completed;
 use super::finding::{Cause, DecidingDecision, Finding, FindingScope};
 use super::metamorphic;
+use super::separation_state::ReportedState;
 use super::subject::{Subject, SubjectSet};
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use std::cell::{OnceCell, RefCell};

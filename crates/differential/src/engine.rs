@@ -3,9 +3,9 @@
 //! Everything the campaign knows about the stepper and the oracle is in `builtin`; the rest of the campaign sees these
 //! traits only, so that a mistaken stepper or an external program plugs in without a change elsewhere.
 
-use super::collision::ReportedState;
 use super::compare::AnswerChange;
 use super::finding::Cause;
+use super::separation_state::ReportedState;
 use rockproof_model::decision::Decision;
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! A finding: one difference between neighbouring links of the chain of SPEC section 6, its cause and what decided it.
 
-use super::collision::{SeparationState, StateComparison};
 use super::compare::{AnswerChange, Difference};
 use super::row::FindingRow;
+use super::separation_state::{SeparationState, StateComparison};
 use rockproof_model::decision::{Decision, Predicate};
 use rockproof_model::{ContactKind, Precision};
 use rockproof_results::bounded;

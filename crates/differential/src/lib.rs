@@ -17,5 +17,6 @@ pub mod lockstep;
 pub mod metamorphic;
 pub mod motion;
 pub mod row;
+pub mod separation_state;
 pub mod subject;
 pub mod transform;

@@ -16,6 +16,7 @@ pub mod page;
 mod rows;
 pub mod sections;
 pub mod stress;
+mod stress_reach;
 pub mod table;
 pub mod tally;
 pub mod timing;

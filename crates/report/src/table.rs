@@ -204,6 +204,11 @@ impl Table {
     }
 }
 
+/// The name of a run before what it is about, where there are several.
+pub(crate) fn label(runs: usize, run: &str, what: &str) -> String {
+    if runs > 1 { format!("{run}: {what}") } else { what.to_owned() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::{Table, TableCell, grouped, percent};

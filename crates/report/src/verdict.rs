@@ -2,8 +2,8 @@
 
 use super::load::{CampaignRun, Results};
 use super::own;
-use super::sections::stress::{Reach, reach};
-use super::table::{grouped, percent, short};
+use super::stress_reach::{Reach, reach};
+use super::table::{grouped, label, percent, short};
 use rockproof_campaign::stress::PairAlignment;
 use rockproof_differential::agreement::ChainSpan;
 use rockproof_differential::engine::EngineCounts;
@@ -219,7 +219,7 @@ fn tolerances(campaigns: &[CampaignRun]) -> Option<VerdictLine> {
     for campaign in campaigns {
         for (compared, sums) in campaign.by_setting() {
             if compared.span == ChainSpan::Tolerance && campaign.shows(&compared.tolerances) {
-                let name = super::sections::label(campaigns.len(), &campaign.name, &compared.tolerances);
+                let name = label(campaigns.len(), &campaign.name, &compared.tolerances);
                 shares.extend(sums.agreement().map(|s| (1.0 - s.value, name)));
             }
         }

@@ -10,8 +10,8 @@
 //! between them, and the directions of the widest slab are those above or those between a vertex and the nearest point
 //! of a vertex or an edge.
 
-use super::SeparationState;
 use crate::hull::convex_hull;
+use crate::separation_state::SeparationState;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Zero;

@@ -1,7 +1,7 @@
 //! The line protocol: one JSON object a line, question and answer (docs/engines.md).
 
-use crate::collision::{ReportedState, SeparationState};
 use crate::engine::{Answer, EngineFailure};
+use crate::separation_state::{ReportedState, SeparationState};
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Block, Contact, ContactKind, Entrance, EntranceKind, Sign, ToleranceSet, Topology};
 use serde_json::{Map, Value, json};

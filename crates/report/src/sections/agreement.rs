@@ -1,9 +1,9 @@
 //! How often engines are right: by tolerance setting, and by family of pairs.
 
-use super::{Section, SectionPart, label};
+use super::{Section, SectionPart};
 use crate::chart::{Chart, color, error_bars, heat_map, in_lines};
 use crate::load::{AgreementSums, CampaignRun};
-use crate::table::{Table, TableCell};
+use crate::table::{Table, TableCell, label};
 use rockproof_campaign::proportion::Proportion;
 use rockproof_differential::agreement::{ChainSpan, ComparisonKey};
 use serde_json::json;

@@ -1,9 +1,9 @@
 //! Why answers differ: causes, changes, and the predicates that decide most findings.
 
-use super::{Section, SectionPart, label};
+use super::{Section, SectionPart};
 use crate::chart::{Chart, in_lines};
 use crate::load::CampaignRun;
-use crate::table::Table;
+use crate::table::{Table, label};
 use rockproof_differential::finding::Cause;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};

@@ -2,9 +2,9 @@
 
 use super::{Section, SectionPart};
 use crate::load::{CampaignRun, ConfusionCounts};
-use crate::table::{Table, grouped};
+use crate::table::{Table, grouped, label};
 use rockproof_differential::agreement::{ChainSpan, NONE};
-use rockproof_differential::collision::SeparationState;
+use rockproof_differential::separation_state::SeparationState;
 use rockproof_model::ContactKind;
 use serde::Serialize;
 
@@ -82,7 +82,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
             for (became, count) in of().flat_map(|(_, confusion)| confusion) {
                 *all.entry(became.clone()).or_default() += count;
             }
-            let name = super::label(campaigns.len(), &campaign.name, &engine);
+            let name = label(campaigns.len(), &campaign.name, &engine);
             matrices.push(Matrix { open: true, ..matrix(format!("{name}, all settings"), &all) });
             // Of many settings those with the largest share that is wrong.
             let wrong = |confusion: &ConfusionCounts| {

@@ -1,9 +1,9 @@
 //! How near to a tie findings are.
 
-use super::{Section, SectionPart, label};
+use super::{Section, SectionPart};
 use crate::chart::{Chart, color};
 use crate::load::CampaignRun;
-use crate::table::{Table, TableCell};
+use crate::table::{Table, TableCell, label};
 use crate::tally::Decade;
 use rockproof_differential::finding::Cause;
 use serde_json::{Value, json};

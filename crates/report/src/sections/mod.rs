@@ -8,7 +8,7 @@ mod margins;
 mod passing;
 mod runs;
 mod steps;
-pub(super) mod stress;
+mod stress;
 mod sweep;
 mod timing;
 mod worst;
@@ -92,9 +92,4 @@ pub fn all(results: &Results) -> Result<Vec<Section>, ReportError> {
     }
     sections.push(runs::section(results));
     Ok(sections)
-}
-
-/// The name of a run before what it is about, where there are several.
-pub(super) fn label(runs: usize, run: &str, what: &str) -> String {
-    if runs > 1 { format!("{run}: {what}") } else { what.to_owned() }
 }

@@ -1,10 +1,10 @@
 //! Steps of campaigns: what differs in them, how deep blocks overlap afterwards, and whether they pass through one another.
 
 use super::sweep::order;
-use super::{Section, SectionPart, label};
+use super::{Section, SectionPart};
 use crate::chart::{Chart, color};
 use crate::load::{CampaignRun, setting};
-use crate::table::{Table, TableCell};
+use crate::table::{Table, TableCell, label};
 use rockproof_campaign::steps::summary::{StepCounts, Sum};
 use rockproof_campaign::tolerance_grid::axes_of;
 use serde_json::{Value, json};

@@ -1,11 +1,10 @@
 //! Where floats stop agreeing with the exact answer: the stress set.
 
-// Longer than 400 lines: the tables of one set, cell by cell, and the sentence of each level.
-
-use super::{Section, SectionPart, label};
+use super::{Section, SectionPart};
 use crate::chart::{Chart, engine_color};
 use crate::stress::{Curve, StressCell, StressLimit, StressRun, StressStep};
-use crate::table::{Table, TableCell, grouped, percent};
+use crate::stress_reach::{Reach, noun, power, reach, ties};
+use crate::table::{Table, TableCell, label, percent};
 use rockproof_campaign::stress::table::{Proof, SAFE_SHARE};
 use rockproof_campaign::stress::{PairAlignment, StressAxis};
 use serde_json::{Value, json};
@@ -54,51 +53,6 @@ pub(super) fn section(runs: &[StressRun]) -> Section {
     section
 }
 
-/// `1e-6` as a reader likes it: 10⁻⁶.
-pub(crate) fn power(level: &str) -> String {
-    let raised = |digit| match digit {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        digit => char::from_u32('⁰' as u32 + (digit as u32 - '0' as u32)).unwrap_or(digit),
-    };
-    match level.strip_prefix("1e") {
-        Some("0") => "1".to_owned(),
-        Some("1") => "10".to_owned(),
-        Some("-1") => "0.1".to_owned(),
-        Some(exponent) if exponent.chars().all(|c| c == '-' || c.is_ascii_digit()) => {
-            format!("10{}", exponent.chars().map(raised).collect::<String>())
-        }
-        _ => level.to_owned(),
-    }
-}
-
-/// Up to a level, in words.
-pub(crate) fn up_to(axis: StressAxis, level: &str) -> String {
-    let level = power(level);
-    match axis {
-        StressAxis::Offset if level == "0" => "at the origin".to_owned(),
-        StressAxis::Offset => format!("to {level} times the pair's size from the origin"),
-        StressAxis::ScaleDown | StressAxis::ScaleUp => format!("with all coordinates times {level}"),
-        StressAxis::Ratio => format!("with one block {level} times as large as the other"),
-        StressAxis::Sliver => format!("with blocks of thickness {level} of their length"),
-        StressAxis::Angle => format!("at angles down to {level} rad"),
-    }
-}
-
-/// An axis in short, for captions.
-fn noun(axis: StressAxis) -> &'static str {
-    match axis {
-        StressAxis::Offset => "Far from the origin",
-        StressAxis::ScaleDown => "Smaller units",
-        StressAxis::ScaleUp => "Larger units",
-        StressAxis::Ratio => "A small block at a large one",
-        StressAxis::Sliver => "Thin blocks",
-        StressAxis::Angle => "Small angles",
-    }
-}
-
 /// What the levels of an axis are, short enough for a phone.
 fn levels_are(axis: StressAxis) -> &'static str {
     match axis {
@@ -108,45 +62,6 @@ fn levels_are(axis: StressAxis) -> &'static str {
         StressAxis::Sliver => "thickness over length",
         StressAxis::Angle => "angle, rad",
     }
-}
-
-/// With or without ties.
-pub(crate) fn ties(form: PairAlignment) -> &'static str {
-    match form {
-        PairAlignment::Aligned => "with ties",
-        PairAlignment::Generic => "without ties",
-    }
-}
-
-/// Along which axes an engine is safe.
-#[derive(Default)]
-pub(crate) struct Reach {
-    /// Where, and how far, in words.
-    pub(crate) safe: Vec<String>,
-    /// Where not even at the mildest level.
-    pub(crate) never: Vec<String>,
-    /// Where there are too few pairs to tell at the mildest level, and how many would be needed there.
-    pub(crate) untold: Vec<String>,
-}
-
-/// Along which axes an engine is safe, and how far, in words.
-pub(crate) fn reach<'r>(limits: impl Iterator<Item = &'r StressLimit>) -> Reach {
-    let mut reach = Reach::default();
-    for limit in limits {
-        let what = || noun(limit.curve.axis).to_lowercase();
-        match (&limit.safe_to, &limit.beyond, limit.proof) {
-            (Some(level), ..) => reach.safe.push(up_to(limit.curve.axis, level)),
-            (None, Some(_), Proof::TooFew { needed }) => {
-                let needed = needed.map_or(String::new(), |n| format!(" ({} a level would do)", grouped(n)));
-                reach.untold.push(format!("{}{needed}", what()));
-            }
-            (None, Some((level, share)), _) => {
-                reach.never.push(format!("{} ({} differ at {})", what(), percent(*share), power(level)));
-            }
-            (None, None, _) => {}
-        }
-    }
-    reach
 }
 
 /// A paragraph for each engine, setting and form.
@@ -387,19 +302,4 @@ fn steps_chart(id: String, caption: String, axis: &str, of: &[&StressStep]) -> C
         "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
     });
     Chart::new(id, caption, 340, data, layout)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{StressAxis, power, up_to};
-
-    #[test]
-    fn levels_are_told_as_a_reader_likes_them() {
-        assert_eq!(
-            ["0", "1e0", "1e1", "1e-1", "1e8", "1e-9", "x"].map(power),
-            ["0", "1", "10", "0.1", "10⁸", "10⁻⁹", "x"]
-        );
-        assert_eq!(up_to(StressAxis::Offset, "0"), "at the origin");
-        assert_eq!(up_to(StressAxis::Angle, "1e-3"), "at angles down to 10⁻³ rad");
-    }
 }

@@ -1,9 +1,9 @@
 //! What each tolerance does: campaigns over a grid of tolerance sets.
 
-use super::{Section, SectionPart, label};
+use super::{Section, SectionPart};
 use crate::chart::{Chart, color, error_bars, heat_map};
 use crate::load::{AgreementSums, CampaignRun};
-use crate::table::{Table, TableCell};
+use crate::table::{Table, TableCell, label};
 use rockproof_campaign::proportion::Proportion;
 use rockproof_campaign::tolerance_grid::axes_of;
 use rockproof_differential::agreement::ChainSpan;

@@ -1,8 +1,8 @@
 //! Run time against error.
 
-use super::stress::power;
 use super::{Section, SectionPart};
 use crate::chart::{Chart, engine_color};
+use crate::stress_reach::power;
 use crate::table::{Table, TableCell, short};
 use crate::timing::{Measurement, TimingRun};
 use serde_json::{Value, json};

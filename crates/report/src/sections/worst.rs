@@ -1,9 +1,9 @@
 //! The worst findings, each with a view to turn.
 
-use super::{Section, SectionPart, label};
+use super::{Section, SectionPart};
 use crate::error::ReportError;
 use crate::load::CampaignRun;
-use crate::table::{Table, TableCell, short};
+use crate::table::{Table, TableCell, label, short};
 use crate::tally::{WORRYING, WorstFinding};
 use crate::view;
 use rockproof_differential::case_file::Case;
