@@ -10,9 +10,8 @@ use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
 use rockproof_model::files::read_limited;
 use rockproof_model::{Block, LoadOptions, Number, Precision, Scene, SceneError, SpecError, ToleranceSpec, Vec3};
+use rockproof_results::digest;
 use serde_json::{Map, Value};
-use std::collections::hash_map::DefaultHasher;
-use std::hash::{Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -218,13 +217,9 @@ pub fn identity(config: &CampaignConfig) -> Result<Map<String, Value>, SourceErr
     Ok(identity)
 }
 
-/// Length and hash of a file; empty if it cannot be read, which [`of`] reports.
+/// Length and SHA-256 of a file; empty if it cannot be read, which [`of`] reports.
 fn content(file: &Path) -> String {
-    read_limited(file).map_or(String::new(), |bytes| {
-        let mut hasher = DefaultHasher::new();
-        bytes.hash(&mut hasher);
-        format!("{} bytes, hash {:016x}", bytes.len(), hasher.finish())
-    })
+    read_limited(file).map_or(String::new(), |bytes| format!("{} bytes, SHA-256 {}", bytes.len(), digest(&bytes)))
 }
 
 impl FamilySource {
