@@ -1,4 +1,4 @@
-//! What several contacts amount to: face-to-face, edge-to-face and parallel edge-to-edge (SPEC section 4, "Derived").
+//! What several contacts amount to: face-to-face, edge-to-face and parallel edge-to-edge (SPEC section 4, "Combinations").
 //!
 //! A contact *lies on* a face (an edge) of a block when its feature there is that face (edge) or bounds it. Each contact
 //! has a point on either block: the vertex; on an edge, the foot of the vertex or of the common perpendicular; on a face,

@@ -1,7 +1,7 @@
 //! The oracle: which contacts two blocks have, exactly (SPEC section 4).
 //!
 //! Every decision is the sign of a polynomial in coordinates and tolerances. [`Pair::classify`] finds each sign at the
-//! cheapest level that proves it: f64 with a static error bound, integers of 128 bits, f64 balls, integers of 256 to
+//! cheapest level that proves it: f64 with a static error bound, f64 balls, integers of 128 bits, integers of 256 to
 //! 1,024 bits, integers on the heap. No float takes a decision that its bound does not prove. [`plain`] does the same
 //! in plain rationals, to be compared with.
 

@@ -145,3 +145,22 @@ fn files_can_be_read_in_a_sitting() {
         assert!(lines <= LONGEST_FILE || reasoned, "{} has {lines} lines and does not say why", file.display());
     }
 }
+
+/// Each file that ARCHITECTURE.md names in backquotes is there: by its path from the root, or as the end of a path.
+#[test]
+fn files_that_the_map_names_exist() {
+    let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let folders = ["crates", "oracle", "src", "tests", "examples", "benches"];
+    let files: Vec<PathBuf> = folders.iter().flat_map(|folder| rust_files(&root().join(folder))).collect();
+    let named: BTreeSet<&str> = page
+        .split('`')
+        .skip(1)
+        .step_by(2)
+        .filter(|name| name.ends_with(".rs") && !name.contains("NAME") && !name.contains(['{', '*', ' ']))
+        .collect();
+    assert!(named.len() > 60, "the page names only {} files", named.len());
+    for name in named {
+        let relative = Path::new(name.trim_start_matches("../"));
+        assert!(files.iter().any(|file| file.ends_with(relative)), "ARCHITECTURE.md names {name}, which is not there");
+    }
+}

@@ -1,5 +1,5 @@
 //! Campaigns: pairs of blocks made to break contact classification, run through every engine and compared with the
-//! oracle (DESIGN, "Campaigns").
+//! oracle (docs/concepts.md).
 
 mod case_writer;
 mod cases;

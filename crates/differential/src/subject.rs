@@ -11,7 +11,7 @@ pub struct Subject {
     pub index: u64,
     /// The family that made it.
     pub family: Arc<str>,
-    /// How it was made: `random`, or the boundary it was directed at.
+    /// How it was made: `base`, `moved`, `ladder`, or the boundary it was directed at.
     pub form: Arc<str>,
     /// The first block, exact.
     pub a: Block,

@@ -109,7 +109,7 @@ impl<'a, S: Field> AttemptState<'a, S> {
         difference(point, &self.attempt.blocks[block].vertices()[0], self.bits).minus(&self.moments[block].centroid)
     }
 
-    /// Everything but contacts (docs/step.md 7).
+    /// Everything but contacts (SPEC 5.7).
     fn assemble_base(&mut self) -> Option<()> {
         let attempt = self.attempt;
         let rate = self.fraction(&attempt.rate);

@@ -1,4 +1,4 @@
-//! The decisions of a step, each asked of one number type (docs/step.md 9 and 11): `None` where that cannot tell.
+//! The decisions of a step, each asked of one number type (SPEC 5.9 and 5.11): `None` where that cannot tell.
 
 use super::attempt_state::AttemptState;
 use super::frame;

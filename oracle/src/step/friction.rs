@@ -1,4 +1,4 @@
-//! The tangential forces of contacts (docs/step.md 8 and 9): what friction does to a sliding one, and how far that is from what
+//! The tangential forces of contacts (SPEC 5.8 and 5.9): what friction does to a sliding one, and how far that is from what
 //! its last solve asks for.
 
 use super::attempt_state::{AttemptState, Iterate};

@@ -1,4 +1,4 @@
-//! The open–close iteration, its attempts and their Δt (docs/step.md 10 and 11).
+//! The open–close iteration, its attempts and their Δt (SPEC 5.10 and 5.11).
 
 use super::answer::{Cut, FailedAttempt, IterationEnd, StepFailure, UNCHANGED_SOLVES};
 use super::attempt::Attempt;

@@ -1,4 +1,4 @@
-//! What a step begins with: contacts, what they remember, joints (docs/step.md 2 to 6 and 15).
+//! What a step begins with: contacts, what they remember, joints (SPEC 5.2 to 5.6 and 5.15).
 
 use super::answer::{StepFailure, StepModel};
 use super::approximate::Layout;

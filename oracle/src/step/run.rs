@@ -1,4 +1,4 @@
-//! A whole step, and the state after it (docs/step.md 9 to 12).
+//! A whole step, and the state after it (SPEC 5.9 to 5.12).
 
 use super::answer::{CertifiedStep, GapChange, StepAnswer, StepFailure, StepModel};
 use super::attempt::Attempt;

@@ -1,4 +1,4 @@
-//! The areas on which cohesion and tensile strength act (docs/step.md 15), exactly.
+//! The areas on which cohesion and tensile strength act (SPEC 5.15), exactly.
 
 use super::contact::Sides;
 use crate::overlap::{Flat, common_area};

@@ -1,4 +1,4 @@
-//! Which contacts go on from the step before (docs/step.md 4 to 6).
+//! Which contacts go on from the step before (SPEC 5.4 to 5.6).
 
 use super::state::{ContactMemory, Mode};
 use rockproof_model::{Contact, EntranceKind, Point};
@@ -14,7 +14,7 @@ pub(crate) struct StartingContact {
 }
 
 impl StartingContact {
-    /// The side of block j, whose anchor is dragged: B but for f-v entrances (docs/step.md 3).
+    /// The side of block j, whose anchor is dragged: B but for f-v entrances (SPEC 5.3).
     pub(crate) fn other_side(&self) -> usize {
         usize::from(self.contact.entrance.kind != EntranceKind::FaceVertex)
     }

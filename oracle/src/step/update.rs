@@ -1,4 +1,4 @@
-//! The state after a step (docs/step.md 12 and 13).
+//! The state after a step (SPEC 5.12 and 5.13).
 
 use super::answer::GapChange;
 use super::attempt::Attempt;

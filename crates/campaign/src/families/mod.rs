@@ -1,4 +1,4 @@
-//! The families of DESIGN: named generators of block pairs, each made to reach some kinds of contact.
+//! The families: named generators of block pairs, each made to reach some kinds of contact.
 
 mod concave_notch;
 mod coplanar_slide;
@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 /// A generator of block pairs.
 pub trait Family: fmt::Debug + Send + Sync {
-    /// The name used in files and tables, as in DESIGN.
+    /// The name used in files and tables.
     fn name(&self) -> &'static str;
     /// What the pairs look like and what they are for, in one sentence.
     fn describe(&self) -> &'static str;

@@ -1,6 +1,7 @@
 //! Every comparison and every role of SPEC section 4, one small method each.
 //!
-//! The classification asks these methods and compares nothing else, except for culling that cannot change an answer.
+//! The classification asks these methods and compares nothing else, except for culling that cannot change an answer and the winding of a face's edges
+//! around a point (`vertex_face.rs`).
 //! [`SpecRules`] takes all of them as they stand here. The trait exists so that a test can plant one deliberate mistake at a
 //! time, by overriding one method, and show that a campaign finds it. Everything is resolved at compile time: with
 //! `SpecRules` the methods are the bare comparisons.

@@ -1,4 +1,5 @@
-//! Every comparison of the open–close iteration and of step control (SPEC section 5), one small method each.
+//! The comparisons of the open–close iteration and of step control (SPEC section 5), one small method each; areas of joints (5.15) and the smallest
+//! Δt are compared where they are used.
 //!
 //! As in [`crate::contact::rules`], the trait exists so that a test can plant one deliberate mistake at a time.
 
