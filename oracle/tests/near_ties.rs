@@ -11,7 +11,8 @@ use rockproof_oracle::{LevelCounts, Pair, PreparedBlock, plain};
 use support::handworked;
 use support::shapes::{block, cuboid, number, point, revised};
 
-const ROUNDS: u64 = if cfg!(debug_assertions) { 2 } else { 8 };
+const ROUNDS: u64 = 2;
+const FULL_ROUNDS: u64 = 8;
 
 /// SplitMix64: the same pairs everywhere.
 struct Dice(u64);
@@ -103,10 +104,20 @@ fn boxes_meet(a: &Block, b: &Block, search: &Number) -> bool {
 
 #[test]
 fn beside_every_tie_the_paths_agree() {
+    agree_beside_ties(ROUNDS);
+}
+
+#[test]
+#[ignore = "half a minute; .ci/run runs it"]
+fn beside_every_tie_the_paths_agree_at_full_size() {
+    agree_beside_ties(FULL_ROUNDS);
+}
+
+fn agree_beside_ties(rounds: u64) {
     let mut dice = Dice(11);
     let (mut levels, mut pairs, mut touching, mut neighbours) = (LevelCounts::default(), 0u64, 0u64, [0, 0]);
     for case in handworked::cases() {
-        for round in 0..ROUNDS {
+        for round in 0..rounds {
             let Some(Drawn { a, b, tolerances, about }) = draw(&case, round, &mut dice) else { continue };
             let (solid_a, solid_b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
             let pair = Pair::new(&solid_a, &solid_b);
@@ -126,7 +137,7 @@ fn beside_every_tie_the_paths_agree() {
         }
     }
     println!("{pairs} pairs, {touching} with contacts, neighbours {neighbours:?}, {levels:?}");
-    assert!(pairs > 100 * ROUNDS && touching * 4 > pairs, "{touching} of {pairs} pairs have contacts");
+    assert!(pairs > 100 * rounds && touching * 4 > pairs, "{touching} of {pairs} pairs have contacts");
     assert!(
         neighbours[0] > 0 && levels.ball > 0 && levels.i128 > 0 && levels.fixed.iter().all(|&n| n > 0),
         "{levels:?}"

@@ -19,8 +19,9 @@ use rockproof_model::{ContactKind, Precision, Sign};
 use rockproof_oracle::{Pair, PreparedBlock};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Batches of the slice: fourteen families take turns.
-const BATCHES: u64 = if cfg!(debug_assertions) { 42 } else { 14 * 128 };
+/// Batches of the slice, small and at full size: fourteen families take turns.
+const BATCHES: u64 = if cfg!(debug_assertions) { 42 } else { 14 * 16 };
+const FULL_BATCHES: u64 = 14 * 128;
 
 fn default_source() -> FamilySource {
     source::of(&CampaignConfig::default()).expect("the default configuration names what exists")
@@ -31,10 +32,20 @@ type Counts = BTreeMap<(String, Cause), usize>;
 
 #[test]
 fn f32_differs_and_f64_far_less() {
+    compare_precisions(BATCHES);
+}
+
+#[test]
+#[ignore = "ten seconds; .ci/run runs it"]
+fn f32_differs_and_f64_far_less_at_full_size() {
+    compare_precisions(FULL_BATCHES);
+}
+
+fn compare_precisions(batches: u64) {
     let config = CampaignConfig::default();
     let source = default_source();
     let panel = builtin::panel(&config.engines, config.metamorphic_every).expect("the default engines");
-    let examined: Vec<(String, Cause)> = (0..BATCHES)
+    let examined: Vec<(String, Cause)> = (0..batches)
         .into_par_iter()
         .flat_map_iter(|number| source.batch(number))
         .flat_map_iter(|subject| examine(&subject, &panel).findings)
@@ -57,7 +68,7 @@ fn f32_differs_and_f64_far_less() {
     }
     let of = |scope: &str, cause| counts.get(&(scope.to_owned(), cause)).copied().unwrap_or(0);
     let (single, double) = (of("stepper-f32", Cause::Arithmetic), of("stepper-f64", Cause::Arithmetic));
-    println!("arithmetic: {single} in f32, {double} in f64, in {} pairs", BATCHES * source.batch_len());
+    println!("arithmetic: {single} in f32, {double} in f64, in {} pairs", batches * source.batch_len());
     assert!(double > 0 && double * 5 <= single, "arithmetic: {single} in f32, {double} in f64");
     let (single, double) = (of("f32", Cause::Representation), of("f64", Cause::Representation));
     assert!(double < single, "representation: {single} in f32, {double} in f64");
@@ -133,12 +144,22 @@ impl Seen {
 
 #[test]
 fn kinds_predicates_and_ties_are_reached() {
+    reach_everything(BATCHES);
+}
+
+#[test]
+#[ignore = "ten seconds; .ci/run runs it"]
+fn kinds_predicates_and_ties_are_reached_at_full_size() {
+    reach_everything(FULL_BATCHES);
+}
+
+fn reach_everything(batches: u64) {
     let source = default_source();
     let look = |mut seen: Seen, number| {
         source.cases(number).iter().for_each(|case| seen.examine(case));
         seen
     };
-    let seen = (0..BATCHES).into_par_iter().fold(Seen::default, look).reduce(Seen::default, Seen::plus);
+    let seen = (0..batches).into_par_iter().fold(Seen::default, look).reduce(Seen::default, Seen::plus);
     for family in families::all() {
         for kind in family.reaches() {
             let count = seen.kinds.get(&(family.name(), *kind)).copied().unwrap_or(0);

@@ -92,9 +92,18 @@ fn report([pairs, with_contacts, at_ties, pure, gmp, levels @ ..]: &[u64; 12]) {
 
 #[test]
 fn all_paths_agree() {
+    agree(if cfg!(debug_assertions) { 2 } else { 6 });
+}
+
+#[test]
+#[ignore = "half a minute; .ci/run runs it"]
+fn all_paths_agree_at_full_size() {
+    agree(24);
+}
+
+fn agree(batches: u64) {
     let config = PairConfig::default();
     let mut tally = Tally::default();
-    let batches = if cfg!(debug_assertions) { 2 } else { 24 };
     for number in 0..batches {
         compare_batch(5, number * 7, &config, true, &mut tally);
     }
