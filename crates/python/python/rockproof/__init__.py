@@ -27,9 +27,12 @@ from ._native import (
     penetration,
     separation,
 )
+from ._benchmark import BenchmarkContact, BenchmarkPair, benchmark
 from ._campaign import Results, campaign, families
 
 __all__ = [
+    "BenchmarkContact",
+    "BenchmarkPair",
     "Block",
     "CheckReport",
     "Contact",
@@ -48,6 +51,7 @@ __all__ = [
     "Tolerances",
     "Violation",
     "__version__",
+    "benchmark",
     "campaign",
     "check",
     "classify",
