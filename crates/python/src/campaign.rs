@@ -20,6 +20,7 @@ use rockproof_campaign::summary::SummaryRow;
 use rockproof_differential::attribution::EnginePanel;
 use rockproof_differential::builtin::{self, BuiltinOracle};
 use rockproof_differential::engine::Engine;
+use rockproof_differential::external::spec::check_name;
 use rockproof_differential::finding::Finding;
 use rockproof_differential::row::FindingRow;
 use rockproof_differential::subject::PairSource;
@@ -208,6 +209,7 @@ pub(crate) fn run_campaign(
             config.engines.push(name.extract()?);
         } else {
             let (name, function): (String, Py<PyAny>) = engine.extract()?;
+            check_name(&name).map_err(input_error)?;
             functions.push(PythonEngine::new(name, calculated, function, line.clone_ref(py)));
         }
     }

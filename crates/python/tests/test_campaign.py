@@ -126,6 +126,9 @@ def test_settings_that_mean_nothing_are_refused():
             rockproof.campaign("f64", **settings)
     with pytest.raises(InputError, match='engine "nobody" does not exist'):
         rockproof.campaign("nobody")
+    for name in ["f32", "any", "stepper-f64", "two words", "_mine", ""]:
+        with pytest.raises(InputError, match=f'engine name "{name}": allowed are letters'):
+            rockproof.campaign({name: exact})
     with pytest.raises(InputError, match="two engines"):
         rockproof.campaign([exact, exact])
 

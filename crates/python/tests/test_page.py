@@ -1,4 +1,4 @@
-"""docs/python.md shows what happens: its `pycon` blocks run in order, in one session, in the sources' root.
+"""docs/python.md shows what happens: its `python` blocks run in order, in one session, in the sources' root.
 
 With ROCKPROOF_RENEW=1 the outputs are written anew instead.
 """
@@ -17,7 +17,7 @@ def sessions(text):
     inside = False
     for line in text.splitlines():
         if line.startswith("```"):
-            inside = line == "```pycon"
+            inside = line == "```python"
             yield ""
         else:
             yield line if inside else ""
