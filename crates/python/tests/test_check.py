@@ -30,6 +30,10 @@ def test_overlaps_are_exact():
     assert (overlap.meaning, overlap.sight, overlap.is_deeper_than_penetration) == ("held", "seen", False)
     lost = rockproof.check(Model([slab, cube, apart]), {"penetration": "1/2000"})
     assert lost.overlaps[0].meaning == "lost" and lost.overlaps[0].is_deeper_than_penetration and not lost.is_sound
+    # Overlaps alone make a model unsound.
+    alone = rockproof.check(Model([slab, cube.translated((0, 0, "-1/2"))]))
+    assert alone.violations == [] and [o.meaning for o in alone.overlaps] == ["lost"] and not alone.is_sound
+    assert rockproof.check(Model([slab, cube.translated((0, 0, "1/1000"))])).is_sound
     assert found.tolerances["penetration"] == Fraction(1, 16)
 
 

@@ -25,6 +25,14 @@ def test_a_cube_over_another_has_four_contacts_of_a_millimetre():
     assert {c.gap for c in rockproof.classify(above, UNIT, {"search": "1/100"}, engine="f32")} != {c.gap for c in floats}
 
 
+@pytest.mark.parametrize("engine", ["exact", "f64", "f32"])
+def test_an_overlap_has_a_negative_gap(engine):
+    sunk = Block.cuboid(("1/4", "1/4", 1 - 2**-10), ("3/4", "3/4", 2))
+    contacts = rockproof.classify(sunk, UNIT, {"search": "1/100", "penetration": "1/100"}, engine=engine)
+    assert {c.gap for c in contacts} == {Fraction(-1, 1024)} and {c.gap_sign for c in contacts} == {-1}
+    assert {c.gap_m for c in contacts} == {-(2**-10)} == {c.to_dict()["gap_m"] for c in contacts}
+
+
 def test_an_irrational_gap_is_known_by_its_square():
     # The roof of a prism, sloping at 45 degrees: a vertex h above it is h/√2 from its plane.
     roof = Block([[-1, 0, 0], [1, 0, 0], [0, 0, 1], [-1, 4, 0], [1, 4, 0], [0, 4, 1]], [[0, 1, 2], [3, 5, 4], [0, 3, 4, 1], [1, 4, 5, 2], [0, 2, 5, 3]])
