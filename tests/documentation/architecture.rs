@@ -62,6 +62,8 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
     paths
         .into_iter()
         .flat_map(|path| match path.is_dir() {
+            // What Cargo makes is nobody's to read.
+            true if path.ends_with("target") => Vec::new(),
             true => rust_files(&path),
             false if path.extension().is_some_and(|e| e == "rs") => vec![path],
             false => Vec::new(),

@@ -18,7 +18,10 @@ const NOT_RUN: [(&str, &str); 9] = [
     ("cargo run --release -p rockproof-validation", "minutes; the tests of that crate hold what it finds"),
     ("mdbook", "a tool that neither the program nor its tests need; tests/documentation/book.rs checks what it would"),
     ("sbatch", "a cluster; docs/scale.md runs the script itself without one"),
-    ("pip install", "other people's codes, of hundreds of megabytes"),
+    (
+        "pip install",
+        "other people's codes, of hundreds of megabytes, or the package for Python, which `.ci/run` builds",
+    ),
     ("cargo run --release --features gmp", "GMP builds for minutes; `.ci/run` tests with it"),
     ("ROCKPROOF_", "settings of tests that take hours; docs/validation.md says when they were run"),
 ];

@@ -9,6 +9,7 @@ pub mod engine_counts;
 pub mod engines;
 pub mod families;
 pub mod generic;
+pub mod in_memory;
 pub mod journal;
 pub mod ladder;
 pub mod merge;

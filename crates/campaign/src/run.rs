@@ -95,12 +95,12 @@ pub(super) type Stopped<'s> = &'s (dyn Fn() -> bool + Sync);
 
 /// What one batch brought.
 #[derive(Default)]
-struct BatchResult {
-    findings: Vec<Finding>,
-    summary: Summary,
+pub(super) struct BatchResult {
+    pub(super) findings: Vec<Finding>,
+    pub(super) summary: Summary,
     levels: Levels,
-    contacts: u64,
-    metamorphic_checks: u64,
+    pub(super) contacts: u64,
+    pub(super) metamorphic_checks: u64,
     agreement: Agreement,
     steps: steps::StepExamination,
 }
@@ -243,7 +243,7 @@ impl Campaign<'_> {
     }
 
     /// One batch; `None` where the run is stopped meanwhile.
-    fn batch(&self, number: u64, end: u64, seen: &Seen, stopped: Stopped<'_>) -> Option<BatchResult> {
+    pub(super) fn batch(&self, number: u64, end: u64, seen: &Seen, stopped: Stopped<'_>) -> Option<BatchResult> {
         let mut batch = BatchResult::default();
         let subjects = self.source.batch(number);
         for subject in subjects.iter().filter(|s| s.index < end) {

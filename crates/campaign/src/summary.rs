@@ -156,15 +156,11 @@ impl Summary {
         sorts
     }
 
-    /// `summary.csv`.
-    ///
-    /// # Errors
-    /// Those of the CSV writer.
-    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-        writer.write_record(SUMMARY_COLUMNS)?;
+    /// The rows of `summary.csv`: for each group of pairs one for each class of findings, or one without findings.
+    pub fn rows(&self) -> Vec<SummaryRow> {
         let nothing =
             || FindingClass { engine: String::new(), cause: String::new(), change: String::new(), kind: String::new() };
+        let mut rows = Vec::new();
         for (origin, pairs) in &self.pairs {
             let row = |class: &FindingClass, findings| SummaryRow {
                 family: origin.family.clone(),
@@ -177,15 +173,26 @@ impl Summary {
                 kind: class.kind.clone(),
                 findings,
             };
-            let mut any = false;
+            let before = rows.len();
             let from = (origin.clone(), nothing());
-            for ((_, class), count) in self.findings.range(from..).take_while(|((o, _), _)| o == origin) {
-                writer.serialize(row(class, *count))?;
-                any = true;
+            let found = self.findings.range(from..).take_while(|((o, _), _)| o == origin);
+            rows.extend(found.map(|((_, class), count)| row(class, *count)));
+            if rows.len() == before {
+                rows.push(row(&nothing(), 0));
             }
-            if !any {
-                writer.serialize(row(&nothing(), 0))?;
-            }
+        }
+        rows
+    }
+
+    /// `summary.csv`.
+    ///
+    /// # Errors
+    /// Those of the CSV writer.
+    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+        writer.write_record(SUMMARY_COLUMNS)?;
+        for row in self.rows() {
+            writer.serialize(row)?;
         }
         writer.into_inner().map_err(|e| e.into_error().into())
     }

@@ -16,6 +16,7 @@ pub mod hull;
 pub mod lockstep;
 pub mod metamorphic;
 pub mod motion;
+pub mod neighbours;
 pub mod row;
 pub mod separation_state;
 pub mod subject;

@@ -19,6 +19,15 @@ pub enum Meaning {
 impl Meaning {
     /// All, the gravest first.
     pub const ALL: [Meaning; 3] = [Meaning::Lost, Meaning::Held, Meaning::Rounding];
+
+    /// `lost`, `held` or `rounding`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Meaning::Lost => "lost",
+            Meaning::Held => "held",
+            Meaning::Rounding => "rounding",
+        }
+    }
 }
 
 impl Overlap {

@@ -94,6 +94,15 @@ pub fn is_name(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_alphanumeric()) && text.chars().all(plain)
 }
 
+/// Whether an engine that is not built in can have a name: it can stand in tables, and means nothing else there.
+///
+/// # Errors
+/// What names are allowed.
+pub fn check_name(name: &str) -> Result<(), EngineSpecError> {
+    let taken = ["any", "f32", "f64"].into_iter().chain(ENGINES).any(|known| known == name);
+    if is_name(name) && !taken { Ok(()) } else { Err(EngineSpecError::Name(name.to_owned())) }
+}
+
 fn split(command: &str) -> Option<Vec<String>> {
     shlex::split(command).filter(|words| words.first().is_some_and(|program| !program.is_empty()))
 }
@@ -150,10 +159,7 @@ impl EngineSpec {
     }
 
     fn check(&self) -> Result<(), EngineSpecError> {
-        let taken = ["any", "f32", "f64"].into_iter().chain(ENGINES).any(|name| name == self.name);
-        if !is_name(&self.name) || taken {
-            return Err(EngineSpecError::Name(self.name.clone()));
-        }
+        check_name(&self.name)?;
         if self.command.first().is_none_or(String::is_empty) {
             return Err(EngineSpecError::Command { name: self.name.clone(), command: self.command.join(" ") });
         }

@@ -1,0 +1,68 @@
+//! Names and options that several functions take.
+
+use crate::InputError;
+use pyo3::prelude::*;
+use rockproof_model::{LoadOptions, Precision};
+
+/// Who classifies, or makes steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Arithmetic {
+    /// The oracle.
+    Exact,
+    /// The stepper in this precision.
+    Float(Precision),
+}
+
+impl Arithmetic {
+    /// The arithmetic of a name: `exact`, `f64` or `f32`; the stepper's names in tables as well.
+    ///
+    /// # Errors
+    /// `InputError` for another name.
+    pub(crate) fn named(name: &str, what: &str) -> PyResult<Arithmetic> {
+        if name == "exact" {
+            return Ok(Arithmetic::Exact);
+        }
+        match name.strip_prefix("stepper-").unwrap_or(name) {
+            "f64" => Ok(Arithmetic::Float(Precision::F64)),
+            "f32" => Ok(Arithmetic::Float(Precision::F32)),
+            _ => Err(InputError::new_err(format!("{what} is \"{name}\"; allowed are \"exact\", \"f64\" and \"f32\""))),
+        }
+    }
+
+    /// The precision that tolerances are derived for.
+    pub(crate) fn precision(self) -> Precision {
+        match self {
+            Arithmetic::Exact => Precision::F64,
+            Arithmetic::Float(precision) => precision,
+        }
+    }
+}
+
+/// `f32` or `f64`.
+///
+/// # Errors
+/// `InputError` for another name.
+pub(crate) fn precision(name: &str) -> PyResult<Precision> {
+    match name {
+        "f64" => Ok(Precision::F64),
+        "f32" => Ok(Precision::F32),
+        _ => Err(InputError::new_err(format!("precision is \"{name}\"; allowed are \"f64\" and \"f32\""))),
+    }
+}
+
+/// How far faces may be from planar.
+///
+/// # Errors
+/// `InputError` where it is no number of 0 or more.
+pub(crate) fn load_options(planarity: Option<&Bound<'_, PyAny>>) -> PyResult<LoadOptions> {
+    let planarity = planarity.map(|value| crate::number::number(value, || "planarity".to_owned())).transpose()?;
+    if planarity.as_ref().is_some_and(|number| number.is_negative()) {
+        return Err(InputError::new_err("planarity is negative; allowed is 0 or more, a share of the block's size"));
+    }
+    Ok(LoadOptions { planarity })
+}
+
+/// An error of the crates below, as Python sees it.
+pub(crate) fn input_error(error: impl std::fmt::Display) -> PyErr {
+    InputError::new_err(error.to_string())
+}

@@ -1,0 +1,197 @@
+"""Campaigns: the command's findings, functions as engines, and what goes on meanwhile."""
+
+import csv
+import os
+import signal
+import threading
+import time
+from decimal import Decimal
+
+import pytest
+import rockproof
+from rockproof import Block, InputError
+
+SMALL = {"pairs": 128, "families": "face_stack", "tolerances": "auto"}
+
+
+def exact(a, b, tolerances):
+    return rockproof.classify(a, b, tolerances)
+
+
+
+def test_findings_and_summary_are_those_of_the_command(command, tmp_path):
+    command("campaign", "--pairs", 512, "--seed", 7, "--steps-every", 0, "--out", tmp_path / "run")
+    found = rockproof.campaign(pairs=512, seed=7)
+
+    def rows(name):
+        with open(tmp_path / "run" / name, newline="") as file:
+            return list(csv.DictReader(file))
+
+    def number(text):
+        return float(text) if text else None
+
+    told = rows("findings.csv")
+    assert len(told) == len(found.findings) > 100 and found.pairs == 512
+    for row, finding in zip(told, found.findings):
+        assert int(row["index"]) == finding["index"]
+        assert number(row["margin"]) == finding["margin"] and number(row["margin_ulps"]) == finding["margin_ulps"]
+        for name in ["family", "form", "tolerances", "engine", "cause", "change", "kind_before", "kind_after", "predicate", "features"]:
+            assert row[name] == (finding[name] or ""), (name, row)
+    summary = [{name: "" if value is None else str(value) for name, value in row.items()} for row in found.summary]
+    assert summary == rows("summary.csv")
+
+
+def test_a_function_that_is_right_has_no_finding():
+    found = rockproof.campaign(exact, **SMALL)
+    assert [f for f in found.findings if f["engine"] == "exact"] == []
+    assert found.pairs == 128 and found.contacts > 100
+
+
+def test_a_planted_mistake_is_found_and_its_pair_shows_it():
+    def loses_the_last(a, b, tolerances):
+        return rockproof.classify(a, b, tolerances)[:-1]
+
+    found = rockproof.campaign({"mine": loses_the_last}, **SMALL)
+    own = [f for f in found.findings if f["engine"] == "mine"]
+    assert own and {f["cause"] for f in own} == {"engine"} and "missing" in {f["change"] for f in own}
+    lost = next(f for f in own if f["change"] == "missing")
+    pair = found.pair(lost)
+    tolerances = pair.tolerances[lost["tolerances"]]["f64"]
+    true = rockproof.classify(pair.a.rounded("f64"), pair.b.rounded("f64"), tolerances)
+    assert lost["kind_before"] == true[-1].kind and pair.index == lost["index"] and pair.family == "face_stack"
+    with pytest.raises(InputError, match="there is no pair 128; there are 128"):
+        found.pair(128)
+
+
+def test_answers_about_states_are_compared():
+    def always_apart(a, b, tolerances):
+        return {"state": "apart"}
+
+    def right(a, b, tolerances):
+        told = rockproof.separation(a, b)
+        return {"state": told.state, "gap_m": told.gap if told.gap is not None else told.gap_m}
+
+    found = rockproof.campaign([always_apart, right], **SMALL)
+    assert {f["engine"] for f in found.findings if f["cause"] == "engine"} == {"always_apart"}
+    assert {f["change"] for f in found.findings if f["engine"] == "always_apart"} >= {"state"}
+
+
+def test_exceptions_and_nonsense_are_failures_of_the_engine():
+    def raises(a, b, tolerances):
+        raise ZeroDivisionError("no\nsecond line" if tolerances["search"] else "")
+
+    def nonsense(a, b, tolerances):
+        return [{"kind": "x-x"}]
+
+    def no_json(a, b, tolerances):
+        return {"state": "apart", "gap_m": Decimal(1)}
+
+    def refuses(a, b, tolerances):
+        return {"unsupported": "not today"}
+
+    def nothing(a, b, tolerances):
+        return None
+
+    found = rockproof.campaign([raises, nonsense, no_json, refuses, nothing], **{**SMALL, "pairs": 16})
+    notes = {f["engine"]: (f["change"], f["note"]) for f in found.findings if f["cause"] == "engine"}
+    assert notes["raises"][0] == "failure" and "ZeroDivisionError: no" in notes["raises"][1] and "(line " in notes["raises"][1]
+    assert notes["nonsense"][0] == "malformed" and "kind is" in notes["nonsense"][1]
+    assert notes["no_json"][0] == "malformed" and "Decimal" in notes["no_json"][1]
+    assert notes["refuses"] == ("unsupported", "unsupported: not today")
+    assert notes["nothing"][0] == "malformed" and "NoneType" in notes["nothing"][1]
+
+
+def test_functions_are_asked_with_what_their_precision_sees():
+    seen = []
+
+    def watches(a, b, tolerances):
+        seen.append((isinstance(a, Block), a.is_exact_in("f32"), tolerances))
+        return {"unsupported": "only looking"}
+
+    rockproof.campaign(watches, precision="f32", **SMALL)
+    assert seen and all(block and exact_in_f32 for block, exact_in_f32, _ in seen)
+    assert set(seen[0][2]) >= {"search", "territory", "penetration", "criteria"} and seen[0][2]["criteria"] == "revised"
+
+
+def test_settings_that_mean_nothing_are_refused():
+    for settings, told in [
+        ({"pairs": 0}, "pairs is 0"),
+        ({"families": "nobody"}, 'family "nobody" does not exist; there are'),
+        ({"tolerances": "nobody"}, 'tolerance set "nobody" does not exist'),
+        ({"threads": 5000}, "threads is 5000"),
+        ({"precision": "f16"}, 'precision is "f16"'),
+        ({"real": "no.dda"}, "no.dda"),
+    ]:
+        with pytest.raises(InputError, match=told):
+            rockproof.campaign("f64", **settings)
+    with pytest.raises(InputError, match='engine "nobody" does not exist'):
+        rockproof.campaign("nobody")
+    for name in ["f32", "any", "stepper-f64", "two words", "_mine", ""]:
+        with pytest.raises(InputError, match=f'engine name "{name}": allowed are letters'):
+            rockproof.campaign({name: exact})
+    with pytest.raises(InputError, match="two engines"):
+        rockproof.campaign([exact, exact])
+
+
+def test_ctrl_c_ends_a_campaign():
+    timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+    begun = time.monotonic()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        rockproof.campaign("f64", pairs=50_000_000)
+    assert time.monotonic() - begun < 30
+    # And with a function, which needs Python's lock to answer.
+    timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        rockproof.campaign(exact, pairs=50_000_000)
+
+
+def test_other_threads_go_on_meanwhile():
+    counted, over = [0], threading.Event()
+
+    def count():
+        while not over.is_set():
+            counted[0] += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    found = rockproof.campaign("f64", pairs=4096)
+    before = counted[0]
+    over.set()
+    thread.join()
+    # Were Python's lock held, the count would be that before the campaign.
+    assert before > 20 * found.seconds, (before, found.seconds)
+
+
+def test_progress_is_told_and_may_end_the_campaign():
+    told = []
+    rockproof.campaign("f64", pairs=4096, progress=lambda pairs, findings: told.append((pairs, findings)))
+    assert told and told == sorted(told) and told[-1][0] <= 4096
+
+    def enough(pairs, findings):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        rockproof.campaign("f64", pairs=50_000_000, progress=enough)
+
+
+def test_tables_of_pandas_and_polars():
+    found = rockproof.campaign("f32", pairs=256)
+    pandas = pytest.importorskip("pandas")
+    table = found.to_pandas()
+    assert len(table) == len(found.findings) and list(table.columns) == list(found.findings[0])
+    summary = found.to_pandas("summary")
+    assert summary["findings"].sum() == len(found.findings) and isinstance(summary, pandas.DataFrame)
+    polars = pytest.importorskip("polars")
+    assert found.to_polars().shape == (len(found.findings), 14)
+    assert found.to_polars("summary")["findings"].sum() == len(found.findings)
+    assert found.to_polars().schema["margin"] == polars.Float64
+    with pytest.raises(InputError, match="allowed are"):
+        found.to_pandas("nothing")
+
+
+def test_families_are_named_with_what_they_are_for():
+    assert {"face_stack", "real", "sliver"} <= set(rockproof.families())
+    assert all(text for text in rockproof.families().values())
