@@ -16,6 +16,7 @@ mod campaign_default;
 mod campaign_end;
 mod check_command;
 mod engine_processes;
+mod examine_command;
 mod external_engines;
 mod gate_command;
 mod gate_formats;
