@@ -22,6 +22,7 @@ mod gate_command;
 mod gate_formats;
 #[cfg(unix)]
 mod gate_regressions;
+mod json_output;
 mod kept_results;
 mod lockstep_cli;
 mod merge_command;
