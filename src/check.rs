@@ -1,5 +1,6 @@
 //! `check`: are the blocks blocks, and do the tolerances keep the rules?
 
+use crate::campaign_end::quoted;
 use crate::exit::{Outcome, Verdict, print, print_error, print_note};
 use crate::extents::{self, Extents, factor, is_bent, planarity_that_merges, planarity_that_reads};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, precision};
@@ -92,6 +93,30 @@ impl Check {
 }
 
 impl ModelArgs {
+    /// The file and how it is read, as they stand on a command line.
+    pub(crate) fn shown(&self) -> String {
+        quoted(&self.file.display().to_string()) + &self.read.shown()
+    }
+
+    /// The factor that lengths are multiplied by, where that changes them.
+    pub(crate) fn scaled(&self) -> Option<&Number> {
+        self.scale.as_ref().filter(|scale| **scale != Number::from_integer(1))
+    }
+
+    /// The command that shows a pair of blocks, or where lengths are multiplied, which only `check` does beside `convert`, the model.
+    pub(crate) fn show(&self, [a, b]: [usize; 2]) -> String {
+        match self.scaled() {
+            None => format!("rockproof classify {}{} --pair {a},{b}", self.shown(), self.tolerances.shown()),
+            Some(_) => self.show_all(),
+        }
+    }
+
+    /// The command that shows the model.
+    pub(crate) fn show_all(&self) -> String {
+        let scale = self.scaled().map_or(String::new(), |scale| format!(" --scale {scale}"));
+        format!("rockproof check {}{}{scale}", self.shown(), self.tolerances.shown())
+    }
+
     /// Reads the model and compares its tolerances with the rules. Blocks that cannot be used are told one by one.
     ///
     /// # Errors

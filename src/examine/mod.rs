@@ -172,7 +172,7 @@ impl Examine {
         found.model.notes.iter().for_each(|note| print_note(note));
         let cases = cases::worst(&found);
         let verdict = verdict::Verdict::of(&found, &cases, &self.model, &dir);
-        let written = results::write(&found, &verdict, &cases, &mut directory)?;
+        let written = results::write((&found, &self.model), &verdict, &cases, &mut directory)?;
         self.format.print(|| verdict.text(), || written.document)?;
         print_note(&format!("written to {}: {}", dir.display(), written.names.join(", ")));
         Ok(if verdict.is_safe { Verdict::Passed } else { Verdict::CheckFailed })

@@ -5,7 +5,7 @@ use super::pairs::EngineDifferences;
 use super::verdict::{Verdict, mark, title};
 use super::view::{Standing, standings, views};
 use super::{Examination, Recommendation, document};
-use crate::check::violations_text;
+use crate::check::{ModelArgs, violations_text};
 use rockproof_model::Precision;
 use rockproof_oracle::audit::{Meaning, Overlap};
 use rockproof_report::Report;
@@ -164,7 +164,7 @@ pub(crate) struct Written {
 /// # Errors
 /// When a file cannot be made or written.
 pub(crate) fn write(
-    found: &Examination,
+    (found, args): (&Examination, &ModelArgs),
     verdict: &Verdict,
     cases: &[KeptCase],
     directory: &mut Directory,
@@ -180,7 +180,7 @@ pub(crate) fn write(
     });
     let worst = |most: usize| pair_table(ranked.iter().take(most).copied());
     let tolerances = tolerance_table(found);
-    let views = views(found, (&pairs, &standings), (cases, directory.path()));
+    let views = views((found, args), (&pairs, &standings), (cases, directory.path()));
     let report = Report {
         title: title(found),
         verdict: lines(verdict),

@@ -278,23 +278,28 @@ fn next(
     (args, dir): (&ModelArgs, &Path),
     (units, answer): (bool, &str),
 ) -> String {
-    let file = quoted(&args.file.display().to_string()) + &args.read.shown();
+    let (file, given) = (args.shown(), args.tolerances.shown());
     if units {
         let factor = found.model.extents.factor().unwrap_or("1");
-        return format!("rockproof examine {file}{} --scale {factor} --overwrite", args.tolerances.shown());
+        return format!("rockproof examine {file}{given} --scale {factor} --overwrite");
     }
     let shown = |path: &str| quoted(&dir.join(path).display().to_string());
-    let given = args.tolerances.shown();
+    let lost = found.given.overlaps.worst_lost().filter(|_| answer == "not safe");
+    if let Some(worst) = lost {
+        return args.show(worst.blocks);
+    }
+    if let (Some(scale), true) = (args.scaled(), answer != "safe with another set") {
+        let stem = args.file.file_stem().unwrap_or_default().to_string_lossy();
+        let metres = quoted(&format!("{stem}_m.toml"));
+        return format!("rockproof convert {file} {metres} --scale {scale}");
+    }
     if answer == "safe" {
         return format!("rockproof simulate {file}{given} --steps 100 --audit");
     }
     if answer == "safe with another set" {
         let (set, out) = (shown("tolerances.toml"), quoted(&format!("{}-set", dir.display())));
-        return format!("rockproof examine {file} --tolerances {set} --out {out}");
-    }
-    if let Some(worst) = found.given.overlaps.worst_lost() {
-        let [a, b] = worst.blocks;
-        return format!("rockproof classify {file}{given} --pair {a},{b}");
+        let scale = args.scaled().map_or(String::new(), |scale| format!(" --scale {scale}"));
+        return format!("rockproof examine {file}{scale} --tolerances {set} --out {out}");
     }
     if let Some(case) = cases.iter().find(|case| case.is_broken) {
         return format!("rockproof replay {}", shown(&case.file));

@@ -3,6 +3,7 @@
 use super::cases::KeptCase;
 use super::results::PairFacts;
 use super::{Examination, file_name};
+use crate::check::ModelArgs;
 use rockproof_model::Block;
 use rockproof_oracle::audit::Meaning;
 use rockproof_report::model_view::{BlockGroup, traces};
@@ -82,15 +83,15 @@ pub(crate) fn standings(found: &Examination, pairs: &[PairFacts<'_>]) -> Vec<(St
 
 /// The views of the page: the whole model, the deepest overlaps, the worst differences.
 pub(crate) fn views(
-    found: &Examination,
+    (found, args): (&Examination, &ModelArgs),
     (pairs, standings): (&[PairFacts<'_>], &[(Standing, String)]),
     (cases, dir): (&[KeptCase], &Path),
 ) -> Vec<FindingView> {
     let shapes = found.model.scene.shapes();
-    let mut views = vec![whole(found, &shapes, standings)];
+    let mut views = vec![whole(found, args, &shapes, standings)];
     let mut lost: Vec<&PairFacts<'_>> = pairs.iter().filter(|pair| Standing::of(pair) == Standing::Lost).collect();
     lost.sort_by(|one, two| two.depth_m().unwrap_or(0.0).total_cmp(&one.depth_m().unwrap_or(0.0)));
-    views.extend(lost.into_iter().take(MOST_OVERLAPS).map(|pair| overlap(found, &shapes, pair)));
+    views.extend(lost.into_iter().take(MOST_OVERLAPS).map(|pair| overlap(found, args, &shapes, pair)));
     for (number, kept) in cases.iter().enumerate() {
         let predicate = kept.finding.predicate().map_or(String::new(), |predicate| predicate.to_string());
         let (engine, file) = (kept.finding.scope.to_string(), dir.join(&kept.file));
@@ -102,7 +103,7 @@ pub(crate) fn views(
     views
 }
 
-fn whole(found: &Examination, shapes: &[&Block], standings: &[(Standing, String)]) -> FindingView {
+fn whole(found: &Examination, args: &ModelArgs, shapes: &[&Block], standings: &[(Standing, String)]) -> FindingView {
     let is_drawn = |standing: Standing| shapes.len() <= MOST_DRAWN || standing != Standing::Sound;
     let groups: Vec<BlockGroup> = Standing::ALL
         .into_iter()
@@ -128,12 +129,12 @@ fn whole(found: &Examination, shapes: &[&Block], standings: &[(Standing, String)
         cause: "model",
         facts,
         contacts: Vec::new(),
-        replay: format!("rockproof check {}", found.model.file.display()),
+        replay: args.show_all(),
         traces,
     }
 }
 
-fn overlap(found: &Examination, shapes: &[&Block], pair: &PairFacts<'_>) -> FindingView {
+fn overlap(found: &Examination, args: &ModelArgs, shapes: &[&Block], pair: &PairFacts<'_>) -> FindingView {
     let [a, b] = pair.blocks;
     let name = |block: usize| format!("block {block} {}", found.model.scene.blocks[block].name);
     let group = |number: usize, block: usize, color: &'static str| BlockGroup {
@@ -154,7 +155,7 @@ fn overlap(found: &Examination, shapes: &[&Block], pair: &PairFacts<'_>) -> Find
         cause: "overlap",
         facts,
         contacts: Vec::new(),
-        replay: format!("rockproof classify {} --pair {a},{b}", found.model.file.display()),
+        replay: args.show(pair.blocks),
         traces,
     }
 }

@@ -180,6 +180,10 @@ fn units_in_doubt_are_settled_by_scale() {
     let (code, out, err) = examine(&["--scale", "1/1000", "--overwrite"]);
     assert_eq!(code, 0, "{out}{err}");
     assert!(out.contains("2 blocks in 1 × 1 × 2 m") && out.contains("its lowest block held"), "{out}");
+    let next = out.lines().last().and_then(|line| line.strip_prefix("next: rockproof ")).expect("a command");
+    assert_eq!(next, "convert stack.obj stack_m.toml --scale 1/1000");
+    assert_eq!(place.run(&next.split(' ').collect::<Vec<_>>()).0, 0);
+    assert!(place.read("found/index.html").contains("rockproof check stack.obj --scale 1"));
     let (_, out, err) = examine(&["--scale", "1", "--overwrite"]);
     assert!(out.contains("2 blocks in 1000 × 1000 × 2000 m") && !out.contains("doubt"), "{out}{err}");
 }
