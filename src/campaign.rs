@@ -2,7 +2,7 @@
 
 use crate::campaign_end::print_end;
 use crate::exit::{Outcome, Verdict, print_note};
-use crate::input::{EngineArgs, ReadArgs, threads};
+use crate::input::{EngineArgs, FormatArgs, ReadArgs, threads};
 use crate::progress::shown_while;
 use crate::stop::on_ctrl_c;
 use crate::stress;
@@ -98,6 +98,8 @@ pub(crate) struct Campaign {
     /// Worker threads [default: one a core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
+    #[command(flatten)]
+    format: FormatArgs,
 }
 
 impl Campaign {
@@ -125,7 +127,7 @@ impl Campaign {
         if config.stress && self.part.is_none() && ending == Ending::Finished {
             stress::finish(&mut journal, &engines)?;
         }
-        print_end(&journal, &config.external, ending)?;
+        print_end(&journal, &config.external, ending, &self.format)?;
         if ending == Ending::Stopped {
             return Ok(Verdict::Interrupted);
         }

@@ -1,47 +1,101 @@
 //! The end of a campaign, of a part of one, or of a merge: what it means in three lines, what differs by cause, and what to do next.
 
-use crate::exit::print;
+use crate::input::FormatArgs;
 use crate::table::{grouped, table};
 use rockproof_campaign::journal::{CampaignProgress, Journal};
 use rockproof_campaign::merge::Parts;
 use rockproof_campaign::part::Part;
 use rockproof_campaign::run::Ending;
 use rockproof_campaign::steps::StepSummary;
+use rockproof_campaign::steps::summary::StepCounts;
 use rockproof_differential::external::EngineSpec;
 use rockproof_differential::external::spec::NumberFormat;
 use rockproof_differential::finding::Cause;
 use rockproof_report::load::Results;
 use rockproof_report::tally::{FindingTally, WorstFinding};
 use rockproof_report::verdict::verdict;
-use serde_json::Value;
+use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Prints the end of a campaign, from what it left on disk.
-pub(crate) fn print_end(journal: &Journal, external: &[EngineSpec], ending: Ending) -> anyhow::Result<()> {
+pub(crate) fn print_end(
+    journal: &Journal,
+    external: &[EngineSpec],
+    ending: Ending,
+    format: &FormatArgs,
+) -> anyhow::Result<()> {
     let dir = journal.dir().to_owned();
     let results = Results::read(std::slice::from_ref(&dir))?;
-    let mut out = String::new();
-    for line in verdict(&results) {
-        out += &format!("{}\n", line.text);
-    }
-    for campaign in &results.campaigns {
-        out += &by_cause(&campaign.tally);
-    }
     let progress = journal.progress();
-    if !progress.steps.is_empty() {
-        out += &format!("\n{}\n", steps_table(&progress.steps));
-    }
-    out += &format!("\n{}", what_is_there(progress, &dir, ending));
-    let worst = results.campaigns.first().and_then(|campaign| campaign.tally.worst_of_all());
-    let next = match setting(progress, Part::KEY) {
-        _ if ending == Ending::Stopped => String::new(),
-        Some(part) => {
-            format!("next: when all parts are done (this is {part}): rockproof merge DIR… --out DIR\n")
+    let text = || {
+        let mut out = String::new();
+        for line in verdict(&results) {
+            out += &format!("{}\n", line.text);
         }
-        None => next(&dir, worst, external),
+        for campaign in &results.campaigns {
+            out += &by_cause(&campaign.tally);
+        }
+        if !progress.steps.is_empty() {
+            out += &format!("\n{}\n", steps_table(&progress.steps));
+        }
+        out += &format!("\n{}", what_is_there(progress, &dir, ending));
+        let worst = results.campaigns.first().and_then(|campaign| campaign.tally.worst_of_all());
+        out + &match setting(progress, Part::KEY) {
+            _ if ending == Ending::Stopped => String::new(),
+            Some(part) => {
+                format!("next: when all parts are done (this is {part}): rockproof merge DIR… --out DIR\n")
+            }
+            None => next(&dir, worst, external),
+        }
     };
-    print(&(out + &next))
+    format.print(text, || document(&results, progress, &dir, ending))
+}
+
+/// The end for programs.
+fn document(results: &Results, progress: &CampaignProgress, dir: &Path, ending: Ending) -> Value {
+    let causes: Vec<Value> = results
+        .campaigns
+        .iter()
+        .flat_map(|campaign| groups(&campaign.tally))
+        .map(|group| {
+            json!({
+                "cause": group.cause.name(), "engine": group.engine, "findings": group.findings,
+                "most_frequent_change": group.most.map(|(change, _)| change), "of_that_change": group.most.map(|(_, count)| count),
+                "furthest_roundoffs": group.furthest,
+            })
+        })
+        .collect();
+    let steps: Vec<Value> = progress
+        .steps
+        .by_engine()
+        .into_iter()
+        .map(|(engine, counts)| {
+            let mut row: Map<String, Value> = STEP_COLUMNS
+                .into_iter()
+                .zip(step_counts(&counts))
+                .map(|(name, n)| (name.replace(' ', "_"), n.into()))
+                .collect();
+            row.insert("engine".to_owned(), engine.into());
+            row.into()
+        })
+        .collect();
+    let cases = |cases: &BTreeMap<String, u64>| cases.values().sum::<u64>();
+    json!({
+        "finished": ending == Ending::Finished,
+        "part": setting(progress, Part::KEY),
+        "merged_parts": setting(progress, Parts::KEY),
+        "verdict": verdict(results),
+        "pairs": progress.pairs_done,
+        "seconds": progress.seconds,
+        "findings": progress.summary.total(),
+        "causes": causes,
+        "steps": steps,
+        "external_engines": progress.engines,
+        "case_files": cases(&progress.cases),
+        "step_case_files": cases(&progress.step_cases),
+        "directory": dir.display().to_string(),
+    })
 }
 
 /// A text of the configuration.
@@ -49,23 +103,47 @@ fn setting<'p>(progress: &'p CampaignProgress, key: &str) -> Option<&'p str> {
     progress.configuration.get(key).and_then(Value::as_str)
 }
 
-/// A row for each cause and whom it concerns: how many findings, the change that most of them are, and how far from a tie the clearest is.
-fn by_cause(tally: &FindingTally) -> String {
+/// The findings of one cause that concern one engine, or all of a precision.
+struct FindingGroup<'t> {
+    cause: Cause,
+    engine: &'t str,
+    findings: u64,
+    /// The change that most of them are, and how many.
+    most: Option<(&'t str, u64)>,
+    /// How far from a tie the clearest is, in roundoffs.
+    furthest: Option<f64>,
+}
+
+fn groups(tally: &FindingTally) -> Vec<FindingGroup<'_>> {
     let mut groups: BTreeMap<(Cause, &str), BTreeMap<&str, u64>> = BTreeMap::new();
     for (sort, count) in &tally.sorts {
         let changes = groups.entry((sort.cause, &sort.engine)).or_default();
         *changes.entry(sort.change.name()).or_default() += count;
     }
+    groups
+        .into_iter()
+        .map(|((cause, engine), changes)| FindingGroup {
+            cause,
+            engine,
+            findings: changes.values().sum(),
+            // Of equally frequent ones the first by name.
+            most: changes.into_iter().max_by(|a, b| a.1.cmp(&b.1).then(b.0.cmp(a.0))),
+            furthest: tally.furthest.get(&(engine.to_owned(), cause)).copied(),
+        })
+        .collect()
+}
+
+/// A row for each cause and whom it concerns: how many findings, the change that most of them are, and how far from a tie the clearest is.
+fn by_cause(tally: &FindingTally) -> String {
+    let groups = groups(tally);
     if groups.is_empty() {
         return String::new();
     }
-    let rows = groups.into_iter().map(|((cause, engine), changes)| {
-        let all: u64 = changes.values().sum();
-        // Of equally frequent ones the first by name.
-        let most = changes.iter().max_by(|a, b| a.1.cmp(b.1).then(b.0.cmp(a.0)));
-        let most = most.map_or(String::new(), |(change, n)| format!("{change} ({} %)", 100 * n / all));
-        let far = tally.furthest.get(&(engine.to_owned(), cause)).map_or(String::new(), |ulps| format!("{ulps:.1e}"));
-        vec![cause.to_string(), concerned(engine), grouped(all), most, far]
+    let rows = groups.into_iter().map(|group| {
+        let all = group.findings;
+        let most = group.most.map_or(String::new(), |(change, n)| format!("{change} ({} %)", 100 * n / all));
+        let far = group.furthest.map_or(String::new(), |ulps| format!("{ulps:.1e}"));
+        vec![group.cause.to_string(), concerned(group.engine), grouped(all), most, far]
     });
     format!(
         "\n{}\n",
@@ -131,39 +209,46 @@ fn argument(spec: &EngineSpec) -> String {
 }
 
 /// For a shell.
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     shlex::try_quote(text).map_or_else(|_| text.to_owned(), std::borrow::Cow::into_owned)
+}
+
+/// The counts of steps in tables.
+const STEP_COLUMNS: [&str; 10] = [
+    "steps",
+    "other contacts",
+    "modes",
+    "iterations",
+    "retries",
+    "deeper",
+    "shallower",
+    "passages",
+    "unseen",
+    "defects",
+];
+
+/// The counts in the order of [`STEP_COLUMNS`].
+fn step_counts(counts: &StepCounts) -> [u64; 10] {
+    [
+        counts.compared,
+        counts.contacts_differ,
+        counts.modes_differ,
+        counts.iterations_differ,
+        counts.retries_differ,
+        counts.deeper,
+        counts.shallower,
+        counts.passages_stepper,
+        counts.unseen_stepper,
+        counts.defect,
+    ]
 }
 
 /// One row for each engine: its steps, and how many of them differ from the exact ones.
 fn steps_table(steps: &StepSummary) -> String {
-    let rows = steps.by_engine().into_iter().map(|(engine, counts)| {
-        let numbers = [
-            counts.compared,
-            counts.contacts_differ,
-            counts.modes_differ,
-            counts.iterations_differ,
-            counts.retries_differ,
-            counts.deeper,
-            counts.shallower,
-            counts.passages_stepper,
-            counts.unseen_stepper,
-            counts.defect,
-        ];
-        std::iter::once(engine.to_owned()).chain(numbers.map(grouped)).collect()
-    });
-    let header = [
-        "engine",
-        "steps",
-        "other contacts",
-        "modes",
-        "iterations",
-        "retries",
-        "deeper",
-        "shallower",
-        "passages",
-        "unseen",
-        "defects",
-    ];
+    let rows = steps
+        .by_engine()
+        .into_iter()
+        .map(|(engine, counts)| std::iter::once(engine.to_owned()).chain(step_counts(&counts).map(grouped)).collect());
+    let header: Vec<&str> = std::iter::once("engine").chain(STEP_COLUMNS).collect();
     table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10], rows).to_string()
 }

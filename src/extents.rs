@@ -64,22 +64,42 @@ impl Extents {
         )
     }
 
+    /// The sides of the box (m).
+    pub(crate) fn sides(&self) -> [f64; 3] {
+        self.sides
+    }
+
+    /// The lowest corner of the box (m).
+    pub(crate) fn from(&self) -> [f64; 3] {
+        self.from
+    }
+
+    /// The shortest edge (m), and the block that has it.
+    pub(crate) fn shortest(&self) -> (f64, usize) {
+        (self.shortest, self.block)
+    }
+
     /// Why the units may be others than metres, if they look so.
     pub(crate) fn doubt(&self) -> Option<String> {
-        let (what, factor) = match self.size {
-            size if size > SIZES[1] => ("millimetres", "1/1000"),
-            size if size < SIZES[0] => ("kilometres", "1000"),
-            _ => return None,
-        };
+        let (what, factor) = (if self.size > SIZES[1] { "millimetres" } else { "kilometres" }, self.factor()?);
         Some(format!(
             "a mean block of {} m: lengths are metres here; if the file has {what}, `--scale {factor}` checks what it means, and `convert` writes it so",
             short(self.size)
         ))
     }
+
+    /// What lengths should be multiplied by, if the units look as if they were others than metres.
+    pub(crate) fn factor(&self) -> Option<&'static str> {
+        match self.size {
+            size if size > SIZES[1] => Some("1/1000"),
+            size if size < SIZES[0] => Some("1000"),
+            _ => None,
+        }
+    }
 }
 
 /// Four digits, as short as can be.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
         size if (1e-3..1e6).contains(&size) => {
@@ -91,8 +111,11 @@ fn short(value: f64) -> String {
     }
 }
 
-/// A scene with every length multiplied, exactly. Scenes in TOML say more in metres than coordinates, and are refused.
+/// A scene with every length multiplied, exactly; by 1 it is left as it is. Scenes in TOML say more in metres than coordinates, and are refused.
 pub(crate) fn scale(scene: &mut Scene, file: &Path, factor: &Number) -> anyhow::Result<()> {
+    if *factor == Number::from_integer(1) {
+        return Ok(());
+    }
     anyhow::ensure!(
         SceneFormat::of_path(file) != Some(SceneFormat::Toml),
         "{}: --scale is for files of coordinates; a scene in TOML has other lengths in metres as well: scale what it was made from",

@@ -1,7 +1,7 @@
 //! `gate`: does this change let contact classification get worse?
 
-use crate::exit::{Outcome, Verdict, print, print_as_it_is, print_note};
-use crate::input::threads;
+use crate::exit::{Outcome, Verdict, print_as_it_is, print_note};
+use crate::input::{FormatArgs, threads};
 use crate::stop::end_on_ctrl_c;
 use crate::table::table;
 use anyhow::Context;
@@ -22,6 +22,7 @@ use rockproof_gate::tally::{CampaignTally, TallyRow};
 use rockproof_gate::{self, Check, corpus, junit};
 use rockproof_model::files::read_text;
 use rockproof_results::{Owner, Start, write_atomically};
+use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -58,6 +59,8 @@ pub(crate) struct Gate {
     /// Worker threads [default: one a core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
+    #[command(flatten)]
+    format: FormatArgs,
 }
 
 /// What all campaigns of a gate share.
@@ -131,16 +134,24 @@ impl Gate {
     }
 
     fn report_checks(&self, checks: &[Check]) -> Outcome {
-        let rows = checks.iter().filter(|c| c.group != "corpus" || c.verdict != rockproof_gate::Verdict::Pass);
-        let rows = rows.map(|c| vec![c.verdict.name().to_owned(), c.name.clone(), c.message.clone()]);
         let failed = checks.iter().filter(|c| c.verdict == rockproof_gate::Verdict::Fail).count();
-        let verdict = if failed == 0 { "passed" } else { "failed" };
-        let head = table(&["verdict", "check", "found"], &[], rows);
-        print(&format!("{head}\n\ngate {verdict}: {failed} of {} checks failed\n", checks.len()))?;
+        let text = || {
+            let rows = checks.iter().filter(|c| c.group != "corpus" || c.verdict != rockproof_gate::Verdict::Pass);
+            let rows = rows.map(|c| vec![c.verdict.name().to_owned(), c.name.clone(), c.message.clone()]);
+            let verdict = if failed == 0 { "passed" } else { "failed" };
+            let head = table(&["verdict", "check", "found"], &[], rows);
+            format!("{head}\n\ngate {verdict}: {failed} of {} checks failed\n", checks.len())
+        };
+        self.format.print(text, || {
+            let check = |c: &Check| json!({ "verdict": c.verdict.name(), "group": c.group, "check": c.name, "found": c.message });
+            let all: Vec<Value> = checks.iter().map(check).collect();
+            json!({ "passed": failed == 0, "failed": failed, "checks": all })
+        })?;
         if let Some(path) = &self.junit {
             write_atomically(path, junit::junit(checks)?).with_context(|| path.display().to_string())?;
         }
-        if std::env::var_os("GITHUB_ACTIONS").is_some_and(|on| on == "true") {
+        // The runner reads annotations on stdout, where a document stands alone.
+        if !self.format.is_json() && std::env::var_os("GITHUB_ACTIONS").is_some_and(|on| on == "true") {
             print_as_it_is(&junit::annotations(checks))?;
         }
         if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()) {

@@ -1,5 +1,6 @@
 //! Arguments that several commands share.
 
+use crate::exit::print;
 use crate::stop::end_on_ctrl_c;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
@@ -8,6 +9,7 @@ use rockproof_differential::builtin::{ENGINES, full_name};
 use rockproof_differential::case_file::Case;
 use rockproof_differential::external::EngineSpec;
 use rockproof_model::{LoadOptions, Number, Precision, Preset, ToleranceSpec};
+use serde_json::Value;
 use std::path::Path;
 
 /// How blocks are read.
@@ -21,6 +23,42 @@ pub(crate) struct ReadArgs {
 impl ReadArgs {
     pub(crate) fn options(&self) -> LoadOptions {
         LoadOptions { planarity: self.planarity.clone() }
+    }
+
+    /// The options as they stand on a command line, after a space; nothing where none is given.
+    pub(crate) fn shown(&self) -> String {
+        self.planarity.as_ref().map_or(String::new(), |share| format!(" --planarity {share}"))
+    }
+}
+
+/// How a command says what it found.
+#[derive(clap::Args)]
+pub(crate) struct FormatArgs {
+    /// What to print on stdout; json is one document (docs/formats.md), and messages go to stderr
+    #[arg(long, value_enum, default_value = "text")]
+    format: OutputFormat,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum OutputFormat {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+impl FormatArgs {
+    /// Whether a document is asked for.
+    pub(crate) fn is_json(&self) -> bool {
+        self.format == OutputFormat::Json
+    }
+
+    /// Prints one of both; neither is made that is not asked for.
+    pub(crate) fn print(&self, text: impl FnOnce() -> String, document: impl FnOnce() -> Value) -> anyhow::Result<()> {
+        match self.format {
+            OutputFormat::Text => print(&text()),
+            OutputFormat::Json => print(&(serde_json::to_string_pretty(&document())? + "\n")),
+        }
     }
 }
 
@@ -115,6 +153,13 @@ impl ToleranceArgs {
             Some(text) if Preset::from_name(text).is_none() => format!("{}: --tolerances {text}", scene.display()),
             _ => scene.display().to_string(),
         }
+    }
+
+    /// The options as they stand on a command line, each after a space; nothing where none is given.
+    pub(crate) fn shown(&self) -> String {
+        let quoted = |text: &String| shlex::try_quote(text).map_or_else(|_| text.clone(), std::borrow::Cow::into_owned);
+        let named = self.tolerances.iter().map(|name| format!(" --tolerances {}", quoted(name)));
+        named.chain(self.set.iter().map(|changed| format!(" --set {}", quoted(changed)))).collect()
     }
 
     /// The tolerances asked for, over those of a scene.

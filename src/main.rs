@@ -6,6 +6,7 @@ mod campaign_end;
 mod check;
 mod classify;
 mod convert;
+mod examine;
 mod exit;
 mod extents;
 mod gate;
@@ -41,6 +42,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Examine(examine::Examine),
     Classify(classify::Classify),
     Simulate(simulate::Simulate),
     Check(check::Check),
@@ -58,6 +60,7 @@ enum Command {
 impl Command {
     fn run(&self) -> Outcome {
         match self {
+            Command::Examine(command) => command.run(),
             Command::Classify(command) => command.run(),
             Command::Simulate(command) => command.run(),
             Command::Check(command) => command.run(),

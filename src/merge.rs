@@ -3,7 +3,7 @@
 use crate::campaign::{check_deny, denied, pair_source, probed};
 use crate::campaign_end::print_end;
 use crate::exit::{Outcome, Verdict, print_note};
-use crate::input::threads;
+use crate::input::{FormatArgs, threads};
 use crate::progress::shown_while;
 use crate::stop::on_ctrl_c;
 use crate::stress;
@@ -52,6 +52,8 @@ pub(crate) struct Merge {
     /// Worker threads [default: one a core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
+    #[command(flatten)]
+    format: FormatArgs,
 }
 
 impl Merge {
@@ -102,7 +104,7 @@ impl Merge {
         if config.stress {
             stress::finish(&mut journal, &engines)?;
         }
-        print_end(&journal, &config.external, merged.ending)?;
+        print_end(&journal, &config.external, merged.ending, &self.format)?;
         Ok(denied(&self.deny, journal.progress()))
     }
 }

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use rockproof_model::{Block, Number, Precision, ToleranceSet};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Meaning, Overlap, rounding_depth};
+use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// Overlaps named one by one.
@@ -18,7 +19,7 @@ pub(crate) fn overlaps(blocks: &[&Block], tolerances: &ToleranceSet, only: Optio
         Some(pairs) => pairs.iter().map(|&(i, j)| [i.min(j), i.max(j)]).collect(),
     };
     let audited: Vec<_> = pairs.par_iter().map(|&pair| auditor.pair(pair)).collect();
-    Overlaps { audit: Audit::of(audited), rounding: rounding_depth(blocks, Precision::F64) }
+    Overlaps { audit: Audit::of(audited), rounding: rounding_depth(blocks, Precision::F64), neighbours: pairs }
 }
 
 /// The overlaps of a model, and what rounded coordinates alone make blocks overlap by.
@@ -27,6 +28,8 @@ pub(crate) struct Overlaps {
     audit: Audit,
     /// The depth (m) below which rounding decides in f64.
     rounding: Number,
+    /// The pairs that were looked at.
+    neighbours: Vec<[usize; 2]>,
 }
 
 impl Overlaps {
@@ -35,7 +38,23 @@ impl Overlaps {
         self.count(Meaning::Lost)
     }
 
-    fn count(&self, meaning: Meaning) -> usize {
+    /// The pairs that were looked at, whether they overlap or not, in ascending order.
+    pub(crate) fn neighbours(&self) -> &[[usize; 2]] {
+        &self.neighbours
+    }
+
+    /// The pairs that overlap, in ascending order, each with what that means.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (&Overlap, Meaning)> {
+        self.audit.overlaps.iter().map(|overlap| (overlap, self.meaning(overlap)))
+    }
+
+    /// The deepest pair that makes a run untrustworthy, of equal ones the first.
+    pub(crate) fn worst_lost(&self) -> Option<&Overlap> {
+        self.audit.deepest_of(|overlap| self.meaning(overlap) == Meaning::Lost)
+    }
+
+    /// How many overlaps mean this.
+    pub(crate) fn count(&self, meaning: Meaning) -> usize {
         self.audit.overlaps.iter().filter(|overlap| self.meaning(overlap) == meaning).count()
     }
 
@@ -71,6 +90,28 @@ impl Overlaps {
         }
     }
 
+    /// The overlaps for programs: how many of each meaning, and every pair that overlaps by more than rounding.
+    pub(crate) fn json(&self) -> Value {
+        let told = |(_, meaning): &(&Overlap, Meaning)| *meaning != Meaning::Rounding;
+        let pair = |(overlap, meaning): (&Overlap, Meaning)| {
+            json!({
+                "blocks": overlap.blocks,
+                "depth_m": overlap.penetration.depth_m(),
+                "lost": meaning == Meaning::Lost,
+                "contacts_see_it": overlap.sight.name(),
+                "deeper_than_penetration": overlap.is_deeper_than_g,
+            })
+        };
+        let [lost, held, rounding] = Meaning::ALL.map(|meaning| self.count(meaning));
+        json!({
+            "neighbours": self.audit.counts.neighbours(),
+            "lost": lost,
+            "held": held,
+            "rounding": rounding,
+            "pairs": self.all().filter(told).map(pair).collect::<Vec<_>>(),
+        })
+    }
+
     /// What `check` says: the line and the deepest pairs.
     pub(crate) fn report(&self) -> String {
         let mut out = format!("\n{}\n", self.line());
@@ -93,7 +134,7 @@ impl Overlaps {
 }
 
 /// The penetration in metres, in four digits.
-fn depth(overlap: &Overlap) -> String {
+pub(crate) fn depth(overlap: &Overlap) -> String {
     match overlap.penetration.depth_m() {
         Some(depth) if depth == 0.0 || (1e-3..1e4).contains(&depth) => format!("{depth:.4}"),
         Some(depth) => format!("{depth:.3e}"),

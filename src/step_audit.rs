@@ -62,7 +62,8 @@ impl<R: Real> AuditedRun<R> {
         let rounding = rounding_depth(&after.iter().collect::<Vec<_>>(), self.precision);
         let is_unseen = |overlap: &Overlap| overlap.is_unseen(&rounding);
         let worst = |overlap: &Overlap| pair_depth(overlap.blocks, &overlap.penetration);
-        found.unseen = audit.overlaps.iter().filter(|overlap| is_unseen(overlap)).count() as u64;
+        found.unseen_pairs = audit.overlaps.iter().filter(|overlap| is_unseen(overlap)).map(worst).collect();
+        found.unseen = found.unseen_pairs.len() as u64;
         found.worst_unseen = audit.deepest_of(is_unseen).map(worst);
         found.deepest = audit.deepest().map(worst);
     }
@@ -81,6 +82,7 @@ impl<R: Real> AuditedRun<R> {
                 PassageAnswer::Passage { depth, .. } => {
                     let passage = pair_depth(pair, &depth);
                     found.passages += 1;
+                    found.passage_pairs.push(passage);
                     if found.worst_passage.is_none_or(|worst| passage.depth_m > worst.depth_m) {
                         found.worst_passage = Some(passage);
                     }

@@ -1,7 +1,8 @@
 //! `tune`: which tolerances should this model use?
 
-use crate::exit::{Outcome, Verdict, print, print_note};
-use crate::input::{ReadArgs, ToleranceArgs, stepper, threads};
+use crate::check::tolerances_json;
+use crate::exit::{Outcome, Verdict, print_note};
+use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, stepper, threads};
 use crate::stop::on_ctrl_c;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -9,8 +10,8 @@ use rockproof_model::scene::write_toml;
 use rockproof_model::{Precision, Scene};
 use rockproof_results::{Start, bounded, digest};
 use rockproof_tune::report::{as_toml, markdown};
-use rockproof_tune::{Evaluator, Search, SearchRecord};
-use serde_json::{Map, Value};
+use rockproof_tune::{EvaluatedCandidate, Evaluator, Search, SearchRecord};
+use serde_json::{Map, Value, json};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -67,6 +68,8 @@ pub(crate) struct Tune {
     /// Worker threads [default: one a core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
+    #[command(flatten)]
+    format: FormatArgs,
 }
 
 impl Tune {
@@ -99,12 +102,18 @@ impl Tune {
         };
         record.write("tune.md", text.as_bytes())?;
         record.write("tolerances.toml", as_toml(&best.set).as_bytes())?;
-        print(&text)?;
-        print(&format!(
-            "\n{} candidates tried; written to {}: tolerances.toml, tune.md, candidates.csv, tune.json\n",
-            search.tried().len(),
-            dir.display()
-        ))?;
+        let count = search.tried().len();
+        let files = "tolerances.toml, tune.md, candidates.csv, tune.json";
+        let told = || format!("{text}\n{count} candidates tried; written to {}: {files}\n", dir.display());
+        self.format.print(told, || {
+            json!({
+                "clean": best.measurement.is_clean(),
+                "candidates": count,
+                "author": candidate_json(&search.tried()[0]),
+                "recommended": candidate_json(best),
+                "directory": dir.display().to_string(),
+            })
+        })?;
         Ok(match (interrupted, best.measurement.is_clean()) {
             (true, _) => Verdict::Interrupted,
             (_, true) => Verdict::Passed,
@@ -158,4 +167,35 @@ impl Tune {
         }
         Ok(stop.load(Ordering::Relaxed))
     }
+}
+
+/// A candidate for programs.
+fn candidate_json(candidate: &EvaluatedCandidate) -> Value {
+    let m = &candidate.measurement;
+    let pairs = |[examined, differ]: [u64; 2]| json!({ "examined": examined, "differ": differ });
+    let lockstep = m.lockstep.as_ref().map(|l| {
+        json!({
+            "steps": l.steps, "steps_differing": l.differ, "contacts": l.found, "contacts_differing": l.contacts,
+            "modes_differing": l.modes, "steps_of_one_side": l.failed, "deepest_overlap_m": l.deepest,
+        })
+    });
+    json!({
+        "origin": candidate.origin.name(),
+        "tolerances": tolerances_json(&candidate.set),
+        "rules_violated": m.violated.iter().map(|rule| rule.formula()).collect::<Vec<_>>(),
+        "nearest_rule": m.tightest.rule.formula(),
+        "nearest_rule_met": m.tightest.factor,
+        "lost_pairs": m.lost_pairs,
+        "pairs_standing": pairs(m.differences.standing),
+        "pairs_moved": pairs(m.differences.moved),
+        "pairs_near_boundary": pairs(m.differences.near),
+        "pairs_on_boundary": pairs(m.differences.boundary),
+        "contacts_changed_by_tolerances": m.differences.changed,
+        "steps": m.steps_measured.steps,
+        "unconverged": m.steps_measured.unconverged,
+        "stopped": m.steps_measured.stopped,
+        "sunk_m": m.steps_measured.overlaps.sunk,
+        "deepest_overlap_m": m.steps_measured.overlaps.deepest,
+        "lockstep": lockstep,
+    })
 }

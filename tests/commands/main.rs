@@ -16,11 +16,13 @@ mod campaign_default;
 mod campaign_end;
 mod check_command;
 mod engine_processes;
+mod examine_command;
 mod external_engines;
 mod gate_command;
 mod gate_formats;
 #[cfg(unix)]
 mod gate_regressions;
+mod json_output;
 mod kept_results;
 mod lockstep_cli;
 mod merge_command;

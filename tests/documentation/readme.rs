@@ -265,7 +265,7 @@ fn directory(command: &str) -> Option<String> {
     let stem = |file: &str| Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let default = match *words.first()? {
         "campaign" => format!("reports/campaign-{}", after("--seed").unwrap_or("1")),
-        what @ ("simulate" | "tune") => format!("reports/{what}-{}", stem(words.get(1)?)?),
+        what @ ("simulate" | "tune" | "examine") => format!("reports/{what}-{}", stem(words.get(1)?)?),
         "report" => format!("{}/report", words.get(1)?),
         _ => return None,
     };

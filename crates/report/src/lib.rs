@@ -10,6 +10,7 @@ pub mod glossary;
 pub mod load;
 pub mod lockstep;
 pub mod markdown;
+pub mod model_view;
 pub mod motion;
 pub mod own;
 pub mod page;

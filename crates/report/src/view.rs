@@ -13,7 +13,7 @@ use rockproof_oracle::rational::Rational;
 use rockproof_oracle::{Pair, PreparedBlock};
 use serde_json::{Value, json};
 
-type ViewPoint = [f64; 3];
+pub(crate) type ViewPoint = [f64; 3];
 
 /// A contact of a finding, and who has it.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,20 +97,8 @@ struct BlockView<'c> {
 
 impl<'c> BlockView<'c> {
     fn new(case: &'c Case) -> BlockView<'c> {
-        let middle = |axis: usize| {
-            let along = || {
-                [&case.a, &case.b].into_iter().flat_map(|b| b.vertices()).map(|v| v.components()[axis].approximate())
-            };
-            let (low, high) = (along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max));
-            Number::from_f64(low / 2.0 + high / 2.0).unwrap_or(Number::ZERO)
-        };
-        let centre = Point::new(middle(0), middle(1), middle(2));
-        let near = |block: &Block| {
-            let offset =
-                |v: &Point, axis: usize| v.components()[axis].plus(&centre.components()[axis].negated()).approximate();
-            block.vertices().iter().map(|v| [offset(v, 0), offset(v, 1), offset(v, 2)]).collect()
-        };
-        let places = [near(&case.a), near(&case.b)];
+        let centre = centre(&[&case.a, &case.b]);
+        let places = [places(&case.a, &centre), places(&case.b, &centre)];
         BlockView { case, centre, places }
     }
 
@@ -120,22 +108,7 @@ impl<'c> BlockView<'c> {
 
     fn mesh(&self, side: Side, name: &str, color: &str) -> Value {
         let places = self.places(side);
-        let mut corners: [Vec<u32>; 3] = Default::default();
-        let mut cutter = Earcut::new();
-        for face in block(self.case, side).topology().faces() {
-            let around: Vec<ViewPoint> = face.iter().map(|&v| places[v as usize]).collect();
-            let mut flat = Vec::new();
-            let mut triangles: Vec<u32> = Vec::new();
-            if project3d_to_2d(&around, around.len(), &mut flat) {
-                cutter.earcut(flat.iter().copied(), &[], &mut triangles);
-            }
-            for triangle in triangles.chunks_exact(3) {
-                for (list, &corner) in corners.iter_mut().zip(triangle) {
-                    list.push(face[corner as usize]);
-                }
-            }
-        }
-        let [i, j, k] = corners;
+        let [i, j, k] = triangles(block(self.case, side), places);
         json!({
             "type": "mesh3d", "name": name, "legendgroup": name, "showlegend": true, "hoverinfo": "skip",
             "x": axis(places, 0), "y": axis(places, 1), "z": axis(places, 2), "i": i, "j": j, "k": k,
@@ -144,9 +117,7 @@ impl<'c> BlockView<'c> {
     }
 
     fn edges(&self, side: Side, name: &str, color: &str) -> Value {
-        let places = self.places(side);
-        let edges = block(self.case, side).topology().edges();
-        let ends: Vec<[ViewPoint; 2]> = edges.iter().map(|e| [places[e.p as usize], places[e.q as usize]]).collect();
+        let ends = edges(block(self.case, side), self.places(side));
         let mut trace = segments(&ends, color, 3.0);
         trace["name"] = name.into();
         trace["legendgroup"] = name.into();
@@ -210,12 +181,66 @@ impl<'c> BlockView<'c> {
     }
 }
 
-fn axis(places: &[ViewPoint], axis: usize) -> Vec<f64> {
+/// The middle of the box around some blocks.
+pub(crate) fn centre(blocks: &[&Block]) -> Point {
+    let middle = |axis: usize| {
+        let along = || blocks.iter().flat_map(|b| b.vertices()).map(|v| v.components()[axis].approximate());
+        let (low, high) = (along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max));
+        Number::from_f64(low / 2.0 + high / 2.0).unwrap_or(Number::ZERO)
+    };
+    Point::new(middle(0), middle(1), middle(2))
+}
+
+/// Where the vertices of a block are, from a centre.
+pub(crate) fn places(block: &Block, centre: &Point) -> Vec<ViewPoint> {
+    let offset = |v: &Point, axis: usize| v.components()[axis].plus(&centre.components()[axis].negated()).approximate();
+    block.vertices().iter().map(|v| [offset(v, 0), offset(v, 1), offset(v, 2)]).collect()
+}
+
+/// The faces of a block as triangles: the first, second and third corners.
+pub(crate) fn triangles(block: &Block, places: &[ViewPoint]) -> [Vec<u32>; 3] {
+    let mut corners: [Vec<u32>; 3] = Default::default();
+    let mut cutter = Earcut::new();
+    for face in block.topology().faces() {
+        let around: Vec<ViewPoint> = face.iter().map(|&v| places[v as usize]).collect();
+        let mut flat = Vec::new();
+        let mut triangles: Vec<u32> = Vec::new();
+        if project3d_to_2d(&around, around.len(), &mut flat) {
+            cutter.earcut(flat.iter().copied(), &[], &mut triangles);
+        }
+        for triangle in triangles.chunks_exact(3) {
+            for (list, &corner) in corners.iter_mut().zip(triangle) {
+                list.push(face[corner as usize]);
+            }
+        }
+    }
+    corners
+}
+
+/// The ends of a block's edges.
+pub(crate) fn edges(block: &Block, places: &[ViewPoint]) -> Vec<[ViewPoint; 2]> {
+    block.topology().edges().iter().map(|e| [places[e.p as usize], places[e.q as usize]]).collect()
+}
+
+/// Coordinates for the eye: seven digits are more than the f32 of a graphics card hold.
+pub(crate) fn round(traces: &mut [Value]) {
+    for trace in traces {
+        for axis in ["x", "y", "z"] {
+            for value in trace.get_mut(axis).and_then(Value::as_array_mut).into_iter().flatten() {
+                if let Some(number) = value.as_f64() {
+                    *value = json!(format!("{number:.7e}").parse::<f64>().unwrap_or(number));
+                }
+            }
+        }
+    }
+}
+
+pub(crate) fn axis(places: &[ViewPoint], axis: usize) -> Vec<f64> {
     places.iter().map(|place| place[axis]).collect()
 }
 
 /// Separate pieces of line in one trace.
-fn segments(ends: &[[ViewPoint; 2]], color: &str, width: f64) -> Value {
+pub(crate) fn segments(ends: &[[ViewPoint; 2]], color: &str, width: f64) -> Value {
     let along = |axis: usize| -> Vec<Value> {
         ends.iter().flat_map(|[p, q]| [json!(p[axis]), json!(q[axis]), Value::Null]).collect()
     };

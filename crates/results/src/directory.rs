@@ -37,7 +37,8 @@ impl Directory {
         if let Some(found) = held.as_ref().map(|held| held.owner).filter(|found| *found != owner) {
             return Err(ResultsError::OtherCommand { dir: dir.to_owned(), found, owner });
         }
-        if held.is_some() && start == Start::Fresh {
+        // Who was stopped before writing anything left no results.
+        if held.as_ref().is_some_and(|held| !held.files.is_empty()) && start == Start::Fresh {
             return Err(ResultsError::Occupied { dir: dir.to_owned(), owner });
         }
         let resumes = held.is_some() && start == Start::Resume;

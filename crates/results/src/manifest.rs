@@ -26,6 +26,8 @@ pub enum Owner {
     Gate,
     /// `rockproof bench`
     Bench,
+    /// `rockproof examine`
+    Examine,
     /// `rockproof report`
     Report,
 }
@@ -39,6 +41,7 @@ impl Owner {
             Owner::Tune => "tune",
             Owner::Gate => "gate",
             Owner::Bench => "bench",
+            Owner::Examine => "examine",
             Owner::Report => "report",
         }
     }
@@ -50,6 +53,7 @@ impl Owner {
             Owner::Simulate => "a run",
             Owner::Tune => "a search",
             Owner::Bench => "measurements",
+            Owner::Examine => "an examination",
             Owner::Report => "a report",
         }
     }

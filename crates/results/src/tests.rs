@@ -22,6 +22,16 @@ fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 #[test]
+fn whoever_wrote_nothing_leaves_the_directory_free() {
+    let dir = tempfile::tempdir().expect("a folder");
+    drop(claim(dir.path(), Start::Fresh).expect("free"));
+    let mut directory = claim(dir.path(), Start::Fresh).expect("still free");
+    directory.write("rows.csv", FileKind::Table, b"1").expect("ours");
+    drop(directory);
+    assert!(matches!(claim(dir.path(), Start::Fresh), Err(ResultsError::Occupied { .. })));
+}
+
+#[test]
 fn what_is_not_ours_is_named_and_nothing_changes() {
     let dir = tempfile::tempdir().expect("a folder");
     fs::write(dir.path().join("rows.csv"), "theirs").expect("write");

@@ -31,6 +31,10 @@ pub struct StepAudit {
     pub worst_passage: Option<PairDepth>,
     /// Pairs of which neither a passage nor its absence was shown.
     pub undecided: u64,
+    /// The pairs behind `unseen`, in ascending order.
+    pub unseen_pairs: Vec<PairDepth>,
+    /// The pairs behind `passages`, in ascending order, each with the depth that was shown.
+    pub passage_pairs: Vec<PairDepth>,
 }
 
 impl StepAudit {

@@ -97,6 +97,19 @@ pub fn blocks<R: Real>(scene: &Scene, begin: &State<R>, state: &State<R>) -> Uns
     grid
 }
 
+/// The blocks of a scene where it has them, with data of each block.
+pub fn model(scene: &Scene, cell_data: Vec<DataArray>) -> UnstructuredGrid {
+    let mut grid = UnstructuredGrid { cell_data, ..UnstructuredGrid::default() };
+    let mut polyhedra = Polyhedra::default();
+    for block in scene.shapes() {
+        let points = block.vertices().iter().map(|v| v.components().map(|c| c.approximate()));
+        polyhedra.push(grid.points.len(), block.vertices().len(), block.topology().faces());
+        grid.points.extend(points);
+    }
+    grid.cells = Cells::Polyhedra(polyhedra);
+    grid
+}
+
 /// The contacts of the last step as points, where they act on A. Data: blocks, kind (0 v-v, 1 v-e, 2 e-v, 3 v-f, 4 f-v,
 /// 5 e-e), mode (0 open, 1 sliding, 2 locked), gap (m, negative overlaps), normal (from B to A), force (N, of B on A).
 pub fn contacts<R: Real>(state: &State<R>) -> UnstructuredGrid {

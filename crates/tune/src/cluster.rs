@@ -25,6 +25,19 @@ pub enum ClusterSupport {
     Ring(usize),
 }
 
+impl ClusterSupport {
+    /// What is held, in words.
+    pub fn sentence(self) -> String {
+        match self {
+            ClusterSupport::Given => "what the scene fixes held".to_owned(),
+            ClusterSupport::Lowest(1) => "its lowest block held, as the file fixes none".to_owned(),
+            ClusterSupport::Lowest(count) => format!("its {count} lowest blocks held, as the file fixes none"),
+            ClusterSupport::Largest => "its largest block held, as the file fixes none".to_owned(),
+            ClusterSupport::Ring(count) => format!("the {count} further out held, as the file fixes none of them"),
+        }
+    }
+}
+
 /// A part of a scene.
 #[derive(Clone, Debug)]
 pub struct Cluster {
@@ -162,7 +175,7 @@ impl Cluster {
 
 /// Fixes the blocks that reach as far down along gravity as any, to a thousandth of the scene's height; where that is all of them, or gravity
 /// pulls nowhere, the largest.
-fn hold_lowest(scene: &mut Scene) -> ClusterSupport {
+pub fn hold_lowest(scene: &mut Scene) -> ClusterSupport {
     let gravity = scene.simulation.gravity.map(Number::approximate);
     let depths: Vec<[f64; 2]> = scene
         .blocks

@@ -16,7 +16,7 @@ mod search;
 mod steps;
 
 pub use candidate::{ModelLengths, SetParameters};
-pub use cluster::{Cluster, ClusterSupport};
+pub use cluster::{Cluster, ClusterSupport, hold_lowest};
 pub use evaluator::{Evaluator, Measurement};
 pub use probes::{Differences, Probes};
 pub use record::{COLUMNS, RecordError, SearchRecord};

@@ -1,6 +1,5 @@
 //! What a search says to the one who asked.
 
-use super::cluster::ClusterSupport;
 use super::evaluator::Measurement;
 use super::search::{EvaluatedCandidate, Search, formulas};
 use super::{Cluster, Evaluator};
@@ -96,13 +95,7 @@ fn part(cluster: &Cluster) -> String {
         true => "the whole scene".to_owned(),
         false => format!("{} blocks around block {}", cluster.members.len(), cluster.members[0]),
     };
-    let held = match cluster.held {
-        ClusterSupport::Given => "what the scene fixes held".to_owned(),
-        ClusterSupport::Lowest(1) => "its lowest block held, as the file fixes none".to_owned(),
-        ClusterSupport::Lowest(count) => format!("its {count} lowest blocks held, as the file fixes none"),
-        ClusterSupport::Largest => "its largest block held, as the file fixes none".to_owned(),
-        ClusterSupport::Ring(count) => format!("the {count} further out held, as the file fixes none of them"),
-    };
+    let held = cluster.held.sentence();
     format!("{blocks} ({} contacts, {} unknowns; {held})", cluster.contacts, cluster.unknowns())
 }
 

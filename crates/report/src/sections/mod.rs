@@ -14,7 +14,7 @@ mod timing;
 mod worst;
 
 pub use confusion::{Matrix, MatrixCell, MatrixRow};
-pub use worst::{FindingContact, FindingView};
+pub use worst::{CHOICES, FindingContact, FindingView, ShownCase};
 
 use super::chart::Chart;
 use super::error::ReportError;

@@ -10,7 +10,7 @@ use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::{Cause, FAR};
 use rockproof_model::decision::Predicate;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::path::Path;
 
 /// How many findings of each cause the page shows.
@@ -126,39 +126,80 @@ fn show(dir: &Path, finding: &WorstFinding, name: String, number: usize) -> Resu
         return Err(ReportError::Contradiction { file: path, found, other });
     }
     let case = Case::load(&path)?;
-    let contacts = view::contacts(&case);
-    let (mut traces, centre) = view::traces(&case, &contacts);
-    round(&mut traces);
-    let about = &case.about;
-    let kinds = if about.kind.is_empty() { "the pair".to_owned() } else { about.kind.clone() };
-    let mut facts = vec![("who", about.engine.clone())];
-    if !about.predicate.is_empty() {
-        let how = if finding.cause == Cause::Engine { "nearest tie" } else { "decided by" };
-        facts.push((how, format!("{} of {}", about.predicate, about.features)));
+    let about = ShownCase { cause: finding.cause, predicate: &finding.predicate, engine: &finding.engine, file: &path };
+    Ok(about.view(&case, &name, number))
+}
+
+/// What of a finding the case itself says only in words.
+#[derive(Clone, Copy, Debug)]
+pub struct ShownCase<'f> {
+    /// Its cause.
+    pub cause: Cause,
+    /// The deciding predicate by name, empty where there is none.
+    pub predicate: &'f str,
+    /// Whom it is about.
+    pub engine: &'f str,
+    /// The file of the case.
+    pub file: &'f Path,
+}
+
+impl ShownCase<'_> {
+    /// The case as the page shows it; `number` tells it from others on the page.
+    pub fn view(&self, case: &Case, name: &str, number: usize) -> FindingView {
+        let contacts = view::contacts(case);
+        let (mut traces, centre) = view::traces(case, &contacts);
+        view::round(&mut traces);
+        let about = &case.about;
+        let kinds = if about.kind.is_empty() { "the pair".to_owned() } else { about.kind.clone() };
+        let mut facts = vec![("who", about.engine.clone())];
+        if !about.predicate.is_empty() {
+            let how = if self.cause == Cause::Engine { "nearest tie" } else { "decided by" };
+            facts.push((how, format!("{} of {}", about.predicate, about.features)));
+        }
+        if let Some(margin) = about.margin {
+            let size = if margin == 0.0 { "0, a tie".to_owned() } else { short(margin) };
+            facts.push(("margin", size));
+        }
+        if let Some(ulps) = about.margin_ulps {
+            facts.push(("in roundoffs", short(ulps)));
+        }
+        facts.extend(self.remark(about.margin_ulps.map(f64::abs)).map(|text| ("what that means", text.to_owned())));
+        facts.push(("from", about.origin.clone()));
+        for (what, text) in [("lying", &about.states), ("the engine said", &about.note)] {
+            facts.extend(text.iter().map(|text| (what, text.clone())));
+        }
+        facts.push(("axes from", format!("({})", centre.map(|c| format!("{c:?}")).join(", "))));
+        let row = |c: &view::ViewedContact| FindingContact { who: c.who(), name: c.name(), gap: nine_digits(c.gap_m) };
+        FindingView {
+            id: format!("finding-{number}"),
+            title: format!("{name}: {kinds}, {}", self.engine),
+            cause: self.cause.name(),
+            facts,
+            contacts: contacts.iter().map(row).collect(),
+            replay: format!("rockproof replay {}", quoted(&self.file.display().to_string())),
+            traces,
+        }
     }
-    if let Some(margin) = about.margin {
-        let size = if margin == 0.0 { "0, a tie".to_owned() } else { short(margin) };
-        facts.push(("margin", size));
+
+    /// What a margin says about where to look.
+    fn remark(&self, ulps: Option<f64>) -> Option<&'static str> {
+        if ulps? <= FAR {
+            return None;
+        }
+        match self.cause {
+            Cause::Arithmetic if CHOICES.iter().any(|choice| choice.name() == self.predicate) => Some(
+                "No rounding turns what is so clear: it follows from a choice, nearly tied, that was made before it and is no decision of its own. \
+                 Replay lists all decisions that parted, in order.",
+            ),
+            Cause::Arithmetic => Some(
+                "The rounding of a sound formula is not so large: a formula here cancels, and can be written better.",
+            ),
+            Cause::Engine => Some(
+                "None of the oracle's decisions near the difference is so near to a tie that rounding could be the reason: almost surely a mistake.",
+            ),
+            _ => None,
+        }
     }
-    if let Some(ulps) = about.margin_ulps {
-        facts.push(("in roundoffs", short(ulps)));
-    }
-    facts.extend(remark(finding, about.margin_ulps.map(f64::abs)).map(|text| ("what that means", text.to_owned())));
-    facts.push(("from", about.origin.clone()));
-    for (what, text) in [("lying", &about.states), ("the engine said", &about.note)] {
-        facts.extend(text.iter().map(|text| (what, text.clone())));
-    }
-    facts.push(("axes from", format!("({})", centre.map(|c| format!("{c:?}")).join(", "))));
-    let row = |c: &view::ViewedContact| FindingContact { who: c.who(), name: c.name(), gap: nine_digits(c.gap_m) };
-    Ok(FindingView {
-        id: format!("finding-{number}"),
-        title: format!("{name}: {kinds}, {}", finding.engine),
-        cause: finding.cause.name(),
-        facts,
-        contacts: contacts.iter().map(row).collect(),
-        replay: format!("rockproof replay {}", quoted(&path.display().to_string())),
-        traces,
-    })
 }
 
 /// Whether a file lies in a directory, links followed. Of one that is not there the reader tells.
@@ -167,28 +208,8 @@ fn lies_in(dir: &Path, file: &Path) -> bool {
     real(dir).zip(real(file)).is_none_or(|(dir, file)| file.starts_with(dir))
 }
 
-/// Questions whose answer is a choice among several, made elsewhere.
-const CHOICES: [Predicate; 3] = [Predicate::EntranceChoice, Predicate::ShortestExit, Predicate::OneExit];
-
-/// What a margin says about where to look.
-fn remark(finding: &WorstFinding, ulps: Option<f64>) -> Option<&'static str> {
-    if ulps? <= FAR {
-        return None;
-    }
-    match finding.cause {
-        Cause::Arithmetic if CHOICES.iter().any(|choice| choice.name() == finding.predicate) => Some(
-            "No rounding turns what is so clear: it follows from a choice, nearly tied, that was made before it and is no decision of its own. \
-             Replay lists all decisions that parted, in order.",
-        ),
-        Cause::Arithmetic => {
-            Some("The rounding of a sound formula is not so large: a formula here cancels, and can be written better.")
-        }
-        Cause::Engine => Some(
-            "None of the oracle's decisions near the difference is so near to a tie that rounding could be the reason: almost surely a mistake.",
-        ),
-        _ => None,
-    }
-}
+/// Questions whose answer is a choice among several, made elsewhere: how far they are from a tie says nothing of how near that was.
+pub const CHOICES: [Predicate; 3] = [Predicate::EntranceChoice, Predicate::ShortestExit, Predicate::OneExit];
 
 /// A gap as a reader likes it; the command below gives it in full.
 fn nine_digits(gap_m: f64) -> String {
@@ -198,17 +219,4 @@ fn nine_digits(gap_m: f64) -> String {
 /// For a shell.
 fn quoted(path: &str) -> String {
     shlex::try_quote(path).map_or_else(|_| path.to_owned(), std::borrow::Cow::into_owned)
-}
-
-/// Coordinates for the eye: seven digits are more than the f32 of a graphics card hold.
-fn round(traces: &mut [Value]) {
-    for trace in traces {
-        for axis in ["x", "y", "z"] {
-            for value in trace.get_mut(axis).and_then(Value::as_array_mut).into_iter().flatten() {
-                if let Some(number) = value.as_f64() {
-                    *value = json!(format!("{number:.7e}").parse::<f64>().unwrap_or(number));
-                }
-            }
-        }
-    }
 }

@@ -1,0 +1,107 @@
+//! The examination as one JSON document (docs/formats.md).
+
+use super::pairs::{ExaminedPair, PRECISIONS};
+use super::results::{PairFacts, name_of};
+use super::steps::Steps;
+use super::verdict::Verdict;
+use super::{Assessment, Examination, Recommendation};
+use rockproof_model::Precision;
+use serde_json::{Value, json};
+
+/// The document.
+pub(crate) fn document(found: &Examination, verdict: &Verdict, pairs: &[PairFacts<'_>]) -> Value {
+    let lines: Vec<Value> = verdict
+        .lines
+        .iter()
+        .map(|line| json!({ "about": line.about, "severity": line.severity, "text": line.text }))
+        .collect();
+    let (recommended, why) = match &found.other {
+        Recommendation::Skipped(why) => (Value::Null, why.clone()),
+        Recommendation::Given { candidates } => (Value::Null, format!("the set given is the best of {candidates}")),
+        Recommendation::Other(other) => (
+            assessment(&other.assessed, found.model.precision),
+            format!("{}, the best of {}", other.origin, other.candidates),
+        ),
+    };
+    let bad = pairs.iter().filter(|pair| {
+        let is_quiet = pair.overlap.is_none() && pair.passage_m.is_none() && pair.unseen_m.is_none();
+        !is_quiet || PRECISIONS.iter().any(|precision| pair.in_precision(*precision).total() > 0)
+    });
+    json!({
+        "answer": verdict.answer,
+        "safe": verdict.is_safe,
+        "sentence": verdict.sentence,
+        "lines": lines,
+        "next": verdict.next,
+        "model": found.model.json(),
+        "given": assessment(&found.given, found.model.precision),
+        "recommended": recommended,
+        "search": why,
+        "pairs": bad.map(pair).collect::<Vec<_>>(),
+    })
+}
+
+fn assessment(of: &Assessment, precision: Precision) -> Value {
+    let engines = PRECISIONS.map(|precision| {
+        let [differ, broken] = of.differing(precision);
+        let sum = |count: fn(&ExaminedPair, Precision) -> u64| -> u64 {
+            of.pairs.iter().map(|pair| count(pair, precision)).sum()
+        };
+        json!({
+            "pairs_differing": differ,
+            "pairs_broken": broken,
+            "contacts_by_representation": sum(|pair, precision| pair.in_precision(precision).representation),
+            "contacts_by_arithmetic": sum(|pair, precision| pair.in_precision(precision).arithmetic),
+            "contacts_by_defect": sum(|pair, precision| pair.in_precision(precision).defects),
+        })
+    });
+    let [f32, f64] = engines;
+    json!({
+        "safe_but_for_units": of.is_safe(precision),
+        "tolerances": crate::check::tolerances_json(&of.set),
+        "rules_violated": of.violations.iter().map(crate::check::violation_json).collect::<Vec<_>>(),
+        "overlaps": of.overlaps.json(),
+        "pairs_examined": of.pairs.len(),
+        "f32": f32,
+        "f64": f64,
+        "contacts_changed_by_tolerances": of.pairs.iter().map(|pair| pair.tolerance).sum::<u64>(),
+        "steps": steps(&of.steps),
+    })
+}
+
+fn steps(steps: &Steps) -> Value {
+    match steps {
+        Steps::Skipped(why) => json!({ "made": 0, "skipped": why }),
+        Steps::Made(made) => {
+            let pairs = |all: &std::collections::BTreeMap<[usize; 2], f64>| -> Vec<Value> {
+                all.iter().map(|(blocks, depth)| json!({ "blocks": blocks, "depth_m": depth })).collect()
+            };
+            json!({
+                "made": made.made,
+                "asked": made.asked,
+                "held": made.held.sentence(),
+                "stopped": made.stopped,
+                "passages": pairs(&made.passages),
+                "unseen": pairs(&made.unseen),
+                "undecided_passages": made.totals.undecided,
+            })
+        }
+    }
+}
+
+fn pair(pair: &PairFacts<'_>) -> Value {
+    let engines = PRECISIONS.map(|precision| {
+        let found = pair.in_precision(precision);
+        json!({ "differ": found.total(), "broken": found.broken })
+    });
+    let [f32, f64] = engines;
+    json!({
+        "blocks": pair.blocks,
+        "overlap_m": pair.depth_m(),
+        "overlap": pair.overlap.map(|(_, meaning)| name_of(meaning)),
+        "f32": f32,
+        "f64": f64,
+        "passage_m": pair.passage_m,
+        "unseen_after_step_m": pair.unseen_m,
+    })
+}

@@ -1,0 +1,119 @@
+//! A few steps of a model, each audited exactly: which blocks pass through one another?
+
+use super::progress::Stage;
+use crate::step_audit::AuditedRun;
+use anyhow::Context;
+use rockproof_model::{Precision, Scene, ToleranceSet};
+use rockproof_simulate::{AuditTotals, PairDepth, Stepping};
+use rockproof_stepper::contact::SpecRules;
+use rockproof_stepper::dynamics::{Dynamics, Solve};
+use rockproof_tune::{ClusterSupport, hold_lowest};
+use std::collections::BTreeMap;
+
+/// What became of the steps.
+pub(crate) enum Steps {
+    /// They were made.
+    Made(Box<AuditedSteps>),
+    /// They were not, and why.
+    Skipped(String),
+}
+
+/// Steps and what the audit found.
+pub(crate) struct AuditedSteps {
+    /// Steps made, settling not counted.
+    pub(crate) made: u64,
+    /// Steps asked for.
+    pub(crate) asked: u64,
+    /// What holds the model.
+    pub(crate) held: ClusterSupport,
+    /// Why they ended early, if they did.
+    pub(crate) stopped: Option<String>,
+    /// What the audit found.
+    pub(crate) totals: AuditTotals,
+    /// Pairs that passed through one another within a step, with the greatest depth shown (m).
+    pub(crate) passages: BTreeMap<[usize; 2], f64>,
+    /// Pairs that overlapped after a step where no contact saw it, with the greatest penetration (m).
+    pub(crate) unseen: BTreeMap<[usize; 2], f64>,
+}
+
+impl Steps {
+    /// The steps, if they were made.
+    pub(crate) fn made(&self) -> Option<&AuditedSteps> {
+        match self {
+            Steps::Made(made) => Some(made),
+            Steps::Skipped(_) => None,
+        }
+    }
+
+    /// Whether blocks passed through one another or were about to, or the steps could not be made.
+    pub(crate) fn object(&self) -> bool {
+        self.made().is_some_and(|made| made.stopped.is_some() || made.totals.objects())
+    }
+}
+
+/// Makes `steps` steps of a scene after its settling, in a precision; `None` where it was stopped meanwhile. A scene that fixes nothing is held at its
+/// lowest blocks, or at its largest.
+///
+/// # Errors
+/// When the scene cannot be stepped.
+pub(crate) fn make(
+    scene: &Scene,
+    set: &ToleranceSet,
+    precision: Precision,
+    steps: u64,
+    stage: &Stage<'_>,
+) -> anyhow::Result<Option<AuditedSteps>> {
+    let mut scene = scene.clone();
+    let nothing_fixed = scene.blocks.iter().all(|block| !block.body.is_fixed());
+    let held = if nothing_fixed { hold_lowest(&mut scene) } else { ClusterSupport::Given };
+    scene.derive_stiffness(set);
+    match precision {
+        Precision::F32 => make_in::<f32>(&scene, set, (precision, held), steps, stage),
+        Precision::F64 => make_in::<f64>(&scene, set, (precision, held), steps, stage),
+    }
+}
+
+fn make_in<R: Solve>(
+    scene: &Scene,
+    set: &ToleranceSet,
+    (precision, held): (Precision, ClusterSupport),
+    steps: u64,
+    stage: &Stage<'_>,
+) -> anyhow::Result<Option<AuditedSteps>> {
+    let dynamics = Dynamics::<R, SpecRules>::new(scene, set).context("the model cannot be stepped")?;
+    let mut run = AuditedRun::new(Box::new(dynamics), scene, set, precision)?;
+    let mut found = AuditedSteps {
+        made: 0,
+        asked: steps,
+        held,
+        stopped: None,
+        totals: AuditTotals::default(),
+        passages: BTreeMap::new(),
+        unseen: BTreeMap::new(),
+    };
+    while found.made < steps && found.stopped.is_none() {
+        if stage.is_stopped() {
+            return Ok(None);
+        }
+        match run.step() {
+            Err(error) => found.stopped = Some(error.to_string()),
+            Ok(report) => {
+                if let Some(audit) = run.audit() {
+                    found.totals.add(report.step, &audit);
+                    deepen(&mut found.passages, &audit.passage_pairs);
+                    deepen(&mut found.unseen, &audit.unseen_pairs);
+                }
+                found.made = run.state().step;
+                stage.advance();
+            }
+        }
+    }
+    Ok(Some(found))
+}
+
+fn deepen(known: &mut BTreeMap<[usize; 2], f64>, found: &[PairDepth]) {
+    for pair in found {
+        let depth = known.entry(pair.blocks).or_default();
+        *depth = depth.max(pair.depth_m);
+    }
+}

@@ -1,0 +1,319 @@
+//! The answer in at most ten lines, each with a figure, and the next command.
+
+use super::cases::KeptCase;
+use super::pairs::ExaminedPair;
+use super::steps::Steps;
+use super::{Assessment, Examination, Recommendation, file_name, plural};
+use crate::campaign_end::quoted;
+use crate::check::ModelArgs;
+use crate::extents::short;
+use crate::table::grouped;
+use rockproof_model::rules::{MeasuredModel, stiffness_slack};
+use rockproof_model::{Precision, Scene, ToleranceSet};
+use rockproof_report::verdict::Severity;
+use std::path::Path;
+
+/// A line of the answer.
+pub(crate) struct Line {
+    /// What it is about.
+    pub(crate) about: &'static str,
+    /// How it is meant.
+    pub(crate) severity: Severity,
+    /// What was found.
+    pub(crate) text: String,
+}
+
+/// The answer.
+pub(crate) struct Verdict {
+    /// Whether the model is safe with the tolerances that it was examined with.
+    pub(crate) is_safe: bool,
+    /// `safe`, `safe with another set` or `not safe`.
+    pub(crate) answer: &'static str,
+    /// The answer with its reasons.
+    pub(crate) sentence: String,
+    /// What it rests on.
+    pub(crate) lines: Vec<Line>,
+    /// The next command.
+    pub(crate) next: String,
+}
+
+fn line(about: &'static str, severity: Severity, text: String) -> Line {
+    Line { about, severity, text }
+}
+
+impl Verdict {
+    /// The answer for a model read as `args` say; the results are in `dir`.
+    pub(crate) fn of(found: &Examination, cases: &[KeptCase], args: &ModelArgs, dir: &Path) -> Verdict {
+        let precision = found.model.precision;
+        let doubt = found.model.extents.doubt().filter(|_| args.scale.is_none());
+        let is_safe = doubt.is_none() && found.given.is_safe(precision);
+        let with_other = doubt.is_none() && found.recommended().is_some_and(|other| other.is_safe(precision));
+        let reasons = reasons(&found.given, precision, doubt.is_some());
+        let (answer, sentence) = match (is_safe, with_other) {
+            (true, _) => {
+                let pairs = plural(found.given.pairs.len(), "neighbouring pair", "neighbouring pairs");
+                ("safe", format!("safe: nothing is wrong with {pairs} under {} in {precision}", found.name))
+            }
+            (false, true) => (
+                "safe with another set",
+                format!(
+                    "safe with another set, {} (under {}: {reasons})",
+                    dir.join("tolerances.toml").display(),
+                    found.name
+                ),
+            ),
+            (false, false) => ("not safe", format!("not safe: {reasons}")),
+        };
+        let mut lines = vec![
+            model(found, doubt.as_deref()),
+            rules(&found.given, &found.model.scene, &found.name, precision),
+            overlapping(&found.given),
+            differing(&found.given, precision, true),
+            differing(&found.given, other_than(precision), false),
+            tolerances(&found.given),
+            steps(&found.given.steps),
+        ];
+        lines.extend(fall(found));
+        lines.push(recommended(found, precision, dir));
+        let next = next(found, cases, (args, dir), (doubt.is_some(), answer));
+        Verdict { is_safe, answer, sentence, lines, next }
+    }
+
+    /// For a terminal.
+    pub(crate) fn text(&self) -> String {
+        let mut out = format!("{}\n", self.sentence);
+        for Line { about, severity, text } in &self.lines {
+            out += &format!("  {} {about:<10} {text}\n", mark(*severity));
+        }
+        out + &format!("next: {}\n", self.next)
+    }
+}
+
+/// A sign for a severity, as the page has it.
+pub(crate) fn mark(severity: Severity) -> char {
+    match severity {
+        Severity::Good => '✓',
+        Severity::Fair => 'i',
+        Severity::Bad => '✗',
+    }
+}
+
+fn other_than(precision: Precision) -> Precision {
+    match precision {
+        Precision::F32 => Precision::F64,
+        Precision::F64 => Precision::F32,
+    }
+}
+
+/// What is wrong, in a few words.
+fn reasons(given: &Assessment, precision: Precision, units: bool) -> String {
+    let mut said: Vec<String> = Vec::new();
+    if units {
+        said.push("the units are in doubt".to_owned());
+    }
+    if given.overlaps.lost() > 0 {
+        let pairs = plural(given.overlaps.lost(), "pair of blocks overlaps", "pairs of blocks overlap");
+        said.push(format!("{pairs} so that contacts cannot hold them"));
+    }
+    if !given.violations.is_empty() {
+        said.push(format!("{} violated", plural(given.violations.len(), "rule", "rules")));
+    }
+    let [_, broken] = given.differing(precision);
+    if broken > 0 {
+        said.push(format!("{} broken in {precision}", plural(broken, "pair", "pairs")));
+    }
+    if given.steps.object() {
+        let passing = given.steps.made().map_or(0, |made| made.passages.len() + made.unseen.len());
+        said.push(match passing {
+            0 => "a step cannot be made".to_owned(),
+            count => format!("{} through one another within a few steps", plural(count, "pair passes", "pairs pass")),
+        });
+    }
+    said.join("; ")
+}
+
+fn model(found: &Examination, doubt: Option<&str>) -> Line {
+    let extents = &found.model.extents;
+    let [x, y, z] = extents.sides().map(short);
+    let (shortest, _) = extents.shortest();
+    let blocks = plural(found.model.scene.blocks.len(), "block", "blocks");
+    let text = format!("{blocks} in {x} × {y} × {z} m, shortest edge {} m", short(shortest));
+    match doubt {
+        None => line("model", Severity::Good, text),
+        Some(doubt) => line("model", Severity::Bad, format!("{text}: {doubt}; `--scale 1` says that metres are meant")),
+    }
+}
+
+fn rules(given: &Assessment, scene: &Scene, name: &str, precision: Precision) -> Line {
+    if given.violations.is_empty() {
+        let nearest = nearest_rule(scene, &given.set, precision);
+        let nearest =
+            nearest.map_or(String::new(), |(factor, formula)| format!(", the nearest {factor:.2} times: {formula}"));
+        return line("rules", Severity::Good, format!("all met by {name} in {precision}{nearest}"));
+    }
+    let formulas: Vec<&str> = given.violations.iter().map(|violation| violation.rule.formula()).collect();
+    line(
+        "rules",
+        Severity::Bad,
+        format!("{} violated by {name} in {precision}: {}", formulas.len(), formulas.join("; ")),
+    )
+}
+
+/// How many times the rule is met that is nearest to be broken.
+fn nearest_rule(scene: &Scene, set: &ToleranceSet, precision: Precision) -> Option<(f64, &'static str)> {
+    let mut slacks = MeasuredModel::of(&scene.shapes()).slacks(set, precision);
+    let mut stiff = scene.clone();
+    stiff.derive_stiffness(set);
+    slacks.extend(stiffness_slack(set, &stiff));
+    let nearest = slacks.into_iter().min_by(|one, other| one.factor.total_cmp(&other.factor))?;
+    nearest.factor.is_finite().then(|| (nearest.factor, nearest.rule.formula()))
+}
+
+fn overlapping(given: &Assessment) -> Line {
+    let overlaps = &given.overlaps;
+    let said = overlaps.line();
+    let text = said.strip_prefix("overlaps: ").unwrap_or(&said).to_owned();
+    let held = overlaps.all().any(|(_, meaning)| meaning == rockproof_oracle::audit::Meaning::Held);
+    let severity = match (overlaps.lost(), held) {
+        (0, false) => Severity::Good,
+        (0, true) => Severity::Fair,
+        _ => Severity::Bad,
+    };
+    line("overlaps", severity, text)
+}
+
+/// The pairs that differ in a precision; in the one that the model is to be safe in, broken ones are bad.
+fn differing(given: &Assessment, precision: Precision, is_asked: bool) -> Line {
+    let about = if precision == Precision::F64 { "f64" } else { "f32" };
+    let [differ, broken] = given.differing(precision);
+    let pairs = format!("{} neighbouring pairs", grouped(given.pairs.len() as u64));
+    if differ == 0 {
+        return line(about, Severity::Good, format!("0 of {pairs} differ from the exact contacts"));
+    }
+    let sum =
+        |of: fn(&ExaminedPair, Precision) -> u64| grouped(given.pairs.iter().map(|pair| of(pair, precision)).sum());
+    let rounding = sum(|pair, precision| pair.in_precision(precision).representation);
+    let arithmetic = sum(|pair, precision| pair.in_precision(precision).arithmetic);
+    let defects = sum(|pair, precision| pair.in_precision(precision).defects);
+    let severity = if broken > 0 && is_asked { Severity::Bad } else { Severity::Fair };
+    let text = format!(
+        "{} of {pairs} differ from the exact contacts, {} by more than a tie that rounding decides (contacts: {rounding} by rounding the input, {arithmetic} by \
+         arithmetic, {defects} by mistakes in code)",
+        grouped(differ as u64),
+        grouped(broken as u64)
+    );
+    line(about, severity, text)
+}
+
+fn tolerances(given: &Assessment) -> Line {
+    let changed = given.pairs.iter().filter(|pair| pair.tolerance > 0).count();
+    let contacts: u64 = given.pairs.iter().map(|pair| pair.tolerance).sum();
+    let [changed, pairs] = [changed, given.pairs.len()].map(|count| grouped(count as u64));
+    let text = format!("change {} exact contacts in {changed} of {pairs} pairs", grouped(contacts));
+    line("tolerances", if contacts == 0 { Severity::Good } else { Severity::Fair }, text)
+}
+
+fn steps(steps: &Steps) -> Line {
+    let made = match steps {
+        Steps::Skipped(why) => return line("steps", Severity::Fair, why.clone()),
+        Steps::Made(made) => made,
+    };
+    let severity = if steps.object() { Severity::Bad } else { Severity::Good };
+    let ended = made.stopped.as_ref().map_or(String::new(), |why| format!(" of {}, then {why}", made.asked));
+    let text = format!("{} made{ended}, {}: {}", made.made, made.held.sentence(), made.totals.sentence());
+    line("steps", severity, text)
+}
+
+fn fall(found: &Examination) -> Option<Line> {
+    let fall = found.model.fall.as_ref()?;
+    let [depth, allowed, height] = [fall.depth, fall.allowed, fall.height].map(short);
+    let text = format!(
+        "block {} would end {depth} m deep after falling {height} m; penetration is {allowed} m: {}",
+        fall.block, fall.remedy
+    );
+    Some(line("fall", Severity::Fair, text))
+}
+
+fn recommended(found: &Examination, precision: Precision, dir: &Path) -> Line {
+    let other = match &found.other {
+        Recommendation::Skipped(why) => return line("set", Severity::Fair, why.clone()),
+        Recommendation::Given { candidates } => {
+            let severity = if found.given.is_safe(precision) { Severity::Good } else { Severity::Fair };
+            return line("set", severity, format!("{} is the best of {candidates} tried", found.name));
+        }
+        Recommendation::Other(other) => other,
+    };
+    let broken = |assessed: &Assessment| assessed.differing(precision)[1] as u64;
+    let [ours, theirs] = &other.measured;
+    let [ours_broken, theirs_broken] = [&other.assessed, &found.given].map(broken);
+    let counts = [
+        ("rules violated", ours.violated.len() as u64, theirs.violated.len() as u64),
+        ("overlaps not held", ours.lost_pairs, theirs.lost_pairs),
+        ("pairs broken", ours_broken, theirs_broken),
+        ("pairs that differ, moved ones among them,", ours.differences.avoidable(), theirs.differences.avoidable()),
+    ];
+    let counts = counts.into_iter().filter(|(_, ours, theirs)| ours != theirs);
+    let mut figures: Vec<String> =
+        counts.map(|(what, ours, theirs)| format!("{} {what} instead of {}", grouped(ours), grouped(theirs))).collect();
+    let [sunk, theirs_sunk] = [ours, theirs].map(|measured| measured.steps_measured.overlaps.sunk);
+    if sunk != theirs_sunk {
+        figures.push(format!("blocks sink {sunk:.2e} m instead of {theirs_sunk:.2e} m"));
+    }
+    let [slack, theirs_slack] = [ours, theirs].map(|measured| format!("{:.2}", measured.tightest.factor));
+    if slack != theirs_slack || figures.is_empty() {
+        figures.push(format!("the nearest rule met {slack} times instead of {theirs_slack}"));
+    }
+    let is_safe = other.assessed.is_safe(precision);
+    let (file, safe) = (dir.join("tolerances.toml"), if is_safe { "safe" } else { "not safe" });
+    let (origin, candidates) = (other.origin, other.candidates);
+    let text =
+        format!("{} ({origin}) is the best of {candidates} tried, {safe}: {}", file.display(), figures.join(", "));
+    line("set", if is_safe { Severity::Good } else { Severity::Fair }, text)
+}
+
+/// The command to go on with.
+fn next(
+    found: &Examination,
+    cases: &[KeptCase],
+    (args, dir): (&ModelArgs, &Path),
+    (units, answer): (bool, &str),
+) -> String {
+    let (file, given) = (args.shown(), args.tolerances.shown());
+    if units {
+        let factor = found.model.extents.factor().unwrap_or("1");
+        return format!("rockproof examine {file}{given} --scale {factor} --overwrite");
+    }
+    let shown = |path: &str| quoted(&dir.join(path).display().to_string());
+    let lost = found.given.overlaps.worst_lost().filter(|_| answer == "not safe");
+    if let Some(worst) = lost {
+        return args.show(worst.blocks);
+    }
+    if let (Some(scale), true) = (args.scaled(), answer != "safe with another set") {
+        let stem = args.file.file_stem().unwrap_or_default().to_string_lossy();
+        let metres = quoted(&format!("{stem}_m.toml"));
+        return format!("rockproof convert {file} {metres} --scale {scale}");
+    }
+    if answer == "safe" {
+        return format!("rockproof simulate {file}{given} --steps 100 --audit");
+    }
+    if answer == "safe with another set" {
+        let (set, out) = (shown("tolerances.toml"), quoted(&format!("{}-set", dir.display())));
+        let scale = args.scaled().map_or(String::new(), |scale| format!(" --scale {scale}"));
+        return format!("rockproof examine {file}{scale} --tolerances {set} --out {out}");
+    }
+    if let Some(case) = cases.iter().find(|case| case.is_broken) {
+        return format!("rockproof replay {}", shown(&case.file));
+    }
+    match found.given.steps.made() {
+        Some(made) if found.given.steps.object() => {
+            let steps = made.asked;
+            format!("rockproof simulate {file}{given} --steps {steps} --audit --contacts")
+        }
+        _ => format!("rockproof tune {file}{given}"),
+    }
+}
+
+/// The head of the page and of the text.
+pub(crate) fn title(found: &Examination) -> String {
+    file_name(&found.model.file)
+}

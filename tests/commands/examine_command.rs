@@ -1,0 +1,264 @@
+//! Pins `examine`: its answers about sound and unsound models, what it writes, and what it refuses.
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+
+/// Two cubes on a fixed floor.
+const SOUND: &str = r#"
+[[block]]
+name = "floor"
+fixed = true
+box = { min = [-1, -1, -1], max = [3, 3, 0] }
+[[block]]
+box = { min = [0, 0, 0], max = [1, 1, 1] }
+[[block]]
+box = { min = [1, 0, 0], max = [2, 1, 1] }
+"#;
+
+/// A cube of 10 cm at 50 m/s and a fixed plate of 5 cm: before and behind it at the ends of the second step.
+const SHOT: &str = r#"
+[simulation]
+gravity = [0, 0, 0]
+[tolerances]
+preset = "auto"
+max_displacement = 1
+penetration = 0.01
+[[block]]
+name = "plate"
+fixed = true
+box = { min = [0.75, -1, -1], max = [0.8, 1, 1] }
+[[block]]
+motion = "rigid"
+box = { min = [0, 0, 0], max = [0.1, 0.1, 0.1] }
+velocity = [50, 0, 0]
+"#;
+
+/// Two cubes on a floor a kilometre from the origin, 10 µm apart: less than f32 resolves there.
+const FAR: &str = r#"
+[[block]]
+fixed = true
+box = { min = [999, -1, -1], max = [1003, 3, 0] }
+[[block]]
+box = { min = [1000, 0, 0], max = [1001, 1, 1] }
+[[block]]
+box = { min = ["100100001/100000", 0, 0], max = [1002, 1, 1] }
+"#;
+
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new() -> Place {
+        Place(tempfile::tempdir().expect("a directory"))
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn file(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).expect("write");
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    /// Exit code, standard output and standard error of `rockproof …`, run here.
+    fn run(&self, args: &[&str]) -> (i32, String, String) {
+        let output = cargo_bin_cmd!("rockproof").current_dir(self.0.path()).args(args).output().expect("runs");
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+        (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+    }
+
+    fn pairs(&self, dir: &str) -> Vec<BTreeMap<String, String>> {
+        let table = csv::Reader::from_path(self.path(dir).join("pairs.csv")).expect("a table");
+        table.into_deserialize().map(|row| row.expect("a row")).collect()
+    }
+
+    fn document(&self, dir: &str) -> Value {
+        serde_json::from_str(&self.read(&format!("{dir}/examine.json"))).expect("JSON")
+    }
+}
+
+/// Two cubes of a size one on the other, in OBJ.
+fn stack(size: u32) -> String {
+    let mut text = String::new();
+    for block in 0..2 {
+        text += &format!("o block{block}\n");
+        for n in 0..8 {
+            let [x, y, z] = [n & 1, n >> 1 & 1, block + (n >> 2 & 1)].map(|at| at * size);
+            text += &format!("v {x} {y} {z}\n");
+        }
+        for [a, b, c, d] in [[1, 3, 4, 2], [1, 2, 6, 5], [1, 5, 7, 3], [2, 4, 8, 6], [3, 7, 8, 4], [5, 6, 8, 7]] {
+            let [a, b, c, d] = [a, b, c, d].map(|v| v + 8 * block);
+            text += &format!("f {a} {b} {c} {d}\n");
+        }
+    }
+    text
+}
+
+#[test]
+fn a_sound_model_is_safe_and_everything_about_it_is_written() {
+    let place = Place::new();
+    place.file("sound.toml", SOUND);
+    let (code, out, err) = place.run(&["examine", "sound.toml", "--threads", "1"]);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(out.starts_with("safe: nothing is wrong with 3 neighbouring pairs under auto in f64\n"), "{out}");
+    assert!(out.lines().count() <= 11, "the answer, nine lines and the next command: {out}");
+    for told in ["3 blocks in 4 × 4 × 2 m", "all met by auto", "none in 3", "f64        0 of 3", "5 made", "next: "] {
+        assert!(out.contains(told), "{told}: {out}");
+    }
+    let dir = "reports/examine-sound";
+    let page = place.read(&format!("{dir}/index.html"));
+    assert!(page.contains("nothing found (3)") && page.contains("default-src 'none'") && !page.contains("src=\"http"));
+    let grid = place.read(&format!("{dir}/blocks.vtu"));
+    let grid = roxmltree::Document::parse(&grid).expect("XML");
+    let piece = grid.descendants().find(|node| node.has_tag_name("Piece")).expect("a piece");
+    assert_eq!((piece.attribute("NumberOfCells"), piece.attribute("NumberOfPoints")), (Some("3"), Some("24")));
+    let names: Vec<&str> = grid.descendants().filter_map(|node| node.attribute("Name")).collect();
+    assert!(["worst_overlap_m", "lost_pairs", "passing_pairs", "f64_pairs"].iter().all(|name| names.contains(name)));
+    assert_eq!(place.pairs(dir).len(), 3);
+    assert!(place.read(&format!("{dir}/examine.md")).starts_with("# sound.toml: safe\n"));
+    let set = format!("{dir}/tolerances.toml");
+    assert_eq!(place.run(&["check", "sound.toml", "--tolerances", &set]).0, 0);
+    // The document on stdout is the one in the directory; the bytes do not depend on threads.
+    let again = ["examine", "sound.toml", "--threads", "3", "--format", "json"];
+    let (code, _, err) = place.run(&again);
+    assert!(code == 2 && err.contains("holds an examination already; --overwrite"), "{err}");
+    let before =
+        ["examine.json", "pairs.csv", "examine.md", "index.html"].map(|name| place.read(&format!("{dir}/{name}")));
+    let (code, out, err) = place.run(&[&again[..], &["--overwrite"]].concat());
+    assert_eq!(code, 0, "{err}");
+    let after =
+        ["examine.json", "pairs.csv", "examine.md", "index.html"].map(|name| place.read(&format!("{dir}/{name}")));
+    assert!(before == after && out == after[0]);
+    let document = place.document(dir);
+    assert!(
+        document["answer"] == "safe"
+            && document["given"]["pairs_examined"] == 3
+            && document["given"]["steps"]["made"] == 5
+    );
+    assert_eq!(document["given"]["overlaps"]["neighbours"], 3);
+}
+
+#[test]
+fn overlapping_blocks_are_not_safe_and_are_named() {
+    let place = Place::new();
+    // Half of the second block is in the first.
+    place.file(
+        "sunk.toml",
+        &SOUND.replace("min = [1, 0, 0], max = [2, 1, 1]", "min = [\"1/2\", 0, 0], max = [\"3/2\", 1, 1]"),
+    );
+    let (code, out, err) = place.run(&["examine", "sunk.toml", "--out", "found", "--candidates", "4"]);
+    assert_eq!(code, 1, "{out}{err}");
+    assert!(out.starts_with("not safe: 1 pair of blocks overlaps so that contacts cannot hold them\n"), "{out}");
+    assert!(
+        out.contains("1 pair (worst 1–2, 0.5000 m) overlap deeper") && out.contains("overlaps at the start"),
+        "{out}"
+    );
+    assert!(out.ends_with("next: rockproof classify sunk.toml --pair 1,2\n"), "{out}");
+    let lost: Vec<_> = place.pairs("found").into_iter().filter(|pair| pair["overlap"] == "lost").collect();
+    assert_eq!(lost.len(), 1);
+    assert_eq!([&lost[0]["block_a"], &lost[0]["block_b"], &lost[0]["overlap_m"]], ["1", "2", "0.5"]);
+    let page = place.read("found/index.html");
+    assert!(page.contains("overlap that contacts cannot hold (2)") && page.contains("nothing found (1)"));
+    assert!(place.document("found")["given"]["steps"]["skipped"].is_string());
+}
+
+#[test]
+fn units_in_doubt_are_settled_by_scale() {
+    let place = Place::new();
+    place.file("stack.obj", &stack(1000));
+    let examine = |more: &[&str]| place.run(&[&["examine", "stack.obj", "--no-tune", "--out", "found"], more].concat());
+    let (code, out, err) = examine(&[]);
+    assert_eq!(code, 1, "{out}{err}");
+    assert!(out.starts_with("not safe: the units are in doubt") && out.contains("millimetres"), "{out}");
+    assert!(out.ends_with("next: rockproof examine stack.obj --scale 1/1000 --overwrite\n"), "{out}");
+    let (code, out, err) = examine(&["--scale", "1/1000", "--overwrite"]);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(out.contains("2 blocks in 1 × 1 × 2 m") && out.contains("its lowest block held"), "{out}");
+    let next = out.lines().last().and_then(|line| line.strip_prefix("next: rockproof ")).expect("a command");
+    assert_eq!(next, "convert stack.obj stack_m.toml --scale 1/1000");
+    assert_eq!(place.run(&next.split(' ').collect::<Vec<_>>()).0, 0);
+    assert!(place.read("found/index.html").contains("rockproof check stack.obj --scale 1"));
+    let (_, out, err) = examine(&["--scale", "1", "--overwrite"]);
+    assert!(out.contains("2 blocks in 1000 × 1000 × 2000 m") && !out.contains("doubt"), "{out}{err}");
+}
+
+#[test]
+fn a_set_that_mends_the_tolerances_is_examined_and_written() {
+    let place = Place::new();
+    let broken = format!("[tolerances]\npreset = \"shi\"\nsearch = 0.01\n{SOUND}");
+    place.file("broken.toml", &broken);
+    let (code, out, err) = place.run(&["examine", "broken.toml", "--out", "found"]);
+    assert_eq!(code, 1, "{out}{err}");
+    assert!(out.starts_with("safe with another set, found/tolerances.toml (under shi, changed: "), "{out}");
+    assert!(out.contains("violated by shi, changed in f64") && out.contains("0 rules violated instead of "), "{out}");
+    assert!(place.read("found/tune.md").contains("[tolerances]"));
+    let next = out.lines().last().and_then(|line| line.strip_prefix("next: rockproof ")).expect("a command");
+    let (code, out, err) = place.run(&next.split(' ').collect::<Vec<_>>());
+    assert_eq!(code, 0, "{next}: {out}{err}");
+}
+
+#[test]
+fn pairs_that_pass_through_one_another_are_named() {
+    let place = Place::new();
+    place.file("shot.toml", SHOT);
+    let (code, out, err) = place.run(&["examine", "shot.toml", "--no-tune", "--steps", "3", "--out", "found"]);
+    assert_eq!(code, 1, "{out}{err}");
+    assert!(
+        out.contains("1 pair passes through one another") && out.contains("1 passage within a step (worst 0–1"),
+        "{out}"
+    );
+    let passed: Vec<_> = place.pairs("found").into_iter().filter(|pair| !pair["passage_m"].is_empty()).collect();
+    assert!(passed.len() == 1 && passed[0]["block_a"] == "0" && passed[0]["block_b"] == "1", "{passed:?}");
+    assert!(place.read("found/index.html").contains("passes through another (2)"));
+    let (_, out, _) = place.run(&["examine", "shot.toml", "--no-tune", "--steps", "0", "--out", "unstepped"]);
+    assert!(out.contains("none were asked for"), "{out}");
+}
+
+#[test]
+fn differences_far_from_the_origin_are_kept_as_cases() {
+    let place = Place::new();
+    place.file("far.toml", FAR);
+    let (code, out, err) = place.run(&["examine", "far.toml", "--no-tune", "--out", "found"]);
+    assert!(code == 0 || code == 1, "{err}");
+    let document = place.document("found");
+    assert!(document["given"]["f32"]["pairs_differing"].as_u64() > Some(0), "{out}");
+    let cases: Vec<PathBuf> =
+        fs::read_dir(place.path("found/cases")).expect("cases").map(|e| e.expect("one").path()).collect();
+    assert!(!cases.is_empty());
+    let (code, out, err) = place.run(&["replay", cases[0].to_str().expect("text")]);
+    assert_eq!(code, 0, "{out}{err}");
+}
+
+#[test]
+fn bad_input_and_directories_of_others_exit_with_2() {
+    let place = Place::new();
+    place.file("sound.toml", SOUND);
+    place.file("bad.obj", "v 0 0 0\nf 1 2 3\n");
+    let wrong: [(&[&str], &str); 5] = [
+        (&["missing.toml"], "missing.toml"),
+        (&["bad.obj"], "bad.obj:2: "),
+        (&["sound.toml", "--set", "search=-1"], "search"),
+        (&["sound.toml", "--precision", "f16"], "f32 and f64"),
+        (&["sound.toml", "--no-tune", "--candidates", "3"], "--candidates"),
+    ];
+    for (args, word) in wrong {
+        let (code, _, err) = place.run(&[&["examine", "--out", "found"], args].concat());
+        assert!(code == 2 && err.contains(word), "{args:?}: {code} {err}");
+    }
+    assert!(!place.path("found").exists(), "nothing is written for bad input");
+    // A page that somebody else made, and a directory of another command.
+    fs::create_dir(place.path("page")).expect("a directory");
+    place.file("page/index.html", "mine");
+    let (code, _, err) = place.run(&["examine", "sound.toml", "--out", "page", "--overwrite"]);
+    assert!(code == 2 && err.contains("index.html") && place.read("page/index.html") == "mine", "{err}");
+    let (code, _, err) = place.run(&["simulate", "sound.toml", "--steps", "1", "--out", "run"]);
+    assert_eq!(code, 0, "{err}");
+    let (code, _, err) = place.run(&["examine", "sound.toml", "--out", "run", "--overwrite"]);
+    assert!(code == 2 && err.contains("belongs to `rockproof simulate`"), "{err}");
+}
