@@ -1,5 +1,5 @@
-//! Closed forms that one step, and several, must reproduce to the last digit of a fraction: free fall, a block that
-//! rests, sticks and slides on a 3-4-5 incline, Hooke's law. And the same steps on a grid, beside the fractions.
+//! Closed forms that one step, and several, must reproduce to the last digit of a fraction: free fall, a damped flight, a
+//! block that rests, sticks and slides on a 3-4-5 incline, Hooke's law. And the same steps on a grid, beside the fractions.
 
 mod support;
 
@@ -195,4 +195,40 @@ fn a_tetrahedron_turns_and_keeps_its_volume_under_cayley() {
     let turned = scene.blocks[0].with_vertices(state.blocks[0].vertices.clone());
     assert_ne!(turned, scene.blocks[0]);
     assert_eq!(turned.volume(), scene.blocks[0].volume());
+}
+
+#[test]
+fn damping_acts_by_the_time_step_of_the_attempt_and_not_while_settling() {
+    let mut scene = Scene::new(vec![(cuboid(["0", "0", "0"], ["1", "1", "1"]), Motion::Rigid)], "0", ["0", "0", "-10"]);
+    scene.bodies[0].velocity = point(["3", "0", "0"]);
+    scene.simulation.control.damping = number("20/3");
+    // v' = ((1 − x)v + gΔt)/(1 + x), x = cΔt/2 = 1/30; the way is Δt(v + v')/2.
+    let state = scene.step(&scene.start(), KeptPrecision::Exact).state;
+    let rates = |state: &rockproof_oracle::step::State| [0, 2].map(|k: usize| value(&state.blocks[0].velocity[k]));
+    assert_eq!(rates(&state), [exact("87/31"), exact("-3/31")]);
+    assert_eq!(value(&state.blocks[0].vertices[0].x), exact("9/310"));
+    assert_eq!(value(&state.blocks[0].vertices[0].z), exact("-3/6200"));
+    let next = scene.step(&state, KeptPrecision::Exact).state;
+    assert_eq!(rates(&next), [exact("87/31") * exact("29/31"), exact("-3/31") * exact("29/31") - exact("3/31")]);
+    // 12 m/s are too fast for 1/100 s and for 1/100 s alone: x is 1/60 then.
+    scene.bodies[0].velocity = point(["12", "0", "0"]);
+    let answer = scene.step(&scene.start(), KeptPrecision::Exact);
+    assert_eq!(answer.time_step, exact("1/200"));
+    assert_eq!(rates(&answer.state), [exact("12") * exact("59/61"), exact("-3/61")]);
+    // While settling, d = Δt²g/2.
+    scene.simulation.control.settle = 1;
+    let settled = scene.step(&scene.start(), KeptPrecision::Exact).state;
+    assert_eq!(value(&settled.blocks[0].vertices[0].z), exact("-1/2000"));
+}
+
+/// The strains are damped as well: (2/Δt² + c/Δt) in the place of 2/Δt².
+#[test]
+fn damping_takes_strain_rates_too() {
+    let mut scene =
+        Scene::new(vec![(cuboid(["0", "0", "0"], ["1", "1", "1"]), Motion::Deformable)], "0", ["0", "0", "0"]);
+    scene.bodies[0].stress[5] = number("1000000");
+    scene.simulation.control.damping = number("100");
+    let state = scene.step(&scene.start(), KeptPrecision::Exact).state;
+    let strain = exact("-1000000") / (exact("30000") * exact("2000") / exact("24") + exact("4000000000"));
+    assert_eq!(value(&state.blocks[0].velocity[11]), exact("200") * &strain);
 }

@@ -7,7 +7,7 @@ use rockproof_differential::lockstep::scene::ExactScene;
 use rockproof_differential::lockstep::state::{converted, exact_state};
 use rockproof_differential::lockstep::state_errors::{anchor_error, largest_distance, velocity_error};
 use rockproof_differential::lockstep::wide::WideStepper;
-use rockproof_model::{Precision, Scene};
+use rockproof_model::{Number, Precision, Scene};
 use rockproof_oracle::step as exact;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, State};
@@ -89,6 +89,27 @@ fn stepper_and_oracle_make_the_same_first_steps() {
             let ties = agree(&name, &scene, 4);
             println!("{name}: {ties:#?}");
         }
+    }
+}
+
+/// Scenes of cases/handmade, damped: blocks that strike one another, one that slides, one that strains, one on springs.
+#[test]
+fn stepper_and_oracle_make_the_same_damped_steps() {
+    // At 1 ms the corners touch in the steps 21 to 25.
+    for (name, time_step, steps) in [
+        ("corner_impact_deformable", "1/1000", 27),
+        ("incline_1_4_unsettled", "1/100", 8),
+        ("stress_release", "1/100", 4),
+        ("spring", "1/100", 8),
+    ] {
+        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("cases/handmade/{name}.toml"));
+        let mut scene = Scene::load(&path).unwrap();
+        let control = &mut scene.simulation.control;
+        (control.damping, control.time_step) = (Number::parse("1/3").unwrap(), Number::parse(time_step).unwrap());
+        let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), Precision::F64).unwrap();
+        scene.derive_stiffness(&set);
+        let ties = agree(name, &ExactScene::new(&scene, &set).rounded(Precision::F64).unwrap(), steps);
+        assert!(ties.differing.is_empty(), "{name}: {ties:#?}");
     }
 }
 

@@ -84,6 +84,13 @@ fn cases() -> Vec<Case> {
     );
     falls.scene.blocks[1].body.velocity = v(["0.5", "0.25", "-1"]);
     falls.scene.blocks[1].body.spin = v(["0.25", "-0.5", "0.125"]);
+    // The same, damped, and so fast that Δt is cut.
+    for (name, speed) in [("falls, damped", "-1"), ("falls fast, damped", "-12")] {
+        let mut damped = case(name, falls.scene.blocks.clone(), ["1", "0", "-10"], 12);
+        damped.scene.blocks[1].body.velocity = v(["0.5", "0.25", speed]);
+        damped.scene.simulation.control.damping = n("8");
+        all.push(damped);
+    }
     all.push(falls);
     // The same with tolerances that are no zeros.
     let mut dull = case(

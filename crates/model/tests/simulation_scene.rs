@@ -60,7 +60,7 @@ fn the_weight_rule_ties_exactly_and_names_the_remedy() {
 #[test]
 fn broken_scenes_name_line_key_and_range() {
     let tail = |text: &str| format!("{BOX}{text}");
-    let cases: [(&str, &[&str]); 40] = [
+    let cases: [(&str, &[&str]); 42] = [
         ("[simulation]\ngravity = [0, 0]", &["a.toml:5:", "`gravity`, an array of 3"]),
         ("[simulation]\ntime_step = 0", &["a.toml:5:", "`time_step` of [simulation] is 0", "more than 0"]),
         ("[simulation]\ntime_step = \"x\"", &["a.toml:5:", "`time_step`", "not a number"]),
@@ -69,6 +69,8 @@ fn broken_scenes_name_line_key_and_range() {
         ("[simulation]\nsteps = 1\ntime = 1", &["a.toml:6:", "`time` beside `steps`"]),
         ("[simulation]\ntime = -1", &["a.toml:5:", "`time` of [simulation] is -1"]),
         ("[simulation]\ndynamic = 1.5", &["a.toml:5:", "`dynamic`", "0 to 1"]),
+        ("[simulation]\ndamping = -1", &["a.toml:5:", "`damping` of [simulation] is -1", "0 or more"]),
+        ("[simulation]\ndamping = \"1/s\"", &["a.toml:5:", "`damping`", "not a number"]),
         ("[simulation]\nsettle = -1", &["a.toml:5:", "`settle`", "is -1"]),
         ("[simulation]\nkinematics = \"cubic\"", &["a.toml:5:", "\"cubic\"", "\"linear\" or \"cayley\""]),
         ("[simulation]\nunconverged = 1", &["a.toml:5:", "`unconverged`"]),
@@ -160,6 +162,7 @@ fn simulation() -> impl Strategy<Value = Simulation> {
             simulation.control = Control {
                 time_step,
                 dynamic: number("1/3"),
+                damping: if accept { Number::ZERO } else { density.clone() },
                 settle,
                 kinematics: if linear { Kinematics::Linear } else { Kinematics::Cayley },
                 unconverged: if accept { Unconverged::Accept } else { Unconverged::Stop },

@@ -3,6 +3,7 @@
 use crate::case::CasePrecision;
 use crate::incline::{Slide, Start};
 use crate::stepped_scene::{CaseFailure, SteppedScene, number, relative, scene};
+use crate::toppling::{self, Tipping};
 use rayon::prelude::*;
 use rockproof_stepper::contact::SpecRules;
 
@@ -91,6 +92,16 @@ pub fn studies() -> Vec<Study> {
             f32: turn::<f32>,
         },
         Study {
+            name: "tipping",
+            title: "a slender block tips over its edge: time from 0.05 to 0.8 rad",
+            known: "θ'' = (3g/4R) sin θ",
+            order: Some(1.0),
+            why: "A step turns the block by the moment that its weight had before it.",
+            time_steps: TURNING,
+            f64: tipping::<f64>,
+            f32: tipping::<f32>,
+        },
+        Study {
             name: "incline-well-settled",
             title: "incline, tan φ = 1/2, settled to a millionth: distance in 0.5 s",
             known: "½g(sin α − cos α tan φ)t²",
@@ -160,6 +171,10 @@ fn turn<R: CasePrecision>(time_step: f64) -> Result<f64, CaseFailure> {
         lab.step()?;
     }
     Ok(relative(angle(&lab) - begin, lab.velocity(0)[5] * lab.time()))
+}
+
+fn tipping<R: CasePrecision>(time_step: f64) -> Result<f64, CaseFailure> {
+    Ok(relative(Tipping { time_step }.time::<R, SpecRules>()?, toppling::known()))
 }
 
 fn sliding<R: CasePrecision>(start: Start, time_step: f64) -> Result<f64, CaseFailure> {

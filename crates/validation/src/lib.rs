@@ -1,21 +1,27 @@
 //! The stepper against closed forms: each case runs a scene in f32 and f64 and says how far it is from the known answer.
 //!
-//! `cargo run --release -p rockproof-validation` writes the table of `docs/validation.md` and its plots; `tests/closed_forms.rs` holds the
-//! figures. Scenes are those of `cases/handmade`; every case takes the rules of the step as a parameter, so that a test can plant a
+//! `cargo run --release -p rockproof-validation` writes the tables of `docs/validation.md` and its plots; `tests/closed_forms.rs` and
+//! `tests/energy.rs` hold the figures. Scenes are those of `cases/handmade`; every case takes the rules of the step as a parameter, so that a test can plant a
 //! mistake and see the case fail.
 
 pub mod arch;
 pub mod case;
 pub mod convergence;
+pub mod dominoes;
 pub mod elastic;
+pub mod energy;
 pub mod flight;
 pub mod impact;
 pub mod incline;
+pub mod physics_report;
 pub mod plot;
 pub mod regimes;
 pub mod report;
 pub mod rest;
+pub mod restitution;
 pub mod stepped_scene;
+pub mod toppling;
+pub mod wall;
 pub mod wedge;
 
 pub use case::{CaseMeasurement, CasePrecision, ValidationCase};
@@ -31,7 +37,7 @@ pub fn table() -> Vec<ValidationCase> {
 
 /// Every case by other rules.
 pub fn cases<M: StepRules>() -> Vec<ValidationCase> {
-    let groups: [fn() -> Vec<ValidationCase>; 8] = [
+    let groups: [fn() -> Vec<ValidationCase>; 11] = [
         flight::cases::<M>,
         incline::cases::<M>,
         rest::cases::<M>,
@@ -40,6 +46,9 @@ pub fn cases<M: StepRules>() -> Vec<ValidationCase> {
         regimes::cases::<M>,
         wedge::cases::<M>,
         arch::cases::<M>,
+        toppling::cases::<M>,
+        dominoes::cases::<M>,
+        restitution::cases::<M>,
     ];
     groups.into_iter().flat_map(|group| group()).collect()
 }

@@ -5,8 +5,8 @@
 //! That last limit is dynamic: the toe bears what the falling block's acceleration leaves (Sagaseta 1986; Yeung 1991 for DDA).
 
 use crate::case::{CaseMeasurement, CasePrecision, Measure, ValidationCase};
-use crate::stepped_scene::{CaseFailure, SteppedScene, number, scene, vector};
-use rockproof_model::{Block, Scene};
+use crate::stepped_scene::{CaseFailure, SteppedScene, cuboid, number, scene, vector};
+use rockproof_model::Scene;
 use rockproof_stepper::dynamics::StepRules;
 
 /// The cases of this group.
@@ -116,9 +116,7 @@ impl Inclined {
         let [sine, cosine] = self.lean;
         scene.simulation.gravity = vector([-GRAVITY * sine, 0.0, -GRAVITY * cosine])?;
         scene.simulation.joints.other.friction = number(self.friction)?;
-        let corner = vector([self.slenderness * HEIGHT, 1.0, HEIGHT])?;
-        let block = Block::cuboid(&vector([0.0; 3])?, &corner);
-        scene.blocks[1].block = block.map_err(|error| CaseFailure::Unexpected(error.to_string()))?;
+        scene.blocks[1].block = cuboid([0.0; 3], [self.slenderness * HEIGHT, 1.0, HEIGHT])?;
         Ok(scene)
     }
 

@@ -3,7 +3,9 @@
 use crate::case::CasePrecision;
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::Control;
-use rockproof_model::{Number, NumberError, Scene, SceneError, SpecError, ToleranceSpec, Vec3, rules};
+use rockproof_model::{
+    Block, BlockError, BlockOptions, Number, NumberError, Scene, SceneError, SpecError, ToleranceSpec, Vec3, rules,
+};
 use rockproof_simulate::Plan;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{ContactState, Dynamics, SetupError, StepError, StepReport, StepRules};
@@ -24,6 +26,9 @@ pub enum CaseFailure {
     /// A number is not one.
     #[error(transparent)]
     Number(#[from] NumberError),
+    /// A shape is no block.
+    #[error(transparent)]
+    Shape(#[from] BlockError),
     /// A rule of SPEC section 3 is violated.
     #[error("the scene violates a rule: {0}")]
     Violated(String),
@@ -108,6 +113,39 @@ pub fn number(value: f64) -> Result<Number, CaseFailure> {
 /// When a component is not finite.
 pub fn vector([x, y, z]: [f64; 3]) -> Result<Vec3<Number>, CaseFailure> {
     Ok(Vec3::new(number(x)?, number(y)?, number(z)?))
+}
+
+/// The tolerances of `auto` with εo and εc of 0: those of f32 are larger than the overlaps of a short step.
+///
+/// # Errors
+/// Never; the names are known.
+pub fn without_play() -> Result<ToleranceSpec, CaseFailure> {
+    let mut tolerances = ToleranceSpec::default();
+    tolerances.set_text("open", "0")?;
+    tolerances.set_text("close", "0")?;
+    Ok(tolerances)
+}
+
+/// The cuboid of two corners (m).
+///
+/// # Errors
+/// When it is no block.
+pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Result<Block, CaseFailure> {
+    Ok(Block::cuboid(&vector(low)?, &vector(high)?)?)
+}
+
+/// The block of these vertices (m) and faces.
+///
+/// # Errors
+/// When it is no block.
+pub fn polyhedron(points: impl IntoIterator<Item = [f64; 3]>, faces: Vec<Vec<u32>>) -> Result<Block, CaseFailure> {
+    let points = points.into_iter().map(vector).collect::<Result<Vec<_>, _>>()?;
+    Ok(Block::new(points, faces, &BlockOptions::default())?)
+}
+
+/// The faces of a prism on a base of four corners, which are 0 to 3 and 4 to 7 above them, against the clock seen from above.
+pub fn hexahedron() -> Vec<Vec<u32>> {
+    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]].map(Vec::from).into()
 }
 
 /// A scene being stepped in the precision `R` by the rules `M`.

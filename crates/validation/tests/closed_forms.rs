@@ -35,7 +35,7 @@ fn errors_fall_with_the_time_step_in_the_known_order() {
         assert!((curve.order - order).abs() < 0.02, "{}: {}", study.name, curve.order);
         known += 1;
     }
-    assert_eq!(known, 3);
+    assert_eq!(known, 4);
 }
 
 /// Four of the points are files as well; they say the same.

@@ -113,6 +113,8 @@ impl<'a, S: Field> AttemptState<'a, S> {
     fn assemble_base(&mut self) -> Option<()> {
         let attempt = self.attempt;
         let rate = self.fraction(&attempt.rate);
+        let damping = &attempt.model.simulation.control.damping;
+        let is_damped = !attempt.settling && !damping.is_zero();
         let gravity = attempt.model.simulation.gravity.map(|g| self.number(g));
         let mut base = Vec::new();
         for (block, _) in attempt.moving() {
@@ -123,7 +125,9 @@ impl<'a, S: Field> AttemptState<'a, S> {
             let mut matrix = moments.matrix();
             matrix.truncate(size);
             let inertia = rate.times(&density);
-            let stiff = inertia.times(&rate).half();
+            // ρ(2/Δt² + c/Δt) = ½ρ(2/Δt)(2/Δt + c).
+            let damped = if is_damped { rate.plus(&self.number(damping)) } else { rate.clone() };
+            let stiff = inertia.times(&damped).half();
             let velocity: Vec<S> = state.velocity[..size].iter().map(|v| self.number(v)).collect();
             let weight = gravity.scaled(&volume.times(&density));
             let mut right: Vec<S> = matrix

@@ -150,6 +150,7 @@ impl Rounder {
         self.vector("gravity", &mut simulation.gravity)?;
         self.number("time_step", &mut simulation.control.time_step)?;
         self.number("dynamic", &mut simulation.control.dynamic)?;
+        self.number("damping", &mut simulation.control.damping)?;
         for material in &mut simulation.materials {
             self.number("density", &mut material.density)?;
             self.number("young", &mut material.young)?;

@@ -10,6 +10,8 @@ pub struct Control {
     pub time_step: Number,
     /// k_d: the share of its velocity that a block keeps from step to step; 1 dynamic, 0 static.
     pub dynamic: Number,
+    /// c in 1/s, 0 or more: viscous damping by mass. Unlike k_d it does the same over a time however many steps that has.
+    pub damping: Number,
     /// Static steps with every closed contact locked, before time starts.
     pub settle: u32,
     /// How displacements move the geometry.
@@ -32,11 +34,12 @@ impl Control {
 }
 
 impl Default for Control {
-    /// 10 ms, dynamic, not settled, `cayley`, stopping where the iteration fails; as long as the command line says.
+    /// 10 ms, dynamic, not damped, not settled, `cayley`, stopping where the iteration fails; as long as the command line says.
     fn default() -> Control {
         Control {
             time_step: ratio(1, 100),
             dynamic: Number::from_integer(1),
+            damping: Number::ZERO,
             settle: 0,
             kinematics: Kinematics::Cayley,
             unconverged: Unconverged::Stop,

@@ -1,4 +1,4 @@
-//! What each block brings into the system without contacts (SPEC section 5): inertia, elasticity, weight, loads, fixed points.
+//! What each block brings into the system without contacts (SPEC section 5): inertia, damping, elasticity, weight, loads, fixed points.
 
 use crate::dynamics::displacement::{BlockVector, generalized};
 use crate::dynamics::engine::Dynamics;
@@ -8,10 +8,14 @@ use crate::dynamics::solve::Solve;
 use crate::vector::Vector;
 
 impl<R: Solve, M: StepRules> Dynamics<R, M> {
-    /// Every block's system without contacts: inertia, elasticity, stress, weight, loads, fixed points.
+    /// Every block's system without contacts: inertia, damping, elasticity, stress, weight, loads, fixed points.
     pub(super) fn block_systems(&self, time_step: R, settling: bool) -> Vec<BlockSystem<R>> {
         let two = R::from_f64(2.0);
-        let (once, twice) = (two / time_step, two / (time_step * time_step));
+        let drag = match settling {
+            true => R::ZERO,
+            false => M::drag(self.setup.control.damping, time_step, self.setup.control.time_step),
+        };
+        let (once, twice) = (two / time_step, two / (time_step * time_step) + drag);
         let block = |block: usize| {
             let body = &self.setup.bodies[block];
             let unknowns = body.motion.unknowns();

@@ -149,6 +149,11 @@ pub trait StepRules: ContactRules {
         true
     }
 
+    /// By how much of the mass matrix damping stiffens the system of an attempt (1/s²): c/Δt, with the Δt of the attempt, not the full one.
+    fn drag<R: Real>(damping: R, time_step: R, _full: R) -> R {
+        damping / time_step
+    }
+
     /// The rate after a step: k_d·((2/Δt)·d − v).
     fn rate<R: Real>(dynamic: R, twice_mean: R, before: R) -> R {
         dynamic * (twice_mean - before)

@@ -107,6 +107,7 @@ pub(super) struct HeldPoint<R> {
 pub(super) struct ControlSetup<R> {
     pub(super) time_step: R,
     pub(super) dynamic: R,
+    pub(super) damping: R,
     pub(super) kinematics: Kinematics,
     pub(super) unconverged: Unconverged,
 }
@@ -185,6 +186,7 @@ impl<R: Real> SceneSetup<R> {
             control: ControlSetup {
                 time_step: near("time_step", &control.time_step)?,
                 dynamic: near("dynamic", &control.dynamic)?,
+                damping: near("damping", &control.damping)?,
                 kinematics: control.kinematics,
                 unconverged: control.unconverged,
             },

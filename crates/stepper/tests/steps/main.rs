@@ -7,6 +7,7 @@ mod step_mistakes;
 mod closed_forms;
 mod contacts;
 mod control;
+mod damping;
 mod energy;
 mod friction;
 mod golden;

@@ -17,19 +17,24 @@ fn outcome(scene: &Value) -> (Option<i64>, bool) {
     }
 }
 
-/// Scenes for tolerances that are no zeros, and for blocks between the search distance and the penetration depth.
+/// Scenes for damping, for tolerances that are no zeros, and for blocks between the search distance and the penetration depth.
 fn own_scenes() -> Vec<(&'static str, Scene, ToleranceSet)> {
     let block = |low: &str| cuboid("block", ["0", "0", low], ["1", "3/2", "1"], Motion::Rigid);
     let mut dull = scene(vec![floor(), block("1/256")]);
     dull.simulation.gravity = v("1", "0", "-10");
     dull.blocks[1].body.velocity = v("1/4", "0", "-1/4");
     dull.blocks[1].body.spin = v("1/8", "1/16", "0");
+    // Too fast for the full Δt, and slowed down on the way to the floor.
+    let mut damped = scene(vec![floor(), cuboid("block", ["0", "0", "3/4"], ["1", "3/2", "7/4"], Motion::Rigid)]);
+    damped.blocks[1].body.velocity = v("1", "0", "-12");
+    damped.simulation.control.damping = n("16");
     let tolerant =
         |equal: &str| ToleranceSet { open: n("1/1024"), close: n("1/1024"), equal: n(equal), ..tolerances() };
     vec![
         ("near", scene(vec![floor(), block("3/32")]), tolerances()),
         ("open and close", dull.clone(), tolerant("0")),
         ("equal", dull, tolerant("1/4")),
+        ("damped", damped, tolerances()),
     ]
 }
 

@@ -60,6 +60,8 @@ mistakes! {
     KeptOpen "open contacts are kept, closed ones are not",
     NoDisplacementLimit "the displacement limit is forgotten",
     NoRotationLimit "the rotation limit is forgotten",
+    DampingForgotten "damping is left out",
+    DampingOfFullStep "damping takes the full time step, also where it is cut",
     RateOnce "the rate after a step is (2/Δt)·d",
 }
 
@@ -201,6 +203,13 @@ impl StepRules for Mistaken {
     }
     fn transfers() -> bool {
         !planted(MemoryLost)
+    }
+    fn drag<R: Real>(damping: R, time_step: R, full: R) -> R {
+        match () {
+            () if planted(DampingForgotten) => R::ZERO,
+            () if planted(DampingOfFullStep) => damping / full,
+            () => SpecRules::drag(damping, time_step, full),
+        }
     }
     fn rate<R: Real>(dynamic: R, twice_mean: R, before: R) -> R {
         if planted(RateOnce) { dynamic * twice_mean } else { dynamic * (twice_mean - before) }

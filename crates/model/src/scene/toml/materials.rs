@@ -10,8 +10,18 @@ use crate::simulation::{
 };
 use toml::de::DeTable;
 
-const CONTROL: [&str; 9] =
-    ["gravity", "time_step", "steps", "time", "dynamic", "settle", "kinematics", "unconverged", "joint_materials"];
+const CONTROL: [&str; 10] = [
+    "gravity",
+    "time_step",
+    "steps",
+    "time",
+    "dynamic",
+    "damping",
+    "settle",
+    "kinematics",
+    "unconverged",
+    "joint_materials",
+];
 const MATERIAL: [&str; 4] = ["name", "density", "young", "poisson"];
 const JOINT: [&str; 8] = [
     "between",
@@ -66,6 +76,7 @@ impl Lines {
         Ok(Control {
             time_step: self.optional(table, "time_step", place, Allowed::Positive)?.unwrap_or(default.time_step),
             dynamic: self.optional(table, "dynamic", place, Allowed::Share)?.unwrap_or(default.dynamic),
+            damping: self.optional(table, "damping", place, Allowed::NotNegative)?.unwrap_or(default.damping),
             settle: settle.unwrap_or(default.settle),
             kinematics: kinematics.transpose()?.unwrap_or(default.kinematics),
             unconverged: unconverged.transpose()?.unwrap_or(default.unconverged),

@@ -18,6 +18,9 @@ pub(super) fn world(out: &mut String, simulation: &Simulation) {
         number(out, "time", duration);
     }
     number(out, "dynamic", &control.dynamic);
+    if !control.damping.is_zero() {
+        number(out, "damping", &control.damping);
+    }
     push(out, format_args!("settle = {}\n", control.settle));
     push(out, format_args!("kinematics = \"{}\"\n", control.kinematics.name()));
     push(out, format_args!("unconverged = \"{}\"\n", control.unconverged.name()));
