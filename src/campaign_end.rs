@@ -146,6 +146,7 @@ fn steps_table(steps: &StepSummary) -> String {
             counts.retries_differ,
             counts.deeper,
             counts.shallower,
+            counts.watched,
             counts.passages_stepper,
             counts.unseen_stepper,
             counts.defect,
@@ -161,9 +162,10 @@ fn steps_table(steps: &StepSummary) -> String {
         "retries",
         "deeper",
         "shallower",
+        "watched",
         "passages",
         "unseen",
         "defects",
     ];
-    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10], rows).to_string()
+    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11], rows).to_string()
 }
