@@ -214,7 +214,7 @@ pub(crate) fn quoted(text: &str) -> String {
 }
 
 /// The counts of steps in tables.
-const STEP_COLUMNS: [&str; 10] = [
+const STEP_COLUMNS: [&str; 11] = [
     "steps",
     "other contacts",
     "modes",
@@ -222,13 +222,14 @@ const STEP_COLUMNS: [&str; 10] = [
     "retries",
     "deeper",
     "shallower",
+    "watched",
     "passages",
     "unseen",
     "defects",
 ];
 
 /// The counts in the order of [`STEP_COLUMNS`].
-fn step_counts(counts: &StepCounts) -> [u64; 10] {
+fn step_counts(counts: &StepCounts) -> [u64; 11] {
     [
         counts.compared,
         counts.contacts_differ,
@@ -237,6 +238,7 @@ fn step_counts(counts: &StepCounts) -> [u64; 10] {
         counts.retries_differ,
         counts.deeper,
         counts.shallower,
+        counts.watched,
         counts.passages_stepper,
         counts.unseen_stepper,
         counts.defect,
@@ -250,5 +252,5 @@ fn steps_table(steps: &StepSummary) -> String {
         .into_iter()
         .map(|(engine, counts)| std::iter::once(engine.to_owned()).chain(step_counts(&counts).map(grouped)).collect());
     let header: Vec<&str> = std::iter::once("engine").chain(STEP_COLUMNS).collect();
-    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10], rows).to_string()
+    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11], rows).to_string()
 }

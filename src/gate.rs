@@ -249,7 +249,7 @@ impl Gating<'_> {
         let panel = self.engines.panel();
         let row = match row {
             TallyRow::Pair(row) => row,
-            TallyRow::Step(row) => return self.keep_step(journal, source, row),
+            TallyRow::Step(row) => return self.keep_step(journal, source, config, row),
         };
         let subjects = source.batch(row.index / source.batch_len());
         let Some(subject) = subjects.iter().find(|s| s.index == row.index) else { return Ok(()) };
@@ -263,14 +263,22 @@ impl Gating<'_> {
     }
 
     /// Writes the case of a row about a step.
-    fn keep_step(&mut self, journal: &mut Journal, source: &FamilySource, row: &StepFindingRow) -> anyhow::Result<()> {
+    fn keep_step(
+        &mut self,
+        journal: &mut Journal,
+        source: &FamilySource,
+        config: &CampaignConfig,
+        row: &StepFindingRow,
+    ) -> anyhow::Result<()> {
         let names = self.engines.names();
         let steppers = steps::engines(names.iter().map(String::as_str));
         let Some((subject, motion)) = source.moving(row.index, &row.family) else { return Ok(()) };
         let found = steps::examine_all(&[(&subject, motion.clone())], &steppers).findings;
         let same = |finding: &StepFinding| finding.row(row.case.clone()) == *row;
         let Some(finding) = found.into_iter().find(same) else { return Ok(()) };
-        let Some(case) = steps::case::of(&finding, &subject, &motion, &steppers) else { return Ok(()) };
+        let Some(case) = steps::case::of(&finding, &subject, &motion, &steppers, config.shrink_evaluations) else {
+            return Ok(());
+        };
         self.write(journal, row.file_name(), case.text()?)
     }
 

@@ -1,11 +1,13 @@
 //! Overlaps of a model, for every command that begins with one: the exact audit (SPEC section 7), in words.
 
+use crate::progress::counted_while;
 use rayon::prelude::*;
 use rockproof_model::{Block, Number, Precision, ToleranceSet};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Meaning, Overlap, rounding_depth};
 use serde_json::{Value, json};
 use std::fmt::Write;
+use std::sync::atomic::Ordering;
 
 /// Overlaps named one by one.
 const MOST_NAMED: usize = 5;
@@ -18,21 +20,34 @@ pub(crate) fn overlaps(blocks: &[&Block], tolerances: &ToleranceSet, only: Optio
         None => auditor.neighbours(),
         Some(pairs) => pairs.iter().map(|&(i, j)| [i.min(j), i.max(j)]).collect(),
     };
-    let audited: Vec<_> = pairs.par_iter().map(|&pair| auditor.pair(pair)).collect();
-    Overlaps { audit: Audit::of(audited), rounding: rounding_depth(blocks, Precision::F64), neighbours: pairs }
+    let audited: Vec<_> = counted_while(pairs.len() as u64, "audited for overlaps", |done| {
+        let audited = pairs.par_iter().map(|&pair| {
+            let audited = auditor.pair(pair);
+            done.fetch_add(1, Ordering::Relaxed);
+            audited
+        });
+        audited.collect()
+    });
+    Overlaps::of(Audit::of(audited), &rounding_depth(blocks, Precision::F64), pairs)
 }
 
-/// The overlaps of a model, and what rounded coordinates alone make blocks overlap by.
+/// The overlaps of a model, and what they mean.
 pub(crate) struct Overlaps {
     /// The audit.
     audit: Audit,
-    /// The depth (m) below which rounding decides in f64.
-    rounding: Number,
+    /// What each overlap means.
+    meanings: Vec<Meaning>,
     /// The pairs that were looked at.
     neighbours: Vec<[usize; 2]>,
 }
 
 impl Overlaps {
+    /// Those of an audit of these pairs; within `rounding` m rounding decides.
+    fn of(audit: Audit, rounding: &Number, neighbours: Vec<[usize; 2]>) -> Overlaps {
+        let meanings = audit.overlaps.par_iter().map(|overlap| overlap.meaning(rounding)).collect();
+        Overlaps { audit, meanings, neighbours }
+    }
+
     /// How many overlaps make a run untrustworthy: deeper than `penetration`, or seen by no contact though more than rounding.
     pub(crate) fn lost(&self) -> usize {
         self.count(Meaning::Lost)
@@ -45,21 +60,29 @@ impl Overlaps {
 
     /// The pairs that overlap, in ascending order, each with what that means.
     pub(crate) fn all(&self) -> impl Iterator<Item = (&Overlap, Meaning)> {
-        self.audit.overlaps.iter().map(|overlap| (overlap, self.meaning(overlap)))
+        self.audit.overlaps.iter().zip(self.meanings.iter().copied())
     }
 
     /// The deepest pair that makes a run untrustworthy, of equal ones the first.
     pub(crate) fn worst_lost(&self) -> Option<&Overlap> {
-        self.audit.deepest_of(|overlap| self.meaning(overlap) == Meaning::Lost)
+        self.worst(Meaning::Lost)
     }
 
     /// How many overlaps mean this.
     pub(crate) fn count(&self, meaning: Meaning) -> usize {
-        self.audit.overlaps.iter().filter(|overlap| self.meaning(overlap) == meaning).count()
+        self.meanings.iter().filter(|&&found| found == meaning).count()
     }
 
-    fn meaning(&self, overlap: &Overlap) -> Meaning {
-        overlap.meaning(&self.rounding)
+    /// The overlaps that are meant, in the order of their pairs.
+    fn that(&self, is_meant: impl Fn(Meaning) -> bool) -> impl DoubleEndedIterator<Item = &Overlap> {
+        let all = self.audit.overlaps.iter().zip(&self.meanings);
+        all.filter(move |(_, meaning)| is_meant(**meaning)).map(|(overlap, _)| overlap)
+    }
+
+    /// The deepest of one meaning, of several equally deep the first.
+    fn worst(&self, meaning: Meaning) -> Option<&Overlap> {
+        // `max_by` keeps the last of several.
+        self.that(|found| found == meaning).rev().max_by(|one, two| one.depth_squared().cmp(&two.depth_squared()))
     }
 
     /// What the audit found, in one sentence, with the deepest pair of the first count; `None` where nothing overlaps.
@@ -72,7 +95,7 @@ impl Overlaps {
         let mut parts: Vec<String> = Vec::new();
         for (meaning, said) in Meaning::ALL.into_iter().zip(said) {
             let count = self.count(meaning);
-            let Some(worst) = self.audit.deepest_of(|overlap| self.meaning(overlap) == meaning) else { continue };
+            let Some(worst) = self.worst(meaning) else { continue };
             let pairs = if count == 1 { "pair" } else { "pairs" };
             let [a, b] = worst.blocks;
             let worst =
@@ -115,8 +138,7 @@ impl Overlaps {
     /// What `check` says: the line and the deepest pairs.
     pub(crate) fn report(&self) -> String {
         let mut out = format!("\n{}\n", self.line());
-        let told = |overlap: &&Overlap| self.meaning(overlap) != Meaning::Rounding;
-        let mut worst: Vec<&Overlap> = self.audit.overlaps.iter().filter(told).collect();
+        let mut worst: Vec<&Overlap> = self.that(|meaning| meaning != Meaning::Rounding).collect();
         // A stable sort: of equally deep ones the first pair first.
         worst.sort_by_cached_key(|overlap| std::cmp::Reverse(overlap.depth_squared()));
         for overlap in worst.iter().take(MOST_NAMED) {
@@ -173,6 +195,7 @@ mod tests {
         for overlap in &mut found.audit.overlaps[..2] {
             (overlap.sight, overlap.contact) = (OverlapVisibility::Unseen, None);
         }
+        let found = Overlaps::of(found.audit, &rounding_depth(&blocks, Precision::F64), found.neighbours);
         let said = found.sentence().expect("overlaps");
         assert!(said.starts_with("2 pairs (worst 0–2, 0.0020 m) overlap deeper than penetration or where"), "{said}");
         assert!(said.ends_with("; 1 pair overlap and are held by contacts"), "{said}");

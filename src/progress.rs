@@ -1,4 +1,4 @@
-//! Progress of a campaign or of a merge, while it works.
+//! Progress of a campaign, of a merge or of an audit of overlaps, while it works.
 
 use crate::exit::print_note;
 use crate::table::grouped;
@@ -6,14 +6,30 @@ use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use rockproof_campaign::journal::Seen;
 use std::io::IsTerminal;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Shows how much of so many pairs has been seen, until `work` ends, and gives what it gives.
 pub(crate) fn shown_while<T>(pairs: u64, seen: Arc<Seen>, work: impl FnOnce() -> T) -> T {
-    let (display, ended) = (Display::new(pairs, seen), AtomicBool::new(false));
+    let now = || {
+        let shrinking = if seen.shrinking.load(Ordering::Relaxed) { ", shrinking some" } else { "" };
+        let told = format!("{} findings{shrinking}", grouped(seen.findings.load(Ordering::Relaxed)));
+        (seen.pairs.load(Ordering::Relaxed), told)
+    };
+    told_while(pairs, &now, work)
+}
+
+/// Shows how many of so many pairs `work` has counted, and what it does with them, until it ends, and gives what it gives.
+pub(crate) fn counted_while<T>(pairs: u64, doing: &str, work: impl FnOnce(&AtomicU64) -> T) -> T {
+    let done = AtomicU64::new(0);
+    told_while(pairs, &|| (done.load(Ordering::Relaxed), doing.to_owned()), || work(&done))
+}
+
+/// Shows what `now` tells: pairs done, and what else there is to say.
+fn told_while<T>(pairs: u64, now: &(dyn Fn() -> (u64, String) + Sync), work: impl FnOnce() -> T) -> T {
+    let ended = AtomicBool::new(false);
     std::thread::scope(|scope| {
-        scope.spawn(|| display.show_until(&ended));
+        scope.spawn(|| Display::new(pairs, now).show_until(&ended));
         let _ends = Ends(&ended);
         work()
     })
@@ -29,10 +45,10 @@ impl Drop for Ends<'_> {
 }
 
 /// A bar on a terminal, a line now and then otherwise; from the first pair on.
-struct Display {
+struct Display<'n> {
     bar: Option<ProgressBar>,
     pairs: u64,
-    seen: Arc<Seen>,
+    now: &'n dyn Fn() -> (u64, String),
 }
 
 /// How often a bar moves.
@@ -40,25 +56,25 @@ const MOVES: Duration = Duration::from_millis(200);
 /// How often there is a line.
 const LINES: Duration = Duration::from_secs(10);
 
-impl Display {
-    fn new(pairs: u64, seen: Arc<Seen>) -> Display {
+impl<'n> Display<'n> {
+    fn new(pairs: u64, now: &'n dyn Fn() -> (u64, String)) -> Display<'n> {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new(pairs);
             let template = "{bar:40} {human_pos}/{human_len} pairs, {msg}";
             if let Ok(style) = ProgressStyle::with_template(template) {
                 bar.set_style(style);
             }
-            bar.set_position(seen.pairs.load(Ordering::Relaxed));
+            bar.set_position(now().0);
             bar.reset_eta();
             bar
         });
-        Display { bar, pairs, seen }
+        Display { bar, pairs, now }
     }
 
     fn show_until(&self, ended: &AtomicBool) {
         let mut last = Instant::now();
         while !ended.load(Ordering::Relaxed) {
-            let (pairs, told) = (self.seen.pairs.load(Ordering::Relaxed), self.told());
+            let (pairs, told) = (self.now)();
             match &self.bar {
                 Some(bar) => {
                     bar.set_position(pairs);
@@ -78,10 +94,5 @@ impl Display {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
-    }
-
-    fn told(&self) -> String {
-        let shrinking = if self.seen.shrinking.load(Ordering::Relaxed) { ", shrinking some" } else { "" };
-        format!("{} findings{shrinking}", grouped(self.seen.findings.load(Ordering::Relaxed)))
     }
 }

@@ -12,7 +12,7 @@
 //!    bound; of those it leaves open, exact integers decide;
 //! 3. whether any plane separates the hulls of the vertices (`separation`, complete): if so the blocks are apart, else
 //!    two convex blocks overlap;
-//! 4. of other blocks, whether two of their convex cells overlap (`pieces`), by 3 again.
+//! 4. of other blocks, whether their surfaces enclose something that both share (`interiors`).
 //!
 //! [`Auditor::neighbours`] lists the pairs and [`Auditor::pair`] audits one of them, so that a caller can share the work
 //! among threads; [`Audit::of`] puts the answers together in the order of the pairs, whoever found them.
@@ -21,7 +21,7 @@ mod meaning;
 mod planes;
 
 use crate::boxes::{self, Box3, meeting_pairs};
-use crate::convex_cells::{SeparableCell, cells};
+use crate::interiors;
 use crate::penetration::{Penetration, penetration};
 use crate::separation::{PointSet, SeparationAnswer, separate};
 use crate::{Gap, Pair, PreparedBlock};
@@ -87,8 +87,8 @@ pub enum Decider {
     Float,
     /// That search, with exact integers for at least one sign.
     Exact,
-    /// The convex cells of a block that is not convex.
-    Cells,
+    /// The surfaces of blocks of which one is not convex.
+    Surfaces,
     /// Nothing: the vertices of a block lie in one plane, so that it has no inside.
     LeftOut,
 }
@@ -101,7 +101,7 @@ impl Decider {
         Decider::ExactFacePlane,
         Decider::Float,
         Decider::Exact,
-        Decider::Cells,
+        Decider::Surfaces,
         Decider::LeftOut,
     ];
 
@@ -113,7 +113,7 @@ impl Decider {
             Decider::ExactFacePlane => "exact face plane",
             Decider::Float => "f64",
             Decider::Exact => "exact",
-            Decider::Cells => "cells",
+            Decider::Surfaces => "surfaces",
             Decider::LeftOut => "left out",
         }
     }
@@ -207,8 +207,6 @@ pub struct Auditor<'s> {
 struct AuditedBlock {
     planes: FacePlanes,
     has_inside: bool,
-    /// The convex cells of a block that is not convex.
-    pieces: OnceLock<Vec<SeparableCell>>,
     /// The square of the greatest distance of a vertex from the plane of its face, in m².
     unevenness: OnceLock<BigRational>,
 }
@@ -226,7 +224,6 @@ impl<'s> Auditor<'s> {
         let body = |solid: &PreparedBlock| AuditedBlock {
             planes: FacePlanes::of(solid),
             has_inside: planes::has_inside(solid),
-            pieces: OnceLock::new(),
             unevenness: OnceLock::new(),
         };
         Auditor { solids, tolerances, bodies: solids.iter().map(body).collect() }
@@ -275,24 +272,16 @@ impl<'s> Auditor<'s> {
             return (false, decider);
         }
         let SeparationAnswer { is_separated, by_float } = separate(points(a), points(b));
-        if is_separated || (a.block().is_convex() && b.block().is_convex()) {
-            return (!is_separated, if by_float { Decider::Float } else { Decider::Exact });
+        let decider = if by_float { Decider::Float } else { Decider::Exact };
+        if is_separated {
+            return (false, decider);
         }
-        let pieces = blocks.map(|k| self.pieces(k));
-        let meet =
-            pieces[0].iter().any(|one| pieces[1].iter().any(|two| !separate(one.points(), two.points()).is_separated));
-        (meet, Decider::Cells)
-    }
-
-    fn pieces(&self, block: usize) -> &[SeparableCell] {
-        self.bodies[block].pieces.get_or_init(|| {
-            let block = self.solids[block].block();
-            if block.is_convex() {
-                vec![SeparableCell::new(block.vertices().to_vec())]
-            } else {
-                cells(block).iter().map(|cell| cell.piece()).collect()
-            }
-        })
+        match [a, b].map(|solid| solid.block().is_convex()) {
+            [true, true] => (true, decider),
+            [false, true] => (interiors::meets_hull(a.block(), points(b)), Decider::Surfaces),
+            [true, false] => (interiors::meets_hull(b.block(), points(a)), Decider::Surfaces),
+            [false, false] => (interiors::surfaces_meet(a.block(), b.block()), Decider::Surfaces),
+        }
     }
 
     /// How deep blocks overlap that do, and what the classification says of it.

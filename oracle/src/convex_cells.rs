@@ -1,4 +1,4 @@
-//! A block cut into convex cells, exactly: what decides whether blocks that are not convex overlap.
+//! A block cut into convex cells, exactly: where the depth of an overlap is looked for that neither vertices nor edges show.
 //!
 //! The block's box is cut by the plane of one triangle of the surface, each half by the plane of another triangle that
 //! passes through it, and so on until no triangle passes through a cell (a binary space partition, H. Fuchs, Z. M. Kedem
@@ -6,13 +6,10 @@
 //! The cells inside fill the block but for planes, so that the interiors of two blocks meet exactly when those of a cell of
 //! each do: their common part is open, and open sets do not fit into planes.
 
-use crate::number::{Approx, UNDERFLOW, UNIT_ROUNDOFF};
 use crate::point_in_surface::{surface_holds_origin, triangles};
-use crate::separation::PointSet;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Zero;
-use rockproof_model::block::Point;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, Number, Sign, Vec3};
 
@@ -22,14 +19,6 @@ type RationalPoint = Vec3<BigRational>;
 #[derive(Clone, Debug)]
 pub(crate) struct ConvexCell {
     polygons: Vec<Vec<RationalPoint>>,
-}
-
-/// The vertices of a cell, ready to be separated from others.
-#[derive(Debug)]
-pub(crate) struct SeparableCell {
-    exact: Vec<Point>,
-    near: Vec<Vec3<Approx>>,
-    error: f64,
 }
 
 /// The plane `n·x = offset`.
@@ -123,7 +112,7 @@ impl ConvexCell {
         ConvexCell { polygons: loops.map(|l| l.map(corner).to_vec()).into() }
     }
 
-    fn vertices(&self) -> Vec<RationalPoint> {
+    pub(crate) fn vertices(&self) -> Vec<RationalPoint> {
         let mut all: Vec<RationalPoint> = Vec::new();
         for point in self.polygons.iter().flatten() {
             if !all.contains(point) {
@@ -171,11 +160,6 @@ impl ConvexCell {
         }
         Some(common)
     }
-
-    /// The vertices as a piece.
-    pub(crate) fn piece(&self) -> SeparableCell {
-        SeparableCell::new(self.vertices().into_iter().map(|p| p.map(|c| Number::from_rational(c.clone()))).collect())
-    }
 }
 
 impl Plane {
@@ -195,20 +179,5 @@ impl Plane {
             BigRational::zero().cmp(&turn)
         });
         corners
-    }
-}
-
-impl SeparableCell {
-    /// A piece with these vertices, in m.
-    pub(crate) fn new(exact: Vec<Point>) -> SeparableCell {
-        let near: Vec<Vec3<Approx>> = exact.iter().map(|p| p.map(|c| Approx(c.approximate()))).collect();
-        let is_exact = exact.iter().flat_map(|p| p.components()).all(|c| c.as_f64().is_some());
-        let size = near.iter().flat_map(|p| p.components()).fold(0.0f64, |most, c| most.max(c.0.abs()));
-        let error = if is_exact { 0.0 } else { size * UNIT_ROUNDOFF + UNDERFLOW };
-        SeparableCell { exact, near, error }
-    }
-
-    pub(crate) fn points(&self) -> PointSet<'_> {
-        PointSet { exact: &self.exact, near: &self.near, error: self.error }
     }
 }

@@ -12,6 +12,7 @@ mod contact;
 mod convex_cells;
 mod field;
 mod gap;
+mod interiors;
 mod levels;
 mod mass;
 mod number;

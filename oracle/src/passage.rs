@@ -67,6 +67,11 @@ const MOST_HALVINGS: u32 = 40;
 /// Intervals after which a pair is left undecided, so that the time is bounded where depths stay near g.
 const MOST_INTERVALS: usize = 2_000;
 
+/// Of pairs with a block that is not convex, intervals of one length with which a pair is left undecided when more are not
+/// certified: where the cover holds more than the block none ever is, and each takes hundreds of times as long as one of two
+/// convex blocks.
+const MOST_OPEN_OF_COVERS: usize = 16;
+
 /// The pairs of moving blocks that could meet: their boxes over the whole step do, **touching included**. The lower number
 /// first, in ascending order.
 pub fn swept_neighbours(motions: &[StraightMotion<'_>]) -> Vec<[usize; 2]> {
@@ -116,6 +121,9 @@ pub fn passage(a: &StraightMotion<'_>, b: &StraightMotion<'_>, penetration_limit
             }
         }
         open = left;
+        if open.len() > MOST_OPEN_OF_COVERS && !(a.ends()[0].is_convex() && b.ends()[0].is_convex()) {
+            return report(PassageAnswer::Undecided, intervals);
+        }
         if open.is_empty() {
             return report(PassageAnswer::NoPassage, intervals);
         }

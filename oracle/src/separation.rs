@@ -11,7 +11,7 @@
 //! three differences of points: it is taken from [`Ball`]s where these prove it, else from integers. Which inequality comes
 //! next is chosen in f64 by the points that hinder the middle of the part most; that choice decides nothing but the time.
 
-use crate::number::{Approx, Ball};
+use crate::number::{Approx, Ball, UNDERFLOW, UNIT_ROUNDOFF};
 use num_bigint::BigInt;
 use rockproof_model::block::Point;
 use rockproof_model::lattice::Lattice;
@@ -29,6 +29,29 @@ pub(crate) struct PointSet<'p> {
     pub(crate) near: &'p [Vec3<Approx>],
     /// Zero where every coordinate is an f64 (m).
     pub(crate) error: f64,
+}
+
+/// Points made ready to be separated from others.
+#[derive(Debug)]
+pub(crate) struct SeparablePoints {
+    exact: Vec<Point>,
+    near: Vec<Vec3<Approx>>,
+    error: f64,
+}
+
+impl SeparablePoints {
+    /// The points, in m.
+    pub(crate) fn new(exact: Vec<Point>) -> SeparablePoints {
+        let near: Vec<Vec3<Approx>> = exact.iter().map(|p| p.map(|c| Approx(c.approximate()))).collect();
+        let is_exact = exact.iter().flat_map(|p| p.components()).all(|c| c.as_f64().is_some());
+        let size = near.iter().flat_map(|p| p.components()).fold(0.0f64, |most, c| most.max(c.0.abs()));
+        let error = if is_exact { 0.0 } else { size * UNIT_ROUNDOFF + UNDERFLOW };
+        SeparablePoints { exact, near, error }
+    }
+
+    pub(crate) fn set(&self) -> PointSet<'_> {
+        PointSet { exact: &self.exact, near: &self.near, error: self.error }
+    }
 }
 
 /// What is known of two sets of points.

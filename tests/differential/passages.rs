@@ -5,9 +5,10 @@ use crate::step_mistakes::{Mistake, Mistaken, PLANTING, plant};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::source::{self, FamilySource};
 use rockproof_campaign::steps::{
-    PASSAGE, StepChange, StepEngine, StepFinding, StepperStepEngine, examine_all, passing,
+    PASSAGE, StepChange, StepEngine, StepFinding, StepperStepEngine, case, examine_all, passing,
 };
 use rockproof_differential::finding::Cause;
+use rockproof_differential::lockstep::intrusion::CausedIntrusion;
 use rockproof_differential::lockstep::run::KEEP;
 use rockproof_differential::lockstep::{ComparedLinks, ExactScene, Intrusion, Lockstep, StepCause};
 use rockproof_differential::motion::PairMotion;
@@ -155,23 +156,20 @@ fn a_blade_goes_through_where_no_contact_is_sought() {
     assert_eq!(watched("2"), ([0, 0], vec![]));
 }
 
-/// What shows a mistake in passages or unseen overlaps of a few pairs: the first such finding.
-fn shown(mistake: Mistake, pairs: &[(Subject, PairMotion)]) -> Option<(u64, String)> {
-    let engines: Vec<Box<dyn StepEngine>> = vec![Box::new(StepperStepEngine::<f64, Mistaken>::f64("stepper-f64"))];
+fn mistaken() -> Vec<Box<dyn StepEngine>> {
+    vec![Box::new(StepperStepEngine::<f64, Mistaken>::f64("stepper-f64"))]
+}
+
+/// What shows a mistake in passages or unseen overlaps of a few pairs: the number of the first such pair, and the finding. The mistake
+/// stays.
+fn shown(mistake: Mistake, pairs: &[(Subject, PairMotion)]) -> Option<(usize, StepFinding)> {
     plant(mistake);
-    let shown = pairs.iter().find_map(|(subject, motion)| {
-        let found = examine_all(&[(subject, motion.clone())], &engines).findings;
-        let of_code = |f: &&StepFinding| {
-            matches!(f.change, StepChange::Intrusion(_)) && f.cause == StepCause::Link(Cause::Defect)
-        };
-        let finding = found.iter().find(of_code)?;
-        Some((
-            subject.index,
-            format!("{} → {} under {} in {}", finding.before, finding.after, finding.set, finding.form),
-        ))
-    });
-    plant(Mistake::Nothing);
-    shown
+    pairs.iter().enumerate().find_map(|(number, (subject, motion))| {
+        let found = examine_all(&[(subject, motion.clone())], &mistaken()).findings;
+        let of_code =
+            |f: &StepFinding| matches!(f.change, StepChange::Intrusion(_)) && f.cause == StepCause::Link(Cause::Defect);
+        Some((number, found.into_iter().find(of_code)?))
+    })
 }
 
 #[test]
@@ -180,7 +178,34 @@ fn mistakes_that_let_blocks_through_are_found_by_passages() {
     let pairs = pairs(3);
     for mistake in [Mistake::NoDisplacementLimit, Mistake::StepEnlarged, Mistake::ContactsDropped] {
         let shown = shown(mistake, &pairs);
-        println!("{mistake:?}: {shown:?}");
-        assert!(shown.is_some(), "{mistake:?}");
+        plant(Mistake::Nothing);
+        let told =
+            shown.map(|(number, f)| format!("{number}: {} → {} under {} in {}", f.before, f.after, f.set, f.form));
+        println!("{mistake:?}: {told:?}");
+        assert!(told.is_some(), "{mistake:?}");
     }
+}
+
+#[test]
+fn the_blocks_of_a_mistakes_passage_are_made_smaller_while_it_is_still_that() {
+    let _alone = PLANTING.lock();
+    let pairs = pairs(1);
+    let (number, finding) = shown(Mistake::StepEnlarged, &pairs).expect("a finding");
+    let (subject, motion) = &pairs[number];
+    let [as_it_is, small] = [0, 300].map(|evaluations| {
+        let case = case::of(&finding, subject, motion, &mistaken(), evaluations).expect("a case");
+        let (scene, set) = case.scene().expect("a scene");
+        let mut lockstep =
+            Lockstep::<f64, Mistaken>::new(&scene, &set, Precision::F64, ComparedLinks::All).unwrap().watching();
+        let watched = lockstep.step().1.watched.expect("both make the step");
+        let same = |c: &CausedIntrusion| (StepChange::Intrusion(c.kind), c.cause) == (finding.change, finding.cause);
+        assert!(watched.attributed.iter().any(same), "{:?}", watched.attributed);
+        let shapes = scene.shapes();
+        let features = shapes.iter().map(|b| b.vertices().len() + b.topology().faces().len()).sum::<usize>();
+        let digits = shapes.iter().flat_map(|b| b.coordinates()).map(|c| format!("{:?}", c.to_rational()).len());
+        (features, digits.sum::<usize>())
+    });
+    plant(Mistake::Nothing);
+    println!("features and digits: {as_it_is:?} to {small:?}");
+    assert!(small.0 < as_it_is.0 && small.1 < as_it_is.1, "{as_it_is:?} to {small:?}");
 }

@@ -152,7 +152,7 @@ impl Campaign<'_> {
     /// the step does not show the finding again.
     fn step_case(&self, finding: &StepFinding) -> Result<Option<Vec<u8>>, RunError> {
         let Some((subject, motion)) = self.source.moving(finding.index, &finding.family) else { return Ok(None) };
-        let case = steps::case::of(finding, &subject, &motion, self.steppers);
+        let case = steps::case::of(finding, &subject, &motion, self.steppers, self.config.shrink_evaluations);
         Ok(case.map(|case| case.text()).transpose()?)
     }
 

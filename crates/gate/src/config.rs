@@ -4,7 +4,7 @@ use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::steps::StepChange;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::Cause;
-use rockproof_differential::lockstep::StepCause;
+use rockproof_differential::lockstep::{Intrusion, StepCause};
 use rockproof_model::ContactKind;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -177,6 +177,12 @@ impl FindingLimit {
     /// Whether it counts failures that a fresh process did not repeat.
     pub fn is_of_recovered(&self) -> bool {
         self.change.as_deref() == Some(RECOVERED)
+    }
+
+    /// Whether it is about passages and unseen overlaps alone, which are looked for in steps only.
+    pub fn is_of_intrusions(&self) -> bool {
+        let named = |name: &Option<String>, names: &[&str]| name.as_deref().is_some_and(|name| names.contains(&name));
+        named(&self.change, &Intrusion::ALL.map(Intrusion::name)) || named(&self.cause, &StepCause::NAMES)
     }
 
     /// The limit in one line.

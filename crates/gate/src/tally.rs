@@ -1,5 +1,8 @@
 //! What a finished campaign found, counted for a gate out of its `findings.csv` and `summary.csv`.
 
+#[cfg(test)]
+mod tests;
+
 use super::config::{Baseline, FindingLimit};
 use super::known_findings::SEPARATOR;
 use rockproof_campaign::engine_counts::{ENGINES, EngineRow};
@@ -148,6 +151,8 @@ pub struct CampaignTally {
     pub rows: Vec<TallyRow>,
     /// Pairs examined by (family, set); a pair counts once for each set. Of a family that is not classified, pairs that make steps.
     examined: BTreeMap<(String, String), u64>,
+    /// The same of pairs whose steps were looked through for passages and unseen overlaps.
+    watched: BTreeMap<(String, String), u64>,
     /// What external engines were put through.
     pub engines: Vec<EngineRow>,
 }
@@ -184,7 +189,7 @@ pub struct LimitCount {
     pub findings: u64,
     /// Pairs with such a finding.
     pub pairs: u64,
-    /// Pairs examined.
+    /// Pairs examined; of passages and unseen overlaps those whose steps were looked through.
     pub examined: u64,
     /// How much less than independent pairs they tell: 1 for independent ones.
     pub design_effect: f64,
@@ -214,12 +219,12 @@ impl CampaignTally {
             *examined.entry((family, set)).or_default() += pairs;
         }
         let file = dir.join("step_summary.csv");
-        let moved = if file.is_file() { moved(&file)? } else { BTreeMap::new() };
+        let [moved, watched] = if file.is_file() { moved(&file)? } else { Default::default() };
         let classified: BTreeSet<String> = examined.keys().map(|(family, _)| family.clone()).collect();
         examined.extend(moved.into_iter().filter(|((family, _), _)| !classified.contains(family)));
         let file = dir.join(ENGINES);
         let engines = if file.is_file() { table(&file)? } else { Vec::new() };
-        Ok(CampaignTally { rows, examined, engines })
+        Ok(CampaignTally { rows, examined, watched, engines })
     }
 
     /// Pairs examined of each family; a pair counts once for each set.
@@ -258,7 +263,8 @@ impl CampaignTally {
         let hits: Vec<(u64, &str)> = of.map(|row| (row.index(), row.common().tolerances)).collect();
         let sorted = ClassCount::of(&hits);
         let wanted = |wanted: &Option<String>, found: &str| wanted.as_ref().is_none_or(|w| w == found);
-        let counted = self.examined.iter().filter(|((family, set), _)| {
+        let examined = if limit.is_of_intrusions() { &self.watched } else { &self.examined };
+        let counted = examined.iter().filter(|((family, set), _)| {
             wanted(&limit.family, family) && limit.tolerances.as_ref().is_none_or(|w| of_set(set, w))
         });
         LimitCount {
@@ -270,18 +276,25 @@ impl CampaignTally {
     }
 }
 
-/// Pairs that make steps, by (family, set): as many as the engine has of them that takes the most.
-fn moved(file: &Path) -> Result<BTreeMap<(String, String), u64>, TallyError> {
-    let mut by_engine: BTreeMap<[String; 3], u64> = BTreeMap::new();
-    for MovedRow { family, tolerances, engine, pairs } in table(file)? {
-        *by_engine.entry([family, tolerances, engine]).or_default() += pairs;
+/// Pairs by (family, set).
+type PairCounts = BTreeMap<(String, String), u64>;
+
+/// Pairs that make steps, and those of them whose steps were looked through: as many as the engine has of them that takes the most.
+fn moved(file: &Path) -> Result<[PairCounts; 2], TallyError> {
+    let mut by_engine: BTreeMap<[String; 3], [u64; 2]> = BTreeMap::new();
+    for MovedRow { family, tolerances, engine, pairs, watched } in table(file)? {
+        let known = by_engine.entry([family, tolerances, engine]).or_default();
+        // At most: of a pair several steps may be looked through.
+        *known = [known[0] + pairs, known[1] + pairs.min(watched)];
     }
-    let mut moved = BTreeMap::new();
+    let mut counts: [PairCounts; 2] = Default::default();
     for ([family, set, _], pairs) in by_engine {
-        let most = moved.entry((family, set)).or_insert(pairs);
-        *most = pairs.max(*most);
+        for (counts, pairs) in counts.iter_mut().zip(pairs) {
+            let most = counts.entry((family.clone(), set.clone())).or_insert(pairs);
+            *most = pairs.max(*most);
+        }
     }
-    Ok(moved)
+    Ok(counts)
 }
 
 /// What of a row of `step_summary.csv` tells how many pairs there were.
@@ -291,6 +304,8 @@ struct MovedRow {
     tolerances: String,
     engine: String,
     pairs: u64,
+    /// Steps.
+    watched: u64,
 }
 
 fn table<T: DeserializeOwned>(file: &Path) -> Result<Vec<T>, TallyError> {
@@ -317,54 +332,5 @@ impl LimitCount {
             return 0.0;
         }
         checked_beta_reg(found, (examined - found + 1.0).max(1.0), rate).unwrap_or(1.0)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rockproof_campaign::summary::SUMMARY_COLUMNS;
-    use rockproof_differential::finding::FINDING_COLUMNS;
-    use std::fs;
-
-    #[test]
-    fn a_number_that_cannot_be_read_is_an_error_and_not_zero() {
-        let dir = tempfile::tempdir().expect("a folder");
-        let finding = "3,sliver,random,auto,f32,representation,missing,v-v,,,,1e-9,2.5,";
-        let origin = "sliver,random,auto,1000,f32,representation,missing,v-v,1";
-        let read = |finding: &str, origin: &str| {
-            let write = |name: &str, columns: &[&str], row: &str| {
-                fs::write(dir.path().join(name), format!("{}\n{row}\n", columns.join(","))).expect("write");
-            };
-            write("findings.csv", &FINDING_COLUMNS, finding);
-            write("summary.csv", &SUMMARY_COLUMNS, origin);
-            CampaignTally::read(dir.path())
-        };
-        let limit = FindingLimit { rate: Some(1e-4), beyond_ulps: Some(2.0), ..FindingLimit::default() };
-        let found = read(finding, origin).expect("a tally").count(&limit);
-        assert_eq!((found.pairs, found.examined, found.rate()), (1, 1000, 1e-3));
-        for damaged in [finding.replacen('3', "x", 1), finding.replace("2.5", "2.5.1"), finding.replace(",f32,", ",,")]
-        {
-            let error = read(&damaged, origin).expect_err("no number").to_string();
-            assert!(error.contains("findings.csv"), "{error}");
-        }
-        // Read as zero, no pair was examined, and the rate was within every limit.
-        for damaged in [origin.replace("1000", "1000.0"), origin.replace("1000", ""), origin.replace("1000", "-1")] {
-            let error = read(finding, &damaged).expect_err("no count").to_string();
-            assert!(error.contains("summary.csv"), "{error}");
-        }
-        let error = read(finding, &format!("{origin}\n{}", origin.replace("1000", "9"))).expect_err("two counts");
-        assert!(matches!(error, TallyError::Contradiction { found: [1000, 9], .. }), "{error}");
-    }
-
-    #[test]
-    fn chance_is_the_binomial_tail() {
-        let found = |pairs, examined, design_effect| LimitCount { findings: pairs, pairs, examined, design_effect };
-        // P(X ≥ 2), X binomial of 10 and 0.1: 1 − 0.9¹⁰ − 10·0.1·0.9⁹.
-        let tail = 1.0 - 0.9f64.powi(10) - 0.9f64.powi(9);
-        assert!((found(2, 10, 1.0).chance(0.1) - tail).abs() < 1e-12);
-        assert_eq!(found(0, 10, 1.0).chance(0.0), 1.0);
-        assert_eq!(found(1, 10, 1.0).chance(0.0), 0.0);
-        assert!(found(40, 1000, 8.0).chance(0.02) > found(40, 1000, 1.0).chance(0.02), "clustered pairs tell less");
     }
 }

@@ -1,7 +1,7 @@
 //! The certificate that an interval of time is free.
 
 use super::motion::MovingPair;
-use crate::point_in_surface::triangles;
+use crate::point_in_surface::{triangle_corners, triangles};
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
 use rockproof_model::block::face_normal;
@@ -24,13 +24,23 @@ struct ConvexPart {
     faces: Vec<Vec<u32>>,
     /// Pairs of vertices whose cross products with the other part's are tried.
     edges: Vec<[u32; 2]>,
+    /// Whether directions are compared as f64 has the vertices, as there are many parts, and not as rounded from the exact ones.
+    is_rough: bool,
+}
+
+/// Both blocks at the start and at the end of an interval.
+struct Ends {
+    places: [[Vec<LatticePoint>; 2]; 2],
+    /// The places as seen from the first of all, rounded.
+    near: [[Vec<[f64; 3]>; 2]; 2],
+    /// No coordinate of `near` is larger.
+    size: f64,
 }
 
 /// Two convex parts at both ends of an interval: what a direction has to part.
 struct PartsAtEnds<'e> {
     parts: [&'e ConvexPart; 2],
-    /// Both blocks' places at the start and at the end.
-    places: &'e [[Vec<LatticePoint>; 2]; 2],
+    ends: &'e Ends,
 }
 
 /// A direction and how it was found to do.
@@ -55,28 +65,29 @@ impl<'m, 'b> Certificate<'m, 'b> {
 
     /// Whether an interval of the times `ends / 2^halvings` is certainly free of depths above g.
     pub(super) fn is_free(&self, ends: &[BigInt; 2], halvings: u32) -> bool {
-        let places = [0, 1].map(|k| self.moving.at(&ends[k], halvings));
+        let ends = Ends::new([0, 1].map(|k| self.moving.at(&ends[k], halvings)));
         let limit = &self.moving.limit << halvings;
         let whole = [0, 1].map(|side| ConvexPart::whole(self.moving.blocks[side]));
-        let hulls = PartsAtEnds { parts: [&whole[0], &whole[1]], places: &places };
+        let hulls = PartsAtEnds { parts: [&whole[0], &whole[1]], ends: &ends };
         let is_within = |n: &LatticePoint| hulls.parts_within(n, &limit);
         // Along the axes first: most pairs that are apart are so by their boxes.
         if axes().iter().any(is_within) || hulls.best_directions().iter().any(|candidate| is_within(&candidate.n)) {
             return true;
         }
         let is_convex = self.moving.blocks.iter().all(|block| block.is_convex());
-        !is_convex && [0, 1].into_iter().all(|side| self.cover_stays_shallow(side, &places, &limit))
+        !is_convex && [0, 1].into_iter().all(|side| self.cover_stays_shallow(side, &ends, &limit))
     }
 
     /// Whether every part of one block, moved by a translation of length at most g, is parted from all parts of the other.
-    fn cover_stays_shallow(&self, side: usize, places: &[[Vec<LatticePoint>; 2]; 2], limit: &BigInt) -> bool {
+    fn cover_stays_shallow(&self, side: usize, ends: &Ends, limit: &BigInt) -> bool {
         self.parts[side].iter().all(|own| {
             let against: Vec<PartsAtEnds<'_>> = self.parts[1 - side]
                 .iter()
                 .map(|other| {
                     let parts = if side == 0 { [own, other] } else { [other, own] };
-                    PartsAtEnds { parts, places }
+                    PartsAtEnds { parts, ends }
                 })
+                .filter(|two| !two.are_far(float(limit)))
                 .collect();
             let directions: Vec<Vec<Candidate>> = against.iter().map(PartsAtEnds::best_directions).collect();
             // No translation, then by g along the direction that the part overlapped most asks for, or along the middle of
@@ -102,6 +113,7 @@ impl ConvexPart {
             vertices: (0..block.vertices().len() as u32).collect(),
             faces: topology.faces().to_vec(),
             edges: topology.edges().iter().map(|edge| [edge.p, edge.q]).collect(),
+            is_rough: false,
         }
     }
 
@@ -111,6 +123,7 @@ impl ConvexPart {
             vertices: v.to_vec(),
             faces: vec![vec![o, a, b], vec![o, b, c], vec![o, c, a], vec![a, b, c]],
             edges: vec![[o, a], [o, b], [o, c], [a, b], [b, c], [c, a]],
+            is_rough: true,
         }
     }
 }
@@ -126,9 +139,7 @@ fn tetrahedra(block: &Block, places: &[LatticePoint]) -> Vec<ConvexPart> {
         volumes.filter(|sign| sign.is_negative()).count()
     };
     let apex = (0..places.len() as u32).min_by_key(|&v| sides(v)).unwrap_or(0);
-    let numbers: Vec<Vec3<u32>> = (0..places.len() as u32).map(|v| Vec3::new(v, v, v)).collect();
-    triangles(block, &numbers)
-        .map(|corners| corners.map(|v| v.x))
+    triangle_corners(block)
         .filter(|corners| !corners.contains(&apex))
         .map(|[a, b, c]| ConvexPart::of_points([apex, a, b, c]))
         .collect()
@@ -161,14 +172,64 @@ fn at_most_as_long(n: &LatticePoint, limit: &BigInt) -> LatticePoint {
     n.map(|c| c * limit / &root)
 }
 
+impl Ends {
+    fn new(places: [[Vec<LatticePoint>; 2]; 2]) -> Ends {
+        let origin = &places[0][0][0];
+        let round = |p: &LatticePoint| {
+            let from = p.minus(origin);
+            [&from.x, &from.y, &from.z].map(float)
+        };
+        let near = places.each_ref().map(|sides| sides.each_ref().map(|points| points.iter().map(round).collect()));
+        let all = near.iter().flatten().flatten().flatten();
+        let size = all.fold(0.0f64, |most, c: &f64| most.max(c.abs()));
+        Ends { places, near, size }
+    }
+
+    /// The way from one vertex to another over the size of all.
+    fn near_way(&self, end: usize, side: usize, vertices: [u32; 2]) -> [f64; 3] {
+        let [p, q] = vertices.map(|v| self.near[end][side][v as usize]);
+        std::array::from_fn(|k| (q[k] - p[k]) / self.size)
+    }
+}
+
 impl PartsAtEnds<'_> {
     fn places_of(&self, end: usize, side: usize) -> impl Iterator<Item = &LatticePoint> {
-        self.parts[side].vertices.iter().map(move |&v| &self.places[end][side][v as usize])
+        self.parts[side].vertices.iter().map(move |&v| &self.ends.places[end][side][v as usize])
+    }
+
+    fn near_of(&self, end: usize, side: usize) -> impl Iterator<Item = &[f64; 3]> {
+        self.parts[side].vertices.iter().map(move |&v| &self.ends.near[end][side][v as usize])
+    }
+
+    /// Whether at both ends the parts are certainly further apart along one axis than `limit`, so that a translation by that
+    /// does not bring them together. Each coordinate is one rounding off, and so are the limit and the two sums.
+    fn are_far(&self, limit: f64) -> bool {
+        let most = limit * (1.0 + 4.0 * f64::EPSILON) + self.ends.size * (8.0 * f64::EPSILON);
+        (0..3).any(|axis| {
+            [(0, 1), (1, 0)].into_iter().any(|(above, below)| {
+                (0..2).all(|end| {
+                    let along = |side: usize| self.near_of(end, side).map(move |p| p[axis]);
+                    let low = along(above).fold(f64::INFINITY, f64::min);
+                    let high = along(below).fold(f64::NEG_INFINITY, f64::max);
+                    low - high > most
+                })
+            })
+        })
     }
 
     fn edge(&self, end: usize, side: usize, edge: usize) -> LatticePoint {
-        let [p, q] = self.parts[side].edges[edge].map(|v| &self.places[end][side][v as usize]);
+        let [p, q] = self.parts[side].edges[edge].map(|v| &self.ends.places[end][side][v as usize]);
         q.minus(p)
+    }
+
+    /// The direction of an edge in f64.
+    fn near_edge(&self, end: usize, side: usize, edge: usize) -> [f64; 3] {
+        if self.parts[side].is_rough {
+            let [p, q] = self.parts[side].edges[edge];
+            return self.ends.near_way(end, side, [p, q]);
+        }
+        let d = self.edge(end, side, edge);
+        direction([&d.x, &d.y, &d.z])
     }
 
     /// The least gap along n at both ends: A's lowest point less B's highest, times |n|.
@@ -195,12 +256,7 @@ impl PartsAtEnds<'_> {
     /// The directions with the largest gaps by f64, the largest first: normals of faces and cross products of edges, as they
     /// are at either end.
     fn best_directions(&self) -> Vec<Candidate> {
-        let near = |end: usize, side: usize| -> Vec<[f64; 3]> {
-            let origin = &self.places[0][0][0];
-            let from = self.places_of(end, side).map(|p| p.minus(origin));
-            from.map(|p| [&p.x, &p.y, &p.z].map(float)).collect()
-        };
-        let points = [0, 1].map(|end| [near(end, 0), near(end, 1)]);
+        let points = [0, 1].map(|end| [0, 1].map(|side| self.near_of(end, side).copied().collect::<Vec<_>>()));
         let along = |n: [f64; 3]| {
             let gap = |end: usize| {
                 let values = |side: usize| {
@@ -212,8 +268,7 @@ impl PartsAtEnds<'_> {
         };
         let edges = [0, 1].map(|end| {
             [0, 1].map(|side| -> Vec<[f64; 3]> {
-                let all = (0..self.parts[side].edges.len()).map(|edge| self.edge(end, side, edge));
-                all.map(|d| direction([&d.x, &d.y, &d.z])).collect()
+                (0..self.parts[side].edges.len()).map(|edge| self.near_edge(end, side, edge)).collect()
             })
         });
         // f64 chooses among the directions; the exact ones of the chosen follow.
@@ -263,7 +318,7 @@ enum Features {
 impl Source {
     fn exactly(self, ends: &PartsAtEnds<'_>) -> LatticePoint {
         let n = match self.features {
-            Features::Face(side, face) => face_normal(&ends.places[self.end][side], &ends.parts[side].faces[face]),
+            Features::Face(side, face) => face_normal(&ends.ends.places[self.end][side], &ends.parts[side].faces[face]),
             Features::Edges(one, two) => ends.edge(self.end, 0, one).cross(&ends.edge(self.end, 1, two)),
         };
         if self.is_reversed { n.negated() } else { n }
@@ -272,16 +327,22 @@ impl Source {
     /// The direction in f64, of any length; the parts' edges are given, by the end of the interval and the part.
     fn near(self, ends: &PartsAtEnds<'_>, edges: &[[Vec<[f64; 3]>; 2]; 2]) -> [f64; 3] {
         match self.features {
-            Features::Edges(one, two) => {
-                let (d, e) = (edges[self.end][0][one], edges[self.end][1][two]);
-                [d[1] * e[2] - d[2] * e[1], d[2] * e[0] - d[0] * e[2], d[0] * e[1] - d[1] * e[0]]
+            Features::Edges(one, two) => cross(edges[self.end][0][one], edges[self.end][1][two]),
+            Features::Face(side, face) if ends.parts[side].is_rough => {
+                let corners = &ends.parts[side].faces[face];
+                let way = |k: usize| ends.ends.near_way(self.end, side, [corners[0], corners[k]]);
+                cross(way(1), way(2))
             }
-            _ => {
+            Features::Face(..) => {
                 let n = self.exactly(ends);
                 direction([&n.x, &n.y, &n.z])
             }
         }
     }
+}
+
+fn cross(d: [f64; 3], e: [f64; 3]) -> [f64; 3] {
+    [d[1] * e[2] - d[2] * e[1], d[2] * e[0] - d[0] * e[2], d[0] * e[1] - d[1] * e[0]]
 }
 
 fn float(value: &BigInt) -> f64 {

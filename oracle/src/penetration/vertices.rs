@@ -17,9 +17,10 @@
 
 use super::{LatticePair, Penetration, compare};
 use crate::Gap;
-use crate::convex_cells::{SeparableCell, cells};
+use crate::convex_cells::cells;
+use crate::interiors::surfaces_meet;
 use crate::point_in_surface::{surface_holds_origin, triangles};
-use crate::separation::separate;
+use crate::separation::{SeparablePoints, separate};
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
@@ -73,8 +74,8 @@ fn deepest_of(surfaces: &[LatticeSurface<'_>; 2], points: impl Fn(usize) -> Vec<
 
 /// The deepest of the middles of what the blocks' cells share.
 fn deepest_common(pair: &LatticePair<'_>, surfaces: &[LatticeSurface<'_>; 2]) -> Option<DeepPoint> {
-    let [a, b] = pair.blocks.map(|block| SeparableCell::new(block.vertices().to_vec()));
-    if separate(a.points(), b.points()).is_separated {
+    let [a, b] = pair.blocks.map(|block| SeparablePoints::new(block.vertices().to_vec()));
+    if separate(a.set(), b.set()).is_separated || !surfaces_meet(pair.blocks[0], pair.blocks[1]) {
         return None;
     }
     let [ones, twos] = pair.blocks.map(cells);

@@ -2,28 +2,35 @@
 
 use super::engine::{ComparedPairStep, StepEngine};
 use super::finding::{StepChange, StepFinding};
+use crate::shrink::BlockShrinker;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCase;
 use rockproof_differential::lockstep::case_file::Expected;
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::simulation::Kinematics;
-use rockproof_model::{Body, Motion, Number, Precision, Vec3};
+use rockproof_model::{Block, Body, Motion, Number, Precision, Vec3};
 use rockproof_simulate::identity::with_tolerances;
 
-/// Makes the case of a finding: its step alone, from the state before it, with as little motion as still shows it. `None` where
+/// Makes the case of a finding: its step alone, from the state before it, with as little motion as still shows it; of a passage or an
+/// unseen overlap the blocks are made smaller too, for which at most a share of `evaluations` steps are made. `None` where
 /// the engine does not take part, or the step cannot be made exactly. It is made on a thread of its own ([`super::examine_all`]).
 pub fn of(
     finding: &StepFinding,
     subject: &Subject,
     motion: &PairMotion,
     engines: &[Box<dyn StepEngine>],
+    evaluations: u64,
 ) -> Option<StepCase> {
-    std::thread::scope(|scope| match scope.spawn(|| made(finding, subject, motion, engines)).join() {
+    let case = || made(finding, subject, motion, engines, evaluations / STEP_EVALUATIONS);
+    std::thread::scope(|scope| match scope.spawn(case).join() {
         Ok(case) => case,
         Err(panic) => std::panic::resume_unwind(panic),
     })
 }
+
+/// A step takes about so many times as long as the examination of a pair.
+const STEP_EVALUATIONS: u64 = 6;
 
 /// Whether a finding can have a case, without making it small where that is not needed to know: `false` only if [`of`] gives `None`.
 pub fn is_possible(
@@ -35,7 +42,7 @@ pub fn is_possible(
     let possible = || {
         let Some(made) = shown_again(finding, subject, motion, engines) else { return false };
         // Another motion may let the oracle's step come to its end.
-        made.compared.oracle.is_some() || self::made(finding, subject, motion, engines).is_some()
+        made.compared.oracle.is_some() || self::made(finding, subject, motion, engines, 0).is_some()
     };
     std::thread::scope(|scope| match scope.spawn(possible).join() {
         Ok(possible) => possible,
@@ -61,32 +68,60 @@ fn made(
     subject: &Subject,
     motion: &PairMotion,
     engines: &[Box<dyn StepEngine>],
+    evaluations: u64,
 ) -> Option<StepCase> {
     let set = subject.sets.iter().find(|set| set.name == finding.set)?;
     let engine = &**engines.iter().find(|engine| engine.name() == &*finding.engine)?;
-    let again = |motion: &PairMotion| shown_again(finding, subject, motion, engines);
-    let mut best = (motion.clone(), again(motion)?);
-    // A later step is made from a state that simpler motions do not come to.
+    let again = |subject: &Subject, motion: &PairMotion| shown_again(finding, subject, motion, engines);
+    let mut best = ShownStep { subject: subject.clone(), motion: motion.clone(), made: again(subject, motion)? };
+    // A later step is made from a state that simpler motions, or other blocks, do not come to.
     if finding.step == 1 {
         for simpler in simplifications() {
-            let tried = simpler(&best.0);
-            if tried != best.0
-                && let Some(made) = again(&tried)
+            let tried = simpler(&best.motion);
+            if tried != best.motion
+                && let Some(made) = again(&best.subject, &tried)
             {
-                best = (tried, made);
+                (best.motion, best.made) = (tried, made);
             }
         }
+        if matches!(finding.change, StepChange::Intrusion(_)) {
+            best.shrink_blocks(again, evaluations);
+        }
     }
-    written(finding, subject, set, engine.precision(), &best)
+    written(finding, set, engine.precision(), &best)
 }
 
-fn written(
-    finding: &StepFinding,
-    subject: &Subject,
-    set: &SubjectSet,
-    precision: Precision,
-    (motion, made): &(PairMotion, ComparedPairStep),
-) -> Option<StepCase> {
+/// A step that shows a finding.
+struct ShownStep {
+    subject: Subject,
+    motion: PairMotion,
+    made: ComparedPairStep,
+}
+
+impl ShownStep {
+    /// Makes the blocks smaller for as long as `again` makes a step that shows the finding; at most so many are made.
+    fn shrink_blocks(
+        &mut self,
+        again: impl Fn(&Subject, &PairMotion) -> Option<ComparedPairStep>,
+        mut evaluations: u64,
+    ) {
+        let mut blocks = [self.subject.a.clone(), self.subject.b.clone()];
+        let mut shows = |[a, b]: &[Block; 2]| {
+            evaluations = evaluations.checked_sub(1)?;
+            let subject = Subject { a: a.clone(), b: b.clone(), ..self.subject.clone() };
+            let made = again(&subject, &self.motion);
+            let is_shown = made.is_some();
+            if let Some(made) = made {
+                (self.subject, self.made) = (subject, made);
+            }
+            Some(is_shown)
+        };
+        BlockShrinker { shows: &mut shows, is_spent: false }.shrink(&mut blocks);
+    }
+}
+
+fn written(finding: &StepFinding, set: &SubjectSet, precision: Precision, shown: &ShownStep) -> Option<StepCase> {
+    let ShownStep { subject, motion, made } = shown;
     let tolerances = set.of(precision);
     let scene = motion.scene(&subject.a, &subject.b, tolerances);
     let about = |c: &rockproof_differential::lockstep::AttributedDifference| {

@@ -4,7 +4,7 @@ use rockproof_differential::collapse::collapsed_feature;
 use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, Lockstep};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Subject, SubjectSet};
-use rockproof_model::{Block, Precision};
+use rockproof_model::Precision;
 use rockproof_simulate::checkpoint::SavedState;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Mode, Solve, State, StepRules};
@@ -74,15 +74,6 @@ pub fn engines<'n>(names: impl IntoIterator<Item = &'n str>) -> Vec<Box<dyn Step
     names.into_iter().filter_map(engine).collect()
 }
 
-/// Faces of a block beyond which its steps are not looked through for passages and unseen overlaps.
-const MOST_WATCHED_FACES: usize = 12;
-
-/// Whether steps of a block are looked through for passages and unseen overlaps: rounding bends its faces, and a bent block is cut into convex
-/// cells by the planes of all its faces, whose number grows as the third power of theirs.
-fn is_watched(block: &Block) -> bool {
-    block.is_convex() && block.topology().faces().len() <= MOST_WATCHED_FACES
-}
-
 impl<R: Solve, M: StepRules> StepEngine for StepperStepEngine<R, M> {
     fn name(&self) -> &str {
         &self.name
@@ -102,10 +93,8 @@ impl<R: Solve, M: StepRules> StepEngine for StepperStepEngine<R, M> {
         let tolerances = set.of(self.precision);
         let scene = motion.scene(&subject.a, &subject.b, tolerances);
         let mut lockstep = Lockstep::<R, M>::new(&scene, tolerances, self.precision, ComparedLinks::All)
-            .map_err(|failure| failure.to_string())?;
-        if [&subject.a, &subject.b].into_iter().all(is_watched) {
-            lockstep = lockstep.watching();
-        }
+            .map_err(|failure| failure.to_string())?
+            .watching();
         let reach = tolerances.max_displacement.approximate();
         let mut all = Vec::new();
         for _ in 0..motion.steps {

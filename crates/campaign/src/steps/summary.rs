@@ -138,6 +138,7 @@ counts! {
     state_differs "Steps with the same decisions and another state, in 512 bits too.",
     deeper "Steps after which blocks overlap deeper than after the oracle's.",
     shallower "Steps after which they overlap less deep.",
+    watched "Steps looked through for passages and unseen overlaps.",
     passages_stepper "Steps of the stepper within which blocks pass through one another.",
     passages_oracle "Steps of the oracle within which they do.",
     passages_undecided "Steps of either within which that stayed undecided.",
@@ -191,7 +192,7 @@ impl From<StepSummary> for StepSummaryRows {
 }
 
 /// The columns of `step_summary.csv`.
-pub const STEP_SUMMARY_COLUMNS: [&str; 41] = [
+pub const STEP_SUMMARY_COLUMNS: [&str; 42] = [
     "family",
     "form",
     "tolerances",
@@ -215,6 +216,7 @@ pub const STEP_SUMMARY_COLUMNS: [&str; 41] = [
     "state_differs",
     "deeper",
     "shallower",
+    "watched",
     "passages_stepper",
     "passages_oracle",
     "passages_undecided",
@@ -276,6 +278,7 @@ impl StepSummary {
             state_differs: u64::from(made.drift.is_some()),
             deeper: u64::from(deepened == Some(StepChange::Deeper)),
             shallower: u64::from(deepened == Some(StepChange::Shallower)),
+            watched: u64::from(step.watched.is_some()),
             passages_stepper,
             passages_oracle,
             passages_undecided: u64::from(sides.iter().any(|side| !side.undecided.is_empty())),
@@ -393,7 +396,7 @@ mod tests {
 
     #[test]
     fn the_columns_are_the_counts() {
-        assert_eq!(STEP_SUMMARY_COLUMNS[4..35], *StepCounts::NAMES);
+        assert_eq!(STEP_SUMMARY_COLUMNS[4..36], *StepCounts::NAMES);
     }
 
     #[test]

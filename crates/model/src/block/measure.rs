@@ -73,7 +73,8 @@ impl Block {
         Vec3::new(place(&sum.x, &origin.x), place(&sum.y, &origin.y), place(&sum.z, &origin.z))
     }
 
-    fn lattice_points(&self) -> (Lattice, Vec<Vec3<BigInt>>) {
+    /// The lattice of the coordinates, and the vertices on it.
+    pub(crate) fn lattice_points(&self) -> (Lattice, Vec<Vec3<BigInt>>) {
         let lattice = Lattice::covering(self.coordinates());
         let points = self.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
         (lattice, points)

@@ -1,7 +1,7 @@
 //! Whether a block that falls is stopped before it is deeper than `penetration`: a warning, not a rule of SPEC section 3.
 
 use super::six_digits;
-use super::stiffness::softest;
+use super::stiffness::{blocks_by_joint, softest};
 use crate::number::Number;
 use crate::scene::Scene;
 use crate::simulation::derive_stiffness;
@@ -51,8 +51,9 @@ pub fn fall(set: &ToleranceSet, scene: &Scene) -> Option<Fall> {
     let along: Vec<BigRational> = vertices.map(|v| gravity.dot(&v.map(Number::to_rational))).collect();
     // |gravity| times the height of the model.
     let drop = along.iter().max()? - along.iter().min()?;
+    let joints = blocks_by_joint(&simulation, &scene.blocks);
     let masses = scene.blocks.iter().enumerate().filter(|(_, b)| !b.body.is_fixed()).filter_map(|(block, b)| {
-        let stiffness = softest(&simulation, &scene.blocks, block)?;
+        let stiffness = softest(&simulation, &joints, b)?;
         let mass = simulation.materials[b.body.material].density.to_rational() * b.block.volume();
         Some((block, mass, stiffness))
     });
@@ -79,7 +80,7 @@ pub fn fall(set: &ToleranceSet, scene: &Scene) -> Option<Fall> {
     let deeper = ToleranceSet { penetration: Number::from_f64(depth).unwrap_or(Number::ZERO), ..set.clone() };
     let mut derived = scene.simulation.clone();
     derive_stiffness(&mut derived, &bodies, &deeper);
-    let is_mended = softest(&derived, &scene.blocks, block).is_some_and(|derived| derived >= given);
+    let is_mended = softest(&derived, &joints, &scene.blocks[block]).is_some_and(|derived| derived >= given);
     let remedies = [
         needed.is_finite().then(|| format!("normal_stiffness ≥ {}", six_digits(needed, true, false))),
         is_mended.then(|| format!("penetration ≥ {}", six_digits(depth, true, false))),

@@ -43,8 +43,9 @@ fn stiffness(set: &ToleranceSet, scene: &Scene) -> Option<Violations> {
     if gravity.is_zero() {
         return None;
     }
+    let joints = blocks_by_joint(&simulation, &scene.blocks);
     let overlap = |(block, scene_block): (usize, &SceneBlock)| {
-        let softest = softest(&simulation, &scene.blocks, block)?;
+        let softest = softest(&simulation, &joints, scene_block)?;
         let density = simulation.materials[scene_block.body.material].density.to_rational();
         let mass = density * scene_block.block.volume();
         let corners = smallest_face(&scene_block.block);
@@ -69,12 +70,21 @@ fn stiffness(set: &ToleranceSet, scene: &Scene) -> Option<Violations> {
     Some(violations)
 }
 
-/// The least normal stiffness of a joint that the block can be part of; `None` where there is no other block.
-pub(super) fn softest(simulation: &Simulation, blocks: &[SceneBlock], block: usize) -> Option<BigRational> {
-    let own = blocks[block].body.joint;
-    let met = |joint: usize| blocks.iter().enumerate().any(|(i, b)| i != block && b.body.joint == joint);
-    (0..simulation.joints.names.len())
-        .filter(|&joint| met(joint))
+/// How many blocks have each joint material.
+pub(super) fn blocks_by_joint(simulation: &Simulation, blocks: &[SceneBlock]) -> Vec<usize> {
+    let mut counts = vec![0; simulation.joints.names.len()];
+    for block in blocks {
+        counts[block.body.joint] += 1;
+    }
+    counts
+}
+
+/// The least normal stiffness of a joint that a block can be part of; `None` where there is no other block. `blocks` are those of each
+/// joint material, this one among them.
+pub(super) fn softest(simulation: &Simulation, blocks: &[usize], block: &SceneBlock) -> Option<BigRational> {
+    let own = block.body.joint;
+    (0..blocks.len())
+        .filter(|&joint| blocks[joint] > usize::from(joint == own))
         .filter_map(|joint| simulation.joints.between(own, joint).normal_stiffness.as_ref())
         .min()
         .map(Number::to_rational)

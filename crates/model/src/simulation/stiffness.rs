@@ -31,10 +31,14 @@ pub fn derive_stiffness(simulation: &mut Simulation, blocks: &[(&Block, &Body)],
 
 /// The number of corners of the face with the least area; of several, the fewest.
 pub(crate) fn smallest_face(block: &Block) -> usize {
-    let points: Vec<_> = block.vertices().iter().map(|v| v.map(Number::to_rational)).collect();
     let faces = block.topology().faces();
+    let corners = faces.first().map_or(3, Vec::len);
+    if faces.iter().all(|face| face.len() == corners) {
+        return corners;
+    }
+    let (_, points) = block.lattice_points();
     let areas = faces.iter().map(|face| (face_normal(&points, face).norm_squared(), face.len()));
-    areas.min().map_or(3, |(_, corners)| corners)
+    areas.min().map_or(corners, |(_, corners)| corners)
 }
 
 #[cfg(test)]

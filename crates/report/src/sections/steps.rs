@@ -63,12 +63,12 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
     );
     let mut intrusions = Table::new(
         "steps_passages",
-        "Steps within which blocks pass through one another, and after which they overlap where no contact sees it, by engine and exactly",
+        "Of the steps looked through (watched) those within which blocks pass through one another, and those after which they overlap where no contact sees it, by engine and exactly",
         &[
             "run",
             "setting",
             "engine",
-            "steps",
+            "watched",
             "passages",
             "passages_oracle",
             "passages_undecided",
@@ -108,7 +108,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
             penetration.push(names().chain(steps).chain(sizes.map(TableCell::Number)).collect());
             let passages = [c.passages_stepper, c.passages_oracle, c.passages_undecided];
             let unseen = [c.unseen_stepper, c.unseen_oracle, c.step_length, c.not_held];
-            let numbers = [c.compared].into_iter().chain(passages).chain(unseen);
+            let numbers = [c.watched].into_iter().chain(passages).chain(unseen);
             intrusions.push(names().chain(numbers.map(TableCell::Count)).collect());
         }
     }

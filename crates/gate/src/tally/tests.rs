@@ -1,0 +1,67 @@
+use super::*;
+use rockproof_campaign::steps::STEP_SUMMARY_COLUMNS;
+use rockproof_campaign::summary::SUMMARY_COLUMNS;
+use rockproof_differential::finding::FINDING_COLUMNS;
+use std::fs;
+
+#[test]
+fn a_number_that_cannot_be_read_is_an_error_and_not_zero() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let finding = "3,sliver,random,auto,f32,representation,missing,v-v,,,,1e-9,2.5,";
+    let origin = "sliver,random,auto,1000,f32,representation,missing,v-v,1";
+    let read = |finding: &str, origin: &str| {
+        let write = |name: &str, columns: &[&str], row: &str| {
+            fs::write(dir.path().join(name), format!("{}\n{row}\n", columns.join(","))).expect("write");
+        };
+        write("findings.csv", &FINDING_COLUMNS, finding);
+        write("summary.csv", &SUMMARY_COLUMNS, origin);
+        CampaignTally::read(dir.path())
+    };
+    let limit = FindingLimit { rate: Some(1e-4), beyond_ulps: Some(2.0), ..FindingLimit::default() };
+    let found = read(finding, origin).expect("a tally").count(&limit);
+    assert_eq!((found.pairs, found.examined, found.rate()), (1, 1000, 1e-3));
+    for damaged in [finding.replacen('3', "x", 1), finding.replace("2.5", "2.5.1"), finding.replace(",f32,", ",,")] {
+        let error = read(&damaged, origin).expect_err("no number").to_string();
+        assert!(error.contains("findings.csv"), "{error}");
+    }
+    // Read as zero, no pair was examined, and the rate was within every limit.
+    for damaged in [origin.replace("1000", "1000.0"), origin.replace("1000", ""), origin.replace("1000", "-1")] {
+        let error = read(finding, &damaged).expect_err("no count").to_string();
+        assert!(error.contains("summary.csv"), "{error}");
+    }
+    let error = read(finding, &format!("{origin}\n{}", origin.replace("1000", "9"))).expect_err("two counts");
+    assert!(matches!(error, TallyError::Contradiction { found: [1000, 9], .. }), "{error}");
+}
+
+#[test]
+fn passages_are_a_share_of_the_pairs_looked_through() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let row = STEP_SUMMARY_COLUMNS.map(|column| match column {
+        "family" | "form" | "tolerances" | "engine" => "sliver",
+        "pairs" => "20",
+        "watched" => "15",
+        _ => "0",
+    });
+    let origin = "sliver,random,sliver,1000,f32,representation,missing,v-v,1";
+    let [steps, row] = [STEP_SUMMARY_COLUMNS.join(","), row.join(",")];
+    let tables = [(FINDING_COLUMNS.join(","), ""), (SUMMARY_COLUMNS.join(","), origin), (steps, &row)];
+    for (name, (columns, row)) in ["findings", "summary", "step_summary"].iter().zip(tables) {
+        fs::write(dir.path().join(format!("{name}.csv")), format!("{columns}\n{row}\n")).expect("write");
+    }
+    let tally = CampaignTally::read(dir.path()).expect("a tally");
+    let examined = |change: Option<&str>| {
+        tally.count(&FindingLimit { change: change.map(str::to_owned), ..FindingLimit::default() }).examined
+    };
+    assert_eq!([examined(Some("passage")), examined(Some("mode")), examined(None)], [15, 1000, 1000]);
+}
+
+#[test]
+fn chance_is_the_binomial_tail() {
+    let found = |pairs, examined, design_effect| LimitCount { findings: pairs, pairs, examined, design_effect };
+    // P(X ≥ 2), X binomial of 10 and 0.1: 1 − 0.9¹⁰ − 10·0.1·0.9⁹.
+    let tail = 1.0 - 0.9f64.powi(10) - 0.9f64.powi(9);
+    assert!((found(2, 10, 1.0).chance(0.1) - tail).abs() < 1e-12);
+    assert_eq!(found(0, 10, 1.0).chance(0.0), 1.0);
+    assert_eq!(found(1, 10, 1.0).chance(0.0), 0.0);
+    assert!(found(40, 1000, 8.0).chance(0.02) > found(40, 1000, 1.0).chance(0.02), "clustered pairs tell less");
+}

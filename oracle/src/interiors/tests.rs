@@ -1,0 +1,167 @@
+use super::*;
+use crate::convex_cells::cells;
+use num_rational::BigRational;
+use rockproof_model::block::Point;
+use rockproof_model::{BlockOptions, Number, Precision};
+
+/// Whether the convex cells of two blocks overlap, those of a block that is not convex being cut by all planes of its faces:
+/// the slow way.
+fn cells_meet(a: &Block, b: &Block) -> bool {
+    let parts = |block: &Block| -> Vec<SeparablePoints> {
+        if block.is_convex() {
+            return vec![SeparablePoints::new(block.vertices().to_vec())];
+        }
+        let number = |c: &BigRational| Number::from_rational(c.clone());
+        let points = |p: &Vec3<BigRational>| p.map(number);
+        cells(block).iter().map(|cell| SeparablePoints::new(cell.vertices().iter().map(points).collect())).collect()
+    };
+    let (ones, twos) = (parts(a), parts(b));
+    ones.iter().any(|one| twos.iter().any(|two| !separate(one.set(), two.set()).is_separated))
+}
+
+fn meet(a: &Block, b: &Block) -> bool {
+    let points = |block: &Block| SeparablePoints::new(block.vertices().to_vec());
+    match [a, b].map(Block::is_convex) {
+        [true, true] => !separate(points(a).set(), points(b).set()).is_separated,
+        [false, true] => meets_hull(a, points(b).set()),
+        [true, false] => meets_hull(b, points(a).set()),
+        [false, false] => surfaces_meet(a, b),
+    }
+}
+
+/// A prism of height 2 over a polygon that goes round counter-clockwise.
+fn prism(corners: &[[i32; 2]]) -> Block {
+    let n = corners.len() as u32;
+    let at = |z: i32| corners.iter().map(move |c| Vec3::new(c[0], c[1], z).map(|&c| Number::from_integer(c)));
+    let sides = (0..n).map(|k| vec![k, (k + 1) % n, (k + 1) % n + n, k + n]);
+    let faces = [(0..n).rev().collect(), (n..2 * n).collect()].into_iter().chain(sides).collect();
+    Block::new(at(0).chain(at(2)).collect(), faces, &BlockOptions { planarity: Number::ZERO }).unwrap()
+}
+
+fn shapes() -> [Block; 4] {
+    [
+        // An L, first seen from its reflex corner, then not, so that triangles of its faces reach out of them; a V; a box.
+        prism(&[[2, 2], [2, 4], [0, 4], [0, 0], [4, 0], [4, 2]]),
+        prism(&[[0, 0], [4, 0], [4, 2], [2, 2], [2, 4], [0, 4]]),
+        prism(&[[0, 4], [2, 0], [4, 4], [2, 1]]),
+        prism(&[[0, 0], [3, 0], [3, 2], [0, 2]]),
+    ]
+}
+
+/// SplitMix64: the same pairs everywhere.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: u64) -> i32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % end) as i32
+    }
+
+    fn offset(&mut self) -> Point {
+        let mut along = || number(self.below(17) - 8, 2);
+        Vec3::new(along(), along(), along())
+    }
+
+    /// Each coordinate moved by up to two times `step` either way.
+    fn bent(&mut self, block: &Block, step: &Number) -> Block {
+        let mut along = |c: &Number| c.plus(&step.times(&Number::from_integer(self.below(5) - 2)));
+        block.with_vertices(block.vertices().iter().map(|v| v.map(&mut along)).collect())
+    }
+}
+
+fn number(n: i32, d: i32) -> Number {
+    Number::from_rational(BigRational::new(n.into(), d.into()))
+}
+
+/// Turned about z by the angle of cosine 3/5, then about x by that of cosine 5/13, and rounded to f32: neighbours' faces
+/// that were in one plane are bent by roundoffs.
+fn turned(block: &Block) -> Block {
+    let turn = |a: &Number, b: &Number, c: Number, s: Number| {
+        (a.times(&c).plus(&b.times(&s).negated()), a.times(&s).plus(&b.times(&c)))
+    };
+    let vertices = block.vertices().iter().map(|v| {
+        let (x, y) = turn(&v.x, &v.y, number(3, 5), number(4, 5));
+        let (y, z) = turn(&y, &v.z, number(5, 13), number(12, 13));
+        Vec3::new(x, y, z)
+    });
+    block.with_vertices(vertices.collect()).rounded(Precision::F32).unwrap()
+}
+
+/// The answer for pairs of one sort, compared with that of the cells: how many meet and how many do not.
+fn compared(pairs: impl IntoIterator<Item = (Block, Block)>) -> [usize; 2] {
+    let mut counts = [0; 2];
+    for (a, b) in pairs {
+        let expected = cells_meet(&a, &b);
+        assert_eq!(meet(&a, &b), expected, "{a:?}\n{b:?}");
+        assert_eq!(meet(&b, &a), expected, "{b:?}\n{a:?}");
+        counts[usize::from(expected)] += 1;
+    }
+    counts
+}
+
+/// Pairs of which one is not convex at least, B somewhere at A.
+fn pairs(random: &mut Random, count: usize) -> Vec<(Block, Block)> {
+    let shapes = shapes();
+    let pick = |k: usize| shapes[k % shapes.len()].clone();
+    (0..count).map(|k| (pick(k % 3), pick(k / 3).translated(&random.offset()))).collect()
+}
+
+/// Pairs of each sort; cells take long.
+const PAIRS: [usize; 2] = if cfg!(debug_assertions) { [24, 3] } else { [120, 12] };
+
+#[test]
+fn surfaces_say_what_convex_cells_say_of_blocks_with_planar_faces() {
+    let mut random = Random(1);
+    let plain = pairs(&mut random, PAIRS[0]);
+    let [apart, meeting] = compared(plain);
+    assert!(apart > PAIRS[0] / 6 && meeting > PAIRS[0] / 6, "{apart} {meeting}");
+}
+
+#[test]
+fn surfaces_say_what_convex_cells_say_of_bent_blocks() {
+    let mut random = Random(2);
+    let rounded: Vec<_> = pairs(&mut random, PAIRS[1]).iter().map(|(a, b)| (turned(a), turned(b))).collect();
+    let [apart, meeting] = compared(rounded);
+    assert!(cfg!(debug_assertions) || apart > 0 && meeting > 3, "{apart} {meeting}");
+    // Faces so bent that surfaces pass through themselves.
+    let bent = pairs(&mut random, PAIRS[1]);
+    let bent: Vec<_> =
+        bent.iter().map(|(a, b)| (random.bent(a, &number(1, 4)), random.bent(b, &number(1, 4)))).collect();
+    let [apart, meeting] = compared(bent);
+    assert!(cfg!(debug_assertions) || apart > 0 && meeting > 3, "{apart} {meeting}");
+}
+
+#[test]
+fn a_block_in_another_or_equal_to_it_meets_it_and_one_in_a_notch_does_not() {
+    let [l, other, v, _] = shapes();
+    let scaled = |block: &Block, by: i32| {
+        let by = number(1, by);
+        block.with_vertices(block.vertices().iter().map(|p| p.map(|c| c.times(&by).plus(&by))).collect())
+    };
+    let notch = prism(&[[2, 2], [3, 2], [3, 3], [2, 3]]);
+    let cases = [
+        (l.clone(), l.clone(), true),
+        // Other triangles of the same faces.
+        (l.clone(), other.clone(), true),
+        (turned(&l), turned(&other), true),
+        (v.clone(), v.clone(), true),
+        (l.clone(), scaled(&v, 4), true),
+        (other.clone(), scaled(&notch, 8), true),
+        (l.clone(), notch.clone(), false),
+        (other.clone(), notch.clone(), false),
+        (v, l.translated(&Vec3::new(number(4, 1), number(0, 1), number(0, 1))), false),
+    ];
+    for (k, (a, b, expected)) in cases.into_iter().enumerate() {
+        assert_eq!([meet(&a, &b), meet(&b, &a)], [expected; 2], "case {k}");
+    }
+    // In the hull of the L alone, a little into the L, and far from the origin, where f64 decides little.
+    for (by, expected) in [(number(1, 8), false), (number(-1, 1 << 30), true), (number(0, 1), false)] {
+        let far = Vec3::new(number(1 << 30, 1), number(1 << 29, 3), number(0, 1));
+        let moved = notch.translated(&Vec3::new(by.clone(), by, number(0, 1)));
+        let (a, b) = (l.translated(&far), moved.translated(&far));
+        assert_eq!([meet(&a, &b), meet(&b, &a)], [expected; 2]);
+    }
+}
