@@ -116,19 +116,19 @@ impl View for FloatView<'_> {
     }
     #[inline(always)]
     fn direction(&self, side: Side, edge: u32) -> Vec3<Approx> {
-        self.solid(side).directions[edge as usize]
+        self.solid(side).edges[edge as usize].direction
     }
     #[inline(always)]
     fn normal(&self, side: Side, face: u32) -> Vec3<Approx> {
-        self.solid(side).normals[face as usize]
+        self.solid(side).faces[face as usize].normal
     }
     #[inline(always)]
     fn centre(&self, side: Side, face: u32) -> Vec3<Approx> {
-        self.solid(side).centres[face as usize]
+        self.solid(side).faces[face as usize].centre
     }
     #[inline(always)]
     fn inward(&self, side: Side, edge: u32, right: bool) -> Vec3<Approx> {
-        self.solid(side).inwards[edge as usize][usize::from(right)]
+        self.solid(side).edges[edge as usize].inwards[usize::from(right)]
     }
     #[inline(always)]
     fn scales(&self) -> &Scales<Approx> {
@@ -136,15 +136,15 @@ impl View for FloatView<'_> {
     }
     #[inline(always)]
     fn ends(&self, side: Side, edge: u32) -> (u32, u32) {
-        self.solid(side).ends[edge as usize]
+        self.solid(side).edges[edge as usize].ends
     }
     #[inline(always)]
     fn first_corner(&self, side: Side, face: u32) -> u32 {
-        self.solid(side).loops[face as usize].0
+        self.solid(side).faces[face as usize].first
     }
     #[inline(always)]
     fn loop_length(&self, side: Side, face: u32) -> Approx {
-        self.solid(side).loops[face as usize].1
+        self.solid(side).faces[face as usize].count
     }
 }
 
