@@ -384,7 +384,7 @@ impl<'p> Examiner<'p> {
             for (difference, deciding) in changed.into_iter().zip(reasons) {
                 let remains = wide
                     .as_ref()
-                    .is_some_and(|wide| wide.unsettled == 0 && answers_differ(at.rounded, &wide.contacts, &difference));
+                    .is_some_and(|wide| wide.settled && answers_differ(at.rounded, &wide.contacts, &difference));
                 let cause = if remains { Cause::Defect } else { at.engine.cause() };
                 self.report(at.set, scope.clone(), cause, difference, deciding);
             }

@@ -97,7 +97,7 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
         // A defect is what differs from the oracle, before the change or after, although nothing was close: that the
         // two wide answers differ is no defect where the order of features breaks an exact tie.
         let wrong = |said: &WideAnswer, right: &[Contact]| {
-            said.unsettled == 0 && answers_differ(right, &said.contacts, &difference)
+            said.settled && answers_differ(right, &said.contacts, &difference)
         };
         let remains = wide.as_ref().is_some_and(|[here, there]| wrong(here, base.exact) || wrong(there, &exact));
         let cause = if remains { Cause::Defect } else { base.engine.cause() };

@@ -61,12 +61,12 @@ fn every_change_at_every_link_has_its_cause() {
         script.rounded = old;
         assert_eq!(found(&script), [("scripted".to_owned(), Cause::Arithmetic, change)]);
 
-        let wide = |unsettled, contacts: &[Contact]| Some(WideAnswer { contacts: contacts.to_vec(), unsettled });
+        let wide = |settled, contacts: &[Contact]| Some(WideAnswer { contacts: contacts.to_vec(), settled });
         let script = Script { engine: Ok(other), ..unanimous.clone() };
         let cause = |wide| found(&Script { wide, ..script.clone() })[0].1;
-        assert_eq!(cause(wide(0, &answer)), Cause::Defect, "{change}: it remains although nothing was close");
-        assert_eq!(cause(wide(1, &answer)), Cause::Arithmetic, "{change}: a tie may explain it");
-        assert_eq!(cause(wide(0, &[base()])), Cause::Arithmetic, "{change}: more bits mend it");
+        assert_eq!(cause(wide(true, &answer)), Cause::Defect, "{change}: it remains although nothing was close");
+        assert_eq!(cause(wide(false, &answer)), Cause::Arithmetic, "{change}: a tie may explain it");
+        assert_eq!(cause(wide(true, &[base()])), Cause::Arithmetic, "{change}: more bits mend it");
     }
 }
 
