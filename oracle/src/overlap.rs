@@ -1,19 +1,115 @@
 //! The area that two polygons of the plane have in common, exactly.
 //!
-//! The plane is cut into strips at every corner of both and at every point where their sides cross. Within a strip the
+//! Of two convex ones, what is left of the first after cutting along each side of the second. For others the plane is cut into strips at every corner of both and at every point where their sides cross. Within a strip the
 //! sides keep their order, so the length that both polygons share of a vertical line is linear across it: the strip
 //! contributes its width times that length in its middle. Polygons may be concave and go round either way.
 
 use num_bigint::BigInt;
+use num_integer::Integer;
 use num_rational::BigRational;
-use num_traits::Zero;
+use num_traits::{One, Signed, Zero};
 use std::cmp::{max, min};
 
 /// A point of the plane.
-pub(crate) type Flat = [BigRational; 2];
+pub(crate) type Flat = [BigInt; 2];
 
 /// The common area of two simple polygons.
 pub(crate) fn common_area(one: &[Flat], two: &[Flat]) -> BigRational {
+    match (convex(one), convex(two)) {
+        (Some(one), Some(two)) => convex_area(&one, &two),
+        _ => {
+            let fractions = |polygon: &[Flat]| -> Vec<Fractions> {
+                polygon.iter().map(|corner| corner.clone().map(BigRational::from_integer)).collect()
+            };
+            area_in_strips(&fractions(one), &fractions(two))
+        }
+    }
+}
+
+/// The corners of a convex polygon, counterclockwise; `None` for any other.
+fn convex(polygon: &[Flat]) -> Option<Vec<&Flat>> {
+    let corners: Vec<&Flat> = polygon.iter().collect();
+    let on_one_side = |corners: &[&Flat]| {
+        (0..corners.len()).all(|k| {
+            let side = [corners[k], corners[(k + 1) % corners.len()]];
+            corners.iter().all(|[x, y]| !left_of(side, x, y, &BigInt::one()).is_negative())
+        })
+    };
+    if on_one_side(&corners) {
+        return Some(corners);
+    }
+    let backwards: Vec<&Flat> = polygon.iter().rev().collect();
+    on_one_side(&backwards).then_some(backwards)
+}
+
+/// Positive where the point (x/w, y/w), w > 0, is to the left of a line from its first point to its second.
+fn left_of([p, q]: [&Flat; 2], x: &BigInt, y: &BigInt, w: &BigInt) -> BigInt {
+    (&q[0] - &p[0]) * (y - &p[1] * w) - (&q[1] - &p[1]) * (x - &p[0] * w)
+}
+
+/// The point (x/w, y/w), w > 0, in lowest terms.
+struct Corner {
+    x: BigInt,
+    y: BigInt,
+    w: BigInt,
+}
+
+/// The common area of two convex polygons that go round counterclockwise.
+fn convex_area(one: &[&Flat], two: &[&Flat]) -> BigRational {
+    let whole = |[x, y]: &Flat| Corner { x: x.clone(), y: y.clone(), w: BigInt::one() };
+    let mut corners: Vec<Corner> = one.iter().map(|corner| whole(corner)).collect();
+    for k in 0..two.len() {
+        corners = cut(corners, [two[k], two[(k + 1) % two.len()]]);
+    }
+    let mut double = BigRational::zero();
+    let mut of_whole = BigInt::ZERO;
+    for (k, p) in corners.iter().enumerate() {
+        let q = &corners[(k + 1) % corners.len()];
+        let (across, under) = (&p.x * &q.y - &p.y * &q.x, &p.w * &q.w);
+        if under.is_one() {
+            of_whole += across;
+        } else if !across.is_zero() {
+            double += BigRational::new(across, under);
+        }
+    }
+    (double + of_whole) / BigInt::from(2)
+}
+
+/// What of a convex polygon is to the left of a line, or on it.
+fn cut(corners: Vec<Corner>, line: [&Flat; 2]) -> Vec<Corner> {
+    let sides: Vec<BigInt> = corners.iter().map(|c| left_of(line, &c.x, &c.y, &c.w)).collect();
+    if sides.iter().all(|side| !side.is_negative()) {
+        return corners;
+    }
+    let mut next: Vec<Option<Corner>> = Vec::with_capacity(corners.len() + 2);
+    let crossings: Vec<Option<Corner>> = (0..corners.len())
+        .map(|k| {
+            let other = (k + 1) % corners.len();
+            let (here, there) = (&sides[k], &sides[other]);
+            if here.is_zero() || there.is_zero() || here.is_negative() == there.is_negative() {
+                return None;
+            }
+            // Weights of the same sign, so that w stays positive.
+            let (here, there) = (here.abs(), there.abs());
+            let between = |p: &BigInt, q: &BigInt| p * &there + q * &here;
+            let (p, q) = (&corners[k], &corners[other]);
+            let (x, y, w) = (between(&p.x, &q.x), between(&p.y, &q.y), between(&p.w, &q.w));
+            let common = x.gcd(&y).gcd(&w);
+            Some(Corner { x: x / &common, y: y / &common, w: w / common })
+        })
+        .collect();
+    for ((corner, side), crossing) in corners.into_iter().zip(&sides).zip(crossings) {
+        next.push((!side.is_negative()).then_some(corner));
+        next.push(crossing);
+    }
+    next.into_iter().flatten().collect()
+}
+
+/// A point of the plane, as fractions.
+type Fractions = [BigRational; 2];
+
+/// The common area of any two simple polygons.
+fn area_in_strips(one: &[Fractions], two: &[Fractions]) -> BigRational {
     let mut cuts: Vec<BigRational> = one.iter().chain(two).map(|corner| corner[0].clone()).collect();
     for side in sides(one) {
         cuts.extend(sides(two).filter_map(|other| crossing(side, other)));
@@ -27,12 +123,12 @@ pub(crate) fn common_area(one: &[Flat], two: &[Flat]) -> BigRational {
     })
 }
 
-fn sides(polygon: &[Flat]) -> impl Iterator<Item = [&Flat; 2]> {
+fn sides(polygon: &[Fractions]) -> impl Iterator<Item = [&Fractions; 2]> {
     (0..polygon.len()).map(|k| [&polygon[k], &polygon[(k + 1) % polygon.len()]])
 }
 
 /// Where two sides cross, by its first coordinate; parallel ones do not.
-fn crossing([p, q]: [&Flat; 2], [r, s]: [&Flat; 2]) -> Option<BigRational> {
+fn crossing([p, q]: [&Fractions; 2], [r, s]: [&Fractions; 2]) -> Option<BigRational> {
     if max(&p[0], &q[0]) < min(&r[0], &s[0]) || max(&r[0], &s[0]) < min(&p[0], &q[0]) {
         return None;
     }
@@ -50,7 +146,7 @@ fn crossing([p, q]: [&Flat; 2], [r, s]: [&Flat; 2]) -> Option<BigRational> {
 }
 
 /// What a vertical line, through no corner, has inside a polygon: ends of intervals, ascending.
-fn inside(polygon: &[Flat], x: &BigRational) -> Vec<BigRational> {
+fn inside(polygon: &[Fractions], x: &BigRational) -> Vec<BigRational> {
     let mut ends: Vec<BigRational> = sides(polygon)
         .filter(|[p, q]| (p[0] < *x) != (q[0] < *x))
         .map(|[p, q]| &p[1] + (x - &p[0]) * (&q[1] - &p[1]) / (&q[0] - &p[0]))
@@ -80,20 +176,31 @@ fn shared(one: &[BigRational], two: &[BigRational]) -> BigRational {
 mod tests {
     use super::*;
 
+    /// A common denominator of all coordinates below.
+    const UNIT: i64 = 30;
+
     fn polygon(corners: &[[i64; 2]], by: (i64, i64)) -> Vec<Flat> {
-        let at = |value: i64| BigRational::new(value.into(), 1.into());
-        let by = BigRational::new(by.0.into(), by.1.into());
-        corners.iter().map(|c| [at(c[0]) + &by, at(c[1])]).collect()
+        let at = |value: i64| BigInt::from(value * UNIT);
+        corners.iter().map(|c| [at(c[0]) + by.0 * UNIT / by.1, at(c[1])]).collect()
     }
 
     fn area(value: (i64, i64)) -> BigRational {
-        BigRational::new(value.0.into(), value.1.into())
+        BigRational::new((value.0 * UNIT * UNIT).into(), value.1.into())
     }
 
     /// The polygon turned by the angle of cosine 3/5.
     fn turned(polygon: &[Flat]) -> Vec<Flat> {
-        let (c, s) = (area((3, 5)), area((4, 5)));
-        polygon.iter().map(|[x, y]| [x * &c - y * &s, x * &s + y * &c]).collect()
+        polygon.iter().map(|[x, y]| [(x * 3 - y * 4) / 5, (x * 4 + y * 3) / 5]).collect()
+    }
+
+    /// The area by both ways where both polygons are convex.
+    fn checked(one: &[Flat], two: &[Flat]) -> BigRational {
+        let fractions = |polygon: &[Flat]| -> Vec<Fractions> {
+            polygon.iter().map(|corner| corner.clone().map(BigRational::from_integer)).collect()
+        };
+        let found = common_area(one, two);
+        assert_eq!(found, area_in_strips(&fractions(one), &fractions(two)));
+        found
     }
 
     #[test]
@@ -118,7 +225,7 @@ mod tests {
         for (k, (one, two, expected)) in cases.into_iter().enumerate() {
             let backwards: Vec<Flat> = two.iter().rev().cloned().collect();
             for (a, b) in [(one, two), (two, one), (one, &backwards), (&turned(one), &turned(two))] {
-                assert_eq!(common_area(a, b), area(expected), "case {k}");
+                assert_eq!(checked(a, b), area(expected), "case {k}");
             }
         }
     }
@@ -128,6 +235,6 @@ mod tests {
         // Side 2, turned by 3-4-5 about the middle: each corner cut off is a right triangle. With the distances of the
         // turned corners from the axes 1/5 and 7/5, the triangles' legs are 1/2 and 2/3 long.
         let square = polygon(&[[-1, -1], [1, -1], [1, 1], [-1, 1]], (0, 1));
-        assert_eq!(common_area(&square, &turned(&square)), area((4, 1)) - area((2, 3)));
+        assert_eq!(checked(&square, &turned(&square)), area((4, 1)) - area((2, 3)));
     }
 }

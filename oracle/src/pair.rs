@@ -4,6 +4,7 @@ use crate::number::{Bits, Fixed, Magnitude};
 use crate::prepared_block::PreparedBlock;
 use crate::view::{ExactBlock, ExactPair};
 use num_bigint::BigInt;
+use num_traits::Signed;
 use rockproof_model::decision::Side;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::{Ring, Topology, Vec3};
@@ -29,7 +30,16 @@ pub struct Pair<'s> {
     int512: OnceCell<ExactPair<'s, Int512>>,
     int1024: OnceCell<ExactPair<'s, Int1024>>,
     heap: OnceCell<ExactPair<'s, BigInt>>,
-    magnitudes: OnceCell<ExactPair<'s, Magnitude>>,
+    magnitudes: MagnitudePairs<'s>,
+}
+
+/// The pair for margins: in integers of each width with the sizes of their terms.
+#[derive(Default)]
+pub(crate) struct MagnitudePairs<'s> {
+    pub(crate) small: OnceCell<ExactPair<'s, Magnitude<i128>>>,
+    pub(crate) int256: OnceCell<ExactPair<'s, Magnitude<Int256>>>,
+    pub(crate) int512: OnceCell<ExactPair<'s, Magnitude<Int512>>>,
+    pub(crate) heap: OnceCell<ExactPair<'s, Magnitude<BigInt>>>,
 }
 
 /// The vertices of a pair as integers, relative to A's first vertex.
@@ -81,12 +91,12 @@ impl FromUnits for BigInt {
     }
 }
 
-impl FromUnits for Magnitude {
+impl<T: FromUnits> FromUnits for Magnitude<T> {
     fn from_small(value: i128) -> Self {
-        BigInt::from(value).into()
+        Magnitude { value: T::from_small(value), terms: T::from_small(value.abs()) }
     }
     fn from_big(value: &BigInt) -> Self {
-        value.clone().into()
+        Magnitude { value: T::from_big(value), terms: T::from_big(&value.abs()) }
     }
 }
 
@@ -148,7 +158,7 @@ impl<'s> Pair<'s> {
             int512: OnceCell::new(),
             int1024: OnceCell::new(),
             heap: OnceCell::new(),
-            magnitudes: OnceCell::new(),
+            magnitudes: MagnitudePairs::default(),
         }
     }
 
@@ -198,9 +208,8 @@ impl<'s> Pair<'s> {
         self.heap.get_or_init(|| self.exact())
     }
 
-    /// For margins: integers with the sizes of their terms.
-    pub(crate) fn magnitudes(&self) -> &ExactPair<'s, Magnitude> {
-        self.magnitudes.get_or_init(|| self.exact())
+    pub(crate) fn magnitudes(&self) -> &MagnitudePairs<'s> {
+        &self.magnitudes
     }
 }
 

@@ -14,29 +14,75 @@ use rockproof_model::{Block, Ring, Vec3};
 pub struct PreparedBlock {
     pub(crate) block: Block,
     pub(crate) vertices: Vec<Vec3<Approx>>,
-    pub(crate) directions: Vec<Vec3<Approx>>,
-    pub(crate) normals: Vec<Vec3<Approx>>,
-    pub(crate) centres: Vec<Vec3<Approx>>,
-    pub(crate) inwards: Vec<[Vec3<Approx>; 2]>,
-    /// The ends of each edge: the topology's, without its indirections.
-    pub(crate) ends: Vec<(u32, u32)>,
-    /// The box around each edge: least and greatest coordinates.
-    pub(crate) edge_boxes: Vec<[[f64; 3]; 2]>,
-    /// `k²|N|²` of each face, k the length of its loop, calculated as [`crate::predicate::GapWithin`] does.
-    pub(crate) plane_sizes: Vec<Approx>,
-    /// The first vertex and the length of each face's loop, likewise.
-    pub(crate) loops: Vec<(u32, Approx)>,
+    pub(crate) edges: Vec<PreparedEdge>,
+    pub(crate) faces: Vec<PreparedFace>,
     pub(crate) box_min: [f64; 3],
     pub(crate) box_max: [f64; 3],
     pub(crate) errors: VectorErrors,
     longest_loop: usize,
-    /// For each face whether it is proved to be a convex polygon. The block's own flag is that of the block as loaded;
-    /// rounding its coordinates may have bent a straight corner inwards since.
-    pub(crate) surely_convex: Vec<bool>,
     /// Bounds the distance of a face's vertices from its plane.
     pub(crate) bulge: f64,
     /// For each axis the vertices with the least and the greatest coordinate, exactly.
     pub(crate) extremes: [(u32, u32); 3],
+}
+
+/// An edge of a prepared block.
+#[derive(Clone, Debug)]
+pub(crate) struct PreparedEdge {
+    pub(crate) direction: Vec3<Approx>,
+    /// `m_L` and `m_R`.
+    pub(crate) inwards: [Vec3<Approx>; 2],
+    /// The vertices it starts and ends at: the topology's, without its indirections.
+    pub(crate) ends: (u32, u32),
+    /// The box around it: least and greatest coordinates.
+    pub(crate) bounds: [[f64; 3]; 2],
+}
+
+/// A face of a prepared block.
+#[derive(Clone, Debug)]
+pub(crate) struct PreparedFace {
+    pub(crate) normal: Vec3<Approx>,
+    /// `Σ (v_k − v_0)` over its loop.
+    pub(crate) centre: Vec3<Approx>,
+    /// `k²|N|²`, k the length of its loop, calculated as [`crate::predicate::GapWithin`] does.
+    pub(crate) plane_size: Approx,
+    /// The length of its loop.
+    pub(crate) count: Approx,
+    /// The first vertex of its loop.
+    pub(crate) first: u32,
+    /// Whether it is proved to be a convex polygon. The block's own flag is that of the block as loaded;
+    /// rounding its coordinates may have bent a straight corner inwards since.
+    pub(crate) surely_convex: bool,
+}
+
+impl PreparedEdge {
+    fn new(edge: &Edge, vertices: &[Vec3<Approx>], faces: &[PreparedFace]) -> PreparedEdge {
+        let ends = [edge.p, edge.q].map(|v| &vertices[v as usize]);
+        let direction = ends[1].minus(ends[0]);
+        let normal = |face: u32| &faces[face as usize].normal;
+        let [p, q] = ends.map(|v| [v.x.0, v.y.0, v.z.0]);
+        PreparedEdge {
+            inwards: [normal(edge.left).cross(&direction), normal(edge.right).cross(&direction.negated())],
+            direction,
+            ends: (edge.p, edge.q),
+            bounds: [std::array::from_fn(|k| p[k].min(q[k])), std::array::from_fn(|k| p[k].max(q[k]))],
+        }
+    }
+}
+
+impl PreparedFace {
+    /// Not yet known to be convex.
+    fn new(corners: &[u32], vertices: &[Vec3<Approx>]) -> PreparedFace {
+        let (normal, count) = (face_normal(vertices, corners), Approx::from_i32(corners.len() as i32));
+        PreparedFace {
+            centre: centre_sum(vertices, corners),
+            plane_size: count.squared().times(&normal.norm_squared()),
+            normal,
+            count,
+            first: corners[0],
+            surely_convex: false,
+        }
+    }
 }
 
 /// Bounds on the components of the approximate vectors of one block.
@@ -62,43 +108,25 @@ impl PreparedBlock {
         let topology = block.topology();
         let vertices: Vec<Vec3<Approx>> = block.vertices().iter().map(|v| v.map(|c| Approx(c.approximate()))).collect();
         let (box_min, box_max) = approximate_box(&vertices);
-        let directions: Vec<_> =
-            topology.edges().iter().map(|e| vertices[e.q as usize].minus(&vertices[e.p as usize])).collect();
-        let normals: Vec<_> = topology.faces().iter().map(|f| face_normal(&vertices, f)).collect();
-        let centres: Vec<_> = topology.faces().iter().map(|f| centre_sum(&vertices, f)).collect();
-        let inwards: Vec<[_; 2]> = topology
-            .edges()
-            .iter()
-            .zip(&directions)
-            .map(|(e, d)| [normals[e.left as usize].cross(d), normals[e.right as usize].cross(&d.negated())])
-            .collect();
-        let loops: Vec<(u32, Approx)> =
-            topology.faces().iter().map(|f| (f[0], Approx::from_i32(f.len() as i32))).collect();
-        let edge_box = |e: &Edge| {
-            let ends = [e.p, e.q].map(|v| &vertices[v as usize]);
-            let [p, q] = ends.map(|v| [v.x.0, v.y.0, v.z.0]);
-            [std::array::from_fn(|k| p[k].min(q[k])), std::array::from_fn(|k| p[k].max(q[k]))]
-        };
+        let faces: Vec<PreparedFace> = topology.faces().iter().map(|f| PreparedFace::new(f, &vertices)).collect();
+        let edges: Vec<PreparedEdge> =
+            topology.edges().iter().map(|edge| PreparedEdge::new(edge, &vertices, &faces)).collect();
+        let exact = block.coordinates().all(|c| c.as_f64().is_some());
         let mut solid = PreparedBlock {
             block: block.clone(),
-            errors: VectorErrors::of(block, &box_min, &box_max, &directions, &normals, &inwards),
+            errors: VectorErrors::of(block, &box_min, &box_max, &edges, &faces),
             longest_loop: topology.faces().iter().map(Vec::len).max().unwrap_or(3),
-            ends: topology.edges().iter().map(|e| (e.p, e.q)).collect(),
-            edge_boxes: topology.edges().iter().map(edge_box).collect(),
-            plane_sizes: loops.iter().zip(&normals).map(|((_, k), n)| k.squared().times(&n.norm_squared())).collect(),
-            loops,
+            extremes: std::array::from_fn(|axis| extremes(block, exact.then_some(&vertices), axis)),
             vertices,
-            directions,
-            normals,
-            centres,
-            inwards,
+            edges,
+            faces,
             box_min,
             box_max,
-            surely_convex: Vec::new(),
             bulge: 0.0,
-            extremes: std::array::from_fn(|axis| extremes(block, axis)),
         };
-        solid.surely_convex = (0..topology.faces().len() as u32).map(|f| solid.turns_left_only(f)).collect();
+        for face in 0..solid.faces.len() {
+            solid.faces[face].surely_convex = solid.turns_left_only(face as u32);
+        }
         solid.bulge = solid.largest_bulge();
         solid
     }
@@ -119,8 +147,8 @@ impl PreparedBlock {
         let bound = Vec3::new(inward, inward, inward).dot(&Vec3::new(direction, direction, direction)).error;
         (0..edges.len()).all(|k| {
             let [here, next] = [edges[k], edges[(k + 1) % edges.len()]].map(|e| e as usize);
-            let m = &self.inwards[here][usize::from(topology.edges()[here].right == face)];
-            let along = m.dot(&self.directions[next]).0;
+            let m = &self.edges[here].inwards[usize::from(topology.edges()[here].right == face)];
+            let along = m.dot(&self.edges[next].direction).0;
             let turn = if topology.edges()[next].right == face { -along } else { along };
             turn > bound
         })
@@ -138,19 +166,18 @@ impl PreparedBlock {
             if face.len() == 3 {
                 continue;
             }
-            let n = &self.normals[f];
+            let PreparedFace { normal: n, centre, count, .. } = &self.faces[f];
             let square = n.norm_squared().0;
             // Of a normal square 2⁻⁵⁰ is more than it lost, to underflow as well; one below that or infinite says nothing of |N|.
             if !square.is_normal() {
                 return f64::INFINITY;
             }
             let lower = square.sqrt() * (1.0 - 1e-12) - 2.0 * self.errors.normal.error;
-            let count = Approx::from_i32(face.len() as i32);
             let worst = face
                 .iter()
                 .map(|&v| {
                     let from_first = self.vertices[v as usize].minus(&self.vertices[face[0] as usize]);
-                    n.dot(&from_first.scaled(&count).minus(&self.centres[f])).0.abs()
+                    n.dot(&from_first.scaled(count).minus(centre)).0.abs()
                 })
                 .fold(0.0, f64::max);
             let error = self.errors.plane_value(self.errors.difference, face.len());
@@ -170,9 +197,8 @@ impl VectorErrors {
         block: &Block,
         box_min: &[f64; 3],
         box_max: &[f64; 3],
-        directions: &[Vec3<Approx>],
-        normals: &[Vec3<Approx>],
-        inwards: &[[Vec3<Approx>; 2]],
+        edges: &[PreparedEdge],
+        faces: &[PreparedFace],
     ) -> VectorErrors {
         let exact = block.coordinates().all(|c| c.as_f64().is_some());
         let coordinate =
@@ -183,11 +209,12 @@ impl VectorErrors {
         if exact {
             worst.leave_out_what_is_exact(digits_of(block, extent), longest_loop);
         }
-        let direction = Bound::around(largest_component(directions), worst.difference.error);
-        let normal = Bound::around(largest_component(normals), worst.normal.error);
+        let direction =
+            Bound::around(largest_component(edges.iter().map(|edge| &edge.direction)), worst.difference.error);
+        let normal = Bound::around(largest_component(faces.iter().map(|face| &face.normal)), worst.normal.error);
         let across = Vec3::new(normal, normal, normal).cross(&Vec3::new(direction, direction, direction));
         let inward_error = across.x.error.min(worst.inward.error);
-        let inward = Bound::around(largest_component(inwards.iter().flatten()), inward_error);
+        let inward = Bound::around(largest_component(edges.iter().flat_map(|edge| &edge.inwards)), inward_error);
         VectorErrors { direction, normal, inward, ..worst }
     }
 
@@ -269,15 +296,23 @@ fn approximate_box(vertices: &[Vec3<Approx>]) -> ([f64; 3], [f64; 3]) {
     (min, max)
 }
 
-/// The vertices with the least and the greatest coordinate along an axis.
-fn extremes(block: &Block, axis: usize) -> (u32, u32) {
-    let along = |v: u32| block.vertices()[v as usize].components()[axis];
+/// The vertices with the least and the greatest coordinate along an axis; `exact` are the vertices where f64 holds them.
+fn extremes(block: &Block, exact: Option<&Vec<Vec3<Approx>>>, axis: usize) -> (u32, u32) {
+    let count = block.vertices().len() as u32;
+    match exact {
+        Some(vertices) => least_and_greatest(count, |v| vertices[v as usize].components()[axis]),
+        None => least_and_greatest(count, |v| block.vertices()[v as usize].components()[axis]),
+    }
+}
+
+/// The first of `0..count` with the least value, and the first with the greatest.
+fn least_and_greatest<'v, T: PartialOrd + 'v>(count: u32, value: impl Fn(u32) -> &'v T) -> (u32, u32) {
     let (mut low, mut high) = (0, 0);
-    for v in 1..block.vertices().len() as u32 {
-        if along(v) < along(low) {
+    for v in 1..count {
+        if value(v) < value(low) {
             low = v;
         }
-        if along(v) > along(high) {
+        if value(v) > value(high) {
             high = v;
         }
     }

@@ -16,10 +16,10 @@ use std::cell::OnceCell;
 pub(crate) trait Observer {
     /// Whether anything is recorded at all.
     const ACTIVE: bool;
-    /// A decision begins; the signs that follow belong to it. Says whether their margins are wanted.
+    /// A decision begins; the signs that follow belong to it.
     fn begin(&mut self, decision: &Decision);
-    /// A sign was decided for the decision begun last.
-    fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> Magnitude);
+    /// A sign was decided for the decision begun last; `margin` works out the size of its polynomial over that of its terms.
+    fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> f64);
     /// The decision has this outcome.
     fn end(&mut self, decision: &Decision, outcome: i8);
 }
@@ -30,7 +30,7 @@ pub(crate) struct Unobserved;
 impl Observer for Unobserved {
     const ACTIVE: bool = false;
     fn begin(&mut self, _decision: &Decision) {}
-    fn sign(&mut self, _sign: Sign, _margin: &mut dyn FnMut() -> Magnitude) {}
+    fn sign(&mut self, _sign: Sign, _margin: &mut dyn FnMut() -> f64) {}
     fn end(&mut self, _decision: &Decision, _outcome: i8) {}
 }
 
@@ -71,6 +71,43 @@ struct ScalesCache {
     int512: OnceCell<Scales<Int512>>,
     int1024: OnceCell<Scales<Int1024>>,
     heap: OnceCell<Scales<BigInt>>,
+}
+
+impl ScalesCache {
+    fn exact(&self, pair: &Pair<'_>, tolerances: &ToleranceSet) -> &Scales<BigInt> {
+        self.heap.get_or_init(|| Scales::exact(tolerances, &pair.grid().lattice))
+    }
+
+    /// The bits that every intermediate value of a polynomial has at most.
+    fn bits_of<P: Polynomial>(&self, polynomial: &P, pair: &Pair<'_>, tolerances: &ToleranceSet) -> Bits {
+        polynomial.value(&BitsView {
+            a: &pair.a.block,
+            b: &pair.b.block,
+            coordinate: pair.grid().bits,
+            scales: LazyScales { made: &self.bits, make: &|| self.exact(pair, tolerances).bits() },
+        })
+    }
+}
+
+/// The size of a polynomial over that of its terms, in integers of the least width that holds both.
+fn margin<P: Polynomial>(polynomial: &P, pair: &Pair<'_>, cache: &ScalesCache, tolerances: &ToleranceSet) -> f64 {
+    let known = pair.magnitudes();
+    let exact = cache.exact(pair, tolerances);
+    match cache.bits_of(polynomial, pair, tolerances).0 {
+        ..128 => relative_size(polynomial, known.small.get_or_init(|| pair.exact()), exact),
+        128..256 => relative_size(polynomial, known.int256.get_or_init(|| pair.exact()), exact),
+        256..512 => relative_size(polynomial, known.int512.get_or_init(|| pair.exact()), exact),
+        _ => relative_size(polynomial, known.heap.get_or_init(|| pair.exact()), exact),
+    }
+}
+
+fn relative_size<P: Polynomial, T: FromUnits + Into<BigInt>>(
+    polynomial: &P,
+    geometry: &ExactPair<'_, Magnitude<T>>,
+    exact: &Scales<BigInt>,
+) -> f64 {
+    let scales = LazyScales { made: &OnceCell::new(), make: &|| exact.converted() };
+    polynomial.value(&ExactView { geometry, scales }).relative()
 }
 
 impl<'p, 's, O: Observer> Classification<'p, 's, O> {
@@ -138,16 +175,11 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
         let sign = self.quick_sign(polynomial);
         if O::ACTIVE {
-            let pair = self.pair;
-            let exact = self
-                .careful_stages
-                .get_or_init(Box::default)
-                .scales
-                .heap
-                .get_or_init(|| Scales::exact(self.tolerances, &pair.grid().lattice));
+            let (pair, tolerances) = (self.pair, self.tolerances);
+            let careful_stages = &self.careful_stages;
             self.observer.sign(sign, &mut || {
-                let scales = LazyScales { made: &OnceCell::new(), make: &|| exact.converted() };
-                polynomial.value(&ExactView { geometry: pair.magnitudes(), scales })
+                let cache = &careful_stages.get_or_init(Box::default).scales;
+                margin(polynomial, pair, cache, tolerances)
             });
         }
         sign
@@ -229,13 +261,8 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     pub(crate) fn exact_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
         let (pair, tolerances) = (self.pair, self.tolerances);
         let cache = &self.careful_stages.get_or_init(Box::default).scales;
-        let exact = || cache.heap.get_or_init(|| Scales::exact(tolerances, &pair.grid().lattice));
-        let bits = polynomial.value(&BitsView {
-            a: &pair.a.block,
-            b: &pair.b.block,
-            coordinate: pair.grid().bits,
-            scales: LazyScales { made: &cache.bits, make: &|| exact().bits() },
-        });
+        let exact = || cache.exact(pair, tolerances);
+        let bits = cache.bits_of(polynomial, pair, tolerances);
         if bits.0 < 128 {
             self.levels.i128 += 1;
             let scales = LazyScales { made: &cache.small, make: &|| exact().converted() };

@@ -1,13 +1,11 @@
 //! Every decision of a classification, with ties and margins: for comparing with an engine and for explaining.
 
-use crate::number::Magnitude;
 use crate::pair::Pair;
 use crate::sign_ladder::{Classification, Observer};
-use num_rational::BigRational;
-use num_traits::{Signed, Zero};
+use foldhash::fast::FixedState;
 use rockproof_model::decision::Decision;
-use rockproof_model::number::{Precision, round_rational};
 use rockproof_model::{ContactKey, Sign, ToleranceSet};
+use std::collections::HashSet;
 
 /// One decision the oracle made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,9 +38,10 @@ impl Pair<'_> {
     pub fn trace_keeping(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Vec<TraceEntry> {
         let mut run = Classification::new(self, tolerances, Recorder::default()).keeping(kept);
         run.classify();
-        let mut seen = std::collections::HashSet::new();
-        run.observer.entries.retain(|entry| seen.insert(entry.decision));
-        run.observer.entries
+        let mut entries = run.observer.entries;
+        let mut seen = HashSet::with_capacity_and_hasher(entries.len(), FixedState::default());
+        entries.retain(|entry| seen.insert(entry.decision));
+        entries
     }
 
     /// The exact margin of a decision, or `None` if [`Pair::classify`] does not come to make it.
@@ -62,52 +61,61 @@ impl Pair<'_> {
         kept: &[ContactKey],
         decisions: &[Decision],
     ) -> Vec<Option<Margin>> {
-        let recorder =
-            Recorder { wanted: decisions.to_vec(), margins: vec![None; decisions.len()], ..Recorder::default() };
-        let mut run = Classification::new(self, tolerances, recorder).keeping(kept);
+        let measure = Measure { wanted: decisions, margins: vec![None; decisions.len()], measuring: None };
+        let mut run = Classification::new(self, tolerances, measure).keeping(kept);
         run.classify();
         run.observer.margins
     }
 }
 
+/// Notes every decision.
 #[derive(Default)]
 struct Recorder {
     entries: Vec<TraceEntry>,
-    wanted: Vec<Decision>,
-    margins: Vec<Option<Margin>>,
-    /// Place of the decision being made among those wanted.
-    measuring: Option<usize>,
     tie: bool,
 }
 
 impl Observer for Recorder {
     const ACTIVE: bool = true;
 
-    fn begin(&mut self, decision: &Decision) {
+    fn begin(&mut self, _decision: &Decision) {
         self.tie = false;
+    }
+
+    fn sign(&mut self, sign: Sign, _margin: &mut dyn FnMut() -> f64) {
+        self.tie |= sign.is_zero();
+    }
+
+    fn end(&mut self, decision: &Decision, outcome: i8) {
+        self.entries.push(TraceEntry { decision: *decision, outcome, tie: self.tie });
+    }
+}
+
+/// Measures the decisions wanted.
+struct Measure<'d> {
+    wanted: &'d [Decision],
+    margins: Vec<Option<Margin>>,
+    /// Place of the decision being made among those wanted.
+    measuring: Option<usize>,
+}
+
+impl Observer for Measure<'_> {
+    const ACTIVE: bool = true;
+
+    fn begin(&mut self, decision: &Decision) {
         self.measuring = self.wanted.iter().position(|wanted| wanted == decision);
     }
 
-    fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> Magnitude) {
-        self.tie |= sign.is_zero();
+    fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> f64) {
         if let Some(at) = self.measuring {
-            let relative = relative_size(&margin());
+            let relative = margin();
             if self.margins[at].is_none_or(|nearest| relative < nearest.relative) {
                 self.margins[at] = Some(Margin { sign, relative });
             }
         }
     }
 
-    fn end(&mut self, decision: &Decision, outcome: i8) {
-        self.entries.push(TraceEntry { decision: *decision, outcome, tie: self.tie });
+    fn end(&mut self, _decision: &Decision, _outcome: i8) {
         self.measuring = None;
     }
-}
-
-fn relative_size(magnitude: &Magnitude) -> f64 {
-    if magnitude.terms.is_zero() {
-        return 0.0;
-    }
-    // At most 1, so rounding cannot overflow.
-    round_rational(&BigRational::new_raw(magnitude.value.abs(), magnitude.terms.clone()), Precision::F64).unwrap_or(1.0)
 }

@@ -4,10 +4,13 @@
 
 use crate::number::{Approx, Ball, Bits, Bound};
 use crate::prepared_block::{PreparedBlock, VectorErrors, centre_sum, subtracted};
+use foldhash::fast::FixedState;
 use rockproof_model::block::face_normal;
 use rockproof_model::decision::Side;
 use rockproof_model::{Block, Ring, Topology, Vec3};
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
+use std::collections::HashMap;
+use std::hash::Hash;
 
 /// The lengths and sines a predicate compares with. A length is `search / unit` lattice units (or metres), a sine
 /// `overlap / one`, so that exact types need no fractions.
@@ -113,19 +116,19 @@ impl View for FloatView<'_> {
     }
     #[inline(always)]
     fn direction(&self, side: Side, edge: u32) -> Vec3<Approx> {
-        self.solid(side).directions[edge as usize]
+        self.solid(side).edges[edge as usize].direction
     }
     #[inline(always)]
     fn normal(&self, side: Side, face: u32) -> Vec3<Approx> {
-        self.solid(side).normals[face as usize]
+        self.solid(side).faces[face as usize].normal
     }
     #[inline(always)]
     fn centre(&self, side: Side, face: u32) -> Vec3<Approx> {
-        self.solid(side).centres[face as usize]
+        self.solid(side).faces[face as usize].centre
     }
     #[inline(always)]
     fn inward(&self, side: Side, edge: u32, right: bool) -> Vec3<Approx> {
-        self.solid(side).inwards[edge as usize][usize::from(right)]
+        self.solid(side).edges[edge as usize].inwards[usize::from(right)]
     }
     #[inline(always)]
     fn scales(&self) -> &Scales<Approx> {
@@ -133,15 +136,15 @@ impl View for FloatView<'_> {
     }
     #[inline(always)]
     fn ends(&self, side: Side, edge: u32) -> (u32, u32) {
-        self.solid(side).ends[edge as usize]
+        self.solid(side).edges[edge as usize].ends
     }
     #[inline(always)]
     fn first_corner(&self, side: Side, face: u32) -> u32 {
-        self.solid(side).loops[face as usize].0
+        self.solid(side).faces[face as usize].first
     }
     #[inline(always)]
     fn loop_length(&self, side: Side, face: u32) -> Approx {
-        self.solid(side).loops[face as usize].1
+        self.solid(side).faces[face as usize].count
     }
 }
 
@@ -339,24 +342,37 @@ pub(crate) struct ExactView<'p, 's, T> {
     pub(crate) scales: LazyScales<'p, T>,
 }
 
-/// One block of an [`ExactPair`]; what is derived from the vertices is made when first asked for.
+/// One block of an [`ExactPair`]; what is derived from the vertices is made, and room for it, when first asked for: a sign that
+/// needs a wide type needs a few vectors of it.
 pub(crate) struct ExactBlock<'p, T> {
     topology: &'p Topology,
     vertices: Vec<Vec3<T>>,
-    normals: Vec<OnceCell<Vec3<T>>>,
-    centres: Vec<OnceCell<Vec3<T>>>,
-    inwards: Vec<[OnceCell<Vec3<T>>; 2]>,
+    normals: Known<u32, T>,
+    centres: Known<u32, T>,
+    inwards: Known<(u32, bool), T>,
+}
+
+/// The vectors of features that were asked for.
+struct Known<K, T>(RefCell<HashMap<K, Vec3<T>, FixedState>>);
+
+impl<K: Eq + Hash, T: Clone> Known<K, T> {
+    fn none() -> Self {
+        Known(RefCell::new(HashMap::with_hasher(FixedState::default())))
+    }
+
+    fn get_or_make(&self, of: K, make: impl FnOnce() -> Vec3<T>) -> Vec3<T> {
+        if let Some(known) = self.0.borrow().get(&of) {
+            return known.clone();
+        }
+        let made = make();
+        self.0.borrow_mut().insert(of, made.clone());
+        made
+    }
 }
 
 impl<'p, T: Ring> ExactBlock<'p, T> {
     pub(crate) fn new(topology: &'p Topology, vertices: Vec<Vec3<T>>) -> Self {
-        ExactBlock {
-            topology,
-            vertices,
-            normals: topology.faces().iter().map(|_| OnceCell::new()).collect(),
-            centres: topology.faces().iter().map(|_| OnceCell::new()).collect(),
-            inwards: topology.edges().iter().map(|_| [OnceCell::new(), OnceCell::new()]).collect(),
-        }
+        ExactBlock { topology, vertices, normals: Known::none(), centres: Known::none(), inwards: Known::none() }
     }
 
     fn direction(&self, edge: u32) -> Vec3<T> {
@@ -364,8 +380,8 @@ impl<'p, T: Ring> ExactBlock<'p, T> {
         self.vertices[edge.q as usize].minus(&self.vertices[edge.p as usize])
     }
 
-    fn normal(&self, face: u32) -> &Vec3<T> {
-        self.normals[face as usize].get_or_init(|| face_normal(&self.vertices, &self.topology.faces()[face as usize]))
+    fn normal(&self, face: u32) -> Vec3<T> {
+        self.normals.get_or_make(face, || face_normal(&self.vertices, &self.topology.faces()[face as usize]))
     }
 }
 
@@ -390,23 +406,19 @@ impl<T: Ring> View for ExactView<'_, '_, T> {
         self.solid(side).direction(edge)
     }
     fn normal(&self, side: Side, face: u32) -> Vec3<T> {
-        self.solid(side).normal(face).clone()
+        self.solid(side).normal(face)
     }
     fn centre(&self, side: Side, face: u32) -> Vec3<T> {
         let solid = self.solid(side);
-        solid.centres[face as usize]
-            .get_or_init(|| centre_sum(&solid.vertices, &solid.topology.faces()[face as usize]))
-            .clone()
+        solid.centres.get_or_make(face, || centre_sum(&solid.vertices, &solid.topology.faces()[face as usize]))
     }
     fn inward(&self, side: Side, edge: u32, right: bool) -> Vec3<T> {
         let solid = self.solid(side);
-        solid.inwards[edge as usize][usize::from(right)]
-            .get_or_init(|| {
-                let ends = &solid.topology.edges()[edge as usize];
-                let d = solid.direction(edge);
-                if right { solid.normal(ends.right).cross(&d.negated()) } else { solid.normal(ends.left).cross(&d) }
-            })
-            .clone()
+        solid.inwards.get_or_make((edge, right), || {
+            let ends = &solid.topology.edges()[edge as usize];
+            let d = solid.direction(edge);
+            if right { solid.normal(ends.right).cross(&d.negated()) } else { solid.normal(ends.left).cross(&d) }
+        })
     }
     fn scales(&self) -> &Scales<T> {
         self.scales.get()

@@ -12,7 +12,7 @@ use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use rockproof_oracle::rational::Rational;
 use rockproof_oracle::{LevelCounts, Pair, PreparedBlock, plain};
 use rockproof_stepper::contact::SpecRules;
-use rockproof_stepper::engine::wide_contacts;
+use rockproof_stepper::engine::{settled_contacts, wide_contacts};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Write;
@@ -63,6 +63,12 @@ fn plain_contacts<Q: Rational>(a: &Block, b: &Block, t: &ToleranceSet) -> Vec<Co
 fn compare(a: &Block, b: &Block, t: &ToleranceSet, name: &str, pure: bool, tally: &mut Tally) {
     // A block that rounding collapsed is no block; campaigns report it as such.
     let Ok((wide, unsettled)) = wide_contacts::<SpecRules>(a, b, t) else { return };
+    let settled = settled_contacts::<SpecRules>(a, b, t).expect("a block that did not collapse before");
+    assert_eq!(
+        settled,
+        (unsettled == 0).then(|| wide.clone()),
+        "{name}: settled contacts, sooner (left) and by counting"
+    );
     let (solid_a, solid_b) = (PreparedBlock::new(a), PreparedBlock::new(b));
     let answer = Pair::new(&solid_a, &solid_b).classify(t);
     let fast = answer.contacts;

@@ -35,6 +35,6 @@ impl Prepared for MistakenPair<'_> {
 
     fn classify_wide(&self, tolerances: &ToleranceSet) -> Option<WideAnswer> {
         let (contacts, unsettled) = self.0.wide(self.1, self.2, tolerances).ok()?;
-        Some(WideAnswer { contacts, unsettled })
+        Some(WideAnswer { contacts, settled: unsettled == 0 })
     }
 }

@@ -60,8 +60,49 @@ pub struct PairExamination {
     pub agreement: Agreement,
 }
 
+/// Which findings somebody looks for; an examination for them may leave all others out.
+#[derive(Clone, Copy, Debug)]
+pub struct WantedFindings<'w> {
+    /// The name of their cause.
+    pub cause: &'w str,
+    /// The name of what changed.
+    pub change: &'w str,
+    /// [`Difference::kinds`] of the difference; empty for any.
+    pub kind: &'w str,
+}
+
+impl WantedFindings<'_> {
+    fn is_at(&self, link: Cause) -> bool {
+        let one_of = |causes: &[Cause]| causes.iter().any(|cause| cause.name() == self.cause);
+        match link {
+            Cause::Tolerance | Cause::Representation => one_of(&[link]),
+            Cause::Arithmetic | Cause::Defect | Cause::Engine => {
+                one_of(&[Cause::Arithmetic, Cause::Defect, Cause::Engine])
+            }
+        }
+    }
+
+    /// Whether a difference is such a one; a metamorphic check calls it by `change`.
+    pub(super) fn includes(&self, change: AnswerChange, difference: &Difference) -> bool {
+        change.name() == self.change && (self.kind.is_empty() || difference.kinds() == self.kind)
+    }
+}
+
 /// Examines one pair under all its tolerance sets.
 pub fn examine(subject: &Subject, panel: &EnginePanel) -> PairExamination {
+    examination(subject, panel, None)
+}
+
+/// The findings of one pair under all its tolerance sets, those wanted at least: what is not wanted is not explained.
+pub fn findings_wanted<'p>(subject: &'p Subject, panel: &'p EnginePanel, wanted: WantedFindings<'p>) -> Vec<Finding> {
+    examination(subject, panel, Some(wanted)).findings
+}
+
+fn examination<'p>(
+    subject: &'p Subject,
+    panel: &'p EnginePanel,
+    wanted: Option<WantedFindings<'p>>,
+) -> PairExamination {
     let rounded: Vec<RoundedPair<'_>> = panel.precisions().into_iter().map(|p| RoundedPair::new(subject, p)).collect();
     let solids = panel.oracle.prepare(&subject.a, &subject.b);
     let exact = ExactSide::new(solids.pair());
@@ -73,10 +114,14 @@ pub fn examine(subject: &Subject, panel: &EnginePanel) -> PairExamination {
         exact,
         found: PairExamination::default(),
         recorder: AgreementRecorder::new(Arc::clone(&subject.family)),
+        wanted,
     };
+    let (tolerance, later) = (examination.wants(Cause::Tolerance), !examination.wants_only(Cause::Tolerance));
     for (number, set) in subject.sets.iter().enumerate() {
-        examination.tolerance_link(set, &views);
-        for view in &views {
+        if tolerance {
+            examination.tolerance_link(set, &views);
+        }
+        for view in views.iter().filter(|_| later) {
             examination.engine_links(set, number, view);
         }
     }
@@ -196,9 +241,26 @@ struct Examiner<'p> {
     exact: ExactSide<'p>,
     found: PairExamination,
     recorder: AgreementRecorder,
+    wanted: Option<WantedFindings<'p>>,
 }
 
 impl<'p> Examiner<'p> {
+    /// Whether findings of a link of the chain are wanted.
+    fn wants(&self, link: Cause) -> bool {
+        self.wanted.is_none_or(|wanted| wanted.is_at(link))
+    }
+
+    fn wants_only(&self, link: Cause) -> bool {
+        self.wanted.is_some_and(|wanted| wanted.is_at(link))
+    }
+
+    /// The differences that are wanted.
+    fn wanted(&self, link: Cause, changed: Vec<Difference>) -> Vec<Difference> {
+        let Some(wanted) = self.wanted else { return changed };
+        let includes = |difference: &Difference| wanted.is_at(link) && wanted.includes(difference.change, difference);
+        changed.into_iter().filter(includes).collect()
+    }
+
     fn report(
         &mut self,
         set: &SubjectSet,
@@ -258,7 +320,7 @@ impl<'p> Examiner<'p> {
             let ideal = self.exact.contacts(&tolerances.ideal());
             let given = self.exact.contacts(tolerances);
             self.found.contacts += given.len() as u64;
-            for difference in differences(&ideal, &given, self.features) {
+            for difference in self.wanted(Cause::Tolerance, differences(&ideal, &given, self.features)) {
                 match changed.iter_mut().find(|(_, _, known)| *known == difference) {
                     Some((shared, _, _)) => *shared = FindingScope::Any,
                     None => changed.push((scope.clone(), tolerances, difference)),
@@ -317,7 +379,7 @@ impl<'p> Examiner<'p> {
         let roundoff = Some(precision.epsilon() / 2.0);
         let represented = compared(set, ChainSpan::Representation, &precision.to_string());
         self.recorder.answers(&represented, &exact, &rounded, self.features);
-        let changed = differences(&exact, &rounded, self.features);
+        let changed = self.wanted(Cause::Representation, differences(&exact, &rounded, self.features));
         if !changed.is_empty() {
             let link = ChainLink {
                 before: &|| Some(self.exact.pair.trace(given)),
@@ -329,6 +391,9 @@ impl<'p> Examiner<'p> {
             for (difference, deciding) in changed.into_iter().zip(reasons) {
                 self.report(set, FindingScope::Rounded(precision), Cause::Representation, difference, deciding);
             }
+        }
+        if !self.wants(Cause::Arithmetic) {
+            return;
         }
         for (engine, prepared) in &view.engines {
             let at = EngineAt {
@@ -365,13 +430,44 @@ impl<'p> Examiner<'p> {
                 return self.report_failure(at.set, scope, at.engine.cause(), failure.change(), failure.to_string());
             }
         };
-        let pair = &side.unwrap_or(&self.exact).pair;
         let contacts = completed(said.clone(), at.rounded);
         self.recorder.answers(&at.compared(ChainSpan::Arithmetic), at.rounded, &contacts, self.features);
         let whole = completed(said.clone(), at.exact);
         self.recorder.answers(&at.compared(ChainSpan::Whole), at.exact, &whole, self.features);
         if contacts != **at.rounded {
-            let changed = differences(at.rounded, &contacts, self.features);
+            let changed = self.wanted(at.engine.cause(), differences(at.rounded, &contacts, self.features));
+            self.report_arithmetic(at, changed, &**prepared, side);
+        }
+        if self.is_checked(at.number) {
+            let base = metamorphic::MetamorphicBase {
+                subject: self.subject,
+                engine: at.engine,
+                oracle: &*self.panel.oracle,
+                blocks: at.blocks,
+                tolerances: at.tolerances,
+                exact: at.rounded,
+                contacts: &said,
+                prepared: &**prepared,
+                wanted: self.wanted,
+            };
+            let checks = metamorphic::check(&base);
+            self.found.metamorphic_checks += checks.made;
+            for (cause, difference, deciding) in checks.violations {
+                self.report(at.set, scope.clone(), cause, difference, deciding);
+            }
+        }
+    }
+
+    /// Reports what an engine answers otherwise than the oracle.
+    fn report_arithmetic(
+        &mut self,
+        at: &EngineAt<'_>,
+        changed: Vec<Difference>,
+        prepared: &(dyn Prepared + '_),
+        side: Option<&ExactSide<'p>>,
+    ) {
+        let pair = &side.unwrap_or(&self.exact).pair;
+        if !changed.is_empty() {
             let wide = catch_panic(|| Ok(prepared.classify_wide(at.tolerances))).ok().flatten();
             let link = ChainLink {
                 before: &|| Some(pair.trace(at.tolerances)),
@@ -385,26 +481,9 @@ impl<'p> Examiner<'p> {
             for (difference, deciding) in changed.into_iter().zip(reasons) {
                 let remains = wide
                     .as_ref()
-                    .is_some_and(|wide| wide.unsettled == 0 && answers_differ(at.rounded, &wide.contacts, &difference));
+                    .is_some_and(|wide| wide.settled && answers_differ(at.rounded, &wide.contacts, &difference));
                 let cause = if remains { Cause::Defect } else { at.engine.cause() };
-                self.report(at.set, scope.clone(), cause, difference, deciding);
-            }
-        }
-        if self.is_checked(at.number) {
-            let base = metamorphic::MetamorphicBase {
-                subject: self.subject,
-                engine: at.engine,
-                oracle: &*self.panel.oracle,
-                blocks: at.blocks,
-                tolerances: at.tolerances,
-                exact: at.rounded,
-                contacts: &said,
-                prepared: &**prepared,
-            };
-            let checks = metamorphic::check(&base);
-            self.found.metamorphic_checks += checks.made;
-            for (cause, difference, deciding) in checks.violations {
-                self.report(at.set, scope.clone(), cause, difference, deciding);
+                self.report(at.set, FindingScope::Engine(at.engine.name().into()), cause, difference, deciding);
             }
         }
     }

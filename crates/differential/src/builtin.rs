@@ -10,7 +10,7 @@ use rockproof_model::decision::Decision;
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 
 use rockproof_stepper::contact::{ContactRules, PreparedBlock, SpecRules, Tolerances, classify, classify_traced};
-use rockproof_stepper::engine::wide_contacts;
+use rockproof_stepper::engine::settled_contacts;
 use rockproof_stepper::{Collapsed, Real};
 use std::marker::PhantomData;
 
@@ -74,8 +74,11 @@ impl<R: Real, M: ContactRules> Prepared for StepperPair<R, M> {
     }
 
     fn classify_wide(&self, tolerances: &ToleranceSet) -> Option<WideAnswer> {
-        let (contacts, unsettled) = wide_contacts::<M>(self.a.block(), self.b.block(), tolerances).ok()?;
-        Some(WideAnswer { contacts, unsettled })
+        let settled = settled_contacts::<M>(self.a.block(), self.b.block(), tolerances).ok()?;
+        Some(settled.map_or(WideAnswer { contacts: Vec::new(), settled: false }, |contacts| WideAnswer {
+            contacts,
+            settled: true,
+        }))
     }
 }
 

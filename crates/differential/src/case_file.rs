@@ -2,7 +2,7 @@
 
 // Longer than 400 lines: one file format, its reader and its writer side by side.
 
-use super::attribution::{EnginePanel, examine};
+use super::attribution::{EnginePanel, WantedFindings, findings_wanted};
 use super::compare::{AnswerChange, contact_features};
 use super::external::protocol::{UNNAMED, completed};
 use super::external::spec::is_name;
@@ -270,7 +270,8 @@ impl Case {
                 // With one engine left, what a tolerance set for one precision does is the doing of all there are.
                 && (f.cause == Cause::Tolerance || f.scope.to_string() == about.engine)
         };
-        examine(&self.subject(), panel).findings.into_iter().filter(alike).collect()
+        let wanted = WantedFindings { cause: &about.cause, change: &about.change, kind: &about.kind };
+        findings_wanted(&self.subject(), panel, wanted).into_iter().filter(alike).collect()
     }
 
     /// Takes what decided it, and both answers, from a finding about this pair.

@@ -128,10 +128,10 @@ pub trait Prepared {
 /// What an engine's code answers when rounding is all but taken away.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WideAnswer {
-    /// The contacts.
+    /// The contacts, where all comparisons are settled; otherwise they mean nothing.
     pub contacts: Vec<Contact>,
-    /// Comparisons so close that rounding in the wide scalar could still explain their outcome (exact ties).
-    pub unsettled: u64,
+    /// Whether no comparison was so close that rounding in the wide scalar could still explain its outcome (an exact tie).
+    pub settled: bool,
 }
 
 /// Why an engine gave no answer.

@@ -3,6 +3,7 @@
 use super::compare::{Difference, Features, contact_features};
 use super::engine::Trace;
 use super::finding::{DecidingDecision, FAR};
+use foldhash::fast::FixedState;
 use rockproof_model::decision::{Decision, Feature, Side};
 use rockproof_model::{Contact, Entrance, EntranceKind};
 use std::collections::{BTreeSet, HashMap};
@@ -30,7 +31,9 @@ pub struct DivergentDecision {
 
 /// The decisions taken on both sides with different outcomes, in the order of the second trace.
 pub fn divergent_decisions(before: &Trace, after: &Trace) -> Vec<DivergentDecision> {
-    let known: HashMap<&Decision, i8> = before.iter().map(|(decision, outcome)| (decision, *outcome)).collect();
+    let mut known: HashMap<&Decision, i8, FixedState> =
+        HashMap::with_capacity_and_hasher(before.len(), FixedState::default());
+    known.extend(before.iter().map(|(decision, outcome)| (decision, *outcome)));
     let mut found: Vec<DivergentDecision> = Vec::new();
     for (decision, outcome) in after {
         if let Some(&was) = known.get(decision)

@@ -2,6 +2,7 @@
 //! decision.
 
 use std::fmt;
+use std::hash::{Hash, Hasher};
 
 /// One kind of decision of SPEC section 4. Every decision is a yes or a no about named features of the pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -152,7 +153,7 @@ impl Side {
 }
 
 /// A vertex, edge or face of one of the two blocks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Feature {
     /// Vertex by number.
     Vertex(Side, u32),
@@ -160,6 +161,24 @@ pub enum Feature {
     Edge(Side, u32),
     /// Face by number.
     Face(Side, u32),
+}
+
+impl Feature {
+    /// Kind, side and number in one word, other for every other feature; never 0.
+    fn word(self) -> u64 {
+        let (kind, side, number) = match self {
+            Feature::Vertex(side, number) => (1, side, number),
+            Feature::Edge(side, number) => (2, side, number),
+            Feature::Face(side, number) => (3, side, number),
+        };
+        kind << 33 | (side as u64) << 32 | u64::from(number)
+    }
+}
+
+impl Hash for Feature {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        state.write_u64(self.word());
+    }
 }
 
 impl fmt::Display for Feature {
@@ -196,7 +215,7 @@ impl fmt::Display for Feature {
 ///
 /// The outcome is 1 for yes and 0 for no; for gap-sign it is the sign; for entrance-choice, shortest-exit and one-exit
 /// 1 says that the candidate is chosen, the contact stays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Decision {
     /// What was asked.
     pub predicate: Predicate,
@@ -212,6 +231,16 @@ impl Decision {
             *place = Some(*feature);
         }
         Decision { predicate, features: all }
+    }
+}
+
+/// Traces are looked up decision by decision, so a word for each part is all that goes into a hash.
+impl Hash for Decision {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        state.write_u8(self.predicate as u8);
+        for feature in &self.features {
+            state.write_u64(feature.map_or(0, Feature::word));
+        }
     }
 }
 

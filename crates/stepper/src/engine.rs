@@ -2,7 +2,7 @@
 
 use crate::contact::{Collapsed, ContactRules, PreparedBlock, ToleranceOverflow, Tolerances, classify_keeping};
 use crate::real::Real;
-use crate::wide::{Wide, count_unsettled};
+use crate::wide::{Wide, count_unsettled, settled};
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
 use std::marker::PhantomData;
 
@@ -97,6 +97,19 @@ pub fn wide_contacts<M: ContactRules>(
 ) -> Result<(Vec<Contact>, u64), EngineError> {
     let (contacts, unsettled) = count_unsettled(|| contacts_in::<Wide, M>(a, b, t));
     Ok((contacts?, unsettled))
+}
+
+/// The same contacts where every comparison is settled, so that each decision is the exact one; `None` where one is not, which is found out
+/// sooner than by counting them all.
+///
+/// # Errors
+/// As [`wide_contacts`].
+pub fn settled_contacts<M: ContactRules>(
+    a: &Block,
+    b: &Block,
+    t: &ToleranceSet,
+) -> Result<Option<Vec<Contact>>, EngineError> {
+    settled(|| contacts_in::<Wide, M>(a, b, t)).transpose()
 }
 
 /// Prepares and classifies a pair in one precision, in a step in which the contacts `kept` go on whatever their depth.

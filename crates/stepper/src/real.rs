@@ -62,6 +62,13 @@ pub trait Real:
 
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
+
+    /// Whether what is being worked out is of no use any more, so that it may end early with any answer: see
+    /// [`crate::wide::settled`]. Never so for floats.
+    #[inline(always)]
+    fn is_given_up() -> bool {
+        false
+    }
 }
 
 macro_rules! real_float {
@@ -141,5 +148,8 @@ impl Real for Wide {
     }
     fn is_finite(self) -> bool {
         self.is_known()
+    }
+    fn is_given_up() -> bool {
+        crate::wide::is_given_up()
     }
 }

@@ -39,6 +39,8 @@ pub struct Wide {
 
 thread_local! {
     static UNSETTLED: Cell<u64> = const { Cell::new(0) };
+    /// Whether one unsettled comparison spoils the answer.
+    static SETTLED_ONLY: Cell<bool> = const { Cell::new(false) };
 }
 
 /// Runs `work` and tells how many of its comparisons rounding left unsettled. Counts on this thread only.
@@ -48,6 +50,19 @@ pub fn count_unsettled<T>(work: impl FnOnce() -> T) -> (T, u64) {
     let count = UNSETTLED.replace(before);
     UNSETTLED.set(before + count);
     (result, count)
+}
+
+/// What `work` gives if all its comparisons are settled. It may end early once one is not. Counts on this thread only.
+pub fn settled<T>(work: impl FnOnce() -> T) -> Option<T> {
+    let before = SETTLED_ONLY.replace(true);
+    let (result, unsettled) = count_unsettled(work);
+    SETTLED_ONLY.set(before);
+    (unsettled == 0).then_some(result)
+}
+
+/// Whether only a settled answer is wanted, and a comparison was not.
+pub(crate) fn is_given_up() -> bool {
+    SETTLED_ONLY.get() && UNSETTLED.get() > 0
 }
 
 impl Wide {

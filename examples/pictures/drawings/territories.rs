@@ -126,7 +126,8 @@ fn draw_radii(svg: &mut Svg, block: &Block, t: &ToleranceSet, at: impl Fn([f64; 
     for k in 0..OUTLINE.len() as u32 {
         let Some(e) = block.topology().edge_between(k, (k + 1) % OUTLINE.len() as u32) else { continue };
         let ridge = solid.edge(e);
-        let radius = SpecRules::edge_radius(&t, ridge.width_left, ridge.width_right);
+        let [left, right] = solid.widths(e);
+        let radius = SpecRules::edge_radius(&t, left, right);
         let ends = [ridge.p, ridge.q].map(|p| [p.x, p.y]);
         let across = [-ridge.direction.y * radius, ridge.direction.x * radius];
         for side in [-1.0, 1.0] {

@@ -29,8 +29,8 @@ impl FacePlanes {
         let reach = |n: [f64; 3]| {
             solid.vertices.iter().map(|p| dot(n, [p.x.0, p.y.0, p.z.0])).fold(f64::NEG_INFINITY, f64::max)
         };
-        let directions = solid.normals.iter().map(|n| {
-            let n = [n.x.0, n.y.0, n.z.0];
+        let directions = solid.faces.iter().map(|face| {
+            let n = [face.normal.x.0, face.normal.y.0, face.normal.z.0];
             let size = dot(n, n).sqrt();
             let n = n.map(|c| c / size);
             (n, reach(n))

@@ -27,7 +27,7 @@ impl<O: Observer> Classification<'_, '_, O> {
             Side::B => EntranceKind::FaceVertex,
         };
         let height = plane_value(&self.float_view(), vertex, face);
-        let size = self.pair.solid(face.0).plane_sizes[face.1 as usize];
+        let size = self.pair.solid(face.0).faces[face.1 as usize].plane_size;
         let sign_bound = self.bound_of::<AbovePlane>(AbovePlane::variant_of(face.0));
         let limit = if height.0 > sign_bound {
             LengthTolerance::Search

@@ -7,7 +7,7 @@
 //!
 //! A v-f or e-e contact that is kept may be deeper than g, and so out of this reach: those are looked at by name.
 
-use crate::prepared_block::PreparedBlock;
+use crate::prepared_block::{PreparedBlock, PreparedEdge};
 use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::Side;
 use rockproof_model::{ContactKey, ContactKind};
@@ -30,7 +30,7 @@ impl GrownBox {
     /// Whether a box is certainly outside; NaN is never certain.
     #[inline(always)]
     fn misses(&self, min: &[f64; 3], max: &[f64; 3]) -> bool {
-        (0..3).any(|k| max[k] < self.min[k] || min[k] > self.max[k])
+        along_some_axis(|k| (max[k] < self.min[k]) | (min[k] > self.max[k]))
     }
 }
 
@@ -59,7 +59,7 @@ impl<O: Observer> Classification<'_, '_, O> {
                 reach.vertices.push(v);
             }
         }
-        for (e, [min, max]) in solid.edge_boxes.iter().enumerate() {
+        for (e, PreparedEdge { bounds: [min, max], .. }) in solid.edges.iter().enumerate() {
             // Reflex edges have no contacts of their own.
             if !grown.misses(min, max) && solid.block.edge_is_convex(e as u32) {
                 reach.edges.push(e as u32);
@@ -102,25 +102,31 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// Whether two edges are certainly further apart than `distance`.
     #[inline(always)]
     pub(crate) fn edges_out_of_reach(&self, edge_a: u32, edge_b: u32, distance: f64) -> bool {
-        let [min_a, max_a] = &self.pair.a.edge_boxes[edge_a as usize];
-        let [min_b, max_b] = &self.pair.b.edge_boxes[edge_b as usize];
-        (0..3).any(|k| max_a[k] + distance < min_b[k] || min_a[k] - distance > max_b[k])
+        let [min_a, max_a] = &self.pair.a.edges[edge_a as usize].bounds;
+        let [min_b, max_b] = &self.pair.b.edges[edge_b as usize].bounds;
+        along_some_axis(|k| (max_a[k] + distance < min_b[k]) | (min_a[k] - distance > max_b[k]))
     }
 
     /// Whether two vertices are certainly further apart than `distance` along some axis.
     #[inline(always)]
     pub(crate) fn vertices_out_of_reach(&self, a: u32, b: u32, distance: f64) -> bool {
         let (a, b) = (point(self.pair.a, a), point(self.pair.b, b));
-        (0..3).any(|k| (a[k] - b[k]).abs() > distance)
+        along_some_axis(|k| (a[k] - b[k]).abs() > distance)
     }
 
     /// Whether a vertex is certainly further than `distance` from an edge of the other block.
     #[inline(always)]
     pub(crate) fn vertex_out_of_reach_of_edge(&self, vertex: (Side, u32), edge: u32, distance: f64) -> bool {
         let at = point(self.pair.solid(vertex.0), vertex.1);
-        let [min, max] = &self.pair.solid(vertex.0.other()).edge_boxes[edge as usize];
-        (0..3).any(|k| at[k] + distance < min[k] || at[k] - distance > max[k])
+        let [min, max] = &self.pair.solid(vertex.0.other()).edges[edge as usize].bounds;
+        along_some_axis(|k| (at[k] + distance < min[k]) | (at[k] - distance > max[k]))
     }
+}
+
+/// Whether something holds along one axis or more. All are looked at: that is cheaper than to guess where to stop.
+#[inline(always)]
+fn along_some_axis(holds: impl Fn(usize) -> bool) -> bool {
+    holds(0) | holds(1) | holds(2)
 }
 
 /// The vertex of the block on `side` that a contact with a face of the other block is about.

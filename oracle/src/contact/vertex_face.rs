@@ -49,7 +49,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         self.decide(
             || Decision::about(Predicate::InsideFace, &features),
             |run| {
-                if run.pair.solid(face.0).surely_convex[face.1 as usize] {
+                if run.pair.solid(face.0).faces[face.1 as usize].surely_convex {
                     run.inside_all_edges(vertex, face)
                 } else {
                     run.inside_by_winding(vertex, face)

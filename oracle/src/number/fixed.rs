@@ -29,6 +29,15 @@ impl<const BITS: usize, const LIMBS: usize> Fixed<BITS, LIMBS> {
     }
 }
 
+impl<const BITS: usize, const LIMBS: usize> From<Fixed<BITS, LIMBS>> for BigInt {
+    fn from(value: Fixed<BITS, LIMBS>) -> BigInt {
+        let negative = value.0.bit(BITS - 1);
+        let magnitude = if negative { value.negated() } else { value };
+        let magnitude = BigInt::from_bytes_le(num_bigint::Sign::Plus, magnitude.0.as_le_slice());
+        if negative { -magnitude } else { magnitude }
+    }
+}
+
 impl<const BITS: usize, const LIMBS: usize> Ring for Fixed<BITS, LIMBS> {
     #[inline]
     fn from_i32(value: i32) -> Self {
@@ -76,7 +85,10 @@ mod tests {
         for bits in 0..255 {
             let value: BigInt = BigInt::from(1) << bits;
             assert_eq!(ExactRing::sign(&Int::from_bigint(&value)), Sign::Positive, "2^{bits}");
-            assert_eq!(ExactRing::sign(&Int::from_bigint(&-value)), Sign::Negative, "-2^{bits}");
+            assert_eq!(ExactRing::sign(&Int::from_bigint(&-value.clone())), Sign::Negative, "-2^{bits}");
+            for integer in [value.clone(), -value] {
+                assert_eq!(BigInt::from(Int::from_bigint(&integer)), integer);
+            }
         }
         assert_eq!(ExactRing::sign(&Int::from_bigint(&BigInt::ZERO)), Sign::Zero);
         assert_eq!(Int::from_i128(-7), Int::from_bigint(&BigInt::from(-7)));

@@ -1,38 +1,47 @@
 use num_bigint::BigInt;
-use num_traits::Signed;
+use num_rational::BigRational;
+use num_traits::{Signed, Zero};
 use rockproof_model::Ring;
+use rockproof_model::number::{Precision, round_rational};
 
 /// An exact value together with the sum of the magnitudes of the terms it is the sum of.
 ///
-/// The quotient of the two is the relative margin of a predicate: 1 where nothing cancels, 0 at a tie.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Magnitude {
+/// The quotient of the two is the relative margin of a predicate: 1 where nothing cancels, 0 at a tie. The sum stays within the
+/// bits that [`super::Bits`] counts: its own sum and product are those of magnitudes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Magnitude<T> {
     /// The exact value.
-    pub(crate) value: BigInt,
+    pub(crate) value: T,
     /// The value with every term counted positive.
-    pub(crate) terms: BigInt,
+    pub(crate) terms: T,
 }
 
-impl From<BigInt> for Magnitude {
-    fn from(value: BigInt) -> Self {
-        Magnitude { terms: value.abs(), value }
+impl<T: Into<BigInt>> Magnitude<T> {
+    /// The value's size over that of its terms, at most 1; 0 where there are none.
+    pub(crate) fn relative(self) -> f64 {
+        let (value, terms) = (self.value.into(), self.terms.into());
+        if terms.is_zero() {
+            return 0.0;
+        }
+        // At most 1, so rounding cannot overflow.
+        round_rational(&BigRational::new_raw(value.abs(), terms), Precision::F64).unwrap_or(1.0)
     }
 }
 
-impl Ring for Magnitude {
+impl<T: Ring> Ring for Magnitude<T> {
     fn from_i32(value: i32) -> Self {
-        Magnitude::from(BigInt::from(value))
+        Magnitude { value: T::from_i32(value), terms: T::from_i32(value.abs()) }
     }
     fn plus(&self, other: &Self) -> Self {
-        Magnitude { value: &self.value + &other.value, terms: &self.terms + &other.terms }
+        Magnitude { value: self.value.plus(&other.value), terms: self.terms.plus(&other.terms) }
     }
     fn minus(&self, other: &Self) -> Self {
-        Magnitude { value: &self.value - &other.value, terms: &self.terms + &other.terms }
+        Magnitude { value: self.value.minus(&other.value), terms: self.terms.plus(&other.terms) }
     }
     fn times(&self, other: &Self) -> Self {
-        Magnitude { value: &self.value * &other.value, terms: &self.terms * &other.terms }
+        Magnitude { value: self.value.times(&other.value), terms: self.terms.times(&other.terms) }
     }
     fn negated(&self) -> Self {
-        Magnitude { value: -&self.value, terms: self.terms.clone() }
+        Magnitude { value: self.value.negated(), terms: self.terms.clone() }
     }
 }

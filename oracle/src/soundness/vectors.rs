@@ -55,7 +55,7 @@ pub(super) fn check(pair: &Pair<'_>, t: &ToleranceSet, about: &str) {
             views.compare(1, Vector::Centre(side, face));
             let (length, count) = (views.exact.loop_length(side, face), views.counted.loop_length(side, face));
             assert!(length.bits() <= u64::from(count.0), "{about}");
-            if pair.solid(side).surely_convex[face as usize] {
+            if pair.solid(side).faces[face as usize].surely_convex {
                 turns_left(&views.exact, side, face, about);
             }
         }

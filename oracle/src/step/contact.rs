@@ -4,7 +4,7 @@ use super::frame;
 use crate::field::Field;
 use crate::mass::{difference, over};
 use rockproof_model::block::face_normal;
-use rockproof_model::{Block, Contact, EntranceKind, Point, Vec3};
+use rockproof_model::{Block, Contact, EntranceKind, Point, Ring, Sign, Vec3};
 
 /// A contact in one number type. N is the normal, from B to A, not of unit length.
 pub(crate) struct ContactGeometry<S> {
@@ -37,16 +37,6 @@ impl<'a, S: Field> Sides<'a, S> {
         Sides { blocks, points, offset }
     }
 
-    /// A vertex relative to B's vertex 0.
-    pub(crate) fn point(&self, side: usize, vertex: u32) -> Vec3<S> {
-        let own = &self.points[side][vertex as usize];
-        if side == 0 { own.plus(&self.offset) } else { own.clone() }
-    }
-
-    fn face_normal(&self, side: usize, face: u32) -> Vec3<S> {
-        face_normal(self.points[side], &self.blocks[side].topology().faces()[face as usize])
-    }
-
     /// The mean of a face's vertices.
     fn middle(&self, side: usize, face: u32) -> Option<Vec3<S>> {
         let boundary = &self.blocks[side].topology().faces()[face as usize];
@@ -55,39 +45,20 @@ impl<'a, S: Field> Sides<'a, S> {
         Some(if side == 0 { mean.plus(&self.offset) } else { mean })
     }
 
-    /// An edge's direction and its first end.
-    fn edge(&self, side: usize, edge: u32) -> (Vec3<S>, Vec3<S>) {
-        let ends = &self.blocks[side].topology().edges()[edge as usize];
-        let [p, q] = [ends.p, ends.q].map(|v| &self.points[side][v as usize]);
-        (q.minus(p), self.point(side, ends.p))
-    }
-
-    /// `m_L + m_R` of an edge.
-    fn lean(&self, side: usize, edge: u32) -> Vec3<S> {
-        let ends = &self.blocks[side].topology().edges()[edge as usize];
-        let (d, _) = self.edge(side, edge);
-        self.face_normal(side, ends.left).cross(&d).plus(&self.face_normal(side, ends.right).cross(&d.negated()))
-    }
-
     /// N of a contact, from B to A.
     pub(crate) fn normal(&self, contact: &Contact) -> Option<Vec3<S>> {
+        self.normal_by(contact, S::certain_sign)
+    }
+
+    /// `N·(P − Q)`, from the features themselves: the feet would lose digits.
+    fn gap(&self, contact: &Contact, normal: &Vec3<S>) -> Option<S> {
         let entrance = contact.entrance;
-        match entrance.kind {
-            EntranceKind::VertexFace => Some(self.face_normal(1, entrance.b)),
-            EntranceKind::FaceVertex => Some(self.face_normal(0, entrance.a).negated()),
-            EntranceKind::EdgeEdge => {
-                let ((d1, p1), (d2, p2)) = (self.edge(0, entrance.a), self.edge(1, entrance.b));
-                let cross = d1.cross(&d2);
-                // σ is known from the sign of the gap that classification found, or, touching, from the wedges.
-                let turned = if contact.gap.is_zero() {
-                    let lean = cross.dot(&self.lean(0, entrance.a)).minus(&cross.dot(&self.lean(1, entrance.b)));
-                    lean.certain_sign()?.is_negative()
-                } else {
-                    cross.dot(&p1.minus(&p2)).certain_sign()?.is_negative() != contact.gap.is_negative()
-                };
-                Some(if turned { cross.negated() } else { cross })
-            }
-        }
+        let apart = match entrance.kind {
+            EntranceKind::VertexFace => self.point(0, entrance.a).minus(&self.middle(1, entrance.b)?),
+            EntranceKind::FaceVertex => self.middle(0, entrance.a)?.minus(&self.point(1, entrance.b)),
+            EntranceKind::EdgeEdge => self.edge(0, entrance.a).1.minus(&self.edge(1, entrance.b).1),
+        };
+        Some(normal.dot(&apart))
     }
 
     /// P on A and Q on B.
@@ -118,16 +89,58 @@ impl<'a, S: Field> Sides<'a, S> {
             }
         }
     }
+}
 
-    /// `N·(P − Q)`, from the features themselves: the feet would lose digits.
-    fn gap(&self, contact: &Contact, normal: &Vec3<S>) -> Option<S> {
+impl<'a, S: Ring> Sides<'a, S> {
+    /// Both sides; `points` are relative to the blocks' vertices 0, and `offset` is A's relative to B's.
+    pub(crate) fn with_offset(blocks: [&'a Block; 2], points: [&'a [Vec3<S>]; 2], offset: Vec3<S>) -> Sides<'a, S> {
+        Sides { blocks, points, offset }
+    }
+
+    /// A vertex relative to B's vertex 0.
+    pub(crate) fn point(&self, side: usize, vertex: u32) -> Vec3<S> {
+        let own = &self.points[side][vertex as usize];
+        if side == 0 { own.plus(&self.offset) } else { own.clone() }
+    }
+
+    /// `N_f`.
+    pub(crate) fn face_normal(&self, side: usize, face: u32) -> Vec3<S> {
+        face_normal(self.points[side], &self.blocks[side].topology().faces()[face as usize])
+    }
+
+    /// An edge's direction and its first end.
+    fn edge(&self, side: usize, edge: u32) -> (Vec3<S>, Vec3<S>) {
+        let ends = &self.blocks[side].topology().edges()[edge as usize];
+        let [p, q] = [ends.p, ends.q].map(|v| &self.points[side][v as usize]);
+        (q.minus(p), self.point(side, ends.p))
+    }
+
+    /// `m_L + m_R` of an edge.
+    fn lean(&self, side: usize, edge: u32) -> Vec3<S> {
+        let ends = &self.blocks[side].topology().edges()[edge as usize];
+        let (d, _) = self.edge(side, edge);
+        self.face_normal(side, ends.left).cross(&d).plus(&self.face_normal(side, ends.right).cross(&d.negated()))
+    }
+
+    /// N of a contact, from B to A, in a type that says the sign of a number where it knows it.
+    pub(crate) fn normal_by(&self, contact: &Contact, sign: impl Fn(&S) -> Option<Sign>) -> Option<Vec3<S>> {
         let entrance = contact.entrance;
-        let apart = match entrance.kind {
-            EntranceKind::VertexFace => self.point(0, entrance.a).minus(&self.middle(1, entrance.b)?),
-            EntranceKind::FaceVertex => self.middle(0, entrance.a)?.minus(&self.point(1, entrance.b)),
-            EntranceKind::EdgeEdge => self.edge(0, entrance.a).1.minus(&self.edge(1, entrance.b).1),
-        };
-        Some(normal.dot(&apart))
+        match entrance.kind {
+            EntranceKind::VertexFace => Some(self.face_normal(1, entrance.b)),
+            EntranceKind::FaceVertex => Some(self.face_normal(0, entrance.a).negated()),
+            EntranceKind::EdgeEdge => {
+                let ((d1, p1), (d2, p2)) = (self.edge(0, entrance.a), self.edge(1, entrance.b));
+                let cross = d1.cross(&d2);
+                // σ is known from the sign of the gap that classification found, or, touching, from the wedges.
+                let turned = if contact.gap.is_zero() {
+                    let lean = cross.dot(&self.lean(0, entrance.a)).minus(&cross.dot(&self.lean(1, entrance.b)));
+                    sign(&lean)?.is_negative()
+                } else {
+                    sign(&cross.dot(&p1.minus(&p2)))?.is_negative() != contact.gap.is_negative()
+                };
+                Some(if turned { cross.negated() } else { cross })
+            }
+        }
     }
 }
 

@@ -1,31 +1,39 @@
-//! The areas on which cohesion and tensile strength act (SPEC 5.15), exactly.
+//! The areas on which cohesion and tensile strength act (SPEC 5.15), exactly: in integers, on the common lattice of both blocks.
 
 use super::contact::Sides;
 use crate::overlap::{Flat, common_area};
 use num_bigint::BigInt;
+use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
-use rockproof_model::block::face_normal;
+use rockproof_model::lattice::Lattice;
+use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, Contact, EntranceKind, Number, Vec3};
 use std::cmp::Ordering;
+
+type IntVector = Vec3<BigInt>;
 
 /// For each contact of a pair its share of the overlap area of its two faces, **times |N|**, N the contact's normal: a
 /// fraction even where the area is none.
 pub(crate) fn shares(blocks: [&Block; 2], contacts: &[Contact], overlap_sine: &Number) -> Option<Vec<BigRational>> {
-    let points = blocks.map(|block| {
-        let origin = &block.vertices()[0];
-        block.vertices().iter().map(|v| crate::mass::difference(v, origin, 0)).collect::<Vec<Vec3<BigRational>>>()
-    });
-    let sides = Sides::new(blocks, [&points[0], &points[1]], 0);
+    let lattice = Lattice::covering(blocks.iter().flat_map(|block| block.coordinates()));
+    let units = |v: &rockproof_model::block::Point| v.map(|c| lattice.units(c));
+    let origins = blocks.map(|block| units(&block.vertices()[0]));
+    let points: [Vec<IntVector>; 2] =
+        [0, 1].map(|side| blocks[side].vertices().iter().map(|v| units(v).minus(&origins[side])).collect());
+    let sides = Sides::with_offset(blocks, [&points[0], &points[1]], origins[0].minus(&origins[1]));
     let sine = overlap_sine.to_rational();
     let mut facing = Vec::new();
     for contact in contacts {
-        let normal = sides.normal(contact)?;
+        let normal = sides.normal_by(contact, |value| Some(ExactRing::sign(value)))?;
         let faces = faces(&sides, contact, &normal, &sine);
         facing.push((normal, faces));
     }
+    // Both an area and |N| are squares of lengths.
+    let (per_metre, over) = lattice.units_per_metre();
+    let fourth = BigRational::new_raw(over.pow(4), per_metre.pow(4));
     // Contacts of one face have one normal: their area is worked out once.
-    let mut known: Vec<(&Vec3<BigRational>, [u32; 2], BigRational)> = Vec::new();
+    let mut known: Vec<(&IntVector, [u32; 2], BigRational)> = Vec::new();
     let mut shares = Vec::new();
     for (normal, faces) in &facing {
         let Some(faces) = faces else {
@@ -36,7 +44,7 @@ pub(crate) fn shares(blocks: [&Block; 2], contacts: &[Contact], overlap_sine: &N
         let whole = match known.iter().find(|(n, f, _)| *n == normal && f == faces) {
             Some((_, _, area)) => area.clone(),
             None => {
-                let area = area_times_length(&sides, *faces, normal);
+                let area = area_times_length(&sides, *faces, normal) * &fourth;
                 known.push((normal, *faces, area.clone()));
                 area
             }
@@ -48,12 +56,7 @@ pub(crate) fn shares(blocks: [&Block; 2], contacts: &[Contact], overlap_sine: &N
 
 /// The faces of A and of B that a contact joins, if they face each other within the overlap angle. `normal` points from
 /// B to A.
-fn faces(
-    sides: &Sides<'_, BigRational>,
-    contact: &Contact,
-    normal: &Vec3<BigRational>,
-    sine: &BigRational,
-) -> Option<[u32; 2]> {
+fn faces(sides: &Sides<'_, BigInt>, contact: &Contact, normal: &IntVector, sine: &BigRational) -> Option<[u32; 2]> {
     let entrance = contact.entrance;
     let at_vertex = |side: usize, vertex: u32| sides.blocks[side].topology().vertex_faces(vertex).to_vec();
     let at_edge = |side: usize, edge: u32| {
@@ -66,9 +69,10 @@ fn faces(
         EntranceKind::EdgeEdge => [at_edge(0, entrance.a), at_edge(1, entrance.b)],
     };
     let towards = [normal.negated(), normal.clone()];
+    let (sine, one) = (sine.numer().pow(2), sine.denom().pow(2));
     let squarest = |side: usize| {
         let measured = |face: u32| {
-            let outward = outward(sides, side, face);
+            let outward = sides.face_normal(side, face);
             let cosine = outward.dot(&towards[side]);
             (face, cosine, outward)
         };
@@ -78,43 +82,41 @@ fn faces(
             let squarer = by_cosine((&next.1, &next.2), (&best.1, &best.2)) == Ordering::Greater;
             if squarer { next } else { best }
         });
-        let limit = sine * sine * outward.norm_squared() * normal.norm_squared();
-        (cosine.is_positive() && outward.cross(normal).norm_squared() <= limit).then_some(face)
+        let limit = &sine * outward.norm_squared() * normal.norm_squared();
+        (cosine.is_positive() && &one * outward.cross(normal).norm_squared() <= limit).then_some(face)
     };
     Some([squarest(0)?, squarest(1)?])
 }
 
-fn outward(sides: &Sides<'_, BigRational>, side: usize, face: u32) -> Vec3<BigRational> {
-    face_normal(sides.points[side], &sides.blocks[side].topology().faces()[face as usize])
-}
-
 /// Compares `c/|N|` of two faces, c their product with one direction.
-fn by_cosine(one: (&BigRational, &Vec3<BigRational>), two: (&BigRational, &Vec3<BigRational>)) -> Ordering {
-    let size = |cosine: &BigRational, by: &Vec3<BigRational>| cosine * cosine.abs() * by.norm_squared();
+fn by_cosine(one: (&BigInt, &IntVector), two: (&BigInt, &IntVector)) -> Ordering {
+    let size = |cosine: &BigInt, by: &IntVector| cosine * cosine.abs() * by.norm_squared();
     size(one.0, two.1).cmp(&size(two.0, one.1))
 }
 
-/// The area in which two faces overlap, seen along N, times |N|.
+/// The area in which two faces overlap, seen along N, times |N|, in lattice units.
 ///
 /// Seen along N in the coordinate plane across axis k, lengths are not true, but areas are the true ones times
 /// |N|/|N_k|. Multiplied by N_k, what is seen there of a point p is `p_a·N_k − N_a·p_k`.
-fn area_times_length(sides: &Sides<'_, BigRational>, faces: [u32; 2], normal: &Vec3<BigRational>) -> BigRational {
+fn area_times_length(sides: &Sides<'_, BigInt>, faces: [u32; 2], normal: &IntVector) -> BigRational {
     let n = normal.components();
     let axis = (0..3).max_by_key(|&k| n[k].abs()).unwrap_or(0);
     let others = [(axis + 1) % 3, (axis + 2) % 3];
     if n[axis].is_zero() {
         return BigRational::zero();
     }
-    // Shorter numbers give the same picture: N scaled so that N_k is 1.
-    let slopes = others.map(|k| n[k] / n[axis]);
+    // Any multiple of N gives the same picture: the one of the shortest numbers.
+    let common = n[axis].gcd(n[others[0]]).gcd(n[others[1]]);
+    let across = n[axis] / &common;
+    let slopes = others.map(|k| n[k] / &common);
     let flat = |side: usize| -> Vec<Flat> {
         let corners = &sides.blocks[side].topology().faces()[faces[side] as usize];
         let seen = |&v: &u32| {
             let at = sides.point(side, v);
             let at = at.components();
-            std::array::from_fn(|k| at[others[k]] - at[axis] * &slopes[k])
+            std::array::from_fn(|k| at[others[k]] * &across - at[axis] * &slopes[k])
         };
         corners.iter().map(seen).collect()
     };
-    common_area(&flat(0), &flat(1)) * n[axis].abs()
+    common_area(&flat(0), &flat(1)) * BigRational::new(common, across.abs())
 }

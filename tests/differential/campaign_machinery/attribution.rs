@@ -1,11 +1,16 @@
 //! Pins which cause and change each difference gets, link by link of SPEC section 6's chain, with scripted answers.
 
 use super::scripted::{Script, ScriptedAnswer, contact, cube, decision, scripted, subject};
-use rockproof_differential::attribution::{PairExamination, examine};
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_campaign::source;
+use rockproof_differential::attribution::{PairExamination, WantedFindings, examine, findings_wanted};
+use rockproof_differential::builtin;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::{EngineFailure, WideAnswer};
-use rockproof_differential::finding::{Cause, FindingScope};
+use rockproof_differential::finding::{Cause, Finding, FindingScope};
+use rockproof_differential::subject::PairSource;
 use rockproof_model::{Contact, ContactKind, Entrance, EntranceKind, Precision, Sign};
+use std::collections::BTreeSet;
 
 fn run(script: &Script) -> PairExamination {
     // 0.1 is not an f32, so the oracle can tell the exact pair from the rounded one.
@@ -61,13 +66,33 @@ fn every_change_at_every_link_has_its_cause() {
         script.rounded = old;
         assert_eq!(found(&script), [("scripted".to_owned(), Cause::Arithmetic, change)]);
 
-        let wide = |unsettled, contacts: &[Contact]| Some(WideAnswer { contacts: contacts.to_vec(), unsettled });
+        let wide = |settled, contacts: &[Contact]| Some(WideAnswer { contacts: contacts.to_vec(), settled });
         let script = Script { engine: Ok(other), ..unanimous.clone() };
         let cause = |wide| found(&Script { wide, ..script.clone() })[0].1;
-        assert_eq!(cause(wide(0, &answer)), Cause::Defect, "{change}: it remains although nothing was close");
-        assert_eq!(cause(wide(1, &answer)), Cause::Arithmetic, "{change}: a tie may explain it");
-        assert_eq!(cause(wide(0, &[base()])), Cause::Arithmetic, "{change}: more bits mend it");
+        assert_eq!(cause(wide(true, &answer)), Cause::Defect, "{change}: it remains although nothing was close");
+        assert_eq!(cause(wide(false, &answer)), Cause::Arithmetic, "{change}: a tie may explain it");
+        assert_eq!(cause(wide(true, &[base()])), Cause::Arithmetic, "{change}: more bits mend it");
     }
+}
+
+#[test]
+fn findings_that_are_wanted_are_found_as_among_all() {
+    let config = CampaignConfig::default();
+    let (source, panel) = (source::of(&config).expect("pairs"), builtin::panel(&config.engines, 2).expect("engines"));
+    let of = |f: &Finding| (f.cause.name(), f.difference.change.name(), f.difference.kinds());
+    let (mut sought, mut left_out) = (BTreeSet::new(), 0);
+    for subject in (0..24).flat_map(|number| source.batch(number)) {
+        let all = examine(&subject, &panel).findings;
+        for sort in all.iter().map(of).collect::<BTreeSet<_>>() {
+            let (cause, change, kind) = &sort;
+            let found = findings_wanted(&subject, &panel, WantedFindings { cause, change, kind });
+            left_out += all.len() - found.len();
+            let such = |findings: &[Finding]| findings.iter().filter(|f| of(f) == sort).cloned().collect::<Vec<_>>();
+            assert_eq!(such(&found), such(&all), "pair {}, {sort:?}", subject.index);
+            sought.insert(sort);
+        }
+    }
+    assert!(sought.len() > 20 && left_out > 100, "{} sorts, {left_out} left out", sought.len());
 }
 
 #[test]

@@ -57,7 +57,7 @@ impl Prepared for UpsetPair {
         None
     }
     fn classify_wide(&self, tolerances: &ToleranceSet) -> Option<WideAnswer> {
-        Some(WideAnswer { contacts: self.classify(tolerances).ok()?, unsettled: 0 })
+        Some(WideAnswer { contacts: self.classify(tolerances).ok()?, settled: true })
     }
 }
 

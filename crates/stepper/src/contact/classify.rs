@@ -127,6 +127,9 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     fn vertices_and_vertices(&mut self, near: &NearFeatures<R>) {
         for &v in near.vertices(Side::A) {
             for &w in near.vertices(Side::B) {
+                if R::is_given_up() {
+                    return;
+                }
                 self.vertex_vertex(v, w);
             }
         }
@@ -136,6 +139,9 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         let own = self.solid(side);
         for &v in near.vertices(side) {
             for &(e, bounds) in near.edges(side.other()) {
+                if R::is_given_up() {
+                    return;
+                }
                 if !bounds.is_beyond(own.vertex(v).at, self.t.reach) {
                     self.vertex_edge(side, v, e);
                 }
@@ -149,6 +155,9 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         for &v in near.vertices(side) {
             let first = self.hits.len();
             for f in 0..faces {
+                if R::is_given_up() {
+                    return;
+                }
                 self.vertex_face(side, v, f);
             }
             if exits && self.hits.len() > first + 1 {
@@ -160,6 +169,9 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     fn edges_and_edges(&mut self, near: &NearFeatures<R>, reach: R) {
         for (e, bounds) in near.edges(Side::A) {
             for (f, other) in near.edges(Side::B) {
+                if R::is_given_up() {
+                    return;
+                }
                 if !bounds.beyond(other, reach) {
                     self.edge_edge(*e, *f);
                 }

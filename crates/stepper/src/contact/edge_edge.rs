@@ -2,6 +2,7 @@
 
 use crate::contact::entrance::Candidate;
 use crate::contact::pair::Pair;
+use crate::contact::prepared_block::FaceOfEdge;
 use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
@@ -65,27 +66,31 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// The unit normal of the plane two crossing edges span, from B to A: σ·(d₁ × d₂) over its length.
     pub(super) fn normal(&self, e: u32, f: u32, crossing: Crossing<R>) -> Vector<R> {
         let unit = crossing.product / crossing.sine;
-        let lean = unit.dot(self.a.edge(e).lean) - unit.dot(self.b.edge(f).lean);
+        let lean = unit.dot(self.a.lean(e)) - unit.dot(self.b.lean(f));
         if M::sigma_is_positive(lean) { unit } else { -unit }
     }
 
     /// A's two faces at the edge are above the plane and B's below, within the tolerance.
     pub(super) fn wedges_pass(&mut self, e: u32, f: u32, normal: Vector<R>) -> bool {
-        let (one, two) = (self.a.edge(e), self.b.edge(f));
-        let passes = M::wedge_of_a_passes(normal.dot(one.into_left), one.width_left, self.t)
-            && M::wedge_of_a_passes(normal.dot(one.into_right), one.width_right, self.t)
-            && M::wedge_of_b_passes(normal.dot(two.into_left), two.width_left, self.t)
-            && M::wedge_of_b_passes(normal.dot(two.into_right), two.width_right, self.t);
+        let (one, two) = (self.a, self.b);
+        let passes = FaceOfEdge::BOTH
+            .into_iter()
+            .all(|k| M::wedge_of_a_passes(normal.dot(one.into_face(e, k)), one.widths(e)[k as usize], self.t))
+            && FaceOfEdge::BOTH
+                .into_iter()
+                .all(|k| M::wedge_of_b_passes(normal.dot(two.into_face(f, k)), two.widths(f)[k as usize], self.t));
         self.ask(Predicate::WedgesPass, &[Feature::Edge(Side::A, e), Feature::Edge(Side::B, f)], passes)
     }
 
     /// The plane of two edges is a true exit: their faces pass with the tolerance r/10.
     pub(super) fn wedges_exit(&self, e: u32, f: u32, normal: Vector<R>) -> bool {
-        let (one, two) = (self.a.edge(e), self.b.edge(f));
-        M::true_exit_of_wedge_a(normal.dot(one.into_left), one.width_left, self.t)
-            && M::true_exit_of_wedge_a(normal.dot(one.into_right), one.width_right, self.t)
-            && M::true_exit_of_wedge_b(normal.dot(two.into_left), two.width_left, self.t)
-            && M::true_exit_of_wedge_b(normal.dot(two.into_right), two.width_right, self.t)
+        let (one, two) = (self.a, self.b);
+        FaceOfEdge::BOTH
+            .into_iter()
+            .all(|k| M::true_exit_of_wedge_a(normal.dot(one.into_face(e, k)), one.widths(e)[k as usize], self.t))
+            && FaceOfEdge::BOTH
+                .into_iter()
+                .all(|k| M::true_exit_of_wedge_b(normal.dot(two.into_face(f, k)), two.widths(f)[k as usize], self.t))
     }
 
     /// One of the four ends is in the territory of the other edge or of one of its ends.

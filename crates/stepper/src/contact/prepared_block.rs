@@ -5,8 +5,10 @@ use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::Block;
 use rockproof_model::topology::Edge;
+use std::sync::OnceLock;
 
-/// A block prepared for classification in one precision.
+/// A block prepared for classification in one precision. What only some features of a pair are asked for (directions into faces, widths of
+/// faces) is worked out when first asked, by the same operations whoever asks first.
 #[derive(Clone, Debug)]
 pub struct PreparedBlock<R> {
     block: Block,
@@ -37,7 +39,7 @@ pub struct EdgeAtVertex<R> {
 }
 
 /// An edge of a prepared block, from p to q, p < q.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PreparedEdge<R> {
     /// Its vertices and faces.
     pub edge: Edge,
@@ -51,16 +53,10 @@ pub struct PreparedEdge<R> {
     pub direction: Vector<R>,
     /// Length.
     pub length: R,
-    /// Unit direction into the left face, in its plane and across the edge.
-    pub into_left: Vector<R>,
-    /// Unit direction into the right face.
-    pub into_right: Vector<R>,
-    /// `m_L + m_R = N_L × d − N_R × d`, with the lengths that SPEC gives them; decides σ.
-    pub lean: Vector<R>,
-    /// Greatest distance of a vertex of the left face from the edge's line.
-    pub width_left: R,
-    /// Greatest distance of a vertex of the right face from the edge's line.
-    pub width_right: R,
+    /// Unit directions into the left and the right face.
+    into: [OnceLock<Vector<R>>; 2],
+    /// Greatest distance of a vertex of each face from the edge's line.
+    widths: OnceLock<[R; 2]>,
 }
 
 impl<R: Real> PreparedEdge<R> {
@@ -72,14 +68,50 @@ impl<R: Real> PreparedEdge<R> {
 }
 
 /// A face of a prepared block.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Face<R> {
     /// Unit outward normal.
     pub normal: Vector<R>,
+    /// `N_f`: the normal with twice the area for length.
+    area: Vector<R>,
     /// `c_f`, the mean of the vertices.
     pub point: Vector<R>,
-    /// Whether no corner turns right, as computed here: then all edges seen from the inner side means inside.
-    pub turns_left: bool,
+    /// Whether no corner turns right.
+    turns_left: OnceLock<bool>,
+}
+
+impl<R: Real> Face<R> {
+    /// The direction into the face from an edge of this unit direction, not of unit length: the planes of faces that rounding made non-planar
+    /// do not quite hold their edges.
+    fn across(&self, direction: Vector<R>, side: FaceOfEdge) -> Vector<R> {
+        self.normal.cross(match side {
+            FaceOfEdge::Left => direction,
+            FaceOfEdge::Right => -direction,
+        })
+    }
+}
+
+/// One of the two faces at an edge, as seen from outside along the edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaceOfEdge {
+    /// The left one.
+    Left,
+    /// The right one.
+    Right,
+}
+
+impl FaceOfEdge {
+    /// Both faces.
+    pub const BOTH: [FaceOfEdge; 2] = [FaceOfEdge::Left, FaceOfEdge::Right];
+
+    /// Its number.
+    #[inline]
+    fn of(self, edge: &Edge) -> u32 {
+        match self {
+            FaceOfEdge::Left => edge.left,
+            FaceOfEdge::Right => edge.right,
+        }
+    }
 }
 
 /// A feature that rounding left without extent, or that overflowed.
@@ -135,7 +167,6 @@ impl<R: Real> PreparedBlock<R> {
     /// When a feature has no extent, naming it.
     pub fn with_points(block: Block, points: &[Vector<R>]) -> Result<PreparedBlock<R>, Collapsed> {
         let topology = block.topology();
-        let mut areas = Vec::with_capacity(topology.faces().len());
         let mut faces = Vec::with_capacity(topology.faces().len());
         for (f, corners) in topology.faces().iter().enumerate() {
             let area = area_vector(points, corners);
@@ -143,12 +174,11 @@ impl<R: Real> PreparedBlock<R> {
             if !has_extent(size) {
                 return Err(Collapsed { what: CollapsedPart::Face(f as u32) });
             }
-            areas.push(area);
-            faces.push(face(points, corners, area / size));
+            faces.push(face(points, corners, area, area / size));
         }
         let mut edges = Vec::with_capacity(topology.edges().len());
         for e in 0..topology.edges().len() as u32 {
-            edges.push(ridge(&block, points, &PreparedFaces { flat: &faces, areas: &areas }, e)?);
+            edges.push(ridge(&block, points, &faces, e)?);
         }
         let vertices = (0..)
             .zip(points)
@@ -216,6 +246,55 @@ impl<R: Real> PreparedBlock<R> {
         self.block.topology().vertex_edges(vertex)
     }
 
+    /// Unit direction from an edge into one of its faces, in the face's plane and across the edge.
+    #[inline]
+    pub fn into_face(&self, edge: u32, side: FaceOfEdge) -> Vector<R> {
+        let ridge = self.edge(edge);
+        *ridge.into[side as usize].get_or_init(|| {
+            let across = self.faces[side.of(&ridge.edge) as usize].across(ridge.direction, side);
+            across / across.length()
+        })
+    }
+
+    /// `m_L + m_R = N_L × d − N_R × d` of an edge, with the lengths that SPEC gives them; decides σ.
+    pub fn lean(&self, edge: u32) -> Vector<R> {
+        let ridge = self.edge(edge);
+        let [left, right] = [ridge.edge.left, ridge.edge.right].map(|face| self.faces[face as usize].area);
+        (left - right).cross(ridge.q - ridge.p)
+    }
+
+    /// Whether no corner of a face turns right, as computed here: then all edges seen from the inner side means inside.
+    #[inline]
+    pub fn turns_left(&self, f: u32) -> bool {
+        let face = self.face(f);
+        *face.turns_left.get_or_init(|| {
+            let corners = &self.block.topology().faces()[f as usize];
+            let n = corners.len();
+            let at = |i: usize| self.vertex(corners[if i < n { i } else { i - n }]).at;
+            let left = |k: usize| {
+                let (before, here, after) = (at(k), at(k + 1), at(k + 2));
+                !(here - before).cross(after - here).dot(face.normal).below(R::ZERO)
+            };
+            n == 3 || (0..n).all(left)
+        })
+    }
+
+    /// Greatest distance of a vertex of the left and of the right face from an edge's line.
+    #[inline]
+    pub fn widths(&self, edge: u32) -> [R; 2] {
+        let ridge = self.edge(edge);
+        *ridge.widths.get_or_init(|| [ridge.edge.left, ridge.edge.right].map(|face| self.width(ridge, face)))
+    }
+
+    fn width(&self, ridge: &PreparedEdge<R>, face: u32) -> R {
+        let squares = self.block.topology().faces()[face as usize]
+            .iter()
+            .filter(|&&v| v != ridge.edge.p && v != ridge.edge.q)
+            .map(|&v| (self.vertex(v).at - ridge.p).cross(ridge.direction))
+            .map(|across| across.dot(across));
+        squares.fold(R::ZERO, R::larger).sqrt()
+    }
+
     /// An edge seen from one of its vertices.
     #[inline]
     pub fn spoke(&self, vertex: u32, edge: u32) -> EdgeAtVertex<R> {
@@ -243,32 +322,19 @@ fn area_vector<R: Real>(points: &[Vector<R>], corners: &[u32]) -> Vector<R> {
     normal
 }
 
-fn face<R: Real>(points: &[Vector<R>], corners: &[u32], normal: Vector<R>) -> Face<R> {
-    let n = corners.len();
+fn face<R: Real>(points: &[Vector<R>], corners: &[u32], area: Vector<R>, normal: Vector<R>) -> Face<R> {
     let origin = points[corners[0] as usize];
     let mut sum = Vector::ZERO;
     for &corner in &corners[1..] {
         sum = sum + (points[corner as usize] - origin);
     }
-    let turns_left = n == 3
-        || (0..n).all(|k| {
-            let at = |i: usize| points[corners[if i < n { i } else { i - n }] as usize];
-            let (before, here, after) = (at(k), at(k + 1), at(k + 2));
-            !(here - before).cross(after - here).dot(normal).below(R::ZERO)
-        });
-    Face { normal, point: origin + sum / R::from_f64(n as f64), turns_left }
-}
-
-/// Faces on the way to edges: with the normals that have an area for length.
-struct PreparedFaces<'s, R> {
-    flat: &'s [Face<R>],
-    areas: &'s [Vector<R>],
+    Face { normal, area, point: origin + sum / R::from_f64(corners.len() as f64), turns_left: OnceLock::new() }
 }
 
 fn ridge<R: Real>(
     block: &Block,
     points: &[Vector<R>],
-    faces: &PreparedFaces<'_, R>,
+    faces: &[Face<R>],
     e: u32,
 ) -> Result<PreparedEdge<R>, Collapsed> {
     let edge = &block.topology().edges()[e as usize];
@@ -279,20 +345,13 @@ fn ridge<R: Real>(
         return Err(Collapsed { what: CollapsedPart::Edge(e) });
     }
     let direction = along / length;
-    // The planes of faces that rounding made non-planar do not quite hold the edge, so these need a root of their own.
-    let into = |face: u32, along_loop: Vector<R>| {
-        let across = faces.flat[face as usize].normal.cross(along_loop);
-        let size = across.length();
-        if has_extent(size) { Ok(across / size) } else { Err(Collapsed { what: CollapsedPart::EdgeOfFace(e, face) }) }
-    };
-    let width = |face: u32| {
-        let squares = block.topology().faces()[face as usize]
-            .iter()
-            .filter(|&&v| v != edge.p && v != edge.q)
-            .map(|&v| (points[v as usize] - p).cross(direction))
-            .map(|across| across.dot(across));
-        squares.fold(R::ZERO, R::larger).sqrt()
-    };
+    for side in FaceOfEdge::BOTH {
+        let across = faces[side.of(edge) as usize].across(direction, side);
+        // The root of something that is positive and finite is so too, and the other way round: the length itself can wait.
+        if !has_extent(across.dot(across)) {
+            return Err(Collapsed { what: CollapsedPart::EdgeOfFace(e, side.of(edge)) });
+        }
+    }
     Ok(PreparedEdge {
         edge: *edge,
         convex: block.edge_is_convex(e),
@@ -300,10 +359,7 @@ fn ridge<R: Real>(
         q,
         direction,
         length,
-        into_left: into(edge.left, direction)?,
-        into_right: into(edge.right, -direction)?,
-        lean: (faces.areas[edge.left as usize] - faces.areas[edge.right as usize]).cross(along),
-        width_left: width(edge.left),
-        width_right: width(edge.right),
+        into: [OnceLock::new(), OnceLock::new()],
+        widths: OnceLock::new(),
     })
 }

@@ -45,8 +45,8 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     /// A vertex whose foot is inside the edge is within the edge's radius.
     pub(super) fn in_edge_radius(&mut self, side: Side, v: u32, e: u32, distance: R) -> bool {
-        let edge = self.solid(side.other()).edge(e);
-        let inside = M::edge_territory(distance, M::edge_radius(self.t, edge.width_left, edge.width_right));
+        let [left, right] = self.solid(side.other()).widths(e);
+        let inside = M::edge_territory(distance, M::edge_radius(self.t, left, right));
         self.ask(Predicate::EdgeTerritory, &[Feature::Vertex(side, v), Feature::Edge(side.other(), e)], inside)
     }
 }

@@ -1,6 +1,7 @@
 //! Test 2: v-e, and e-v with the roles exchanged.
 
 use crate::contact::pair::{Pair, a_first};
+use crate::contact::prepared_block::FaceOfEdge;
 use crate::contact::rules::ContactRules;
 use crate::contact::territory::distance_to_line;
 use crate::contact::trace::Observer;
@@ -54,11 +55,12 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     /// `(a − p)·m ≤ 0` for both faces at the edge.
     fn in_edge_region(&mut self, side: Side, v: u32, e: u32) -> bool {
-        let ridge = self.solid(side.other()).edge(e);
+        let other = self.solid(side.other());
+        let ridge = other.edge(e);
         let offset = self.solid(side).vertex(v).at - ridge.p;
-        [(ridge.edge.left, ridge.into_left), (ridge.edge.right, ridge.into_right)].into_iter().all(|(face, into)| {
+        [(ridge.edge.left, FaceOfEdge::Left), (ridge.edge.right, FaceOfEdge::Right)].into_iter().all(|(face, of)| {
             let about = [Feature::Vertex(side, v), Feature::Edge(side.other(), e), Feature::Face(side.other(), face)];
-            self.ask(Predicate::EdgeRegion, &about, M::edge_region(offset.dot(into)))
+            self.ask(Predicate::EdgeRegion, &about, M::edge_region(offset.dot(other.into_face(e, of))))
         })
     }
 

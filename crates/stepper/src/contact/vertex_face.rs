@@ -1,7 +1,7 @@
 //! Test 3: v-f, and f-v with the roles exchanged.
 
 use crate::contact::pair::{Pair, a_first};
-use crate::contact::prepared_block::PreparedBlock;
+use crate::contact::prepared_block::{FaceOfEdge, PreparedBlock};
 use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
@@ -53,7 +53,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
 /// The projection of a point along the normal lies strictly inside the face. **On the rim says no.**
 fn is_over_face<R: Real, M: ContactRules>(at: Vector<R>, solid: &PreparedBlock<R>, f: u32) -> bool {
-    if solid.face(f).turns_left {
+    if solid.turns_left(f) {
         solid.block().topology().face_edges(f).iter().all(|&e| M::inside_face(inward(at, solid, f, e)))
     } else {
         winds_around::<R, M>(at, solid, f)
@@ -64,8 +64,8 @@ fn is_over_face<R: Real, M: ContactRules>(at: Vector<R>, solid: &PreparedBlock<R
 #[inline]
 fn inward<R: Real>(at: Vector<R>, solid: &PreparedBlock<R>, f: u32, e: u32) -> R {
     let ridge = solid.edge(e);
-    let into = if ridge.edge.left == f { ridge.into_left } else { ridge.into_right };
-    (at - ridge.p).dot(into)
+    let side = if ridge.edge.left == f { FaceOfEdge::Left } else { FaceOfEdge::Right };
+    (at - ridge.p).dot(solid.into_face(e, side))
 }
 
 /// Inside by the winding number (Sunday 2001), for a face with a corner that turns right. Levels are measured from the

@@ -55,7 +55,7 @@ fn edge_edge<R: Real, M: ContactRules>(
     let product = one.direction.cross(two.direction);
     let sine = product.length();
     let unit = product / sine;
-    let lean = unit.dot(one.lean) - unit.dot(two.lean);
+    let lean = unit.dot(a.lean(edge_a)) - unit.dot(b.lean(edge_b));
     let normal = if M::sigma_is_positive(lean) { unit } else { -unit };
     let offset = two.p - one.p;
     let squared = sine * sine;

@@ -5,7 +5,7 @@ use crate::pairs::{self, block, cuboid, n, spike, tolerances};
 use proptest::prelude::*;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Block, ToleranceSet};
-use rockproof_stepper::contact::prepared_block::CollapsedPart;
+use rockproof_stepper::contact::prepared_block::{CollapsedPart, FaceOfEdge};
 use rockproof_stepper::contact::{SpecRules, ToleranceOverflow, neighbouring_pairs, neighbours};
 use rockproof_stepper::{
     Classifier, Collapsed, EngineError, PreparedBlock, Real, Stepper, Tolerances, Vector, Wide, classify,
@@ -17,16 +17,17 @@ fn measures<R: Real>() {
     let list = |v: Vector<R>| v.components().map(R::to_f64);
     let face = solid.face(3);
     assert_eq!((list(face.normal), list(face.point)), ([1.0, 0.0, 0.0], [3.0, 3.5, 5.0]));
-    assert!(solid.faces().iter().all(|f| f.turns_left));
+    assert!((0..6).all(|f| solid.turns_left(f)));
     // Edge 0 runs 0-1 along x between the bottom (reached by +y) and the front (reached by +z).
     let edge = solid.edge(0);
     assert_eq!((list(edge.direction), edge.length.to_f64()), ([1.0, 0.0, 0.0], 2.0));
-    let into = if edge.edge.left == 0 { [edge.into_left, edge.into_right] } else { [edge.into_right, edge.into_left] };
+    let [left, right] = FaceOfEdge::BOTH;
+    let into = if edge.edge.left == 0 { [left, right] } else { [right, left] }.map(|face| solid.into_face(0, face));
     assert_eq!(into.map(list), [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-    let widths = [edge.width_left, edge.width_right].map(R::to_f64);
+    let widths = solid.widths(0).map(R::to_f64);
     assert_eq!(widths.iter().sum::<f64>(), 7.0);
     // m_L + m_R = N × d: twice the areas 2·3 and 2·4 times the length 2.
-    assert_eq!(list(edge.lean), [0.0, 24.0, 32.0]);
+    assert_eq!(list(solid.lean(0)), [0.0, 24.0, 32.0]);
     assert_eq!(solid.vertex(6).shortest.to_f64(), 2.0);
     let away: Vec<_> = solid.edges_at(6).iter().map(|&e| list(solid.spoke(6, e).away)).collect();
     assert_eq!(away, [[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0]]);
