@@ -20,7 +20,7 @@ use rockproof_oracle::{Pair, PreparedBlock};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Batches of the slice, small and at full size: fourteen families take turns.
-const BATCHES: u64 = if cfg!(debug_assertions) { 42 } else { 14 * 16 };
+const BATCHES: u64 = if cfg!(debug_assertions) { 42 } else { 14 * 64 };
 const FULL_BATCHES: u64 = 14 * 128;
 
 fn default_source() -> FamilySource {
