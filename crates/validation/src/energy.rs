@@ -1,7 +1,7 @@
 //! Energy of blocks that fall, strike one another and come to rest: no force drives them, so no step should gain any.
 //!
 //! The energy of a state is that of `steps.csv`: kinetic, of gravity, of strain, of springs. The *drop* is what was there to spend: the energy at
-//! the start less the least that gravity had during the run. [`ledger`] says of a gain where it comes from.
+//! the start less the least that gravity had during the run. `ledger` says of a gain where it comes from.
 
 mod ledger;
 mod scenes;

@@ -79,7 +79,7 @@ impl Tipping {
         Ok(scene)
     }
 
-    /// When its diagonal passes LEANS[1] (s), between two steps by a straight line.
+    /// When its diagonal passes `LEANS[1]` (s), between two steps by a straight line.
     ///
     /// # Errors
     /// When the scene cannot be run.
