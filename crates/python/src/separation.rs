@@ -6,8 +6,8 @@ use crate::number::{exact_root, fractions};
 use num_rational::BigRational;
 use num_traits::Zero;
 use pyo3::prelude::*;
-use rockproof_differential::collision::SeparationState;
 use rockproof_differential::collision::separation::Separation;
+use rockproof_differential::separation_state::SeparationState;
 use rockproof_model::{Number, Vec3};
 use rockproof_oracle::penetration::{self as depth, Penetration};
 
