@@ -179,3 +179,30 @@ fn an_interrupt_is_acknowledged_and_a_second_one_ends() {
     // The first may have ended it before the second came.
     assert_eq!(child.wait().expect("ended").code(), Some(130));
 }
+
+/// A campaign that is stopped within its first chunk knows nothing, and must not call the engines good.
+#[test]
+#[cfg(unix)]
+fn what_is_stopped_before_its_first_chunk_ends_has_no_verdict() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let settings = written(dir.path(), "settings.toml", "pairs = 1000000\nchunk = 65536\n");
+    let child = std::process::Command::new(env!("CARGO_BIN_EXE_rockproof"))
+        .args(["campaign", &settings, "--threads", "1", "--out"])
+        .arg(dir.path().join("run"))
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("runs");
+    for _ in 0..3000 {
+        if dir.path().join("run/progress.json").exists() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(sent.is_ok_and(|status| status.success()));
+    let output = child.wait_with_output().expect("ended");
+    let out = String::from_utf8(output.stdout).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(130), "{out}");
+    assert!(out.contains("No pair has been examined to its end") && !out.contains("No difference"), "{out}");
+}

@@ -168,6 +168,9 @@ fn mistakes(campaigns: &[CampaignRun]) -> VerdictLine {
     let count =
         |cause: Cause| -> u64 { campaigns.iter().map(|c| c.tally.by_cause().get(&cause).copied().unwrap_or(0)).sum() };
     let total: u64 = campaigns.iter().map(|c| c.tally.total).sum();
+    if campaigns.iter().all(|campaign| campaign.run.pairs == 0) {
+        return line(Severity::Fair, "No pair has been examined to its end, so nothing is known.".to_owned());
+    }
     if total == 0 {
         return line(Severity::Good, "No difference was found at all.".to_owned());
     }
