@@ -147,6 +147,23 @@ fn engines_in_a_file_may_be_external() {
     assert!(code == 0 && out.contains("stepper-f32") && !out.contains("stepper-f64"), "{out}{err}");
 }
 
+/// Waits until a campaign that was started has begun its results: from then on it listens to signals.
+#[cfg(unix)]
+fn wait_for_results(dir: &Path) {
+    for _ in 0..3000 {
+        if dir.join("run/progress.json").exists() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+}
+
+#[cfg(unix)]
+fn interrupt(id: u32) {
+    let sent = std::process::Command::new("kill").args(["-INT", &id.to_string()]).status();
+    assert!(sent.is_ok_and(|status| status.success()));
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupt_is_acknowledged_and_a_second_one_ends() {
@@ -158,24 +175,13 @@ fn an_interrupt_is_acknowledged_and_a_second_one_ends() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("runs");
-    // Once its results are begun it listens.
-    for _ in 0..3000 {
-        if dir.path().join("run/progress.json").exists() {
-            break;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
+    wait_for_results(dir.path());
     std::thread::sleep(std::time::Duration::from_secs(1));
-    let id = child.id().to_string();
-    let interrupt = || {
-        let sent = std::process::Command::new("kill").args(["-INT", &id]).status();
-        assert!(sent.is_ok_and(|status| status.success()));
-    };
     let mut lines = BufReader::new(child.stderr.take().expect("piped")).lines();
-    interrupt();
+    interrupt(child.id());
     let said = lines.find(|line| line.as_ref().is_ok_and(|line| line.contains("finishing what has begun")));
     assert!(said.is_some_and(|line| line.expect("text").contains("again")));
-    interrupt();
+    interrupt(child.id());
     // The first may have ended it before the second came.
     assert_eq!(child.wait().expect("ended").code(), Some(130));
 }
@@ -193,14 +199,8 @@ fn what_is_stopped_before_its_first_chunk_ends_has_no_verdict() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("runs");
-    for _ in 0..3000 {
-        if dir.path().join("run/progress.json").exists() {
-            break;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(sent.is_ok_and(|status| status.success()));
+    wait_for_results(dir.path());
+    interrupt(child.id());
     let output = child.wait_with_output().expect("ended");
     let out = String::from_utf8(output.stdout).expect("UTF-8");
     assert_eq!(output.status.code(), Some(130), "{out}");
