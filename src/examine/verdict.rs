@@ -52,7 +52,8 @@ impl Verdict {
         let (answer, sentence) = match (is_safe, with_other) {
             (true, _) => {
                 let pairs = plural(found.given.pairs.len(), "neighbouring pair", "neighbouring pairs");
-                ("safe", format!("safe: nothing is wrong with {pairs} under {} in {precision}", found.name))
+                let untried = untried(&found.given);
+                ("safe", format!("safe: nothing is wrong with {pairs} under {} in {precision}{untried}", found.name))
             }
             (false, true) => (
                 "safe with another set",
@@ -96,6 +97,20 @@ pub(crate) fn mark(severity: Severity) -> char {
         Severity::Fair => 'i',
         Severity::Bad => '✗',
     }
+}
+
+/// What a model called safe was not tried in, so that nobody takes little for much.
+fn untried(given: &Assessment) -> &'static str {
+    match (given.pairs.is_empty(), &given.steps) {
+        (true, _) => ", but no two blocks are near one another, so no contact was tried",
+        (false, Steps::Skipped(_)) => ", but no step was made",
+        (false, Steps::Made(_)) => "",
+    }
+}
+
+/// Nothing found among the pairs is good news only where there are some.
+fn good(given: &Assessment) -> Severity {
+    if given.pairs.is_empty() { Severity::Fair } else { Severity::Good }
 }
 
 fn other_than(precision: Precision) -> Precision {
@@ -175,7 +190,7 @@ fn overlapping(given: &Assessment) -> Line {
     let text = said.strip_prefix("overlaps: ").unwrap_or(&said).to_owned();
     let held = overlaps.all().any(|(_, meaning)| meaning == rockproof_oracle::audit::Meaning::Held);
     let severity = match (overlaps.lost(), held) {
-        (0, false) => Severity::Good,
+        (0, false) => good(given),
         (0, true) => Severity::Fair,
         _ => Severity::Bad,
     };
@@ -188,7 +203,7 @@ fn differing(given: &Assessment, precision: Precision, is_asked: bool) -> Line {
     let [differ, broken] = given.differing(precision);
     let pairs = format!("{} neighbouring pairs", grouped(given.pairs.len() as u64));
     if differ == 0 {
-        return line(about, Severity::Good, format!("0 of {pairs} differ from the exact contacts"));
+        return line(about, good(given), format!("0 of {pairs} differ from the exact contacts"));
     }
     let sum =
         |of: fn(&ExaminedPair, Precision) -> u64| grouped(given.pairs.iter().map(|pair| of(pair, precision)).sum());
@@ -210,7 +225,7 @@ fn tolerances(given: &Assessment) -> Line {
     let contacts: u64 = given.pairs.iter().map(|pair| pair.tolerance).sum();
     let [changed, pairs] = [changed, given.pairs.len()].map(|count| grouped(count as u64));
     let text = format!("change {} exact contacts in {changed} of {pairs} pairs", grouped(contacts));
-    line("tolerances", if contacts == 0 { Severity::Good } else { Severity::Fair }, text)
+    line("tolerances", if contacts == 0 { good(given) } else { Severity::Fair }, text)
 }
 
 fn steps(steps: &Steps) -> Line {

@@ -262,3 +262,22 @@ fn bad_input_and_directories_of_others_exit_with_2() {
     let (code, _, err) = place.run(&["examine", "sound.toml", "--out", "run", "--overwrite"]);
     assert!(code == 2 && err.contains("belongs to `rockproof simulate`"), "{err}");
 }
+
+#[test]
+fn what_was_not_tried_is_said_beside_safe() {
+    let place = Place::new();
+    place.file("one.toml", "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n");
+    let (code, out, err) = place.run(&["examine", "one.toml", "--out", "one"]);
+    assert!(
+        code == 0 && out.lines().next().is_some_and(|line| line.ends_with("so no contact was tried")),
+        "{out}{err}"
+    );
+    for about in ["overlaps", "f64", "f32", "tolerances"] {
+        assert!(!out.contains(&format!("✓ {about}")), "nothing was tried: {out}");
+    }
+    let two = "[[block]]\nfixed = true\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n\
+               [[block]]\nbox = { min = [0, 0, 1], max = [1, 1, 2] }\n";
+    place.file("two.toml", two);
+    let (code, out, err) = place.run(&["examine", "two.toml", "--steps", "0", "--no-tune", "--out", "two"]);
+    assert!(code == 0 && out.lines().next().is_some_and(|line| line.ends_with(", but no step was made")), "{out}{err}");
+}
