@@ -3,8 +3,52 @@
 use crate::extents::is_bent;
 use crate::stop::{INTERRUPTED, is_ended};
 use rockproof_model::text::is_harmful;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// How much a command says beside its result.
+#[derive(clap::Args)]
+pub(crate) struct TalkArgs {
+    /// Say nothing on stderr but errors: no progress, no notes
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Say at the end how long it took, and how much memory where the system tells
+    #[arg(short, long, global = true)]
+    verbose: bool,
+}
+
+/// Whether notes and progress are left out.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Whether progress is drawn: on a terminal, unless `--quiet` is given.
+pub(crate) fn shows_progress() -> bool {
+    io::stderr().is_terminal() && !QUIET.load(Ordering::Relaxed)
+}
+
+impl TalkArgs {
+    /// Makes it hold from now on.
+    pub(crate) fn apply(&self) {
+        QUIET.store(self.quiet, Ordering::Relaxed);
+    }
+
+    /// Tells what a command that began then has cost, where that is asked for.
+    pub(crate) fn tell_cost(&self, begun: Instant) {
+        if self.verbose {
+            let memory = peak_memory_mb().map_or(String::new(), |mb| format!(", {mb} MB of memory at most"));
+            print_note(&format!("{:.1} s{memory}", begun.elapsed().as_secs_f64()));
+        }
+    }
+}
+
+/// The most memory the program has held, in megabytes, where the system tells (Linux).
+fn peak_memory_mb() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kb: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kb.div_ceil(1024))
+}
 
 /// What a command comes to, or why it could not.
 pub(crate) type Outcome = anyhow::Result<Verdict>;
@@ -88,9 +132,11 @@ pub(crate) fn print_error(message: &str) {
     print_labelled("error", message);
 }
 
-/// Tells something worth knowing on stderr.
+/// Tells something worth knowing on stderr, unless `--quiet` is given.
 pub(crate) fn print_note(message: &str) {
-    print_labelled("note", message);
+    if !QUIET.load(Ordering::Relaxed) {
+        print_labelled("note", message);
+    }
 }
 
 fn print_labelled(kind: &str, message: &str) {

@@ -5,6 +5,8 @@ mod campaign;
 mod campaign_end;
 mod check;
 mod classify;
+mod compare;
+mod completions;
 mod convert;
 mod examine;
 mod exit;
@@ -29,6 +31,7 @@ mod tune;
 use clap::{Parser, Subcommand};
 use exit::Outcome;
 use std::process::ExitCode;
+use std::time::Instant;
 
 /// Tells whether contact analysis of polyhedral blocks can be trusted.
 ///
@@ -36,6 +39,8 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "rockproof", version, max_term_width = 120)]
 struct Cli {
+    #[command(flatten)]
+    talk: exit::TalkArgs,
     #[command(subcommand)]
     command: Command,
 }
@@ -50,11 +55,14 @@ enum Command {
     Merge(merge::Merge),
     Replay(replay::Replay),
     Report(report::Report),
+    Compare(compare::Compare),
     Shrink(shrink::Shrink),
     Convert(convert::Convert),
     Gate(gate::Gate),
     Bench(bench::Bench),
     Tune(tune::Tune),
+    Completions(completions::Completions),
+    Man(completions::Man),
 }
 
 impl Command {
@@ -68,15 +76,23 @@ impl Command {
             Command::Merge(command) => command.run(),
             Command::Replay(command) => command.run(),
             Command::Report(command) => command.run(),
+            Command::Compare(command) => command.run(),
             Command::Shrink(command) => command.run(),
             Command::Convert(command) => command.run(),
             Command::Gate(command) => command.run(),
             Command::Bench(command) => command.run(),
             Command::Tune(command) => command.run(),
+            Command::Completions(command) => command.run(),
+            Command::Man(command) => command.run(),
         }
     }
 }
 
 fn main() -> ExitCode {
-    exit::code(Cli::parse().command.run())
+    let cli = Cli::parse();
+    let begun = Instant::now();
+    cli.talk.apply();
+    let code = exit::code(cli.command.run());
+    cli.talk.tell_cost(begun);
+    code
 }

@@ -1,10 +1,9 @@
 //! Progress of a campaign, of a merge or of an audit of overlaps, while it works.
 
-use crate::exit::print_note;
+use crate::exit::{print_note, shows_progress};
 use crate::table::grouped;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use rockproof_campaign::journal::Seen;
-use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -58,7 +57,7 @@ const LINES: Duration = Duration::from_secs(10);
 
 impl<'n> Display<'n> {
     fn new(pairs: u64, now: &'n dyn Fn() -> (u64, String)) -> Display<'n> {
-        let bar = std::io::stderr().is_terminal().then(|| {
+        let bar = shows_progress().then(|| {
             let bar = ProgressBar::new(pairs);
             let template = "{bar:40} {human_pos}/{human_len} pairs, {msg}";
             if let Ok(style) = ProgressStyle::with_template(template) {

@@ -3,7 +3,7 @@
 // Longer than 400 lines: one command with all its options and ways to end.
 
 use crate::check::violations_text;
-use crate::exit::{Outcome, Verdict, print, print_error, print_note};
+use crate::exit::{Outcome, Verdict, print, print_error, print_note, shows_progress};
 use crate::input::{ReadArgs, ToleranceArgs};
 use crate::overlaps::overlaps;
 use crate::simulate_exact::ExactRun;
@@ -33,7 +33,6 @@ use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -346,7 +345,7 @@ impl Display {
     const LENGTH: f64 = 1000.0;
 
     fn new() -> Display {
-        let bar = std::io::stderr().is_terminal().then(|| {
+        let bar = shows_progress().then(|| {
             let bar = ProgressBar::new(Self::LENGTH as u64);
             if let Ok(style) = ProgressStyle::with_template("{bar:30} {msg}, {eta} left") {
                 bar.set_style(style);

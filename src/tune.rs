@@ -1,7 +1,7 @@
 //! `tune`: which tolerances should this model use?
 
 use crate::check::tolerances_json;
-use crate::exit::{Outcome, Verdict, print_note};
+use crate::exit::{Outcome, Verdict, print_note, shows_progress};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, stepper, threads};
 use crate::stop::on_ctrl_c;
 use anyhow::Context;
@@ -12,7 +12,6 @@ use rockproof_results::{Start, bounded, digest};
 use rockproof_tune::report::{as_toml, markdown};
 use rockproof_tune::{EvaluatedCandidate, Evaluator, Search, SearchRecord};
 use serde_json::{Map, Value, json};
-use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -137,7 +136,7 @@ impl Tune {
     fn work(&self, search: &mut Search<'_>, record: &mut SearchRecord, stop: &AtomicBool) -> anyhow::Result<bool> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
         let begun = Instant::now();
-        let bar = std::io::stderr().is_terminal().then(|| {
+        let bar = shows_progress().then(|| {
             let bar = ProgressBar::new_spinner();
             if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed}, {msg}") {
                 bar.set_style(style);

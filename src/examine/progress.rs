@@ -1,9 +1,8 @@
 //! What `examine` is doing: a bar on a terminal, a line now and then otherwise.
 
-use crate::exit::print_note;
+use crate::exit::{print_note, shows_progress};
 use crate::table::grouped;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -24,7 +23,7 @@ pub(crate) struct Stage<'s> {
 impl<'s> Stage<'s> {
     /// A part that has so much to do; 0 where nobody knows.
     pub(crate) fn new(what: &'static str, total: u64, stop: &'s AtomicBool) -> Stage<'s> {
-        let bar = std::io::stderr().is_terminal().then(|| {
+        let bar = shows_progress().then(|| {
             let bar = if total > 0 { ProgressBar::new(total) } else { ProgressBar::new_spinner() };
             let template = if total > 0 { "{msg}: {bar:40} {human_pos}/{human_len}, {eta} left" } else { "{msg} …" };
             if let Ok(style) = ProgressStyle::with_template(template) {

@@ -1,5 +1,6 @@
 //! The gate for continuous integration: a campaign, a corpus of cases, limits, and a list of known findings (docs/gate.md).
 
+pub mod comparison;
 pub mod config;
 pub mod corpus;
 pub mod junit;

@@ -83,6 +83,19 @@ impl TallyRow {
         self.common().index
     }
 
+    /// The family and the tolerance set.
+    pub(crate) fn group(&self) -> (&str, &str) {
+        let row = self.common();
+        (row.family, row.tolerances)
+    }
+
+    /// Engine, cause, change, and the predicate: of an external engine no more than the tie nearest to the difference is known, so none.
+    pub(crate) fn sort(&self) -> [String; 4] {
+        let row = self.common();
+        let predicate = if row.cause == StepCause::Link(Cause::Engine) { "" } else { row.predicate };
+        [row.scope.to_string(), row.cause.to_string(), row.change.to_owned(), predicate.to_owned()]
+    }
+
     /// What makes it like others, for a baseline.
     pub fn fingerprint(&self, baseline: &Baseline) -> String {
         let row = self.common();
@@ -171,7 +184,7 @@ pub struct ClassCount {
 
 impl ClassCount {
     /// Counts findings by their pair's number and tolerance set.
-    fn of(hits: &[(u64, &str)]) -> ClassCount {
+    pub(crate) fn of(hits: &[(u64, &str)]) -> ClassCount {
         let pairs: BTreeSet<_> = hits.iter().collect();
         let mut batches: BTreeMap<u64, u64> = BTreeMap::new();
         for (index, _) in &pairs {
@@ -234,6 +247,18 @@ impl CampaignTally {
             *families.entry(family.clone()).or_default() += pairs;
         }
         families
+    }
+
+    /// Families and tolerance sets under which pairs were examined.
+    pub(crate) fn groups(&self) -> BTreeSet<(&str, &str)> {
+        self.examined.keys().map(|(family, set)| (family.as_str(), set.as_str())).collect()
+    }
+
+    /// Pairs examined of these families under these sets; `watched` counts those whose steps were looked through instead.
+    pub(crate) fn examined_of(&self, groups: &BTreeSet<(&str, &str)>, watched: bool) -> u64 {
+        let counts = if watched { &self.watched } else { &self.examined };
+        let of = counts.iter().filter(|((family, set), _)| groups.contains(&(family.as_str(), set.as_str())));
+        of.map(|(_, pairs)| pairs).sum()
     }
 
     /// How often each sort of finding occurred whose causes a baseline holds, by fingerprint; findings about steps are none of

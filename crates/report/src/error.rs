@@ -52,6 +52,17 @@ pub enum ReportError {
         /// The version of this program.
         ours: &'static str,
     },
+    /// A run to be compared that did not end.
+    #[error("{dir}: the run is not finished ({pairs} pairs are done); finish it with --resume, or merge all its parts")]
+    Unfinished {
+        /// The directory.
+        dir: PathBuf,
+        /// Pairs done.
+        pairs: u64,
+    },
+    /// The tables of a campaign that cannot be counted.
+    #[error(transparent)]
+    Tally(#[from] rockproof_gate::tally::TallyError),
     /// A case of the run that is none.
     #[error(transparent)]
     Case(#[from] rockproof_differential::case_file::CaseError),

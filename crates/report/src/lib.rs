@@ -5,6 +5,7 @@
 //! tables, charts and views of them; [`page`] and [`markdown`] write these down.
 
 pub mod chart;
+pub mod comparison;
 pub mod error;
 pub mod glossary;
 pub mod load;

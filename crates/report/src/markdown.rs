@@ -5,7 +5,10 @@ use super::sections::SectionPart;
 use super::verdict::Severity;
 
 /// Tables of a pull request's text, and how many rows of each it shows.
-const SHOWN: [(&str, usize); 11] = [
+const SHOWN: [(&str, usize); 14] = [
+    ("changed", 24),
+    ("shares", 24),
+    ("settings", 24),
     ("agreement", 24),
     ("causes", 8),
     ("worst", 6),

@@ -52,7 +52,7 @@ pub struct Section {
 }
 
 impl Section {
-    fn new(id: &'static str, title: &'static str, lead: impl Into<String>) -> Section {
+    pub(crate) fn new(id: &'static str, title: &'static str, lead: impl Into<String>) -> Section {
         Section { id, title, lead: lead.into(), parts: Vec::new() }
     }
 

@@ -1,0 +1,174 @@
+//! Pins `compare`: what it says of runs over the same pairs and over others, what it leaves out, what it refuses.
+
+use crate::engines::client;
+use assert_cmd::Command;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// Runs the program in a folder; its exit code, stdout and stderr.
+fn run(dir: &Path, arguments: &[&str]) -> (i32, String, String) {
+    let output =
+        Command::cargo_bin("rockproof").expect("the program").current_dir(dir).args(arguments).output().expect("runs");
+    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+}
+
+/// A small campaign with an engine `mine` that answers right, or as the client does when it is told to misbehave so.
+fn campaign(dir: &Path, out: &str, trick: &str, more: &[&str]) {
+    let mine = format!("mine={} {trick}", client());
+    let settings = [
+        "--family",
+        "sliver,face_stack",
+        "--tolerances",
+        "auto",
+        "--engine",
+        "mine",
+        "--engine-command",
+        &mine,
+        "--out",
+        out,
+    ];
+    let (code, _, err) = run(dir, &[&["campaign"], &settings[..], more].concat());
+    assert_eq!(code, 0, "{err}");
+}
+
+fn document(text: &str) -> Value {
+    serde_json::from_str(text).expect("a document")
+}
+
+#[test]
+fn the_same_pairs_tell_everything() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    campaign(dir, "before", "kinds", &["--pairs", "128"]);
+    campaign(dir, "after", "none", &["--pairs", "128"]);
+    campaign(dir, "shorter", "none", &["--pairs", "64"]);
+
+    let (code, text, err) = run(dir, &["compare", "before", "before", "--deny", "new,more,other"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(
+        text.contains("same 128 pairs") && text.contains("0 new, 0 more frequent") && !text.contains("gone │"),
+        "{text}"
+    );
+
+    let (code, text, _) = run(dir, &["compare", "before", "after", "--deny", "new"]);
+    assert!(code == 1 && text.contains("new") && text.contains("mine") && text.contains("external:"), "{code}: {text}");
+    let worse = document(&run(dir, &["compare", "before", "after", "--format", "json"]).1);
+    let better = document(&run(dir, &["compare", "after", "before", "--format", "json"]).1);
+    let trends = |of: &Value| -> Vec<String> {
+        let classes = of["findings"]["classes"].as_array().expect("classes");
+        classes.iter().map(|class| class["trend"].as_str().expect("a trend").to_owned()).collect()
+    };
+    let count = |of: &Value, trend: &str| trends(of).iter().filter(|found| *found == trend).count();
+    assert!(count(&worse, "new") > 0 && count(&worse, "gone") == count(&better, "new"), "{worse:#}");
+    assert_eq!(count(&worse, "new"), count(&better, "gone"));
+    assert_eq!(worse["same_pairs"], 128);
+    // What findings.csv of both runs says of one engine, counted here.
+    let rows = |run: &str| {
+        fs::read_to_string(dir.join(run).join("findings.csv")).expect("a table").matches(",mine,").count() as u64
+    };
+    let sums = |side: usize| -> u64 {
+        let classes = worse["findings"]["classes"].as_array().expect("classes");
+        classes
+            .iter()
+            .filter(|class| class["engine"] == "mine")
+            .filter_map(|class| class["findings"][side].as_u64())
+            .sum()
+    };
+    assert_eq!([sums(0), sums(1)], ["before", "after"].map(rows));
+
+    // Of the longer run only the pairs that the shorter has.
+    let prefix = document(&run(dir, &["compare", "after", "shorter", "--format", "json"]).1);
+    assert_eq!(
+        (prefix["same_pairs"].as_u64(), trends(&prefix).iter().all(|trend| trend == "same")),
+        (Some(64), true),
+        "{prefix:#}"
+    );
+
+    let (code, text, err) = run(dir, &["compare", "before", "after", "--format", "markdown", "--out", "page"]);
+    assert!(code == 0 && text.starts_with("## Rockproof: before → after") && text.contains("| new |"), "{text}{err}");
+    let page = fs::read_to_string(dir.join("page/report.html")).expect("a page");
+    assert!(page.contains("Which findings changed?") && dir.join("page/tables/changed.csv").is_file());
+    let (code, _, err) = run(dir, &["compare", "before", "after", "--out", "page"]);
+    assert!(code == 2 && err.contains("--overwrite"), "{err}");
+}
+
+#[test]
+fn other_pairs_are_compared_by_chance_and_what_one_run_has_is_left_out() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    campaign(dir, "one", "kinds", &["--pairs", "64"]);
+    campaign(dir, "two", "kinds", &["--pairs", "64", "--seed", "2"]);
+    let (code, text, _) = run(dir, &["compare", "one", "two"]);
+    assert!(code == 0 && text.contains("different pairs") && text.contains("seed: 1 → 2"), "{text}");
+    let found = document(&run(dir, &["compare", "one", "two", "--format", "json"]).1);
+    assert_eq!(found["same_pairs"], Value::Null);
+    let classes = found["findings"]["classes"].as_array().expect("classes");
+    assert!(!classes.is_empty() && classes.iter().all(|class| class["chance"].is_number()), "{found:#}");
+
+    let built_in = ["campaign", "--pairs", "32", "--family", "edge_cross", "--tolerances", "auto", "--out", "three"];
+    assert_eq!(run(dir, &built_in).0, 0);
+    let (code, text, _) = run(dir, &["compare", "one", "three", "--deny", "new"]);
+    assert!(code == 1 && text.contains("nothing is known") && text.contains("engine mine"), "{code}: {text}");
+}
+
+#[test]
+fn what_is_no_finished_campaign_is_refused() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    campaign(dir, "run", "kinds", &["--pairs", "32"]);
+    fs::create_dir(dir.join("empty")).expect("a folder");
+    for (other, wanted) in [("empty", "an empty directory"), ("nowhere", "no such directory")] {
+        let (code, out, err) = run(dir, &["compare", "run", other]);
+        assert!(code == 2 && out.is_empty() && err.contains(wanted), "{err}");
+    }
+    let file = dir.join("run/run.json");
+    let text = fs::read_to_string(&file).expect("a file");
+    fs::write(&file, text.replace("\"finished\": true", "\"finished\": false")).expect("write");
+    let (code, _, err) = run(dir, &["compare", "run", "run"]);
+    assert!(code == 2 && err.contains("not finished (32 pairs are done)"), "{err}");
+}
+
+#[test]
+fn a_quiet_command_says_nothing_but_its_result_and_a_verbose_one_its_cost() {
+    let dir = tempfile::tempdir().expect("a folder");
+    campaign(dir.path(), "run", "kinds", &["--pairs", "32"]);
+    let page =
+        |more: &[&str]| run(dir.path(), &[&["compare", "run", "run", "--out", "page", "--overwrite"], more].concat());
+    let [plain, quiet, verbose] = [page(&[]), page(&["-q"]), page(&["-v"])];
+    assert!(plain.2.contains("written to"), "{}", plain.2);
+    assert_eq!((quiet.0, quiet.1, quiet.2.as_str()), (0, plain.1, ""));
+    assert!(
+        verbose.2.lines().last().is_some_and(|line| line.starts_with("note: ") && line.contains(" s")),
+        "{}",
+        verbose.2
+    );
+    assert_eq!(run(dir.path(), &["-q", "compare", "run", "nowhere"]).2.lines().count(), 1, "errors are told");
+}
+
+#[test]
+fn shells_and_man_know_every_command() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let help = run(dir.path(), &["--help"]).1;
+    let commands: Vec<&str> = help
+        .lines()
+        .skip_while(|line| !line.starts_with("Commands:"))
+        .skip(1)
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| line.strip_prefix("  ")?.split(' ').next())
+        .filter(|name| !name.is_empty() && *name != "help")
+        .collect();
+    assert!(commands.len() >= 15, "{help}");
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let (code, text, _) = run(dir.path(), &["completions", shell]);
+        assert!(code == 0 && commands.iter().all(|command| text.contains(command)), "{shell}");
+    }
+    let (code, _, err) = run(dir.path(), &["man", "man1"]);
+    assert_eq!(code, 0, "{err}");
+    for command in commands {
+        let text = fs::read_to_string(dir.path().join(format!("man1/rockproof-{command}.1"))).expect(command);
+        assert!(text.contains(".SH OPTIONS") && text.contains(&format!("rockproof\\-{command}")), "{command}: {text}");
+    }
+    assert!(fs::read_to_string(dir.path().join("man1/rockproof.1")).expect("a page").contains(".SH SUBCOMMANDS"));
+}
