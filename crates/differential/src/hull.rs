@@ -2,7 +2,7 @@
 
 use rockproof_model::lattice::Lattice;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, BlockError, BlockOptions, Number, Point, Sign, Vec3};
+use rockproof_model::{Block, BlockError, BlockOptions, Number, Point, Precision, Sign, Vec3};
 use std::collections::BTreeSet;
 
 /// Bits per lattice coordinate up to which `i128` holds every value of the hull (degree 4, with room to spare).
@@ -23,7 +23,7 @@ pub enum HullError {
 }
 
 /// The smallest convex block that holds all `points`. Points inside it, inside a face or inside an edge are dropped;
-/// the others keep their order. Time grows with the fourth power of their number: meant for up to some thirty.
+/// the others keep their order. Time grows with the fourth power of their number, all but a few steps of it in f64: meant for up to some fifty.
 ///
 /// # Errors
 /// When the points lie in one plane.
@@ -36,9 +36,10 @@ pub fn convex_hull(points: &[Point]) -> Result<Block, HullError> {
             Some(Vec3::new(units(&p.x)?, units(&p.y)?, units(&p.z)?))
         })
         .collect();
+    let filter = SideFilter::new(points);
     let faces = match small {
-        Some(small) => hull_faces(&small),
-        None => hull_faces(&points.iter().map(|p| p.map(|c| lattice.units(c))).collect::<Vec<_>>()),
+        Some(small) => hull_faces(&small, filter.as_ref()),
+        None => hull_faces(&points.iter().map(|p| p.map(|c| lattice.units(c))).collect::<Vec<_>>(), filter.as_ref()),
     };
     if faces.len() < 4 {
         return Err(HullError::Flat { points: points.len() });
@@ -54,8 +55,74 @@ pub fn convex_hull(points: &[Point]) -> Result<Block, HullError> {
     Ok(Block::new(vertices, faces, &options)?)
 }
 
+/// Says in f64 on which side of a plane through three points the others are, where that is certain.
+struct SideFilter {
+    /// Each point less the first one, rounded to f64.
+    points: Vec<[f64; 3]>,
+    /// A determinant beyond it has the sign of the exact one.
+    bound: f64,
+}
+
+/// What [`SideFilter`] knows of a plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sides {
+    /// Points lie strictly on both: no plane of the hull.
+    Both,
+    /// All points but the three lie strictly on this one: sign of their distance along (b − a) × (c − a).
+    One(Sign),
+    /// It does not know.
+    Unsure,
+}
+
+/// With u = 2⁻⁵³ and M the largest component: each component is off by at most uM, so each difference of two, 2M at most, by 4uM with its own
+/// rounding. The determinant has six products of three such, so these errors change it by at most 6·3·4uM·(2M)² = 288uM³ and higher powers of
+/// u; its evaluation adds less than 8u for each product of at most (2M)³, 384uM³ in all. 1024uM³ is more than both.
+const DETERMINANT_BOUND: f64 = 1024.0 * (f64::EPSILON / 2.0);
+
+impl SideFilter {
+    /// `None` where a component is so large or all are so small that the cube of it leaves the range in which roundoffs are relative.
+    fn new(points: &[Point]) -> Option<SideFilter> {
+        let origin = points.first()?.map(Number::negated);
+        let relative = |p: &Point| -> Option<[f64; 3]> {
+            let component = |c: &Number, o: &Number| c.plus(o).rounded(Precision::F64);
+            Some([component(&p.x, &origin.x)?, component(&p.y, &origin.y)?, component(&p.z, &origin.z)?])
+        };
+        let points: Vec<[f64; 3]> = points.iter().map(relative).collect::<Option<_>>()?;
+        let largest = points.iter().flatten().fold(0.0f64, |largest, c| largest.max(c.abs()));
+        let bound = DETERMINANT_BOUND * largest.powi(3);
+        (1e-90..1e90).contains(&largest).then_some(SideFilter { points, bound })
+    }
+
+    /// On which sides of the plane through three points the others lie.
+    fn sides(&self, plane: [usize; 3]) -> Sides {
+        let [a, b, c] = plane.map(|number| self.points[number]);
+        let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+        let (u, v) = (minus(b, a), minus(c, a));
+        let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let (mut above, mut below, mut unsure) = (false, false, false);
+        for (number, &point) in self.points.iter().enumerate() {
+            if plane.contains(&number) {
+                continue;
+            }
+            let d = minus(point, a);
+            let determinant = normal[0] * d[0] + normal[1] * d[1] + normal[2] * d[2];
+            above |= determinant > self.bound;
+            below |= determinant < -self.bound;
+            unsure |= determinant.abs() <= self.bound;
+            if above && below {
+                return Sides::Both;
+            }
+        }
+        match (above, below, unsure) {
+            (true, false, false) => Sides::One(Sign::Positive),
+            (false, true, false) => Sides::One(Sign::Negative),
+            _ => Sides::Unsure,
+        }
+    }
+}
+
 /// Face loops of the hull, counter-clockwise seen from outside; none when the points are flat.
-fn hull_faces<T: ExactRing>(points: &[Vec3<T>]) -> Vec<Vec<u32>> {
+fn hull_faces<T: ExactRing>(points: &[Vec3<T>], filter: Option<&SideFilter>) -> Vec<Vec<u32>> {
     let mut seen: BTreeSet<Vec<u32>> = BTreeSet::new();
     let mut faces = Vec::new();
     let n = points.len();
@@ -63,8 +130,19 @@ fn hull_faces<T: ExactRing>(points: &[Vec3<T>]) -> Vec<Vec<u32>> {
         for j in i + 1..n {
             let u = points[j].minus(&points[i]);
             for k in j + 1..n {
+                let sides = filter.map_or(Sides::Unsure, |filter| filter.sides([i, j, k]));
+                if sides == Sides::Both {
+                    continue;
+                }
                 let normal = u.cross(&points[k].minus(&points[i]));
-                let Some((outward, on_plane)) = supporting_plane(points, i, normal) else { continue };
+                let supporting = match sides {
+                    Sides::One(side) => {
+                        let outward = if side.is_positive() { normal.negated() } else { normal };
+                        Some((outward, [i, j, k].map(|number| number as u32).to_vec()))
+                    }
+                    _ => supporting_plane(points, i, normal),
+                };
+                let Some((outward, on_plane)) = supporting else { continue };
                 if !seen.contains(&on_plane) {
                     faces.push(polygon(points, &on_plane, &outward));
                     seen.insert(on_plane);
@@ -167,6 +245,37 @@ mod tests {
         let moved: Vec<Point> = points.iter().map(|p| p.map(|c| c.plus(&tiny))).collect();
         let (a, b) = (convex_hull(&points).unwrap(), convex_hull(&moved).unwrap());
         assert_eq!(a.topology(), b.topology());
+    }
+
+    /// Points on a paraboloid and beside it by some last places, where f64 can tell nothing, all of them moved far away and made small.
+    #[test]
+    fn the_filter_changes_no_hull() {
+        let f64s = |p: [f64; 3]| Vec3::new(p[0], p[1], p[2]).map(|c| Number::from_f64(*c).unwrap());
+        for (scale, far) in [(1.0, 0.0), (2f64.powi(-30), 0.0), (1.0, 1e6), (2f64.powi(-300), 0.0)] {
+            let mut points = Vec::new();
+            for n in 0..20u32 {
+                let (x, y) = (f64::from(n % 5) / 4.0 - 0.5, f64::from(n / 5) / 3.0 - 0.5);
+                let bent = x * x + y * y + if n % 3 == 0 { f64::EPSILON * f64::from(n) } else { 0.0 };
+                // A lid of coplanar points over it.
+                points.push(f64s([far + scale * x, scale * y, scale * if n % 4 == 1 { 1.0 } else { bent }]));
+            }
+            let lattice = Lattice::covering(points.iter().flat_map(|p| p.components()));
+            let units: Vec<_> = points.iter().map(|p| p.map(|c| lattice.units(c))).collect();
+            let filter = SideFilter::new(&points);
+            assert_eq!(filter.is_none(), scale < 1e-89);
+            assert_eq!(hull_faces(&units, filter.as_ref()), hull_faces(&units, None), "{scale} {far}");
+            let Some(filter) = filter else { continue };
+            let counts = (0..18usize).map(|n| filter.sides([n, n + 1, n + 2]));
+            let counts = counts.fold([0; 3], |mut counts, sides| {
+                counts[match sides {
+                    Sides::Both => 0,
+                    Sides::One(_) => 1,
+                    Sides::Unsure => 2,
+                }] += 1;
+                counts
+            });
+            assert!(counts[0] > 0 && counts[2] > 0, "{counts:?}: all that the filter can say is reached");
+        }
     }
 
     #[test]
