@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// Files of the project that are good inputs of a target, beside its corpus.
-const FILES: [(&str, &[&str]); 5] = [
+const FILES: [(&str, &[&str]); 7] = [
     (
         "scene",
         &[
@@ -20,6 +20,16 @@ const FILES: [(&str, &[&str]); 5] = [
             "cases/handmade/corner_impact_deformable.toml",
         ],
     ),
+    (
+        "obj",
+        &[
+            "tests/fixtures/cube_triangles.obj",
+            "tests/fixtures/cube_triangles_turned.obj",
+            "tests/fixtures/l_block_triangles.obj",
+            "tests/fixtures/two_cubes.obj",
+        ],
+    ),
+    ("vtk", &["tests/fixtures/two_cubes.vtk", "tests/fixtures/two_cubes_version_5.vtk"]),
     ("dda", &["cases/real/smallAngle.dda", "cases/real/smallEdge.dda"]),
     (
         "case",
