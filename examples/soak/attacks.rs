@@ -6,6 +6,7 @@ use crate::program::{Call, Disturbance, Ended, Program, Told};
 use crate::tmpfs::Tmpfs;
 use rockproof_fuzz::{Dice, mutated, new_folder};
 use std::fs;
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::time::Duration;
 
@@ -136,22 +137,21 @@ impl Attack {
             let killed = self.run(&again, disturbance)?.disturbed;
             self.counts.kills += u64::from(killed);
             fs::create_dir_all(&out).map_err(|error| format!("{}: {error}", out.display()))?;
-            let Some(disk) = &disk else { break };
             let before = all_files(&out, "")?;
-            disk.remount("ro")?;
-            let ended = self.run(&again, Disturbance::None)?;
-            if !Attack::failed_to_write(&ended, [2, 2], job)? {
-                return Err(format!("{job:?}: exit {:?} in a read-only directory", ended.code));
+            set_writable(&out, disk.as_ref(), false)?;
+            let ended = self.run(&again, Disturbance::None);
+            set_writable(&out, disk.as_ref(), true)?;
+            // Permissions do not keep root from writing.
+            if Attack::failed_to_write(&ended?, whole.codes(), job)? {
+                self.counts.read_only += 1;
+                // Files that are there may still grow where permissions alone forbid new ones.
+                if disk.is_some() && all_files(&out, "")? != before {
+                    return Err(format!("{job:?}: a read-only directory has changed"));
+                }
+            } else if disk.is_some() {
+                return Err(format!("{job:?}: it ran in a read-only directory"));
             }
-            self.counts.read_only += 1;
-            if all_files(&out, "")? != before {
-                return Err(format!("{job:?}: a read-only directory has changed"));
-            }
-            disk.remount("rw")?;
             self.finish(call, &whole.codes())?;
-        }
-        if disk.is_none() {
-            return Ok(());
         }
         whole.compare(&out, &mut self.counts).map_err(|what| format!("{job:?}: {what}"))
     }
@@ -251,6 +251,17 @@ impl Attack {
         };
         write(dir, name, &how.1)?;
         Ok(Some((name.clone(), how.0)))
+    }
+}
+
+/// Lets a directory be written or not: by its disk, or where none could be mounted by its permissions.
+fn set_writable(dir: &Path, disk: Option<&Tmpfs>, writable: bool) -> Told<()> {
+    match disk {
+        Some(disk) => disk.remount(if writable { "rw" } else { "ro" }),
+        None => {
+            let permissions = fs::Permissions::from_mode(if writable { 0o755 } else { 0o555 });
+            fs::set_permissions(dir, permissions).map_err(|error| format!("{}: {error}", dir.display()))
+        }
     }
 }
 
