@@ -34,6 +34,7 @@ mod results;
 mod simulate_audit;
 mod simulate_cli;
 mod simulate_record;
+mod soak;
 mod stress_command;
 mod tune_command;
 mod untrusted_input;

@@ -18,7 +18,7 @@ const REASON: &str = "// Longer than 400 lines: ";
 
 /// The crates of the workspace and those of its own that each may depend on. Cargo refuses every import that is not listed in a
 /// manifest; this table says which manifests are right. The rule above all others: oracle and stepper know the model alone.
-const MAY_DEPEND_ON: [(&str, &[&str]); 13] = [
+const MAY_DEPEND_ON: [(&str, &[&str]); 14] = [
     ("model", &[]),
     ("oracle", &["model"]),
     ("stepper", &["model"]),
@@ -30,6 +30,8 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 13] = [
     ("tune", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
     ("bench", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
     ("report", &["model", "oracle", "simulate", "differential", "campaign", "results"]),
+    // Nothing depends on it but tests and examples.
+    ("fuzz", &["model", "oracle", "stepper", "results", "differential", "campaign", "gate", "report"]),
     // The stepper against closed forms; what those say needs no oracle.
     ("validation", &["model", "simulate", "stepper"]),
     (

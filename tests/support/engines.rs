@@ -4,20 +4,25 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The Rust client, built by `cargo test`, or now if only one test was built.
+/// The Rust client.
 pub(crate) fn client() -> String {
+    built_example("engine_client")
+}
+
+/// An example as a program, built by `cargo test`, or now if only one test was built.
+pub(crate) fn built_example(name: &str) -> String {
     let mut folder = std::env::current_exe().expect("a test");
     folder.pop();
     folder.pop();
-    let path = folder.join("examples/engine_client");
+    let path = folder.join("examples").join(name);
     if !path.exists() {
         let profile: &[&str] = if cfg!(debug_assertions) { &[] } else { &["--release"] };
         let built = Command::new(env!("CARGO"))
-            .args(["build", "--quiet", "--example", "engine_client"])
+            .args(["build", "--quiet", "--example", name])
             .args(profile)
             .current_dir(env!("CARGO_MANIFEST_DIR"))
             .status();
-        assert!(built.is_ok_and(|status| status.success()), "the client cannot be built");
+        assert!(built.is_ok_and(|status| status.success()), "the example {name} cannot be built");
     }
     path.to_string_lossy().into_owned()
 }

@@ -40,12 +40,12 @@ impl KnownFindings {
             fields.join(", ")
         );
         for (family, pairs) in &self.examined {
-            file += &format!("{} = {pairs}\n", text(family));
+            file += &format!("{} = {pairs}\n", key(family));
         }
         file += "\n[known]\n";
         for (fingerprint, ClassCount { findings, pairs, squares }) in &self.known {
             let counts = format!("{{ findings = {findings}, pairs = {pairs}, squares = {squares} }}");
-            file += &format!("{} = {counts}\n", text(fingerprint));
+            file += &format!("{} = {counts}\n", key(fingerprint));
         }
         file
     }
@@ -147,6 +147,16 @@ impl ClassGrowth {
     }
 }
 
+/// A text as a key. What TOML would write as a value of several lines, or in three quotes, must not be one.
+fn key(text: &str) -> String {
+    let value = toml::Value::from(text).to_string();
+    if !["\"\"\"", "'''"].iter().any(|quotes| value.starts_with(quotes)) {
+        return value;
+    }
+    let table = toml::Table::from_iter([(text.to_owned(), toml::Value::Integer(0))]).to_string();
+    table.trim_end().strip_suffix("= 0").map_or(value, |key| key.trim_end().to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -177,6 +187,24 @@ mod tests {
             |squares| ClassGrowth { was: sort(10, squares), now: sort(40, 4 * squares), examined: [1000, 1000] };
         assert!(growth(10).chance() < 1e-4);
         assert!(growth(160).chance() > growth(10).chance() && growth(160).chance() > 0.1);
+    }
+
+    #[test]
+    fn any_text_reads_back_as_a_key() {
+        for text in [
+            "",
+            "plain",
+            "a b",
+            "a \"b\"",
+            "it's \"b\"",
+            "two\nlines",
+            "\"\"\"",
+            "'''\n\"\"\"",
+            "\t\r\u{0}\u{7f}\u{1b}é\\",
+        ] {
+            let known = KnownFindings { known: [(text.to_owned(), sort(1, 1))].into(), ..KnownFindings::default() };
+            assert_eq!(toml::from_str::<KnownFindings>(&known.to_toml()).ok(), Some(known), "{text:?}");
+        }
     }
 
     #[test]

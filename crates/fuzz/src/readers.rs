@@ -1,0 +1,185 @@
+//! Every reader of a file that a user names: whatever its bytes are, it is read, or refused with an error that names the file.
+
+use crate::reach::Reach;
+use crate::scratch::scratch;
+use rockproof_campaign::config::CampaignConfig;
+use rockproof_campaign::engines::Engines;
+use rockproof_campaign::source;
+use rockproof_differential::case_file::Case;
+use rockproof_differential::external::EngineSpec;
+use rockproof_differential::lockstep::StepCase;
+use rockproof_gate::config::GateConfig;
+use rockproof_gate::known_findings::KnownFindings;
+use rockproof_model::files::read_text;
+use rockproof_model::{Number, Scene, ToleranceSpec};
+use std::fmt::{Debug, Display};
+use std::fs;
+use std::path::Path;
+
+/// The longest message about a file, in bytes.
+const LONGEST_MESSAGE: usize = 4_000;
+
+/// What a reader made of a file: nothing more, or its error's kind and message.
+type Read = Result<(), (String, String)>;
+
+/// An error as its kind and what is said of it.
+fn refused<E: Display>(kind: &impl Debug, error: &E) -> (String, String) {
+    (Reach::variant(kind), error.to_string())
+}
+
+/// Reads bytes as the file `name`.
+fn read_as(name: &str, bytes: &[u8], reach: &mut Reach, read: impl FnOnce(&Path) -> Read) {
+    let path = scratch().join(name);
+    fs::write(&path, bytes).expect("a file for the reader");
+    match read(&path) {
+        Ok(()) => reach.count("read"),
+        Err((kind, message)) => {
+            assert!(message.contains(name), "the message does not name the file: {message}");
+            assert!(message.len() < LONGEST_MESSAGE, "a message of {} bytes: {message}", message.len());
+            reach.count(kind);
+        }
+    }
+}
+
+fn scene_as(name: &str, bytes: &[u8], reach: &mut Reach) {
+    read_as(name, bytes, reach, |path| {
+        let scene = Scene::load(path).map_err(|error| {
+            let lines = bytes.split(|b| *b == b'\n').count();
+            assert!(error.line.is_none_or(|line| (1..=lines + 1).contains(&line)), "of {lines} lines: {error}");
+            refused(&error.problem, &error)
+        })?;
+        assert!(!scene.blocks.is_empty(), "a scene without a block");
+        Ok(())
+    });
+}
+
+/// Scenes of the project.
+pub(crate) fn scene(bytes: &[u8], reach: &mut Reach) {
+    scene_as("input.toml", bytes, reach);
+}
+
+/// Files of UnBlocks-gen.
+pub(crate) fn dda(bytes: &[u8], reach: &mut Reach) {
+    scene_as("input.dda", bytes, reach);
+}
+
+/// Wavefront files.
+pub(crate) fn obj(bytes: &[u8], reach: &mut Reach) {
+    scene_as("input.obj", bytes, reach);
+}
+
+/// Legacy VTK files.
+pub(crate) fn vtk(bytes: &[u8], reach: &mut Reach) {
+    scene_as("input.vtk", bytes, reach);
+}
+
+/// Files of voro++.
+pub(crate) fn voro(bytes: &[u8], reach: &mut Reach) {
+    scene_as("input.voro", bytes, reach);
+}
+
+/// Files of tolerances.
+pub(crate) fn tolerances(bytes: &[u8], reach: &mut Reach) {
+    let read = |path: &Path| ToleranceSpec::load(path).map(drop).map_err(|error| refused(&error.problem, &error));
+    read_as("input.toml", bytes, reach, read);
+}
+
+/// Cases of pairs. What is read is written, and reads back the same.
+pub(crate) fn case(bytes: &[u8], reach: &mut Reach) {
+    read_as("input.toml", bytes, reach, |path| {
+        let case = Case::load(path).map_err(|error| refused(&error, &error))?;
+        let text = case.to_toml().expect("a case can be written");
+        let again = Case::from_toml(&text, "again".to_owned()).expect("what was written can be read");
+        assert_eq!(again, case, "a case that is written and read");
+        Ok(())
+    });
+}
+
+/// State files: cases of steps.
+pub(crate) fn state(bytes: &[u8], reach: &mut Reach) {
+    read_as("input.json", bytes, reach, |path| {
+        // The command says which file it is.
+        let named = |error| (Reach::variant(&error), format!("{}: {error}", path.display()));
+        let case = StepCase::load(path).map_err(named)?;
+        let text = case.text().expect("a state file can be written");
+        let again: StepCase = serde_json::from_slice(&text).expect("what was written can be read");
+        assert_eq!(again, case, "a state file that is written and read");
+        Ok(())
+    });
+}
+
+/// What a command says of a file that it cannot read: the file and why.
+fn text_of(path: &Path) -> Result<String, (String, String)> {
+    read_text(path).map_err(|error| ("Io".to_owned(), format!("{}: {error}", path.display())))
+}
+
+/// What is wrong with the engines, families and tolerance sets that a configuration names.
+fn check_names(config: &CampaignConfig) -> Result<(), (&'static str, String)> {
+    let mut names = CampaignConfig { real: Vec::new(), ..config.clone() };
+    names.settle_engines();
+    Engines::of(&names).map_err(|error| ("Engines", error.to_string()))?;
+    source::of(&names).map(drop).map_err(|error| ("Source", error.to_string()))
+}
+
+/// Files of settings of a campaign.
+pub(crate) fn campaign(bytes: &[u8], reach: &mut Reach) {
+    read_as("input.toml", bytes, reach, |path| {
+        let named = |kind: &str, what: String| (kind.to_owned(), format!("{}: {what}", path.display()));
+        let config = CampaignConfig::from_toml(&text_of(path)?).map_err(|error| named("Toml", error.to_string()))?;
+        check_names(&config).map_err(|(kind, what)| named(kind, what))
+    });
+}
+
+/// Gate files.
+pub(crate) fn gate(bytes: &[u8], reach: &mut Reach) {
+    read_as("input.toml", bytes, reach, |path| {
+        let (text, file) = (text_of(path)?, path.display().to_string());
+        let gate = GateConfig::from_toml(&text, &file).map_err(|what| {
+            let kind = if what.starts_with(&format!("{file}: TOML")) { "Toml" } else { "Value" };
+            (kind.to_owned(), what)
+        })?;
+        check_names(&gate.campaign).map_err(|(kind, what)| (kind.to_owned(), format!("{file}: {what}")))
+    });
+}
+
+/// Baselines of a gate.
+pub(crate) fn baseline(bytes: &[u8], reach: &mut Reach) {
+    read_as("input.toml", bytes, reach, |path| {
+        let known = toml::from_str::<KnownFindings>(&text_of(path)?)
+            .map_err(|error| ("Toml".to_owned(), format!("{}: {error}", path.display())))?;
+        let again: KnownFindings = toml::from_str(&known.to_toml()).expect("what was written can be read");
+        assert_eq!(again, known, "a baseline that is written and read");
+        Ok(())
+    });
+}
+
+/// What `--engine-command` names.
+pub(crate) fn engine_spec(bytes: &[u8], reach: &mut Reach) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return reach.count("not-text") };
+    match EngineSpec::parse(text).and_then(|spec| EngineSpec::check_all(std::slice::from_ref(&spec)).map(|()| spec)) {
+        Ok(spec) => {
+            assert!(!spec.name.is_empty() && !spec.command.is_empty(), "{spec:?}");
+            reach.count("read");
+        }
+        Err(error) => reach.count(Reach::variant(&error)),
+    }
+}
+
+/// Numbers as users write them. What is read is written exactly.
+pub(crate) fn number(bytes: &[u8], reach: &mut Reach) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return reach.count("not-text") };
+    match Number::parse(text) {
+        Ok(number) => {
+            let written = number.to_string();
+            // A number within the limits may have a text beyond them.
+            match Number::parse(&written) {
+                Ok(again) => {
+                    assert_eq!(again, number, "{text:?} is written as {written:?}");
+                    reach.count("read");
+                }
+                Err(error) => reach.count(format!("written-{}", Reach::variant(&error))),
+            }
+        }
+        Err(error) => reach.count(Reach::variant(&error)),
+    }
+}

@@ -1,0 +1,185 @@
+//! The targets that read: good inputs are read, those of the corpus are borne, and mutated ones reach every kind of answer and error that a
+//! reader has, so that the mutations cannot quietly miss the readers.
+
+use rockproof_fuzz::{Dice, Reach, TARGETS, Target, TargetKind, corpus, seeds};
+
+/// Inputs of each target; of directories a share.
+const INPUTS: u64 = if cfg!(debug_assertions) { 150 } else { WANTED_OF };
+/// One directory takes as long as so many files.
+const DIRECTORY: u64 = 20;
+/// The inputs that [`WANTED`] is about; of fewer nothing is asked.
+const WANTED_OF: u64 = 3_000;
+
+/// What [`WANTED_OF`] inputs of each target reach at least: about a third of what they did when this was written.
+const WANTED: [(&str, &[(&str, u64)]); 16] = [
+    (
+        "scene",
+        &[
+            ("read", 200),
+            ("Block", 20),
+            ("NoBlock", 60),
+            ("NotAllowed", 12),
+            ("NotText", 40),
+            ("Number", 12),
+            ("Tolerances", 30),
+            ("Toml", 480),
+            ("Unexpected", 18),
+            ("UnknownKey", 110),
+        ],
+    ),
+    (
+        "dda",
+        &[
+            ("read", 75),
+            ("Block", 40),
+            ("NotAllowed", 45),
+            ("NotText", 30),
+            ("Number", 4),
+            ("Truncated", 55),
+            ("Unexpected", 700),
+        ],
+    ),
+    (
+        "obj",
+        &[
+            ("read", 140),
+            ("Block", 100),
+            ("NoBlock", 30),
+            ("NotAllowed", 180),
+            ("NotText", 30),
+            ("Number", 5),
+            ("Unexpected", 500),
+        ],
+    ),
+    (
+        "vtk",
+        &[
+            ("read", 130),
+            ("Block", 43),
+            ("NotAllowed", 36),
+            ("NotText", 30),
+            ("Number", 2),
+            ("Truncated", 80),
+            ("Unexpected", 600),
+            ("Unsupported", 50),
+        ],
+    ),
+    (
+        "voro",
+        &[
+            ("read", 90),
+            ("Block", 37),
+            ("NoBlock", 75),
+            ("NotAllowed", 45),
+            ("NotText", 28),
+            ("Number", 4),
+            ("Truncated", 29),
+            ("Unexpected", 680),
+        ],
+    ),
+    ("tolerances", &[("read", 150), ("NotText", 26), ("Tolerances", 250), ("Toml", 570)]),
+    ("case", &[("read", 90), ("Block", 12), ("Blocks", 1), ("Io", 22), ("Tolerance", 2), ("Toml", 850), ("Value", 15)]),
+    ("state", &[("read", 90), ("Io", 26), ("Json", 790), ("Scene", 40), ("State", 50)]),
+    ("campaign", &[("read", 200), ("Engines", 12), ("Io", 25), ("Source", 18), ("Toml", 740)]),
+    ("gate", &[("read", 175), ("Io", 22), ("Source", 5), ("Toml", 730), ("Value", 57)]),
+    ("baseline", &[("read", 250), ("Io", 22), ("Toml", 720)]),
+    (
+        "engine_spec",
+        &[("read", 520), ("Command", 100), ("Form", 250), ("Name", 45), ("Precision", 60), ("not-text", 20)],
+    ),
+    (
+        "number",
+        &[("read", 240), ("ExponentTooLarge", 6), ("NotANumber", 720), ("ZeroDenominator", 4), ("not-text", 19)],
+    ),
+    ("engine_answer", &[("contacts", 36), ("state-overlapping", 28), ("Unsupported", 48), ("Malformed", 880)]),
+    ("run_directory", &[("whole", 5), ("changed", 20), ("missing", 4), ("seal", 5), ("resealed-read", 6)]),
+    ("report", &[("read", 17), ("Damaged", 29), ("Io", 2), ("NoRun", 1)]),
+];
+
+fn is_directory(target: &Target) -> bool {
+    ["run_directory", "report"].contains(&target.name)
+}
+
+/// What a number of seeded inputs reach.
+fn reached(target: &Target, inputs: u64, seed: u64) -> Reach {
+    let (mut dice, mut reach) = (Dice::new(seed), Reach::default());
+    for _ in 0..inputs / if is_directory(target) { DIRECTORY } else { 1 } {
+        target.run(&target.input(&mut dice), &mut reach);
+    }
+    reach
+}
+
+fn readers() -> impl Iterator<Item = &'static Target> {
+    TARGETS.iter().filter(|target| target.kind == TargetKind::Reader)
+}
+
+#[test]
+fn good_inputs_are_read() {
+    for target in readers().filter(|target| !is_directory(target)) {
+        let seeds = seeds(target.name);
+        assert!(!seeds.is_empty(), "{}", target.name);
+        for (path, bytes) in seeds {
+            let mut reach = Reach::default();
+            target.run(&bytes, &mut reach);
+            let good = ["read", "contacts", "state-overlapping", "Unsupported"];
+            // What was found once and broke something has no right to be good.
+            let is_found = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("found-"));
+            assert!(is_found || good.iter().any(|kind| reach.of(kind) == 1), "{}: {reach}", path.display());
+        }
+    }
+}
+
+#[test]
+fn the_corpus_is_borne() {
+    for target in TARGETS {
+        for (path, bytes) in corpus(target.name) {
+            println!("{}", path.display());
+            target.run(&bytes, &mut Reach::default());
+        }
+    }
+}
+
+#[test]
+fn mutated_inputs_are_read_or_refused_with_a_reason() {
+    assert_eq!(WANTED.map(|(name, _)| name).to_vec(), readers().map(|target| target.name).collect::<Vec<_>>());
+    for (name, wanted) in WANTED {
+        let target = Target::named(name).expect(name);
+        let reach = reached(&target, INPUTS, 1);
+        println!("{name}: {reach}");
+        for (kind, at_least) in wanted {
+            let at_least = at_least * INPUTS / WANTED_OF;
+            assert!(
+                reach.of(kind) >= at_least,
+                "{name}: {kind} only {} times, not {at_least}: {reach}",
+                reach.of(kind)
+            );
+        }
+    }
+}
+
+#[test]
+#[ignore = "as many as ROCKPROOF_FUZZ_INPUTS says, 100,000 of each target: --release -- --ignored --nocapture"]
+fn many_mutated_inputs_are_read_or_refused() {
+    let number = |name: &str, otherwise: u64| {
+        std::env::var(name).map_or(otherwise, |text| text.parse().unwrap_or_else(|_| panic!("{name} is \"{text}\"")))
+    };
+    let (inputs, seed) = (number("ROCKPROOF_FUZZ_INPUTS", 100_000), number("ROCKPROOF_FUZZ_SEED", 2));
+    for target in readers() {
+        println!("{}: {}", target.name, reached(target, inputs, seed));
+    }
+}
+
+/// The workspace for libFuzzer is not built by the tests: here its files are compared with the list of targets.
+#[test]
+fn every_target_stands_in_the_workspace_for_libfuzzer() {
+    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz"));
+    let read =
+        |name: &str| std::fs::read_to_string(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let manifest = read("Cargo.toml");
+    assert_eq!(manifest.matches("[[bin]]").count(), TARGETS.len());
+    for target in TARGETS {
+        let name = target.name;
+        assert!(manifest.contains(&format!("name = \"{name}\"\npath = \"fuzz_targets/{name}.rs\"")), "{name}");
+        assert!(read(&format!("fuzz_targets/{name}.rs")).contains(&format!("rockproof_fuzz::{name}(bytes)")), "{name}");
+    }
+}

@@ -1,0 +1,8 @@
+//! What the oracle and the stepper share is never compared between them. Here it is worked out a second time, from the words of docs/spec.md and
+//! not from the code: rounding, sines and tangents, convexity and the numbers of edges, merging, orders, presets, `ideal`, stiffness.
+
+mod blocks;
+mod names;
+mod presets;
+mod rounding;
+mod sines;
