@@ -15,6 +15,7 @@ mod campaign_cli;
 mod campaign_default;
 mod campaign_end;
 mod check_command;
+mod diagnosis;
 mod engine_processes;
 mod examine_command;
 mod external_engines;

@@ -5,9 +5,10 @@ use super::sections::SectionPart;
 use super::verdict::Severity;
 
 /// Tables of a pull request's text, and how many rows of each it shows.
-const SHOWN: [(&str, usize); 11] = [
+const SHOWN: [(&str, usize); 12] = [
     ("agreement", 24),
     ("causes", 8),
+    ("diagnosis", 12),
     ("worst", 6),
     ("sweep", 24),
     ("steps", 24),
