@@ -3,11 +3,12 @@
 use crate::campaign_end::print_end;
 use crate::exit::{Outcome, Verdict, print_note};
 use crate::input::{EngineArgs, FormatArgs, ReadArgs, threads};
-use crate::progress::shown_while;
+use crate::progress::{counted_while, shown_while};
 use crate::stop::on_ctrl_c;
 use crate::stress;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
+use rockproof_campaign::diagnosis;
 use rockproof_campaign::engines::{Engines, EnginesError};
 use rockproof_campaign::journal::{CampaignProgress, Journal};
 use rockproof_campaign::part::{Machine, Part};
@@ -242,6 +243,21 @@ pub(crate) fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Looks for what is wrong with external engines, if there are any.
+pub(crate) fn diagnosed(
+    campaign: &run::Campaign<'_>,
+    journal: &mut Journal,
+    stop: &AtomicBool,
+) -> anyhow::Result<Ending> {
+    let engines = campaign.panel.engines.iter().filter(|engine| engine.cause() == Cause::Engine).count();
+    if engines == 0 {
+        return Ok(Ending::Finished);
+    }
+    let doing = "asked again to see what is wrong";
+    let most = (engines * diagnosis::DIFFERING) as u64;
+    Ok(counted_while(most, doing, |done| campaign.diagnose(journal, stop, done))?)
+}
+
 fn work(
     config: &CampaignConfig,
     engines: &Engines,
@@ -256,8 +272,13 @@ fn work(
     let steppers = steps::engines(names.iter().map(String::as_str));
     let campaign = run::Campaign { config, source, panel: &panel, narrow: &narrow, steppers: &steppers, threads };
     let share = part.map_or(0..config.pairs, |part| part.pairs(config.pairs, source.batch_len()));
-    Ok(shown_while(share.end - share.start, journal.seen(), || match part {
+    let ending = shown_while(share.end - share.start, journal.seen(), || match part {
         None => campaign.run(journal, stop, &mut |_| {}),
         Some(part) => campaign.run_part(part, journal, stop, &mut |_| {}),
-    })?)
+    })?;
+    // Of a part there is no diagnosis: the merge makes it.
+    if ending == Ending::Finished && part.is_none() {
+        return diagnosed(&campaign, journal, stop);
+    }
+    Ok(ending)
 }

@@ -8,6 +8,7 @@ use rockproof_campaign::part::Part;
 use rockproof_campaign::run::Ending;
 use rockproof_campaign::steps::StepSummary;
 use rockproof_campaign::steps::summary::StepCounts;
+use rockproof_differential::diagnosis::told;
 use rockproof_differential::external::EngineSpec;
 use rockproof_differential::external::spec::NumberFormat;
 use rockproof_differential::finding::Cause;
@@ -35,6 +36,10 @@ pub(crate) fn print_end(
         }
         for campaign in &results.campaigns {
             out += &by_cause(&campaign.tally);
+            let told = told(&campaign.diagnosis);
+            if !told.is_empty() {
+                out += &format!("\n{}\n", told.join("\n"));
+            }
         }
         if !progress.steps.is_empty() {
             out += &format!("\n{}\n", steps_table(&progress.steps));
@@ -81,7 +86,7 @@ fn document(results: &Results, progress: &CampaignProgress, dir: &Path, ending: 
         })
         .collect();
     let cases = |cases: &BTreeMap<String, u64>| cases.values().sum::<u64>();
-    json!({
+    let mut document = json!({
         "finished": ending == Ending::Finished,
         "part": setting(progress, Part::KEY),
         "merged_parts": setting(progress, Parts::KEY),
@@ -95,7 +100,12 @@ fn document(results: &Results, progress: &CampaignProgress, dir: &Path, ending: 
         "case_files": cases(&progress.cases),
         "step_case_files": cases(&progress.step_cases),
         "directory": dir.display().to_string(),
-    })
+    });
+    if !progress.engines.is_empty() {
+        document["diagnosis"] =
+            results.campaigns.iter().flat_map(|campaign| &campaign.diagnosis).map(|row| json!(row)).collect();
+    }
+    document
 }
 
 /// A text of the configuration.

@@ -1,6 +1,6 @@
 //! `merge`: the parts of a campaign put together.
 
-use crate::campaign::{check_deny, denied, pair_source, probed};
+use crate::campaign::{check_deny, denied, diagnosed, pair_source, probed};
 use crate::campaign_end::print_end;
 use crate::exit::{Outcome, Verdict, print_note};
 use crate::input::{FormatArgs, threads};
@@ -91,7 +91,11 @@ impl Merge {
             run::Campaign { config, source: &*source, panel: &panel, narrow: &narrow, steppers: &steppers, threads };
         let merged =
             shown_while(config.pairs, journal.seen(), || campaign.merge(&parts, &mut journal, &stop, &mut |_| {}))?;
-        if merged.ending == Ending::Stopped {
+        let ending = match merged.ending {
+            Ending::Finished => diagnosed(&campaign, &mut journal, &stop)?,
+            Ending::Stopped => Ending::Stopped,
+        };
+        if ending == Ending::Stopped {
             print_note("interrupted; --resume goes on");
             return Ok(Verdict::Interrupted);
         }

@@ -5,6 +5,7 @@ use crate::input::EngineArgs;
 use crate::replay_step;
 use crate::table::table;
 use rockproof_campaign::engines::Engines;
+use rockproof_differential::attribution::examine;
 use rockproof_differential::builtin::BuiltinOracle;
 use rockproof_differential::case_file::{Case, contact_rows};
 use rockproof_differential::collision::separation::Separation;
@@ -16,6 +17,7 @@ use rockproof_differential::lockstep::StepCase;
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Contact, Precision, ToleranceSet};
 use std::collections::BTreeSet;
+use std::fmt;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
@@ -25,7 +27,8 @@ use std::path::PathBuf;
   rockproof replay reports/campaign-1/cases/v-f-arithmetic-….toml
   rockproof replay reports/simulate-incline/states/step_000012.json
 
-Exit status: 0 the exact answer is the one the case records, 1 it is another, 2 input error.")]
+Exit status: 0 the finding recurs, 1 it does not, or the exact answer is not the one the case records, 2 input error.
+Of a step of a lockstep run: 0 the exact answer is the one recorded, 1 it is another.")]
 pub(crate) struct Replay {
     /// The case of a campaign (.toml), or a step of a lockstep run (.json)
     case: PathBuf,
@@ -60,6 +63,8 @@ impl Replay {
         let (said, partings) = answers(&case, &engines);
         let mut out = Vec::new();
         show(&mut out, &case, &said, &partings)?;
+        let recurrence = Recurrence::of(&case, &engines);
+        writeln!(out, "\n{recurrence}")?;
         print(&String::from_utf8_lossy(&out))?;
         let recorded = match case.about.cause.as_str() {
             "tolerance" => &said[0],
@@ -69,10 +74,58 @@ impl Replay {
             }
         };
         if recorded.contacts.as_deref().is_ok_and(|contacts| contact_rows(contacts) == case.about.expected) {
-            return Ok(Verdict::Passed);
+            return Ok(if recurrence.recurs() { Verdict::Passed } else { Verdict::CheckFailed });
         }
         print_note(&format!("the answer of \"{}\" is not the one the case expects", recorded.name));
         Ok(Verdict::CheckFailed)
+    }
+}
+
+/// Whether the pair of a case still shows its finding.
+enum Recurrence {
+    Recurs,
+    /// What the pair shows in its place, about the same engine or the same rounding, each once.
+    Gone(Vec<String>),
+}
+
+/// Findings in place of the one of a case that are told.
+const TOLD: usize = 4;
+
+impl Recurrence {
+    fn of(case: &Case, engines: &Engines) -> Recurrence {
+        let Some(panel) = engines.panel_of(case) else { return Recurrence::Gone(Vec::new()) };
+        if !case.findings(&panel).is_empty() {
+            return Recurrence::Recurs;
+        }
+        let mut others: Vec<String> = Vec::new();
+        for finding in examine(&case.subject(), &panel).findings {
+            let scope = finding.scope.to_string();
+            let other = format!("{} {} by {scope}", finding.cause, finding.difference.change);
+            if scope == case.about.engine && !others.contains(&other) {
+                others.push(other);
+            }
+        }
+        Recurrence::Gone(others)
+    }
+
+    fn recurs(&self) -> bool {
+        matches!(self, Recurrence::Recurs)
+    }
+}
+
+impl fmt::Display for Recurrence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Recurrence::Recurs => f.write_str("the finding recurs"),
+            Recurrence::Gone(others) if others.is_empty() => {
+                f.write_str("the finding does not recur: nothing differs there now")
+            }
+            Recurrence::Gone(others) => {
+                let more = others.len().saturating_sub(TOLD);
+                write!(f, "the finding does not recur: now it is {}", others[..others.len() - more].join(", "))?;
+                if more > 0 { write!(f, " and {more} more") } else { Ok(()) }
+            }
+        }
     }
 }
 

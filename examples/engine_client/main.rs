@@ -2,7 +2,7 @@
 //! replace `contacts` by a call of your own.
 //!
 //! `rockproof campaign --engine-command "mine=target/release/examples/engine_client"` must then find exactly what it finds about
-//! `stepper-f64`. A word as argument makes the client misbehave, for the tests: see `Trick`.
+//! `stepper-f64`. A word as argument makes the client misbehave or make a mistake, for the tests and for docs/engines.md: see `trick` and `mistake`.
 
 use rockproof_model::{Block, BlockOptions, Contact, Criteria, Number, Point, ToleranceSet};
 use rockproof_stepper::contact::SpecRules;
@@ -62,6 +62,71 @@ fn written(contact: &Contact) -> Value {
     })
 }
 
+/// A mistake in what is read: input rounded to f32, a territory 1 % too large, ε ignored, coordinates taken in another order (which adds up products
+/// in another order), A and B exchanged.
+fn misread(word: &str, question: &mut Value) {
+    let number = |value: &Value, f: &dyn Fn(f64) -> f64| json!(f(value.as_f64().unwrap_or_default()));
+    let points = |block: &mut Value, f: &dyn Fn(&[Value]) -> Value| {
+        for point in block["vertices"].as_array_mut().into_iter().flatten() {
+            *point = f(point.as_array().map_or(&[], Vec::as_slice));
+        }
+    };
+    match word {
+        "f32" => {
+            let near = |value: f64| f64::from(value as f32);
+            for block in ["a", "b"] {
+                points(&mut question[block], &|p| p.iter().map(|c| number(c, &near)).collect());
+            }
+            for value in question["tolerances"].as_object_mut().into_iter().flat_map(|set| set.values_mut()) {
+                if value.is_number() {
+                    *value = number(value, &near);
+                }
+            }
+        }
+        "territory" => {
+            let set = &mut question["tolerances"];
+            set["territory"] = number(&set["territory"], &|radius| 1.01 * radius);
+        }
+        "epsilon" => question["tolerances"]["equal"] = json!(0.0),
+        "order" => {
+            for block in ["a", "b"] {
+                points(&mut question[block], &|p| p.iter().cycle().skip(1).take(p.len()).cloned().collect());
+            }
+        }
+        "exchanged" => {
+            let a = question["a"].take();
+            question["a"] = question["b"].take();
+            question["b"] = a;
+        }
+        _ => {}
+    }
+}
+
+/// A mistake in what is found: gaps with the wrong sign, corners of five and more edges left out, one contact forgotten in one pair of a thousand.
+fn mistake(word: &str, question: &Value, contacts: &mut Vec<Contact>) {
+    let edges = |block: &str, vertex: u32| {
+        let faces = question[block]["faces"].as_array().into_iter().flatten();
+        faces.filter(|face| face.as_array().is_some_and(|face| face.contains(&json!(vertex)))).count()
+    };
+    match word {
+        "sign" => contacts.iter_mut().for_each(|contact| contact.gap = contact.gap.reversed()),
+        "corners" => contacts.retain(|contact| {
+            let kind = contact.kind.name();
+            !(kind.starts_with('v') && edges("a", contact.a) > 4 || kind.ends_with('v') && edges("b", contact.b) > 4)
+        }),
+        "thousandth" => {
+            let sum = question["b"]["vertices"]
+                .to_string()
+                .bytes()
+                .fold(7_u64, |sum, byte| sum.wrapping_mul(0x0100_0000_01b3) ^ u64::from(byte));
+            if sum % 1000 == 1 && !contacts.is_empty() {
+                contacts.remove(0);
+            }
+        }
+        _ => {}
+    }
+}
+
 /// A way to misbehave, on pairs whose first coordinate says so, about a third of them; `second` does on every second question, `escape` wherever that
 /// coordinate is not 0.
 fn trick(word: &str, question: &Value) -> Option<String> {
@@ -70,7 +135,9 @@ fn trick(word: &str, question: &Value) -> Option<String> {
     let chosen = (first ^ (first >> 32) ^ (first >> 47)) % 3 == 1;
     let id = &question["id"];
     match word {
-        "kinds" | "" => None,
+        "kinds" | "" | "f32" | "territory" | "epsilon" | "order" | "exchanged" | "sign" | "corners" | "thousandth" => {
+            None
+        }
         "second" if id.as_u64().is_some_and(|id| id % 2 == 1) => std::process::exit(3),
         "second" => None,
         "escape" if first == 0 => None,
@@ -93,9 +160,12 @@ fn main() -> Result<(), Failure> {
     let word = std::env::args().nth(1).unwrap_or_default();
     let mut out = std::io::stdout().lock();
     for line in std::io::stdin().lock().lines() {
-        let question: Value = serde_json::from_str(&line?)?;
+        let mut question: Value = serde_json::from_str(&line?)?;
+        misread(&word, &mut question);
         let answer = trick(&word, &question).unwrap_or_else(|| {
-            let mut answer = match contacts(&question) {
+            let mut found = contacts(&question);
+            found.iter_mut().for_each(|contacts| mistake(&word, &question, contacts));
+            let mut answer = match found {
                 Ok(contacts) => json!({ "contacts": contacts.iter().map(written).collect::<Vec<_>>() }),
                 Err(why) => json!({ "unsupported": why.to_string() }),
             };

@@ -10,6 +10,7 @@ mod boxes;
 pub mod combination;
 mod contact;
 mod convex_cells;
+mod departure;
 mod field;
 mod gap;
 mod interiors;
@@ -37,6 +38,7 @@ mod unit_bounds;
 mod view;
 
 pub use contact::Answer;
+pub use departure::Departure;
 pub use gap::Gap;
 pub use levels::LevelCounts;
 pub use pair::Pair;

@@ -9,10 +9,10 @@ use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView
 use num_bigint::BigInt;
 use rockproof_model::decision::{Decision, Side};
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{ContactKey, Criteria, Sign, ToleranceSet};
+use rockproof_model::{Contact, ContactKey, Criteria, Sign, ToleranceSet};
 use std::cell::OnceCell;
 
-/// Sees every decision; [`Unobserved`] compiles to nothing.
+/// Sees every decision, and may depart from it; [`Unobserved`] compiles to nothing.
 pub(crate) trait Observer {
     /// Whether anything is recorded at all.
     const ACTIVE: bool;
@@ -22,6 +22,26 @@ pub(crate) trait Observer {
     fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> f64);
     /// The decision has this outcome.
     fn end(&mut self, decision: &Decision, outcome: i8);
+
+    /// What the classification takes a sign of the decision under way for: what it is, but for a [`crate::Departure`].
+    fn taken(&self, sign: Sign) -> Sign {
+        sign
+    }
+
+    /// What it takes the answer to a decision for, likewise.
+    fn answered(&self, _decision: &Decision, yes: bool) -> bool {
+        yes
+    }
+
+    /// What it takes the sign that a decision comes to for, likewise.
+    fn signed(&self, _decision: &Decision, sign: Sign) -> Sign {
+        sign
+    }
+
+    /// Whether it leaves a contact out, likewise.
+    fn leaves_out(&self, _contact: &Contact) -> bool {
+        false
+    }
 }
 
 /// Records nothing.
@@ -149,6 +169,7 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
         let decision = decision();
         self.observer.begin(&decision);
         let yes = decide(self);
+        let yes = self.observer.answered(&decision, yes);
         self.observer.end(&decision, i8::from(yes));
         yes
     }
@@ -166,6 +187,7 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
         let decision = decision();
         self.observer.begin(&decision);
         let sign = decide(self);
+        let sign = self.observer.signed(&decision, sign);
         self.observer.end(&decision, sign.as_i8());
         sign
     }
@@ -181,6 +203,7 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
                 let cache = &careful_stages.get_or_init(Box::default).scales;
                 margin(polynomial, pair, cache, tolerances)
             });
+            return self.observer.taken(sign);
         }
         sign
     }

@@ -16,6 +16,7 @@ mod campaign_default;
 mod campaign_end;
 mod check_command;
 mod compare_command;
+mod diagnosis;
 mod engine_processes;
 mod examine_command;
 mod external_engines;

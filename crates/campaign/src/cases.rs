@@ -127,7 +127,7 @@ impl Campaign<'_> {
     }
 
     /// The subject of a pair.
-    fn subject(&self, index: u64) -> Option<Subject> {
+    pub(super) fn subject(&self, index: u64) -> Option<Subject> {
         let subjects = self.source.batch(index / self.source.batch_len());
         subjects.into_iter().find(|subject| subject.index == index)
     }

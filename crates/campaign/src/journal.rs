@@ -113,7 +113,7 @@ pub(super) const PROGRESS: &str = "progress.json";
 /// The folder of the case files.
 const CASES: &str = "cases";
 /// The files of every campaign, those of steps and of stress sets among them.
-const FILES: [&str; 13] = [
+const FILES: [&str; 14] = [
     FINDINGS,
     STEP_FINDINGS,
     NO_CASE,
@@ -123,6 +123,7 @@ const FILES: [&str; 13] = [
     "agreement.csv",
     "confusion.csv",
     super::engine_counts::ENGINES,
+    super::diagnosis::DIAGNOSIS,
     "run.json",
     "stress.csv",
     "limits.csv",

@@ -4,6 +4,7 @@
 mod case_writer;
 mod cases;
 pub mod config;
+pub mod diagnosis;
 pub mod directed;
 pub mod engine_counts;
 pub mod engines;

@@ -1,7 +1,7 @@
 //! The two sides of every comparison behind small traits: engines (anything that classifies) and the oracle.
 //!
-//! Everything the campaign knows about the stepper and the oracle is in `builtin`; the rest of the campaign sees these
-//! traits only, so that a mistaken stepper or an external program plugs in without a change elsewhere.
+//! Everything the campaign knows about the stepper and the oracle is in `builtin`, and in `diagnosis` which departs from their rules; the
+//! rest of the campaign sees these traits only, so that a mistaken stepper or an external program plugs in without a change elsewhere.
 
 use super::compare::AnswerChange;
 use super::finding::Cause;

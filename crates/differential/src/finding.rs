@@ -232,7 +232,7 @@ pub struct Fingerprint {
     pub family: Arc<str>,
 }
 
-/// Whether the predicate of a finding of this cause tells it from others: an engine from outside tells no decisions, and what is nearest to a
+/// Whether the predicate of a finding of this cause, or its family, tells it from others: an engine from outside tells no decisions, and what is nearest to a
 /// tie there may have nothing to do with it.
 fn tells_apart(cause: Cause) -> bool {
     cause != Cause::Engine
@@ -255,10 +255,12 @@ impl Fingerprint {
         }
     }
 
-    /// The fingerprint in one line: what decided it, or how the blocks lie and how the engine says they do.
+    /// The fingerprint in one line: what decided it, or how the blocks lie and how the engine says they do. One mistake of an engine from
+    /// outside shows in every family, so those of such engines are alike whatever the family.
     pub fn text(&self) -> String {
         let kind = self.kind.map_or("pair", ContactKind::name);
-        format!("{kind} {} {} {} {} {}", self.cause, self.change, self.decided(), self.scope, self.family)
+        let alike = format!("{kind} {} {} {} {}", self.cause, self.change, self.decided(), self.scope);
+        if tells_apart(self.cause) { format!("{alike} {}", self.family) } else { alike }
     }
 
     fn decided(&self) -> String {

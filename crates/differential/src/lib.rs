@@ -8,6 +8,7 @@ pub mod case_file;
 pub mod collapse;
 pub mod collision;
 pub mod compare;
+pub mod diagnosis;
 pub mod engine;
 pub mod explain;
 pub mod external;

@@ -6,10 +6,12 @@ use super::error::{ReportError, at};
 use super::rows::CsvTable;
 use super::tally::FindingTally;
 use super::{lockstep, motion, stress, timing};
+use rockproof_campaign::merge::Parts;
 use rockproof_campaign::proportion::{ClusterSums, Proportion};
 use rockproof_campaign::steps::STEP_SUMMARY_COLUMNS;
 use rockproof_campaign::steps::summary::{PenetrationSums, StepCounts, StepGroup};
 use rockproof_differential::agreement::{AGREEMENT_COLUMNS, CONFUSION_COLUMNS, ChainSpan, ComparisonKey};
+use rockproof_differential::diagnosis::{DIAGNOSIS_COLUMNS, DiagnosisRow};
 use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::FINDING_COLUMNS;
 use rockproof_differential::row::FindingRow;
@@ -139,6 +141,8 @@ pub struct CampaignRun {
     pub tally: FindingTally,
     /// Counts of steps by family, tolerance set and engine; empty where no pair made any.
     pub steps: Vec<(StepGroup, StepCounts)>,
+    /// What is wrong with its external engines; empty where it has none, or is not finished.
+    pub diagnosis: Vec<DiagnosisRow>,
 }
 
 impl Results {
@@ -262,7 +266,11 @@ impl CampaignRun {
         let name = name_of(dir);
         let file = dir.join("step_summary.csv");
         let steps = if file.is_file() { read_steps(&file)? } else { Vec::new() };
-        Ok(CampaignRun { dir: dir.to_owned(), name, run, agreement, confusion, tally, steps })
+        let file = dir.join("diagnosis.csv");
+        // What is there of a run that goes on to more pairs is about fewer. What is made of some parts stays as it is.
+        let is_current = run.finished || run.configuration.contains_key(Parts::KEY);
+        let diagnosis = if is_current && file.is_file() { read_diagnosis(&file)? } else { Vec::new() };
+        Ok(CampaignRun { dir: dir.to_owned(), name, run, agreement, confusion, tally, steps, diagnosis })
     }
 
     /// Sums over families and over the rungs of ladders, by what was compared; see [`setting`].
@@ -369,6 +377,16 @@ fn read_agreement(file: &Path) -> Result<Vec<(String, ComparisonKey, AgreementSu
             return Err(row.invalid_row(&found, &format!("at most {} together, as there are pairs", sums.pairs)));
         }
         found.push((row.name(0)?.to_owned(), compared, sums));
+    }
+    Ok(found)
+}
+
+fn read_diagnosis(file: &Path) -> Result<Vec<DiagnosisRow>, ReportError> {
+    let columns = &DIAGNOSIS_COLUMNS;
+    let mut rows = CsvTable::open(file.to_owned(), columns)?;
+    let mut found = Vec::new();
+    while let Some(row) = rows.next(columns)? {
+        found.push(row.parsed()?);
     }
     Ok(found)
 }

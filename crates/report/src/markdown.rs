@@ -5,12 +5,13 @@ use super::sections::SectionPart;
 use super::verdict::Severity;
 
 /// Tables of a pull request's text, and how many rows of each it shows.
-const SHOWN: [(&str, usize); 14] = [
+const SHOWN: [(&str, usize); 15] = [
     ("changed", 24),
     ("shares", 24),
     ("settings", 24),
     ("agreement", 24),
     ("causes", 8),
+    ("diagnosis", 12),
     ("worst", 6),
     ("sweep", 24),
     ("steps", 24),

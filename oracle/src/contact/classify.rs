@@ -55,6 +55,9 @@ impl<O: Observer> Classification<'_, '_, O> {
         self.vertex_face_contacts(Side::A, &a, &mut found);
         self.vertex_face_contacts(Side::B, &b, &mut found);
         self.edge_edge_contacts(&a, &b, distance, &mut found);
+        if O::ACTIVE {
+            found.retain(|f| !self.observer.leaves_out(&f.contact));
+        }
         found.sort_unstable_by_key(|f| f.contact);
         if self.pair.a.block.is_convex() && self.pair.b.block.is_convex() {
             self.keep_one_exit(&mut found);

@@ -3,6 +3,7 @@
 mod agreement;
 mod causes;
 mod confusion;
+mod diagnosis;
 mod lockstep;
 mod margins;
 mod passing;
@@ -75,6 +76,7 @@ pub fn all(results: &Results) -> Result<Vec<Section>, ReportError> {
         sections.push(agreement::section(&results.campaigns));
         sections.push(confusion::section(&results.campaigns));
         sections.push(causes::section(&results.campaigns));
+        sections.extend(diagnosis::section(&results.campaigns));
         sections.push(margins::section(&results.campaigns));
         sections.push(worst::section(&results.campaigns)?);
         sections.extend(sweep::section(&results.campaigns));

@@ -1,0 +1,75 @@
+//! What may be wrong with an engine.
+
+use super::question::{Asked, Question, Said};
+use super::{answers, input, parts, rules, tolerances};
+use crate::separation_state::ReportedState;
+use rockproof_model::{Contact, ToleranceSet};
+
+/// One thing that may be wrong with an engine that is exact otherwise.
+pub(super) trait Hypothesis: Send + Sync {
+    /// Its name in tables: lower case, hyphens.
+    fn name(&self) -> String;
+
+    /// What goes on "answers are exact …".
+    fn sentence(&self) -> String;
+
+    /// The contacts that such an engine finds, sorted; `None` where it has no answer, or where the hypothesis is about something else.
+    fn contacts(&self, _asked: &Asked<'_>) -> Option<Vec<Contact>> {
+        None
+    }
+
+    /// Whether such an engine says what this one said of how the blocks lie; `None` as above.
+    fn says_state(&self, _asked: &Asked<'_>, _said: ReportedState) -> Option<bool> {
+        None
+    }
+
+    /// The tolerances that such an engine takes for those it is given, if nothing else is wrong with it.
+    fn tolerances(&self, _question: &Question) -> Option<ToleranceSet> {
+        None
+    }
+
+    /// Whether it explains answers by rounding in sound formulas: no mistake.
+    fn is_rounding(&self) -> bool {
+        false
+    }
+
+    /// Whether it is about exact ties alone: then nearness to a tie excuses no answer that speaks against it.
+    fn is_about_ties(&self) -> bool {
+        false
+    }
+}
+
+/// Whether a hypothesis gives the answer that the engine gave; `None` where it has none.
+pub(super) fn fits(hypothesis: &dyn Hypothesis, asked: &Asked<'_>) -> Option<bool> {
+    match &asked.question.said {
+        Said::State(said) => hypothesis.says_state(asked, *said),
+        Said::Contacts(_) | Said::Nothing(_) => hypothesis.contacts(asked).map(|contacts| asked.gives(&contacts)),
+    }
+}
+
+/// All hypotheses. Where two explain as much, the first is named first.
+pub(super) fn all() -> Vec<Box<dyn Hypothesis>> {
+    let mut all: Vec<Box<dyn Hypothesis>> = Vec::new();
+    all.extend(input::all());
+    all.extend(answers::all());
+    all.extend(tolerances::all());
+    all.extend(parts::all());
+    all.extend(rules::all());
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::all;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_hypothesis_has_a_name_and_a_sentence_of_its_own() {
+        let all = all();
+        let names: BTreeSet<String> = all.iter().map(|hypothesis| hypothesis.name()).collect();
+        let sentences: BTreeSet<String> = all.iter().map(|hypothesis| hypothesis.sentence()).collect();
+        assert_eq!((names.len(), sentences.len()), (all.len(), all.len()));
+        let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-_.".contains(c);
+        assert!(names.iter().all(|name| name.chars().all(plain)), "{names:?}");
+    }
+}

@@ -1,0 +1,334 @@
+//! Which hypotheses explain the answers of an engine.
+
+use super::hypothesis::{Hypothesis, all, fits};
+use super::question::{Asked, Question, Said, Solids};
+use super::row::{DiagnosisRow, DiagnosisVerdict};
+use super::tolerances::probes;
+use crate::finding::FAR;
+use rayon::prelude::*;
+use rockproof_model::{Block, Contact, ToleranceSet};
+
+/// Answers of one engine.
+#[derive(Clone, Debug, Default)]
+pub struct Sample {
+    /// Questions that it answered otherwise than exactly in the campaign, asked again.
+    pub differing: Vec<Question>,
+    /// Questions that it answers exactly.
+    pub agreeing: Vec<Question>,
+    /// How many differing answers there are in the campaign.
+    pub all_differing: u64,
+}
+
+/// Asks the engine.
+pub type Asking<'a> = &'a (dyn Fn(&[Block; 2], &ToleranceSet) -> Said + Sync);
+
+/// Fewer answers than this show nothing.
+const LEAST: usize = 3;
+
+/// Explanations looked for, one after the other: each of what those before it leave over.
+const EXPLANATIONS: usize = 3;
+
+/// Hypotheses named that right answers speak against.
+const CONTRADICTED: usize = 5;
+
+/// Questions asked anew, at most, to tell two hypotheses apart, and answers that they are made of.
+const PROBES: usize = 64;
+const PROBED: usize = 6;
+
+/// One question and what each hypothesis makes of it.
+struct Judged {
+    /// Whether the engine is right now; `None` where nobody knows.
+    right: Option<bool>,
+    /// Whether each hypothesis gives the engine's answer.
+    fits: Vec<Option<bool>>,
+    /// [`Asked::roundoffs_from_tie`].
+    roundoffs: f64,
+}
+
+/// What right answers say against a hypothesis.
+#[derive(Clone, Copy, Default)]
+struct Against {
+    /// Right answers that it would have changed.
+    all: usize,
+    /// Those of them that are not next to a tie.
+    far: usize,
+}
+
+impl Against {
+    /// Whether the hypothesis stands, which explains so many answers.
+    fn spares(self, explained: usize) -> bool {
+        self.far == 0 && self.all * 10 <= explained
+    }
+}
+
+/// Says which hypotheses explain the differing answers of an engine. The same rows for the same sample, as long as the engine says the same.
+pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<DiagnosisRow> {
+    let hypotheses = all();
+    let judged: Vec<Judged> = sample.differing.par_iter().map(|question| judge(question, &hypotheses)).collect();
+    let (differing, agreeing) = (sample.differing.len() as u64, sample.agreeing.len() as u64);
+    let row = |verdict, answers: usize| DiagnosisRow {
+        engine: engine.to_owned(),
+        verdict,
+        hypothesis: String::new(),
+        sentence: String::new(),
+        answers: answers as u64,
+        differing,
+        all_differing: sample.all_differing,
+        contradicted: 0,
+        agreeing,
+        example: String::new(),
+    };
+    let about = |verdict, number: usize, answers: usize, against: Against| DiagnosisRow {
+        hypothesis: hypotheses[number].name(),
+        sentence: hypotheses[number].sentence(),
+        contradicted: against.all as u64,
+        ..row(verdict, answers)
+    };
+    let explained = |number: usize, of: &[usize]| -> Vec<usize> {
+        of.iter().copied().filter(|&at| judged[at].fits[number] == Some(true)).collect()
+    };
+    let everything: Vec<usize> = (0..judged.len()).collect();
+    let mut left: Vec<usize> = everything.iter().copied().filter(|&at| judged[at].right != Some(true)).collect();
+    let alive: Vec<usize> = (0..hypotheses.len()).filter(|&number| !explained(number, &left).is_empty()).collect();
+    let against = against(&sample.agreeing, &hypotheses, &alive);
+    let standing: Vec<usize> =
+        alive.iter().copied().filter(|&number| against[number].spares(explained(number, &left).len())).collect();
+    let mut rows = Vec::new();
+    let mut chosen = Vec::new();
+    for _ in 0..EXPLANATIONS {
+        let is_far = |at: &&usize| judged[**at].roundoffs > FAR;
+        let far_left = left.iter().filter(is_far).count();
+        let weight = |number: usize| {
+            let all = explained(number, &left);
+            (all.iter().filter(is_far).count(), all.len())
+        };
+        // Of equally good ones the first.
+        let Some(best) = standing.iter().copied().rev().max_by_key(|&number| weight(number)) else { break };
+        let (far, count) = weight(best);
+        let tells = hypotheses[best].is_rounding()
+            || far >= LEAST && far * 10 >= far_left
+            || count > 2 * LEAST && count * 2 >= left.len()
+            || count == left.len();
+        if count < LEAST || !tells {
+            break;
+        }
+        let of_best = explained(best, &left);
+        let alike: Vec<usize> =
+            standing.iter().copied().filter(|&number| explained(number, &left) == of_best).collect();
+        let questions: Vec<&Question> = of_best.iter().map(|&at| &sample.differing[at]).collect();
+        let alike = told_apart(distinct(alike, &hypotheses, &questions), &hypotheses, &questions, asking);
+        for (place, &number) in alike.iter().enumerate() {
+            let verdict = if place == 0 { DiagnosisVerdict::Explains } else { DiagnosisVerdict::AsWell };
+            let example = worst(&of_best, &judged, sample);
+            rows.push(DiagnosisRow { example, ..about(verdict, number, count, against[number]) });
+        }
+        chosen.extend(alike.first().copied());
+        left.retain(|at| !of_best.contains(at));
+    }
+    let (near, unexplained): (Vec<usize>, Vec<usize>) =
+        left.iter().copied().partition(|&at| is_near(&sample.differing[at], &judged[at], &chosen, &hypotheses));
+    let others = [
+        (DiagnosisVerdict::Rounding, near),
+        (DiagnosisVerdict::Unexplained, unexplained),
+        (DiagnosisVerdict::NotRepeated, everything.into_iter().filter(|&at| judged[at].right == Some(true)).collect()),
+    ];
+    for (verdict, answers) in others {
+        if !answers.is_empty() {
+            rows.push(DiagnosisRow { example: worst(&answers, &judged, sample), ..row(verdict, answers.len()) });
+        }
+    }
+    let mut fallen: Vec<(usize, usize)> = alive
+        .iter()
+        .filter(|number| !standing.contains(number))
+        .map(|&number| (judged.iter().filter(|one| one.fits[number] == Some(true)).count(), number))
+        .collect();
+    fallen.sort_by_key(|&(count, number)| (std::cmp::Reverse(count), number));
+    rows.extend(
+        fallen
+            .into_iter()
+            .take(CONTRADICTED)
+            .map(|(count, number)| about(DiagnosisVerdict::Contradicted, number, count, against[number])),
+    );
+    rows
+}
+
+fn judge(question: &Question, hypotheses: &[Box<dyn Hypothesis>]) -> Judged {
+    let solids = Solids::of(&question.blocks);
+    let asked = Asked::new(question, &solids);
+    Judged {
+        right: asked.is_right(),
+        fits: hypotheses.iter().map(|hypothesis| fits(&**hypothesis, &asked)).collect(),
+        roundoffs: asked.roundoffs_from_tie(),
+    }
+}
+
+/// What right answers say against each hypothesis; 0 of those that are not `alive`, which nobody asks about.
+fn against(agreeing: &[Question], hypotheses: &[Box<dyn Hypothesis>], alive: &[usize]) -> Vec<Against> {
+    let one = |question: &Question| -> Vec<(usize, bool)> {
+        let solids = Solids::of(&question.blocks);
+        let asked = Asked::new(question, &solids);
+        let contradicted = alive.iter().filter(|&&number| fits(&*hypotheses[number], &asked) == Some(false));
+        contradicted.map(|&number| (number, !is_excused(&*hypotheses[number], &asked))).collect()
+    };
+    let mut sums = vec![Against::default(); hypotheses.len()];
+    for (number, far) in agreeing.par_iter().map(one).collect::<Vec<_>>().into_iter().flatten() {
+        sums[number].all += 1;
+        sums[number].far += usize::from(far);
+    }
+    sums
+}
+
+/// Whether an answer differs from that of a hypothesis next to a tie only, where the engine's rounding can be the reason.
+fn is_excused(hypothesis: &dyn Hypothesis, asked: &Asked<'_>) -> bool {
+    let Said::Contacts(said) = &asked.question.said else { return false };
+    let near = |contacts: Vec<Contact>| asked.roundoffs_between(&contacts, said, &asked.question.tolerances) <= FAR;
+    !hypothesis.is_about_ties() && hypothesis.contacts(asked).is_some_and(near)
+}
+
+/// Whether rounding can be the reason of an answer, by itself or beside what an accepted hypothesis says. By itself only where it is not known how
+/// the engine rounds: if others of its answers are just what ordinary rounding gives, this one would be, too.
+fn is_near(question: &Question, judged: &Judged, chosen: &[usize], hypotheses: &[Box<dyn Hypothesis>]) -> bool {
+    let (known, mistakes): (Vec<usize>, Vec<usize>) =
+        chosen.iter().partition(|number| hypotheses[**number].is_rounding());
+    if known.is_empty() && judged.roundoffs <= FAR {
+        return true;
+    }
+    let solids = Solids::of(&question.blocks);
+    let asked = Asked::new(question, &solids);
+    mistakes.into_iter().any(|number| is_excused(&*hypotheses[number], &asked))
+}
+
+/// One of some answers: the furthest from a tie among those with a case file, or else among all.
+fn worst(answers: &[usize], judged: &[Judged], sample: &Sample) -> String {
+    let label = |at: usize| &sample.differing[at].label;
+    let best = answers.iter().copied().rev().max_by(|&one, &other| {
+        let key = |at: usize| (label(at).ends_with(".toml"), judged[at].roundoffs);
+        let ((one_case, one), (other_case, other)) = (key(one), key(other));
+        one_case.cmp(&other_case).then(one.total_cmp(&other))
+    });
+    best.map_or(String::new(), |at| label(at).clone())
+}
+
+/// Those of some hypotheses that explain the same answers which are not the same thing: not the same tolerances in all these questions, and not
+/// several ways to round.
+fn distinct(alike: Vec<usize>, hypotheses: &[Box<dyn Hypothesis>], questions: &[&Question]) -> Vec<usize> {
+    let same = |one: usize, other: usize| {
+        let (one, other) = (&hypotheses[one], &hypotheses[other]);
+        let under = |question: &&Question| {
+            let both = (one.tolerances(question), other.tolerances(question));
+            both.0.is_some() && both.0 == both.1
+        };
+        one.is_rounding() && other.is_rounding() || questions.iter().all(under)
+    };
+    let mut distinct: Vec<usize> = Vec::new();
+    for number in alike {
+        if distinct.iter().all(|&other| !same(other, number)) {
+            distinct.push(number);
+        }
+    }
+    distinct
+}
+
+/// Those of some hypotheses that explain the same answers which also foretell what the engine says where they part: asked are the same blocks
+/// under tolerances changed a little.
+fn told_apart(
+    mut alike: Vec<usize>,
+    hypotheses: &[Box<dyn Hypothesis>],
+    questions: &[&Question],
+    asking: Asking<'_>,
+) -> Vec<usize> {
+    let mut left = PROBES;
+    for question in questions.iter().take(PROBED) {
+        let solids = Solids::of(&question.blocks);
+        for tolerances in probes(&question.tolerances) {
+            if alike.len() < 2 || left == 0 {
+                return alike;
+            }
+            let Ok(tolerances) = tolerances.rounded(question.precision) else { continue };
+            let mut probe = Question { tolerances, ..(*question).clone() };
+            let asked = Asked::new(&probe, &solids);
+            let foretold = |number: &usize| hypotheses[*number].contacts(&asked);
+            let first = foretold(&alike[0]);
+            if alike.iter().all(|number| foretold(number) == first) {
+                continue;
+            }
+            probe.said = asking(&probe.blocks, &probe.tolerances);
+            left -= 1;
+            let asked = Asked::new(&probe, &solids);
+            let fit: Vec<usize> =
+                alike.iter().copied().filter(|&number| fits(&*hypotheses[number], &asked) == Some(true)).collect();
+            if !fit.is_empty() {
+                alike = fit;
+            }
+        }
+    }
+    alike
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::separation_state::{ReportedState, SeparationState};
+    use rockproof_model::preset::{self, Preset};
+    use rockproof_model::{BlockOptions, Number, Point, Precision};
+
+    /// A box of edge 1 that begins at x.
+    fn box_at(x: f64) -> Block {
+        let number = |value: f64| Number::from_f64(value).expect("finite");
+        let corner = |n: u32| {
+            let [x, y, z] = [x + f64::from(n & 1), f64::from(n >> 1 & 1), f64::from(n >> 2)].map(number);
+            Point::new(x, y, z)
+        };
+        let faces = [[0, 2, 3, 1], [0, 1, 5, 4], [0, 4, 6, 2], [1, 3, 7, 5], [2, 6, 7, 3], [4, 5, 7, 6]];
+        let faces = faces.map(|face| face.to_vec()).to_vec();
+        Block::new((0..8).map(corner).collect(), faces, &BlockOptions::default()).expect("a box")
+    }
+
+    /// A question about two boxes along x with a gap, and an answer to it.
+    fn question(gap: f64, said: ReportedState) -> Question {
+        let blocks = [box_at(0.0), box_at(1.0 + gap)];
+        let tolerances = preset::derive(Preset::Auto, &[&blocks[0], &blocks[1]], Precision::F64).expect("a set");
+        let (precision, label) = (Precision::F64, format!("gap {gap}"));
+        Question { blocks, tolerances, precision, accuracy: 1024, said: Said::State(said), label }
+    }
+
+    /// What a collision code says of a gap, right but for what `wrong` does.
+    fn said(gap: f64, wrong: impl Fn(&mut ReportedState)) -> ReportedState {
+        let state = if gap > 0.0 { SeparationState::Apart } else { SeparationState::Overlapping };
+        // A leaves B towards smaller x.
+        let mut said = ReportedState { state, gap_m: Some(gap), normal: Some([-1.0, 0.0, 0.0]) };
+        wrong(&mut said);
+        said
+    }
+
+    fn first(wrong: impl Fn(&mut ReportedState)) -> Vec<(DiagnosisVerdict, String, u64)> {
+        let differing = [0.5, 0.25, -0.25, -0.125].map(|gap| question(gap, said(gap, &wrong))).to_vec();
+        // Answers that claim no gap and no normal are right whatever is wrong with these.
+        let bare = |said: &mut ReportedState| (said.gap_m, said.normal) = (None, None);
+        let agreeing = [0.5, -0.25].map(|gap| question(gap, said(gap, bare))).to_vec();
+        let sample = Sample { differing, agreeing, all_differing: 4 };
+        let rows = diagnose("mine", &sample, &|_, _| Said::Nothing(crate::compare::AnswerChange::Crash));
+        rows.into_iter().map(|row| (row.verdict, row.hypothesis, row.answers)).collect()
+    }
+
+    #[test]
+    fn collision_codes_are_told_what_is_wrong() {
+        use DiagnosisVerdict::{Explains, NotRepeated, Unexplained};
+        let told = |verdict, name: &str| vec![(verdict, name.to_owned(), 4)];
+        assert_eq!(first(|said| said.normal = Some([1.0, 0.0, 0.0])), told(Explains, "normal-turned"));
+        assert_eq!(first(|said| said.gap_m = said.gap_m.map(|gap| -gap)), told(Explains, "gap-sign-turned"));
+        assert_eq!(first(|said| said.gap_m = said.gap_m.map(|gap| 1000.0 * gap)), told(Explains, "gap-in-millimetres"));
+        assert_eq!(first(|said| said.gap_m = said.gap_m.map(|gap| gap + 0.3)), told(Unexplained, ""));
+        assert_eq!(first(|_| {}), told(NotRepeated, ""));
+    }
+
+    #[test]
+    fn too_few_answers_show_nothing() {
+        let turned = |said: &mut ReportedState| said.normal = Some([1.0, 0.0, 0.0]);
+        let differing = [0.5, -0.25].map(|gap| question(gap, said(gap, turned))).to_vec();
+        let sample = Sample { differing, agreeing: Vec::new(), all_differing: 2 };
+        let rows = diagnose("mine", &sample, &|_, _| Said::Nothing(crate::compare::AnswerChange::Crash));
+        let told: Vec<_> = rows.iter().map(|row| (row.verdict, row.answers, row.example.as_str())).collect();
+        assert_eq!(told, [(DiagnosisVerdict::Unexplained, 2, "gap 0.5")]);
+    }
+}

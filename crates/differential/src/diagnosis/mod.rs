@@ -1,0 +1,18 @@
+//! What is wrong with an engine, by hypotheses: its answers beside those that an exact engine with one mistake would give.
+//!
+//! A hypothesis counts by how many of the differing answers it explains, and only while no answer that is right speaks against it. What no
+//! hypothesis explains is either so near to a tie that rounding can be the reason, or stays unexplained; both are said.
+
+mod answers;
+mod hypothesis;
+mod input;
+mod judge;
+mod parts;
+mod question;
+mod row;
+mod rules;
+mod tolerances;
+
+pub use judge::{Asking, Sample, diagnose};
+pub use question::{Question, Said, ask};
+pub use row::{DIAGNOSIS_COLUMNS, DiagnosisRow, DiagnosisVerdict, told};

@@ -1,0 +1,198 @@
+//! One question to an engine, what it said, and what is so.
+
+use crate::collision::CollisionQuery;
+use crate::compare::{AnswerChange, Features, differences};
+use crate::engine::{Answer, Engine, ExactPair, catch_panic};
+use crate::explain::{ChainLink, suspect};
+use crate::external::protocol::completed;
+use crate::separation_state::ReportedState;
+use rockproof_model::{Block, Contact, Precision, ToleranceSet};
+use rockproof_oracle::{Pair, PreparedBlock};
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// What an engine said.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Said {
+    /// Its contacts, sorted.
+    Contacts(Vec<Contact>),
+    /// How the blocks lie.
+    State(ReportedState),
+    /// No answer, or one that made no sense.
+    Nothing(AnswerChange),
+}
+
+/// A question as the engine got it, with its answer.
+#[derive(Clone, Debug)]
+pub struct Question {
+    /// The blocks, rounded to the engine's precision.
+    pub blocks: [Block; 2],
+    /// The tolerances, rounded likewise.
+    pub tolerances: ToleranceSet,
+    /// The engine's precision.
+    pub precision: Precision,
+    /// How far a gap it states may be off ([`Engine::accuracy`]).
+    pub accuracy: u64,
+    /// What it said.
+    pub said: Said,
+    /// What people call the question: its case file, or its pair and set.
+    pub label: String,
+}
+
+impl Question {
+    /// Whether the engine is right; `None` where nothing exact stands against its answer.
+    pub fn is_right(&self) -> Option<bool> {
+        let solids = Solids::of(&self.blocks);
+        Asked::new(self, &solids).is_right()
+    }
+
+    /// Whether the blocks have contacts.
+    pub fn has_contacts(&self) -> bool {
+        let solids = Solids::of(&self.blocks);
+        !Asked::new(self, &solids).exact().is_empty()
+    }
+}
+
+/// Asks an engine.
+pub fn ask(engine: &dyn Engine, [a, b]: &[Block; 2], tolerances: &ToleranceSet) -> Said {
+    match catch_panic(|| engine.prepare(a, b)?.answer(tolerances)) {
+        Ok(Answer::Contacts(contacts)) => Said::Contacts(contacts),
+        Ok(Answer::State(state)) => Said::State(state),
+        Err(failure) => Said::Nothing(failure.change()),
+    }
+}
+
+/// The blocks of a question inside the oracle.
+pub(super) struct Solids([PreparedBlock; 2]);
+
+impl Solids {
+    pub(super) fn of(blocks: &[Block; 2]) -> Solids {
+        Solids([PreparedBlock::new(&blocks[0]), PreparedBlock::new(&blocks[1])])
+    }
+
+    pub(super) fn pair(&self) -> Pair<'_> {
+        Pair::new(&self.0[0], &self.0[1])
+    }
+}
+
+/// A question with the pair inside the oracle, which keeps what it answered.
+pub(super) struct Asked<'q> {
+    pub(super) question: &'q Question,
+    pub(super) pair: Pair<'q>,
+    known: RefCell<Vec<(ToleranceSet, Rc<Vec<Contact>>)>>,
+}
+
+impl<'q> Asked<'q> {
+    pub(super) fn new(question: &'q Question, solids: &'q Solids) -> Asked<'q> {
+        Asked { question, pair: solids.pair(), known: RefCell::default() }
+    }
+
+    /// The exact contacts under a tolerance set.
+    pub(super) fn contacts(&self, tolerances: &ToleranceSet) -> Rc<Vec<Contact>> {
+        if let Some((_, contacts)) = self.known.borrow().iter().find(|(known, _)| known == tolerances) {
+            return Rc::clone(contacts);
+        }
+        let contacts = Rc::new(self.pair.classify(tolerances).contacts);
+        self.known.borrow_mut().push((tolerances.clone(), Rc::clone(&contacts)));
+        contacts
+    }
+
+    /// The exact contacts.
+    pub(super) fn exact(&self) -> Rc<Vec<Contact>> {
+        self.contacts(&self.question.tolerances)
+    }
+
+    /// Whether a state is right for some blocks; `None` where nothing exact stands against it.
+    pub(super) fn state_is_right(&self, blocks: &[Block; 2], said: ReportedState) -> Option<bool> {
+        let Question { precision, accuracy, .. } = *self.question;
+        let (wrong, _) = CollisionQuery { blocks, precision, accuracy }.compare(said)?;
+        Some(wrong.is_none())
+    }
+
+    /// Whether the engine is right; `None` where nothing exact stands against its answer.
+    pub(super) fn is_right(&self) -> Option<bool> {
+        match &self.question.said {
+            Said::Contacts(_) => Some(self.gives(&self.exact())),
+            Said::State(said) => self.state_is_right(&self.question.blocks, *said),
+            Said::Nothing(_) => Some(false),
+        }
+    }
+
+    /// Whether the engine said just these contacts; contacts of features that the blocks do not have cannot be said, and are no answer.
+    pub(super) fn gives(&self, contacts: &[Contact]) -> bool {
+        match &self.question.said {
+            Said::Contacts(said) => completed(said.clone(), contacts) == contacts,
+            Said::State(_) => false,
+            Said::Nothing(change) => *change == AnswerChange::Malformed && !self.can_be_said(contacts),
+        }
+    }
+
+    fn can_be_said(&self, contacts: &[Contact]) -> bool {
+        let features = self.features();
+        let of_entrance = |contact: &Contact| Contact { kind: kind_of(contact), ..at_entrance(contact) };
+        let exist = |contact: Contact| {
+            crate::compare::contact_features(&contact).into_iter().all(|feature| !features.vertices(feature).is_empty())
+                && vertices_exist(&contact, features)
+        };
+        contacts.iter().all(|contact| exist(*contact) && exist(of_entrance(contact)))
+    }
+
+    pub(super) fn features(&self) -> Features<'_> {
+        let [a, b] = &self.question.blocks;
+        Features { a: a.topology(), b: b.topology() }
+    }
+
+    /// How far from a tie the engine's answer differs from the exact one, in its roundoffs: of all differences the furthest, each by the decision
+    /// nearest to a tie around it. Infinite where no decision is known, 0 where nothing differs.
+    pub(super) fn roundoffs_from_tie(&self) -> f64 {
+        match &self.question.said {
+            Said::Contacts(said) => self.roundoffs_between(&self.exact(), said, &self.question.tolerances),
+            Said::State(said) => {
+                let Question { blocks, precision, accuracy, .. } = self.question;
+                let compared = CollisionQuery { blocks, precision: *precision, accuracy: *accuracy }.compare(*said);
+                compared.map_or(f64::INFINITY, |(_, comparison)| comparison.margin_ulps.abs())
+            }
+            Said::Nothing(_) => f64::INFINITY,
+        }
+    }
+
+    /// The same for contacts that are exact under some tolerances.
+    pub(super) fn roundoffs_between(&self, exact: &[Contact], said: &[Contact], tolerances: &ToleranceSet) -> f64 {
+        let features = self.features();
+        let changed = differences(exact, &completed(said.to_vec(), exact), features);
+        let link = ChainLink {
+            before: &|| Some(ExactPair::trace(&self.pair, tolerances)),
+            after: &|| None,
+            margins: &|decisions| ExactPair::margins(&self.pair, tolerances, decisions),
+            roundoff: Some(self.question.precision.epsilon() / 2.0),
+        };
+        let from = |deciding: Option<crate::finding::DecidingDecision>| {
+            deciding.and_then(|deciding| deciding.margin_ulps).map_or(f64::INFINITY, f64::abs)
+        };
+        suspect(&changed, &link, features).into_iter().map(from).fold(0.0, f64::max)
+    }
+}
+
+/// A contact's entrance as if it were the contact.
+fn at_entrance(contact: &Contact) -> Contact {
+    Contact { a: contact.entrance.a, b: contact.entrance.b, ..*contact }
+}
+
+fn kind_of(contact: &Contact) -> rockproof_model::ContactKind {
+    use rockproof_model::{ContactKind, EntranceKind};
+    match contact.entrance.kind {
+        EntranceKind::VertexFace => ContactKind::VertexFace,
+        EntranceKind::FaceVertex => ContactKind::FaceVertex,
+        EntranceKind::EdgeEdge => ContactKind::EdgeEdge,
+    }
+}
+
+/// Whether the vertices that a contact names are there: [`Features::vertices`] takes their numbers as they are.
+fn vertices_exist(contact: &Contact, features: Features<'_>) -> bool {
+    use rockproof_model::decision::{Feature, Side};
+    crate::compare::contact_features(contact).into_iter().all(|feature| match feature {
+        Feature::Vertex(Side::A, v) => (v as usize) < features.a.vertex_count(),
+        Feature::Vertex(Side::B, v) => (v as usize) < features.b.vertex_count(),
+        Feature::Edge(..) | Feature::Face(..) => true,
+    })
+}

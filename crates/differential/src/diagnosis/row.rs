@@ -1,0 +1,118 @@
+//! A row of `diagnosis.csv`, and what it says in words.
+
+use crate::finding::FAR;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// What a row of a diagnosis says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DiagnosisVerdict {
+    /// The hypothesis explains the answers, and no right answer that was looked at speaks against it.
+    Explains,
+    /// So does this one, the same answers as the one above it, and the engine gave nothing that tells the two apart.
+    AsWell,
+    /// No hypothesis explains them, and they are so near to ties that rounding can be the reason.
+    Rounding,
+    /// No hypothesis explains them, nor does rounding.
+    Unexplained,
+    /// They were right when the engine was asked again.
+    NotRepeated,
+    /// The hypothesis explains some, and right answers speak against it.
+    Contradicted,
+}
+
+impl DiagnosisVerdict {
+    /// The name in `diagnosis.csv`.
+    pub fn name(self) -> &'static str {
+        match self {
+            DiagnosisVerdict::Explains => "explains",
+            DiagnosisVerdict::AsWell => "as-well",
+            DiagnosisVerdict::Rounding => "rounding",
+            DiagnosisVerdict::Unexplained => "unexplained",
+            DiagnosisVerdict::NotRepeated => "not-repeated",
+            DiagnosisVerdict::Contradicted => "contradicted",
+        }
+    }
+}
+
+impl fmt::Display for DiagnosisVerdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// One row of `diagnosis.csv`. The fields are its columns.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DiagnosisRow {
+    /// The engine.
+    pub engine: String,
+    /// What the row says.
+    pub verdict: DiagnosisVerdict,
+    /// The hypothesis; empty where the row is about none.
+    pub hypothesis: String,
+    /// What it says, to go on "answers are exact …"; empty likewise.
+    pub sentence: String,
+    /// Differing answers that the row is about.
+    pub answers: u64,
+    /// Differing answers looked at.
+    pub differing: u64,
+    /// Differing answers of the campaign.
+    pub all_differing: u64,
+    /// Right answers that speak against the hypothesis.
+    pub contradicted: u64,
+    /// Right answers looked at.
+    pub agreeing: u64,
+    /// One of the answers, the furthest from a tie of those that have a case file: that file, or else its pair and set.
+    pub example: String,
+}
+
+/// The columns of `diagnosis.csv`.
+pub const DIAGNOSIS_COLUMNS: [&str; 10] = [
+    "engine",
+    "verdict",
+    "hypothesis",
+    "sentence",
+    "answers",
+    "differing",
+    "all_differing",
+    "contradicted",
+    "agreeing",
+    "example",
+];
+
+impl DiagnosisRow {
+    /// The row in a sentence; `None` for what only the table tells.
+    pub fn words(&self) -> Option<String> {
+        let DiagnosisRow { engine, sentence, answers, differing, agreeing, example, .. } = self;
+        let of = format!("{answers} of {differing} differing answers");
+        let are = if *answers == 1 { "is" } else { "are" };
+        Some(match self.verdict {
+            DiagnosisVerdict::Explains => {
+                let against = match self.contradicted {
+                    0 => format!("no right answer of {agreeing} speaks against it"),
+                    n => format!("{n} right answers of {agreeing} speak against it, all next to a tie"),
+                };
+                format!("{engine}: {of} {are} exact {sentence}; {against}.")
+            }
+            DiagnosisVerdict::AsWell => {
+                format!("{engine}: as well {sentence}: nothing that was asked tells the two apart.")
+            }
+            DiagnosisVerdict::Rounding => {
+                format!("{engine}: {of} {are} within {FAR} roundoffs of a tie: rounding can be the reason.")
+            }
+            DiagnosisVerdict::Unexplained => format!("{engine}: no hypothesis explains {of}; see {example}."),
+            DiagnosisVerdict::NotRepeated => {
+                format!(
+                    "{engine}: {of} {are} right when asked again: what it answers depends on what it was asked before."
+                )
+            }
+            DiagnosisVerdict::Contradicted => return None,
+        })
+    }
+}
+
+/// What a diagnosis says, a line for each row that people need.
+pub fn told(rows: &[DiagnosisRow]) -> Vec<String> {
+    rows.iter().filter_map(DiagnosisRow::words).collect()
+}

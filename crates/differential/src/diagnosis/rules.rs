@@ -1,0 +1,88 @@
+//! Hypotheses about rules: `<` for `≤` and the other way round at exact ties, and rules that are not there.
+
+use super::hypothesis::Hypothesis;
+use super::question::Asked;
+use rockproof_model::decision::Predicate;
+use rockproof_model::{Block, Contact, Sign};
+use rockproof_oracle::Departure;
+
+/// A rule that is another one.
+#[derive(Clone, Copy, Debug)]
+enum Rule {
+    /// A tie is taken for a value of this sign.
+    Tie(Predicate, Sign),
+    /// The question has this answer, whatever it is asked of.
+    Always(Predicate, bool),
+}
+
+/// Where SPEC says no at a tie.
+const STRICT: [Predicate; 3] = [Predicate::FootInside, Predicate::InsideFace, Predicate::FeetInside];
+
+/// Rules that may not be there: the answer that stands for that.
+const ABSENT: [(Predicate, bool); 16] = [
+    (Predicate::OneExit, true),
+    (Predicate::ShortestExit, true),
+    (Predicate::TrueExit, true),
+    (Predicate::VertexTerritory, false),
+    (Predicate::EdgeTerritory, false),
+    (Predicate::VertexRegion, true),
+    (Predicate::EdgeRegion, true),
+    (Predicate::FootRegion, true),
+    (Predicate::FootInside, true),
+    (Predicate::FeetInside, true),
+    (Predicate::InsideFace, true),
+    (Predicate::ConePasses, true),
+    (Predicate::WedgesPass, true),
+    (Predicate::NearlyParallel, false),
+    (Predicate::VertexFaceDepth, true),
+    (Predicate::EdgeEdgeDepth, true),
+];
+
+/// The hypotheses about rules.
+pub(super) fn all() -> impl Iterator<Item = Box<dyn Hypothesis>> {
+    let ties = Predicate::ALL.into_iter().filter(|predicate| *predicate != Predicate::GapSign).map(|predicate| {
+        Rule::Tie(predicate, if STRICT.contains(&predicate) { Sign::Positive } else { Sign::Negative })
+    });
+    let gaps = [Sign::Negative, Sign::Positive].map(|sign| Rule::Tie(Predicate::GapSign, sign));
+    let absent = ABSENT.map(|(predicate, answer)| Rule::Always(predicate, answer));
+    gaps.into_iter().chain(ties).chain(absent).map(|rule| Box::new(rule) as Box<dyn Hypothesis>)
+}
+
+impl Hypothesis for Rule {
+    fn name(&self) -> String {
+        match self {
+            Rule::Tie(Predicate::GapSign, Sign::Positive) => "gap-of-0-positive".to_owned(),
+            Rule::Tie(Predicate::GapSign, _) => "gap-of-0-negative".to_owned(),
+            Rule::Tie(predicate, _) => format!("{predicate}-turned-at-ties"),
+            Rule::Always(predicate, _) => format!("{predicate}-left-out"),
+        }
+    }
+
+    fn sentence(&self) -> String {
+        match self {
+            Rule::Tie(Predicate::GapSign, Sign::Positive) => {
+                "but for gaps of exactly 0, which count as positive".to_owned()
+            }
+            Rule::Tie(Predicate::GapSign, _) => "but for gaps of exactly 0, which count as negative".to_owned(),
+            Rule::Tie(predicate, Sign::Positive) => {
+                format!("but for ties of {predicate}, which count as yes (≤ for <)")
+            }
+            Rule::Tie(predicate, _) => format!("but for ties of {predicate}, which count as no (< for ≤)"),
+            Rule::Always(predicate, _) => format!("but for the rule {predicate}, which is left out"),
+        }
+    }
+
+    fn contacts(&self, asked: &Asked<'_>) -> Option<Vec<Contact>> {
+        let departure = match *self {
+            // Inside a concave face is a winding number, which no single comparison decides.
+            Rule::Tie(Predicate::InsideFace, _) if !asked.question.blocks.iter().all(Block::is_convex) => return None,
+            Rule::Tie(predicate, taken) => Departure::Tie(predicate, taken),
+            Rule::Always(predicate, answer) => Departure::Always(predicate, answer),
+        };
+        Some(asked.pair.classify_departing(&asked.question.tolerances, departure))
+    }
+
+    fn is_about_ties(&self) -> bool {
+        matches!(self, Rule::Tie(..))
+    }
+}
