@@ -23,6 +23,7 @@ use rockproof_differential::subject::PairSource;
 use rockproof_gate::config::RECOVERED;
 use rockproof_model::files::read_text;
 use rockproof_results::Start;
+use serde_json::{Map, Value};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -81,6 +82,9 @@ pub(crate) struct Campaign {
     /// Do only the K-th of N parts of the pairs; `rockproof merge` makes of all parts what one campaign would have made
     #[arg(long, value_name = "K/N")]
     part: Option<Part>,
+    /// Share the work among the ranks of an MPI job: mpirun -n 64 rockproof campaign --mpi (docs/scale.md; a build with the feature mpi)
+    #[arg(long, conflicts_with = "part")]
+    mpi: bool,
     /// Go on with the run in the directory, with more pairs if --pairs says so (not of a part), or begin if there is none
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
@@ -96,7 +100,7 @@ pub(crate) struct Campaign {
     /// How many steps such a pair makes
     #[arg(long, value_name = "COUNT")]
     steps: Option<u32>,
-    /// Worker threads [default: one a core]; the results do not depend on it
+    /// Worker threads, with --mpi of each rank [default: one a core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
     #[command(flatten)]
@@ -105,34 +109,81 @@ pub(crate) struct Campaign {
 
 impl Campaign {
     pub(crate) fn run(&self) -> Outcome {
+        if !self.mpi {
+            return self.run_here();
+        }
+        #[cfg(feature = "mpi")]
+        return crate::mpi::run(self);
+        #[cfg(not(feature = "mpi"))]
+        anyhow::bail!(
+            "--mpi: this program was built without MPI; `cargo install --locked --path . --features mpi` builds it with, where an MPI and libclang are installed (docs/scale.md)"
+        )
+    }
+
+    /// Runs in this process alone.
+    pub(crate) fn run_here(&self) -> Outcome {
+        let prepared = self.prepared()?;
+        let stop = on_ctrl_c()?;
+        if !probed(&prepared.engines, &stop)? {
+            return Ok(Verdict::Interrupted);
+        }
+        let mut journal = self.journal(&prepared)?;
+        let Prepared { config, source, .. } = &prepared;
+        let share = self.part.map_or(0..config.pairs, |part| part.pairs(config.pairs, source.batch_len()));
+        let ending = prepared.with_campaign(self.threads, |campaign| {
+            let ending = shown_while(share.end - share.start, journal.seen(), || match self.part {
+                None => campaign.run(&mut journal, &stop, &mut |_| {}),
+                Some(part) => campaign.run_part(part, &mut journal, &stop, &mut |_| {}),
+            })?;
+            // Of a part there is no diagnosis: the merge makes it.
+            if ending == Ending::Finished && self.part.is_none() {
+                return diagnosed(campaign, &mut journal, &stop);
+            }
+            Ok::<_, anyhow::Error>(ending)
+        })?;
+        self.end(&prepared, &mut journal, ending)
+    }
+
+    /// What the command is to do.
+    pub(crate) fn prepared(&self) -> anyhow::Result<Prepared> {
         check_deny(&self.deny)?;
         let config = self.configuration()?;
-        let engines = Engines::of(&config)?;
-        let source = pair_source(&config)?;
+        let (engines, source, identity) = (Engines::of(&config)?, pair_source(&config)?, source::identity(&config)?);
+        Ok(Prepared { config, engines, source, identity })
+    }
+
+    /// The directory of the results, as the command is to begin there.
+    pub(crate) fn journal(&self, prepared: &Prepared) -> anyhow::Result<Journal> {
+        let Prepared { config, source, identity, .. } = prepared;
         let name = if config.stress { "stress" } else { "campaign" };
         let suffix = self.part.map_or(String::new(), |part| format!("-part-{}-of-{}", part.number(), part.of()));
         let out = || PathBuf::from(format!("reports/{name}-{}{suffix}", config.seed));
         let out = self.out.clone().unwrap_or_else(out);
-        let start = Start::of(self.resume, self.overwrite);
-        let stop = on_ctrl_c()?;
-        if !probed(&engines, &stop)? {
-            return Ok(Verdict::Interrupted);
-        }
-        let identity = source::identity(&config)?;
-        let mut journal = match self.part {
+        let (identity, start) = (identity.clone(), Start::of(self.resume, self.overwrite));
+        Ok(match self.part {
             None => Journal::open(&out, identity, start)?,
-            Some(part) => Journal::open_part(&out, identity, start, part, Machine::here(&*source)?)?,
-        };
-        let ending = work(&config, &engines, &*source, (self.part, self.threads), &mut journal, &stop)?;
+            Some(part) => Journal::open_part(&out, identity, start, part, Machine::here(&**source)?)?,
+        })
+    }
+
+    /// Writes and prints what is to be told at the end.
+    pub(crate) fn end(&self, prepared: &Prepared, journal: &mut Journal, ending: Ending) -> Outcome {
+        let Prepared { config, engines, .. } = prepared;
         // Of a part there is no table of the whole: the merge makes it.
         if config.stress && self.part.is_none() && ending == Ending::Finished {
-            stress::finish(&mut journal, &engines)?;
+            stress::finish(journal, engines)?;
         }
-        print_end(&journal, &config.external, ending, &self.format)?;
+        print_end(journal, &config.external, ending, &self.format)?;
         if ending == Ending::Stopped {
             return Ok(Verdict::Interrupted);
         }
         Ok(denied(&self.deny, journal.progress()))
+    }
+
+    /// Worker threads; 0 for one a core.
+    #[cfg(feature = "mpi")]
+    pub(crate) fn threads(&self) -> usize {
+        self.threads
     }
 
     fn configuration(&self) -> anyhow::Result<CampaignConfig> {
@@ -183,6 +234,26 @@ impl Campaign {
             config.planarity = Some(planarity);
         }
         Ok(config)
+    }
+}
+
+/// What a campaign is to do, read and checked; nothing is written and no program started.
+pub(crate) struct Prepared {
+    pub(crate) config: CampaignConfig,
+    pub(crate) engines: Engines,
+    pub(crate) source: Box<dyn PairSource>,
+    /// What must be the same for a run to go on, and on all ranks.
+    pub(crate) identity: Map<String, Value>,
+}
+
+impl Prepared {
+    /// Does something with the campaign, on so many threads.
+    pub(crate) fn with_campaign<T>(&self, threads: usize, work: impl FnOnce(&run::Campaign<'_>) -> T) -> T {
+        let narrow = |finding: &Finding| self.engines.panel_for(finding);
+        let (panel, names) = (self.engines.panel(), self.engines.names());
+        let steppers = steps::engines(names.iter().map(String::as_str));
+        let (config, source) = (&self.config, &*self.source);
+        work(&run::Campaign { config, source, panel: &panel, narrow: &narrow, steppers: &steppers, threads })
     }
 }
 
@@ -256,29 +327,4 @@ pub(crate) fn diagnosed(
     let doing = "asked again to see what is wrong";
     let most = (engines * diagnosis::DIFFERING) as u64;
     Ok(counted_while(most, doing, |done| campaign.diagnose(journal, stop, done))?)
-}
-
-fn work(
-    config: &CampaignConfig,
-    engines: &Engines,
-    source: &dyn PairSource,
-    (part, threads): (Option<Part>, usize),
-    journal: &mut Journal,
-    stop: &AtomicBool,
-) -> anyhow::Result<Ending> {
-    let narrow = |finding: &Finding| engines.panel_for(finding);
-    let panel = engines.panel();
-    let names = engines.names();
-    let steppers = steps::engines(names.iter().map(String::as_str));
-    let campaign = run::Campaign { config, source, panel: &panel, narrow: &narrow, steppers: &steppers, threads };
-    let share = part.map_or(0..config.pairs, |part| part.pairs(config.pairs, source.batch_len()));
-    let ending = shown_while(share.end - share.start, journal.seen(), || match part {
-        None => campaign.run(journal, stop, &mut |_| {}),
-        Some(part) => campaign.run_part(part, journal, stop, &mut |_| {}),
-    })?;
-    // Of a part there is no diagnosis: the merge makes it.
-    if ending == Ending::Finished && part.is_none() {
-        return diagnosed(&campaign, journal, stop);
-    }
-    Ok(ending)
 }

@@ -84,7 +84,7 @@ pub(crate) fn code(outcome: Outcome) -> ExitCode {
 }
 
 /// An error with its causes, each said once: some errors say their cause themselves, and some name the file that was named before.
-fn chain(error: &anyhow::Error) -> String {
+pub(crate) fn chain(error: &anyhow::Error) -> String {
     let mut parts: Vec<String> = Vec::new();
     for part in error.chain().map(ToString::to_string) {
         if parts.iter().any(|said| said.contains(&part)) {

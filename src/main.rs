@@ -14,6 +14,8 @@ mod extents;
 mod gate;
 mod input;
 mod merge;
+#[cfg(feature = "mpi")]
+mod mpi;
 mod overlaps;
 mod progress;
 mod replay;

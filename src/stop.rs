@@ -15,6 +15,19 @@ pub(crate) const INTERRUPTED: u8 = 130;
 /// # Errors
 /// When the system gives no handler, or one was set before.
 pub(crate) fn on_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
+    stop_flag(print_note)
+}
+
+/// The same where another process tells the user.
+///
+/// # Errors
+/// As [`on_ctrl_c`].
+#[cfg(feature = "mpi")]
+pub(crate) fn on_ctrl_c_silently() -> anyhow::Result<Arc<AtomicBool>> {
+    stop_flag(|_| {})
+}
+
+fn stop_flag(told: fn(&str)) -> anyhow::Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
     ctrlc::set_handler(move || {
@@ -22,10 +35,10 @@ pub(crate) fn on_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
         end_all();
         if again {
             // What comes next stands on a line of its own, whatever a bar left there.
-            print_note("stopped at once");
+            told("stopped at once");
             std::process::exit(INTERRUPTED.into());
         }
-        print_note("finishing what has begun; Ctrl-C again to quit at once");
+        told("finishing what has begun; Ctrl-C again to quit at once");
     })
     .context("cannot catch Ctrl-C")?;
     Ok(stop)

@@ -54,6 +54,18 @@ fn classify_writes_the_columns_of_every_contact() {
     assert!(out.lines().nth(1).is_some_and(|l| l.starts_with("1,0,f-v,")), "{out}");
 }
 
+#[cfg(not(feature = "mpi"))]
+#[test]
+fn without_mpi_a_build_says_how_to_have_it() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let out = path(dir.path(), "out");
+    let (code, _, err) = campaign(&out, &["--mpi"]);
+    assert!(code == 2 && err.contains("--features mpi") && err.contains("docs/scale.md"), "{code}: {err}");
+    let (code, _, err) = campaign(&out, &["--mpi", "--part", "1/2"]);
+    assert!(code == 2 && err.contains("cannot be used with"), "{code}: {err}");
+    assert!(!Path::new(&out).exists());
+}
+
 #[test]
 fn bad_arguments_exit_with_2_and_say_what_is_allowed() {
     let dir = tempfile::tempdir().expect("a directory");

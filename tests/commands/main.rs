@@ -28,6 +28,8 @@ mod json_output;
 mod kept_results;
 mod lockstep_cli;
 mod merge_command;
+#[cfg(feature = "mpi")]
+mod mpi;
 mod passages;
 mod report_command;
 mod report_page;

@@ -8,20 +8,20 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Some steps can have no case; chunks and parts do not end together.
-const SETTINGS: &str = "pairs = 250\nchunk = 48\nfamilies = [\"sliver\", \"edge_cross\", \"face_stack\"]\ntolerances = [\"auto\"]\n\
+pub(crate) const SETTINGS: &str = "pairs = 250\nchunk = 48\nfamilies = [\"sliver\", \"edge_cross\", \"face_stack\"]\ntolerances = [\"auto\"]\n\
                         steps_every = 3\nsteps = 2\ncases_per_cause = 60\nshrink_evaluations = 3\n";
 
 /// A folder of its own, with settings.
-struct Place(tempfile::TempDir);
+pub(crate) struct Place(tempfile::TempDir);
 
 impl Place {
-    fn new(settings: &str) -> Place {
+    pub(crate) fn new(settings: &str) -> Place {
         let place = Place(tempfile::tempdir().expect("a directory"));
         fs::write(place.at("campaign.toml"), settings).expect("write");
         place
     }
 
-    fn at(&self, name: &str) -> PathBuf {
+    pub(crate) fn at(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
@@ -32,7 +32,7 @@ impl Place {
         (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
     }
 
-    fn works(&self, arguments: &[&str]) -> String {
+    pub(crate) fn works(&self, arguments: &[&str]) -> String {
         let (code, out, err) = self.run(arguments);
         assert_eq!(code, 0, "{arguments:?}: {err}");
         out
@@ -45,12 +45,12 @@ impl Place {
         assert!(!self.at("out").exists(), "{arguments:?} wrote something");
     }
 
-    fn campaign(&self, out: &str, more: &[&str]) {
+    pub(crate) fn campaign(&self, out: &str, more: &[&str]) {
         self.works(&[&["campaign", "campaign.toml", "--out", out], more].concat());
     }
 
     /// Makes all parts, threads by turns, and gives their directories.
-    fn parts(&self, of: u64, more: &[&str]) -> Vec<String> {
+    pub(crate) fn parts(&self, of: u64, more: &[&str]) -> Vec<String> {
         (1..=of)
             .map(|number| {
                 let (part, threads) = (format!("{number}/{of}"), (number % 2 + 1).to_string());
@@ -61,7 +61,7 @@ impl Place {
             .collect()
     }
 
-    fn merge(&self, parts: &[String], out: &str, more: &[&str]) {
+    pub(crate) fn merge(&self, parts: &[String], out: &str, more: &[&str]) {
         // In another order than theirs.
         let parts: Vec<&str> = parts.iter().rev().map(String::as_str).collect();
         self.works(&[&["merge", "--out", out], &parts[..], more].concat());
@@ -83,7 +83,7 @@ impl Place {
         found
     }
 
-    fn same(&self, one: &str, other: &str) {
+    pub(crate) fn same(&self, one: &str, other: &str) {
         let (one, other) = (self.files(one), self.files(other));
         assert_eq!(one.keys().collect::<Vec<_>>(), other.keys().collect::<Vec<_>>());
         for (name, bytes) in &one {

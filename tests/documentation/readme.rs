@@ -17,6 +17,7 @@ const NOT_RUN: [(&str, &str); 10] = [
     ("cargo build --release --locked --manifest-path examples/other_codes/parry", "minutes; `.ci/run` has it"),
     ("cargo run --release -p rockproof-validation", "minutes; the tests of that crate hold what it finds"),
     ("cargo run --release --example soak", "minutes; `.ci/run` has it, and tests/commands/soak.rs some seconds"),
+    ("mpirun", "an MPI; `.ci/run` runs tests/commands/mpi.rs where it can install one"),
     ("mdbook", "a tool that neither the program nor its tests need; tests/documentation/book.rs checks what it would"),
     ("sbatch", "a cluster; docs/scale.md runs the script itself without one"),
     (

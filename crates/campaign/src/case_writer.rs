@@ -37,13 +37,23 @@ pub(super) struct CaseCounts<'p> {
     pub(super) of_cause: &'p mut BTreeMap<String, u64>,
 }
 
+/// Whether there is room for a file, of findings alike and of one cause. Between chunks files only come in addition, and so do records: what has no
+/// room before one chunk has none in any later one.
+pub(super) fn has_room(
+    alike: &BTreeMap<String, u64>,
+    of_cause: &BTreeMap<String, u64>,
+    request: &CaseRequest,
+    quota: &CaseQuota,
+) -> bool {
+    let count = |counts: &BTreeMap<String, u64>, key: &str| counts.get(key).copied().unwrap_or(0);
+    let usual = count(alike, &request.fingerprint) < quota.alike && count(of_cause, request.cause) < quota.of_cause;
+    let record = request.record.as_ref().is_some_and(|record| record.decade > count(alike, &record.key));
+    usual || record && quota.of_cause > 0
+}
+
 impl CaseCounts<'_> {
     fn has_room(&self, request: &CaseRequest, quota: &CaseQuota) -> bool {
-        let count = |counts: &BTreeMap<String, u64>, key: &str| counts.get(key).copied().unwrap_or(0);
-        let usual = count(self.alike, &request.fingerprint) < quota.alike
-            && count(self.of_cause, request.cause) < quota.of_cause;
-        let record = request.record.as_ref().is_some_and(|record| record.decade > count(self.alike, &record.key));
-        usual || record && quota.of_cause > 0
+        has_room(self.alike, self.of_cause, request, quota)
     }
 
     /// Counts a file and gives what the record was before.
@@ -107,14 +117,24 @@ enum CaseStatus {
     None,
 }
 
-/// Accepts the first requests within the quota, makes the files, and counts and names those that are there afterwards. Where a file cannot be made (`None`)
-/// the place is free again, for the next findings and for later calls.
-pub(super) fn write_cases<F: Sync>(
+/// Files made, in the order in which they were asked for; `None` where one cannot be made.
+pub(super) type MadeFiles = Result<Vec<Option<Vec<u8>>>, RunError>;
+
+/// Makes files on the threads of the pool that this is called in.
+pub(super) fn in_threads<F: Sync>(
+    file: impl Fn(&F) -> Result<Option<Vec<u8>>, RunError> + Sync,
+) -> impl Fn(&[&F]) -> MadeFiles {
+    move |findings| findings.par_iter().map(|finding| file(finding)).collect()
+}
+
+/// Accepts the first requests within the quota, has `make` make the files, and counts and names those that are there afterwards. Where a file
+/// cannot be made (`None`) the place is free again, for the next findings and for later calls.
+pub(super) fn write_cases<F>(
     findings: &[F],
     request: impl Fn(&F) -> CaseRequest,
     quota: CaseQuota,
     mut counts: CaseCounts<'_>,
-    file: impl Fn(&F) -> Result<Option<Vec<u8>>, RunError> + Sync,
+    make: impl Fn(&[&F]) -> MadeFiles,
 ) -> Result<CaseFiles, RunError> {
     let requests: Vec<CaseRequest> = findings.iter().map(request).collect();
     let mut statuses = vec![CaseStatus::Requested; findings.len()];
@@ -134,8 +154,7 @@ pub(super) fn write_cases<F: Sync>(
                 |(at, status)| if let CaseStatus::Granted(before) = status { Some((at, *before)) } else { None },
             )
             .collect();
-        let made: Vec<Option<Vec<u8>>> =
-            granted.par_iter().map(|&(at, _)| file(&findings[at])).collect::<Result<_, RunError>>()?;
+        let made = make(&granted.iter().map(|&(at, _)| &findings[at]).collect::<Vec<_>>())?;
         let mut freed = false;
         for ((at, before), made) in granted.into_iter().zip(made) {
             statuses[at] = match made {
@@ -182,7 +201,8 @@ mod tests {
             let counts = CaseCounts { alike: &mut alike, of_cause: &mut of_cause };
             let file = |number: &u32| Ok((*number != 1 && *number != 2).then(|| number.to_string().into_bytes()));
             let CaseFiles { names, files, .. } =
-                write_cases(findings, request, CaseQuota { of_cause: 3, alike: 2 }, counts, file).expect("files");
+                write_cases(findings, request, CaseQuota { of_cause: 3, alike: 2 }, counts, in_threads(file))
+                    .expect("files");
             assert!(names.iter().flatten().eq(files.iter().map(|(name, _)| name)), "{names:?}");
             names.iter().map(Option::is_some).collect::<Vec<_>>()
         };
@@ -205,7 +225,8 @@ mod tests {
             record: None,
         };
         let file = |number: &u32| Ok(Some(number.to_string().into_bytes()));
-        let kept = write_cases(&[1, 2], request, CaseQuota { of_cause: 9, alike: 9 }, counts, file).expect("files");
+        let kept = write_cases(&[1, 2], request, CaseQuota { of_cause: 9, alike: 9 }, counts, in_threads(file))
+            .expect("files");
         assert_eq!(kept.names, [Some("same.toml".to_owned()), None]);
         assert_eq!(kept.files, [("same.toml".to_owned(), b"1".to_vec())]);
     }
@@ -222,8 +243,8 @@ mod tests {
                 record: (*decade > 0).then(|| Record { key: "furthest".to_owned(), decade: *decade }),
             };
             let file = |decade: &u64| Ok((*decade != 9).then(Vec::new));
-            let kept =
-                write_cases(findings, request, CaseQuota { of_cause: 1, alike: 1 }, counts, file).expect("files");
+            let kept = write_cases(findings, request, CaseQuota { of_cause: 1, alike: 1 }, counts, in_threads(file))
+                .expect("files");
             kept.names.iter().map(Option::is_some).collect::<Vec<_>>()
         };
         // One of the kind, and 4 and 7 beyond it; 5 is behind 7, and 9 cannot be made.

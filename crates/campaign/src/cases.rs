@@ -1,6 +1,6 @@
 //! The case files of a campaign: which findings get one, and how it is made.
 
-use super::case_writer::{CaseCounts, CaseFiles, CaseQuota, CaseRequest, Record, write_cases};
+use super::case_writer::{CaseCounts, CaseFiles, CaseQuota, CaseRequest, Record, in_threads, write_cases};
 use super::journal::{CampaignProgress, NewRows};
 use super::run::{Campaign, RunError, Stopped, rows};
 use super::shrink::Shrinker;
@@ -80,7 +80,7 @@ impl Campaign<'_> {
         let wish = |finding: &Finding| wish(&finding.row(String::new()));
         let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
         let case = |finding: &Finding| if stopped() { Ok(None) } else { self.case(finding) };
-        write_cases(findings, wish, self.most_cases(), counts, case)
+        write_cases(findings, wish, self.most_cases(), counts, in_threads(case))
     }
 
     /// The same of findings about steps: the first few of each fingerprint.
@@ -93,7 +93,7 @@ impl Campaign<'_> {
         let wish = |finding: &StepFinding| step_wish(&finding.row(String::new()));
         let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
         let case = |finding: &StepFinding| if stopped() { Ok(None) } else { self.step_case(finding) };
-        write_cases(findings, wish, self.most_step_cases(), counts, case)
+        write_cases(findings, wish, self.most_step_cases(), counts, in_threads(case))
     }
 
     /// Rows of `no_case.csv`: of the findings about steps that a campaign of this part alone would keep, those that cannot have a case file.
@@ -116,7 +116,7 @@ impl Campaign<'_> {
                 .is_some_and(|(subject, motion)| steps::case::is_possible(finding, &subject, &motion, self.steppers));
             Ok(possible.then(Vec::new))
         };
-        let kept = write_cases(findings, wish, self.most_step_cases(), counts, tried)?;
+        let kept = write_cases(findings, wish, self.most_step_cases(), counts, in_threads(tried))?;
         let mut rows = Vec::new();
         for at in kept.failed {
             let index = findings[at].index;

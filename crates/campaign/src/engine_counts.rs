@@ -4,6 +4,7 @@ use rockproof_differential::attribution::EnginePanel;
 use rockproof_differential::engine::EngineCounts;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 
 /// The table of what external engines were put through; only where there are any.
 pub const ENGINES: &str = "engines.csv";
@@ -43,6 +44,30 @@ impl EngineSums {
             add(&mut sums, name, &since);
         }
         sums
+    }
+}
+
+/// Tells what engines were put through since it was asked last.
+pub(super) struct EngineMeter<'p> {
+    panel: &'p EnginePanel,
+    told: Mutex<BTreeMap<String, EngineCounts>>,
+}
+
+impl<'p> EngineMeter<'p> {
+    pub(super) fn new(panel: &'p EnginePanel) -> EngineMeter<'p> {
+        EngineMeter { panel, told: Mutex::new(counts(panel)) }
+    }
+
+    pub(super) fn since_last(&self) -> BTreeMap<String, EngineCounts> {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        let now = counts(self.panel);
+        let before = std::mem::replace(&mut *told, now.clone());
+        now.into_iter()
+            .map(|(name, now)| {
+                let since = before.get(&name).map_or(now, |before| now.since(before));
+                (name, since)
+            })
+            .collect()
     }
 }
 

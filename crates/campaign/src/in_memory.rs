@@ -37,9 +37,9 @@ impl Campaign<'_> {
             let mut all = Examined::default();
             for batch in batches {
                 all.findings.extend(batch.findings);
-                all.summary.add(batch.summary);
-                all.contacts += batch.contacts;
-                all.metamorphic_checks += batch.metamorphic_checks;
+                all.summary.add(batch.counts.summary);
+                all.contacts += batch.counts.contacts;
+                all.metamorphic_checks += batch.counts.metamorphic_checks;
             }
             all
         }))

@@ -77,6 +77,20 @@ pub struct NewRows {
     pub no_case: Vec<u8>,
 }
 
+impl NewRows {
+    /// Adds rows after these.
+    pub(super) fn append(&mut self, other: NewRows) {
+        self.findings.extend(other.findings);
+        self.steps.extend(other.steps);
+        self.no_case.extend(other.no_case);
+    }
+
+    /// How many bytes they are.
+    pub(super) fn bytes(&self) -> usize {
+        self.findings.len() + self.steps.len() + self.no_case.len()
+    }
+}
+
 /// What has been looked at since the program began, for whoever shows progress while a chunk is under way. It counts ahead of [`CampaignProgress`].
 #[derive(Debug, Default)]
 pub struct Seen {

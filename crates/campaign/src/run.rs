@@ -1,14 +1,14 @@
 //! The campaign itself: chunk by chunk, in parallel inside a chunk, results merged in the order of indices.
 
 use super::config::CampaignConfig;
-use super::engine_counts::{self, ENGINES, EngineSums};
-use super::journal::{CampaignProgress, Journal, Seen};
+use super::distribute::{DistributeError, WorkerPanic};
+use super::engine_counts::{self, ENGINES};
+use super::examiner::{Counts, Examiner, InProcess};
+use super::journal::{CampaignProgress, Journal, NewRows, Seen};
 use super::merge::MergeError;
 use super::part::Part;
-use super::steps::{self, StepEngine};
-use super::summary::{PairGroup, Summary};
-use rayon::prelude::*;
-use rockproof_differential::agreement::Agreement;
+use super::steps::{self, StepEngine, StepFinding};
+use super::summary::PairGroup;
 use rockproof_differential::attribution::{EnginePanel, PairExamination, examine};
 use rockproof_differential::engine::Levels;
 use rockproof_differential::finding::Finding;
@@ -88,6 +88,18 @@ pub enum RunError {
     /// A part, or what is to be made of parts, cannot be used.
     #[error(transparent)]
     Merge(#[from] MergeError),
+    /// A message between processes cannot be written.
+    #[error("cannot write a message to another rank: {0}")]
+    Message(postcard::Error),
+    /// A worker cannot make a case file.
+    #[error("a worker: {0}")]
+    Case(String),
+    /// A thread of this process panicked.
+    #[error(transparent)]
+    Panic(#[from] WorkerPanic),
+    /// The processes of the campaign do not work together.
+    #[error(transparent)]
+    Distribute(#[from] DistributeError),
 }
 
 /// Whether a run was told to stop.
@@ -97,13 +109,12 @@ pub(super) type Stopped<'s> = &'s (dyn Fn() -> bool + Sync);
 #[derive(Default)]
 pub(super) struct BatchResult {
     pub(super) findings: Vec<Finding>,
-    pub(super) summary: Summary,
-    levels: Levels,
-    pub(super) contacts: u64,
-    pub(super) metamorphic_checks: u64,
-    agreement: Agreement,
-    steps: steps::StepExamination,
+    pub(super) stepped: Vec<StepFinding>,
+    pub(super) counts: Counts,
 }
+
+/// Bytes of rows that wait for a commit at most.
+const COMMIT: usize = 4 << 20;
 
 impl Campaign<'_> {
     /// Runs until all pairs are done or `stop` is set, calling `watch` with what is done after each chunk. `stop` is looked at between
@@ -118,7 +129,7 @@ impl Campaign<'_> {
         stop: &AtomicBool,
         watch: &mut dyn FnMut(&CampaignProgress),
     ) -> Result<Ending, RunError> {
-        self.work(0..self.config.pairs, journal, stop, watch)
+        self.work_here(0..self.config.pairs, journal, stop, watch)
     }
 
     /// The same for a part of the pairs, in a journal that [`Journal::open_part`] opened. No case files are made.
@@ -132,7 +143,7 @@ impl Campaign<'_> {
         stop: &AtomicBool,
         watch: &mut dyn FnMut(&CampaignProgress),
     ) -> Result<Ending, RunError> {
-        self.work(part.pairs(self.config.pairs, self.source.batch_len()), journal, stop, watch)
+        self.work_here(part.pairs(self.config.pairs, self.source.batch_len()), journal, stop, watch)
     }
 
     /// Pairs of a chunk, by which the cases are chosen: whole batches.
@@ -141,13 +152,27 @@ impl Campaign<'_> {
         self.config.chunk.div_ceil(batch_len).max(1).saturating_mul(batch_len)
     }
 
-    /// Examines a share of the pairs, chunk by chunk. Chunks begin where they do in the whole campaign.
-    fn work(
+    /// Examines a share of the pairs on the threads of this process.
+    fn work_here(
         &self,
         share: Range<u64>,
         journal: &mut Journal,
         stop: &AtomicBool,
         watch: &mut dyn FnMut(&CampaignProgress),
+    ) -> Result<Ending, RunError> {
+        let stopped = || stop.load(Ordering::SeqCst);
+        let mut examiner = InProcess::new(self, journal, &stopped)?;
+        self.work(share, journal, &stopped, watch, &mut examiner)
+    }
+
+    /// Has a share of the pairs examined, chunk by chunk. Chunks begin where they do in the whole campaign.
+    pub(super) fn work<E: Examiner>(
+        &self,
+        share: Range<u64>,
+        journal: &mut Journal,
+        stopped: Stopped<'_>,
+        watch: &mut dyn FnMut(&CampaignProgress),
+        examiner: &mut E,
     ) -> Result<Ending, RunError> {
         if journal.progress().merging {
             return Err(RunError::Merging { dir: journal.dir().to_owned() });
@@ -156,57 +181,44 @@ impl Campaign<'_> {
         if done > pairs {
             return Err(journal.damaged(format!("{done} pairs are done, but only {pairs} are asked for")).into());
         }
-        let pool = self.pool()?;
         if self.makes_steps() {
             journal.keep_steps()?;
         }
-        let before = journal.progress().seconds;
-        let engines = EngineSums::begin(self.panel, &journal.progress().engines);
-        let stopped = || stop.load(Ordering::SeqCst);
-        let started = Instant::now();
+        let mut progress = journal.progress().clone();
+        let (before, started) = (progress.seconds, Instant::now());
         let seen = journal.seen();
         let (batch_len, chunk) = (self.source.batch_len(), self.chunk());
         if done < pairs && !done.is_multiple_of(batch_len) {
             let dir = journal.dir().display().to_string();
             return Err(RunError::InsideBatch { dir, done, batch: batch_len });
         }
-        while journal.progress().pairs_done < pairs && !stopped() {
-            let first = share.start + journal.progress().pairs_done;
+        let (mut new, mut committed) = (NewRows::default(), Instant::now());
+        while progress.pairs_done < pairs && !stopped() {
+            let first = share.start + progress.pairs_done;
             let end = (first / chunk + 1).saturating_mul(chunk).min(share.end);
-            let batches: Option<Vec<BatchResult>> = pool.install(|| {
-                let numbers = (first / batch_len..end.div_ceil(batch_len)).into_par_iter();
-                numbers.map(|n| self.batch(n, end, &seen, &stopped)).collect()
-            });
-            let Some(batches) = batches else { break };
-            let mut progress = journal.progress().clone();
-            let (mut findings, mut stepped) = (Vec::new(), Vec::new());
-            for batch in batches {
-                progress.summary.add(batch.summary);
-                let mut levels = Levels(progress.levels);
-                levels.add(&batch.levels);
-                progress.levels = levels.0;
-                progress.contacts += batch.contacts;
-                progress.metamorphic_checks += batch.metamorphic_checks;
-                progress.agreement.add(batch.agreement);
-                findings.extend(batch.findings);
-                progress.steps.add(batch.steps.summary);
-                stepped.extend(batch.steps.findings);
-            }
+            let Some((counts, found)) = examiner.examine(first..end)? else { break };
+            let mut next = progress.clone();
+            counts.add_to(&mut next);
             seen.shrinking.store(true, Ordering::Relaxed);
-            let (new, cases) = pool.install(|| self.chosen(&findings, &stepped, &mut progress, &stopped))?;
-            if stopped() {
-                break;
-            }
+            let Some((rows, cases)) = examiner.choose(found, &mut next)? else { break };
             journal.write_cases(cases)?;
-            progress.engines = engines.now(self.panel);
-            progress.pairs_done = end - share.start;
-            progress.seconds = before + started.elapsed().as_secs_f64();
-            journal.commit(&new, progress)?;
+            new.append(rows);
+            next.engines = examiner.engines();
+            next.pairs_done = end - share.start;
+            next.seconds = before + started.elapsed().as_secs_f64();
+            progress = next;
+            if committed.elapsed() >= E::COMMIT_AFTER || new.bytes() >= COMMIT {
+                journal.commit(&std::mem::take(&mut new), progress.clone())?;
+                committed = Instant::now();
+            }
             seen.shrinking.store(false, Ordering::Relaxed);
-            watch(journal.progress());
+            watch(&progress);
         }
-        let finished = journal.progress().pairs_done >= pairs;
-        self.write_tables(journal, finished, None)?;
+        let finished = progress.pairs_done >= pairs;
+        if progress.pairs_done > journal.progress().pairs_done {
+            journal.commit(&new, progress)?;
+        }
+        self.write_tables(journal, finished, examiner.told())?;
         Ok(if finished { Ending::Finished } else { Ending::Stopped })
     }
 
@@ -215,12 +227,12 @@ impl Campaign<'_> {
         Ok(rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?)
     }
 
-    /// Writes the tables of counts, and `run.json`, which says of which parts it was put together.
+    /// Writes the tables of counts, and `run.json` with what else is to be told in it.
     pub(super) fn write_tables(
         &self,
         journal: &mut Journal,
         finished: bool,
-        parts: Option<Value>,
+        more: Map<String, Value>,
     ) -> Result<(), RunError> {
         let progress = journal.progress();
         let mut files = vec![
@@ -234,7 +246,7 @@ impl Campaign<'_> {
         if !progress.engines.is_empty() {
             files.push((ENGINES, engine_counts::to_csv(&progress.engines)?));
         }
-        files.push(("run.json", self.run_json(journal, finished, parts)?));
+        files.push(("run.json", self.run_json(journal, finished, more)?));
         Ok(files.into_iter().try_for_each(|(name, bytes)| journal.write(name, &bytes))?)
     }
 
@@ -251,7 +263,7 @@ impl Campaign<'_> {
                 return None;
             }
             for set in &subject.sets {
-                batch.summary.add_pair(PairGroup {
+                batch.counts.summary.add_pair(PairGroup {
                     family: subject.family.to_string(),
                     form: subject.form.to_string(),
                     tolerances: set.name.to_string(),
@@ -262,15 +274,18 @@ impl Campaign<'_> {
             seen.pairs.fetch_add(1, Ordering::Relaxed);
             seen.findings.fetch_add(findings.len() as u64, Ordering::Relaxed);
             for finding in &findings {
-                batch.summary.add_finding(finding);
+                batch.counts.summary.add_finding(finding);
             }
             batch.findings.extend(findings);
-            batch.levels.add(&levels);
-            batch.contacts += contacts;
-            batch.metamorphic_checks += metamorphic_checks;
-            batch.agreement.add(agreement);
+            let Counts {
+                levels: sum, contacts: contact_sum, metamorphic_checks: checks, agreement: agreements, ..
+            } = &mut batch.counts;
+            sum.add(&levels);
+            *contact_sum += contacts;
+            *checks += metamorphic_checks;
+            agreements.add(agreement);
         }
-        batch.agreement.close_batch();
+        batch.counts.agreement.close_batch();
         if stopped() {
             return None;
         }
@@ -282,13 +297,14 @@ impl Campaign<'_> {
             // Rows come in the order of indices; the sort is stable.
             moving.sort_by_key(|(subject, _)| subject.index);
             if !moving.is_empty() {
-                batch.steps = steps::examine_all(&moving, self.steppers);
+                let made = steps::examine_all(&moving, self.steppers);
+                (batch.counts.steps, batch.stepped) = (made.summary, made.findings);
             }
         }
         Some(batch)
     }
 
-    fn run_json(&self, journal: &Journal, finished: bool, parts: Option<Value>) -> Result<Vec<u8>, RunError> {
+    fn run_json(&self, journal: &Journal, finished: bool, more: Map<String, Value>) -> Result<Vec<u8>, RunError> {
         let progress = journal.progress();
         let levels: Map<String, Value> =
             Levels::NAMES.iter().zip(progress.levels).map(|(name, count)| ((*name).to_owned(), count.into())).collect();
@@ -328,8 +344,8 @@ impl Campaign<'_> {
                 "case_files": progress.step_cases.values().sum::<u64>(),
             });
         }
-        if let Some(parts) = parts {
-            text["parts"] = parts;
+        for (key, value) in more {
+            text[key] = value;
         }
         let mut bytes = serde_json::to_vec_pretty(&text)?;
         bytes.push(b'\n');

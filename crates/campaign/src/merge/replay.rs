@@ -2,7 +2,7 @@
 
 use super::parts::{MergeError, Parts};
 use super::rows::{Numbered, Rows};
-use crate::case_writer::{CaseCounts, CaseFiles, write_cases};
+use crate::case_writer::{CaseCounts, CaseFiles, in_threads, write_cases};
 use crate::cases::{CaseFile, step_wish, wish};
 use crate::engine_counts::{self, EngineSums};
 use crate::journal::{CampaignProgress, FINDINGS, Journal, NO_CASE, NewRows, STEP_FINDINGS};
@@ -10,6 +10,7 @@ use crate::run::{Campaign, Ending, RunError, Stopped};
 use crate::steps::StepFindingRow;
 use rockproof_differential::engine::Levels;
 use rockproof_differential::row::FindingRow;
+use serde_json::Map;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
@@ -49,7 +50,7 @@ impl Campaign<'_> {
     ) -> Result<Merged, RunError> {
         let batch_len = self.source.batch_len();
         let (whole, unseen) = (parts.is_whole(batch_len), AtomicU64::new(0));
-        let json = Some(parts.json(batch_len));
+        let json = Map::from_iter([("parts".to_owned(), parts.json(batch_len))]);
         let done = journal.progress().pairs_done;
         if done > 0 && !journal.progress().merging {
             // Only a merge that came to its end may be asked for again.
@@ -135,7 +136,7 @@ impl Campaign<'_> {
             true => Ok(None),
             false => counted(self.case_of_row(&found.row, found.place)),
         };
-        let kept = write_cases(&chunk.findings, |found| wish(&found.row), self.most_cases(), counts, case)?;
+        let kept = write_cases(&chunk.findings, |found| wish(&found.row), self.most_cases(), counts, in_threads(case))?;
         let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
         let case = |found: &Numbered<StepFindingRow>| match stopped()
             || chunk.no_case.contains(&(found.row.index, found.place))
@@ -144,7 +145,7 @@ impl Campaign<'_> {
             false => counted(self.step_case_of_row(&found.row, found.place)),
         };
         let kept_steps =
-            write_cases(&chunk.steps, |found| step_wish(&found.row), self.most_step_cases(), counts, case)?;
+            write_cases(&chunk.steps, |found| step_wish(&found.row), self.most_step_cases(), counts, in_threads(case))?;
         if stopped() {
             [progress.fingerprints, progress.cases, progress.step_fingerprints, progress.step_cases] = before;
             return Ok(None);
