@@ -106,6 +106,14 @@ targets! {
     obj: Reader, readers::obj, seeds::changed_seed;
     /// A legacy VTK file.
     vtk: Reader, readers::vtk, seeds::changed_seed;
+    /// An STL file.
+    stl: Reader, readers::stl, seeds::changed_seed;
+    /// A PLY file.
+    ply: Reader, readers::ply, seeds::changed_seed;
+    /// A mesh of Gmsh.
+    msh: Reader, readers::msh, seeds::changed_seed;
+    /// A VTK file in XML.
+    vtu: Reader, readers::vtu, seeds::changed_seed;
     /// A file of voro++.
     voro: Reader, readers::voro, seeds::changed_seed;
     /// A file of tolerances.

@@ -73,6 +73,26 @@ pub(crate) fn vtk(bytes: &[u8], reach: &mut Reach) {
     scene_as("input.vtk", bytes, reach);
 }
 
+/// STL files, of text or binary.
+pub(crate) fn stl(bytes: &[u8], reach: &mut Reach) {
+    scene_as("input.stl", bytes, reach);
+}
+
+/// PLY files.
+pub(crate) fn ply(bytes: &[u8], reach: &mut Reach) {
+    scene_as("input.ply", bytes, reach);
+}
+
+/// Meshes of Gmsh.
+pub(crate) fn msh(bytes: &[u8], reach: &mut Reach) {
+    scene_as("input.msh", bytes, reach);
+}
+
+/// VTK's XML files of cells.
+pub(crate) fn vtu(bytes: &[u8], reach: &mut Reach) {
+    scene_as("input.vtu", bytes, reach);
+}
+
 /// Files of voro++.
 pub(crate) fn voro(bytes: &[u8], reach: &mut Reach) {
     scene_as("input.voro", bytes, reach);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// Files of the project that are good inputs of a target, beside its corpus.
-const FILES: [(&str, &[&str]); 7] = [
+const FILES: [(&str, &[&str]); 11] = [
     (
         "scene",
         &[
@@ -30,6 +30,10 @@ const FILES: [(&str, &[&str]); 7] = [
         ],
     ),
     ("vtk", &["tests/fixtures/two_cubes.vtk", "tests/fixtures/two_cubes_version_5.vtk"]),
+    ("stl", &["tests/fixtures/two_wedges.stl"]),
+    ("ply", &["tests/fixtures/box.ply"]),
+    ("msh", &["tests/fixtures/cells.msh", "tests/fixtures/surfaces.msh"]),
+    ("vtu", &["tests/fixtures/cells.vtu"]),
     ("dda", &["cases/real/smallAngle.dda", "cases/real/smallEdge.dda"]),
     (
         "case",
