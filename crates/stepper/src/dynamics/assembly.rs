@@ -2,7 +2,7 @@
 
 use crate::dynamics::area::tangents;
 use crate::dynamics::contact::StepContact;
-use crate::dynamics::displacement::{BlockVector, generalized};
+use crate::dynamics::displacement::{BlockVector, displacement, generalized};
 use crate::dynamics::island::{BlockSystem, packed};
 use crate::dynamics::layout::IslandLayout;
 use crate::dynamics::state::Mode;
@@ -34,7 +34,7 @@ const NOWHERE: u32 = u32::MAX;
 const SPARSE: usize = 16;
 
 impl<'s, R: Real> System<'s, R> {
-    /// Of blocks, where the panels that are marked are to be filled; of all contacts those that are closed and in the island.
+    /// Of blocks, where the panels that are marked are to be filled, none by an empty list; of all contacts those that are closed and in the island.
     pub(super) fn new(
         island: &'s [u32],
         layout: &'s IslandLayout,
@@ -64,6 +64,9 @@ impl<'s, R: Real> System<'s, R> {
             begins: vec![0; marked.len() + 1],
             bearing: Vec::new(),
         };
+        if marked.is_empty() {
+            return system;
+        }
         let of = |system: &System<'_, R>, k: usize| {
             let panel = |block: u32| {
                 let place = system.place(block as usize)?;
@@ -100,32 +103,8 @@ impl<'s, R: Real> System<'s, R> {
 
     /// The right side.
     pub(super) fn force(&self) -> Vec<R> {
-        let pattern = &self.layout.pattern;
-        let mut force = vec![R::ZERO; pattern.size()];
-        for (place, &block) in self.blocks.iter().enumerate() {
-            let unknowns = pattern.unknowns(place);
-            let count = unknowns.len();
-            force[unknowns].copy_from_slice(&self.block_systems[block as usize].force[..count]);
-        }
-        for contact in self.closed.iter().map(|&k| &self.contacts[k]) {
-            let at = contact.entering().map(|block| self.place(block).map(|place| pattern.unknowns(place)));
-            for Spring { e, g, stiffness, before } in springs(contact).into_iter().flatten() {
-                for (at, row, factor) in [(&at[0], e, -stiffness * before), (&at[1], g, stiffness * before)] {
-                    if let Some(at) = at {
-                        add(&mut force[at.clone()], &row, factor);
-                    }
-                }
-            }
-            if contact.iterate.mode == Mode::Sliding {
-                let acting = contact.iterate.friction.force;
-                for (at, arm, acting) in [(&at[0], contact.arms[0], -acting), (&at[1], contact.arms[1], acting)] {
-                    let Some(at) = at else { continue };
-                    for (total, share) in force[at.clone()].iter_mut().zip(generalized(arm, acting)) {
-                        *total = *total + share;
-                    }
-                }
-            }
-        }
+        let mut force = vec![R::ZERO; self.layout.pattern.size()];
+        Arch::new().dispatch(Forcing { system: self, force: &mut force });
         force
     }
 
@@ -203,6 +182,46 @@ fn springs<R: Real>(contact: &StepContact<R>) -> [Option<Spring<R>>; 3] {
         }
         Mode::Sliding if friction.is_stiff() => [normal, across(friction.across, friction.spring), None],
         Mode::Sliding | Mode::Open => [normal, None, None],
+    }
+}
+
+/// Adding up the right side, as [`Filling`].
+struct Forcing<'f, 's, R> {
+    system: &'f System<'s, R>,
+    force: &'f mut [R],
+}
+
+impl<R: Real> WithSimd for Forcing<'_, '_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Forcing { system, force } = self;
+        let pattern = &system.layout.pattern;
+        for (place, &block) in system.blocks.iter().enumerate() {
+            let unknowns = pattern.unknowns(place);
+            let count = unknowns.len();
+            force[unknowns].copy_from_slice(&system.block_systems[block as usize].force[..count]);
+        }
+        for contact in system.closed.iter().map(|&k| &system.contacts[k]) {
+            let at = contact.entering().map(|block| system.place(block).map(|place| pattern.unknowns(place)));
+            for Spring { e, g, stiffness, before } in springs(contact).into_iter().flatten() {
+                for (at, row, factor) in [(&at[0], e, -stiffness * before), (&at[1], g, stiffness * before)] {
+                    if let Some(at) = at {
+                        add(&mut force[at.clone()], &row, factor);
+                    }
+                }
+            }
+            if contact.iterate.mode == Mode::Sliding {
+                let acting = contact.iterate.friction.force;
+                for (at, arm, acting) in [(&at[0], contact.arms[0], -acting), (&at[1], contact.arms[1], acting)] {
+                    let Some(at) = at else { continue };
+                    for (total, share) in force[at.clone()].iter_mut().zip(generalized(arm, acting)) {
+                        *total = *total + share;
+                    }
+                }
+            }
+        }
     }
 }
 
@@ -342,17 +361,18 @@ impl<R: Real> WithSimd for Multiplying<'_, '_, R> {
         for &k in system.closed {
             let contact = &system.contacts[k];
             let at = contact.entering().map(|block| system.place(block).map(|place| pattern.unknowns(place)));
-            for spring in springs(contact) {
-                let Some(Spring { e, g, stiffness, .. }) = spring else { break };
-                let along = |row: &BlockVector<R>, at: &Option<std::ops::Range<usize>>| {
-                    at.clone()
-                        .map_or(R::ZERO, |at| vector[at].iter().zip(row).fold(R::ZERO, |sum, (&x, &r)| sum + x * r))
-                };
-                let pull = stiffness * (along(&e, &at[0]) - along(&g, &at[1]));
-                for (at, row, pull) in [(&at[0], &e, pull), (&at[1], &g, -pull)] {
-                    if let Some(at) = at {
-                        add(&mut product[at.clone()], row, pull);
-                    }
+            let moved = |side: usize| {
+                let mut d = [R::ZERO; 12];
+                if let Some(at) = &at[side] {
+                    d[..at.len()].copy_from_slice(&vector[at.clone()]);
+                }
+                displacement(contact.arms[side], &d)
+            };
+            let pull = contact.resists(moved(0) - moved(1));
+            for (at, arm, pull) in [(&at[0], contact.arms[0], pull), (&at[1], contact.arms[1], -pull)] {
+                let Some(at) = at else { continue };
+                for (total, share) in product[at.clone()].iter_mut().zip(generalized(arm, pull)) {
+                    *total = *total + share;
                 }
             }
         }

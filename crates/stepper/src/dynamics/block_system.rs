@@ -25,7 +25,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             }
             let (state, moments) = (&self.state.blocks[block], &self.moments[block]);
             let density = body.elastic.density;
-            for (row, inertia) in moments.inertia().iter().enumerate() {
+            for (row, inertia) in moments.inertia().iter().enumerate().take(unknowns) {
                 let mut momentum = R::ZERO;
                 for (column, &value) in inertia.iter().enumerate() {
                     if column <= row {
@@ -38,7 +38,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             for (force, pull) in block_systems.force.iter_mut().zip(self.setup.gravity.components()) {
                 *force = *force + density * moments.volume * pull;
             }
-            for i in 0..6 {
+            // A rigid block has no strains.
+            for i in 0..unknowns - 6 {
                 block_systems.force[6 + i] = block_systems.force[6 + i] - moments.volume * state.stress[i];
                 for k in 0..=i {
                     let value = &mut block_systems.stiffness[packed(6 + i, 6 + k)];

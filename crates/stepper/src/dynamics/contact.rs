@@ -68,6 +68,19 @@ impl<R: Real> StepContact<R> {
         self.arms.map(|arm| generalized(arm, self.plane.normal))
     }
 
+    /// The force in N by which its springs resist when block i moves by `apart` against block j at the contact (m).
+    #[inline(always)]
+    pub(super) fn resists(&self, apart: Vector<R>) -> Vector<R> {
+        let (normal, friction) = (self.plane.normal, &self.iterate.friction);
+        let along = normal.dot(apart);
+        let pressing = normal * (self.joint.normal * along);
+        match self.iterate.mode {
+            Mode::Locked => pressing + (apart - normal * along) * self.joint.shear,
+            Mode::Sliding => pressing + friction.across * (friction.spring * apart.dot(friction.across)),
+            Mode::Open => Vector::ZERO,
+        }
+    }
+
     /// As it was when the step began. The last slip of a sliding contact is then s0, and f = p_s·s0: what the dragged anchor remembers.
     pub(super) fn reset<M: StepRules>(&mut self) {
         let shear = self.joint.shear;

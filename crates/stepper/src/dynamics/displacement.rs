@@ -7,6 +7,7 @@ use crate::vector::Vector;
 pub type BlockVector<R> = [R; 12];
 
 /// `T(x)·d`, the displacement of a point at `arm` from the centroid (m).
+#[inline(always)]
 pub fn displacement<R: Real>(arm: Vector<R>, d: &BlockVector<R>) -> Vector<R> {
     let half = R::from_f64(0.5);
     let (turn, strain) = (Vector::new(d[3], d[4], d[5]), Vector::new(d[6], d[7], d[8]));

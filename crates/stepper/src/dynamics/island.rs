@@ -5,7 +5,7 @@ use crate::dynamics::contact::StepContact;
 use crate::dynamics::displacement::BlockVector;
 use crate::dynamics::layout::{Couplings, IslandLayout, Layouts};
 use crate::dynamics::pattern::Pattern;
-use crate::dynamics::refine::refined;
+use crate::dynamics::refine::Refining;
 use crate::dynamics::report::IterationTimes;
 use crate::dynamics::solve::{Singular, Solve, dense};
 use crate::real::Real;
@@ -117,8 +117,26 @@ fn room<'r, R: Real>(memory: &'r mut Vec<R>, pattern: &Pattern) -> &'r mut [R] {
 pub(super) struct CachedFactor<R> {
     layout: Arc<IslandLayout>,
     memory: Memory<R>,
-    /// Whether the factor is in f32.
-    is_single: bool,
+    /// Where the factor is in f32, what solves by it.
+    single: Option<SingleFactor<R>>,
+}
+
+/// What is known of a factor in f32 besides its values.
+#[derive(Debug)]
+pub(super) struct SingleFactor<R> {
+    /// Panels in which the matrix is no longer that of the factor, as far as springs have changed; all that depend on them are too.
+    stale: Vec<bool>,
+    /// The solution before.
+    pub(super) before: Option<Vec<R>>,
+    /// At how many contacts springs had changed when the factor was last of no use for the next solve.
+    gave_up: usize,
+}
+
+impl<R> SingleFactor<R> {
+    /// None so far, of so many panels.
+    pub(super) fn none(panels: usize) -> SingleFactor<R> {
+        SingleFactor { stale: vec![true; panels], before: None, gave_up: usize::MAX }
+    }
 }
 
 /// What a solution follows from besides the contacts of the island.
@@ -150,14 +168,17 @@ impl Island {
         let layout = work.layouts.of(&self.couplings).ok_or(first)?;
         work.iteration_times.order += begun.elapsed();
         let begun = Instant::now();
+        // Contacts at its blocks whose springs changed.
+        let mut news = 0;
         let (mut kept, mut marked) = match before {
             Some(kept) if Arc::ptr_eq(&kept.layout, &layout) && !layout.is_small() => {
                 let mut marked = vec![false; layout.pattern.panel_count()];
-                let touched = contacts.iter().zip(changed).filter(|(_, changed)| **changed);
-                for block in touched.flat_map(|(contact, _)| contact.blocks) {
-                    if let Ok(place) = self.couplings.blocks.binary_search(&block) {
+                for (contact, _) in contacts.iter().zip(changed).filter(|(_, changed)| **changed) {
+                    let places = contact.blocks.map(|block| self.couplings.blocks.binary_search(&block).ok());
+                    for place in places.into_iter().flatten() {
                         marked[layout.pattern.panel(layout.places[place] as usize)] = true;
                     }
+                    news += usize::from(places.into_iter().flatten().next().is_some());
                 }
                 layout.pattern.mark_dependent(&mut marked);
                 (kept, marked)
@@ -168,26 +189,29 @@ impl Island {
                     None if layout.is_small() => Memory::NONE,
                     None => std::mem::replace(work.spare, Memory::NONE),
                 };
-                let is_single = R::REFINES && layout.is_very_large();
                 let marked = vec![true; layout.pattern.panel_count()];
-                (CachedFactor { layout: layout.clone(), memory, is_single }, marked)
+                let single = (R::REFINES && layout.is_very_large()).then(|| SingleFactor::none(marked.len()));
+                (CachedFactor { layout: layout.clone(), memory, single }, marked)
             }
         };
-        let mut system =
-            System::new(&self.couplings.blocks, &layout, &marked, work.block_systems, (contacts, &self.contacts));
+        let parts = (contacts, &self.contacts[..]);
+        let of = |marked: &[bool]| System::new(&self.couplings.blocks, &layout, marked, work.block_systems, parts);
+        if let Some(mut single) = kept.single.take() {
+            let force = of(&[]).force();
+            work.iteration_times.assembly += begun.elapsed();
+            let solving = BySingle { layout: &layout, memory: &mut kept.memory.single, force: &force, system: &of };
+            if solving.solve(&mut single, &marked, news, work.iteration_times) {
+                let found = by_block(&layout, single.before.as_deref().unwrap_or_default());
+                kept.single = Some(single);
+                return Ok((found, kept));
+            }
+            kept.memory.single = Vec::new();
+            marked.fill(true);
+        }
+        let begun = Instant::now();
+        let system = of(&marked);
         let mut force = system.force();
         work.iteration_times.assembly += begun.elapsed();
-        if kept.is_single {
-            if let Some(found) =
-                by_single(&system, &layout, &marked, (&mut kept.memory.single, &force), work.iteration_times)
-            {
-                return Ok((by_block(&layout, &found), kept));
-            }
-            (kept.is_single, kept.memory.single) = (false, Vec::new());
-            marked.fill(true);
-            system =
-                System::new(&self.couplings.blocks, &layout, &marked, work.block_systems, (contacts, &self.contacts));
-        }
         let values = room(&mut kept.memory.own, &layout.pattern);
         let fill = |panel: usize, values: &mut [R]| system.fill(panel, values);
         let begun = Instant::now();
@@ -214,27 +238,57 @@ impl Island {
     }
 }
 
-/// Solves by a factor in f32, if that is good enough.
-pub(super) fn by_single<R: Solve>(
-    system: &System<'_, R>,
-    layout: &IslandLayout,
-    marked: &[bool],
-    (memory, force): (&mut Vec<f32>, &[R]),
-    iteration_times: &mut IterationTimes,
-) -> Option<Vec<R>> {
-    let begun = Instant::now();
-    let values = room(memory, &layout.pattern);
-    let fill = |panel: usize, values: &mut [f32]| {
-        let mut whole = vec![R::ZERO; values.len()];
-        system.fill(panel, &mut whole);
-        values.iter_mut().zip(whole).for_each(|(value, whole)| *value = whole.to_f64() as f32);
-    };
-    let factored = f32::factorize(&layout.pattern, values, marked, &fill);
-    iteration_times.factor += begun.elapsed();
-    let begun = Instant::now();
-    let found = factored.ok().and_then(|()| refined(system, layout, values, force));
-    iteration_times.substitution += begun.elapsed();
-    found
+/// Solving by a factor in f32.
+pub(super) struct BySingle<'b, 's, R> {
+    pub(super) layout: &'s IslandLayout,
+    pub(super) memory: &'b mut Vec<f32>,
+    pub(super) force: &'b [R],
+    /// The system, of which the panels that are marked are to be filled.
+    pub(super) system: &'b dyn Fn(&[bool]) -> System<'s, R>,
+}
+
+impl<R: Solve> BySingle<'_, '_, R> {
+    /// Leaves the solution in `single`, if such a factor is good enough. In the panels that are `marked` springs have changed since the
+    /// solve before, at `news` contacts in all; the rest of what it says is as that left it.
+    pub(super) fn solve(
+        self,
+        single: &mut SingleFactor<R>,
+        marked: &[bool],
+        news: usize,
+        iteration_times: &mut IterationTimes,
+    ) -> bool {
+        let BySingle { layout, memory, force, system } = self;
+        let begun = Instant::now();
+        let values = room(memory, &layout.pattern);
+        single.stale.iter_mut().zip(marked).for_each(|(stale, &marked)| *stale |= marked);
+        // Where the factor was of no use it is not tried again before much less changes.
+        let before = single.before.take();
+        if let Some(before) = before.filter(|_| news < single.gave_up / 2) {
+            let system = system(&[]);
+            let refining = Refining { system: &system, layout, factor: values };
+            single.before = refining.solve(force, Some(&before));
+            iteration_times.substitution += begun.elapsed();
+            if single.before.is_some() {
+                return true;
+            }
+            single.gave_up = news;
+        }
+        let begun = Instant::now();
+        let system = system(&single.stale);
+        let fill = |panel: usize, values: &mut [f32]| {
+            let mut whole = vec![R::ZERO; values.len()];
+            system.fill(panel, &mut whole);
+            values.iter_mut().zip(whole).for_each(|(value, whole)| *value = whole.to_f64() as f32);
+        };
+        let factored = f32::factorize(&layout.pattern, values, &single.stale, &fill);
+        single.stale.fill(false);
+        iteration_times.factor += begun.elapsed();
+        let begun = Instant::now();
+        let refining = Refining { system: &system, layout, factor: values };
+        single.before = factored.ok().and_then(|()| refining.solve(force, None));
+        iteration_times.substitution += begun.elapsed();
+        single.before.is_some()
+    }
 }
 
 /// The solution by blocks.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::dynamics::assembly::System;
-use crate::dynamics::island::{by_single, islands};
+use crate::dynamics::island::{BySingle, SingleFactor, islands};
 use rockproof_model::{Block, BlockOptions, Number, Precision, SceneBlock, ToleranceSpec, Vec3};
 
 fn block(points: &[[f64; 3]], faces: &[&[u32]]) -> SceneBlock {
@@ -71,17 +71,34 @@ fn a_factor_in_f32_is_refined_to_the_solution_in_f64() {
         Friction::along::<SpecRules>(slip, 1e8, contacts[5].joint.shear, contacts[5].plane.normal);
     let block_systems = dynamics.block_systems(0.01, false);
     let unknowns: Vec<usize> = block_systems.iter().map(|block| block.unknowns).collect();
-    let island = &islands(&unknowns, &contacts)[0];
+    let all = islands(&unknowns, &contacts);
+    let island = &all[0];
     let layout = dynamics.layouts.of(&island.couplings).expect("a layout");
-    let marked = vec![true; layout.pattern.panel_count()];
-    let system = System::new(&island.couplings.blocks, &layout, &marked, &block_systems, (&contacts, &island.contacts));
-    let force = system.force();
-    let refined = by_single(&system, &layout, &marked, (&mut Vec::new(), &force), &mut IterationTimes::default())
-        .expect("an end");
-    let (mut values, mut direct) = (vec![0.0; layout.pattern.values()], force.clone());
-    f64::factorize(&layout.pattern, &mut values, &marked, &|panel, own| system.fill(panel, own)).expect("a factor");
-    f64::substitute(&layout.pattern, &values, &mut direct).expect("a solution");
-    let largest = direct.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-    let apart = direct.iter().zip(&refined).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
-    assert!(largest > 1e-5 && apart < 1e-11 * largest, "{apart} of {largest}");
+    let panels = layout.pattern.panel_count();
+    let mut single = SingleFactor::none(panels);
+    let mut memory = Vec::new();
+    // By a new factor, then after a small change by the same one.
+    for news in [0, 1] {
+        if news == 1 {
+            let friction = &mut contacts[5].iterate.friction;
+            *friction = Friction { spring: friction.spring * 1.01, ..*friction };
+        }
+        let of = |marked: &[bool]| {
+            System::new(&island.couplings.blocks, &layout, marked, &block_systems, (&contacts, &island.contacts))
+        };
+        let force = of(&[]).force();
+        let mut times = IterationTimes::default();
+        let by = BySingle { layout: &layout, memory: &mut memory, force: &force, system: &of };
+        assert!(by.solve(&mut single, &vec![true; panels], news, &mut times));
+        assert_eq!(times.factor.is_zero(), news == 1, "the factor is that of the solve before");
+        let system = of(&vec![true; panels]);
+        let (mut values, mut direct) = (vec![0.0; layout.pattern.values()], force.clone());
+        f64::factorize(&layout.pattern, &mut values, &vec![true; panels], &|panel, own| system.fill(panel, own))
+            .expect("a factor");
+        f64::substitute(&layout.pattern, &values, &mut direct).expect("a solution");
+        let refined = single.before.as_ref().expect("a solution");
+        let largest = direct.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        let apart = direct.iter().zip(refined).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(largest > 1e-5 && apart < 1e-11 * largest, "{apart} of {largest}");
+    }
 }
