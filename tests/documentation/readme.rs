@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Beginnings of commands that are not run, and why.
-const NOT_RUN: [(&str, &str); 10] = [
+const NOT_RUN: [(&str, &str); 11] = [
     ("cargo test", "it is the test, or one of hours; `.ci/run` has `cargo test --release`"),
     ("cargo install", "it builds the program anew; `.ci/run` builds it"),
     ("cargo build --release --locked --manifest-path examples/other_codes/parry", "minutes; `.ci/run` has it"),
