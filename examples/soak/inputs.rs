@@ -19,6 +19,11 @@ pub(crate) fn keep_panics() {
     std::panic::set_hook(Box::new(|about| PANIC.with(|said| *said.borrow_mut() = about.to_string())));
 }
 
+/// What the last panic of this thread said.
+pub(crate) fn last_panic() -> String {
+    PANIC.with(|said| said.borrow().clone())
+}
+
 /// Inputs of one step: of files, and of whole directories, which take longer.
 const INPUTS: u64 = 3_000;
 const DIRECTORIES: u64 = 100;
@@ -80,8 +85,7 @@ impl Attack {
             let begin = Instant::now();
             let panicked = catch_unwind(AssertUnwindSafe(|| target.run(&bytes, &mut reach))).is_err();
             if panicked {
-                let said = PANIC.with(|said| said.borrow().clone());
-                return Err(format!("{}: {said}; {}", target.name, kept(target.name, &bytes)));
+                return Err(format!("{}: {}; {}", target.name, last_panic(), kept(target.name, &bytes)));
             }
             if begin.elapsed().as_secs() > MOST_SECONDS {
                 let took = begin.elapsed().as_secs();

@@ -2,10 +2,11 @@
 
 use crate::attacks::Attack;
 use crate::counts::{Counts, Total};
-use crate::inputs::keep_panics;
+use crate::inputs::{keep_panics, last_panic};
 use crate::program::{Program, Told, peak_memory};
 use clap::Parser;
 use rockproof_fuzz::Dice;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::sync::Arc;
@@ -138,7 +139,9 @@ fn step(program: &Program, seed: u64, number: u64) -> Counts {
     });
     let (name, _, attack) = chosen.unwrap_or(&ATTACKS[0]);
     let mut at = Attack::new(program, dice);
-    let outcome = attack(&mut at);
+    // Whatever panics in this process ends the step, not the thread that takes the next.
+    let outcome = catch_unwind(AssertUnwindSafe(|| attack(&mut at)))
+        .unwrap_or_else(|_| Err(format!("a panic in the soak's own process: {}", last_panic())));
     at.counts.steps += 1;
     if let Err(what) = outcome {
         at.counts.failures += 1;
