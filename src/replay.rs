@@ -27,8 +27,7 @@ use std::path::PathBuf;
   rockproof replay reports/campaign-1/cases/v-f-arithmetic-….toml
   rockproof replay reports/simulate-incline/states/step_000012.json
 
-Exit status: 0 the finding recurs, 1 it does not, or the exact answer is not the one the case records, 2 input error.
-Of a step of a lockstep run: 0 the exact answer is the one recorded, 1 it is another.")]
+Exit status: 0 the finding recurs, 1 it does not, or the exact answer is not the one the case records, 2 input error.")]
 pub(crate) struct Replay {
     /// The case of a campaign (.toml), or a step of a lockstep run (.json)
     case: PathBuf,

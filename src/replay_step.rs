@@ -15,7 +15,7 @@ use rockproof_stepper::dynamics::Solve;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Makes the step of a state file again. Exit 0 where the oracle's answer is the one recorded, 1 where it is another.
+/// Makes the step of a state file again. Exit 0 where it still differs and the oracle's answer is the one recorded, 1 otherwise.
 pub(super) fn run(path: &Path) -> Outcome {
     let case = StepCase::load(path).with_context(|| path.display().to_string())?;
     let compared = match case.precision()? {
@@ -26,12 +26,26 @@ pub(super) fn run(path: &Path) -> Outcome {
     let mut text = String::new();
     // Writing to a String cannot fail.
     let _ = show(&mut text, &case, &compared);
+    let recurs = differs(&compared);
+    text += if recurs {
+        "\nthe finding recurs\n"
+    } else {
+        "\nthe finding does not recur: nothing differs in the step now\n"
+    };
     print(&text)?;
     if Expected::of_step(&compared).as_ref() == Some(&case.expected) {
-        return Ok(Verdict::Passed);
+        return Ok(if recurs { Verdict::Passed } else { Verdict::CheckFailed });
     }
     print_note("the oracle's answer is not the one recorded");
     Ok(Verdict::CheckFailed)
+}
+
+/// Whether there is anything to be told of a step: a difference, a side that cannot make it, a passage or an unseen overlap.
+fn differs(step: &ComparedStep) -> bool {
+    let intrusions = |watched: &WatchedStep| {
+        [&watched.oracle, &watched.stepper].into_iter().any(|side| !side.found.is_empty() || !side.undecided.is_empty())
+    };
+    !step.differences.is_empty() || !step.failure.is_empty() || step.watched.as_ref().is_some_and(intrusions)
 }
 
 fn replay_step<R: Solve>(case: &StepCase) -> anyhow::Result<ComparedStep> {
