@@ -9,8 +9,8 @@ use rockproof_bench::accuracy::{self, AccuracyOptions};
 use rockproof_bench::exact_stepping::scenes;
 use rockproof_bench::plot::PlotError;
 use rockproof_bench::{
-    BenchEntry, Sample, SampleKind, SteppingCost, Throughput, ThroughputRun, TimedPart, Timing, TimingPlan,
-    bench_entries, exact_stepping, rock, stack, stepping, throughput, time_interleaved, wall,
+    BenchEntry, SKIPS, Sample, SampleKind, SteppingCost, Throughput, ThroughputRun, TimedPart, Timing, TimingPlan,
+    bench_entries, exact_stepping, rock, skip_cost, skip_scenes, stack, stepping, throughput, time_interleaved, wall,
 };
 use rockproof_model::{BlockError, Motion, Precision, Scene};
 use rockproof_results::{Claim, Directory, FileKind, Owner, Start};
@@ -30,6 +30,7 @@ use std::path::PathBuf;
   rockproof bench --wall 100,1000,5000       steps of brick walls: time, shares of the phases in %, memory
   rockproof bench --stack 1000               steps of cubes on one another; memory is sure with one scene at a time
   rockproof bench --rock 1000 --rigid        steps of rock cut by joints, of rigid blocks
+  rockproof bench --skips                    what steps gain by leaving out what cannot have changed
   rockproof bench --exact-steps              certified steps of two blocks and of walls, beside those in f64
 
 Plain rationals of GMP take part in a build with --features gmp.
@@ -81,6 +82,9 @@ pub(crate) struct Bench {
     /// Measure certified steps instead: of two blocks, and of walls of 10 and 100 bricks
     #[arg(long, conflicts_with_all = ["wall", "stack", "rock"])]
     exact_steps: bool,
+    /// Measure what steps gain by leaving out what cannot have changed: where ten blocks of 5,000 move, where a wall stands, where all fly
+    #[arg(long, conflicts_with_all = ["wall", "stack", "rock", "error", "exact_steps"])]
+    skips: bool,
     /// Steps of each wall, or of each scene
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
     steps: u32,
@@ -114,6 +118,9 @@ impl Bench {
         }
         if self.exact_steps {
             return self.exact_steps();
+        }
+        if self.skips {
+            return self.skips();
         }
         let report = self.measure()?;
         print(&match self.format {
@@ -168,6 +175,35 @@ impl Bench {
         header.push("kB a block");
         print(&match self.format {
             OutputFormat::Table => format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows)),
+            OutputFormat::Csv => rows
+                .iter()
+                .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),
+        })?;
+        Ok(Verdict::Passed)
+    }
+
+    /// What is gained by what steps leave out.
+    fn skips(&self) -> Outcome {
+        let mut rows = Vec::new();
+        for scene in skip_scenes(self.quick) {
+            print_note(&format!(
+                "{} steps of {} blocks: {}",
+                scene.steps,
+                grouped(u64::from(scene.blocks)),
+                scene.name
+            ));
+            let cost = skip_cost(&scene)?;
+            for ((skips, _), (rate, processor)) in SKIPS.iter().zip(cost.rates.iter().zip(cost.processor)) {
+                let mut row = vec![scene.name.to_owned(), grouped(cost.blocks as u64), (*skips).to_owned()];
+                row.push(digits(*rate));
+                row.push(processor.map_or(String::new(), |s| digits(1e3 * s)));
+                row.push(digits(rate / cost.rates[SKIPS.len() - 1]));
+                rows.push(row);
+            }
+        }
+        let header = ["scene", "blocks", "left out", "steps a second", "processor ms a step", "over nothing left out"];
+        print(&match self.format {
+            OutputFormat::Table => format!("{}\n", table(&header, &[1, 3, 4, 5], rows)),
             OutputFormat::Csv => rows
                 .iter()
                 .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),

@@ -184,6 +184,18 @@ fn a_stack_of_a_thousand_deformable_cubes_stays_within_its_memory() {
 }
 
 #[test]
+fn what_steps_leave_out_is_measured_in_turn() {
+    let (header, rows) = table_of(&["bench", "--skips", "--quick", "--format", "csv"]);
+    let column = |name: &str| column(&header, name);
+    assert_eq!(rows.len(), 15);
+    for row in &rows {
+        let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        assert!(number("steps a second") > 0.0 && number("over nothing left out") > 0.0, "{row:?}");
+        assert!(&row[column("left out")] != "nothing" || number("over nothing left out") == 1.0, "{row:?}");
+    }
+}
+
+#[test]
 fn steps_of_walls_and_rock_are_told_by_phases() {
     let arguments = ["bench", "--wall=12", "--stack=7", "--rock=8", "--single", "--steps=2", "--format=csv"];
     let (header, rows) = table_of(&arguments);

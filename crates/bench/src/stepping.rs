@@ -28,7 +28,7 @@ pub enum SteppingError {
 }
 
 /// The cuboid of two corners (m).
-fn cuboid(low: [i32; 3], high: [i32; 3]) -> Result<Block, BlockError> {
+pub(crate) fn cuboid(low: [i32; 3], high: [i32; 3]) -> Result<Block, BlockError> {
     let [low, high] = [low, high].map(|corner| {
         let [x, y, z] = corner.map(Number::from_integer);
         Vec3::new(x, y, z)
@@ -198,7 +198,7 @@ fn memory(entry: &str) -> Option<u64> {
 }
 
 /// The time that processors gave to this process (s), from Linux's `/proc/self/stat`, which counts in hundredths of a second.
-fn processor() -> Option<f64> {
+pub(crate) fn processor() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/stat").ok()?;
     // The second entry, the name, is in brackets and may hold anything.
     let mut entries = text.rsplit_once(')')?.1.split_whitespace().skip(11);

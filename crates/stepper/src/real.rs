@@ -63,6 +63,9 @@ pub trait Real:
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
 
+    /// Whether two numbers are the same bits. `Wide` never says so.
+    fn is_same(self, other: Self) -> bool;
+
     /// Whether what is being worked out is of no use any more, so that it may end early with any answer: see
     /// [`crate::wide::settled`]. Never so for floats.
     #[inline(always)]
@@ -112,6 +115,10 @@ macro_rules! real_float {
             fn is_finite(self) -> bool {
                 <$type>::is_finite(self)
             }
+            #[inline]
+            fn is_same(self, other: Self) -> bool {
+                self.to_bits() == other.to_bits()
+            }
         }
     };
 }
@@ -148,6 +155,9 @@ impl Real for Wide {
     }
     fn is_finite(self) -> bool {
         self.is_known()
+    }
+    fn is_same(self, _: Self) -> bool {
+        false
     }
     fn is_given_up() -> bool {
         crate::wide::is_given_up()

@@ -10,7 +10,8 @@ use crate::dynamics::rules::StepRules;
 use crate::dynamics::setup::StepLimits;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::Mode;
-use std::collections::HashMap;
+use crate::dynamics::still::StillIslands;
+use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
 /// What an iteration needs to know besides the contacts.
@@ -20,6 +21,8 @@ pub(super) struct OpenCloseIteration<'s, R> {
     pub(super) settling: bool,
     /// The modes of each solve and those after the last, where they are not to be judged.
     pub(super) prescribed: Option<&'s [Vec<Mode>]>,
+    /// Islands of which the solution is known.
+    pub(super) still: Option<&'s StillIslands<R>>,
 }
 
 /// How an iteration ended.
@@ -34,6 +37,8 @@ pub(super) struct IterationResult<R> {
     pub(super) changing: Vec<ModeChange>,
     /// The modes of all contacts after each solve.
     pub(super) modes: Vec<Vec<Mode>>,
+    /// Blocks of which a contact changed its mode, or slid.
+    pub(super) touched: Vec<bool>,
 }
 
 impl<R: Solve> OpenCloseIteration<'_, R> {
@@ -45,12 +50,39 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
         spare: &mut Memory<R>,
         iteration_times: &mut IterationTimes,
     ) -> Result<IterationResult<R>, FactorizationFailure> {
+        let (solves, mut still) = (iteration_times.solves, self.still);
+        loop {
+            if let Some(ended) = self.iterate::<M>(still, contacts, layouts, spare, iteration_times)? {
+                return Ok(ended);
+            }
+            (iteration_times.solves, still) = (solves, None);
+        }
+    }
+
+    /// `None` where a very large island that was taken as known has to be solved after all: its solution depends in last bits on the factors of
+    /// the solves before, so the iteration must begin again without it.
+    fn iterate<M: StepRules>(
+        &self,
+        still: Option<&StillIslands<R>>,
+        contacts: &mut [StepContact<R>],
+        layouts: &mut Layouts,
+        spare: &mut Memory<R>,
+        iteration_times: &mut IterationTimes,
+    ) -> Result<Option<IterationResult<R>>, FactorizationFailure> {
         let unknowns: Vec<usize> = self.block_systems.iter().map(|block| block.unknowns).collect();
         let mut d = vec![[R::ZERO; 12]; unknowns.len()];
         // Blocks whose system is not the one solved before.
         let mut touched = vec![true; unknowns.len()];
-        let mut ended =
-            IterationResult { d: Vec::new(), iterations: 0, converged: false, changing: Vec::new(), modes: Vec::new() };
+        let mut ended = IterationResult {
+            d: Vec::new(),
+            iterations: 0,
+            converged: false,
+            changing: Vec::new(),
+            modes: Vec::new(),
+            touched: vec![false; unknowns.len()],
+        };
+        // Blocks of very large islands that were not solved.
+        let mut known = HashSet::new();
         contacts.iter_mut().for_each(StepContact::reset::<M>);
         let prescribed = |solve: u32, contact: usize| self.prescribed?.get(solve as usize)?.get(contact).copied();
         for (k, contact) in contacts.iter_mut().enumerate() {
@@ -69,6 +101,20 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
                 if !island.couplings.blocks.iter().any(|block| touched[*block as usize]) {
                     kept.extend(left.map(|left| (lowest, left)));
                     continue;
+                }
+                if let Some(still) = still.filter(|still| ended.iterations == 0 && still.has(&island)) {
+                    for &block in &island.couplings.blocks {
+                        d[block as usize] = still.d[block as usize];
+                    }
+                    let layout = layouts.of(&island.couplings).ok_or(FactorizationFailure { block: lowest })?;
+                    if R::REFINES && layout.is_very_large() {
+                        known.extend(island.couplings.blocks);
+                    }
+                    continue;
+                }
+                if island.couplings.blocks.iter().any(|block| known.contains(block)) {
+                    Memory::of(kept.into_values().chain(before.into_values()), spare);
+                    return Ok(None);
                 }
                 let mut work = SolveContext { block_systems: self.block_systems, layouts, spare, iteration_times };
                 let (solved, left) = island.solve(contacts, &changed, left, &mut work)?;
@@ -94,6 +140,7 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
                 changed[k] = from != to || stiff || contact.is_stiff_across();
                 if changed[k] || to == Mode::Sliding {
                     (touched[i], touched[j]) = (true, true);
+                    (ended.touched[i], ended.touched[j]) = (true, true);
                 }
                 opens_or_closes |= M::opens_or_closes(from, to);
                 if M::counts_as_change(from, to) {
@@ -115,7 +162,7 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
             if ends {
                 ended.d = d;
                 Memory::of(kept.into_values(), spare);
-                return Ok(ended);
+                return Ok(Some(ended));
             }
         }
     }

@@ -32,11 +32,16 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let mut retries = Vec::new();
         loop {
             let block_systems = self.block_systems(time_step, settling);
+            let known =
+                self.still.islands.as_ref().filter(|known| {
+                    self.skips.islands && known.settling == settling && known.time_step.is_same(time_step)
+                });
             let iteration = OpenCloseIteration {
                 block_systems: &block_systems,
                 limits: &self.setup.limits,
                 settling,
                 prescribed: None,
+                still: known,
             };
             let ended = iteration
                 .run::<M>(contacts, &mut self.layouts, &mut self.spare, &mut self.iteration_times)

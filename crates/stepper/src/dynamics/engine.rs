@@ -18,6 +18,7 @@ use crate::dynamics::rules::StepRules;
 use crate::dynamics::setup::{SceneSetup, SetupError};
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, Mode, State};
+use crate::dynamics::still::{Skips, Still};
 use crate::dynamics::transfer;
 use crate::real::Real;
 use crate::vector::Vector;
@@ -37,6 +38,8 @@ pub struct Dynamics<R, M = SpecRules> {
     pub(super) layouts: Layouts,
     /// Memory for factors, kept from step to step: to fetch it anew costs time.
     pub(super) spare: Memory<R>,
+    pub(super) skips: Skips,
+    pub(super) still: Still<R>,
     first_modes: Vec<Mode>,
     pub(super) modes: Vec<Vec<Vec<Mode>>>,
     phases: PhaseTimes,
@@ -55,6 +58,8 @@ impl<R: Clone, M> Clone for Dynamics<R, M> {
             neighbours: self.neighbours.clone(),
             layouts: self.layouts.clone(),
             spare: Memory::NONE,
+            skips: self.skips,
+            still: self.still.clone(),
             first_modes: self.first_modes.clone(),
             modes: self.modes.clone(),
             phases: self.phases,
@@ -135,6 +140,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             neighbours: Neighbours::default(),
             layouts,
             spare: Memory::NONE,
+            skips: Skips::ALL,
+            still: Still::NONE,
             first_modes: Vec::new(),
             modes: Vec::new(),
             phases: PhaseTimes::default(),
@@ -173,7 +180,14 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let PreparedBlocks { solids, moments } = PreparedBlocks::new(&self.setup.blocks, &state.blocks)?;
         (self.state, self.solids, self.moments) = (state, solids, moments);
         self.neighbours.forget();
+        self.still = Still::NONE;
         Ok(())
+    }
+
+    /// What the following steps leave out where nothing can have changed; all of it unless this says otherwise. No bit of any result
+    /// depends on it.
+    pub fn skip(&mut self, skips: Skips) {
+        self.skips = skips;
     }
 
     /// The volume of a block (m³).
@@ -238,6 +252,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let begun = Instant::now();
         let report = self.accept(&contacts, accepted, number, settling);
         self.phases.update += begun.elapsed();
+        if prescribed.is_some() {
+            // Its contacts were not classified, nor its modes found.
+            self.still = Still::NONE;
+        }
         report
     }
 
@@ -251,6 +269,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let of_pair = |&pair: &[u32; 2]| {
             let [a, b] = pair.map(|block| &self.solids[block as usize]);
             let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
+            if self.skips.pairs && self.still.has(pair) {
+                let contacts: Vec<Contact> = old.iter().map(|old| old.contact).collect();
+                return self.of_pair(pair, &contacts);
+            }
             let kept: Vec<ContactKey> =
                 old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key()).collect();
             let found = classify_keeping::<R, M>(a, b, &self.setup.tolerances, &kept);

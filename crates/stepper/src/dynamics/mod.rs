@@ -34,6 +34,7 @@ mod setup;
 pub mod solve;
 pub mod state;
 mod step_totals;
+mod still;
 mod transfer;
 mod update;
 
@@ -44,3 +45,4 @@ pub use rules::{StepRules, TangentialState};
 pub use setup::{SetupError, StepLimits};
 pub use solve::Solve;
 pub use state::{BlockState, ContactState, Mode, State};
+pub use still::Skips;

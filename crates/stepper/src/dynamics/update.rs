@@ -1,23 +1,31 @@
 //! What an accepted attempt does to the state (SPEC section 5, update).
 
 use crate::contact::{Collapsed, PreparedBlock};
+use crate::dynamics::attempt::IterationResult;
 use crate::dynamics::contact::StepContact;
 use crate::dynamics::control::AcceptedAttempt;
 use crate::dynamics::engine::Dynamics;
+use crate::dynamics::island::islands;
 use crate::dynamics::kinematics::AffineMotion;
 use crate::dynamics::moments::Moments;
 use crate::dynamics::report::{StepError, StepReport};
 use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, State};
+use crate::dynamics::still::{Still, StillIslands, different_pairs, same_motion, same_points};
 use std::ops::Range;
 
 impl<R: Solve, M: StepRules> Dynamics<R, M> {
-    /// Prepares those of some blocks that are not fixed again, one in place of the other: two of each would take twice the memory. Tells
+    /// Prepares those of some blocks again that have moved, one in place of the other: two of each would take twice the memory. Tells
     /// which one collapsed; those before it are replaced.
-    fn prepare_moving(&mut self, states: &[BlockState<R>], blocks: Range<usize>) -> Result<(), (usize, Collapsed)> {
+    fn prepare_moved(
+        &mut self,
+        states: &[BlockState<R>],
+        blocks: Range<usize>,
+        unmoved: &[bool],
+    ) -> Result<(), (usize, Collapsed)> {
         for block in blocks {
-            if !self.is_fixed(block) {
+            if !(self.is_fixed(block) || self.skips.blocks && unmoved[block]) {
                 let shape = self.setup.blocks[block].clone();
                 self.solids[block] =
                     PreparedBlock::with_points(shape, &states[block].vertices).map_err(|what| (block, what))?;
@@ -55,6 +63,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let dynamic = if settling { R::ZERO } else { self.setup.control.dynamic };
         let twice = R::from_f64(2.0) / time_step;
         let mut moments = self.moments.clone();
+        let mut unmoved = vec![true; motions.len()];
         for block in (0..motions.len()).filter(|&block| !self.is_fixed(block)) {
             let (state, d) = (&mut next.blocks[block], &ended.d[block]);
             for vertex in &mut state.vertices {
@@ -67,7 +76,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             for (stress, added) in state.stress.iter_mut().zip(added) {
                 *stress = *stress + added;
             }
-            moments[block] = Moments::of(self.setup.blocks[block].topology(), &state.vertices);
+            unmoved[block] = same_points(&self.state.blocks[block].vertices, &state.vertices);
+            if !(self.skips.blocks && unmoved[block]) {
+                moments[block] = Moments::of(self.setup.blocks[block].topology(), &state.vertices);
+            }
             let finite = state.velocity.iter().chain(&state.stress).all(|x| x.is_finite());
             if !(finite && state.vertices.iter().all(|v| v.is_finite()) && moments[block].volume.is_finite()) {
                 return Err(StepError::NotFinite { step: number, block });
@@ -104,19 +116,67 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             next.step += 1;
             next.time = next.time + time_step;
         }
-        if let Err((block, what)) = self.prepare_moving(&next.blocks, 0..motions.len()) {
+        if let Err((block, what)) = self.prepare_moved(&next.blocks, 0..motions.len(), &unmoved) {
             // What they were before did not collapse.
             let before = std::mem::take(&mut self.state.blocks);
-            let restored = self.prepare_moving(&before, 0..block);
+            let restored = self.prepare_moved(&before, 0..block, &unmoved);
             self.state.blocks = before;
             debug_assert!(restored.is_ok(), "a state that was prepared once is prepared again");
             return Err(StepError::Collapsed { step: number, block, what });
         }
+        self.still = self.still_after(contacts, &next, unmoved, (&ended, time_step, settling));
         self.state = next;
         self.moments = moments;
         let farthest = farthest.to_f64().sqrt();
         // The map of `cayley` differs from first order by less than this.
         self.neighbours.moved(1.25 * farthest);
         Ok(self.report(contacts, number, time_step.to_f64(), (&ended, retries), farthest))
+    }
+
+    /// What a step left as it was. `next` is the state that it leads to.
+    fn still_after(
+        &self,
+        contacts: &[StepContact<R>],
+        next: &State<R>,
+        unmoved: Vec<bool>,
+        (ended, time_step, settling): (&IterationResult<R>, R, bool),
+    ) -> Still<R> {
+        let moving = |block: usize| !self.is_fixed(block);
+        if !(0..unmoved.len()).any(|block| moving(block) && unmoved[block]) {
+            return Still::NONE;
+        }
+        let kept_others = different_pairs(&self.state.contacts, &next.contacts, |contact| M::leaves_kept(contact.mode));
+        // Velocities of the scene are set when settling is over.
+        if !self.skips.islands || settling != (next.settling > 0) {
+            return Still { unmoved, kept_others, islands: None };
+        }
+        let mut still: Vec<bool> = (0..unmoved.len())
+            .map(|block| {
+                let same = || same_motion(&self.state.blocks[block], &next.blocks[block]);
+                moving(block) && unmoved[block] && !ended.touched[block] && same()
+            })
+            .collect();
+        // What time or its own motion may change.
+        for block in self.setup.loads.iter().map(|load| load.block).chain(self.setup.held.iter().map(|held| held.block))
+        {
+            still[block] = false;
+        }
+        for pair in &kept_others {
+            pair.iter().for_each(|&block| still[block as usize] = false);
+        }
+        for (contact, after) in contacts.iter().zip(&next.contacts).filter(|(contact, _)| contact.is_closed()) {
+            let [a, b] = contact.anchors;
+            let before = if contact.plane.a_enters { [a, b] } else { [b, a] };
+            if !same_points(&before, &after.anchors) {
+                after.blocks.iter().for_each(|&block| still[block as usize] = false);
+            }
+        }
+        let unknowns: Vec<usize> = self.setup.bodies.iter().map(|body| body.motion.unknowns()).collect();
+        for island in islands(&unknowns, contacts) {
+            let all = island.couplings.blocks.iter().all(|&block| still[block as usize]);
+            island.couplings.blocks.iter().for_each(|&block| still[block as usize] = all);
+        }
+        let islands = StillIslands { time_step, settling, blocks: still, d: ended.d.clone() };
+        Still { unmoved, kept_others, islands: Some(islands) }
     }
 }

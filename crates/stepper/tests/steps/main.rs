@@ -14,6 +14,7 @@ mod golden;
 mod loads;
 mod planted;
 mod scenes;
+mod skips;
 mod solve;
 mod strength;
 mod support;
