@@ -126,7 +126,7 @@ fn check_element(element: &ElementDef, bytes: usize) -> Result<(), Located> {
     };
     let missing = match element.name.as_str() {
         "vertex" => AXES.iter().find(|name| !scalar(name)).map(|name| format!("a number \"{name}\"")),
-        "face" if !CORNERS.iter().any(|name| list(&name)) => {
+        "face" if !CORNERS.iter().any(list) => {
             Some("a list of whole numbers \"vertex_indices\" or \"vertex_index\"".to_owned())
         }
         _ => None,
