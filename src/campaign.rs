@@ -2,7 +2,7 @@
 
 use crate::campaign_end::print_end;
 use crate::exit::{Outcome, Verdict, print_note};
-use crate::input::{EngineArgs, FormatArgs, ReadArgs, threads};
+use crate::input::{EngineArgs, FormatArgs, at_least_zero, threads};
 use crate::progress::shown_while;
 use crate::stop::on_ctrl_c;
 use crate::stress;
@@ -20,6 +20,7 @@ use rockproof_differential::finding::{Cause, Finding};
 use rockproof_differential::lockstep::StepCause;
 use rockproof_differential::subject::PairSource;
 use rockproof_gate::config::RECOVERED;
+use rockproof_model::Number;
 use rockproof_model::files::read_text;
 use rockproof_results::Start;
 use std::path::PathBuf;
@@ -75,8 +76,9 @@ pub(crate) struct Campaign {
     /// Block file for the family `real`; may be repeated [default: those that come with the program]
     #[arg(long, value_name = "FILE")]
     real: Vec<PathBuf>,
-    #[command(flatten)]
-    read: ReadArgs,
+    /// How far a face may be from planar, as a share of its block's size [default: what the file says, or 1e-9]
+    #[arg(long, value_name = "SHARE", value_parser = at_least_zero, allow_negative_numbers = true)]
+    planarity: Option<Number>,
     /// Do only the K-th of N parts of the pairs; `rockproof merge` makes of all parts what one campaign would have made
     #[arg(long, value_name = "K/N")]
     part: Option<Part>,
@@ -177,9 +179,9 @@ impl Campaign {
         if !self.real.is_empty() {
             config.real.clone_from(&self.real);
         }
-        if let Some(planarity) = self.read.options().planarity {
+        if let Some(planarity) = &self.planarity {
             anyhow::ensure!(!config.real.is_empty(), "--planarity is about the files of --real, and there are none");
-            config.planarity = Some(planarity);
+            config.planarity = Some(planarity.clone());
         }
         Ok(config)
     }

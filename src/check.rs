@@ -2,8 +2,10 @@
 
 use crate::campaign_end::quoted;
 use crate::exit::{Outcome, Verdict, print, print_error, print_note};
-use crate::extents::{self, Extents, factor, is_bent, planarity_that_merges, planarity_that_reads};
-use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, precision};
+use crate::extents::{
+    self, Extents, factor, is_apart, is_bent, planarity_that_merges, planarity_that_reads, weld_that_joins,
+};
+use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, precision};
 use crate::overlaps::overlaps;
 use anyhow::Context;
 use rockproof_model::rules::Fall;
@@ -43,7 +45,7 @@ pub(crate) struct Check {
 /// A block file, and the tolerances that it is looked at with.
 #[derive(clap::Args)]
 pub(crate) struct ModelArgs {
-    /// Blocks: .toml, .dda, .obj, .vtk, or .txt and .voro for voro++
+    #[arg(help = model_help())]
     pub(crate) file: PathBuf,
 
     #[command(flatten)]
@@ -130,7 +132,7 @@ impl ModelArgs {
         let extents = Extents::of(&scene);
         let mut notes: Vec<String> = extents.doubt().into_iter().collect();
         if self.scale.is_none() {
-            notes.extend(planarity_that_merges(&self.file, &scene));
+            notes.extend(planarity_that_merges(&self.file, &scene, &self.read.options()));
         }
         let fall = rules::fall(&set, &scene);
         Ok(CheckedModel { file: self.file.clone(), scene, spec, set, precision, extents, violations, fall, notes })
@@ -148,8 +150,12 @@ impl ModelArgs {
             if let Some(more) = problems.len().checked_sub(most).filter(|more| *more > 0) {
                 print_note(&format!("and {more} more{}", if bent { " of this sort" } else { "" }));
             }
-            if let Some(planarity) = planarity_that_reads(&self.file).filter(|_| bent) {
+            if bent && let Some(planarity) = planarity_that_reads(&self.file, &self.read.options()) {
                 print_note(&format!("every face is within --planarity {planarity}"));
+            }
+            let apart = problems.iter().any(is_apart);
+            if apart && let Some(distance) = weld_that_joins(&self.file, &self.read.options()) {
+                print_note(&format!("with --weld {distance} the faces of every block join"));
             }
             let all = scene.blocks.len() + problems.len();
             anyhow::bail!("{}: {} of {all} blocks cannot be used", self.file.display(), problems.len());

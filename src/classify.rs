@@ -1,7 +1,7 @@
 //! `classify`: the contacts between the blocks of a file.
 
 use crate::exit::{Outcome, Verdict, print};
-use crate::input::{ReadArgs, ToleranceArgs};
+use crate::input::{ReadArgs, ToleranceArgs, model_help};
 use crate::overlaps::overlaps;
 use crate::table::table;
 use anyhow::Context;
@@ -28,7 +28,7 @@ use std::path::PathBuf;
   rockproof classify cases/real/voronoi_120.txt --planarity 1e-4 --format csv
   rockproof classify two.toml --engine stepper-f32 --tolerances shi --set search=1/10 --pair 0,1")]
 pub(crate) struct Classify {
-    /// Blocks: .toml, .dda, .obj, .vtk, or .txt and .voro for voro++
+    #[arg(help = model_help())]
     file: PathBuf,
 
     #[command(flatten)]

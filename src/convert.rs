@@ -2,24 +2,26 @@
 
 use crate::exit::{Outcome, Verdict, print, print_note};
 use crate::extents::{factor, scale};
-use crate::input::{ReadArgs, precision};
+use crate::input::{ReadArgs, model_help, precision};
 use anyhow::Context;
-use rockproof_model::scene::{SceneFormat, write_obj, write_toml, write_vtk};
+use rockproof_model::scene::{FormatError, SceneFormat, losses, write};
 use rockproof_model::{Block, BlockOptions, Number, Precision, Scene};
 use rockproof_results::write_atomically;
 use std::path::PathBuf;
 
 /// Convert blocks to another format
 ///
-/// The formats are told by the extensions. Coordinates are kept exactly; OBJ and VTK hold decimals, so a coordinate
-/// that is no f64 (1/3) needs `--precision` to say how it is rounded.
+/// The formats are told by the extensions. Coordinates are kept exactly; formats other than TOML hold decimals or f64, so a coordinate
+/// that is no f64 (1/3) needs `--precision` to say how it is rounded. What else the format does not keep is said.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  rockproof convert cells.txt cells.toml --planarity 1e-4")]
+#[command(
+    after_help = "Example:\n  rockproof convert cells.txt cells.toml --planarity 1e-4\n  rockproof convert scan.stl blocks.toml --weld 1e-6 --planarity 1e-5"
+)]
 pub(crate) struct Convert {
-    /// Blocks: .toml, .dda, .obj, .vtk, or .txt and .voro for voro++
+    #[arg(help = model_help())]
     input: PathBuf,
 
-    /// Where to write them: .toml, .obj or .vtk
+    #[arg(help = format!("Where to write them: {}", SceneFormat::listed(SceneFormat::is_written)))]
     output: PathBuf,
 
     #[command(flatten)]
@@ -37,10 +39,9 @@ pub(crate) struct Convert {
 impl Convert {
     pub(crate) fn run(&self) -> Outcome {
         let format = SceneFormat::of_path(&self.output)
-            .filter(|f| matches!(f, SceneFormat::Toml | SceneFormat::Obj | SceneFormat::Vtk));
-        let format = format.with_context(|| {
-            format!("{}: cannot write this format; known are .toml, .obj and .vtk", self.output.display())
-        })?;
+            .filter(|format| format.is_written())
+            .ok_or(FormatError::ReadOnly)
+            .with_context(|| self.output.display().to_string())?;
         let mut scene = Scene::load_with(&self.input, &self.read.options())?;
         if let Some(factor) = &self.scale {
             scale(&mut scene, &self.input, factor)?;
@@ -49,14 +50,10 @@ impl Convert {
             self.round(&mut scene, precision)?;
         }
         let place = || self.output.display().to_string();
-        let text = match format {
-            SceneFormat::Obj => write_obj(&scene).with_context(place)?,
-            SceneFormat::Vtk => write_vtk(&scene).with_context(place)?,
-            _ => write_toml(&scene),
-        };
-        write_atomically(&self.output, text).with_context(place)?;
-        if format != SceneFormat::Toml {
-            note_losses(&scene);
+        let bytes = write(&scene, format).with_context(place)?;
+        write_atomically(&self.output, bytes).with_context(place)?;
+        for lost in losses(&scene, format) {
+            print_note(&lost);
         }
         print(&format!("{}: {} blocks\n", self.output.display(), scene.blocks.len()))?;
         Ok(Verdict::Passed)
@@ -73,15 +70,5 @@ impl Convert {
             block.block = Block::new(rounded.vertices().to_vec(), faces, &options).with_context(place)?;
         }
         Ok(())
-    }
-}
-
-fn note_losses(scene: &Scene) {
-    let fixed = scene.blocks.iter().filter(|b| b.body.is_fixed()).count();
-    if fixed > 0 {
-        print_note(&format!("this format does not keep which blocks are fixed ({fixed} are)"));
-    }
-    if scene.tolerances.is_some() {
-        print_note("this format does not keep tolerances");
     }
 }

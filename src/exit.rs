@@ -1,6 +1,6 @@
 //! How a command ends, and how it talks.
 
-use crate::extents::is_bent;
+use crate::extents::{is_apart, is_bent};
 use crate::stop::{INTERRUPTED, is_ended};
 use rockproof_model::text::is_harmful;
 use std::io::{self, Write};
@@ -33,6 +33,9 @@ pub(crate) fn code(outcome: Outcome) -> ExitCode {
             print_error(&chain(&error));
             if error.downcast_ref().is_some_and(is_bent) {
                 print_note("--planarity accepts faces further from planar; `rockproof check` says how far these are");
+            }
+            if error.downcast_ref().is_some_and(is_apart) {
+                print_note("--weld joins vertices that are nearly one; `rockproof check` says whether that helps");
             }
             ExitCode::from(2)
         }

@@ -3,11 +3,17 @@
 use anyhow::Context;
 use num_traits::ToPrimitive;
 use rockproof_model::scene::{SceneFormat, SceneProblem};
-use rockproof_model::{Block, BlockError, BlockOptions, LoadOptions, Number, Scene, SceneError};
+use rockproof_model::{Block, BlockError, BlockOptions, LoadOptions, Number, Scene, SceneError, TopologyError};
 use std::path::Path;
 
 /// The planarities tried, mildest first; beyond the last a face is bent, not rounded.
 const PLANARITIES: [&str; 6] = ["1e-8", "1e-7", "1e-6", "1e-5", "1e-4", "1e-3"];
+
+/// The distances tried at which vertices are joined, in the file's unit, mildest first.
+const WELDS: [&str; 9] = ["0", "1e-9", "1e-8", "1e-7", "1e-6", "1e-5", "1e-4", "1e-3", "1e-2"];
+
+/// Files of more bytes are not read again to see what joining vertices does.
+const WELDED_AGAIN: u64 = 4 << 20;
 
 /// Files of more blocks are not read again to see what another planarity does.
 const READ_AGAIN: usize = 5000;
@@ -146,15 +152,16 @@ pub(crate) fn is_bent(problem: &SceneError) -> bool {
 }
 
 /// The mildest of some planarities that every face of the file is within, if one is.
-pub(crate) fn planarity_that_reads(file: &Path) -> Option<&'static str> {
-    PLANARITIES.into_iter().find(|text| read(file, text).is_some_and(|(_, problems)| !problems.iter().any(is_bent)))
+pub(crate) fn planarity_that_reads(file: &Path, options: &LoadOptions) -> Option<&'static str> {
+    PLANARITIES
+        .into_iter()
+        .find(|text| read(file, text, options).is_some_and(|(_, problems)| !problems.iter().any(is_bent)))
 }
 
 /// What the mildest planarity does that lets more faces of the scene become one, if one does: triangles of a mesh whose coordinates were
 /// rounded.
-pub(crate) fn planarity_that_merges(file: &Path, scene: &Scene) -> Option<String> {
-    let mesh = matches!(SceneFormat::of_path(file), Some(SceneFormat::Obj | SceneFormat::Vtk));
-    if !mesh || scene.blocks.len() > READ_AGAIN {
+pub(crate) fn planarity_that_merges(file: &Path, scene: &Scene, options: &LoadOptions) -> Option<String> {
+    if !is_mesh(file) || scene.blocks.len() > READ_AGAIN {
         return None;
     }
     let count = |scene: &Scene| -> [usize; 2] {
@@ -164,7 +171,7 @@ pub(crate) fn planarity_that_merges(file: &Path, scene: &Scene) -> Option<String
     let [faces, concave] = count(scene);
     let used = scene.blocks.iter().map(|block| block.planarity.approximate()).fold(0.0, f64::max);
     PLANARITIES.into_iter().filter(|text| text.parse::<f64>().is_ok_and(|planarity| planarity > used)).find_map(|text| {
-        let (merged, _) = read(file, text).filter(|(_, problems)| problems.is_empty())?;
+        let (merged, _) = read(file, text, options).filter(|(_, problems)| problems.is_empty())?;
         let [fewer, bent] = count(&merged);
         (fewer < faces).then(|| {
             format!(
@@ -174,8 +181,32 @@ pub(crate) fn planarity_that_merges(file: &Path, scene: &Scene) -> Option<String
     })
 }
 
-fn read(file: &Path, planarity: &str) -> Option<(Scene, Vec<SceneError>)> {
-    Scene::survey(file, &LoadOptions { planarity: Number::parse(planarity).ok() }).ok()
+fn read(file: &Path, planarity: &str, options: &LoadOptions) -> Option<(Scene, Vec<SceneError>)> {
+    Scene::survey(file, &LoadOptions { planarity: Number::parse(planarity).ok(), ..options.clone() }).ok()
+}
+
+fn is_mesh(file: &Path) -> bool {
+    SceneFormat::of_path(file).is_some_and(SceneFormat::is_mesh)
+}
+
+/// Whether a block of a mesh was refused because its faces do not join: corners at one place may be vertices of their own.
+pub(crate) fn is_apart(problem: &SceneError) -> bool {
+    let SceneProblem::Block { error, .. } = &problem.problem else { return false };
+    let apart = match error {
+        BlockError::RepeatedVertex { .. } => true,
+        BlockError::Topology(error) => matches!(error, TopologyError::Open { .. } | TopologyError::TooFew { .. }),
+        _ => false,
+    };
+    apart && is_mesh(&problem.file)
+}
+
+/// The least distance of vertices joined, of some, with which the faces of every block join, if one is.
+pub(crate) fn weld_that_joins(file: &Path, options: &LoadOptions) -> Option<&'static str> {
+    let is_short = std::fs::metadata(file).is_ok_and(|about| about.len() <= WELDED_AGAIN);
+    WELDS.into_iter().filter(|_| is_short).find(|text| {
+        let read = Scene::survey(file, &LoadOptions { weld: Number::parse(text).ok(), ..options.clone() });
+        read.is_ok_and(|(_, problems)| !problems.iter().any(is_apart))
+    })
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use rockproof_campaign::engines::Engines;
 use rockproof_differential::builtin::{ENGINES, full_name};
 use rockproof_differential::case_file::Case;
 use rockproof_differential::external::EngineSpec;
+use rockproof_model::scene::SceneFormat;
 use rockproof_model::{LoadOptions, Number, Precision, Preset, ToleranceSpec};
 use serde_json::Value;
 use std::path::Path;
@@ -16,18 +17,22 @@ use std::path::Path;
 #[derive(clap::Args)]
 pub(crate) struct ReadArgs {
     /// How far a face may be from planar, as a share of its block's size [default: what the file says, or 1e-9]
-    #[arg(long, value_name = "SHARE", value_parser = planarity, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", value_parser = at_least_zero, allow_negative_numbers = true)]
     planarity: Option<Number>,
+    /// Join vertices no further apart than this, in the file's unit of length [default: STL's at the same place]
+    #[arg(long, value_name = "DISTANCE", value_parser = at_least_zero, allow_negative_numbers = true)]
+    weld: Option<Number>,
 }
 
 impl ReadArgs {
     pub(crate) fn options(&self) -> LoadOptions {
-        LoadOptions { planarity: self.planarity.clone() }
+        LoadOptions { planarity: self.planarity.clone(), weld: self.weld.clone() }
     }
 
     /// The options as they stand on a command line, after a space; nothing where none is given.
     pub(crate) fn shown(&self) -> String {
-        self.planarity.as_ref().map_or(String::new(), |share| format!(" --planarity {share}"))
+        let given = [("planarity", &self.planarity), ("weld", &self.weld)];
+        given.iter().filter_map(|(name, value)| value.as_ref().map(|value| format!(" --{name} {value}"))).collect()
     }
 }
 
@@ -194,7 +199,13 @@ pub(crate) fn stepper(text: &str) -> Result<Precision, String> {
     precision(name.trim_start_matches("stepper-"))
 }
 
-fn planarity(text: &str) -> Result<Number, String> {
+/// What a command says of the argument that is a model.
+pub(crate) fn model_help() -> String {
+    format!("Blocks: {} (the last two for voro++)", SceneFormat::listed(|_| true))
+}
+
+/// A number that is not negative.
+pub(crate) fn at_least_zero(text: &str) -> Result<Number, String> {
     match Number::parse(text) {
         Ok(number) if number.is_negative() => Err("must be 0 or more".to_string()),
         Ok(number) => Ok(number),

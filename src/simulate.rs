@@ -18,6 +18,7 @@ use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_differential::lockstep::{
     ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
 };
+use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::Control;
 use rockproof_model::{Precision, Scene, ToleranceSet, rules};
 use rockproof_oracle::step::KeptPrecision;
@@ -54,7 +55,7 @@ A run can be interrupted or killed at any moment; --resume continues from its la
 Exit status: 0 done, 1 rules violated, a run that cannot go on, or what --audit objects to, 2 usage or input error, 130 interrupted (go on with
 --resume).")]
 pub(crate) struct Simulate {
-    /// Blocks and what moves them: .toml; or blocks alone: .dda, .obj, .vtk, .txt and .voro
+    #[arg(help = format!("Blocks and what moves them: .toml; or blocks alone: {}", SceneFormat::listed(|format| format != SceneFormat::Toml)))]
     scene: PathBuf,
 
     #[command(flatten)]

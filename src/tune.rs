@@ -2,7 +2,7 @@
 
 use crate::check::tolerances_json;
 use crate::exit::{Outcome, Verdict, print_note};
-use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, stepper, threads};
+use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, stepper, threads};
 use crate::stop::on_ctrl_c;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -34,7 +34,7 @@ use std::time::{Duration, Instant};
 
 Exit status: 0 done, 1 no set kept every rule without a difference, 2 usage or input error, 130 interrupted (go on with --resume).")]
 pub(crate) struct Tune {
-    /// The model: .toml, .dda, .obj, .vtk, or .txt and .voro for voro++
+    #[arg(help = model_help())]
     file: PathBuf,
     #[command(flatten)]
     read: ReadArgs,

@@ -20,6 +20,7 @@ pub mod tolerance;
 pub mod tolerance_spec;
 pub mod topology;
 pub mod vector;
+pub mod vtu;
 
 pub use block::{Block, BlockError, BlockOptions, Bounds, Merged, Merging, Point};
 pub use contact::{Contact, ContactKey, ContactKind, Entrance, EntranceKind};

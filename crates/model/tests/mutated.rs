@@ -15,6 +15,12 @@ const VTK: &str = "# vtk DataFile Version 3.0\nbox\nASCII\nDATASET UNSTRUCTURED_
 /// Faces run clockwise seen from outside.
 const VORO: &str = "3 8 (0,0,0) (1,0,0) (1,1,0) (0,1,0) (0,0,1) (1,0,1) (1,1,1) (0,1,1) 6 (0,1,2,3) (4,7,6,5) (0,4,5,1) (1,5,6,2) (2,6,7,3) (3,7,4,0)\n";
 
+const STL: &str = include_str!("../../../tests/fixtures/two_wedges.stl");
+const VTU: &str = include_str!("../../../tests/fixtures/cells.vtu");
+const PLY: &str = include_str!("../../../tests/fixtures/box.ply");
+const MSH_2: &str = include_str!("../../../tests/fixtures/cells.msh");
+const MSH_4: &str = include_str!("../../../tests/fixtures/surfaces.msh");
+
 fn real(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
@@ -31,6 +37,11 @@ fn seeds() -> Vec<(SceneFormat, &'static str, String)> {
         (SceneFormat::Obj, "box.obj", OBJ.to_owned()),
         (SceneFormat::Vtk, "box.vtk", VTK.to_owned()),
         (SceneFormat::Voro, "cell.voro", VORO.to_owned()),
+        (SceneFormat::Stl, "wedges.stl", STL.to_owned()),
+        (SceneFormat::Vtu, "cells.vtu", VTU.to_owned()),
+        (SceneFormat::Ply, "box.ply", PLY.to_owned()),
+        (SceneFormat::Msh, "cells.msh", MSH_2.to_owned()),
+        (SceneFormat::Msh, "surfaces.msh", MSH_4.to_owned()),
     ]
 }
 

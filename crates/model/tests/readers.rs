@@ -2,7 +2,7 @@
 
 use num_rational::BigRational;
 use proptest::prelude::*;
-use rockproof_model::scene::{SceneFormat, write_obj, write_toml, write_vtk};
+use rockproof_model::scene::{SceneFormat, write, write_toml};
 use rockproof_model::{Block, Criteria, LoadOptions, Merged, Motion, Number, Precision, Scene, SceneBlock, Vec3};
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ fn number(text: &str) -> Number {
 }
 
 fn with_planarity(share: &str) -> LoadOptions {
-    LoadOptions { planarity: Some(number(share)) }
+    LoadOptions { planarity: Some(number(share)), ..LoadOptions::default() }
 }
 
 fn voronoi() -> Scene {
@@ -47,7 +47,7 @@ fn files_of_generators_load() {
     }
     let cells = voronoi();
     assert_eq!(cells.blocks.len(), 120);
-    assert_eq!((cells.blocks[0].name.as_str(), cells.blocks[1].origin.line), ("cell_22", 2));
+    assert_eq!((cells.blocks[0].name.as_str(), cells.blocks[1].origin.line), ("cell_22", Some(2)));
     // The cells fill a cube of 4 m, but for the rounding of their vertices.
     assert!((volume(&cells) - 64.0).abs() < 1e-4);
 }
@@ -146,21 +146,51 @@ fn toml_keeps_everything() {
 }
 
 #[test]
-fn obj_and_vtk_keep_shapes() {
+fn meshes_keep_shapes() {
     let mut scene = Scene::load(real("openpit_rock.dda")).unwrap();
     scene.blocks.extend(Scene::load(fixture("l_block_triangles.obj")).unwrap().blocks);
-    let obj = Scene::parse(&write_obj(&scene).unwrap(), SceneFormat::Obj, Path::new("again.obj")).unwrap();
-    assert_eq!(obj.shapes(), scene.shapes());
-    assert!(obj.blocks.iter().zip(&scene.blocks).all(|(a, b)| a.name == b.name));
-    let vtk = Scene::parse(&write_vtk(&scene).unwrap(), SceneFormat::Vtk, Path::new("again.vtk")).unwrap();
-    assert_eq!(vtk.shapes(), scene.shapes());
+    for format in [SceneFormat::Obj, SceneFormat::Vtk, SceneFormat::Vtu] {
+        let again = again(&scene, format);
+        assert_eq!(again.shapes(), scene.shapes(), "{format:?}");
+        let named = again.blocks.iter().zip(&scene.blocks).all(|(a, b)| a.name == b.name);
+        assert_eq!(named, format == SceneFormat::Obj, "{format:?}");
+    }
+}
+
+/// A scene written and read.
+fn again(scene: &Scene, format: SceneFormat) -> Scene {
+    Scene::parse_bytes(&write(scene, format).unwrap(), format, Path::new("again"), &LoadOptions::default()).unwrap()
+}
+
+/// The corners of a block's faces, each face from its least corner on, in order: what is left where vertices and faces are renumbered.
+fn polygons(block: &Block) -> Vec<Vec<[Number; 3]>> {
+    let polygon = |face: &Vec<u32>| {
+        let corner = |&v: &u32| block.vertices()[v as usize].map(Number::clone);
+        let corners: Vec<[Number; 3]> = face.iter().map(corner).map(|v| [v.x, v.y, v.z]).collect();
+        let least = (0..corners.len()).min_by_key(|&k| &corners[k]).unwrap();
+        [&corners[least..], &corners[..least]].concat()
+    };
+    let mut all: Vec<_> = block.topology().faces().iter().map(polygon).collect();
+    all.sort();
+    all
+}
+
+#[test]
+fn stl_keeps_every_bit_of_shapes_and_their_names() {
+    let mut scene = Scene::load(real("slope_joints.dda")).unwrap();
+    scene.blocks.extend(Scene::load(fixture("l_block_triangles.obj")).unwrap().blocks);
+    let again = again(&scene, SceneFormat::Stl);
+    assert_eq!(again.blocks.len(), scene.blocks.len());
+    for (a, b) in again.blocks.iter().zip(&scene.blocks) {
+        assert_eq!((a.name.as_str(), polygons(&a.block)), (b.name.as_str(), polygons(&b.block)));
+    }
 }
 
 #[test]
 fn decimals_refuse_what_they_cannot_hold() {
     let scene = Scene::load(fixture("scene.toml")).unwrap();
-    for error in [write_obj(&scene).unwrap_err(), write_vtk(&scene).unwrap_err()] {
-        let error = error.to_string();
+    for format in [SceneFormat::Obj, SceneFormat::Stl, SceneFormat::Vtk, SceneFormat::Vtu] {
+        let error = write(&scene, format).unwrap_err().to_string();
         assert!(error.contains("block 0 \"base\", vertex 0: 1/3 is not an f64"), "{error}");
     }
 }
@@ -199,11 +229,8 @@ proptest! {
     }
 }
 
-const FORMATS: [SceneFormat; 5] =
-    [SceneFormat::Toml, SceneFormat::Dda, SceneFormat::Obj, SceneFormat::Vtk, SceneFormat::Voro];
-
 fn read_by_all(text: &str) {
-    for format in FORMATS {
+    for format in SceneFormat::ALL {
         // Either answer is fine.
         let _ = Scene::parse(text, format, Path::new("any"));
     }
@@ -255,7 +282,7 @@ proptest! {
 #[test]
 fn no_reader_panics_on_bytes() {
     let directory = tempfile::tempdir().unwrap();
-    for (seed, extension) in ["toml", "dda", "obj", "vtk", "txt", "voro"].iter().enumerate() {
+    for (seed, extension) in SceneFormat::ALL.into_iter().flat_map(SceneFormat::extensions).enumerate() {
         // A linear congruential generator is random enough to be nonsense.
         let mut state = seed as u64 + 1;
         let bytes: Vec<u8> = (0..5000)
@@ -267,6 +294,11 @@ fn no_reader_panics_on_bytes() {
         let path = directory.path().join(format!("noise.{extension}"));
         std::fs::write(&path, bytes).unwrap();
         let error = Scene::load(&path).unwrap_err().to_string();
-        assert!(error.contains("which is not text"), "{error}");
+        let says = match *extension {
+            "stl" => "the number of bytes of the file",
+            "ply" => "what is no PLY",
+            _ => "which is not text",
+        };
+        assert!(error.contains(says), "{error}");
     }
 }

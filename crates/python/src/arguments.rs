@@ -59,7 +59,7 @@ pub(crate) fn load_options(planarity: Option<&Bound<'_, PyAny>>) -> PyResult<Loa
     if planarity.as_ref().is_some_and(|number| number.is_negative()) {
         return Err(InputError::new_err("planarity is negative; allowed is 0 or more, a share of the block's size"));
     }
-    Ok(LoadOptions { planarity })
+    Ok(LoadOptions { planarity, ..LoadOptions::default() })
 }
 
 /// An error of the crates below, as Python sees it.

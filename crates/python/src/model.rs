@@ -156,7 +156,7 @@ impl Model {
     }
 }
 
-/// Reads the blocks of a file, its format told by its extension: .toml, .dda, .obj, .vtk, .txt and .voro (voro++).
+/// Reads the blocks of a file, its format told by its extension: .toml, .dda, .obj, .stl, .ply, .msh, .vtk, .vtu, .txt and .voro (voro++).
 ///
 /// `planarity` is how far faces may be from planar, as a share of a block's size; what the file says, or 1e-9, if it is not given.
 ///

@@ -13,7 +13,6 @@ pub mod record;
 pub mod run;
 pub mod tables;
 pub mod totals;
-pub mod vtu;
 
 pub use audit::{AuditTotals, PairDepth, StepAudit};
 pub use plan::Plan;

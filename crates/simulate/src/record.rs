@@ -7,7 +7,7 @@
 use crate::checkpoint::SavedState;
 use crate::exact_float::ExactFloat;
 use crate::totals::Totals;
-use crate::vtu;
+use rockproof_model::vtu;
 use rockproof_results as results;
 use rockproof_results::{Claim, Directory, FileKind, Owner, ResultsError, Seal, Start, identity_differences};
 use serde::{Deserialize, Serialize};

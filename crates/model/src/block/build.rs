@@ -7,6 +7,7 @@ use crate::block::merge;
 use crate::block::planarity::Planarity;
 use crate::block::polynomials::{Area, Kappa, Orientation, SameSide, Volume};
 use crate::block::simple::check_simple;
+use crate::block::triangles::TriangulatedFace;
 use crate::block::{Block, BlockOptions, BlockShape, Merged, Merging, Point};
 use crate::sign::Sign;
 use crate::topology::{Edge, Topology};
@@ -227,6 +228,16 @@ fn check_embedded(draft: &BlockDraft, options: &BlockOptions) -> Result<(), Bloc
             diagonal,
         }),
     }
+}
+
+/// The faces of a block as triangles between its own vertices; see [`Block::triangles`].
+pub(super) fn triangles(block: &Block, options: &BlockOptions) -> Vec<[u32; 3]> {
+    let approximate: Vec<[f64; 3]> = block.vertices.iter().map(|v| v.components().map(|c| c.approximate())).collect();
+    let coordinates = Coordinates::new(&block.vertices, &approximate);
+    let surface = Surface::new(&coordinates, block.topology().faces());
+    let slack = Planarity::new(&coordinates, options).slack();
+    let cut = |face| TriangulatedFace::new(&surface, face, &approximate, slack).triangles;
+    (0..block.topology().faces().len()).flat_map(cut).collect()
 }
 
 fn shape(draft: &BlockDraft, signs: &[Sign]) -> Result<BlockShape, BlockError> {

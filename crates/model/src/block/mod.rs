@@ -131,6 +131,12 @@ impl Block {
         Some(self.with_vertices(vertices))
     }
 
+    /// The faces as triangles between the block's own vertices, face after face, counter-clockwise seen from outside. `planarity` is that
+    /// with which the block was made ([`BlockOptions`]).
+    pub fn triangles(&self, planarity: &Number) -> Vec<[u32; 3]> {
+        build::triangles(self, &BlockOptions { planarity: planarity.clone() })
+    }
+
     /// Whether the precision represents every coordinate exactly.
     pub fn is_exact_in(&self, precision: Precision) -> bool {
         self.coordinates().all(|c| c.is_exact_in(precision))

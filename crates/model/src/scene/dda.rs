@@ -47,7 +47,8 @@ pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
             .iter()
             .map(|face| nodes[face.start..face.start + face.length].to_vec())
             .collect(),
-        line: points.get(own.start).map_or(own.line, |(_, line)| *line),
+        line: Some(points.get(own.start).map_or(own.line, |(_, line)| *line)),
+        is_cell: false,
     };
     Ok(vertex_slices.iter().zip(&shell_slices).enumerate().map(block).collect())
 }

@@ -2,6 +2,7 @@
 
 use crate::block::BlockError;
 use crate::number::NumberError;
+use crate::scene::SceneFormat;
 use crate::tolerance_spec::SpecError;
 use std::fmt;
 use std::path::PathBuf;
@@ -42,7 +43,7 @@ pub enum SceneProblem {
         error: std::io::Error,
     },
     /// A name that says nothing about the format.
-    #[error("cannot tell the format from the name; known are .toml, .dda, .obj, .vtk, and .txt or .voro for voro++")]
+    #[error("cannot tell the format from the name; known are {}, the last two for voro++", SceneFormat::listed(|_| true))]
     UnknownFormat,
     /// A byte that no text file contains.
     #[error("byte {offset} of the file is 0x{byte:02x}, which is not text; only text files can be read")]

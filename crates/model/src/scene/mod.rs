@@ -1,17 +1,25 @@
 //! Scenes: blocks with names, what they were read from, and the tolerances asked for.
 
+mod cells;
 mod dda;
 mod error;
+mod format;
+mod mesh;
+mod msh;
 mod obj;
+mod ply;
 mod raw;
+mod stl;
 mod tokens;
 mod toml;
 mod voro;
 mod vtk;
+mod vtu;
 mod write;
 
 pub use error::{SceneError, SceneProblem};
-pub use write::{FormatError, write_obj, write_tolerances, write_toml, write_vtk};
+pub use format::SceneFormat;
+pub use write::{FormatError, losses, write, write_tolerances, write_toml};
 
 use crate::block::{Block, BlockOptions, Merged, Merging};
 use crate::files::read_limited;
@@ -20,9 +28,8 @@ use crate::simulation::{Body, Motion, Simulation, derive_stiffness};
 use crate::tolerance::ToleranceSet;
 use crate::tolerance_spec::ToleranceSpec;
 use raw::{Assembly, RawBlock};
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use tokens::Located;
+use tokens::{Located, as_text};
 use toml::BodyProperties;
 
 /// Blocks, in the order of their file.
@@ -58,8 +65,8 @@ pub struct SceneBlock {
 pub struct BlockOrigin {
     /// The file.
     pub file: PathBuf,
-    /// The line it begins on, from 1.
-    pub line: usize,
+    /// The line it begins on, from 1; none in a file that has no lines.
+    pub line: Option<usize>,
     /// Its number in that file, from 0.
     pub index: usize,
 }
@@ -69,43 +76,9 @@ pub struct BlockOrigin {
 pub struct LoadOptions {
     /// How far faces may be from planar, whatever the file says; see [`crate::BlockOptions`].
     pub planarity: Option<Number>,
-}
-
-/// A file format for blocks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum SceneFormat {
-    /// The project's own scenes, `.toml`.
-    Toml,
-    /// UnBlocks-gen, `.dda`.
-    Dda,
-    /// Wavefront, `.obj`.
-    Obj,
-    /// Legacy VTK polyhedra in ASCII, `.vtk`.
-    Vtk,
-    /// voro++, `.txt` or `.voro`.
-    Voro,
-}
-
-impl SceneFormat {
-    /// The format that a file's extension names; upper or lower case.
-    pub fn of_path(path: &Path) -> Option<SceneFormat> {
-        match path.extension().and_then(OsStr::to_str)?.to_ascii_lowercase().as_str() {
-            "toml" => Some(SceneFormat::Toml),
-            "dda" => Some(SceneFormat::Dda),
-            "obj" => Some(SceneFormat::Obj),
-            "vtk" => Some(SceneFormat::Vtk),
-            "txt" | "voro" => Some(SceneFormat::Voro),
-            _ => None,
-        }
-    }
-
-    /// Triangulated meshes with rounded coordinates come as OBJ and VTK; the other formats hold faces as they are.
-    fn merging(self) -> Merging {
-        match self {
-            SceneFormat::Obj | SceneFormat::Vtk => Merging::WithinPlanarity,
-            SceneFormat::Toml | SceneFormat::Dda | SceneFormat::Voro => Merging::Exact,
-        }
-    }
+    /// Vertices no further apart than this (in the file's unit of length) become the first of them, whatever the format but TOML. If it is not
+    /// given, those of STL that are one point, and no others.
+    pub weld: Option<Number>,
 }
 
 impl Scene {
@@ -148,24 +121,37 @@ impl Scene {
     pub fn survey(path: impl AsRef<Path>, options: &LoadOptions) -> Result<(Scene, Vec<SceneError>), SceneError> {
         let path = path.as_ref();
         let format = SceneFormat::of_path(path).ok_or_else(|| at(path, (None, SceneProblem::UnknownFormat)))?;
-        let text = read_text(path, format)?;
-        Scene::of_text(&text, format, path, options)
+        let bytes = read_limited(path).map_err(|error| at(path, (None, SceneProblem::Io(error))))?;
+        Scene::of_bytes(&bytes, format, path, options)
     }
 
-    /// Reads a scene from a text instead of a file; `path` is what messages call it, and files named in it are looked
+    /// Reads a scene from the text of a file; `path` is what messages call it, and files named in it are looked
     /// for beside it.
     ///
     /// # Errors
     /// The first thing wrong with the text or with a block in it.
     pub fn parse(text: &str, format: SceneFormat, path: &Path) -> Result<Scene, SceneError> {
-        match Scene::of_text(text, format, path, &LoadOptions::default())? {
+        Scene::parse_bytes(text.as_bytes(), format, path, &LoadOptions::default())
+    }
+
+    /// As [`Scene::parse`], of the bytes of a file, with options.
+    ///
+    /// # Errors
+    /// The first thing wrong with the bytes or with a block in them.
+    pub fn parse_bytes(
+        bytes: &[u8],
+        format: SceneFormat,
+        path: &Path,
+        options: &LoadOptions,
+    ) -> Result<Scene, SceneError> {
+        match Scene::of_bytes(bytes, format, path, options)? {
             (scene, problems) if problems.is_empty() => Ok(scene),
             (_, mut problems) => Err(problems.swap_remove(0)),
         }
     }
 
-    fn of_text(
-        text: &str,
+    fn of_bytes(
+        bytes: &[u8],
         format: SceneFormat,
         path: &Path,
         options: &LoadOptions,
@@ -173,9 +159,9 @@ impl Scene {
         let mut gathered = SceneBuilder::default();
         let mut scene = Scene::default();
         let mut attached = None;
-        match read_foreign(text, format) {
+        match read_foreign(bytes, format, options) {
             None => {
-                let document = toml::read(text).map_err(|problem| at(path, problem))?;
+                let document = as_text(bytes).and_then(toml::read).map_err(|problem| at(path, problem))?;
                 gathered.add_entries(&document, path, options)?;
                 (scene.tolerances, scene.simulation) = (document.tolerances, document.simulation);
                 attached = Some(document.attached);
@@ -224,8 +210,8 @@ impl ToleranceSpec {
     /// When the file cannot be read or says what is not allowed.
     pub fn load(path: impl AsRef<Path>) -> Result<ToleranceSpec, SceneError> {
         let path = path.as_ref();
-        let text = read_text(path, SceneFormat::Toml)?;
-        toml::read_tolerances(&text).map_err(|problem| at(path, problem))
+        let bytes = read_limited(path).map_err(|error| at(path, (None, SceneProblem::Io(error))))?;
+        as_text(&bytes).and_then(toml::read_tolerances).map_err(|problem| at(path, problem))
     }
 }
 
@@ -250,10 +236,10 @@ impl SceneBuilder {
             let assembly = Assembly { file: path, options, planarity, merging: Merging::Exact };
             let raw = |vertices, faces| RawBlock {
                 name: entry.name.clone(),
-                fixed: false,
                 vertices,
                 faces,
-                line: entry.line,
+                line: Some(entry.line),
+                ..RawBlock::default()
             };
             match &entry.content {
                 toml::ShapeSource::Mesh { vertices, faces } => {
@@ -269,16 +255,16 @@ impl SceneBuilder {
                     let format = SceneFormat::of_path(&file).filter(|f| *f != SceneFormat::Toml).ok_or_else(|| {
                         refuse(SceneProblem::Unsupported {
                             what: format!("`file` {}", crate::number_text::shown(name)),
-                            allowed: "a scene can take blocks from .dda, .obj, .vtk, .txt and .voro".to_string(),
+                            allowed: format!(
+                                "a scene can take blocks from {}",
+                                SceneFormat::listed(|format| format != SceneFormat::Toml)
+                            ),
                         })
                     })?;
-                    let text = read_text(&file, format).map_err(|error| match error.problem {
-                        SceneProblem::Io(error) => {
-                            refuse(SceneProblem::NamedFile { file: file.display().to_string(), error })
-                        }
-                        _ => error,
-                    })?;
-                    let mut raws = read_foreign(&text, format).unwrap_or(Ok(Vec::new())).map_err(|p| at(&file, p))?;
+                    let bytes = read_limited(&file)
+                        .map_err(|error| refuse(SceneProblem::NamedFile { file: file.display().to_string(), error }))?;
+                    let raws = read_foreign(&bytes, format, options).unwrap_or(Ok(Vec::new()));
+                    let mut raws = raws.map_err(|problem| at(&file, problem))?;
                     let several = raws.len() > 1;
                     for (i, raw) in raws.iter_mut().enumerate() {
                         if let Some(name) = &entry.name {
@@ -306,30 +292,31 @@ impl SceneBuilder {
 }
 
 /// The blocks of a file in a format that is not the project's own.
-fn read_foreign(text: &str, format: SceneFormat) -> Option<Result<Vec<RawBlock>, Located>> {
-    match format {
-        SceneFormat::Toml => None,
-        SceneFormat::Dda => Some(dda::read(text)),
-        SceneFormat::Obj => Some(obj::read(text)),
-        SceneFormat::Vtk => Some(vtk::read(text)),
-        SceneFormat::Voro => Some(voro::read(text)),
-    }
+fn read_foreign(bytes: &[u8], format: SceneFormat, options: &LoadOptions) -> Option<Result<Vec<RawBlock>, Located>> {
+    let weld = options.weld.as_ref();
+    let text = |read: fn(&str) -> Result<Vec<RawBlock>, Located>| {
+        let blocks = as_text(bytes).and_then(read);
+        blocks.map(|blocks| blocks.into_iter().map(|raw| welded(raw, weld)).collect())
+    };
+    Some(match format {
+        SceneFormat::Toml => return None,
+        SceneFormat::Dda => text(dda::read),
+        SceneFormat::Obj => as_text(bytes).and_then(|text| obj::read(text, weld)),
+        SceneFormat::Stl => stl::read(bytes, weld.unwrap_or(&Number::ZERO)),
+        SceneFormat::Ply => ply::read(bytes, weld),
+        SceneFormat::Msh => as_text(bytes).and_then(|text| msh::read(text, weld)),
+        SceneFormat::Vtk if vtk::is_binary(bytes) => Err(vtk::binary()),
+        SceneFormat::Vtk => text(vtk::read),
+        SceneFormat::Vtu => vtu::read(bytes).map(|blocks| blocks.into_iter().map(|raw| welded(raw, weld)).collect()),
+        SceneFormat::Voro => text(voro::read),
+    })
 }
 
-/// A file as text, or why it is none.
-fn read_text(path: &Path, format: SceneFormat) -> Result<String, SceneError> {
-    let bytes = read_limited(path).map_err(|error| at(path, (None, SceneProblem::Io(error))))?;
-    if format == SceneFormat::Vtk && vtk::is_binary(&bytes) {
-        return Err(at(path, vtk::binary()));
+fn welded(raw: RawBlock, distance: Option<&Number>) -> RawBlock {
+    match distance {
+        Some(distance) => mesh::weld_block(raw, distance),
+        None => raw,
     }
-    let not_text = |offset: usize, bytes: &[u8]| {
-        let line = bytes[..offset].iter().filter(|&&b| b == b'\n').count() + 1;
-        at(path, (Some(line), SceneProblem::NotText { offset, byte: bytes[offset] }))
-    };
-    if let Some(offset) = bytes.iter().position(|&b| b == 0) {
-        return Err(not_text(offset, &bytes));
-    }
-    String::from_utf8(bytes).map_err(|error| not_text(error.utf8_error().valid_up_to(), error.as_bytes()))
 }
 
 fn at(file: &Path, (line, problem): Located) -> SceneError {

@@ -5,18 +5,14 @@
 //! Texture coordinates, normals, groups, materials and smoothing are skipped.
 
 use crate::block::Point;
+use crate::number::Number;
 use crate::number_text::shown;
 use crate::scene::error::SceneProblem;
+use crate::scene::mesh::{Face, blocks, weld};
 use crate::scene::raw::RawBlock;
 use crate::scene::tokens::{Located, Token, number, unexpected};
 use crate::vector::Vec3;
-use std::collections::{BTreeSet, HashMap};
-
-/// A face by vertex numbers of the file, from 0.
-struct Face {
-    vertices: Vec<u32>,
-    line: usize,
-}
+use std::collections::BTreeSet;
 
 /// The faces between two `o` statements.
 #[derive(Default)]
@@ -25,7 +21,7 @@ struct Object {
     faces: Vec<Face>,
 }
 
-pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
+pub(super) fn read(text: &str, weld_distance: Option<&Number>) -> Result<Vec<RawBlock>, Located> {
     let mut vertices: Vec<(Point, usize)> = Vec::new();
     let mut objects = vec![Object::default()];
     for (line, statement) in statements(text) {
@@ -59,7 +55,11 @@ pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
         };
         return Err((Some(vertices[unused as usize].1), problem));
     }
-    Ok(objects.iter().flat_map(|object| blocks(object, &vertices)).collect())
+    let points: Vec<Point> = vertices.into_iter().map(|(point, _)| point).collect();
+    if let Some(distance) = weld_distance {
+        objects.iter_mut().for_each(|object| weld(&mut object.faces, &points, distance));
+    }
+    Ok(objects.iter().flat_map(|object| blocks(object.name.as_deref(), &object.faces, &points)).collect())
 }
 
 /// Statements with the line each begins on: without comments, lines that end in a backslash joined to the next.
@@ -112,7 +112,7 @@ fn face<'a>(words: impl Iterator<Item = Token<'a>>, vertices: &[(Point, usize)],
             SceneProblem::Unexpected { found, expected: "a face of 3 vertices or more".to_string() },
         ));
     }
-    Ok(Face { vertices, line })
+    Ok(Face { vertices, line: Some(line) })
 }
 
 /// `i`, `i/t`, `i//n` or `i/t/n`: vertices count from 1, or from −1 backwards, among those above the face.
@@ -152,57 +152,4 @@ fn corner(word: Token<'_>, count: usize) -> Result<u32, Located> {
             Err((Some(word.line), problem))
         }
     }
-}
-
-/// One block for every set of faces joined by edges, in the order of their first faces.
-fn blocks(object: &Object, vertices: &[(Point, usize)]) -> Vec<RawBlock> {
-    let components = components(&object.faces);
-    let count = components.len();
-    let block = |(i, members): (usize, Vec<usize>)| {
-        let used: BTreeSet<u32> = members.iter().flat_map(|&f| object.faces[f].vertices.iter().copied()).collect();
-        let place: HashMap<u32, u32> = used.iter().zip(0..).map(|(&v, i)| (v, i)).collect();
-        RawBlock {
-            name: object.name.as_ref().map(|name| if count == 1 { name.clone() } else { format!("{name}_{i}") }),
-            fixed: false,
-            vertices: used.iter().map(|&v| vertices[v as usize].0.clone()).collect(),
-            faces: members.iter().map(|&f| object.faces[f].vertices.iter().map(|v| place[v]).collect()).collect(),
-            line: object.faces[members[0]].line,
-        }
-    };
-    components.into_iter().enumerate().map(block).collect()
-}
-
-fn components(faces: &[Face]) -> Vec<Vec<usize>> {
-    let mut by_edge: HashMap<(u32, u32), Vec<usize>> = HashMap::new();
-    let edges = |face: &Face| -> Vec<(u32, u32)> {
-        crate::topology::loop_pairs(&face.vertices).map(|(p, q)| (p.min(q), p.max(q))).collect()
-    };
-    for (i, face) in faces.iter().enumerate() {
-        for edge in edges(face) {
-            by_edge.entry(edge).or_default().push(i);
-        }
-    }
-    let mut seen = vec![false; faces.len()];
-    let mut components = Vec::new();
-    for first in 0..faces.len() {
-        if std::mem::replace(&mut seen[first], true) {
-            continue;
-        }
-        let mut members = vec![first];
-        let mut next = 0;
-        while let Some(&face) = members.get(next) {
-            next += 1;
-            for edge in edges(&faces[face]) {
-                // Taken out, so that an edge with many faces is walked once.
-                for other in by_edge.remove(&edge).unwrap_or_default() {
-                    if !std::mem::replace(&mut seen[other], true) {
-                        members.push(other);
-                    }
-                }
-            }
-        }
-        members.sort_unstable();
-        components.push(members);
-    }
-    components
 }

@@ -1,21 +1,24 @@
 //! A block as a file has it, before it is known to be one.
 
-use crate::block::{Block, BlockOptions, Merging, Point};
+use crate::block::{Block, BlockError, BlockOptions, Merged, Merging, Point};
 use crate::number::Number;
 use crate::scene::error::{SceneError, SceneProblem};
+use crate::scene::mesh::orient_alike;
 use crate::scene::{BlockOrigin, LoadOptions, SceneBlock};
 use crate::simulation::{Body, Motion};
 use std::path::Path;
 
 /// Vertices and faces as read.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct RawBlock {
     pub(super) name: Option<String>,
     pub(super) fixed: bool,
     pub(super) vertices: Vec<Point>,
     pub(super) faces: Vec<Vec<u32>>,
-    /// Where it begins.
-    pub(super) line: usize,
+    /// Where it begins, in a file of lines.
+    pub(super) line: Option<usize>,
+    /// A cell of a grid: files do not agree on which way its faces run round, so they may be turned.
+    pub(super) is_cell: bool,
 }
 
 /// How the blocks of one file become blocks of a scene.
@@ -38,7 +41,12 @@ impl Assembly<'_> {
             None => format!("block {number}"),
         };
         let name = raw.name.unwrap_or_else(|| format!("block_{number}"));
-        match Block::merged(raw.vertices, raw.faces, &options, self.merging) {
+        let merged = if raw.is_cell {
+            self.build_cell(raw.vertices, raw.faces, &options)
+        } else {
+            Block::merged(raw.vertices, raw.faces, &options, self.merging)
+        };
+        match merged {
             Ok((block, merged)) => Ok(SceneBlock {
                 name,
                 body: Body { motion: if raw.fixed { Motion::Fixed } else { Motion::default() }, ..Body::default() },
@@ -49,9 +57,26 @@ impl Assembly<'_> {
             }),
             Err(error) => Err(SceneError {
                 file: self.file.to_path_buf(),
-                line: Some(raw.line),
+                line: raw.line,
                 problem: SceneProblem::Block { block: label, error },
             }),
+        }
+    }
+
+    /// A cell whose faces run round alike, from outside or from inside.
+    fn build_cell(
+        &self,
+        vertices: Vec<Point>,
+        mut faces: Vec<Vec<u32>>,
+        options: &BlockOptions,
+    ) -> Result<(Block, Merged), BlockError> {
+        orient_alike(&mut faces);
+        match Block::merged(vertices.clone(), faces.clone(), options, self.merging) {
+            Err(BlockError::NotPositiveVolume { volume }) if volume < 0.0 => {
+                faces.iter_mut().for_each(|face| face.reverse());
+                Block::merged(vertices, faces, options, self.merging)
+            }
+            outcome => outcome,
         }
     }
 }

@@ -8,6 +8,18 @@ use crate::vector::Vec3;
 /// A problem with the line it is on.
 pub(super) type Located = (Option<usize>, SceneProblem);
 
+/// The bytes of a file as text.
+pub(super) fn as_text(bytes: &[u8]) -> Result<&str, Located> {
+    let not_text = |offset: usize| {
+        let line = bytes[..offset].iter().filter(|&&b| b == b'\n').count() + 1;
+        (Some(line), SceneProblem::NotText { offset, byte: bytes[offset] })
+    };
+    if let Some(offset) = bytes.iter().position(|&b| b == 0) {
+        return Err(not_text(offset));
+    }
+    std::str::from_utf8(bytes).map_err(|error| not_text(error.valid_up_to()))
+}
+
 /// One word of a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Token<'a> {

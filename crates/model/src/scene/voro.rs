@@ -48,7 +48,7 @@ fn read_line(text: &str, line: usize) -> Result<RawBlock, Located> {
         };
         return Err((Some(line), problem));
     }
-    Ok(RawBlock { name: Some(format!("cell_{id}")), fixed: false, vertices, faces, line })
+    Ok(RawBlock { name: Some(format!("cell_{id}")), vertices, faces, line: Some(line), ..RawBlock::default() })
 }
 
 /// The words between the parentheses and commas of one word.

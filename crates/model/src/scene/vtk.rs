@@ -230,11 +230,10 @@ fn block(cell: &FaceStream<'_>, points: &[(Point, usize)]) -> Result<RawBlock, L
     let used: BTreeSet<u32> = faces.iter().flatten().copied().collect();
     let place: HashMap<u32, u32> = used.iter().zip(0..).map(|(&v, i)| (v, i)).collect();
     Ok(RawBlock {
-        name: None,
-        fixed: false,
         vertices: used.iter().map(|&v| points[v as usize].0.clone()).collect(),
         faces: faces.iter().map(|f| f.iter().map(|v| place[v]).collect()).collect(),
-        line: cell.line,
+        line: Some(cell.line),
+        ..RawBlock::default()
     })
 }
 

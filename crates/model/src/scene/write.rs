@@ -1,11 +1,12 @@
-//! Writing scenes. TOML keeps everything exactly; OBJ and VTK hold decimals, so only f64 coordinates can be exact there.
+//! Writing scenes. TOML keeps everything exactly; the other formats hold decimals or f64, so only f64 coordinates can be exact there.
 
+mod mesh;
 mod simulation;
 
 use crate::block::{BlockOptions, Point};
 use crate::number::Number;
-use crate::scene::{Scene, SceneBlock};
-use crate::simulation::Simulation;
+use crate::scene::{Scene, SceneBlock, SceneFormat};
+use crate::simulation::{Body, Simulation};
 use crate::tolerance_spec::ToleranceSpec;
 use std::fmt::Write;
 
@@ -28,6 +29,60 @@ pub enum FormatError {
         /// The format.
         format: &'static str,
     },
+    /// A format that is only read.
+    #[error("cannot write this format; known are {}", SceneFormat::listed(SceneFormat::is_written))]
+    ReadOnly,
+    /// What the writer of XML says.
+    #[error("{message}")]
+    Failed {
+        /// Its words.
+        message: String,
+    },
+}
+
+/// The scene as a file of a format.
+///
+/// # Errors
+/// When the format is only read, or cannot hold a coordinate.
+pub fn write(scene: &Scene, format: SceneFormat) -> Result<Vec<u8>, FormatError> {
+    match format {
+        SceneFormat::Toml => Ok(write_toml(scene).into_bytes()),
+        SceneFormat::Obj => write_obj(scene).map(String::into_bytes),
+        SceneFormat::Stl => mesh::stl(scene).map(String::into_bytes),
+        SceneFormat::Vtk => write_vtk(scene).map(String::into_bytes),
+        SceneFormat::Vtu => mesh::vtu(scene),
+        SceneFormat::Dda | SceneFormat::Ply | SceneFormat::Msh | SceneFormat::Voro => Err(FormatError::ReadOnly),
+    }
+}
+
+/// What of the scene a format does not keep, in sentences for its user.
+pub fn losses(scene: &Scene, format: SceneFormat) -> Vec<String> {
+    let mut lost = Vec::new();
+    if format == SceneFormat::Toml {
+        return lost;
+    }
+    let fixed = scene.blocks.iter().filter(|b| b.body.is_fixed()).count();
+    if fixed > 0 {
+        lost.push(format!("this format does not keep which blocks are fixed ({fixed} are)"));
+    }
+    if scene.tolerances.is_some() {
+        lost.push("this format does not keep tolerances".to_owned());
+    }
+    let at_rest = |block: &SceneBlock| Body { motion: block.body.motion, ..Body::default() } == block.body;
+    if scene.simulation != Simulation::default() || !scene.blocks.iter().all(at_rest) {
+        lost.push("this format does not keep what makes blocks move: materials, joints, velocities, loads".to_owned());
+    }
+    let is_named = |(number, block): (usize, &SceneBlock)| block.name != format!("block_{number}");
+    if matches!(format, SceneFormat::Vtk | SceneFormat::Vtu) && scene.blocks.iter().enumerate().any(is_named) {
+        lost.push("this format does not keep the names of blocks".to_owned());
+    }
+    if format == SceneFormat::Stl {
+        lost.push(
+            "STL holds triangles that share no vertices; they are written with all digits of an f64, and most programs read them as f32"
+                .to_owned(),
+        );
+    }
+    lost
 }
 
 /// The scene as TOML: read back, it is the same scene, exactly. Where a block was read from is not part of that.
@@ -99,7 +154,7 @@ fn toml_number(number: &Number) -> String {
 ///
 /// # Errors
 /// When a coordinate is no f64.
-pub fn write_obj(scene: &Scene) -> Result<String, FormatError> {
+fn write_obj(scene: &Scene) -> Result<String, FormatError> {
     let mut out = String::new();
     let mut first = 1;
     for (number, block) in scene.blocks.iter().enumerate() {
@@ -121,7 +176,7 @@ pub fn write_obj(scene: &Scene) -> Result<String, FormatError> {
 ///
 /// # Errors
 /// When a coordinate is no f64.
-pub fn write_vtk(scene: &Scene) -> Result<String, FormatError> {
+fn write_vtk(scene: &Scene) -> Result<String, FormatError> {
     let points: usize = scene.blocks.iter().map(|b| b.block.vertices().len()).sum();
     let mut out = String::from("# vtk DataFile Version 3.0\nblocks\nASCII\nDATASET UNSTRUCTURED_GRID\n");
     push(&mut out, format_args!("POINTS {points} double\n"));

@@ -1,0 +1,93 @@
+//! Which formats there are: the one list that readers, writers, messages and options go by.
+
+use crate::block::Merging;
+use std::ffi::OsStr;
+use std::path::Path;
+
+/// A file format for blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SceneFormat {
+    /// The project's own scenes, `.toml`.
+    Toml,
+    /// UnBlocks-gen, `.dda`.
+    Dda,
+    /// Wavefront, `.obj`.
+    Obj,
+    /// Stereolithography, text or binary, `.stl`.
+    Stl,
+    /// Polygons (Stanford), text or binary, `.ply`.
+    Ply,
+    /// Gmsh in ASCII, `.msh`.
+    Msh,
+    /// Legacy VTK polyhedra in ASCII, `.vtk`.
+    Vtk,
+    /// VTK's unstructured grids in XML, `.vtu`.
+    Vtu,
+    /// voro++, `.txt` or `.voro`.
+    Voro,
+}
+
+impl SceneFormat {
+    /// All formats, in the order in which messages name them.
+    pub const ALL: [SceneFormat; 9] = [
+        SceneFormat::Toml,
+        SceneFormat::Dda,
+        SceneFormat::Obj,
+        SceneFormat::Stl,
+        SceneFormat::Ply,
+        SceneFormat::Msh,
+        SceneFormat::Vtk,
+        SceneFormat::Vtu,
+        SceneFormat::Voro,
+    ];
+
+    /// How names of such files end, in small letters, without the dot.
+    pub fn extensions(self) -> &'static [&'static str] {
+        match self {
+            SceneFormat::Toml => &["toml"],
+            SceneFormat::Dda => &["dda"],
+            SceneFormat::Obj => &["obj"],
+            SceneFormat::Stl => &["stl"],
+            SceneFormat::Ply => &["ply"],
+            SceneFormat::Msh => &["msh"],
+            SceneFormat::Vtk => &["vtk"],
+            SceneFormat::Vtu => &["vtu"],
+            SceneFormat::Voro => &["txt", "voro"],
+        }
+    }
+
+    /// The format that a file's extension names; upper or lower case.
+    pub fn of_path(path: &Path) -> Option<SceneFormat> {
+        let extension = path.extension().and_then(OsStr::to_str)?.to_ascii_lowercase();
+        SceneFormat::ALL.into_iter().find(|format| format.extensions().contains(&extension.as_str()))
+    }
+
+    /// Whether [`super::write()`] writes it; all formats are read.
+    pub fn is_written(self) -> bool {
+        match self {
+            SceneFormat::Toml | SceneFormat::Obj | SceneFormat::Stl | SceneFormat::Vtk | SceneFormat::Vtu => true,
+            SceneFormat::Dda | SceneFormat::Ply | SceneFormat::Msh | SceneFormat::Voro => false,
+        }
+    }
+
+    /// Whether such files hold meshes, often of triangles whose coordinates were rounded: faces that one plane holds within the planarity
+    /// become one. The other formats hold faces as they are.
+    pub fn is_mesh(self) -> bool {
+        !matches!(self, SceneFormat::Toml | SceneFormat::Dda | SceneFormat::Voro)
+    }
+
+    pub(super) fn merging(self) -> Merging {
+        if self.is_mesh() { Merging::WithinPlanarity } else { Merging::Exact }
+    }
+
+    /// The extensions of some formats for a message: ".toml, .obj and .vtk".
+    pub fn listed(which: impl Fn(SceneFormat) -> bool) -> String {
+        let formats = SceneFormat::ALL.into_iter().filter(|format| which(*format));
+        let names: Vec<String> = formats.flat_map(SceneFormat::extensions).map(|name| format!(".{name}")).collect();
+        match names.split_last() {
+            Some((last, [])) => last.clone(),
+            Some((last, others)) => format!("{} and {last}", others.join(", ")),
+            None => String::new(),
+        }
+    }
+}

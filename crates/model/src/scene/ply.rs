@@ -1,0 +1,194 @@
+//! Polygon files (Stanford), text or binary: vertices and faces that name them. What else there is of an element, and other elements, are
+//! skipped. A coordinate is the number that its type in the header holds: of a `float`, also in a text, the f32.
+
+use crate::block::Point;
+use crate::number::Number;
+use crate::scene::error::SceneProblem;
+use crate::scene::mesh::{Face, blocks, weld};
+use crate::scene::raw::RawBlock;
+use crate::scene::tokens::{Located, out_of};
+use crate::text::{SHOWN, excerpt};
+use crate::vector::Vec3;
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType};
+
+/// An element: a vertex, a face, or one of which nothing is kept.
+struct Row {
+    at: [f64; 3],
+    corners: Vec<i64>,
+}
+
+impl PropertyAccess for Row {
+    fn new() -> Row {
+        Row { at: [f64::NAN; 3], corners: Vec::new() }
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        if let Some(axis) = AXES.iter().position(|axis| *axis == name) {
+            if let Some(value) = coordinate(&property) {
+                self.at[axis] = value;
+            }
+        } else if CORNERS.contains(&name) {
+            self.corners = numbers(property);
+        }
+        PropertyAccessResult::Set
+    }
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+/// Programs call them either way.
+const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+fn coordinate(property: &Property) -> Option<f64> {
+    Some(match property {
+        Property::Char(v) => f64::from(*v),
+        Property::UChar(v) => f64::from(*v),
+        Property::Short(v) => f64::from(*v),
+        Property::UShort(v) => f64::from(*v),
+        Property::Int(v) => f64::from(*v),
+        Property::UInt(v) => f64::from(*v),
+        Property::Float(v) => f64::from(*v),
+        Property::Double(v) => *v,
+        _ => return None,
+    })
+}
+
+fn numbers(property: Property) -> Vec<i64> {
+    match property {
+        Property::ListChar(all) => all.into_iter().map(i64::from).collect(),
+        Property::ListUChar(all) => all.into_iter().map(i64::from).collect(),
+        Property::ListShort(all) => all.into_iter().map(i64::from).collect(),
+        Property::ListUShort(all) => all.into_iter().map(i64::from).collect(),
+        Property::ListInt(all) => all.into_iter().map(i64::from).collect(),
+        Property::ListUInt(all) => all.into_iter().map(i64::from).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// The elements of one sort, and the line of the first, in a text.
+#[derive(Default)]
+struct Rows {
+    rows: Vec<Row>,
+    first_line: Option<usize>,
+}
+
+impl Rows {
+    fn line(&self, number: usize) -> Option<usize> {
+        self.first_line.map(|first| first + number)
+    }
+}
+
+/// The blocks of a file: one for every set of faces joined by edges.
+pub(super) fn read(bytes: &[u8], distance: Option<&Number>) -> Result<Vec<RawBlock>, Located> {
+    let mut reader = Reader::new(bytes);
+    let parser = Parser::<Row>::new();
+    let header = parser.read_header(&mut reader).map_err(located)?;
+    let is_text = header.encoding == Encoding::Ascii;
+    let (mut vertices, mut faces) = (Rows::default(), Rows::default());
+    for element in header.elements.values() {
+        check_element(element, bytes.len())?;
+        let first_line = is_text.then(|| reader.line().max(1));
+        let rows = parser.read_payload_for_element(&mut reader, element, &header).map_err(|error| {
+            let (line, problem) = located(error);
+            (line.filter(|_| is_text), problem)
+        })?;
+        match element.name.as_str() {
+            "vertex" => vertices = Rows { rows, first_line },
+            "face" => faces = Rows { rows, first_line },
+            _ => {}
+        }
+    }
+    let points = points(&vertices)?;
+    let mut faces = polygons(&faces, points.len())?;
+    let mut used = vec![false; points.len()];
+    faces.iter().flat_map(|face| &face.vertices).for_each(|&vertex| used[vertex as usize] = true);
+    if let Some(unused) = used.iter().position(|&used| !used) {
+        let what = format!("vertex {unused} of the file");
+        let problem =
+            SceneProblem::NotAllowed { what, found: "in no face".to_owned(), allowed: "to be in a face".to_owned() };
+        return Err((vertices.line(unused), problem));
+    }
+    if let Some(distance) = distance {
+        weld(&mut faces, &points, distance);
+    }
+    Ok(blocks(None, &faces, &points))
+}
+
+/// What of an element cannot be, before any of it is read.
+fn check_element(element: &ElementDef, bytes: usize) -> Result<(), Located> {
+    let scalar = |name: &&str| {
+        matches!(element.properties.get(*name).map(|property| &property.data_type), Some(PropertyType::Scalar(_)))
+    };
+    let list = |name: &&str| {
+        use ply_rs_bw::ply::ScalarType::{Double, Float};
+        let kind = element.properties.get(*name).map(|property| &property.data_type);
+        matches!(kind, Some(PropertyType::List(_, entry)) if !matches!(entry, Float | Double))
+    };
+    let missing = match element.name.as_str() {
+        "vertex" => AXES.iter().find(|name| !scalar(name)).map(|name| format!("a number \"{name}\"")),
+        "face" if !CORNERS.iter().any(list) => {
+            Some("a list of whole numbers \"vertex_indices\" or \"vertex_index\"".to_owned())
+        }
+        _ => None,
+    };
+    if let Some(expected) = missing {
+        let expected = format!("{expected} among the properties of \"{}\"", element.name);
+        return Err((None, SceneProblem::Truncated { expected }));
+    }
+    // Each takes a byte or more, and one without properties would take none.
+    if element.properties.is_empty() || element.count > bytes {
+        let what = format!("the number of elements \"{}\"", excerpt(&element.name, SHOWN));
+        let allowed = match element.properties.is_empty() {
+            true => "0, since they have no property".to_owned(),
+            false => format!("at most {bytes}, the bytes of the file"),
+        };
+        if element.count > 0 {
+            return Err((None, SceneProblem::NotAllowed { what, found: element.count.to_string(), allowed }));
+        }
+    }
+    Ok(())
+}
+
+fn points(vertices: &Rows) -> Result<Vec<Point>, Located> {
+    let point = |(number, row): (usize, &Row)| {
+        let coordinate = |axis: usize| {
+            Number::from_f64(row.at[axis]).map_err(|error| {
+                let what = format!("coordinate {} of vertex {number}", AXES[axis]);
+                (vertices.line(number), SceneProblem::Number { what, error })
+            })
+        };
+        Ok(Vec3::new(coordinate(0)?, coordinate(1)?, coordinate(2)?))
+    };
+    vertices.rows.iter().enumerate().map(point).collect()
+}
+
+fn polygons(faces: &Rows, points: usize) -> Result<Vec<Face>, Located> {
+    let polygon = |(number, row): (usize, &Row)| {
+        let line = faces.line(number);
+        let corner = |&corner: &i64| match u32::try_from(corner) {
+            Ok(place) if (place as usize) < points => Ok(place),
+            _ => Err((line, out_of(&format!("a vertex number of face {number}"), corner, points))),
+        };
+        let vertices = row.corners.iter().map(corner).collect::<Result<Vec<u32>, Located>>()?;
+        if vertices.len() < 3 {
+            let found = format!("face {number} of {} vertices", vertices.len());
+            let expected = "a face of 3 vertices or more".to_owned();
+            return Err((line, SceneProblem::Unexpected { found, expected }));
+        }
+        Ok(Face { vertices, line })
+    };
+    faces.rows.iter().enumerate().map(polygon).collect()
+}
+
+/// What the library says, on one line; it quotes lines of the file in full.
+fn located(error: ParseError) -> Located {
+    let line = error.line();
+    let said = error.to_string();
+    let said = match line {
+        Some(line) => said.strip_prefix(&format!("Line {line}: ")).unwrap_or(&said),
+        None => &said,
+    };
+    let said: Vec<&str> = said.split_whitespace().collect();
+    let found = format!("what is no PLY ({})", excerpt(&said.join(" "), SHOWN));
+    (line, SceneProblem::Unexpected { found, expected: "what the header announces".to_owned() })
+}
