@@ -245,7 +245,7 @@ fn files_that_are_none() {
         (&["check", "missing.dda"], &["missing.dda:", "No such file"]),
         (&["check", "folder.dda"], &["folder.dda:", "directory"]),
         (&["check", "bytes.toml"], &["bytes.toml:2:", "byte 2 of the file is 0xff"]),
-        (&["check", "good.stl"], &["good.stl:", "cannot tell the format"]),
+        (&["check", "good.step"], &["good.step:", "cannot tell the format"]),
         (&["check", "good"], &["good:", "cannot tell the format"]),
         (&["check"], &["<FILE>"]),
         (&["check", "good.obj", "--planarity", "-1"], &["--planarity", "must be 0 or more"]),
