@@ -29,7 +29,7 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 14] = [
     ("gate", &["model", "differential", "campaign", "results"]),
     ("tune", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
     ("bench", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
-    ("report", &["model", "oracle", "simulate", "differential", "campaign", "results"]),
+    ("report", &["model", "oracle", "simulate", "differential", "campaign", "gate", "results"]),
     // Nothing depends on it but tests and examples.
     ("fuzz", &["model", "oracle", "stepper", "results", "differential", "campaign", "gate", "report"]),
     // The stepper against closed forms; what those say needs no oracle.

@@ -11,7 +11,7 @@ const DIRECTORY: u64 = 20;
 const WANTED_OF: u64 = 3_000;
 
 /// What [`WANTED_OF`] inputs of each target reach at least: about a third of what they did when this was written.
-const WANTED: [(&str, &[(&str, u64)]); 16] = [
+const WANTED: [(&str, &[(&str, u64)]); 20] = [
     (
         "scene",
         &[
@@ -62,6 +62,45 @@ const WANTED: [(&str, &[(&str, u64)]); 16] = [
             ("Truncated", 80),
             ("Unexpected", 600),
             ("Unsupported", 50),
+        ],
+    ),
+    (
+        "stl",
+        &[
+            ("read", 86),
+            ("Block", 47),
+            ("NotAllowed", 24),
+            ("NotText", 21),
+            ("Number", 2),
+            ("Truncated", 37),
+            ("Unexpected", 781),
+        ],
+    ),
+    ("ply", &[("read", 59), ("Block", 23), ("NoBlock", 1), ("NotAllowed", 9), ("Truncated", 21), ("Unexpected", 885)]),
+    (
+        "msh",
+        &[
+            ("read", 67),
+            ("Block", 21),
+            ("NotAllowed", 108),
+            ("NotText", 32),
+            ("Number", 3),
+            ("Truncated", 136),
+            ("Unexpected", 582),
+            ("Unsupported", 46),
+        ],
+    ),
+    (
+        "vtu",
+        &[
+            ("read", 90),
+            ("Block", 45),
+            ("NotAllowed", 191),
+            ("NotText", 34),
+            ("Number", 4),
+            ("Truncated", 70),
+            ("Unexpected", 547),
+            ("Unsupported", 14),
         ],
     ),
     (
