@@ -172,7 +172,7 @@ fn killed_again_and_again(place: &Place, out: &str, kills: u32, random: &mut Ran
         let group = format!("-{}", child.id());
         if child.try_wait().expect("a child").is_some() {
             // It came to its end first: begin anew.
-            fs::remove_dir_all(place.at(out)).expect("remove");
+            let _ = fs::remove_dir_all(place.at(out));
             continue;
         }
         match (what, running.first(), running.last()) {
@@ -208,7 +208,7 @@ fn killed_again_and_again(place: &Place, out: &str, kills: u32, random: &mut Ran
         }
         if code == Some(0) {
             // Too late to disturb it.
-            fs::remove_dir_all(place.at(out)).expect("remove");
+            let _ = fs::remove_dir_all(place.at(out));
         } else {
             done[what] += 1;
         }
@@ -242,7 +242,7 @@ fn bears(kills: u32, seed: u64) {
             _ => works(&place, 2 + random.below(3) as usize, &["campaign.toml", "--out", "killed", "--resume"]),
         }
         place.same("killed", "whole");
-        fs::remove_dir_all(place.at("killed")).expect("remove");
+        let _ = fs::remove_dir_all(place.at("killed"));
     }
     println!("workers killed {}, rank 0 {}, whole jobs {}, jobs asked to end {}", sum[0], sum[1], sum[2], sum[3]);
 }
