@@ -134,6 +134,8 @@ def test_settings_that_mean_nothing_are_refused():
 
 
 def test_ctrl_c_ends_a_campaign():
+    # A shell starts what runs in its background with Ctrl-C ignored, and Python leaves that so.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
     begun = time.monotonic()
     timer.start()

@@ -8,7 +8,7 @@ use super::table::{Table, TableCell, grouped};
 use super::verdict::{Severity, VerdictLine};
 use rockproof_campaign::proportion::Proportion;
 use rockproof_differential::agreement::ChainSpan;
-use rockproof_gate::comparison::{Comparable, FindingComparison, Trend};
+use rockproof_gate::comparison::{ClassChange, Comparable, FindingComparison, Trend};
 use rockproof_gate::tally::CampaignTally;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -168,7 +168,11 @@ impl RunComparison {
             "Which findings changed?",
             "A sort of findings is of one engine, cause, change and predicate. Pairs count once for each tolerance set.",
         );
-        changed.parts.push(SectionPart::Table(self.class_table(), 40));
+        let caption = "Sorts of findings that changed, before and after; chance: how likely a difference so large is where pairs differ";
+        let differing = |class: &&ClassChange| class.trend != Trend::Same;
+        let classes = self.findings.classes.iter();
+        changed.parts.push(SectionPart::Table(class_table("changed", caption, classes.clone().filter(differing)), 40));
+        changed.parts.push(SectionPart::Quiet(class_table("classes", "The same of all sorts", classes)));
         let mut shares = Section::new(
             "shares",
             "How often is the answer right?",
@@ -179,42 +183,6 @@ impl RunComparison {
         settings.parts.push(SectionPart::Table(self.setting_table(), 40));
         let sections = vec![changed, shares, settings];
         Report { title: format!("{before} → {after}"), verdict: self.verdict(), sections }
-    }
-
-    /// The sorts of findings as a table, those to look at first.
-    pub fn class_table(&self) -> Table {
-        let mut table = Table::new(
-            "changed",
-            "Findings by engine, cause, change and predicate, before and after; chance: how likely a difference so large is where pairs differ",
-            &[
-                "trend",
-                "engine",
-                "cause",
-                "change",
-                "predicate",
-                "findings_before",
-                "findings_after",
-                "pairs_before",
-                "pairs_after",
-                "only_before",
-                "only_after",
-                "examined_before",
-                "examined_after",
-                "chance",
-                "pair",
-            ],
-        );
-        for class in &self.findings.classes {
-            let only = class.only.map_or([TableCell::Empty, TableCell::Empty], |only| only.map(TableCell::Count));
-            let name = &class.class;
-            let words =
-                [class.trend.name(), &name.engine, &name.cause, &name.change, &name.predicate].map(TableCell::from);
-            let counts = [class.findings, class.pairs].into_iter().flatten().map(TableCell::Count);
-            let examined = class.examined.map(TableCell::Count);
-            let last = [TableCell::number(class.chance), class.pair.map_or(TableCell::Empty, TableCell::Count)];
-            table.push(words.into_iter().chain(counts).chain(only).chain(examined).chain(last).collect());
-        }
-        table
     }
 
     fn share_table(&self) -> Table {
@@ -239,6 +207,41 @@ impl RunComparison {
         }
         table
     }
+}
+
+/// Sorts of findings as a table.
+fn class_table<'c>(name: &'static str, caption: &str, classes: impl Iterator<Item = &'c ClassChange>) -> Table {
+    let mut table = Table::new(
+        name,
+        caption,
+        &[
+            "trend",
+            "engine",
+            "cause",
+            "change",
+            "predicate",
+            "findings_before",
+            "findings_after",
+            "pairs_before",
+            "pairs_after",
+            "only_before",
+            "only_after",
+            "examined_before",
+            "examined_after",
+            "chance",
+            "pair",
+        ],
+    );
+    for class in classes {
+        let only = class.only.map_or([TableCell::Empty, TableCell::Empty], |only| only.map(TableCell::Count));
+        let name = &class.class;
+        let words = [class.trend.name(), &name.engine, &name.cause, &name.change, &name.predicate].map(TableCell::from);
+        let counts = [class.findings, class.pairs].into_iter().flatten().map(TableCell::Count);
+        let examined = class.examined.map(TableCell::Count);
+        let last = [TableCell::number(class.chance), class.pair.map_or(TableCell::Empty, TableCell::Count)];
+        table.push(words.into_iter().chain(counts).chain(only).chain(examined).chain(last).collect());
+    }
+    table
 }
 
 impl CampaignRun {
