@@ -1,5 +1,7 @@
 //! One tolerance at a time around `auto`, under both criteria, on the same pairs.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 use rockproof_campaign::pairs::{self, PairConfig};
 use rockproof_campaign::tolerance_sets::SetSource;
@@ -68,10 +70,12 @@ pub(crate) struct Row {
     pub(crate) contacts: u64,
     /// Pairs that the engine answers otherwise than the oracle does for the exact input: f32, f64.
     pub(crate) differ: [u64; 2],
-    /// Pairs of convex blocks that overlap, by no more than `penetration`, and have no contact.
+    /// Pairs of blocks that overlap, by no more than `penetration`, and have no contact.
     pub(crate) missed: u64,
     /// The deepest of them (m).
     pub(crate) deepest: f64,
+    /// The families that they are of.
+    pub(crate) missed_in: BTreeSet<String>,
 }
 
 /// Measures every rung of every ladder.
@@ -102,6 +106,7 @@ pub(crate) fn measure(count: u64) -> Result<Vec<Row>, Box<dyn std::error::Error>
                     differ: [0; 2],
                     missed: 0,
                     deepest: 0.0,
+                    missed_in: BTreeSet::new(),
                 };
                 let row = cases
                     .par_iter()
@@ -123,6 +128,7 @@ impl Row {
         self.missed += other.missed;
         self.differ = [0, 1].map(|k| self.differ[k] + other.differ[k]);
         self.deepest = self.deepest.max(other.deepest);
+        self.missed_in.extend(other.missed_in);
         self
     }
 }
@@ -166,6 +172,7 @@ fn count_differences(
             .map(u64::from),
         missed: u64::from(missed.is_some()),
         deepest: missed.unwrap_or(0.0),
+        missed_in: missed.map(|_| case.family.to_string()).into_iter().collect(),
         ..none
     }
 }

@@ -92,17 +92,17 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
 pub(crate) fn tables(rows: &[Row], approaches: &[Approach], crossings: &[Crossing]) -> String {
     let mut text = String::from(
         "# Rules of thumb: the figures\n\nWritten by `cargo run --release --example rules_of_thumb`; [rules_of_thumb.md](rules_of_thumb.md) says what they mean.\n\n## Pairs\n\n\
-         One tolerance at a time around `auto`; shares in % of the pairs. Changed: the exact contacts are not those of nearest features alone. Missed: convex \
+         One tolerance at a time around `auto`; shares in % of the pairs. Changed: the exact contacts are not those of nearest features alone. Missed: \
          blocks that overlap by no more than `penetration` and have no contact.\n\n\
-         | tolerance | value | criteria | pairs | changed | contacts | f32 differs | f64 differs | missed | deepest missed (m) |\n\
-         | --- | --: | --- | --: | --: | --: | --: | --: | --: | --: |\n",
+         | tolerance | value | criteria | pairs | changed | contacts | f32 differs | f64 differs | missed | deepest missed (m) | missed in |\n\
+         | --- | --: | --- | --: | --: | --: | --: | --: | --: | --: | --- |\n",
     );
     // Writing to a String cannot fail.
     for row in rows {
         let share = |count: u64| 100.0 * count as f64 / row.pairs.max(1) as f64;
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {} | {:.1} | {} | {:.1} | {:.1} | {} | {:.1e} |",
+            "| {} | {} | {} | {} | {:.1} | {} | {:.1} | {:.1} | {} | {:.1e} | {} |",
             row.tolerance,
             row.value,
             row.criteria,
@@ -112,7 +112,8 @@ pub(crate) fn tables(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
             share(row.differ[0]),
             share(row.differ[1]),
             row.missed,
-            row.deepest
+            row.deepest,
+            row.missed_in.iter().map(String::as_str).collect::<Vec<_>>().join(", ")
         );
     }
     text.push_str(
