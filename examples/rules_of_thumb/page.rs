@@ -31,7 +31,7 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
                 x: PlotAxis::linear(ladder.label),
                 y: PlotAxis::linear("pairs (%)"),
                 series,
-                legend: Legend::Inside,
+                legend: Legend::Beside,
             },
         ));
     }
@@ -61,6 +61,7 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
         (Criteria::Revised, 8.0),
         (Criteria::Classic, 0.0),
         (Criteria::Classic, 3.0),
+        (Criteria::Classic, 8.0),
     ];
     let series = kinds.map(|(criteria, parallel)| {
         let mine = crossings
@@ -82,7 +83,7 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
             x,
             y,
             series: series.into(),
-            legend: Legend::Inside,
+            legend: Legend::Beside,
         },
     ));
     all
