@@ -228,7 +228,7 @@ fn family(
                 continue;
             }
             let (set, blocks) = (if engine == MeasuredEngine::F32 { &set.f32 } else { &set.f64 }, (&case.a, &case.b));
-            let (answer, seconds) = timed(engine, blocks, set);
+            let (answer, seconds) = least_time(engine, blocks, set);
             let right = answer.is_some_and(|contacts| match engine {
                 MeasuredEngine::F32 | MeasuredEngine::F64 => contacts == certified(blocks, set).0,
                 // They are what the others are judged by; a test holds them against one another.
@@ -259,6 +259,19 @@ fn certified((a, b): (&Block, &Block), set: &ToleranceSet) -> (Vec<Contact>, f64
     let solids = [rockproof_oracle::PreparedBlock::new(a), rockproof_oracle::PreparedBlock::new(b)];
     let contacts = Pair::new(&solids[0], &solids[1]).classify(set).contacts;
     (contacts, begun.elapsed().as_secs_f64())
+}
+
+/// How often a classification is timed; the first time it fetches its code and the blocks from memory, whichever engine comes first.
+const ROUNDS: usize = 4;
+
+/// The least time of several rounds; of plain rationals, which take thousands of times as long as fetching, one.
+fn least_time(engine: MeasuredEngine, blocks: (&Block, &Block), set: &ToleranceSet) -> Timed {
+    let (answer, first) = timed(engine, blocks, set);
+    if engine == MeasuredEngine::Exact {
+        return (answer, first);
+    }
+    let seconds = (1..ROUNDS).map(|_| timed(engine, blocks, set).1).fold(first, f64::min);
+    (answer, seconds)
 }
 
 /// Makes both blocks ready and classifies them. Rounding the input is not timed: an engine's input is in its precision.
