@@ -2,6 +2,7 @@
 
 use crate::exit::{Outcome, Verdict, print, print_note};
 use crate::input::EngineArgs;
+use crate::input_file::InputFile;
 use crate::replay_step;
 use crate::table::table;
 use rockproof_campaign::engines::Engines;
@@ -19,7 +20,6 @@ use rockproof_model::{Contact, Precision, ToleranceSet};
 use std::collections::BTreeSet;
 use std::fmt;
 use std::io::{self, Write};
-use std::path::PathBuf;
 
 /// Show what each engine and the oracle say about a case, decision by decision where they part
 #[derive(clap::Args)]
@@ -29,8 +29,9 @@ use std::path::PathBuf;
 
 Exit status: 0 the finding recurs, 1 it does not, or the exact answer is not the one the case records, 2 input error.")]
 pub(crate) struct Replay {
-    /// The case of a campaign (.toml), or a step of a lockstep run (.json)
-    case: PathBuf,
+    /// The case of a campaign (.toml), or a step of a lockstep run (.json); or - for stdin, with either
+    #[arg(value_hint = clap::ValueHint::FilePath)]
+    case: InputFile,
     #[command(flatten)]
     external: EngineArgs,
 }
@@ -54,11 +55,17 @@ struct Divergence {
 
 impl Replay {
     pub(crate) fn run(&self) -> Outcome {
-        if StepCase::is_named(&self.case) {
-            return replay_step::run(&self.case);
+        let (text, path) = (self.case.text()?, self.case.path());
+        let is_step = match &self.case {
+            InputFile::Named(path) => StepCase::is_named(path),
+            // No TOML begins so.
+            InputFile::Stdin => text.trim_start().starts_with('{'),
+        };
+        if is_step {
+            return replay_step::run(&text, path);
         }
-        let case = Case::load(&self.case)?;
-        let engines = self.external.engines_of(&case, &self.case)?;
+        let case = Case::from_toml(&text, path.display().to_string())?;
+        let engines = self.external.engines_of(&case, path)?;
         let (said, partings) = answers(&case, &engines);
         let mut out = Vec::new();
         show(&mut out, &case, &said, &partings)?;

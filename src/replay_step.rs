@@ -15,9 +15,9 @@ use rockproof_stepper::dynamics::Solve;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Makes the step of a state file again. Exit 0 where it still differs and the oracle's answer is the one recorded, 1 otherwise.
-pub(super) fn run(path: &Path) -> Outcome {
-    let case = StepCase::load(path).with_context(|| path.display().to_string())?;
+/// Makes the step of a state file again; messages call it by `path`. Exit 0 where it still differs and the oracle's answer is the one recorded, 1 otherwise.
+pub(super) fn run(text: &str, path: &Path) -> Outcome {
+    let case = StepCase::parse(text).with_context(|| path.display().to_string())?;
     let compared = match case.precision()? {
         Precision::F32 => replay_step::<f32>(&case),
         Precision::F64 => replay_step::<f64>(&case),

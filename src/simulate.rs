@@ -5,6 +5,7 @@
 use crate::check::violations_text;
 use crate::exit::{Outcome, Verdict, print, print_error, print_note, shows_progress};
 use crate::input::{ReadArgs, ToleranceArgs};
+use crate::input_file::InputFile;
 use crate::overlaps::overlaps;
 use crate::simulate_exact::ExactRun;
 use crate::step_audit::AuditedRun;
@@ -54,8 +55,8 @@ A run can be interrupted or killed at any moment; --resume continues from its la
 Exit status: 0 done, 1 rules violated, a run that cannot go on, or what --audit objects to, 2 usage or input error, 130 interrupted (go on with
 --resume).")]
 pub(crate) struct Simulate {
-    #[arg(help = format!("Blocks and what moves them: .toml; or blocks alone: {}", SceneFormat::listed(|format| format != SceneFormat::Toml)))]
-    scene: PathBuf,
+    #[arg(help = format!("Blocks and what moves them: .toml; or blocks alone: {}; or - for stdin", SceneFormat::listed(|format| format != SceneFormat::Toml)), value_hint = clap::ValueHint::FilePath)]
+    scene: InputFile,
 
     #[command(flatten)]
     read: ReadArgs,
@@ -172,11 +173,11 @@ struct PreparedRun {
 
 impl Simulate {
     pub(crate) fn run(&self) -> Outcome {
-        let mut scene = Scene::load_with(&self.scene, &self.read.options())?;
+        let mut scene = self.read.scene(&self.scene)?;
         let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
         let shapes = scene.shapes();
         let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
-        let set = spec.derive(&shapes, precision).with_context(|| self.tolerances.place(&self.scene))?;
+        let set = spec.derive(&shapes, precision).with_context(|| self.tolerances.place(self.scene.path()))?;
         let plan = self.plan(&scene.simulation.control)?;
         scene.derive_stiffness(&set);
         let violations = rules::check_scene(&set, &scene, precision);
@@ -200,7 +201,7 @@ impl Simulate {
             print_note(&format!("running with {} rules violated: {}", violated.len(), violated.join("; ")));
         }
         let mut about = Map::new();
-        about.insert("file".to_owned(), self.scene.display().to_string().into());
+        about.insert("file".to_owned(), self.scene.path().display().to_string().into());
         about.insert("violated".to_owned(), violated.into());
         let ready = PreparedRun { scene, set, plan, about, overlaps: lost };
         match self.engine {
@@ -219,7 +220,7 @@ impl Simulate {
         }
         let points = &ready.scene.simulation.measured_points;
         let names = points.iter().map(|point| point.name.clone()).collect();
-        let (file, dir) = (self.scene.clone(), self.directory());
+        let (file, dir) = (self.scene.path().to_path_buf(), self.directory());
         let run = ExactRun { file, dir, plan: ready.plan, overwrite: self.overwrite, names };
         run.go(Trajectory::new(&ready.scene, &ready.set, self.keep(&ready.scene)))
     }
@@ -239,7 +240,7 @@ impl Simulate {
             asked => asked,
         };
         if steps.is_none() && time.is_none() {
-            let file = self.scene.display();
+            let file = self.scene.path().display();
             anyhow::bail!("{file} does not say how long to run; say it with --steps N or --time T");
         }
         let smallest_step = time_step / f64::from(Control::SMALLEST);
@@ -248,14 +249,13 @@ impl Simulate {
 
     fn directory(&self) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
-            let stem = self.scene.file_stem().unwrap_or_default().to_string_lossy();
-            PathBuf::from(format!("reports/{}", bounded(&format!("simulate-{stem}"))))
+            PathBuf::from(format!("reports/{}", bounded(&format!("simulate-{}", self.scene.stem()))))
         })
     }
 
     fn go<R: Solve>(&self, engine: &str, ready: PreparedRun) -> Outcome {
         let PreparedRun { scene, set, plan, about, overlaps } = ready;
-        let file = || self.scene.display().to_string();
+        let file = || self.scene.path().display().to_string();
         let mut dynamics = Dynamics::<R>::new(&scene, &set).with_context(file)?;
         let begin = dynamics.state().clone();
         let start = Start::of(self.resume, self.overwrite);
