@@ -18,7 +18,7 @@ pub enum SceneFormat {
     Stl,
     /// Polygons (Stanford), text or binary, `.ply`.
     Ply,
-    /// Gmsh in ASCII, `.msh`.
+    /// Gmsh, in ASCII or binary, `.msh`.
     Msh,
     /// Legacy VTK polyhedra in ASCII, `.vtk`.
     Vtk,
@@ -112,8 +112,9 @@ impl SceneFormat {
     /// Whether [`super::write()`] writes it; all formats are read.
     pub fn is_written(self) -> bool {
         match self {
-            SceneFormat::Toml | SceneFormat::Obj | SceneFormat::Stl | SceneFormat::Vtk | SceneFormat::Vtu => true,
-            SceneFormat::Dda | SceneFormat::Ply | SceneFormat::Msh | SceneFormat::Voro => false,
+            SceneFormat::Toml | SceneFormat::Obj | SceneFormat::Stl | SceneFormat::Ply => true,
+            SceneFormat::Msh | SceneFormat::Vtk | SceneFormat::Vtu => true,
+            SceneFormat::Dda | SceneFormat::Voro => false,
         }
     }
 

@@ -308,7 +308,7 @@ fn read_foreign(bytes: &[u8], format: SceneFormat, options: &LoadOptions) -> Opt
         SceneFormat::Obj => as_text(bytes).and_then(|text| obj::read(text, weld)),
         SceneFormat::Stl => stl::read(bytes, weld.unwrap_or(&Number::ZERO)),
         SceneFormat::Ply => ply::read(bytes, weld),
-        SceneFormat::Msh => as_text(bytes).and_then(|text| msh::read(text, weld)),
+        SceneFormat::Msh => msh::read(bytes, weld),
         SceneFormat::Vtk if vtk::is_binary(bytes) => Err(vtk::binary()),
         SceneFormat::Vtk => text(vtk::read),
         SceneFormat::Vtu => vtu::read(bytes).map(|blocks| blocks.into_iter().map(|raw| welded(raw, weld)).collect()),
