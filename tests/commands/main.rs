@@ -44,3 +44,4 @@ mod stdin;
 mod stress_command;
 mod tune_command;
 mod untrusted_input;
+mod weld;
