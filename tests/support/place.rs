@@ -2,6 +2,7 @@
 
 use assert_cmd::Command;
 use assert_cmd::cargo::cargo_bin_cmd;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
@@ -36,6 +37,17 @@ impl Place {
     /// The same with these bytes on its stdin.
     pub(crate) fn piped(&self, stdin: &[u8], args: &[&str]) -> Ran {
         self.ran(cargo_bin_cmd!("rockproof").write_stdin(stdin), args)
+    }
+
+    /// The same on so many threads.
+    pub(crate) fn on_threads(&self, threads: u8, args: &[&str]) -> Ran {
+        self.ran(cargo_bin_cmd!("rockproof").env("RAYON_NUM_THREADS", threads.to_string()), args)
+    }
+
+    /// The rows of a table by the names of their columns.
+    pub(crate) fn rows(&self, name: &str) -> Vec<BTreeMap<String, String>> {
+        let table = csv::Reader::from_path(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        table.into_deserialize().map(|row| row.expect("a row")).collect()
     }
 
     fn ran(&self, command: &mut Command, args: &[&str]) -> Ran {
