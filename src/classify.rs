@@ -226,12 +226,19 @@ fn write_table(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
     writeln!(out, "\n{contacts} contacts in {touching} pairs; {} pairs of neighbours examined", pairs.len())
 }
 
+/// A contact for programs, without its gap's size.
+pub(crate) fn contact_json(c: &Contact) -> Value {
+    json!({
+        "kind": c.kind.name(), "feature_a": c.a, "feature_b": c.b, "entrance": c.entrance.kind.name(),
+        "entrance_a": c.entrance.a, "entrance_b": c.entrance.b, "gap_sign": c.gap.as_i8(),
+    })
+}
+
 fn write_json(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
     let contact = |(c, gap_m): &(Contact, f64)| {
-        json!({
-            "kind": c.kind.name(), "feature_a": c.a, "feature_b": c.b, "entrance": c.entrance.kind.name(),
-            "entrance_a": c.entrance.a, "entrance_b": c.entrance.b, "gap_sign": c.gap.as_i8(), "gap_m": gap_m,
-        })
+        let mut document = contact_json(c);
+        document["gap_m"] = (*gap_m).into();
+        document
     };
     let combination =
         |c: &Combination| json!({ "kind": c.kind.name(), "feature_a": c.a, "feature_b": c.b, "contacts": c.contacts });
