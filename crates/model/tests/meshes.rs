@@ -591,8 +591,14 @@ fn binary_msh(text: &str, big_endian: bool, width: usize) -> Vec<u8> {
                         (0..many).for_each(|_| out.extend(count(next())));
                         (0..numbers * many).for_each(|_| out.extend(number(next())));
                     } else {
-                        // All elements of the fixture are quadrangles.
-                        (0..5 * many).for_each(|_| out.extend(count(next())));
+                        // The number of each, and its nodes.
+                        let words = 1 + match kind {
+                            "15" => 1,
+                            "2" => 3,
+                            "3" => 4,
+                            kind => panic!("type {kind}"),
+                        };
+                        (0..words * many).for_each(|_| out.extend(count(next())));
                     }
                 }
             }
