@@ -14,6 +14,7 @@ use rockproof_bench::{
 };
 use rockproof_model::{BlockError, Motion, Precision, Scene};
 use rockproof_results::{Claim, Directory, FileKind, Owner, Start};
+use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -25,6 +26,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   rockproof bench                            two minutes or three
   rockproof bench --format csv > speed.csv
+  rockproof bench --quick --format json
   rockproof bench --quick                    a few seconds, rough figures
   rockproof bench --error --out reports/bench  run time against error, as CSV and plots (docs/bench.md)
   rockproof bench --wall 100,1000,5000       steps of brick walls: time, shares of the phases in %, memory
@@ -97,6 +99,8 @@ const FILES: [&str; 3] = ["bench.csv", "bench_scenes.svg", "bench_pairs.svg"];
 enum OutputFormat {
     Table,
     Csv,
+    /// One document (docs/formats.md)
+    Json,
 }
 
 /// Makes a scene of so many blocks.
@@ -123,9 +127,20 @@ impl Bench {
             return self.skips();
         }
         let report = self.measure()?;
+        self.print("classification", || Ok(as_table(&report)?), || as_csv(&report))
+    }
+
+    /// Prints what was measured in the form asked for.
+    fn print(
+        &self,
+        measure: &str,
+        table: impl FnOnce() -> anyhow::Result<String>,
+        csv: impl FnOnce() -> anyhow::Result<String>,
+    ) -> Outcome {
         print(&match self.format {
-            OutputFormat::Table => as_table(&report)?,
-            OutputFormat::Csv => as_csv(&report)?,
+            OutputFormat::Table => table()?,
+            OutputFormat::Csv => csv()?,
+            OutputFormat::Json => as_json(measure, &csv()?)?,
         })?;
         Ok(Verdict::Passed)
     }
@@ -173,13 +188,9 @@ impl Bench {
         ];
         header.extend(SteppingCost::PHASES);
         header.push("kB a block");
-        print(&match self.format {
-            OutputFormat::Table => format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows)),
-            OutputFormat::Csv => rows
-                .iter()
-                .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),
-        })?;
-        Ok(Verdict::Passed)
+        let shown =
+            || Ok(format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows.iter().cloned())));
+        self.print("steps", shown, || Ok(plain_csv(&header, &rows)))
     }
 
     /// What is gained by what steps leave out.
@@ -202,13 +213,8 @@ impl Bench {
             }
         }
         let header = ["scene", "blocks", "left out", "steps a second", "processor ms a step", "over nothing left out"];
-        print(&match self.format {
-            OutputFormat::Table => format!("{}\n", table(&header, &[1, 3, 4, 5], rows)),
-            OutputFormat::Csv => rows
-                .iter()
-                .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),
-        })?;
-        Ok(Verdict::Passed)
+        let shown = || Ok(format!("{}\n", table(&header, &[1, 3, 4, 5], rows.iter().cloned())));
+        self.print("skips", shown, || Ok(plain_csv(&header, &rows)))
     }
 
     /// Run time against error.
@@ -238,15 +244,11 @@ impl Bench {
             start.into_iter().chain(last).collect()
         });
         let header = ["subject", "engine", "tolerances", "Δt (s)", "steps or pairs", "µs each", "error"];
-        print(&match self.format {
-            OutputFormat::Csv => String::from_utf8(csv)?,
-            OutputFormat::Table => format!(
-                "What nothing beats in time and error at once:\n\n{}\n{} rows measured\n",
-                table(&header, &[3, 4, 5], shown),
-                rows.len()
-            ),
-        })?;
-        Ok(Verdict::Passed)
+        let text = || {
+            let table = table(&header, &[3, 4, 5], shown);
+            Ok(format!("What nothing beats in time and error at once:\n\n{table}\n{} rows measured\n", rows.len()))
+        };
+        self.print("error", text, || Ok(String::from_utf8(csv)?))
     }
 
     /// Certified steps beside the stepper's.
@@ -286,13 +288,9 @@ impl Bench {
             "fractions",
             "undecided",
         ];
-        print(&match self.format {
-            OutputFormat::Table => format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows)),
-            OutputFormat::Csv => rows
-                .iter()
-                .fold(header.join(",") + "\n", |all, row| all + &row.join(",").replace('\u{202f}', "") + "\n"),
-        })?;
-        Ok(Verdict::Passed)
+        let shown =
+            || Ok(format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows.iter().cloned())));
+        self.print("exact steps", shown, || Ok(plain_csv(&header, &rows)))
     }
 
     fn measure(&self) -> anyhow::Result<Report> {
@@ -407,6 +405,39 @@ fn share(count: u64, total: u64) -> String {
         0 => "0".to_owned(),
         n => format!("{:.3} %", 100.0 * n as f64 / total as f64),
     }
+}
+
+/// The rows of a table without the spaces that part thousands.
+fn plain_csv(header: &[&str], rows: &[Vec<String>]) -> String {
+    let lines = rows.iter().map(|row| row.join(",").replace('\u{202f}', "") + "\n");
+    lines.fold(header.join(",") + "\n", |all, line| all + &line)
+}
+
+/// The same figures as the CSV: an object for each row.
+fn as_json(measure: &str, csv: &str) -> anyhow::Result<String> {
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let keys: Vec<String> =
+        reader.headers()?.iter().map(|name| name.replace('µ', "u").replace([' ', '-'], "_")).collect();
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let cells = record?;
+        rows.push(keys.iter().cloned().zip(cells.iter().map(figure)).collect::<Map<String, Value>>());
+    }
+    Ok(serde_json::to_string_pretty(&json!({ "measure": measure, "rows": rows }))? + "\n")
+}
+
+/// A cell: counts and other numbers, percentages as shares, texts; nothing where it is empty.
+fn figure(cell: &str) -> Value {
+    if cell.is_empty() {
+        return Value::Null;
+    }
+    if let Ok(count) = cell.parse::<u64>() {
+        return count.into();
+    }
+    if let Some(percent) = cell.strip_suffix(" %").and_then(|text| text.parse::<f64>().ok()) {
+        return (percent / 100.0).into();
+    }
+    cell.parse::<f64>().map_or_else(|_| cell.into(), Value::from)
 }
 
 fn as_csv(report: &Report) -> anyhow::Result<String> {

@@ -81,6 +81,9 @@ pub(crate) struct Campaign {
     /// How far a face may be from planar, as a share of its block's size [default: what the file says, or 1e-9]
     #[arg(long, value_name = "SHARE", value_parser = at_least_zero, allow_negative_numbers = true)]
     planarity: Option<Number>,
+    /// Join vertices of --real no further apart than this, in the file's unit of length [default: STL's at the same place]
+    #[arg(long, value_name = "DISTANCE", value_parser = at_least_zero, allow_negative_numbers = true)]
+    weld: Option<Number>,
     /// Do only the K-th of N parts of the pairs; `rockproof merge` makes of all parts what one campaign would have made
     #[arg(long, value_name = "K/N")]
     part: Option<Part>,
@@ -234,6 +237,10 @@ impl Campaign {
         if let Some(planarity) = &self.planarity {
             anyhow::ensure!(!config.real.is_empty(), "--planarity is about the files of --real, and there are none");
             config.planarity = Some(planarity.clone());
+        }
+        if let Some(weld) = &self.weld {
+            anyhow::ensure!(!config.real.is_empty(), "--weld is about the files of --real, and there are none");
+            config.weld = Some(weld.clone());
         }
         Ok(config)
     }

@@ -262,5 +262,5 @@ fn steps_table(steps: &StepSummary) -> String {
         .into_iter()
         .map(|(engine, counts)| std::iter::once(engine.to_owned()).chain(step_counts(&counts).map(grouped)).collect());
     let header: Vec<&str> = std::iter::once("engine").chain(STEP_COLUMNS).collect();
-    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11], rows).to_string()
+    table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11], rows)
 }

@@ -1,11 +1,11 @@
 //! `check`: are the blocks blocks, and do the tolerances keep the rules?
 
-use crate::campaign_end::quoted;
 use crate::exit::{Outcome, Verdict, print, print_error, print_note};
 use crate::extents::{
-    self, Extents, factor, is_apart, is_bent, planarity_that_merges, planarity_that_reads, weld_that_joins,
+    self, Extents, factor, is_apart_in, is_bent, planarity_that_merges, planarity_that_reads, weld_that_joins,
 };
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, precision};
+use crate::input_file::{InputFile, ModelFile};
 use crate::overlaps::overlaps;
 use anyhow::Context;
 use rockproof_model::rules::Fall;
@@ -45,8 +45,8 @@ pub(crate) struct Check {
 /// A block file, and the tolerances that it is looked at with.
 #[derive(clap::Args)]
 pub(crate) struct ModelArgs {
-    #[arg(help = model_help())]
-    pub(crate) file: PathBuf,
+    #[arg(help = model_help(), value_hint = clap::ValueHint::FilePath)]
+    pub(crate) file: InputFile,
 
     #[command(flatten)]
     pub(crate) read: ReadArgs,
@@ -97,7 +97,7 @@ impl Check {
 impl ModelArgs {
     /// The file and how it is read, as they stand on a command line.
     pub(crate) fn shown(&self) -> String {
-        quoted(&self.file.display().to_string()) + &self.read.shown()
+        self.file.shown() + &self.read.shown()
     }
 
     /// The factor that lengths are multiplied by, where that changes them.
@@ -124,22 +124,24 @@ impl ModelArgs {
     /// # Errors
     /// When a block or a tolerance cannot be used.
     pub(crate) fn checked(&self, precision: Precision) -> anyhow::Result<CheckedModel> {
-        let scene = self.scene()?;
+        let file = ModelFile::read(&self.file, &self.read)?;
+        let scene = self.scene(&file)?;
         let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
-        let set = spec.derive(&scene.shapes(), precision).with_context(|| self.tolerances.place(&self.file))?;
+        let set = spec.derive(&scene.shapes(), precision).with_context(|| self.tolerances.place(self.file.path()))?;
         self.check_range(&scene, &set, precision)?;
         let violations = rules::check_scene(&set, &scene, precision);
         let extents = Extents::of(&scene);
         let mut notes: Vec<String> = extents.doubt().into_iter().collect();
         if self.scale.is_none() {
-            notes.extend(planarity_that_merges(&self.file, &scene, &self.read.options()));
+            notes.extend(planarity_that_merges(&file, &scene));
         }
         let fall = rules::fall(&set, &scene);
-        Ok(CheckedModel { file: self.file.clone(), scene, spec, set, precision, extents, violations, fall, notes })
+        let file = self.file.path().to_path_buf();
+        Ok(CheckedModel { file, scene, spec, set, precision, extents, violations, fall, notes })
     }
 
-    fn scene(&self) -> anyhow::Result<Scene> {
-        let (mut scene, problems) = Scene::survey(&self.file, &self.read.options())?;
+    fn scene(&self, file: &ModelFile) -> anyhow::Result<Scene> {
+        let (mut scene, problems) = file.survey()?;
         if !problems.is_empty() {
             // Faces that are not planar are alike in all blocks, and one option is about them all.
             let bent = problems.iter().all(is_bent);
@@ -150,18 +152,18 @@ impl ModelArgs {
             if let Some(more) = problems.len().checked_sub(most).filter(|more| *more > 0) {
                 print_note(&format!("and {more} more{}", if bent { " of this sort" } else { "" }));
             }
-            if bent && let Some(planarity) = planarity_that_reads(&self.file, &self.read.options()) {
+            if bent && let Some(planarity) = planarity_that_reads(file) {
                 print_note(&format!("every face is within --planarity {planarity}"));
             }
-            let apart = problems.iter().any(is_apart);
-            if apart && let Some(distance) = weld_that_joins(&self.file, &self.read.options()) {
+            let apart = problems.iter().any(|problem| is_apart_in(file, problem));
+            if apart && let Some(distance) = weld_that_joins(file) {
                 print_note(&format!("with --weld {distance} the faces of every block join"));
             }
             let all = scene.blocks.len() + problems.len();
-            anyhow::bail!("{}: {} of {all} blocks cannot be used", self.file.display(), problems.len());
+            anyhow::bail!("{}: {} of {all} blocks cannot be used", file.name().display(), problems.len());
         }
         if let Some(scale) = &self.scale {
-            extents::scale(&mut scene, &self.file, scale)?;
+            extents::scale(&mut scene, file, scale)?;
         }
         Ok(scene)
     }
@@ -170,14 +172,14 @@ impl ModelArgs {
     fn check_range(&self, scene: &Scene, set: &ToleranceSet, precision: Precision) -> anyhow::Result<()> {
         for (number, block) in scene.blocks.iter().enumerate() {
             if block.block.rounded(precision).is_none() {
-                let (file, name) = (self.file.display(), &block.name);
+                let (file, name) = (self.file.path().display(), &block.name);
                 anyhow::bail!("{file}: block {number} \"{name}\": a coordinate overflows when rounded to {precision}");
             }
         }
         match set.rounded(precision) {
             Ok(_) => Ok(()),
             Err(name) => {
-                let place = self.tolerances.place(&self.file);
+                let place = self.tolerances.place(self.file.path());
                 anyhow::bail!("{place}: tolerance `{name}` overflows when rounded to {precision}")
             }
         }

@@ -2,13 +2,14 @@
 
 use crate::exit::{Outcome, Verdict, print};
 use crate::input::{ReadArgs, ToleranceArgs, model_help};
+use crate::input_file::InputFile;
 use crate::overlaps::overlaps;
 use crate::table::table;
 use anyhow::Context;
 use clap::ValueEnum;
 use rayon::prelude::*;
 use rockproof_differential::neighbours::neighbours;
-use rockproof_model::{Block, Contact, Precision, Scene, Sign, ToleranceSet};
+use rockproof_model::{Block, Contact, Precision, Sign, ToleranceSet};
 use rockproof_oracle::combination::{Combination, combinations};
 use rockproof_oracle::rational::Rational;
 use rockproof_oracle::{Pair, PreparedBlock};
@@ -16,7 +17,6 @@ use rockproof_stepper::Real;
 use rockproof_stepper::contact::{PreparedBlock as FloatSolid, SpecRules, Tolerances, classify};
 use serde_json::{Value, json};
 use std::io::{self, Write};
-use std::path::PathBuf;
 
 /// Classify the contacts between the blocks of a file
 ///
@@ -28,8 +28,8 @@ use std::path::PathBuf;
   rockproof classify cases/real/voronoi_120.txt --planarity 1e-4 --format csv
   rockproof classify two.toml --engine stepper-f32 --tolerances shi --set search=1/10 --pair 0,1")]
 pub(crate) struct Classify {
-    #[arg(help = model_help())]
-    file: PathBuf,
+    #[arg(help = model_help(), value_hint = clap::ValueHint::FilePath)]
+    file: InputFile,
 
     #[command(flatten)]
     read: ReadArgs,
@@ -88,16 +88,16 @@ struct PairContacts {
 
 impl Classify {
     pub(crate) fn run(&self) -> Outcome {
-        let scene = Scene::load_with(&self.file, &self.read.options())?;
+        let scene = self.read.scene(&self.file)?;
         let blocks = scene.shapes();
         let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
-        let place = || self.tolerances.place(&self.file);
+        let place = || self.tolerances.place(self.file.path());
         let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
         let tolerances = spec.derive(&blocks, precision).with_context(place)?;
         let pairs = match self.pair {
             Some((i, j)) => {
                 if let Some(missing) = [i, j].into_iter().find(|&n| n >= blocks.len()) {
-                    let (file, count) = (self.file.display(), blocks.len());
+                    let (file, count) = (self.file.path().display(), blocks.len());
                     anyhow::bail!("{file}: --pair names block {missing}; the file has {count}, numbered from 0");
                 }
                 vec![(i, j)]
@@ -226,12 +226,19 @@ fn write_table(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
     writeln!(out, "\n{contacts} contacts in {touching} pairs; {} pairs of neighbours examined", pairs.len())
 }
 
+/// A contact for programs, without its gap's size.
+pub(crate) fn contact_json(c: &Contact) -> Value {
+    json!({
+        "kind": c.kind.name(), "feature_a": c.a, "feature_b": c.b, "entrance": c.entrance.kind.name(),
+        "entrance_a": c.entrance.a, "entrance_b": c.entrance.b, "gap_sign": c.gap.as_i8(),
+    })
+}
+
 fn write_json(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
     let contact = |(c, gap_m): &(Contact, f64)| {
-        json!({
-            "kind": c.kind.name(), "feature_a": c.a, "feature_b": c.b, "entrance": c.entrance.kind.name(),
-            "entrance_a": c.entrance.a, "entrance_b": c.entrance.b, "gap_sign": c.gap.as_i8(), "gap_m": gap_m,
-        })
+        let mut document = contact_json(c);
+        document["gap_m"] = (*gap_m).into();
+        document
     };
     let combination =
         |c: &Combination| json!({ "kind": c.kind.name(), "feature_a": c.a, "feature_b": c.b, "contacts": c.contacts });

@@ -3,6 +3,7 @@
 use crate::exit::{Outcome, Verdict, print, print_note};
 use crate::extents::{factor, scale};
 use crate::input::{ReadArgs, model_help, precision};
+use crate::input_file::{InputFile, ModelFile};
 use anyhow::Context;
 use rockproof_model::scene::{FormatError, SceneFormat, losses, write};
 use rockproof_model::{Block, BlockOptions, Number, Precision, Scene};
@@ -18,8 +19,8 @@ use std::path::PathBuf;
     after_help = "Example:\n  rockproof convert cells.txt cells.toml --planarity 1e-4\n  rockproof convert scan.stl blocks.toml --weld 1e-6 --planarity 1e-5"
 )]
 pub(crate) struct Convert {
-    #[arg(help = model_help())]
-    input: PathBuf,
+    #[arg(help = model_help(), value_hint = clap::ValueHint::FilePath)]
+    input: InputFile,
 
     #[arg(help = format!("Where to write them: {}", SceneFormat::listed(SceneFormat::is_written)))]
     output: PathBuf,
@@ -42,9 +43,10 @@ impl Convert {
             .filter(|format| format.is_written())
             .ok_or(FormatError::ReadOnly)
             .with_context(|| self.output.display().to_string())?;
-        let mut scene = Scene::load_with(&self.input, &self.read.options())?;
+        let model = ModelFile::read(&self.input, &self.read)?;
+        let mut scene = model.scene()?;
         if let Some(factor) = &self.scale {
-            scale(&mut scene, &self.input, factor)?;
+            scale(&mut scene, &model, factor)?;
         }
         if let Some(precision) = self.precision {
             self.round(&mut scene, precision)?;
@@ -62,8 +64,9 @@ impl Convert {
     /// Rounds every coordinate; what is no block then is an error.
     fn round(&self, scene: &mut Scene, precision: Precision) -> anyhow::Result<()> {
         for (number, block) in scene.blocks.iter_mut().enumerate() {
-            let place =
-                || format!("{}: block {number} \"{}\", rounded to {precision}", self.input.display(), block.name);
+            let place = || {
+                format!("{}: block {number} \"{}\", rounded to {precision}", self.input.path().display(), block.name)
+            };
             let rounded = block.block.rounded(precision).with_context(|| format!("{}: overflows", place()))?;
             let options = BlockOptions { planarity: block.planarity.clone() };
             let faces = rounded.topology().faces().to_vec();

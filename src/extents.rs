@@ -1,10 +1,10 @@
 //! How large a model is, whether its units look right, and which planarity its faces ask for.
 
+use crate::input_file::ModelFile;
 use anyhow::Context;
 use num_traits::ToPrimitive;
 use rockproof_model::scene::{SceneFormat, SceneProblem};
 use rockproof_model::{Block, BlockError, BlockOptions, LoadOptions, Number, Scene, SceneError, TopologyError};
-use std::path::Path;
 
 /// The planarities tried, mildest first; beyond the last a face is bent, not rounded.
 const PLANARITIES: [&str; 6] = ["1e-8", "1e-7", "1e-6", "1e-5", "1e-4", "1e-3"];
@@ -13,7 +13,7 @@ const PLANARITIES: [&str; 6] = ["1e-8", "1e-7", "1e-6", "1e-5", "1e-4", "1e-3"];
 const WELDS: [&str; 9] = ["0", "1e-9", "1e-8", "1e-7", "1e-6", "1e-5", "1e-4", "1e-3", "1e-2"];
 
 /// Files of more bytes are not read again to see what joining vertices does.
-const WELDED_AGAIN: u64 = 4 << 20;
+const WELDED_AGAIN: usize = 4 << 20;
 
 /// Files of more blocks are not read again to see what another planarity does.
 const READ_AGAIN: usize = 5000;
@@ -118,12 +118,13 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 /// A scene with every length multiplied, exactly; by 1 it is left as it is. Scenes in TOML say more in metres than coordinates, and are refused.
-pub(crate) fn scale(scene: &mut Scene, file: &Path, factor: &Number) -> anyhow::Result<()> {
+pub(crate) fn scale(scene: &mut Scene, model: &ModelFile, factor: &Number) -> anyhow::Result<()> {
     if *factor == Number::from_integer(1) {
         return Ok(());
     }
+    let file = model.name();
     anyhow::ensure!(
-        SceneFormat::of_path(file) != Some(SceneFormat::Toml),
+        model.format() != SceneFormat::Toml,
         "{}: --scale is for files of coordinates; a scene in TOML has other lengths in metres as well: scale what it was made from",
         file.display()
     );
@@ -152,16 +153,14 @@ pub(crate) fn is_bent(problem: &SceneError) -> bool {
 }
 
 /// The mildest of some planarities that every face of the file is within, if one is.
-pub(crate) fn planarity_that_reads(file: &Path, options: &LoadOptions) -> Option<&'static str> {
-    PLANARITIES
-        .into_iter()
-        .find(|text| read(file, text, options).is_some_and(|(_, problems)| !problems.iter().any(is_bent)))
+pub(crate) fn planarity_that_reads(model: &ModelFile) -> Option<&'static str> {
+    PLANARITIES.into_iter().find(|text| read(model, text).is_some_and(|(_, problems)| !problems.iter().any(is_bent)))
 }
 
 /// What the mildest planarity does that lets more faces of the scene become one, if one does: triangles of a mesh whose coordinates were
 /// rounded.
-pub(crate) fn planarity_that_merges(file: &Path, scene: &Scene, options: &LoadOptions) -> Option<String> {
-    if !is_mesh(file) || scene.blocks.len() > READ_AGAIN {
+pub(crate) fn planarity_that_merges(model: &ModelFile, scene: &Scene) -> Option<String> {
+    if !model.format().is_mesh() || scene.blocks.len() > READ_AGAIN {
         return None;
     }
     let count = |scene: &Scene| -> [usize; 2] {
@@ -171,7 +170,7 @@ pub(crate) fn planarity_that_merges(file: &Path, scene: &Scene, options: &LoadOp
     let [faces, concave] = count(scene);
     let used = scene.blocks.iter().map(|block| block.planarity.approximate()).fold(0.0, f64::max);
     PLANARITIES.into_iter().filter(|text| text.parse::<f64>().is_ok_and(|planarity| planarity > used)).find_map(|text| {
-        let (merged, _) = read(file, text, options).filter(|(_, problems)| problems.is_empty())?;
+        let (merged, _) = read(model, text).filter(|(_, problems)| problems.is_empty())?;
         let [fewer, bent] = count(&merged);
         (fewer < faces).then(|| {
             format!(
@@ -181,31 +180,41 @@ pub(crate) fn planarity_that_merges(file: &Path, scene: &Scene, options: &LoadOp
     })
 }
 
-fn read(file: &Path, planarity: &str, options: &LoadOptions) -> Option<(Scene, Vec<SceneError>)> {
-    Scene::survey(file, &LoadOptions { planarity: Number::parse(planarity).ok(), ..options.clone() }).ok()
-}
-
-fn is_mesh(file: &Path) -> bool {
-    SceneFormat::of_path(file).is_some_and(SceneFormat::is_mesh)
+fn read(model: &ModelFile, planarity: &str) -> Option<(Scene, Vec<SceneError>)> {
+    let planarity = Number::parse(planarity).ok();
+    model.survey_with(&LoadOptions { planarity, ..model.options().clone() }).ok()
 }
 
 /// Whether a block of a mesh was refused because its faces do not join: corners at one place may be vertices of their own.
 pub(crate) fn is_apart(problem: &SceneError) -> bool {
+    faces_do_not_join(problem) && SceneFormat::of_path(&problem.file).is_some_and(SceneFormat::is_mesh)
+}
+
+fn faces_do_not_join(problem: &SceneError) -> bool {
     let SceneProblem::Block { error, .. } = &problem.problem else { return false };
-    let apart = match error {
+    match error {
         BlockError::RepeatedVertex { .. } => true,
         BlockError::Topology(error) => matches!(error, TopologyError::Open { .. } | TopologyError::TooFew { .. }),
         _ => false,
-    };
-    apart && is_mesh(&problem.file)
+    }
+}
+
+/// As [`is_apart`], of a model whose name may say nothing of its format, or of a file that it names.
+pub(crate) fn is_apart_in(model: &ModelFile, problem: &SceneError) -> bool {
+    if problem.file == model.name() {
+        faces_do_not_join(problem) && model.format().is_mesh()
+    } else {
+        is_apart(problem)
+    }
 }
 
 /// The least distance of vertices joined, of some, with which the faces of every block join, if one is.
-pub(crate) fn weld_that_joins(file: &Path, options: &LoadOptions) -> Option<&'static str> {
-    let is_short = std::fs::metadata(file).is_ok_and(|about| about.len() <= WELDED_AGAIN);
+pub(crate) fn weld_that_joins(model: &ModelFile) -> Option<&'static str> {
+    let is_short = model.length() <= WELDED_AGAIN;
     WELDS.into_iter().filter(|_| is_short).find(|text| {
-        let read = Scene::survey(file, &LoadOptions { weld: Number::parse(text).ok(), ..options.clone() });
-        read.is_ok_and(|(_, problems)| !problems.iter().any(is_apart))
+        let weld = Number::parse(text).ok();
+        let read = model.survey_with(&LoadOptions { weld, ..model.options().clone() });
+        read.is_ok_and(|(_, problems)| !problems.iter().any(|problem| is_apart_in(model, problem)))
     })
 }
 

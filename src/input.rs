@@ -1,6 +1,7 @@
 //! Arguments that several commands share.
 
 use crate::exit::print;
+use crate::input_file::{InputFile, ModelFile};
 use crate::stop::end_on_ctrl_c;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
@@ -9,7 +10,7 @@ use rockproof_differential::builtin::{ENGINES, full_name};
 use rockproof_differential::case_file::Case;
 use rockproof_differential::external::EngineSpec;
 use rockproof_model::scene::SceneFormat;
-use rockproof_model::{LoadOptions, Number, Precision, Preset, ToleranceSpec};
+use rockproof_model::{LoadOptions, Number, Precision, Preset, Scene, ToleranceSpec};
 use serde_json::Value;
 use std::path::Path;
 
@@ -22,6 +23,8 @@ pub(crate) struct ReadArgs {
     /// Join vertices no further apart than this, in the file's unit of length [default: STL's at the same place]
     #[arg(long, value_name = "DISTANCE", value_parser = at_least_zero, allow_negative_numbers = true)]
     weld: Option<Number>,
+    #[arg(long, value_name = "FORMAT", value_parser = scene_format, help = format_help())]
+    input_format: Option<SceneFormat>,
 }
 
 impl ReadArgs {
@@ -29,11 +32,39 @@ impl ReadArgs {
         LoadOptions { planarity: self.planarity.clone(), weld: self.weld.clone() }
     }
 
+    /// The format that is named, whatever the file is called.
+    pub(crate) fn format(&self) -> Option<SceneFormat> {
+        self.input_format
+    }
+
+    /// Reads a scene, which must be sound.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or the first thing that is wrong in it.
+    pub(crate) fn scene(&self, file: &InputFile) -> anyhow::Result<Scene> {
+        Ok(ModelFile::read(file, self)?.scene()?)
+    }
+
     /// The options as they stand on a command line, after a space; nothing where none is given.
     pub(crate) fn shown(&self) -> String {
-        let given = [("planarity", &self.planarity), ("weld", &self.weld)];
-        given.iter().filter_map(|(name, value)| value.as_ref().map(|value| format!(" --{name} {value}"))).collect()
+        let texts = [("planarity", &self.planarity), ("weld", &self.weld)]
+            .map(|(name, value)| value.as_ref().map(|value| format!(" --{name} {value}")));
+        let format = self.input_format.map(|format| format!(" --input-format {}", format.name()));
+        texts.into_iter().chain([format]).flatten().collect()
     }
+}
+
+fn scene_format(text: &str) -> Result<SceneFormat, String> {
+    SceneFormat::from_name(text).ok_or_else(|| format!("known are {}", format_names()))
+}
+
+/// The names of all formats, for messages.
+pub(crate) fn format_names() -> String {
+    SceneFormat::ALL.map(SceneFormat::name).join(", ")
+}
+
+fn format_help() -> String {
+    format!("Format of the file: {} [default: what its name says, or on stdin what it begins with]", format_names())
 }
 
 /// How a command says what it found.
@@ -201,7 +232,7 @@ pub(crate) fn stepper(text: &str) -> Result<Precision, String> {
 
 /// What a command says of the argument that is a model.
 pub(crate) fn model_help() -> String {
-    format!("Blocks: {} (the last two for voro++)", SceneFormat::listed(|_| true))
+    format!("Blocks: {} (the last two for voro++), or - for stdin", SceneFormat::listed(|_| true))
 }
 
 /// A number that is not negative.

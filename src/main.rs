@@ -13,6 +13,7 @@ mod exit;
 mod extents;
 mod gate;
 mod input;
+mod input_file;
 mod merge;
 #[cfg(feature = "mpi")]
 mod mpi;

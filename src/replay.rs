@@ -1,7 +1,9 @@
 //! `replay`: what each engine and the oracle say about a case, side by side, and decision by decision where they part.
 
-use crate::exit::{Outcome, Verdict, print, print_note};
-use crate::input::EngineArgs;
+use crate::classify::contact_json;
+use crate::exit::{Outcome, Verdict, print_note};
+use crate::input::{EngineArgs, FormatArgs};
+use crate::input_file::InputFile;
 use crate::replay_step;
 use crate::table::table;
 use rockproof_campaign::engines::Engines;
@@ -16,10 +18,10 @@ use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCase;
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Contact, Precision, ToleranceSet};
+use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt;
 use std::io::{self, Write};
-use std::path::PathBuf;
 
 /// Show what each engine and the oracle say about a case, decision by decision where they part
 #[derive(clap::Args)]
@@ -29,10 +31,13 @@ use std::path::PathBuf;
 
 Exit status: 0 the finding recurs, 1 it does not, or the exact answer is not the one the case records, 2 input error.")]
 pub(crate) struct Replay {
-    /// The case of a campaign (.toml), or a step of a lockstep run (.json)
-    case: PathBuf,
+    /// The case of a campaign (.toml), or a step of a lockstep run (.json); or - for stdin, with either
+    #[arg(value_hint = clap::ValueHint::FilePath)]
+    case: InputFile,
     #[command(flatten)]
     external: EngineArgs,
+    #[command(flatten)]
+    format: FormatArgs,
 }
 
 /// One answer with the decisions behind it.
@@ -54,17 +59,19 @@ struct Divergence {
 
 impl Replay {
     pub(crate) fn run(&self) -> Outcome {
-        if StepCase::is_named(&self.case) {
-            return replay_step::run(&self.case);
+        let (text, path) = (self.case.text()?, self.case.path());
+        let is_step = match &self.case {
+            InputFile::Named(path) => StepCase::is_named(path),
+            // No TOML begins so.
+            InputFile::Stdin => text.trim_start().starts_with('{'),
+        };
+        if is_step {
+            return replay_step::run(&text, path, &self.format);
         }
-        let case = Case::load(&self.case)?;
-        let engines = self.external.engines_of(&case, &self.case)?;
+        let case = Case::from_toml(&text, path.display().to_string())?;
+        let engines = self.external.engines_of(&case, path)?;
         let (said, partings) = answers(&case, &engines);
-        let mut out = Vec::new();
-        show(&mut out, &case, &said, &partings)?;
         let recurrence = Recurrence::of(&case, &engines);
-        writeln!(out, "\n{recurrence}")?;
-        print(&String::from_utf8_lossy(&out))?;
         let recorded = match case.about.cause.as_str() {
             "tolerance" => &said[0],
             "representation" => &said[1],
@@ -72,7 +79,16 @@ impl Replay {
                 said.iter().find(|s| s.name == format!("exact {}", precision_name(&case, &engines))).unwrap_or(&said[1])
             }
         };
-        if recorded.contacts.as_deref().is_ok_and(|contacts| contact_rows(contacts) == case.about.expected) {
+        let is_expected =
+            recorded.contacts.as_deref().is_ok_and(|contacts| contact_rows(contacts) == case.about.expected);
+        let mut text = Vec::new();
+        show(&mut text, &case, &said, &partings)?;
+        writeln!(text, "\n{recurrence}")?;
+        self.format.print(
+            || String::from_utf8_lossy(&text).into_owned(),
+            || document(&case, &said, &partings, &recurrence, is_expected),
+        )?;
+        if is_expected {
             return Ok(if recurrence.recurs() { Verdict::Passed } else { Verdict::CheckFailed });
         }
         print_note(&format!("the answer of \"{}\" is not the one the case expects", recorded.name));
@@ -198,6 +214,52 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<EngineDecisions>, Vec<Diverge
         said.extend(others);
     }
     (said, partings)
+}
+
+/// The same for programs.
+fn document(
+    case: &Case,
+    said: &[EngineDecisions],
+    partings: &[Divergence],
+    recurrence: &Recurrence,
+    is_expected: bool,
+) -> Value {
+    let about = &case.about;
+    let answer = |one: &EngineDecisions| {
+        // Who says only how blocks lie names no contacts; the oracle, whose decisions are known, says both.
+        let contacts = one.contacts.as_deref().ok().filter(|_| one.state.is_none() || one.trace.is_some());
+        json!({
+            "name": one.name,
+            "contacts": contacts.map(|contacts| contacts.iter().map(contact_json).collect::<Vec<_>>()),
+            "state": one.state,
+            "failure": one.contacts.as_ref().err().map(ToString::to_string),
+        })
+    };
+    let parting = |parting: &Divergence| {
+        let decisions = parting.parted.iter().zip(&parting.margins).map(|(parted, margin)| {
+            let [first, second] = parted.outcomes.map(|outcome| outcome.to_string());
+            json!({
+                "decision": parted.decision.to_string(), "first": first, "second": second, "margin": margin,
+                "roundoffs": margin.map(|margin| margin / parting.roundoff),
+            })
+        });
+        json!({ "between": parting.title, "decisions": decisions.collect::<Vec<_>>() })
+    };
+    let shown_instead: &[String] = match recurrence {
+        Recurrence::Recurs => &[],
+        Recurrence::Gone(others) => others,
+    };
+    json!({
+        "finding": {
+            "cause": about.cause, "change": about.change, "engine": about.engine, "predicate": about.predicate,
+            "features": about.features, "margin": about.margin, "roundoffs": about.margin_ulps, "origin": about.origin,
+        },
+        "recurs": recurrence.recurs(),
+        "shown_instead": shown_instead,
+        "exact_answer_as_recorded": is_expected,
+        "answers": said.iter().map(answer).collect::<Vec<_>>(),
+        "partings": partings.iter().map(parting).collect::<Vec<_>>(),
+    })
 }
 
 fn show(out: &mut impl Write, case: &Case, said: &[EngineDecisions], partings: &[Divergence]) -> io::Result<()> {

@@ -1,23 +1,27 @@
 //! `replay` of a state file: one step again on both sides, beside each other.
 
-use crate::exit::{Outcome, Verdict, print, print_note};
+use crate::classify::contact_json;
+use crate::exit::{Outcome, Verdict, print_note};
+use crate::input::FormatArgs;
 use crate::table::table;
 use anyhow::Context;
 use rockproof_differential::lockstep::answer::described;
 use rockproof_differential::lockstep::case_file::Expected;
+use rockproof_differential::lockstep::intrusion::Intruded;
 use rockproof_differential::lockstep::{
-    ComparedLinks, ComparedStep, Intrusion, Lockstep, StepCase, StepDecisions, WatchedStep,
+    AttributedDifference, ComparedLinks, ComparedStep, Intrusion, Lockstep, StepCase, StepDecisions, WatchedStep,
 };
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Contact, Precision};
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::Solve;
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
 
-/// Makes the step of a state file again. Exit 0 where it still differs and the oracle's answer is the one recorded, 1 otherwise.
-pub(super) fn run(path: &Path) -> Outcome {
-    let case = StepCase::load(path).with_context(|| path.display().to_string())?;
+/// Makes the step of a state file again; messages call it by `path`. Exit 0 where it still differs and the oracle's answer is the one recorded, 1 otherwise.
+pub(super) fn run(text: &str, path: &Path, format: &FormatArgs) -> Outcome {
+    let case = StepCase::parse(text).with_context(|| path.display().to_string())?;
     let compared = match case.precision()? {
         Precision::F32 => replay_step::<f32>(&case),
         Precision::F64 => replay_step::<f64>(&case),
@@ -32,8 +36,9 @@ pub(super) fn run(path: &Path) -> Outcome {
     } else {
         "\nthe finding does not recur: nothing differs in the step now\n"
     };
-    print(&text)?;
-    if Expected::of_step(&compared).as_ref() == Some(&case.expected) {
+    let is_expected = Expected::of_step(&compared).as_ref() == Some(&case.expected);
+    format.print(|| text, || document(&case, &compared, recurs, is_expected))?;
+    if is_expected {
         return Ok(if recurs { Verdict::Passed } else { Verdict::CheckFailed });
     }
     print_note("the oracle's answer is not the one recorded");
@@ -56,6 +61,62 @@ fn replay_step<R: Solve>(case: &StepCase) -> anyhow::Result<ComparedStep> {
     }
     lockstep.restore(case.state.state()?)?;
     Ok(lockstep.step().1)
+}
+
+/// The same for programs.
+fn document(case: &StepCase, step: &ComparedStep, recurs: bool, is_expected: bool) -> Value {
+    let side = |answer: &StepDecisions| {
+        let contact = |(number, (blocks, contact)): (usize, &([u32; 2], Contact))| {
+            let modes: Vec<&str> = answer.modes.iter().filter_map(|all| Some(all.get(number)?.name())).collect();
+            json!({ "blocks": blocks, "contact": contact_json(contact), "modes": modes })
+        };
+        json!({
+            "contacts": answer.contacts.iter().enumerate().map(contact).collect::<Vec<_>>(),
+            "solves": answer.iterations(),
+            "converged": answer.converged,
+            "given_up_before": answer.retries.iter().map(|why| why.name()).collect::<Vec<_>>(),
+            "time_step_s": answer.time_step,
+        })
+    };
+    let difference = |attributed: &AttributedDifference| {
+        let one = &attributed.difference;
+        json!({
+            "cause": attributed.cause.name(), "change": one.change.name(),
+            "blocks": one.contact.map(|(blocks, _)| blocks),
+            "contact": one.contact.map(|(_, contact)| contact_json(&contact)),
+            "solve": one.solve, "before": one.before, "after": one.after,
+            "decision": attributed.deciding.map(|deciding| deciding.decision.to_string()),
+            "margin": attributed.margin(),
+        })
+    };
+    let intrusions = |watched: &WatchedStep| {
+        let side = |found: &[Intruded]| -> Vec<Value> {
+            let one = |one: &Intruded| json!({ "kind": one.kind.name(), "blocks": one.blocks, "depth_m": one.depth });
+            found.iter().map(one).collect()
+        };
+        let causes = watched.attributed.iter().map(|one| {
+            let [before, after] = one.words();
+            json!({ "cause": one.cause.name(), "kind": one.kind.name(), "blocks": one.blocks, "before": before, "after": after })
+        });
+        json!({
+            "oracle": side(&watched.oracle.found), "stepper": side(&watched.stepper.found),
+            "undecided": { "oracle": watched.oracle.undecided, "stepper": watched.stepper.undecided },
+            "causes": causes.collect::<Vec<_>>(),
+        })
+    };
+    let failure = Some(&step.failure).filter(|failure| !failure.is_empty());
+    let [stepper, oracle] = step.penetration;
+    json!({
+        "step": case.step, "engine": case.engine, "recorded_by": case.version,
+        "recurs": recurs,
+        "exact_answer_as_recorded": is_expected,
+        "oracle": step.oracle.as_ref().map(side),
+        "stepper": step.stepper.as_ref().map(side),
+        "failure": failure,
+        "differences": step.differences.iter().map(difference).collect::<Vec<_>>(),
+        "intrusions": step.watched.as_ref().map(intrusions),
+        "penetration_m": { "stepper": stepper, "oracle": oracle },
+    })
 }
 
 fn show(out: &mut String, case: &StepCase, step: &ComparedStep) -> std::fmt::Result {

@@ -2,6 +2,7 @@
 
 use crate::exit::{Outcome, Verdict, print};
 use crate::input::EngineArgs;
+use crate::input_file::InputFile;
 use anyhow::Context;
 use rockproof_campaign::shrink::Shrinker;
 use rockproof_differential::case_file::{Case, CaseDescription};
@@ -16,9 +17,10 @@ use std::path::PathBuf;
 #[command(after_help = "Example:
   rockproof shrink reports/campaign-1/cases/v-f-arithmetic-….toml --out small.toml")]
 pub(crate) struct Shrink {
-    /// The case
-    case: PathBuf,
-    /// Where to write the smaller case [default: the case's own file]
+    /// The case; or - for stdin
+    #[arg(value_hint = clap::ValueHint::FilePath)]
+    case: InputFile,
+    /// Where to write the smaller case [default: the case's own file; needed for stdin]
     #[arg(long)]
     out: Option<PathBuf>,
     /// Pairs to examine at most
@@ -30,10 +32,17 @@ pub(crate) struct Shrink {
 
 impl Shrink {
     pub(crate) fn run(&self) -> Outcome {
-        let case = Case::load(&self.case)?;
+        let out = match (&self.out, &self.case) {
+            (Some(out), _) | (None, InputFile::Named(out)) => out,
+            (None, InputFile::Stdin) => {
+                anyhow::bail!("a case on stdin has no file of its own; --out says where to write")
+            }
+        };
+        let path = self.case.path();
+        let case = Case::from_toml(&self.case.text()?, path.display().to_string())?;
         let about = &case.about;
-        let engines = self.external.engines_of(&case, &self.case)?;
-        let file = self.case.display();
+        let engines = self.external.engines_of(&case, path)?;
+        let file = path.display();
         let panel = engines.panel_of(&case).with_context(|| file.to_string())?;
         if case.findings(&panel).is_empty() {
             let CaseDescription { cause, change, engine, predicate, .. } = about;
@@ -41,7 +50,6 @@ impl Shrink {
         }
         let before = size(&case);
         let small = Shrinker::new(&panel, self.evaluations).shrink(case);
-        let out = self.out.as_ref().unwrap_or(&self.case);
         write_atomically(out, small.to_toml()?).with_context(|| out.display().to_string())?;
         print(&format!("before: {before}\nafter:  {}\nwritten to {}\n", size(&small), out.display()))?;
         Ok(Verdict::Passed)

@@ -2,9 +2,10 @@
 
 // Longer than 400 lines: one command with all its options and ways to end.
 
-use crate::check::violations_text;
-use crate::exit::{Outcome, Verdict, print, print_error, print_note, shows_progress};
-use crate::input::{ReadArgs, ToleranceArgs};
+use crate::check::{violation_json, violations_text};
+use crate::exit::{Outcome, Verdict, print_error, print_note, shows_progress};
+use crate::input::{FormatArgs, ReadArgs, ToleranceArgs};
+use crate::input_file::InputFile;
 use crate::overlaps::overlaps;
 use crate::simulate_exact::ExactRun;
 use crate::step_audit::AuditedRun;
@@ -13,7 +14,7 @@ use crate::table::grouped;
 use anyhow::Context;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
-use rockproof_differential::lockstep::stepping::StateFileDescription;
+use rockproof_differential::lockstep::stepping::{StateFileDescription, differences};
 use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_differential::lockstep::{
     ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
@@ -23,15 +24,17 @@ use rockproof_model::simulation::Control;
 use rockproof_model::{Precision, Scene, ToleranceSet, rules};
 use rockproof_oracle::step::KeptPrecision;
 use rockproof_results::{Start, bounded};
+use rockproof_simulate::audit::PairExtreme;
 use rockproof_simulate::identity::{identity, with_tolerances};
 use rockproof_simulate::record::{RunProgress, RunTable};
 use rockproof_simulate::run::headers;
 use rockproof_simulate::tables::lines;
+use rockproof_simulate::totals::Extreme;
 use rockproof_simulate::{AuditTotals, Ending, Plan, Run, RunRecord, Stepping};
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -54,8 +57,8 @@ A run can be interrupted or killed at any moment; --resume continues from its la
 Exit status: 0 done, 1 rules violated, a run that cannot go on, or what --audit objects to, 2 usage or input error, 130 interrupted (go on with
 --resume).")]
 pub(crate) struct Simulate {
-    #[arg(help = format!("Blocks and what moves them: .toml; or blocks alone: {}", SceneFormat::listed(|format| format != SceneFormat::Toml)))]
-    scene: PathBuf,
+    #[arg(help = format!("Blocks and what moves them: .toml; or blocks alone: {}; or - for stdin", SceneFormat::listed(|format| format != SceneFormat::Toml)), value_hint = clap::ValueHint::FilePath)]
+    scene: InputFile,
 
     #[command(flatten)]
     read: ReadArgs,
@@ -131,6 +134,9 @@ pub(crate) struct Simulate {
     /// State files to write for each cause at most
     #[arg(long, value_name = "N", default_value_t = 20, requires = "lockstep")]
     states: u64,
+
+    #[command(flatten)]
+    format: FormatArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -172,16 +178,19 @@ struct PreparedRun {
 
 impl Simulate {
     pub(crate) fn run(&self) -> Outcome {
-        let mut scene = Scene::load_with(&self.scene, &self.read.options())?;
+        let mut scene = self.read.scene(&self.scene)?;
         let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
         let shapes = scene.shapes();
         let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
-        let set = spec.derive(&shapes, precision).with_context(|| self.tolerances.place(&self.scene))?;
+        let set = spec.derive(&shapes, precision).with_context(|| self.tolerances.place(self.scene.path()))?;
         let plan = self.plan(&scene.simulation.control)?;
         scene.derive_stiffness(&set);
         let violations = rules::check_scene(&set, &scene, precision);
         if !violations.is_empty() && !self.force {
-            print(&violations_text(&violations))?;
+            self.format.print(
+                || violations_text(&violations),
+                || json!({ "ending": "not run", "rules_violated": violations.iter().map(violation_json).collect::<Vec<_>>(), "overlaps": null }),
+            )?;
             print_note("nothing was run; --force runs all the same");
             return Ok(Verdict::CheckFailed);
         }
@@ -189,7 +198,10 @@ impl Simulate {
         let lost = overlaps.sentence().filter(|_| overlaps.lost() > 0);
         if let Some(sentence) = &lost {
             if !self.force && !self.resume {
-                print(overlaps.report().trim_start())?;
+                self.format.print(
+                    || overlaps.report().trim_start().to_owned(),
+                    || json!({ "ending": "not run", "rules_violated": [], "overlaps": overlaps.json() }),
+                )?;
                 print_note("nothing was run; --force runs all the same");
                 return Ok(Verdict::CheckFailed);
             }
@@ -200,7 +212,7 @@ impl Simulate {
             print_note(&format!("running with {} rules violated: {}", violated.len(), violated.join("; ")));
         }
         let mut about = Map::new();
-        about.insert("file".to_owned(), self.scene.display().to_string().into());
+        about.insert("file".to_owned(), self.scene.path().display().to_string().into());
         about.insert("violated".to_owned(), violated.into());
         let ready = PreparedRun { scene, set, plan, about, overlaps: lost };
         match self.engine {
@@ -219,9 +231,9 @@ impl Simulate {
         }
         let points = &ready.scene.simulation.measured_points;
         let names = points.iter().map(|point| point.name.clone()).collect();
-        let (file, dir) = (self.scene.clone(), self.directory());
+        let (file, dir) = (self.scene.path().to_path_buf(), self.directory());
         let run = ExactRun { file, dir, plan: ready.plan, overwrite: self.overwrite, names };
-        run.go(Trajectory::new(&ready.scene, &ready.set, self.keep(&ready.scene)))
+        run.go(&self.format, Trajectory::new(&ready.scene, &ready.set, self.keep(&ready.scene)))
     }
 
     fn keep(&self, scene: &Scene) -> KeptPrecision {
@@ -239,7 +251,7 @@ impl Simulate {
             asked => asked,
         };
         if steps.is_none() && time.is_none() {
-            let file = self.scene.display();
+            let file = self.scene.path().display();
             anyhow::bail!("{file} does not say how long to run; say it with --steps N or --time T");
         }
         let smallest_step = time_step / f64::from(Control::SMALLEST);
@@ -248,14 +260,13 @@ impl Simulate {
 
     fn directory(&self) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
-            let stem = self.scene.file_stem().unwrap_or_default().to_string_lossy();
-            PathBuf::from(format!("reports/{}", bounded(&format!("simulate-{stem}"))))
+            PathBuf::from(format!("reports/{}", bounded(&format!("simulate-{}", self.scene.stem()))))
         })
     }
 
     fn go<R: Solve>(&self, engine: &str, ready: PreparedRun) -> Outcome {
         let PreparedRun { scene, set, plan, about, overlaps } = ready;
-        let file = || self.scene.display().to_string();
+        let file = || self.scene.path().display().to_string();
         let mut dynamics = Dynamics::<R>::new(&scene, &set).with_context(file)?;
         let begin = dynamics.state().clone();
         let start = Start::of(self.resume, self.overwrite);
@@ -309,7 +320,10 @@ impl Simulate {
             display.show(report, &plan, state);
         })?;
         display.end();
-        print(&summary(&record, stepping.state(), &ending, overlaps.as_deref()))?;
+        self.format.print(
+            || summary(&record, stepping.state(), &ending, overlaps.as_deref()),
+            || document(&record, stepping.state(), &ending, overlaps.as_deref()),
+        )?;
         let audit = &record.progress().totals.audit;
         Ok(match ending {
             Ending::Finished if audit.as_ref().is_some_and(AuditTotals::objects) => Verdict::CheckFailed,
@@ -398,6 +412,80 @@ fn short(value: f64) -> String {
     if plain { near.to_string() } else { format!("{near:e}") }
 }
 
+/// The same as [`summary`] for programs.
+fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, overlaps: Option<&str>) -> Value {
+    let RunProgress { totals, seconds, beside, .. } = record.progress();
+    let reason = match ending {
+        Ending::Stopped(stopped) => Some(stopped.to_string()),
+        Ending::Unproved(why) => Some(why.clone()),
+        Ending::Finished | Ending::Interrupted | Ending::Diverged => None,
+    };
+    let name = match ending {
+        Ending::Finished => "finished",
+        Ending::Interrupted => "interrupted",
+        Ending::Stopped(_) => "stopped",
+        Ending::Diverged => "first difference",
+        Ending::Unproved(_) => "oracle cannot step",
+    };
+    let retries = totals.retries_by_reason().into_iter().map(|(why, count)| (why.replace('-', "_"), count.into()));
+    let [open, sliding, locked] = totals.contacts;
+    let extreme = |extreme: Extreme| {
+        let is_any = extreme.value.0 > 0.0;
+        json!({ "value": extreme.value.0, "step": is_any.then_some(extreme.step) })
+    };
+    let lockstep = beside.get("steps").map(|steps| {
+        let count = |name: &str| beside.get(name).copied().unwrap_or(0);
+        let by_cause = table::CAUSES.iter().map(|&cause| (cause.to_string(), differences(beside, cause).into()));
+        json!({
+            "steps": steps,
+            "steps_differing": count("steps_differing"),
+            "differences": by_cause.collect::<Map<String, Value>>(),
+            "undecided": count("undecided"),
+            "oracle_seconds": count("oracle_microseconds") as f64 / 1e6,
+            "stepper_seconds": count("stepper_microseconds") as f64 / 1e6,
+        })
+    });
+    let audit = totals.audit.as_ref().map(|audit| {
+        let worst = |pair: Option<PairExtreme>| {
+            pair.map(|pair| json!({ "blocks": pair.blocks, "depth_m": pair.depth_m.0, "step": pair.step }))
+        };
+        json!({
+            "objects": audit.objects(),
+            "steps": audit.steps,
+            "steps_unseen": audit.steps_unseen,
+            "most_unseen_pairs": audit.most_unseen,
+            "worst_unseen": worst(audit.worst_unseen),
+            "deepest": worst(audit.deepest),
+            "passages": audit.passages,
+            "worst_passage": worst(audit.worst_passage),
+            "undecided_passages": audit.undecided,
+        })
+    });
+    json!({
+        "ending": name,
+        "reason": reason,
+        "time_s": state.time.to_f64(),
+        "steps": totals.steps,
+        "settling_steps": totals.settling,
+        "smallest_time_step_s": totals.smallest_step.map(|step| step.0),
+        "iterations": totals.iterations,
+        "most_iterations": totals.most_iterations,
+        "unconverged": totals.unconverged,
+        "retries": retries.collect::<Map<String, Value>>(),
+        "contacts": { "open": open, "sliding": sliding, "locked": locked },
+        "deepest_contact_m": extreme(totals.deepest),
+        "largest_displacement_m": extreme(totals.furthest),
+        "kinetic_j": totals.kinetic.0,
+        "potential_j": totals.potential.0,
+        "lockstep": lockstep,
+        "audit": audit,
+        "overlaps_at_start": overlaps,
+        "seconds": seconds,
+        "directory": record.dir().display().to_string(),
+        "files": record.names(),
+    })
+}
+
 /// `overlaps` is what the model overlaps before the first step, where that is more than contacts hold.
 fn summary<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, overlaps: Option<&str>) -> String {
     let mut out = String::new();
@@ -458,12 +546,8 @@ fn write_summary<R: Real>(
 fn write_lockstep(out: &mut String, counts: &BTreeMap<String, u64>) -> std::fmt::Result {
     let Some(steps) = counts.get("steps") else { return Ok(()) };
     let count = |name: &str| counts.get(name).copied().unwrap_or(0);
-    let by_cause: Vec<String> = table::CAUSES
-        .iter()
-        .map(|&cause| {
-            format!("{} {cause}", grouped(rockproof_differential::lockstep::stepping::differences(counts, cause)))
-        })
-        .collect();
+    let by_cause: Vec<String> =
+        table::CAUSES.iter().map(|&cause| format!("{} {cause}", grouped(differences(counts, cause)))).collect();
     writeln!(out, "lockstep         {} of {} steps differ", grouped(count("steps_differing")), grouped(*steps))?;
     writeln!(out, "differences      {}", by_cause.join(", "))?;
     writeln!(out, "undecided        {} decisions of the oracle", grouped(count("undecided")))?;

@@ -1,6 +1,7 @@
 //! `simulate --engine exact`: the oracle steps by itself.
 
-use crate::exit::{Outcome, Verdict, print, print_error};
+use crate::exit::{Outcome, Verdict, print_error};
+use crate::input::FormatArgs;
 use crate::stop::on_ctrl_c;
 use rockproof_differential::lockstep::Trajectory;
 use rockproof_differential::lockstep::effect::penetration;
@@ -42,7 +43,7 @@ pub(super) struct ExactRun {
 }
 
 impl ExactRun {
-    pub(super) fn go(&self, mut trajectory: Trajectory) -> Outcome {
+    pub(super) fn go(&self, format: &FormatArgs, mut trajectory: Trajectory) -> Outcome {
         let dir = &self.dir;
         let start = Start::of(false, self.overwrite);
         let mut directory = Directory::claim(Claim { dir, owner: Owner::Simulate, start, files: &FILES })?;
@@ -92,12 +93,26 @@ impl ExactRun {
         about.push(b'\n');
         directory.write("run.json", FileKind::Run, &about)?;
         let time = trajectory.state().time.approximate();
-        print(&format!(
-            "time             {time} s after {} exact steps\nkept             {kept}\nundecided        {undecided} decisions\nwritten to {}: {}\n",
-            trajectory.steps(),
-            dir.display(),
-            FILES.join(", ")
-        ))?;
+        let text = || {
+            format!(
+                "time             {time} s after {} exact steps\nkept             {kept}\nundecided        {undecided} decisions\nwritten to {}: {}\n",
+                trajectory.steps(),
+                dir.display(),
+                FILES.join(", ")
+            )
+        };
+        format.print(text, || {
+            json!({
+                "ending": ending,
+                "reason": failure,
+                "time_s": time,
+                "steps": trajectory.steps(),
+                "kept": kept,
+                "undecided": undecided,
+                "directory": dir.display().to_string(),
+                "files": FILES,
+            })
+        })?;
         Ok(match failure {
             Some(why) => {
                 print_error(&why);

@@ -81,7 +81,7 @@ fn limits_table(limits: &[AgreementLimit]) -> String {
         "so below",
         "beyond",
     ];
-    table(&header, &[4, 5, 6, 7, 8, 9], rows).to_string()
+    table(&header, &[4, 5, 6, 7, 8, 9], rows)
 }
 
 fn steps_table(measured: &[ClosedFormCheck]) -> String {
@@ -99,5 +99,5 @@ fn steps_table(measured: &[ClosedFormCheck]) -> String {
         start.into_iter().chain(figures).collect()
     });
     let header = ["case", "motion", "engine", "level", "overlap (m)", "expected (m)", "error", "drift (m)", "steps"];
-    table(&header, &[3, 4, 5, 6, 7], rows).to_string()
+    table(&header, &[3, 4, 5, 6, 7], rows)
 }

@@ -1,8 +1,10 @@
 //! `tune`: which tolerances should this model use?
 
 use crate::check::tolerances_json;
+use crate::examine::file_name;
 use crate::exit::{Outcome, Verdict, print_note, shows_progress};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, stepper, threads};
+use crate::input_file::InputFile;
 use crate::stop::on_ctrl_c;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -33,8 +35,8 @@ use std::time::{Duration, Instant};
 
 Exit status: 0 done, 1 no set kept every rule without a difference, 2 usage or input error, 130 interrupted (go on with --resume).")]
 pub(crate) struct Tune {
-    #[arg(help = model_help())]
-    file: PathBuf,
+    #[arg(help = model_help(), value_hint = clap::ValueHint::FilePath)]
+    file: InputFile,
     #[command(flatten)]
     read: ReadArgs,
     /// What the author uses now, to compare with
@@ -73,10 +75,10 @@ pub(crate) struct Tune {
 
 impl Tune {
     pub(crate) fn run(&self) -> Outcome {
-        let scene = Scene::load_with(&self.file, &self.read.options())?;
+        let scene = self.read.scene(&self.file)?;
         let author = self.tolerances.spec(scene.tolerances.as_ref())?;
-        let here = || self.tolerances.place(&self.file);
-        let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let here = || self.tolerances.place(self.file.path());
+        let stem = self.file.stem();
         let dir =
             self.out.clone().unwrap_or_else(|| PathBuf::from(format!("reports/{}", bounded(&format!("tune-{stem}")))));
         // A search goes on with the steps it began with, whatever the budget is now.
@@ -94,7 +96,7 @@ impl Tune {
         )?;
         let stop = on_ctrl_c()?;
         let interrupted = self.work(&mut search, &mut record, &stop)?;
-        let text = markdown(&self.file.file_name().unwrap_or_default().to_string_lossy(), &evaluator, &search);
+        let text = markdown(&file_name(self.file.path()), &evaluator, &search);
         let Some(best) = search.best().map(|best| &search.tried()[best]) else {
             print_note("interrupted before the first candidate");
             return Ok(Verdict::Interrupted);
@@ -150,7 +152,7 @@ impl Tune {
         };
         while !enough(search.tried().len()) && !stop.load(Ordering::Relaxed) {
             let tried = pool.install(|| search.step().map(|_| ()));
-            tried.with_context(|| self.tolerances.place(&self.file))?;
+            tried.with_context(|| self.tolerances.place(self.file.path()))?;
             record.commit(search)?;
             if let (Some(bar), Some(best)) = (&bar, search.best()) {
                 let differ = search.tried()[best].measurement.differences.avoidable();

@@ -180,8 +180,7 @@ impl Examine {
 
     fn directory(&self) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
-            let stem = self.model.file.file_stem().unwrap_or_default().to_string_lossy();
-            PathBuf::from(format!("reports/{}", bounded(&format!("examine-{stem}"))))
+            PathBuf::from(format!("reports/{}", bounded(&format!("examine-{}", self.model.file.stem()))))
         })
     }
 
@@ -272,7 +271,7 @@ impl Examine {
         };
         let sets = SubjectSet { name: "recommended".into(), f32: best.set.clone(), f64: best.set.clone() };
         let Some(assessed) = self.assess(model, &sets, stop)? else { return Ok(None) };
-        let file = self.model.file.file_name().unwrap_or_default().to_string_lossy();
+        let file = file_name(&model.file);
         let text = markdown(&file, &evaluator, &search);
         let measured = [best.measurement.clone(), search.tried()[0].measurement.clone()];
         let other = OtherSet { candidates, origin: best.origin.name(), assessed, measured, text };

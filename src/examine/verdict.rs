@@ -304,8 +304,7 @@ fn next(
         return args.show(worst.blocks);
     }
     if let (Some(scale), true) = (args.scaled(), answer != "safe with another set") {
-        let stem = args.file.file_stem().unwrap_or_default().to_string_lossy();
-        let metres = quoted(&format!("{stem}_m.toml"));
+        let metres = quoted(&format!("{}_m.toml", args.file.stem()));
         return format!("rockproof convert {file} {metres} --scale {scale}");
     }
     if answer == "safe" {

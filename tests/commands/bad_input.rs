@@ -257,7 +257,7 @@ fn files_that_are_none() {
         (&["check", "good.obj", "--tolerances", "loose.toml"], &["loose.toml:2:", "unknown tolerance `block`"]),
         (&["check", "good.obj", "--set", "search"], &["--set search", "NAME=VALUE"]),
         (&["check", "good.obj", "--set", "search=1", "open=x"], &["--set open=x", "is not a number"]),
-        (&["convert", "good.obj", "out.dda"], &["out.dda:", "known are .toml, .obj, .stl, .vtk and .vtu"]),
+        (&["convert", "good.obj", "out.dda"], &["out.dda:", "known are .toml, .obj, .stl, .ply, .msh, .vtk and .vtu"]),
         (&["convert", "good.obj", "nowhere/out.toml"], &["nowhere/out.toml", "No such file"]),
         (&["convert", "third.toml", "out.obj"], &["out.obj", "vertex 1: 1/3 is not an f64"]),
         (&["convert", "missing.obj", "out.obj"], &["missing.obj:", "No such file"]),

@@ -168,6 +168,59 @@ fn the_committed_plots_are_those_of_the_committed_table() {
     }
 }
 
+/// Programs that make PDF of a picture have no page around it.
+#[test]
+fn pictures_need_nothing_beside_them() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders = vec![root.join("reports"), root.join("docs/images")];
+    let mut seen = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "svg") {
+                let outside = outside_of(&fs::read_to_string(&path).unwrap());
+                assert!(outside.is_empty(), "{}: {outside:?}", path.display());
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen >= 15, "{seen} pictures");
+    let around = |part: &str| format!("<svg xmlns='http://www.w3.org/2000/svg' width='1' height='1'>{part}</svg>");
+    for (part, named) in [
+        ("<rect fill='var(--text)'/>", "var(--text)"),
+        ("<script/>", "script"),
+        ("<style>rect { fill: url(style.css#a) }</style>", "url(style.css#a)"),
+        ("<image href='other.png'/>", "other.png"),
+        ("<foreignObject/>", "foreignObject"),
+    ] {
+        assert!(outside_of(&around(part)).iter().any(|found| found.contains(named)), "{part}");
+    }
+    assert!(outside_of(&around("<use href='#a' fill='url(#b)'/>")).is_empty());
+}
+
+/// What of a picture is outside of it, or is for a browser alone.
+fn outside_of(svg: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    let mut found = Vec::new();
+    for node in document.descendants().filter(roxmltree::Node::is_element) {
+        let name = node.tag_name().name();
+        if matches!(name, "script" | "foreignObject") {
+            found.push(name.to_owned());
+        }
+        let attributes = node.attributes().map(|attribute| (attribute.name(), attribute.value()));
+        for (name, value) in attributes.chain(node.text().map(|text| ("", text))) {
+            let is_link = name == "href" && !value.starts_with('#');
+            let mut urls = value.split("url(").skip(1).map(|rest| rest.trim_start_matches(['"', '\'']));
+            if is_link || urls.any(|url| !url.starts_with('#')) || value.contains("var(") || value.contains("@import") {
+                found.push(value.to_owned());
+            }
+        }
+    }
+    found
+}
+
 #[test]
 #[cfg(target_os = "linux")]
 #[cfg_attr(debug_assertions, ignore = "a thousand cubes: with --release")]

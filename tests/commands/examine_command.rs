@@ -1,6 +1,6 @@
 //! Pins `examine`: its answers about sound and unsound models, what it writes, and what it refuses.
 
-use assert_cmd::cargo::cargo_bin_cmd;
+use crate::place::Place;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -47,40 +47,12 @@ box = { min = [1000, 0, 0], max = [1001, 1, 1] }
 box = { min = ["100100001/100000", 0, 0], max = [1002, 1, 1] }
 "#;
 
-struct Place(tempfile::TempDir);
+fn pairs_of(place: &Place, dir: &str) -> Vec<BTreeMap<String, String>> {
+    place.rows(&format!("{dir}/pairs.csv"))
+}
 
-impl Place {
-    fn new() -> Place {
-        Place(tempfile::tempdir().expect("a directory"))
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn file(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).expect("write");
-    }
-
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
-    }
-
-    /// Exit code, standard output and standard error of `rockproof …`, run here.
-    fn run(&self, args: &[&str]) -> (i32, String, String) {
-        let output = cargo_bin_cmd!("rockproof").current_dir(self.0.path()).args(args).output().expect("runs");
-        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-        (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
-    }
-
-    fn pairs(&self, dir: &str) -> Vec<BTreeMap<String, String>> {
-        let table = csv::Reader::from_path(self.path(dir).join("pairs.csv")).expect("a table");
-        table.into_deserialize().map(|row| row.expect("a row")).collect()
-    }
-
-    fn document(&self, dir: &str) -> Value {
-        serde_json::from_str(&self.read(&format!("{dir}/examine.json"))).expect("JSON")
-    }
+fn document_of(place: &Place, dir: &str) -> Value {
+    serde_json::from_str(&place.read(&format!("{dir}/examine.json"))).expect("JSON")
 }
 
 /// Two cubes of a size one on the other, in OBJ.
@@ -120,7 +92,7 @@ fn a_sound_model_is_safe_and_everything_about_it_is_written() {
     assert_eq!((piece.attribute("NumberOfCells"), piece.attribute("NumberOfPoints")), (Some("3"), Some("24")));
     let names: Vec<&str> = grid.descendants().filter_map(|node| node.attribute("Name")).collect();
     assert!(["worst_overlap_m", "lost_pairs", "passing_pairs", "f64_pairs"].iter().all(|name| names.contains(name)));
-    assert_eq!(place.pairs(dir).len(), 3);
+    assert_eq!(pairs_of(&place, dir).len(), 3);
     assert!(place.read(&format!("{dir}/examine.md")).starts_with("# sound.toml: safe\n"));
     let set = format!("{dir}/tolerances.toml");
     assert_eq!(place.run(&["check", "sound.toml", "--tolerances", &set]).0, 0);
@@ -135,7 +107,7 @@ fn a_sound_model_is_safe_and_everything_about_it_is_written() {
     let after =
         ["examine.json", "pairs.csv", "examine.md", "index.html"].map(|name| place.read(&format!("{dir}/{name}")));
     assert!(before == after && out == after[0]);
-    let document = place.document(dir);
+    let document = document_of(&place, dir);
     assert!(
         document["answer"] == "safe"
             && document["given"]["pairs_examined"] == 3
@@ -160,12 +132,12 @@ fn overlapping_blocks_are_not_safe_and_are_named() {
         "{out}"
     );
     assert!(out.ends_with("next: rockproof classify sunk.toml --pair 1,2\n"), "{out}");
-    let lost: Vec<_> = place.pairs("found").into_iter().filter(|pair| pair["overlap"] == "lost").collect();
+    let lost: Vec<_> = pairs_of(&place, "found").into_iter().filter(|pair| pair["overlap"] == "lost").collect();
     assert_eq!(lost.len(), 1);
     assert_eq!([&lost[0]["block_a"], &lost[0]["block_b"], &lost[0]["overlap_m"]], ["1", "2", "0.5"]);
     let page = place.read("found/index.html");
     assert!(page.contains("overlap that contacts cannot hold (2)") && page.contains("nothing found (1)"));
-    assert!(place.document("found")["given"]["steps"]["skipped"].is_string());
+    assert!(document_of(&place, "found")["given"]["steps"]["skipped"].is_string());
 }
 
 #[test]
@@ -213,7 +185,7 @@ fn pairs_that_pass_through_one_another_are_named() {
         out.contains("1 pair passes through one another") && out.contains("1 passage within a step (worst 0–1"),
         "{out}"
     );
-    let passed: Vec<_> = place.pairs("found").into_iter().filter(|pair| !pair["passage_m"].is_empty()).collect();
+    let passed: Vec<_> = pairs_of(&place, "found").into_iter().filter(|pair| !pair["passage_m"].is_empty()).collect();
     assert!(passed.len() == 1 && passed[0]["block_a"] == "0" && passed[0]["block_b"] == "1", "{passed:?}");
     assert!(place.read("found/index.html").contains("passes through another (2)"));
     let (_, out, _) = place.run(&["examine", "shot.toml", "--no-tune", "--steps", "0", "--out", "unstepped"]);
@@ -226,7 +198,7 @@ fn differences_far_from_the_origin_are_kept_as_cases() {
     place.file("far.toml", FAR);
     let (code, out, err) = place.run(&["examine", "far.toml", "--no-tune", "--out", "found"]);
     assert!(code == 0 || code == 1, "{err}");
-    let document = place.document("found");
+    let document = document_of(&place, "found");
     assert!(document["given"]["f32"]["pairs_differing"].as_u64() > Some(0), "{out}");
     let cases: Vec<PathBuf> =
         fs::read_dir(place.path("found/cases")).expect("cases").map(|e| e.expect("one").path()).collect();

@@ -87,3 +87,98 @@ fn a_search_says_the_same_to_programs() {
     let checked = document(place.path(), 0, &["check", &file, "--tolerances", &set]);
     assert_eq!(checked["tolerances"], found["recommended"]["tolerances"]);
 }
+
+/// The document of a command, run in the folder of the project, and its exit code.
+fn answer(args: &[&str]) -> (i32, Value) {
+    let (code, out) = rockproof(Path::new(env!("CARGO_MANIFEST_DIR")), &[args, &["--format", "json"]].concat());
+    (code, serde_json::from_str(&out).unwrap_or_else(|e| panic!("{args:?}: {e}: {out}")))
+}
+
+#[test]
+fn runs_say_the_same_to_programs() {
+    let place = tempfile::tempdir().expect("a directory");
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/handmade/incline_1_4_settled.toml");
+    let scene = scene.display().to_string();
+    let run = |args: &[&str]| document(place.path(), 0, &[&["simulate", &scene, "--steps", "4"], args].concat());
+    let found = run(&["--lockstep", "--audit", "--out", "both"]);
+    let kept: Value =
+        serde_json::from_slice(&fs::read(place.path().join("both/run.json")).expect("run.json")).expect("JSON");
+    let totals = &kept["totals"];
+    assert!(found["ending"] == "finished" && found["reason"].is_null() && found["steps"] == 4);
+    for (name, kept) in
+        [("iterations", "iterations"), ("most_iterations", "most_iterations"), ("settling_steps", "settling")]
+    {
+        assert_eq!(found[name], totals[kept], "{name}");
+    }
+    assert_eq!(found["contacts"]["locked"], totals["contacts"][2]);
+    assert_eq!(found["deepest_contact_m"]["step"], totals["deepest"]["step"]);
+    assert!(found["lockstep"]["differences"]["arithmetic"].is_u64() && found["audit"]["objects"] == false);
+    assert_eq!(found["lockstep"]["steps"].as_u64(), Some(4 + found["settling_steps"].as_u64().expect("a count")));
+    let bare = run(&["--out", "bare"]);
+    assert!(bare["lockstep"].is_null() && bare["audit"].is_null() && bare["kinetic_j"] == found["kinetic_j"]);
+    let exact = run(&["--engine", "exact", "--out", "exact"]);
+    assert!(exact["ending"] == "finished" && exact["steps"] == 4 && exact["kept"].is_string());
+    // What is not run says why.
+    let model = model("slope_joints.dda");
+    let refused = document(place.path(), 1, &["simulate", &model, "--steps", "1", "--out", "none"]);
+    assert!(refused["ending"] == "not run" && refused["overlaps"]["lost"] == 19, "{refused}");
+    assert!(!place.path().join("none").exists());
+}
+
+#[test]
+fn a_replayed_case_says_the_same_to_programs() {
+    let case = "cases/regressions/v-e-arithmetic-foot-region.toml";
+    let (_, text) = rockproof(Path::new(env!("CARGO_MANIFEST_DIR")), &["replay", case]);
+    let (code, found) = answer(&["replay", case]);
+    assert!(code == 0 && found["recurs"] == true && found["exact_answer_as_recorded"] == true, "{found}");
+    assert!(found["finding"]["cause"] == "arithmetic" && found["finding"]["predicate"] == "foot-region");
+    let answers = found["answers"].as_array().expect("answers");
+    let names: Vec<&str> = answers.iter().map(|answer| answer["name"].as_str().expect("a name")).collect();
+    assert_eq!(names, ["ideal", "exact", "exact f32", "stepper-f32", "exact f64", "stepper-f64"]);
+    let engine = names.iter().position(|name| found["finding"]["engine"] == *name).expect("the engine");
+    assert_ne!(answers[engine]["contacts"], answers[engine - 1]["contacts"]);
+    for parting in found["partings"].as_array().expect("partings") {
+        assert!(text.contains(parting["between"].as_str().expect("a title")));
+        for decision in parting["decisions"].as_array().expect("decisions") {
+            assert!(
+                text.contains(decision["decision"].as_str().expect("a decision")) && decision["margin"].is_number()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_replayed_step_says_the_same_to_programs() {
+    let case = "fuzz/corpus/state/step_000002.json";
+    let (code, text) = rockproof(Path::new(env!("CARGO_MANIFEST_DIR")), &["replay", case]);
+    let (same, found) = answer(&["replay", case]);
+    assert!(code == same && found["step"] == 2);
+    assert_eq!(found["recurs"] == true, text.contains("the finding recurs"));
+    for side in ["oracle", "stepper"] {
+        let contacts = found[side]["contacts"].as_array().expect("contacts");
+        let solves = found[side]["solves"].as_u64().expect("a count") as usize;
+        assert!(contacts.iter().all(|contact| contact["modes"].as_array().map(Vec::len) == Some(solves)), "{found}");
+    }
+    for difference in found["differences"].as_array().expect("differences") {
+        assert!(text.contains(difference["before"].as_str().expect("words")));
+    }
+}
+
+#[test]
+fn measurements_are_objects_of_numbers() {
+    let (code, found) = answer(&["bench", "--quick"]);
+    assert!(code == 0 && found["measure"] == "classification");
+    let rows = found["rows"].as_array().expect("rows");
+    let timed = rows.iter().filter(|row| row["measure"] != "campaign");
+    assert!(
+        timed.clone().count() > 10 && timed.clone().all(|row| row["pairs"].is_u64() && row["us_per_pair"].is_number())
+    );
+    assert!(
+        rows.iter()
+            .any(|row| row["measure"] == "campaign" && row["findings"].is_u64() && row["ratio_to_f64"].is_null())
+    );
+    let (code, found) = answer(&["bench", "--stack", "20", "--steps", "2"]);
+    let row = &found["rows"][0];
+    assert!(code == 0 && found["measure"] == "steps" && row["scene"] == "stack" && row["blocks"] == 21, "{found}");
+    assert!(row["ms_a_step"].is_number() && row["us_a_block"].is_number(), "{row}");
+}

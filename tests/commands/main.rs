@@ -8,6 +8,8 @@ mod gates;
 mod mistaken_engine;
 #[path = "../../crates/stepper/tests/support/mistakes.rs"]
 mod mistakes;
+#[path = "../support/place.rs"]
+mod place;
 
 mod bad_input;
 mod bench_command;
@@ -38,6 +40,8 @@ mod simulate_audit;
 mod simulate_cli;
 mod simulate_record;
 mod soak;
+mod stdin;
 mod stress_command;
 mod tune_command;
 mod untrusted_input;
+mod weld;

@@ -2,7 +2,7 @@
 //! belong together is refused by name, and nothing is written then.
 
 use crate::engines::client;
-use assert_cmd::Command;
+use crate::place::{Place, Ran};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,24 +12,21 @@ pub(crate) const SETTINGS: &str = "pairs = 250\nchunk = 48\nfamilies = [\"sliver
                         steps_every = 3\nsteps = 2\ncases_per_cause = 60\nshrink_evaluations = 3\n";
 
 /// A folder of its own, with settings.
-pub(crate) struct Place(tempfile::TempDir);
+pub(crate) struct Campaigns(Place);
 
-impl Place {
-    pub(crate) fn new(settings: &str) -> Place {
-        let place = Place(tempfile::tempdir().expect("a directory"));
-        fs::write(place.at("campaign.toml"), settings).expect("write");
-        place
+impl Campaigns {
+    pub(crate) fn new(settings: &str) -> Campaigns {
+        let place = Place::new();
+        place.file("campaign.toml", settings);
+        Campaigns(place)
     }
 
     pub(crate) fn at(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        self.0.path(name)
     }
 
-    fn run(&self, arguments: &[&str]) -> (i32, String, String) {
-        let mut command = Command::cargo_bin("rockproof").expect("the program");
-        let output = command.current_dir(self.0.path()).args(arguments).output().expect("runs");
-        let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-        (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+    fn run(&self, arguments: &[&str]) -> Ran {
+        self.0.run(arguments)
     }
 
     pub(crate) fn works(&self, arguments: &[&str]) -> String {
@@ -121,7 +118,7 @@ fn any_number_of_parts_put_together_is_the_campaign_of_one_machine_at_full_size(
 }
 
 fn put_together(numbers: &[u64]) {
-    let place = Place::new(SETTINGS);
+    let place = Campaigns::new(SETTINGS);
     place.campaign("whole", &["--threads", "1"]);
     let cases = fs::read_dir(place.at("whole/cases")).expect("cases").count();
     assert!(cases > 12, "{cases} cases");
@@ -153,11 +150,11 @@ fn put_together(numbers: &[u64]) {
 fn a_part_that_was_killed_goes_on_to_the_same_bytes() {
     // Here cases run out of places as well.
     let settings = SETTINGS.replace("chunk = 48", "chunk = 16").replace("per_cause = 60", "per_cause = 8");
-    let place = Place::new(&settings);
+    let place = Campaigns::new(&settings);
     place.campaign("whole", &[]);
     let arguments = ["campaign", "campaign.toml", "--part", "2/2", "--out", "part2", "--threads", "1"];
     let mut killed = std::process::Command::new(assert_cmd::cargo::cargo_bin("rockproof"))
-        .current_dir(place.0.path())
+        .current_dir(place.at(""))
         .args(arguments)
         .stdout(std::process::Stdio::null())
         .spawn()
@@ -184,13 +181,13 @@ fn a_part_that_was_killed_goes_on_to_the_same_bytes() {
 fn an_external_engine_and_a_grid_are_put_together_too() {
     let grid = "pairs = 224\nchunk = 64\nfamilies = [\"edge_cross\", \"sliver\"]\nshrink_evaluations = 10\n\
                 [grid]\nbase = \"auto\"\nterritory = [0, 2]\n";
-    let place = Place::new(grid);
+    let place = Campaigns::new(grid);
     place.campaign("whole", &[]);
     place.merge(&place.parts(3, &[]), "merged", &[]);
     place.same("whole", "merged");
 
     // What it says is so, or is not: fingerprints hold states.
-    let place = Place::new(
+    let place = Campaigns::new(
         "pairs = 192\nchunk = 64\nshrink_evaluations = 10\ncases_per_cause = 1\nfamilies = [\"face_stack\", \"edge_cross\"]\n",
     );
     let engine = format!("mine={} state", client());
@@ -214,7 +211,7 @@ fn counts(dir: &Path) -> Vec<u64> {
 
 #[test]
 fn what_engines_were_put_through_adds_up() {
-    let place = Place::new("pairs = 64\nchunk = 32\nfamilies = [\"face_stack\"]\nshrink_evaluations = 10\n");
+    let place = Campaigns::new("pairs = 64\nchunk = 32\nfamilies = [\"face_stack\"]\nshrink_evaluations = 10\n");
     // It crashes on every second question.
     let engine = format!("mine={} second", client());
     let asked = ["--engine", "mine", "--engine-command", &engine];
@@ -236,7 +233,7 @@ fn what_engines_were_put_through_adds_up() {
 
 #[test]
 fn a_stress_set_is_put_together_with_its_tables() {
-    let place = Place::new("");
+    let place = Campaigns::new("");
     for (out, part) in [("whole", None), ("one", Some("1/2")), ("two", Some("2/2"))] {
         let part = part.map_or(Vec::new(), |part| vec!["--part", part]);
         place.works(&[&["campaign", "--stress", "--pairs", "1344", "--out", out], &part[..]].concat());
@@ -272,7 +269,7 @@ fn copy(from: &Path, to: &Path) {
 #[test]
 fn what_does_not_belong_together_is_refused_by_name() {
     let small = "pairs = 96\nchunk = 16\nfamilies = [\"sliver\"]\ntolerances = [\"auto\"]\nsteps_every = 0\n";
-    let place = Place::new(small);
+    let place = Campaigns::new(small);
     let [one, two, three] = <[String; 3]>::try_from(place.parts(3, &[])).expect("three");
     let forged = |name: &str, from: &str, to: &str| {
         copy(&place.at(&two), &place.at(name));
@@ -332,7 +329,7 @@ fn what_does_not_belong_together_is_refused_by_name() {
 
 #[test]
 fn input_files_that_changed_are_refused() {
-    let place = Place::new("");
+    let place = Campaigns::new("");
     let cube = "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n[[block]]\nbox = { min = [0, 0, 1], max = [1, 1, 2] }\n";
     fs::write(place.at("mine.toml"), cube).expect("write");
     fs::write(
@@ -351,7 +348,7 @@ fn input_files_that_changed_are_refused() {
 
 #[test]
 fn a_partial_merge_says_what_it_is() {
-    let place = Place::new(&SETTINGS.replace("steps_every = 3", "steps_every = 0"));
+    let place = Campaigns::new(&SETTINGS.replace("steps_every = 3", "steps_every = 0"));
     let parts = place.parts(3, &[]);
     let text = place.works(&["merge", &parts[2], &parts[0], "--partial", "--out", "some"]);
     assert!(text.starts_with("Exactly right on hard pairs: "), "{text}");

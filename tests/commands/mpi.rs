@@ -2,7 +2,7 @@
 //! `mpi`. `ROCKPROOF_MPIRUN` names the `mpirun` of the MPI that the program was built with.
 
 use crate::engines::client;
-use crate::merge_command::{Place, SETTINGS};
+use crate::merge_command::{Campaigns, SETTINGS};
 use assert_cmd::Command;
 use std::fs;
 use std::io::Read;
@@ -31,7 +31,7 @@ fn program() -> String {
 }
 
 /// A job of so many ranks, one thread each unless `arguments` say otherwise.
-fn job(place: &Place, ranks: usize, arguments: &[&str]) -> std::process::Command {
+fn job(place: &Campaigns, ranks: usize, arguments: &[&str]) -> std::process::Command {
     let mut command = std::process::Command::new(mpirun());
     command.current_dir(place.at("")).args(options()).args(["-n", &ranks.to_string(), &program(), "campaign", "--mpi"]);
     command.args(arguments).stdin(Stdio::null());
@@ -44,14 +44,14 @@ fn ended(mut job: std::process::Command) -> (i32, String) {
     (output.status.code().unwrap_or(-1), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-fn works(place: &Place, ranks: usize, arguments: &[&str]) {
+fn works(place: &Campaigns, ranks: usize, arguments: &[&str]) {
     let (code, said) = ended(job(place, ranks, arguments));
     assert_eq!(code, 0, "{ranks} ranks, {arguments:?}: {said}");
 }
 
 #[test]
 fn any_number_of_ranks_writes_what_one_process_and_merged_parts_write() {
-    let place = Place::new(SETTINGS);
+    let place = Campaigns::new(SETTINGS);
     place.campaign("whole", &[]);
     let parts = place.parts(3, &[]);
     place.merge(&parts, "merged", &[]);
@@ -70,7 +70,7 @@ fn any_number_of_ranks_writes_what_one_process_and_merged_parts_write() {
 
 #[test]
 fn stress_sets_grids_and_external_engines_go_the_same_way() {
-    let place = Place::new(
+    let place = Campaigns::new(
         "pairs = 320\nchunk = 64\nsteps_every = 0\ncases_per_cause = 4\nshrink_evaluations = 3\n\
          families = [\"sliver\", \"edge_cross\"]\n[grid]\nbase = \"auto\"\nterritory = [\"1/2\", 2]\n",
     );
@@ -96,7 +96,7 @@ fn stress_sets_grids_and_external_engines_go_the_same_way() {
 
 #[test]
 fn ranks_that_do_not_belong_together_are_refused_and_nothing_is_written() {
-    let place = Place::new(SETTINGS);
+    let place = Campaigns::new(SETTINGS);
     fs::write(place.at("other.toml"), SETTINGS.replace("steps = 2", "steps = 1")).expect("write");
     let two = |settings: &str| {
         let mut job = job(&place, 1, &["campaign.toml", "--out", "out"]);
@@ -161,7 +161,7 @@ fn signal(name: &str, target: &str) {
 }
 
 /// Kills a worker, rank 0, or all of a job again and again, or asks it to end, until it comes to its end undisturbed; gives how often.
-fn killed_again_and_again(place: &Place, out: &str, kills: u32, random: &mut Random) -> [u32; 4] {
+fn killed_again_and_again(place: &Campaigns, out: &str, kills: u32, random: &mut Random) -> [u32; 4] {
     let mut done = [0; 4];
     while done.iter().sum::<u32>() < kills {
         let count = 2 + random.below(3) as usize;
@@ -228,7 +228,7 @@ const LONGER: &str = "pairs = 640\nchunk = 48\nfamilies = [\"sliver\", \"edge_cr
                       steps_every = 48\nsteps = 1\ncases_per_cause = 6\nshrink_evaluations = 2\n";
 
 fn bears(kills: u32, seed: u64) {
-    let place = Place::new(LONGER);
+    let place = Campaigns::new(LONGER);
     place.campaign("whole", &[]);
     let mut random = Random(seed);
     let mut sum = [0; 4];

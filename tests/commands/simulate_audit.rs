@@ -1,10 +1,10 @@
 //! Pins `simulate --audit`: what it fills in and says, that it objects to blocks that pass through one another and to nothing
 //! else, and that its bytes depend neither on threads nor on interruptions. And what `check` and `report` say of the same.
 
-use assert_cmd::cargo::cargo_bin_cmd;
+use crate::place::Place;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Blocks that fall on a floor, askew and one on the other.
 const FALL: &str = r#"
@@ -49,43 +49,13 @@ box = { min = [0, 0, 0], max = [0.1, 0.1, 0.1] }
 velocity = [50, 0, 0]
 "#;
 
-struct Place(tempfile::TempDir);
+fn step_rows(place: &Place, dir: &str) -> Vec<BTreeMap<String, String>> {
+    place.rows(&format!("{dir}/steps.csv"))
+}
 
-impl Place {
-    fn new() -> Place {
-        Place(tempfile::tempdir().expect("a directory"))
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn file(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).expect("write");
-    }
-
-    /// Exit code, standard output and standard error of `rockproof …`, run here on so many threads.
-    fn on_threads(&self, threads: u8, args: &[&str]) -> (i32, String, String) {
-        let mut command = cargo_bin_cmd!("rockproof");
-        command.current_dir(self.0.path()).env("RAYON_NUM_THREADS", threads.to_string()).args(args);
-        let output = command.output().expect("runs");
-        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-        (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
-    }
-
-    fn run(&self, args: &[&str]) -> (i32, String, String) {
-        self.on_threads(2, args)
-    }
-
-    fn steps(&self, dir: &str) -> Vec<BTreeMap<String, String>> {
-        let table = csv::Reader::from_path(self.path(dir).join("steps.csv")).expect("a table");
-        table.into_deserialize().map(|row| row.expect("a row")).collect()
-    }
-
-    fn totals(&self, dir: &str) -> serde_json::Value {
-        let text = fs::read(self.path(dir).join("run.json")).expect("run.json");
-        serde_json::from_slice::<serde_json::Value>(&text).expect("JSON")["totals"].clone()
-    }
+fn totals_of(place: &Place, dir: &str) -> serde_json::Value {
+    let run: serde_json::Value = serde_json::from_str(&place.read(&format!("{dir}/run.json"))).expect("JSON");
+    run["totals"].clone()
 }
 
 const COLUMNS: [&str; 4] = ["unseen_pairs", "true_penetration_m", "passages", "undecided_passages"];
@@ -101,7 +71,7 @@ fn a_sound_run_is_audited_to_the_same_bytes_whoever_does_it() {
         out.contains("\naudit            contacts see every overlap after 42 steps, and no passage within one"),
         "{out}"
     );
-    let steps = place.steps("whole");
+    let steps = step_rows(&place, "whole");
     let depth = |row: &BTreeMap<String, String>| row["true_penetration_m"].parse::<f64>().expect("a depth");
     assert!(steps.len() == 42 && steps.iter().all(|row| row["unseen_pairs"] == "0" && row["passages"] == "0"));
     assert!(steps.iter().any(|row| depth(row) > 0.0), "something was hit");
@@ -112,15 +82,15 @@ fn a_sound_run_is_audited_to_the_same_bytes_whoever_does_it() {
     }
     let read = |dir: &str| fs::read(place.path(dir).join("steps.csv")).expect("steps.csv");
     assert!(read("whole") == read("parts"));
-    assert_eq!(place.totals("whole")["audit"], place.totals("parts")["audit"]);
+    assert_eq!(totals_of(&place, "whole")["audit"], totals_of(&place, "parts")["audit"]);
     // Without it the columns are empty, all others are the same, and one run is not taken for the other.
     assert_eq!(place.run(&["simulate", "fall.toml", "--every", "7", "--out", "bare"]).0, 0);
-    for (mut audited, bare) in steps.into_iter().zip(place.steps("bare")) {
+    for (mut audited, bare) in steps.into_iter().zip(step_rows(&place, "bare")) {
         assert!(COLUMNS.iter().all(|column| bare[*column].is_empty()), "{bare:?}");
         audited.extend(COLUMNS.map(|column| (column.to_owned(), String::new())));
         assert_eq!(audited, bare);
     }
-    assert!(place.totals("bare").get("audit").is_none());
+    assert!(totals_of(&place, "bare").get("audit").is_none());
     let (code, _, err) = place.run(&[&args[..], &["bare", "--resume"]].concat());
     assert!(code == 2 && err.contains("audit: the run has"), "{err}");
     let (code, _, err) = place.run(&["simulate", "fall.toml", "--engine", "exact", "--audit"]);
@@ -139,9 +109,9 @@ fn a_block_that_passes_through_another_within_a_step_is_told() {
     assert_eq!(code, 1, "{out}{err}");
     let told = "audit            blocks pass through one another: 1 passage within a step (worst 0–1, ";
     assert!(out.contains(told) && out.contains(" m, step 2); no overlap after any step"), "{out}");
-    let passages: Vec<String> = place.steps("shot").into_iter().map(|row| row["passages"].clone()).collect();
+    let passages: Vec<String> = step_rows(&place, "shot").into_iter().map(|row| row["passages"].clone()).collect();
     assert_eq!(passages, ["0", "1", "0"]);
-    assert_eq!(place.totals("shot")["audit"]["worst_passage"]["step"], 2);
+    assert_eq!(totals_of(&place, "shot")["audit"]["worst_passage"]["step"], 2);
     // A report on it begins with that; on the other it says that nobody looked.
     let (code, out, err) = place.run(&["report", "shot", "--format", "markdown"]);
     assert!(code == 0 && out.contains("❌ shot: blocks pass through one another: 1 passage"), "{out}{err}");
@@ -164,7 +134,7 @@ fn overlaps_that_no_contact_sees_are_told_with_the_worst_pair_and_step() {
     assert_eq!(code, 1, "{out}{err}");
     let told = "blocks pass through one another: up to 19 pairs overlap where no contact sees it, after 2 of 2 steps (worst 2–3, 1.1694 m";
     assert!(out.contains(told), "{out}");
-    assert!(place.steps("audited").iter().all(|row| row["unseen_pairs"] == "19"));
+    assert!(step_rows(&place, "audited").iter().all(|row| row["unseen_pairs"] == "19"));
     // Without it the end says what the beginning said, and how to look.
     let (code, out, err) = place.run(&[&args[..], &["bare"]].concat());
     assert_eq!(code, 0, "{out}{err}");

@@ -168,3 +168,65 @@ fn files_that_the_map_names_exist() {
         assert!(files.iter().any(|file| file.ends_with(relative)), "ARCHITECTURE.md names {name}, which is not there");
     }
 }
+
+/// The folders of the crates that are published.
+fn published() -> Vec<PathBuf> {
+    let folders = MAY_DEPEND_ON.into_iter().map(|(name, _)| match name {
+        "rockproof" => root().to_path_buf(),
+        "oracle" => root().join("oracle"),
+        name => root().join("crates").join(name),
+    });
+    let is_published = |folder: &PathBuf| {
+        let manifest = std::fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+        let manifest: toml::Table = toml::from_str(&manifest).unwrap();
+        manifest["package"].get("publish").is_none()
+    };
+    folders.filter(is_published).collect()
+}
+
+/// A package holds its own folder alone: what sources include from elsewhere would be missing.
+#[test]
+fn packages_hold_what_their_sources_include() {
+    let mut included = 0;
+    let published = published();
+    assert_eq!(published.len(), MAY_DEPEND_ON.len() - 2, "fuzz and validation are for tests");
+    for folder in published {
+        assert!(folder.join("README.md").is_file(), "{}", folder.display());
+        let manifest: toml::Table =
+            toml::from_str(&std::fs::read_to_string(folder.join("Cargo.toml")).unwrap()).unwrap();
+        let kept: Vec<&str> =
+            manifest["package"]["include"].as_array().unwrap().iter().map(|part| part.as_str().unwrap()).collect();
+        for file in rust_files(&folder.join("src")) {
+            let text = std::fs::read_to_string(&file).unwrap();
+            for part in text.split("include_str!(\"").chain(text.split("include_bytes!(\"")).skip(1) {
+                let Some((name, _)) = part.split_once('"').filter(|(name, _)| file.with_file_name(name).is_file())
+                else {
+                    continue;
+                };
+                let path = file.with_file_name(name).canonicalize().unwrap();
+                let within = path.strip_prefix(&folder).unwrap_or_else(|_| panic!("{}: {name}", file.display()));
+                let top = format!("/{}", within.components().next().unwrap().as_os_str().display());
+                assert!(kept.contains(&top.as_str()), "{}: {name} is in none of {kept:?}", file.display());
+                included += 1;
+            }
+        }
+    }
+    assert!(included >= 11, "only {included} files are included");
+    for copy in std::fs::read_dir(root().join("crates/bench/cases")).unwrap() {
+        let copy = copy.unwrap();
+        let original = root().join("cases/handmade").join(copy.file_name());
+        assert_eq!(std::fs::read(copy.path()).unwrap(), std::fs::read(&original).unwrap(), "{}", original.display());
+    }
+}
+
+#[test]
+fn all_crates_have_one_version() {
+    let manifest: toml::Table = toml::from_str(&std::fs::read_to_string(root().join("Cargo.toml")).unwrap()).unwrap();
+    let version = &manifest["workspace"]["package"]["version"];
+    let own = manifest["workspace"]["dependencies"].as_table().unwrap().iter();
+    let own: Vec<_> = own.filter(|(name, _)| name.starts_with("rockproof-") && *name != "rockproof-fuzz").collect();
+    assert_eq!(own.len(), MAY_DEPEND_ON.len() - 3);
+    for (name, dependency) in own {
+        assert_eq!(dependency.get("version"), Some(version), "{name}");
+    }
+}

@@ -169,6 +169,7 @@ fn settings_on_the_pages_are_read() {
         families: Vec::new(),
         real: Vec::new(),
         planarity: None,
+        weld: None,
         external: Vec::new(),
         ..settings.clone()
     };

@@ -223,8 +223,20 @@ fn no_command_escapes() {
         let mut fence = None;
         for (number, line) in document.lines().enumerate() {
             if let Some(language) = line.strip_prefix("```") {
-                let known =
-                    ["console", "console,slow", "toml", "json", "yaml", "text", "python", "rust", "cpp", "csv", "sh"];
+                let known = [
+                    "console",
+                    "console,slow",
+                    "toml",
+                    "json",
+                    "yaml",
+                    "text",
+                    "python",
+                    "rust",
+                    "cpp",
+                    "csv",
+                    "sh",
+                    "tex",
+                ];
                 assert!(fence.is_some() || known.contains(&language), "{page}:{}: {line}", number + 1);
                 fence = if fence.is_some() { None } else { Some(language.to_owned()) };
             } else if !fence.as_ref().is_some_and(|language| language.starts_with("console")) {

@@ -35,7 +35,7 @@ struct StartAndEnd {
 pub const SCENES: [ClosedFormScene; 6] = [
     ClosedFormScene {
         name: "free_fall",
-        text: include_str!("../../../cases/handmade/free_fall.toml"),
+        text: include_str!("../cases/free_fall.toml"),
         duration: 0.25,
         of: ErrorQuantity::Displacement,
         // z = −g t²/2 with g = 10 m/s².
@@ -43,7 +43,7 @@ pub const SCENES: [ClosedFormScene; 6] = [
     },
     ClosedFormScene {
         name: "incline_1_4_settled",
-        text: include_str!("../../../cases/handmade/incline_1_4_settled.toml"),
+        text: include_str!("../cases/incline_1_4_settled.toml"),
         duration: 0.25,
         of: ErrorQuantity::Displacement,
         // a = g (sin α − cos α tan φ) = 4 m/s² along −x.
@@ -51,7 +51,7 @@ pub const SCENES: [ClosedFormScene; 6] = [
     },
     ClosedFormScene {
         name: "rest_on_floor",
-        text: include_str!("../../../cases/handmade/rest_on_floor.toml"),
+        text: include_str!("../cases/rest_on_floor.toml"),
         duration: 0.1,
         of: ErrorQuantity::Overlap,
         // W/(4 p_n).
@@ -59,7 +59,7 @@ pub const SCENES: [ClosedFormScene; 6] = [
     },
     ClosedFormScene {
         name: "stack_of_10",
-        text: include_str!("../../../cases/handmade/stack_of_10.toml"),
+        text: include_str!("../cases/stack_of_10.toml"),
         duration: 0.1,
         of: ErrorQuantity::Overlap,
         // Ten weights on four contacts of 10⁹ N/m.
@@ -67,14 +67,14 @@ pub const SCENES: [ClosedFormScene; 6] = [
     },
     ClosedFormScene {
         name: "rotation_cayley",
-        text: include_str!("../../../cases/handmade/rotation_cayley.toml"),
+        text: include_str!("../cases/rotation_cayley.toml"),
         duration: 0.5,
         of: ErrorQuantity::Displacement,
         error: StartAndEnd::turned,
     },
     ClosedFormScene {
         name: "rotation_linear",
-        text: include_str!("../../../cases/handmade/rotation_linear.toml"),
+        text: include_str!("../cases/rotation_linear.toml"),
         duration: 0.5,
         of: ErrorQuantity::Volume,
         error: |ends| (ends.swelling[0] - 1.0).abs(),

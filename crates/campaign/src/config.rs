@@ -40,6 +40,9 @@ pub struct CampaignConfig {
     /// How far a face in those files may be from planar, as a share of its block's size; what the file says by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub planarity: Option<Number>,
+    /// Vertices of those files no further apart than this, in the file's unit, become one; see [`rockproof_model::LoadOptions`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weld: Option<Number>,
     /// Pairs between two states of the journal: what an interruption can lose.
     pub chunk: u64,
     /// One pair in this many goes through the metamorphic checks; 0 for none.
@@ -70,6 +73,7 @@ impl Default for CampaignConfig {
             stress: false,
             real: Vec::new(),
             planarity: None,
+            weld: None,
             chunk: 4096,
             metamorphic_every: 16,
             steps_every: 64,

@@ -110,8 +110,8 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
         let mut blocks = Vec::new();
         for file in &config.real {
             // Pairs are sought within a file, so files are kept apart by a family of their own each.
-            let scene =
-                Scene::load_with(file, &LoadOptions { planarity: config.planarity.clone(), ..LoadOptions::default() })?;
+            let options = LoadOptions { planarity: config.planarity.clone(), weld: config.weld.clone() };
+            let scene = Scene::load_with(file, &options)?;
             blocks.push(
                 RealNeighbours::neighbours(&scene.shapes().into_iter().cloned().collect::<Vec<Block>>())
                     .ok_or_else(|| SourceError::NoNeighbours { file: file.display().to_string() })?,

@@ -102,6 +102,21 @@ pub enum Answer {
     State(ReportedState),
 }
 
+impl Answer {
+    /// The contacts that it names.
+    ///
+    /// # Errors
+    /// When it says only how the blocks lie: then [`EngineFailure::Unsupported`], with what it says.
+    pub fn into_contacts(self) -> Result<Vec<Contact>, EngineFailure> {
+        match self {
+            Answer::Contacts(contacts) => Ok(contacts),
+            Answer::State(said) => {
+                Err(EngineFailure::Unsupported(format!("it says {}, not which contacts", said.state)))
+            }
+        }
+    }
+}
+
 /// A pair of blocks inside an engine.
 pub trait Prepared {
     /// The contacts of the pair, sorted as SPEC section 4 asks, for tolerances rounded to the engine's precision.

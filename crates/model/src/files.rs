@@ -17,12 +17,28 @@ pub fn read_limited(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
     read_at_most(path.as_ref(), LARGEST_INPUT)
 }
 
+/// The bytes of a stream, such as stdin, to its end: at most [`LARGEST_INPUT`].
+///
+/// # Errors
+/// Those of the stream; [`io::ErrorKind::FileTooLarge`] beyond the limit, which is named.
+pub fn read_stream(stream: impl Read) -> io::Result<Vec<u8>> {
+    stream_at_most(stream, LARGEST_INPUT, 0)
+}
+
 /// The text of a file of at most [`LARGEST_INPUT`].
 ///
 /// # Errors
-/// As [`read_limited`]; [`io::ErrorKind::InvalidData`] for a file that is not UTF-8, with line and byte.
+/// As [`read_limited`] and [`text_of`].
 pub fn read_text(path: impl AsRef<Path>) -> io::Result<String> {
-    String::from_utf8(read_limited(path)?).map_err(|error| {
+    text_of(read_limited(path)?)
+}
+
+/// The text that the bytes of a file are.
+///
+/// # Errors
+/// [`io::ErrorKind::InvalidData`] for bytes that are not UTF-8, with line and byte.
+pub fn text_of(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|error| {
         let (at, bytes) = (error.utf8_error().valid_up_to(), error.as_bytes());
         let line = bytes[..at].iter().filter(|byte| **byte == b'\n').count() + 1;
         let text = format!("line {line}: byte {at} of the file is {:#04x}; a text in UTF-8 is expected", bytes[at]);
@@ -53,16 +69,22 @@ fn read_at_most(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     if is_device(&about.file_type()) {
         return Err(device());
     }
-    let too_large = |found: String| {
-        let text = format!("the file has {found} bytes; at most {limit} are read, so split it into several files");
-        Err(io::Error::new(io::ErrorKind::FileTooLarge, text))
-    };
     if about.len() > limit {
-        return too_large(about.len().to_string());
+        return Err(too_large(&about.len().to_string(), limit));
     }
-    let mut bytes = Vec::with_capacity(about.len() as usize);
-    file.take(limit + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > limit { too_large(format!("more than {limit}")) } else { Ok(bytes) }
+    stream_at_most(file, limit, about.len() as usize)
+}
+
+/// `length` is how long the stream says it is.
+fn stream_at_most(stream: impl Read, limit: u64, length: usize) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(length);
+    stream.take(limit + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit { Err(too_large(&format!("more than {limit}"), limit)) } else { Ok(bytes) }
+}
+
+fn too_large(found: &str, limit: u64) -> io::Error {
+    let text = format!("the file has {found} bytes; at most {limit} are read, so split it into several files");
+    io::Error::new(io::ErrorKind::FileTooLarge, text)
 }
 
 #[cfg(unix)]
@@ -103,6 +125,13 @@ mod tests {
             error.contains("sparse.dda") && error.contains("1073741825") && error.contains("1073741824"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn a_stream_without_an_end_is_given_up_at_the_limit() {
+        assert_eq!(stream_at_most(&b"12345"[..], 5, 0).unwrap(), b"12345");
+        let error = stream_at_most(io::repeat(0), 5, 0).unwrap_err();
+        assert!(error.kind() == io::ErrorKind::FileTooLarge && error.to_string().contains("at most 5"), "{error}");
     }
 
     /// What says it is empty and is not, as files of the system do, is given up at the limit.

@@ -525,13 +525,148 @@ fn surfaces_of_gmsh_are_blocks_by_physical_group() {
     assert!(scene.shapes().iter().all(|block| block.topology().faces().len() == 6));
 }
 
+/// A mesh in ASCII as Gmsh writes it in binary; `width` is that of a count of version 4.
+fn binary_msh(text: &str, big_endian: bool, width: usize) -> Vec<u8> {
+    let ordered =
+        |bytes: &[u8]| -> Vec<u8> { if big_endian { bytes.iter().rev().copied().collect() } else { bytes.to_vec() } };
+    let integer = |word: &str| ordered(&word.parse::<i32>().unwrap().to_le_bytes());
+    let number = |word: &str| ordered(&word.parse::<f64>().unwrap().to_le_bytes());
+    let count = |word: &str| ordered(&word.parse::<u64>().unwrap().to_le_bytes()[..width]);
+    let is_version_4 = text.contains("\n4.1 ");
+    let mut out = Vec::new();
+    let mut lines = text.lines();
+    while let Some(heading) = lines.next() {
+        let body: Vec<&str> = lines.by_ref().take_while(|line| !line.starts_with("$End")).collect();
+        out.extend(format!("{heading}\n").bytes());
+        let mut words = body.iter().flat_map(|line| line.split_ascii_whitespace());
+        let mut next = || words.next().unwrap();
+        match (heading, is_version_4) {
+            ("$MeshFormat", _) => {
+                out.extend(format!("{} 1 {}\n", next(), if is_version_4 { width } else { 8 }).bytes());
+                out.extend(integer("1"));
+            }
+            ("$Nodes", false) => {
+                out.extend(format!("{}\n", next()).bytes());
+                body[1..].iter().for_each(|_| {
+                    out.extend(integer(next()));
+                    (0..3).for_each(|_| out.extend(number(next())));
+                });
+            }
+            ("$Elements", false) => {
+                out.extend(format!("{}\n", next()).bytes());
+                for line in &body[1..] {
+                    let words: Vec<&str> = line.split(' ').collect();
+                    // Lists of one element each; the tag stands behind the number of tags there.
+                    [words[1], "1", words[2], words[0]].into_iter().for_each(|word| out.extend(integer(word)));
+                    words[3..].iter().for_each(|word| out.extend(integer(word)));
+                }
+            }
+            ("$Entities", true) => {
+                let counts = [(); 4].map(|()| next());
+                counts.iter().for_each(|word| out.extend(count(word)));
+                for (dimension, entities) in counts.into_iter().enumerate() {
+                    for _ in 0..entities.parse().unwrap() {
+                        out.extend(integer(next()));
+                        (0..if dimension == 0 { 3 } else { 6 }).for_each(|_| out.extend(number(next())));
+                        for _ in 0..if dimension == 0 { 1 } else { 2 } {
+                            let tags = next();
+                            out.extend(count(tags));
+                            (0..tags.parse().unwrap()).for_each(|_| out.extend(integer(next())));
+                        }
+                    }
+                }
+            }
+            ("$Nodes" | "$Elements", true) => {
+                let entities: usize = body[0].split(' ').next().unwrap().parse().unwrap();
+                (0..4).for_each(|_| out.extend(count(next())));
+                for _ in 0..entities {
+                    let [dimension, entity, kind] = [(); 3].map(|()| next());
+                    [dimension, entity, kind].into_iter().for_each(|word| out.extend(integer(word)));
+                    // Of nodes, whether they have parameters, as many as the entity has dimensions.
+                    let numbers = 3 + if kind == "1" { dimension.parse::<usize>().unwrap() } else { 0 };
+                    let many = next();
+                    out.extend(count(many));
+                    let many: usize = many.parse().unwrap();
+                    if heading == "$Nodes" {
+                        (0..many).for_each(|_| out.extend(count(next())));
+                        (0..numbers * many).for_each(|_| out.extend(number(next())));
+                    } else {
+                        // The number of each, and its nodes.
+                        let words = 1 + match kind {
+                            "15" => 1,
+                            "2" => 3,
+                            "3" => 4,
+                            kind => panic!("type {kind}"),
+                        };
+                        (0..words * many).for_each(|_| out.extend(count(next())));
+                    }
+                }
+            }
+            _ => out.extend(body.iter().flat_map(|line| format!("{line}\n").into_bytes())),
+        }
+        out.extend(format!("\n{}\n", heading.replace('$', "$End")).bytes());
+    }
+    out
+}
+
+#[test]
+fn binary_meshes_of_gmsh_are_those_in_ascii() {
+    let named = |scene: Scene| -> Vec<_> { scene.blocks.into_iter().map(|block| (block.name, block.block)).collect() };
+    for (name, widths) in [("cells.msh", &[8][..]), ("surfaces.msh", &[8, 4])] {
+        let text = std::fs::read_to_string(fixture(name)).unwrap();
+        let plain = named(read(text.as_bytes(), SceneFormat::Msh).unwrap());
+        for (&width, big_endian) in widths.iter().flat_map(|width| [(width, false), (width, true)]) {
+            let bytes = binary_msh(&text, big_endian, width);
+            let scene = read(&bytes, SceneFormat::Msh).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert_eq!(named(scene), plain, "{name}, {width}, {big_endian}");
+            assert_eq!(SceneFormat::of_contents(&bytes), Some(SceneFormat::Msh));
+        }
+    }
+}
+
+#[test]
+fn broken_binary_msh_says_where() {
+    let text = std::fs::read_to_string(fixture("cells.msh")).unwrap();
+    let good = binary_msh(&text, false, 8);
+    let at = |mark: &str| good.windows(mark.len()).position(|window| window == mark.as_bytes()).unwrap() + mark.len();
+    let (nodes, elements) = (at("$Nodes\n11\n"), at("$Elements\n5\n"));
+    let changed = |at: usize, bytes: &[u8]| [&good[..at], bytes, &good[at + bytes.len()..]].concat();
+    for (bytes, parts) in [
+        (changed(nodes + 4, &f64::NAN.to_le_bytes()), vec![format!("a coordinate of a node, at byte {}", nodes + 4)]),
+        (
+            changed(nodes + 28, &1i32.to_le_bytes()),
+            vec![format!("node 1, at byte {} of the file, is there twice", nodes + 28)],
+        ),
+        (changed(elements, &99i32.to_le_bytes()), vec![format!("element 1 of type 99, at byte {elements}")]),
+        (
+            changed(elements + 4, &6i32.to_le_bytes()),
+            vec!["the number of elements of a list".to_owned(), "0 to 5".to_owned()],
+        ),
+        (
+            changed(elements + 4, &0i32.to_le_bytes()),
+            vec!["the number of elements of a list".to_owned(), "1 to 5".to_owned()],
+        ),
+        (
+            changed(elements + 24, &77i32.to_le_bytes()),
+            vec![format!("a node of element 1, at byte {}", elements + 24), "is 77".to_owned()],
+        ),
+        (good[..nodes + 40].to_vec(), vec!["the file ends where a coordinate of a node".to_owned()]),
+        (good[..elements].to_vec(), vec!["the file ends where the type of elements".to_owned()]),
+        (changed(at("$EndNodes") - 9, b"$EndNot"), vec!["where \"$EndNodes\"".to_owned(), "at byte".to_owned()]),
+    ] {
+        let error = read(&bytes, SceneFormat::Msh).unwrap_err();
+        assert!(error.starts_with("mesh: ") && parts.iter().all(|part| error.contains(part)), "{parts:?}: {error}");
+    }
+}
+
 #[test]
 fn broken_msh_says_where() {
     let two = std::fs::read_to_string(fixture("cells.msh")).unwrap();
     let four = std::fs::read_to_string(fixture("surfaces.msh")).unwrap();
     for (text, from, to, parts) in [
         (&two, "$MeshFormat\n2.2", "$MeshFormat\n3.0", &["mesh:2:", "version 3.0 cannot be read"][..]),
-        (&two, "2.2 0 8", "2.2 1 8", &["mesh:2:", "a binary file cannot be read"]),
+        (&two, "2.2 0 8", "2.2 2 8", &["mesh:2:", "a file of kind 2 cannot be read"]),
+        (&two, "2.2 0 8", "2.2 1 8", &["mesh: the number that shows the order of bytes, at byte 20 of the file,"]),
         (&two, "$EndNodes", "", &["mesh:26:", "found \"$Elements\" where \"$EndNodes\""]),
         (&two, "2 1 0 0\n", "1 1 0 0\n", &["mesh:15:", "node 1 is there twice"]),
         (
@@ -560,6 +695,10 @@ fn no_mutated_file_of_bytes_makes_a_reader_panic() {
     let seeds: Vec<(SceneFormat, Vec<u8>)> =
         [(SceneFormat::Stl, stl), (SceneFormat::Ply, binary_ply(false)), (SceneFormat::Ply, binary_ply(true))]
             .into_iter()
+            .chain(["cells.msh", "surfaces.msh"].map(|name| {
+                let text = std::fs::read_to_string(fixture(name)).unwrap();
+                (SceneFormat::Msh, binary_msh(&text, false, 8))
+            }))
             .chain(forms().into_iter().map(|form| (SceneFormat::Vtu, grid(form))))
             .collect();
     let mut state = 1u64;

@@ -2,7 +2,7 @@
 
 use num_rational::BigRational;
 use proptest::prelude::*;
-use rockproof_model::scene::{SceneFormat, write, write_toml};
+use rockproof_model::scene::{SceneFormat, losses, write, write_toml};
 use rockproof_model::{Block, Criteria, LoadOptions, Merged, Motion, Number, Precision, Scene, SceneBlock, Vec3};
 use std::path::{Path, PathBuf};
 
@@ -179,17 +179,69 @@ fn polygons(block: &Block) -> Vec<Vec<[Number; 3]>> {
 fn stl_keeps_every_bit_of_shapes_and_their_names() {
     let mut scene = Scene::load(real("slope_joints.dda")).unwrap();
     scene.blocks.extend(Scene::load(fixture("l_block_triangles.obj")).unwrap().blocks);
-    let again = again(&scene, SceneFormat::Stl);
+    for format in [SceneFormat::Stl, SceneFormat::Msh] {
+        let again = again(&scene, format);
+        assert_eq!(again.blocks.len(), scene.blocks.len());
+        for (a, b) in again.blocks.iter().zip(&scene.blocks) {
+            assert_eq!((a.name.as_str(), polygons(&a.block)), (b.name.as_str(), polygons(&b.block)), "{format:?}");
+        }
+    }
+}
+
+#[test]
+fn ply_keeps_every_bit_of_shapes() {
+    let mut scene = Scene::load(real("openpit_rock.dda")).unwrap();
+    scene.blocks.extend(Scene::load(fixture("l_block_triangles.obj")).unwrap().blocks);
+    let again = again(&scene, SceneFormat::Ply);
     assert_eq!(again.blocks.len(), scene.blocks.len());
     for (a, b) in again.blocks.iter().zip(&scene.blocks) {
-        assert_eq!((a.name.as_str(), polygons(&a.block)), (b.name.as_str(), polygons(&b.block)));
+        assert_eq!(polygons(&a.block), polygons(&b.block), "{}", b.name);
+    }
+}
+
+#[test]
+fn names_that_gmsh_cannot_hold_are_changed_and_told() {
+    let mut scene = Scene::load(real("smallEdge.dda")).unwrap();
+    assert!(losses(&scene, SceneFormat::Msh).iter().all(|lost| !lost.contains("quotes")));
+    "the \"big\"  one\n".clone_into(&mut scene.blocks[0].name);
+    assert!(losses(&scene, SceneFormat::Msh).iter().any(|lost| lost.contains("quotes")));
+    assert_eq!(again(&scene, SceneFormat::Msh).blocks[0].name, "the 'big' one");
+}
+
+#[test]
+fn contents_tell_the_format() {
+    let all = [
+        (SceneFormat::Dda, real("smallAngle.dda")),
+        (SceneFormat::Voro, real("voronoi_120.txt")),
+        (SceneFormat::Obj, fixture("two_cubes.obj")),
+        (SceneFormat::Vtk, fixture("two_cubes.vtk")),
+        (SceneFormat::Vtu, fixture("cells.vtu")),
+        (SceneFormat::Stl, fixture("two_wedges.stl")),
+        (SceneFormat::Ply, fixture("box.ply")),
+        (SceneFormat::Msh, fixture("cells.msh")),
+        (SceneFormat::Toml, fixture("scene.toml")),
+    ];
+    assert_eq!(all.len(), SceneFormat::ALL.len());
+    for (format, path) in all {
+        assert_eq!(SceneFormat::of_contents(&std::fs::read(&path).unwrap()), Some(format), "{path:?}");
+        assert_eq!(SceneFormat::from_name(format.name()), Some(format));
+    }
+    for (text, format) in [
+        ("# a comment\n\ns = 1\n", Some(SceneFormat::Toml)),
+        ("# a comment\n\ns 1\n", Some(SceneFormat::Obj)),
+        ("# a comment\n", None),
+        ("# vtk DataFile Version 3.0", Some(SceneFormat::Vtk)),
+        ("v", None),
+        ("plywood", None),
+    ] {
+        assert_eq!(SceneFormat::of_contents(text.as_bytes()), format, "{text}");
     }
 }
 
 #[test]
 fn decimals_refuse_what_they_cannot_hold() {
     let scene = Scene::load(fixture("scene.toml")).unwrap();
-    for format in [SceneFormat::Obj, SceneFormat::Stl, SceneFormat::Vtk, SceneFormat::Vtu] {
+    for format in SceneFormat::ALL.into_iter().filter(|format| format.is_written() && *format != SceneFormat::Toml) {
         let error = write(&scene, format).unwrap_err().to_string();
         assert!(error.contains("block 0 \"base\", vertex 0: 1/3 is not an f64"), "{error}");
     }

@@ -50,16 +50,25 @@ pub(crate) fn precision(name: &str) -> PyResult<Precision> {
     }
 }
 
-/// How far faces may be from planar.
+/// How a file is read: how far faces may be from planar, and how near vertices become one.
 ///
 /// # Errors
-/// `InputError` where it is no number of 0 or more.
-pub(crate) fn load_options(planarity: Option<&Bound<'_, PyAny>>) -> PyResult<LoadOptions> {
-    let planarity = planarity.map(|value| crate::number::number(value, || "planarity".to_owned())).transpose()?;
-    if planarity.as_ref().is_some_and(|number| number.is_negative()) {
-        return Err(InputError::new_err("planarity is negative; allowed is 0 or more, a share of the block's size"));
-    }
-    Ok(LoadOptions { planarity, ..LoadOptions::default() })
+/// `InputError` where one is no number of 0 or more.
+pub(crate) fn load_options(
+    planarity: Option<&Bound<'_, PyAny>>,
+    weld: Option<&Bound<'_, PyAny>>,
+) -> PyResult<LoadOptions> {
+    let at_least_zero = |value: Option<&Bound<'_, PyAny>>, name: &str, what: &str| {
+        let number = value.map(|value| crate::number::number(value, || name.to_owned())).transpose()?;
+        match number.as_ref().is_some_and(|number| number.is_negative()) {
+            true => Err(InputError::new_err(format!("{name} is negative; allowed is 0 or more, {what}"))),
+            false => Ok(number),
+        }
+    };
+    Ok(LoadOptions {
+        planarity: at_least_zero(planarity, "planarity", "a share of the block's size")?,
+        weld: at_least_zero(weld, "weld", "a distance in the file's unit of length")?,
+    })
 }
 
 /// An error of the crates below, as Python sees it.

@@ -88,12 +88,7 @@ fn last_line(py: Python<'_>, error: &PyErr) -> String {
 
 impl Prepared for PythonPair<'_> {
     fn classify(&self, tolerances: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure> {
-        match self.answer(tolerances)? {
-            Answer::Contacts(contacts) => Ok(contacts),
-            Answer::State(said) => {
-                Err(EngineFailure::Unsupported(format!("it says {}, not which contacts", said.state)))
-            }
-        }
+        self.answer(tolerances)?.into_contacts()
     }
 
     fn answer(&self, tolerances: &ToleranceSet) -> Result<Answer, EngineFailure> {

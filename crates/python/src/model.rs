@@ -158,13 +158,19 @@ impl Model {
 
 /// Reads the blocks of a file, its format told by its extension: .toml, .dda, .obj, .stl, .ply, .msh, .vtk, .vtu, .txt and .voro (voro++).
 ///
-/// `planarity` is how far faces may be from planar, as a share of a block's size; what the file says, or 1e-9, if it is not given.
+/// `planarity` is how far faces may be from planar, as a share of a block's size; what the file says, or 1e-9, if it is not given. `weld` joins
+/// vertices no further apart than this, in the file's unit of length; those of STL at one place, if it is not given.
 ///
 /// Raises InputError for the first thing wrong with the file, naming file and line, or the block.
 #[pyfunction]
-#[pyo3(signature = (path, *, planarity=None))]
-pub(crate) fn load(py: Python<'_>, path: PathBuf, planarity: Option<&Bound<'_, PyAny>>) -> PyResult<Model> {
-    let options = load_options(planarity)?;
+#[pyo3(signature = (path, *, planarity=None, weld=None))]
+pub(crate) fn load(
+    py: Python<'_>,
+    path: PathBuf,
+    planarity: Option<&Bound<'_, PyAny>>,
+    weld: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Model> {
+    let options = load_options(planarity, weld)?;
     let scene = interruptible(py, |_| Scene::load_with(&path, &options))?.map_err(input_error)?;
     Ok(Model { scene, path: Some(path) })
 }

@@ -105,3 +105,18 @@ def test_planarity_reads_what_is_less_planar(root):
     assert len(rockproof.load(root / "cases/real/voronoi_120.txt", planarity="1e-4")) == 120
     with pytest.raises(InputError, match="planarity is negative"):
         rockproof.load(root / "cases/real/voronoi_120.txt", planarity=-1)
+
+
+def test_weld_joins_vertices_that_are_nearly_one(root, tmp_path):
+    triangles = (root / "tests/fixtures/two_wedges.stl").read_text()
+    corners = [line.split()[1:] for line in triangles.splitlines() if line.split()[:1] == ["vertex"]]
+    # Every corner a vertex of its own, every second one a little off.
+    lines = [f"v {float(x) + 1e-9 * (n % 2)!r} {y} {z}" for n, (x, y, z) in enumerate(corners)]
+    lines += [f"f {n} {n + 1} {n + 2}" for n in range(1, len(corners), 3)]
+    file = tmp_path / "soup.obj"
+    file.write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match="soup.obj"):
+        rockproof.load(file, planarity="1e-6")
+    assert len(rockproof.load(file, planarity="1e-6", weld="1e-8")) == 2
+    with pytest.raises(InputError, match="weld is negative"):
+        rockproof.load(file, weld=-1)

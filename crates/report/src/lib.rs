@@ -1,4 +1,4 @@
-//! From results on disk to one page that opens without a network, the same tables as CSV, and a short text for a pull
+//! From results on disk to one page that opens without a network, the same tables as CSV and LaTeX, and a short text for a pull
 //! request (docs/report.md).
 //!
 //! Reading, counting and showing are apart: [`load`] and its neighbours read runs and say where one is damaged; [`sections`] makes
@@ -8,6 +8,7 @@ pub mod chart;
 pub mod comparison;
 pub mod error;
 pub mod glossary;
+pub mod latex;
 pub mod load;
 pub mod lockstep;
 pub mod markdown;
@@ -49,6 +50,8 @@ pub const PAGE: &str = "report.html";
 pub const TEXT: &str = "report.md";
 /// The name of the directory of the tables in it.
 pub const TABLES: &str = "tables";
+/// The name of the directory of the same tables in LaTeX.
+pub const LATEX: &str = "latex";
 
 impl Report {
     /// The report on the runs in these directories.
@@ -77,13 +80,17 @@ impl Report {
     /// # Errors
     /// When the directory holds something that may not be touched, or cannot be written.
     pub fn write(&self, dir: &Path, name: &str, contents: &str, start: Start) -> Result<PathBuf, ReportError> {
-        let tables: Vec<&table::Table> = self.sections.iter().flat_map(Section::tables).collect();
-        let names: Vec<String> = tables.iter().map(|table| format!("{TABLES}/{}.csv", table.name)).collect();
-        let files: Vec<&str> = names.iter().map(String::as_str).chain([name]).collect();
+        let tables: Vec<(&table::Table, usize)> = self.sections.iter().flat_map(Section::printed_tables).collect();
+        let path =
+            |table: &table::Table| [format!("{TABLES}/{}.csv", table.name), format!("{LATEX}/{}.tex", table.name)];
+        let names: Vec<[String; 2]> = tables.iter().map(|(table, _)| path(table)).collect();
+        let files: Vec<&str> = names.iter().flatten().map(String::as_str).chain([name]).collect();
         let mut directory = Directory::claim(Claim { dir, owner: Owner::Report, start, files: &files })?;
         directory.make_folder(TABLES)?;
-        for (table, name) in tables.iter().zip(&names) {
-            directory.write(name, FileKind::Table, table.to_csv()?.as_ref())?;
+        directory.make_folder(LATEX)?;
+        for ((table, most), [csv, tex]) in tables.iter().zip(&names) {
+            directory.write(csv, FileKind::Table, table.to_csv()?.as_ref())?;
+            directory.write(tex, FileKind::Text, latex::latex(table, *most).as_bytes())?;
         }
         directory.write(name, FileKind::Text, contents.as_bytes())?;
         Ok(dir.join(name))

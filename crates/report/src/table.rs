@@ -1,4 +1,4 @@
-//! Tables as they go into the page, into CSV files and into Markdown: one source for all three.
+//! Tables as they go into the page, into CSV files and into Markdown: one source for all three, and for [`super::latex`].
 
 use rockproof_model::text::{SHOWN, csv_cell, excerpt};
 use serde::Serialize;
@@ -142,12 +142,12 @@ impl Table {
         self.rows.push(row);
     }
 
-    fn is_number(&self, column: usize) -> bool {
+    pub(crate) fn is_number(&self, column: usize) -> bool {
         !self.rows.is_empty() && self.rows.iter().all(|row| row.get(column).is_some_and(TableCell::is_number))
     }
 
     /// The columns a reader needs: without the run where there is only one.
-    fn needed(&self) -> std::ops::Range<usize> {
+    pub(crate) fn needed(&self) -> std::ops::Range<usize> {
         let one = self.columns.first() == Some(&"run") && self.name != "runs";
         let same = self.rows.iter().all(|row| row.first() == self.rows[0].first());
         usize::from(one && same)..self.columns.len()

@@ -209,12 +209,7 @@ impl Engine for External {
 
 impl Prepared for ExternalPair<'_> {
     fn classify(&self, tolerances: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure> {
-        match self.answer(tolerances)? {
-            Answer::Contacts(contacts) => Ok(contacts),
-            Answer::State(said) => {
-                Err(EngineFailure::Unsupported(format!("it says {}, not which contacts", said.state)))
-            }
-        }
+        self.answer(tolerances)?.into_contacts()
     }
 
     fn answer(&self, tolerances: &ToleranceSet) -> Result<Answer, EngineFailure> {

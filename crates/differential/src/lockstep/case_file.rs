@@ -119,7 +119,15 @@ impl StepCase {
     /// # Errors
     /// When it is none.
     pub fn load(path: &Path) -> Result<StepCase, StepCaseError> {
-        let case: StepCase = serde_json::from_str(&read_text(path)?)?;
+        StepCase::parse(&read_text(path)?)
+    }
+
+    /// Reads the text of a state file.
+    ///
+    /// # Errors
+    /// When it is none.
+    pub fn parse(text: &str) -> Result<StepCase, StepCaseError> {
+        let case: StepCase = serde_json::from_str(text)?;
         if case.format != StepCase::FORMAT {
             return Err(StepCaseError::Format(excerpt(&case.format, SHOWN)));
         }

@@ -1,6 +1,7 @@
 //! Which formats there are: the one list that readers, writers, messages and options go by.
 
 use crate::block::Merging;
+use crate::scene::stl;
 use std::ffi::OsStr;
 use std::path::Path;
 
@@ -17,7 +18,7 @@ pub enum SceneFormat {
     Stl,
     /// Polygons (Stanford), text or binary, `.ply`.
     Ply,
-    /// Gmsh in ASCII, `.msh`.
+    /// Gmsh, in ASCII or binary, `.msh`.
     Msh,
     /// Legacy VTK polyhedra in ASCII, `.vtk`.
     Vtk,
@@ -56,6 +57,52 @@ impl SceneFormat {
         }
     }
 
+    /// What the format is called where there is no file name: its extension, but for voro++.
+    pub fn name(self) -> &'static str {
+        if self == SceneFormat::Voro { "voro" } else { self.extensions()[0] }
+    }
+
+    /// The format of a name.
+    pub fn from_name(name: &str) -> Option<SceneFormat> {
+        SceneFormat::ALL.into_iter().find(|format| format.name() == name)
+    }
+
+    /// The format that the bytes of a file show, by what such files begin with; none where they begin as no format does. That the
+    /// rest is of this format is not said.
+    pub fn of_contents(bytes: &[u8]) -> Option<SceneFormat> {
+        if stl::is_binary(bytes) {
+            return Some(SceneFormat::Stl);
+        }
+        let begun = bytes.trim_ascii_start();
+        let marks: [(&[u8], SceneFormat); 7] = [
+            (b"#_DDA_DataFile", SceneFormat::Dda),
+            (b"# vtk DataFile", SceneFormat::Vtk),
+            (b"$MeshFormat", SceneFormat::Msh),
+            (b"ply\n", SceneFormat::Ply),
+            (b"ply\r", SceneFormat::Ply),
+            (b"<?xml", SceneFormat::Vtu),
+            (b"<VTKFile", SceneFormat::Vtu),
+        ];
+        if let Some((_, format)) = marks.into_iter().find(|(mark, _)| begun.starts_with(mark)) {
+            return Some(format);
+        }
+        // Comments begin alike in TOML and OBJ, so the first line that is none tells; voro++ has no comments.
+        let lines = begun.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+        let line = lines.into_iter().find(|line| !line.is_empty() && !line.starts_with(b"#"))?;
+        let word = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+        match word {
+            b"v" | b"vt" | b"vn" | b"vp" | b"f" | b"o" | b"g" | b"s" | b"usemtl" | b"mtllib" if word != line => {
+                // `s = 1` is TOML.
+                let rest = line[word.len()..].trim_ascii_start();
+                Some(if rest.starts_with(b"=") { SceneFormat::Toml } else { SceneFormat::Obj })
+            }
+            _ if word.eq_ignore_ascii_case(b"solid") => Some(SceneFormat::Stl),
+            _ if line.starts_with(b"[") || line.contains(&b'=') => Some(SceneFormat::Toml),
+            _ if word.iter().all(u8::is_ascii_digit) && line.contains(&b'(') => Some(SceneFormat::Voro),
+            _ => None,
+        }
+    }
+
     /// The format that a file's extension names; upper or lower case.
     pub fn of_path(path: &Path) -> Option<SceneFormat> {
         let extension = path.extension().and_then(OsStr::to_str)?.to_ascii_lowercase();
@@ -65,8 +112,9 @@ impl SceneFormat {
     /// Whether [`super::write()`] writes it; all formats are read.
     pub fn is_written(self) -> bool {
         match self {
-            SceneFormat::Toml | SceneFormat::Obj | SceneFormat::Stl | SceneFormat::Vtk | SceneFormat::Vtu => true,
-            SceneFormat::Dda | SceneFormat::Ply | SceneFormat::Msh | SceneFormat::Voro => false,
+            SceneFormat::Toml | SceneFormat::Obj | SceneFormat::Stl | SceneFormat::Ply => true,
+            SceneFormat::Msh | SceneFormat::Vtk | SceneFormat::Vtu => true,
+            SceneFormat::Dda | SceneFormat::Voro => false,
         }
     }
 

@@ -122,7 +122,7 @@ impl Scene {
         let path = path.as_ref();
         let format = SceneFormat::of_path(path).ok_or_else(|| at(path, (None, SceneProblem::UnknownFormat)))?;
         let bytes = read_limited(path).map_err(|error| at(path, (None, SceneProblem::Io(error))))?;
-        Scene::of_bytes(&bytes, format, path, options)
+        Scene::survey_bytes(&bytes, format, path, options)
     }
 
     /// Reads a scene from the text of a file; `path` is what messages call it, and files named in it are looked
@@ -144,13 +144,17 @@ impl Scene {
         path: &Path,
         options: &LoadOptions,
     ) -> Result<Scene, SceneError> {
-        match Scene::of_bytes(bytes, format, path, options)? {
+        match Scene::survey_bytes(bytes, format, path, options)? {
             (scene, problems) if problems.is_empty() => Ok(scene),
             (_, mut problems) => Err(problems.swap_remove(0)),
         }
     }
 
-    fn of_bytes(
+    /// As [`Scene::survey`], of the bytes of a file; `path` as for [`Scene::parse`].
+    ///
+    /// # Errors
+    /// When the bytes cannot be read to their end, or hold no block.
+    pub fn survey_bytes(
         bytes: &[u8],
         format: SceneFormat,
         path: &Path,
@@ -304,7 +308,7 @@ fn read_foreign(bytes: &[u8], format: SceneFormat, options: &LoadOptions) -> Opt
         SceneFormat::Obj => as_text(bytes).and_then(|text| obj::read(text, weld)),
         SceneFormat::Stl => stl::read(bytes, weld.unwrap_or(&Number::ZERO)),
         SceneFormat::Ply => ply::read(bytes, weld),
-        SceneFormat::Msh => as_text(bytes).and_then(|text| msh::read(text, weld)),
+        SceneFormat::Msh => msh::read(bytes, weld),
         SceneFormat::Vtk if vtk::is_binary(bytes) => Err(vtk::binary()),
         SceneFormat::Vtk => text(vtk::read),
         SceneFormat::Vtu => vtu::read(bytes).map(|blocks| blocks.into_iter().map(|raw| welded(raw, weld)).collect()),

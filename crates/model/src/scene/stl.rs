@@ -19,12 +19,18 @@ const TRIANGLE: usize = 50;
 
 /// The blocks of a file. Corners within `distance` of one another are one vertex.
 pub(super) fn read(bytes: &[u8], distance: &Number) -> Result<Vec<RawBlock>, Located> {
-    // Binary files may begin with "solid" as well, but not a text with a zero byte.
-    let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
-    if is_text && !bytes.contains(&0) {
-        return read_text(as_text(bytes)?, distance);
-    }
-    read_binary(bytes, distance)
+    if is_text(bytes) { read_text(as_text(bytes)?, distance) } else { read_binary(bytes, distance) }
+}
+
+/// Binary files may begin with "solid" as well, but not a text with a zero byte.
+fn is_text(bytes: &[u8]) -> bool {
+    let is_solid = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    is_solid && !bytes.contains(&0)
+}
+
+/// Whether these are the bytes of a binary file, by their number.
+pub(super) fn is_binary(bytes: &[u8]) -> bool {
+    triangle_count(bytes).is_some() && !is_text(bytes)
 }
 
 /// The number of triangles that a binary file announces, where its length is the one that follows.

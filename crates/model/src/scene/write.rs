@@ -51,7 +51,9 @@ pub fn write(scene: &Scene, format: SceneFormat) -> Result<Vec<u8>, FormatError>
         SceneFormat::Stl => mesh::stl(scene).map(String::into_bytes),
         SceneFormat::Vtk => write_vtk(scene).map(String::into_bytes),
         SceneFormat::Vtu => mesh::vtu(scene),
-        SceneFormat::Dda | SceneFormat::Ply | SceneFormat::Msh | SceneFormat::Voro => Err(FormatError::ReadOnly),
+        SceneFormat::Ply => mesh::ply(scene).map(String::into_bytes),
+        SceneFormat::Msh => mesh::msh(scene).map(String::into_bytes),
+        SceneFormat::Dda | SceneFormat::Voro => Err(FormatError::ReadOnly),
     }
 }
 
@@ -73,8 +75,13 @@ pub fn losses(scene: &Scene, format: SceneFormat) -> Vec<String> {
         lost.push("this format does not keep what makes blocks move: materials, joints, velocities, loads".to_owned());
     }
     let is_named = |(number, block): (usize, &SceneBlock)| block.name != format!("block_{number}");
-    if matches!(format, SceneFormat::Vtk | SceneFormat::Vtu) && scene.blocks.iter().enumerate().any(is_named) {
+    if matches!(format, SceneFormat::Vtk | SceneFormat::Vtu | SceneFormat::Ply)
+        && scene.blocks.iter().enumerate().any(is_named)
+    {
         lost.push("this format does not keep the names of blocks".to_owned());
+    }
+    if format == SceneFormat::Msh && scene.blocks.iter().any(|block| mesh::msh_name(&block.name) != block.name) {
+        lost.push("names of blocks are written without quotes and with single spaces, as MSH can hold them".to_owned());
     }
     if format == SceneFormat::Stl {
         lost.push(

@@ -147,7 +147,12 @@ class Model:
     def __len__(self) -> int: ...
     def __getitem__(self, number: SupportsIndex) -> Block: ...
 
-def load(path: str | os.PathLike[str], *, planarity: Exact | None = None) -> Model: ...
+def load(
+    path: str | os.PathLike[str],
+    *,
+    planarity: Exact | None = None,
+    weld: Exact | None = None,
+) -> Model: ...
 
 @final
 class Violation:

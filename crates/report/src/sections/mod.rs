@@ -19,6 +19,7 @@ pub use worst::{CHOICES, FindingContact, FindingView, ShownCase};
 
 use super::chart::Chart;
 use super::error::ReportError;
+use super::latex::MOST_ROWS;
 use super::load::Results;
 use super::table::Table;
 
@@ -59,8 +60,14 @@ impl Section {
 
     /// Its tables.
     pub fn tables(&self) -> impl Iterator<Item = &Table> {
+        self.printed_tables().map(|(table, _)| table)
+    }
+
+    /// Its tables, and how many rows of each are printed at most.
+    pub(crate) fn printed_tables(&self) -> impl Iterator<Item = (&Table, usize)> {
         self.parts.iter().filter_map(|part| match part {
-            SectionPart::Table(table, _) | SectionPart::Quiet(table) => Some(table),
+            SectionPart::Table(table, most) => Some((table, *most)),
+            SectionPart::Quiet(table) => Some((table, MOST_ROWS)),
             _ => None,
         })
     }

@@ -1,0 +1,138 @@
+//! The file that a command looks at: a path, or `-` for stdin.
+
+use crate::campaign_end::quoted;
+use crate::input::{ReadArgs, format_names};
+use anyhow::Context;
+use rockproof_model::files::{read_limited, read_stream, text_of};
+use rockproof_model::scene::{SceneFormat, SceneProblem};
+use rockproof_model::{LoadOptions, Scene, SceneError};
+use std::ffi::OsString;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What messages call stdin.
+const STDIN: &str = "<stdin>";
+
+/// An argument that names a file.
+#[derive(Clone, Debug)]
+pub(crate) enum InputFile {
+    /// `-`
+    Stdin,
+    /// Any other name.
+    Named(PathBuf),
+}
+
+impl From<OsString> for InputFile {
+    fn from(argument: OsString) -> InputFile {
+        if argument == "-" { InputFile::Stdin } else { InputFile::Named(argument.into()) }
+    }
+}
+
+impl InputFile {
+    /// What messages call it. Files that a scene on stdin names are looked for in the current directory.
+    pub(crate) fn path(&self) -> &Path {
+        match self {
+            InputFile::Stdin => Path::new(STDIN),
+            InputFile::Named(path) => path,
+        }
+    }
+
+    /// What results are called that are made of it: the file's name without its extension.
+    pub(crate) fn stem(&self) -> String {
+        match self {
+            InputFile::Stdin => "stdin".to_owned(),
+            InputFile::Named(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        }
+    }
+
+    /// The argument as it stands on a command line.
+    pub(crate) fn shown(&self) -> String {
+        match self {
+            InputFile::Stdin => "-".to_owned(),
+            InputFile::Named(path) => quoted(&path.display().to_string()),
+        }
+    }
+
+    /// Its bytes, at most as many as of any file. Of stdin they are there once.
+    fn bytes(&self) -> io::Result<Vec<u8>> {
+        match self {
+            InputFile::Stdin => read_stream(io::stdin().lock()),
+            InputFile::Named(path) => read_limited(path),
+        }
+    }
+
+    /// Its text.
+    ///
+    /// # Errors
+    /// With its name: when it cannot be read, is too long, or no UTF-8.
+    pub(crate) fn text(&self) -> anyhow::Result<String> {
+        self.bytes().and_then(text_of).with_context(|| self.path().display().to_string())
+    }
+}
+
+/// The bytes of a file of blocks and how they are read. They are kept, since `check` reads them again to see what other options do.
+pub(crate) struct ModelFile {
+    name: PathBuf,
+    format: SceneFormat,
+    bytes: Vec<u8>,
+    options: LoadOptions,
+}
+
+impl ModelFile {
+    /// Reads the bytes.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or nothing tells its format.
+    pub(crate) fn read(file: &InputFile, args: &ReadArgs) -> anyhow::Result<ModelFile> {
+        let name = file.path().to_path_buf();
+        let refuse = |problem| SceneError { file: name.clone(), line: None, problem };
+        let told = match file {
+            InputFile::Stdin => args.format(),
+            InputFile::Named(path) => {
+                let told = args.format().or_else(|| SceneFormat::of_path(path));
+                Some(told.ok_or_else(|| refuse(SceneProblem::UnknownFormat))?)
+            }
+        };
+        let bytes = file.bytes().map_err(|error| refuse(SceneProblem::Io(error)))?;
+        let Some(format) = told.or_else(|| SceneFormat::of_contents(&bytes)) else {
+            let known = format_names();
+            anyhow::bail!("{STDIN}: it begins as no format does; --input-format says which it is: {known}");
+        };
+        Ok(ModelFile { name, format, bytes, options: args.options() })
+    }
+
+    /// What messages call it.
+    pub(crate) fn name(&self) -> &Path {
+        &self.name
+    }
+
+    /// The format it is read as.
+    pub(crate) fn format(&self) -> SceneFormat {
+        self.format
+    }
+
+    /// The number of bytes.
+    pub(crate) fn length(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// The scene; the first thing wrong with the file is an error.
+    pub(crate) fn scene(&self) -> Result<Scene, SceneError> {
+        Scene::parse_bytes(&self.bytes, self.format, &self.name, &self.options)
+    }
+
+    /// The blocks that can be used, and what is wrong with the others.
+    pub(crate) fn survey(&self) -> Result<(Scene, Vec<SceneError>), SceneError> {
+        self.survey_with(&self.options)
+    }
+
+    /// The same with other options than those given, which [`ModelFile::options`] are.
+    pub(crate) fn survey_with(&self, options: &LoadOptions) -> Result<(Scene, Vec<SceneError>), SceneError> {
+        Scene::survey_bytes(&self.bytes, self.format, &self.name, options)
+    }
+
+    /// The options it is read with.
+    pub(crate) fn options(&self) -> &LoadOptions {
+        &self.options
+    }
+}

@@ -1,0 +1,58 @@
+//! A folder in which a test runs the program.
+
+use assert_cmd::Command;
+use assert_cmd::cargo::cargo_bin_cmd;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+
+/// The folder; it goes when the test ends.
+pub(crate) struct Place(tempfile::TempDir);
+
+/// What a run of the program gave: exit code, standard output and standard error.
+pub(crate) type Ran = (i32, String, String);
+
+impl Place {
+    pub(crate) fn new() -> Place {
+        Place(tempfile::tempdir().expect("a directory"))
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub(crate) fn file(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).expect("write");
+    }
+
+    pub(crate) fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    /// `rockproof …`, run here; nothing is on its stdin.
+    pub(crate) fn run(&self, args: &[&str]) -> Ran {
+        self.ran(&mut cargo_bin_cmd!("rockproof"), args)
+    }
+
+    /// The same with these bytes on its stdin.
+    pub(crate) fn piped(&self, stdin: &[u8], args: &[&str]) -> Ran {
+        self.ran(cargo_bin_cmd!("rockproof").write_stdin(stdin), args)
+    }
+
+    /// The same on so many threads.
+    pub(crate) fn on_threads(&self, threads: u8, args: &[&str]) -> Ran {
+        self.ran(cargo_bin_cmd!("rockproof").env("RAYON_NUM_THREADS", threads.to_string()), args)
+    }
+
+    /// The rows of a table by the names of their columns.
+    pub(crate) fn rows(&self, name: &str) -> Vec<BTreeMap<String, String>> {
+        let table = csv::Reader::from_path(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        table.into_deserialize().map(|row| row.expect("a row")).collect()
+    }
+
+    fn ran(&self, command: &mut Command, args: &[&str]) -> Ran {
+        let output = command.current_dir(self.0.path()).args(args).output().expect("runs");
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+        (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+    }
+}
