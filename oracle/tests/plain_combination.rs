@@ -3,7 +3,7 @@
 mod support;
 
 use num_rational::BigRational;
-use rockproof_model::{Block, Contact, ContactKey, ContactKind, EdgeId, FaceId, ToleranceSet, VertexId};
+use rockproof_model::{Block, Contact, ContactKey, ContactKind, EdgeId, FaceId, ToleranceSet};
 use rockproof_oracle::combination::{Combination, JoinedFeatures, combinations};
 use rockproof_oracle::plain;
 use support::shapes::{Prism, WEDGE, cuboid, point, revised, slab, spike, step};
@@ -132,8 +132,8 @@ fn step_on_its_lower_side_combines_with_each_face_it_meets() {
 fn contacts_of_other_blocks_are_left_out() {
     let (a, b) = (WEDGE.along_x().translated(&point(["0", "0", "1/100"])), slab());
     let (contacts, found) = combined(&a, &b, &revised(&[]));
-    let ContactKey::VertexEdge(_, edge) = contacts[0].key else { panic!("{}", contacts[0].key) };
-    let foreign = Contact { key: ContactKey::VertexEdge(VertexId(99), edge), ..contacts[0] };
+    let [_, of_b] = contacts[0].key.numbers();
+    let foreign = Contact { key: ContactKey::of_kind(contacts[0].kind(), [99, of_b]), ..contacts[0] };
     assert_eq!(combinations(&a, &b, &[contacts[0], contacts[1], foreign]), found);
 }
 
