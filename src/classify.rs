@@ -178,15 +178,17 @@ const COLUMNS: [&str; 10] = [
 
 /// A contact's row in the order of [`COLUMNS`].
 fn row(pair: &PairContacts, contact: &Contact, gap_m: f64) -> [String; 10] {
+    let [a, b] = contact.key.numbers().map(|number| number.to_string());
+    let [entrance_a, entrance_b] = contact.entrance.numbers().map(|number| number.to_string());
     [
         pair.a.to_string(),
         pair.b.to_string(),
-        contact.kind.to_string(),
-        contact.a.to_string(),
-        contact.b.to_string(),
-        contact.entrance.kind.to_string(),
-        contact.entrance.a.to_string(),
-        contact.entrance.b.to_string(),
+        contact.kind().to_string(),
+        a,
+        b,
+        contact.entrance.kind().to_string(),
+        entrance_a,
+        entrance_b,
         contact.gap.as_i8().to_string(),
         format!("{gap_m:?}"),
     ]
@@ -212,9 +214,9 @@ fn write_table(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
         .iter()
         .flat_map(|p| p.combined.iter().map(move |c| (p, c)))
         .map(|(p, c)| {
-            let numbers = [p.a, p.b, c.a as usize, c.b as usize, c.contacts.len()].map(|n| n.to_string());
-            let [a, b, fa, fb, count] = numbers;
-            vec![a, b, c.kind.to_string(), fa, fb, count]
+            let [a, b, count] = [p.a, p.b, c.contacts.len()].map(|n| n.to_string());
+            let [fa, fb] = c.joins.numbers().map(|n| n.to_string());
+            vec![a, b, c.joins.kind().to_string(), fa, fb, count]
         })
         .collect();
     if !rows.is_empty() {
@@ -228,9 +230,10 @@ fn write_table(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
 
 /// A contact for programs, without its gap's size.
 pub(crate) fn contact_json(c: &Contact) -> Value {
+    let ([a, b], [entrance_a, entrance_b]) = (c.key.numbers(), c.entrance.numbers());
     json!({
-        "kind": c.kind.name(), "feature_a": c.a, "feature_b": c.b, "entrance": c.entrance.kind.name(),
-        "entrance_a": c.entrance.a, "entrance_b": c.entrance.b, "gap_sign": c.gap.as_i8(),
+        "kind": c.kind().name(), "feature_a": a, "feature_b": b, "entrance": c.entrance.kind().name(),
+        "entrance_a": entrance_a, "entrance_b": entrance_b, "gap_sign": c.gap.as_i8(),
     })
 }
 
@@ -240,8 +243,10 @@ fn write_json(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
         document["gap_m"] = (*gap_m).into();
         document
     };
-    let combination =
-        |c: &Combination| json!({ "kind": c.kind.name(), "feature_a": c.a, "feature_b": c.b, "contacts": c.contacts });
+    let combination = |c: &Combination| {
+        let [a, b] = c.joins.numbers();
+        json!({ "kind": c.joins.kind().name(), "feature_a": a, "feature_b": b, "contacts": c.contacts })
+    };
     let touching: Vec<Value> = pairs
         .iter()
         .filter(|p| !p.found.is_empty())

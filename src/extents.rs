@@ -47,7 +47,7 @@ impl Extents {
                 }
             }
             for edge in shape.topology().edges() {
-                let [p, q] = [edge.p, edge.q].map(|end| points[end as usize]);
+                let [p, q] = [edge.p, edge.q].map(|end| points[end.index()]);
                 let length = (0..3).map(|axis| (p[axis] - q[axis]).powi(2)).sum::<f64>().sqrt();
                 if length < shortest {
                     (shortest, block) = (length, number);

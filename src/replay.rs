@@ -276,18 +276,18 @@ fn show(out: &mut impl Write, case: &Case, said: &[EngineDecisions], partings: &
         writeln!(out, "margin {margin:e}{ulps}")?;
     }
     writeln!(out, "from {}\n", excerpt(&about.origin, SHOWN))?;
-    let keys: BTreeSet<_> = said.iter().flat_map(|s| s.contacts.iter().flatten()).map(|c| (c.kind, c.a, c.b)).collect();
+    let keys: BTreeSet<_> = said.iter().flat_map(|s| s.contacts.iter().flatten()).map(|c| c.key).collect();
     let mut header = vec!["contact"];
     header.extend(said.iter().map(|s| s.name.as_str()));
     let cell = |answer: &EngineDecisions, key| match &answer.contacts {
         Err(failure) => failure.to_string(),
-        Ok(contacts) => contacts.iter().find(|c| (c.kind, c.a, c.b) == key).map_or("–".to_owned(), |c| {
+        Ok(contacts) => contacts.iter().find(|c| c.key == key).map_or("–".to_owned(), |c| {
             let gap = ["overlap", "touch", "apart"][(c.gap.as_i8() + 1) as usize];
-            format!("{} {}/{} {gap}", c.entrance.kind, c.entrance.a, c.entrance.b)
+            format!("{} {gap}", c.entrance)
         }),
     };
     let rows = keys.iter().map(|&key| {
-        let mut row = vec![format!("{} {}/{}", key.0, key.1, key.2)];
+        let mut row = vec![key.to_string()];
         row.extend(said.iter().map(|answer| cell(answer, key)));
         row
     });

@@ -127,11 +127,11 @@ fn show(out: &mut String, case: &StepCase, step: &ComparedStep) -> std::fmt::Res
     let rows = (0..names.len()).map(|k| vec![names[k].to_owned(), sides[0][k].clone(), sides[1][k].clone()]);
     writeln!(out, "{}", table(&["", "oracle", "stepper"], &[1, 2], rows))?;
     let mut all: Vec<([u32; 2], Contact)> = both.iter().flatten().flat_map(|a| a.contacts.iter().copied()).collect();
-    let key = |(pair, c): &([u32; 2], Contact)| (*pair, c.kind, c.a, c.b);
+    let key = |(pair, c): &([u32; 2], Contact)| (*pair, c.key);
     all.sort_by_key(key);
     all.dedup_by_key(|one| key(one));
     let rows = all.iter().map(|one| {
-        let name = format!("{}-{} {} {}/{}", one.0[0], one.0[1], one.1.kind, one.1.a, one.1.b);
+        let name = format!("{}-{} {}", one.0[0], one.0[1], one.1.key);
         let mut row = vec![name];
         row.extend(both.map(|answer| answer.map_or("–".to_owned(), |answer| of_contact(answer, one))));
         row
@@ -142,7 +142,7 @@ fn show(out: &mut String, case: &StepCase, step: &ComparedStep) -> std::fmt::Res
     }
     for attributed in &step.differences {
         let d = &attributed.difference;
-        let about = d.contact.map_or(String::new(), |([a, b], c)| format!(" {a}-{b} {} {}/{}", c.kind, c.a, c.b));
+        let about = d.contact.map_or(String::new(), |([a, b], c)| format!(" {a}-{b} {}", c.key));
         let solve = d.solve.map_or(String::new(), |solve| format!(" after solve {solve}"));
         write!(out, "{}: {}{about}{solve}: {} → {}", attributed.cause, d.change.name(), d.before, d.after)?;
         let decision = attributed.deciding.map_or(String::new(), |deciding| format!("; {}", deciding.decision));
@@ -201,9 +201,7 @@ fn in_words(answer: &StepDecisions) -> [String; 5] {
 
 /// A contact's entrance and its modes after each solve, in one answer.
 fn of_contact(answer: &StepDecisions, (pair, contact): &([u32; 2], Contact)) -> String {
-    let same = |(blocks, c): &([u32; 2], Contact)| {
-        blocks == pair && (c.kind, c.a, c.b) == (contact.kind, contact.a, contact.b)
-    };
+    let same = |(blocks, c): &([u32; 2], Contact)| blocks == pair && c.key == contact.key;
     let Some(place) = answer.contacts.iter().position(same) else { return "–".to_owned() };
     let modes: Vec<&str> = answer.modes.iter().filter_map(|all| all.get(place)).map(|mode| mode.name()).collect();
     let whole = described(&answer.contacts[place].1);

@@ -51,7 +51,7 @@ impl<R: Real> AuditedRun<R> {
         let auditor = Auditor::new(&solids, &self.set);
         let mut kept: BTreeMap<[usize; 2], Vec<ContactKey>> = BTreeMap::new();
         for contact in state.contacts.iter().filter(|contact| contact.mode.is_closed()) {
-            kept.entry(contact.blocks.map(|block| block as usize)).or_default().push(contact.contact.key());
+            kept.entry(contact.blocks.map(|block| block as usize)).or_default().push(contact.contact.key);
         }
         let pairs: Vec<[usize; 2]> = auditor.neighbours().into_iter().filter(|pair| self.can_move(pair)).collect();
         let audited = pairs.par_iter().map(|pair| {

@@ -121,9 +121,10 @@ fn answers(case: &PairCase, tolerances: &ToleranceSet, pair: &Pair<'_>, contacts
         .iter()
         .map(|contact| {
             let gap = pair.gap(&contact.entrance);
+            let ([a, b], [entrance_a, entrance_b]) = (contact.key.numbers(), contact.entrance.numbers());
             Some(json!({
-                "kind": contact.kind.name(), "feature_a": contact.a, "feature_b": contact.b,
-                "entrance": contact.entrance.kind.name(), "entrance_a": contact.entrance.a, "entrance_b": contact.entrance.b,
+                "kind": contact.kind().name(), "feature_a": a, "feature_b": b,
+                "entrance": contact.entrance.kind().name(), "entrance_a": entrance_a, "entrance_b": entrance_b,
                 "gap_sign": contact.gap.as_i8(), "gap_squared": short(gap.squared.to_string())?,
             }))
         })

@@ -55,9 +55,10 @@ fn contacts(question: &Value) -> Result<Vec<Contact>, Failure> {
 }
 
 fn written(contact: &Contact) -> Value {
+    let ([a, b], [entrance_a, entrance_b]) = (contact.key.numbers(), contact.entrance.numbers());
     json!({
-        "kind": contact.kind.name(), "feature_a": contact.a, "feature_b": contact.b,
-        "entrance": contact.entrance.kind.name(), "entrance_a": contact.entrance.a, "entrance_b": contact.entrance.b,
+        "kind": contact.kind().name(), "feature_a": a, "feature_b": b,
+        "entrance": contact.entrance.kind().name(), "entrance_a": entrance_a, "entrance_b": entrance_b,
         "gap_sign": contact.gap.as_i8(),
     })
 }
@@ -111,8 +112,8 @@ fn mistake(word: &str, question: &Value, contacts: &mut Vec<Contact>) {
     match word {
         "sign" => contacts.iter_mut().for_each(|contact| contact.gap = contact.gap.reversed()),
         "corners" => contacts.retain(|contact| {
-            let kind = contact.kind.name();
-            !(kind.starts_with('v') && edges("a", contact.a) > 4 || kind.ends_with('v') && edges("b", contact.b) > 4)
+            let (kind, [a, b]) = (contact.kind().name(), contact.key.numbers());
+            !(kind.starts_with('v') && edges("a", a) > 4 || kind.ends_with('v') && edges("b", b) > 4)
         }),
         "thousandth" => {
             let sum = question["b"]["vertices"]

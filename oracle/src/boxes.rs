@@ -1,7 +1,7 @@
 //! Axis-parallel boxes: which meet, by a tree, and whether two blocks' boxes share more than their surfaces.
 
 use crate::PreparedBlock;
-use rockproof_model::{Block, Number};
+use rockproof_model::{Block, Number, VertexId};
 
 /// A box in f64 that certainly holds a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,8 +150,8 @@ pub(crate) fn share_surfaces_at_most(a: &PreparedBlock, b: &PreparedBlock) -> bo
 /// so only equal f64 leave it open.
 fn ends_before(one: &PreparedBlock, other: &PreparedBlock, axis: usize) -> bool {
     let (end, start) = (one.box_max[axis], other.box_min[axis]);
-    let exactly = |solid: &PreparedBlock, vertex: u32| -> Number {
-        solid.block().vertices()[vertex as usize].components()[axis].clone()
+    let exactly = |solid: &PreparedBlock, vertex: VertexId| -> Number {
+        solid.block().vertices()[vertex.index()].components()[axis].clone()
     };
     end < start || (end == start && exactly(one, one.extremes[axis].1) <= exactly(other, other.extremes[axis].0))
 }

@@ -17,8 +17,9 @@
 use num_rational::BigRational;
 use num_traits::{CheckedDiv, Signed, Zero};
 use rockproof_model::block::face_normal;
+use rockproof_model::decision::Feature;
 use rockproof_model::topology::Edge;
-use rockproof_model::{Block, Contact, ContactKind, Vec3};
+use rockproof_model::{Block, Contact, EdgeId, FaceId, Vec3};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -54,15 +55,46 @@ impl fmt::Display for CombinationKind {
     }
 }
 
+/// The two larger features that contacts join, A's first. They compare by kind, then feature of A, then of B.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum JoinedFeatures {
+    /// See [`CombinationKind::FaceFace`].
+    FaceFace(FaceId, FaceId),
+    /// See [`CombinationKind::EdgeFace`].
+    EdgeFace(EdgeId, FaceId),
+    /// See [`CombinationKind::FaceEdge`].
+    FaceEdge(FaceId, EdgeId),
+    /// See [`CombinationKind::EdgeEdge`].
+    EdgeEdge(EdgeId, EdgeId),
+}
+
+impl JoinedFeatures {
+    /// Which kinds of feature are joined.
+    pub fn kind(self) -> CombinationKind {
+        match self {
+            JoinedFeatures::FaceFace(..) => CombinationKind::FaceFace,
+            JoinedFeatures::EdgeFace(..) => CombinationKind::EdgeFace,
+            JoinedFeatures::FaceEdge(..) => CombinationKind::FaceEdge,
+            JoinedFeatures::EdgeEdge(..) => CombinationKind::EdgeEdge,
+        }
+    }
+
+    /// The numbers of the two features, A's first, as written in tables and files.
+    pub fn numbers(self) -> [u32; 2] {
+        match self {
+            JoinedFeatures::FaceFace(FaceId(a), FaceId(b))
+            | JoinedFeatures::EdgeFace(EdgeId(a), FaceId(b))
+            | JoinedFeatures::FaceEdge(FaceId(a), EdgeId(b))
+            | JoinedFeatures::EdgeEdge(EdgeId(a), EdgeId(b)) => [a, b],
+        }
+    }
+}
+
 /// Several contacts that together join two larger features. Combinations compare by kind, then feature of A, then of B.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Combination {
-    /// Which kinds of feature are joined.
-    pub kind: CombinationKind,
-    /// Index of A's face or edge.
-    pub a: u32,
-    /// Index of B's face or edge.
-    pub b: u32,
+    /// The features that are joined.
+    pub joins: JoinedFeatures,
     /// Positions, in the list of contacts given, of those that lie on both features, ascending.
     pub contacts: Vec<usize>,
 }
@@ -107,15 +139,8 @@ struct Touch {
 
 /// What a contact's feature is or bounds.
 struct Support {
-    faces: Vec<u32>,
-    edges: Vec<u32>,
-}
-
-#[derive(Clone, Copy)]
-enum LargerFeature {
-    Vertex(u32),
-    Edge(u32),
-    Face(u32),
+    faces: Vec<FaceId>,
+    edges: Vec<EdgeId>,
 }
 
 impl<'a> RationalBlock<'a> {
@@ -123,64 +148,55 @@ impl<'a> RationalBlock<'a> {
         RationalBlock { block, vertices: block.vertices().iter().map(|v| v.map(|c| c.to_rational())).collect() }
     }
 
-    fn has(&self, feature: LargerFeature) -> bool {
-        let topology = self.block.topology();
-        match feature {
-            LargerFeature::Vertex(v) => (v as usize) < topology.vertex_count(),
-            LargerFeature::Edge(e) => (e as usize) < topology.edges().len(),
-            LargerFeature::Face(f) => (f as usize) < topology.faces().len(),
-        }
+    fn edge(&self, edge: EdgeId) -> &Edge {
+        self.block.topology().edge(edge)
     }
 
-    fn edge(&self, edge: u32) -> &Edge {
-        &self.block.topology().edges()[edge as usize]
-    }
-
-    fn faces_at(&self, edge: u32) -> [u32; 2] {
+    fn faces_at(&self, edge: EdgeId) -> [FaceId; 2] {
         [self.edge(edge).left, self.edge(edge).right]
     }
 
-    fn support(&self, feature: LargerFeature) -> Support {
+    fn support(&self, feature: Feature) -> Support {
         let topology = self.block.topology();
         match feature {
-            LargerFeature::Vertex(v) => {
+            Feature::Vertex(_, v) => {
                 Support { faces: topology.vertex_faces(v).to_vec(), edges: topology.vertex_edges(v).to_vec() }
             }
-            LargerFeature::Edge(e) => Support { faces: self.faces_at(e).to_vec(), edges: vec![e] },
-            LargerFeature::Face(f) => Support { faces: vec![f], edges: Vec::new() },
+            Feature::Edge(_, e) => Support { faces: self.faces_at(e).to_vec(), edges: vec![e] },
+            Feature::Face(_, f) => Support { faces: vec![f], edges: Vec::new() },
         }
     }
 
     /// Whether all of these lie on one and the same edge of a face.
-    fn lie_on_one_edge<'s>(&self, face: u32, supports: impl Iterator<Item = &'s Support> + Clone) -> bool {
+    fn lie_on_one_edge<'s>(&self, face: FaceId, supports: impl Iterator<Item = &'s Support> + Clone) -> bool {
         let edges = self.block.topology().face_edges(face);
         edges.iter().any(|edge| supports.clone().all(|support| support.edges.contains(edge)))
     }
 
-    fn normal(&self, face: u32) -> ExactPoint {
-        face_normal(&self.vertices, &self.block.topology().faces()[face as usize])
+    fn normal(&self, face: FaceId) -> ExactPoint {
+        face_normal(&self.vertices, self.block.topology().face(face))
     }
 
     /// The edge's first point and its direction.
-    fn line(&self, edge: u32) -> (&ExactPoint, ExactPoint) {
+    fn line(&self, edge: EdgeId) -> (&ExactPoint, ExactPoint) {
         let ends = self.edge(edge);
-        let start = &self.vertices[ends.p as usize];
-        (start, self.vertices[ends.q as usize].minus(start))
+        let start = &self.vertices[ends.p.index()];
+        (start, self.vertices[ends.q.index()].minus(start))
     }
 
     /// The foot of `x` on the line of an edge.
-    fn foot_on_edge(&self, edge: u32, x: &ExactPoint) -> Option<ExactPoint> {
+    fn foot_on_edge(&self, edge: EdgeId, x: &ExactPoint) -> Option<ExactPoint> {
         let (start, direction) = self.line(edge);
         let share = x.minus(start).dot(&direction).checked_div(&direction.norm_squared())?;
         Some(start.plus(&direction.scaled(&share)))
     }
 
     /// The foot of `x` in the plane of a face: through the mean of its vertices, as SPEC section 2 has it.
-    fn foot_on_face(&self, face: u32, x: &ExactPoint) -> Option<ExactPoint> {
+    fn foot_on_face(&self, face: FaceId, x: &ExactPoint) -> Option<ExactPoint> {
         let normal = self.normal(face);
-        let boundary = &self.block.topology().faces()[face as usize];
+        let boundary = self.block.topology().face(face);
         let count = BigRational::from_integer(boundary.len().into());
-        let total = boundary.iter().fold(Vec3::zero(), |t: ExactPoint, &v| t.plus(&self.vertices[v as usize]));
+        let total = boundary.iter().fold(Vec3::zero(), |t: ExactPoint, &v| t.plus(&self.vertices[v.index()]));
         // N·(x − c)/|N|² with c = total/count, over one denominator.
         let height = normal.dot(&x.scaled(&count).minus(&total));
         let share = height.checked_div(&(normal.norm_squared() * count))?;
@@ -189,33 +205,33 @@ impl<'a> RationalBlock<'a> {
 }
 
 fn touch(a: &RationalBlock<'_>, b: &RationalBlock<'_>, index: usize, contact: &Contact) -> Option<Touch> {
-    let (feature_a, feature_b) = features(contact);
-    if !a.has(feature_a) || !b.has(feature_b) {
+    let [feature_a, feature_b] = contact.key.features();
+    if !feature_a.is_in(a.block.topology()) || !feature_b.is_in(b.block.topology()) {
         return None;
     }
     let (point_a, point_b) = match (feature_a, feature_b) {
-        (LargerFeature::Vertex(v), LargerFeature::Vertex(w)) => {
-            (a.vertices[v as usize].clone(), b.vertices[w as usize].clone())
+        (Feature::Vertex(_, v), Feature::Vertex(_, w)) => {
+            (a.vertices[v.index()].clone(), b.vertices[w.index()].clone())
         }
-        (LargerFeature::Vertex(v), other) => {
-            let vertex = &a.vertices[v as usize];
+        (Feature::Vertex(_, v), other) => {
+            let vertex = &a.vertices[v.index()];
             (vertex.clone(), foot(b, other, vertex)?)
         }
-        (other, LargerFeature::Vertex(v)) => {
-            let vertex = &b.vertices[v as usize];
+        (other, Feature::Vertex(_, v)) => {
+            let vertex = &b.vertices[v.index()];
             (foot(a, other, vertex)?, vertex.clone())
         }
-        (LargerFeature::Edge(e), LargerFeature::Edge(f)) => feet_of_edges(a.line(e), b.line(f))?,
+        (Feature::Edge(_, e), Feature::Edge(_, f)) => feet_of_edges(a.line(e), b.line(f))?,
         _ => return None,
     };
     Some(Touch { index, a: a.support(feature_a), b: b.support(feature_b), point_a, point_b })
 }
 
-fn foot(block: &RationalBlock<'_>, feature: LargerFeature, x: &ExactPoint) -> Option<ExactPoint> {
+fn foot(block: &RationalBlock<'_>, feature: Feature, x: &ExactPoint) -> Option<ExactPoint> {
     match feature {
-        LargerFeature::Vertex(v) => Some(block.vertices[v as usize].clone()),
-        LargerFeature::Edge(e) => block.foot_on_edge(e, x),
-        LargerFeature::Face(f) => block.foot_on_face(f, x),
+        Feature::Vertex(_, v) => Some(block.vertices[v.index()].clone()),
+        Feature::Edge(_, e) => block.foot_on_edge(e, x),
+        Feature::Face(_, f) => block.foot_on_face(f, x),
     }
 }
 
@@ -232,25 +248,13 @@ fn feet_of_edges(
     Some((p1.plus(&d1.scaled(&along_1)), p2.plus(&d2.scaled(&along_2))))
 }
 
-fn features(contact: &Contact) -> (LargerFeature, LargerFeature) {
-    let (a, b) = (contact.a, contact.b);
-    match contact.kind {
-        ContactKind::VertexVertex => (LargerFeature::Vertex(a), LargerFeature::Vertex(b)),
-        ContactKind::VertexEdge => (LargerFeature::Vertex(a), LargerFeature::Edge(b)),
-        ContactKind::EdgeVertex => (LargerFeature::Edge(a), LargerFeature::Vertex(b)),
-        ContactKind::VertexFace => (LargerFeature::Vertex(a), LargerFeature::Face(b)),
-        ContactKind::FaceVertex => (LargerFeature::Face(a), LargerFeature::Vertex(b)),
-        ContactKind::EdgeEdge => (LargerFeature::Edge(a), LargerFeature::Edge(b)),
-    }
-}
-
 /// The contacts on each pair of a feature of A and a feature of B.
-fn grouped(
+fn grouped<A: Ord + Copy, B: Ord + Copy>(
     touches: &[Touch],
-    of_a: impl Fn(&Touch) -> &[u32],
-    of_b: impl Fn(&Touch) -> &[u32],
-) -> BTreeMap<(u32, u32), Vec<&Touch>> {
-    let mut groups: BTreeMap<(u32, u32), Vec<&Touch>> = BTreeMap::new();
+    of_a: impl Fn(&Touch) -> &[A],
+    of_b: impl Fn(&Touch) -> &[B],
+) -> BTreeMap<(A, B), Vec<&Touch>> {
+    let mut groups: BTreeMap<(A, B), Vec<&Touch>> = BTreeMap::new();
     for touch in touches {
         for &a in of_a(touch) {
             for &b in of_b(touch) {
@@ -266,7 +270,7 @@ fn face_faces(a: &RationalBlock<'_>, b: &RationalBlock<'_>, touches: &[Touch]) -
     groups
         .into_iter()
         .filter(|((f, g), group)| spanned(group) == Span::Plane && a.normal(*f).dot(&b.normal(*g)).is_negative())
-        .map(|((f, g), group)| combination(CombinationKind::FaceFace, f, g, &group))
+        .map(|((f, g), group)| combination(JoinedFeatures::FaceFace(f, g), &group))
         .collect()
 }
 
@@ -278,15 +282,15 @@ fn edge_faces(
     found: &[Combination],
 ) -> Vec<Combination> {
     let groups = grouped(touches, |t| &t.a.edges, |t| &t.b.faces);
-    let is_new = |edge: u32, face: u32, group: &[&Touch]| {
+    let is_new = |edge: EdgeId, face: FaceId, group: &[&Touch]| {
         spanned(group) != Span::Point
             && !b.lie_on_one_edge(face, group.iter().map(|touch| &touch.b))
-            && !a.faces_at(edge).iter().any(|&own| has(found, CombinationKind::FaceFace, own, face))
+            && !a.faces_at(edge).iter().any(|&own| has(found, JoinedFeatures::FaceFace(own, face)))
     };
     groups
         .into_iter()
         .filter(|((edge, face), group)| is_new(*edge, *face, group))
-        .map(|((edge, face), group)| combination(CombinationKind::EdgeFace, edge, face, &group))
+        .map(|((edge, face), group)| combination(JoinedFeatures::EdgeFace(edge, face), &group))
         .collect()
 }
 
@@ -298,15 +302,15 @@ fn face_edges(
     found: &[Combination],
 ) -> Vec<Combination> {
     let groups = grouped(touches, |t| &t.a.faces, |t| &t.b.edges);
-    let is_new = |face: u32, edge: u32, group: &[&Touch]| {
+    let is_new = |face: FaceId, edge: EdgeId, group: &[&Touch]| {
         spanned(group) != Span::Point
             && !a.lie_on_one_edge(face, group.iter().map(|touch| &touch.a))
-            && !b.faces_at(edge).iter().any(|&own| has(found, CombinationKind::FaceFace, face, own))
+            && !b.faces_at(edge).iter().any(|&own| has(found, JoinedFeatures::FaceFace(face, own)))
     };
     groups
         .into_iter()
         .filter(|((face, edge), group)| is_new(*face, *edge, group))
-        .map(|((face, edge), group)| combination(CombinationKind::FaceEdge, face, edge, &group))
+        .map(|((face, edge), group)| combination(JoinedFeatures::FaceEdge(face, edge), &group))
         .collect()
 }
 
@@ -322,21 +326,21 @@ fn edge_edges(
         .filter(|((e, f), group)| {
             let (faces_a, faces_b) = (a.faces_at(*e), b.faces_at(*f));
             let within_faces =
-                faces_a.iter().any(|fa| faces_b.iter().any(|fb| has(found, CombinationKind::FaceFace, *fa, *fb)));
-            let within_edge_face = faces_b.iter().any(|fb| has(found, CombinationKind::EdgeFace, *e, *fb))
-                || faces_a.iter().any(|fa| has(found, CombinationKind::FaceEdge, *fa, *f));
+                faces_a.iter().any(|fa| faces_b.iter().any(|fb| has(found, JoinedFeatures::FaceFace(*fa, *fb))));
+            let within_edge_face = faces_b.iter().any(|fb| has(found, JoinedFeatures::EdgeFace(*e, *fb)))
+                || faces_a.iter().any(|fa| has(found, JoinedFeatures::FaceEdge(*fa, *f)));
             spanned(group) != Span::Point && !within_faces && !within_edge_face
         })
-        .map(|((e, f), group)| combination(CombinationKind::EdgeEdge, e, f, &group))
+        .map(|((e, f), group)| combination(JoinedFeatures::EdgeEdge(e, f), &group))
         .collect()
 }
 
-fn has(found: &[Combination], kind: CombinationKind, a: u32, b: u32) -> bool {
-    found.iter().any(|c| (c.kind, c.a, c.b) == (kind, a, b))
+fn has(found: &[Combination], joins: JoinedFeatures) -> bool {
+    found.iter().any(|combination| combination.joins == joins)
 }
 
-fn combination(kind: CombinationKind, a: u32, b: u32, group: &[&Touch]) -> Combination {
-    Combination { kind, a, b, contacts: group.iter().map(|touch| touch.index).collect() }
+fn combination(joins: JoinedFeatures, group: &[&Touch]) -> Combination {
+    Combination { joins, contacts: group.iter().map(|touch| touch.index).collect() }
 }
 
 /// What points span.

@@ -7,7 +7,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Zero;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Entrance, EntranceKind, Sign};
+use rockproof_model::{Entrance, Sign};
 use std::cell::OnceCell;
 
 /// The gap h of an entrance plane: positive apart, negative overlapping.
@@ -28,8 +28,8 @@ impl Pair<'_> {
         let view = ExactView { geometry, scales: no_scales };
         let (p, q) = plane(&view, entrance);
         let mut sign = ExactRing::sign(&p);
-        if entrance.kind == EntranceKind::EdgeEdge
-            && ExactRing::sign(&Orientation { edge_a: entrance.a, edge_b: entrance.b }.value(&view)).is_negative()
+        if let Entrance::EdgeEdge(edge_a, edge_b) = *entrance
+            && ExactRing::sign(&Orientation { edge_a, edge_b }.value(&view)).is_negative()
         {
             sign = sign.reversed();
         }

@@ -44,7 +44,7 @@ pub(crate) fn meets_hull(block: &Block, hull: PointSet<'_>) -> bool {
     };
     let vertices = block.vertices();
     (0..surface.triangles().len()).any(|base| {
-        let corners = surface.triangles()[base].corners.map(|v| vertices[v as usize].clone());
+        let corners = surface.triangles()[base].corners.map(|v| vertices[v.index()].clone());
         within(SeparablePoints::new(corners.to_vec())) && pieces::any(&surface, base, is_boundary)
     }) || holds_middle(block, hull)
 }

@@ -27,9 +27,9 @@ impl<S: Field> Moments<S> {
         let (mut six_volumes, mut first) = (zero(), Vec3::<S>::zero());
         let mut second: [[S; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| zero()));
         for face in block.topology().faces() {
-            let a = &points[face[0] as usize];
+            let a = &points[face[0].index()];
             for pair in face[1..].windows(2) {
-                let [b, c] = [pair[0], pair[1]].map(|v| &points[v as usize]);
+                let [b, c] = [pair[0], pair[1]].map(|v| &points[v.index()]);
                 // The tetrahedron (0, a, b, c): ∫ 1 = w/6, ∫ x = w·s/24, ∫ x_p x_q = w·(s_p s_q + Σ v_p v_q)/120.
                 let w = a.dot(&b.cross(c));
                 let s = a.plus(b).plus(c);

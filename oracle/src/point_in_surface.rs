@@ -2,10 +2,10 @@
 
 use num_traits::Zero;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Vec3};
+use rockproof_model::{Block, Vec3, VertexId};
 
 /// The triangles of a block's faces, each face from the first vertex of its loop, by the numbers of their vertices.
-pub(crate) fn triangle_corners(block: &Block) -> impl Iterator<Item = [u32; 3]> {
+pub(crate) fn triangle_corners(block: &Block) -> impl Iterator<Item = [VertexId; 3]> {
     block.topology().faces().iter().flat_map(|face| {
         let first = face[0];
         face[1..].windows(2).map(move |two| [first, two[0], two[1]])
@@ -14,7 +14,7 @@ pub(crate) fn triangle_corners(block: &Block) -> impl Iterator<Item = [u32; 3]> 
 
 /// The same triangles with the given vertices.
 pub(crate) fn triangles<'a, T>(block: &'a Block, points: &'a [Vec3<T>]) -> impl Iterator<Item = [&'a Vec3<T>; 3]> {
-    triangle_corners(block).map(|corners| corners.map(|v| &points[v as usize]))
+    triangle_corners(block).map(|corners| corners.map(|v| &points[v.index()]))
 }
 
 /// Whether the origin is inside a closed surface of triangles; **it must not be on the surface**.

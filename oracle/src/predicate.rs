@@ -21,14 +21,14 @@ pub(crate) use wedge::*;
 use crate::view::View;
 use rockproof_model::decision::Side;
 use rockproof_model::tolerance::LAMBDA_INVERSE;
-use rockproof_model::{Entrance, EntranceKind, Ring, Vec3};
+use rockproof_model::{EdgeId, Entrance, EntranceKind, FaceId, Ring, Vec3, VertexId};
 
 /// A vertex of one of the blocks.
-pub(crate) type Vertex = (Side, u32);
+pub(crate) type Vertex = (Side, VertexId);
 /// An edge of one of the blocks.
-pub(crate) type Edge = (Side, u32);
+pub(crate) type Edge = (Side, EdgeId);
 /// A face of one of the blocks.
-pub(crate) type Face = (Side, u32);
+pub(crate) type Face = (Side, FaceId);
 
 /// A polynomial in the coordinates and tolerances.
 pub(crate) trait Polynomial {
@@ -121,7 +121,7 @@ fn end<V: View>(view: &V, edge: Edge) -> Vertex {
 
 /// The direction of an edge away from one of its ends.
 #[inline(always)]
-fn away<V: View>(view: &V, edge: Edge, from: u32) -> Vec3<V::T> {
+fn away<V: View>(view: &V, edge: Edge, from: VertexId) -> Vec3<V::T> {
     let d = view.direction(edge.0, edge.1);
     if view.ends(edge.0, edge.1).0 == from { d } else { d.negated() }
 }
@@ -132,11 +132,11 @@ fn lambda_squared_inverse<V: View>() -> V::T {
 }
 
 #[inline(always)]
-fn across<V: View>(view: &V, edge_a: u32, edge_b: u32) -> Vec3<V::T> {
+fn across<V: View>(view: &V, edge_a: EdgeId, edge_b: EdgeId) -> Vec3<V::T> {
     view.direction(Side::A, edge_a).cross(&view.direction(Side::B, edge_b))
 }
 
 #[inline(always)]
 fn kind_of(entrance: &Entrance) -> usize {
-    entrance.kind as usize
+    entrance.kind() as usize
 }

@@ -4,7 +4,7 @@ use crate::number::{Approx, Bound, UNDERFLOW, UNIT_ROUNDOFF};
 use rockproof_model::block::face_normal;
 use rockproof_model::number::split_f64;
 use rockproof_model::topology::Edge;
-use rockproof_model::{Block, Ring, Vec3};
+use rockproof_model::{Block, EdgeId, FaceId, Ring, Vec3, VertexId};
 
 /// A block with the f64 vectors its predicates start from, and how far those can be from the exact ones.
 ///
@@ -23,7 +23,7 @@ pub struct PreparedBlock {
     /// Bounds the distance of a face's vertices from its plane.
     pub(crate) bulge: f64,
     /// For each axis the vertices with the least and the greatest coordinate, exactly.
-    pub(crate) extremes: [(u32, u32); 3],
+    pub(crate) extremes: [(VertexId, VertexId); 3],
 }
 
 /// An edge of a prepared block.
@@ -33,7 +33,7 @@ pub(crate) struct PreparedEdge {
     /// `m_L` and `m_R`.
     pub(crate) inwards: [Vec3<Approx>; 2],
     /// The vertices it starts and ends at: the topology's, without its indirections.
-    pub(crate) ends: (u32, u32),
+    pub(crate) ends: (VertexId, VertexId),
     /// The box around it: least and greatest coordinates.
     pub(crate) bounds: [[f64; 3]; 2],
 }
@@ -49,7 +49,7 @@ pub(crate) struct PreparedFace {
     /// The length of its loop.
     pub(crate) count: Approx,
     /// The first vertex of its loop.
-    pub(crate) first: u32,
+    pub(crate) first: VertexId,
     /// Whether it is proved to be a convex polygon. The block's own flag is that of the block as loaded;
     /// rounding its coordinates may have bent a straight corner inwards since.
     pub(crate) surely_convex: bool,
@@ -57,9 +57,9 @@ pub(crate) struct PreparedFace {
 
 impl PreparedEdge {
     fn new(edge: &Edge, vertices: &[Vec3<Approx>], faces: &[PreparedFace]) -> PreparedEdge {
-        let ends = [edge.p, edge.q].map(|v| &vertices[v as usize]);
+        let ends = [edge.p, edge.q].map(|v| &vertices[v.index()]);
         let direction = ends[1].minus(ends[0]);
-        let normal = |face: u32| &faces[face as usize].normal;
+        let normal = |face: FaceId| &faces[face.index()].normal;
         let [p, q] = ends.map(|v| [v.x.0, v.y.0, v.z.0]);
         PreparedEdge {
             inwards: [normal(edge.left).cross(&direction), normal(edge.right).cross(&direction.negated())],
@@ -72,7 +72,7 @@ impl PreparedEdge {
 
 impl PreparedFace {
     /// Not yet known to be convex.
-    fn new(corners: &[u32], vertices: &[Vec3<Approx>]) -> PreparedFace {
+    fn new(corners: &[VertexId], vertices: &[Vec3<Approx>]) -> PreparedFace {
         let (normal, count) = (face_normal(vertices, corners), Approx::from_i32(corners.len() as i32));
         PreparedFace {
             centre: centre_sum(vertices, corners),
@@ -125,7 +125,7 @@ impl PreparedBlock {
             bulge: 0.0,
         };
         for face in 0..solid.faces.len() {
-            solid.faces[face].surely_convex = solid.turns_left_only(face as u32);
+            solid.faces[face].surely_convex = solid.turns_left_only(FaceId::at(face));
         }
         solid.bulge = solid.largest_bulge();
         solid
@@ -137,7 +137,7 @@ impl PreparedBlock {
     }
 
     /// Whether every corner of a face certainly turns left: `m_k · d_{k+1} > 0` beyond its error.
-    fn turns_left_only(&self, face: u32) -> bool {
+    fn turns_left_only(&self, face: FaceId) -> bool {
         let topology = self.block.topology();
         let edges = topology.face_edges(face);
         if edges.len() == 3 {
@@ -146,7 +146,7 @@ impl PreparedBlock {
         let VectorErrors { inward, direction, .. } = self.errors;
         let bound = Vec3::new(inward, inward, inward).dot(&Vec3::new(direction, direction, direction)).error;
         (0..edges.len()).all(|k| {
-            let [here, next] = [edges[k], edges[(k + 1) % edges.len()]].map(|e| e as usize);
+            let [here, next] = [edges[k], edges[(k + 1) % edges.len()]].map(EdgeId::index);
             let m = &self.edges[here].inwards[usize::from(topology.edges()[here].right == face)];
             let along = m.dot(&self.edges[next].direction).0;
             let turn = if topology.edges()[next].right == face { -along } else { along };
@@ -176,7 +176,7 @@ impl PreparedBlock {
             let worst = face
                 .iter()
                 .map(|&v| {
-                    let from_first = self.vertices[v as usize].minus(&self.vertices[face[0] as usize]);
+                    let from_first = self.vertices[v.index()].minus(&self.vertices[face[0].index()]);
                     n.dot(&from_first.scaled(count).minus(centre)).0.abs()
                 })
                 .fold(0.0, f64::max);
@@ -280,9 +280,9 @@ pub(crate) fn subtracted(extent: f64, coordinate: f64) -> Bound {
 }
 
 /// `Σ (v_k − v_0)` over a loop: the face point relative to the loop's first vertex, times the loop's length.
-pub(crate) fn centre_sum<T: Ring>(points: &[Vec3<T>], face: &[u32]) -> Vec3<T> {
-    let first = &points[face[0] as usize];
-    face.iter().skip(1).fold(Vec3::zero(), |sum, &v| sum.plus(&points[v as usize].minus(first)))
+pub(crate) fn centre_sum<T: Ring>(points: &[Vec3<T>], face: &[VertexId]) -> Vec3<T> {
+    let first = &points[face[0].index()];
+    face.iter().skip(1).fold(Vec3::zero(), |sum, &v| sum.plus(&points[v.index()].minus(first)))
 }
 
 fn approximate_box(vertices: &[Vec3<Approx>]) -> ([f64; 3], [f64; 3]) {
@@ -297,18 +297,21 @@ fn approximate_box(vertices: &[Vec3<Approx>]) -> ([f64; 3], [f64; 3]) {
 }
 
 /// The vertices with the least and the greatest coordinate along an axis; `exact` are the vertices where f64 holds them.
-fn extremes(block: &Block, exact: Option<&Vec<Vec3<Approx>>>, axis: usize) -> (u32, u32) {
-    let count = block.vertices().len() as u32;
+fn extremes(block: &Block, exact: Option<&Vec<Vec3<Approx>>>, axis: usize) -> (VertexId, VertexId) {
+    let all = block.topology().vertex_ids();
     match exact {
-        Some(vertices) => least_and_greatest(count, |v| vertices[v as usize].components()[axis]),
-        None => least_and_greatest(count, |v| block.vertices()[v as usize].components()[axis]),
+        Some(vertices) => least_and_greatest(all, |v| vertices[v.index()].components()[axis]),
+        None => least_and_greatest(all, |v| block.vertices()[v.index()].components()[axis]),
     }
 }
 
-/// The first of `0..count` with the least value, and the first with the greatest.
-fn least_and_greatest<'v, T: PartialOrd + 'v>(count: u32, value: impl Fn(u32) -> &'v T) -> (u32, u32) {
-    let (mut low, mut high) = (0, 0);
-    for v in 1..count {
+/// The first with the least value, and the first with the greatest.
+fn least_and_greatest<'v, T: PartialOrd + 'v>(
+    all: impl Iterator<Item = VertexId>,
+    value: impl Fn(VertexId) -> &'v T,
+) -> (VertexId, VertexId) {
+    let (mut low, mut high) = (VertexId(0), VertexId(0));
+    for v in all {
         if value(v) < value(low) {
             low = v;
         }

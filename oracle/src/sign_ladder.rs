@@ -9,7 +9,7 @@ use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView
 use num_bigint::BigInt;
 use rockproof_model::decision::{Decision, Side};
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Contact, ContactKey, Criteria, Sign, ToleranceSet};
+use rockproof_model::{Contact, ContactKey, Criteria, EdgeId, Sign, ToleranceSet, VertexId};
 use std::cell::OnceCell;
 
 /// Sees every decision, and may depart from it; [`Unobserved`] compiles to nothing.
@@ -317,11 +317,11 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     }
 
     /// Whether a feature is convex, as decided when the block was loaded.
-    pub(crate) fn vertex_is_convex(&self, side: Side, vertex: u32) -> bool {
+    pub(crate) fn vertex_is_convex(&self, side: Side, vertex: VertexId) -> bool {
         self.pair.solid(side).block.vertex_is_convex(vertex)
     }
 
-    pub(crate) fn edge_is_convex(&self, side: Side, edge: u32) -> bool {
+    pub(crate) fn edge_is_convex(&self, side: Side, edge: EdgeId) -> bool {
         self.pair.solid(side).block.edge_is_convex(edge)
     }
 }

@@ -14,7 +14,10 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::decision::Side;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, BlockOptions, Criteria, Entrance, EntranceKind, Number, Sign, ToleranceSet, Vec3};
+use rockproof_model::{
+    Block, BlockOptions, Criteria, EdgeId, Entrance, EntranceKind, FaceId, Number, Sign, ToleranceSet, Topology, Vec3,
+    VertexId,
+};
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
@@ -246,9 +249,12 @@ impl Checker<'_, '_> {
         let any = |dice: &mut Dice, n: usize| dice.below(n as u64) as u32;
         let of = |side| self.pair.topology(side);
         let (ta, tb) = (of(Side::A), of(Side::B));
-        let (va, vb) = (any(dice, ta.vertex_count()), any(dice, tb.vertex_count()));
-        let (edge_a, edge_b) = (any(dice, ta.edges().len()), any(dice, tb.edges().len()));
-        let (fa, fb) = (any(dice, ta.faces().len()), any(dice, tb.faces().len()));
+        let vertex_of = |dice: &mut Dice, t: &Topology| VertexId(any(dice, t.vertex_count()));
+        let edge_of = |dice: &mut Dice, t: &Topology| EdgeId(any(dice, t.edges().len()));
+        let face_of = |dice: &mut Dice, t: &Topology| FaceId(any(dice, t.faces().len()));
+        let (va, vb) = (vertex_of(dice, ta), vertex_of(dice, tb));
+        let (edge_a, edge_b) = (edge_of(dice, ta), edge_of(dice, tb));
+        let (fa, fb) = (face_of(dice, ta), face_of(dice, tb));
         let axis = dice.below(3) as usize;
         let flip = dice.below(2) == 0;
         self.visit(&BoxesMeet { low: (Side::A, va), high: (Side::B, vb), axis });
@@ -264,8 +270,8 @@ impl Checker<'_, '_> {
             let own = if vertex.0 == Side::A { ta } else { tb };
             let other = if vertex.0 == Side::A { tb } else { ta };
             let at_vertex = own.vertex_edges(vertex.1)[0];
-            let ends = other.edges()[edge.1 as usize];
-            let far = other.faces()[if flip { ends.right } else { ends.left } as usize]
+            let ends = *other.edge(edge.1);
+            let far = other.faces()[if flip { ends.right } else { ends.left }.index()]
                 .iter()
                 .copied()
                 .find(|&w| w != ends.p && w != ends.q)
@@ -277,7 +283,7 @@ impl Checker<'_, '_> {
             self.visit(&InwardOf { vertex, edge, right: flip });
             self.visit(&FootBeyondVertex { vertex, edge, at_vertex });
             self.visit(&AbovePlane { vertex, face });
-            self.visit(&PolygonHeight { vertex, corner: other.faces()[face.1 as usize][0], face, axis });
+            self.visit(&PolygonHeight { vertex, corner: other.face(face.1)[0], face, axis });
             self.visit(&NormalComponent { face, axis });
             self.visit(&EdgeAbovePlane { vertex, edge: at_vertex, face });
             self.visit(&EdgeDipAngle { edge: (vertex.0, at_vertex), face });
@@ -294,19 +300,12 @@ impl Checker<'_, '_> {
         self.visit(&ParallelAngle { edge_a, edge_b });
         self.visit(&Orientation { edge_a, edge_b });
         self.visit(&EdgesApart { edge_a, edge_b });
-        let entrances = [
-            Entrance { kind: EntranceKind::VertexFace, a: va, b: fb },
-            Entrance { kind: EntranceKind::FaceVertex, a: fa, b: vb },
-            Entrance { kind: EntranceKind::EdgeEdge, a: edge_a, b: edge_b },
-        ];
-        let (wa, wb) = (any(dice, ta.vertex_count()), any(dice, tb.vertex_count()));
-        let (da, db) = (any(dice, ta.edges().len()), any(dice, tb.edges().len()));
-        let (ga, gb) = (any(dice, ta.faces().len()), any(dice, tb.faces().len()));
-        let others = [
-            Entrance { kind: EntranceKind::VertexFace, a: wa, b: gb },
-            Entrance { kind: EntranceKind::FaceVertex, a: ga, b: wb },
-            Entrance { kind: EntranceKind::EdgeEdge, a: da, b: db },
-        ];
+        let entrances =
+            [Entrance::VertexFace(va, fb), Entrance::FaceVertex(fa, vb), Entrance::EdgeEdge(edge_a, edge_b)];
+        let (wa, wb) = (vertex_of(dice, ta), vertex_of(dice, tb));
+        let (da, db) = (edge_of(dice, ta), edge_of(dice, tb));
+        let (ga, gb) = (face_of(dice, ta), face_of(dice, tb));
+        let others = [Entrance::VertexFace(wa, gb), Entrance::FaceVertex(ga, wb), Entrance::EdgeEdge(da, db)];
         for first in entrances {
             for limit in [LengthTolerance::Search, LengthTolerance::Territory, LengthTolerance::Penetration] {
                 self.visit(&GapWithin { entrance: first, limit });
@@ -417,41 +416,41 @@ fn polynomials_have_the_degree_they_say() {
     t.parallel_sine = Number::from_f64(0.25).unwrap();
     t.equal = Number::from_f64(0.125).unwrap();
     let degree = Degree { once: &once, thrice: &thrice, t };
-    let (vertex, edge, face) = ((Side::A, 1), (Side::B, 2), (Side::B, 3));
-    let entrance = |kind, a, b| Entrance { kind, a, b };
+    let (vertex, edge, face) = ((Side::A, VertexId(1)), (Side::B, EdgeId(2)), (Side::B, FaceId(3)));
+    let entrance = |kind, a, b| Entrance::of_kind(kind, [a, b]);
     let (first, second) = (entrance(EntranceKind::VertexFace, 1, 2), entrance(EntranceKind::EdgeEdge, 1, 4));
-    let inward = InwardAcross { edge_a: 1, edge_b: 4, side: Side::A, right: false };
-    degree.check(&BoxesMeet { low: vertex, high: (Side::B, 2), axis: 0 });
-    degree.check(&Near { a: 1, b: 2, limit: LengthTolerance::Search });
-    degree.check(&NearForEdge { a: 1, b: 2, edge });
-    degree.check(&BeyondVertex { point: vertex, at: (Side::B, b1.block.topology().edges()[2].p), edge: 2 });
+    let inward = InwardAcross { edge_a: EdgeId(1), edge_b: EdgeId(4), side: Side::A, right: false };
+    degree.check(&BoxesMeet { low: vertex, high: (Side::B, VertexId(2)), axis: 0 });
+    degree.check(&Near { a: VertexId(1), b: VertexId(2), limit: LengthTolerance::Search });
+    degree.check(&NearForEdge { a: VertexId(1), b: VertexId(2), edge });
+    degree.check(&BeyondVertex { point: vertex, at: (Side::B, b1.block.topology().edges()[2].p), edge: EdgeId(2) });
     degree.check(&FootAlong { vertex, edge, from_end: true });
     degree.check(&NearLine { vertex, edge, limit: LengthTolerance::Territory });
     let ends = b1.block.topology().edges()[2];
-    let far = (0..4).find(|&v| v != ends.p && v != ends.q).unwrap();
+    let far = (0..4).map(VertexId).find(|&v| v != ends.p && v != ends.q).unwrap();
     degree.check(&NearLineForHeight { vertex, edge, height_at: far });
     degree.check(&InwardOf { vertex, edge, right: true });
-    degree.check(&FootBeyondVertex { vertex, edge, at_vertex: a1.block.topology().vertex_edges(1)[0] });
+    degree.check(&FootBeyondVertex { vertex, edge, at_vertex: a1.block.topology().vertex_edges(VertexId(1))[0] });
     degree.check(&AbovePlane { vertex, face });
     degree.check(&GapWithin { entrance: second, limit: LengthTolerance::Penetration });
     degree.check(&GapWithin { entrance: first, limit: LengthTolerance::Search });
-    degree.check(&PolygonHeight { vertex, corner: 1, face, axis: 1 });
+    degree.check(&PolygonHeight { vertex, corner: VertexId(1), face, axis: 1 });
     degree.check(&NormalComponent { face, axis: 0 });
-    degree.check(&EdgeAbovePlane { vertex, edge: a1.block.topology().vertex_edges(1)[0], face });
-    degree.check(&EdgeDipAngle { edge: (Side::A, 2), face });
-    degree.check(&ParallelAngle { edge_a: 1, edge_b: 4 });
-    degree.check(&ParallelReach { edge_a: 1, edge_b: 4, longer: Side::B });
-    degree.check(&CommonFoot { edge_a: 1, edge_b: 4, on: Side::B, from_end: true });
-    degree.check(&Orientation { edge_a: 1, edge_b: 4 });
+    degree.check(&EdgeAbovePlane { vertex, edge: a1.block.topology().vertex_edges(VertexId(1))[0], face });
+    degree.check(&EdgeDipAngle { edge: (Side::A, EdgeId(2)), face });
+    degree.check(&ParallelAngle { edge_a: EdgeId(1), edge_b: EdgeId(4) });
+    degree.check(&ParallelReach { edge_a: EdgeId(1), edge_b: EdgeId(4), longer: Side::B });
+    degree.check(&CommonFoot { edge_a: EdgeId(1), edge_b: EdgeId(4), on: Side::B, from_end: true });
+    degree.check(&Orientation { edge_a: EdgeId(1), edge_b: EdgeId(4) });
     degree.check(&inward);
     degree.check(&WedgeDipAngle(inward));
     let own = a1.block.topology().edges()[1];
-    let corner = a1.block.topology().faces()[own.left as usize].iter().copied().find(|&w| w != own.p && w != own.q);
+    let corner = a1.block.topology().faces()[own.left.index()].iter().copied().find(|&w| w != own.p && w != own.q);
     for limit in [DipLimit::Penetration, DipLimit::TrueExit] {
-        degree.check(&EdgeDipDepth { edge: (Side::A, 2), face, limit });
+        degree.check(&EdgeDipDepth { edge: (Side::A, EdgeId(2)), face, limit });
         degree.check(&WedgeDipDepth { inward, corner: corner.unwrap(), limit });
     }
-    degree.check(&EdgesApart { edge_a: 1, edge_b: 4 });
+    degree.check(&EdgesApart { edge_a: EdgeId(1), edge_b: EdgeId(4) });
     degree.check(&LargerGap { first, second, factor: Factor::OnePlusEqual });
     degree.check(&NormalsAgree { first, second });
     degree.check(&NormalsWithin { first, second });

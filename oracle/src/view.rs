@@ -7,7 +7,7 @@ use crate::prepared_block::{PreparedBlock, VectorErrors, centre_sum, subtracted}
 use foldhash::fast::FixedState;
 use rockproof_model::block::face_normal;
 use rockproof_model::decision::Side;
-use rockproof_model::{Block, Ring, Topology, Vec3};
+use rockproof_model::{Block, EdgeId, FaceId, Ring, Topology, Vec3, VertexId};
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -55,35 +55,35 @@ pub(crate) trait View {
     /// A block's combinatorics.
     fn topology(&self, side: Side) -> &Topology;
     /// `to − from`, for vertices of either block.
-    fn between(&self, from: (Side, u32), to: (Side, u32)) -> Vec3<Self::T>;
+    fn between(&self, from: (Side, VertexId), to: (Side, VertexId)) -> Vec3<Self::T>;
     /// `d = q − p` of an edge.
-    fn direction(&self, side: Side, edge: u32) -> Vec3<Self::T>;
+    fn direction(&self, side: Side, edge: EdgeId) -> Vec3<Self::T>;
     /// `N` of a face.
-    fn normal(&self, side: Side, face: u32) -> Vec3<Self::T>;
+    fn normal(&self, side: Side, face: FaceId) -> Vec3<Self::T>;
     /// `Σ (v_k − v_0)` of a face.
-    fn centre(&self, side: Side, face: u32) -> Vec3<Self::T>;
+    fn centre(&self, side: Side, face: FaceId) -> Vec3<Self::T>;
     /// `m_L` (`right` false) or `m_R` of an edge.
-    fn inward(&self, side: Side, edge: u32, right: bool) -> Vec3<Self::T>;
+    fn inward(&self, side: Side, edge: EdgeId, right: bool) -> Vec3<Self::T>;
     /// The tolerances.
     fn scales(&self) -> &Scales<Self::T>;
 
     /// The vertices an edge starts and ends at.
     #[inline(always)]
-    fn ends(&self, side: Side, edge: u32) -> (u32, u32) {
-        let edge = self.topology(side).edges()[edge as usize];
+    fn ends(&self, side: Side, edge: EdgeId) -> (VertexId, VertexId) {
+        let edge = self.topology(side).edges()[edge.index()];
         (edge.p, edge.q)
     }
 
     /// The first vertex of a face's loop.
     #[inline(always)]
-    fn first_corner(&self, side: Side, face: u32) -> u32 {
-        self.topology(side).faces()[face as usize][0]
+    fn first_corner(&self, side: Side, face: FaceId) -> VertexId {
+        self.topology(side).faces()[face.index()][0]
     }
 
     /// The number of vertices of a face, as a number.
     #[inline(always)]
-    fn loop_length(&self, side: Side, face: u32) -> Self::T {
-        Self::T::from_i32(self.topology(side).faces()[face as usize].len() as i32)
+    fn loop_length(&self, side: Side, face: FaceId) -> Self::T {
+        Self::T::from_i32(self.topology(side).faces()[face.index()].len() as i32)
     }
 }
 
@@ -111,40 +111,40 @@ impl View for FloatView<'_> {
         self.solid(side).block.topology()
     }
     #[inline(always)]
-    fn between(&self, from: (Side, u32), to: (Side, u32)) -> Vec3<Approx> {
-        self.solid(to.0).vertices[to.1 as usize].minus(&self.solid(from.0).vertices[from.1 as usize])
+    fn between(&self, from: (Side, VertexId), to: (Side, VertexId)) -> Vec3<Approx> {
+        self.solid(to.0).vertices[to.1.index()].minus(&self.solid(from.0).vertices[from.1.index()])
     }
     #[inline(always)]
-    fn direction(&self, side: Side, edge: u32) -> Vec3<Approx> {
-        self.solid(side).edges[edge as usize].direction
+    fn direction(&self, side: Side, edge: EdgeId) -> Vec3<Approx> {
+        self.solid(side).edges[edge.index()].direction
     }
     #[inline(always)]
-    fn normal(&self, side: Side, face: u32) -> Vec3<Approx> {
-        self.solid(side).faces[face as usize].normal
+    fn normal(&self, side: Side, face: FaceId) -> Vec3<Approx> {
+        self.solid(side).faces[face.index()].normal
     }
     #[inline(always)]
-    fn centre(&self, side: Side, face: u32) -> Vec3<Approx> {
-        self.solid(side).faces[face as usize].centre
+    fn centre(&self, side: Side, face: FaceId) -> Vec3<Approx> {
+        self.solid(side).faces[face.index()].centre
     }
     #[inline(always)]
-    fn inward(&self, side: Side, edge: u32, right: bool) -> Vec3<Approx> {
-        self.solid(side).edges[edge as usize].inwards[usize::from(right)]
+    fn inward(&self, side: Side, edge: EdgeId, right: bool) -> Vec3<Approx> {
+        self.solid(side).edges[edge.index()].inwards[usize::from(right)]
     }
     #[inline(always)]
     fn scales(&self) -> &Scales<Approx> {
         self.scales
     }
     #[inline(always)]
-    fn ends(&self, side: Side, edge: u32) -> (u32, u32) {
-        self.solid(side).edges[edge as usize].ends
+    fn ends(&self, side: Side, edge: EdgeId) -> (VertexId, VertexId) {
+        self.solid(side).edges[edge.index()].ends
     }
     #[inline(always)]
-    fn first_corner(&self, side: Side, face: u32) -> u32 {
-        self.solid(side).faces[face as usize].first
+    fn first_corner(&self, side: Side, face: FaceId) -> VertexId {
+        self.solid(side).faces[face.index()].first
     }
     #[inline(always)]
-    fn loop_length(&self, side: Side, face: u32) -> Approx {
-        self.solid(side).faces[face as usize].count
+    fn loop_length(&self, side: Side, face: FaceId) -> Approx {
+        self.solid(side).faces[face.index()].count
     }
 }
 
@@ -214,25 +214,25 @@ impl View for BoundView<'_> {
             Side::B => self.b,
         }
     }
-    fn between(&self, from: (Side, u32), to: (Side, u32)) -> Vec3<Bound> {
+    fn between(&self, from: (Side, VertexId), to: (Side, VertexId)) -> Vec3<Bound> {
         same_in_all(if from.0 == to.0 { self.errors(to.0).difference } else { self.across })
     }
-    fn direction(&self, side: Side, _edge: u32) -> Vec3<Bound> {
+    fn direction(&self, side: Side, _edge: EdgeId) -> Vec3<Bound> {
         same_in_all(self.errors(side).direction)
     }
-    fn normal(&self, side: Side, _face: u32) -> Vec3<Bound> {
+    fn normal(&self, side: Side, _face: FaceId) -> Vec3<Bound> {
         same_in_all(self.errors(side).normal)
     }
-    fn centre(&self, side: Side, _face: u32) -> Vec3<Bound> {
+    fn centre(&self, side: Side, _face: FaceId) -> Vec3<Bound> {
         same_in_all(self.errors(side).centre)
     }
-    fn inward(&self, side: Side, _edge: u32, _right: bool) -> Vec3<Bound> {
+    fn inward(&self, side: Side, _edge: EdgeId, _right: bool) -> Vec3<Bound> {
         same_in_all(self.errors(side).inward)
     }
     fn scales(&self) -> &Scales<Bound> {
         &self.scales
     }
-    fn loop_length(&self, side: Side, _face: u32) -> Bound {
+    fn loop_length(&self, side: Side, _face: FaceId) -> Bound {
         Bound::from_i32(self.longest_loops[usize::from(side == Side::B)] as i32)
     }
 }
@@ -252,24 +252,24 @@ impl View for BallView<'_> {
     fn topology(&self, side: Side) -> &Topology {
         self.floats.topology(side)
     }
-    fn between(&self, from: (Side, u32), to: (Side, u32)) -> Vec3<Ball> {
-        let at = |(side, v): (Side, u32)| {
+    fn between(&self, from: (Side, VertexId), to: (Side, VertexId)) -> Vec3<Ball> {
+        let at = |(side, v): (Side, VertexId)| {
             let solid = self.floats.solid(side);
-            balls(solid.vertices[v as usize], solid.errors.coordinate)
+            balls(solid.vertices[v.index()], solid.errors.coordinate)
         };
         at(to).minus(&at(from))
     }
-    fn direction(&self, side: Side, edge: u32) -> Vec3<Ball> {
+    fn direction(&self, side: Side, edge: EdgeId) -> Vec3<Ball> {
         let (p, q) = self.floats.ends(side, edge);
         self.between((side, p), (side, q))
     }
-    fn normal(&self, side: Side, face: u32) -> Vec3<Ball> {
+    fn normal(&self, side: Side, face: FaceId) -> Vec3<Ball> {
         balls(self.floats.normal(side, face), self.floats.solid(side).errors.normal.error)
     }
-    fn centre(&self, side: Side, face: u32) -> Vec3<Ball> {
+    fn centre(&self, side: Side, face: FaceId) -> Vec3<Ball> {
         balls(self.floats.centre(side, face), self.floats.solid(side).errors.centre.error)
     }
-    fn inward(&self, side: Side, edge: u32, right: bool) -> Vec3<Ball> {
+    fn inward(&self, side: Side, edge: EdgeId, right: bool) -> Vec3<Ball> {
         balls(self.floats.inward(side, edge, right), self.floats.solid(side).errors.inward.error)
     }
     fn scales(&self) -> &Scales<Ball> {
@@ -304,28 +304,28 @@ impl View for BitsView<'_> {
     fn topology(&self, side: Side) -> &Topology {
         self.block(side).topology()
     }
-    fn between(&self, _from: (Side, u32), _to: (Side, u32)) -> Vec3<Bits> {
+    fn between(&self, _from: (Side, VertexId), _to: (Side, VertexId)) -> Vec3<Bits> {
         same_in_all(self.coordinate.minus(&self.coordinate))
     }
-    fn direction(&self, side: Side, _edge: u32) -> Vec3<Bits> {
-        self.between((side, 0), (side, 0))
+    fn direction(&self, side: Side, _edge: EdgeId) -> Vec3<Bits> {
+        self.between((side, VertexId(0)), (side, VertexId(0)))
     }
-    fn normal(&self, side: Side, _face: u32) -> Vec3<Bits> {
-        let edge = self.direction(side, 0);
+    fn normal(&self, side: Side, _face: FaceId) -> Vec3<Bits> {
+        let edge = self.direction(side, EdgeId(0));
         let triangle = edge.cross(&edge);
         (0..self.longest_loop(side) - 2).fold(Vec3::zero(), |sum: Vec3<Bits>, _| sum.plus(&triangle))
     }
-    fn centre(&self, side: Side, _face: u32) -> Vec3<Bits> {
-        let edge = self.direction(side, 0);
+    fn centre(&self, side: Side, _face: FaceId) -> Vec3<Bits> {
+        let edge = self.direction(side, EdgeId(0));
         (0..self.longest_loop(side)).fold(Vec3::zero(), |sum: Vec3<Bits>, _| sum.plus(&edge))
     }
-    fn inward(&self, side: Side, edge: u32, _right: bool) -> Vec3<Bits> {
-        self.normal(side, 0).cross(&self.direction(side, edge))
+    fn inward(&self, side: Side, edge: EdgeId, _right: bool) -> Vec3<Bits> {
+        self.normal(side, FaceId(0)).cross(&self.direction(side, edge))
     }
     fn scales(&self) -> &Scales<Bits> {
         self.scales.get()
     }
-    fn loop_length(&self, side: Side, _face: u32) -> Bits {
+    fn loop_length(&self, side: Side, _face: FaceId) -> Bits {
         Bits::from_i32(self.longest_loop(side) as i32)
     }
 }
@@ -347,9 +347,9 @@ pub(crate) struct ExactView<'p, 's, T> {
 pub(crate) struct ExactBlock<'p, T> {
     topology: &'p Topology,
     vertices: Vec<Vec3<T>>,
-    normals: Known<u32, T>,
-    centres: Known<u32, T>,
-    inwards: Known<(u32, bool), T>,
+    normals: Known<FaceId, T>,
+    centres: Known<FaceId, T>,
+    inwards: Known<(EdgeId, bool), T>,
 }
 
 /// The vectors of features that were asked for.
@@ -375,13 +375,13 @@ impl<'p, T: Ring> ExactBlock<'p, T> {
         ExactBlock { topology, vertices, normals: Known::none(), centres: Known::none(), inwards: Known::none() }
     }
 
-    fn direction(&self, edge: u32) -> Vec3<T> {
-        let edge = &self.topology.edges()[edge as usize];
-        self.vertices[edge.q as usize].minus(&self.vertices[edge.p as usize])
+    fn direction(&self, edge: EdgeId) -> Vec3<T> {
+        let edge = &self.topology.edge(edge);
+        self.vertices[edge.q.index()].minus(&self.vertices[edge.p.index()])
     }
 
-    fn normal(&self, face: u32) -> Vec3<T> {
-        self.normals.get_or_make(face, || face_normal(&self.vertices, &self.topology.faces()[face as usize]))
+    fn normal(&self, face: FaceId) -> Vec3<T> {
+        self.normals.get_or_make(face, || face_normal(&self.vertices, &self.topology.faces()[face.index()]))
     }
 }
 
@@ -399,23 +399,23 @@ impl<T: Ring> View for ExactView<'_, '_, T> {
     fn topology(&self, side: Side) -> &Topology {
         self.solid(side).topology
     }
-    fn between(&self, from: (Side, u32), to: (Side, u32)) -> Vec3<T> {
-        self.solid(to.0).vertices[to.1 as usize].minus(&self.solid(from.0).vertices[from.1 as usize])
+    fn between(&self, from: (Side, VertexId), to: (Side, VertexId)) -> Vec3<T> {
+        self.solid(to.0).vertices[to.1.index()].minus(&self.solid(from.0).vertices[from.1.index()])
     }
-    fn direction(&self, side: Side, edge: u32) -> Vec3<T> {
+    fn direction(&self, side: Side, edge: EdgeId) -> Vec3<T> {
         self.solid(side).direction(edge)
     }
-    fn normal(&self, side: Side, face: u32) -> Vec3<T> {
+    fn normal(&self, side: Side, face: FaceId) -> Vec3<T> {
         self.solid(side).normal(face)
     }
-    fn centre(&self, side: Side, face: u32) -> Vec3<T> {
+    fn centre(&self, side: Side, face: FaceId) -> Vec3<T> {
         let solid = self.solid(side);
-        solid.centres.get_or_make(face, || centre_sum(&solid.vertices, &solid.topology.faces()[face as usize]))
+        solid.centres.get_or_make(face, || centre_sum(&solid.vertices, solid.topology.face(face)))
     }
-    fn inward(&self, side: Side, edge: u32, right: bool) -> Vec3<T> {
+    fn inward(&self, side: Side, edge: EdgeId, right: bool) -> Vec3<T> {
         let solid = self.solid(side);
         solid.inwards.get_or_make((edge, right), || {
-            let ends = &solid.topology.edges()[edge as usize];
+            let ends = &solid.topology.edge(edge);
             let d = solid.direction(edge);
             if right { solid.normal(ends.right).cross(&d.negated()) } else { solid.normal(ends.left).cross(&d) }
         })

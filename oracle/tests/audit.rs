@@ -7,7 +7,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use rockproof_model::preset::{Preset, derive};
 use rockproof_model::scene::Scene;
-use rockproof_model::{Block, ContactKind, Number, Precision, ToleranceSet, Vec3};
+use rockproof_model::{Block, ContactKey, FaceId, Number, Precision, ToleranceSet, Vec3, VertexId};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Decider, Meaning, Overlap, OverlapVisibility, audit, rounding_depth};
 use support::shapes::{block, cuboid, exact, number, point, revised, slab, step, tetrahedron};
@@ -173,10 +173,7 @@ fn a_little_is_seen_and_five_centimetres_are_not() {
     let on_slab = |depth: &str| cuboid(["-1", "-1", "0"], ["1", "1", "2"]).translated(&point(["0", "0", depth]));
     let found = overlap_of(&slab(), &on_slab("-1/1000000000"), &set("1/50")).unwrap();
     let (contact, gap) = found.contact.clone().unwrap();
-    assert_eq!(
-        (found.sight, contact.kind, contact.a, contact.b),
-        (OverlapVisibility::Seen, ContactKind::FaceVertex, 1, 0)
-    );
+    assert_eq!((found.sight, contact.key), (OverlapVisibility::Seen, ContactKey::FaceVertex(FaceId(1), VertexId(0))));
     assert_eq!(gap.squared, found.depth_squared());
     assert!(!found.is_deeper_than_g && !found.is_within_unevenness);
     // Exactly g is seen and not deeper.

@@ -45,8 +45,8 @@ fn moving(scene: &Scene, mode: Mode, stretch: [&str; 2], velocity: [&str; 2]) ->
     assert_eq!(contacts.len(), 8, "{contacts:?}");
     let stretch: Point = point([stretch[0], stretch[1], "0"]);
     let memory = |(blocks, contact): ([usize; 2], rockproof_model::Contact)| {
-        assert_eq!((contact.entrance.kind, blocks[1]), (EntranceKind::FaceVertex, 2));
-        let corner = &scene.blocks[2].vertices()[contact.b as usize];
+        assert_eq!((contact.entrance.kind(), blocks[1]), (EntranceKind::FaceVertex, 2));
+        let corner = &scene.blocks[2].vertices()[contact.key.numbers()[1] as usize];
         let anchor =
             Vec3::new(corner.x.plus(&stretch.x.negated()), corner.y.plus(&stretch.y.negated()), corner.z.clone());
         ContactMemory { blocks, contact, mode, anchors: [anchor, corner.clone()] }
@@ -273,7 +273,7 @@ fn what_the_step_before_left_closed_is_kept_however_deep() {
     assert!(deep.step(&state, KeptPrecision::Exact).contacts.is_empty());
     state.contacts[3].mode = Mode::Sliding;
     let kept = deep.step(&state, KeptPrecision::Grid { exponent: 100 }).contacts;
-    assert_eq!(kept.iter().map(|(_, c)| c.key()).collect::<Vec<_>>(), [state.contacts[3].contact.key()]);
+    assert_eq!(kept.iter().map(|(_, c)| c.key).collect::<Vec<_>>(), [state.contacts[3].contact.key]);
 }
 
 #[test]

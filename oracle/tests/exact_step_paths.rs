@@ -57,7 +57,7 @@ fn crossing_ridges_press_each_other_apart() {
         let scene = Scene::new(blocks, "0", ["0", "0", "-10"]);
         let answer = scene.step(&scene.start(), KeptPrecision::Exact);
         assert_eq!(answer.contacts.len(), 1, "{:?}", answer.contacts);
-        assert_eq!(answer.contacts[0].1.kind, ContactKind::EdgeEdge);
+        assert_eq!(answer.contacts[0].1.kind(), ContactKind::EdgeEdge);
         let force = exact("1000000") - &mass * exact("10");
         assert_eq!(risen(&scene, usize::from(!exchanged)), pushed(&mass, "1000000000", force));
     }
@@ -74,7 +74,7 @@ fn a_tip_presses_a_slab_whichever_comes_first() {
         (ContactKind::VertexFace, 0, vec![(tip(), Motion::Rigid), (slab(), Motion::Fixed)]),
     ] {
         let scene = Scene::new(blocks, "0", ["0", "0", "-10"]);
-        assert_eq!(scene.step(&scene.start(), KeptPrecision::Exact).contacts[0].1.kind, kind);
+        assert_eq!(scene.step(&scene.start(), KeptPrecision::Exact).contacts[0].1.kind(), kind);
         assert_eq!(risen(&scene, block), pushed(&mass, "1000000000", force.clone()));
     }
 }

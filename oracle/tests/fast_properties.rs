@@ -70,7 +70,7 @@ fn the_random_pairs_reach_what_they_are_for() {
         let g = t.penetration.to_rational();
         for (contact, squared) in fast(&a, &b, &t, &choice.of(&a, &b, &t)) {
             if contact.gap.is_negative() && squared > &g * &g {
-                deep.insert(contact.kind);
+                deep.insert(contact.kind());
             }
         }
         let (a, b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));

@@ -57,7 +57,7 @@ fn differences(expected: &GoldenStep, set: &State, before: &State, answer: &Step
     let retries: Vec<_> = expected.retries.iter().map(|retry| (retry.given_up(), retry.solves)).collect();
     want("retries", cuts == retries, format!("{cuts:?}"));
     let features = |(blocks, c): &([usize; 2], rockproof_model::Contact)| {
-        (*blocks, c.kind, [c.a, c.b], c.entrance.kind, [c.entrance.a, c.entrance.b])
+        (*blocks, c.kind(), c.key.numbers(), c.entrance.kind(), c.entrance.numbers())
     };
     let contacts: Vec<_> = answer.contacts.iter().map(features).collect();
     let expected_contacts: Vec<_> = expected.contacts.iter().map(|contact| contact.features()).collect();

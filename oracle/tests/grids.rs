@@ -7,7 +7,7 @@ mod support;
 
 use num_rational::BigRational;
 use rockproof_model::decision::Predicate;
-use rockproof_model::{Block, BlockOptions, ContactKind, Number, Point, ToleranceSet, Vec3};
+use rockproof_model::{Block, BlockOptions, ContactKey, ContactKind, Number, Point, ToleranceSet, Vec3, VertexId};
 use rockproof_oracle::{Pair, PreparedBlock, plain};
 use std::collections::BTreeSet;
 use support::shapes::{number, revised, spike, tetrahedron};
@@ -58,7 +58,7 @@ fn compare(tip: &Block, base: &Block, t: &ToleranceSet, about: &str, seen: &mut 
     let plainly: Vec<_> = plain::classify::<BigRational>(tip, base, t).into_iter().map(|found| found.contact).collect();
     assert_eq!(fast, plainly, "{about}: fast (left), plain (right)");
     seen.pairs += 1;
-    seen.kinds.extend(fast.iter().map(|contact| contact.kind));
+    seen.kinds.extend(fast.iter().map(|contact| contact.kind()));
     for entry in pair.trace(t) {
         match entry.decision.predicate {
             Predicate::InsideFace => seen.inside.insert(entry.outcome),
@@ -158,7 +158,8 @@ fn over_a_bent_face_the_paths_agree() {
             let tips = tips.translated(&at);
             compare(&tips, &base, &t, &format!("tips at ({place}, {})/2, {z}/200", 8 - place), &mut seen);
             let contacts = Pair::new(&PreparedBlock::new(&tips), &PreparedBlock::new(&base)).classify(&t).contacts;
-            above += usize::from(z > 2 && contacts.iter().any(|c| c.kind == ContactKind::VertexFace && c.a == 0));
+            above +=
+                usize::from(z > 2 && contacts.iter().any(|c| matches!(c.key, ContactKey::VertexFace(VertexId(0), _))));
         }
     }
     assert!(seen.kinds.contains(&ContactKind::VertexFace) && above > 0, "{:?}, {above} above the box", seen.kinds);

@@ -196,7 +196,7 @@ fn edges_that_cross_at_an_end_have_the_feet_that_fractions_find() {
             plain::classify::<BigRational>(&a, &b, &t).into_iter().map(|found| found.contact).collect();
         let fast = Pair::new(&PreparedBlock::new(&a), &PreparedBlock::new(&b)).classify(&t).contacts;
         assert_eq!(fast, plainly, "round {round}: fast (left), plain (right)");
-        *if fast.iter().any(|c| c.kind == ContactKind::EdgeEdge) { &mut crossing } else { &mut others } += 1;
+        *if fast.iter().any(|c| c.kind() == ContactKind::EdgeEdge) { &mut crossing } else { &mut others } += 1;
     }
     assert!(crossing > 5 * ROUNDS && others > 5 * ROUNDS, "{crossing} cross, {others} do not");
 }

@@ -170,12 +170,12 @@ fn over_all_directions(a: &Block, b: &Block) -> (Sign, BigRational) {
     let points = [a, b].map(|block| block.vertices().iter().map(|v| v.map(Number::to_rational)).collect::<Vec<_>>());
     let mut directions = Vec::new();
     let along = |side: usize, block: &Block| -> Vec<Vec3<BigRational>> {
-        let ends = block.topology().edges().iter().map(|e| (e.p as usize, e.q as usize));
+        let ends = block.topology().edges().iter().map(|e| (e.p.index(), e.q.index()));
         ends.map(|(p, q)| points[side][q].minus(&points[side][p])).collect()
     };
     for (side, block) in [a, b].into_iter().enumerate() {
         for face in block.topology().faces() {
-            let [p, q, r] = [face[0], face[1], face[2]].map(|v| &points[side][v as usize]);
+            let [p, q, r] = [face[0], face[1], face[2]].map(|v| &points[side][v.index()]);
             let outward = q.minus(p).cross(&r.minus(p));
             directions.push(if side == 0 { outward.negated() } else { outward });
         }
@@ -282,7 +282,7 @@ fn concave_depths_are_those_of_all_vertices() {
         let of_step = l.vertices().iter().map(|v| {
             let v = v.map(Number::to_rational);
             let depths = other.topology().faces().iter().map(|face| {
-                let [p, q, r] = [face[0], face[1], face[2]].map(|v| &points[v as usize]);
+                let [p, q, r] = [face[0], face[1], face[2]].map(|v| &points[v.index()]);
                 let n = q.minus(p).cross(&r.minus(p));
                 let off = n.dot(&p.minus(&v));
                 if off > exact("0") { &off * &off / n.norm_squared() } else { exact("0") }

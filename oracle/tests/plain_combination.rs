@@ -3,8 +3,8 @@
 mod support;
 
 use num_rational::BigRational;
-use rockproof_model::{Block, Contact, ContactKind, ToleranceSet};
-use rockproof_oracle::combination::{Combination, CombinationKind, combinations};
+use rockproof_model::{Block, Contact, ContactKey, ContactKind, EdgeId, FaceId, ToleranceSet};
+use rockproof_oracle::combination::{Combination, JoinedFeatures, combinations};
 use rockproof_oracle::plain;
 use support::shapes::{Prism, WEDGE, cuboid, point, revised, slab, spike, step};
 
@@ -21,16 +21,21 @@ fn combined(a: &Block, b: &Block, tolerances: &ToleranceSet) -> (Vec<Contact>, V
 }
 
 fn exchanged(combination: Combination) -> Combination {
-    let kind = match combination.kind {
-        CombinationKind::EdgeFace => CombinationKind::FaceEdge,
-        CombinationKind::FaceEdge => CombinationKind::EdgeFace,
-        same => same,
+    let joins = match combination.joins {
+        JoinedFeatures::FaceFace(f, g) => JoinedFeatures::FaceFace(g, f),
+        JoinedFeatures::EdgeFace(e, f) => JoinedFeatures::FaceEdge(f, e),
+        JoinedFeatures::FaceEdge(f, e) => JoinedFeatures::EdgeFace(e, f),
+        JoinedFeatures::EdgeEdge(e, f) => JoinedFeatures::EdgeEdge(f, e),
     };
-    Combination { kind, a: combination.b, b: combination.a, contacts: combination.contacts }
+    Combination { joins, contacts: combination.contacts }
 }
 
-fn combination(kind: CombinationKind, a: u32, b: u32, contacts: &[usize]) -> Combination {
-    Combination { kind, a, b, contacts: contacts.to_vec() }
+fn face_face(a: u32, b: u32) -> JoinedFeatures {
+    JoinedFeatures::FaceFace(FaceId(a), FaceId(b))
+}
+
+fn combination(joins: JoinedFeatures, contacts: &[usize]) -> Combination {
+    Combination { joins, contacts: contacts.to_vec() }
 }
 
 #[test]
@@ -41,7 +46,7 @@ fn a_box_on_a_larger_one_is_one_face_on_a_face() {
         &revised(&[]),
     );
     assert_eq!(contacts.len(), 4);
-    assert_eq!(found, [combination(CombinationKind::FaceFace, 0, 1, &[0, 1, 2, 3])]);
+    assert_eq!(found, [combination(face_face(0, 1), &[0, 1, 2, 3])]);
 }
 
 #[test]
@@ -52,8 +57,8 @@ fn equal_boxes_corner_to_corner_are_one_face_on_a_face() {
         &cuboid(["0", "0", "-2"], ["2", "2", "0"]),
         &revised(&[]),
     );
-    assert!(contacts.iter().all(|c| c.kind == ContactKind::VertexVertex));
-    assert_eq!(found, [combination(CombinationKind::FaceFace, 0, 1, &[0, 1, 2, 3])]);
+    assert!(contacts.iter().all(|c| c.kind() == ContactKind::VertexVertex));
+    assert_eq!(found, [combination(face_face(0, 1), &[0, 1, 2, 3])]);
 }
 
 #[test]
@@ -64,7 +69,7 @@ fn crossed_bars_meet_in_a_face() {
         &cuboid(["1", "0", "-2"], ["2", "4", "0"]),
         &revised(&[]),
     );
-    assert_eq!(found, [combination(CombinationKind::FaceFace, 0, 1, &[0, 1, 2, 3])]);
+    assert_eq!(found, [combination(face_face(0, 1), &[0, 1, 2, 3])]);
 }
 
 #[test]
@@ -75,17 +80,17 @@ fn overhanging_corner_is_one_face_on_a_face() {
         &cuboid(["0", "0", "-2"], ["2", "2", "0"]),
         &revised(&[]),
     );
-    let kinds: Vec<ContactKind> = contacts.iter().map(|c| c.kind).collect();
+    let kinds: Vec<ContactKind> = contacts.iter().map(|c| c.kind()).collect();
     use ContactKind::{EdgeEdge, FaceVertex, VertexFace};
     assert_eq!(kinds, [VertexFace, FaceVertex, EdgeEdge, EdgeEdge]);
-    assert_eq!(found, [combination(CombinationKind::FaceFace, 0, 1, &[0, 1, 2, 3])]);
+    assert_eq!(found, [combination(face_face(0, 1), &[0, 1, 2, 3])]);
 }
 
 #[test]
 fn ridge_on_a_slab_is_an_edge_on_a_face() {
     let (contacts, found) = combined(&WEDGE.along_x().translated(&point(["0", "0", "1/100"])), &slab(), &revised(&[]));
     assert_eq!(contacts.len(), 2);
-    assert_eq!(found, [combination(CombinationKind::EdgeFace, 0, 1, &[0, 1])]);
+    assert_eq!(found, [combination(JoinedFeatures::EdgeFace(EdgeId(0), FaceId(1)), &[0, 1])]);
 }
 
 #[test]
@@ -93,8 +98,8 @@ fn ridge_longer_than_a_slab_is_an_edge_on_a_face() {
     // Longer than the slab, whose top edges it crosses: e-e at x = ±4, whose feet on B span 8 and on A lie on the ridge.
     let long = Prism { half: "6", ..WEDGE };
     let (contacts, found) = combined(&long.along_x().translated(&point(["0", "0", "1/100"])), &slab(), &revised(&[]));
-    assert!(contacts.iter().all(|c| c.kind == ContactKind::EdgeEdge) && contacts.len() == 2, "{contacts:?}");
-    assert_eq!(found, [combination(CombinationKind::EdgeFace, 0, 1, &[0, 1])]);
+    assert!(contacts.iter().all(|c| c.kind() == ContactKind::EdgeEdge) && contacts.len() == 2, "{contacts:?}");
+    assert_eq!(found, [combination(JoinedFeatures::EdgeFace(EdgeId(0), FaceId(1)), &[0, 1])]);
 }
 
 #[test]
@@ -102,32 +107,33 @@ fn parallel_ridges_meet_edge_to_edge() {
     // One overhangs the other at either end: v-e and e-v.
     let (contacts, found) =
         combined(&WEDGE.along_x().translated(&point(["-1", "0", "1/20"])), &WEDGE.upside_down_along_x(), &revised(&[]));
-    let kinds: Vec<ContactKind> = contacts.iter().map(|c| c.kind).collect();
+    let kinds: Vec<ContactKind> = contacts.iter().map(|c| c.kind()).collect();
     assert_eq!(kinds, [ContactKind::VertexEdge, ContactKind::EdgeVertex]);
-    assert_eq!(found, [combination(CombinationKind::EdgeEdge, 0, 0, &[0, 1])]);
+    assert_eq!(found, [combination(JoinedFeatures::EdgeEdge(EdgeId(0), EdgeId(0)), &[0, 1])]);
 }
 
 #[test]
 fn ridge_along_a_slab_edge_meets_edge_to_edge() {
     // Over edge 11 (y = 4), which bounds the top and a side: all contacts lie on that edge, so it is no edge on a face.
     let (contacts, found) = combined(&WEDGE.along_x().translated(&point(["0", "4", "1/100"])), &slab(), &revised(&[]));
-    assert!(contacts.iter().all(|c| c.kind == ContactKind::VertexEdge && c.b == 11) && contacts.len() == 2);
-    assert_eq!(found, [combination(CombinationKind::EdgeEdge, 0, 11, &[0, 1])]);
+    assert!(contacts.iter().all(|c| matches!(c.key, ContactKey::VertexEdge(_, EdgeId(11)))) && contacts.len() == 2);
+    assert_eq!(found, [combination(JoinedFeatures::EdgeEdge(EdgeId(0), EdgeId(11)), &[0, 1])]);
 }
 
 #[test]
 fn step_on_its_lower_side_combines_with_each_face_it_meets() {
     // A box in the notch touches floor and wall: two faces on faces, sharing the contacts of its lower left edge.
     let (_, found) = combined(&cuboid(["201/100", "-1", "201/100"], ["3", "1", "3"]), &step(), &revised(&[]));
-    let kinds: Vec<_> = found.iter().map(|c| (c.kind, c.a, c.b, c.contacts.len())).collect();
-    assert_eq!(kinds, [(CombinationKind::FaceFace, 0, 4, 4), (CombinationKind::FaceFace, 5, 5, 4)]);
+    let kinds: Vec<_> = found.iter().map(|c| (c.joins, c.contacts.len())).collect();
+    assert_eq!(kinds, [(face_face(0, 4), 4), (face_face(5, 5), 4)]);
 }
 
 #[test]
 fn contacts_of_other_blocks_are_left_out() {
     let (a, b) = (WEDGE.along_x().translated(&point(["0", "0", "1/100"])), slab());
     let (contacts, found) = combined(&a, &b, &revised(&[]));
-    let foreign = Contact { a: 99, ..contacts[0] };
+    let [_, of_b] = contacts[0].key.numbers();
+    let foreign = Contact { key: ContactKey::of_kind(contacts[0].kind(), [99, of_b]), ..contacts[0] };
     assert_eq!(combinations(&a, &b, &[contacts[0], contacts[1], foreign]), found);
 }
 

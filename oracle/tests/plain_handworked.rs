@@ -4,13 +4,12 @@
 mod support;
 
 use num_rational::BigRational;
-use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{Contact, EntranceKind, Sign};
+use rockproof_model::decision::{Decision, Predicate};
+use rockproof_model::{Contact, ContactKey, Sign};
 use rockproof_oracle::plain;
 use rockproof_oracle::rational::Rational;
 use std::collections::{BTreeMap, BTreeSet};
 use support::handworked::{Case, cases};
-use support::random::swapped;
 
 fn found<Q: Rational>(case: &Case) -> Vec<(Contact, BigRational)> {
     plain::classify_keeping::<Q>(&case.a, &case.b, &case.tolerances, &case.kept)
@@ -74,7 +73,7 @@ fn swapping_swaps_the_contacts() {
         let mut expected = case.contacts();
         expected.iter_mut().for_each(|(contact, _)| *contact = contact.swapped());
         expected.sort_by_key(|(contact, _)| *contact);
-        let kept: Vec<_> = case.kept.iter().copied().map(swapped).collect();
+        let kept: Vec<_> = case.kept.iter().copied().map(ContactKey::swapped).collect();
         let exchanged: Vec<_> = plain::classify_keeping::<BigRational>(&case.b, &case.a, &case.tolerances, &kept)
             .into_iter()
             .map(|f| (f.contact, f.gap_squared))
@@ -94,13 +93,7 @@ fn the_trace_agrees_with_the_contacts() {
             trace.iter().map(|(decision, outcome, tie)| (*decision, (*outcome, *tie))).collect();
         assert_eq!(decisions.len(), trace.len(), "{}", case.name);
         for (contact, _) in case.contacts() {
-            let entrance = contact.entrance;
-            let (a, b) = match entrance.kind {
-                EntranceKind::VertexFace => (Feature::Vertex(Side::A, entrance.a), Feature::Face(Side::B, entrance.b)),
-                EntranceKind::FaceVertex => (Feature::Face(Side::A, entrance.a), Feature::Vertex(Side::B, entrance.b)),
-                EntranceKind::EdgeEdge => (Feature::Edge(Side::A, entrance.a), Feature::Edge(Side::B, entrance.b)),
-            };
-            let gap_sign = Decision::about(Predicate::GapSign, &[a, b]);
+            let gap_sign = Decision::about(Predicate::GapSign, &contact.entrance.features());
             // The one case in which the side to which n points is a tie, and with it the sign.
             let tie = contact.gap == Sign::Zero || case.name == "wedges_on_no_side";
             let expected = (contact.gap.as_i8(), tie);

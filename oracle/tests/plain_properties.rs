@@ -7,9 +7,12 @@ use num_rational::BigRational;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{Block, ContactKey, ContactKind, Criteria, EntranceKind, Number, Precision, ToleranceSet, Vec3};
+use rockproof_model::{
+    Block, ContactKey, ContactKind, Criteria, EdgeId, Entrance, EntranceKind, FaceId, Number, Precision, ToleranceSet,
+    Vec3, VertexId,
+};
 use rockproof_oracle::plain::{self, ExactContact};
-use support::random::{blocks, kept_choice, swapped, tolerances};
+use support::random::{blocks, kept_choice, tolerances};
 use support::shapes::{classic, exact, flat_corner, flat_corner_upside_down, number, point, revised, slab, spike};
 
 fn classified(a: &Block, b: &Block, t: &ToleranceSet) -> Vec<ExactContact<BigRational>> {
@@ -40,7 +43,7 @@ proptest! {
         let mut expected: Vec<_> =
             keeping(&a, &b, &t, &kept).into_iter().map(|f| (f.contact.swapped(), f.gap_squared)).collect();
         expected.sort_by_key(|(contact, _)| *contact);
-        let kept: Vec<_> = kept.into_iter().map(swapped).collect();
+        let kept: Vec<_> = kept.into_iter().map(ContactKey::swapped).collect();
         let found: Vec<_> = keeping(&b, &a, &t, &kept).into_iter().map(|f| (f.contact, f.gap_squared)).collect();
         prop_assert_eq!(found, expected);
     }
@@ -72,7 +75,7 @@ proptest! {
         for f in found {
             let overlaps = f.contact.gap.is_negative();
             let reach = if overlaps { &g } else { &s };
-            prop_assert!(f.gap_squared <= reach * reach || (overlaps && kept.contains(&f.contact.key())));
+            prop_assert!(f.gap_squared <= reach * reach || (overlaps && kept.contains(&f.contact.key)));
         }
     }
 
@@ -113,8 +116,8 @@ fn the_random_pairs_reach_every_kind() {
     for _ in 0..400 {
         let ((a, b), t) = (blocks(), tolerances()).new_tree(&mut runner).unwrap().current();
         for f in classified(&a, &b, &t) {
-            kinds.insert((f.contact.kind, t.criteria));
-            entrances.insert(f.contact.entrance.kind);
+            kinds.insert((f.contact.kind(), t.criteria));
+            entrances.insert(f.contact.entrance.kind());
         }
     }
     for criteria in [Criteria::Classic, Criteria::Revised] {
@@ -137,11 +140,11 @@ fn crossing_edges_yield_to_the_territory_of_their_ends() {
     let a = flat_corner_upside_down(["1/100", "-1/100", "1/100"]);
     let b = flat_corner();
     let edges = |contacts: &[ExactContact<BigRational>]| {
-        contacts.iter().any(|f| (f.contact.kind, f.contact.a, f.contact.b) == (ContactKind::EdgeEdge, 1, 1))
+        contacts.iter().any(|f| f.contact.key == ContactKey::EdgeEdge(EdgeId(1), EdgeId(1)))
     };
     let set = |territory| revised(&[("territory", territory)]);
     let found = classified(&a, &b, &set("1/50"));
-    assert_eq!((found[0].contact.kind, found[0].contact.a, found[0].contact.b), (ContactKind::VertexVertex, 0, 0));
+    assert_eq!(found[0].contact.key, ContactKey::VertexVertex(VertexId(0), VertexId(0)));
     assert!(!edges(&found));
     // With r a little under the distance of the tips the edges cross.
     assert!(edges(&classified(&a, &b, &set("17/1000"))));
@@ -150,10 +153,10 @@ fn crossing_edges_yield_to_the_territory_of_their_ends() {
         let asked = Decision::about(predicate, features);
         trace.iter().find(|(decision, ..)| *decision == asked).map(|(_, outcome, _)| *outcome)
     };
-    let (edge_a, edge_b) = (Feature::Edge(Side::A, 1), Feature::Edge(Side::B, 1));
+    let (edge_a, edge_b) = (Feature::Edge(Side::A, EdgeId(1)), Feature::Edge(Side::B, EdgeId(1)));
     assert_eq!(outcome(Predicate::FeetInside, &[edge_a, edge_b]), Some(1));
-    assert_eq!(outcome(Predicate::EdgeTerritory, &[Feature::Vertex(Side::A, 0), edge_b]), Some(0));
-    assert_eq!(outcome(Predicate::EdgeTerritory, &[Feature::Vertex(Side::B, 0), edge_a]), Some(0));
+    assert_eq!(outcome(Predicate::EdgeTerritory, &[Feature::Vertex(Side::A, VertexId(0)), edge_b]), Some(0));
+    assert_eq!(outcome(Predicate::EdgeTerritory, &[Feature::Vertex(Side::B, VertexId(0)), edge_a]), Some(0));
 }
 
 /// The slab with its top drawn together into the point (0, 0, 0): face 1 has no area, its edges no length.
@@ -173,15 +176,18 @@ fn collapsed_face_has_gap_zero_and_no_inside() {
     let found = classified(&tip, &collapsed, &revised(&[]));
     let rows: Vec<_> = found
         .iter()
-        .map(|f| (f.contact.kind, f.contact.a, f.contact.b, f.contact.entrance.kind, f.contact.entrance.b))
+        .map(|f| match f.contact.entrance {
+            Entrance::VertexFace(_, face) => (f.contact.key, face),
+            other => panic!("{} by {other}", f.contact.key),
+        })
         .collect();
     let expected = [(4, 2), (5, 2), (6, 3), (7, 4)]
-        .map(|(vertex, face)| (ContactKind::VertexVertex, 0, vertex, EntranceKind::VertexFace, face));
+        .map(|(vertex, face)| (ContactKey::VertexVertex(VertexId(0), VertexId(vertex)), FaceId(face)));
     assert_eq!(rows, expected);
     assert!(found.iter().all(|f| f.gap_squared == exact("1/20000")));
 
     let trace = plain::trace::<BigRational>(&tip, &collapsed, &revised(&[]));
-    let of_the_tip = [Some(Feature::Vertex(Side::A, 0)), Some(Feature::Face(Side::B, 1))];
+    let of_the_tip = [Some(Feature::Vertex(Side::A, VertexId(0))), Some(Feature::Face(Side::B, FaceId(1)))];
     let inside: Vec<_> = trace
         .iter()
         .filter(|(d, ..)| d.predicate == Predicate::InsideFace && d.features[..2] == of_the_tip)

@@ -111,7 +111,7 @@ impl Seen {
         let pair = Pair::new(&a, &b);
         let mut kinds = BTreeSet::new();
         for set in &case.sets {
-            kinds.extend(pair.classify(set.of(Precision::F64)).contacts.iter().map(|contact| contact.kind));
+            kinds.extend(pair.classify(set.of(Precision::F64)).contacts.iter().map(|contact| contact.kind()));
         }
         for kind in kinds {
             *self.kinds.entry((case.family, kind)).or_default() += 1;

@@ -6,7 +6,8 @@
 
 use base64::Engine;
 use rockproof_model::{
-    Block, Contact, ContactKind, Entrance, EntranceKind, Number, Scene, SceneBlock, Sign, ToleranceSpec, Vec3,
+    Block, Contact, ContactKey, ContactKind, Entrance, FaceId, Number, Scene, SceneBlock, Sign, ToleranceSpec, Vec3,
+    VertexId,
 };
 use rockproof_results::{ResultsError, Start};
 use rockproof_simulate::identity::identity;
@@ -72,8 +73,7 @@ impl Stepping<f64> for StandIn {
         if step == self.wall {
             let concerned = ModeChange {
                 blocks: [0, 1],
-                kind: ContactKind::VertexFace,
-                features: [7, 3],
+                contact: ContactKey::VertexFace(VertexId(7), FaceId(3)),
                 from: Mode::Sliding,
                 to: Mode::Open,
             };
@@ -90,10 +90,10 @@ impl Stepping<f64> for StandIn {
             self.state.step += 1;
             self.state.time += 0.01;
         }
-        let entrance = Entrance { kind: EntranceKind::FaceVertex, a: 1, b: 2 };
+        let entrance = Entrance::FaceVertex(FaceId(1), VertexId(2));
         let contact = ContactState {
             blocks: [0, 1],
-            contact: Contact { kind: ContactKind::FaceVertex, a: 1, b: 2, entrance, gap: Sign::Negative },
+            contact: Contact { key: ContactKey::FaceVertex(FaceId(1), VertexId(2)), entrance, gap: Sign::Negative },
             mode: if step % 2 == 0 { Mode::Locked } else { Mode::Sliding },
             anchors: [moved, moved],
             gap: -1e-9 / 3.0,

@@ -121,7 +121,7 @@ fn a_block_at_rest_on_a_3_4_5_incline_stays_where_it_is() {
     state.contacts = contacts
         .into_iter()
         .map(|(blocks, contact)| {
-            let own = state.blocks[1].vertices[contact.b as usize].clone();
+            let own = state.blocks[1].vertices[contact.key.numbers()[1] as usize].clone();
             let held = Vec3::new(number(&(own.x.to_rational() - &stretch)), own.y.clone(), Number::ZERO);
             ContactMemory { blocks, contact, mode: Mode::Locked, anchors: [held, own] }
         })

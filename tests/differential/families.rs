@@ -173,7 +173,7 @@ fn the_oracle_sees_the_kinds_and_the_aims() {
             let pair = Pair::new(&a, &b);
             let set = case.sets[0].of(case.aimed_for);
             let contacts = pair.classify(set).contacts;
-            let found: std::collections::BTreeSet<ContactKind> = contacts.iter().map(|c| c.kind).collect();
+            let found: std::collections::BTreeSet<ContactKind> = contacts.iter().map(|c| c.kind()).collect();
             for kind in found {
                 *kinds.entry(kind).or_default() += 1;
             }
@@ -212,7 +212,7 @@ fn face_gap(a: &Block, b: &Block) -> f64 {
     for (block, own, other) in [(a, &pa, &pb), (b, &pb, &pa)] {
         for face in block.topology().faces() {
             let n = margin::normal(own, face);
-            let from = &own[face[0] as usize];
+            let from = &own[face[0].index()];
             let norm = margin::approximate(&margin::dot(&n, &n)).sqrt();
             let least = other.iter().map(|x| margin::dot(&n, &margin::minus(x, from))).min().unwrap();
             largest = largest.max(margin::approximate(&least) / norm);

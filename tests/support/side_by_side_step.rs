@@ -32,7 +32,7 @@ pub(crate) fn first_difference<M: StepRules>(scene: &Scene, set: &ToleranceSet, 
         let contacts: Vec<_> =
             dynamics.state().contacts.iter().map(|c| (c.blocks.map(|b| b as usize), c.contact)).collect();
         let features = |c: &[([usize; 2], rockproof_model::Contact)]| -> Vec<_> {
-            c.iter().map(|(blocks, c)| (*blocks, c.kind, c.a, c.b, c.entrance)).collect()
+            c.iter().map(|(blocks, c)| (*blocks, c.key, c.entrance)).collect()
         };
         if features(&contacts) != features(&answer.contacts) {
             return differs("contacts");

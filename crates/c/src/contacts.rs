@@ -114,8 +114,9 @@ fn in_floats<R: Real + Into<f64>>(a: &Block, b: &Block, set: &ToleranceSet) -> R
 
 fn of_model(contact: &rockproof_model::Contact, gap: f64) -> Contact {
     use rockproof_model::{ContactKind as Kind, EntranceKind as Entrance};
+    let ([feature_a, feature_b], [entrance_a, entrance_b]) = (contact.key.numbers(), contact.entrance.numbers());
     Contact {
-        kind: match contact.kind {
+        kind: match contact.kind() {
             Kind::VertexVertex => ContactKind::VertexVertex,
             Kind::VertexEdge => ContactKind::VertexEdge,
             Kind::EdgeVertex => ContactKind::EdgeVertex,
@@ -123,15 +124,15 @@ fn of_model(contact: &rockproof_model::Contact, gap: f64) -> Contact {
             Kind::FaceVertex => ContactKind::FaceVertex,
             Kind::EdgeEdge => ContactKind::EdgeEdge,
         },
-        feature_a: contact.a,
-        feature_b: contact.b,
-        entrance: match contact.entrance.kind {
+        feature_a,
+        feature_b,
+        entrance: match contact.entrance.kind() {
             Entrance::VertexFace => EntranceKind::VertexFace,
             Entrance::FaceVertex => EntranceKind::FaceVertex,
             Entrance::EdgeEdge => EntranceKind::EdgeEdge,
         },
-        entrance_a: contact.entrance.a,
-        entrance_b: contact.entrance.b,
+        entrance_a,
+        entrance_b,
         gap_sign: i32::from(contact.gap.as_i8()),
         gap,
     }

@@ -142,7 +142,7 @@ pub extern "C" fn rockproof_block_edge(
     out: Option<&mut MaybeUninit<Edge>>,
 ) -> bool {
     let edge = block.and_then(|block| block.block.topology().edges().get(edge));
-    write(out, edge.map(|edge| Edge { p: edge.p, q: edge.q }))
+    write(out, edge.map(|edge| Edge { p: edge.p.0, q: edge.q.0 }))
 }
 
 /// The vertices of a face, counter-clockwise seen from outside, and their number in `length`; they are the block's, and gone with it. Null
@@ -155,7 +155,7 @@ pub extern "C" fn rockproof_block_face(
 ) -> *const u32 {
     let face = block.and_then(|block| block.block.topology().faces().get(face));
     match face {
-        Some(face) if write(length, Some(face.len())) => face.as_ptr(),
+        Some(face) if write(length, Some(face.len())) => face.as_ptr().cast(),
         _ => std::ptr::null(),
     }
 }

@@ -43,7 +43,7 @@ use num_traits::Zero;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::number::{power_of_two, round_rational};
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Criteria, Number, Precision, Sign, ToleranceSet};
+use rockproof_model::{Block, Criteria, EdgeId, FaceId, Number, Precision, Sign, ToleranceSet, VertexId};
 
 /// Where B has to be for a decision to be on its boundary.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,7 +159,7 @@ impl<'p> DirectedPair<'p> {
     }
 
     /// The lattice of these vertices with B moved by `start`.
-    pub(crate) fn exact(&self, vertices: &[(Side, u32)], start: F64Vector) -> ExactPlacement<'p> {
+    pub(crate) fn exact(&self, vertices: &[(Side, VertexId)], start: F64Vector) -> ExactPlacement<'p> {
         ExactPlacement::new(self.blocks(), vertices, start, self.set)
     }
 
@@ -190,30 +190,30 @@ impl<'p> DirectedPair<'p> {
     }
 
     /// The offset of B, on the grid, that brings a vertex to `target` (where the other block's features are now).
-    pub(crate) fn offset_to(&self, (side, vertex): (Side, u32), target: F64Vector) -> F64Vector {
+    pub(crate) fn offset_to(&self, (side, vertex): (Side, VertexId), target: F64Vector) -> F64Vector {
         let way = minus(target, self.f64_view.vertex(side, vertex));
         self.on_grid(if side == Side::B { way } else { times(way, -1.0) })
     }
 
-    pub(crate) fn corners(&self, side: Side, face: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
-        self.f64_view.block(side).topology().faces()[face as usize].iter().map(move |&v| (side, v))
+    pub(crate) fn corners(&self, side: Side, face: FaceId) -> impl Iterator<Item = (Side, VertexId)> + use<'p> {
+        self.f64_view.block(side).topology().faces()[face.index()].iter().map(move |&v| (side, v))
     }
 
     /// The vertices of the two faces at an edge, its ends among them.
-    pub(crate) fn faces_at_edge(&self, side: Side, edge: u32) -> impl Iterator<Item = (Side, u32)> + use<'p> {
-        let e = self.f64_view.block(side).topology().edges()[edge as usize];
+    pub(crate) fn faces_at_edge(&self, side: Side, edge: EdgeId) -> impl Iterator<Item = (Side, VertexId)> + use<'p> {
+        let e = self.f64_view.block(side).topology().edge(edge);
         self.corners(side, e.left).chain(self.corners(side, e.right))
     }
 
     /// How far the end of an edge at a vertex dips below the direction of a face's plane (m), in f64.
-    pub(crate) fn dip(&self, (side, vertex): (Side, u32), face: u32, edge: u32) -> f64 {
-        let end = self.f64_view.block(side).topology().edges()[edge as usize].other(vertex);
+    pub(crate) fn dip(&self, (side, vertex): (Side, VertexId), face: FaceId, edge: EdgeId) -> f64 {
+        let end = self.f64_view.block(side).topology().edge(edge).other(vertex);
         let arm = minus(self.f64_view.vertex(side, end), self.f64_view.vertex(side, vertex));
         -dot(arm, self.f64_view.normal(side.other(), face))
     }
 
     /// Whether the cone at a vertex passes a face plane, as far as f64 can tell; `but` one edge.
-    pub(crate) fn cone_passes(&self, (side, vertex): (Side, u32), face: u32, but: Option<u32>) -> bool {
+    pub(crate) fn cone_passes(&self, (side, vertex): (Side, VertexId), face: FaceId, but: Option<EdgeId>) -> bool {
         let edges = self.f64_view.block(side).topology().vertex_edges(vertex).iter();
         let sine = self.set.overlap_sine.approximate();
         edges.filter(|e| Some(**e) != but).all(|&e| {
@@ -230,7 +230,7 @@ impl<'p> DirectedPair<'p> {
     }
 
     /// Whether a face plane that the cone at a vertex passes is a true exit, as far as f64 can tell.
-    pub(crate) fn cone_leaves(&self, (side, vertex): (Side, u32), face: u32) -> bool {
+    pub(crate) fn cone_leaves(&self, (side, vertex): (Side, VertexId), face: FaceId) -> bool {
         let edges = self.f64_view.block(side).topology().vertex_edges(vertex).iter();
         let limit = self.set.territory.approximate() * TRUE_EXIT;
         self.set.criteria == Criteria::Classic

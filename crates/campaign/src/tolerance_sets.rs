@@ -237,8 +237,7 @@ pub fn steep(set: &NamedSet, a: &Block, b: &Block) -> NamedSet {
 pub(super) fn size(block: &Block) -> (f64, f64) {
     let points: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
     let edges = block.topology().edges().iter();
-    let shortest =
-        edges.map(|e| length(minus(points[e.q as usize], points[e.p as usize]))).fold(f64::INFINITY, f64::min);
+    let shortest = edges.map(|e| length(minus(points[e.q.index()], points[e.p.index()]))).fold(f64::INFINITY, f64::min);
     let side = |axis: usize| {
         let along = || points.iter().map(|p| p[axis]);
         along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)

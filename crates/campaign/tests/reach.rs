@@ -9,7 +9,7 @@ use rand_chacha::rand_core::SeedableRng;
 use rockproof_campaign::families::{self, Family};
 use rockproof_campaign::pairs::{PairCase, PairConfig, PairForm, SetSource, batch};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{Block, Sign};
+use rockproof_model::{Block, ContactKey, FaceId, Sign, VertexId};
 use rockproof_oracle::{Pair, PreparedBlock, TraceEntry};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -122,7 +122,7 @@ fn concave_notches_have_chains_of_exits() {
     let config = PairConfig { sets: sets(&["dyadic-coarse", "dyadic-deep"]), ..family("concave_notch") };
     let (mut groups, mut chains) = (0, 0);
     for case in (0..150).flat_map(|k| batch(23, k, &config)) {
-        let mut exits: BTreeMap<(Side, u32), Vec<u32>> = BTreeMap::new();
+        let mut exits: BTreeMap<(Side, VertexId), Vec<FaceId>> = BTreeMap::new();
         for entry in trace(&case) {
             if let (Predicate::ShortestExit, [Some(Feature::Vertex(side, v)), Some(Feature::Face(_, f)), ..]) =
                 (entry.decision.predicate, entry.decision.features)
@@ -132,7 +132,7 @@ fn concave_notches_have_chains_of_exits() {
         }
         for ((side, _), faces) in exits.into_iter().filter(|(_, faces)| faces.len() >= 3) {
             let block = if side == Side::A { &case.b } else { &case.a };
-            let meet = |f: u32, g: u32| {
+            let meet = |f: FaceId, g: FaceId| {
                 block.topology().edges().iter().any(|e| [e.left, e.right] == [f, g] || [e.left, e.right] == [g, f])
             };
             groups += 1;
@@ -144,14 +144,14 @@ fn concave_notches_have_chains_of_exits() {
 }
 
 /// Whether the foot of a vertex is on the line of an edge of a concave face, but not on the edge.
-fn is_level(vertex: &Block, v: u32, block: &Block, face: u32) -> bool {
-    let point = |block: &Block, v: u32| block.vertices()[v as usize].components().map(|c| c.to_rational());
+fn is_level(vertex: &Block, v: VertexId, block: &Block, face: FaceId) -> bool {
+    let point = |block: &Block, v: VertexId| block.vertices()[v.index()].components().map(|c| c.to_rational());
     let minus = |a: &[BigRational; 3], b: &[BigRational; 3]| [0, 1, 2].map(|i| &a[i] - &b[i]);
     let dot = |a: &[BigRational; 3], b: &[BigRational; 3]| &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2];
     let cross = |a: &[BigRational; 3], b: &[BigRational; 3]| {
         [&a[1] * &b[2] - &a[2] * &b[1], &a[2] * &b[0] - &a[0] * &b[2], &a[0] * &b[1] - &a[1] * &b[0]]
     };
-    let corners: Vec<_> = block.topology().faces()[face as usize].iter().map(|&c| point(block, c)).collect();
+    let corners: Vec<_> = block.topology().faces()[face.index()].iter().map(|&c| point(block, c)).collect();
     let arms: Vec<_> = corners[1..].iter().map(|c| minus(c, &corners[0])).collect();
     let normal = arms.windows(2).map(|two| cross(&two[0], &two[1])).reduce(|n, m| [0, 1, 2].map(|i| &n[i] + &m[i]));
     let (normal, x) = (normal.unwrap(), point(vertex, v));
@@ -243,13 +243,13 @@ fn deep_sets_have_contacts_deeper_than_the_search_distance() {
         let found = pair.classify(set).contacts;
         let contact = |d: &Decision| {
             found.iter().any(|c| {
-                let [f, g] = match (d.features[0], d.features[1]) {
-                    (Some(Feature::Vertex(Side::B, v)), Some(Feature::Face(_, f))) => [f, v],
-                    (Some(Feature::Vertex(_, v)), Some(Feature::Face(_, f))) => [v, f],
-                    (Some(Feature::Edge(_, e)), Some(Feature::Edge(_, f))) => [e, f],
+                let key = match (d.features[0], d.features[1]) {
+                    (Some(Feature::Vertex(Side::B, v)), Some(Feature::Face(_, f))) => ContactKey::FaceVertex(f, v),
+                    (Some(Feature::Vertex(_, v)), Some(Feature::Face(_, f))) => ContactKey::VertexFace(v, f),
+                    (Some(Feature::Edge(_, e)), Some(Feature::Edge(_, f))) => ContactKey::EdgeEdge(e, f),
                     _ => return false,
                 };
-                (c.a, c.b) == (f, g)
+                c.key == key
             })
         };
         deeper += u32::from(too_deep.iter().any(contact));
@@ -267,8 +267,9 @@ fn some_blocks_are_round_and_have_corners_of_many_edges() {
         for _ in 0..500 {
             let (a, b) = Family::generate(&*family, &mut rng);
             let size = a.vertices().len().max(b.vertices().len());
-            let edges =
-                |block: &Block| (0..block.vertices().len() as u32).any(|v| block.topology().vertex_edges(v).len() >= 5);
+            let edges = |block: &Block| {
+                (0..block.vertices().len() as u32).any(|v| block.topology().vertex_edges(VertexId(v)).len() >= 5)
+            };
             all += 1;
             round += u32::from(size >= 50);
             largest = largest.max(size);

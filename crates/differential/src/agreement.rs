@@ -200,12 +200,12 @@ impl AgreementRecorder {
             ..AgreementCounts::default()
         };
         self.counts(compared).add(&new);
-        let name = |contact: Option<Contact>| contact.map_or(NONE, |c| c.kind.name());
+        let name = |contact: Option<Contact>| contact.map_or(NONE, |c| c.kind().name());
         let moved =
             |d: &&Difference| matches!(d.change, AnswerChange::Missing | AnswerChange::Extra | AnswerChange::Kind);
         for kind in ContactKind::ALL {
-            let there = before.iter().filter(|c| c.kind == kind).count();
-            let left = changed.iter().filter(moved).filter(|d| d.before.is_some_and(|c| c.kind == kind)).count();
+            let there = before.iter().filter(|c| c.kind() == kind).count();
+            let left = changed.iter().filter(moved).filter(|d| d.before.is_some_and(|c| c.kind() == kind)).count();
             if there > left {
                 self.add_transition(compared, kind.name(), kind.name(), (there - left) as u64);
             }

@@ -543,8 +543,7 @@ fn compared(set: &SubjectSet, span: ChainSpan, engine: &str) -> ComparisonKey {
 
 /// Whether two answers differ in the contacts a difference is about.
 pub(super) fn answers_differ(one: &[Contact], other: &[Contact], about: &Difference) -> bool {
-    let find =
-        |answer: &[Contact], c: Contact| answer.iter().find(|x| (x.kind, x.a, x.b) == (c.kind, c.a, c.b)).copied();
+    let find = |answer: &[Contact], c: Contact| answer.iter().find(|x| x.key == c.key).copied();
     [about.before, about.after].into_iter().flatten().any(|c| find(one, c) != find(other, c))
 }
 

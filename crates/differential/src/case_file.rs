@@ -3,7 +3,7 @@
 // Longer than 400 lines: one file format, its reader and its writer side by side.
 
 use super::attribution::{EnginePanel, WantedFindings, findings_wanted};
-use super::compare::{AnswerChange, contact_features};
+use super::compare::AnswerChange;
 use super::external::protocol::{UNNAMED, completed};
 use super::external::spec::is_name;
 use super::finding::{Cause, Finding, FindingScope};
@@ -12,8 +12,8 @@ use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::files::read_text;
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{
-    Block, BlockError, BlockOptions, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, Point, Precision,
-    Sign, SpecError, ToleranceSet, ToleranceSpec,
+    Block, BlockError, BlockOptions, Contact, ContactKey, ContactKind, Criteria, Entrance, EntranceKind, Number, Point,
+    Precision, Sign, SpecError, ToleranceSet, ToleranceSpec, VertexId,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -87,13 +87,14 @@ pub struct ContactRow {
 
 impl From<&Contact> for ContactRow {
     fn from(c: &Contact) -> ContactRow {
+        let ([feature_a, feature_b], [entrance_a, entrance_b]) = (c.key.numbers(), c.entrance.numbers());
         ContactRow {
-            kind: c.kind.name().to_owned(),
-            feature_a: c.a,
-            feature_b: c.b,
-            entrance: c.entrance.kind.name().to_owned(),
-            entrance_a: c.entrance.a,
-            entrance_b: c.entrance.b,
+            kind: c.kind().name().to_owned(),
+            feature_a,
+            feature_b,
+            entrance: c.entrance.kind().name().to_owned(),
+            entrance_a,
+            entrance_b,
             gap_sign: c.gap.as_i8(),
         }
     }
@@ -102,15 +103,15 @@ impl From<&Contact> for ContactRow {
 impl ContactRow {
     /// The contact, or `None` if a name or sign is not one.
     pub fn contact(&self) -> Option<Contact> {
-        let kind = EntranceKind::from_name(&self.entrance)?;
-        let entrance = Entrance { kind, a: self.entrance_a, b: self.entrance_b };
+        let key = ContactKey::of_kind(ContactKind::from_name(&self.kind)?, [self.feature_a, self.feature_b]);
+        let entrance = Entrance::of_kind(EntranceKind::from_name(&self.entrance)?, [self.entrance_a, self.entrance_b]);
         let gap = match self.gap_sign {
             -1 => Sign::Negative,
             0 => Sign::Zero,
             1 => Sign::Positive,
             _ => return None,
         };
-        Some(Contact { kind: ContactKind::from_name(&self.kind)?, a: self.feature_a, b: self.feature_b, entrance, gap })
+        Some(Contact { key, entrance, gap })
     }
 }
 
@@ -150,7 +151,7 @@ struct CaseBlock {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     name: Option<String>,
     vertices: Vec<[Number; 3]>,
-    faces: Vec<Vec<u32>>,
+    faces: Vec<Vec<VertexId>>,
 }
 
 /// Why a file is not a case.
@@ -406,7 +407,7 @@ impl Case {
         for contact in about.expected.iter().chain(&about.found).filter_map(ContactRow::contact) {
             if !has_features([&a, &b], &contact) {
                 let allowed = "the vertices, edges and faces of the two blocks".to_owned();
-                let found = format!("{} {}/{} by {:?}", contact.kind, contact.a, contact.b, contact.entrance);
+                let found = format!("{} by {}", contact.key, contact.entrance);
                 return Err(CaseError::Value { file, key: "a contact of expected or found", found, allowed });
             }
         }
@@ -435,18 +436,9 @@ impl Case {
 
 /// Whether blocks have the features that a contact and its entrance name; an entrance that an engine did not name is none.
 fn has_features(blocks: [&Block; 2], contact: &Contact) -> bool {
-    let has = |feature: Feature| {
-        let (side, number, of): (Side, u32, fn(&Block) -> usize) = match feature {
-            Feature::Vertex(side, number) => (side, number, |block| block.vertices().len()),
-            Feature::Edge(side, number) => (side, number, |block| block.topology().edges().len()),
-            Feature::Face(side, number) => (side, number, |block| block.topology().faces().len()),
-        };
-        (number as usize) < of(blocks[usize::from(side == Side::B)])
-    };
-    let entrance = ContactKind::from_name(contact.entrance.kind.name());
-    let entrance = entrance.map(|kind| Contact { kind, a: contact.entrance.a, b: contact.entrance.b, ..*contact });
-    let named = entrance.filter(|_| contact.entrance != UNNAMED);
-    [Some(*contact), named].into_iter().flatten().flat_map(|c| contact_features(&c)).all(has)
+    let has = |feature: Feature| feature.is_in(blocks[usize::from(feature.side() == Side::B)].topology());
+    let named = (contact.entrance != UNNAMED).then(|| contact.entrance.features());
+    contact.key.features().into_iter().chain(named.into_iter().flatten()).all(has)
 }
 
 /// The precision whose input and tolerance set a finding is about; f64's where it is about all, if there is one.

@@ -3,27 +3,27 @@
 use num_rational::BigRational;
 use rockproof_model::block::face_normal;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Vec3};
+use rockproof_model::{Block, Vec3, VertexId};
 
 /// The first feature of a block that has no extent left: two vertices of an edge at one place, or a face without
 /// area. Decided exactly; the ordinary block is cleared by a bound in f64.
 pub fn collapsed_feature(block: &Block) -> Option<String> {
     let points = block.vertices();
     for (number, edge) in block.topology().edges().iter().enumerate() {
-        if points[edge.p as usize] == points[edge.q as usize] {
+        if points[edge.p.index()] == points[edge.q.index()] {
             return Some(format!("edge {number} has no length"));
         }
     }
-    let flat = |face: &Vec<u32>| !surely_has_area(block, face) && has_no_area(block, face);
+    let flat = |face: &Vec<VertexId>| !surely_has_area(block, face) && has_no_area(block, face);
     block.topology().faces().iter().position(flat).map(|number| format!("face {number} has no area"))
 }
 
 /// True only for a face that certainly has area: one component of its normal stands clear of all rounding. With
 /// coordinates that are f64, a difference of two is off by 2⁻⁵³ of itself, a product of two such by less than 2⁻⁵⁰ of
 /// itself, and the sum of n of them by less than n·2⁻⁴⁹ of the sum of their magnitudes.
-fn surely_has_area(block: &Block, face: &[u32]) -> bool {
+fn surely_has_area(block: &Block, face: &[VertexId]) -> bool {
     let at = |k: usize| {
-        let p = &block.vertices()[face[k] as usize];
+        let p = &block.vertices()[face[k].index()];
         Some([p.x.as_f64()?, p.y.as_f64()?, p.z.as_f64()?])
     };
     let Some(origin) = at(0) else { return false };
@@ -44,7 +44,7 @@ fn surely_has_area(block: &Block, face: &[u32]) -> bool {
     (0..3).any(|i| normal[i].is_finite() && normal[i].abs() > share * magnitude[i] + floor)
 }
 
-fn has_no_area(block: &Block, face: &[u32]) -> bool {
+fn has_no_area(block: &Block, face: &[VertexId]) -> bool {
     let points: Vec<Vec3<BigRational>> = block.vertices().iter().map(|v| v.map(|c| c.to_rational())).collect();
     face_normal(&points, face).components().iter().all(|c| c.sign().is_zero())
 }

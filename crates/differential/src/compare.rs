@@ -1,7 +1,7 @@
 //! What changed between two answers for the same pair (SPEC section 6).
 
 use rockproof_model::decision::{Feature, Side};
-use rockproof_model::{Contact, ContactKind, Topology};
+use rockproof_model::{Contact, Topology, VertexId};
 use std::fmt;
 
 /// How an answer changed.
@@ -144,8 +144,10 @@ impl Difference {
     /// The kind of that contact, or `v-v to v-e` where the kind is what changed; empty where it is about no contact.
     pub fn kinds(&self) -> String {
         match (self.before, self.after) {
-            (Some(before), Some(after)) if before.kind != after.kind => format!("{} to {}", before.kind, after.kind),
-            _ => self.contact().map_or(String::new(), |contact| contact.kind.to_string()),
+            (Some(before), Some(after)) if before.kind() != after.kind() => {
+                format!("{} to {}", before.kind(), after.kind())
+            }
+            _ => self.contact().map_or(String::new(), |contact| contact.kind().to_string()),
         }
     }
 }
@@ -161,15 +163,15 @@ pub struct Features<'p> {
 
 impl Features<'_> {
     /// The vertices in the closure of a feature; none for a feature that does not exist.
-    pub fn vertices(&self, feature: Feature) -> Vec<u32> {
+    pub fn vertices(&self, feature: Feature) -> Vec<VertexId> {
         let of = |side: Side| match side {
             Side::A => self.a,
             Side::B => self.b,
         };
         match feature {
             Feature::Vertex(_, v) => vec![v],
-            Feature::Edge(side, e) => of(side).edges().get(e as usize).map_or(Vec::new(), |e| vec![e.p, e.q]),
-            Feature::Face(side, f) => of(side).faces().get(f as usize).cloned().unwrap_or_default(),
+            Feature::Edge(side, e) => of(side).edges().get(e.index()).map_or(Vec::new(), |e| vec![e.p, e.q]),
+            Feature::Face(side, f) => of(side).faces().get(f.index()).cloned().unwrap_or_default(),
         }
     }
 
@@ -181,22 +183,8 @@ impl Features<'_> {
     }
 
     fn same_place(&self, one: &Contact, other: &Contact) -> bool {
-        let ([a1, b1], [a2, b2]) = (contact_features(one), contact_features(other));
+        let ([a1, b1], [a2, b2]) = (one.key.features(), other.key.features());
         self.nested(a1, a2) && self.nested(b1, b2)
-    }
-}
-
-/// A's and B's feature of a contact.
-pub fn contact_features(contact: &Contact) -> [Feature; 2] {
-    let (a, b) = (contact.a, contact.b);
-    let vertex = |side, v| Feature::Vertex(side, v);
-    match contact.kind {
-        ContactKind::VertexVertex => [vertex(Side::A, a), vertex(Side::B, b)],
-        ContactKind::VertexEdge => [vertex(Side::A, a), Feature::Edge(Side::B, b)],
-        ContactKind::EdgeVertex => [Feature::Edge(Side::A, a), vertex(Side::B, b)],
-        ContactKind::VertexFace => [vertex(Side::A, a), Feature::Face(Side::B, b)],
-        ContactKind::FaceVertex => [Feature::Face(Side::A, a), vertex(Side::B, b)],
-        ContactKind::EdgeEdge => [Feature::Edge(Side::A, a), Feature::Edge(Side::B, b)],
     }
 }
 
@@ -208,7 +196,7 @@ pub fn differences(before: &[Contact], after: &[Contact], features: Features<'_>
     if before == after {
         return Vec::new();
     }
-    let key = |c: &Contact| (c.kind, c.a, c.b);
+    let key = |c: &Contact| c.key;
     let mut found = Vec::new();
     let (mut missing, mut extra) = (Vec::new(), Vec::new());
     let (mut i, mut j) = (0, 0);
@@ -234,7 +222,7 @@ pub fn differences(before: &[Contact], after: &[Contact], features: Features<'_>
         }
     }
     for lost in missing {
-        let place = extra.iter().position(|new| new.kind != lost.kind && features.same_place(&lost, new));
+        let place = extra.iter().position(|new| new.kind() != lost.kind() && features.same_place(&lost, new));
         found.push(match place {
             Some(at) => Difference { change: AnswerChange::Kind, before: Some(lost), after: Some(extra.remove(at)) },
             None => Difference { change: AnswerChange::Missing, before: Some(lost), after: None },
@@ -252,7 +240,7 @@ pub fn differences(before: &[Contact], after: &[Contact], features: Features<'_>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockproof_model::{Entrance, EntranceKind, Sign};
+    use rockproof_model::{ContactKey, ContactKind, Entrance, FaceId, Sign};
 
     fn cube() -> Topology {
         let faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
@@ -260,8 +248,8 @@ mod tests {
     }
 
     fn contact(kind: ContactKind, a: u32, b: u32) -> Contact {
-        let entrance = Entrance { kind: EntranceKind::VertexFace, a: 0, b: 0 };
-        Contact { kind, a, b, entrance, gap: Sign::Positive }
+        let entrance = Entrance::VertexFace(VertexId(0), FaceId(0));
+        Contact { key: ContactKey::of_kind(kind, [a, b]), entrance, gap: Sign::Positive }
     }
 
     fn changes(before: &[Contact], after: &[Contact]) -> Vec<AnswerChange> {
@@ -272,7 +260,7 @@ mod tests {
     #[test]
     fn names_every_change_of_a_contact() {
         let vf = contact(ContactKind::VertexFace, 0, 1);
-        let turned = Contact { entrance: Entrance { b: 3, ..vf.entrance }, gap: Sign::Zero, ..vf };
+        let turned = Contact { entrance: Entrance::VertexFace(VertexId(0), FaceId(3)), gap: Sign::Zero, ..vf };
         let touching = Contact { gap: Sign::Zero, ..vf };
         assert_eq!(changes(&[vf], &[vf]), []);
         assert_eq!(changes(&[vf], &[]), [AnswerChange::Missing]);

@@ -1,11 +1,11 @@
 //! Which decision made two answers differ.
 
-use super::compare::{Difference, Features, contact_features};
+use super::compare::{Difference, Features};
 use super::engine::Trace;
 use super::finding::{DecidingDecision, FAR};
 use foldhash::fast::FixedState;
 use rockproof_model::decision::{Decision, Feature, Side};
-use rockproof_model::{Contact, Entrance, EntranceKind};
+use rockproof_model::{Contact, VertexId};
 use std::collections::{BTreeSet, HashMap};
 
 /// The two sides of a link of the chain, asked only when there is something to explain.
@@ -126,8 +126,8 @@ pub fn suspect(
 
 /// The vertices around a difference, in each block.
 struct DifferenceVertices {
-    a: Vec<u32>,
-    b: Vec<u32>,
+    a: Vec<VertexId>,
+    b: Vec<VertexId>,
 }
 
 impl DifferenceVertices {
@@ -135,13 +135,13 @@ impl DifferenceVertices {
         let mut place = DifferenceVertices { a: Vec::new(), b: Vec::new() };
         for contact in [difference.before, difference.after].into_iter().flatten() {
             for feature in all_features(&contact) {
-                place.side(side_of(feature)).extend(features.vertices(feature));
+                place.side(feature.side()).extend(features.vertices(feature));
             }
         }
         place
     }
 
-    fn side(&mut self, side: Side) -> &mut Vec<u32> {
+    fn side(&mut self, side: Side) -> &mut Vec<VertexId> {
         match side {
             Side::A => &mut self.a,
             Side::B => &mut self.b,
@@ -150,7 +150,7 @@ impl DifferenceVertices {
 
     fn touches(&self, decision: &Decision, features: Features<'_>) -> bool {
         decision.features.iter().flatten().all(|&feature| {
-            let around = match side_of(feature) {
+            let around = match feature.side() {
                 Side::A => &self.a,
                 Side::B => &self.b,
             };
@@ -159,20 +159,8 @@ impl DifferenceVertices {
     }
 }
 
-fn side_of(feature: Feature) -> Side {
-    match feature {
-        Feature::Vertex(side, _) | Feature::Edge(side, _) | Feature::Face(side, _) => side,
-    }
-}
-
-fn all_features(contact: &Contact) -> Vec<Feature> {
-    let Entrance { kind, a, b } = contact.entrance;
-    let entrance = match kind {
-        EntranceKind::VertexFace => [Feature::Vertex(Side::A, a), Feature::Face(Side::B, b)],
-        EntranceKind::FaceVertex => [Feature::Face(Side::A, a), Feature::Vertex(Side::B, b)],
-        EntranceKind::EdgeEdge => [Feature::Edge(Side::A, a), Feature::Edge(Side::B, b)],
-    };
-    contact_features(contact).into_iter().chain(entrance).collect()
+fn all_features(contact: &Contact) -> impl Iterator<Item = Feature> {
+    contact.key.features().into_iter().chain(contact.entrance.features())
 }
 
 #[cfg(test)]
@@ -180,7 +168,7 @@ mod tests {
     use super::*;
     use crate::compare::AnswerChange;
     use rockproof_model::decision::Predicate;
-    use rockproof_model::{ContactKind, Sign, Topology};
+    use rockproof_model::{ContactKey, Entrance, FaceId, Sign, Topology};
 
     /// What is named for a contact of two corners that went because another way out was chosen, elsewhere, with this margin.
     fn named(chosen: f64, roundoff: Option<f64>) -> Option<Predicate> {
@@ -189,9 +177,9 @@ mod tests {
         let about =
             |predicate, v| Decision::about(predicate, &[Feature::Vertex(Side::A, v), Feature::Vertex(Side::B, v)]);
         // Vertex 3 is no part of the contact: of the two, the second decision alone is near it.
-        let (elsewhere, here) = (about(Predicate::TrueExit, 3), about(Predicate::OneExit, 0));
-        let entrance = Entrance { kind: EntranceKind::VertexFace, a: 0, b: 0 };
-        let gone = Contact { kind: ContactKind::VertexVertex, a: 0, b: 0, entrance, gap: Sign::Negative };
+        let (elsewhere, here) = (about(Predicate::TrueExit, VertexId(3)), about(Predicate::OneExit, VertexId(0)));
+        let entrance = Entrance::VertexFace(VertexId(0), FaceId(0));
+        let gone = Contact { key: ContactKey::VertexVertex(VertexId(0), VertexId(0)), entrance, gap: Sign::Negative };
         let difference = Difference { change: AnswerChange::Missing, before: Some(gone), after: None };
         let link = ChainLink {
             before: &|| Some(vec![(elsewhere, 0), (here, 1)]),

@@ -140,7 +140,7 @@ pub struct Finding {
 impl Finding {
     /// The kind of the contact the finding is about: before the change, or else after it.
     pub fn kind(&self) -> Option<ContactKind> {
-        self.difference.contact().map(|c| c.kind)
+        self.difference.contact().map(|c| c.kind())
     }
 
     /// The predicate that decided it.
@@ -174,7 +174,7 @@ impl Finding {
     /// The finding's row of `findings.csv`; `case` is its case file, empty where there is none.
     pub fn row(&self, case: String) -> FindingRow {
         let kind = |c: Option<rockproof_model::Contact>, state: Option<SeparationState>| {
-            c.map_or(state.map_or("", SeparationState::name), |c| c.kind.name()).to_owned()
+            c.map_or(state.map_or("", SeparationState::name), |c| c.kind().name()).to_owned()
         };
         FindingRow {
             index: self.index,

@@ -93,7 +93,7 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
     let pair = solids.pair();
     let exact = other.back(&pair.classify(&tolerances).contacts);
     let allowed = differences(base.exact, &exact, features);
-    let key = |d: &Difference| d.contact().map(|c| (c.kind, c.a, c.b));
+    let key = |d: &Difference| d.contact().map(|c| c.key);
     let mut wide: Option<Option<[WideAnswer; 2]>> = None;
     for difference in differences(base.contacts, &answer, features) {
         if !base.wants(change, &difference) {

@@ -1,9 +1,11 @@
 //! Changes of a pair that may not change its contacts, and the way back from the changed pair's contacts.
 
 use super::compare::{AnswerChange, Difference};
+use rockproof_model::decision::{Feature, Side};
 use rockproof_model::lattice::Lattice;
 use rockproof_model::{
-    Block, BlockOptions, Contact, ContactKind, Entrance, EntranceKind, Number, Point, Precision, ToleranceSet, Topology,
+    Block, BlockOptions, Contact, ContactKey, EdgeId, Entrance, FaceId, Number, Point, Precision, ToleranceSet,
+    Topology, VertexId,
 };
 
 /// A change of a pair.
@@ -129,21 +131,20 @@ struct Numbering {
 /// A number for each vertex, edge and face.
 #[derive(Clone, Debug)]
 struct IndexMap {
-    vertices: Vec<u32>,
-    edges: Vec<u32>,
-    faces: Vec<u32>,
+    vertices: Vec<VertexId>,
+    edges: Vec<EdgeId>,
+    faces: Vec<FaceId>,
 }
 
 impl Numbering {
     /// A block with its vertices and faces in reverse order and every loop started one vertex later.
     fn of(block: &Block) -> Option<(Block, Numbering)> {
         let old = block.topology();
-        let (vertices, faces) = (old.vertex_count() as u32, old.faces().len() as u32);
-        let vertex_numbers: Vec<u32> = (0..vertices).rev().collect();
-        let face_numbers: Vec<u32> = (0..faces).rev().collect();
+        let vertex_numbers: Vec<VertexId> = old.vertex_ids().rev().collect();
+        let face_numbers: Vec<FaceId> = old.face_ids().rev().collect();
         let points: Vec<Point> = block.vertices().iter().rev().cloned().collect();
-        let turn = |face: &Vec<u32>| {
-            let mut face: Vec<u32> = face.iter().map(|&v| vertex_numbers[v as usize]).collect();
+        let turn = |face: &Vec<VertexId>| {
+            let mut face: Vec<VertexId> = face.iter().map(|&v| vertex_numbers[v.index()]).collect();
             face.rotate_left(1);
             face
         };
@@ -156,7 +157,7 @@ impl Numbering {
             return None;
         }
         let edges = |from: &Topology, to: &Topology| {
-            let number = |v: u32| vertex_numbers[v as usize];
+            let number = |v: VertexId| vertex_numbers[v.index()];
             from.edges().iter().map(|e| to.edge_between(number(e.p), number(e.q))).collect::<Option<Vec<_>>>()
         };
         // Reversing twice is no change, so vertices and faces have the same map both ways.
@@ -166,28 +167,23 @@ impl Numbering {
     }
 }
 
-/// The number of a feature that may not exist: an engine's answer is not to be trusted.
-fn number(map: &[u32], feature: u32) -> u32 {
-    map.get(feature as usize).copied().unwrap_or(u32::MAX)
-}
-
 fn renumbered(contact: Contact, a: &IndexMap, b: &IndexMap) -> Contact {
-    let Entrance { kind, a: entrance_a, b: entrance_b } = contact.entrance;
-    let (ea, eb) = match kind {
-        EntranceKind::VertexFace => (&a.vertices, &b.faces),
-        EntranceKind::FaceVertex => (&a.faces, &b.vertices),
-        EntranceKind::EdgeEdge => (&a.edges, &b.edges),
+    // An engine's answer is not to be trusted: the feature may not exist.
+    let number = |feature: Feature| {
+        let map = if feature.side() == Side::A { a } else { b };
+        let new = match feature {
+            Feature::Vertex(_, vertex) => map.vertices.get(vertex.index()).map(|v| v.0),
+            Feature::Edge(_, edge) => map.edges.get(edge.index()).map(|e| e.0),
+            Feature::Face(_, face) => map.faces.get(face.index()).map(|f| f.0),
+        };
+        new.unwrap_or(u32::MAX)
     };
-    let entrance = Entrance { kind, a: number(ea, entrance_a), b: number(eb, entrance_b) };
-    let (fa, fb) = match contact.kind {
-        ContactKind::VertexVertex => (&a.vertices, &b.vertices),
-        ContactKind::VertexEdge => (&a.vertices, &b.edges),
-        ContactKind::EdgeVertex => (&a.edges, &b.vertices),
-        ContactKind::VertexFace => (&a.vertices, &b.faces),
-        ContactKind::FaceVertex => (&a.faces, &b.vertices),
-        ContactKind::EdgeEdge => (&a.edges, &b.edges),
-    };
-    Contact { a: number(fa, contact.a), b: number(fb, contact.b), entrance, ..contact }
+    let Contact { key, entrance, gap } = contact;
+    Contact {
+        key: ContactKey::of_kind(key.kind(), key.features().map(number)),
+        entrance: Entrance::of_kind(entrance.kind(), entrance.features().map(number)),
+        gap,
+    }
 }
 
 /// The largest offset along all axes, a power of two from four times the pair's size downwards, that leaves every
@@ -211,7 +207,7 @@ fn exact_offset(blocks: &[Block; 2], precision: Precision) -> Option<Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockproof_model::{Sign, Vec3};
+    use rockproof_model::{ContactKind, Sign, Vec3};
 
     fn box_between(min: [f64; 3], max: [f64; 3]) -> Block {
         let number = |c: f64| Number::from_f64(c).expect("finite");
@@ -238,8 +234,8 @@ mod tests {
         let mut all = Vec::new();
         for (kind, (na, nb)) in ContactKind::ALL.into_iter().zip(sizes) {
             for (a, b) in (0..na).flat_map(|a| (0..nb).map(move |b| (a, b))) {
-                let entrance = Entrance { kind: EntranceKind::FaceVertex, a: a % fa, b: b % vb };
-                all.push(Contact { kind, a, b, entrance, gap: Sign::Zero });
+                let entrance = Entrance::FaceVertex(FaceId(a % fa), VertexId(b % vb));
+                all.push(Contact { key: ContactKey::of_kind(kind, [a, b]), entrance, gap: Sign::Zero });
             }
         }
         all
@@ -284,15 +280,15 @@ mod tests {
         let Some([numbering, _]) = &changed.numbering else { panic!("a numbering") };
         let (old, new) = (&pair[0], &changed.blocks[0]);
         for (at, edge) in old.topology().edges().iter().enumerate() {
-            let moved = new.topology().edges()[numbering.forth.edges[at] as usize];
+            let moved = new.topology().edges()[numbering.forth.edges[at].index()];
             let ends = |b: &Block, e: rockproof_model::topology::Edge| {
-                let mut ends = [e.p, e.q].map(|v| format!("{:?}", b.vertices()[v as usize]));
+                let mut ends = [e.p, e.q].map(|v| format!("{:?}", b.vertices()[v.index()]));
                 ends.sort();
                 ends
             };
             assert_eq!(ends(old, *edge), ends(new, moved));
         }
-        assert_eq!(numbering.back.edges[numbering.forth.edges[3] as usize], 3);
+        assert_eq!(numbering.back.edges[numbering.forth.edges[3].index()], EdgeId(3));
     }
 
     #[test]

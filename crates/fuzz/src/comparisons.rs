@@ -4,7 +4,7 @@ use crate::input::PairInput;
 use crate::reach::Reach;
 use num_rational::BigRational;
 use rockproof_differential::external::protocol;
-use rockproof_model::{Block, Contact, Number, Precision};
+use rockproof_model::{Block, Contact, Number, Precision, VertexId};
 use rockproof_oracle::{Pair, PreparedBlock, plain};
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::engine::{settled_contacts, wide_contacts};
@@ -16,7 +16,7 @@ fn exact(input: &PairInput, reach: &mut Reach) -> Vec<Contact> {
     let pair = Pair::new(&a, &b);
     let answer = pair.classify(&input.tolerances);
     for contact in &answer.contacts {
-        reach.count(format!("kind-{}", contact.kind));
+        reach.count(format!("kind-{}", contact.kind()));
         reach.count(format!("gap-sign-{}", contact.gap.as_i8()));
     }
     for entry in pair.trace(&input.tolerances).iter().filter(|entry| entry.tie) {
@@ -80,10 +80,9 @@ pub(crate) fn engine_question(bytes: &[u8], reach: &mut Reach) {
             let all = vertex.components().into_iter().enumerate().all(|(axis, number)| same(number, &written[axis]));
             assert!(all, "{vertex:?} is written {written}");
         }
-        let faces: Vec<Vec<u32>> = serde_json::from_value(value[name]["faces"].clone()).expect("faces");
+        let faces: Vec<Vec<VertexId>> = serde_json::from_value(value[name]["faces"].clone()).expect("faces");
         assert_eq!(faces, block.topology().faces(), "{line}");
-        let edges = block.topology().edges().len() as u32;
-        let reflex = (0..edges).filter(|edge| !block.edge_is_convex(*edge)).count();
+        let reflex = block.topology().edge_ids().filter(|edge| !block.edge_is_convex(*edge)).count();
         assert_eq!(value[name]["reflex"].as_array().map(Vec::len), Some(reflex), "{line}");
         reach.add("reflex", reflex as u64);
     }

@@ -40,7 +40,7 @@ pub(crate) fn engine_answer(bytes: &[u8], reach: &mut Reach) {
 /// Whether both cubes have what a contact names; what is not named is nothing they must have.
 fn exists(contact: &Contact) -> bool {
     let (vertices, edges, faces) = (8, 12, 6);
-    let [a, b] = match contact.kind {
+    let [a, b] = match contact.kind() {
         ContactKind::VertexVertex => [vertices, vertices],
         ContactKind::VertexEdge => [vertices, edges],
         ContactKind::EdgeVertex => [edges, vertices],
@@ -48,12 +48,12 @@ fn exists(contact: &Contact) -> bool {
         ContactKind::FaceVertex => [faces, vertices],
         ContactKind::EdgeEdge => [edges, edges],
     };
-    let [entrance_a, entrance_b] = match contact.entrance.kind {
+    let [entrance_a, entrance_b] = match contact.entrance.kind() {
         EntranceKind::VertexFace => [vertices, faces],
         EntranceKind::FaceVertex => [faces, vertices],
         EntranceKind::EdgeEdge => [edges, edges],
     };
-    let entrance = contact.entrance;
-    let named = (entrance.a, entrance.b) != (u32::MAX, u32::MAX);
-    contact.a < a && contact.b < b && (!named || entrance.a < entrance_a && entrance.b < entrance_b)
+    let ([of_a, of_b], of_entrance) = (contact.key.numbers(), contact.entrance.numbers());
+    let named = of_entrance != [u32::MAX, u32::MAX];
+    of_a < a && of_b < b && (!named || of_entrance[0] < entrance_a && of_entrance[1] < entrance_b)
 }

@@ -8,7 +8,7 @@ use rockproof_differential::hull::convex_hull;
 use rockproof_model::simulation::{Kinematics, Unconverged};
 use rockproof_model::{
     Block, BlockOptions, Body, Criteria, Motion, Number, Point, Precision, Scene, SceneBlock, Simulation, ToleranceSet,
-    ToleranceSpec, Vec3,
+    ToleranceSpec, Vec3, VertexId,
 };
 
 /// Grid lines a metre.
@@ -67,7 +67,7 @@ fn beside(number: &Number, up: bool) -> Number {
 struct Shape {
     /// In whole units.
     vertices: Vec<[i64; 3]>,
-    faces: Vec<Vec<u32>>,
+    faces: Vec<Vec<VertexId>>,
 }
 
 /// A shape; `None` where the bytes say none.

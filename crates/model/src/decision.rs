@@ -1,6 +1,7 @@
 //! The names of the decisions that SPEC section 4 asks for, so that two implementations can be compared decision by
 //! decision.
 
+use crate::topology::{EdgeId, FaceId, Topology, VertexId};
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
@@ -156,20 +157,47 @@ impl Side {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Feature {
     /// Vertex by number.
-    Vertex(Side, u32),
+    Vertex(Side, VertexId),
     /// Edge by number.
-    Edge(Side, u32),
+    Edge(Side, EdgeId),
     /// Face by number.
-    Face(Side, u32),
+    Face(Side, FaceId),
 }
 
 impl Feature {
+    /// Its number among the vertices, edges or faces of its block.
+    #[inline]
+    pub fn number(self) -> u32 {
+        match self {
+            Feature::Vertex(_, VertexId(number))
+            | Feature::Edge(_, EdgeId(number))
+            | Feature::Face(_, FaceId(number)) => number,
+        }
+    }
+
+    /// Which block it belongs to.
+    #[inline]
+    pub fn side(self) -> Side {
+        match self {
+            Feature::Vertex(side, _) | Feature::Edge(side, _) | Feature::Face(side, _) => side,
+        }
+    }
+
+    /// Whether a block of this topology has such a feature, whichever of the two blocks it is.
+    pub fn is_in(self, topology: &Topology) -> bool {
+        match self {
+            Feature::Vertex(_, vertex) => vertex.index() < topology.vertex_count(),
+            Feature::Edge(_, edge) => edge.index() < topology.edges().len(),
+            Feature::Face(_, face) => face.index() < topology.faces().len(),
+        }
+    }
+
     /// Kind, side and number in one word, other for every other feature; never 0.
     fn word(self) -> u64 {
         let (kind, side, number) = match self {
-            Feature::Vertex(side, number) => (1, side, number),
-            Feature::Edge(side, number) => (2, side, number),
-            Feature::Face(side, number) => (3, side, number),
+            Feature::Vertex(side, VertexId(number)) => (1, side, number),
+            Feature::Edge(side, EdgeId(number)) => (2, side, number),
+            Feature::Face(side, FaceId(number)) => (3, side, number),
         };
         kind << 33 | (side as u64) << 32 | u64::from(number)
     }
@@ -183,12 +211,12 @@ impl Hash for Feature {
 
 impl fmt::Display for Feature {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (letter, side, index) = match self {
-            Feature::Vertex(side, index) => ('v', side, index),
-            Feature::Edge(side, index) => ('e', side, index),
-            Feature::Face(side, index) => ('f', side, index),
+        let (letter, side, number) = match self {
+            Feature::Vertex(side, VertexId(number)) => ('v', side, number),
+            Feature::Edge(side, EdgeId(number)) => ('e', side, number),
+            Feature::Face(side, FaceId(number)) => ('f', side, number),
         };
-        write!(f, "{side:?}.{letter}{index}")
+        write!(f, "{side:?}.{letter}{number}")
     }
 }
 

@@ -33,5 +33,5 @@ pub use sign::Sign;
 pub use simulation::{Body, Motion, Simulation};
 pub use tolerance::{Criteria, ToleranceSet};
 pub use tolerance_spec::{SpecError, ToleranceSpec};
-pub use topology::{Topology, TopologyError};
+pub use topology::{EdgeId, FaceId, Topology, TopologyError, VertexId};
 pub use vector::Vec3;

@@ -163,7 +163,7 @@ fn difference(a: &Number, b: &Number) -> f64 {
 
 fn shortest_edge(block: &Block) -> f64 {
     let squared = |edge: &crate::topology::Edge| {
-        let [p, q] = [edge.p, edge.q].map(|v| &block.vertices()[v as usize]);
+        let [p, q] = [edge.p, edge.q].map(|v| &block.vertices()[v.index()]);
         length([difference(&p.x, &q.x), difference(&p.y, &q.y), difference(&p.z, &q.z)])
     };
     block.topology().edges().iter().map(squared).fold(f64::INFINITY, f64::min)
@@ -198,9 +198,9 @@ fn radius(block: &Block) -> f64 {
 fn near_centroid(block: &Block, points: &[[f64; 3]]) -> Option<[f64; 3]> {
     let (mut volume, mut magnitude, mut sum) = (0.0, 0.0, [0.0; 3]);
     for face in block.topology().faces() {
-        let a = points[face[0] as usize];
+        let a = points[face[0].index()];
         for pair in face[1..].windows(2) {
-            let [b, c] = [points[pair[0] as usize], points[pair[1] as usize]];
+            let [b, c] = [points[pair[0].index()], points[pair[1].index()]];
             let terms = [
                 a[0] * (b[1] * c[2] - b[2] * c[1]),
                 a[1] * (b[2] * c[0] - b[0] * c[2]),

@@ -14,7 +14,7 @@ use crate::block::Block;
 use crate::lattice::Lattice;
 use crate::number::{Number, Precision};
 use crate::tolerance::{Criteria, LAMBDA_INVERSE, ToleranceSet};
-use crate::topology::Edge;
+use crate::topology::{Edge, VertexId};
 use crate::vector::Vec3;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -102,7 +102,7 @@ pub struct LengthLocation {
     /// Index among the blocks given.
     pub block: usize,
     /// The ends of an edge, when it is an edge.
-    pub edge: Option<(u32, u32)>,
+    pub edge: Option<(VertexId, VertexId)>,
 }
 
 impl fmt::Display for LengthLocation {
@@ -349,7 +349,7 @@ impl Extremes {
             let metres = BigRational::new(denominator, numerator);
             let metres_squared = &metres * &metres;
             let points: Vec<Vec3<BigInt>> = shape.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
-            let length = |edge: &Edge| points[edge.q as usize].minus(&points[edge.p as usize]).norm_squared();
+            let length = |edge: &Edge| points[edge.q.index()].minus(&points[edge.p.index()]).norm_squared();
             let lengths = shape.topology().edges().iter().map(|e| (length(e), (e.p, e.q)));
             let (shortest, longest) =
                 (lengths.clone().min()?, lengths.max_by(|a, b| a.0.cmp(&b.0).then(b.1.cmp(&a.1)))?);

@@ -1,28 +1,81 @@
 //! The combinatorics of a block: which vertices, edges and faces meet. No coordinates.
 
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fmt;
+
+/// Defines the number of one kind of feature as a type of its own, so that a vertex is never taken for a face.
+macro_rules! numbers_of {
+    ($(#[$about:meta])* $name:ident) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[repr(transparent)]
+        pub struct $name(pub u32);
+
+        impl $name {
+            /// The place in lists that hold one item for every such feature.
+            #[inline]
+            pub fn index(self) -> usize {
+                self.0 as usize
+            }
+
+            /// The feature at this place of such a list; a block has fewer than 2³² features of a kind.
+            #[inline]
+            pub fn at(index: usize) -> $name {
+                $name(index as u32)
+            }
+        }
+
+        impl From<u32> for $name {
+            fn from(number: u32) -> $name {
+                $name(number)
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.fmt(f)
+            }
+        }
+    };
+}
+
+numbers_of! {
+    /// The number of a vertex of a block, as in the input.
+    VertexId
+}
+numbers_of! {
+    /// The number of an edge of a block: its place among the sorted pairs of vertices that edges join.
+    EdgeId
+}
+numbers_of! {
+    /// The number of a face of a block, as in the input.
+    FaceId
+}
 
 /// How the faces of a block fit together. Vertices and faces are numbered as in the input, edges by the sorted pair
 /// of their vertex indices (SPEC section 4, "Result").
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Topology {
     vertex_count: usize,
-    faces: Vec<Vec<u32>>,
-    face_edges: Lists,
+    faces: Vec<Vec<VertexId>>,
+    face_edges: Lists<EdgeId>,
     edges: Vec<Edge>,
-    vertex_edges: Lists,
-    vertex_faces: Lists,
+    vertex_edges: Lists<EdgeId>,
+    vertex_faces: Lists<FaceId>,
 }
 
 /// Lists of numbers, one behind the other: of a small block, vectors of vectors would take several times the memory.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct Lists {
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Lists<T> {
     ends: Vec<u32>,
-    numbers: Vec<u32>,
+    numbers: Vec<T>,
 }
 
-impl Lists {
-    fn new(lists: &[Vec<u32>]) -> Lists {
+impl<T: Copy> Lists<T> {
+    const EMPTY: Lists<T> = Lists { ends: Vec::new(), numbers: Vec::new() };
+
+    fn new(lists: &[Vec<T>]) -> Lists<T> {
         let mut all = Lists { ends: Vec::with_capacity(lists.len()), numbers: lists.concat() };
         let mut end = 0;
         all.ends.extend(lists.iter().map(|list| {
@@ -33,9 +86,9 @@ impl Lists {
     }
 
     #[inline]
-    fn of(&self, k: u32) -> &[u32] {
-        let begin = if k == 0 { 0 } else { self.ends[k as usize - 1] };
-        &self.numbers[begin as usize..self.ends[k as usize] as usize]
+    fn of(&self, k: usize) -> &[T] {
+        let begin = if k == 0 { 0 } else { self.ends[k - 1] };
+        &self.numbers[begin as usize..self.ends[k] as usize]
     }
 }
 
@@ -43,18 +96,18 @@ impl Lists {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
     /// Vertex with the lower index; the edge's direction starts here.
-    pub p: u32,
+    pub p: VertexId,
     /// Vertex with the higher index.
-    pub q: u32,
+    pub q: VertexId,
     /// The face L, in whose loop the edge runs p → q.
-    pub left: u32,
+    pub left: FaceId,
     /// The face R, in whose loop the edge runs q → p.
-    pub right: u32,
+    pub right: FaceId,
 }
 
 impl Edge {
     /// The edge's other end.
-    pub fn other(&self, vertex: u32) -> u32 {
+    pub fn other(&self, vertex: VertexId) -> VertexId {
         if vertex == self.p { self.q } else { self.p }
     }
 }
@@ -145,25 +198,27 @@ impl Topology {
     ///
     /// # Errors
     /// When the loops are not one closed, connected, consistently oriented 2-manifold using every vertex.
-    pub fn new(vertex_count: usize, faces: Vec<Vec<u32>>) -> Result<Topology, TopologyError> {
+    pub fn new(vertex_count: usize, faces: Vec<Vec<impl Into<VertexId>>>) -> Result<Topology, TopologyError> {
         if vertex_count < 4 || faces.len() < 4 {
             return Err(TopologyError::TooFew { vertices: vertex_count, faces: faces.len() });
         }
+        let numbered = |boundary: Vec<_>| boundary.into_iter().map(Into::into).collect();
+        let faces: Vec<Vec<VertexId>> = faces.into_iter().map(numbered).collect();
         let half_edges = half_edges(vertex_count, &faces)?;
         let mut edges = Vec::new();
         for (&(p, q), &left) in &half_edges {
             match half_edges.get(&(q, p)) {
-                None => return Err(TopologyError::Open { p, q, face: left as usize }),
+                None => return Err(TopologyError::Open { p: p.0, q: q.0, face: left.index() }),
                 Some(&right) if p < q => edges.push(Edge { p, q, left, right }),
                 Some(_) => {}
             }
         }
         let mut topology = Topology {
             vertex_count,
-            face_edges: Lists::default(),
+            face_edges: Lists::EMPTY,
             faces,
-            vertex_edges: Lists::default(),
-            vertex_faces: Lists::default(),
+            vertex_edges: Lists::EMPTY,
+            vertex_faces: Lists::EMPTY,
             edges,
         };
         topology.link();
@@ -174,26 +229,27 @@ impl Topology {
 
     fn link(&mut self) {
         let mut at_vertices = vec![Vec::new(); self.vertex_count];
-        for (i, edge) in (0..).zip(&self.edges) {
-            at_vertices[edge.p as usize].push(i);
-            at_vertices[edge.q as usize].push(i);
+        for (i, edge) in (0..).map(EdgeId).zip(&self.edges) {
+            at_vertices[edge.p.index()].push(i);
+            at_vertices[edge.q.index()].push(i);
         }
         self.vertex_edges = Lists::new(&at_vertices);
-        at_vertices.iter_mut().for_each(Vec::clear);
-        for (i, face) in (0..).zip(&self.faces) {
+        let mut at_vertices = vec![Vec::new(); self.vertex_count];
+        for (i, face) in (0..).map(FaceId).zip(&self.faces) {
             for &v in face {
-                at_vertices[v as usize].push(i);
+                at_vertices[v.index()].push(i);
             }
         }
         self.vertex_faces = Lists::new(&at_vertices);
-        let of_face =
-            |face: &Vec<u32>| loop_pairs(face).map(|(p, q)| self.edge_between(p, q).unwrap_or(u32::MAX)).collect();
-        self.face_edges = Lists::new(&self.faces.iter().map(of_face).collect::<Vec<Vec<u32>>>());
+        let of_face = |face: &Vec<VertexId>| {
+            loop_pairs(face).map(|(p, q)| self.edge_between(p, q).unwrap_or(EdgeId(u32::MAX))).collect()
+        };
+        self.face_edges = Lists::new(&self.faces.iter().map(of_face).collect::<Vec<Vec<EdgeId>>>());
     }
 
     fn check_vertices(&self) -> Result<(), TopologyError> {
         for vertex in 0..self.vertex_count {
-            let faces = self.vertex_faces(vertex as u32);
+            let faces = self.vertex_faces(VertexId::at(vertex));
             if faces.is_empty() {
                 return Err(TopologyError::UnusedVertex { vertex });
             }
@@ -201,9 +257,9 @@ impl Topology {
             let mut face = faces[0];
             let mut steps = 0;
             loop {
-                let boundary = &self.faces[face as usize];
-                let at = boundary.iter().position(|&v| v as usize == vertex).unwrap_or(0);
-                let edge = &self.edges[self.face_edges(face)[(at + boundary.len() - 1) % boundary.len()] as usize];
+                let boundary = self.face(face);
+                let at = boundary.iter().position(|&v| v.index() == vertex).unwrap_or(0);
+                let edge = self.edge(self.face_edges(face)[(at + boundary.len() - 1) % boundary.len()]);
                 face = if edge.left == face { edge.right } else { edge.left };
                 steps += 1;
                 if face == faces[0] || steps > faces.len() {
@@ -219,13 +275,13 @@ impl Topology {
 
     fn check_connected(&self) -> Result<(), TopologyError> {
         let mut seen = vec![false; self.faces.len()];
-        let mut queue = vec![0u32];
+        let mut queue = vec![FaceId(0)];
         seen[0] = true;
         while let Some(face) = queue.pop() {
             for &edge in self.face_edges(face) {
-                let edge = &self.edges[edge as usize];
+                let edge = self.edge(edge);
                 for next in [edge.left, edge.right] {
-                    if !std::mem::replace(&mut seen[next as usize], true) {
+                    if !std::mem::replace(&mut seen[next.index()], true) {
                         queue.push(next);
                     }
                 }
@@ -242,8 +298,35 @@ impl Topology {
         self.vertex_count
     }
 
+    /// The numbers of all vertices, ascending.
+    pub fn vertex_ids(&self) -> impl DoubleEndedIterator<Item = VertexId> + ExactSizeIterator + use<> {
+        (0..self.vertex_count).map(VertexId::at)
+    }
+
+    /// The numbers of all edges, ascending.
+    pub fn edge_ids(&self) -> impl DoubleEndedIterator<Item = EdgeId> + ExactSizeIterator + use<> {
+        (0..self.edges.len()).map(EdgeId::at)
+    }
+
+    /// The numbers of all faces, ascending.
+    pub fn face_ids(&self) -> impl DoubleEndedIterator<Item = FaceId> + ExactSizeIterator + use<> {
+        (0..self.faces.len()).map(FaceId::at)
+    }
+
+    /// The loop of a face, counter-clockwise seen from outside.
+    #[inline]
+    pub fn face(&self, face: FaceId) -> &[VertexId] {
+        &self.faces[face.index()]
+    }
+
+    /// An edge's vertices and faces.
+    #[inline]
+    pub fn edge(&self, edge: EdgeId) -> &Edge {
+        &self.edges[edge.index()]
+    }
+
     /// The face loops, counter-clockwise seen from outside.
-    pub fn faces(&self) -> &[Vec<u32>] {
+    pub fn faces(&self) -> &[Vec<VertexId>] {
         &self.faces
     }
 
@@ -253,49 +336,52 @@ impl Topology {
     }
 
     /// Edge numbers of a face: entry k joins loop vertices k and k + 1.
-    pub fn face_edges(&self, face: u32) -> &[u32] {
-        self.face_edges.of(face)
+    pub fn face_edges(&self, face: FaceId) -> &[EdgeId] {
+        self.face_edges.of(face.index())
     }
 
     /// Edges at a vertex, ascending.
-    pub fn vertex_edges(&self, vertex: u32) -> &[u32] {
-        self.vertex_edges.of(vertex)
+    pub fn vertex_edges(&self, vertex: VertexId) -> &[EdgeId] {
+        self.vertex_edges.of(vertex.index())
     }
 
     /// Faces at a vertex, ascending.
-    pub fn vertex_faces(&self, vertex: u32) -> &[u32] {
-        self.vertex_faces.of(vertex)
+    pub fn vertex_faces(&self, vertex: VertexId) -> &[FaceId] {
+        self.vertex_faces.of(vertex.index())
     }
 
     /// The edge that joins two vertices.
-    pub fn edge_between(&self, p: u32, q: u32) -> Option<u32> {
+    pub fn edge_between(&self, p: VertexId, q: VertexId) -> Option<EdgeId> {
         let key = (p.min(q), p.max(q));
-        self.edges.binary_search_by_key(&key, |e| (e.p, e.q)).ok().map(|i| i as u32)
+        self.edges.binary_search_by_key(&key, |e| (e.p, e.q)).ok().map(EdgeId::at)
     }
 }
 
 /// The directed edges of a loop, the closing one included.
-pub fn loop_pairs(face: &[u32]) -> impl Iterator<Item = (u32, u32)> + '_ {
+pub fn loop_pairs<V: Copy>(face: &[V]) -> impl Iterator<Item = (V, V)> + '_ {
     (0..face.len()).map(move |k| (face[k], face[(k + 1) % face.len()]))
 }
 
-fn half_edges(vertex_count: usize, faces: &[Vec<u32>]) -> Result<BTreeMap<(u32, u32), u32>, TopologyError> {
-    let mut half_edges = BTreeMap::new();
+/// The face in whose loop each directed edge runs.
+type HalfEdges = BTreeMap<(VertexId, VertexId), FaceId>;
+
+fn half_edges(vertex_count: usize, faces: &[Vec<VertexId>]) -> Result<HalfEdges, TopologyError> {
+    let mut half_edges = HalfEdges::new();
     let mut last_seen = vec![usize::MAX; vertex_count];
     for (face, boundary) in faces.iter().enumerate() {
         if boundary.len() < 3 {
             return Err(TopologyError::ShortFace { face, found: boundary.len() });
         }
         for &v in boundary {
-            match last_seen.get_mut(v as usize) {
-                None => return Err(TopologyError::NoSuchVertex { face, found: v, last: vertex_count - 1 }),
-                Some(seen) if *seen == face => return Err(TopologyError::VertexTwice { face, vertex: v }),
+            match last_seen.get_mut(v.index()) {
+                None => return Err(TopologyError::NoSuchVertex { face, found: v.0, last: vertex_count - 1 }),
+                Some(seen) if *seen == face => return Err(TopologyError::VertexTwice { face, vertex: v.0 }),
                 Some(seen) => *seen = face,
             }
         }
         for (p, q) in loop_pairs(boundary) {
-            if let Some(first) = half_edges.insert((p, q), face as u32) {
-                return Err(TopologyError::SameDirection { p, q, first: first as usize, second: face });
+            if let Some(first) = half_edges.insert((p, q), FaceId::at(face)) {
+                return Err(TopologyError::SameDirection { p: p.0, q: q.0, first: first.index(), second: face });
             }
         }
     }

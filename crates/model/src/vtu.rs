@@ -3,6 +3,7 @@
 //! Numbers are inline base64 with a length of eight bytes before them, so that every bit arrives; VTK's reader of decimals
 //! gives up at subnormal numbers. Polyhedra are face streams (`faces`, `faceoffsets`), which all versions read.
 
+use crate::topology::VertexId;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use quick_xml::Writer;
@@ -55,13 +56,13 @@ pub struct Polyhedra {
 
 impl Polyhedra {
     /// Adds a cell on `count` points from number `first`; its faces number them from 0.
-    pub fn push(&mut self, first: usize, count: usize, faces: &[Vec<u32>]) {
+    pub fn push(&mut self, first: usize, count: usize, faces: &[Vec<VertexId>]) {
         self.connectivity.extend((first..first + count).map(|point| point as i64));
         self.offsets.push(self.connectivity.len() as i64);
         self.faces.push(faces.len() as i64);
         for face in faces {
             self.faces.push(face.len() as i64);
-            self.faces.extend(face.iter().map(|&vertex| first as i64 + i64::from(vertex)));
+            self.faces.extend(face.iter().map(|&vertex| first as i64 + i64::from(vertex.0)));
         }
         self.face_offsets.push(self.faces.len() as i64);
     }

@@ -4,7 +4,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rockproof_model::scene::SceneFormat;
-use rockproof_model::{LoadOptions, Merged, Number, Scene};
+use rockproof_model::{LoadOptions, Merged, Number, Scene, VertexId};
 use std::path::{Path, PathBuf};
 
 fn fixture(name: &str) -> PathBuf {
@@ -458,7 +458,7 @@ fn ply_is_read_as_text_and_in_either_byte_order() {
         let scene = read(&binary_ply(big_endian), SceneFormat::Ply).unwrap();
         // Of a float the f32, exactly.
         assert_eq!(volumes(&scene), [f64::from(0.1f32)]);
-        assert_eq!(scene.blocks[0].block.topology().faces()[0], [0, 3, 2, 1]);
+        assert_eq!(scene.blocks[0].block.topology().faces()[0], [0, 3, 2, 1].map(VertexId));
     }
 }
 

@@ -3,7 +3,9 @@
 use num_rational::BigRational;
 use proptest::prelude::*;
 use rockproof_model::scene::{SceneFormat, losses, write, write_toml};
-use rockproof_model::{Block, Criteria, LoadOptions, Merged, Motion, Number, Precision, Scene, SceneBlock, Vec3};
+use rockproof_model::{
+    Block, Criteria, EdgeId, LoadOptions, Merged, Motion, Number, Precision, Scene, SceneBlock, Vec3, VertexId,
+};
 use std::path::{Path, PathBuf};
 
 fn real(name: &str) -> PathBuf {
@@ -111,7 +113,7 @@ fn triangles_of_a_concave_block_become_its_faces() {
     let scene = Scene::load(fixture("l_block_triangles.obj")).unwrap();
     let block = &scene.blocks[0].block;
     assert_eq!((block.topology().faces().len(), block.topology().edges().len()), (8, 18));
-    let reflex = (0..18).filter(|&e| !block.edge_is_convex(e)).count();
+    let reflex = (0..18).filter(|&e| !block.edge_is_convex(EdgeId(e))).count();
     assert_eq!(reflex, 1);
     assert_eq!(volume(&scene), 4.0);
 }
@@ -164,8 +166,8 @@ fn again(scene: &Scene, format: SceneFormat) -> Scene {
 
 /// The corners of a block's faces, each face from its least corner on, in order: what is left where vertices and faces are renumbered.
 fn polygons(block: &Block) -> Vec<Vec<[Number; 3]>> {
-    let polygon = |face: &Vec<u32>| {
-        let corner = |&v: &u32| block.vertices()[v as usize].map(Number::clone);
+    let polygon = |face: &Vec<VertexId>| {
+        let corner = |&v: &VertexId| block.vertices()[v.index()].map(Number::clone);
         let corners: Vec<[Number; 3]> = face.iter().map(corner).map(|v| [v.x, v.y, v.z]).collect();
         let least = (0..corners.len()).min_by_key(|&k| &corners[k]).unwrap();
         [&corners[least..], &corners[..least]].concat()

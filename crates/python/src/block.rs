@@ -70,13 +70,13 @@ impl PyBlock {
     /// The edges, each by its two vertices. A contact names an edge by its place in this list.
     #[getter]
     fn edges(&self) -> Vec<(u32, u32)> {
-        self.0.topology().edges().iter().map(|edge| (edge.p, edge.q)).collect()
+        self.0.topology().edges().iter().map(|edge| (edge.p.0, edge.q.0)).collect()
     }
 
     /// The faces: loops of vertex numbers, counter-clockwise seen from outside.
     #[getter]
     fn faces(&self) -> Vec<Vec<u32>> {
-        self.0.topology().faces().to_vec()
+        self.0.topology().faces().iter().map(|face| face.iter().map(|vertex| vertex.0).collect()).collect()
     }
 
     /// Whether all edges are convex.

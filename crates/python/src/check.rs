@@ -62,7 +62,7 @@ impl From<&BrokenRule> for Violation {
             found: broken.found,
             allowed: broken.allowed,
             block: broken.place.map(|place| place.block),
-            edge: broken.place.and_then(|place| place.edge),
+            edge: broken.place.and_then(|place| place.edge).map(|(p, q)| (p.0, q.0)),
             remedy: broken.remedy.clone(),
             text: broken.to_string(),
         }

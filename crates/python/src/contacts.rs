@@ -35,37 +35,37 @@ impl PyContact {
     /// "v-v", "v-e", "e-v", "v-f", "f-v" or "e-e"; A's feature is named first.
     #[getter]
     fn kind(&self) -> &'static str {
-        self.contact.kind.name()
+        self.contact.kind().name()
     }
 
     /// A's feature: its place among the block's vertices, edges or faces, by `kind`.
     #[getter]
     fn feature_a(&self) -> u32 {
-        self.contact.a
+        self.contact.key.numbers()[0]
     }
 
     /// B's feature, likewise.
     #[getter]
     fn feature_b(&self) -> u32 {
-        self.contact.b
+        self.contact.key.numbers()[1]
     }
 
     /// The features that span the entrance plane: "v-f", "f-v" or "e-e".
     #[getter]
     fn entrance(&self) -> &'static str {
-        self.contact.entrance.kind.name()
+        self.contact.entrance.kind().name()
     }
 
     /// A's feature of the entrance plane.
     #[getter]
     fn entrance_a(&self) -> u32 {
-        self.contact.entrance.a
+        self.contact.entrance.numbers()[0]
     }
 
     /// B's feature of the entrance plane.
     #[getter]
     fn entrance_b(&self) -> u32 {
-        self.contact.entrance.b
+        self.contact.entrance.numbers()[1]
     }
 
     /// 1 apart, 0 touching, -1 overlapping.
@@ -119,7 +119,7 @@ impl PyContact {
     }
 
     fn __repr__(&self) -> String {
-        let Contact { kind, a, b, .. } = self.contact;
+        let (kind, [a, b]) = (self.contact.kind(), self.contact.key.numbers());
         format!("<Contact {kind} {a},{b}: gap {:?} m>", self.gap_m())
     }
 }

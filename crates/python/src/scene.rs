@@ -243,7 +243,8 @@ impl PyScene {
 
 fn contact(blocks: [usize; 2], contact: &Contact, mode: &'static str, gap_m: f64) -> StepContact {
     let [i, j] = blocks;
-    StepContact { blocks: (i, j), kind: contact.kind.name(), feature_a: contact.a, feature_b: contact.b, mode, gap_m }
+    let [feature_a, feature_b] = contact.key.numbers();
+    StepContact { blocks: (i, j), kind: contact.kind().name(), feature_a, feature_b, mode, gap_m }
 }
 
 fn of_floats<R: Solve>(dynamics: &Dynamics<R>, report: &StepReport) -> PyResult<Step> {

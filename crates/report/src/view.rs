@@ -6,9 +6,8 @@
 use earcut::Earcut;
 use earcut::utils3d::project3d_to_2d;
 use rockproof_differential::case_file::{Case, ContactRow};
-use rockproof_differential::compare::contact_features;
 use rockproof_model::decision::{Feature, Side};
-use rockproof_model::{Block, Contact, ContactKind, Number, Point, Sign};
+use rockproof_model::{Block, Contact, Number, Point, Sign};
 use rockproof_oracle::rational::Rational;
 use rockproof_oracle::{Pair, PreparedBlock};
 use serde_json::{Value, json};
@@ -32,7 +31,7 @@ impl ViewedContact {
     /// `v-f 3/1 through v-f 3/1`.
     pub fn name(&self) -> String {
         let c = &self.contact;
-        format!("{} {}/{} through {} {}/{}", c.kind, c.a, c.b, c.entrance.kind, c.entrance.a, c.entrance.b)
+        format!("{} through {}", c.key, c.entrance)
     }
 
     /// Who has it.
@@ -71,14 +70,8 @@ pub fn contacts(case: &Case) -> Vec<ViewedContact> {
 
 /// Whether a contact names features that the blocks have: files can say anything.
 fn exists(case: &Case, contact: &Contact) -> bool {
-    let Some(kind) = ContactKind::from_name(contact.entrance.kind.name()) else { return false };
-    let entrance = Contact { kind, a: contact.entrance.a, b: contact.entrance.b, ..*contact };
-    let has = |feature: Feature| match feature {
-        Feature::Vertex(side, v) => (v as usize) < block(case, side).vertices().len(),
-        Feature::Edge(side, e) => (e as usize) < block(case, side).topology().edges().len(),
-        Feature::Face(side, f) => (f as usize) < block(case, side).topology().faces().len(),
-    };
-    contact_features(contact).into_iter().chain(contact_features(&entrance)).all(has)
+    let has = |feature: Feature| feature.is_in(block(case, feature.side()).topology());
+    contact.key.features().into_iter().chain(contact.entrance.features()).all(has)
 }
 
 fn block(case: &Case, side: Side) -> &Block {
@@ -131,15 +124,15 @@ impl<'c> BlockView<'c> {
         let (Feature::Vertex(side, _) | Feature::Edge(side, _) | Feature::Face(side, _)) = feature;
         let (places, topology) = (self.places(side), block(self.case, side).topology());
         match feature {
-            Feature::Vertex(_, v) => vec![[places[v as usize]; 2]],
+            Feature::Vertex(_, v) => vec![[places[v.index()]; 2]],
             Feature::Edge(_, e) => {
-                let edge = topology.edges()[e as usize];
-                vec![[places[edge.p as usize], places[edge.q as usize]]]
+                let edge = topology.edge(e);
+                vec![[places[edge.p.index()], places[edge.q.index()]]]
             }
             Feature::Face(_, f) => {
-                let face = &topology.faces()[f as usize];
+                let face = topology.face(f);
                 let next = face.iter().cycle().skip(1);
-                face.iter().zip(next).map(|(&p, &q)| [places[p as usize], places[q as usize]]).collect()
+                face.iter().zip(next).map(|(&p, &q)| [places[p.index()], places[q.index()]]).collect()
             }
         }
     }
@@ -155,13 +148,13 @@ impl<'c> BlockView<'c> {
     }
 
     fn contact(&self, seen: &ViewedContact, number: usize) -> Vec<Value> {
-        let features = contact_features(&seen.contact);
+        let features = seen.contact.key.features();
         let (color, word) = match seen.who() {
             "true" => ("$true", "true"),
             "seen" => ("$seen", "seen"),
             _ => ("$both", "in both"),
         };
-        let name = format!("{word}: {} {}/{}", seen.contact.kind, seen.contact.a, seen.contact.b);
+        let name = format!("{word}: {}", seen.contact.key);
         let group = format!("contact {number}");
         let text = format!("{word}: {}, gap {:?} m", seen.name(), seen.gap_m);
         let outlines: Vec<[ViewPoint; 2]> = features.iter().flat_map(|&f| self.outline(f)).collect();
@@ -202,7 +195,7 @@ pub(crate) fn triangles(block: &Block, places: &[ViewPoint]) -> [Vec<u32>; 3] {
     let mut corners: [Vec<u32>; 3] = Default::default();
     let mut cutter = Earcut::new();
     for face in block.topology().faces() {
-        let around: Vec<ViewPoint> = face.iter().map(|&v| places[v as usize]).collect();
+        let around: Vec<ViewPoint> = face.iter().map(|&v| places[v.index()]).collect();
         let mut flat = Vec::new();
         let mut triangles: Vec<u32> = Vec::new();
         if project3d_to_2d(&around, around.len(), &mut flat) {
@@ -210,7 +203,7 @@ pub(crate) fn triangles(block: &Block, places: &[ViewPoint]) -> [Vec<u32>; 3] {
         }
         for triangle in triangles.chunks_exact(3) {
             for (list, &corner) in corners.iter_mut().zip(triangle) {
-                list.push(face[corner as usize]);
+                list.push(face[corner as usize].0);
             }
         }
     }
@@ -219,7 +212,7 @@ pub(crate) fn triangles(block: &Block, places: &[ViewPoint]) -> [Vec<u32>; 3] {
 
 /// The ends of a block's edges.
 pub(crate) fn edges(block: &Block, places: &[ViewPoint]) -> Vec<[ViewPoint; 2]> {
-    block.topology().edges().iter().map(|e| [places[e.p as usize], places[e.q as usize]]).collect()
+    block.topology().edges().iter().map(|e| [places[e.p.index()], places[e.q.index()]]).collect()
 }
 
 /// Coordinates for the eye: seven digits are more than the f32 of a graphics card hold.

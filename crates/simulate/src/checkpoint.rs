@@ -1,7 +1,7 @@
 //! A state as text, from which a resumed run is bit-identical.
 
 use crate::exact_float::ExactFloat;
-use rockproof_model::{Contact, ContactKind, Entrance, EntranceKind, Sign};
+use rockproof_model::{Contact, ContactKey, ContactKind, Entrance, EntranceKind, Sign};
 use rockproof_stepper::dynamics::{BlockState, ContactState, Mode, State};
 use rockproof_stepper::{Real, Vector};
 use serde::{Deserialize, Serialize};
@@ -125,10 +125,10 @@ impl SavedContact {
         let ContactState { blocks, contact, mode, anchors, gap, normal, points, force } = state;
         SavedContact {
             blocks: *blocks,
-            kind: contact.kind.name().to_owned(),
-            features: [contact.a, contact.b],
-            entrance: contact.entrance.kind.name().to_owned(),
-            entrance_features: [contact.entrance.a, contact.entrance.b],
+            kind: contact.kind().name().to_owned(),
+            features: contact.key.numbers(),
+            entrance: contact.entrance.kind().name().to_owned(),
+            entrance_features: contact.entrance.numbers(),
             gap_sign: contact.gap.as_i8(),
             mode: mode.name().to_owned(),
             anchors: anchors.map(triple),
@@ -144,15 +144,12 @@ impl SavedContact {
         let kind = ContactKind::from_name(&self.kind).ok_or(InvalidState::Word)?;
         let entrance = EntranceKind::from_name(&self.entrance).ok_or(InvalidState::Word)?;
         let mode = Mode::from_name(&self.mode).ok_or(InvalidState::Word)?;
-        let ([a, b], [entrance_a, entrance_b]) = (self.features, self.entrance_features);
         let two = |points: &[Triple; 2]| Ok([vector(&points[0])?, vector(&points[1])?]);
         Ok(ContactState {
             blocks: self.blocks,
             contact: Contact {
-                kind,
-                a,
-                b,
-                entrance: Entrance { kind: entrance, a: entrance_a, b: entrance_b },
+                key: ContactKey::of_kind(kind, self.features),
+                entrance: Entrance::of_kind(entrance, self.entrance_features),
                 gap: sign.ok_or(InvalidState::Word)?,
             },
             mode,
@@ -211,10 +208,8 @@ mod tests {
         let contact = |kind, mode, v: &mut dyn FnMut() -> Vector<R>| ContactState {
             blocks: [0, 2],
             contact: Contact {
-                kind,
-                a: 3,
-                b: 4,
-                entrance: Entrance { kind: EntranceKind::FaceVertex, a: 5, b: 6 },
+                key: ContactKey::of_kind(kind, [3, 4]),
+                entrance: Entrance::of_kind(EntranceKind::FaceVertex, [5, 6]),
                 gap: Sign::Negative,
             },
             mode,

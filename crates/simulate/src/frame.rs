@@ -34,7 +34,7 @@ fn dot(a: Point, b: Point) -> f64 {
 fn volume_and_centroid(topology: &Topology, points: &[Point]) -> (f64, Point) {
     let (mut six_volumes, mut moment) = (0.0, [0.0; 3]);
     for face in topology.faces() {
-        let at = |k: usize| minus(points[face[k] as usize], points[0]);
+        let at = |k: usize| minus(points[face[k].index()], points[0]);
         for k in 1..face.len() - 1 {
             let (a, b, c) = (at(0), at(k), at(k + 1));
             let weight = dot(a, cross(b, c));
@@ -122,7 +122,7 @@ pub fn contacts<R: Real>(state: &State<R>) -> UnstructuredGrid {
         cells: Cells::Vertices,
         point_data: vec![
             DataArray::integers("blocks", BLOCKS, all.iter().flat_map(|c| c.blocks.map(i64::from)).collect()),
-            DataArray::integers("kind", SCALAR, integers(&|c| c.contact.kind as i64)),
+            DataArray::integers("kind", SCALAR, integers(&|c| c.contact.kind() as i64)),
             DataArray::integers("mode", SCALAR, integers(&|c| c.mode as i64)),
             DataArray::floats("gap", SCALAR, all.iter().map(|c| c.gap.to_f64()).collect()),
             DataArray::floats("normal", VECTOR, vectors(&|c| c.normal)),

@@ -293,7 +293,7 @@ fn describe(stopped: &StepError) -> Value {
             value["step"] = (*step).into();
             let contact = |c: &rockproof_stepper::dynamics::ModeChange| {
                 json!({
-                    "blocks": c.blocks, "kind": c.kind.name(), "features": c.features,
+                    "blocks": c.blocks, "kind": c.contact.kind().name(), "features": c.contact.numbers(),
                     "from": c.from.name(), "to": c.to.name(),
                 })
             };

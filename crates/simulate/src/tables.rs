@@ -101,9 +101,11 @@ pub fn contact_rows<R: Real>(report: &StepReport, state: &State<R>) -> Vec<Vec<S
     let row = |c: &rockproof_stepper::dynamics::ContactState<R>| {
         let ([block_a, block_b], contact) = (c.blocks.map(|b| b.to_string()), c.contact);
         let mut row = vec![report.step.to_string(), number(report.time), block_a, block_b];
-        row.extend([contact.kind.name().to_owned(), contact.a.to_string(), contact.b.to_string()]);
+        row.push(contact.kind().name().to_owned());
+        row.extend(contact.key.numbers().map(|number| number.to_string()));
         let entrance = contact.entrance;
-        row.extend([entrance.kind.name().to_owned(), entrance.a.to_string(), entrance.b.to_string()]);
+        row.push(entrance.kind().name().to_owned());
+        row.extend(entrance.numbers().map(|number| number.to_string()));
         row.extend([c.mode.name().to_owned(), number(c.gap.to_f64())]);
         row.extend([c.points[0], c.normal, c.force].into_iter().flat_map(components).map(number));
         row

@@ -34,7 +34,7 @@ impl ModelLengths {
             [&auto.max_displacement, &auto.penetration, &auto.max_rotation].map(Number::approximate);
         let edges = |block: &Block, fold: fn(f64, f64) -> f64, first: f64| {
             let squared = |e: &rockproof_model::topology::Edge| {
-                let [p, q] = [e.p, e.q].map(|v| block.vertices()[v as usize].map(Number::approximate));
+                let [p, q] = [e.p, e.q].map(|v| block.vertices()[v.index()].map(Number::approximate));
                 [q.x - p.x, q.y - p.y, q.z - p.z].iter().map(|c| c * c).sum::<f64>()
             };
             block.topology().edges().iter().map(squared).fold(first, fold)

@@ -2,7 +2,7 @@
 
 use super::shapes::{Metres, metres};
 use super::svg::{At, INK, Svg, shaded};
-use rockproof_model::Block;
+use rockproof_model::{Block, FaceId, VertexId};
 
 /// Where a picture is seen from, and where on the page it goes. No trigonometry: a direction and square roots give the
 /// same bits everywhere.
@@ -35,16 +35,16 @@ impl Camera {
     }
 
     /// Draws the faces of a convex block that face the camera; `tint` replaces the colour of one of them.
-    pub(super) fn block(&self, svg: &mut Svg, block: &Block, colour: [u8; 3], tint: Option<(u32, &str)>) {
-        for (f, corners) in block.topology().faces().iter().enumerate() {
-            let normal = normal_of(block, f as u32);
+    pub(super) fn block(&self, svg: &mut Svg, block: &Block, colour: [u8; 3], tint: Option<(FaceId, &str)>) {
+        for (f, corners) in (0..).map(FaceId).zip(block.topology().faces()) {
+            let normal = normal_of(block, f);
             if !self.sees(normal) {
                 continue;
             }
             let points: Vec<At> = corners.iter().map(|&v| self.at(vertex(block, v))).collect();
             let light = 0.62 + 0.38 * dot(unit(normal), unit([-1.0, -2.0, 5.0])).max(0.0);
             match tint {
-                Some((face, fill)) if face as usize == f => svg.polygon(&points, fill, INK),
+                Some((face, fill)) if face == f => svg.polygon(&points, fill, INK),
                 _ => svg.polygon(&points, &shaded(colour, light), INK),
             }
         }
@@ -52,13 +52,13 @@ impl Camera {
 }
 
 /// A vertex in f64.
-pub(super) fn vertex(block: &Block, vertex: u32) -> Metres {
-    metres(&block.vertices()[vertex as usize])
+pub(super) fn vertex(block: &Block, vertex: VertexId) -> Metres {
+    metres(&block.vertices()[vertex.index()])
 }
 
 /// The outward normal of a face, of any length.
-pub(super) fn normal_of(block: &Block, face: u32) -> Metres {
-    let corners = &block.topology().faces()[face as usize];
+pub(super) fn normal_of(block: &Block, face: FaceId) -> Metres {
+    let corners = block.topology().face(face);
     let [a, b, c] = [0, 1, 2].map(|k| vertex(block, corners[k]));
     cross(minus(b, a), minus(c, b))
 }

@@ -3,7 +3,9 @@
 use super::axonometric::{Camera, cross, dot, minus, normal_of, plus, scaled, unit, vertex};
 use super::shapes::{Metres, number, parallelepiped, prism, pyramid};
 use super::svg::{ACCENT, At, BLOCK_A, BLOCK_B, HEADING, PLAIN, SMALL, Svg};
-use rockproof_model::{Block, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, ToleranceSet};
+use rockproof_model::{
+    Block, Contact, ContactKey, ContactKind, Criteria, EdgeId, Entrance, FaceId, Number, ToleranceSet,
+};
 use rockproof_oracle::{Gap, Pair, PreparedBlock};
 
 const PANEL: At = (240.0, 318.0);
@@ -76,15 +78,15 @@ fn draw_panel(svg: &mut Svg, panel: &Panel, left: f64) {
     let [contact] = contacts.as_slice() else { panic!("{}: one contact is drawn, found {contacts:?}", panel.heading) };
 
     let camera = Camera::new([3.0, -5.0, 2.1], (left + PANEL.0 / 2.0 + 8.0, 186.0), 52.0);
-    let touched = match contact.kind {
-        ContactKind::VertexFace => Some((contact.b, TINT)),
+    let touched = match contact.key {
+        ContactKey::VertexFace(_, face) => Some((face, TINT)),
         _ => None,
     };
     let edges = touched_edges(contact);
-    let block = |svg: &mut Svg, block: &Block, colour, tint, edge: Option<u32>| {
+    let block = |svg: &mut Svg, block: &Block, colour, tint, edge: Option<EdgeId>| {
         camera.block(svg, block, colour, tint);
         if let Some(edge) = edge {
-            let ends = block.topology().edges()[edge as usize];
+            let ends = block.topology().edge(edge);
             svg.line(camera.at(vertex(block, ends.p)), camera.at(vertex(block, ends.q)), ACCENT, 3.0, None);
         }
     };
@@ -105,7 +107,7 @@ fn draw_panel(svg: &mut Svg, panel: &Panel, left: f64) {
         svg.text((left + 16.0, camera.at(centre(block)).1 + 5.0), HEADING, name);
     }
 
-    let name = contact.kind.name();
+    let name = contact.kind().name();
     svg.text((left + 16.0, 28.0), HEADING, &format!("{name}   {}", panel.heading));
     svg.text((left + 16.0, PANEL.1 - 34.0), PLAIN, &described(contact));
     let gap = metres_of(&pair.gap(&contact.entrance));
@@ -113,7 +115,7 @@ fn draw_panel(svg: &mut Svg, panel: &Panel, left: f64) {
 }
 
 fn described(contact: &Contact) -> String {
-    let [a, b] = match contact.kind {
+    let [a, b] = match contact.kind() {
         ContactKind::VertexVertex => ["vertex", "vertex"],
         ContactKind::VertexEdge => ["vertex", "edge"],
         ContactKind::EdgeVertex => ["edge", "vertex"],
@@ -121,12 +123,14 @@ fn described(contact: &Contact) -> String {
         ContactKind::FaceVertex => ["face", "vertex"],
         ContactKind::EdgeEdge => ["edge", "edge"],
     };
-    format!("{a} {} of A, {b} {} of B", contact.a, contact.b)
+    let [number_a, number_b] = contact.key.numbers();
+    format!("{a} {number_a} of A, {b} {number_b} of B")
 }
 
 /// The kind and features of an entrance, in few letters.
 pub(super) fn plane(entrance: &Entrance) -> String {
-    format!("{} ({}, {})", entrance.kind, entrance.a, entrance.b)
+    let [a, b] = entrance.numbers();
+    format!("{} ({a}, {b})", entrance.kind())
 }
 
 /// A gap in metres, with its sign.
@@ -136,25 +140,25 @@ pub(super) fn metres_of(gap: &Gap) -> String {
 }
 
 /// The edges of A and of B that a contact is on.
-fn touched_edges(contact: &Contact) -> [Option<u32>; 2] {
-    match contact.kind {
-        ContactKind::VertexEdge => [None, Some(contact.b)],
-        ContactKind::EdgeVertex => [Some(contact.a), None],
-        ContactKind::EdgeEdge => [Some(contact.a), Some(contact.b)],
+fn touched_edges(contact: &Contact) -> [Option<EdgeId>; 2] {
+    match contact.key {
+        ContactKey::VertexEdge(_, edge) => [None, Some(edge)],
+        ContactKey::EdgeVertex(edge, _) => [Some(edge), None],
+        ContactKey::EdgeEdge(edge_a, edge_b) => [Some(edge_a), Some(edge_b)],
         _ => [None, None],
     }
 }
 
 /// Where a contact is on each block.
 pub(super) fn contact_points(a: &Block, b: &Block, contact: &Contact) -> [Metres; 2] {
-    match contact.kind {
-        ContactKind::VertexVertex => [vertex(a, contact.a), vertex(b, contact.b)],
-        ContactKind::VertexEdge => [vertex(a, contact.a), foot_on_edge(vertex(a, contact.a), b, contact.b)],
-        ContactKind::EdgeVertex => [foot_on_edge(vertex(b, contact.b), a, contact.a), vertex(b, contact.b)],
-        ContactKind::VertexFace => [vertex(a, contact.a), foot_on_face(vertex(a, contact.a), b, contact.b)],
-        ContactKind::FaceVertex => [foot_on_face(vertex(b, contact.b), a, contact.a), vertex(b, contact.b)],
-        ContactKind::EdgeEdge => {
-            let ((p, d), (q, e)) = (edge(a, contact.a), edge(b, contact.b));
+    match contact.key {
+        ContactKey::VertexVertex(v, w) => [vertex(a, v), vertex(b, w)],
+        ContactKey::VertexEdge(v, e) => [vertex(a, v), foot_on_edge(vertex(a, v), b, e)],
+        ContactKey::EdgeVertex(e, v) => [foot_on_edge(vertex(b, v), a, e), vertex(b, v)],
+        ContactKey::VertexFace(v, f) => [vertex(a, v), foot_on_face(vertex(a, v), b, f)],
+        ContactKey::FaceVertex(f, v) => [foot_on_face(vertex(b, v), a, f), vertex(b, v)],
+        ContactKey::EdgeEdge(edge_a, edge_b) => {
+            let ((p, d), (q, e)) = (edge(a, edge_a), edge(b, edge_b));
             let n = cross(d, e);
             let along = |other: Metres| dot(cross(minus(q, p), other), n) / dot(n, n);
             [plus(p, scaled(d, along(e))), plus(q, scaled(e, along(d)))]
@@ -162,29 +166,29 @@ pub(super) fn contact_points(a: &Block, b: &Block, contact: &Contact) -> [Metres
     }
 }
 
-fn edge(block: &Block, edge: u32) -> (Metres, Metres) {
-    let ends = block.topology().edges()[edge as usize];
+fn edge(block: &Block, edge: EdgeId) -> (Metres, Metres) {
+    let ends = block.topology().edge(edge);
     (vertex(block, ends.p), minus(vertex(block, ends.q), vertex(block, ends.p)))
 }
 
-fn foot_on_edge(point: Metres, block: &Block, number: u32) -> Metres {
+fn foot_on_edge(point: Metres, block: &Block, number: EdgeId) -> Metres {
     let (p, d) = edge(block, number);
     plus(p, scaled(d, dot(minus(point, p), d) / dot(d, d)))
 }
 
-fn foot_on_face(point: Metres, block: &Block, face: u32) -> Metres {
+fn foot_on_face(point: Metres, block: &Block, face: FaceId) -> Metres {
     let n = unit(normal_of(block, face));
-    let in_plane = vertex(block, block.topology().faces()[face as usize][0]);
+    let in_plane = vertex(block, block.topology().face(face)[0]);
     minus(point, scaled(n, dot(n, minus(point, in_plane))))
 }
 
 /// The normal of an entrance from B to A, for blocks that are apart.
 pub(super) fn entrance_normal(a: &Block, b: &Block, entrance: &Entrance) -> Metres {
-    match entrance.kind {
-        EntranceKind::VertexFace => normal_of(b, entrance.b),
-        EntranceKind::FaceVertex => scaled(normal_of(a, entrance.a), -1.0),
-        EntranceKind::EdgeEdge => {
-            let ((p, d), (q, e)) = (edge(a, entrance.a), edge(b, entrance.b));
+    match *entrance {
+        Entrance::VertexFace(_, face) => normal_of(b, face),
+        Entrance::FaceVertex(face, _) => scaled(normal_of(a, face), -1.0),
+        Entrance::EdgeEdge(edge_a, edge_b) => {
+            let ((p, d), (q, e)) = (edge(a, edge_a), edge(b, edge_b));
             let n = cross(d, e);
             if dot(n, minus(p, q)) < 0.0 { scaled(n, -1.0) } else { n }
         }
@@ -193,5 +197,5 @@ pub(super) fn entrance_normal(a: &Block, b: &Block, entrance: &Entrance) -> Metr
 
 fn centre(block: &Block) -> Metres {
     let count = block.vertices().len();
-    scaled((0..count as u32).map(|v| vertex(block, v)).fold([0.0; 3], plus), 1.0 / count as f64)
+    scaled(block.topology().vertex_ids().map(|v| vertex(block, v)).fold([0.0; 3], plus), 1.0 / count as f64)
 }

@@ -7,7 +7,7 @@ use super::contact_types::{
 use super::shapes::Metres;
 use super::svg::{ACCENT, At, BLOCK_A, BLOCK_B, GREY, HEADING, PLAIN, SMALL, Svg, Text};
 use rockproof_model::decision::{Feature, Predicate};
-use rockproof_model::{Block, Entrance, EntranceKind, Number};
+use rockproof_model::{Block, Entrance, Number};
 use rockproof_oracle::{Gap, Pair, PreparedBlock, TraceEntry};
 
 const PANEL: At = (214.0, 318.0);
@@ -111,9 +111,9 @@ fn entrance_asked(entry: &TraceEntry) -> Option<Entrance> {
         return None;
     }
     match [entry.decision.features[2]?, entry.decision.features[3]?] {
-        [Feature::Vertex(_, a), Feature::Face(_, b)] => Some(Entrance { kind: EntranceKind::VertexFace, a, b }),
-        [Feature::Face(_, a), Feature::Vertex(_, b)] => Some(Entrance { kind: EntranceKind::FaceVertex, a, b }),
-        [Feature::Edge(_, a), Feature::Edge(_, b)] => Some(Entrance { kind: EntranceKind::EdgeEdge, a, b }),
+        [Feature::Vertex(_, a), Feature::Face(_, b)] => Some(Entrance::VertexFace(a, b)),
+        [Feature::Face(_, a), Feature::Vertex(_, b)] => Some(Entrance::FaceVertex(a, b)),
+        [Feature::Edge(_, a), Feature::Edge(_, b)] => Some(Entrance::EdgeEdge(a, b)),
         _ => None,
     }
 }

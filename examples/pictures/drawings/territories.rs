@@ -5,7 +5,7 @@
 
 use super::shapes::{Metres, block, metres, number};
 use super::svg::{At, GREY, HEADING, INK, PLAIN, SMALL, Svg};
-use rockproof_model::{Block, ContactKind, Criteria, Number, ToleranceSet};
+use rockproof_model::{Block, ContactKind, Criteria, Number, ToleranceSet, VertexId};
 use rockproof_oracle::{Pair, PreparedBlock as OracleSolid};
 use rockproof_stepper::contact::{ContactRules, SpecRules};
 use rockproof_stepper::{PreparedBlock, Tolerances};
@@ -84,7 +84,7 @@ fn needle(x: f64, y: f64) -> Block {
 fn kind_at(sliver: &OracleSolid, t: &ToleranceSet, x: f64, y: f64) -> Option<ContactKind> {
     let needle = OracleSolid::new(&needle(x, y));
     let contacts = Pair::new(&needle, sliver).classify(t).contacts;
-    contacts.into_iter().find(|contact| contact.kind != ContactKind::EdgeEdge).map(|contact| contact.kind)
+    contacts.into_iter().find(|contact| contact.kind() != ContactKind::EdgeEdge).map(|contact| contact.kind())
 }
 
 fn draw_panel(svg: &mut Svg, t: &ToleranceSet, heading: &str, top: f64) {
@@ -118,13 +118,15 @@ fn draw_kinds(svg: &mut Svg, sliver: &OracleSolid, t: &ToleranceSet, at: impl Fn
 fn draw_radii(svg: &mut Svg, block: &Block, t: &ToleranceSet, at: impl Fn([f64; 2]) -> At) {
     let solid = PreparedBlock::<f64>::new(block).expect("the sliver has extent");
     let t = Tolerances::<f64>::new(t).expect("the tolerances are finite");
-    for v in 0..OUTLINE.len() as u32 {
+    for v in (0..OUTLINE.len()).map(VertexId::at) {
         let radius = SpecRules::vertex_radius(&t, solid.vertex(v).shortest);
-        let [x, y, _] = metres(&block.vertices()[v as usize]);
+        let [x, y, _] = metres(&block.vertices()[v.index()]);
         svg.ring(at([x, y]), radius * SCALE, GREY);
     }
     for k in 0..OUTLINE.len() as u32 {
-        let Some(e) = block.topology().edge_between(k, (k + 1) % OUTLINE.len() as u32) else { continue };
+        let Some(e) = block.topology().edge_between(VertexId(k), VertexId((k + 1) % OUTLINE.len() as u32)) else {
+            continue;
+        };
         let ridge = solid.edge(e);
         let [left, right] = solid.widths(e);
         let radius = SpecRules::edge_radius(&t, left, right);

@@ -12,7 +12,7 @@ use rockproof_model::block::face_normal;
 use rockproof_model::decision::Side;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Vec3};
+use rockproof_model::{Block, FaceId, Vec3};
 
 /// The faces of a block as directions in f64, each taken as exact: how far the block reaches along them.
 pub(super) struct FacePlanes {
@@ -48,7 +48,7 @@ impl FacePlanes {
 pub(super) fn separating_face(pair: &Pair<'_>, planes: [&FacePlanes; 2]) -> Option<Decider> {
     let size = planes[0].largest.max(planes[1].largest);
     let error = planes[0].error.max(planes[1].error);
-    let mut open: Vec<(Side, u32)> = Vec::new();
+    let mut open: Vec<(Side, FaceId)> = Vec::new();
     for side in [Side::A, Side::B] {
         let (own, other) = (planes[usize::from(side == Side::B)], pair.solid(side.other()));
         for (face, &(n, reach)) in own.directions.iter().enumerate() {
@@ -64,7 +64,7 @@ pub(super) fn separating_face(pair: &Pair<'_>, planes: [&FacePlanes; 2]) -> Opti
             }
             // The face's own plane differs from the direction by roundoffs of normals: those of the nearby ones are asked.
             if gap > -4.0 * doubt {
-                open.push((side, face as u32));
+                open.push((side, FaceId::at(face)));
             }
         }
     }
@@ -76,10 +76,10 @@ pub(super) fn separating_face(pair: &Pair<'_>, planes: [&FacePlanes; 2]) -> Opti
 }
 
 /// Whether along a face's normal the other block begins where this one ends, **or beyond**.
-fn separates_exactly(pair: &Pair<'_>, points: &[Vec<Vec3<BigInt>>; 2], side: Side, face: u32) -> bool {
+fn separates_exactly(pair: &Pair<'_>, points: &[Vec<Vec3<BigInt>>; 2], side: Side, face: FaceId) -> bool {
     let k = usize::from(side == Side::B);
     let (own, other) = (&points[k], &points[1 - k]);
-    let n = face_normal(own, &pair.topology(side).faces()[face as usize]);
+    let n = face_normal(own, &pair.topology(side).faces()[face.index()]);
     if Zero::is_zero(&n.norm_squared()) {
         return false;
     }
@@ -119,9 +119,9 @@ pub(super) fn unevenness_squared(block: &Block) -> BigRational {
         }
         // k times the distances times |N|, the plane being that through the mean of the k vertices.
         let k = BigInt::from(face.len());
-        let sum = face.iter().fold(Vec3::zero(), |sum: Vec3<BigInt>, &v| sum.plus(&points[v as usize]));
+        let sum = face.iter().fold(Vec3::zero(), |sum: Vec3<BigInt>, &v| sum.plus(&points[v.index()]));
         let middle = n.dot(&sum);
-        let off = face.iter().map(|&v| (&k * n.dot(&points[v as usize]) - &middle).abs()).max().unwrap_or_default();
+        let off = face.iter().map(|&v| (&k * n.dot(&points[v.index()]) - &middle).abs()).max().unwrap_or_default();
         most = most.max(BigRational::new(&off * &off, square * &k * &k));
     }
     let (units, metres) = lattice.units_per_metre();

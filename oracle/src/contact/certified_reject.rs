@@ -5,7 +5,7 @@
 //! calculated as the polynomials of [`crate::predicate`] calculate theirs, operation by operation, so that the bounds of
 //! those hold for them.
 
-use super::{edge_edge, vertex_face};
+use super::vertex_face;
 use crate::number::Approx;
 use crate::predicate::{
     AbovePlane, BoxesMeet, CommonFoot, GapWithin, LengthTolerance, Polynomial, edges_plane, plane_value,
@@ -13,12 +13,12 @@ use crate::predicate::{
 use crate::sign_ladder::{Classification, Observer};
 use crate::view::View;
 use rockproof_model::decision::Side;
-use rockproof_model::{EntranceKind, Ring};
+use rockproof_model::{ContactKey, EdgeId, EntranceKind, FaceId, Ring, VertexId};
 
 impl<O: Observer> Classification<'_, '_, O> {
     /// Whether a vertex is certainly too far above a face's plane, or too deep below (where the contact is not kept).
     #[inline(always)]
-    pub(crate) fn vertex_face_certainly_fails(&mut self, vertex: (Side, u32), face: (Side, u32)) -> bool {
+    pub(crate) fn vertex_face_certainly_fails(&mut self, vertex: (Side, VertexId), face: (Side, FaceId)) -> bool {
         if O::ACTIVE {
             return false;
         }
@@ -27,7 +27,7 @@ impl<O: Observer> Classification<'_, '_, O> {
             Side::B => EntranceKind::FaceVertex,
         };
         let height = plane_value(&self.float_view(), vertex, face);
-        let size = self.pair.solid(face.0).faces[face.1 as usize].plane_size;
+        let size = self.pair.solid(face.0).faces[face.1.index()].plane_size;
         let sign_bound = self.bound_of::<AbovePlane>(AbovePlane::variant_of(face.0));
         let limit = if height.0 > sign_bound {
             LengthTolerance::Search
@@ -45,7 +45,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// Whether the feet of two edges' common perpendicular are certainly not inside, or the edges certainly too far apart
     /// either way (where the contact is not kept).
     #[inline(always)]
-    pub(crate) fn edges_certainly_fail(&mut self, edge_a: u32, edge_b: u32) -> bool {
+    pub(crate) fn edges_certainly_fail(&mut self, edge_a: EdgeId, edge_b: EdgeId) -> bool {
         if O::ACTIVE {
             return false;
         }
@@ -56,7 +56,7 @@ impl<O: Observer> Classification<'_, '_, O> {
                 let beyond = |limit| self.surely_beyond(EntranceKind::EdgeEdge, limit, apart, size);
                 beyond(LengthTolerance::Search)
                     && beyond(LengthTolerance::Penetration)
-                    && !self.is_kept(edge_edge::contact_of(edge_a, edge_b))
+                    && !self.is_kept(ContactKey::EdgeEdge(edge_a, edge_b))
             };
         self.levels.float += u64::from(fails);
         fails

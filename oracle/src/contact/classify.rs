@@ -8,7 +8,7 @@ use crate::pair::Pair;
 use crate::predicate::{BoxesMeet, Vertex};
 use crate::sign_ladder::{Classification, Observer, Unobserved};
 use rockproof_model::decision::{Decision, Predicate, Side};
-use rockproof_model::{Contact, ContactKey, ContactKind, ToleranceSet};
+use rockproof_model::{Contact, ContactKey, FaceId, ToleranceSet};
 
 /// What the oracle says of a pair.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -89,7 +89,7 @@ impl<O: Observer> Classification<'_, '_, O> {
                 if !self.vertices_out_of_reach(i, j, distance)
                     && let Some(candidate) = self.vertex_vertex(i, j)
                 {
-                    found.push(contact(ContactKind::VertexVertex, i, j, candidate));
+                    found.push(exit_candidate(ContactKey::VertexVertex(i, j), candidate));
                 }
             }
         }
@@ -110,8 +110,8 @@ impl<O: Observer> Classification<'_, '_, O> {
                     && let Some(candidate) = self.vertex_edge((side, v), (side.other(), e))
                 {
                     found.push(match side {
-                        Side::A => contact(ContactKind::VertexEdge, v, e, candidate),
-                        Side::B => contact(ContactKind::EdgeVertex, e, v, candidate),
+                        Side::A => exit_candidate(ContactKey::VertexEdge(v, e), candidate),
+                        Side::B => exit_candidate(ContactKey::EdgeVertex(e, v), candidate),
                     });
                 }
             }
@@ -121,12 +121,12 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// v-f for vertices of A, f-v for vertices of B.
     fn vertex_face_contacts(&mut self, side: Side, own: &Reach, found: &mut Vec<ExitCandidate>) {
         let both_convex = self.pair.a.block.is_convex() && self.pair.b.block.is_convex();
-        let faces = self.pair.topology(side.other()).faces().len() as u32;
+        let faces = self.pair.topology(side.other());
         let beyond = self.kept_vertices_beyond(side, own);
         for &v in own.vertices.iter().chain(&beyond) {
             let vertex: Vertex = (side, v);
-            let mut touched: Vec<(u32, Candidate)> = Vec::new();
-            for face in 0..faces {
+            let mut touched: Vec<(FaceId, Candidate)> = Vec::new();
+            for face in faces.face_ids() {
                 if let Some(candidate) = self.vertex_face(vertex, (side.other(), face)) {
                     touched.push((face, candidate));
                 }
@@ -135,8 +135,8 @@ impl<O: Observer> Classification<'_, '_, O> {
                 self.keep_shortest_exit(vertex, &mut touched);
             }
             found.extend(touched.into_iter().map(|(face, candidate)| match side {
-                Side::A => contact(ContactKind::VertexFace, v, face, candidate),
-                Side::B => contact(ContactKind::FaceVertex, face, v, candidate),
+                Side::A => exit_candidate(ContactKey::VertexFace(v, face), candidate),
+                Side::B => exit_candidate(ContactKey::FaceVertex(face, v), candidate),
             }));
         }
     }
@@ -147,16 +147,16 @@ impl<O: Observer> Classification<'_, '_, O> {
                 if !self.edges_out_of_reach(i, j, distance)
                     && let Some(candidate) = self.edge_edge(i, j)
                 {
-                    found.push(contact(ContactKind::EdgeEdge, i, j, candidate));
+                    found.push(exit_candidate(ContactKey::EdgeEdge(i, j), candidate));
                 }
             }
         }
         for (i, j) in self.kept_edges_beyond(a, b, distance) {
-            found.extend(self.edge_edge(i, j).map(|candidate| contact(ContactKind::EdgeEdge, i, j, candidate)));
+            found.extend(self.edge_edge(i, j).map(|candidate| exit_candidate(ContactKey::EdgeEdge(i, j), candidate)));
         }
     }
 }
 
-fn contact(kind: ContactKind, a: u32, b: u32, candidate: Candidate) -> ExitCandidate {
-    ExitCandidate { contact: Contact { kind, a, b, entrance: candidate.entrance, gap: candidate.gap }, candidate }
+fn exit_candidate(key: ContactKey, candidate: Candidate) -> ExitCandidate {
+    ExitCandidate { contact: Contact { key, entrance: candidate.entrance, gap: candidate.gap }, candidate }
 }

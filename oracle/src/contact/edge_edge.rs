@@ -5,19 +5,14 @@ use super::no_overlap::about_edges;
 use crate::predicate::{CommonFoot, LengthTolerance};
 use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Predicate, Side};
-use rockproof_model::{ContactKey, ContactKind};
-
-/// The e-e contact of two edges.
-pub(super) fn contact_of(edge_a: u32, edge_b: u32) -> ContactKey {
-    ContactKey { kind: ContactKind::EdgeEdge, a: edge_a, b: edge_b }
-}
+use rockproof_model::{ContactKey, EdgeId};
 
 impl<O: Observer> Classification<'_, '_, O> {
     /// Whether two convex edges cross and touch.
     ///
     /// Not nearly parallel, the feet of the common perpendicular strictly inside both, no endpoint in the territory of
     /// the other edge or its ends, `h ≤ s`, not too deep, and the wedges pass.
-    pub(crate) fn edge_edge(&mut self, edge_a: u32, edge_b: u32) -> Option<Candidate> {
+    pub(crate) fn edge_edge(&mut self, edge_a: EdgeId, edge_b: EdgeId) -> Option<Candidate> {
         if !(self.edge_is_convex(Side::A, edge_a) && self.edge_is_convex(Side::B, edge_b)) {
             return None;
         }
@@ -32,7 +27,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         let near = self.decide(
             || about_edges(Predicate::EdgeEdgeNear, edge_a, edge_b),
             |run| run.gap_at_most(&candidate, LengthTolerance::Search),
-        ) && self.not_too_deep(contact_of(edge_a, edge_b), &candidate, || {
+        ) && self.not_too_deep(ContactKey::EdgeEdge(edge_a, edge_b), &candidate, || {
             about_edges(Predicate::EdgeEdgeDepth, edge_a, edge_b)
         });
         if !near || self.an_end_belongs_elsewhere(edge_a, edge_b) {
@@ -42,7 +37,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// Whether both feet of the common perpendicular lie strictly inside; **a tie says no**.
-    fn feet_inside(&mut self, edge_a: u32, edge_b: u32) -> bool {
+    fn feet_inside(&mut self, edge_a: EdgeId, edge_b: EdgeId) -> bool {
         self.decide(
             || about_edges(Predicate::FeetInside, edge_a, edge_b),
             |run| {
@@ -53,9 +48,9 @@ impl<O: Observer> Classification<'_, '_, O> {
         )
     }
 
-    fn an_end_belongs_elsewhere(&mut self, edge_a: u32, edge_b: u32) -> bool {
-        let a = self.pair.topology(Side::A).edges()[edge_a as usize];
-        let b = self.pair.topology(Side::B).edges()[edge_b as usize];
+    fn an_end_belongs_elsewhere(&mut self, edge_a: EdgeId, edge_b: EdgeId) -> bool {
+        let a = *self.pair.topology(Side::A).edge(edge_a);
+        let b = *self.pair.topology(Side::B).edge(edge_b);
         [a.p, a.q].into_iter().any(|end_a| [b.p, b.q].into_iter().any(|end_b| self.share_territory(end_a, end_b)))
             || [a.p, a.q].into_iter().any(|end| self.in_edge_territory((Side::A, end), (Side::B, edge_b)))
             || [b.p, b.q].into_iter().any(|end| self.in_edge_territory((Side::B, end), (Side::A, edge_a)))

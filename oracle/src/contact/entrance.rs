@@ -5,7 +5,7 @@ use super::no_overlap::Passes;
 use crate::predicate::{AbovePlane, Edge, EdgesApart, Factor, GapWithin, LargerGap, LengthTolerance, Vertex};
 use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{ContactKey, Entrance, EntranceKind, Sign};
+use rockproof_model::{ContactKey, EdgeId, Entrance, FaceId, Sign};
 use smallvec::SmallVec;
 
 /// A plane through which the blocks may enter one another.
@@ -32,29 +32,25 @@ pub(crate) type Candidates = SmallVec<[Candidate; 24]>;
 
 impl<O: Observer> Classification<'_, '_, O> {
     /// The plane of a vertex and a face of the other block, with the sign of its gap.
-    pub(crate) fn face_candidate(&mut self, vertex: Vertex, face: u32) -> Candidate {
+    pub(crate) fn face_candidate(&mut self, vertex: Vertex, face: FaceId) -> Candidate {
         let (entrance, turn, face) = match vertex.0 {
-            Side::A => {
-                (Entrance { kind: EntranceKind::VertexFace, a: vertex.1, b: face }, Sign::Positive, (Side::B, face))
-            }
-            Side::B => {
-                (Entrance { kind: EntranceKind::FaceVertex, a: face, b: vertex.1 }, Sign::Negative, (Side::A, face))
-            }
+            Side::A => (Entrance::VertexFace(vertex.1, face), Sign::Positive, (Side::B, face)),
+            Side::B => (Entrance::FaceVertex(face, vertex.1), Sign::Negative, (Side::A, face)),
         };
         let gap = self.decide_sign(|| about_gap(&entrance), |run| run.sign(&AbovePlane { vertex, face }));
         Candidate { entrance, turn, gap, may_dip: true }
     }
 
     /// The plane of two edges, with the sign of its gap.
-    pub(crate) fn edge_candidate(&mut self, edge_a: u32, edge_b: u32, sigma: Sign) -> Candidate {
-        let entrance = Entrance { kind: EntranceKind::EdgeEdge, a: edge_a, b: edge_b };
+    pub(crate) fn edge_candidate(&mut self, edge_a: EdgeId, edge_b: EdgeId, sigma: Sign) -> Candidate {
+        let entrance = Entrance::EdgeEdge(edge_a, edge_b);
         let gap =
             self.decide_sign(|| about_gap(&entrance), |run| run.sign(&EdgesApart { edge_a, edge_b }).times(sigma));
         Candidate { entrance, turn: sigma, gap, may_dip: true }
     }
 
     /// Adds the planes of a vertex and those of `faces` whose plane its cone passes.
-    pub(crate) fn add_faces(&mut self, vertex: Vertex, faces: &[u32], candidates: &mut Candidates) {
+    pub(crate) fn add_faces(&mut self, vertex: Vertex, faces: &[FaceId], candidates: &mut Candidates) {
         for &face in faces {
             let passes = self.cone_passes(vertex, (vertex.0.other(), face));
             if passes != Passes::No {
@@ -64,7 +60,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// Adds the planes of convex, crossing edges whose wedges pass.
-    pub(crate) fn add_edges(&mut self, edges_a: &[u32], edges_b: &[u32], candidates: &mut Candidates) {
+    pub(crate) fn add_edges(&mut self, edges_a: &[EdgeId], edges_b: &[EdgeId], candidates: &mut Candidates) {
         for &edge_a in edges_a.iter() {
             for &edge_b in edges_b {
                 if !(self.edge_is_convex(Side::A, edge_a) && self.edge_is_convex(Side::B, edge_b))
@@ -107,7 +103,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         let mut chosen = None;
         for (k, candidate) in candidates.iter().enumerate() {
             let about = || {
-                let [a, b] = entrance_features(&candidate.entrance);
+                let [a, b] = candidate.entrance.features();
                 Decision::about(Predicate::EntranceChoice, &[of[0], of[1], a, b])
             };
             let ties = self.decide(about, |run| {
@@ -189,20 +185,12 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 }
 
-pub(crate) fn entrance_features(entrance: &Entrance) -> [Feature; 2] {
-    match entrance.kind {
-        EntranceKind::VertexFace => [Feature::Vertex(Side::A, entrance.a), Feature::Face(Side::B, entrance.b)],
-        EntranceKind::FaceVertex => [Feature::Face(Side::A, entrance.a), Feature::Vertex(Side::B, entrance.b)],
-        EntranceKind::EdgeEdge => [Feature::Edge(Side::A, entrance.a), Feature::Edge(Side::B, entrance.b)],
-    }
-}
-
 fn about_gap(entrance: &Entrance) -> Decision {
-    Decision::about(Predicate::GapSign, &entrance_features(entrance))
+    Decision::about(Predicate::GapSign, &entrance.features())
 }
 
 /// An edge's two faces, ascending: the order in which candidates are tried.
-pub(crate) fn faces_of<O: Observer>(run: &Classification<'_, '_, O>, edge: Edge) -> [u32; 2] {
-    let ends = run.pair.topology(edge.0).edges()[edge.1 as usize];
+pub(crate) fn faces_of<O: Observer>(run: &Classification<'_, '_, O>, edge: Edge) -> [FaceId; 2] {
+    let ends = *run.pair.topology(edge.0).edge(edge.1);
     [ends.left.min(ends.right), ends.left.max(ends.right)]
 }

@@ -4,7 +4,7 @@ use super::entrance::{Candidate, Candidates};
 use crate::predicate::{NormalsAgree, NormalsWithin};
 use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{Contact, ContactKind};
+use rockproof_model::{Contact, EdgeId, FaceId, VertexId};
 
 /// A contact with what its later tests need.
 #[derive(Clone, Copy, Debug)]
@@ -16,9 +16,10 @@ pub(crate) struct ExitCandidate {
 impl<O: Observer> Classification<'_, '_, O> {
     /// Shortest exit: of the faces that one vertex overlaps and that convex edges join, only the one with the largest
     /// gap stays; gaps equal by Eq. (1) leave the lower face. `found` are the contacts of the vertex, by face.
-    pub(crate) fn keep_shortest_exit(&mut self, vertex: (Side, u32), found: &mut Vec<(u32, Candidate)>) {
+    pub(crate) fn keep_shortest_exit(&mut self, vertex: (Side, VertexId), found: &mut Vec<(FaceId, Candidate)>) {
         let side = vertex.0.other();
-        let overlapping: Vec<(u32, Candidate)> = found.iter().copied().filter(|(_, c)| c.gap.is_negative()).collect();
+        let overlapping: Vec<(FaceId, Candidate)> =
+            found.iter().copied().filter(|(_, c)| c.gap.is_negative()).collect();
         if overlapping.len() < 2 {
             return;
         }
@@ -50,13 +51,13 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// Numbers the groups of faces that convex edges join, each by the place of its first face.
-    fn groups(&self, side: Side, faces: &[u32]) -> Vec<usize> {
+    fn groups(&self, side: Side, faces: &[FaceId]) -> Vec<usize> {
         let topology = self.pair.topology(side);
         let mut group: Vec<usize> = (0..faces.len()).collect();
         for (e, edge) in topology.edges().iter().enumerate() {
-            let at = |face| faces.iter().position(|&f| f == face);
+            let at = |face: FaceId| faces.iter().position(|&f| f == face);
             if let (Some(left), Some(right)) = (at(edge.left), at(edge.right))
-                && self.edge_is_convex(side, e as u32)
+                && self.edge_is_convex(side, EdgeId::at(e))
             {
                 let (low, high) = (group[left].min(group[right]), group[left].max(group[right]));
                 group.iter_mut().filter(|g| **g == high).for_each(|g| *g = low);
@@ -82,7 +83,7 @@ impl<O: Observer> Classification<'_, '_, O> {
                 return true;
             }
             self.decide(
-                || Decision::about(Predicate::OneExit, &contact_features(&f.contact)),
+                || Decision::about(Predicate::OneExit, &f.contact.key.features()),
                 |run| {
                     // Whether a contact stays rests on which way out was chosen, too: its record holds how near that choice was.
                     if O::ACTIVE {
@@ -103,17 +104,5 @@ impl<O: Observer> Classification<'_, '_, O> {
         // The angle of a normal with itself needs no measuring.
         self.sign(&NormalsAgree { first, second }).times(turned).is_positive()
             && (first == second || self.sign(&NormalsWithin { first, second }).is_at_least_zero())
-    }
-}
-
-pub(crate) fn contact_features(contact: &Contact) -> [Feature; 2] {
-    let (vertex, edge, face) = (Feature::Vertex, Feature::Edge, Feature::Face);
-    match contact.kind {
-        ContactKind::VertexVertex => [vertex(Side::A, contact.a), vertex(Side::B, contact.b)],
-        ContactKind::VertexEdge => [vertex(Side::A, contact.a), edge(Side::B, contact.b)],
-        ContactKind::EdgeVertex => [edge(Side::A, contact.a), vertex(Side::B, contact.b)],
-        ContactKind::VertexFace => [vertex(Side::A, contact.a), face(Side::B, contact.b)],
-        ContactKind::FaceVertex => [face(Side::A, contact.a), vertex(Side::B, contact.b)],
-        ContactKind::EdgeEdge => [edge(Side::A, contact.a), edge(Side::B, contact.b)],
     }
 }

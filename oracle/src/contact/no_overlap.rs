@@ -1,14 +1,14 @@
 //! The no-overlap checks, "cone passes plane" and "wedges pass", and with which tolerance they do: true exits (SPEC
 //! section 4, "Building blocks").
 
-use super::entrance::{Candidate, entrance_features};
+use super::entrance::Candidate;
 use crate::predicate::{
     DipLimit, Edge, EdgeAbovePlane, EdgeDipAngle, EdgeDipDepth, Face, InwardAcross, Orientation, ParallelAngle,
     ParallelReach, Vertex, WedgeDipAngle, WedgeDipDepth,
 };
 use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{EntranceKind, Sign};
+use rockproof_model::{EdgeId, Entrance, Sign};
 
 /// The answer of a no-overlap check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// Whether `e·N ≥ 0`; **a tie says yes**.
-    fn edge_rises(&mut self, vertex: Vertex, edge: u32, face: Face) -> bool {
+    fn edge_rises(&mut self, vertex: Vertex, edge: EdgeId, face: Face) -> bool {
         self.sign(&EdgeAbovePlane { vertex, edge, face }).is_at_least_zero()
     }
 
@@ -68,7 +68,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// Whether two edges are nearly parallel: by angle and, under revised, by length as well; **a tie says yes**.
-    pub(crate) fn nearly_parallel(&mut self, edge_a: u32, edge_b: u32) -> bool {
+    pub(crate) fn nearly_parallel(&mut self, edge_a: EdgeId, edge_b: EdgeId) -> bool {
         self.decide(
             || about_edges(Predicate::NearlyParallel, edge_a, edge_b),
             |run| {
@@ -82,12 +82,12 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// σ of two edges: the sign that turns `d₁ × d₂` from B to A; zero counts as +.
-    pub(crate) fn orientation(&mut self, edge_a: u32, edge_b: u32) -> Sign {
+    pub(crate) fn orientation(&mut self, edge_a: EdgeId, edge_b: EdgeId) -> Sign {
         if self.sign(&Orientation { edge_a, edge_b }).is_negative() { Sign::Negative } else { Sign::Positive }
     }
 
     /// Whether the faces at two convex edges pass one another along `n = σ·(d₁ × d₂)`; **a tie passes**.
-    pub(crate) fn wedges_pass(&mut self, edge_a: u32, edge_b: u32, sigma: Sign) -> Passes {
+    pub(crate) fn wedges_pass(&mut self, edge_a: EdgeId, edge_b: EdgeId, sigma: Sign) -> Passes {
         let mut dips = false;
         let passes = self.decide(
             || about_edges(Predicate::WedgesPass, edge_a, edge_b),
@@ -120,9 +120,9 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// line: the dip is within the limit when it is at every corner.
     fn wedge_dips_within(&mut self, inward: InwardAcross, limit: DipLimit) -> bool {
         let InwardAcross { edge_a, edge_b, side, right } = inward;
-        let edge = self.pair.topology(side).edges()[if side == Side::A { edge_a } else { edge_b } as usize];
+        let edge = self.pair.topology(side).edge(if side == Side::A { edge_a } else { edge_b });
         let face = if right { edge.right } else { edge.left };
-        let corners = &self.pair.topology(side).faces()[face as usize];
+        let corners = self.pair.topology(side).face(face);
         corners
             .iter()
             .filter(|&&corner| corner != edge.p && corner != edge.q)
@@ -137,11 +137,11 @@ impl<O: Observer> Classification<'_, '_, O> {
         }
         let entrance = candidate.entrance;
         self.decide(
-            || Decision::about(Predicate::TrueExit, &entrance_features(&entrance)),
-            |run| match entrance.kind {
-                EntranceKind::VertexFace => run.cone_leaves((Side::A, entrance.a), (Side::B, entrance.b)),
-                EntranceKind::FaceVertex => run.cone_leaves((Side::B, entrance.b), (Side::A, entrance.a)),
-                EntranceKind::EdgeEdge => inwards_across(entrance.a, entrance.b).into_iter().all(|inward| {
+            || Decision::about(Predicate::TrueExit, &entrance.features()),
+            |run| match entrance {
+                Entrance::VertexFace(vertex, face) => run.cone_leaves((Side::A, vertex), (Side::B, face)),
+                Entrance::FaceVertex(face, vertex) => run.cone_leaves((Side::B, vertex), (Side::A, face)),
+                Entrance::EdgeEdge(edge_a, edge_b) => inwards_across(edge_a, edge_b).into_iter().all(|inward| {
                     run.wedge_face_rises(&inward, candidate.turn) || run.wedge_dips_within(inward, DipLimit::TrueExit)
                 }),
             },
@@ -157,7 +157,7 @@ impl<O: Observer> Classification<'_, '_, O> {
 }
 
 /// The four inward directions at two edges.
-fn inwards_across(edge_a: u32, edge_b: u32) -> [InwardAcross; 4] {
+fn inwards_across(edge_a: EdgeId, edge_b: EdgeId) -> [InwardAcross; 4] {
     [(Side::A, false), (Side::A, true), (Side::B, false), (Side::B, true)].map(|(side, right)| InwardAcross {
         edge_a,
         edge_b,
@@ -166,6 +166,6 @@ fn inwards_across(edge_a: u32, edge_b: u32) -> [InwardAcross; 4] {
     })
 }
 
-pub(crate) fn about_edges(predicate: Predicate, edge_a: u32, edge_b: u32) -> Decision {
+pub(crate) fn about_edges(predicate: Predicate, edge_a: EdgeId, edge_b: EdgeId) -> Decision {
     Decision::about(predicate, &[Feature::Edge(Side::A, edge_a), Feature::Edge(Side::B, edge_b)])
 }

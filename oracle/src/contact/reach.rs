@@ -10,14 +10,14 @@
 use crate::prepared_block::{PreparedBlock, PreparedEdge};
 use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::Side;
-use rockproof_model::{ContactKey, ContactKind};
+use rockproof_model::{ContactKey, EdgeId, VertexId};
 use smallvec::SmallVec;
 
 /// The features of one block that can take part in a contact: vertices, and edges that are convex.
 #[derive(Default)]
 pub(crate) struct Reach {
-    pub(crate) vertices: SmallVec<[u32; 32]>,
-    pub(crate) edges: SmallVec<[u32; 32]>,
+    pub(crate) vertices: SmallVec<[VertexId; 32]>,
+    pub(crate) edges: SmallVec<[EdgeId; 32]>,
 }
 
 /// A box, grown so that comparing with it errs only towards keeping a feature.
@@ -53,27 +53,27 @@ impl<O: Observer> Classification<'_, '_, O> {
         let (solid, other) = (self.pair.solid(side), self.pair.solid(side.other()));
         let grown = GrownBox { min: other.box_min.map(|c| c - distance), max: other.box_max.map(|c| c + distance) };
         let mut reach = Reach::default();
-        for v in 0..solid.vertices.len() as u32 {
+        for v in solid.block.topology().vertex_ids() {
             let at = point(solid, v);
             if !grown.misses(&at, &at) {
                 reach.vertices.push(v);
             }
         }
-        for (e, PreparedEdge { bounds: [min, max], .. }) in solid.edges.iter().enumerate() {
+        for (e, PreparedEdge { bounds: [min, max], .. }) in (0..).map(EdgeId).zip(&solid.edges) {
             // Reflex edges have no contacts of their own.
-            if !grown.misses(min, max) && solid.block.edge_is_convex(e as u32) {
-                reach.edges.push(e as u32);
+            if !grown.misses(min, max) && solid.block.edge_is_convex(e) {
+                reach.edges.push(e);
             }
         }
         reach
     }
 
     /// The vertices of the block on `side` that are named by kept contacts with faces and not in `reach`; each once.
-    pub(crate) fn kept_vertices_beyond(&self, side: Side, reach: &Reach) -> SmallVec<[u32; 4]> {
+    pub(crate) fn kept_vertices_beyond(&self, side: Side, reach: &Reach) -> SmallVec<[VertexId; 4]> {
         let mut beyond = SmallVec::new();
-        let count = self.pair.topology(side).vertex_count() as u32;
+        let count = self.pair.topology(side).vertex_count();
         for vertex in self.kept.iter().filter_map(|contact| vertex_of_face_contact(side, *contact)) {
-            if vertex < count && !reach.vertices.contains(&vertex) && !beyond.contains(&vertex) {
+            if vertex.index() < count && !reach.vertices.contains(&vertex) && !beyond.contains(&vertex) {
                 beyond.push(vertex);
             }
         }
@@ -81,12 +81,12 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// The edge pairs named by kept contacts that `a`, `b` and `distance` leave out; each once.
-    pub(crate) fn kept_edges_beyond(&self, a: &Reach, b: &Reach, distance: f64) -> SmallVec<[(u32, u32); 4]> {
+    pub(crate) fn kept_edges_beyond(&self, a: &Reach, b: &Reach, distance: f64) -> SmallVec<[(EdgeId, EdgeId); 4]> {
         let mut beyond = SmallVec::new();
-        let [count_a, count_b] = [Side::A, Side::B].map(|side| self.pair.topology(side).edges().len() as u32);
-        for contact in self.kept.iter().filter(|contact| contact.kind == ContactKind::EdgeEdge) {
-            let (edge_a, edge_b) = (contact.a, contact.b);
-            let exist = edge_a < count_a && edge_b < count_b;
+        let [count_a, count_b] = [Side::A, Side::B].map(|side| self.pair.topology(side).edges().len());
+        for contact in self.kept {
+            let ContactKey::EdgeEdge(edge_a, edge_b) = *contact else { continue };
+            let exist = edge_a.index() < count_a && edge_b.index() < count_b;
             let looked_at = |run: &Self| {
                 a.edges.contains(&edge_a)
                     && b.edges.contains(&edge_b)
@@ -101,24 +101,24 @@ impl<O: Observer> Classification<'_, '_, O> {
 
     /// Whether two edges are certainly further apart than `distance`.
     #[inline(always)]
-    pub(crate) fn edges_out_of_reach(&self, edge_a: u32, edge_b: u32, distance: f64) -> bool {
-        let [min_a, max_a] = &self.pair.a.edges[edge_a as usize].bounds;
-        let [min_b, max_b] = &self.pair.b.edges[edge_b as usize].bounds;
+    pub(crate) fn edges_out_of_reach(&self, edge_a: EdgeId, edge_b: EdgeId, distance: f64) -> bool {
+        let [min_a, max_a] = &self.pair.a.edges[edge_a.index()].bounds;
+        let [min_b, max_b] = &self.pair.b.edges[edge_b.index()].bounds;
         along_some_axis(|k| (max_a[k] + distance < min_b[k]) | (min_a[k] - distance > max_b[k]))
     }
 
     /// Whether two vertices are certainly further apart than `distance` along some axis.
     #[inline(always)]
-    pub(crate) fn vertices_out_of_reach(&self, a: u32, b: u32, distance: f64) -> bool {
+    pub(crate) fn vertices_out_of_reach(&self, a: VertexId, b: VertexId, distance: f64) -> bool {
         let (a, b) = (point(self.pair.a, a), point(self.pair.b, b));
         along_some_axis(|k| (a[k] - b[k]).abs() > distance)
     }
 
     /// Whether a vertex is certainly further than `distance` from an edge of the other block.
     #[inline(always)]
-    pub(crate) fn vertex_out_of_reach_of_edge(&self, vertex: (Side, u32), edge: u32, distance: f64) -> bool {
+    pub(crate) fn vertex_out_of_reach_of_edge(&self, vertex: (Side, VertexId), edge: EdgeId, distance: f64) -> bool {
         let at = point(self.pair.solid(vertex.0), vertex.1);
-        let [min, max] = &self.pair.solid(vertex.0.other()).edges[edge as usize].bounds;
+        let [min, max] = &self.pair.solid(vertex.0.other()).edges[edge.index()].bounds;
         along_some_axis(|k| (at[k] + distance < min[k]) | (at[k] - distance > max[k]))
     }
 }
@@ -130,16 +130,15 @@ fn along_some_axis(holds: impl Fn(usize) -> bool) -> bool {
 }
 
 /// The vertex of the block on `side` that a contact with a face of the other block is about.
-fn vertex_of_face_contact(side: Side, contact: ContactKey) -> Option<u32> {
-    match (side, contact.kind) {
-        (Side::A, ContactKind::VertexFace) => Some(contact.a),
-        (Side::B, ContactKind::FaceVertex) => Some(contact.b),
+fn vertex_of_face_contact(side: Side, contact: ContactKey) -> Option<VertexId> {
+    match (side, contact) {
+        (Side::A, ContactKey::VertexFace(vertex, _)) | (Side::B, ContactKey::FaceVertex(_, vertex)) => Some(vertex),
         _ => None,
     }
 }
 
 #[inline(always)]
-fn point(solid: &PreparedBlock, vertex: u32) -> [f64; 3] {
-    let v = &solid.vertices[vertex as usize];
+fn point(solid: &PreparedBlock, vertex: VertexId) -> [f64; 3] {
+    let v = &solid.vertices[vertex.index()];
     [v.x.0, v.y.0, v.z.0]
 }

@@ -2,12 +2,13 @@
 
 use crate::predicate::{Edge, FootAlong, LengthTolerance, Near, NearForEdge, NearLine, NearLineForHeight, Vertex};
 use crate::sign_ladder::{Classification, Observer};
+use rockproof_model::VertexId;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 
 impl<O: Observer> Classification<'_, '_, O> {
     /// Whether vertices a of A and b of B lie in one another's territory: both convex and `|a − b| ≤ min(r_a, r_b)`;
     /// **a tie says yes**.
-    pub(crate) fn share_territory(&mut self, a: u32, b: u32) -> bool {
+    pub(crate) fn share_territory(&mut self, a: VertexId, b: VertexId) -> bool {
         if !(self.vertex_is_convex(Side::A, a) && self.vertex_is_convex(Side::B, b)) {
             return false;
         }
@@ -24,13 +25,13 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// `|a − b| ≤ λ·(shortest edge at the vertex)`
-    fn within_shortest_edge(&mut self, at: Vertex, a: u32, b: u32) -> bool {
+    fn within_shortest_edge(&mut self, at: Vertex, a: VertexId, b: VertexId) -> bool {
         let edges = self.pair.topology(at.0).vertex_edges(at.1);
         edges.iter().all(|&edge| self.sign(&NearForEdge { a, b, edge: (at.0, edge) }).is_at_least_zero())
     }
 
     /// [`Classification::share_territory`] for vertices given with their sides.
-    pub(crate) fn vertices_share_territory(&mut self, vertex: Vertex, other: u32) -> bool {
+    pub(crate) fn vertices_share_territory(&mut self, vertex: Vertex, other: VertexId) -> bool {
         match vertex.0 {
             Side::A => self.share_territory(vertex.1, other),
             Side::B => self.share_territory(other, vertex.1),
@@ -69,9 +70,9 @@ impl<O: Observer> Classification<'_, '_, O> {
                     return false;
                 }
                 // w_e is the smaller of two greatest distances: within λ·w_e means within λ of some corner of each face.
-                let ends = run.pair.topology(edge.0).edges()[edge.1 as usize];
+                let ends = *run.pair.topology(edge.0).edge(edge.1);
                 [ends.left, ends.right].into_iter().all(|face| {
-                    let corners = &run.pair.topology(edge.0).faces()[face as usize];
+                    let corners = run.pair.topology(edge.0).face(face);
                     corners
                         .iter()
                         .filter(|&&w| w != ends.p && w != ends.q)

@@ -4,8 +4,8 @@ use super::entrance::{Candidate, Candidates, faces_of};
 use super::territory::about_vertex_edge;
 use crate::predicate::{Edge, FootBeyondVertex, InwardOf, LengthTolerance, NearLine, Vertex};
 use crate::sign_ladder::{Classification, Observer};
+use rockproof_model::ContactKey;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{ContactKey, ContactKind};
 
 impl<O: Observer> Classification<'_, '_, O> {
     /// Whether a vertex touches an edge of the other block, and through which entrance.
@@ -19,7 +19,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         if !self.foot_inside(vertex, edge) || !self.near_edge(vertex, edge) {
             return None;
         }
-        let ends = self.pair.topology(edge.0).edges()[edge.1 as usize];
+        let ends = *self.pair.topology(edge.0).edge(edge.1);
         if self.vertices_share_territory(vertex, ends.p) || self.vertices_share_territory(vertex, ends.q) {
             return None;
         }
@@ -31,21 +31,18 @@ impl<O: Observer> Classification<'_, '_, O> {
         let mut candidates = Candidates::new();
         self.add_faces(vertex, &faces_of(self, edge), &mut candidates);
         let at_vertex = self.pair.topology(vertex.0).vertex_edges(vertex.1);
-        let of = match vertex.0 {
+        let contact = match vertex.0 {
             Side::A => {
                 self.add_edges(at_vertex, &[edge.1], &mut candidates);
-                [Feature::Vertex(Side::A, vertex.1), Feature::Edge(Side::B, edge.1)]
+                ContactKey::VertexEdge(vertex.1, edge.1)
             }
             Side::B => {
                 self.add_edges(&[edge.1], at_vertex, &mut candidates);
-                [Feature::Edge(Side::A, edge.1), Feature::Vertex(Side::B, vertex.1)]
+                ContactKey::EdgeVertex(edge.1, vertex.1)
             }
         };
+        let of = contact.features();
         let chosen = self.choose(of, candidates)?;
-        let contact = match vertex.0 {
-            Side::A => ContactKey { kind: ContactKind::VertexEdge, a: vertex.1, b: edge.1 },
-            Side::B => ContactKey { kind: ContactKind::EdgeVertex, a: edge.1, b: vertex.1 },
-        };
         self.not_too_deep(contact, &chosen, || Decision::about(Predicate::EntranceDepth, &of)).then_some(chosen)
     }
 
@@ -58,7 +55,7 @@ impl<O: Observer> Classification<'_, '_, O> {
 
     /// Whether `(v − p)·m_L ≤ 0` and `(v − p)·m_R ≤ 0`; **a tie says yes**.
     fn in_edge_region(&mut self, vertex: Vertex, edge: Edge) -> bool {
-        let ends = self.pair.topology(edge.0).edges()[edge.1 as usize];
+        let ends = *self.pair.topology(edge.0).edge(edge.1);
         [(ends.left, false), (ends.right, true)].into_iter().all(|(face, right)| {
             let features =
                 [Feature::Vertex(vertex.0, vertex.1), Feature::Edge(edge.0, edge.1), Feature::Face(edge.0, face)];

@@ -4,13 +4,13 @@ use super::entrance::Candidate;
 use crate::predicate::{Face, InwardOf, LengthTolerance, NormalComponent, PolygonHeight, Vertex};
 use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{ContactKey, ContactKind, Sign};
+use rockproof_model::{ContactKey, EdgeId, Sign};
 
 /// The v-f or f-v contact of a vertex and a face.
 pub(super) fn contact_of(vertex: Vertex, face: Face) -> ContactKey {
     match vertex.0 {
-        Side::A => ContactKey { kind: ContactKind::VertexFace, a: vertex.1, b: face.1 },
-        Side::B => ContactKey { kind: ContactKind::FaceVertex, a: face.1, b: vertex.1 },
+        Side::A => ContactKey::VertexFace(vertex.1, face.1),
+        Side::B => ContactKey::FaceVertex(face.1, vertex.1),
     }
 }
 
@@ -35,7 +35,7 @@ impl<O: Observer> Classification<'_, '_, O> {
             return None;
         }
         let topology = self.pair.topology(face.0);
-        let elsewhere = topology.faces()[face.1 as usize].iter().any(|&v| self.vertices_share_territory(vertex, v))
+        let elsewhere = topology.face(face.1).iter().any(|&v| self.vertices_share_territory(vertex, v))
             || topology.face_edges(face.1).iter().any(|&e| self.in_edge_territory(vertex, (face.0, e)));
         if elsewhere {
             return None;
@@ -49,7 +49,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         self.decide(
             || Decision::about(Predicate::InsideFace, &features),
             |run| {
-                if run.pair.solid(face.0).faces[face.1 as usize].surely_convex {
+                if run.pair.solid(face.0).faces[face.1.index()].surely_convex {
                     run.inside_all_edges(vertex, face)
                 } else {
                     run.inside_by_winding(vertex, face)
@@ -64,8 +64,8 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// Positive where the projection of the vertex is on the face's side of one of its edges.
-    fn side_of_edge(&mut self, vertex: Vertex, face: Face, edge: u32) -> Sign {
-        let right = self.pair.topology(face.0).edges()[edge as usize].right == face.1;
+    fn side_of_edge(&mut self, vertex: Vertex, face: Face, edge: EdgeId) -> Sign {
+        let right = self.pair.topology(face.0).edge(edge).right == face.1;
         self.sign(&InwardOf { vertex, edge: (face.0, edge), right })
     }
 
@@ -73,7 +73,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     fn inside_by_winding(&mut self, vertex: Vertex, face: Face) -> bool {
         let Some([up, along]) = self.axes_across(face) else { return false };
         let topology = self.pair.topology(face.0);
-        let corners = &topology.faces()[face.1 as usize];
+        let corners = topology.face(face.1);
         let heights: Vec<Sign> =
             corners.iter().map(|&corner| self.sign(&PolygonHeight { vertex, corner, face, axis: up })).collect();
         let mut winding = 0;

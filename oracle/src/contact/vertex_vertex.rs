@@ -4,18 +4,19 @@ use super::entrance::{Candidate, Candidates};
 use crate::predicate::{BeyondVertex, LengthTolerance, Near, Vertex};
 use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{ContactKey, ContactKind};
+use rockproof_model::{ContactKey, VertexId};
 
 impl<O: Observer> Classification<'_, '_, O> {
     /// Whether vertices a of A and b of B touch, and through which entrance.
     ///
     /// Both convex, `|a − b| ≤ s`, and either in one another's territory or each in the other's vertex region; a
     /// candidate passes and the chosen one is not too deep.
-    pub(crate) fn vertex_vertex(&mut self, a: u32, b: u32) -> Option<Candidate> {
+    pub(crate) fn vertex_vertex(&mut self, a: VertexId, b: VertexId) -> Option<Candidate> {
         if !(self.vertex_is_convex(Side::A, a) && self.vertex_is_convex(Side::B, b)) {
             return None;
         }
-        let of = [Feature::Vertex(Side::A, a), Feature::Vertex(Side::B, b)];
+        let contact = ContactKey::VertexVertex(a, b);
+        let of = contact.features();
         let near = self.decide(
             || Decision::about(Predicate::VertexVertexNear, &of),
             |run| run.sign(&Near { a, b, limit: LengthTolerance::Search }).is_at_least_zero(),
@@ -35,7 +36,6 @@ impl<O: Observer> Classification<'_, '_, O> {
         self.add_faces(vertex_b, at_a.vertex_faces(a), &mut candidates);
         self.add_edges(at_a.vertex_edges(a), at_b.vertex_edges(b), &mut candidates);
         let chosen = self.choose(of, candidates)?;
-        let contact = ContactKey { kind: ContactKind::VertexVertex, a, b };
         self.not_too_deep(contact, &chosen, || Decision::about(Predicate::EntranceDepth, &of)).then_some(chosen)
     }
 

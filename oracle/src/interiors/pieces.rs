@@ -6,7 +6,7 @@ use num_bigint::BigInt;
 use num_traits::Zero;
 use rockproof_model::block::Point;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Sign, Vec3};
+use rockproof_model::{Sign, Vec3, VertexId};
 use std::rc::Rc;
 
 /// A vector of three homogeneous coordinates in the plane of two of the axes.
@@ -71,7 +71,7 @@ impl<'s> Plane<'s> {
             plane.add_edge(base.block, edge);
         }
         for other in surfaces.triangles() {
-            let signs = other.corners.map(|v| sides[other.block][v as usize]);
+            let signs = other.corners.map(|v| sides[other.block][v.index()]);
             let count = |sign: Sign| signs.iter().filter(|&&s| s == sign).count();
             plane.holds.push(count(Sign::Zero) == 3);
             if !std::ptr::eq(base, other) && base.is_near(other) {
@@ -84,7 +84,7 @@ impl<'s> Plane<'s> {
     /// Adds the lines along which another triangle cuts the base, its vertices being on these sides.
     fn add_cuts(&mut self, other: &Triangle, signs: [Sign; 3], zeros: usize) {
         let [a, b, c] = other.corners;
-        let on_plane = |v: u32| other.corners.iter().zip(signs).any(|(&own, sign)| own == v && sign.is_zero());
+        let on_plane = |v: VertexId| other.corners.iter().zip(signs).any(|(&own, sign)| own == v && sign.is_zero());
         if zeros >= 2 {
             for [p, q] in [[a, b], [b, c], [c, a]] {
                 let is_own = other.block == self.base.block && [p, q].iter().all(|v| self.base.corners.contains(v));
@@ -111,7 +111,7 @@ impl<'s> Plane<'s> {
     }
 
     /// The line through two points of the plane.
-    fn add_edge(&mut self, block: usize, vertices: [u32; 2]) {
+    fn add_edge(&mut self, block: usize, vertices: [VertexId; 2]) {
         let [p, q] = vertices.map(|v| {
             let [u, v] = self.flat(self.surfaces.vertex(block, v));
             Vec3::new(u, v, BigInt::from(1))

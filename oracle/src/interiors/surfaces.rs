@@ -9,7 +9,7 @@ use rockproof_model::block::Point;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::number::power_of_two;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Number, Ring, Sign, Vec3};
+use rockproof_model::{Block, Number, Ring, Sign, Vec3, VertexId};
 use std::cell::OnceCell;
 
 /// A triangle of a surface; it has an area.
@@ -17,7 +17,7 @@ pub(super) struct Triangle {
     /// The number of its block.
     pub(super) block: usize,
     /// Its vertices, by their numbers in the block.
-    pub(super) corners: [u32; 3],
+    pub(super) corners: [VertexId; 3],
     normal: Vec3<Ball>,
     exact_normal: OnceCell<Vec3<BigInt>>,
     bounds: [[f64; 2]; 3],
@@ -47,7 +47,7 @@ impl Triangle {
     /// The vector across, exactly.
     pub(super) fn across(&self, surfaces: &Surfaces) -> &Vec3<BigInt> {
         self.exact_normal.get_or_init(|| {
-            let [a, b, c] = self.corners.map(|v| &surfaces.exact[self.block][v as usize]);
+            let [a, b, c] = self.corners.map(|v| &surfaces.exact[self.block][v.index()]);
             b.minus(a).cross(&c.minus(a))
         })
     }
@@ -81,8 +81,8 @@ impl Surfaces {
     }
 
     /// The triangle of three vertices, if it has an area.
-    fn triangle(&self, block: usize, corners: [u32; 3]) -> Option<Triangle> {
-        let points = corners.map(|v| self.near[block][v as usize]);
+    fn triangle(&self, block: usize, corners: [VertexId; 3]) -> Option<Triangle> {
+        let points = corners.map(|v| self.near[block][v.index()]);
         let normal = points[1].minus(&points[0]).cross(&points[2].minus(&points[0]));
         let triangle = Triangle { block, corners, normal, exact_normal: OnceCell::new(), bounds: bounds_of(&points) };
         let is_sure = |c: &Ball| c.certain_sign().is_some_and(|sign| !sign.is_zero());
@@ -99,8 +99,8 @@ impl Surfaces {
         self.exact.len()
     }
 
-    pub(super) fn vertex(&self, block: usize, vertex: u32) -> &Vec3<BigInt> {
-        &self.exact[block][vertex as usize]
+    pub(super) fn vertex(&self, block: usize, vertex: VertexId) -> &Vec3<BigInt> {
+        &self.exact[block][vertex.index()]
     }
 
     /// Whether a triangle's box meets that of the other block; may say yes of some that do not.
@@ -110,11 +110,11 @@ impl Surfaces {
     }
 
     /// On which side of a triangle's plane a vertex is.
-    pub(super) fn side(&self, triangle: &Triangle, block: usize, vertex: u32) -> Sign {
+    pub(super) fn side(&self, triangle: &Triangle, block: usize, vertex: VertexId) -> Sign {
         if triangle.block == block && triangle.corners.contains(&vertex) {
             return Sign::Zero;
         }
-        let (own, first, vertex) = (triangle.block, triangle.corners[0] as usize, vertex as usize);
+        let (own, first, vertex) = (triangle.block, triangle.corners[0].index(), vertex.index());
         let near = triangle.normal.dot(&self.near[block][vertex].minus(&self.near[own][first]));
         near.certain_sign().unwrap_or_else(|| {
             ExactRing::sign(&triangle.across(self).dot(&self.exact[block][vertex].minus(&self.exact[own][first])))
@@ -123,7 +123,8 @@ impl Surfaces {
 
     /// The sides of a triangle's plane of every vertex of every block.
     pub(super) fn sides(&self, triangle: &Triangle) -> Vec<Vec<Sign>> {
-        let of = |block: usize| (0..self.exact[block].len() as u32).map(move |v| self.side(triangle, block, v));
+        let of =
+            |block: usize| (0..self.exact[block].len()).map(VertexId::at).map(move |v| self.side(triangle, block, v));
         (0..self.blocks()).map(|block| of(block).collect()).collect()
     }
 
@@ -141,7 +142,7 @@ impl Surfaces {
         in_plane: &[bool],
     ) -> Option<[bool; 2]> {
         let away = |triangle: &Triangle| {
-            let vector = |v: u32| self.way(place, block, v);
+            let vector = |v: VertexId| self.way(place, block, v);
             triangle.corners.map(vector)
         };
         // Outside the block's box nothing is inside.
@@ -214,13 +215,13 @@ impl Surfaces {
         near.unwrap_or_else(|| ExactRing::sign(&triangle.across(self).dot(&ray(k))))
     }
 
-    fn way(&self, place: &Place, block: usize, vertex: u32) -> Way {
-        let vertex_near = self.near[block][vertex as usize];
+    fn way(&self, place: &Place, block: usize, vertex: VertexId) -> Way {
+        let vertex_near = self.near[block][vertex.index()];
         Way { vertex, near: vertex_near.scaled(&place.near_denominator).minus(&place.near) }
     }
 
-    fn exact_way(&self, place: &Place, block: usize, vertex: u32) -> Vec3<BigInt> {
-        self.exact[block][vertex as usize].scaled(&place.denominator).minus(&place.numerators)
+    fn exact_way(&self, place: &Place, block: usize, vertex: VertexId) -> Vec3<BigInt> {
+        self.exact[block][vertex.index()].scaled(&place.denominator).minus(&place.numerators)
     }
 
     /// A point in m.
@@ -234,7 +235,7 @@ impl Surfaces {
 
 /// The way from a place to a vertex, times the place's denominator.
 struct Way {
-    vertex: u32,
+    vertex: VertexId,
     near: Vec3<Ball>,
 }
 

@@ -6,7 +6,7 @@ use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
 use rockproof_model::block::face_normal;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Vec3};
+use rockproof_model::{Block, Vec3, VertexId};
 
 type LatticePoint = Vec3<BigInt>;
 
@@ -19,11 +19,11 @@ pub(super) struct Certificate<'m, 'b> {
 
 /// A convex part of a block by the numbers of its vertices.
 struct ConvexPart {
-    vertices: Vec<u32>,
+    vertices: Vec<VertexId>,
     /// Loops whose normals are tried.
-    faces: Vec<Vec<u32>>,
+    faces: Vec<Vec<VertexId>>,
     /// Pairs of vertices whose cross products with the other part's are tried.
-    edges: Vec<[u32; 2]>,
+    edges: Vec<[VertexId; 2]>,
     /// Whether directions are compared as f64 has the vertices, as there are many parts, and not as rounded from the exact ones.
     is_rough: bool,
 }
@@ -110,14 +110,14 @@ impl ConvexPart {
     fn whole(block: &Block) -> ConvexPart {
         let topology = block.topology();
         ConvexPart {
-            vertices: (0..block.vertices().len() as u32).collect(),
+            vertices: topology.vertex_ids().collect(),
             faces: topology.faces().to_vec(),
             edges: topology.edges().iter().map(|edge| [edge.p, edge.q]).collect(),
             is_rough: false,
         }
     }
 
-    fn of_points(v: [u32; 4]) -> ConvexPart {
+    fn of_points(v: [VertexId; 4]) -> ConvexPart {
         let [o, a, b, c] = v;
         ConvexPart {
             vertices: v.to_vec(),
@@ -131,14 +131,14 @@ impl ConvexPart {
 /// Tetrahedra from one vertex to all triangles of the surface. The vertex is the first of those before most triangles'
 /// planes the fewest are on its outer side: from one that sees the whole block the tetrahedra fill no more than the block.
 fn tetrahedra(block: &Block, places: &[LatticePoint]) -> Vec<ConvexPart> {
-    let sides = |v: u32| {
+    let sides = |v: VertexId| {
         let volumes = triangles(block, places).map(move |[a, b, c]| {
-            let from = &places[v as usize];
+            let from = &places[v.index()];
             ExactRing::sign(&a.minus(from).cross(&b.minus(from)).dot(&c.minus(from)))
         });
         volumes.filter(|sign| sign.is_negative()).count()
     };
-    let apex = (0..places.len() as u32).min_by_key(|&v| sides(v)).unwrap_or(0);
+    let apex = (0..places.len()).map(VertexId::at).min_by_key(|&v| sides(v)).unwrap_or(VertexId(0));
     triangle_corners(block)
         .filter(|corners| !corners.contains(&apex))
         .map(|[a, b, c]| ConvexPart::of_points([apex, a, b, c]))
@@ -186,19 +186,19 @@ impl Ends {
     }
 
     /// The way from one vertex to another over the size of all.
-    fn near_way(&self, end: usize, side: usize, vertices: [u32; 2]) -> [f64; 3] {
-        let [p, q] = vertices.map(|v| self.near[end][side][v as usize]);
+    fn near_way(&self, end: usize, side: usize, vertices: [VertexId; 2]) -> [f64; 3] {
+        let [p, q] = vertices.map(|v| self.near[end][side][v.index()]);
         std::array::from_fn(|k| (q[k] - p[k]) / self.size)
     }
 }
 
 impl PartsAtEnds<'_> {
     fn places_of(&self, end: usize, side: usize) -> impl Iterator<Item = &LatticePoint> {
-        self.parts[side].vertices.iter().map(move |&v| &self.ends.places[end][side][v as usize])
+        self.parts[side].vertices.iter().map(move |&v| &self.ends.places[end][side][v.index()])
     }
 
     fn near_of(&self, end: usize, side: usize) -> impl Iterator<Item = &[f64; 3]> {
-        self.parts[side].vertices.iter().map(move |&v| &self.ends.near[end][side][v as usize])
+        self.parts[side].vertices.iter().map(move |&v| &self.ends.near[end][side][v.index()])
     }
 
     /// Whether at both ends the parts are certainly further apart along one axis than `limit`, so that a translation by that
@@ -218,7 +218,7 @@ impl PartsAtEnds<'_> {
     }
 
     fn edge(&self, end: usize, side: usize, edge: usize) -> LatticePoint {
-        let [p, q] = self.parts[side].edges[edge].map(|v| &self.ends.places[end][side][v as usize]);
+        let [p, q] = self.parts[side].edges[edge].map(|v| &self.ends.places[end][side][v.index()]);
         q.minus(p)
     }
 

@@ -15,7 +15,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use rockproof_model::block::face_normal;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Vec3};
+use rockproof_model::{Block, EdgeId, FaceId, Vec3};
 
 /// The direction with the largest gap; `None` where no direction has a length.
 pub(super) fn least_translation(pair: &LatticePair<'_>) -> Option<Penetration> {
@@ -70,18 +70,16 @@ pub(super) fn rough_depth(pair: &LatticePair<'_>) -> (f64, f64) {
 #[derive(Clone, Copy, Debug)]
 enum Direction {
     /// Against a face of A.
-    OfA(u32),
+    OfA(FaceId),
     /// Along a face of B.
-    OfB(u32),
+    OfB(FaceId),
     /// Along the cross product of an edge of A with one of B, or against it.
-    Edges(u32, u32, bool),
+    Edges(EdgeId, EdgeId, bool),
 }
 
 impl Direction {
     fn exactly(self, pair: &LatticePair<'_>) -> Vec3<BigInt> {
-        let face = |side: usize, face: u32| {
-            face_normal(&pair.points[side], &pair.blocks[side].topology().faces()[face as usize])
-        };
+        let face = |side: usize, face: FaceId| face_normal(&pair.points[side], pair.blocks[side].topology().face(face));
         match self {
             Direction::OfA(f) => face(0, f).negated(),
             Direction::OfB(f) => face(1, f),
@@ -93,9 +91,9 @@ impl Direction {
     }
 }
 
-fn edge(pair: &LatticePair<'_>, side: usize, edge: u32) -> Vec3<BigInt> {
-    let ends = &pair.blocks[side].topology().edges()[edge as usize];
-    pair.points[side][ends.q as usize].minus(&pair.points[side][ends.p as usize])
+fn edge(pair: &LatticePair<'_>, side: usize, edge: EdgeId) -> Vec3<BigInt> {
+    let ends = pair.blocks[side].topology().edge(edge);
+    pair.points[side][ends.q.index()].minus(&pair.points[side][ends.p.index()])
 }
 
 /// Both blocks in f64, in lattice units from the first vertex of A.
@@ -126,13 +124,13 @@ impl<'p, 'a> F64Pair<'p, 'a> {
 
     /// Edge directions, rounded once: the difference of rounded ends would lose a short one.
     fn edges(&self, side: usize) -> Vec<[f64; 3]> {
-        let count = self.pair.blocks[side].topology().edges().len() as u32;
-        (0..count).map(|e| edge(self.pair, side, e)).map(|d| [near(&d.x), near(&d.y), near(&d.z)]).collect()
+        let all = self.pair.blocks[side].topology().edge_ids();
+        all.map(|e| edge(self.pair, side, e)).map(|d| [near(&d.x), near(&d.y), near(&d.z)]).collect()
     }
 
     /// The gap along each direction, in lattice units.
     fn gaps(&self) -> impl Iterator<Item = (Direction, f64)> + '_ {
-        let faces = |block: &Block| 0..block.topology().faces().len() as u32;
+        let faces = |block: &Block| block.topology().face_ids();
         let [a, b] = self.pair.blocks;
         let of_a = faces(a).map(Direction::OfA);
         let of_faces = of_a.chain(faces(b).map(Direction::OfB)).map(|direction| (direction, self.exact_gap(direction)));
@@ -142,7 +140,7 @@ impl<'p, 'a> F64Pair<'p, 'a> {
             let twos = twos.clone();
             (0..twos.len()).flat_map(move |two| {
                 let n = cross(first, twos[two]);
-                let places = [false, true].map(|against| Direction::Edges(one as u32, two as u32, against));
+                let places = [false, true].map(|against| Direction::Edges(EdgeId::at(one), EdgeId::at(two), against));
                 let long = dot(n, n) > PARALLEL * PARALLEL * dot(first, first) * dot(twos[two], twos[two]);
                 if long {
                     [(places[0], self.gap(n)), (places[1], self.gap(n.map(|c| -c)))]

@@ -27,7 +27,7 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use rockproof_model::block::face_normal;
 use rockproof_model::topology::loop_pairs;
-use rockproof_model::{Block, Sign, Vec3};
+use rockproof_model::{Block, Sign, Vec3, VertexId};
 use std::borrow::Cow;
 
 /// The deepest point of either block; `None` where a block has no face with an area.
@@ -184,7 +184,7 @@ impl<'p> LatticeSurface<'p> {
         let surface: Vec<_> = triangles(other.block, &other.points).collect();
         let mut middles = Vec::new();
         for edge in self.block.topology().edges() {
-            let [p, q] = [edge.p, edge.q].map(|v| &self.points[v as usize]);
+            let [p, q] = [edge.p, edge.q].map(|v| &self.points[v.index()]);
             let d = q.minus(p);
             let mut places: Vec<BigRational> = surface.iter().filter_map(|corners| crossing(p, &d, *corners)).collect();
             if places.is_empty() {
@@ -213,7 +213,7 @@ impl<'p> LatticeSurface<'p> {
         let topology = self.block.topology();
         let faces = (0..topology.faces().len()).filter_map(|face| self.to_face(point, face));
         let edges = topology.edges().iter().filter_map(|edge| {
-            let [p, q] = [edge.p, edge.q].map(|v| &self.points[v as usize]);
+            let [p, q] = [edge.p, edge.q].map(|v| &self.points[v.index()]);
             self.to_edge(point, p, q)
         });
         let vertices = self.points.iter().map(|vertex| {
@@ -233,14 +233,14 @@ impl<'p> LatticeSurface<'p> {
         }
         // The plane goes through the corners' mean: k times the distance times |N|.
         let k = BigInt::from(corners.len());
-        let sum = corners.iter().fold(Vec3::zero(), |sum: Vec3<BigInt>, &v| sum.plus(&self.points[v as usize]));
+        let sum = corners.iter().fold(Vec3::zero(), |sum: Vec3<BigInt>, &v| sum.plus(&self.points[v.index()]));
         let off = n.dot(&sum) - &k * n.dot(point);
         let way = if off.is_negative() { n.negated() } else { n.clone() };
         Some(NearestPoint { numerator: &off * &off, denominator: square * &k * &k, way })
     }
 
     /// Whether a point, seen along n, is inside a polygon or on its boundary.
-    fn projects_inside(&self, point: &Vec3<BigInt>, n: &Vec3<BigInt>, corners: &[u32]) -> bool {
+    fn projects_inside(&self, point: &Vec3<BigInt>, n: &Vec3<BigInt>, corners: &[VertexId]) -> bool {
         // The polygon in a frame of two vectors across n: u and n × u, neither of unit length.
         let size = n.components().map(|c| c.abs());
         let axis = (0..3).min_by_key(|&k| &size[k]).unwrap_or(0);
@@ -253,7 +253,7 @@ impl<'p> LatticeSurface<'p> {
         };
         let mut inside = false;
         for (p, q) in loop_pairs(corners) {
-            let (p, q) = (flat(&self.points[p as usize]), flat(&self.points[q as usize]));
+            let (p, q) = (flat(&self.points[p.index()]), flat(&self.points[q.index()]));
             let turn = &p[0] * &q[1] - &p[1] * &q[0];
             let within = |k: usize| !(&p[k] * &q[k]).is_positive();
             if Zero::is_zero(&turn) && within(0) && within(1) {

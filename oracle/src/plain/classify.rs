@@ -19,7 +19,7 @@ pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>) -> Vec<ContactWithPlane<
         found.extend(exit::shortest(pair, side, vertex_face::contacts(pair, side)));
     }
     found.extend(edge_edge::contacts(pair));
-    found.sort_by_key(|contact| (contact.kind, contact.a, contact.b));
+    found.sort_by_key(|contact| contact.key);
     for contact in &found {
         pair.record_gap_sign(&contact.plane);
     }

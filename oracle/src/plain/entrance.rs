@@ -7,7 +7,7 @@ use super::predicate_answer::PredicateAnswer;
 use super::vertex_face;
 use crate::rational::Rational;
 use rockproof_model::decision::{Predicate, Side};
-use rockproof_model::{ContactKind, EntranceKind};
+use rockproof_model::{ContactKey, EdgeId, Entrance, FaceId, VertexId};
 
 /// The candidates of one contact that pass the no-overlap check.
 pub(super) struct Candidates<'p, 'a, Q> {
@@ -21,32 +21,32 @@ impl<'p, 'a, Q: Rational> Candidates<'p, 'a, Q> {
     }
 
     /// A vertex of `side` and a face of the other block, if the cone passes the plane.
-    pub(super) fn vertex_face(&mut self, side: Side, vertex: u32, face: u32) {
+    pub(super) fn vertex_face(&mut self, side: Side, vertex: VertexId, face: FaceId) {
         if vertex_face::cone_passes(self.pair, side, vertex, face) {
             self.planes.push(vertex_face::plane(self.pair, side, vertex, face));
         }
     }
 
     /// Two edges, if they are convex, not nearly parallel, and the wedges pass.
-    pub(super) fn edge_edge(&mut self, a: u32, b: u32) {
+    pub(super) fn edge_edge(&mut self, a: EdgeId, b: EdgeId) {
         let convex = self.pair.a.block.edge_is_convex(a) && self.pair.b.block.edge_is_convex(b);
         if convex && !edge_edge::nearly_parallel(self.pair, a, b) {
             let plane = edge_edge::plane(self.pair, a, b);
-            if edge_edge::wedges_pass(self.pair, &plane) {
+            if edge_edge::wedges_pass(self.pair, (a, b), &plane) {
                 self.planes.push(plane);
             }
         }
     }
 
     /// The contact of these two features, if a candidate passes and the chosen one is not too deep.
-    pub(super) fn confirm(self, kind: ContactKind, a: u32, b: u32) -> Option<ContactWithPlane<Q>> {
+    pub(super) fn confirm(self, key: ContactKey) -> Option<ContactWithPlane<Q>> {
         let pair = self.pair;
         let (planes, chosen) = self.choose()?;
-        let contact = ContactWithPlane { kind, a, b, plane: planes[chosen.index].clone() };
-        let features = contact.features();
+        let contact = ContactWithPlane { key, plane: planes[chosen.index].clone() };
+        let features = key.features();
         for (index, (plane, tie)) in planes.iter().zip(chosen.ties).enumerate() {
             let verdict = PredicateAnswer { yes: index == chosen.index, tie };
-            let [of_a, of_b] = plane.features();
+            let [of_a, of_b] = plane.entrance.features();
             pair.decide(Predicate::EntranceChoice, &[features[0], features[1], of_a, of_b], verdict);
         }
         pair.not_too_deep(Predicate::EntranceDepth, &features, &contact).then_some(contact)
@@ -80,13 +80,12 @@ pub(super) fn true_exits_or_all<Q: Rational>(pair: &Pair<'_, Q>, planes: &[Entra
 }
 
 fn is_true_exit<Q: Rational>(pair: &Pair<'_, Q>, plane: &EntrancePlane<Q>) -> bool {
-    let (a, b) = (plane.entrance.a, plane.entrance.b);
-    let verdict = match plane.entrance.kind {
-        EntranceKind::VertexFace => vertex_face::is_true_exit(pair, Side::A, a, b),
-        EntranceKind::FaceVertex => vertex_face::is_true_exit(pair, Side::B, b, a),
-        EntranceKind::EdgeEdge => edge_edge::is_true_exit(pair, plane),
+    let verdict = match plane.entrance {
+        Entrance::VertexFace(vertex, face) => vertex_face::is_true_exit(pair, Side::A, vertex, face),
+        Entrance::FaceVertex(face, vertex) => vertex_face::is_true_exit(pair, Side::B, vertex, face),
+        Entrance::EdgeEdge(a, b) => edge_edge::is_true_exit(pair, (a, b), plane),
     };
-    pair.decide(Predicate::TrueExit, &plane.features(), verdict)
+    pair.decide(Predicate::TrueExit, &plane.entrance.features(), verdict)
 }
 
 /// Which of several planes is chosen, and how firmly.

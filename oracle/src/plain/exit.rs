@@ -6,6 +6,7 @@ use super::predicate_answer::PredicateAnswer;
 use super::vector::{cross, dot, squared_length};
 use super::vertex_face::vertex_and_face;
 use crate::rational::Rational;
+use rockproof_model::FaceId;
 use rockproof_model::decision::{Predicate, Side};
 
 /// **Shortest exit**, unless both blocks are convex: of the faces that one vertex of `side` overlaps and that convex
@@ -19,25 +20,28 @@ pub(super) fn shortest<Q: Rational>(
     if pair.a.block.is_convex() && pair.b.block.is_convex() {
         return contacts;
     }
-    let face_of = |contact: &ContactWithPlane<Q>| if side == Side::A { contact.b } else { contact.a };
-    let vertex_of = |contact: &ContactWithPlane<Q>| if side == Side::A { contact.a } else { contact.b };
     let overlaps = |contact: &ContactWithPlane<Q>| contact.plane.gap_sign().is_negative();
     let mut dropped = vec![false; contacts.len()];
-    for vertex in 0..pair.side(side).block.topology().vertex_count() as u32 {
+    for vertex in pair.side(side).block.topology().vertex_ids() {
         // By face, ascending, so that the first of a group is its lowest face.
-        let mut left: Vec<usize> =
-            (0..contacts.len()).filter(|&k| vertex_of(&contacts[k]) == vertex && overlaps(&contacts[k])).collect();
-        left.sort_by_key(|&k| face_of(&contacts[k]));
+        let mut left: Vec<(FaceId, usize)> = contacts
+            .iter()
+            .enumerate()
+            .filter(|(_, contact)| overlaps(contact))
+            .filter_map(|(k, contact)| Some((contact.key.vertex_and_face()?, k)))
+            .filter_map(|((own, face), k)| (own == vertex).then_some((face, k)))
+            .collect();
+        left.sort_unstable();
         while !left.is_empty() {
-            let group = take_group(pair, side, &mut left, |k| face_of(&contacts[k]));
-            let planes: Vec<_> = group.iter().map(|&k| contacts[k].plane.clone()).collect();
+            let group = take_group(pair, side, &mut left);
+            let planes: Vec<_> = group.iter().map(|&(_, k)| contacts[k].plane.clone()).collect();
             let Some(choice) = first_of_the_largest(&planes, &pair.limits.equal) else { continue };
             if group.len() == 1 {
                 continue;
             }
-            for (place, &k) in group.iter().enumerate() {
+            for (place, &(face, k)) in group.iter().enumerate() {
                 let verdict = PredicateAnswer { yes: place == choice.index, tie: choice.ties[place] };
-                let features = vertex_and_face(side, vertex, face_of(&contacts[k]));
+                let features = vertex_and_face(side, vertex, face);
                 dropped[k] = !pair.decide(Predicate::ShortestExit, &features, verdict);
             }
         }
@@ -46,24 +50,19 @@ pub(super) fn shortest<Q: Rational>(
 }
 
 /// Takes from `left` the first entry and all whose faces convex edges join to its face, in their order.
-fn take_group<Q: Rational>(
-    pair: &Pair<'_, Q>,
-    side: Side,
-    left: &mut Vec<usize>,
-    face_of: impl Fn(usize) -> u32,
-) -> Vec<usize> {
+fn take_group<Q: Rational>(pair: &Pair<'_, Q>, side: Side, left: &mut Vec<(FaceId, usize)>) -> Vec<(FaceId, usize)> {
     let block = pair.side(side.other()).block;
-    let joined = |f: u32, g: u32| {
+    let joined = |f: FaceId, g: FaceId| {
         block.topology().face_edges(f).iter().any(|&e| {
-            let edge = &block.topology().edges()[e as usize];
+            let edge = block.topology().edge(e);
             block.edge_is_convex(e) && [edge.left, edge.right].contains(&g)
         })
     };
     let mut group = vec![left.remove(0)];
-    while let Some(next) = left.iter().position(|&k| group.iter().any(|&g| joined(face_of(g), face_of(k)))) {
+    while let Some(next) = left.iter().position(|&(f, _)| group.iter().any(|&(g, _)| joined(g, f))) {
         group.push(left.remove(next));
     }
-    group.sort_by_key(|&k| face_of(k));
+    group.sort_unstable();
     group
 }
 
@@ -96,7 +95,7 @@ pub(super) fn only<Q: Rational>(pair: &Pair<'_, Q>, contacts: Vec<ContactWithPla
         .filter(|(k, contact)| {
             *k == places[choice.index]
                 || !contact.plane.gap_sign().is_negative()
-                || pair.decide(Predicate::OneExit, &contact.features(), within_overlap_angle(contact))
+                || pair.decide(Predicate::OneExit, &contact.key.features(), within_overlap_angle(contact))
         })
         .map(|(_, contact)| contact)
         .collect()

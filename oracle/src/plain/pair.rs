@@ -5,7 +5,7 @@ use super::rational_block::{RationalBlock, SquaredTolerances};
 use super::{ExactContact, TracedDecision};
 use crate::rational::Rational;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{Block, Contact, ContactKey, ContactKind, Criteria, Entrance, Sign, ToleranceSet, Vec3};
+use rockproof_model::{Block, Contact, ContactKey, Criteria, Entrance, Sign, ToleranceSet, Vec3, VertexId};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
@@ -78,8 +78,7 @@ impl<'a, Q: Rational> Pair<'a, Q> {
         features: &[Feature],
         contact: &ContactWithPlane<Q>,
     ) -> bool {
-        let key = ContactKey { kind: contact.kind, a: contact.a, b: contact.b };
-        self.kept.contains(&key) || self.decide(predicate, features, contact.plane.not_too_deep(&self.limits))
+        self.kept.contains(&contact.key) || self.decide(predicate, features, contact.plane.not_too_deep(&self.limits))
     }
 
     pub(super) fn side(&self, side: Side) -> &RationalBlock<'a, Q> {
@@ -89,8 +88,8 @@ impl<'a, Q: Rational> Pair<'a, Q> {
         }
     }
 
-    pub(super) fn vertex(&self, side: Side, vertex: u32) -> &Vec3<Q> {
-        &self.side(side).vertices[vertex as usize]
+    pub(super) fn vertex(&self, side: Side, vertex: VertexId) -> &Vec3<Q> {
+        &self.side(side).vertices[vertex.index()]
     }
 
     /// Records a verdict and hands on its answer.
@@ -102,7 +101,7 @@ impl<'a, Q: Rational> Pair<'a, Q> {
     /// Records the sign of the gap of a contact's entrance.
     pub(super) fn record_gap_sign(&self, plane: &EntrancePlane<Q>) {
         let sign = plane.gap_sign();
-        self.record(Predicate::GapSign, &plane.features(), sign.as_i8(), plane.unsided || sign == Sign::Zero);
+        self.record(Predicate::GapSign, &plane.entrance.features(), sign.as_i8(), plane.unsided || sign == Sign::Zero);
     }
 
     fn record(&self, predicate: Predicate, features: &[Feature], outcome: i8, tie: bool) {
@@ -146,27 +145,12 @@ impl<Q: Rational> EntrancePlane<Q> {
     pub(super) fn not_too_deep(&self, limits: &SquaredTolerances<Q>) -> PredicateAnswer {
         PredicateAnswer::at_least(&self.gap_signed_square, &limits.penetration_squared.negated()).tied_if(self.unsided)
     }
-
-    /// The two features that span the plane.
-    pub(super) fn features(&self) -> [Feature; 2] {
-        use rockproof_model::EntranceKind::{EdgeEdge, FaceVertex, VertexFace};
-        let Entrance { kind, a, b } = self.entrance;
-        match kind {
-            VertexFace => [Feature::Vertex(Side::A, a), Feature::Face(Side::B, b)],
-            FaceVertex => [Feature::Face(Side::A, a), Feature::Vertex(Side::B, b)],
-            EdgeEdge => [Feature::Edge(Side::A, a), Feature::Edge(Side::B, b)],
-        }
-    }
 }
 
 /// A contact with the plane of its entrance.
 #[derive(Clone)]
 pub(super) struct ContactWithPlane<Q> {
-    pub(super) kind: ContactKind,
-    /// Index of A's feature.
-    pub(super) a: u32,
-    /// Index of B's feature.
-    pub(super) b: u32,
+    pub(super) key: ContactKey,
     pub(super) plane: EntrancePlane<Q>,
 }
 
@@ -174,32 +158,13 @@ impl<Q: Rational> ContactWithPlane<Q> {
     /// What is handed out.
     pub(super) fn published(self) -> ExactContact<Q> {
         let gap = self.plane.gap_sign();
-        let contact = Contact { kind: self.kind, a: self.a, b: self.b, entrance: self.plane.entrance, gap };
+        let contact = Contact { key: self.key, entrance: self.plane.entrance, gap };
         ExactContact { contact, gap_squared: self.plane.gap_signed_square.magnitude() }
-    }
-
-    /// The contact's two features.
-    pub(super) fn features(&self) -> [Feature; 2] {
-        let a = match self.kind {
-            ContactKind::VertexVertex | ContactKind::VertexEdge | ContactKind::VertexFace => {
-                Feature::Vertex(Side::A, self.a)
-            }
-            ContactKind::EdgeVertex | ContactKind::EdgeEdge => Feature::Edge(Side::A, self.a),
-            ContactKind::FaceVertex => Feature::Face(Side::A, self.a),
-        };
-        let b = match self.kind {
-            ContactKind::VertexVertex | ContactKind::EdgeVertex | ContactKind::FaceVertex => {
-                Feature::Vertex(Side::B, self.b)
-            }
-            ContactKind::VertexEdge | ContactKind::EdgeEdge => Feature::Edge(Side::B, self.b),
-            ContactKind::VertexFace => Feature::Face(Side::B, self.b),
-        };
-        [a, b]
     }
 }
 
-/// The two indices in the order A, B, when `own` lies on `side` and `other` on the opposite one.
-pub(super) fn indices_in_order(side: Side, own: u32, other: u32) -> (u32, u32) {
+/// Two of a kind in the order A, B, when `own` lies on `side` and `other` on the opposite one.
+pub(super) fn in_order<T>(side: Side, own: T, other: T) -> (T, T) {
     match side {
         Side::A => (own, other),
         Side::B => (other, own),

@@ -4,7 +4,7 @@ use super::vector::{cross, difference, dot, multiple, opposite, squared_length, 
 use crate::rational::Rational;
 use rockproof_model::tolerance::LAMBDA_INVERSE;
 use rockproof_model::topology::Edge;
-use rockproof_model::{Block, Criteria, Vec3};
+use rockproof_model::{Block, Criteria, EdgeId, Vec3, VertexId};
 
 /// The tolerances that classification uses, lengths squared.
 pub(super) struct SquaredTolerances<Q> {
@@ -66,9 +66,10 @@ impl<'a, Q: Rational> RationalBlock<'a, Q> {
         let faces: Vec<Face<Q>> = topology.faces().iter().map(|f| face(&vertices, f)).collect();
         let edges: Vec<EdgeLine<Q>> =
             topology.edges().iter().map(|e| line(&vertices, e, &faces, topology.faces())).collect();
-        let vertex_radius_squared = (0..topology.vertex_count() as u32)
+        let vertex_radius_squared = topology
+            .vertex_ids()
             .map(|v| {
-                let at = topology.vertex_edges(v).iter().map(|&e| edges[e as usize].length_squared.clone());
+                let at = topology.vertex_edges(v).iter().map(|&e| edges[e.index()].length_squared.clone());
                 bounded_radius(limits, at.min())
             })
             .collect();
@@ -77,25 +78,25 @@ impl<'a, Q: Rational> RationalBlock<'a, Q> {
         RationalBlock { block, vertices, faces, edges, vertex_radius_squared, edge_radius_squared }
     }
 
-    pub(super) fn edge(&self, edge: u32) -> &Edge {
-        &self.block.topology().edges()[edge as usize]
+    pub(super) fn edge(&self, edge: EdgeId) -> &Edge {
+        self.block.topology().edge(edge)
     }
 
     /// The edges at a vertex, each with its direction pointing away from the vertex.
-    pub(super) fn edges_away(&self, vertex: u32) -> Vec<(u32, Vec3<Q>)> {
-        let here = &self.vertices[vertex as usize];
+    pub(super) fn edges_away(&self, vertex: VertexId) -> Vec<(EdgeId, Vec3<Q>)> {
+        let here = &self.vertices[vertex.index()];
         let topology = self.block.topology();
         topology
             .vertex_edges(vertex)
             .iter()
-            .map(|&e| (e, difference(&self.vertices[self.edge(e).other(vertex) as usize], here)))
+            .map(|&e| (e, difference(&self.vertices[self.edge(e).other(vertex).index()], here)))
             .collect()
     }
 
     /// `(x − p)·d`, `|d|²` and the squared distance of `x` from the line times `|d|²`, all polynomials.
-    pub(super) fn against_line(&self, x: &Vec3<Q>, edge: u32) -> AgainstLine<Q> {
-        let line = &self.edges[edge as usize];
-        let from_p = difference(x, &self.vertices[self.edge(edge).p as usize]);
+    pub(super) fn against_line(&self, x: &Vec3<Q>, edge: EdgeId) -> AgainstLine<Q> {
+        let line = &self.edges[edge.index()];
+        let from_p = difference(x, &self.vertices[self.edge(edge).p.index()]);
         AgainstLine {
             along: dot(&from_p, &line.direction),
             beside_squared: squared_length(&cross(&from_p, &line.direction)),
@@ -132,8 +133,8 @@ fn bounded_radius<Q: Rational>(limits: &SquaredTolerances<Q>, size_squared: Opti
     }
 }
 
-fn face<Q: Rational>(vertices: &[Vec3<Q>], boundary: &[u32]) -> Face<Q> {
-    let at = |k: usize| &vertices[boundary[k % boundary.len()] as usize];
+fn face<Q: Rational>(vertices: &[Vec3<Q>], boundary: &[VertexId]) -> Face<Q> {
+    let at = |k: usize| &vertices[boundary[k % boundary.len()].index()];
     let zero = || Vec3::new(Q::zero(), Q::zero(), Q::zero());
     let normal = (0..boundary.len())
         .map(|k| cross(&difference(at(k), at(0)), &difference(at(k + 1), at(0))))
@@ -144,20 +145,20 @@ fn face<Q: Rational>(vertices: &[Vec3<Q>], boundary: &[u32]) -> Face<Q> {
     Face { normal, point: multiple(&share, &total) }
 }
 
-fn line<Q: Rational>(vertices: &[Vec3<Q>], edge: &Edge, faces: &[Face<Q>], loops: &[Vec<u32>]) -> EdgeLine<Q> {
-    let p = &vertices[edge.p as usize];
-    let direction = difference(&vertices[edge.q as usize], p);
+fn line<Q: Rational>(vertices: &[Vec3<Q>], edge: &Edge, faces: &[Face<Q>], loops: &[Vec<VertexId>]) -> EdgeLine<Q> {
+    let p = &vertices[edge.p.index()];
+    let direction = difference(&vertices[edge.q.index()], p);
     let length_squared = squared_length(&direction);
     let width_squared = [edge.left, edge.right].map(|f| {
-        let beside = loops[f as usize]
+        let beside = loops[f.index()]
             .iter()
-            .map(|&v| squared_length(&cross(&difference(&vertices[v as usize], p), &direction)))
+            .map(|&v| squared_length(&cross(&difference(&vertices[v.index()], p), &direction)))
             .max();
         beside.and_then(|b| b.over(&length_squared)).unwrap_or_else(Q::zero)
     });
     let inward = [
-        cross(&faces[edge.left as usize].normal, &direction),
-        cross(&faces[edge.right as usize].normal, &opposite(&direction)),
+        cross(&faces[edge.left.index()].normal, &direction),
+        cross(&faces[edge.right.index()].normal, &opposite(&direction)),
     ];
     EdgeLine { direction, length_squared, inward, width_squared }
 }

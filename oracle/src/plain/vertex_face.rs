@@ -1,30 +1,29 @@
 //! Test 3 of SPEC section 4, without the shortest exit: v-f and f-v.
 
-use super::pair::{ContactWithPlane, EntrancePlane, Pair, indices_in_order};
+use super::pair::{ContactWithPlane, EntrancePlane, Pair, in_order};
 use super::predicate_answer::PredicateAnswer;
 use super::vector::{cross, difference, dot, opposite, squared_length};
 use crate::rational::Rational;
 use rockproof_model::decision::{Feature, Predicate, Side};
-use rockproof_model::{ContactKind, Entrance, EntranceKind, Vec3};
+use rockproof_model::{ContactKey, Entrance, FaceId, Vec3, VertexId};
 
 /// All contacts of a vertex of `side` and a face of the other block, before the shortest exit.
 pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>, side: Side) -> Vec<ContactWithPlane<Q>> {
     let mut found = Vec::new();
-    for vertex in 0..pair.side(side).block.topology().vertex_count() as u32 {
-        for face in 0..pair.side(side.other()).block.topology().faces().len() as u32 {
+    for vertex in pair.side(side).block.topology().vertex_ids() {
+        for face in pair.side(side.other()).block.topology().face_ids() {
             found.extend(contact(pair, side, vertex, face));
         }
     }
     found
 }
 
-fn contact<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> Option<ContactWithPlane<Q>> {
-    let kind = match side {
-        Side::A => ContactKind::VertexFace,
-        Side::B => ContactKind::FaceVertex,
+fn contact<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: VertexId, face: FaceId) -> Option<ContactWithPlane<Q>> {
+    let key = match side {
+        Side::A => ContactKey::VertexFace(vertex, face),
+        Side::B => ContactKey::FaceVertex(face, vertex),
     };
-    let (a, b) = indices_in_order(side, vertex, face);
-    let contact = ContactWithPlane { kind, a, b, plane: plane(pair, side, vertex, face) };
+    let contact = ContactWithPlane { key, plane: plane(pair, side, vertex, face) };
     let features = vertex_and_face(side, vertex, face);
     let passes = pair.not_too_deep(Predicate::VertexFaceDepth, &features, &contact)
         && pair.decide(Predicate::VertexFaceNear, &features, contact.plane.near(&pair.limits))
@@ -35,22 +34,21 @@ fn contact<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) 
 }
 
 /// The plane of a face of the other block, with its gap to a vertex of `side`: `h = N·(a − c)/|N|`, 0 for `N = 0`.
-pub(super) fn plane<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> EntrancePlane<Q> {
-    let plane = &pair.side(side.other()).faces[face as usize];
+pub(super) fn plane<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: VertexId, face: FaceId) -> EntrancePlane<Q> {
+    let plane = &pair.side(side.other()).faces[face.index()];
     let offset = dot(&plane.normal, &difference(pair.vertex(side, vertex), &plane.point));
     let gap_signed_square = offset.signed_square().over(&squared_length(&plane.normal)).unwrap_or_else(Q::zero);
-    let (kind, normal) = match side {
-        Side::A => (EntranceKind::VertexFace, plane.normal.clone()),
-        Side::B => (EntranceKind::FaceVertex, opposite(&plane.normal)),
+    let (entrance, normal) = match side {
+        Side::A => (Entrance::VertexFace(vertex, face), plane.normal.clone()),
+        Side::B => (Entrance::FaceVertex(face, vertex), opposite(&plane.normal)),
     };
-    let (a, b) = indices_in_order(side, vertex, face);
-    EntrancePlane { entrance: Entrance { kind, a, b }, normal, gap_signed_square, unsided: false }
+    EntrancePlane { entrance, normal, gap_signed_square, unsided: false }
 }
 
 /// **Cone passes plane**: every edge direction e at the vertex has `e·N ≥ 0`, or `(e·N)² ≤ so²·|e|²·|N|²` and, under
 /// `revised`, `(e·N)² ≤ g²·|N|²` as well. **A tie says yes.**
-pub(super) fn cone_passes<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> bool {
-    let normal = &pair.side(side.other()).faces[face as usize].normal;
+pub(super) fn cone_passes<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: VertexId, face: FaceId) -> bool {
+    let normal = &pair.side(side.other()).faces[face.index()].normal;
     let normal_squared = squared_length(normal);
     let limits = &pair.limits;
     pair.side(side).edges_away(vertex).iter().all(|(edge, away)| {
@@ -70,8 +68,13 @@ pub(super) fn cone_passes<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u
 
 /// The plane of a vertex and a face is a **true exit** under `revised`: every edge direction e at the vertex has
 /// `e·N ≥ 0` or `(e·N)² ≤ (r/10)²·|N|²`. **A tie says yes.**
-pub(super) fn is_true_exit<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> PredicateAnswer {
-    let normal = &pair.side(side.other()).faces[face as usize].normal;
+pub(super) fn is_true_exit<Q: Rational>(
+    pair: &Pair<'_, Q>,
+    side: Side,
+    vertex: VertexId,
+    face: FaceId,
+) -> PredicateAnswer {
+    let normal = &pair.side(side.other()).faces[face.index()].normal;
     let limit = pair.limits.exit_squared.times(&squared_length(normal));
     pair.side(side).edges_away(vertex).iter().fold(PredicateAnswer { yes: true, tie: false }, |all, (_, away)| {
         let rise = dot(away, normal);
@@ -79,10 +82,10 @@ pub(super) fn is_true_exit<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: 
     })
 }
 
-fn in_territory_of_the_boundary<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> bool {
+fn in_territory_of_the_boundary<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: VertexId, face: FaceId) -> bool {
     let topology = pair.side(side.other()).block.topology();
-    let of_a_vertex = topology.faces()[face as usize].iter().any(|&corner| {
-        let (a, b) = indices_in_order(side, vertex, corner);
+    let of_a_vertex = topology.face(face).iter().any(|&corner| {
+        let (a, b) = in_order(side, vertex, corner);
         pair.in_vertex_territory(a, b)
     });
     of_a_vertex || topology.face_edges(face).iter().any(|&edge| pair.in_edge_territory(side, vertex, edge))
@@ -93,10 +96,10 @@ fn in_territory_of_the_boundary<Q: Rational>(pair: &Pair<'_, Q>, side: Side, ver
 /// Two directions `u ⊥ N` and `v = N × u` span the face plane; `(x·u, x·v)` are the coordinates there of whatever
 /// projects along N. A ray from the vertex along u crosses the boundary an odd number of times when it starts inside;
 /// a polygon that rounding has made cross itself is inside where that count is odd.
-fn inside_face<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u32) -> PredicateAnswer {
+fn inside_face<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: VertexId, face: FaceId) -> PredicateAnswer {
     const ON_BOUNDARY: PredicateAnswer = PredicateAnswer { yes: false, tie: true };
     let other = pair.side(side.other());
-    let normal = &other.faces[face as usize].normal;
+    let normal = &other.faces[face.index()].normal;
     if squared_length(normal).sign().is_zero() {
         return ON_BOUNDARY;
     }
@@ -107,9 +110,12 @@ fn inside_face<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u
     };
     let v = cross(normal, &u);
     let here = pair.vertex(side, vertex);
-    let corners: Vec<(Q, Q)> = other.block.topology().faces()[face as usize]
+    let corners: Vec<(Q, Q)> = other
+        .block
+        .topology()
+        .face(face)
         .iter()
-        .map(|&corner| difference(&other.vertices[corner as usize], here))
+        .map(|&corner| difference(&other.vertices[corner.index()], here))
         .map(|offset| (dot(&offset, &u), dot(&offset, &v)))
         .collect();
     let mut inside = false;
@@ -132,6 +138,6 @@ fn inside_face<Q: Rational>(pair: &Pair<'_, Q>, side: Side, vertex: u32, face: u
 }
 
 /// The features of a decision about a vertex of `side` and a face of the other block, the vertex first.
-pub(super) fn vertex_and_face(side: Side, vertex: u32, face: u32) -> [Feature; 2] {
+pub(super) fn vertex_and_face(side: Side, vertex: VertexId, face: FaceId) -> [Feature; 2] {
     [Feature::Vertex(side, vertex), Feature::Face(side.other(), face)]
 }

@@ -5,21 +5,21 @@ use super::pair::{ContactWithPlane, Pair};
 use super::predicate_answer::PredicateAnswer;
 use super::vector::{difference, dot, squared_length};
 use crate::rational::Rational;
-use rockproof_model::ContactKind;
 use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::{ContactKey, VertexId};
 
 /// All v-v contacts of the pair.
 pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>) -> Vec<ContactWithPlane<Q>> {
     let mut found = Vec::new();
-    for a in 0..pair.a.block.topology().vertex_count() as u32 {
-        for b in 0..pair.b.block.topology().vertex_count() as u32 {
+    for a in pair.a.block.topology().vertex_ids() {
+        for b in pair.b.block.topology().vertex_ids() {
             found.extend(contact(pair, a, b));
         }
     }
     found
 }
 
-fn contact<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Option<ContactWithPlane<Q>> {
+fn contact<Q: Rational>(pair: &Pair<'_, Q>, a: VertexId, b: VertexId) -> Option<ContactWithPlane<Q>> {
     let both_convex = pair.a.block.vertex_is_convex(a) && pair.b.block.vertex_is_convex(b);
     let belongs = both_convex
         && near(pair, a, b)
@@ -41,11 +41,11 @@ fn contact<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> Option<ContactWit
             candidates.edge_edge(edge_a, edge_b);
         }
     }
-    candidates.confirm(ContactKind::VertexVertex, a, b)
+    candidates.confirm(ContactKey::VertexVertex(a, b))
 }
 
 /// `|a − b|² ≤ s²`. **A tie says yes.**
-fn near<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> bool {
+fn near<Q: Rational>(pair: &Pair<'_, Q>, a: VertexId, b: VertexId) -> bool {
     let apart = squared_length(&difference(pair.vertex(Side::A, a), pair.vertex(Side::B, b)));
     let features = [Feature::Vertex(Side::A, a), Feature::Vertex(Side::B, b)];
     pair.decide(Predicate::VertexVertexNear, &features, PredicateAnswer::at_most(&apart, &pair.limits.search_squared))
@@ -53,7 +53,7 @@ fn near<Q: Rational>(pair: &Pair<'_, Q>, a: u32, b: u32) -> bool {
 
 /// Vertex `asked` of `side` lies in the region of vertex `owner` of the other block: `(asked − owner)·e ≤ 0` for all
 /// edges e at `owner`. **A tie says yes.**
-fn in_vertex_region<Q: Rational>(pair: &Pair<'_, Q>, side: Side, asked: u32, owner: u32) -> bool {
+fn in_vertex_region<Q: Rational>(pair: &Pair<'_, Q>, side: Side, asked: VertexId, owner: VertexId) -> bool {
     let offset = difference(pair.vertex(side, asked), pair.vertex(side.other(), owner));
     pair.side(side.other()).edges_away(owner).iter().all(|(edge, away)| {
         let features =

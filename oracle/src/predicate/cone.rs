@@ -5,7 +5,7 @@ use super::*;
 /// `e·N`, e an edge at the vertex, away from it: negative where the edge dips below the face's plane.
 pub(crate) struct EdgeAbovePlane {
     pub(crate) vertex: Vertex,
-    pub(crate) edge: u32,
+    pub(crate) edge: EdgeId,
     pub(crate) face: Face,
 }
 

@@ -4,10 +4,10 @@ use super::*;
 
 /// The entrance's normal before σ, from the face outwards: B to A for v-f and (with σ) e-e, A to B for f-v.
 fn entrance_normal<V: View>(view: &V, entrance: &Entrance) -> Vec3<V::T> {
-    match entrance.kind {
-        EntranceKind::VertexFace => view.normal(Side::B, entrance.b),
-        EntranceKind::FaceVertex => view.normal(Side::A, entrance.a),
-        EntranceKind::EdgeEdge => across(view, entrance.a, entrance.b),
+    match *entrance {
+        Entrance::VertexFace(_, face) => view.normal(Side::B, face),
+        Entrance::FaceVertex(face, _) => view.normal(Side::A, face),
+        Entrance::EdgeEdge(edge_a, edge_b) => across(view, edge_a, edge_b),
     }
 }
 

@@ -7,16 +7,16 @@ use super::*;
 /// v-f: `P = N·(k a − Σ v_k)`, `Q = k²|N|²`, k the loop's length; f-v with the roles exchanged. e-e: `P = n·(p_A − p_B)`
 /// and `Q = |n|²` with `n = d₁ × d₂`; its sign still wants σ.
 pub(crate) fn plane<V: View>(view: &V, entrance: &Entrance) -> (V::T, V::T) {
-    match entrance.kind {
-        EntranceKind::VertexFace => face_plane(view, (Side::A, entrance.a), (Side::B, entrance.b)),
-        EntranceKind::FaceVertex => face_plane(view, (Side::B, entrance.b), (Side::A, entrance.a)),
-        EntranceKind::EdgeEdge => edges_plane(view, entrance.a, entrance.b),
+    match *entrance {
+        Entrance::VertexFace(vertex, face) => face_plane(view, (Side::A, vertex), (Side::B, face)),
+        Entrance::FaceVertex(face, vertex) => face_plane(view, (Side::B, vertex), (Side::A, face)),
+        Entrance::EdgeEdge(edge_a, edge_b) => edges_plane(view, edge_a, edge_b),
     }
 }
 
 /// `P` and `Q` of the plane of two edges.
 #[inline(always)]
-pub(crate) fn edges_plane<V: View>(view: &V, edge_a: u32, edge_b: u32) -> (V::T, V::T) {
+pub(crate) fn edges_plane<V: View>(view: &V, edge_a: EdgeId, edge_b: EdgeId) -> (V::T, V::T) {
     let n = across(view, edge_a, edge_b);
     let (a, b) = (start(view, (Side::A, edge_a)), start(view, (Side::B, edge_b)));
     (n.dot(&view.between(b, a)), n.norm_squared())
@@ -86,7 +86,7 @@ impl Polynomial for GapWithin {
     const DEGREE: usize = 6;
     #[inline(always)]
     fn variant(&self) -> usize {
-        GapWithin::variant_of(self.entrance.kind, self.limit)
+        GapWithin::variant_of(self.entrance.kind(), self.limit)
     }
     #[inline(always)]
     fn value<V: View>(&self, view: &V) -> V::T {
@@ -98,8 +98,8 @@ impl Polynomial for GapWithin {
 
 /// `n·(p_A − p_B)` with `n = d₁ × d₂`: the gap of two edges before σ.
 pub(crate) struct EdgesApart {
-    pub(crate) edge_a: u32,
-    pub(crate) edge_b: u32,
+    pub(crate) edge_a: EdgeId,
+    pub(crate) edge_b: EdgeId,
 }
 
 impl Polynomial for EdgesApart {

@@ -25,8 +25,8 @@ impl Polynomial for BoxesMeet {
 
 /// `limit² − |a − b|²`
 pub(crate) struct Near {
-    pub(crate) a: u32,
-    pub(crate) b: u32,
+    pub(crate) a: VertexId,
+    pub(crate) b: VertexId,
     pub(crate) limit: LengthTolerance,
 }
 
@@ -47,8 +47,8 @@ impl Polynomial for Near {
 
 /// `λ²|d|² − |a − b|²` for an edge at one of the vertices: bounds the territory under the revised criteria.
 pub(crate) struct NearForEdge {
-    pub(crate) a: u32,
-    pub(crate) b: u32,
+    pub(crate) a: VertexId,
+    pub(crate) b: VertexId,
     pub(crate) edge: Edge,
 }
 
@@ -122,7 +122,7 @@ impl Polynomial for NearLine {
 pub(crate) struct NearLineForHeight {
     pub(crate) vertex: Vertex,
     pub(crate) edge: Edge,
-    pub(crate) height_at: u32,
+    pub(crate) height_at: VertexId,
 }
 
 impl Polynomial for NearLineForHeight {

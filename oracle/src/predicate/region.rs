@@ -6,7 +6,7 @@ use super::*;
 pub(crate) struct BeyondVertex {
     pub(crate) point: Vertex,
     pub(crate) at: Vertex,
-    pub(crate) edge: u32,
+    pub(crate) edge: EdgeId,
 }
 
 impl Polynomial for BeyondVertex {
@@ -50,7 +50,7 @@ impl Polynomial for InwardOf {
 pub(crate) struct FootBeyondVertex {
     pub(crate) vertex: Vertex,
     pub(crate) edge: Edge,
-    pub(crate) at_vertex: u32,
+    pub(crate) at_vertex: EdgeId,
 }
 
 impl Polynomial for FootBeyondVertex {
@@ -73,7 +73,7 @@ impl Polynomial for FootBeyondVertex {
 /// `(w − v)·(N × u)`, u a coordinate axis: the height of a polygon's vertex w over v in a direction of the plane.
 pub(crate) struct PolygonHeight {
     pub(crate) vertex: Vertex,
-    pub(crate) corner: u32,
+    pub(crate) corner: VertexId,
     pub(crate) face: Face,
     pub(crate) axis: usize,
 }

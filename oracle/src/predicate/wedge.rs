@@ -4,8 +4,8 @@ use super::*;
 
 /// `sp²|d₁|²|d₂|² − |d₁ × d₂|²`: at least zero for nearly parallel edges.
 pub(crate) struct ParallelAngle {
-    pub(crate) edge_a: u32,
-    pub(crate) edge_b: u32,
+    pub(crate) edge_a: EdgeId,
+    pub(crate) edge_b: EdgeId,
 }
 
 impl Polynomial for ParallelAngle {
@@ -27,8 +27,8 @@ impl Polynomial for ParallelAngle {
 
 /// `r²|d|² − |d₁ × d₂|²`, d the direction on `longer`: the gap between the edges varies by less than the territory.
 pub(crate) struct ParallelReach {
-    pub(crate) edge_a: u32,
-    pub(crate) edge_b: u32,
+    pub(crate) edge_a: EdgeId,
+    pub(crate) edge_b: EdgeId,
     pub(crate) longer: Side,
 }
 
@@ -54,8 +54,8 @@ impl Polynomial for ParallelReach {
 
 /// How far along `on` the foot of the common perpendicular lies: `t|n|²` from the start, `(1 − t)|n|²` from the end.
 pub(crate) struct CommonFoot {
-    pub(crate) edge_a: u32,
-    pub(crate) edge_b: u32,
+    pub(crate) edge_a: EdgeId,
+    pub(crate) edge_b: EdgeId,
     pub(crate) on: Side,
     pub(crate) from_end: bool,
 }
@@ -87,8 +87,8 @@ impl Polynomial for CommonFoot {
 
 /// `n·(m_L + m_R)_A − n·(m_L + m_R)_B` with `n = d₁ × d₂`: its sign is σ, zero counting as +.
 pub(crate) struct Orientation {
-    pub(crate) edge_a: u32,
-    pub(crate) edge_b: u32,
+    pub(crate) edge_a: EdgeId,
+    pub(crate) edge_b: EdgeId,
 }
 
 impl Polynomial for Orientation {
@@ -110,8 +110,8 @@ impl Polynomial for Orientation {
 /// `n·m` with `n = d₁ × d₂`, m an inward direction at one of the two edges.
 #[derive(Clone, Copy)]
 pub(crate) struct InwardAcross {
-    pub(crate) edge_a: u32,
-    pub(crate) edge_b: u32,
+    pub(crate) edge_a: EdgeId,
+    pub(crate) edge_b: EdgeId,
     pub(crate) side: Side,
     pub(crate) right: bool,
 }
@@ -165,7 +165,7 @@ impl Polynomial for WedgeDipAngle {
 /// them.
 pub(crate) struct WedgeDipDepth {
     pub(crate) inward: InwardAcross,
-    pub(crate) corner: u32,
+    pub(crate) corner: VertexId,
     pub(crate) limit: DipLimit,
 }
 

@@ -9,7 +9,7 @@ use num_rational::BigRational;
 use num_traits::Signed;
 use rockproof_model::decision::Side;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Number, ToleranceSet, Vec3};
+use rockproof_model::{EdgeId, FaceId, Number, ToleranceSet, Vec3, VertexId};
 use std::cell::OnceCell;
 
 /// Compares all views of a pair with the exact one.
@@ -36,26 +36,30 @@ pub(super) fn check(pair: &Pair<'_>, t: &ToleranceSet, about: &str) {
     let coordinate = views.counted.coordinate;
     for side in [Side::A, Side::B] {
         let topology = pair.topology(side);
-        for v in 0..topology.vertex_count() as u32 {
-            fits(&views.exact.between((Side::A, 0), (side, v)), &Vec3::new(coordinate, coordinate, coordinate), about);
+        for v in topology.vertex_ids() {
+            fits(
+                &views.exact.between((Side::A, VertexId(0)), (side, v)),
+                &Vec3::new(coordinate, coordinate, coordinate),
+                about,
+            );
             for other in [Side::A, Side::B] {
-                let last = pair.topology(other).vertex_count() as u32 - 1;
-                for w in [0, 2, last] {
+                let last = pair.topology(other).vertex_count() - 1;
+                for w in [0, 2, last].map(VertexId::at) {
                     views.compare(1, Vector::Between((side, v), (other, w)));
                 }
             }
         }
-        for edge in 0..topology.edges().len() as u32 {
+        for edge in topology.edge_ids() {
             views.compare(1, Vector::Direction(side, edge));
             views.compare(3, Vector::Inward(side, edge, false));
             views.compare(3, Vector::Inward(side, edge, true));
         }
-        for face in 0..topology.faces().len() as u32 {
+        for face in topology.face_ids() {
             views.compare(2, Vector::Normal(side, face));
             views.compare(1, Vector::Centre(side, face));
             let (length, count) = (views.exact.loop_length(side, face), views.counted.loop_length(side, face));
             assert!(length.bits() <= u64::from(count.0), "{about}");
-            if pair.solid(side).faces[face as usize].surely_convex {
+            if pair.solid(side).faces[face.index()].surely_convex {
                 turns_left(&views.exact, side, face, about);
             }
         }
@@ -66,11 +70,11 @@ pub(super) fn check(pair: &Pair<'_>, t: &ToleranceSet, about: &str) {
 /// A vector of a pair.
 #[derive(Clone, Copy, Debug)]
 enum Vector {
-    Between((Side, u32), (Side, u32)),
-    Direction(Side, u32),
-    Normal(Side, u32),
-    Centre(Side, u32),
-    Inward(Side, u32, bool),
+    Between((Side, VertexId), (Side, VertexId)),
+    Direction(Side, EdgeId),
+    Normal(Side, FaceId),
+    Centre(Side, FaceId),
+    Inward(Side, EdgeId, bool),
 }
 
 impl Vector {
@@ -172,14 +176,14 @@ fn fits(exact: &Vec3<BigInt>, counts: &Vec3<Bits>, about: &str) {
 }
 
 /// A face that is said to be convex turns left at every corner.
-fn turns_left(view: &ExactView<'_, '_, BigInt>, side: Side, face: u32, about: &str) {
+fn turns_left(view: &ExactView<'_, '_, BigInt>, side: Side, face: FaceId, about: &str) {
     let edges = view.topology(side).face_edges(face);
     if edges.len() == 3 {
         return;
     }
     for k in 0..edges.len() {
         let (here, next) = (edges[k], edges[(k + 1) % edges.len()]);
-        let goes_back = |edge: u32| view.topology(side).edges()[edge as usize].right == face;
+        let goes_back = |edge: EdgeId| view.topology(side).edges()[edge.index()].right == face;
         let turn = view.inward(side, here, goes_back(here)).dot(&view.direction(side, next));
         let turn = if goes_back(next) { -turn } else { turn };
         assert!(ExactRing::sign(&turn).is_positive(), "face {face} of {side:?}, {about}");

@@ -4,7 +4,7 @@ use super::frame;
 use crate::field::Field;
 use crate::mass::{difference, over};
 use rockproof_model::block::face_normal;
-use rockproof_model::{Block, Contact, EntranceKind, Point, Ring, Sign, Vec3};
+use rockproof_model::{Block, Contact, EdgeId, Entrance, FaceId, Point, Ring, Sign, Vec3, VertexId};
 
 /// A contact in one number type. N is the normal, from B to A, not of unit length.
 pub(crate) struct ContactGeometry<S> {
@@ -38,9 +38,9 @@ impl<'a, S: Field> Sides<'a, S> {
     }
 
     /// The mean of a face's vertices.
-    fn middle(&self, side: usize, face: u32) -> Option<Vec3<S>> {
-        let boundary = &self.blocks[side].topology().faces()[face as usize];
-        let sum = boundary.iter().fold(Vec3::zero(), |sum: Vec3<S>, &v| sum.plus(&self.points[side][v as usize]));
+    fn middle(&self, side: usize, face: FaceId) -> Option<Vec3<S>> {
+        let boundary = self.blocks[side].topology().face(face);
+        let sum = boundary.iter().fold(Vec3::zero(), |sum: Vec3<S>, &v| sum.plus(&self.points[side][v.index()]));
         let mean = over(&sum, &S::from_i32(boundary.len() as i32))?;
         Some(if side == 0 { mean.plus(&self.offset) } else { mean })
     }
@@ -52,35 +52,33 @@ impl<'a, S: Field> Sides<'a, S> {
 
     /// `N·(P − Q)`, from the features themselves: the feet would lose digits.
     fn gap(&self, contact: &Contact, normal: &Vec3<S>) -> Option<S> {
-        let entrance = contact.entrance;
-        let apart = match entrance.kind {
-            EntranceKind::VertexFace => self.point(0, entrance.a).minus(&self.middle(1, entrance.b)?),
-            EntranceKind::FaceVertex => self.middle(0, entrance.a)?.minus(&self.point(1, entrance.b)),
-            EntranceKind::EdgeEdge => self.edge(0, entrance.a).1.minus(&self.edge(1, entrance.b).1),
+        let apart = match contact.entrance {
+            Entrance::VertexFace(vertex, face) => self.point(0, vertex).minus(&self.middle(1, face)?),
+            Entrance::FaceVertex(face, vertex) => self.middle(0, face)?.minus(&self.point(1, vertex)),
+            Entrance::EdgeEdge(edge_a, edge_b) => self.edge(0, edge_a).1.minus(&self.edge(1, edge_b).1),
         };
         Some(normal.dot(&apart))
     }
 
     /// P on A and Q on B.
     fn feet(&self, contact: &Contact, normal: &Vec3<S>, over_square: &S) -> Option<[Vec3<S>; 2]> {
-        let entrance = contact.entrance;
         let foot = |point: &Vec3<S>, middle: &Vec3<S>| {
             let share = normal.dot(&point.minus(middle)).times(over_square);
             point.minus(&normal.scaled(&share))
         };
-        match entrance.kind {
-            EntranceKind::VertexFace => {
-                let p = self.point(0, entrance.a);
-                let q = foot(&p, &self.middle(1, entrance.b)?);
+        match contact.entrance {
+            Entrance::VertexFace(vertex, face) => {
+                let p = self.point(0, vertex);
+                let q = foot(&p, &self.middle(1, face)?);
                 Some([p, q])
             }
-            EntranceKind::FaceVertex => {
-                let q = self.point(1, entrance.b);
-                let p = foot(&q, &self.middle(0, entrance.a)?);
+            Entrance::FaceVertex(face, vertex) => {
+                let q = self.point(1, vertex);
+                let p = foot(&q, &self.middle(0, face)?);
                 Some([p, q])
             }
-            EntranceKind::EdgeEdge => {
-                let ((d1, p1), (d2, p2)) = (self.edge(0, entrance.a), self.edge(1, entrance.b));
+            Entrance::EdgeEdge(edge_a, edge_b) => {
+                let ((d1, p1), (d2, p2)) = (self.edge(0, edge_a), self.edge(1, edge_b));
                 let (cross, apart) = (d1.cross(&d2), p2.minus(&p1));
                 // p1 + t·d1 and p2 + s·d2 with t = (apart × d2)·n/|n|², s = (apart × d1)·n/|n|².
                 let t = apart.cross(&d2).dot(&cross).times(over_square);
@@ -98,42 +96,41 @@ impl<'a, S: Ring> Sides<'a, S> {
     }
 
     /// A vertex relative to B's vertex 0.
-    pub(crate) fn point(&self, side: usize, vertex: u32) -> Vec3<S> {
-        let own = &self.points[side][vertex as usize];
+    pub(crate) fn point(&self, side: usize, vertex: VertexId) -> Vec3<S> {
+        let own = &self.points[side][vertex.index()];
         if side == 0 { own.plus(&self.offset) } else { own.clone() }
     }
 
     /// `N_f`.
-    pub(crate) fn face_normal(&self, side: usize, face: u32) -> Vec3<S> {
-        face_normal(self.points[side], &self.blocks[side].topology().faces()[face as usize])
+    pub(crate) fn face_normal(&self, side: usize, face: FaceId) -> Vec3<S> {
+        face_normal(self.points[side], self.blocks[side].topology().face(face))
     }
 
     /// An edge's direction and its first end.
-    fn edge(&self, side: usize, edge: u32) -> (Vec3<S>, Vec3<S>) {
-        let ends = &self.blocks[side].topology().edges()[edge as usize];
-        let [p, q] = [ends.p, ends.q].map(|v| &self.points[side][v as usize]);
+    fn edge(&self, side: usize, edge: EdgeId) -> (Vec3<S>, Vec3<S>) {
+        let ends = self.blocks[side].topology().edge(edge);
+        let [p, q] = [ends.p, ends.q].map(|v| &self.points[side][v.index()]);
         (q.minus(p), self.point(side, ends.p))
     }
 
     /// `m_L + m_R` of an edge.
-    fn lean(&self, side: usize, edge: u32) -> Vec3<S> {
-        let ends = &self.blocks[side].topology().edges()[edge as usize];
+    fn lean(&self, side: usize, edge: EdgeId) -> Vec3<S> {
+        let ends = self.blocks[side].topology().edge(edge);
         let (d, _) = self.edge(side, edge);
         self.face_normal(side, ends.left).cross(&d).plus(&self.face_normal(side, ends.right).cross(&d.negated()))
     }
 
     /// N of a contact, from B to A, in a type that says the sign of a number where it knows it.
     pub(crate) fn normal_by(&self, contact: &Contact, sign: impl Fn(&S) -> Option<Sign>) -> Option<Vec3<S>> {
-        let entrance = contact.entrance;
-        match entrance.kind {
-            EntranceKind::VertexFace => Some(self.face_normal(1, entrance.b)),
-            EntranceKind::FaceVertex => Some(self.face_normal(0, entrance.a).negated()),
-            EntranceKind::EdgeEdge => {
-                let ((d1, p1), (d2, p2)) = (self.edge(0, entrance.a), self.edge(1, entrance.b));
+        match contact.entrance {
+            Entrance::VertexFace(_, face) => Some(self.face_normal(1, face)),
+            Entrance::FaceVertex(face, _) => Some(self.face_normal(0, face).negated()),
+            Entrance::EdgeEdge(edge_a, edge_b) => {
+                let ((d1, p1), (d2, p2)) = (self.edge(0, edge_a), self.edge(1, edge_b));
                 let cross = d1.cross(&d2);
                 // σ is known from the sign of the gap that classification found, or, touching, from the wedges.
                 let turned = if contact.gap.is_zero() {
-                    let lean = cross.dot(&self.lean(0, entrance.a)).minus(&cross.dot(&self.lean(1, entrance.b)));
+                    let lean = cross.dot(&self.lean(0, edge_a)).minus(&cross.dot(&self.lean(1, edge_b)));
                     sign(&lean)?.is_negative()
                 } else {
                     sign(&cross.dot(&p1.minus(&p2)))?.is_negative() != contact.gap.is_negative()

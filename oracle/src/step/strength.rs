@@ -8,7 +8,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use rockproof_model::lattice::Lattice;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Contact, EntranceKind, Number, Vec3};
+use rockproof_model::{Block, Contact, EdgeId, Entrance, FaceId, Number, Vec3, VertexId};
 use std::cmp::Ordering;
 
 type IntVector = Vec3<BigInt>;
@@ -33,7 +33,7 @@ pub(crate) fn shares(blocks: [&Block; 2], contacts: &[Contact], overlap_sine: &N
     let (per_metre, over) = lattice.units_per_metre();
     let fourth = BigRational::new_raw(over.pow(4), per_metre.pow(4));
     // Contacts of one face have one normal: their area is worked out once.
-    let mut known: Vec<(&IntVector, [u32; 2], BigRational)> = Vec::new();
+    let mut known: Vec<(&IntVector, [FaceId; 2], BigRational)> = Vec::new();
     let mut shares = Vec::new();
     for (normal, faces) in &facing {
         let Some(faces) = faces else {
@@ -56,22 +56,21 @@ pub(crate) fn shares(blocks: [&Block; 2], contacts: &[Contact], overlap_sine: &N
 
 /// The faces of A and of B that a contact joins, if they face each other within the overlap angle. `normal` points from
 /// B to A.
-fn faces(sides: &Sides<'_, BigInt>, contact: &Contact, normal: &IntVector, sine: &BigRational) -> Option<[u32; 2]> {
-    let entrance = contact.entrance;
-    let at_vertex = |side: usize, vertex: u32| sides.blocks[side].topology().vertex_faces(vertex).to_vec();
-    let at_edge = |side: usize, edge: u32| {
-        let edge = &sides.blocks[side].topology().edges()[edge as usize];
+fn faces(sides: &Sides<'_, BigInt>, contact: &Contact, normal: &IntVector, sine: &BigRational) -> Option<[FaceId; 2]> {
+    let at_vertex = |side: usize, vertex: VertexId| sides.blocks[side].topology().vertex_faces(vertex).to_vec();
+    let at_edge = |side: usize, edge: EdgeId| {
+        let edge = sides.blocks[side].topology().edge(edge);
         vec![edge.left.min(edge.right), edge.left.max(edge.right)]
     };
-    let candidates = match entrance.kind {
-        EntranceKind::VertexFace => [at_vertex(0, entrance.a), vec![entrance.b]],
-        EntranceKind::FaceVertex => [vec![entrance.a], at_vertex(1, entrance.b)],
-        EntranceKind::EdgeEdge => [at_edge(0, entrance.a), at_edge(1, entrance.b)],
+    let candidates = match contact.entrance {
+        Entrance::VertexFace(vertex, face) => [at_vertex(0, vertex), vec![face]],
+        Entrance::FaceVertex(face, vertex) => [vec![face], at_vertex(1, vertex)],
+        Entrance::EdgeEdge(edge_a, edge_b) => [at_edge(0, edge_a), at_edge(1, edge_b)],
     };
     let towards = [normal.negated(), normal.clone()];
     let (sine, one) = (sine.numer().pow(2), sine.denom().pow(2));
     let squarest = |side: usize| {
-        let measured = |face: u32| {
+        let measured = |face: FaceId| {
             let outward = sides.face_normal(side, face);
             let cosine = outward.dot(&towards[side]);
             (face, cosine, outward)
@@ -98,7 +97,7 @@ fn by_cosine(one: (&BigInt, &IntVector), two: (&BigInt, &IntVector)) -> Ordering
 ///
 /// Seen along N in the coordinate plane across axis k, lengths are not true, but areas are the true ones times
 /// |N|/|N_k|. Multiplied by N_k, what is seen there of a point p is `p_a·N_k − N_a·p_k`.
-fn area_times_length(sides: &Sides<'_, BigInt>, faces: [u32; 2], normal: &IntVector) -> BigRational {
+fn area_times_length(sides: &Sides<'_, BigInt>, faces: [FaceId; 2], normal: &IntVector) -> BigRational {
     let n = normal.components();
     let axis = (0..3).max_by_key(|&k| n[k].abs()).unwrap_or(0);
     let others = [(axis + 1) % 3, (axis + 2) % 3];
@@ -110,8 +109,8 @@ fn area_times_length(sides: &Sides<'_, BigInt>, faces: [u32; 2], normal: &IntVec
     let across = n[axis] / &common;
     let slopes = others.map(|k| n[k] / &common);
     let flat = |side: usize| -> Vec<Flat> {
-        let corners = &sides.blocks[side].topology().faces()[faces[side] as usize];
-        let seen = |&v: &u32| {
+        let corners = sides.blocks[side].topology().face(faces[side]);
+        let seen = |&v: &VertexId| {
             let at = sides.point(side, v);
             let at = at.components();
             std::array::from_fn(|k| at[others[k]] * &across - at[axis] * &slopes[k])

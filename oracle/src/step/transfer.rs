@@ -16,7 +16,7 @@ pub(crate) struct StartingContact {
 impl StartingContact {
     /// The side of block j, whose anchor is dragged: B but for f-v entrances (SPEC 5.3).
     pub(crate) fn other_side(&self) -> usize {
-        usize::from(self.contact.entrance.kind != EntranceKind::FaceVertex)
+        usize::from(self.contact.entrance.kind() != EntranceKind::FaceVertex)
     }
 }
 
@@ -24,7 +24,7 @@ impl StartingContact {
 pub(crate) fn transfer(found: &[([usize; 2], Contact)], old: &[ContactMemory]) -> Vec<StartingContact> {
     let mut taken = vec![false; old.len()];
     let mut from: Vec<Option<usize>> = vec![None; found.len()];
-    let same_features = |one: &Contact, two: &Contact| (one.kind, one.a, one.b) == (two.kind, two.a, two.b);
+    let same_features = |one: &Contact, two: &Contact| one.key == two.key;
     let same_entrance = |one: &Contact, two: &Contact| one.entrance == two.entrance;
     let rules: [fn(&Contact, &Contact) -> bool; 2] = [same_features, same_entrance];
     for same in rules {

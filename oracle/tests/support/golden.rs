@@ -3,7 +3,8 @@
 
 use num_rational::BigRational;
 use rockproof_model::{
-    Block, BlockOptions, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, Sign, ToleranceSet, Vec3,
+    Block, BlockOptions, Contact, ContactKey, ContactKind, Criteria, Entrance, EntranceKind, Number, Sign,
+    ToleranceSet, Vec3,
 };
 use serde::Deserialize;
 
@@ -83,10 +84,8 @@ fn pair(raw: RawPair) -> GoldenPair {
 fn contact(raw: &RawContact) -> Contact {
     let kind = EntranceKind::from_name(&raw.entrance).unwrap();
     Contact {
-        kind: ContactKind::from_name(&raw.kind).unwrap(),
-        a: raw.feature_a,
-        b: raw.feature_b,
-        entrance: Entrance { kind, a: raw.entrance_a, b: raw.entrance_b },
+        key: ContactKey::of_kind(ContactKind::from_name(&raw.kind).unwrap(), [raw.feature_a, raw.feature_b]),
+        entrance: Entrance::of_kind(kind, [raw.entrance_a, raw.entrance_b]),
         gap: [Sign::Negative, Sign::Zero, Sign::Positive].into_iter().find(|s| s.as_i8() == raw.gap_sign).unwrap(),
     }
 }

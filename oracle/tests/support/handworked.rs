@@ -47,8 +47,8 @@ fn contact(&(kind, a, b, entrance, entrance_a, entrance_b, gap): &Row) -> (Conta
         _ => (Sign::Zero, exact(gap)),
     };
     let kind = ContactKind::from_name(kind).unwrap();
-    let entrance = Entrance { kind: EntranceKind::from_name(entrance).unwrap(), a: entrance_a, b: entrance_b };
-    (Contact { kind, a, b, entrance, gap: gap_sign }, squared)
+    let entrance = Entrance::of_kind(EntranceKind::from_name(entrance).unwrap(), [entrance_a, entrance_b]);
+    (Contact { key: ContactKey::of_kind(kind, [a, b]), entrance, gap: gap_sign }, squared)
 }
 
 /// All hand-worked cases.

@@ -57,7 +57,7 @@ pub(crate) struct KeptChoice {
 pub(crate) fn kept_choice() -> impl Strategy<Value = KeptChoice> {
     let stray = (prop::sample::select(ContactKind::ALL.to_vec()), 0..20u32, 0..20u32);
     (prop::collection::vec(any::<bool>(), 16), stray)
-        .prop_map(|(keep, (kind, a, b))| KeptChoice { keep, stray: ContactKey { kind, a, b } })
+        .prop_map(|(keep, (kind, a, b))| KeptChoice { keep, stray: ContactKey::of_kind(kind, [a, b]) })
 }
 
 impl KeptChoice {
@@ -66,12 +66,7 @@ impl KeptChoice {
         let deep = ToleranceSet { penetration: Number::from_integer(100), ..tolerances.clone() };
         let possible = plain::classify::<BigRational>(a, b, &deep);
         let turns = self.keep.iter().cycle();
-        let chosen = possible.iter().zip(turns).filter(|(_, keep)| **keep).map(|(found, _)| found.contact.key());
+        let chosen = possible.iter().zip(turns).filter(|(_, keep)| **keep).map(|(found, _)| found.contact.key);
         std::iter::once(self.stray).chain(chosen).collect()
     }
-}
-
-/// The same contact of the pair with A and B exchanged.
-pub(crate) fn swapped(key: ContactKey) -> ContactKey {
-    ContactKey { kind: key.kind.swapped(), a: key.b, b: key.a }
 }

@@ -9,7 +9,7 @@ use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::{EngineFailure, WideAnswer};
 use rockproof_differential::finding::{Cause, Finding, FindingScope};
 use rockproof_differential::subject::PairSource;
-use rockproof_model::{Contact, ContactKind, Entrance, EntranceKind, Precision, Sign};
+use rockproof_model::{Contact, ContactKind, EdgeId, Entrance, Precision, Sign};
 use std::collections::BTreeSet;
 
 fn run(script: &Script) -> PairExamination {
@@ -34,7 +34,7 @@ fn base() -> Contact {
 /// One answer for each change from `base`.
 fn changed() -> Vec<(AnswerChange, Vec<Contact>)> {
     let base = base();
-    let turned = Entrance { kind: EntranceKind::EdgeEdge, a: 2, b: 3 };
+    let turned = Entrance::EdgeEdge(EdgeId(2), EdgeId(3));
     vec![
         (AnswerChange::Missing, vec![]),
         (AnswerChange::Extra, vec![base, contact(ContactKind::EdgeEdge, 7, 7)]),

@@ -7,7 +7,7 @@ use rockproof_differential::builtin::BuiltinOracle;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::{Engine, EngineFailure, Oracle, Prepared, Trace, WideAnswer};
 use rockproof_differential::finding::Cause;
-use rockproof_model::{Block, Contact, ContactKind, Precision, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKind, Precision, ToleranceSet, VertexId};
 
 /// Answers as the oracle does, but loses every contact of a pair changed in the given way.
 struct Upset(Option<AnswerChange>);
@@ -33,9 +33,9 @@ impl Engine for Upset {
         // The pair itself: A a unit cube from 0, B one from 1, face 0 the loop 0 3 2 1.
         let upset = match self.0 {
             Some(AnswerChange::Swap) => {
-                edge == 1.0 && !far && corner(a, 0) > corner(b, 0) && a.topology().faces()[0][0] == 0
+                edge == 1.0 && !far && corner(a, 0) > corner(b, 0) && a.topology().faces()[0][0] == VertexId(0)
             }
-            Some(AnswerChange::Renumber) => a.topology().faces()[0][0] != 0,
+            Some(AnswerChange::Renumber) => a.topology().faces()[0][0] != VertexId(0),
             Some(AnswerChange::Translate) => edge == 1.0 && !far && corner(a, 0) >= 2.0,
             Some(AnswerChange::Scale) => edge < 1.0,
             _ => false,

@@ -8,8 +8,8 @@ use rockproof_differential::engine::{
 use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{
-    Block, BlockOptions, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, Point, Precision, Sign,
-    ToleranceSet,
+    Block, BlockOptions, Contact, ContactKey, ContactKind, Criteria, Entrance, FaceId, Number, Point, Precision, Sign,
+    ToleranceSet, VertexId,
 };
 
 pub(crate) fn number(value: f64) -> Number {
@@ -42,8 +42,8 @@ pub(crate) fn tolerances() -> ToleranceSet {
 }
 
 pub(crate) fn contact(kind: ContactKind, a: u32, b: u32) -> Contact {
-    let entrance = Entrance { kind: EntranceKind::VertexFace, a: 0, b: 1 };
-    Contact { kind, a, b, entrance, gap: Sign::Positive }
+    let entrance = Entrance::VertexFace(VertexId(0), FaceId(1));
+    Contact { key: ContactKey::of_kind(kind, [a, b]), entrance, gap: Sign::Positive }
 }
 
 pub(crate) fn subject(index: u64, a: Block, b: Block) -> Subject {
@@ -78,7 +78,10 @@ impl Script {
 
 /// Margins by vertex number of the decision's first feature: number n has margin n/1000.
 pub(crate) fn decision(n: u32) -> Decision {
-    Decision::about(Predicate::VertexVertexNear, &[Feature::Vertex(Side::A, n), Feature::Vertex(Side::B, n)])
+    Decision::about(
+        Predicate::VertexVertexNear,
+        &[Feature::Vertex(Side::A, VertexId(n)), Feature::Vertex(Side::B, VertexId(n))],
+    )
 }
 
 struct ScriptedOracle(Script);
@@ -120,7 +123,7 @@ impl ExactPair for ScriptedPair<'_> {
     }
     fn margins(&self, _: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<f64>> {
         let margin = |decision: &Decision| match decision.features[0] {
-            Some(Feature::Vertex(_, n)) => Some(f64::from(n) / 1000.0),
+            Some(Feature::Vertex(_, n)) => Some(f64::from(n.0) / 1000.0),
             _ => None,
         };
         decisions.iter().map(margin).collect()

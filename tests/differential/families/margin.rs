@@ -7,7 +7,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use rockproof_campaign::pairs::{PairCase, PairForm};
 use rockproof_model::decision::{Feature, Predicate, Side};
-use rockproof_model::{Block, Criteria, Sign, ToleranceSet};
+use rockproof_model::{Block, Criteria, EdgeId, FaceId, Sign, ToleranceSet, VertexId};
 
 pub(crate) type Q = BigRational;
 pub(crate) type V = [Q; 3];
@@ -36,8 +36,8 @@ fn square(a: &V) -> Q {
     dot(a, a)
 }
 
-pub(crate) fn normal(points: &[V], face: &[u32]) -> V {
-    let at = |k: usize| minus(&points[face[k] as usize], &points[face[0] as usize]);
+pub(crate) fn normal(points: &[V], face: &[VertexId]) -> V {
+    let at = |k: usize| minus(&points[face[k].index()], &points[face[0].index()]);
     (1..face.len() - 1)
         .map(|k| cross(&at(k), &at(k + 1)))
         .fold([Q::zero(), Q::zero(), Q::zero()], |s, n| [&s[0] + &n[0], &s[1] + &n[1], &s[2] + &n[2]])
@@ -83,68 +83,68 @@ struct Pair<'c> {
 }
 
 impl Pair<'_> {
-    fn v(&self, side: Side, v: u32) -> &V {
-        &self.points[side as usize][v as usize]
+    fn v(&self, side: Side, v: VertexId) -> &V {
+        &self.points[side as usize][v.index()]
     }
 
-    fn ends(&self, side: Side, e: u32) -> (&V, V) {
-        let edge = self.blocks[side as usize].topology().edges()[e as usize];
+    fn ends(&self, side: Side, e: EdgeId) -> (&V, V) {
+        let edge = self.blocks[side as usize].topology().edge(e);
         (self.v(side, edge.p), minus(self.v(side, edge.q), self.v(side, edge.p)))
     }
 
-    fn away(&self, side: Side, v: u32, e: u32) -> V {
-        let edge = self.blocks[side as usize].topology().edges()[e as usize];
+    fn away(&self, side: Side, v: VertexId, e: EdgeId) -> V {
+        let edge = self.blocks[side as usize].topology().edge(e);
         minus(self.v(side, edge.other(v)), self.v(side, v))
     }
 
-    fn loop_of(&self, side: Side, f: u32) -> &[u32] {
-        &self.blocks[side as usize].topology().faces()[f as usize]
+    fn loop_of(&self, side: Side, f: FaceId) -> &[VertexId] {
+        &self.blocks[side as usize].topology().faces()[f.index()]
     }
 
-    fn normal(&self, side: Side, f: u32) -> V {
+    fn normal(&self, side: Side, f: FaceId) -> V {
         normal(&self.points[side as usize], self.loop_of(side, f))
     }
 
-    fn inward(&self, side: Side, e: u32, f: u32) -> V {
+    fn inward(&self, side: Side, e: EdgeId, f: FaceId) -> V {
         let (_, d) = self.ends(side, e);
         let m = cross(&self.normal(side, f), &d);
-        let left = self.blocks[side as usize].topology().edges()[e as usize].left == f;
+        let left = self.blocks[side as usize].topology().edge(e).left == f;
         if left { m } else { m.map(|c| -c) }
     }
 
-    fn width2(&self, side: Side, e: u32, f: u32) -> Q {
+    fn width2(&self, side: Side, e: EdgeId, f: FaceId) -> Q {
         let (p, d) = self.ends(side, e);
-        let far = self.loop_of(side, f).iter().map(|&v| square(&cross(&minus(self.v(side, v), p), &d)));
+        let far = self.loop_of(side, f).iter().map(|&v| square(&cross(&minus(self.v(side, VertexId(v.0)), p), &d)));
         far.max().unwrap() / square(&d)
     }
 
     /// `N·(x − c)` and `|N|²`.
-    fn gap(&self, side: Side, v: u32, f: u32) -> (Q, Q) {
+    fn gap(&self, side: Side, v: VertexId, f: FaceId) -> (Q, Q) {
         let other = side.other();
         let n = self.normal(other, f);
         let corners = self.loop_of(other, f);
         let mean = [0, 1, 2].map(|i| {
-            corners.iter().map(|&v| self.v(other, v)[i].clone()).fold(Q::zero(), |s, c| s + c)
+            corners.iter().map(|&v| self.v(other, VertexId(v.0))[i].clone()).fold(Q::zero(), |s, c| s + c)
                 / whole(corners.len() as i64)
         });
         (dot(&n, &minus(self.v(side, v), &mean)), square(&n))
     }
 
     /// The gap's square with the gap's sign.
-    fn signed_gap2(&self, side: Side, v: u32, f: u32) -> Q {
+    fn signed_gap2(&self, side: Side, v: VertexId, f: FaceId) -> Q {
         let (q, n) = self.gap(side, v, f);
         q.signum() * &q * &q / n
     }
 
-    fn shortest2(&self, side: Side, v: u32) -> Q {
+    fn shortest2(&self, side: Side, v: VertexId) -> Q {
         let edges = self.blocks[side as usize].topology().vertex_edges(v);
         edges.iter().map(|&e| square(&self.ends(side, e).1)).min().unwrap()
     }
 
-    fn perpendicular(&self, e: u32, f: u32) -> V {
+    fn perpendicular(&self, e: EdgeId, f: EdgeId) -> V {
         let n = cross(&self.ends(Side::A, e).1, &self.ends(Side::B, f).1);
-        let sum = |side: Side, e: u32| {
-            let edge = self.blocks[side as usize].topology().edges()[e as usize];
+        let sum = |side: Side, e: EdgeId| {
+            let edge = self.blocks[side as usize].topology().edge(e);
             dot(&n, &self.inward(side, e, edge.left)) + dot(&n, &self.inward(side, e, edge.right))
         };
         if (sum(Side::A, e) - sum(Side::B, f)).is_negative() { n.map(|c| -c) } else { n }
@@ -180,7 +180,7 @@ impl Pair<'_> {
         sign(&margins.min().unwrap())
     }
 
-    fn cone(&self, side: Side, v: u32, f: u32, e: u32) -> Sign {
+    fn cone(&self, side: Side, v: VertexId, f: FaceId, e: EdgeId) -> Sign {
         let (n, e) = (self.normal(side.other(), f), self.away(side, v, e));
         let dip = dot(&n, &e);
         if !dip.is_negative() {
@@ -204,7 +204,7 @@ impl Pair<'_> {
     }
 
     /// Whether the plane of a vertex and a face is a true exit: the worst over the edges that dip.
-    fn true_exit_of_face(&self, side: Side, v: u32, f: u32) -> Sign {
+    fn true_exit_of_face(&self, side: Side, v: VertexId, f: FaceId) -> Sign {
         let n = self.normal(side.other(), f);
         let edges = self.blocks[side as usize].topology().vertex_edges(v);
         let arms = edges.iter().map(|&e| self.away(side, v, e)).filter(|arm| dot(&n, arm).is_negative());
@@ -212,20 +212,20 @@ impl Pair<'_> {
         if self.revised() { worst.unwrap_or(Sign::Positive) } else { Sign::Positive }
     }
 
-    fn wedges(&self, e: u32, f: u32) -> Sign {
+    fn wedges(&self, e: EdgeId, f: EdgeId) -> Sign {
         self.worst_wedge(e, f, Self::dip)
     }
 
-    fn true_exit_of_edges(&self, e: u32, f: u32) -> Sign {
+    fn true_exit_of_edges(&self, e: EdgeId, f: EdgeId) -> Sign {
         if self.revised() { self.worst_wedge(e, f, Self::true_exit_dip) } else { Sign::Positive }
     }
 
     /// The worst over the faces at two edges that dip.
-    fn worst_wedge(&self, e: u32, f: u32, margin: fn(&Self, &Q, &Q, &Q, &Q) -> Sign) -> Sign {
+    fn worst_wedge(&self, e: EdgeId, f: EdgeId, margin: fn(&Self, &Q, &Q, &Q, &Q) -> Sign) -> Sign {
         let n = self.perpendicular(e, f);
         let mut worst = Sign::Positive;
         for (side, edge) in [(Side::A, e), (Side::B, f)] {
-            let both = self.blocks[side as usize].topology().edges()[edge as usize];
+            let both = self.blocks[side as usize].topology().edge(edge);
             for face in [both.left, both.right] {
                 let m = self.inward(side, edge, face);
                 let dip = if side == Side::A { dot(&n, &m) } else { -dot(&n, &m) };
@@ -237,7 +237,7 @@ impl Pair<'_> {
         worst
     }
 
-    fn parallel(&self, e: u32, f: u32) -> Sign {
+    fn parallel(&self, e: EdgeId, f: EdgeId) -> Sign {
         let ((_, d), (_, c)) = (self.ends(Side::A, e), self.ends(Side::B, f));
         let n2 = square(&cross(&d, &c));
         let sp = self.set.parallel_sine.to_rational();
@@ -247,7 +247,7 @@ impl Pair<'_> {
         if self.revised() { self.both(by_sine, by_drift) } else { by_sine }
     }
 
-    fn feet_inside(&self, e: u32, f: u32) -> Sign {
+    fn feet_inside(&self, e: EdgeId, f: EdgeId) -> Sign {
         let ((p, d), (q, c)) = (self.ends(Side::A, e), self.ends(Side::B, f));
         let n = cross(&d, &c);
         let nn = square(&n);
@@ -256,7 +256,7 @@ impl Pair<'_> {
         [&nn - &s, &nn - &t, s, t].iter().map(sign).min().unwrap()
     }
 
-    fn inside_face(&self, side: Side, v: u32, f: u32) -> Option<Sign> {
+    fn inside_face(&self, side: Side, v: VertexId, f: FaceId) -> Option<Sign> {
         let other = side.other();
         if !self.blocks[other as usize].face_is_convex(f) {
             return None;
@@ -265,14 +265,17 @@ impl Pair<'_> {
         let x = self.v(side, v);
         (0..corners.len())
             .map(|k| {
-                let (p, q) = (self.v(other, corners[k]), self.v(other, corners[(k + 1) % corners.len()]));
+                let (p, q) = (
+                    self.v(other, VertexId(corners[k].0)),
+                    self.v(other, VertexId(corners[(k + 1) % corners.len()].0)),
+                );
                 sign(&dot(&minus(x, p), &cross(&n, &minus(q, p))))
             })
             .min()
     }
 
     /// Whether two faces' gaps are equal, or the first smaller by the share ε of the second.
-    fn tie(&self, side: Side, v: u32, first: u32, second: u32) -> bool {
+    fn tie(&self, side: Side, v: VertexId, first: FaceId, second: FaceId) -> bool {
         let (h1, h2) = (self.signed_gap2(side, v, first), self.signed_gap2(side, v, second));
         let share = self.set.equal.to_rational();
         let factor = whole(1) - if h2.is_negative() { -share } else { share };
@@ -325,7 +328,7 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
                 Predicate::VertexEdgeNear => sign(&(&s * &s - distance2)),
                 Predicate::EdgeTerritory => {
                     let limit = if pair.revised() {
-                        let edge = pair.blocks[side.other() as usize].topology().edges()[e as usize];
+                        let edge = pair.blocks[side.other() as usize].topology().edge(e);
                         let width =
                             pair.width2(side.other(), e, edge.left).min(pair.width2(side.other(), e, edge.right));
                         (&r * &r).min(width * sixteenth)
@@ -355,8 +358,11 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
         (Predicate::ShortestExit, Some(Vertex(side, v)), Some(Face(_, f))) => {
             let block = pair.blocks[side.other() as usize];
             let edges = block.topology().edges().iter().enumerate();
-            let mut joined = edges.filter(|(i, e)| block.edge_is_convex(*i as u32) && (e.left == f || e.right == f));
-            let tie = joined.any(|(_, e)| pair.tie(side, v, f, if e.left == f { e.right } else { e.left }));
+            let mut joined =
+                edges.filter(|(i, e)| block.edge_is_convex(EdgeId(*i as u32)) && (e.left == f || e.right == f));
+            let tie = joined.any(|(_, e)| {
+                pair.tie(side, v, FaceId(f.0), if e.left == f { FaceId(e.right.0) } else { FaceId(e.left.0) })
+            });
             return (case.margin == Some(Sign::Zero)).then_some(if tie { Sign::Zero } else { Sign::Negative });
         }
         (Predicate::OneExit, Some(_), Some(_)) => return None,
@@ -374,7 +380,7 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
         }
         (Predicate::EntranceDepth, Some(Vertex(_, a)), Some(Vertex(_, b))) => {
             // Which face is the way in is decided by others; at the tie one of the corners' faces is g away.
-            let tie = |side: Side, v: u32, owner: u32| {
+            let tie = |side: Side, v: VertexId, owner: VertexId| {
                 let faces = pair.blocks[side.other() as usize].topology().vertex_faces(owner);
                 faces.iter().any(|&f| pair.signed_gap2(side, v, f) == -(&g * &g))
             };
@@ -390,10 +396,10 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
             let faces = pair.blocks[side.other() as usize].topology().vertex_faces(owner);
             if let PairForm::Ladder { .. } = case.form {
                 let edges = pair.blocks[side as usize].topology().vertex_edges(v);
-                let passes = |f: &&u32| edges.iter().all(|&e| pair.cone(side, v, **f, e) != Sign::Negative);
-                let passing: Vec<u32> = faces.iter().filter(passes).copied().collect();
-                let is_true = |f: &&u32| pair.true_exit_of_face(side, v, **f) != Sign::Negative;
-                let gap = |&f: &u32| pair.signed_gap2(side, v, f);
+                let passes = |f: &&FaceId| edges.iter().all(|&e| pair.cone(side, v, **f, e) != Sign::Negative);
+                let passing: Vec<FaceId> = faces.iter().filter(passes).copied().collect();
+                let is_true = |f: &&FaceId| pair.true_exit_of_face(side, v, **f) != Sign::Negative;
+                let gap = |&f: &FaceId| pair.signed_gap2(side, v, f);
                 let among_true = passing.iter().filter(is_true).map(gap).max();
                 let best = among_true.or_else(|| passing.iter().map(gap).max())?;
                 let h = pair.signed_gap2(side, v, first);

@@ -3,6 +3,7 @@
 use super::f64_view::{dot, length, minus};
 use super::{Aim, DirectedPair};
 use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::{EdgeId, FaceId, VertexId};
 
 /// The share of a feature's length that a foot keeps from its ends, and a vertex from the other sides of a face.
 const MARGIN: f64 = 1.0 / 64.0;
@@ -99,8 +100,8 @@ pub(super) fn checked(pair: &DirectedPair<'_>, mut aim: Aim) -> Option<Aim> {
 /// The shorter of the two blocks' sides along an axis.
 fn extent(pair: &DirectedPair<'_>, axis: usize) -> f64 {
     let side = |side: Side| {
-        let count = pair.f64_view.block(side).vertices().len() as u32;
-        let along = || (0..count).map(|v| pair.f64_view.vertex(side, v)[axis]);
+        let all = pair.f64_view.block(side).topology();
+        let along = || all.vertex_ids().map(|v| pair.f64_view.vertex(side, v)[axis]);
         along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
     };
     side(Side::A).min(side(Side::B))
@@ -108,12 +109,12 @@ fn extent(pair: &DirectedPair<'_>, axis: usize) -> f64 {
 
 /// How far a vertex on one side of a convex face is from the face's other sides; `None` when it is outside one, or the
 /// face is not convex.
-fn inner_reach(f64_view: &super::f64_view::F64View<'_>, side: Side, vertex: u32, face: u32) -> Option<f64> {
+fn inner_reach(f64_view: &super::f64_view::F64View<'_>, side: Side, vertex: VertexId, face: FaceId) -> Option<f64> {
     let other = side.other();
     if !f64_view.block(other).face_is_convex(face) {
         return None;
     }
-    let count = f64_view.block(other).topology().faces()[face as usize].len();
+    let count = f64_view.block(other).topology().faces()[face.index()].len();
     let x = f64_view.vertex(side, vertex);
     let mut distances: Vec<f64> = (0..count).map(|k| f64_view.inside_side(x, other, face, k)).collect();
     distances.sort_by(f64::total_cmp);
@@ -122,7 +123,7 @@ fn inner_reach(f64_view: &super::f64_view::F64View<'_>, side: Side, vertex: u32,
     (distances[1] > size * MARGIN && distances[0].abs() < distances[1] * MARGIN).then(|| distances[1] * MARGIN)
 }
 
-fn sine(f64_view: &super::f64_view::F64View<'_>, e: u32, f: u32) -> f64 {
+fn sine(f64_view: &super::f64_view::F64View<'_>, e: EdgeId, f: EdgeId) -> f64 {
     let (d, c) = (f64_view.edge(Side::A, e).1, f64_view.edge(Side::B, f).1);
     length(super::f64_view::cross(d, c)) / (length(d) * length(c))
 }

@@ -9,10 +9,10 @@ use num_bigint::BigInt;
 use num_traits::Zero;
 use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::tolerance::LAMBDA_INVERSE;
-use rockproof_model::{Criteria, Vec3};
+use rockproof_model::{Criteria, EdgeId, FaceId, Vec3, VertexId};
 
 /// A near vertex and edge, with the vertex's side.
-fn near(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<(Side, u32, u32)> {
+fn near(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<(Side, VertexId, EdgeId)> {
     let asked = side(sampler);
     let (vertex, edge) = pair.f64_view.vertex_edge(sampler, asked)?;
     Some((asked, vertex, edge))
@@ -21,7 +21,7 @@ fn near(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<(Side,
 /// The lattice of the edge's faces and of the edges at the vertex.
 fn exact_of<'p>(
     pair: &DirectedPair<'p>,
-    (asked, vertex, edge): (Side, u32, u32),
+    (asked, vertex, edge): (Side, VertexId, EdgeId),
     start: F64Vector,
 ) -> ExactPlacement<'p> {
     let vertices: Vec<_> =
@@ -30,7 +30,7 @@ fn exact_of<'p>(
 }
 
 /// A point of the edge some sixteenths along it.
-fn on_edge(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, side: Side, edge: u32) -> F64Vector {
+fn on_edge(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, side: Side, edge: EdgeId) -> F64Vector {
     let (p, d) = pair.f64_view.edge(side, edge);
     plus(p, times(d, sampler.between(3, 13) as f64 / 16.0))
 }
@@ -64,7 +64,7 @@ fn beyond_territory(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> O
 pub(super) fn edge_region(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<Aim> {
     let (asked, vertex, edge) = near(sampler, pair)?;
     let other = asked.other();
-    let e = pair.f64_view.block(other).topology().edges()[edge as usize];
+    let e = pair.f64_view.block(other).topology().edge(edge);
     let face = if sampler.chance(50) { e.left } else { e.right };
     let away = times(pair.f64_view.normal(other, face), beyond_territory(sampler, pair)?);
     let target = plus(on_edge(sampler, pair, other, edge), away);
@@ -81,13 +81,13 @@ pub(super) fn foot_region(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>
     let (asked, vertex, edge) = near(sampler, pair)?;
     let other = asked.other();
     let (_, d) = pair.f64_view.edge(other, edge);
-    let e = pair.f64_view.block(other).topology().edges()[edge as usize];
+    let e = pair.f64_view.block(other).topology().edge(edge);
     let arms: Vec<F64Vector> = around(pair, asked, vertex)
         .map(|(_, w)| minus(pair.f64_view.vertex(asked, w), pair.f64_view.vertex(asked, vertex)))
         .collect();
     // The way x from the foot to the vertex is square to the edge and to the arm; x·arm ≥ 0 for the other arms, and
     // x is between the two faces' outward normals.
-    let inward = |face: u32, d: F64Vector| cross(pair.f64_view.normal(other, face), d);
+    let inward = |face: FaceId, d: F64Vector| cross(pair.f64_view.normal(other, face), d);
     let (left, right) = (inward(e.left, d), inward(e.right, times(d, -1.0)));
     let first = sampler.below(arms.len() as u64) as usize;
     let (k, x) = (0..2 * arms.len()).find_map(|i| {
@@ -163,7 +163,7 @@ fn outward(
     sampler: &mut PairSampler<'_>,
     exact: &ExactPlacement<'_>,
     side: Side,
-    edge: u32,
+    edge: EdgeId,
 ) -> Option<(IntVector, IntegerRoot)> {
     let e = exact.edge(side, edge);
     let mut choices: Vec<(IntVector, IntegerRoot)> = Vec::new();
@@ -195,15 +195,15 @@ fn outward(
 fn shorter_arm(
     exact: &ExactPlacement<'_>,
     side: Side,
-    edge: u32,
+    edge: EdgeId,
     d: &IntVector,
     radius: &BigInt,
 ) -> Option<(IntVector, BigInt)> {
     let e = exact.edge(side, edge);
     let dd = d.norm_squared();
     let p = exact.vertex(side, e.p);
-    let width = |face: u32| {
-        let corners = &exact.block(side).topology().faces()[face as usize];
+    let width = |face: FaceId| {
+        let corners = exact.block(side).topology().face(face);
         corners
             .iter()
             .map(|&v| {
@@ -258,7 +258,12 @@ pub(super) fn level(
 }
 
 /// An offset of B that makes the edges cross inside, about a gap apart; none if they do.
-pub(crate) fn across(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, ea: u32, eb: u32) -> Option<F64Vector> {
+pub(crate) fn across(
+    sampler: &mut PairSampler<'_>,
+    pair: &DirectedPair<'_>,
+    ea: EdgeId,
+    eb: EdgeId,
+) -> Option<F64Vector> {
     let (s, t, apart) = pair.f64_view.feet(ea, eb)?;
     let inside = |x: f64| (0.05..0.95).contains(&x);
     if inside(s) && inside(t) && apart <= pair.search() {

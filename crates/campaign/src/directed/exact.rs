@@ -8,7 +8,7 @@ use num_traits::{Signed, ToPrimitive, Zero};
 use rockproof_model::decision::Side;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::topology::Edge;
-use rockproof_model::{Block, Number, ToleranceSet, Vec3};
+use rockproof_model::{Block, EdgeId, FaceId, Number, ToleranceSet, Vec3, VertexId};
 
 /// An integer vector.
 pub(crate) type IntVector = Vec3<BigInt>;
@@ -110,14 +110,14 @@ impl<'p> ExactPlacement<'p> {
     /// The lattice of the vertices named, of the lengths of `set`, and of the offset at which B starts.
     pub(crate) fn new(
         (a, b): (&'p Block, &'p Block),
-        vertices: &[(Side, u32)],
+        vertices: &[(Side, VertexId)],
         start: F64Vector,
         set: &ToleranceSet,
     ) -> ExactPlacement<'p> {
         let start = start.map(|c| Number::from_f64(c).unwrap_or(Number::ZERO));
         let coordinates = vertices.iter().flat_map(|&(side, v)| {
             let block = if side == Side::A { a } else { b };
-            block.vertices()[v as usize].components()
+            block.vertices()[v.index()].components()
         });
         let lengths = [&set.search, &set.territory, &set.penetration];
         let lattice = Lattice::covering(coordinates.chain(lengths).chain(&start));
@@ -142,40 +142,40 @@ impl<'p> ExactPlacement<'p> {
     }
 
     /// A vertex, B's moved by the start.
-    pub(crate) fn vertex(&self, side: Side, vertex: u32) -> IntVector {
-        let units = self.block(side).vertices()[vertex as usize].map(|c| self.lattice.units(c));
+    pub(crate) fn vertex(&self, side: Side, vertex: VertexId) -> IntVector {
+        let units = self.block(side).vertices()[vertex.index()].map(|c| self.lattice.units(c));
         if side == Side::B { units.plus(&self.shift) } else { units }
     }
 
-    pub(crate) fn edge(&self, side: Side, edge: u32) -> Edge {
-        self.block(side).topology().edges()[edge as usize]
+    pub(crate) fn edge(&self, side: Side, edge: EdgeId) -> Edge {
+        *self.block(side).topology().edge(edge)
     }
 
     /// `q − p`.
-    pub(crate) fn direction(&self, side: Side, edge: u32) -> IntVector {
+    pub(crate) fn direction(&self, side: Side, edge: EdgeId) -> IntVector {
         let e = self.edge(side, edge);
         self.vertex(side, e.q).minus(&self.vertex(side, e.p))
     }
 
     /// `N_f`.
-    pub(crate) fn normal(&self, side: Side, face: u32) -> IntVector {
-        let corners = &self.block(side).topology().faces()[face as usize];
+    pub(crate) fn normal(&self, side: Side, face: FaceId) -> IntVector {
+        let corners = self.block(side).topology().face(face);
         let origin = self.vertex(side, corners[0]);
         let arms: Vec<IntVector> = corners[1..].iter().map(|&v| self.vertex(side, v).minus(&origin)).collect();
         arms.windows(2).fold(Vec3::zero(), |n, pair| n.plus(&pair[0].cross(&pair[1])))
     }
 
     /// `m_L` or `m_R`: the inward direction of `face` at the edge.
-    pub(crate) fn inward(&self, side: Side, edge: u32, face: u32) -> IntVector {
+    pub(crate) fn inward(&self, side: Side, edge: EdgeId, face: FaceId) -> IntVector {
         let d = self.direction(side, edge);
         let d = if self.edge(side, edge).left == face { d } else { d.negated() };
         self.normal(side, face).cross(&d)
     }
 
     /// `n = σ·(d₁ × d₂)` of an edge of A and one of B.
-    pub(crate) fn perpendicular(&self, ea: u32, eb: u32) -> IntVector {
+    pub(crate) fn perpendicular(&self, ea: EdgeId, eb: EdgeId) -> IntVector {
         let n = self.direction(Side::A, ea).cross(&self.direction(Side::B, eb));
-        let inward = |side: Side, edge: u32| {
+        let inward = |side: Side, edge: EdgeId| {
             let e = self.edge(side, edge);
             n.dot(&self.inward(side, edge, e.left).plus(&self.inward(side, edge, e.right)))
         };
@@ -183,7 +183,7 @@ impl<'p> ExactPlacement<'p> {
     }
 
     /// `(x − y)·w` for vertices of the two blocks, as a function of where B is.
-    pub(crate) fn along(&self, (x_side, x): (Side, u32), y: u32, w: &IntVector) -> AffineMargin {
+    pub(crate) fn along(&self, (x_side, x): (Side, VertexId), y: VertexId, w: &IntVector) -> AffineMargin {
         let from = self.vertex(x_side.other(), y);
         let constant = self.vertex(x_side, x).minus(&from).dot(w);
         AffineMargin { constant, gradient: if x_side == Side::B { w.clone() } else { w.negated() }, exact: true }
@@ -191,9 +191,9 @@ impl<'p> ExactPlacement<'p> {
 
     /// `k·N·(x − c)` for a vertex and a face of the other block with `k` corners, and `|N|²`. Its quotient by `k·|N|` is
     /// the gap.
-    pub(crate) fn gap(&self, side: Side, vertex: u32, face: u32) -> (AffineMargin, BigInt, BigInt) {
+    pub(crate) fn gap(&self, side: Side, vertex: VertexId, face: FaceId) -> (AffineMargin, BigInt, BigInt) {
         let other = side.other();
-        let corners = &self.block(other).topology().faces()[face as usize];
+        let corners = self.block(other).topology().face(face);
         let k = BigInt::from(corners.len());
         let n = self.normal(other, face);
         let sum = corners.iter().fold(IntVector::zero(), |s, &v| s.plus(&self.vertex(other, v)));

@@ -3,7 +3,7 @@
 use crate::families::PairSampler;
 use rockproof_model::decision::Side;
 use rockproof_model::number::split_f64;
-use rockproof_model::{Block, Precision, number::power_of_two};
+use rockproof_model::{Block, EdgeId, FaceId, Precision, VertexId, number::power_of_two};
 use std::rc::Rc;
 
 /// A vector in f64.
@@ -51,12 +51,12 @@ impl F64Block {
     fn of(block: &Block) -> F64Block {
         let points: Vec<F64Vector> = block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
         let faces = block.topology().faces();
-        let normal = |f: &Vec<u32>| {
-            let at = |k: usize| minus(points[f[k] as usize], points[f[0] as usize]);
+        let normal = |f: &Vec<VertexId>| {
+            let at = |k: usize| minus(points[f[k].index()], points[f[0].index()]);
             unit((1..f.len() - 1).map(|k| cross(at(k), at(k + 1))).fold([0.0; 3], plus))
         };
         let centre =
-            |f: &Vec<u32>| times(f.iter().map(|&v| points[v as usize]).fold([0.0; 3], plus), 1.0 / f.len() as f64);
+            |f: &Vec<VertexId>| times(f.iter().map(|&v| points[v.index()]).fold([0.0; 3], plus), 1.0 / f.len() as f64);
         F64Block { normals: faces.iter().map(normal).collect(), centres: faces.iter().map(centre).collect(), points }
     }
 }
@@ -102,22 +102,22 @@ impl<'p> F64View<'p> {
         }
     }
 
-    pub(crate) fn vertex(&self, side: Side, vertex: u32) -> F64Vector {
-        self.placed(side, self.half(side).points[vertex as usize])
+    pub(crate) fn vertex(&self, side: Side, vertex: VertexId) -> F64Vector {
+        self.placed(side, self.half(side).points[vertex.index()])
     }
 
     /// Unit outward normal.
-    pub(crate) fn normal(&self, side: Side, face: u32) -> F64Vector {
-        self.half(side).normals[face as usize]
+    pub(crate) fn normal(&self, side: Side, face: FaceId) -> F64Vector {
+        self.half(side).normals[face.index()]
     }
 
-    pub(crate) fn centre(&self, side: Side, face: u32) -> F64Vector {
-        self.placed(side, self.half(side).centres[face as usize])
+    pub(crate) fn centre(&self, side: Side, face: FaceId) -> F64Vector {
+        self.placed(side, self.half(side).centres[face.index()])
     }
 
     /// Start and direction of an edge.
-    pub(crate) fn edge(&self, side: Side, edge: u32) -> (F64Vector, F64Vector) {
-        let e = self.block(side).topology().edges()[edge as usize];
+    pub(crate) fn edge(&self, side: Side, edge: EdgeId) -> (F64Vector, F64Vector) {
+        let e = self.block(side).topology().edge(edge);
         let p = self.vertex(side, e.p);
         (p, minus(self.vertex(side, e.q), p))
     }
@@ -135,47 +135,47 @@ impl<'p> F64View<'p> {
     }
 
     /// The gap of a vertex and a face of the other block, and how far its foot is outside the face (0 inside).
-    pub(crate) fn above_face(&self, side: Side, vertex: u32, face: u32) -> (f64, f64) {
+    pub(crate) fn above_face(&self, side: Side, vertex: VertexId, face: FaceId) -> (f64, f64) {
         let other = side.other();
         let (x, n) = (self.vertex(side, vertex), self.normal(other, face));
         let gap = dot(n, minus(x, self.centre(other, face)));
-        let corners = &self.block(other).topology().faces()[face as usize];
+        let corners = self.block(other).topology().face(face);
         let inside = (0..corners.len()).map(|k| self.inside_side(x, other, face, k)).fold(f64::INFINITY, f64::min);
         (gap, -inside.min(0.0))
     }
 
     /// How far inside side `k` of a face of `other` a point is.
-    pub(crate) fn inside_side(&self, point: F64Vector, other: Side, face: u32, k: usize) -> f64 {
-        let corners = &self.block(other).topology().faces()[face as usize];
+    pub(crate) fn inside_side(&self, point: F64Vector, other: Side, face: FaceId, k: usize) -> f64 {
+        let corners = self.block(other).topology().face(face);
         let p = self.vertex(other, corners[k]);
         let q = self.vertex(other, corners[(k + 1) % corners.len()]);
         dot(minus(point, p), unit(cross(self.normal(other, face), minus(q, p))))
     }
 
     /// A near vertex of `side` and face of the other block.
-    pub(crate) fn vertex_face(&self, sampler: &mut PairSampler<'_>, side: Side) -> (u32, u32) {
+    pub(crate) fn vertex_face(&self, sampler: &mut PairSampler<'_>, side: Side) -> (VertexId, FaceId) {
         let vertices = self.block(side).vertices().len() as u64;
         let faces = self.block(side.other()).topology().faces().len() as u64;
         self.nearest(
             sampler,
-            |sampler| Some((sampler.below(vertices) as u32, sampler.below(faces) as u32)),
+            |sampler| Some((VertexId(sampler.below(vertices) as u32), FaceId(sampler.below(faces) as u32))),
             |&(v, f)| {
                 let (gap, outside) = self.above_face(side, v, f);
                 gap.abs() + outside
             },
         )
-        .unwrap_or((0, 0))
+        .unwrap_or((VertexId(0), FaceId(0)))
     }
 
     /// Near convex vertices of A and B.
-    pub(crate) fn vertex_vertex(&self, sampler: &mut PairSampler<'_>) -> Option<(u32, u32)> {
+    pub(crate) fn vertex_vertex(&self, sampler: &mut PairSampler<'_>) -> Option<(VertexId, VertexId)> {
         let draw =
             |sampler: &mut PairSampler<'_>| Some((convex_vertex(sampler, self.a)?, convex_vertex(sampler, self.b)?));
         self.nearest(sampler, draw, |&(a, b)| length(minus(self.vertex(Side::A, a), self.vertex(Side::B, b))))
     }
 
     /// Where along an edge the foot of a vertex of the other block is (0 to 1 inside), and how far away the vertex is.
-    pub(crate) fn foot(&self, side: Side, vertex: u32, edge: u32) -> (f64, f64) {
+    pub(crate) fn foot(&self, side: Side, vertex: VertexId, edge: EdgeId) -> (f64, f64) {
         let (p, d) = self.edge(side.other(), edge);
         let x = minus(self.vertex(side, vertex), p);
         let along = dot(x, d) / dot(d, d);
@@ -183,7 +183,7 @@ impl<'p> F64View<'p> {
     }
 
     /// A near convex vertex of `side` and convex edge of the other block.
-    pub(crate) fn vertex_edge(&self, sampler: &mut PairSampler<'_>, side: Side) -> Option<(u32, u32)> {
+    pub(crate) fn vertex_edge(&self, sampler: &mut PairSampler<'_>, side: Side) -> Option<(VertexId, EdgeId)> {
         let other = self.block(side.other());
         let draw = |sampler: &mut PairSampler<'_>| {
             Some((convex_vertex(sampler, self.block(side))?, convex_edge(sampler, other)?))
@@ -197,7 +197,7 @@ impl<'p> F64View<'p> {
 
     /// Where the feet of the common perpendicular are along the edges (0 to 1 inside), and how far apart they are.
     /// `None` for parallel edges.
-    pub(crate) fn feet(&self, a: u32, b: u32) -> Option<(f64, f64, f64)> {
+    pub(crate) fn feet(&self, a: EdgeId, b: EdgeId) -> Option<(f64, f64, f64)> {
         let ((p, d), (q, e)) = (self.edge(Side::A, a), self.edge(Side::B, b));
         let n = cross(d, e);
         let nn = dot(n, n);
@@ -209,7 +209,7 @@ impl<'p> F64View<'p> {
     }
 
     /// Near convex edges that are not parallel.
-    pub(crate) fn edge_edge(&self, sampler: &mut PairSampler<'_>) -> Option<(u32, u32)> {
+    pub(crate) fn edge_edge(&self, sampler: &mut PairSampler<'_>) -> Option<(EdgeId, EdgeId)> {
         let draw = |sampler: &mut PairSampler<'_>| {
             let pair = (convex_edge(sampler, self.a)?, convex_edge(sampler, self.b)?);
             self.feet(pair.0, pair.1).map(|_| pair)
@@ -248,12 +248,12 @@ pub(crate) fn quantum(magnitude: f64, precision: Precision) -> f64 {
     power_of_two((top + 1 - precision.digits() as i32).clamp(-1000, 1000))
 }
 
-fn convex_vertex(sampler: &mut PairSampler<'_>, block: &Block) -> Option<u32> {
-    let vertex = sampler.below(block.vertices().len() as u64) as u32;
+fn convex_vertex(sampler: &mut PairSampler<'_>, block: &Block) -> Option<VertexId> {
+    let vertex = VertexId(sampler.below(block.vertices().len() as u64) as u32);
     block.vertex_is_convex(vertex).then_some(vertex)
 }
 
-fn convex_edge(sampler: &mut PairSampler<'_>, block: &Block) -> Option<u32> {
-    let edge = sampler.below(block.topology().edges().len() as u64) as u32;
+fn convex_edge(sampler: &mut PairSampler<'_>, block: &Block) -> Option<EdgeId> {
+    let edge = EdgeId(sampler.below(block.topology().edges().len() as u64) as u32);
     block.edge_is_convex(edge).then_some(edge)
 }

@@ -11,7 +11,7 @@ use num_rational::BigRational;
 use num_traits::One;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::tolerance::LAMBDA_INVERSE;
-use rockproof_model::{Criteria, Number};
+use rockproof_model::{Criteria, EdgeId, FaceId, Number, VertexId};
 
 /// A vertex over a face at a gap of exactly 0, s or −g, or over one of its sides.
 pub(super) fn vertex_face(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Predicate) -> Option<Aim> {
@@ -19,7 +19,7 @@ pub(super) fn vertex_face(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>
     let other = asked.other();
     let (vertex, face) = pair.f64_view.vertex_face(sampler, asked);
     let at_side = predicate == Predicate::InsideFace;
-    let k = sampler.below(pair.f64_view.block(other).topology().faces()[face as usize].len() as u64) as usize;
+    let k = sampler.below(pair.f64_view.block(other).topology().faces()[face.index()].len() as u64) as usize;
     let start = over_face(sampler, pair, (asked, vertex), face, at_side.then_some(k));
     let vertices: Vec<_> = pair.corners(other, face).chain([(asked, vertex)]).collect();
     let exact = pair.exact(&vertices, start);
@@ -46,8 +46,8 @@ pub(super) fn vertex_face(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>
 pub(crate) fn over_face(
     sampler: &mut PairSampler<'_>,
     pair: &DirectedPair<'_>,
-    (asked, vertex): (Side, u32),
-    face: u32,
+    (asked, vertex): (Side, VertexId),
+    face: FaceId,
     k: Option<usize>,
 ) -> F64Vector {
     let (gap, outside) = pair.f64_view.above_face(asked, vertex, face);
@@ -55,7 +55,7 @@ pub(crate) fn over_face(
         return [0.0; 3];
     }
     let other = asked.other();
-    let loop_ = &pair.f64_view.block(other).topology().faces()[face as usize];
+    let loop_ = pair.f64_view.block(other).topology().face(face);
     let at = |i: usize| pair.f64_view.vertex(other, loop_[i % loop_.len()]);
     let foot = match k {
         Some(k) => {
@@ -105,7 +105,7 @@ pub(super) fn entrance_choice(sampler: &mut PairSampler<'_>, pair: &DirectedPair
     let i = sampler.below(corner.faces.len() as u64) as usize;
     let j = (i + 1 + sampler.below(corner.faces.len() as u64 - 1) as usize) % corner.faces.len();
     let (first, second) = (corner.faces[i], corner.faces[j]);
-    let normal = |face: u32| pair.f64_view.normal(corner.side.other(), face);
+    let normal = |face: FaceId| pair.f64_view.normal(corner.side.other(), face);
     let apart = unit(minus(normal(first), normal(second)));
     let start = (0..DRAWS).find_map(|_| {
         let drawn = pair.jitter(sampler, r.min(pair.penetration()));
@@ -126,7 +126,7 @@ pub(super) fn shortest_exit(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'
     }
     let (asked, vertex, edge) = (0..DRAWS).find_map(|_| ridge_under_vertex(sampler, pair, false))?;
     let other = asked.other();
-    let e = pair.f64_view.block(other).topology().edges()[edge as usize];
+    let e = pair.f64_view.block(other).topology().edge(edge);
     let (low, high) = (pair.territory(), pair.penetration());
     if low >= 0.9 * high {
         return None;
@@ -144,12 +144,12 @@ pub(crate) fn ridge_under_vertex(
     sampler: &mut PairSampler<'_>,
     pair: &DirectedPair<'_>,
     blunt: bool,
-) -> Option<(Side, u32, u32)> {
+) -> Option<(Side, VertexId, EdgeId)> {
     let asked = side(sampler);
     let (vertex, edge) = pair.f64_view.vertex_edge(sampler, asked)?;
-    let e = pair.f64_view.block(asked.other()).topology().edges()[edge as usize];
-    let passes = |face: u32| pair.cone_passes((asked, vertex), face, None);
-    let normal = |face: u32| pair.f64_view.normal(asked.other(), face);
+    let e = pair.f64_view.block(asked.other()).topology().edge(edge);
+    let passes = |face: FaceId| pair.cone_passes((asked, vertex), face, None);
+    let normal = |face: FaceId| pair.f64_view.normal(asked.other(), face);
     let shaped = !blunt || dot(normal(e.left), normal(e.right)) > 0.0;
     (shaped && passes(e.left) && passes(e.right)).then_some((asked, vertex, edge))
 }
@@ -159,11 +159,11 @@ pub(crate) fn ridge_under_vertex(
 pub(crate) fn under_faces(
     sampler: &mut PairSampler<'_>,
     pair: &DirectedPair<'_>,
-    (asked, vertex, edge): (Side, u32, u32),
+    (asked, vertex, edge): (Side, VertexId, EdgeId),
     [left, right]: [f64; 2],
 ) -> Option<F64Vector> {
     let other = asked.other();
-    let e = pair.f64_view.block(other).topology().edges()[edge as usize];
+    let e = pair.f64_view.block(other).topology().edge(edge);
     let (n, m) = (pair.f64_view.normal(other, e.left), pair.f64_view.normal(other, e.right));
     let (p, d) = pair.f64_view.edge(other, edge);
     let place = plus(p, times(d, sampler.between(4, 12) as f64 / 16.0));
@@ -179,8 +179,8 @@ pub(crate) fn under_faces(
 fn two_faces(
     sampler: &mut PairSampler<'_>,
     pair: &DirectedPair<'_>,
-    (asked, vertex): (Side, u32),
-    [first, second]: [u32; 2],
+    (asked, vertex): (Side, VertexId),
+    [first, second]: [FaceId; 2],
     start: F64Vector,
     decision: Decision,
 ) -> Option<Aim> {
@@ -220,10 +220,10 @@ fn equal_gaps(
 /// A vertex and a convex corner of the other block that it is brought to.
 pub(crate) struct Corner {
     pub(crate) side: Side,
-    pub(crate) vertex: u32,
-    owner: u32,
+    pub(crate) vertex: VertexId,
+    owner: VertexId,
     /// The faces of the corner that the vertex's cone passes: the true exits, or all if none is.
-    pub(crate) faces: Vec<u32>,
+    pub(crate) faces: Vec<FaceId>,
 }
 
 impl Corner {
@@ -234,7 +234,7 @@ impl Corner {
             let side = side(sampler);
             let (vertex, owner) = if side == Side::A { (va, vb) } else { (vb, va) };
             let all = pair.f64_view.block(side.other()).topology().vertex_faces(owner).iter().copied();
-            let mut faces: Vec<u32> = all.filter(|&f| pair.cone_passes((side, vertex), f, None)).collect();
+            let mut faces: Vec<FaceId> = all.filter(|&f| pair.cone_passes((side, vertex), f, None)).collect();
             // The choice is among the true exits, where there is one.
             if faces.iter().any(|&f| pair.cone_leaves((side, vertex), f)) {
                 faces.retain(|&f| pair.cone_leaves((side, vertex), f));
@@ -252,7 +252,7 @@ impl Corner {
     }
 
     /// A's and B's feature of the candidate that one of the corner's faces is.
-    pub(crate) fn candidate(&self, face: u32) -> [Feature; 2] {
+    pub(crate) fn candidate(&self, face: FaceId) -> [Feature; 2] {
         match self.side {
             Side::A => [Feature::Vertex(Side::A, self.vertex), Feature::Face(Side::B, face)],
             Side::B => [Feature::Face(Side::A, face), Feature::Vertex(Side::B, self.vertex)],
@@ -269,7 +269,11 @@ impl Corner {
     }
 
     /// An offset of B that puts the vertex into the corner's territory, and the face below which it is the way in.
-    pub(crate) fn overlap(&self, sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<(F64Vector, u32)> {
+    pub(crate) fn overlap(
+        &self,
+        sampler: &mut PairSampler<'_>,
+        pair: &DirectedPair<'_>,
+    ) -> Option<(F64Vector, FaceId)> {
         let r = self.territory(pair);
         (0..DRAWS).find_map(|n| {
             let x = pair.jitter(sampler, r / f64::from(1 << (n % 4)));
@@ -281,7 +285,7 @@ impl Corner {
 
     /// Whether nothing dips below the face, so that the plane passes and is a true exit whatever the tolerances, and it
     /// is a better way in when the vertex is `x` away from the corner than the other faces of both corners.
-    fn enters(&self, pair: &DirectedPair<'_>, x: F64Vector, face: u32) -> bool {
+    fn enters(&self, pair: &DirectedPair<'_>, x: F64Vector, face: FaceId) -> bool {
         let other = self.side.other();
         let edges = pair.f64_view.block(self.side).topology().vertex_edges(self.vertex);
         let level = edges.iter().all(|&e| pair.dip((self.side, self.vertex), face, e) <= 0.0);
@@ -299,8 +303,8 @@ impl Corner {
     }
 
     /// The face with the largest gap when the vertex is `x` away from the corner.
-    fn best(&self, pair: &DirectedPair<'_>, x: F64Vector) -> u32 {
-        let gap = |f: &&u32| dot(pair.f64_view.normal(self.side.other(), **f), x);
+    fn best(&self, pair: &DirectedPair<'_>, x: F64Vector) -> FaceId {
+        let gap = |f: &&FaceId| dot(pair.f64_view.normal(self.side.other(), **f), x);
         self.faces.iter().max_by(|f, g| gap(f).total_cmp(&gap(g))).copied().unwrap_or(self.faces[0])
     }
 
@@ -309,7 +313,7 @@ impl Corner {
         if pair.set.criteria == Criteria::Classic {
             return pair.territory();
         }
-        let edges = |side: Side, v: u32| {
+        let edges = |side: Side, v: VertexId| {
             let all = pair.f64_view.block(side).topology().vertex_edges(v).iter();
             all.map(move |&e| length(pair.f64_view.edge(side, e).1) / f64::from(LAMBDA_INVERSE))
         };

@@ -10,7 +10,7 @@ use num_rational::BigRational;
 use num_traits::Zero;
 use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::tolerance::LAMBDA_INVERSE;
-use rockproof_model::{Block, Criteria, Number, Vec3};
+use rockproof_model::{Block, Criteria, Number, Vec3, VertexId};
 
 /// One axis on which the boxes are exactly `search` apart; on the others they must overlap already.
 pub(super) fn neighbours(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<Aim> {
@@ -96,8 +96,8 @@ enum Radius {
 }
 
 /// `min(r_a, r_b)` of the revised criteria, with what it is to be divided by.
-fn smallest_radius(exact: &ExactPlacement<'_>, va: u32, vb: u32) -> Option<(Radius, BigInt)> {
-    let edges = |side: Side, v: u32| exact.block(side).topology().vertex_edges(v).iter().map(move |&e| (side, e));
+fn smallest_radius(exact: &ExactPlacement<'_>, va: VertexId, vb: VertexId) -> Option<(Radius, BigInt)> {
+    let edges = |side: Side, v: VertexId| exact.block(side).topology().vertex_edges(v).iter().map(move |&e| (side, e));
     let shortest = edges(Side::A, va)
         .chain(edges(Side::B, vb))
         .map(|(side, e)| exact.direction(side, e))
@@ -146,10 +146,10 @@ pub(crate) const DRAWS: usize = 12;
 pub(super) fn around<'p>(
     pair: &'p DirectedPair<'_>,
     side: Side,
-    vertex: u32,
-) -> impl Iterator<Item = (Side, u32)> + 'p {
+    vertex: VertexId,
+) -> impl Iterator<Item = (Side, VertexId)> + 'p {
     let topology = pair.f64_view.block(side).topology();
-    topology.vertex_edges(vertex).iter().map(move |&e| (side, topology.edges()[e as usize].other(vertex)))
+    topology.vertex_edges(vertex).iter().map(move |&e| (side, topology.edge(e).other(vertex)))
 }
 
 /// A vertex exactly on the boundary of the region of another, `(a − b)·e = 0`, and in both regions otherwise, outside the
@@ -161,13 +161,13 @@ pub(super) fn region(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> 
     let other = asked.other();
     let topology = pair.f64_view.block(other).topology();
     let edge = *sampler.pick(topology.vertex_edges(owner));
-    let end = topology.edges()[edge as usize].other(owner);
+    let end = topology.edge(edge).other(owner);
     let e = unit(minus(pair.f64_view.vertex(other, end), pair.f64_view.vertex(other, owner)));
     let (low, high) = (pair.territory(), pair.search());
     if low >= 0.95 * high {
         return None;
     }
-    let arms = |side: Side, v: u32| around(pair, side, v).map(move |(_, w)| (side, v, w));
+    let arms = |side: Side, v: VertexId| around(pair, side, v).map(move |(_, w)| (side, v, w));
     let start = (0..DRAWS).find_map(|_| {
         // Away from the corner's edges and along those of the vertex, square to the one edge.
         let drawn = arms(other, owner).chain(arms(asked, vertex)).fold([0.0; 3], |sum, (side, v, w)| {

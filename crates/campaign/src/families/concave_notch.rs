@@ -4,7 +4,7 @@ use super::{Family, PairSampler};
 use crate::shapes::LatticeSolid;
 use crate::shapes::lattice_solid::Units;
 use rand_chacha::ChaCha8Rng;
-use rockproof_model::{Block, ContactKind};
+use rockproof_model::{Block, ContactKind, FaceId};
 
 #[derive(Debug)]
 pub(super) struct ConcaveNotch;
@@ -64,10 +64,10 @@ impl Family for ConcaveNotch {
 /// Whether it is inside is then for the other edges to say.
 fn level_with_an_edge(sampler: &mut PairSampler<'_>, a: &LatticeSolid) -> (LatticeSolid, LatticeSolid) {
     let shape = a.shape();
-    let faces = 0..shape.topology().faces().len() as u32;
-    let concave: Vec<u32> = faces.filter(|&f| !shape.face_is_convex(f)).collect();
-    let loop_ = &shape.topology().faces()[*sampler.pick(&concave) as usize];
-    let at = |k: usize| a.points()[loop_[k % loop_.len()] as usize];
+    let faces = shape.topology().face_ids();
+    let concave: Vec<FaceId> = faces.filter(|&f| !shape.face_is_convex(f)).collect();
+    let loop_ = shape.topology().face(*sampler.pick(&concave));
+    let at = |k: usize| a.points()[loop_[k % loop_.len()].index()];
     // Every concave face of the catalogue is square to an axis, at an end of the block.
     let axis = (0..3).find(|&i| (0..loop_.len()).all(|k| at(k)[i] == at(0)[i])).unwrap_or(2);
     let out = if at(0)[axis] == a.extent(axis).1 { 1 } else { -1 };
@@ -124,11 +124,11 @@ fn into_a_chain(sampler: &mut PairSampler<'_>) -> (LatticeSolid, LatticeSolid) {
 
 /// Twice a point on a reflex edge: an end, or the middle.
 fn reflex_point(sampler: &mut PairSampler<'_>, solid: &LatticeSolid) -> Units {
-    let edges = solid.shape().topology().edges();
+    let topology = solid.shape().topology();
     let reflex: Vec<_> =
-        (0..edges.len()).filter(|&e| !solid.shape().edge_is_convex(e as u32)).map(|e| edges[e]).collect();
+        topology.edge_ids().filter(|&e| !solid.shape().edge_is_convex(e)).map(|e| topology.edge(e)).collect();
     let edge = sampler.pick(&reflex);
-    let (p, q) = (solid.points()[edge.p as usize], solid.points()[edge.q as usize]);
+    let (p, q) = (solid.points()[edge.p.index()], solid.points()[edge.q.index()]);
     match sampler.below(3) {
         0 => p.map(|c| 2 * c),
         1 => q.map(|c| 2 * c),

@@ -11,7 +11,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{Criteria, ToleranceSet, Vec3};
+use rockproof_model::{Criteria, EdgeId, FaceId, ToleranceSet, Vec3, VertexId};
 
 /// What a dip is measured by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,14 +57,23 @@ impl Dip {
 }
 
 /// The vertices that [`cone_dip`] needs on the lattice, for all edges at the vertex.
-pub(super) fn cone_vertices(pair: &DirectedPair<'_>, (asked, vertex): (Side, u32), face: u32) -> Vec<(Side, u32)> {
+pub(super) fn cone_vertices(
+    pair: &DirectedPair<'_>,
+    (asked, vertex): (Side, VertexId),
+    face: FaceId,
+) -> Vec<(Side, VertexId)> {
     let topology = pair.f64_view.block(asked).topology();
-    let ends = topology.vertex_edges(vertex).iter().map(|&e| (asked, topology.edges()[e as usize].other(vertex)));
+    let ends = topology.vertex_edges(vertex).iter().map(|&e| (asked, topology.edge(e).other(vertex)));
     pair.corners(asked.other(), face).chain([(asked, vertex)]).chain(ends).collect()
 }
 
 /// The dip of one edge at a vertex below a face of the other block; `None` where it does not dip.
-pub(super) fn cone_dip(exact: &ExactPlacement<'_>, (asked, vertex): (Side, u32), face: u32, edge: u32) -> Option<Dip> {
+pub(super) fn cone_dip(
+    exact: &ExactPlacement<'_>,
+    (asked, vertex): (Side, VertexId),
+    face: FaceId,
+    edge: EdgeId,
+) -> Option<Dip> {
     let n = exact.normal(asked.other(), face);
     let end = exact.edge(asked, edge).other(vertex);
     let e = exact.vertex(asked, end).minus(&exact.vertex(asked, vertex));
@@ -77,7 +86,7 @@ pub(super) fn cone_dip(exact: &ExactPlacement<'_>, (asked, vertex): (Side, u32),
 }
 
 /// The dips of the four faces at two edges, along their common perpendicular.
-pub(super) fn wedge_dips(exact: &ExactPlacement<'_>, (ea, eb): (u32, u32)) -> Vec<Dip> {
+pub(super) fn wedge_dips(exact: &ExactPlacement<'_>, (ea, eb): (EdgeId, EdgeId)) -> Vec<Dip> {
     let n = exact.perpendicular(ea, eb);
     let mut dips = Vec::new();
     for (side, edge) in [(Side::A, ea), (Side::B, eb)] {
@@ -98,10 +107,10 @@ pub(super) fn wedge_dips(exact: &ExactPlacement<'_>, (ea, eb): (u32, u32)) -> Ve
 }
 
 /// The square of the greatest distance of a face's vertices from the line of one of its edges: numerator, denominator.
-fn width_squared(exact: &ExactPlacement<'_>, side: Side, edge: u32, face: u32) -> (BigInt, BigInt) {
+fn width_squared(exact: &ExactPlacement<'_>, side: Side, edge: EdgeId, face: FaceId) -> (BigInt, BigInt) {
     let d = exact.direction(side, edge);
     let p = exact.vertex(side, exact.edge(side, edge).p);
-    let corners = &exact.block(side).topology().faces()[face as usize];
+    let corners = exact.block(side).topology().face(face);
     let far = corners.iter().map(|&v| exact.vertex(side, v).minus(&p).cross(&d)).max_by_key(Vec3::norm_squared);
     (far.map_or(BigInt::zero(), |f| f.norm_squared()), d.norm_squared())
 }

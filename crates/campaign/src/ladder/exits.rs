@@ -14,6 +14,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::tolerance::LAMBDA_INVERSE;
+use rockproof_model::{EdgeId, FaceId, VertexId};
 
 /// A true exit dips by at most this part of r: `r = 10·dip` is critical.
 const EXIT_INVERSE: i32 = 10;
@@ -22,20 +23,20 @@ const EXIT_INVERSE: i32 = 10;
 #[derive(Clone, Copy)]
 enum EntrancePlane {
     /// A vertex of a side and a face of the other.
-    Face((Side, u32), u32),
+    Face((Side, VertexId), FaceId),
     /// An edge of A and one of B.
-    Edges(u32, u32),
+    Edges(EdgeId, EdgeId),
 }
 
 /// Where a plane is one of several that are asked.
 #[derive(Clone, Copy)]
 enum PlaneRole {
     /// A vertex in the territory of a vertex of the other block.
-    Corner((Side, u32), u32),
+    Corner((Side, VertexId), VertexId),
     /// A vertex in the territory of an edge of the other block.
-    Edge((Side, u32), u32),
+    Edge((Side, VertexId), EdgeId),
     /// A vertex under a face of the other block, both convex (test 5).
-    Under((Side, u32), u32),
+    Under((Side, VertexId), FaceId),
 }
 
 impl EntrancePlane {
@@ -96,7 +97,7 @@ fn drawn(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<(Plan
     let convex = pair.f64_view.a.is_convex() && pair.f64_view.b.is_convex();
     let asked = side(sampler);
     let other = asked.other();
-    let passes = |vertex: (Side, u32), face: u32| pair.cone_passes(vertex, face, None);
+    let passes = |vertex: (Side, VertexId), face: FaceId| pair.cone_passes(vertex, face, None);
     match sampler.below(5) {
         0 if convex => {
             let (v, f) = pair.f64_view.vertex_face(sampler, asked);
@@ -105,7 +106,7 @@ fn drawn(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<(Plan
         }
         1 | 2 => {
             let (v, e) = pair.f64_view.vertex_edge(sampler, asked)?;
-            let edge = pair.f64_view.block(other).topology().edges()[e as usize];
+            let edge = pair.f64_view.block(other).topology().edge(e);
             let faces = [edge.left, edge.right].into_iter().filter(|&f| passes((asked, v), f));
             let mut planes: Vec<EntrancePlane> = faces.map(|f| EntrancePlane::Face((asked, v), f)).collect();
             let arms = pair.f64_view.block(asked).topology().vertex_edges(v).iter();
@@ -114,8 +115,8 @@ fn drawn(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<(Plan
         }
         _ => {
             let (va, vb) = pair.f64_view.vertex_vertex(sampler)?;
-            let at = |side: Side, v: u32| pair.f64_view.block(side).topology().vertex_edges(v).iter().copied();
-            let faces = |side: Side, v: u32| pair.f64_view.block(side).topology().vertex_faces(v).iter().copied();
+            let at = |side: Side, v: VertexId| pair.f64_view.block(side).topology().vertex_edges(v).iter().copied();
+            let faces = |side: Side, v: VertexId| pair.f64_view.block(side).topology().vertex_faces(v).iter().copied();
             let of_a = faces(Side::B, vb).map(|f| ((Side::A, va), f));
             let all = of_a.chain(faces(Side::A, va).map(|f| ((Side::B, vb), f)));
             let passing = all.filter(|&(vertex, f)| passes(vertex, f));
@@ -129,7 +130,7 @@ fn drawn(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Option<(Plan
 }
 
 /// The plane of two convex edges whose angle alone says that they are not nearly parallel.
-fn crossing(pair: &DirectedPair<'_>, (side, edge): (Side, u32), other: u32) -> Option<EntrancePlane> {
+fn crossing(pair: &DirectedPair<'_>, (side, edge): (Side, EdgeId), other: EdgeId) -> Option<EntrancePlane> {
     let (a, b) = if side == Side::A { (edge, other) } else { (other, edge) };
     let ((_, d), (_, c)) = (pair.f64_view.edge(Side::A, a), pair.f64_view.edge(Side::B, b));
     let sine = length(cross(unit(d), unit(c)));
@@ -161,7 +162,7 @@ impl PlaneRole {
                 let other = side.other();
                 let normal = pair.f64_view.normal(other, face);
                 let depth = pair.penetration() * sampler.between(1, 60) as f64 / 64.0;
-                let corners: Vec<u32> = pair.corners(other, face).map(|(_, c)| c).collect();
+                let corners: Vec<VertexId> = pair.corners(other, face).map(|(_, c)| c).collect();
                 let (c, corner) =
                     (pair.f64_view.centre(other, face), pair.f64_view.vertex(other, *sampler.pick(&corners)));
                 let foot = plus(c, times(minus(corner, c), sampler.between(0, 6) as f64 / 16.0));
@@ -211,7 +212,7 @@ pub(super) fn one_exit(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -
         return None;
     }
     let (deeper, shallower) = if left_is_deep { (e.left, e.right) } else { (e.right, e.left) };
-    let leaves = |face: u32| pair.cone_leaves((asked, vertex), face);
+    let leaves = |face: FaceId| pair.cone_leaves((asked, vertex), face);
     let kept_in = if leaves(deeper) && !leaves(shallower) { shallower } else { deeper };
     let both = [Feature::Vertex(asked, vertex), Feature::Face(other, kept_in)];
     let features = if asked == Side::A { both } else { [both[1], both[0]] };

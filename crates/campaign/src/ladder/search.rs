@@ -12,8 +12,8 @@ use crate::families::PairSampler;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use rockproof_model::Criteria;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{Criteria, EdgeId, FaceId, VertexId};
 
 /// A decision, the square of the critical value (m², or dimensionless), and how far B is to be moved first (m).
 pub(super) type CriticalDecision = Option<(Decision, BigRational, F64Vector)>;
@@ -78,7 +78,7 @@ fn to_vertex(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: 
 }
 
 /// λ times the shortest edge at a vertex, a little less to be sure.
-fn quarter_edge(pair: &DirectedPair<'_>, side: Side, vertex: u32) -> f64 {
+fn quarter_edge(pair: &DirectedPair<'_>, side: Side, vertex: VertexId) -> f64 {
     let edges = pair.f64_view.block(side).topology().vertex_edges(vertex).iter();
     edges.map(|&e| length(pair.f64_view.edge(side, e).1)).fold(f64::INFINITY, f64::min) * QUARTER
 }
@@ -100,11 +100,11 @@ fn to_edge(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Pr
 }
 
 /// λ times the smaller width of the faces at an edge, a little less to be sure.
-fn quarter_width(pair: &DirectedPair<'_>, side: Side, edge: u32) -> f64 {
-    let e = pair.f64_view.block(side).topology().edges()[edge as usize];
+fn quarter_width(pair: &DirectedPair<'_>, side: Side, edge: EdgeId) -> f64 {
+    let e = pair.f64_view.block(side).topology().edge(edge);
     let (p, d) = pair.f64_view.edge(side, edge);
-    let far = |(side, v): (Side, u32)| length(cross(minus(pair.f64_view.vertex(side, v), p), d)) / length(d);
-    let width = |face: u32| pair.corners(side, face).map(far).fold(0.0, f64::max);
+    let far = |(side, v): (Side, VertexId)| length(cross(minus(pair.f64_view.vertex(side, v), p), d)) / length(d);
+    let width = |face: FaceId| pair.corners(side, face).map(far).fold(0.0, f64::max);
     width(e.left).min(width(e.right)) * QUARTER
 }
 
@@ -135,7 +135,11 @@ fn edge_gap(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: P
     depth_or_gap(&exact, Decision::about(predicate, &features), &gap, n.norm_squared())
 }
 
-pub(super) fn both_edges<'p>(pair: &DirectedPair<'p>, (ea, eb): (u32, u32), start: F64Vector) -> ExactPlacement<'p> {
+pub(super) fn both_edges<'p>(
+    pair: &DirectedPair<'p>,
+    (ea, eb): (EdgeId, EdgeId),
+    start: F64Vector,
+) -> ExactPlacement<'p> {
     pair.exact(&pair.faces_at_edge(Side::A, ea).chain(pair.faces_at_edge(Side::B, eb)).collect::<Vec<_>>(), start)
 }
 
@@ -191,7 +195,7 @@ fn equal(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> CriticalDeci
     let vertices = corner.faces.iter().flat_map(|&f| pair.corners(other, f)).chain([(asked, corner.vertex)]);
     let exact = pair.exact(&vertices.collect::<Vec<_>>(), start);
     // Signed squares of the gaps order as the gaps do.
-    let gaps: Vec<(u32, BigRational)> = corner
+    let gaps: Vec<(FaceId, BigRational)> = corner
         .faces
         .iter()
         .map(|&f| {

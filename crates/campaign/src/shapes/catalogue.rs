@@ -233,15 +233,15 @@ mod tests {
         assert!(convex().iter().all(|t| t.solid.shape().is_convex()));
         for Template { name, solid } in concave() {
             let block = solid.shape();
-            let edges = 0..block.topology().edges().len() as u32;
-            assert!(edges.clone().any(|e| !block.edge_is_convex(e)), "{name} has a reflex edge");
-            assert!(edges.clone().any(|e| block.edge_is_convex(e)), "{name} is not inside out");
+            let edges = || block.topology().edge_ids();
+            assert!(edges().any(|e| !block.edge_is_convex(e)), "{name} has a reflex edge");
+            assert!(edges().any(|e| block.edge_is_convex(e)), "{name} is not inside out");
         }
         let counts: Vec<usize> = round().iter().map(|t| t.solid.points().len()).collect();
         assert_eq!(counts, [50, 80, 125, 200]);
         for Template { name, solid } in round() {
             let topology = solid.shape().topology();
-            let many = (0..solid.points().len() as u32).filter(|&v| topology.vertex_edges(v).len() >= 5).count();
+            let many = topology.vertex_ids().filter(|&v| topology.vertex_edges(v).len() >= 5).count();
             assert!(
                 solid.shape().is_convex() && 2 * many > solid.points().len(),
                 "{name}: {many} corners of five edges"

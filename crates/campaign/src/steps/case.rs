@@ -126,7 +126,7 @@ fn written(finding: &StepFinding, set: &SubjectSet, precision: Precision, shown:
     let scene = motion.scene(&subject.a, &subject.b, tolerances);
     let about = |c: &rockproof_differential::lockstep::AttributedDifference| {
         let d = &c.difference;
-        let contact = d.contact.map_or(String::new(), |(_, contact)| format!(" {}", contact.kind));
+        let contact = d.contact.map_or(String::new(), |(_, contact)| format!(" {}", contact.kind()));
         format!("{} {}{contact}: {} → {}", c.cause, d.change.name(), d.before, d.after)
     };
     let mut differences: Vec<String> = made.compared.differences.iter().map(about).collect();

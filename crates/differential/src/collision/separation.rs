@@ -17,7 +17,7 @@ use num_rational::BigRational;
 use num_traits::Zero;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::ring::{ExactRing, Ring};
-use rockproof_model::{Block, Sign, Vec3};
+use rockproof_model::{Block, Sign, Vec3, VertexId};
 use rockproof_oracle::rational::Rational;
 
 /// Vertices of a block beyond which its hull is not worked out: that takes the fourth power of their number.
@@ -107,20 +107,20 @@ impl Hull {
 
     fn as_it_is(block: &Block, lattice: &Lattice) -> Hull {
         let points: Vec<_> = block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
-        let at = |v: u32| &points[v as usize];
+        let at = |v: VertexId| &points[v.index()];
         let topology = block.topology();
         let normals = topology.faces().iter();
         let normals = normals.map(|f| at(f[1]).minus(at(f[0])).cross(&at(f[2]).minus(at(f[1])))).collect();
-        let edges = topology.edges().iter().map(|e| [e.p as usize, e.q as usize]).collect();
+        let edges = topology.edges().iter().map(|e| [e.p.index(), e.q.index()]).collect();
         Hull { points, normals, edges }
     }
 
     /// Whether every face is planar and no vertex lies beyond one: then the block is its own hull.
     fn holds_its_points(&self, block: &Block) -> bool {
         block.topology().faces().iter().zip(&self.normals).all(|(face, normal)| {
-            let base = normal.dot(&self.points[face[0] as usize]);
+            let base = normal.dot(&self.points[face[0].index()]);
             !is_zero(normal)
-                && self.points.iter().zip(0u32..).all(|(point, number)| {
+                && self.points.iter().zip((0..).map(VertexId)).all(|(point, number)| {
                     let sign = sign(&normal.dot(point).minus(&base));
                     sign.is_at_most_zero() && (sign.is_zero() || !face.contains(&number))
                 })

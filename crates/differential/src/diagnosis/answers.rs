@@ -4,7 +4,7 @@ use super::hypothesis::Hypothesis;
 use super::question::Asked;
 use crate::collision::CollisionQuery;
 use crate::separation_state::{ReportedState, SeparationState};
-use rockproof_model::{Contact, EntranceKind, Sign};
+use rockproof_model::{Contact, Entrance, EntranceKind, Sign};
 
 /// What is said wrongly.
 #[derive(Clone, Copy, Debug)]
@@ -80,12 +80,16 @@ impl Hypothesis for SaidWrongly {
             let entrance = contact.entrance;
             match self {
                 SaidWrongly::GapTurned => contact.gap = contact.gap.reversed(),
-                SaidWrongly::GapTurnedAt(kind) if *kind == entrance.kind => contact.gap = contact.gap.reversed(),
+                SaidWrongly::GapTurnedAt(kind) if *kind == entrance.kind() => contact.gap = contact.gap.reversed(),
                 SaidWrongly::GapTurnedAt(_) => {}
                 SaidWrongly::DepthPositive if contact.gap.is_negative() => contact.gap = Sign::Positive,
                 SaidWrongly::DepthPositive => {}
-                SaidWrongly::EntranceExchanged => (contact.entrance.a, contact.entrance.b) = (entrance.b, entrance.a),
-                SaidWrongly::EntranceRenamed => contact.entrance.kind = entrance.swapped().kind,
+                SaidWrongly::EntranceExchanged => {
+                    contact.entrance = Entrance::of_kind(entrance.kind(), entrance.swapped().numbers());
+                }
+                SaidWrongly::EntranceRenamed => {
+                    contact.entrance = Entrance::of_kind(entrance.swapped().kind(), entrance.numbers());
+                }
                 SaidWrongly::NormalTurned
                 | SaidWrongly::Millimetres
                 | SaidWrongly::Squared

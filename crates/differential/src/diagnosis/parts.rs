@@ -6,7 +6,7 @@ use rockproof_model::decision::{Feature, Side};
 use rockproof_model::{Contact, ContactKind, Sign};
 use rockproof_oracle::Departure;
 
-use crate::compare::{Features, contact_features};
+use crate::compare::Features;
 
 /// Contacts that are left out.
 #[derive(Clone, Copy, Debug)]
@@ -74,11 +74,11 @@ impl LeftOut {
     fn concerns(self, contact: &Contact, features: Features<'_>, convex: bool) -> bool {
         use ContactKind::{EdgeVertex, FaceVertex, VertexEdge, VertexFace};
         match self {
-            LeftOut::Kind(kind) => contact.kind == kind,
-            LeftOut::Kinds(kind) => contact.kind == kind || contact.kind.swapped() == kind,
-            LeftOut::Role(Side::A) => matches!(contact.kind, VertexEdge | VertexFace),
-            LeftOut::Role(Side::B) => matches!(contact.kind, EdgeVertex | FaceVertex),
-            LeftOut::Corners(edges) => contact_features(contact).into_iter().any(|feature| match feature {
+            LeftOut::Kind(kind) => contact.kind() == kind,
+            LeftOut::Kinds(kind) => contact.kind() == kind || contact.kind().swapped() == kind,
+            LeftOut::Role(Side::A) => matches!(contact.kind(), VertexEdge | VertexFace),
+            LeftOut::Role(Side::B) => matches!(contact.kind(), EdgeVertex | FaceVertex),
+            LeftOut::Corners(edges) => contact.key.features().into_iter().any(|feature| match feature {
                 Feature::Vertex(Side::A, v) => features.a.vertex_edges(v).len() >= edges,
                 Feature::Vertex(Side::B, v) => features.b.vertex_edges(v).len() >= edges,
                 Feature::Edge(..) | Feature::Face(..) => false,

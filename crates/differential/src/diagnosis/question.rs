@@ -6,6 +6,7 @@ use crate::engine::{Answer, Engine, ExactPair, catch_panic};
 use crate::explain::{ChainLink, suspect};
 use crate::external::protocol::completed;
 use crate::separation_state::ReportedState;
+use rockproof_model::decision::{Feature, Side};
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use rockproof_oracle::{Pair, PreparedBlock};
 use std::cell::RefCell;
@@ -129,12 +130,8 @@ impl<'q> Asked<'q> {
 
     fn can_be_said(&self, contacts: &[Contact]) -> bool {
         let features = self.features();
-        let of_entrance = |contact: &Contact| Contact { kind: kind_of(contact), ..at_entrance(contact) };
-        let exist = |contact: Contact| {
-            crate::compare::contact_features(&contact).into_iter().all(|feature| !features.vertices(feature).is_empty())
-                && vertices_exist(&contact, features)
-        };
-        contacts.iter().all(|contact| exist(*contact) && exist(of_entrance(contact)))
+        let named = |contact: &Contact| contact.key.features().into_iter().chain(contact.entrance.features());
+        contacts.iter().flat_map(named).all(|feature| exists(feature, features))
     }
 
     pub(super) fn features(&self) -> Features<'_> {
@@ -173,26 +170,10 @@ impl<'q> Asked<'q> {
     }
 }
 
-/// A contact's entrance as if it were the contact.
-fn at_entrance(contact: &Contact) -> Contact {
-    Contact { a: contact.entrance.a, b: contact.entrance.b, ..*contact }
-}
-
-fn kind_of(contact: &Contact) -> rockproof_model::ContactKind {
-    use rockproof_model::{ContactKind, EntranceKind};
-    match contact.entrance.kind {
-        EntranceKind::VertexFace => ContactKind::VertexFace,
-        EntranceKind::FaceVertex => ContactKind::FaceVertex,
-        EntranceKind::EdgeEdge => ContactKind::EdgeEdge,
-    }
-}
-
-/// Whether the vertices that a contact names are there: [`Features::vertices`] takes their numbers as they are.
-fn vertices_exist(contact: &Contact, features: Features<'_>) -> bool {
-    use rockproof_model::decision::{Feature, Side};
-    crate::compare::contact_features(contact).into_iter().all(|feature| match feature {
-        Feature::Vertex(Side::A, v) => (v as usize) < features.a.vertex_count(),
-        Feature::Vertex(Side::B, v) => (v as usize) < features.b.vertex_count(),
-        Feature::Edge(..) | Feature::Face(..) => true,
+/// Whether a feature exists: [`Features::vertices`] takes a vertex's number as it is.
+fn exists(feature: Feature, features: Features<'_>) -> bool {
+    feature.is_in(match feature.side() {
+        Side::A => features.a,
+        Side::B => features.b,
     })
 }

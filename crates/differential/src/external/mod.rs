@@ -249,7 +249,7 @@ fn same(one: &Result<Answer, EngineFailure>, other: &Result<Answer, EngineFailur
 fn describe_answer(answer: &Result<Answer, EngineFailure>) -> String {
     match answer {
         Ok(Answer::Contacts(contacts)) => {
-            let list: Vec<String> = contacts.iter().map(|c| format!("{} {}/{}", c.kind, c.a, c.b)).collect();
+            let list: Vec<String> = contacts.iter().map(|c| c.key.to_string()).collect();
             format!("{} contacts ({})", contacts.len(), list.join(", "))
         }
         Ok(Answer::State(said)) => said.to_string(),

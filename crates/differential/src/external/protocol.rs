@@ -3,12 +3,14 @@
 use crate::engine::{Answer, EngineFailure};
 use crate::separation_state::{ReportedState, SeparationState};
 use rockproof_model::text::{SHOWN, excerpt};
-use rockproof_model::{Block, Contact, ContactKind, Entrance, EntranceKind, Sign, ToleranceSet, Topology};
+use rockproof_model::{
+    Block, Contact, ContactKey, ContactKind, EdgeId, Entrance, EntranceKind, Sign, ToleranceSet, Topology, VertexId,
+};
 use serde_json::{Map, Value, json};
 
 /// The feature number that stands for an entrance an engine did not name. Exchanging the blocks or numbering them
 /// otherwise leaves it as it is.
-pub(crate) const UNNAMED: Entrance = Entrance { kind: EntranceKind::EdgeEdge, a: u32::MAX, b: u32::MAX };
+pub(crate) const UNNAMED: Entrance = Entrance::EdgeEdge(EdgeId(u32::MAX), EdgeId(u32::MAX));
 
 /// The part of a question that the tolerances do not change: `"a":{…},"b":{…}`.
 pub fn blocks_text(a: &Block, b: &Block) -> String {
@@ -18,8 +20,8 @@ pub fn blocks_text(a: &Block, b: &Block) -> String {
 fn block(block: &Block) -> Value {
     let topology = block.topology();
     let vertices: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
-    let numbered = topology.edges().iter().zip(0u32..);
-    let reflex: Vec<[u32; 2]> =
+    let numbered = topology.edges().iter().zip(topology.edge_ids());
+    let reflex: Vec<[VertexId; 2]> =
         numbered.filter(|(_, number)| !block.edge_is_convex(*number)).map(|(e, _)| [e.p, e.q]).collect();
     json!({ "vertices": vertices, "faces": topology.faces(), "reflex": reflex })
 }
@@ -122,9 +124,8 @@ fn read_contacts(contacts: &Value, features: [&Topology; 2]) -> Result<Vec<Conta
         read.push(read_contact(contact, features).map_err(|what| format!("contact {number}: {what}"))?);
     }
     read.sort_unstable();
-    let key = |c: &Contact| (c.kind, c.a, c.b);
-    if let Some(twice) = read.windows(2).find(|two| key(&two[0]) == key(&two[1])) {
-        let Contact { kind, a, b, .. } = twice[0];
+    if let Some(twice) = read.windows(2).find(|two| two[0].key == two[1].key) {
+        let (kind, [a, b]) = (twice[0].kind(), twice[0].key.numbers());
         return Err(format!("contact {kind} ({a}, {b}) is there twice"));
     }
     Ok(read)
@@ -147,12 +148,12 @@ fn read_contact(contact: &Value, features: [&Topology; 2]) -> Result<Contact, St
             let allowed = || format!("allowed are 0 to {}, the block's {}", count - 1, plural(names[at]));
             found.filter(|n| *n < count).ok_or_else(|| format!("{key} is {}; {}", shown(object.get(key)), allowed()))
         };
-        Ok::<_, String>((number(0)?, number(1)?))
+        Ok::<_, String>([number(0)?, number(1)?])
     };
-    let (a, b) = numbers(["feature_a", "feature_b"], names_of(kind))?;
+    let key = ContactKey::of_kind(kind, numbers(["feature_a", "feature_b"], names_of(kind))?);
     if object.get("entrance").is_none() {
         // Kinds only: what is not said is not compared.
-        return Ok(Contact { kind, a, b, entrance: UNNAMED, gap: Sign::Positive });
+        return Ok(Contact { key, entrance: UNNAMED, gap: Sign::Positive });
     }
     let entrance = name("entrance")
         .and_then(EntranceKind::from_name)
@@ -162,8 +163,7 @@ fn read_contact(contact: &Value, features: [&Topology; 2]) -> Result<Contact, St
         EntranceKind::FaceVertex => ["face", "vertex"],
         EntranceKind::EdgeEdge => ["edge", "edge"],
     };
-    let (entrance_a, entrance_b) = numbers(["entrance_a", "entrance_b"], names)?;
-    let entrance = Entrance { kind: entrance, a: entrance_a, b: entrance_b };
+    let entrance = Entrance::of_kind(entrance, numbers(["entrance_a", "entrance_b"], names)?);
     let gap = match (object.get("gap_sign").and_then(Value::as_i64), object.get("gap_m").and_then(Value::as_f64)) {
         (Some(-1), _) => Sign::Negative,
         (Some(0), _) => Sign::Zero,
@@ -176,7 +176,7 @@ fn read_contact(contact: &Value, features: [&Topology; 2]) -> Result<Contact, St
             return Err(format!("gap_sign is {found}; allowed are -1, 0, 1, or the number gap_m instead"));
         }
     };
-    Ok(Contact { kind, a, b, entrance, gap })
+    Ok(Contact { key, entrance, gap })
 }
 
 fn shown(value: Option<&Value>) -> String {
@@ -216,7 +216,7 @@ fn count(topology: &Topology, name: &str) -> u32 {
 /// not compared. A contact that is not among those keeps the placeholder.
 pub fn completed(mut contacts: Vec<Contact>, reference: &[Contact]) -> Vec<Contact> {
     for contact in contacts.iter_mut().filter(|c| c.entrance == UNNAMED) {
-        let known = reference.iter().find(|r| (r.kind, r.a, r.b) == (contact.kind, contact.a, contact.b));
+        let known = reference.iter().find(|r| r.key == contact.key);
         if let Some(known) = known {
             *contact = *known;
         }

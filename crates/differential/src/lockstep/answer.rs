@@ -85,7 +85,7 @@ impl StepDecisions {
 
     /// The modes of a contact after each solve, by its blocks, kind and features.
     fn modes_of(&self, pair: [u32; 2], contact: &Contact) -> Option<Vec<Mode>> {
-        let key = |c: &Contact| (c.kind, c.a, c.b);
+        let key = |c: &Contact| c.key;
         let place = self.contacts.iter().position(|(blocks, c)| *blocks == pair && key(c) == key(contact))?;
         self.modes.iter().map(|all| all.get(place).copied()).collect()
     }
@@ -211,6 +211,5 @@ fn contact_differences(before: &StepDecisions, after: &StepDecisions, blocks: &[
 /// A contact in a word or two: kind, features, entrance, sign of the gap.
 pub fn described(contact: &Contact) -> String {
     let gap = ["overlap", "touch", "apart"][(contact.gap.as_i8() + 1).clamp(0, 2) as usize];
-    let entrance = contact.entrance;
-    format!("{} {}/{} by {} {}/{} {gap}", contact.kind, contact.a, contact.b, entrance.kind, entrance.a, entrance.b)
+    format!("{} by {} {gap}", contact.key, contact.entrance)
 }

@@ -67,7 +67,7 @@ pub(super) fn measure_modes(
         let difference = &attributed.difference;
         let (Some(contact), Some(solve)) = (difference.contact, difference.solve) else { continue };
         let margins = margins.get_or_insert_with(|| scene.mode_margins(state));
-        let key = |(pair, c): &([u32; 2], Contact)| (*pair, c.kind, c.a, c.b);
+        let key = |(pair, c): &([u32; 2], Contact)| (*pair, c.key);
         let place = before.contacts.iter().position(|known| key(known) == key(&contact));
         let margin = place.and_then(|place| margins.get(solve - 1)?.get(place).copied());
         let opens = [&difference.before, &difference.after].iter().any(|mode| *mode == Mode::Open.name());
@@ -102,7 +102,7 @@ impl Explainer<'_> {
     fn kept(&self, pair: [u32; 2]) -> Vec<ContactKey> {
         let of_pair = |memory: &&exact::ContactMemory| memory.blocks == pair.map(|block| block as usize);
         let closed = |memory: &&exact::ContactMemory| memory.mode != exact::Mode::Open;
-        self.state.contacts.iter().filter(of_pair).filter(closed).map(|memory| memory.contact.key()).collect()
+        self.state.contacts.iter().filter(of_pair).filter(closed).map(|memory| memory.contact.key).collect()
     }
 
     /// The differences with their cause; `stepper` traces a pair of blocks in the stepper, where the link leads to it.

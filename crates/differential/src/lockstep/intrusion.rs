@@ -172,7 +172,7 @@ impl Intrusions {
 /// The contacts of a pair that a state keeps for the next classification.
 fn kept(state: &State, blocks: [usize; 2]) -> Vec<ContactKey> {
     let closed = state.contacts.iter().filter(|contact| contact.blocks == blocks && contact.mode != Mode::Open);
-    closed.map(|contact| contact.contact.key()).collect()
+    closed.map(|contact| contact.contact.key).collect()
 }
 
 /// An intrusion that one link of the chain has and its neighbour has not, or that the exact step itself has.

@@ -61,10 +61,8 @@ pub fn rate_error(before: &State, found: &State, right: &State, floor: f64) -> f
 pub fn anchor_error(found: &State, right: &State) -> Option<f64> {
     let mut most: Option<f64> = None;
     for own in right.contacts.iter().filter(|contact| contact.mode != Mode::Open) {
-        let same = |c: &&rockproof_oracle::step::ContactMemory| {
-            c.blocks == own.blocks
-                && (c.contact.kind, c.contact.a, c.contact.b) == (own.contact.kind, own.contact.a, own.contact.b)
-        };
+        let same =
+            |c: &&rockproof_oracle::step::ContactMemory| c.blocks == own.blocks && c.contact.key == own.contact.key;
         if let Some(other) = found.contacts.iter().find(same).filter(|other| other.mode != Mode::Open) {
             let distance = largest_distance(own.anchors.iter().zip(&other.anchors));
             most = Some(most.map_or(distance, |most| most.max(distance)));

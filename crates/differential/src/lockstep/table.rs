@@ -106,9 +106,8 @@ pub fn difference_rows(step: &ComparedStep, state: &str) -> Vec<Vec<String>> {
         row.extend([attributed.cause.name(), difference.change.name()].map(str::to_owned));
         let (pair, contact) = difference.contact.unzip();
         row.extend([0, 1].map(|side| cell(pair, |pair: [u32; 2]| pair[side].to_string())));
-        row.push(cell(contact, |c| c.kind.name().to_owned()));
-        row.push(cell(contact, |c| c.a.to_string()));
-        row.push(cell(contact, |c| c.b.to_string()));
+        row.push(cell(contact, |c| c.kind().name().to_owned()));
+        row.extend([0, 1].map(|side| cell(contact, |c| c.key.numbers()[side].to_string())));
         row.push(cell(difference.solve, |solve| solve.to_string()));
         row.extend([difference.before.clone(), difference.after.clone()]);
         let deciding = attributed.deciding.as_ref();

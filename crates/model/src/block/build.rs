@@ -10,7 +10,7 @@ use crate::block::simple::check_simple;
 use crate::block::triangles::TriangulatedFace;
 use crate::block::{Block, BlockOptions, BlockShape, Merged, Merging, Point};
 use crate::sign::Sign;
-use crate::topology::{Edge, Topology};
+use crate::topology::{Edge, Topology, VertexId};
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
@@ -31,7 +31,7 @@ pub(super) struct BlockDraft {
 
 pub(super) fn build(
     vertices: Vec<Point>,
-    faces: Vec<Vec<u32>>,
+    faces: Vec<Vec<impl Into<VertexId>>>,
     options: &BlockOptions,
     merging: Merging,
 ) -> Result<(Block, Merged), BlockError> {
@@ -131,13 +131,13 @@ fn check_faces(surface: &Surface<'_>, draft: &BlockDraft, options: &BlockOptions
         if let Some(worst) = planarity.violation(surface, face) {
             return Err(BlockError::NotPlanar {
                 face: draft.face_names[face],
-                vertex: draft.vertex_names[worst.vertex as usize],
+                vertex: draft.vertex_names[worst.vertex.index()],
                 deviation: worst.deviation,
                 allowed: options.planarity.approximate(),
             });
         }
         if let Err((first, second)) = check_simple(surface, face, &draft.approximate, planarity.slack()) {
-            let named = |(p, q): (u32, u32)| (draft.vertex_names[p as usize], draft.vertex_names[q as usize]);
+            let named = |(p, q): (VertexId, VertexId)| (draft.vertex_names[p.index()], draft.vertex_names[q.index()]);
             return Err(BlockError::SelfIntersecting {
                 face: draft.face_names[face],
                 first: named(first),
@@ -173,8 +173,8 @@ fn signs_of_edges(surface: &Surface<'_>, draft: &BlockDraft) -> Result<Vec<Sign>
         let &Edge { p, q, left, right } = edge;
         let sign = surface.sign(&Kappa { p, q, left, right });
         if sign.is_zero() && !surface.sign(&SameSide { left, right }).is_positive() {
-            let [p, q] = [p, q].map(|v| draft.vertex_names[v as usize]);
-            let [left, right] = [left, right].map(|f| draft.face_names[f as usize]);
+            let [p, q] = [p, q].map(|v| draft.vertex_names[v.index()]);
+            let [left, right] = [left, right].map(|f| draft.face_names[f.index()]);
             return Err(BlockError::FoldedEdge { p, q, left, right });
         }
         Ok(sign)
@@ -183,7 +183,7 @@ fn signs_of_edges(surface: &Surface<'_>, draft: &BlockDraft) -> Result<Vec<Sign>
 }
 
 fn has_two_edge_vertex(topology: &Topology) -> bool {
-    (0..topology.vertex_count() as u32).any(|v| topology.vertex_edges(v).len() < 3)
+    topology.vertex_ids().any(|v| topology.vertex_edges(v).len() < 3)
 }
 
 /// No flat edge, and three edges or more at every vertex.
@@ -191,17 +191,17 @@ fn check_canonical(draft: &BlockDraft, signs: &[Sign]) -> Result<(), BlockError>
     let topology = &draft.topology;
     if let Some(edge) = signs.iter().position(|s| s.is_zero()) {
         let Edge { p, q, left, right } = topology.edges()[edge];
-        let [p, q] = [p, q].map(|v| draft.vertex_names[v as usize]);
-        let [left, right] = [left, right].map(|f| draft.face_names[f as usize]);
+        let [p, q] = [p, q].map(|v| draft.vertex_names[v.index()]);
+        let [left, right] = [left, right].map(|f| draft.face_names[f.index()]);
         return Err(BlockError::FlatEdge { p, q, left, right });
     }
-    for v in 0..topology.vertex_count() as u32 {
+    for v in topology.vertex_ids() {
         if let [first, second] = topology.vertex_edges(v) {
-            let name = |v: u32| draft.vertex_names[v as usize];
+            let name = |v: VertexId| draft.vertex_names[v.index()];
             return Err(BlockError::TwoEdgeVertex {
                 vertex: name(v),
-                before: name(topology.edges()[*first as usize].other(v)),
-                after: name(topology.edges()[*second as usize].other(v)),
+                before: name(topology.edge(*first).other(v)),
+                after: name(topology.edge(*second).other(v)),
             });
         }
     }
@@ -223,15 +223,15 @@ fn check_embedded(draft: &BlockDraft, options: &BlockOptions) -> Result<(), Bloc
         Some(FaceIntersection { faces: [first, second], line: [p, q], diagonal }) => Err(BlockError::FacesMeet {
             first: draft.face_names[first],
             second: draft.face_names[second],
-            p: draft.vertex_names[p as usize],
-            q: draft.vertex_names[q as usize],
+            p: draft.vertex_names[p.index()],
+            q: draft.vertex_names[q.index()],
             diagonal,
         }),
     }
 }
 
 /// The faces of a block as triangles between its own vertices; see [`Block::triangles`].
-pub(super) fn triangles(block: &Block, options: &BlockOptions) -> Vec<[u32; 3]> {
+pub(super) fn triangles(block: &Block, options: &BlockOptions) -> Vec<[VertexId; 3]> {
     let approximate: Vec<[f64; 3]> = block.vertices.iter().map(|v| v.components().map(|c| c.approximate())).collect();
     let coordinates = Coordinates::new(&block.vertices, &approximate);
     let surface = Surface::new(&coordinates, block.topology().faces());
@@ -245,9 +245,8 @@ fn shape(draft: &BlockDraft, signs: &[Sign]) -> Result<BlockShape, BlockError> {
     let topology = draft.topology.clone();
     let surface = Surface::new(&coordinates, topology.faces());
     let edge_convex: Vec<bool> = signs.iter().map(|s| s.is_positive()).collect();
-    let vertex_convex = (0..topology.vertex_count() as u32)
-        .map(|v| topology.vertex_edges(v).iter().all(|&e| edge_convex[e as usize]))
-        .collect();
+    let vertex_convex =
+        topology.vertex_ids().map(|v| topology.vertex_edges(v).iter().all(|&e| edge_convex[e.index()])).collect();
     let face_convex = (0..topology.faces().len()).map(|face| turns_left_only(&surface, face)).collect();
     let convex = edge_convex.iter().all(|&c| c);
     drop(surface);

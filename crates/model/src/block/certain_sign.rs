@@ -6,6 +6,7 @@ use crate::lattice::Lattice;
 use crate::number::{Number, power_of_two};
 use crate::ring::{ExactRing, Ring};
 use crate::sign::Sign;
+use crate::topology::VertexId;
 use crate::vector::Vec3;
 use num_bigint::BigInt;
 use std::cell::OnceCell;
@@ -29,7 +30,7 @@ pub(super) struct CoordinateView<'a, T> {
     /// `N` of every face.
     pub(super) normals: &'a [Vec3<T>],
     /// The face loops.
-    pub(super) faces: &'a [Vec<u32>],
+    pub(super) faces: &'a [Vec<VertexId>],
 }
 
 /// An f64 with the sum of the magnitudes of the terms it was made from.
@@ -210,7 +211,7 @@ const LONGEST_SMALL_LOOP: usize = 16;
 /// A set of face loops over some coordinates, to be asked about.
 pub(super) struct Surface<'a> {
     coordinates: &'a Coordinates<'a>,
-    faces: &'a [Vec<u32>],
+    faces: &'a [Vec<VertexId>],
     filtered: Option<Vec<Vec3<Filtered>>>,
     exact: OnceCell<ExactCoordinates<'a>>,
 }
@@ -222,13 +223,13 @@ enum ExactCoordinates<'a> {
 }
 
 impl<'a> Surface<'a> {
-    pub(super) fn new(coordinates: &'a Coordinates<'a>, faces: &'a [Vec<u32>]) -> Surface<'a> {
+    pub(super) fn new(coordinates: &'a Coordinates<'a>, faces: &'a [Vec<VertexId>]) -> Surface<'a> {
         let short = faces.len() <= MOST_FILTERED_FACES && faces.iter().all(|f| f.len() <= LONGEST_FILTERED_LOOP);
         let filtered = coordinates.filtered().filter(|_| short).map(|points| normals(points, faces));
         Surface { coordinates, faces, filtered, exact: OnceCell::new() }
     }
 
-    pub(super) fn faces(&self) -> &'a [Vec<u32>] {
+    pub(super) fn faces(&self) -> &'a [Vec<VertexId>] {
         self.faces
     }
 
@@ -288,6 +289,6 @@ impl<'a> Surface<'a> {
     }
 }
 
-fn normals<T: Ring>(points: &[Vec3<T>], faces: &[Vec<u32>]) -> Vec<Vec3<T>> {
+fn normals<T: Ring>(points: &[Vec3<T>], faces: &[Vec<VertexId>]) -> Vec<Vec3<T>> {
     faces.iter().map(|f| face_normal(points, f)).collect()
 }

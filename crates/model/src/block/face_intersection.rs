@@ -14,7 +14,7 @@ use crate::block::certain_sign::{Coordinates, Surface};
 use crate::block::polynomials::{OrientationInPlane, SideOfPlane};
 use crate::block::triangles::TriangulatedFace;
 use crate::sign::Sign;
-use crate::topology::{Topology, loop_pairs};
+use crate::topology::{Topology, VertexId, loop_pairs};
 
 /// Two faces with a common point that they may not have.
 #[derive(Clone, Copy)]
@@ -22,7 +22,7 @@ pub(super) struct FaceIntersection {
     /// The face whose line meets the other, and the other.
     pub(super) faces: [usize; 2],
     /// The ends of an edge or a diagonal of the first face.
-    pub(super) line: [u32; 2],
+    pub(super) line: [VertexId; 2],
     /// Whether it is a diagonal.
     pub(super) diagonal: bool,
 }
@@ -74,19 +74,19 @@ impl<'a> TriangulatedFaces<'a> {
 
     fn intersection(&self, (f, g): (usize, usize)) -> Option<FaceIntersection> {
         let [of_f, of_g] = [f, g].map(|face| &self.topology.faces()[face]);
-        let shared: Vec<u32> = of_f.iter().copied().filter(|v| of_g.contains(v)).collect();
+        let shared: Vec<VertexId> = of_f.iter().copied().filter(|v| of_g.contains(v)).collect();
         let is_plain = match *shared.as_slice() {
             [] | [_] => true,
             [p, q] => self.is_common_edge([p, q], [f, g]),
             _ => false,
         };
-        let cost = |face: usize, of_other: &[u32]| self.patches[face].planes.len() * of_other.len();
+        let cost = |face: usize, of_other: &[VertexId]| self.patches[face].planes.len() * of_other.len();
         let (cheaper, of_other) = if cost(f, of_g) <= cost(g, of_f) { (f, of_g) } else { (g, of_f) };
         if is_plain && self.is_apart(cheaper, of_other, &shared) {
             return None;
         }
         let [near_f, near_g] = [self.reaching(f, g), self.reaching(g, f)];
-        let is_apart = |face: usize, near: &[[u32; 3]]| {
+        let is_apart = |face: usize, near: &[[VertexId; 3]]| {
             let mut vertices = near.concat();
             vertices.sort_unstable();
             vertices.dedup();
@@ -95,12 +95,12 @@ impl<'a> TriangulatedFaces<'a> {
         if is_plain && (is_apart(f, &near_g) || is_apart(g, &near_f)) {
             return None;
         }
-        let edges = |faces: [usize; 2], near: &[[u32; 3]]| {
+        let edges = |faces: [usize; 2], near: &[[VertexId; 3]]| {
             let mut lines = loop_pairs(&self.topology.faces()[faces[0]]);
             let line = lines.find(|&(p, q)| self.line_meets([p, q], faces, near));
             line.map(|(p, q)| FaceIntersection { faces, line: [p, q], diagonal: false })
         };
-        let diagonals = |faces: [usize; 2], near: &[[u32; 3]]| {
+        let diagonals = |faces: [usize; 2], near: &[[VertexId; 3]]| {
             let line = self.patches[faces[0]].diagonals.iter().find(|&&line| self.line_meets(line, faces, near));
             line.map(|&line| FaceIntersection { faces, line, diagonal: true })
         };
@@ -117,16 +117,16 @@ impl<'a> TriangulatedFaces<'a> {
     }
 
     /// The triangles of `face` whose boxes meet that of `other`; no others have a point in common with it.
-    fn reaching(&self, face: usize, other: usize) -> Vec<[u32; 3]> {
+    fn reaching(&self, face: usize, other: usize) -> Vec<[VertexId; 3]> {
         let all = self.patches[face].triangles.iter().copied();
         all.filter(|triangle| boxes_meet(&bounds(self.approximate, triangle), &self.boxes[other])).collect()
     }
 
     /// Whether the edge p-q joins the two faces.
-    fn is_common_edge(&self, [p, q]: [u32; 2], [f, g]: [usize; 2]) -> bool {
+    fn is_common_edge(&self, [p, q]: [VertexId; 2], [f, g]: [usize; 2]) -> bool {
         self.topology.edge_between(p, q).is_some_and(|edge| {
-            let edge = &self.topology.edges()[edge as usize];
-            let joined = [edge.left as usize, edge.right as usize];
+            let edge = &self.topology.edge(edge);
+            let joined = [edge.left.index(), edge.right.index()];
             joined == [f, g] || joined == [g, f]
         })
     }
@@ -140,7 +140,7 @@ impl<'a> TriangulatedFaces<'a> {
     /// where the segment is over F it is so from s on. There it leaves s downwards from F. If it met F again, first at x
     /// in triangle S, it would come to x from below S, and being straight go on above the plane of S up to y, which
     /// is below it.
-    fn is_apart(&self, f: usize, vertices: &[u32], shared: &[u32]) -> bool {
+    fn is_apart(&self, f: usize, vertices: &[VertexId], shared: &[VertexId]) -> bool {
         let patch = &self.patches[f];
         if !patch.is_convex && !shared.is_empty() {
             return false;
@@ -155,7 +155,7 @@ impl<'a> TriangulatedFaces<'a> {
     }
 
     /// Whether the triangles of two faces at their common edge p-q lie on one another.
-    fn is_folded(&self, [p, q]: [u32; 2], faces: [usize; 2]) -> bool {
+    fn is_folded(&self, [p, q]: [VertexId; 2], faces: [usize; 2]) -> bool {
         let tips = faces.map(|face| {
             let at_edge = self.patches[face].triangles.iter().find(|t| t.contains(&p) && t.contains(&q));
             at_edge.and_then(|t| t.iter().copied().find(|&v| v != p && v != q))
@@ -169,7 +169,7 @@ impl<'a> TriangulatedFaces<'a> {
 
     /// Whether an edge or a diagonal of one face meets the other face, of which the triangles `near` reach the first,
     /// outside their common vertices and edges.
-    fn line_meets(&self, line: [u32; 2], faces: [usize; 2], near: &[[u32; 3]]) -> bool {
+    fn line_meets(&self, line: [VertexId; 2], faces: [usize; 2], near: &[[VertexId; 3]]) -> bool {
         let around = bounds(self.approximate, &line);
         boxes_meet(&around, &self.boxes[faces[1]])
             && !self.is_common_edge(line, faces)
@@ -179,7 +179,7 @@ impl<'a> TriangulatedFaces<'a> {
     }
 
     /// Whether a segment that is no common edge meets a triangle outside a common vertex.
-    fn segment_meets(&self, [p, q]: [u32; 2], triangle: [u32; 3]) -> bool {
+    fn segment_meets(&self, [p, q]: [VertexId; 2], triangle: [VertexId; 3]) -> bool {
         match (triangle.iter().position(|&v| v == p), triangle.iter().position(|&v| v == q)) {
             (Some(_), Some(_)) => true,
             (Some(corner), None) => self.leaves_into(q, triangle, corner),
@@ -189,16 +189,16 @@ impl<'a> TriangulatedFaces<'a> {
     }
 
     /// Whether the segment from a triangle's corner to `end` runs in the triangle or along a side of it.
-    fn leaves_into(&self, end: u32, triangle: [u32; 3], corner: usize) -> bool {
+    fn leaves_into(&self, end: VertexId, triangle: [VertexId; 3], corner: usize) -> bool {
         let [a, b, c] = [corner, corner + 1, corner + 2].map(|k| triangle[k % 3]);
-        let turn = |to: u32| self.coordinates.sign(&OrientationInPlane { triangle, a, b: to, c: end });
+        let turn = |to: VertexId| self.coordinates.sign(&OrientationInPlane { triangle, a, b: to, c: end });
         self.coordinates.sign(&SideOfPlane { plane: triangle, vertex: end }).is_zero()
             && turn(b).is_at_least_zero()
             && turn(c).is_at_most_zero()
     }
 
     /// Whether a segment and a triangle without common vertices have a common point; **touching counts**.
-    fn pierces(&self, [p, q]: [u32; 2], triangle: [u32; 3]) -> bool {
+    fn pierces(&self, [p, q]: [VertexId; 2], triangle: [VertexId; 3]) -> bool {
         let [a, b, c] = triangle;
         let ends = [p, q].map(|vertex| SideOfPlane { plane: triangle, vertex });
         // On which side of each side of the triangle the line passes it.
@@ -221,10 +221,11 @@ impl<'a> TriangulatedFaces<'a> {
 
     /// Whether a segment in the plane of a triangle has a point in common with it: no side of the triangle, nor the
     /// segment, has the other strictly beyond it (separating axes of two convex sets, one with an interior).
-    fn overlaps_in_plane(&self, [p, q]: [u32; 2], triangle: [u32; 3]) -> bool {
+    fn overlaps_in_plane(&self, [p, q]: [VertexId; 2], triangle: [VertexId; 3]) -> bool {
         let [a, b, c] = triangle;
-        let turn = |a: u32, b: u32, c: u32| self.coordinates.sign(&OrientationInPlane { triangle, a, b, c });
-        let is_beyond = |from: u32, to: u32| [p, q].iter().all(|&v| turn(from, to, v).is_negative());
+        let turn =
+            |a: VertexId, b: VertexId, c: VertexId| self.coordinates.sign(&OrientationInPlane { triangle, a, b, c });
+        let is_beyond = |from: VertexId, to: VertexId| [p, q].iter().all(|&v| turn(from, to, v).is_negative());
         !is_beyond(a, b) && !is_beyond(b, c) && !is_beyond(c, a) && !is_one_side(&[a, b, c].map(|v| turn(p, q, v)))
     }
 }
@@ -237,9 +238,9 @@ fn are_opposed(signs: &[Sign]) -> bool {
     signs.contains(&Sign::Negative) && signs.contains(&Sign::Positive)
 }
 
-fn bounds(approximate: &[[f64; 3]], vertices: &[u32]) -> Box3 {
+fn bounds(approximate: &[[f64; 3]], vertices: &[VertexId]) -> Box3 {
     std::array::from_fn(|axis| {
-        let all = vertices.iter().map(|&v| approximate[v as usize][axis]);
+        let all = vertices.iter().map(|&v| approximate[v.index()][axis]);
         all.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), c| (least.min(c), most.max(c)))
     })
 }

@@ -85,9 +85,9 @@ impl Block {
         let relative: Vec<Vec3<BigInt>> = points.iter().map(|p| p.minus(&points[0])).collect();
         let mut moments = Moments { six_volumes: BigInt::ZERO, sum: Vec3::zero() };
         for face in self.topology().faces() {
-            let a = &relative[face[0] as usize];
+            let a = &relative[face[0].index()];
             for pair in face[1..].windows(2) {
-                let [b, c] = [pair[0], pair[1]].map(|v| &relative[v as usize]);
+                let [b, c] = [pair[0], pair[1]].map(|v| &relative[v.index()]);
                 let six_volumes = a.dot(&b.cross(c));
                 moments.sum = moments.sum.plus(&a.plus(b).plus(c).scaled(&six_volumes));
                 moments.six_volumes += six_volumes;

@@ -8,7 +8,7 @@ use crate::block::polynomials::{Area, BeyondAlongLine, OffLine, SameSide, Square
 use crate::block::simple::check_simple;
 use crate::block::{BlockOptions, Merging};
 use crate::sign::Sign;
-use crate::topology::Topology;
+use crate::topology::{EdgeId, FaceId, Topology, VertexId};
 use std::cmp::Reverse;
 
 /// Merges what `merging` says. `signs` are those of κ at the draft's edges.
@@ -42,25 +42,25 @@ pub(super) fn merge(
 }
 
 /// Loops with the number of the face each continues.
-type Loops = Vec<(usize, Vec<u32>)>;
+type Loops = Vec<(usize, Vec<VertexId>)>;
 
 /// The draft with other faces over the same vertices; vertices that no face uses any more go.
 fn rebuilt(draft: BlockDraft, faces: Loops) -> Result<BlockDraft, (crate::TopologyError, (usize, usize))> {
     let mut used = vec![false; draft.vertices.len()];
     for &v in faces.iter().flat_map(|(_, boundary)| boundary) {
-        used[v as usize] = true;
+        used[v.index()] = true;
     }
     let mut next = 0;
-    let place: Vec<u32> = used
+    let place: Vec<VertexId> = used
         .iter()
         .map(|&used| {
             next += u32::from(used);
-            next.saturating_sub(1)
+            VertexId(next.saturating_sub(1))
         })
         .collect();
     let face_names = faces.iter().map(|&(face, _)| draft.face_names[face]).collect();
-    let loops: Vec<Vec<u32>> =
-        faces.into_iter().map(|(_, boundary)| boundary.iter().map(|&v| place[v as usize]).collect()).collect();
+    let loops: Vec<Vec<VertexId>> =
+        faces.into_iter().map(|(_, boundary)| boundary.iter().map(|&v| place[v.index()]).collect()).collect();
     let left = (loops.len(), next as usize);
     Ok(BlockDraft {
         topology: Topology::new(next as usize, loops).map_err(|error| (error, left))?,
@@ -86,10 +86,10 @@ fn flat_groups(topology: &Topology, signs: &[Sign]) -> Vec<usize> {
         group[first] = first;
         let mut queue = vec![first];
         while let Some(face) = queue.pop() {
-            for &edge in topology.face_edges(face as u32) {
-                let ends = topology.edges()[edge as usize];
-                for next in [ends.left as usize, ends.right as usize] {
-                    if signs[edge as usize].is_zero() && group[next] == usize::MAX {
+            for &edge in topology.face_edges(FaceId::at(face)) {
+                let ends = topology.edge(edge);
+                for next in [ends.left.index(), ends.right.index()] {
+                    if signs[edge.index()].is_zero() && group[next] == usize::MAX {
                         group[next] = first;
                         queue.push(next);
                     }
@@ -118,7 +118,7 @@ fn merged_faces(draft: &BlockDraft, group: &[usize]) -> Result<Option<Loops>, Bl
             outline(&draft.topology, members, group).map_err(|problem| match problem {
                 OutlineProblem::Hole => BlockError::FaceWithHole { face, count },
                 OutlineProblem::Pinch(v) => {
-                    BlockError::PinchedFace { face, count, vertex: draft.vertex_names[v as usize] }
+                    BlockError::PinchedFace { face, count, vertex: draft.vertex_names[v.index()] }
                 }
             })?
         };
@@ -129,18 +129,18 @@ fn merged_faces(draft: &BlockDraft, group: &[usize]) -> Result<Option<Loops>, Bl
 
 enum OutlineProblem {
     Hole,
-    Pinch(u32),
+    Pinch(VertexId),
 }
 
 /// The one loop around the faces `members`, all of which have the same entry in `group`.
-fn outline(topology: &Topology, members: &[usize], group: &[usize]) -> Result<Vec<u32>, OutlineProblem> {
-    let inside = |face: u32| group[face as usize] == group[members[0]];
-    let is_inner = |edge: u32| {
-        let edge = &topology.edges()[edge as usize];
+fn outline(topology: &Topology, members: &[usize], group: &[usize]) -> Result<Vec<VertexId>, OutlineProblem> {
+    let inside = |face: FaceId| group[face.index()] == group[members[0]];
+    let is_inner = |edge: EdgeId| {
+        let edge = topology.edge(edge);
         inside(edge.left) && inside(edge.right)
     };
     let sides = |face: usize| {
-        let edges = topology.face_edges(face as u32);
+        let edges = topology.face_edges(FaceId::at(face));
         edges.iter().enumerate().filter(|(_, edge)| !is_inner(**edge)).map(move |(place, _)| (face, place))
     };
     let outer: Vec<(usize, usize)> = members.iter().flat_map(|&face| sides(face)).collect();
@@ -151,11 +151,11 @@ fn outline(topology: &Topology, members: &[usize], group: &[usize]) -> Result<Ve
         boundary.push(topology.faces()[face][place]);
         // On to the next side; where that is inside, turn round its end until one is not.
         place = (place + 1) % topology.faces()[face].len();
-        let mut edge = topology.face_edges(face as u32)[place];
+        let mut edge = topology.face_edges(FaceId::at(face))[place];
         while is_inner(edge) {
-            let ends = &topology.edges()[edge as usize];
-            face = if ends.left as usize == face { ends.right } else { ends.left } as usize;
-            let edges = topology.face_edges(face as u32);
+            let ends = topology.edge(edge);
+            face = if ends.left.index() == face { ends.right } else { ends.left }.index();
+            let edges = topology.face_edges(FaceId::at(face));
             place = (edges.iter().position(|&e| e == edge).unwrap_or(0) + 1) % edges.len();
             edge = edges[place];
         }
@@ -219,13 +219,13 @@ fn grow(
     let mut next = 0;
     while let Some(&face) = region.get(next) {
         next += 1;
-        for &edge in topology.face_edges(face as u32) {
-            let ends = &topology.edges()[edge as usize];
-            for other in [ends.left as usize, ends.right as usize] {
+        for &edge in topology.face_edges(FaceId::at(face)) {
+            let ends = topology.edge(edge);
+            for other in [ends.left.index(), ends.right.index()] {
                 if std::mem::replace(&mut seen[other], true) || taken[other].is_some() {
                     continue;
                 }
-                let same_side = SameSide { left: seed as u32, right: other as u32 };
+                let same_side = SameSide { left: FaceId::at(seed), right: FaceId::at(other) };
                 if surface.sign(&same_side).is_positive()
                     && planarity.holds_all(surface, plane, &surface.faces()[other], parts)
                 {
@@ -257,9 +257,9 @@ fn without_vertices_in_line(draft: &BlockDraft, options: &BlockOptions, merging:
     let coordinates = Coordinates::new(&draft.vertices, &draft.approximate);
     let surface = Surface::new(&coordinates, topology.faces());
     let planarity = Planarity::new(&coordinates, options);
-    let in_line = |v: u32| {
+    let in_line = |v: VertexId| {
         let [first, second] = topology.vertex_edges(v) else { return false };
-        let [a, b] = [first, second].map(|&e| topology.edges()[e as usize].other(v));
+        let [a, b] = [first, second].map(|&e| topology.edge(e).other(v));
         let on_line = || {
             surface.sign(&OffLine { a, v, b }).is_zero()
                 || merging == Merging::WithinPlanarity
@@ -270,9 +270,9 @@ fn without_vertices_in_line(draft: &BlockDraft, options: &BlockOptions, merging:
         };
         surface.sign(&BeyondAlongLine { a, v, b }).is_positive() && on_line()
     };
-    let drop: Vec<bool> = (0..topology.vertex_count() as u32).map(in_line).collect();
+    let drop: Vec<bool> = topology.vertex_ids().map(in_line).collect();
     drop.contains(&true).then(|| {
-        let shortened = |boundary: &Vec<u32>| boundary.iter().copied().filter(|&v| !drop[v as usize]).collect();
+        let shortened = |boundary: &Vec<VertexId>| boundary.iter().copied().filter(|&v| !drop[v.index()]).collect();
         topology.faces().iter().map(shortened).enumerate().collect()
     })
 }

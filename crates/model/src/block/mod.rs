@@ -20,7 +20,7 @@ pub(crate) use measure::cuboid_mesh;
 
 use crate::number::{Number, Precision};
 use crate::ring::Ring;
-use crate::topology::Topology;
+use crate::topology::{EdgeId, FaceId, Topology, VertexId};
 use crate::vector::Vec3;
 use std::sync::Arc;
 
@@ -82,7 +82,11 @@ impl Block {
     ///
     /// # Errors
     /// When they are not a block of SPEC section 2.
-    pub fn new(vertices: Vec<Point>, faces: Vec<Vec<u32>>, options: &BlockOptions) -> Result<Block, BlockError> {
+    pub fn new(
+        vertices: Vec<Point>,
+        faces: Vec<Vec<impl Into<VertexId>>>,
+        options: &BlockOptions,
+    ) -> Result<Block, BlockError> {
         Block::merged(vertices, faces, options, Merging::Exact).map(|(block, _)| block)
     }
 
@@ -92,7 +96,7 @@ impl Block {
     /// When they are not a block of SPEC section 2.
     pub fn merged(
         vertices: Vec<Point>,
-        faces: Vec<Vec<u32>>,
+        faces: Vec<Vec<impl Into<VertexId>>>,
         options: &BlockOptions,
         merging: Merging,
     ) -> Result<(Block, Merged), BlockError> {
@@ -133,7 +137,7 @@ impl Block {
 
     /// The faces as triangles between the block's own vertices, face after face, counter-clockwise seen from outside. `planarity` is that
     /// with which the block was made ([`BlockOptions`]).
-    pub fn triangles(&self, planarity: &Number) -> Vec<[u32; 3]> {
+    pub fn triangles(&self, planarity: &Number) -> Vec<[VertexId; 3]> {
         build::triangles(self, &BlockOptions { planarity: planarity.clone() })
     }
 
@@ -161,20 +165,20 @@ impl Block {
 
     /// Whether κ > 0 at the edge. An edge that is not convex is reflex.
     #[inline]
-    pub fn edge_is_convex(&self, edge: u32) -> bool {
-        self.shape.edge_convex[edge as usize]
+    pub fn edge_is_convex(&self, edge: EdgeId) -> bool {
+        self.shape.edge_convex[edge.index()]
     }
 
     /// Whether all edges at the vertex are convex.
     #[inline]
-    pub fn vertex_is_convex(&self, vertex: u32) -> bool {
-        self.shape.vertex_convex[vertex as usize]
+    pub fn vertex_is_convex(&self, vertex: VertexId) -> bool {
+        self.shape.vertex_convex[vertex.index()]
     }
 
     /// Whether the face is a convex polygon.
     #[inline]
-    pub fn face_is_convex(&self, face: u32) -> bool {
-        self.shape.face_convex[face as usize]
+    pub fn face_is_convex(&self, face: FaceId) -> bool {
+        self.shape.face_convex[face.index()]
     }
 
     /// Whether all edges are convex.
@@ -185,12 +189,12 @@ impl Block {
 }
 
 /// `N_f = Σ v_k × v_{k+1}` relative to the loop's first vertex: twice the area vector (SPEC section 2).
-pub fn face_normal<T: Ring>(points: &[Vec3<T>], face: &[u32]) -> Vec3<T> {
-    let origin = &points[face[0] as usize];
+pub fn face_normal<T: Ring>(points: &[Vec3<T>], face: &[VertexId]) -> Vec3<T> {
+    let origin = &points[face[0].index()];
     let mut normal = Vec3::zero();
     for k in 1..face.len() - 1 {
-        let u = points[face[k] as usize].minus(origin);
-        let v = points[face[k + 1] as usize].minus(origin);
+        let u = points[face[k].index()].minus(origin);
+        let v = points[face[k + 1].index()].minus(origin);
         normal = normal.plus(&u.cross(&v));
     }
     normal

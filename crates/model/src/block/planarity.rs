@@ -4,6 +4,7 @@ use crate::block::BlockOptions;
 use crate::block::certain_sign::{Coordinates, Filtered, Surface};
 use crate::block::polynomials::{Area, Height};
 use crate::ring::Ring;
+use crate::topology::VertexId;
 use crate::vector::Vec3;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -21,7 +22,7 @@ pub(super) struct Planarity<'a> {
 
 /// The vertex of a face furthest from its plane.
 pub(super) struct FurthestVertex {
-    pub(super) vertex: u32,
+    pub(super) vertex: VertexId,
     /// Its distance over the longest side of the block's box.
     pub(super) deviation: f64,
 }
@@ -95,8 +96,8 @@ impl<'a> Planarity<'a> {
     pub(super) fn holds_all(
         &self,
         surface: &Surface<'_>,
-        (face, through): (usize, u32),
-        vertices: &[u32],
+        (face, through): (usize, VertexId),
+        vertices: &[VertexId],
         parts: u32,
     ) -> bool {
         let (allowed, divisor) = self.allowed();

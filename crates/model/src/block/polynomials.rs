@@ -2,10 +2,11 @@
 
 use crate::block::certain_sign::{BlockPolynomial, CoordinateView, PointPolynomial};
 use crate::ring::Ring;
+use crate::topology::{FaceId, VertexId};
 use crate::vector::Vec3;
 
-fn point<'a, T>(view: &CoordinateView<'a, T>, vertex: u32) -> &'a Vec3<T> {
-    &view.points[vertex as usize]
+fn point<'a, T>(view: &CoordinateView<'a, T>, vertex: VertexId) -> &'a Vec3<T> {
+    &view.points[vertex.index()]
 }
 
 /// `|N|²` of a face: zero when it has no area.
@@ -21,36 +22,36 @@ impl BlockPolynomial for Area {
 
 /// κ of SPEC section 2: positive convex, negative reflex, zero flat or folded. The edge runs p → q in `left`.
 pub(super) struct Kappa {
-    pub(super) p: u32,
-    pub(super) q: u32,
-    pub(super) left: u32,
-    pub(super) right: u32,
+    pub(super) p: VertexId,
+    pub(super) q: VertexId,
+    pub(super) left: FaceId,
+    pub(super) right: FaceId,
 }
 
 impl BlockPolynomial for Kappa {
     fn value<T: Ring>(&self, view: &CoordinateView<'_, T>) -> T {
         let d = point(view, self.q).minus(point(view, self.p));
-        view.normals[self.left as usize].cross(&view.normals[self.right as usize]).dot(&d)
+        view.normals[self.left.index()].cross(&view.normals[self.right.index()]).dot(&d)
     }
 }
 
 /// `N_L · N_R`: positive when two faces look to the same side.
 pub(super) struct SameSide {
-    pub(super) left: u32,
-    pub(super) right: u32,
+    pub(super) left: FaceId,
+    pub(super) right: FaceId,
 }
 
 impl BlockPolynomial for SameSide {
     fn value<T: Ring>(&self, view: &CoordinateView<'_, T>) -> T {
-        view.normals[self.left as usize].dot(&view.normals[self.right as usize])
+        view.normals[self.left.index()].dot(&view.normals[self.right.index()])
     }
 }
 
 /// Distance of any vertex from the plane through `through` along the normal of `face`, times `|N|`.
 pub(super) struct Height {
     pub(super) face: usize,
-    pub(super) through: u32,
-    pub(super) vertex: u32,
+    pub(super) through: VertexId,
+    pub(super) vertex: VertexId,
 }
 
 impl BlockPolynomial for Height {
@@ -62,9 +63,9 @@ impl BlockPolynomial for Height {
 /// Seen against the face's normal: positive when c is to the left of the line from a to b.
 pub(super) struct Orientation {
     pub(super) face: usize,
-    pub(super) a: u32,
-    pub(super) b: u32,
-    pub(super) c: u32,
+    pub(super) a: VertexId,
+    pub(super) b: VertexId,
+    pub(super) c: VertexId,
 }
 
 impl BlockPolynomial for Orientation {
@@ -79,9 +80,9 @@ impl BlockPolynomial for Orientation {
 /// is between them.
 pub(super) struct Between {
     pub(super) face: usize,
-    pub(super) a: u32,
-    pub(super) b: u32,
-    pub(super) c: u32,
+    pub(super) a: VertexId,
+    pub(super) b: VertexId,
+    pub(super) c: VertexId,
 }
 
 impl BlockPolynomial for Between {
@@ -94,9 +95,9 @@ impl BlockPolynomial for Between {
 
 /// `|(v − a) × (b − a)|²`: zero when v is on the line through a and b.
 pub(super) struct OffLine {
-    pub(super) a: u32,
-    pub(super) v: u32,
-    pub(super) b: u32,
+    pub(super) a: VertexId,
+    pub(super) v: VertexId,
+    pub(super) b: VertexId,
 }
 
 impl BlockPolynomial for OffLine {
@@ -108,9 +109,9 @@ impl BlockPolynomial for OffLine {
 
 /// `(v − a)·(b − v)`: positive when v is between a and b.
 pub(super) struct BeyondAlongLine {
-    pub(super) a: u32,
-    pub(super) v: u32,
-    pub(super) b: u32,
+    pub(super) a: VertexId,
+    pub(super) v: VertexId,
+    pub(super) b: VertexId,
 }
 
 impl BlockPolynomial for BeyondAlongLine {
@@ -122,8 +123,8 @@ impl BlockPolynomial for BeyondAlongLine {
 
 /// `|b − a|²`.
 pub(super) struct SquaredLength {
-    pub(super) a: u32,
-    pub(super) b: u32,
+    pub(super) a: VertexId,
+    pub(super) b: VertexId,
 }
 
 impl BlockPolynomial for SquaredLength {
@@ -155,31 +156,31 @@ impl BlockPolynomial for Volume {
 /// `((b − a) × (c − a))·(v − a)` of the plane through a, b, c: positive when v is on the side from which a, b, c run
 /// counter-clockwise, zero when it is on the plane.
 pub(super) struct SideOfPlane {
-    pub(super) plane: [u32; 3],
-    pub(super) vertex: u32,
+    pub(super) plane: [VertexId; 3],
+    pub(super) vertex: VertexId,
 }
 
 impl PointPolynomial for SideOfPlane {
     fn value<T: Ring>(&self, points: &[Vec3<T>]) -> T {
-        let [a, b, c] = self.plane.map(|v| &points[v as usize]);
-        b.minus(a).cross(&c.minus(a)).dot(&points[self.vertex as usize].minus(a))
+        let [a, b, c] = self.plane.map(|v| &points[v.index()]);
+        b.minus(a).cross(&c.minus(a)).dot(&points[self.vertex.index()].minus(a))
     }
 }
 
 /// Of points in the plane of a triangle, seen from where its vertices run counter-clockwise: positive when c is to the
 /// left of the line from a to b.
 pub(super) struct OrientationInPlane {
-    pub(super) triangle: [u32; 3],
-    pub(super) a: u32,
-    pub(super) b: u32,
-    pub(super) c: u32,
+    pub(super) triangle: [VertexId; 3],
+    pub(super) a: VertexId,
+    pub(super) b: VertexId,
+    pub(super) c: VertexId,
 }
 
 impl PointPolynomial for OrientationInPlane {
     fn value<T: Ring>(&self, points: &[Vec3<T>]) -> T {
-        let area = |[a, b, c]: [u32; 3]| {
-            let a = &points[a as usize];
-            points[b as usize].minus(a).cross(&points[c as usize].minus(a))
+        let area = |[a, b, c]: [VertexId; 3]| {
+            let a = &points[a.index()];
+            points[b.index()].minus(a).cross(&points[c.index()].minus(a))
         };
         area(self.triangle).dot(&area([self.a, self.b, self.c]))
     }

@@ -2,9 +2,9 @@
 
 use crate::block::certain_sign::Surface;
 use crate::block::polynomials::{Between, Orientation};
-use crate::topology::loop_pairs;
+use crate::topology::{VertexId, loop_pairs};
 
-type Segment = (u32, u32);
+type Segment = (VertexId, VertexId);
 
 /// Checks that no two edges of the loop of a face with area cross or touch, other than neighbours in their vertex.
 /// `slack` is how far, in metres, the face's vertices may be from its plane.
@@ -41,7 +41,7 @@ pub(super) fn check_simple(
 /// A box around an edge, wide enough that edges which meet along the face's normal have boxes that meet.
 fn span((p, q): Segment, approximate: &[[f64; 3]], slack: f64) -> [(f64, f64); 3] {
     std::array::from_fn(|axis| {
-        let (a, b) = (approximate[p as usize][axis], approximate[q as usize][axis]);
+        let (a, b) = (approximate[p.index()][axis], approximate[q.index()][axis]);
         let margin = 2.0 * slack + (a.abs() + b.abs()) * 1e-12;
         (a.min(b) - margin, a.max(b) + margin)
     })

@@ -78,13 +78,15 @@ fn a_cuboid_is_measured_exactly() {
 fn an_l_shaped_prism_has_one_reflex_edge() {
     let (vertices, faces) = prism(&L_SHAPE);
     let block = Block::new(vertices, faces, &exact()).unwrap();
-    let reflex: Vec<(u32, u32)> = (0..block.topology().edges().len())
-        .filter(|&e| !block.edge_is_convex(e as u32))
-        .map(|e| (block.topology().edges()[e].p, block.topology().edges()[e].q))
-        .collect();
-    assert_eq!(reflex, [(3, 9)]);
-    assert!(!block.vertex_is_convex(3) && !block.vertex_is_convex(9) && block.vertex_is_convex(2));
-    assert!(!block.face_is_convex(0) && block.face_is_convex(2));
+    let topology = block.topology();
+    let reflex: Vec<_> = topology.edge_ids().filter(|&e| !block.edge_is_convex(e)).map(|e| topology.edge(e)).collect();
+    assert_eq!(reflex.iter().map(|e| (e.p.0, e.q.0)).collect::<Vec<_>>(), [(3, 9)]);
+    assert!(
+        !block.vertex_is_convex(VertexId(3))
+            && !block.vertex_is_convex(VertexId(9))
+            && block.vertex_is_convex(VertexId(2))
+    );
+    assert!(!block.face_is_convex(FaceId(0)) && block.face_is_convex(FaceId(2)));
     assert_eq!(block.volume(), ratio(4, 1));
     // By halves: 3 × 1 around (3/2, 1/2) and 1 × 1 around (1/2, 3/2).
     assert_eq!(block.centroid(), Vec3::new(ratio(5, 4), ratio(3, 4), ratio(1, 2)));
@@ -108,7 +110,7 @@ fn triangles_become_faces_again() {
     let whole = Block::new(vertices, faces, &exact()).unwrap();
     assert_eq!(block.volume(), whole.volume());
     let sorted = |block: &Block| {
-        let mut faces: Vec<Vec<u32>> = block.topology().faces().to_vec();
+        let mut faces = block.topology().faces().to_vec();
         for face in &mut faces {
             let least = (0..face.len()).min_by_key(|&i| face[i]).unwrap_or(0);
             face.rotate_left(least);
@@ -141,7 +143,7 @@ fn vertices_inside_faces_and_edges_go() {
     assert_eq!((block.topology().edges().len(), block.topology().faces().len()), (12, 6));
     // The merged face stands where its first part stood, the others keep their order.
     assert_eq!(block.topology().faces()[5].len(), 4);
-    assert!(block.topology().faces()[0].iter().all(|&v| v < 4));
+    assert!(block.topology().faces()[0].iter().all(|&v| v < VertexId(4)));
 }
 
 #[test]
@@ -358,7 +360,7 @@ fn moving_and_rounding_keep_the_flags() {
     assert!(!moved.is_exact_in(Precision::F64));
     let rounded = moved.rounded(Precision::F32).unwrap();
     assert!(rounded.is_exact_in(Precision::F32));
-    assert!((0..18).all(|e| rounded.edge_is_convex(e) == block.edge_is_convex(e)));
+    assert!((0..18).all(|e| rounded.edge_is_convex(EdgeId(e)) == block.edge_is_convex(EdgeId(e))));
 }
 
 /// κ in plain fractions, from SPEC section 2.
@@ -367,7 +369,7 @@ fn plain_kappa(block: &Block, edge: u32) -> BigRational {
     let topology = block.topology();
     let e = topology.edges()[edge as usize];
     let normal = |f: u32| face_normal(&points, &topology.faces()[f as usize]);
-    normal(e.left).cross(&normal(e.right)).dot(&points[e.q as usize].minus(&points[e.p as usize]))
+    normal(e.left.0).cross(&normal(e.right.0)).dot(&points[e.q.index()].minus(&points[e.p.index()]))
 }
 
 /// Coordinates of every size the filter meets: small integers, full mantissas, far offsets, fractions, extremes.
@@ -426,7 +428,7 @@ proptest! {
             for edge in 0..block.topology().edges().len() as u32 {
                 let kappa = plain_kappa(&block, edge);
                 prop_assert!(!kappa.is_zero());
-                prop_assert_eq!(block.edge_is_convex(edge), kappa.is_positive());
+                prop_assert_eq!(block.edge_is_convex(EdgeId(edge)), kappa.is_positive());
             }
             prop_assert!(block.topology().faces().len() + merged.faces == 8);
         }
@@ -441,10 +443,11 @@ fn ties_and_near_ties_reach_the_exact_stages() {
     let ask = |vertices: &[Point]| {
         let approximate: Vec<[f64; 3]> = vertices.iter().map(|v| v.components().map(|c| c.approximate())).collect();
         let coordinates = Coordinates::new(vertices, &approximate);
-        let faces = fan(&CUBE_FACES);
+        let numbered = |face: Vec<u32>| face.into_iter().map(VertexId).collect();
+        let faces: Vec<Vec<VertexId>> = fan(&CUBE_FACES).into_iter().map(numbered).collect();
         let surface = Surface::new(&coordinates, &faces);
         // Edge 4-6 splits the top.
-        let kappa = Kappa { p: 6, q: 4, left: 2, right: 3 };
+        let kappa = Kappa { p: VertexId(6), q: VertexId(4), left: FaceId(2), right: FaceId(3) };
         (surface.estimate(&kappa).and_then(|k| k.sign()), surface.sign(&kappa))
     };
     assert_eq!(ask(&points(&CUBE)).1, Sign::Zero);

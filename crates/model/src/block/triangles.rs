@@ -3,14 +3,15 @@
 use crate::block::certain_sign::Surface;
 use crate::block::polynomials::{Orientation, SideOfPlane};
 use crate::sign::Sign;
+use crate::topology::VertexId;
 
 /// The triangles of a face, counter-clockwise like its loop, none of them without area seen along the face's normal.
 pub(super) struct TriangulatedFace {
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) triangles: Vec<[VertexId; 3]>,
     /// The sides of triangles that are no edges of the face.
-    pub(super) diagonals: Vec<[u32; 2]>,
+    pub(super) diagonals: Vec<[VertexId; 2]>,
     /// Triangles in whose planes all triangles lie: one of a long face that is exactly planar, else all.
-    pub(super) planes: Vec<[u32; 3]>,
+    pub(super) planes: Vec<[VertexId; 3]>,
     /// Whether the face, seen along its normal, is a convex polygon; a straight angle counts as convex.
     pub(super) is_convex: bool,
 }
@@ -31,7 +32,7 @@ impl TriangulatedFace {
         };
         let turns: Vec<Sign> = (0..n).map(turn).collect();
         if turns.iter().all(|t| t.is_positive()) {
-            let triangles: Vec<[u32; 3]> =
+            let triangles: Vec<[VertexId; 3]> =
                 boundary[1..].windows(2).map(|pair| [boundary[0], pair[0], pair[1]]).collect();
             let diagonals = boundary[2..n - 1].iter().map(|&v| [boundary[0], v]).collect();
             return TriangulatedFace {
@@ -49,9 +50,9 @@ impl TriangulatedFace {
 }
 
 /// See [`TriangulatedFace::planes`]. Of a short face a proof that it is planar costs more than it saves.
-fn planes(surface: &Surface<'_>, boundary: &[u32], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+fn planes(surface: &Surface<'_>, boundary: &[VertexId], triangles: &[[VertexId; 3]]) -> Vec<[VertexId; 3]> {
     const LONG: usize = 32;
-    let is_on = |plane: [u32; 3]| {
+    let is_on = |plane: [VertexId; 3]| {
         boundary.iter().all(|&vertex| surface.coordinates().sign(&SideOfPlane { plane, vertex }).is_zero())
     };
     match triangles {
@@ -68,11 +69,11 @@ struct EarClipping<'a, 's> {
     slack: f64,
     /// Vertices whose angle is 180° or more. Of the vertices within an ear's triangle the one furthest from the
     /// diagonal has such an angle, so no others need to be looked at; clipping makes angles smaller only.
-    blunt: Vec<u32>,
+    blunt: Vec<VertexId>,
 }
 
 impl EarClipping<'_, '_> {
-    fn clipped(&self) -> (Vec<[u32; 3]>, Vec<[u32; 2]>) {
+    fn clipped(&self) -> (Vec<[VertexId; 3]>, Vec<[VertexId; 2]>) {
         let mut rest = self.surface.faces()[self.face].clone();
         let (mut triangles, mut diagonals) = (Vec::new(), Vec::new());
         let mut place = 0;
@@ -94,9 +95,9 @@ impl EarClipping<'_, '_> {
     }
 
     /// Whether u-v-w turns left and its triangle, boundary included, holds no other vertex of the rest.
-    fn is_ear(&self, [u, v, w]: [u32; 3], rest: &[u32]) -> bool {
+    fn is_ear(&self, [u, v, w]: [VertexId; 3], rest: &[VertexId]) -> bool {
         let is_left = |a, b, c| self.surface.sign(&Orientation { face: self.face, a, b, c }).is_at_least_zero();
-        let in_triangle = |z: u32| is_left(u, v, z) && is_left(v, w, z) && is_left(w, u, z);
+        let in_triangle = |z: VertexId| is_left(u, v, z) && is_left(v, w, z) && is_left(w, u, z);
         let spans = self.spans([u, v, w]);
         self.surface.sign(&Orientation { face: self.face, a: u, b: v, c: w }).is_positive()
             && !self
@@ -106,9 +107,9 @@ impl EarClipping<'_, '_> {
     }
 
     /// A box so wide that a point outside it is outside the triangle, seen along the normal.
-    fn spans(&self, triangle: [u32; 3]) -> [(f64, f64); 3] {
+    fn spans(&self, triangle: [VertexId; 3]) -> [(f64, f64); 3] {
         std::array::from_fn(|axis| {
-            let all = triangle.map(|v| self.approximate[v as usize][axis]);
+            let all = triangle.map(|v| self.approximate[v.index()][axis]);
             let least = all.iter().fold(f64::INFINITY, |least, &c| least.min(c));
             let most = all.iter().fold(f64::NEG_INFINITY, |most, &c| most.max(c));
             let margin = 2.0 * self.slack + (least.abs() + most.abs()) * 1e-12;
@@ -116,8 +117,8 @@ impl EarClipping<'_, '_> {
         })
     }
 
-    fn is_within(&self, vertex: u32, spans: &[(f64, f64); 3]) -> bool {
-        let place = &self.approximate[vertex as usize];
+    fn is_within(&self, vertex: VertexId, spans: &[(f64, f64); 3]) -> bool {
+        let place = &self.approximate[vertex.index()];
         (0..3).all(|axis| (spans[axis].0..=spans[axis].1).contains(&place[axis]))
     }
 }

@@ -8,6 +8,7 @@ use crate::number::Number;
 use crate::scene::{Scene, SceneBlock, SceneFormat};
 use crate::simulation::{Body, Simulation};
 use crate::tolerance_spec::ToleranceSpec;
+use crate::topology::VertexId;
 use std::fmt::Write;
 
 /// Why a scene does not fit a format.
@@ -128,7 +129,7 @@ fn toml_block(out: &mut String, block: &SceneBlock, scene: &Simulation) {
     }
     out.push_str("]\nfaces = [\n");
     for face in block.block.topology().faces() {
-        let indices: Vec<String> = face.iter().map(u32::to_string).collect();
+        let indices: Vec<String> = face.iter().map(VertexId::to_string).collect();
         push(out, format_args!("  [{}],\n", indices.join(", ")));
     }
     out.push_str("]\n");
@@ -171,7 +172,7 @@ fn write_obj(scene: &Scene) -> Result<String, FormatError> {
             push(&mut out, format_args!("v {x:?} {y:?} {z:?}\n"));
         }
         for face in block.block.topology().faces() {
-            let indices: Vec<String> = face.iter().map(|&v| (first + v as usize).to_string()).collect();
+            let indices: Vec<String> = face.iter().map(|&v| (first + v.index()).to_string()).collect();
             push(&mut out, format_args!("f {}\n", indices.join(" ")));
         }
         first += block.block.vertices().len();
@@ -216,7 +217,7 @@ fn streams(scene: &Scene) -> Vec<Vec<usize>> {
         let mut stream = vec![faces.len()];
         for face in faces {
             stream.push(face.len());
-            stream.extend(face.iter().map(|&v| first + v as usize));
+            stream.extend(face.iter().map(|&v| first + v.index()));
         }
         first += block.block.vertices().len();
         streams.push(stream);

@@ -1,7 +1,7 @@
 //! Blocks a second time, on integers: edges and their numbers, κ, convexity, and what merging leaves of triangulated and divided surfaces.
 
 use proptest::prelude::*;
-use rockproof_model::{Block, BlockOptions, Number, Point, Vec3};
+use rockproof_model::{Block, BlockOptions, EdgeId, FaceId, Number, Point, Vec3, VertexId};
 use std::collections::{BTreeMap, BTreeSet};
 
 type Units = [i128; 3];
@@ -142,7 +142,7 @@ const BY_HAND: [(&str, usize, usize); 6] =
 fn shapes_have_the_edges_that_one_counts() {
     for ((name, surface), (wanted, edges, reflex)) in shapes().into_iter().zip(BY_HAND) {
         let block = surface.block();
-        let found = (0..edges as u32).filter(|edge| !block.edge_is_convex(*edge)).count();
+        let found = (0..edges as u32).filter(|edge| !block.edge_is_convex(EdgeId(*edge))).count();
         assert_eq!(
             (name, block.topology().edges().len(), found, block.is_convex()),
             (wanted, edges, reflex, reflex == 0)
@@ -179,21 +179,21 @@ proptest! {
         let (block, second, of) = (surface.block(), surface.second(), surface.faces_by_edge());
         prop_assert_eq!(block.topology().edges().len(), second.edges.len(), "{}", name);
         for (k, (edge, ([p, q], kappa))) in block.topology().edges().iter().zip(&second.edges).enumerate() {
-            prop_assert_eq!([edge.p as usize, edge.q as usize], [*p, *q], "{} edge {}", name, k);
-            prop_assert_eq!([edge.left as usize, edge.right as usize], [of[&(*p, *q)], of[&(*q, *p)]], "{} edge {}", name, k);
+            prop_assert_eq!([edge.p.index(), edge.q.index()], [*p, *q], "{} edge {}", name, k);
+            prop_assert_eq!([edge.left.index(), edge.right.index()], [of[&(*p, *q)], of[&(*q, *p)]], "{} edge {}", name, k);
             prop_assert!(*kappa != 0);
-            prop_assert_eq!(block.edge_is_convex(k as u32), *kappa > 0, "{} edge {}", name, k);
+            prop_assert_eq!(block.edge_is_convex(EdgeId(k as u32)), *kappa > 0, "{} edge {}", name, k);
         }
         for vertex in 0..surface.vertices.len() {
             let convex = second.edges.iter().filter(|([p, q], _)| [*p, *q].contains(&vertex)).all(|(_, kappa)| *kappa > 0);
-            prop_assert_eq!(block.vertex_is_convex(vertex as u32), convex, "{} vertex {}", name, vertex);
+            prop_assert_eq!(block.vertex_is_convex(VertexId(vertex as u32)), convex, "{} vertex {}", name, vertex);
         }
         prop_assert_eq!(block.is_convex(), second.edges.iter().all(|(_, kappa)| *kappa > 0));
         for (k, face) in surface.faces.iter().enumerate() {
             let (normal, n) = (surface.normal(face), face.len());
             let corner = |i: usize| [0, 1, 2].map(|j| surface.vertices[face[(i + j) % n]]);
             let turns_left = |[a, b, c]: [Units; 3]| dot(cross(minus(b, a), minus(c, b)), normal) > 0;
-            prop_assert_eq!(block.face_is_convex(k as u32), (0..n).all(|i| turns_left(corner(i))), "{} face {}", name, k);
+            prop_assert_eq!(block.face_is_convex(FaceId(k as u32)), (0..n).all(|i| turns_left(corner(i))), "{} face {}", name, k);
         }
     }
 
@@ -213,7 +213,7 @@ proptest! {
         let loops = |points: &[Units], faces: Vec<Vec<usize>>| -> Vec<Vec<Units>> {
             faces.into_iter().map(|face| from_least(face.into_iter().map(|v| points[v]).collect())).collect()
         };
-        let faces = merged.topology().faces().iter().map(|face| face.iter().map(|&v| v as usize).collect()).collect();
+        let faces = merged.topology().faces().iter().map(|face| face.iter().map(|&v| v.index()).collect()).collect();
         prop_assert_eq!(loops(&found, faces), loops(&wanted, surface.faces.clone()), "{}", name);
     }
 }

@@ -14,7 +14,7 @@ const FEATURES: [u32; 4] = [0, 2, 10, 100];
 
 #[test]
 fn contacts_are_sorted_by_kind_then_a_then_b() {
-    let entrance = |kind: &str, a, b| Entrance { kind: EntranceKind::from_name(kind).expect(kind), a, b };
+    let entrance = |kind: &str, a, b| Entrance::of_kind(EntranceKind::from_name(kind).expect(kind), [a, b]);
     let mut wanted = Vec::new();
     for kind in KINDS {
         for a in FEATURES {
@@ -23,16 +23,16 @@ fn contacts_are_sorted_by_kind_then_a_then_b() {
                 let backwards = entrance(ENTRANCES[(b % 3) as usize], 1000 - a, 1000 - b);
                 let gap = [Sign::Positive, Sign::Zero, Sign::Negative][(a % 3) as usize];
                 let kind = ContactKind::from_name(kind).expect(kind);
-                wanted.push(Contact { kind, a, b, entrance: backwards, gap });
+                wanted.push(Contact { key: ContactKey::of_kind(kind, [a, b]), entrance: backwards, gap });
             }
         }
     }
     let mut found: Vec<Contact> = wanted.iter().rev().copied().collect();
     found.sort();
     assert_eq!(found, wanted);
-    let mut keys: Vec<ContactKey> = wanted.iter().rev().map(|contact| contact.key()).collect();
+    let mut keys: Vec<ContactKey> = wanted.iter().rev().map(|contact| contact.key).collect();
     keys.sort();
-    assert_eq!(keys, wanted.iter().map(|contact| contact.key()).collect::<Vec<_>>());
+    assert_eq!(keys, wanted.iter().map(|contact| contact.key).collect::<Vec<_>>());
     assert_eq!(ContactKind::ALL.map(ContactKind::name), KINDS);
 }
 
@@ -40,7 +40,7 @@ fn contacts_are_sorted_by_kind_then_a_then_b() {
 fn entrances_are_sorted_by_kind_then_a_then_b() {
     let all = ENTRANCES.iter().flat_map(|kind| {
         let kind = EntranceKind::from_name(kind).expect("a kind");
-        FEATURES.iter().flat_map(move |&a| FEATURES.iter().map(move |&b| Entrance { kind, a, b }))
+        FEATURES.iter().flat_map(move |&a| FEATURES.iter().map(move |&b| Entrance::of_kind(kind, [a, b])))
     });
     let wanted: Vec<Entrance> = all.collect();
     let mut found: Vec<Entrance> = wanted.iter().rev().copied().collect();
@@ -54,12 +54,15 @@ fn exchanged_blocks_exchange_the_names() {
     for (kind, swapped) in
         [("v-v", "v-v"), ("v-e", "e-v"), ("e-v", "v-e"), ("v-f", "f-v"), ("f-v", "v-f"), ("e-e", "e-e")]
     {
-        assert_eq!(ContactKind::from_name(kind).expect(kind).swapped().name(), swapped);
+        let kind = ContactKind::from_name(kind).expect(kind);
+        assert_eq!(kind.swapped().name(), swapped);
+        let found = ContactKey::of_kind(kind, [3, 7]).swapped();
+        assert_eq!((found.kind(), found.numbers()), (kind.swapped(), [7, 3]));
     }
     for (kind, swapped) in [("v-f", "f-v"), ("f-v", "v-f"), ("e-e", "e-e")] {
         let kind = EntranceKind::from_name(kind).expect(kind);
-        let found = Entrance { kind, a: 3, b: 7 }.swapped();
-        assert_eq!((found.kind.name(), found.a, found.b), (swapped, 7, 3));
+        let found = Entrance::of_kind(kind, [3, 7]).swapped();
+        assert_eq!((found.kind().name(), found.numbers()), (swapped, [7, 3]));
     }
 }
 

@@ -6,8 +6,8 @@ use crate::contact::rules::{ContactRules, SpecRules};
 use crate::contact::tolerances::Tolerances;
 use crate::real::Real;
 use crate::vector::Vector;
-use rockproof_model::ContactKind;
 use rockproof_model::decision::Side;
+use rockproof_model::{ContactKey, EdgeId, VertexId};
 use std::cmp::Ordering;
 
 /// An axis-aligned box.
@@ -99,13 +99,13 @@ fn widest_axis<R: Real>(solids: &[PreparedBlock<R>]) -> usize {
 /// kept contact are. Those of v-v and v-e contacts are within s, kept or not.
 pub(super) fn reach_of_kept<R: Real>(request: ClassificationRequest<'_, R>) -> R {
     let ClassificationRequest { a, b, tolerances, kept } = request;
-    let at = |solid: &PreparedBlock<R>, v: u32| Bounds::around(&[solid.vertex(v).at]);
+    let at = |solid: &PreparedBlock<R>, v: VertexId| Bounds::around(&[solid.vertex(v).at]);
     kept.iter().fold(tolerances.reach, |reach, key| {
-        let apart = match key.kind {
-            ContactKind::VertexFace => at(a, key.a).apart(b.bounds()),
-            ContactKind::FaceVertex => at(b, key.b).apart(a.bounds()),
-            ContactKind::EdgeEdge => a.edge(key.a).bounds().apart(&b.edge(key.b).bounds()),
-            ContactKind::VertexVertex | ContactKind::VertexEdge | ContactKind::EdgeVertex => return reach,
+        let apart = match *key {
+            ContactKey::VertexFace(v, _) => at(a, v).apart(b.bounds()),
+            ContactKey::FaceVertex(_, v) => at(b, v).apart(a.bounds()),
+            ContactKey::EdgeEdge(e, f) => a.edge(e).bounds().apart(&b.edge(f).bounds()),
+            ContactKey::VertexVertex(..) | ContactKey::VertexEdge(..) | ContactKey::EdgeVertex(..) => return reach,
         };
         apart.into_iter().fold(reach, R::larger)
     })
@@ -114,8 +114,8 @@ pub(super) fn reach_of_kept<R: Real>(request: ClassificationRequest<'_, R>) -> R
 /// The features of two neighbours that are within reach of the other block's box.
 #[derive(Debug)]
 pub(super) struct NearFeatures<R> {
-    vertices: [Vec<u32>; 2],
-    edges: [Vec<(u32, Bounds<R>)>; 2],
+    vertices: [Vec<VertexId>; 2],
+    edges: [Vec<(EdgeId, Bounds<R>)>; 2],
 }
 
 impl<R: Real> NearFeatures<R> {
@@ -127,19 +127,21 @@ impl<R: Real> NearFeatures<R> {
     }
 
     /// Vertices of the block on `side`, ascending.
-    pub(super) fn vertices(&self, side: Side) -> &[u32] {
+    pub(super) fn vertices(&self, side: Side) -> &[VertexId] {
         &self.vertices[side as usize]
     }
 
     /// Edges of the block on `side` that take part in contacts, ascending, with their boxes.
-    pub(super) fn edges(&self, side: Side) -> &[(u32, Bounds<R>)] {
+    pub(super) fn edges(&self, side: Side) -> &[(EdgeId, Bounds<R>)] {
         &self.edges[side as usize]
     }
 }
 
-fn near_vertices<R: Real>(solid: &PreparedBlock<R>, other: &Bounds<R>, reach: R) -> Vec<u32> {
+fn near_vertices<R: Real>(solid: &PreparedBlock<R>, other: &Bounds<R>, reach: R) -> Vec<VertexId> {
     let mut near = Vec::with_capacity(solid.vertices().len());
-    near.extend((0..).zip(solid.vertices()).filter(|(_, v)| !other.is_beyond(v.at, reach)).map(|(i, _)| i));
+    near.extend(
+        (0..).map(VertexId).zip(solid.vertices()).filter(|(_, v)| !other.is_beyond(v.at, reach)).map(|(i, _)| i),
+    );
     near
 }
 
@@ -147,9 +149,9 @@ fn near_edges<R: Real, M: ContactRules>(
     solid: &PreparedBlock<R>,
     other: &Bounds<R>,
     reach: R,
-) -> Vec<(u32, Bounds<R>)> {
+) -> Vec<(EdgeId, Bounds<R>)> {
     let mut near = Vec::with_capacity(solid.edges().len());
-    let takes_part = (0..).zip(solid.edges()).filter(|(_, e)| M::edge_takes_part(e.convex));
+    let takes_part = (0..).map(EdgeId).zip(solid.edges()).filter(|(_, e)| M::edge_takes_part(e.convex));
     near.extend(takes_part.map(|(i, e)| (i, e.bounds())).filter(|(_, bounds)| !other.beyond(bounds, reach)));
     near
 }

@@ -151,10 +151,10 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     fn vertices_and_faces(&mut self, near: &NearFeatures<R>, side: Side) {
         let exits = M::shortest_exit_applies(self.both_convex());
-        let faces = self.solid(side.other()).faces().len() as u32;
+        let faces = self.solid(side.other()).block().topology();
         for &v in near.vertices(side) {
             let first = self.hits.len();
-            for f in 0..faces {
+            for f in faces.face_ids() {
                 if R::is_given_up() {
                     return;
                 }

@@ -7,8 +7,8 @@ use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
-use rockproof_model::ContactKind;
 use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::{ContactKey, EdgeId};
 
 /// Two edges that cross.
 #[derive(Clone, Copy, Debug)]
@@ -20,13 +20,14 @@ pub(super) struct Crossing<R> {
 
 impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Records the contact of edge `e` of A and edge `f` of B, if there is one.
-    pub(super) fn edge_edge(&mut self, e: u32, f: u32) {
+    pub(super) fn edge_edge(&mut self, e: EdgeId, f: EdgeId) {
         let (one, two) = (self.a.edge(e), self.b.edge(f));
         if !M::edge_takes_part(one.convex) || !M::edge_takes_part(two.convex) {
             return;
         }
         let Some(crossing) = self.crossing(e, f) else { return };
-        let asked = [Feature::Edge(Side::A, e), Feature::Edge(Side::B, f)];
+        let contact = ContactKey::EdgeEdge(e, f);
+        let asked = contact.features();
         // t₁ = ((p₂ − p₁) × u₂)·(u₁ × u₂) / |u₁ × u₂|², t₂ likewise: the feet of the common perpendicular.
         let offset = two.p - one.p;
         let squared = crossing.sine * crossing.sine;
@@ -39,22 +40,22 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         let normal = self.normal(e, f, crossing);
         let gap = normal.dot(one.p - two.p);
         if self.ask(Predicate::EdgeEdgeNear, &asked, M::edge_edge_near(gap, self.t.search))
-            && self.edge_edge_depth(asked, gap)
+            && self.edge_edge_depth(contact, gap)
             && self.wedges_pass(e, f, normal)
             && !self.ends_belong(e, f)
         {
-            self.record(ContactKind::EdgeEdge, asked, Candidate::edge_edge(e, f, gap, normal));
+            self.record(contact, Candidate::edge_edge(e, f, gap, normal));
         }
     }
 
     /// Not too deep: the gap is at least −g, or the contact is kept.
-    fn edge_edge_depth(&mut self, asked: [Feature; 2], gap: R) -> bool {
-        let allowed = M::edge_edge_depth(gap, self.t.penetration) || self.is_kept(ContactKind::EdgeEdge, asked);
-        self.ask(Predicate::EdgeEdgeDepth, &asked, allowed)
+    fn edge_edge_depth(&mut self, contact: ContactKey, gap: R) -> bool {
+        let allowed = M::edge_edge_depth(gap, self.t.penetration) || self.is_kept(contact);
+        self.ask(Predicate::EdgeEdgeDepth, &contact.features(), allowed)
     }
 
     /// The edges' cross product, unless they are nearly parallel.
-    pub(super) fn crossing(&mut self, e: u32, f: u32) -> Option<Crossing<R>> {
+    pub(super) fn crossing(&mut self, e: EdgeId, f: EdgeId) -> Option<Crossing<R>> {
         let (one, two) = (self.a.edge(e), self.b.edge(f));
         let product = one.direction.cross(two.direction);
         let sine = product.length();
@@ -64,14 +65,14 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     }
 
     /// The unit normal of the plane two crossing edges span, from B to A: σ·(d₁ × d₂) over its length.
-    pub(super) fn normal(&self, e: u32, f: u32, crossing: Crossing<R>) -> Vector<R> {
+    pub(super) fn normal(&self, e: EdgeId, f: EdgeId, crossing: Crossing<R>) -> Vector<R> {
         let unit = crossing.product / crossing.sine;
         let lean = unit.dot(self.a.lean(e)) - unit.dot(self.b.lean(f));
         if M::sigma_is_positive(lean) { unit } else { -unit }
     }
 
     /// A's two faces at the edge are above the plane and B's below, within the tolerance.
-    pub(super) fn wedges_pass(&mut self, e: u32, f: u32, normal: Vector<R>) -> bool {
+    pub(super) fn wedges_pass(&mut self, e: EdgeId, f: EdgeId, normal: Vector<R>) -> bool {
         let (one, two) = (self.a, self.b);
         let passes = FaceOfEdge::BOTH
             .into_iter()
@@ -83,7 +84,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     }
 
     /// The plane of two edges is a true exit: their faces pass with the tolerance r/10.
-    pub(super) fn wedges_exit(&self, e: u32, f: u32, normal: Vector<R>) -> bool {
+    pub(super) fn wedges_exit(&self, e: EdgeId, f: EdgeId, normal: Vector<R>) -> bool {
         let (one, two) = (self.a, self.b);
         FaceOfEdge::BOTH
             .into_iter()
@@ -94,7 +95,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     }
 
     /// One of the four ends is in the territory of the other edge or of one of its ends.
-    fn ends_belong(&mut self, e: u32, f: u32) -> bool {
+    fn ends_belong(&mut self, e: EdgeId, f: EdgeId) -> bool {
         let (one, two) = (self.a.edge(e).edge, self.b.edge(f).edge);
         if M::vertices_before_faces_and_edges() {
             for v in [one.p, one.q] {

@@ -6,7 +6,7 @@ use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::decision::{Feature, Predicate, Side};
-use rockproof_model::{Entrance, EntranceKind};
+use rockproof_model::{EdgeId, Entrance, EntranceKind, FaceId, VertexId};
 
 /// A plane that passes the no-overlap check.
 #[derive(Clone, Copy, Debug)]
@@ -19,25 +19,15 @@ pub(super) struct Candidate<R> {
 }
 
 impl<R: Real> Candidate<R> {
-    pub(super) fn edge_edge(a: u32, b: u32, gap: R, normal: Vector<R>) -> Candidate<R> {
-        Candidate { entrance: Entrance { kind: EntranceKind::EdgeEdge, a, b }, gap, normal }
-    }
-
-    /// The features that span the plane, A's first.
-    pub(super) fn features(&self) -> [Feature; 2] {
-        let Entrance { kind, a, b } = self.entrance;
-        match kind {
-            EntranceKind::VertexFace => [Feature::Vertex(Side::A, a), Feature::Face(Side::B, b)],
-            EntranceKind::FaceVertex => [Feature::Face(Side::A, a), Feature::Vertex(Side::B, b)],
-            EntranceKind::EdgeEdge => [Feature::Edge(Side::A, a), Feature::Edge(Side::B, b)],
-        }
+    pub(super) fn edge_edge(a: EdgeId, b: EdgeId, gap: R, normal: Vector<R>) -> Candidate<R> {
+        Candidate { entrance: Entrance::EdgeEdge(a, b), gap, normal }
     }
 }
 
 impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// "Cone passes plane": no edge at vertex `v` of `side` dips below the plane of face `f` of the other block by more
     /// than the tolerance.
-    pub(super) fn cone_passes(&mut self, side: Side, v: u32, f: u32) -> bool {
+    pub(super) fn cone_passes(&mut self, side: Side, v: VertexId, f: FaceId) -> bool {
         let normal = self.solid(side.other()).face(f).normal;
         let own = self.solid(side);
         M::cone(own.edges_at(v)).iter().all(|&e| {
@@ -48,25 +38,25 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     }
 
     /// The plane of face `f` of the other block, entered by vertex `v` of `side`.
-    pub(super) fn vertex_face_entrance(&self, side: Side, v: u32, f: u32) -> Candidate<R> {
+    pub(super) fn vertex_face_entrance(&self, side: Side, v: VertexId, f: FaceId) -> Candidate<R> {
         let face = self.solid(side.other()).face(f);
         let gap = face.normal.dot(self.solid(side).vertex(v).at - face.point);
         let (entrance, normal) = match side {
-            Side::A => (Entrance { kind: EntranceKind::VertexFace, a: v, b: f }, face.normal),
-            Side::B => (Entrance { kind: EntranceKind::FaceVertex, a: f, b: v }, M::normal_of_a(face.normal)),
+            Side::A => (Entrance::VertexFace(v, f), face.normal),
+            Side::B => (Entrance::FaceVertex(f, v), M::normal_of_a(face.normal)),
         };
         Candidate { entrance, gap, normal }
     }
 
     /// Makes a face's plane a candidate if the vertex's cone passes it.
-    pub(super) fn offer_vertex_face(&mut self, side: Side, v: u32, f: u32) {
+    pub(super) fn offer_vertex_face(&mut self, side: Side, v: VertexId, f: FaceId) {
         if self.cone_passes(side, v, f) {
             self.candidates.push(self.vertex_face_entrance(side, v, f));
         }
     }
 
     /// Makes the plane of two edges a candidate if both take part, they are not nearly parallel, and their wedges pass.
-    pub(super) fn offer_edge_edge(&mut self, e: u32, f: u32) {
+    pub(super) fn offer_edge_edge(&mut self, e: EdgeId, f: EdgeId) {
         let (one, two) = (self.a.edge(e), self.b.edge(f));
         if !M::edge_takes_part(one.convex) || !M::edge_takes_part(two.convex) {
             return;
@@ -80,16 +70,15 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     /// Whether a plane is a true exit: its no-overlap check passes with the tolerance r/10 alone. `normal` points from B to A.
     fn is_true_exit(&mut self, plane: Candidate<R>) -> bool {
-        let Entrance { kind, a, b } = plane.entrance;
-        let exits = match kind {
-            EntranceKind::VertexFace => self.cone_exits(Side::A, a, b),
-            EntranceKind::FaceVertex => self.cone_exits(Side::B, b, a),
-            EntranceKind::EdgeEdge => self.wedges_exit(a, b, plane.normal),
+        let exits = match plane.entrance {
+            Entrance::VertexFace(v, f) => self.cone_exits(Side::A, v, f),
+            Entrance::FaceVertex(f, v) => self.cone_exits(Side::B, v, f),
+            Entrance::EdgeEdge(e, f) => self.wedges_exit(e, f, plane.normal),
         };
-        self.ask(Predicate::TrueExit, &plane.features(), exits)
+        self.ask(Predicate::TrueExit, &plane.entrance.features(), exits)
     }
 
-    fn cone_exits(&self, side: Side, v: u32, f: u32) -> bool {
+    fn cone_exits(&self, side: Side, v: VertexId, f: FaceId) -> bool {
         let normal = self.solid(side.other()).face(f).normal;
         let own = self.solid(side);
         M::cone(own.edges_at(v)).iter().all(|&e| {
@@ -119,15 +108,15 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         let gaps = among.map(|(k, c)| (k, c.gap, key::<M>(c.entrance)));
         let chosen = first_of_the_best::<R, M, _>(gaps, self.t.equal)?;
         for (k, candidate) in self.candidates.iter().enumerate() {
-            let [a, b] = candidate.features();
+            let [a, b] = candidate.entrance.features();
             self.seen.observe(Predicate::EntranceChoice, &[about[0], about[1], a, b], i8::from(k == chosen));
         }
         Some(self.candidates[chosen])
     }
 }
 
-fn key<M: ContactRules>(entrance: Entrance) -> (EntranceKind, u32, u32) {
-    (M::entrance_order(entrance.kind), entrance.a, entrance.b)
+fn key<M: ContactRules>(entrance: Entrance) -> (EntranceKind, [u32; 2]) {
+    (M::entrance_order(entrance.kind()), entrance.numbers())
 }
 
 /// Among gaps with a place and a key, the place of the one that Eq. (1) counts as equal to the largest and whose key is the

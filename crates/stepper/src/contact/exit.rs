@@ -5,28 +5,29 @@ use crate::contact::pair::{ExitCandidate, Pair};
 use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
-use rockproof_model::decision::{Feature, Predicate, Side};
-use rockproof_model::{Contact, ContactKind, EntranceKind};
+use rockproof_model::decision::{Predicate, Side};
+use rockproof_model::{Contact, Entrance, FaceId};
 
 impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Shortest exit of the vertex whose v-f (f-v) contacts are the hits from `first` on: of faces it overlaps that hang
     /// together by convex edges, only the one with the largest gap stays.
     pub(super) fn shortest_exit(&mut self, side: Side, first: usize) {
         let of_vertex = self.hits.split_off(first);
-        let face = |hit: &ExitCandidate<R>| if side == Side::A { hit.contact.b } else { hit.contact.a };
         let (overlapping, apart): (Vec<_>, Vec<_>) = of_vertex.into_iter().partition(|hit| M::overlaps(hit.gap));
         self.hits.extend(apart);
-        let faces: Vec<u32> = overlapping.iter().map(face).collect();
+        let overlapping: Vec<(ExitCandidate<R>, FaceId)> =
+            overlapping.into_iter().filter_map(|hit| Some((hit, hit.contact.key.vertex_and_face()?.1))).collect();
+        let faces: Vec<FaceId> = overlapping.iter().map(|&(_, face)| face).collect();
         let groups = self.groups(side.other(), &faces);
         for group in 0..groups.iter().map(|g| g + 1).max().unwrap_or(0) {
-            let members: Vec<ExitCandidate<R>> =
-                overlapping.iter().zip(&groups).filter(|&(_, &g)| g == group).map(|(hit, _)| *hit).collect();
+            let members: Vec<(ExitCandidate<R>, FaceId)> =
+                overlapping.iter().zip(&groups).filter(|&(_, &g)| g == group).map(|(member, _)| *member).collect();
             let stays = first_of_the_best::<R, M, _>(
-                members.iter().enumerate().map(|(k, hit)| (k, hit.gap, face(hit))),
+                members.iter().enumerate().map(|(k, (hit, face))| (k, hit.gap, *face)),
                 self.t.equal,
             );
-            for (k, hit) in members.iter().enumerate() {
-                let about = contact_features(&hit.contact);
+            for (k, (hit, _)) in members.iter().enumerate() {
+                let about = hit.contact.key.features();
                 let asked = if side == Side::A { about } else { [about[1], about[0]] };
                 if self.ask(Predicate::ShortestExit, &asked, stays == Some(k)) {
                     self.hits.push(*hit);
@@ -36,9 +37,9 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     }
 
     /// For each face the number of its group: faces joined, step by step, by convex edges within the set.
-    fn groups(&self, side: Side, faces: &[u32]) -> Vec<usize> {
+    fn groups(&self, side: Side, faces: &[FaceId]) -> Vec<usize> {
         let solid = self.solid(side);
-        let joined = |f: u32, g: u32| {
+        let joined = |f: FaceId, g: FaceId| {
             solid.block().topology().face_edges(f).iter().any(|&e| {
                 let ridge = solid.edge(e);
                 M::joins_exits(ridge.convex) && (ridge.edge.left == g || ridge.edge.right == g)
@@ -84,31 +85,14 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
             let cosine = hit.normal.dot(way_out.normal);
             M::same_exit(cosine, hit.normal.cross(way_out.normal).length(), self.t.overlap_sine)
         };
-        self.ask(Predicate::OneExit, &contact_features(&hit.contact), stays)
+        self.ask(Predicate::OneExit, &hit.contact.key.features(), stays)
     }
 }
 
 fn same_plane(one: &Contact, two: &Contact) -> bool {
-    let (one, two) = (one.entrance, two.entrance);
-    one.kind == two.kind
-        && match one.kind {
-            EntranceKind::VertexFace => one.b == two.b,
-            EntranceKind::FaceVertex => one.a == two.a,
-            EntranceKind::EdgeEdge => one == two,
-        }
-}
-
-fn contact_features(contact: &Contact) -> [Feature; 2] {
-    let Contact { kind, a, b, .. } = *contact;
-    let of_a = match kind {
-        ContactKind::VertexVertex | ContactKind::VertexEdge | ContactKind::VertexFace => Feature::Vertex(Side::A, a),
-        ContactKind::EdgeVertex | ContactKind::EdgeEdge => Feature::Edge(Side::A, a),
-        ContactKind::FaceVertex => Feature::Face(Side::A, a),
-    };
-    let of_b = match kind {
-        ContactKind::VertexVertex | ContactKind::EdgeVertex | ContactKind::FaceVertex => Feature::Vertex(Side::B, b),
-        ContactKind::VertexEdge | ContactKind::EdgeEdge => Feature::Edge(Side::B, b),
-        ContactKind::VertexFace => Feature::Face(Side::B, b),
-    };
-    [of_a, of_b]
+    match (one.entrance, two.entrance) {
+        (Entrance::VertexFace(_, f), Entrance::VertexFace(_, g)) => f == g,
+        (Entrance::FaceVertex(f, _), Entrance::FaceVertex(g, _)) => f == g,
+        (one, two) => one == two,
+    }
 }

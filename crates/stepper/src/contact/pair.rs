@@ -8,7 +8,7 @@ use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::decision::{Feature, Predicate, Side};
-use rockproof_model::{Contact, ContactKey, ContactKind};
+use rockproof_model::{Contact, ContactKey};
 use std::marker::PhantomData;
 
 /// Two blocks, their tolerances, the rules, and who watches.
@@ -61,39 +61,25 @@ impl<'s, R: Real, M: ContactRules, O: Observer> Pair<'s, R, M, O> {
     }
 
     /// Confirms a v-v, v-e or e-v contact by its best entrance, if one passed and is not too deep.
-    pub(super) fn confirm(&mut self, kind: ContactKind, about: [Feature; 2]) {
+    pub(super) fn confirm(&mut self, contact: ContactKey) {
+        let about = contact.features();
         let Some(best) = self.choose_entrance(about) else { return };
-        let allowed = M::entrance_depth(best.gap, self.t.penetration) || self.is_kept(kind, about);
+        let allowed = M::entrance_depth(best.gap, self.t.penetration) || self.is_kept(contact);
         if self.ask(Predicate::EntranceDepth, &about, allowed) {
-            self.record(kind, about, best);
+            self.record(contact, best);
         }
     }
 
-    /// Whether the contact of two features, A's first, is kept.
-    pub(super) fn is_kept(&self, kind: ContactKind, about: [Feature; 2]) -> bool {
-        M::is_kept(self.kept, ContactKey { kind, a: number(about[0]), b: number(about[1]) })
+    /// Whether a contact is kept.
+    pub(super) fn is_kept(&self, contact: ContactKey) -> bool {
+        M::is_kept(self.kept, contact)
     }
 
-    /// Adds a contact of two features, A's first.
-    pub(super) fn record(&mut self, kind: ContactKind, about: [Feature; 2], best: Candidate<R>) {
+    /// Adds a contact.
+    pub(super) fn record(&mut self, key: ContactKey, best: Candidate<R>) {
         let sign = M::gap_sign(best.gap);
-        self.seen.observe(Predicate::GapSign, &best.features(), sign.as_i8());
-        let contact = Contact { kind, a: number(about[0]), b: number(about[1]), entrance: best.entrance, gap: sign };
+        self.seen.observe(Predicate::GapSign, &best.entrance.features(), sign.as_i8());
+        let contact = Contact { key, entrance: best.entrance, gap: sign };
         self.hits.push(ExitCandidate { contact, gap: best.gap, normal: best.normal });
-    }
-}
-
-/// Two features with A's first, given the one on `side` first.
-#[inline(always)]
-pub(super) fn a_first(side: Side, own: Feature, other: Feature) -> [Feature; 2] {
-    match side {
-        Side::A => [own, other],
-        Side::B => [other, own],
-    }
-}
-
-fn number(feature: Feature) -> u32 {
-    match feature {
-        Feature::Vertex(_, index) | Feature::Edge(_, index) | Feature::Face(_, index) => index,
     }
 }

@@ -3,8 +3,8 @@
 use crate::contact::broad::Bounds;
 use crate::real::Real;
 use crate::vector::Vector;
-use rockproof_model::Block;
 use rockproof_model::topology::Edge;
+use rockproof_model::{Block, EdgeId, FaceId, VertexId};
 use std::sync::OnceLock;
 
 /// A block prepared for classification in one precision. What only some features of a pair are asked for (directions into faces, widths of
@@ -106,7 +106,7 @@ impl FaceOfEdge {
 
     /// Its number.
     #[inline]
-    fn of(self, edge: &Edge) -> u32 {
+    fn of(self, edge: &Edge) -> FaceId {
         match self {
             FaceOfEdge::Left => edge.left,
             FaceOfEdge::Right => edge.right,
@@ -126,13 +126,13 @@ pub struct Collapsed {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CollapsedPart {
     /// A vertex with a coordinate out of range.
-    Vertex(u32),
+    Vertex(VertexId),
     /// An edge without length, or whose length overflows.
-    Edge(u32),
+    Edge(EdgeId),
     /// A face without area, or whose normal overflows.
-    Face(u32),
+    Face(FaceId),
     /// A face whose plane holds no direction across one of its edges.
-    EdgeOfFace(u32, u32),
+    EdgeOfFace(EdgeId, FaceId),
 }
 
 impl std::fmt::Display for CollapsedPart {
@@ -155,7 +155,8 @@ impl<R: Real> PreparedBlock<R> {
         let topology = block.topology();
         let mut points = Vec::with_capacity(topology.vertex_count());
         for (v, exact) in block.vertices().iter().enumerate() {
-            let near = |number| R::from_number(number).ok_or(Collapsed { what: CollapsedPart::Vertex(v as u32) });
+            let near =
+                |number| R::from_number(number).ok_or(Collapsed { what: CollapsedPart::Vertex(VertexId::at(v)) });
             points.push(Vector::new(near(&exact.x)?, near(&exact.y)?, near(&exact.z)?));
         }
         PreparedBlock::with_points(block.clone(), &points)
@@ -172,18 +173,19 @@ impl<R: Real> PreparedBlock<R> {
             let area = area_vector(points, corners);
             let size = area.length();
             if !has_extent(size) {
-                return Err(Collapsed { what: CollapsedPart::Face(f as u32) });
+                return Err(Collapsed { what: CollapsedPart::Face(FaceId::at(f)) });
             }
             faces.push(face(points, corners, area, area / size));
         }
         let mut edges = Vec::with_capacity(topology.edges().len());
-        for e in 0..topology.edges().len() as u32 {
+        for e in topology.edge_ids() {
             edges.push(ridge(&block, points, &faces, e)?);
         }
         let vertices = (0..)
+            .map(VertexId)
             .zip(points)
             .map(|(v, &at)| {
-                let lengths = topology.vertex_edges(v).iter().map(|&e| edges[e as usize].length);
+                let lengths = topology.vertex_edges(v).iter().map(|&e| edges[e.index()].length);
                 let shortest = lengths.reduce(R::smaller).unwrap_or(R::ZERO);
                 Vertex { at, shortest, convex: block.vertex_is_convex(v) }
             })
@@ -224,51 +226,51 @@ impl<R: Real> PreparedBlock<R> {
 
     /// One vertex.
     #[inline]
-    pub fn vertex(&self, vertex: u32) -> &Vertex<R> {
-        &self.vertices[vertex as usize]
+    pub fn vertex(&self, vertex: VertexId) -> &Vertex<R> {
+        &self.vertices[vertex.index()]
     }
 
     /// One edge.
     #[inline]
-    pub fn edge(&self, edge: u32) -> &PreparedEdge<R> {
-        &self.edges[edge as usize]
+    pub fn edge(&self, edge: EdgeId) -> &PreparedEdge<R> {
+        &self.edges[edge.index()]
     }
 
     /// One face.
     #[inline]
-    pub fn face(&self, face: u32) -> &Face<R> {
-        &self.faces[face as usize]
+    pub fn face(&self, face: FaceId) -> &Face<R> {
+        &self.faces[face.index()]
     }
 
     /// The edges at a vertex, ascending.
     #[inline]
-    pub fn edges_at(&self, vertex: u32) -> &[u32] {
+    pub fn edges_at(&self, vertex: VertexId) -> &[EdgeId] {
         self.block.topology().vertex_edges(vertex)
     }
 
     /// Unit direction from an edge into one of its faces, in the face's plane and across the edge.
     #[inline]
-    pub fn into_face(&self, edge: u32, side: FaceOfEdge) -> Vector<R> {
+    pub fn into_face(&self, edge: EdgeId, side: FaceOfEdge) -> Vector<R> {
         let ridge = self.edge(edge);
         *ridge.into[side as usize].get_or_init(|| {
-            let across = self.faces[side.of(&ridge.edge) as usize].across(ridge.direction, side);
+            let across = self.faces[side.of(&ridge.edge).index()].across(ridge.direction, side);
             across / across.length()
         })
     }
 
     /// `m_L + m_R = N_L × d − N_R × d` of an edge, with the lengths that SPEC gives them; decides σ.
-    pub fn lean(&self, edge: u32) -> Vector<R> {
+    pub fn lean(&self, edge: EdgeId) -> Vector<R> {
         let ridge = self.edge(edge);
-        let [left, right] = [ridge.edge.left, ridge.edge.right].map(|face| self.faces[face as usize].area);
+        let [left, right] = [ridge.edge.left, ridge.edge.right].map(|face| self.faces[face.index()].area);
         (left - right).cross(ridge.q - ridge.p)
     }
 
     /// Whether no corner of a face turns right, as computed here: then all edges seen from the inner side means inside.
     #[inline]
-    pub fn turns_left(&self, f: u32) -> bool {
+    pub fn turns_left(&self, f: FaceId) -> bool {
         let face = self.face(f);
         *face.turns_left.get_or_init(|| {
-            let corners = &self.block.topology().faces()[f as usize];
+            let corners = self.block.topology().face(f);
             let n = corners.len();
             let at = |i: usize| self.vertex(corners[if i < n { i } else { i - n }]).at;
             let left = |k: usize| {
@@ -281,13 +283,16 @@ impl<R: Real> PreparedBlock<R> {
 
     /// Greatest distance of a vertex of the left and of the right face from an edge's line.
     #[inline]
-    pub fn widths(&self, edge: u32) -> [R; 2] {
+    pub fn widths(&self, edge: EdgeId) -> [R; 2] {
         let ridge = self.edge(edge);
         *ridge.widths.get_or_init(|| [ridge.edge.left, ridge.edge.right].map(|face| self.width(ridge, face)))
     }
 
-    fn width(&self, ridge: &PreparedEdge<R>, face: u32) -> R {
-        let squares = self.block.topology().faces()[face as usize]
+    fn width(&self, ridge: &PreparedEdge<R>, face: FaceId) -> R {
+        let squares = self
+            .block
+            .topology()
+            .face(face)
             .iter()
             .filter(|&&v| v != ridge.edge.p && v != ridge.edge.q)
             .map(|&v| (self.vertex(v).at - ridge.p).cross(ridge.direction))
@@ -297,7 +302,7 @@ impl<R: Real> PreparedBlock<R> {
 
     /// An edge seen from one of its vertices.
     #[inline]
-    pub fn spoke(&self, vertex: u32, edge: u32) -> EdgeAtVertex<R> {
+    pub fn spoke(&self, vertex: VertexId, edge: EdgeId) -> EdgeAtVertex<R> {
         let ridge = self.edge(edge);
         let away = if ridge.edge.p == vertex { ridge.direction } else { -ridge.direction };
         EdgeAtVertex { away, length: ridge.length }
@@ -310,23 +315,23 @@ fn has_extent<R: Real>(size: R) -> bool {
 }
 
 /// `N_f`, twice the area vector, relative to the loop's first vertex.
-fn area_vector<R: Real>(points: &[Vector<R>], corners: &[u32]) -> Vector<R> {
-    let origin = points[corners[0] as usize];
+fn area_vector<R: Real>(points: &[Vector<R>], corners: &[VertexId]) -> Vector<R> {
+    let origin = points[corners[0].index()];
     let mut normal = Vector::ZERO;
-    let mut before = points[corners[1] as usize] - origin;
+    let mut before = points[corners[1].index()] - origin;
     for &corner in &corners[2..] {
-        let next = points[corner as usize] - origin;
+        let next = points[corner.index()] - origin;
         normal = normal + before.cross(next);
         before = next;
     }
     normal
 }
 
-fn face<R: Real>(points: &[Vector<R>], corners: &[u32], area: Vector<R>, normal: Vector<R>) -> Face<R> {
-    let origin = points[corners[0] as usize];
+fn face<R: Real>(points: &[Vector<R>], corners: &[VertexId], area: Vector<R>, normal: Vector<R>) -> Face<R> {
+    let origin = points[corners[0].index()];
     let mut sum = Vector::ZERO;
     for &corner in &corners[1..] {
-        sum = sum + (points[corner as usize] - origin);
+        sum = sum + (points[corner.index()] - origin);
     }
     Face { normal, area, point: origin + sum / R::from_f64(corners.len() as f64), turns_left: OnceLock::new() }
 }
@@ -335,10 +340,10 @@ fn ridge<R: Real>(
     block: &Block,
     points: &[Vector<R>],
     faces: &[Face<R>],
-    e: u32,
+    e: EdgeId,
 ) -> Result<PreparedEdge<R>, Collapsed> {
-    let edge = &block.topology().edges()[e as usize];
-    let (p, q) = (points[edge.p as usize], points[edge.q as usize]);
+    let edge = block.topology().edge(e);
+    let (p, q) = (points[edge.p.index()], points[edge.q.index()]);
     let along = q - p;
     let length = along.length();
     if !has_extent(length) {
@@ -346,7 +351,7 @@ fn ridge<R: Real>(
     }
     let direction = along / length;
     for side in FaceOfEdge::BOTH {
-        let across = faces[side.of(edge) as usize].across(direction, side);
+        let across = faces[side.of(edge).index()].across(direction, side);
         // The root of something that is positive and finite is so too, and the other way round: the length itself can wait.
         if !has_extent(across.dot(across)) {
             return Err(Collapsed { what: CollapsedPart::EdgeOfFace(e, side.of(edge)) });

@@ -11,7 +11,7 @@
 use crate::contact::tolerances::Tolerances;
 use crate::real::Real;
 use crate::vector::Vector;
-use rockproof_model::{ContactKey, EntranceKind, Sign};
+use rockproof_model::{ContactKey, EdgeId, EntranceKind, Sign};
 
 /// The rules of SPEC section 4 as the classification asks them. The defaults are SPEC's.
 pub trait ContactRules: 'static {
@@ -169,13 +169,13 @@ pub trait ContactRules: 'static {
 
     /// The edges at a vertex that "cone passes plane" looks at: all.
     #[inline(always)]
-    fn cone(edges: &[u32]) -> &[u32] {
+    fn cone(edges: &[EdgeId]) -> &[EdgeId] {
         edges
     }
 
     /// The edges at a vertex that bound its region: all.
     #[inline(always)]
-    fn region(edges: &[u32]) -> &[u32] {
+    fn region(edges: &[EdgeId]) -> &[EdgeId] {
         edges
     }
 

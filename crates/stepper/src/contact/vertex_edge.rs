@@ -1,17 +1,17 @@
 //! Test 2: v-e, and e-v with the roles exchanged.
 
-use crate::contact::pair::{Pair, a_first};
+use crate::contact::pair::Pair;
 use crate::contact::prepared_block::FaceOfEdge;
 use crate::contact::rules::ContactRules;
 use crate::contact::territory::distance_to_line;
 use crate::contact::trace::Observer;
 use crate::real::Real;
-use rockproof_model::ContactKind;
 use rockproof_model::decision::{Feature, Predicate, Side};
+use rockproof_model::{ContactKey, EdgeId, VertexId};
 
 impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Records the contact of vertex `v` of `side` and edge `e` of the other block, if there is one.
-    pub(super) fn vertex_edge(&mut self, side: Side, v: u32, e: u32) {
+    pub(super) fn vertex_edge(&mut self, side: Side, v: VertexId, e: EdgeId) {
         let (own, other) = (self.solid(side), self.solid(side.other()));
         let (vertex, ridge) = (own.vertex(v), other.edge(e));
         if !M::vertex_takes_part(vertex.convex) || !M::edge_takes_part(ridge.convex) || !self.foot_inside(side, v, e) {
@@ -46,15 +46,14 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
                 }
             }
         }
-        let kind = match side {
-            Side::A => ContactKind::VertexEdge,
-            Side::B => ContactKind::EdgeVertex,
-        };
-        self.confirm(kind, a_first(side, asked[0], asked[1]));
+        self.confirm(match side {
+            Side::A => ContactKey::VertexEdge(v, e),
+            Side::B => ContactKey::EdgeVertex(e, v),
+        });
     }
 
     /// `(a − p)·m ≤ 0` for both faces at the edge.
-    fn in_edge_region(&mut self, side: Side, v: u32, e: u32) -> bool {
+    fn in_edge_region(&mut self, side: Side, v: VertexId, e: EdgeId) -> bool {
         let other = self.solid(side.other());
         let ridge = other.edge(e);
         let offset = self.solid(side).vertex(v).at - ridge.p;
@@ -65,7 +64,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     }
 
     /// `(f − a)·u ≤ 0` for all edges at the vertex, f its foot on the edge.
-    fn foot_in_vertex_region(&mut self, side: Side, v: u32, e: u32) -> bool {
+    fn foot_in_vertex_region(&mut self, side: Side, v: VertexId, e: EdgeId) -> bool {
         let (own, ridge) = (self.solid(side), self.solid(side.other()).edge(e));
         let from_p = own.vertex(v).at - ridge.p;
         let to_foot = ridge.direction * from_p.dot(ridge.direction) - from_p;

@@ -7,8 +7,7 @@ use crate::dynamics::plane::Plane;
 use crate::dynamics::solve::Solve;
 use crate::real::Real;
 use crate::vector::Vector;
-use rockproof_model::Contact;
-use rockproof_model::EntranceKind;
+use rockproof_model::{Contact, EdgeId, Entrance, FaceId, VertexId};
 
 /// Gives the contacts of a pair their shares of the areas in which the pair's faces overlap.
 pub(super) fn share<R: Solve>(
@@ -17,7 +16,7 @@ pub(super) fn share<R: Solve>(
     joint: &Joint<R>,
     overlap_sine: R,
 ) {
-    let joined: Vec<Option<[u32; 2]>> =
+    let joined: Vec<Option<[FaceId; 2]>> =
         active.iter().map(|c| faces(solids, &c.contact, &c.plane, overlap_sine)).collect();
     for (contact, both) in active.iter_mut().zip(&joined) {
         let Some(both) = both else { continue };
@@ -34,28 +33,32 @@ pub(super) fn faces<R: Real>(
     contact: &Contact,
     plane: &Plane<R>,
     overlap_sine: R,
-) -> Option<[u32; 2]> {
+) -> Option<[FaceId; 2]> {
     // From B to A.
     let up = if plane.a_enters { plane.normal } else { -plane.normal };
-    let entrance = &contact.entrance;
-    let at_vertex = |solid: &PreparedBlock<R>, vertex: u32| solid.block().topology().vertex_faces(vertex).to_vec();
-    let at_edge = |solid: &PreparedBlock<R>, edge: u32| {
+    let at_vertex = |solid: &PreparedBlock<R>, vertex: VertexId| solid.block().topology().vertex_faces(vertex).to_vec();
+    let at_edge = |solid: &PreparedBlock<R>, edge: EdgeId| {
         let edge = solid.edge(edge).edge;
         let mut both = vec![edge.left, edge.right];
         both.sort_unstable();
         both
     };
-    let (of_a, of_b) = match entrance.kind {
-        EntranceKind::VertexFace => (at_vertex(a, entrance.a), vec![entrance.b]),
-        EntranceKind::FaceVertex => (vec![entrance.a], at_vertex(b, entrance.b)),
-        EntranceKind::EdgeEdge => (at_edge(a, entrance.a), at_edge(b, entrance.b)),
+    let (of_a, of_b) = match contact.entrance {
+        Entrance::VertexFace(vertex, face) => (at_vertex(a, vertex), vec![face]),
+        Entrance::FaceVertex(face, vertex) => (vec![face], at_vertex(b, vertex)),
+        Entrance::EdgeEdge(edge_a, edge_b) => (at_edge(a, edge_a), at_edge(b, edge_b)),
     };
     Some([squarest(a, &of_a, -up, overlap_sine)?, squarest(b, &of_b, up, overlap_sine)?])
 }
 
 /// The face whose normal is nearest to `towards`, if it is within the overlap angle of it. A tie takes the first.
-fn squarest<R: Real>(solid: &PreparedBlock<R>, faces: &[u32], towards: Vector<R>, overlap_sine: R) -> Option<u32> {
-    let cosine = |face: u32| solid.face(face).normal.dot(towards);
+fn squarest<R: Real>(
+    solid: &PreparedBlock<R>,
+    faces: &[FaceId],
+    towards: Vector<R>,
+    overlap_sine: R,
+) -> Option<FaceId> {
+    let cosine = |face: FaceId| solid.face(face).normal.dot(towards);
     let mut best = *faces.first()?;
     for &face in &faces[1..] {
         if cosine(face) > cosine(best) {
@@ -70,11 +73,11 @@ fn squarest<R: Real>(solid: &PreparedBlock<R>, faces: &[u32], towards: Vector<R>
 ///
 /// A polygon is the signed sum of the triangles of its fan, whatever its shape, so the overlap is the sum over pairs of
 /// triangles of signed overlaps, and each of those is a convex polygon.
-pub(super) fn overlap<R: Real>([a, b]: [&PreparedBlock<R>; 2], [face_a, face_b]: [u32; 2], along: Vector<R>) -> R {
+pub(super) fn overlap<R: Real>([a, b]: [&PreparedBlock<R>; 2], [face_a, face_b]: [FaceId; 2], along: Vector<R>) -> R {
     let (x, y) = tangents(along);
     let origin = a.face(face_a).point;
-    let flat = |solid: &PreparedBlock<R>, face: u32| -> Vec<[R; 2]> {
-        let corners = &solid.block().topology().faces()[face as usize];
+    let flat = |solid: &PreparedBlock<R>, face: FaceId| -> Vec<[R; 2]> {
+        let corners = solid.block().topology().face(face);
         corners.iter().map(|&v| solid.vertex(v).at - origin).map(|p| [x.dot(p), y.dot(p)]).collect()
     };
     let (one, two) = (fan(&flat(a, face_a)), fan(&flat(b, face_b)));

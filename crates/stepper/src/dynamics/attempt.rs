@@ -144,8 +144,7 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
                 }
                 opens_or_closes |= M::opens_or_closes(from, to);
                 if M::counts_as_change(from, to) {
-                    let (kind, features) = (contact.contact.kind, [contact.contact.a, contact.contact.b]);
-                    ended.changing.push(ModeChange { blocks: contact.blocks, kind, features, from, to });
+                    ended.changing.push(ModeChange { blocks: contact.blocks, contact: contact.contact.key, from, to });
                 }
             }
             ended.modes.push(contacts.iter().map(|contact| contact.iterate.mode).collect());

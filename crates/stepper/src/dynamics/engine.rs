@@ -273,8 +273,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 let contacts: Vec<Contact> = old.iter().map(|old| old.contact).collect();
                 return self.of_pair(pair, &contacts);
             }
-            let kept: Vec<ContactKey> =
-                old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key()).collect();
+            let kept: Vec<ContactKey> = old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key).collect();
             let found = classify_keeping::<R, M>(a, b, &self.setup.tolerances, &kept);
             let contacts: Vec<Contact> = found.into_iter().map(|found| found.contact).collect();
             self.of_pair(pair, &contacts)

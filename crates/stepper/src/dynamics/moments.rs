@@ -30,9 +30,9 @@ impl<R: Real> Moments<R> {
         let mut first = Vector::ZERO;
         let mut second = [R::ZERO; 6];
         for face in topology.faces() {
-            let a = points[face[0] as usize] - origin;
+            let a = points[face[0].index()] - origin;
             for k in 1..face.len() - 1 {
-                let (b, c) = (points[face[k] as usize] - origin, points[face[k + 1] as usize] - origin);
+                let (b, c) = (points[face[k].index()] - origin, points[face[k + 1].index()] - origin);
                 let weight = a.dot(b.cross(c));
                 let sum = a + b + c;
                 six_volumes = six_volumes + weight;

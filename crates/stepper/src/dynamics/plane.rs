@@ -3,7 +3,7 @@
 use crate::contact::{ContactRules, PreparedBlock};
 use crate::real::Real;
 use crate::vector::Vector;
-use rockproof_model::{Entrance, EntranceKind};
+use rockproof_model::{EdgeId, Entrance, FaceId, VertexId};
 
 /// A contact's entrance at the start of a step.
 #[derive(Clone, Copy, Debug)]
@@ -26,19 +26,19 @@ pub(super) fn plane<R: Real, M: ContactRules>(
     b: &PreparedBlock<R>,
     entrance: &Entrance,
 ) -> Plane<R> {
-    match entrance.kind {
-        EntranceKind::VertexFace => vertex_face(true, a, entrance.a, b, entrance.b),
-        EntranceKind::FaceVertex => vertex_face(false, b, entrance.b, a, entrance.a),
-        EntranceKind::EdgeEdge => edge_edge::<R, M>(a, entrance.a, b, entrance.b),
+    match *entrance {
+        Entrance::VertexFace(vertex, face) => vertex_face(true, a, vertex, b, face),
+        Entrance::FaceVertex(face, vertex) => vertex_face(false, b, vertex, a, face),
+        Entrance::EdgeEdge(edge_a, edge_b) => edge_edge::<R, M>(a, edge_a, b, edge_b),
     }
 }
 
 fn vertex_face<R: Real>(
     a_enters: bool,
     i: &PreparedBlock<R>,
-    vertex: u32,
+    vertex: VertexId,
     j: &PreparedBlock<R>,
-    face: u32,
+    face: FaceId,
 ) -> Plane<R> {
     let (p, face) = (i.vertex(vertex).at, j.face(face));
     let gap = face.normal.dot(p - face.point);
@@ -47,9 +47,9 @@ fn vertex_face<R: Real>(
 
 fn edge_edge<R: Real, M: ContactRules>(
     a: &PreparedBlock<R>,
-    edge_a: u32,
+    edge_a: EdgeId,
     b: &PreparedBlock<R>,
-    edge_b: u32,
+    edge_b: EdgeId,
 ) -> Plane<R> {
     let (one, two) = (a.edge(edge_a), b.edge(edge_b));
     let product = one.direction.cross(two.direction);

@@ -1,7 +1,7 @@
 //! What a step says of itself.
 
 use crate::dynamics::state::Mode;
-use rockproof_model::ContactKind;
+use rockproof_model::{ContactKey, ContactKind};
 use std::time::Duration;
 
 /// One accepted step. Numbers in SI units, as f64 whatever the stepper's scalar.
@@ -166,10 +166,8 @@ pub enum StepError {
 pub struct ModeChange {
     /// Its blocks.
     pub blocks: [u32; 2],
-    /// Its kind.
-    pub kind: ContactKind,
-    /// Its features.
-    pub features: [u32; 2],
+    /// Its kind and features.
+    pub contact: ContactKey,
     /// Its mode before the last solve.
     pub from: Mode,
     /// Its mode after it.
@@ -181,8 +179,8 @@ fn list(contacts: &[ModeChange]) -> String {
         .iter()
         .take(8)
         .map(|c| {
-            let ([i, j], [a, b]) = (c.blocks, c.features);
-            format!("{} {a},{b} of blocks {i},{j} ({} to {})", c.kind, c.from.name(), c.to.name())
+            let ([i, j], [a, b]) = (c.blocks, c.contact.numbers());
+            format!("{} {a},{b} of blocks {i},{j} ({} to {})", c.contact.kind(), c.from.name(), c.to.name())
         })
         .collect();
     if contacts.len() > text.len() {

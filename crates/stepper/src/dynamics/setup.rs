@@ -7,7 +7,7 @@ use crate::dynamics::state::{BlockState, ContactState, State};
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::simulation::{Kinematics, Motion, Simulation, Unconverged};
-use rockproof_model::{Block, ContactKind, Number, Scene, ToleranceSet, Vec3};
+use rockproof_model::{Block, Number, Scene, ToleranceSet, Vec3};
 
 /// Why a scene cannot be stepped.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -230,16 +230,9 @@ impl<R: Real> SceneSetup<R> {
     pub(super) fn has(&self, contact: &ContactState<R>) -> bool {
         let [a, b] = contact.blocks.map(|block| self.blocks.get(block as usize).map(Block::topology));
         let (Some(a), Some(b)) = (a, b) else { return false };
-        let [of_a, of_b] = match contact.contact.kind {
-            ContactKind::VertexVertex => [a.vertex_count(), b.vertex_count()],
-            ContactKind::VertexEdge => [a.vertex_count(), b.edges().len()],
-            ContactKind::EdgeVertex => [a.edges().len(), b.vertex_count()],
-            ContactKind::VertexFace => [a.vertex_count(), b.faces().len()],
-            ContactKind::FaceVertex => [a.faces().len(), b.vertex_count()],
-            ContactKind::EdgeEdge => [a.edges().len(), b.edges().len()],
-        };
         let [i, j] = contact.blocks;
-        i < j && (contact.contact.a as usize) < of_a && (contact.contact.b as usize) < of_b
+        let [of_a, of_b] = contact.contact.key.features();
+        i < j && of_a.is_in(a) && of_b.is_in(b)
     }
 
     /// The joint between the surfaces of two blocks.

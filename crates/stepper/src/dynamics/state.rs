@@ -2,7 +2,7 @@
 
 use crate::real::Real;
 use crate::vector::Vector;
-use rockproof_model::{Contact, ContactKind, Entrance};
+use rockproof_model::{Contact, ContactKey, Entrance};
 
 /// Everything that changes from step to step.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,8 +96,8 @@ pub struct ContactState<R> {
 
 impl<R: Real> ContactState<R> {
     /// What makes two contacts of a pair the same: kind and features.
-    pub fn features(&self) -> (ContactKind, u32, u32) {
-        (self.contact.kind, self.contact.a, self.contact.b)
+    pub fn key(&self) -> ContactKey {
+        self.contact.key
     }
 
     /// The plane through which its blocks enter one another.

@@ -21,7 +21,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let (mut deepest, mut springs) = (0.0f64, 0.0);
         let half = R::from_f64(0.5);
         for (contact, state) in contacts.iter().zip(&self.state.contacts) {
-            counts[contact.contact.kind as usize][contact.iterate.mode as usize] += 1;
+            counts[contact.contact.kind() as usize][contact.iterate.mode as usize] += 1;
             deepest = deepest.max(-contact.iterate.gap.to_f64());
             if contact.is_closed() {
                 let ([a, b], normal) = (state.anchors, state.normal);

@@ -88,7 +88,7 @@ pub(super) fn different_pairs<R: Real>(
     keeps: impl Fn(&ContactState<R>) -> bool,
 ) -> Vec<[u32; 2]> {
     let keys = |contacts: &[ContactState<R>]| -> Vec<([u32; 2], ContactKey)> {
-        contacts.iter().filter(|contact| keeps(contact)).map(|c| (c.blocks, c.contact.key())).collect()
+        contacts.iter().filter(|contact| keeps(contact)).map(|c| (c.blocks, c.contact.key)).collect()
     };
     let (one, other) = (keys(one), keys(other));
     let (mut i, mut j) = (0, 0);

@@ -23,7 +23,7 @@ pub(super) fn continued<R: Real>(
     let mut taken = vec![false; old.len()];
     let mut found = vec![None; new.len()];
     for (contact, found) in new.iter().zip(&mut found) {
-        let same = |c: &ContactState<R>| c.features() == (contact.kind, contact.a, contact.b);
+        let same = |c: &ContactState<R>| c.key() == contact.key;
         if let Some(place) = old.iter().position(same) {
             taken[place] = true;
             *found = Some(memory(place));
@@ -42,11 +42,11 @@ pub(super) fn continued<R: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockproof_model::{Contact, ContactKind, Entrance, EntranceKind, Sign};
+    use rockproof_model::{Contact, ContactKey, ContactKind, Entrance, FaceId, Sign, VertexId};
 
     fn contact(kind: ContactKind, a: u32, b: u32, face: u32) -> Contact {
-        let entrance = Entrance { kind: EntranceKind::VertexFace, a: 7, b: face };
-        Contact { kind, a, b, entrance, gap: Sign::Zero }
+        let entrance = Entrance::VertexFace(VertexId(7), FaceId(face));
+        Contact { key: ContactKey::of_kind(kind, [a, b]), entrance, gap: Sign::Zero }
     }
 
     /// An old contact that is told by its anchors.

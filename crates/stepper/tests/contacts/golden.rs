@@ -108,7 +108,7 @@ fn a_swapped_pair_gives_the_swapped_contacts() {
     for pair in pairs::golden() {
         let there = stepper.wide(&pair.a, &pair.b, &pair.tolerances).unwrap();
         let back = stepper.wide(&pair.b, &pair.a, &pair.tolerances).unwrap();
-        let key = |c: &Contact| (c.kind, c.a, c.b);
+        let key = |c: &Contact| c.key;
         let mut swapped: Vec<_> = back.0.iter().map(|c| c.swapped()).collect();
         swapped.sort_by_key(key);
         if there.1 + back.1 == 0 {

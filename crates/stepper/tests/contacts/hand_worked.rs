@@ -7,7 +7,7 @@ use crate::pairs::{
     beak, blade, classic, corner_block, cuboid, keel, long_ridge, n, ridge, shifted_keel, show, spike, tetrahedron,
     tolerances, undercut,
 };
-use rockproof_model::{Block, ContactKey, ToleranceSet};
+use rockproof_model::{Block, ContactKey, ToleranceSet, VertexId};
 use rockproof_stepper::Wide;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::engine::contacts_keeping;
@@ -230,7 +230,7 @@ fn concave_blocks() {
     check("over the notch", &spike([2.0, 2.0, 1.0625], 0.25, 0.5), &block, &t, &[]);
     check("over the notch, level with its inner corner", &spike([5.0, 1.0, 1.0625], 0.25, 0.5), &block, &t, &[]);
     check("over the inner corner, on the rim", &spike([1.0, 1.0, 1.0625], 0.25, 0.5), &block, &t, &[]);
-    let rim = block.topology().edge_between(9, 10).unwrap();
+    let rim = block.topology().edge_between(VertexId(9), VertexId(10)).unwrap();
     let expected = format!("v-e 0 {rim} v-f 0 1 +1");
     check("over the inner rim", &spike([1.0, 2.0, 1.0625], 0.25, 0.5), &block, &t, &[&expected]);
 }

@@ -8,7 +8,7 @@ use rockproof_stepper::contact::{ClassificationRequest, SpecRules};
 use rockproof_stepper::{PreparedBlock, Real, Tolerances, Wide};
 
 fn key(kind: ContactKind, a: u32, b: u32) -> ContactKey {
-    ContactKey { kind, a, b }
+    ContactKey::of_kind(kind, [a, b])
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn culling_is_silent<R: Real>(a: &Block, b: &Block, t: &ToleranceSet) -> usize {
         found.into_iter().map(|f| f.contact).collect::<Vec<_>>()
     };
     let (shallow, deep) = (times(0.0625), times(16.0));
-    let kept: Vec<_> = contacts(&deep, &[]).into_iter().map(|contact| contact.key()).collect();
+    let kept: Vec<_> = contacts(&deep, &[]).into_iter().map(|contact| contact.key).collect();
     let found = contacts(&shallow, &kept);
     assert_eq!(found, contacts(&Tolerances { reach: R::from_f64(1e30), ..shallow }, &kept));
     found.len() - contacts(&shallow, &[]).len().min(found.len())

@@ -193,7 +193,7 @@ fn every_mistake_changes_an_answer() {
 fn steps() -> Vec<(Block, Block, Vec<ContactKey>)> {
     use ContactKind::{EdgeEdge, FaceVertex, VertexFace};
     let deep = || spike([1.0, 1.0, 0.9296875], 0.25, 0.5);
-    let key = |kind, a, b| vec![ContactKey { kind, a, b }];
+    let key = |kind, a, b| vec![ContactKey::of_kind(kind, [a, b])];
     vec![
         (deep(), base(), key(VertexFace, 0, 1)),
         (deep(), base(), key(FaceVertex, 0, 1)),

@@ -4,7 +4,7 @@ use crate::hand_worked::base;
 use crate::pairs::{self, block, cuboid, n, spike, tolerances};
 use proptest::prelude::*;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{Block, ToleranceSet};
+use rockproof_model::{Block, EdgeId, FaceId, ToleranceSet, VertexId};
 use rockproof_stepper::contact::prepared_block::{CollapsedPart, FaceOfEdge};
 use rockproof_stepper::contact::{SpecRules, ToleranceOverflow, neighbouring_pairs, neighbours};
 use rockproof_stepper::{
@@ -15,21 +15,22 @@ use rockproof_stepper::{
 fn measures<R: Real>() {
     let solid = PreparedBlock::<R>::new(&cuboid([1.0, 2.0, 3.0], [3.0, 5.0, 7.0])).unwrap();
     let list = |v: Vector<R>| v.components().map(R::to_f64);
-    let face = solid.face(3);
+    let face = solid.face(FaceId(3));
     assert_eq!((list(face.normal), list(face.point)), ([1.0, 0.0, 0.0], [3.0, 3.5, 5.0]));
-    assert!((0..6).all(|f| solid.turns_left(f)));
+    assert!((0..6).all(|f| solid.turns_left(FaceId(f))));
     // Edge 0 runs 0-1 along x between the bottom (reached by +y) and the front (reached by +z).
-    let edge = solid.edge(0);
+    let edge = solid.edge(EdgeId(0));
     assert_eq!((list(edge.direction), edge.length.to_f64()), ([1.0, 0.0, 0.0], 2.0));
     let [left, right] = FaceOfEdge::BOTH;
-    let into = if edge.edge.left == 0 { [left, right] } else { [right, left] }.map(|face| solid.into_face(0, face));
+    let into = if edge.edge.left == FaceId(0) { [left, right] } else { [right, left] }
+        .map(|face| solid.into_face(EdgeId(0), face));
     assert_eq!(into.map(list), [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-    let widths = solid.widths(0).map(R::to_f64);
+    let widths = solid.widths(EdgeId(0)).map(R::to_f64);
     assert_eq!(widths.iter().sum::<f64>(), 7.0);
     // m_L + m_R = N × d: twice the areas 2·3 and 2·4 times the length 2.
-    assert_eq!(list(solid.lean(0)), [0.0, 24.0, 32.0]);
-    assert_eq!(solid.vertex(6).shortest.to_f64(), 2.0);
-    let away: Vec<_> = solid.edges_at(6).iter().map(|&e| list(solid.spoke(6, e).away)).collect();
+    assert_eq!(list(solid.lean(EdgeId(0))), [0.0, 24.0, 32.0]);
+    assert_eq!(solid.vertex(VertexId(6)).shortest.to_f64(), 2.0);
+    let away: Vec<_> = solid.edges_at(VertexId(6)).iter().map(|&e| list(solid.spoke(VertexId(6), e).away)).collect();
     assert_eq!(away, [[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0]]);
     assert_eq!((list(solid.bounds().low), list(solid.bounds().high)), ([1.0, 2.0, 3.0], [3.0, 5.0, 7.0]));
 }
@@ -45,14 +46,14 @@ fn a_cuboid_has_the_measures_of_a_cuboid() {
 fn far_and_small_features_collapse_with_a_name() {
     let what = |block: &Block| PreparedBlock::<f32>::new(block).unwrap_err().what;
     let thin = cuboid([1000.0, 0.0, 0.0], [1000.0 + 1e-6, 1.0, 1.0]);
-    assert_eq!(what(&thin), CollapsedPart::Face(0));
+    assert_eq!(what(&thin), CollapsedPart::Face(FaceId(0)));
     assert!(PreparedBlock::<f64>::new(&thin).is_ok());
     // The quadrilateral keeps an area when its short side collapses.
     let short = block(
         &[[1000.0, 0.0, 0.0], [1000.0 + 1e-6, 0.0, 0.0], [1001.0, 1.0, 0.0], [999.0, 1.0, 0.0], [1000.0, 0.5, 1.0]],
         &[&[0, 3, 2, 1], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]],
     );
-    assert_eq!(what(&short), CollapsedPart::Face(1));
+    assert_eq!(what(&short), CollapsedPart::Face(FaceId(1)));
     let prism = block(
         &[
             [1000.0, 0.0, 0.0],
@@ -66,10 +67,10 @@ fn far_and_small_features_collapse_with_a_name() {
         ],
         &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7], &[0, 1, 5, 4]],
     );
-    assert_eq!(what(&prism), CollapsedPart::Face(5));
-    assert_eq!(what(&cuboid([0.0; 3], [1e39, 1.0, 1.0])), CollapsedPart::Vertex(1));
-    assert_eq!(what(&cuboid([0.0; 3], [1e30, 1e30, 1.0])), CollapsedPart::Face(0));
-    let collapsed = EngineError::Collapsed(Collapsed { what: CollapsedPart::Face(0) });
+    assert_eq!(what(&prism), CollapsedPart::Face(FaceId(5)));
+    assert_eq!(what(&cuboid([0.0; 3], [1e39, 1.0, 1.0])), CollapsedPart::Vertex(VertexId(1)));
+    assert_eq!(what(&cuboid([0.0; 3], [1e30, 1e30, 1.0])), CollapsedPart::Face(FaceId(0)));
+    let collapsed = EngineError::Collapsed(Collapsed { what: CollapsedPart::Face(FaceId(0)) });
     assert_eq!(Stepper::<SpecRules>::new().f32(&thin, &base(), &tolerances()), Err(collapsed));
     assert_eq!(collapsed.to_string(), "face 0 has no area in the stepper's precision");
 }
@@ -108,7 +109,7 @@ fn a_trace_names_every_decision_and_changes_nothing() {
         |found: &[rockproof_stepper::ComputedContact<f64>]| found.iter().map(|f| f.contact).collect::<Vec<_>>();
     assert_eq!(contacts(&plain), contacts(&traced));
     assert_eq!(plain[0].gap, 0.0625);
-    let (vertex, face) = (Feature::Vertex(Side::A, 0), Feature::Face(Side::B, 1));
+    let (vertex, face) = (Feature::Vertex(Side::A, VertexId(0)), Feature::Face(Side::B, FaceId(1)));
     let asked = |predicate, features: &[Feature]| {
         let decision = Decision::about(predicate, features);
         decisions.iter().find(|(d, _)| *d == decision).map(|(_, outcome)| *outcome)
@@ -116,9 +117,9 @@ fn a_trace_names_every_decision_and_changes_nothing() {
     assert_eq!(decisions[0], (Decision::about(Predicate::Neighbours, &[]), 1));
     assert_eq!(asked(Predicate::VertexFaceNear, &[vertex, face]), Some(1));
     assert_eq!(asked(Predicate::InsideFace, &[vertex, face]), Some(1));
-    assert_eq!(asked(Predicate::ConePasses, &[vertex, face, Feature::Edge(Side::A, 0)]), Some(1));
+    assert_eq!(asked(Predicate::ConePasses, &[vertex, face, Feature::Edge(Side::A, EdgeId(0))]), Some(1));
     assert_eq!(asked(Predicate::GapSign, &[vertex, face]), Some(1));
-    let bottom = Feature::Face(Side::B, 0);
+    let bottom = Feature::Face(Side::B, FaceId(0));
     assert_eq!(asked(Predicate::VertexFaceDepth, &[vertex, bottom]), Some(0));
     assert_eq!(asked(Predicate::InsideFace, &[vertex, bottom]), None, "the depth has settled it");
     assert!(decisions.iter().all(|(_, outcome)| (-1..=1).contains(outcome)));

@@ -4,7 +4,7 @@
 use crate::hand_worked::{base, check};
 use crate::pairs::{behind_side, beside_edge, classic, n, tolerances};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{Block, ToleranceSet};
+use rockproof_model::{Block, FaceId, ToleranceSet, VertexId};
 use rockproof_stepper::contact::{ClassificationRequest, SpecRules};
 use rockproof_stepper::{PreparedBlock, Tolerances, classify_traced};
 
@@ -68,8 +68,10 @@ fn true_exits_are_asked_where_they_choose() {
     let t = tolerances();
     let decisions = traced(&beside_edge(0.0078125, 0.00390625, [-0.01171875, 0.5, 0.0]), &base(), &t);
     let asked = |v: u32, face: u32, outcome: i8| {
-        let decision =
-            Decision::about(Predicate::TrueExit, &[Feature::Vertex(Side::A, v), Feature::Face(Side::B, face)]);
+        let decision = Decision::about(
+            Predicate::TrueExit,
+            &[Feature::Vertex(Side::A, VertexId(v)), Feature::Face(Side::B, FaceId(face))],
+        );
         (decision.to_string(), outcome)
     };
     assert_eq!(true_exits(&decisions), [asked(0, 1, 1), asked(0, 3, 0), asked(1, 1, 1), asked(1, 3, 1)]);

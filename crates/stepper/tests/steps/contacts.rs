@@ -32,7 +32,7 @@ fn crossed_ridges_bear_in_one_edge_contact() {
     let (dynamics, _) = run::<f64>(&scene, 130);
     let contacts = &dynamics.state().contacts;
     assert_eq!(contacts.len(), 1, "{contacts:?}");
-    assert_eq!((contacts[0].contact.kind, contacts[0].mode), (ContactKind::EdgeEdge, Mode::Locked));
+    assert_eq!((contacts[0].contact.kind(), contacts[0].mode), (ContactKind::EdgeEdge, Mode::Locked));
     // 2 m³ of 2000 kg/m³, on one spring. The normal points from B to A: downwards.
     near(contacts[0].force.z, -40000.0, 1e-9);
     near(contacts[0].gap, -40000.0 / 1e8, 1e-9);
@@ -70,7 +70,7 @@ fn a_contact_keeps_its_force_when_its_kind_changes() {
     // v-v and v-e become v-f. The way is that of steady friction, along the diagonal: a = 3√2 - 10/4 m/s².
     let mut dynamics = begin::<f64>(&from_the_corner());
     let kinds = |dynamics: &Dynamics<f64>| -> Vec<ContactKind> {
-        dynamics.state().contacts.iter().map(|c| c.contact.kind).collect()
+        dynamics.state().contacts.iter().map(|c| c.contact.kind()).collect()
     };
     for _ in 0..60 {
         dynamics.step().unwrap();

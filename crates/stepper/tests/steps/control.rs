@@ -3,7 +3,7 @@
 use crate::support::{begin, cube, floor, n, scene, tolerances, v, weightless};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::simulation::Unconverged;
-use rockproof_model::{Block, BlockOptions, ContactKind, Motion, Scene, ToleranceSet};
+use rockproof_model::{Block, BlockOptions, ContactKey, ContactKind, FaceId, Motion, Scene, ToleranceSet, VertexId};
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::ContactRules;
 use rockproof_stepper::dynamics::{
@@ -265,12 +265,12 @@ fn a_state_with_a_contact_that_the_scene_cannot_have_is_refused() {
     let mut dynamics = begin::<f64>(&scene(vec![floor(), cube()]));
     dynamics.step().unwrap();
     let good = dynamics.state().clone();
-    assert_eq!(good.contacts[3].contact.kind, ContactKind::FaceVertex);
+    assert_eq!(good.contacts[3].contact.kind(), ContactKind::FaceVertex);
     let wrong: [fn(&mut ContactState<f64>); 4] = [
         |contact| contact.blocks = [0, 2],
         |contact| contact.blocks = [1, 0],
-        |contact| contact.contact.a = 6,
-        |contact| contact.contact.b = 8,
+        |contact| contact.contact.key = ContactKey::FaceVertex(FaceId(6), VertexId(0)),
+        |contact| contact.contact.key = ContactKey::FaceVertex(FaceId(0), VertexId(8)),
     ];
     for change in wrong {
         let mut state = good.clone();

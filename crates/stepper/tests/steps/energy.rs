@@ -64,7 +64,7 @@ impl<'s> Step<'s> {
             let normal = contact.normal;
             let gap = contact.gap - normal.dot(self.relative(contact));
             let pair = || old.iter().filter(|c| c.blocks == contact.blocks && c.mode.is_closed());
-            let same = pair().find(|c| c.features() == contact.features());
+            let same = pair().find(|c| c.key() == contact.key());
             let stretch = match same.or_else(|| pair().find(|c| c.entrance() == contact.entrance())) {
                 Some(from) => across(from.anchors[0] - from.anchors[1], normal),
                 None => Vector::ZERO,

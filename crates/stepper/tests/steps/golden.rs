@@ -53,15 +53,12 @@ pub(crate) fn decided<R: Solve, M: StepRules>(dynamics: &Dynamics<R, M>, report:
     let solved = if last.len() < 2 { dynamics.first_modes() } else { &last[last.len() - 2] };
     for (state, mode) in dynamics.state().contacts.iter().zip(solved) {
         let (contact, entrance) = (state.contact, state.contact.entrance);
+        let ([a, b], [entrance_a, entrance_b]) = (contact.key.numbers(), entrance.numbers());
         words.push(format!(
-            "{:?} {} {} {} by {} {} {}: {} then {}",
+            "{:?} {} {a} {b} by {} {entrance_a} {entrance_b}: {} then {}",
             state.blocks,
-            contact.kind.name(),
-            contact.a,
-            contact.b,
-            entrance.kind.name(),
-            entrance.a,
-            entrance.b,
+            contact.kind().name(),
+            entrance.kind().name(),
             mode.name(),
             state.mode.name()
         ));

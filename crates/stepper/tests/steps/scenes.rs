@@ -28,7 +28,7 @@ fn vertices_approach<R: Solve>(precision: Precision, relative: f64) {
         let expected = [0.0, 0.0, -masses[1]];
         let off = (0..3).map(|k| (momentum[k] - expected[k]).abs()).fold(0.0, f64::max);
         assert!(off <= relative * masses[1], "step {step}: {momentum:?}");
-        kinds.extend(dynamics.state().contacts.iter().filter(|c| c.mode.is_closed()).map(|c| c.contact.kind));
+        kinds.extend(dynamics.state().contacts.iter().filter(|c| c.mode.is_closed()).map(|c| c.contact.kind()));
     }
     use ContactKind::{EdgeVertex, VertexEdge, VertexVertex};
     assert!(
@@ -53,7 +53,7 @@ fn ridges_cross<R: Solve>(precision: Precision, relative: f64) {
         assert_eq!(dynamics.state().contacts.len(), 1);
     }
     let contact = &dynamics.state().contacts[0];
-    assert_eq!((contact.contact.kind, contact.mode), (ContactKind::EdgeEdge, Mode::Locked));
+    assert_eq!((contact.contact.kind(), contact.mode), (ContactKind::EdgeEdge, Mode::Locked));
     let weight = dynamics.mass(1)[0][0].to_f64() * 10.0;
     near(weight, 52_020.8, 1e-6);
     near(-contact.force.z.to_f64(), weight, relative);

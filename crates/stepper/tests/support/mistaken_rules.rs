@@ -2,7 +2,7 @@
 
 use super::Mistake::*;
 use super::PLANTED;
-use rockproof_model::{ContactKey, EntranceKind, Sign};
+use rockproof_model::{ContactKey, EdgeId, EntranceKind, Sign};
 use rockproof_stepper::contact::{ContactRules, SpecRules, Tolerances};
 use rockproof_stepper::{Real, Vector};
 
@@ -162,10 +162,10 @@ impl ContactRules for MistakenRules {
         fn edges_before_faces_and_edges() -> bool {
             FacesBeforeEdges => false
         }
-        fn cone(edges: &[u32]) -> &[u32] {
+        fn cone(edges: &[EdgeId]) -> &[EdgeId] {
             ConeForgetsAnEdge => &edges[..edges.len() - 1]
         }
-        fn region(edges: &[u32]) -> &[u32] {
+        fn region(edges: &[EdgeId]) -> &[EdgeId] {
             RegionForgetsAnEdge => &edges[..edges.len() - 1]
         }
         fn cone_passes<R>(rise: R, length: R, t: &Tolerances<R>) -> bool {
@@ -230,9 +230,9 @@ impl ContactRules for MistakenRules {
         fn is_kept(kept: &[ContactKey], contact: ContactKey) -> bool {
             KeptIgnored => false
             KeptAll => !kept.is_empty()
-            KeptByFeatures => kept.iter().any(|k| (k.a, k.b) == (contact.a, contact.b))
-            KeptByKind => kept.iter().any(|k| k.kind == contact.kind)
-            KeptByFeatureOfA => kept.iter().any(|k| (k.kind, k.a) == (contact.kind, contact.a))
+            KeptByFeatures => kept.iter().any(|k| k.numbers() == contact.numbers())
+            KeptByKind => kept.iter().any(|k| k.kind() == contact.kind())
+            KeptByFeatureOfA => kept.iter().any(|k| (k.kind(), k.features()[0]) == (contact.kind(), contact.features()[0]))
         }
         fn normal_of_a<R>(outward: Vector<R>) -> Vector<R> {
             NormalNotNegated => outward

@@ -4,7 +4,8 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::{
-    Block, BlockOptions, Contact, ContactKind, Criteria, Entrance, EntranceKind, Number, Sign, ToleranceSet, Vec3,
+    Block, BlockOptions, Contact, ContactKey, ContactKind, Criteria, Entrance, EntranceKind, Number, Sign,
+    ToleranceSet, Vec3,
 };
 use serde_json::Value;
 
@@ -57,14 +58,14 @@ fn golden_pair(pair: &Value) -> GoldenPair {
 fn golden_contact(c: &Value) -> Contact {
     let index = |name: &str| c[name].as_u64().unwrap() as u32;
     Contact {
-        kind: ContactKind::from_name(c["kind"].as_str().unwrap()).unwrap(),
-        a: index("feature_a"),
-        b: index("feature_b"),
-        entrance: Entrance {
-            kind: EntranceKind::from_name(c["entrance"].as_str().unwrap()).unwrap(),
-            a: index("entrance_a"),
-            b: index("entrance_b"),
-        },
+        key: ContactKey::of_kind(
+            ContactKind::from_name(c["kind"].as_str().unwrap()).unwrap(),
+            [index("feature_a"), index("feature_b")],
+        ),
+        entrance: Entrance::of_kind(
+            EntranceKind::from_name(c["entrance"].as_str().unwrap()).unwrap(),
+            [index("entrance_a"), index("entrance_b")],
+        ),
         gap: Sign::of_ordering(c["gap_sign"].as_i64().unwrap().cmp(&0)),
     }
 }
@@ -262,6 +263,7 @@ pub(crate) fn classic() -> ToleranceSet {
 
 /// `kind a b entrance entrance_a entrance_b sign`, to read and write expectations.
 pub(crate) fn show(contact: &Contact) -> String {
-    let Contact { kind, a, b, entrance, gap } = contact;
-    format!("{kind} {a} {b} {} {} {} {:+}", entrance.kind, entrance.a, entrance.b, gap.as_i8())
+    let ([a, b], [entrance_a, entrance_b]) = (contact.key.numbers(), contact.entrance.numbers());
+    let (kind, entrance, gap) = (contact.kind(), contact.entrance.kind(), contact.gap.as_i8());
+    format!("{kind} {a} {b} {entrance} {entrance_a} {entrance_b} {gap:+}")
 }

@@ -150,7 +150,7 @@ impl Before {
                 }
             };
             if brought > most.0 {
-                most = (brought, Some((contact.blocks, contact.contact.kind, -gap)));
+                most = (brought, Some((contact.blocks, contact.contact.kind(), -gap)));
             }
         }
         GainedStep {
@@ -168,7 +168,7 @@ impl Before {
     /// The closed contact of the step before that a contact continues: that of its features, or else of its entrance.
     fn continued(&self, contact: &ContactState<f64>) -> Option<&ContactState<f64>> {
         let pair = || self.state.contacts.iter().filter(|old| old.blocks == contact.blocks && old.mode.is_closed());
-        let same = pair().find(|old| old.features() == contact.features());
+        let same = pair().find(|old| old.key() == contact.key());
         same.or_else(|| pair().find(|old| old.entrance() == contact.entrance()))
     }
 }

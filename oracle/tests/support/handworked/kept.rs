@@ -170,6 +170,6 @@ fn case(
     (changes, kept): Given<'_>,
     expected: Vec<Row>,
 ) -> Case {
-    let kept = kept.iter().map(|&(kind, a, b)| ContactKey { kind: ContactKind::from_name(kind).unwrap(), a, b });
+    let kept = kept.iter().map(|&(kind, a, b)| ContactKey::of_kind(ContactKind::from_name(kind).unwrap(), [a, b]));
     Case { name, derivation, a, b, tolerances: revised(changes), kept: kept.collect(), expected }
 }

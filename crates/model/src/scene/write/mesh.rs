@@ -11,7 +11,7 @@ pub(super) fn stl(scene: &Scene) -> Result<String, FormatError> {
         let points = points(block, number, "STL")?;
         push(&mut out, format_args!("solid {}\n", block.name));
         for triangle in block.block.triangles(&block.planarity) {
-            let corners = triangle.map(|vertex| points[vertex as usize]);
+            let corners = triangle.map(|vertex| points[vertex.index()]);
             let [x, y, z] = unit_normal(corners);
             push(&mut out, format_args!("  facet normal {x:?} {y:?} {z:?}\n    outer loop\n"));
             for [x, y, z] in corners {
