@@ -8,7 +8,7 @@ use std::fmt;
 macro_rules! numbers_of {
     ($(#[$about:meta])* $name:ident) => {
         $(#[$about])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
         #[repr(transparent)]
         pub struct $name(pub u32);
 
@@ -29,6 +29,13 @@ macro_rules! numbers_of {
         impl From<u32> for $name {
             fn from(number: u32) -> $name {
                 $name(number)
+            }
+        }
+
+        /// As its number alone: what holds it says which feature it is.
+        impl fmt::Debug for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.fmt(f)
             }
         }
 
