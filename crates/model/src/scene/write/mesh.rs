@@ -45,7 +45,7 @@ pub(super) fn ply(scene: &Scene) -> Result<String, FormatError> {
     for block in &scene.blocks {
         for face in block.block.topology().faces() {
             push(&mut out, format_args!("{}", face.len()));
-            face.iter().for_each(|&vertex| push(&mut out, format_args!(" {}", first + vertex as usize)));
+            face.iter().for_each(|&vertex| push(&mut out, format_args!(" {}", first + vertex.index())));
             out.push('\n');
         }
         first += block.block.vertices().len();
@@ -76,7 +76,7 @@ pub(super) fn msh(scene: &Scene) -> Result<String, FormatError> {
     for (group, (block, triangles)) in (1..).zip(scene.blocks.iter().zip(&triangles)) {
         for corners in triangles {
             element += 1;
-            let [a, b, c] = corners.map(|vertex| first + vertex as usize);
+            let [a, b, c] = corners.map(|vertex| first + vertex.index());
             // Type 2 with two tags: the physical group and the surface, which is one for each block.
             push(&mut out, format_args!("{element} 2 2 {group} {group} {a} {b} {c}\n"));
         }
