@@ -184,7 +184,7 @@ fn an_engine_that_never_answers_is_told_of_at_once() {
     for (command, told) in [
         ("mine=no-such-program-anywhere", "cannot start"),
         ("mine=true", "exit code 0"),
-        ("mine=echo hello", "not JSON"),
+        ("mine=sh -c 'while read question; do echo hello; done'", "not JSON"),
         ("mine", "NAME=COMMAND"),
         ("stepper-f32=true", "none of any"),
     ] {
