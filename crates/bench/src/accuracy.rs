@@ -1,3 +1,4 @@
+// Longer than 400 lines: the rows of one table, how each is measured, and how they are written and drawn.
 //! Run time against error: what an answer costs and how wrong it is, for every engine on the same subjects.
 
 use super::closed_forms::{SCENES, SETS, TIME_STEPS};
