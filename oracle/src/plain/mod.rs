@@ -74,7 +74,7 @@ pub type TracedDecision = (Decision, i8, bool);
 /// let (above, below) = (tetrahedron(1, 9), tetrahedron(0, -8));
 /// let found = rockproof_oracle::plain::classify::<BigRational>(&above, &below, &tolerances);
 /// assert_eq!(found.len(), 1);
-/// assert_eq!((found[0].contact.kind.name(), found[0].contact.gap), ("v-v", Sign::Positive));
+/// assert_eq!((found[0].contact.kind().name(), found[0].contact.gap), ("v-v", Sign::Positive));
 /// ```
 pub fn classify<Q: Rational>(a: &Block, b: &Block, tolerances: &ToleranceSet) -> Vec<ExactContact<Q>> {
     classify_keeping(a, b, tolerances, &[])
