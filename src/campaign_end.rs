@@ -224,7 +224,7 @@ pub(crate) fn quoted(text: &str) -> String {
 }
 
 /// The counts of steps in tables.
-const STEP_COLUMNS: [&str; 11] = [
+pub(crate) const STEP_COLUMNS: [&str; 11] = [
     "steps",
     "other contacts",
     "modes",

@@ -140,24 +140,11 @@ fn shared_out(columns: &[usize], least: &[usize], whole: &[usize], width: usize)
 #[cfg(test)]
 mod tests {
     use super::Cells;
-
-    const STEPS: [&str; 12] = [
-        "engine",
-        "steps",
-        "other contacts",
-        "modes",
-        "iterations",
-        "retries",
-        "deeper",
-        "shallower",
-        "watched",
-        "passages",
-        "unseen",
-        "defects",
-    ];
+    use crate::campaign_end::STEP_COLUMNS;
 
     fn steps() -> Cells<'static> {
-        let mut cells = Cells::new(&STEPS, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]);
+        let header: Vec<&str> = std::iter::once("engine").chain(STEP_COLUMNS).collect();
+        let mut cells = Cells::new(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]);
         let row = (0..12).map(|n| if n == 0 { "stepper-f32".to_owned() } else { (1001 * n).to_string() });
         cells.rows.push(row.collect());
         cells
