@@ -20,7 +20,7 @@ use rockproof_differential::lockstep::{
     ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
 };
 use rockproof_model::scene::SceneFormat;
-use rockproof_model::simulation::Control;
+use rockproof_model::simulation::{Control, Skips};
 use rockproof_model::{Precision, Scene, ToleranceSet, rules};
 use rockproof_oracle::step::KeptPrecision;
 use rockproof_results::{Start, bounded};
@@ -98,6 +98,11 @@ pub(crate) struct Simulate {
     #[arg(long)]
     overwrite: bool,
 
+    /// What steps leave out where nothing can have changed: `all`, `none`, or names out of `blocks`, `pairs`, `islands` [default: what the
+    /// scene says, else all]; no byte of any file depends on it
+    #[arg(long, value_name = "NAMES", value_parser = skips)]
+    skips: Option<Skips>,
+
     /// Run although rules are violated
     #[arg(long)]
     force: bool,
@@ -166,6 +171,18 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// `all`, `none`, or names between commas.
+fn skips(text: &str) -> Result<Skips, String> {
+    match text {
+        "all" => Ok(Skips::ALL),
+        "none" => Ok(Skips::NONE),
+        names => names.split(',').try_fold(Skips::NONE, |skips, name| {
+            let allowed = || format!("\"{name}\" is none of {}, all, none", Skips::NAMES.join(", "));
+            skips.and(name).ok_or_else(allowed)
+        }),
+    }
+}
+
 /// What a run begins with.
 struct PreparedRun {
     scene: Scene,
@@ -184,6 +201,9 @@ impl Simulate {
         let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
         let set = spec.derive(&shapes, precision).with_context(|| self.tolerances.place(self.scene.path()))?;
         let plan = self.plan(&scene.simulation.control)?;
+        if let Some(skips) = self.skips {
+            scene.simulation.control.skips = skips;
+        }
         scene.derive_stiffness(&set);
         let violations = rules::check_scene(&set, &scene, precision);
         if !violations.is_empty() && !self.force {

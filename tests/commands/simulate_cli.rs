@@ -204,6 +204,23 @@ fn options_choose_precision_length_and_place() {
     assert!(!place.path("steps").join("contacts.csv").exists(), "only on request");
 }
 
+/// What steps leave out changes no byte, and a run may go on with another choice.
+#[test]
+fn what_steps_leave_out_changes_no_file() {
+    let place = WorkDir::new();
+    place.file("fall.toml", FALL);
+    place.file("some.toml", &FALL.replace("settle = 2", "settle = 2\nskips = [\"blocks\", \"islands\"]"));
+    place.finishes(&["fall.toml", "--contacts", "--out", "all"]);
+    let all = place.files("all");
+    place.finishes(&["fall.toml", "--contacts", "--skips", "none", "--out", "none"]);
+    assert!(place.files("none") == all);
+    place.finishes(&["some.toml", "--contacts", "--out", "some"]);
+    assert!(place.files("some") == all);
+    place.finishes(&["some.toml", "--contacts", "--steps", "60", "--skips", "pairs,islands", "--out", "parts"]);
+    place.finishes(&["fall.toml", "--contacts", "--resume", "--out", "parts"]);
+    assert!(place.files("parts") == all);
+}
+
 #[test]
 fn mistakes_exit_with_2_and_say_where() {
     let place = WorkDir::new();
@@ -222,6 +239,7 @@ fn mistakes_exit_with_2_and_say_where() {
         (vec!["fall.toml", "--time", "soon"], "above 0"),
         (vec!["fall.toml", "--steps", "-3"], "-3"),
         (vec!["fall.toml", "--every", "0"], "--every"),
+        (vec!["fall.toml", "--skips", "pairs,contacts"], "\"contacts\" is none of blocks, pairs, islands, all, none"),
         (vec!["fall.toml", "--engine", "f16"], "stepper-f64, stepper-f32"),
         (vec!["fall.toml", "--tolerances", "loose"], "auto, shi, zero"),
         (vec!["fall.toml", "--set", "serch=1"], "serch"),

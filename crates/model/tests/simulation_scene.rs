@@ -4,7 +4,7 @@ use num_rational::BigRational;
 use proptest::prelude::*;
 use rockproof_model::scene::{SceneFormat, write_toml};
 use rockproof_model::simulation::{
-    Control, FixedPoint, JointPair, JointProperties, Kinematics, Material, MeasuredPoint, PointLoad, Unconverged,
+    Control, FixedPoint, JointPair, JointProperties, Kinematics, Material, MeasuredPoint, PointLoad, Skips, Unconverged,
 };
 use rockproof_model::{Block, Body, Motion, Number, Precision, Rule, Scene, SceneBlock, Simulation, Vec3, rules};
 use std::path::Path;
@@ -60,7 +60,7 @@ fn the_weight_rule_ties_exactly_and_names_the_remedy() {
 #[test]
 fn broken_scenes_name_line_key_and_range() {
     let tail = |text: &str| format!("{BOX}{text}");
-    let cases: [(&str, &[&str]); 42] = [
+    let cases: [(&str, &[&str]); 44] = [
         ("[simulation]\ngravity = [0, 0]", &["a.toml:5:", "`gravity`, an array of 3"]),
         ("[simulation]\ntime_step = 0", &["a.toml:5:", "`time_step` of [simulation] is 0", "more than 0"]),
         ("[simulation]\ntime_step = \"x\"", &["a.toml:5:", "`time_step`", "not a number"]),
@@ -74,6 +74,8 @@ fn broken_scenes_name_line_key_and_range() {
         ("[simulation]\nsettle = -1", &["a.toml:5:", "`settle`", "is -1"]),
         ("[simulation]\nkinematics = \"cubic\"", &["a.toml:5:", "\"cubic\"", "\"linear\" or \"cayley\""]),
         ("[simulation]\nunconverged = 1", &["a.toml:5:", "`unconverged`"]),
+        ("[simulation]\nskips = [\"blocks\", \"contacts\"]", &["a.toml:5:", "`skips`", "\"contacts\"", "\"islands\""]),
+        ("[simulation]\nskips = \"all\"", &["a.toml:5:", "`skips` of [simulation]"]),
         ("[simulation]\nsetle = 1", &["a.toml:5:", "unknown key `setle`", "settle"]),
         ("[simulation]\njoint_materials = []", &["a.toml:5:", "one name or more"]),
         ("[simulation]\njoint_materials = [\"a\", \"a\"]", &["a.toml:5:", "not taken"]),
@@ -156,35 +158,38 @@ fn body() -> impl Strategy<Value = Body> {
 
 fn simulation() -> impl Strategy<Value = Simulation> {
     let run = prop_oneof![Just(None), Just(Some(Err(7_u64))), positive().prop_map(|t| Some(Ok(t)))];
-    (vector(), positive(), run, 0..9_u32, any::<[bool; 2]>(), [joint(), joint()], [positive(), positive()], vector())
-        .prop_map(|(gravity, time_step, run, settle, [linear, accept], [pair, other], [density, young], force)| {
-            let mut simulation = Simulation { gravity, ..Simulation::default() };
-            simulation.control = Control {
-                time_step,
-                dynamic: number("1/3"),
-                damping: if accept { Number::ZERO } else { density.clone() },
-                settle,
-                kinematics: if linear { Kinematics::Linear } else { Kinematics::Cayley },
-                unconverged: if accept { Unconverged::Accept } else { Unconverged::Stop },
-                steps: run.as_ref().and_then(|run| run.as_ref().err().copied()),
-                duration: run.and_then(Result::ok),
-            };
-            let second = Material { name: "a \"second\" é".to_string(), density, young, poisson: number("-1/3") };
-            simulation.materials.push(second);
-            simulation.joints.names = vec!["wet".to_string(), "dry".to_string()];
-            simulation.joints.pairs = vec![JointPair { one: 1, other: 0, properties: pair }];
-            simulation.joints.other = other;
-            let at = Vec3::new(number("1/3"), number("2"), number("-1"));
-            let table = vec![(Number::ZERO, force.clone()), (number("1/7"), force.clone())];
-            simulation.loads = vec![
-                PointLoad { block: 1, at: at.clone(), table },
-                PointLoad { block: 0, at: at.clone(), table: vec![(number("1/3"), force.clone())] },
-                PointLoad { block: 0, at: at.clone(), table: vec![(Number::ZERO, force)] },
-            ];
-            simulation.fixed_points = vec![FixedPoint { block: 0, at: at.clone(), stiffness: None }];
-            simulation.measured_points = vec![MeasuredPoint { name: "tip".to_string(), block: 1, at }];
-            simulation
-        })
+    (vector(), positive(), run, 0..9_u32, any::<[bool; 3]>(), [joint(), joint()], [positive(), positive()], vector())
+        .prop_map(
+            |(gravity, time_step, run, settle, [linear, accept, skips], [pair, other], [density, young], force)| {
+                let mut simulation = Simulation { gravity, ..Simulation::default() };
+                simulation.control = Control {
+                    time_step,
+                    dynamic: number("1/3"),
+                    damping: if accept { Number::ZERO } else { density.clone() },
+                    settle,
+                    kinematics: if linear { Kinematics::Linear } else { Kinematics::Cayley },
+                    unconverged: if accept { Unconverged::Accept } else { Unconverged::Stop },
+                    steps: run.as_ref().and_then(|run| run.as_ref().err().copied()),
+                    duration: run.and_then(Result::ok),
+                    skips: Skips { pairs: skips, islands: accept, blocks: linear },
+                };
+                let second = Material { name: "a \"second\" é".to_string(), density, young, poisson: number("-1/3") };
+                simulation.materials.push(second);
+                simulation.joints.names = vec!["wet".to_string(), "dry".to_string()];
+                simulation.joints.pairs = vec![JointPair { one: 1, other: 0, properties: pair }];
+                simulation.joints.other = other;
+                let at = Vec3::new(number("1/3"), number("2"), number("-1"));
+                let table = vec![(Number::ZERO, force.clone()), (number("1/7"), force.clone())];
+                simulation.loads = vec![
+                    PointLoad { block: 1, at: at.clone(), table },
+                    PointLoad { block: 0, at: at.clone(), table: vec![(number("1/3"), force.clone())] },
+                    PointLoad { block: 0, at: at.clone(), table: vec![(Number::ZERO, force)] },
+                ];
+                simulation.fixed_points = vec![FixedPoint { block: 0, at: at.clone(), stiffness: None }];
+                simulation.measured_points = vec![MeasuredPoint { name: "tip".to_string(), block: 1, at }];
+                simulation
+            },
+        )
 }
 
 proptest! {

@@ -2,14 +2,15 @@
 
 use crate::Plan;
 use rockproof_model::scene::write_toml;
+use rockproof_model::simulation::Skips;
 use rockproof_model::{Scene, SpecError, ToleranceSet, ToleranceSpec};
 use rockproof_results::digest;
 use serde_json::{Map, Value};
 
 /// Everything that determines the bytes of a run but how long it goes on, key by key. The scene is represented by the
-/// SHA-256 of its text with exact numbers, the stiffness of joints derived; where it was read from does not matter.
+/// SHA-256 of its text with exact numbers, the stiffness of joints derived; where it was read from does not matter, nor what steps leave out.
 pub fn identity(scene: &Scene, set: &ToleranceSet, engine: &str, plan: &Plan) -> Map<String, Value> {
-    let bare = Scene { tolerances: None, ..scene.clone() };
+    let bare = Scene { tolerances: None, ..with_all_skips(scene) };
     let mut map = Map::new();
     map.insert("version".to_owned(), env!("CARGO_PKG_VERSION").into());
     map.insert("scene".to_owned(), digest(write_toml(&bare).as_bytes()).into());
@@ -33,5 +34,12 @@ pub fn with_tolerances(scene: &Scene, set: &ToleranceSet) -> Result<String, Spec
         spec.set_text(name, &number.to_string())?;
     }
     spec.set_text("criteria", set.criteria.name())?;
-    Ok(write_toml(&Scene { tolerances: Some(spec), ..scene.clone() }))
+    Ok(write_toml(&Scene { tolerances: Some(spec), ..with_all_skips(scene) }))
+}
+
+/// What steps leave out changes no byte of a run, so it is no part of what a run says of its scene.
+fn with_all_skips(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.simulation.control.skips = Skips::ALL;
+    scene
 }

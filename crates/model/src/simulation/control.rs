@@ -1,7 +1,7 @@
 //! How time is cut into steps.
 
 use crate::number::Number;
-use crate::simulation::ratio;
+use crate::simulation::{Skips, ratio};
 
 /// The controls of a run (SPEC section 5).
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,6 +22,8 @@ pub struct Control {
     pub steps: Option<u64>,
     /// How long to run in s, where the command line does not say.
     pub duration: Option<Number>,
+    /// What the stepper leaves out of a step where nothing can have changed.
+    pub skips: Skips,
 }
 
 impl Control {
@@ -34,7 +36,7 @@ impl Control {
 }
 
 impl Default for Control {
-    /// 10 ms, dynamic, not damped, not settled, `cayley`, stopping where the iteration fails; as long as the command line says.
+    /// 10 ms, dynamic, not damped, not settled, `cayley`, stopping where the iteration fails; as long as the command line says, leaving out what it can.
     fn default() -> Control {
         Control {
             time_step: ratio(1, 100),
@@ -45,6 +47,7 @@ impl Default for Control {
             unconverged: Unconverged::Stop,
             steps: None,
             duration: None,
+            skips: Skips::ALL,
         }
     }
 }

@@ -3,10 +3,12 @@
 
 mod control;
 mod joint;
+mod skips;
 mod stiffness;
 
 pub use control::{Control, Kinematics, Unconverged};
 pub use joint::{JointPair, JointProperties, Joints, tangent_of_degrees};
+pub use skips::Skips;
 pub use stiffness::derive_stiffness;
 pub(crate) use stiffness::smallest_face;
 

@@ -18,11 +18,12 @@ use crate::dynamics::rules::StepRules;
 use crate::dynamics::setup::{SceneSetup, SetupError};
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, Mode, State};
-use crate::dynamics::still::{Skips, Still};
+use crate::dynamics::still::Still;
 use crate::dynamics::transfer;
 use crate::real::Real;
 use crate::vector::Vector;
 use rayon::prelude::*;
+use rockproof_model::simulation::Skips;
 use rockproof_model::{Block, Contact, ContactKey, Scene, ToleranceSet};
 use std::marker::PhantomData;
 use std::time::{Duration, Instant};
@@ -140,7 +141,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             neighbours: Neighbours::default(),
             layouts,
             spare: Memory::NONE,
-            skips: Skips::ALL,
+            skips: scene.simulation.control.skips,
             still: Still::NONE,
             first_modes: Vec::new(),
             modes: Vec::new(),
@@ -184,8 +185,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         Ok(())
     }
 
-    /// What the following steps leave out where nothing can have changed; all of it unless this says otherwise. No bit of any result
-    /// depends on it.
+    /// What the following steps leave out where nothing can have changed, instead of what the scene says. No bit of any result depends on it.
     pub fn skip(&mut self, skips: Skips) {
         self.skips = skips;
     }

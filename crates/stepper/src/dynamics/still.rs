@@ -7,27 +7,6 @@ use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::ContactKey;
 
-/// What a step leaves out where nothing can have changed. Nothing of it changes a bit of any result, so all is on unless a run says
-/// otherwise ([`crate::dynamics::Dynamics::skip`]).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Skips {
-    /// Blocks whose vertices the last step left as they were are not prepared again, nor are their moments.
-    pub blocks: bool,
-    /// The contacts of two such blocks, one of which may be fixed, are not looked for again while the same ones are kept: classification
-    /// depends on nothing else.
-    pub pairs: bool,
-    /// Islands to which the last step gave back their own state, in one solve, are not solved again at the same Δt: what would be solved is
-    /// the same system.
-    pub islands: bool,
-}
-
-impl Skips {
-    /// All of it.
-    pub const ALL: Skips = Skips { blocks: true, pairs: true, islands: true };
-    /// None of it.
-    pub const NONE: Skips = Skips { blocks: false, pairs: false, islands: false };
-}
-
 /// What the last step left as it was. Empty lists where nothing is known.
 #[derive(Clone, Debug)]
 pub(super) struct Still<R> {

@@ -6,11 +6,12 @@ use crate::number_text::shown;
 use crate::scene::error::SceneProblem;
 use crate::scene::tokens::Located;
 use crate::simulation::{
-    Control, JointPair, JointProperties, Joints, Kinematics, Material, Simulation, Unconverged, tangent_of_degrees,
+    Control, JointPair, JointProperties, Joints, Kinematics, Material, Simulation, Skips, Unconverged,
+    tangent_of_degrees,
 };
 use toml::de::DeTable;
 
-const CONTROL: [&str; 10] = [
+const CONTROL: [&str; 11] = [
     "gravity",
     "time_step",
     "steps",
@@ -21,6 +22,7 @@ const CONTROL: [&str; 10] = [
     "kinematics",
     "unconverged",
     "joint_materials",
+    "skips",
 ];
 const MATERIAL: [&str; 4] = ["name", "density", "young", "poisson"];
 const JOINT: [&str; 8] = [
@@ -82,7 +84,18 @@ impl Lines {
             unconverged: unconverged.transpose()?.unwrap_or(default.unconverged),
             steps: whole("steps", 1, i64::MAX as u64)?,
             duration: self.optional(table, "time", place, Allowed::Positive)?,
+            skips: table.get("skips").map(|value| self.skips(value)).transpose()?.unwrap_or(default.skips),
         })
+    }
+
+    /// What steps leave out, by name.
+    fn skips(&self, value: &Value<'_>) -> Result<Skips, Located> {
+        let allowed = format!("\"{}\"", Skips::NAMES.join("\", \""));
+        let mut skips = Skips::NONE;
+        for value in self.array(value, "`skips` of [simulation]")? {
+            skips = self.word(value, "a name of `skips`", |name| skips.and(name), &allowed)?;
+        }
+        Ok(skips)
     }
 
     fn material(&self, value: &Value<'_>, table: &DeTable<'_>, earlier: &[Material]) -> Result<Material, Located> {

@@ -2,7 +2,7 @@
 
 use super::{push, toml_number};
 use crate::number::Number;
-use crate::simulation::{Body, JointProperties, Joints, Simulation};
+use crate::simulation::{Body, JointProperties, Joints, Simulation, Skips};
 use crate::vector::Vec3;
 
 /// `[simulation]`, `[[material]]` and `[[joint]]`, whole.
@@ -24,6 +24,10 @@ pub(super) fn world(out: &mut String, simulation: &Simulation) {
     push(out, format_args!("settle = {}\n", control.settle));
     push(out, format_args!("kinematics = \"{}\"\n", control.kinematics.name()));
     push(out, format_args!("unconverged = \"{}\"\n", control.unconverged.name()));
+    if control.skips != Skips::ALL {
+        let names: Vec<String> = control.skips.names().map(|name| format!("\"{name}\"")).collect();
+        push(out, format_args!("skips = [{}]\n", names.join(", ")));
+    }
     let names: Vec<String> = simulation.joints.names.iter().map(|name| text(name)).collect();
     push(out, format_args!("joint_materials = [{}]\n\n", names.join(", ")));
     for material in &simulation.materials {
