@@ -8,7 +8,7 @@ use rockproof_campaign::part::Part;
 use rockproof_campaign::run::Ending;
 use rockproof_campaign::steps::StepSummary;
 use rockproof_campaign::steps::summary::StepCounts;
-use rockproof_differential::diagnosis::told;
+use rockproof_differential::diagnosis::diagnosis_lines;
 use rockproof_differential::external::EngineSpec;
 use rockproof_differential::external::spec::NumberFormat;
 use rockproof_differential::finding::Cause;
@@ -36,9 +36,9 @@ pub(crate) fn print_end(
         }
         for campaign in &results.campaigns {
             out += &by_cause(&campaign.tally);
-            let told = told(&campaign.diagnosis);
-            if !told.is_empty() {
-                out += &format!("\n{}\n", told.join("\n"));
+            let lines = diagnosis_lines(&campaign.diagnosis);
+            if !lines.is_empty() {
+                out += &format!("\n{}\n", lines.join("\n"));
             }
         }
         if !progress.steps.is_empty() {
@@ -153,7 +153,7 @@ fn by_cause(tally: &FindingTally) -> String {
         let all = group.findings;
         let most = group.most.map_or(String::new(), |(change, n)| format!("{change} ({} %)", 100 * n / all));
         let far = group.furthest.map_or(String::new(), |ulps| format!("{ulps:.1e}"));
-        vec![group.cause.to_string(), concerned(group.engine), grouped(all), most, far]
+        vec![group.cause.to_string(), scope_words(group.engine), grouped(all), most, far]
     });
     format!(
         "\n{}\n",
@@ -162,7 +162,7 @@ fn by_cause(tally: &FindingTally) -> String {
 }
 
 /// Whom a finding is about, in words.
-fn concerned(engine: &str) -> String {
+fn scope_words(engine: &str) -> String {
     match engine {
         "any" => "every engine".to_owned(),
         "f32" | "f64" => format!("whatever is given in {engine}"),
@@ -175,8 +175,8 @@ fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> Str
     let (pairs, seconds, found) = (grouped(progress.pairs_done), progress.seconds, grouped(progress.summary.total()));
     let mut out = format!("{pairs} pairs in {seconds:.1} s ({speed:.0} a second), {found} findings\n");
     for (name, counts) in &progress.engines {
-        if let Some(told) = counts.told() {
-            out += &format!("{name}: {told}; engines.csv counts them\n");
+        if let Some(note) = counts.recovered_note() {
+            out += &format!("{name}: {note}; engines.csv counts them\n");
         }
     }
     if ending == Ending::Stopped {

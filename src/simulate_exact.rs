@@ -75,7 +75,7 @@ impl ExactRun {
                 }
             }
         }
-        let kept = kept(trajectory.keep());
+        let kept = precision_words(trajectory.keep());
         directory.write("trajectory.csv", FileKind::Table, &steps)?;
         directory.write("measured.csv", FileKind::Table, &measured)?;
         directory.write("state.json", FileKind::Run, &state(&trajectory)?)?;
@@ -132,7 +132,7 @@ impl ExactRun {
 }
 
 /// How coordinates are kept, in words.
-fn kept(keep: KeptPrecision) -> String {
+fn precision_words(keep: KeptPrecision) -> String {
     match keep {
         KeptPrecision::Exact => "exactly, as fractions".to_owned(),
         KeptPrecision::Grid { exponent } => format!("within 2^-{exponent} m, on that grid"),
@@ -145,7 +145,8 @@ fn text(number: &Number) -> String {
 }
 
 fn row(step: i64, answer: &StepAnswer, trajectory: &Trajectory) -> Vec<String> {
-    let retries: Vec<String> = answer.cuts.iter().map(|attempt| format!("{:?}", attempt.cut).to_lowercase()).collect();
+    let retries: Vec<String> =
+        answer.retries.iter().map(|attempt| format!("{:?}", attempt.reason).to_lowercase()).collect();
     let count = |mode| answer.state.contacts.iter().filter(|contact| contact.mode == mode).count().to_string();
     let mut row = vec![step.to_string(), text(&answer.state.time)];
     row.push(text(&Number::from_rational(answer.time_step.clone())));

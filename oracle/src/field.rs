@@ -64,7 +64,7 @@ pub(crate) trait Field: Ring {
     fn nearby(&self) -> (f64, f64);
 
     /// At least the size of every value enclosed; `None` where nothing is known, or where values are known exactly.
-    fn most(&self) -> Option<UpperBound>;
+    fn magnitude_bound(&self) -> Option<UpperBound>;
 
     /// All values no larger than `size`; `None` where this type has no such enclosure.
     fn within(size: UpperBound) -> Option<Self>;
@@ -76,13 +76,13 @@ pub(crate) trait Field: Ring {
             Some(Sign::Positive) => Some(other.clone()),
             Some(_) => Some(self.clone()),
             // min(a, b) = a − max(0, a − b).
-            None => Some(self.plus(&Self::within(excess.most()?)?)),
+            None => Some(self.plus(&Self::within(excess.magnitude_bound()?)?)),
         }
     }
 
     /// `√self` of a value known to be a square: also where its enclosure reaches zero or below.
     fn root_of_square(&self) -> Option<Self> {
-        self.root().or_else(|| Self::within(self.most()?.root()))
+        self.root().or_else(|| Self::within(self.magnitude_bound()?.root()))
     }
 
     /// Whether the value is certainly zero: it may be left out of sums.

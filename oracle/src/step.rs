@@ -25,7 +25,8 @@ mod transfer;
 mod update;
 
 pub use answer::{
-    CertifiedStep, Cut, FailedAttempt, GapChange, IterationEnd, StepAnswer, StepFailure, StepModel, UNCHANGED_SOLVES,
+    CertifiedStep, FailedAttempt, GapChange, IterationEnd, RetryReason, StepAnswer, StepFailure, StepModel,
+    UNCHANGED_SOLVES,
 };
 pub use ladder::StepLevels;
 pub use margin::{ModeMargin, friction_margins, mode_margins};

@@ -60,7 +60,7 @@ fn a_block_slides_without_friction_with_the_slope_s_share_of_gravity() {
     for k in 1..=8 {
         let answer = scene.step(&state, KeptPrecision::Exact);
         assert_eq!(answer.contacts.len(), 4);
-        assert!(answer.converged && answer.cuts.is_empty() && answer.levels.undecided == 0);
+        assert!(answer.converged && answer.retries.is_empty() && answer.levels.undecided == 0);
         assert!(answer.modes.last().unwrap().iter().all(|&mode| mode == Mode::Sliding));
         state = answer.state;
         let t = BigRational::new(k.into(), 100.into());

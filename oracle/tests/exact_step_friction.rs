@@ -232,7 +232,7 @@ fn what_nothing_presses_never_settles_and_ends_with_the_seventh_solve() {
     let answer = scene.step(&aside, KeptPrecision::Grid { exponent: 200 });
     assert!((0..=7).all(|solve| all(&answer, solve, Mode::Sliding)));
     assert_eq!((answer.end, answer.iterations), (IterationEnd::Unchanged, 7));
-    assert!(answer.converged && answer.cuts.is_empty());
+    assert!(answer.converged && answer.retries.is_empty());
     assert_eq!(answer.levels.undecided, 0);
 }
 
@@ -242,19 +242,19 @@ fn the_next_step_begins_with_three_halves_of_the_last() {
     scene.bodies[0].velocity = point(["40", "0", "0"]);
     // 40 m/s and a limit of 1/10 m: 1/100 s is halved to 1/400 s.
     let first = scene.step(&scene.start(), KeptPrecision::Exact);
-    assert_eq!((first.time_step, first.cuts.len()), (exact("1/400"), 2));
+    assert_eq!((first.time_step, first.retries.len()), (exact("1/400"), 2));
     assert_eq!(value(&first.state.last_time_step), exact("1/400"));
     // 3/800 s is too long and halved; 9/3200 s too.
     let second = scene.step(&first.state, KeptPrecision::Exact);
-    assert_eq!((second.time_step, second.cuts.len()), (exact("3/1600"), 1));
-    assert_eq!(second.cuts[0].time_step, exact("3/800"));
+    assert_eq!((second.time_step, second.retries.len()), (exact("3/1600"), 1));
+    assert_eq!(second.retries[0].time_step, exact("3/800"));
     // Without the limit it grows to the full Δt and no further.
     scene.tolerances.max_displacement = number("1");
     let mut state = second.state;
     for expected in ["9/3200", "27/6400", "81/12800", "243/25600", "1/100", "1/100"] {
         let answer = scene.step(&state, KeptPrecision::Exact);
         assert_eq!(answer.time_step, exact(expected));
-        assert!(answer.cuts.is_empty());
+        assert!(answer.retries.is_empty());
         state = answer.state;
     }
 }

@@ -9,7 +9,7 @@ use num_rational::BigRational;
 use rockproof_model::simulation::{FixedPoint, Kinematics, Motion, PointLoad};
 use rockproof_model::{Block, ContactKind, Number, Vec3};
 use rockproof_oracle::step::{
-    Cut, FailedAttempt, IterationEnd, KeptPrecision, Mode, StepFailure, StepModel, certified_step, exact_step,
+    FailedAttempt, IterationEnd, KeptPrecision, Mode, RetryReason, StepFailure, StepModel, certified_step, exact_step,
 };
 use support::shapes::{Prism, WEDGE, cuboid, exact, number, point, spike};
 use support::steps::Scene;
@@ -140,13 +140,16 @@ fn a_fast_block_is_halved_until_it_keeps_the_limit() {
     scene.bodies[0].velocity = point(["40", "0", "0"]);
     // 40 m/s: 4/10 of a metre, 2/10, and 1/10, which is the limit and allowed.
     let answer = scene.step(&scene.start(), KeptPrecision::Exact);
-    let cut = |time_step: &str, cut| FailedAttempt {
+    let given_up = |time_step: &str, reason| FailedAttempt {
         time_step: exact(time_step),
-        cut,
+        reason,
         solves: 1,
         end: IterationEnd::Settled,
     };
-    assert_eq!(answer.cuts, [cut("1/100", Cut::Displacement), cut("1/200", Cut::Displacement)]);
+    assert_eq!(
+        answer.retries,
+        [given_up("1/100", RetryReason::Displacement), given_up("1/200", RetryReason::Displacement)]
+    );
     assert_eq!(answer.time_step, exact("1/400"));
     assert_eq!(value(&answer.state.blocks[0].vertices[0].x), exact("1/10"));
     assert_eq!(value(&answer.state.time), exact("1/400"));
@@ -155,13 +158,13 @@ fn a_fast_block_is_halved_until_it_keeps_the_limit() {
     scene.tolerances.max_displacement = number("1");
     // 16 rad/s: 16/100, and 8/100 below the limit of 1/10.
     let answer = scene.step(&scene.start(), KeptPrecision::Exact);
-    assert_eq!(answer.cuts, [cut("1/100", Cut::Rotation)]);
+    assert_eq!(answer.retries, [given_up("1/100", RetryReason::Rotation)]);
     scene.tolerances.max_rotation = number("1/1000000");
     let shapes: Vec<&Block> = scene.blocks.iter().collect();
     let model: StepModel<'_> = scene.model(&shapes);
     assert_eq!(
         exact_step(&model, &scene.start(), KeptPrecision::Exact).unwrap_err(),
-        StepFailure::TooFast { block: 0, limit: Cut::Rotation }
+        StepFailure::TooFast { block: 0, limit: RetryReason::Rotation }
     );
     assert!(certified_step(&model, &scene.start()).is_err());
 }
@@ -231,8 +234,8 @@ fn a_certified_step_decides_what_the_exact_step_does() {
         let answer = exact_step(&model, &state, FINE).unwrap();
         assert_eq!((&certified.modes, &certified.contacts), (&answer.modes, &answer.contacts));
         assert_eq!(
-            (certified.converged, &certified.cuts, certified.levels),
-            (answer.converged, &answer.cuts, answer.levels)
+            (certified.converged, &certified.retries, certified.levels),
+            (answer.converged, &answer.retries, answer.levels)
         );
         // The block is rigid: its centroid moves by the first three unknowns.
         let displacements = certified.displacements.unwrap();

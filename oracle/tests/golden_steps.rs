@@ -9,7 +9,8 @@ use num_traits::{One, Signed};
 use rockproof_model::Number;
 use rockproof_model::simulation::Unconverged;
 use rockproof_oracle::step::{
-    Cut, IterationEnd, KeptPrecision, Mode, State, StepAnswer, StepFailure, StepModel, certified_step, exact_step,
+    FailedAttempt, IterationEnd, KeptPrecision, Mode, RetryReason, State, StepAnswer, StepFailure, StepModel,
+    certified_step, exact_step,
 };
 use std::sync::atomic::{AtomicUsize, Ordering};
 use support::golden_steps::{GoldenScene, GoldenStep, scenes};
@@ -53,9 +54,10 @@ fn differences(expected: &GoldenStep, set: &State, before: &State, answer: &Step
     want("time step", answer.time_step == exact(&expected.time_step), format!("{}", answer.time_step));
     want("solves", answer.iterations == expected.solves, format!("{}", answer.iterations));
     want("converged", answer.converged == expected.converged, format!("{:?}", answer.end));
-    let cuts: Vec<_> = answer.cuts.iter().map(|cut| ((cut.cut, cut.time_step.clone()), cut.solves)).collect();
+    let given_up = |attempt: &FailedAttempt| ((attempt.reason, attempt.time_step.clone()), attempt.solves);
+    let retried: Vec<_> = answer.retries.iter().map(given_up).collect();
     let retries: Vec<_> = expected.retries.iter().map(|retry| (retry.given_up(), retry.solves)).collect();
-    want("retries", cuts == retries, format!("{cuts:?}"));
+    want("retries", retried == retries, format!("{retried:?}"));
     let features = |(blocks, c): &([usize; 2], rockproof_model::Contact)| {
         (*blocks, c.kind(), c.key.numbers(), c.entrance.kind(), c.entrance.numbers())
     };
@@ -169,8 +171,13 @@ fn an_attempt_that_fails_at_the_smallest_time_step_is_taken_whatever_its_displac
     let model = scene.model(&shapes);
     let start = State::initial(&model);
     let answer = exact_step(&model, &start, KEEP).expect("accepted");
-    assert_eq!((answer.end, answer.converged, answer.cuts.len()), (IterationEnd::Changing, false, 5));
-    assert!(answer.cuts.iter().all(|tried| tried.cut == Cut::NotConverged && tried.end == IterationEnd::Changing));
+    assert_eq!((answer.end, answer.converged, answer.retries.len()), (IterationEnd::Changing, false, 5));
+    assert!(
+        answer
+            .retries
+            .iter()
+            .all(|tried| tried.reason == RetryReason::NotConverged && tried.end == IterationEnd::Changing)
+    );
     // SPEC asks the limits after convergence only.
     let mut still = model.tolerances.clone();
     still.max_displacement = Number::ZERO;

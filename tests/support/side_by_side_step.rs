@@ -37,7 +37,7 @@ pub(crate) fn first_difference<M: StepRules>(scene: &Scene, set: &ToleranceSet, 
         if features(&contacts) != features(&answer.contacts) {
             return differs("contacts");
         }
-        if report.retries.len() != answer.cuts.len() {
+        if report.retries.len() != answer.retries.len() {
             return differs("retries");
         }
         let time_step = Number::from_rational(answer.time_step.clone()).approximate();

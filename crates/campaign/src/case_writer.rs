@@ -10,11 +10,11 @@ pub(super) struct CaseRequest {
     pub(super) cause: &'static str,
     pub(super) name: String,
     /// Set where the finding is too far from a tie for rounding to be the reason.
-    pub(super) record: Option<Record>,
+    pub(super) furthest: Option<FurthestFinding>,
 }
 
-/// A finding far from a tie, which gets a file whatever else has one if none so far has been kept.
-pub(super) struct Record {
+/// A finding far from a tie: it gets a file, whatever else has one, if it is further away than all before it.
+pub(super) struct FurthestFinding {
     /// What it is compared with: findings about the same engine, of the same cause.
     pub(super) key: String,
     /// The decade of its margin in roundoffs, above 0.
@@ -37,8 +37,8 @@ pub(super) struct CaseCounts<'p> {
     pub(super) of_cause: &'p mut BTreeMap<String, u64>,
 }
 
-/// Whether there is room for a file, of findings alike and of one cause. Between chunks files only come in addition, and so do records: what has no
-/// room before one chunk has none in any later one.
+/// Whether there is room for a file, of findings alike and of one cause. Between chunks the counts only grow, and so does the
+/// furthest decade: what has no room before one chunk has none in any later one.
 pub(super) fn has_room(
     alike: &BTreeMap<String, u64>,
     of_cause: &BTreeMap<String, u64>,
@@ -47,8 +47,8 @@ pub(super) fn has_room(
 ) -> bool {
     let count = |counts: &BTreeMap<String, u64>, key: &str| counts.get(key).copied().unwrap_or(0);
     let usual = count(alike, &request.fingerprint) < quota.alike && count(of_cause, request.cause) < quota.of_cause;
-    let record = request.record.as_ref().is_some_and(|record| record.decade > count(alike, &record.key));
-    usual || record && quota.of_cause > 0
+    let furthest = request.furthest.as_ref().is_some_and(|furthest| furthest.decade > count(alike, &furthest.key));
+    usual || furthest && quota.of_cause > 0
 }
 
 impl CaseCounts<'_> {
@@ -56,23 +56,23 @@ impl CaseCounts<'_> {
         has_room(self.alike, self.of_cause, request, quota)
     }
 
-    /// Counts a file and gives what the record was before.
+    /// Counts a file and gives the furthest decade before it, where that has grown.
     fn add(&mut self, request: &CaseRequest) -> Option<u64> {
         *self.alike.entry(request.fingerprint.clone()).or_default() += 1;
         *self.of_cause.entry(request.cause.to_owned()).or_default() += 1;
-        let record = request.record.as_ref()?;
-        let known = self.alike.entry(record.key.clone()).or_default();
-        (record.decade > *known).then(|| std::mem::replace(known, record.decade))
+        let furthest = request.furthest.as_ref()?;
+        let known = self.alike.entry(furthest.key.clone()).or_default();
+        (furthest.decade > *known).then(|| std::mem::replace(known, furthest.decade))
     }
 
     /// Takes [`CaseCounts::add`] back.
     fn release(&mut self, request: &CaseRequest, before: Option<u64>) {
-        if let (Some(record), Some(before)) = (&request.record, before)
-            && self.alike.get(&record.key) == Some(&record.decade)
+        if let (Some(furthest), Some(before)) = (&request.furthest, before)
+            && self.alike.get(&furthest.key) == Some(&furthest.decade)
         {
             match before {
-                0 => self.alike.remove(&record.key),
-                before => self.alike.insert(record.key.clone(), before),
+                0 => self.alike.remove(&furthest.key),
+                before => self.alike.insert(furthest.key.clone(), before),
             };
         }
         for (counts, key) in [(&mut *self.alike, request.fingerprint.as_str()), (&mut *self.of_cause, request.cause)] {
@@ -110,7 +110,7 @@ const ROUNDS: usize = 4;
 #[derive(Clone, PartialEq, Eq)]
 enum CaseStatus {
     Requested,
-    /// With the record before it.
+    /// With the furthest decade before it.
     Granted(Option<u64>),
     Made(Vec<u8>),
     /// Its file cannot be made.
@@ -195,7 +195,7 @@ mod tests {
             fingerprint: format!("kind {}", number % 2),
             cause: "tolerance",
             name: format!("{number}.toml"),
-            record: None,
+            furthest: None,
         };
         let mut kept = |findings: &[u32]| {
             let counts = CaseCounts { alike: &mut alike, of_cause: &mut of_cause };
@@ -222,7 +222,7 @@ mod tests {
             fingerprint: "kind".to_owned(),
             cause: "defect",
             name: "same.toml".to_owned(),
-            record: None,
+            furthest: None,
         };
         let file = |number: &u32| Ok(Some(number.to_string().into_bytes()));
         let kept = write_cases(&[1, 2], request, CaseQuota { of_cause: 9, alike: 9 }, counts, in_threads(file))
@@ -240,7 +240,7 @@ mod tests {
                 fingerprint: "kind".to_owned(),
                 cause: "arithmetic",
                 name: format!("{decade}.toml"),
-                record: (*decade > 0).then(|| Record { key: "furthest".to_owned(), decade: *decade }),
+                furthest: (*decade > 0).then(|| FurthestFinding { key: "furthest".to_owned(), decade: *decade }),
             };
             let file = |decade: &u64| Ok((*decade != 9).then(Vec::new));
             let kept = write_cases(findings, request, CaseQuota { of_cause: 1, alike: 1 }, counts, in_threads(file))

@@ -1,6 +1,6 @@
 //! The case files of a campaign: which findings get one, and how it is made.
 
-use super::case_writer::{CaseCounts, CaseFiles, CaseQuota, CaseRequest, Record, in_threads, write_cases};
+use super::case_writer::{CaseCounts, CaseFiles, CaseQuota, CaseRequest, FurthestFinding, in_threads, write_cases};
 use super::journal::{CampaignProgress, NewRows};
 use super::run::{Campaign, RunError, Stopped, rows};
 use super::shrink::Shrinker;
@@ -19,20 +19,20 @@ pub(super) type CaseFile = (String, Vec<u8>);
 const STEP_CASES: u64 = 4;
 
 /// The case file that the finding of a row would get.
-pub(super) fn wish(row: &FindingRow) -> CaseRequest {
+pub(super) fn case_request(row: &FindingRow) -> CaseRequest {
     let fingerprint = Fingerprint::of_row(row);
     let name = format!("{}.toml", fingerprint.file_stem(&row.tolerances, row.index));
     let far = row.margin_ulps.map(f64::abs).filter(|ulps| *ulps > FAR);
-    let record = far.map(|ulps| Record {
+    let furthest = far.map(|ulps| FurthestFinding {
         key: format!("furthest {} {}", row.engine, row.cause),
         decade: ulps.log10().floor() as u64,
     });
-    CaseRequest { fingerprint: fingerprint.text(), cause: row.cause.name(), name, record }
+    CaseRequest { fingerprint: fingerprint.text(), cause: row.cause.name(), name, furthest }
 }
 
 /// The same of a finding about a step.
-pub(super) fn step_wish(row: &StepFindingRow) -> CaseRequest {
-    CaseRequest { fingerprint: row.fingerprint(), cause: row.cause.name(), name: row.file_name(), record: None }
+pub(super) fn step_case_request(row: &StepFindingRow) -> CaseRequest {
+    CaseRequest { fingerprint: row.fingerprint(), cause: row.cause.name(), name: row.file_name(), furthest: None }
 }
 
 impl Campaign<'_> {
@@ -77,10 +77,10 @@ impl Campaign<'_> {
         progress: &mut CampaignProgress,
         stopped: Stopped<'_>,
     ) -> Result<CaseFiles, RunError> {
-        let wish = |finding: &Finding| wish(&finding.row(String::new()));
+        let request = |finding: &Finding| case_request(&finding.row(String::new()));
         let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
         let case = |finding: &Finding| if stopped() { Ok(None) } else { self.case(finding) };
-        write_cases(findings, wish, self.most_cases(), counts, in_threads(case))
+        write_cases(findings, request, self.most_cases(), counts, in_threads(case))
     }
 
     /// The same of findings about steps: the first few of each fingerprint.
@@ -90,10 +90,10 @@ impl Campaign<'_> {
         progress: &mut CampaignProgress,
         stopped: Stopped<'_>,
     ) -> Result<CaseFiles, RunError> {
-        let wish = |finding: &StepFinding| step_wish(&finding.row(String::new()));
+        let request = |finding: &StepFinding| step_case_request(&finding.row(String::new()));
         let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
         let case = |finding: &StepFinding| if stopped() { Ok(None) } else { self.step_case(finding) };
-        write_cases(findings, wish, self.most_step_cases(), counts, in_threads(case))
+        write_cases(findings, request, self.most_step_cases(), counts, in_threads(case))
     }
 
     /// Rows of `no_case.csv`: of the findings about steps that a campaign of this part alone would keep, those that cannot have a case file.
@@ -105,7 +105,7 @@ impl Campaign<'_> {
         stopped: Stopped<'_>,
     ) -> Result<Vec<u8>, RunError> {
         let Some(part) = &mut progress.part else { return Ok(Vec::new()) };
-        let wish = |finding: &StepFinding| step_wish(&finding.row(String::new()));
+        let request = |finding: &StepFinding| step_case_request(&finding.row(String::new()));
         let counts = CaseCounts { alike: &mut part.fingerprints, of_cause: &mut part.causes };
         let tried = |finding: &StepFinding| {
             if stopped() {
@@ -116,7 +116,7 @@ impl Campaign<'_> {
                 .is_some_and(|(subject, motion)| steps::case::is_possible(finding, &subject, &motion, self.steppers));
             Ok(possible.then(Vec::new))
         };
-        let kept = write_cases(findings, wish, self.most_step_cases(), counts, in_threads(tried))?;
+        let kept = write_cases(findings, request, self.most_step_cases(), counts, in_threads(tried))?;
         let mut rows = Vec::new();
         for at in kept.failed {
             let index = findings[at].index;

@@ -3,7 +3,7 @@
 //! The sample follows from the findings and the seed alone, and the engines are asked anew, so the table is the same after a resumption, on any
 //! number of threads, and for parts put together, as long as the engines answer alike.
 
-use super::cases::wish;
+use super::cases::case_request;
 use super::journal::{FINDINGS, Journal};
 use super::run::{Campaign, Ending, RunError, Stopped};
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use rockproof_differential::case_file::Case;
 use rockproof_differential::collapse::collapsed_feature;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::diagnosis::{
-    DIAGNOSIS_COLUMNS, DiagnosisRow, DiagnosisVerdict, Question, Said, Sample, ask, diagnose,
+    DIAGNOSIS_COLUMNS, DiagnosisRow, DiagnosisVerdict, Question, Reply, Sample, ask, diagnose,
 };
 use rockproof_differential::engine::Engine;
 use rockproof_differential::finding::{Cause, Finding, FindingScope};
@@ -43,15 +43,15 @@ const UNANSWERED: usize = 2;
 
 /// One pair under one tolerance set, by a number that has nothing to do with either, so that the first are a sample of all.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Place {
+struct SampleKey {
     order: String,
     index: u64,
     set: String,
 }
 
-impl Place {
-    fn of(seed: u64, index: u64, set: &str) -> Place {
-        Place { order: digest(format!("{seed} {index} {set}").as_bytes()), index, set: set.to_owned() }
+impl SampleKey {
+    fn of(seed: u64, index: u64, set: &str) -> SampleKey {
+        SampleKey { order: digest(format!("{seed} {index} {set}").as_bytes()), index, set: set.to_owned() }
     }
 
     fn label(&self) -> String {
@@ -65,13 +65,13 @@ fn label(index: u64, set: &str) -> String {
 }
 
 /// Answers about the pairs of one batch: those that differ in the campaign, and right ones.
-type BatchAnswers = (Vec<(Place, Question)>, Vec<Question>);
+type BatchAnswers = (Vec<(SampleKey, Question)>, Vec<Question>);
 
 /// The differing answers of an engine.
 #[derive(Default)]
 struct Differing {
     /// Of the first, each with its case file, if it has one.
-    first: BTreeMap<Place, String>,
+    first: BTreeMap<SampleKey, String>,
     all: u64,
     /// The sets under which the pair of the last row differs.
     last: (u64, BTreeSet<String>),
@@ -82,7 +82,7 @@ impl Differing {
         if self.last.0 != row.index {
             self.last = (row.index, BTreeSet::new());
         }
-        let place = Place::of(seed, row.index, &row.tolerances);
+        let place = SampleKey::of(seed, row.index, &row.tolerances);
         if self.last.1.insert(row.tolerances) {
             self.all += 1;
             self.first.insert(place.clone(), String::new());
@@ -151,7 +151,7 @@ impl Campaign<'_> {
         done: &AtomicU64,
     ) -> Vec<DiagnosisRow> {
         let batch_len = self.source.batch_len();
-        let mut batches: BTreeMap<u64, Vec<(&Place, &String)>> = BTreeMap::new();
+        let mut batches: BTreeMap<u64, Vec<(&SampleKey, &String)>> = BTreeMap::new();
         for (place, case) in &found.first {
             batches.entry(place.index / batch_len).or_default().push((place, case));
         }
@@ -172,7 +172,7 @@ impl Campaign<'_> {
                 let subjects = self.source.batch(number);
                 let right = !places.is_empty() && !beside.contains(&number);
                 let right = if right { Vec::new() } else { self.right_answers(engine, &subjects, places) };
-                let question = |(place, case): &(&Place, &String)| {
+                let question = |(place, case): &(&SampleKey, &String)| {
                     let subject = subjects.iter().find(|subject| subject.index == place.index)?;
                     let set = subject.sets.iter().find(|set| *set.name == *place.set)?;
                     let mut question = question(engine, subject, set)?;
@@ -186,7 +186,7 @@ impl Campaign<'_> {
             })
             .collect();
         let (differing, agreeing): (Vec<_>, Vec<_>) = asked.into_iter().unzip();
-        let mut differing: Vec<(Place, Question)> = differing.into_iter().flatten().collect();
+        let mut differing: Vec<(SampleKey, Question)> = differing.into_iter().flatten().collect();
         differing.sort_by(|(one, _), (other, _)| one.cmp(other));
         if stopped() {
             return Vec::new();
@@ -201,7 +201,7 @@ impl Campaign<'_> {
 
     /// The case file of an answer that nothing explains and that has none: the pair as it is, since what is left of it when it is made small may be
     /// explained.
-    fn unexplained(&self, engine: &dyn Engine, place: &Place) -> Result<Option<(String, Vec<u8>)>, RunError> {
+    fn unexplained(&self, engine: &dyn Engine, place: &SampleKey) -> Result<Option<(String, Vec<u8>)>, RunError> {
         let Some(subject) = self.subject(place.index) else { return Ok(None) };
         let scope = FindingScope::Engine(engine.name().into());
         let is_it = |finding: &Finding| {
@@ -210,7 +210,7 @@ impl Campaign<'_> {
         let Some(finding) = examine(&subject, self.panel).findings.into_iter().find(is_it) else { return Ok(None) };
         let case = Case::of(&finding, &subject, self.config.seed, self.panel);
         let Some(case) = case else { return Ok(None) };
-        Ok(Some((wish(&finding.row(String::new())).name, case.to_toml()?.into_bytes())))
+        Ok(Some((case_request(&finding.row(String::new())).name, case.to_toml()?.into_bytes())))
     }
 
     /// Some questions about pairs of a batch that the engine answers exactly, most of them with contacts.
@@ -218,12 +218,12 @@ impl Campaign<'_> {
         &self,
         engine: &dyn Engine,
         subjects: &[Subject],
-        differing: &[(&Place, &String)],
+        differing: &[(&SampleKey, &String)],
     ) -> Vec<Question> {
-        let mut places: Vec<(Place, &Subject, &SubjectSet)> = Vec::new();
+        let mut places: Vec<(SampleKey, &Subject, &SubjectSet)> = Vec::new();
         for subject in subjects.iter().filter(|subject| subject.index < self.config.pairs) {
             for set in &subject.sets {
-                let place = Place::of(self.config.seed, subject.index, &set.name);
+                let place = SampleKey::of(self.config.seed, subject.index, &set.name);
                 if differing.iter().all(|(known, _)| **known != place) {
                     places.push((place, subject, set));
                 }
@@ -236,8 +236,8 @@ impl Campaign<'_> {
                 break;
             }
             let Some(question) = question(engine, subject, set) else { continue };
-            unanswered += usize::from(matches!(question.said, Said::Nothing(_)));
-            let nothing = matches!(question.said, Said::Contacts(_)) && !question.has_contacts();
+            unanswered += usize::from(matches!(question.reply, Reply::Nothing(_)));
+            let nothing = matches!(question.reply, Reply::Contacts(_)) && !question.has_contacts();
             if question.is_right() == Some(true) && (!nothing || empty < WITHOUT_CONTACTS) {
                 empty += usize::from(nothing);
                 right.push(question);
@@ -270,9 +270,9 @@ fn question(engine: &dyn Engine, subject: &Subject, set: &SubjectSet) -> Option<
         return None;
     }
     let tolerances = set.of(precision).rounded(precision).ok()?;
-    let said = ask(engine, &blocks, &tolerances);
+    let reply = ask(engine, &blocks, &tolerances);
     let label = label(subject.index, &set.name);
-    Some(Question { blocks, tolerances, precision, accuracy: engine.accuracy(), said, label })
+    Some(Question { blocks, tolerances, precision, accuracy: engine.accuracy(), reply, label })
 }
 
 fn table(rows: &[DiagnosisRow]) -> Result<Vec<u8>, csv::Error> {

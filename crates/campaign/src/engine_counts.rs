@@ -37,7 +37,7 @@ impl EngineSums {
     }
 
     /// The sums of what was counted before and in this session.
-    pub(super) fn now(&self, panel: &EnginePanel) -> BTreeMap<String, EngineCounts> {
+    pub(super) fn totals(&self, panel: &EnginePanel) -> BTreeMap<String, EngineCounts> {
         let mut sums = self.before.clone();
         for (name, now) in counts(panel) {
             let since = self.at_start.get(&name).map_or(now, |start| now.since(start));

@@ -73,7 +73,7 @@ pub(super) trait Examiner {
     fn engines(&self) -> BTreeMap<String, EngineCounts>;
 
     /// What `run.json` says of it.
-    fn told(&self) -> Map<String, Value>;
+    fn run_notes(&self) -> Map<String, Value>;
 }
 
 /// The threads of this process.
@@ -125,10 +125,10 @@ impl Examiner for InProcess<'_> {
     }
 
     fn engines(&self) -> BTreeMap<String, EngineCounts> {
-        self.engines.now(self.campaign.panel)
+        self.engines.totals(self.campaign.panel)
     }
 
-    fn told(&self) -> Map<String, Value> {
+    fn run_notes(&self) -> Map<String, Value> {
         Map::new()
     }
 }

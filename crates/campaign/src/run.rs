@@ -218,7 +218,7 @@ impl Campaign<'_> {
         if progress.pairs_done > journal.progress().pairs_done {
             journal.commit(&new, progress)?;
         }
-        self.write_tables(journal, finished, examiner.told())?;
+        self.write_tables(journal, finished, examiner.run_notes())?;
         Ok(if finished { Ending::Finished } else { Ending::Stopped })
     }
 

@@ -42,7 +42,7 @@ impl<'p> Shrinker<'p> {
                 break;
             }
         }
-        if let Some(finding) = self.look(&best) {
+        if let Some(finding) = self.finding_of(&best) {
             best.describe(&finding, self.panel);
         }
         best
@@ -50,10 +50,10 @@ impl<'p> Shrinker<'p> {
 
     fn reproduces(&mut self, case: &Case) -> Option<Finding> {
         self.left = self.left.checked_sub(1)?;
-        self.look(case)
+        self.finding_of(case)
     }
 
-    fn look(&self, case: &Case) -> Option<Finding> {
+    fn finding_of(&self, case: &Case) -> Option<Finding> {
         let far_enough =
             |finding: &Finding| self.least == 0.0 || finding.margin_ulps().is_some_and(|u| u.abs() >= self.least);
         case.findings(self.panel).into_iter().find(far_enough)

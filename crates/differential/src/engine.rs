@@ -85,7 +85,7 @@ impl EngineCounts {
     }
 
     /// Says that failures did not repeat, where there were any.
-    pub fn told(&self) -> Option<String> {
+    pub fn recovered_note(&self) -> Option<String> {
         let EngineCounts { asked, recovered, .. } = self;
         (*recovered > 0).then(|| {
             format!("{recovered} of {asked} questions failed and were answered by a fresh process (\"recovered\")")

@@ -41,7 +41,7 @@ pub(crate) fn step(bytes: &[u8], reach: &mut Reach) {
         enclosed(&certified, &state, &exact, &scene, reach);
         reach.count("step");
         reach.add("contacts", exact.contacts.len() as u64);
-        reach.add("cuts", exact.cuts.len() as u64);
+        reach.add("cuts", exact.retries.len() as u64);
         reach.add("solves", u64::from(exact.iterations));
         exact.modes.iter().flatten().for_each(|mode| reach.count(format!("mode-{mode:?}").to_lowercase()));
         let levels = exact.levels;

@@ -161,12 +161,12 @@ fn key(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn sort(pairs: u64, squares: u64) -> ClassCount {
+    fn count(pairs: u64, squares: u64) -> ClassCount {
         ClassCount { findings: pairs, pairs, squares }
     }
 
     fn chance(was: u64, now: u64, examined: [u64; 2]) -> f64 {
-        ClassGrowth { was: sort(was, was), now: sort(now, now), examined }.chance()
+        ClassGrowth { was: count(was, was), now: count(now, now), examined }.chance()
     }
 
     #[test]
@@ -184,7 +184,7 @@ mod tests {
     fn equal_rates_are_chance_and_clustered_pairs_tell_less() {
         assert!(chance(100, 50, [2000, 1000]) > 0.4);
         let growth =
-            |squares| ClassGrowth { was: sort(10, squares), now: sort(40, 4 * squares), examined: [1000, 1000] };
+            |squares| ClassGrowth { was: count(10, squares), now: count(40, 4 * squares), examined: [1000, 1000] };
         assert!(growth(10).chance() < 1e-4);
         assert!(growth(160).chance() > growth(10).chance() && growth(160).chance() > 0.1);
     }
@@ -202,7 +202,7 @@ mod tests {
             "'''\n\"\"\"",
             "\t\r\u{0}\u{7f}\u{1b}é\\",
         ] {
-            let known = KnownFindings { known: [(text.to_owned(), sort(1, 1))].into(), ..KnownFindings::default() };
+            let known = KnownFindings { known: [(text.to_owned(), count(1, 1))].into(), ..KnownFindings::default() };
             assert_eq!(toml::from_str::<KnownFindings>(&known.to_toml()).ok(), Some(known), "{text:?}");
         }
     }
@@ -213,7 +213,7 @@ mod tests {
         let known = KnownFindings {
             fields,
             examined: [("sliver".to_owned(), 12), ("real".to_owned(), 3)].into(),
-            known: [("a \"b\" | sliver".to_owned(), sort(4, 10)), ("c | real".to_owned(), sort(1, 1))].into(),
+            known: [("a \"b\" | sliver".to_owned(), count(4, 10)), ("c | real".to_owned(), count(1, 1))].into(),
         };
         assert_eq!(toml::from_str::<KnownFindings>(&known.to_toml()).expect("TOML"), known);
         assert_eq!((known.examined_of("c | real"), known.examined_of("c | sliver")), (3, 12));

@@ -11,7 +11,7 @@ use rockproof_differential::lockstep::Trajectory;
 use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::{Contact, Number, Point, Precision, Scene, ToleranceSet, ToleranceSpec, Vec3};
-use rockproof_oracle::step::{Cut, Mode as ExactMode, StepAnswer};
+use rockproof_oracle::step::{RetryReason, Mode as ExactMode, StepAnswer};
 use rockproof_stepper::dynamics::{Dynamics, RetryReason, Solve, StepReport};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -278,9 +278,9 @@ fn of_oracle(number: i64, answer: &StepAnswer) -> Step {
         ExactMode::Locked => "locked",
     };
     let retry = |cut| match cut {
-        Cut::NotConverged => RetryReason::NotConverged.name(),
-        Cut::Displacement => RetryReason::Displacement.name(),
-        Cut::Rotation => RetryReason::Rotation.name(),
+        RetryReason::NotConverged => RetryReason::NotConverged.name(),
+        RetryReason::Displacement => RetryReason::Displacement.name(),
+        RetryReason::Rotation => RetryReason::Rotation.name(),
     };
     let contacts = answer.state.contacts.iter().zip(&answer.gaps);
     let contacts =
@@ -291,7 +291,7 @@ fn of_oracle(number: i64, answer: &StepAnswer) -> Step {
         time_step: Number::from_rational(answer.time_step.clone()).approximate(),
         iterations: answer.iterations,
         converged: answer.converged,
-        retries: answer.cuts.iter().map(|attempt| retry(attempt.cut).to_owned()).collect(),
+        retries: answer.retries.iter().map(|attempt| retry(attempt.reason).to_owned()).collect(),
         contacts: contacts.collect(),
         vertices: answer.state.blocks.iter().map(|block| block.vertices.clone()).collect(),
     }

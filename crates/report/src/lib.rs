@@ -62,7 +62,7 @@ impl Report {
         let results = Results::read(dirs)?;
         let names = results.campaigns.iter().map(|run| &run.name);
         let names = names.chain(results.locksteps.iter().map(|run| &run.name));
-        let names = names.chain(results.alone().map(|run| &run.name));
+        let names = names.chain(results.without_lockstep().map(|run| &run.name));
         let names = names.chain(results.stresses.iter().map(|run| &run.name));
         let names = names.chain(results.timings.iter().map(|run| &run.name));
         let mut names: Vec<&str> = names.map(String::as_str).collect();

@@ -186,7 +186,7 @@ impl Results {
     }
 
     /// Runs of a scene that have no lockstep.
-    pub fn alone(&self) -> impl Iterator<Item = &motion::MotionRun> {
+    pub fn without_lockstep(&self) -> impl Iterator<Item = &motion::MotionRun> {
         self.motions.iter().filter(|run| self.locksteps.iter().all(|lockstep| lockstep.dir != run.dir))
     }
 }

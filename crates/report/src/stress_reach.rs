@@ -51,7 +51,7 @@ pub(crate) fn noun(axis: StressAxis) -> &'static str {
 }
 
 /// With or without ties.
-pub(crate) fn ties(form: PairAlignment) -> &'static str {
+pub(crate) fn alignment_words(form: PairAlignment) -> &'static str {
     match form {
         PairAlignment::Aligned => "with ties",
         PairAlignment::Generic => "without ties",

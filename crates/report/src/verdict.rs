@@ -146,7 +146,7 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
             if share.value < 1.0 {
                 severity = Severity::Fair;
             }
-            let again = campaign.run.external_engines.get(&engine).and_then(EngineCounts::told);
+            let again = campaign.run.external_engines.get(&engine).and_then(EngineCounts::recovered_note);
             if again.is_some() {
                 severity = Severity::Bad;
             }

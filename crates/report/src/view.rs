@@ -35,7 +35,7 @@ impl ViewedContact {
     }
 
     /// Who has it.
-    pub fn who(&self) -> &'static str {
+    pub fn side_name(&self) -> &'static str {
         match (self.before, self.after) {
             (true, true) => "both",
             (true, false) => "true",
@@ -149,7 +149,7 @@ impl<'c> BlockView<'c> {
 
     fn contact(&self, seen: &ViewedContact, number: usize) -> Vec<Value> {
         let features = seen.contact.key.features();
-        let (color, word) = match seen.who() {
+        let (color, word) = match seen.side_name() {
             "true" => ("$true", "true"),
             "seen" => ("$seen", "seen"),
             _ => ("$both", "in both"),

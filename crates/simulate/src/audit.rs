@@ -110,12 +110,12 @@ impl AuditTotals {
         if self.steps_unseen > 0 {
             let [count, steps, all] = [self.most_unseen, self.steps_unseen, self.steps];
             let pairs = if count == 1 { "1 pair overlaps".to_owned() } else { format!("up to {count} pairs overlap") };
-            let worst = place(self.worst_unseen);
+            let worst = worst_pair_note(self.worst_unseen);
             parts.push(format!("{pairs} where no contact sees it, after {steps} of {all} steps{worst}"));
         }
         if self.passages > 0 {
             let passages = if self.passages == 1 { "passage" } else { "passages" };
-            let worst = place(self.worst_passage);
+            let worst = worst_pair_note(self.worst_passage);
             parts.push(format!("{} {passages} within a step{worst}", self.passages));
         }
         if self.objects() {
@@ -128,14 +128,14 @@ impl AuditTotals {
         }
         parts.push(match self.deepest {
             None => "no overlap after any step".to_owned(),
-            deepest => format!("deepest overlap of all{}", place(deepest)),
+            deepest => format!("deepest overlap of all{}", worst_pair_note(deepest)),
         });
         parts.join("; ")
     }
 }
 
 /// The worst pair with its depth and step, in brackets.
-fn place(worst: Option<PairExtreme>) -> String {
+fn worst_pair_note(worst: Option<PairExtreme>) -> String {
     let Some(PairExtreme { blocks: [a, b], depth_m: ExactFloat(depth), step }) = worst else { return String::new() };
     let depth = if (1e-3..1e4).contains(&depth) { format!("{depth:.4}") } else { format!("{depth:.3e}") };
     format!(" (worst {a}–{b}, {depth} m, step {step})")

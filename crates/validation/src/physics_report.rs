@@ -35,7 +35,7 @@ pub fn energy(lines: &[EnergyLine]) -> String {
                 mark(gained > SUM_GOAL),
                 percent(gained),
                 percent(left),
-                told(worst),
+                largest_gain_note(worst),
             );
         }
     }
@@ -54,7 +54,7 @@ pub fn energy(lines: &[EnergyLine]) -> String {
 }
 
 /// Where the largest gain of a run came from; nothing for a step that gained next to nothing.
-fn told(result: &EnergyResult) -> String {
+fn largest_gain_note(result: &EnergyResult) -> String {
     let worst = &result.worst;
     if worst.gain < 1e-4 {
         return String::new();

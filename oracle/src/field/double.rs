@@ -221,7 +221,7 @@ impl Field for DoubleBall {
         if self.high.is_finite() && self.low.is_finite() { UpperBound::of_f64(self.radius) } else { None }
     }
 
-    fn most(&self) -> Option<UpperBound> {
+    fn magnitude_bound(&self) -> Option<UpperBound> {
         let part = |value: f64| UpperBound::of_f64(value.abs());
         Some(part(self.high)?.plus(part(self.low)?).plus(part(self.radius)?))
     }

@@ -42,7 +42,7 @@ impl Field for BigRational {
         Some(UpperBound::ZERO)
     }
 
-    fn most(&self) -> Option<UpperBound> {
+    fn magnitude_bound(&self) -> Option<UpperBound> {
         None
     }
 

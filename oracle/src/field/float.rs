@@ -99,7 +99,7 @@ impl Field for Ball {
         if self.middle.is_finite() { UpperBound::of_f64(self.radius) } else { None }
     }
 
-    fn most(&self) -> Option<UpperBound> {
+    fn magnitude_bound(&self) -> Option<UpperBound> {
         Some(UpperBound::of_f64(self.middle.abs())?.plus(UpperBound::of_f64(self.radius)?))
     }
 

@@ -248,7 +248,7 @@ impl Field for WideBall {
         Some(self.radius)
     }
 
-    fn most(&self) -> Option<UpperBound> {
+    fn magnitude_bound(&self) -> Option<UpperBound> {
         Some(self.size())
     }
 

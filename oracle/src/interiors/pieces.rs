@@ -1,6 +1,6 @@
 //! A triangle of a surface cut along what meets it.
 
-use super::surfaces::{Place, Surfaces, Triangle, ball};
+use super::surfaces::{HomogeneousPoint, Surfaces, Triangle, ball};
 use crate::number::Ball;
 use num_bigint::BigInt;
 use num_traits::Zero;
@@ -135,7 +135,7 @@ impl<'s> Plane<'s> {
     }
 
     /// The point of the plane above a point of the flat polygon.
-    fn place(&self, flat: &Vec3<BigInt>) -> Place {
+    fn point_above(&self, flat: &Vec3<BigInt>) -> HomogeneousPoint {
         let (n, d) = self.equation(self.base);
         let [nu, nv, nw] = self.turned(&n);
         let last = d * &flat.z - nu * &flat.x - nv * &flat.y;
@@ -144,7 +144,7 @@ impl<'s> Plane<'s> {
         along[(self.axis + 2) % 3] = &flat.y * &nw;
         along[self.axis] = last;
         let [x, y, z] = along;
-        Place::new(Vec3::new(x, y, z), &flat.z * nw)
+        HomogeneousPoint::new(Vec3::new(x, y, z), &flat.z * nw)
     }
 
     /// Cuts a polygon along the lines from one on, and asks about the pieces.
@@ -201,7 +201,7 @@ impl Piece<'_> {
     /// The corners in m.
     pub(super) fn corners(&self) -> Vec<Point> {
         let plane = self.plane;
-        self.polygon.iter().map(|(corner, _)| plane.surfaces.in_metres(&plane.place(&corner.exact))).collect()
+        self.polygon.iter().map(|(corner, _)| plane.surfaces.in_metres(&plane.point_above(&corner.exact))).collect()
     }
 
     /// Whether it is inside a block next to the piece: below it and above it, as its triangle's vector across points.
@@ -211,19 +211,19 @@ impl Piece<'_> {
     /// that is so. Each plane excludes two j at most.
     pub(super) fn insides(&self, block: usize) -> [bool; 2] {
         let plane = self.plane;
-        let asked = |place: &Place| plane.surfaces.insides(block, place, plane.base, &plane.holds);
+        let asked = |place: &HomogeneousPoint| plane.surfaces.insides(block, place, plane.base, &plane.holds);
         (1i32..).find_map(|j| asked(&self.point(j))).unwrap_or_default()
     }
 
     /// A point strictly within the piece.
-    fn point(&self, j: i32) -> Place {
+    fn point(&self, j: i32) -> HomogeneousPoint {
         let weights = [1, j, j * j].map(BigInt::from);
         let sum = &weights[0] + &weights[1] + &weights[2];
         if self.is_whole() {
             let base = self.plane.base;
             let corners = base.corners.iter().zip(&weights);
             let weighted = corners.map(|(&v, w)| self.plane.surfaces.vertex(base.block, v).scaled(w));
-            return Place::new(weighted.fold(Vec3::zero(), |sum, p| sum.plus(&p)), sum);
+            return HomogeneousPoint::new(weighted.fold(Vec3::zero(), |sum, p| sum.plus(&p)), sum);
         }
         let corners = [0, 1, 2].map(|k| &self.polygon[k].0.exact);
         let below = |k: usize| &corners[(k + 1) % 3].z * &corners[(k + 2) % 3].z;
@@ -232,6 +232,6 @@ impl Piece<'_> {
             flat.plus(&Vec3::new(&corners[k].x * &factor, &corners[k].y * &factor, BigInt::zero()))
         });
         let denominator = &corners[0].z * &corners[1].z * &corners[2].z * sum;
-        self.plane.place(&Vec3::new(flat.x, flat.y, denominator))
+        self.plane.point_above(&Vec3::new(flat.x, flat.y, denominator))
     }
 }

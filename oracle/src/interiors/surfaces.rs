@@ -36,7 +36,7 @@ pub(super) struct Surfaces {
 }
 
 /// A point: a fraction of lattice units, its denominator above zero.
-pub(super) struct Place {
+pub(super) struct HomogeneousPoint {
     numerators: Vec3<BigInt>,
     denominator: BigInt,
     near: Vec3<Ball>,
@@ -137,7 +137,7 @@ impl Surfaces {
     pub(super) fn insides(
         &self,
         block: usize,
-        place: &Place,
+        place: &HomogeneousPoint,
         plane: &Triangle,
         in_plane: &[bool],
     ) -> Option<[bool; 2]> {
@@ -192,7 +192,14 @@ impl Surfaces {
 
     /// Whether the line through a place along (1, k, k²) passes through a triangle, seen from the place at `ways`; `None`
     /// where it meets an edge's line at the triangle.
-    fn line_meets(&self, place: &Place, block: usize, ways: &[Way; 3], k: i32, towards: Sign) -> Option<bool> {
+    fn line_meets(
+        &self,
+        place: &HomogeneousPoint,
+        block: usize,
+        ways: &[Way; 3],
+        k: i32,
+        towards: Sign,
+    ) -> Option<bool> {
         let mut touches = false;
         for i in 0..3 {
             let (p, q) = (&ways[i], &ways[(i + 1) % 3]);
@@ -215,17 +222,17 @@ impl Surfaces {
         near.unwrap_or_else(|| ExactRing::sign(&triangle.across(self).dot(&ray(k))))
     }
 
-    fn way(&self, place: &Place, block: usize, vertex: VertexId) -> Way {
+    fn way(&self, place: &HomogeneousPoint, block: usize, vertex: VertexId) -> Way {
         let vertex_near = self.near[block][vertex.index()];
         Way { vertex, near: vertex_near.scaled(&place.near_denominator).minus(&place.near) }
     }
 
-    fn exact_way(&self, place: &Place, block: usize, vertex: VertexId) -> Vec3<BigInt> {
+    fn exact_way(&self, place: &HomogeneousPoint, block: usize, vertex: VertexId) -> Vec3<BigInt> {
         self.exact[block][vertex.index()].scaled(&place.denominator).minus(&place.numerators)
     }
 
     /// A point in m.
-    pub(super) fn in_metres(&self, place: &Place) -> Point {
+    pub(super) fn in_metres(&self, place: &HomogeneousPoint) -> Point {
         let (units, metres) = self.lattice.units_per_metre();
         let denominator = &place.denominator * units;
         let moved = place.numerators.plus(&self.origin.scaled(&place.denominator));
@@ -239,16 +246,16 @@ struct Way {
     near: Vec3<Ball>,
 }
 
-impl Place {
+impl HomogeneousPoint {
     /// The point `numerators / denominator`; the denominator is not zero.
-    pub(super) fn new(numerators: Vec3<BigInt>, denominator: BigInt) -> Place {
+    pub(super) fn new(numerators: Vec3<BigInt>, denominator: BigInt) -> HomogeneousPoint {
         let is_negative = ExactRing::sign(&denominator).is_negative();
         let (numerators, denominator) =
             if is_negative { (numerators.negated(), -denominator) } else { (numerators, denominator) };
         // In f64 the denominator is between 1/2 and 1, so that nothing leaves its range.
         let shift = denominator.bits() as i64;
         let near = numerators.map(|c| ball(c, shift));
-        Place { near, near_denominator: ball(&denominator, shift), numerators, denominator }
+        HomogeneousPoint { near, near_denominator: ball(&denominator, shift), numerators, denominator }
     }
 
     /// Whether it may be in a box.

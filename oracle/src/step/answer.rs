@@ -23,7 +23,7 @@ pub struct StepModel<'a> {
 
 /// Why an attempt was given up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cut {
+pub enum RetryReason {
     /// Modes changed in [`rockproof_model::simulation::Control::ITERATIONS`] solves.
     NotConverged,
     /// A vertex moved beyond `max_displacement`.
@@ -59,7 +59,7 @@ pub struct FailedAttempt {
     /// Its Δt (s).
     pub time_step: BigRational,
     /// Why it was given up.
-    pub cut: Cut,
+    pub reason: RetryReason,
     /// Its solves.
     pub solves: u32,
     /// How its iteration ended.
@@ -89,7 +89,7 @@ pub struct StepAnswer {
     /// Whether that is converged.
     pub converged: bool,
     /// Attempts given up, in order.
-    pub cuts: Vec<FailedAttempt>,
+    pub retries: Vec<FailedAttempt>,
     /// The Δt accepted (s).
     pub time_step: BigRational,
     /// The gap of each contact before the step and in the last solve.
@@ -118,7 +118,7 @@ pub enum StepFailure {
         /// The block.
         block: usize,
         /// Which limit.
-        limit: Cut,
+        limit: RetryReason,
     },
     /// The new state cannot be kept as asked: not in fractions, or not to the grid within 4,096 bits.
     NotKept,
@@ -155,7 +155,7 @@ pub struct CertifiedStep {
     /// Whether that is converged.
     pub converged: bool,
     /// Attempts given up, in order.
-    pub cuts: Vec<FailedAttempt>,
+    pub retries: Vec<FailedAttempt>,
     /// The Δt accepted (s).
     pub time_step: BigRational,
     /// Of each block the unknowns that it has, each as an f64 and at least its distance from the exact value (m, rad, strain);

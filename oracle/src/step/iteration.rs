@@ -1,6 +1,6 @@
 //! The open–close iteration, its attempts and their Δt (SPEC 5.10 and 5.11).
 
-use super::answer::{Cut, FailedAttempt, IterationEnd, StepFailure, UNCHANGED_SOLVES};
+use super::answer::{FailedAttempt, IterationEnd, RetryReason, StepFailure, UNCHANGED_SOLVES};
 use super::attempt::Attempt;
 use super::decisions::{FrictionSettled, NextMode, TooFar, TooTurned};
 use super::ladder::{Ladder, StepLevels};
@@ -32,27 +32,27 @@ pub(super) fn attempts<T>(
     finish: impl FnOnce(Ladder<'_>, &Attempt<'_>, IterationResult, Vec<FailedAttempt>) -> Result<T, StepFailure>,
 ) -> Result<T, StepFailure> {
     let smallest = prepared.full_time_step() / BigInt::from(Control::SMALLEST);
-    let (mut time_step, mut cuts, mut levels) = (first_time_step(prepared), Vec::new(), StepLevels::default());
+    let (mut time_step, mut retries, mut levels) = (first_time_step(prepared), Vec::new(), StepLevels::default());
     loop {
         let attempt = prepared.attempt(time_step.clone());
         let mut ladder = Ladder::new(&attempt, &prepared.layout, levels);
         let iterated = iterate(&mut ladder, &attempt);
         let beyond =
-            if iterated.end.is_converged() { beyond_limits(&mut ladder) } else { Some((Cut::NotConverged, 0)) };
-        let Some((cut, block)) = beyond else { return finish(ladder, &attempt, iterated, cuts) };
-        let (numerator, denominator) = if cut == Cut::NotConverged { Control::CUT } else { (1, 2) };
+            if iterated.end.is_converged() { beyond_limits(&mut ladder) } else { Some((RetryReason::NotConverged, 0)) };
+        let Some((reason, block)) = beyond else { return finish(ladder, &attempt, iterated, retries) };
+        let (numerator, denominator) = if reason == RetryReason::NotConverged { Control::CUT } else { (1, 2) };
         let shorter = &time_step * BigRational::new(numerator.into(), denominator.into());
         if shorter < smallest {
-            return match (cut, prepared.model.simulation.control.unconverged) {
-                (Cut::NotConverged, Unconverged::Accept) => finish(ladder, &attempt, iterated, cuts),
-                (Cut::NotConverged, Unconverged::Stop) => Err(StepFailure::NotConverged),
+            return match (reason, prepared.model.simulation.control.unconverged) {
+                (RetryReason::NotConverged, Unconverged::Accept) => finish(ladder, &attempt, iterated, retries),
+                (RetryReason::NotConverged, Unconverged::Stop) => Err(StepFailure::NotConverged),
                 (limit, _) => Err(StepFailure::TooFast { block, limit }),
             };
         }
         levels = ladder.levels;
         let solves = ladder.modes().len() as u32;
         let time_step = std::mem::replace(&mut time_step, shorter);
-        cuts.push(FailedAttempt { time_step, cut, solves, end: iterated.end });
+        retries.push(FailedAttempt { time_step, reason, solves, end: iterated.end });
     }
 }
 
@@ -87,7 +87,7 @@ fn has_settled(ladder: &mut Ladder<'_>, modes: [&[Mode]; 2]) -> bool {
     !slides || ladder.ask(&FrictionSettled { modes }).unwrap_or(true)
 }
 
-fn beyond_limits(ladder: &mut Ladder<'_>) -> Option<(Cut, usize)> {
-    let far = ladder.ask(&TooFar).flatten().map(|block| (Cut::Displacement, block));
-    far.or_else(|| ladder.ask(&TooTurned).flatten().map(|block| (Cut::Rotation, block)))
+fn beyond_limits(ladder: &mut Ladder<'_>) -> Option<(RetryReason, usize)> {
+    let far = ladder.ask(&TooFar).flatten().map(|block| (RetryReason::Displacement, block));
+    far.or_else(|| ladder.ask(&TooTurned).flatten().map(|block| (RetryReason::Rotation, block)))
 }

@@ -21,7 +21,7 @@ use rockproof_model::simulation::Body;
 /// When the step cannot be made: see [`StepFailure`].
 pub fn certified_step(model: &StepModel<'_>, state: &State) -> Result<CertifiedStep, StepFailure> {
     let prepared = PreparedStep::new(model, state)?;
-    let mut certified = attempts(&prepared, |mut ladder, attempt, iterated, cuts| {
+    let mut certified = attempts(&prepared, |mut ladder, attempt, iterated, retries| {
         let float = ladder.float().and_then(displacements).filter(|d| are_narrow(d));
         let displacements = float.or_else(|| ladder.double().and_then(displacements));
         Ok(CertifiedStep {
@@ -30,7 +30,7 @@ pub fn certified_step(model: &StepModel<'_>, state: &State) -> Result<CertifiedS
             end: iterated.end,
             converged: iterated.end.is_converged(),
             modes: modes(&ladder, iterated.after),
-            cuts,
+            retries,
             time_step: attempt.time_step.clone(),
             displacements,
             levels: ladder.levels,
@@ -69,7 +69,7 @@ pub fn first_system(model: &StepModel<'_>, state: &State) -> Option<SpdSystem> {
 /// When the step cannot be made or its state not be kept as asked: see [`StepFailure`].
 pub fn exact_step(model: &StepModel<'_>, state: &State, keep: KeptPrecision) -> Result<StepAnswer, StepFailure> {
     let prepared = PreparedStep::new(model, state)?;
-    let mut answer = attempts(&prepared, |mut ladder, attempt, iterated, cuts| {
+    let mut answer = attempts(&prepared, |mut ladder, attempt, iterated, retries| {
         let (state, gaps) = kept(&mut ladder, attempt, &iterated.after, keep).ok_or(StepFailure::NotKept)?;
         Ok(StepAnswer {
             contacts: Vec::new(),
@@ -77,7 +77,7 @@ pub fn exact_step(model: &StepModel<'_>, state: &State, keep: KeptPrecision) -> 
             end: iterated.end,
             converged: iterated.end.is_converged(),
             modes: modes(&ladder, iterated.after),
-            cuts,
+            retries,
             time_step: attempt.time_step.clone(),
             gaps,
             state,

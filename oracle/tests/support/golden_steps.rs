@@ -4,7 +4,7 @@ use super::shapes::exact;
 use num_rational::BigRational;
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::{Block, Body, ContactKind, EntranceKind, Precision, Scene, Simulation, ToleranceSet};
-use rockproof_oracle::step::{Cut, Mode, StepModel};
+use rockproof_oracle::step::{Mode, RetryReason, StepModel};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -107,14 +107,14 @@ impl GoldenScene {
 
 impl GoldenRetry {
     /// Why, and the Δt.
-    pub(crate) fn given_up(&self) -> (Cut, BigRational) {
-        let cut = match self.reason.as_str() {
-            "not-converged" => Cut::NotConverged,
-            "displacement" => Cut::Displacement,
-            "rotation" => Cut::Rotation,
+    pub(crate) fn given_up(&self) -> (RetryReason, BigRational) {
+        let reason = match self.reason.as_str() {
+            "not-converged" => RetryReason::NotConverged,
+            "displacement" => RetryReason::Displacement,
+            "rotation" => RetryReason::Rotation,
             other => panic!("reason {other}"),
         };
-        (cut, exact(&self.time_step))
+        (reason, exact(&self.time_step))
     }
 }
 

@@ -3,7 +3,7 @@
 use super::coordinator::{CaseDone, Examined, Request};
 use super::message::{CaseReply, CaseState, CaseTask, FoundRows, UnitResult};
 use crate::case_writer::{CaseCounts, CaseFiles, MadeFiles, write_cases};
-use crate::cases::{CaseFile, step_wish, wish};
+use crate::cases::{CaseFile, case_request, step_case_request};
 use crate::engine_counts;
 use crate::examiner::{Chosen, Counts, Examiner};
 use crate::journal::{CampaignProgress, NewRows};
@@ -142,11 +142,12 @@ impl Examiner for Remote<'_> {
         let findings: Vec<Decoded<FindingRow>> = decoded(&found.findings, false)?;
         let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
         let make = |granted: &[&Decoded<FindingRow>]| remote.made(granted);
-        let kept = write_cases(&findings, |one| wish(&one.row), campaign.most_cases(), counts, make)?;
+        let kept = write_cases(&findings, |one| case_request(&one.row), campaign.most_cases(), counts, make)?;
         let steps: Vec<Decoded<StepFindingRow>> = decoded(&found.steps, true)?;
         let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
         let make = |granted: &[&Decoded<StepFindingRow>]| remote.made(granted);
-        let kept_steps = write_cases(&steps, |one| step_wish(&one.row), campaign.most_step_cases(), counts, make)?;
+        let kept_steps =
+            write_cases(&steps, |one| step_case_request(&one.row), campaign.most_step_cases(), counts, make)?;
         if self.abandoned.get() {
             return Ok(None);
         }
@@ -163,7 +164,7 @@ impl Examiner for Remote<'_> {
         self.engines.borrow().clone()
     }
 
-    fn told(&self) -> Map<String, Value> {
+    fn run_notes(&self) -> Map<String, Value> {
         let Messages { units, unit_bytes, cases } = &self.messages;
         let mut told = self.told.clone();
         told.extend(

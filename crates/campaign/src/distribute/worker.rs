@@ -6,7 +6,7 @@ use super::message::{
 use super::remote::row;
 use super::{Patience, Transport};
 use crate::case_writer::{CaseQuota, CaseRequest, has_room};
-use crate::cases::{step_wish, wish};
+use crate::cases::{case_request, step_case_request};
 use crate::engine_counts::EngineMeter;
 use crate::examiner::Counts;
 use crate::journal::Seen;
@@ -258,12 +258,12 @@ impl Worker<'_> {
         let count = findings.len() as u64;
         let row_of = |finding: &Finding| {
             let row = finding.row(String::new());
-            let wanted = pairs(&wish(&row));
+            let wanted = pairs(&case_request(&row));
             (finding.index, row, wanted)
         };
         let step_row_of = |finding: &StepFinding| {
             let row = finding.row(String::new());
-            let wanted = steps(&step_wish(&row));
+            let wanted = steps(&step_case_request(&row));
             (finding.index, row, wanted)
         };
         let (findings, steps) = (found(&findings, row_of)?, found(&stepped, step_row_of)?);

@@ -264,13 +264,13 @@ impl Parts {
     pub fn identity(&self, batch_len: u64) -> Map<String, Value> {
         let mut configuration = self.configuration.clone();
         if !self.is_whole(batch_len) {
-            configuration.insert(Parts::KEY.to_owned(), self.told(batch_len).into());
+            configuration.insert(Parts::KEY.to_owned(), self.part_list(batch_len).into());
         }
         configuration
     }
 
     /// Which parts there are: `1, 2 (unfinished), 4 of 7`.
-    fn told(&self, batch_len: u64) -> String {
+    fn part_list(&self, batch_len: u64) -> String {
         let one = |part: &OnePart| {
             let unfinished = if part.is_done(&self.config, batch_len) { "" } else { " (unfinished)" };
             format!("{}{unfinished}", part.part.number())
@@ -284,7 +284,7 @@ impl Parts {
         for state in self.parts.iter().filter_map(OnePart::state) {
             *machines.entry(state.machine.to_string()).or_default() += 1;
         }
-        serde_json::json!({ "there": self.told(batch_len), "machines": machines })
+        serde_json::json!({ "there": self.part_list(batch_len), "machines": machines })
     }
 }
 

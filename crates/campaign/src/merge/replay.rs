@@ -3,7 +3,7 @@
 use super::parts::{MergeError, Parts};
 use super::rows::{Numbered, Rows};
 use crate::case_writer::{CaseCounts, CaseFiles, in_threads, write_cases};
-use crate::cases::{CaseFile, step_wish, wish};
+use crate::cases::{CaseFile, case_request, step_case_request};
 use crate::engine_counts::{self, EngineSums};
 use crate::journal::{CampaignProgress, FINDINGS, Journal, NO_CASE, NewRows, STEP_FINDINGS};
 use crate::run::{Campaign, Ending, RunError, Stopped};
@@ -93,7 +93,7 @@ impl Campaign<'_> {
             seen.pairs.store(end, Ordering::Relaxed);
             first = end;
             progress.pairs_done = first;
-            progress.engines = engines.now(self.panel);
+            progress.engines = engines.totals(self.panel);
             progress.seconds = before + started.elapsed().as_secs_f64();
             if first < self.config.pairs && new.findings.len() + new.steps.len() >= COMMIT {
                 journal.commit(&std::mem::take(&mut new), progress.clone())?;
@@ -136,7 +136,13 @@ impl Campaign<'_> {
             true => Ok(None),
             false => counted(self.case_of_row(&found.row, found.place)),
         };
-        let kept = write_cases(&chunk.findings, |found| wish(&found.row), self.most_cases(), counts, in_threads(case))?;
+        let kept = write_cases(
+            &chunk.findings,
+            |found| case_request(&found.row),
+            self.most_cases(),
+            counts,
+            in_threads(case),
+        )?;
         let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
         let case = |found: &Numbered<StepFindingRow>| match stopped()
             || chunk.no_case.contains(&(found.row.index, found.place))
@@ -144,8 +150,13 @@ impl Campaign<'_> {
             true => Ok(None),
             false => counted(self.step_case_of_row(&found.row, found.place)),
         };
-        let kept_steps =
-            write_cases(&chunk.steps, |found| step_wish(&found.row), self.most_step_cases(), counts, in_threads(case))?;
+        let kept_steps = write_cases(
+            &chunk.steps,
+            |found| step_case_request(&found.row),
+            self.most_step_cases(),
+            counts,
+            in_threads(case),
+        )?;
         if stopped() {
             [progress.fingerprints, progress.cases, progress.step_fingerprints, progress.step_cases] = before;
             return Ok(None);

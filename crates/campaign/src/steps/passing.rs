@@ -112,14 +112,14 @@ fn aimed(sampler: &mut PairSampler<'_>, form: Form) -> Aimed {
     let b = if sampler.chance(15) { sampler.tipped(&b) } else { b };
     let (a, b) = LatticeSolid::on_one_lattice(&a, &b);
     let unit = a.denominator() / sampler.denominator();
-    let place = Place { a: &a, b: &b, unit, g: e / 16 * unit, e: e * unit };
-    let (offset, way) = if form == Form::Corner { place.past(sampler) } else { place.through(sampler) };
+    let setup = PassageSetup { a: &a, b: &b, unit, g: e / 16 * unit, e: e * unit };
+    let (offset, way) = if form == Form::Corner { setup.past(sampler) } else { setup.through(sampler) };
     let b = b.moved(offset);
     Aimed { a, b, way }
 }
 
 /// Where B is put, and where it goes; in lattice units.
-struct Place<'s> {
+struct PassageSetup<'s> {
     a: &'s LatticeSolid,
     b: &'s LatticeSolid,
     /// Lattice units in one of the kit's.
@@ -128,11 +128,11 @@ struct Place<'s> {
     e: i128,
 }
 
-impl Place<'_> {
+impl PassageSetup<'_> {
     /// Down through A, B from above it: beyond A, just or well; into it; or not as far. B's side may miss A by as much, so that B just
     /// slips by.
     fn through(&self, sampler: &mut PairSampler<'_>) -> (Units, Units) {
-        let Place { a, b, unit, g, e } = *self;
+        let PassageSetup { a, b, unit, g, e } = *self;
         let (top, bottom) = (a.extent(2).1, a.extent(2).0);
         let (low, high) = b.extent(2);
         let gap = *sampler.pick(&[0, g / 2, g, 4 * g, e]);
@@ -157,7 +157,7 @@ impl Place<'_> {
 
     /// Past the edge of A where its faces +x and +z meet: half way B's own edge is by some depth below both.
     fn past(&self, sampler: &mut PairSampler<'_>) -> (Units, Units) {
-        let Place { a, b, unit, g, e } = *self;
+        let PassageSetup { a, b, unit, g, e } = *self;
         let depth = *sampler.pick(&[-unit, 0, unit, g - unit, g, g + unit, 2 * g, 3 * g]);
         let half = *sampler.pick(&[4 * g, e / 2, e, 2 * e]);
         let (near, far) = a.extent(1);

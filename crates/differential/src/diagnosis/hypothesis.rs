@@ -1,6 +1,6 @@
 //! What may be wrong with an engine.
 
-use super::question::{Asked, Question, Said};
+use super::question::{Asked, Question, Reply};
 use super::{answers, input, parts, rules, tolerances};
 use crate::separation_state::ReportedState;
 use rockproof_model::{Contact, ToleranceSet};
@@ -41,9 +41,9 @@ pub(super) trait Hypothesis: Send + Sync {
 
 /// Whether a hypothesis gives the answer that the engine gave; `None` where it has none.
 pub(super) fn fits(hypothesis: &dyn Hypothesis, asked: &Asked<'_>) -> Option<bool> {
-    match &asked.question.said {
-        Said::State(said) => hypothesis.says_state(asked, *said),
-        Said::Contacts(_) | Said::Nothing(_) => hypothesis.contacts(asked).map(|contacts| asked.gives(&contacts)),
+    match &asked.question.reply {
+        Reply::State(said) => hypothesis.says_state(asked, *said),
+        Reply::Contacts(_) | Reply::Nothing(_) => hypothesis.contacts(asked).map(|contacts| asked.gives(&contacts)),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Which hypotheses explain the answers of an engine.
 
 use super::hypothesis::{Hypothesis, all, fits};
-use super::question::{Asked, Question, Said, Solids};
+use super::question::{Asked, Question, Reply, Solids};
 use super::row::{DiagnosisRow, DiagnosisVerdict};
 use super::tolerances::probes;
 use crate::finding::FAR;
@@ -20,7 +20,7 @@ pub struct Sample {
 }
 
 /// Asks the engine.
-pub type Asking<'a> = &'a (dyn Fn(&[Block; 2], &ToleranceSet) -> Said + Sync);
+pub type Asking<'a> = &'a (dyn Fn(&[Block; 2], &ToleranceSet) -> Reply + Sync);
 
 /// Fewer answers than this show nothing.
 const LEAST: usize = 3;
@@ -180,7 +180,7 @@ fn against(agreeing: &[Question], hypotheses: &[Box<dyn Hypothesis>], alive: &[u
 
 /// Whether an answer differs from that of a hypothesis next to a tie only, where the engine's rounding can be the reason.
 fn is_excused(hypothesis: &dyn Hypothesis, asked: &Asked<'_>) -> bool {
-    let Said::Contacts(said) = &asked.question.said else { return false };
+    let Reply::Contacts(said) = &asked.question.reply else { return false };
     let near = |contacts: Vec<Contact>| asked.roundoffs_between(&contacts, said, &asked.question.tolerances) <= FAR;
     !hypothesis.is_about_ties() && hypothesis.contacts(asked).is_some_and(near)
 }
@@ -252,7 +252,7 @@ fn told_apart(
             if alike.iter().all(|number| foretold(number) == first) {
                 continue;
             }
-            probe.said = asking(&probe.blocks, &probe.tolerances);
+            probe.reply = asking(&probe.blocks, &probe.tolerances);
             left -= 1;
             let asked = Asked::new(&probe, &solids);
             let fit: Vec<usize> =
@@ -289,7 +289,7 @@ mod tests {
         let blocks = [box_at(0.0), box_at(1.0 + gap)];
         let tolerances = preset::derive(Preset::Auto, &[&blocks[0], &blocks[1]], Precision::F64).expect("a set");
         let (precision, label) = (Precision::F64, format!("gap {gap}"));
-        Question { blocks, tolerances, precision, accuracy: 1024, said: Said::State(said), label }
+        Question { blocks, tolerances, precision, accuracy: 1024, reply: Reply::State(said), label }
     }
 
     /// What a collision code says of a gap, right but for what `wrong` does.
@@ -307,7 +307,7 @@ mod tests {
         let bare = |said: &mut ReportedState| (said.gap_m, said.normal) = (None, None);
         let agreeing = [0.5, -0.25].map(|gap| question(gap, said(gap, bare))).to_vec();
         let sample = Sample { differing, agreeing, all_differing: 4 };
-        let rows = diagnose("mine", &sample, &|_, _| Said::Nothing(crate::compare::AnswerChange::Crash));
+        let rows = diagnose("mine", &sample, &|_, _| Reply::Nothing(crate::compare::AnswerChange::Crash));
         rows.into_iter().map(|row| (row.verdict, row.hypothesis, row.answers)).collect()
     }
 
@@ -327,7 +327,7 @@ mod tests {
         let turned = |said: &mut ReportedState| said.normal = Some([1.0, 0.0, 0.0]);
         let differing = [0.5, -0.25].map(|gap| question(gap, said(gap, turned))).to_vec();
         let sample = Sample { differing, agreeing: Vec::new(), all_differing: 2 };
-        let rows = diagnose("mine", &sample, &|_, _| Said::Nothing(crate::compare::AnswerChange::Crash));
+        let rows = diagnose("mine", &sample, &|_, _| Reply::Nothing(crate::compare::AnswerChange::Crash));
         let told: Vec<_> = rows.iter().map(|row| (row.verdict, row.answers, row.example.as_str())).collect();
         assert_eq!(told, [(DiagnosisVerdict::Unexplained, 2, "gap 0.5")]);
     }

@@ -14,5 +14,5 @@ mod rules;
 mod tolerances;
 
 pub use judge::{Asking, Sample, diagnose};
-pub use question::{Question, Said, ask};
-pub use row::{DIAGNOSIS_COLUMNS, DiagnosisRow, DiagnosisVerdict, told};
+pub use question::{Question, Reply, ask};
+pub use row::{DIAGNOSIS_COLUMNS, DiagnosisRow, DiagnosisVerdict, diagnosis_lines};

@@ -14,7 +14,7 @@ use std::rc::Rc;
 
 /// What an engine said.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Said {
+pub enum Reply {
     /// Its contacts, sorted.
     Contacts(Vec<Contact>),
     /// How the blocks lie.
@@ -35,7 +35,7 @@ pub struct Question {
     /// How far a gap it states may be off ([`Engine::accuracy`]).
     pub accuracy: u64,
     /// What it said.
-    pub said: Said,
+    pub reply: Reply,
     /// What people call the question: its case file, or its pair and set.
     pub label: String,
 }
@@ -55,11 +55,11 @@ impl Question {
 }
 
 /// Asks an engine.
-pub fn ask(engine: &dyn Engine, [a, b]: &[Block; 2], tolerances: &ToleranceSet) -> Said {
+pub fn ask(engine: &dyn Engine, [a, b]: &[Block; 2], tolerances: &ToleranceSet) -> Reply {
     match catch_panic(|| engine.prepare(a, b)?.answer(tolerances)) {
-        Ok(Answer::Contacts(contacts)) => Said::Contacts(contacts),
-        Ok(Answer::State(state)) => Said::State(state),
-        Err(failure) => Said::Nothing(failure.change()),
+        Ok(Answer::Contacts(contacts)) => Reply::Contacts(contacts),
+        Ok(Answer::State(state)) => Reply::State(state),
+        Err(failure) => Reply::Nothing(failure.change()),
     }
 }
 
@@ -112,19 +112,19 @@ impl<'q> Asked<'q> {
 
     /// Whether the engine is right; `None` where nothing exact stands against its answer.
     pub(super) fn is_right(&self) -> Option<bool> {
-        match &self.question.said {
-            Said::Contacts(_) => Some(self.gives(&self.exact())),
-            Said::State(said) => self.state_is_right(&self.question.blocks, *said),
-            Said::Nothing(_) => Some(false),
+        match &self.question.reply {
+            Reply::Contacts(_) => Some(self.gives(&self.exact())),
+            Reply::State(said) => self.state_is_right(&self.question.blocks, *said),
+            Reply::Nothing(_) => Some(false),
         }
     }
 
     /// Whether the engine said just these contacts; contacts of features that the blocks do not have cannot be said, and are no answer.
     pub(super) fn gives(&self, contacts: &[Contact]) -> bool {
-        match &self.question.said {
-            Said::Contacts(said) => completed(said.clone(), contacts) == contacts,
-            Said::State(_) => false,
-            Said::Nothing(change) => *change == AnswerChange::Malformed && !self.can_be_said(contacts),
+        match &self.question.reply {
+            Reply::Contacts(said) => completed(said.clone(), contacts) == contacts,
+            Reply::State(_) => false,
+            Reply::Nothing(change) => *change == AnswerChange::Malformed && !self.can_be_said(contacts),
         }
     }
 
@@ -142,14 +142,14 @@ impl<'q> Asked<'q> {
     /// How far from a tie the engine's answer differs from the exact one, in its roundoffs: of all differences the furthest, each by the decision
     /// nearest to a tie around it. Infinite where no decision is known, 0 where nothing differs.
     pub(super) fn roundoffs_from_tie(&self) -> f64 {
-        match &self.question.said {
-            Said::Contacts(said) => self.roundoffs_between(&self.exact(), said, &self.question.tolerances),
-            Said::State(said) => {
+        match &self.question.reply {
+            Reply::Contacts(said) => self.roundoffs_between(&self.exact(), said, &self.question.tolerances),
+            Reply::State(said) => {
                 let Question { blocks, precision, accuracy, .. } = self.question;
                 let compared = CollisionQuery { blocks, precision: *precision, accuracy: *accuracy }.compare(*said);
                 compared.map_or(f64::INFINITY, |(_, comparison)| comparison.margin_ulps.abs())
             }
-            Said::Nothing(_) => f64::INFINITY,
+            Reply::Nothing(_) => f64::INFINITY,
         }
     }
 

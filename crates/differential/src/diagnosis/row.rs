@@ -113,6 +113,6 @@ impl DiagnosisRow {
 }
 
 /// What a diagnosis says, a line for each row that people need.
-pub fn told(rows: &[DiagnosisRow]) -> Vec<String> {
+pub fn diagnosis_lines(rows: &[DiagnosisRow]) -> Vec<String> {
     rows.iter().filter_map(DiagnosisRow::words).collect()
 }

@@ -118,22 +118,22 @@ impl Tolerances {
     fn changed(self, given: &ToleranceSet, preset: impl Fn(Preset) -> Option<ToleranceSet>) -> Option<ToleranceSet> {
         let mut set = given.clone();
         match self {
-            Tolerances::Times(name, factor, _) => *place(&mut set, name)? = times(value(given, name)?, factor),
+            Tolerances::Times(name, factor, _) => *number_mut(&mut set, name)? = times(value(given, name)?, factor),
             Tolerances::LengthsTimes(factor, _) => {
                 for name in LENGTHS {
-                    *place(&mut set, name)? = times(value(given, name)?, factor);
+                    *number_mut(&mut set, name)? = times(value(given, name)?, factor);
                 }
             }
             Tolerances::Degrees(name) => {
                 let sine = preset::sine_of_degrees(value(given, name)?.approximate());
-                *place(&mut set, name)? = Number::from_f64(sine).ok()?;
+                *number_mut(&mut set, name)? = Number::from_f64(sine).ok()?;
             }
             Tolerances::Cosine(name) => {
                 let sine = value(given, name)?.approximate();
-                *place(&mut set, name)? = Number::from_f64((1.0 - sine * sine).max(0.0).sqrt()).ok()?;
+                *number_mut(&mut set, name)? = Number::from_f64((1.0 - sine * sine).max(0.0).sqrt()).ok()?;
             }
-            Tolerances::For(one, other) => *place(&mut set, one)? = value(given, other)?.clone(),
-            Tolerances::OfPreset(name, of) => *place(&mut set, name)? = value(&preset(of)?, name)?.clone(),
+            Tolerances::For(one, other) => *number_mut(&mut set, one)? = value(given, other)?.clone(),
+            Tolerances::OfPreset(name, of) => *number_mut(&mut set, name)? = value(&preset(of)?, name)?.clone(),
             Tolerances::Preset(of) => set = preset(of)?,
             Tolerances::Criteria(criteria) => set.criteria = criteria,
         }
@@ -141,7 +141,7 @@ impl Tolerances {
     }
 }
 
-fn place<'s>(set: &'s mut ToleranceSet, name: &str) -> Option<&'s mut Number> {
+fn number_mut<'s>(set: &'s mut ToleranceSet, name: &str) -> Option<&'s mut Number> {
     set.numbers_mut().into_iter().find(|(known, _)| *known == name).map(|(_, number)| number)
 }
 

@@ -19,7 +19,7 @@ const LAST_CHUNKS: usize = 16;
 
 /// What a look at the streams brought.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Came {
+pub(super) enum PipeEvent {
     /// A line, without its end.
     Line(Vec<u8>),
     /// More than [`LONGEST_ANSWER`] bytes without the end of a line.
@@ -79,7 +79,7 @@ impl Pipes {
     }
 
     /// Waits until something happens, for so long at most: writes what is unsent, and reads a line of stdout and whatever is on stderr.
-    pub(super) fn look(&mut self, patience: Duration) -> io::Result<Came> {
+    pub(super) fn poll(&mut self, patience: Duration) -> io::Result<PipeEvent> {
         let writing = self.stdin.as_ref().filter(|_| self.unsent.1 < self.unsent.0.len());
         let mut watched = vec![PollFd::new(&self.stdout, PollFlags::IN)];
         watched.extend(self.stderr.as_ref().map(|stderr| PollFd::new(stderr, PollFlags::IN)));
@@ -89,23 +89,23 @@ impl Pipes {
         self.write_some();
         self.listen();
         if !stirred {
-            return Ok(Came::Nothing);
+            return Ok(PipeEvent::Nothing);
         }
         let known = self.read.len();
         match self.read_chunk()? {
-            Some(0) => return Ok(Came::End),
+            Some(0) => return Ok(PipeEvent::End),
             Some(_) => {}
-            None => return Ok(Came::Nothing),
+            None => return Ok(PipeEvent::Nothing),
         }
         match self.read[known..].iter().position(|byte| *byte == b'\n') {
             Some(at) => {
                 let rest = self.read.split_off(known + at + 1);
                 let mut line = std::mem::replace(&mut self.read, rest);
                 line.pop();
-                Ok(Came::Line(line))
+                Ok(PipeEvent::Line(line))
             }
-            None if self.read.len() >= LONGEST_ANSWER => Ok(Came::TooLong),
-            None => Ok(Came::Part),
+            None if self.read.len() >= LONGEST_ANSWER => Ok(PipeEvent::TooLong),
+            None => Ok(PipeEvent::Part),
         }
     }
 

@@ -2,7 +2,7 @@
 //! of its output is bounded.
 
 use super::group::Group;
-use super::pipes::{Came, Pipes};
+use super::pipes::{PipeEvent, Pipes};
 use rockproof_model::text::excerpt;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
@@ -78,14 +78,14 @@ impl Process {
             let ended = self.group.has_ended();
             let left = patience.saturating_sub(begin.elapsed());
             let wait = if ended { Duration::ZERO } else { LOOK.min(left) };
-            match self.pipes.look(wait) {
-                Ok(Came::Line(_)) if self.pipes.has_unread() => return Err(NoAnswer::Unasked),
-                Ok(Came::Line(line)) => return Ok(line),
-                Ok(Came::TooLong) => return Err(NoAnswer::TooLong),
-                Ok(Came::End) | Err(_) => return Err(NoAnswer::Ended(self.exit_description())),
-                Ok(Came::Nothing) if ended => return Err(NoAnswer::Ended(self.exit_description())),
-                Ok(Came::Nothing | Came::Part) if left.is_zero() => return Err(NoAnswer::TimedOut),
-                Ok(Came::Nothing | Came::Part) => {}
+            match self.pipes.poll(wait) {
+                Ok(PipeEvent::Line(_)) if self.pipes.has_unread() => return Err(NoAnswer::Unasked),
+                Ok(PipeEvent::Line(line)) => return Ok(line),
+                Ok(PipeEvent::TooLong) => return Err(NoAnswer::TooLong),
+                Ok(PipeEvent::End) | Err(_) => return Err(NoAnswer::Ended(self.exit_description())),
+                Ok(PipeEvent::Nothing) if ended => return Err(NoAnswer::Ended(self.exit_description())),
+                Ok(PipeEvent::Nothing | PipeEvent::Part) if left.is_zero() => return Err(NoAnswer::TimedOut),
+                Ok(PipeEvent::Nothing | PipeEvent::Part) => {}
             }
         }
     }

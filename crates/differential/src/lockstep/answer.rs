@@ -4,7 +4,7 @@ use crate::compare::{Difference, Features, differences};
 use crate::lockstep::state::float_mode;
 use num_rational::BigRational;
 use rockproof_model::{Block, Contact, Number};
-use rockproof_oracle::step::{self as exact, CertifiedStep, Cut, FailedAttempt, StepAnswer};
+use rockproof_oracle::step::{self as exact, CertifiedStep, FailedAttempt, StepAnswer};
 use rockproof_stepper::Real;
 use rockproof_stepper::dynamics::{Mode, RetryReason, State, StepReport};
 
@@ -37,34 +37,34 @@ impl StepDecisions {
 
     /// The oracle's.
     pub fn of_oracle(answer: &StepAnswer) -> StepDecisions {
-        let StepAnswer { contacts, modes, converged, cuts, time_step, .. } = answer;
-        StepDecisions::exact(contacts, modes, *converged, cuts, time_step)
+        let StepAnswer { contacts, modes, converged, retries, time_step, .. } = answer;
+        StepDecisions::exact(contacts, modes, *converged, retries, time_step)
     }
 
     /// The oracle's, of a step whose state was not asked for.
     pub fn of_certified(step: &CertifiedStep) -> StepDecisions {
-        let CertifiedStep { contacts, modes, converged, cuts, time_step, .. } = step;
-        StepDecisions::exact(contacts, modes, *converged, cuts, time_step)
+        let CertifiedStep { contacts, modes, converged, retries, time_step, .. } = step;
+        StepDecisions::exact(contacts, modes, *converged, retries, time_step)
     }
 
     fn exact(
         contacts: &[([usize; 2], Contact)],
         modes: &[Vec<exact::Mode>],
         converged: bool,
-        cuts: &[FailedAttempt],
+        retries: &[FailedAttempt],
         time_step: &BigRational,
     ) -> StepDecisions {
-        let reason = |cut: Cut| match cut {
-            Cut::NotConverged => RetryReason::NotConverged,
-            Cut::Displacement => RetryReason::Displacement,
-            Cut::Rotation => RetryReason::Rotation,
+        let reason = |reason: exact::RetryReason| match reason {
+            exact::RetryReason::NotConverged => RetryReason::NotConverged,
+            exact::RetryReason::Displacement => RetryReason::Displacement,
+            exact::RetryReason::Rotation => RetryReason::Rotation,
         };
         let after_solves = modes.iter().skip(1);
         StepDecisions {
             contacts: contacts.iter().map(|(pair, c)| (pair.map(|block| block as u32), *c)).collect(),
             modes: after_solves.map(|all| all.iter().map(|mode| float_mode(*mode)).collect()).collect(),
             converged,
-            retries: cuts.iter().map(|attempt| reason(attempt.cut)).collect(),
+            retries: retries.iter().map(|attempt| reason(attempt.reason)).collect(),
             time_step: Number::from_rational(time_step.clone()).approximate(),
         }
     }

@@ -99,7 +99,7 @@ pub(super) struct Explainer<'s> {
 
 impl Explainer<'_> {
     /// The contacts of a pair that the step before left closed.
-    fn kept(&self, pair: [u32; 2]) -> Vec<ContactKey> {
+    fn kept_contacts(&self, pair: [u32; 2]) -> Vec<ContactKey> {
         let of_pair = |memory: &&exact::ContactMemory| memory.blocks == pair.map(|block| block as usize);
         let closed = |memory: &&exact::ContactMemory| memory.mode != exact::Mode::Open;
         self.state.contacts.iter().filter(of_pair).filter(closed).map(|memory| memory.contact.key).collect()
@@ -150,7 +150,7 @@ impl Explainer<'_> {
     ) -> Vec<Option<DecidingDecision>> {
         let of = |side: &LinkSide<'_>| pair.map(|block| side.blocks[block as usize].clone());
         let ([a, b], [a_after, b_after]) = (of(&self.before), of(&self.after));
-        let kept = self.kept(pair);
+        let kept = self.kept_contacts(pair);
         let (before, after) = (PreparedBlocks::new(&a, &b), PreparedBlocks::new(&a_after, &b_after));
         let link = ChainLink {
             before: &|| Some(before.trace(self.before.tolerances, &kept)),

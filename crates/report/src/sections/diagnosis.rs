@@ -3,7 +3,7 @@
 use super::{Section, SectionPart};
 use crate::load::CampaignRun;
 use crate::table::{Table, TableCell};
-use rockproof_differential::diagnosis::{DIAGNOSIS_COLUMNS, DiagnosisRow, told};
+use rockproof_differential::diagnosis::{DIAGNOSIS_COLUMNS, DiagnosisRow, diagnosis_lines};
 
 /// The section; `None` where no external engine differs.
 pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
@@ -17,7 +17,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
          table says, and counts only where no right answer speaks against it. A sample of both was asked for again.",
     );
     for campaign in campaigns {
-        for line in told(&campaign.diagnosis) {
+        for line in diagnosis_lines(&campaign.diagnosis) {
             let name = if campaigns.len() > 1 { format!("{}: ", campaign.name) } else { String::new() };
             section.parts.push(SectionPart::Text(format!("{name}{line}")));
         }

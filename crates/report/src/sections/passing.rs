@@ -9,7 +9,7 @@ use rockproof_simulate::audit::PairExtreme;
 /// The section; `None` where no run was audited and the section on lockstep has them all.
 pub(super) fn section(results: &Results) -> Option<Section> {
     let runs = &results.motions;
-    if runs.iter().all(|run| run.audit().is_none()) && results.alone().next().is_none() {
+    if runs.iter().all(|run| run.audit().is_none()) && results.without_lockstep().next().is_none() {
         return None;
     }
     let mut section = Section::new(

@@ -37,8 +37,8 @@ pub(super) fn section(results: &Results) -> Section {
         section.parts.push(SectionPart::Text(machines.join(" ")));
     }
     let others = results.locksteps.iter().map(|r| ("lockstep", &r.name, r.steps, &r.dir));
-    let others =
-        others.chain(results.alone().map(|r| ("simulate", &r.name, r.totals.steps + r.totals.settling, &r.dir)));
+    let others = others
+        .chain(results.without_lockstep().map(|r| ("simulate", &r.name, r.totals.steps + r.totals.settling, &r.dir)));
     let others = others.chain(results.stresses.iter().map(|r| ("stress", &r.name, r.cells.len() as u64, &r.dir)));
     let others = others.chain(results.timings.iter().map(|r| ("bench", &r.name, r.measurements.len() as u64, &r.dir)));
     let mut table = Table::new("other_runs", "Other runs", &["run", "what", "rows", "directory"]);

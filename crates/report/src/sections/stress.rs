@@ -3,7 +3,7 @@
 use super::{Section, SectionPart};
 use crate::chart::{Chart, engine_color};
 use crate::stress::{Curve, StressCell, StressLimit, StressRun, StressStep};
-use crate::stress_reach::{Reach, noun, power, reach, ties};
+use crate::stress_reach::{Reach, alignment_words, noun, power, reach};
 use crate::table::{Table, TableCell, label, percent};
 use rockproof_campaign::stress::table::{Proof, SAFE_SHARE};
 use rockproof_campaign::stress::{PairAlignment, StressAxis};
@@ -77,7 +77,7 @@ fn limits_in_words(run: &StressRun) -> Vec<String> {
         .map(|((engine, setting, form), limits)| {
             let Reach { safe, never, untold } = reach(limits.into_iter());
             let list = |all: &[String]| all.join("; ");
-            let mut words = format!("{engine}, {} ({setting}): ", ties(form));
+            let mut words = format!("{engine}, {} ({setting}): ", alignment_words(form));
             words += &match (safe.is_empty(), untold.is_empty()) {
                 (false, _) => format!("safe {}", list(&safe)),
                 (true, true) => "safe nowhere".to_owned(),
@@ -126,7 +126,7 @@ fn limits(runs: &[StressRun]) -> Table {
                 run.name.as_str().into(),
                 axis.name().into(),
                 engine.as_str().into(),
-                ties(*form).into(),
+                alignment_words(*form).into(),
                 text_of(limit.safe_to.as_ref()),
                 text_of(limit.beyond.as_ref().map(|(level, _)| level)),
                 limit.beyond.as_ref().map_or(TableCell::Empty, |(_, share)| TableCell::Share(*share)),
@@ -248,7 +248,7 @@ fn chart(number: usize, run: &StressRun, axis: StressAxis, runs: usize) -> Optio
         let symbols: Vec<&str> =
             cells.iter().map(|cell| if cell.differ == 0 { "circle-open" } else { "circle" }).collect();
         json!({
-            "type": "scatter", "mode": "lines+markers", "name": format!("{}, {}{set}", curve.engine, ties(curve.form)),
+            "type": "scatter", "mode": "lines+markers", "name": format!("{}, {}{set}", curve.engine, alignment_words(curve.form)),
             "line": { "color": color_of(run, &curve.engine), "dash": if curve.form == PairAlignment::Generic { "solid" } else { "dot" }, "width": 1.5 },
             "marker": { "size": 7, "symbol": symbols },
             "x": cells.iter().map(|cell| power(&cell.level)).collect::<Vec<_>>(), "y": height,

@@ -169,7 +169,8 @@ impl ShownCase<'_> {
             facts.extend(text.iter().map(|text| (what, text.clone())));
         }
         facts.push(("axes from", format!("({})", centre.map(|c| format!("{c:?}")).join(", "))));
-        let row = |c: &view::ViewedContact| FindingContact { who: c.who(), name: c.name(), gap: nine_digits(c.gap_m) };
+        let row =
+            |c: &view::ViewedContact| FindingContact { who: c.side_name(), name: c.name(), gap: nine_digits(c.gap_m) };
         FindingView {
             id: format!("finding-{number}"),
             title: format!("{name}: {kinds}, {}", self.engine),

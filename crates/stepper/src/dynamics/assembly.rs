@@ -121,7 +121,7 @@ impl<'s, R: Real> System<'s, R> {
     }
 
     /// Where what ties two blocks stands in a panel.
-    fn ties(&self, panel: usize, blocks: [usize; 2]) -> Ties {
+    fn pair_parts(&self, panel: usize, blocks: [usize; 2]) -> PairParts {
         let pattern = &self.layout.pattern;
         let place = |block: usize| self.place(block);
         let part = |row: usize, column: usize| {
@@ -129,26 +129,26 @@ impl<'s, R: Real> System<'s, R> {
                 return None;
             }
             let (at, stride) = pattern.part_of(panel, row, column)?;
-            Some(Tie { at, stride, rows: pattern.unknowns(row).len(), columns: pattern.unknowns(column).len() })
+            Some(PanelPart { at, stride, rows: pattern.unknowns(row).len(), columns: pattern.unknowns(column).len() })
         };
         let [i, j] = blocks.map(place);
         let own = [i, j].map(|place| place.and_then(|place| part(place, place)));
         // Rows belong to the later place.
         let between = i.zip(j).and_then(|(i, j)| part(i.max(j), i.min(j)));
-        Ties { own, between, i_is_later: i.zip(j).is_some_and(|(i, j)| i > j) }
+        PairParts { own, between, i_is_later: i.zip(j).is_some_and(|(i, j)| i > j) }
     }
 }
 
 /// Where the parts of two blocks that a contact ties stand in a panel, as far as they do.
-struct Ties {
-    own: [Option<Tie>; 2],
-    between: Option<Tie>,
+struct PairParts {
+    own: [Option<PanelPart>; 2],
+    between: Option<PanelPart>,
     i_is_later: bool,
 }
 
 /// A part of a panel: `at + row + stride·column`.
 #[derive(Clone, Copy)]
-struct Tie {
+struct PanelPart {
     at: usize,
     stride: usize,
     rows: usize,
@@ -263,7 +263,7 @@ impl<R: Real> WithSimd for Filling<'_, '_, R> {
                     rows.stiffness.push(spring.stiffness);
                 }
             }
-            rows.add(values, &system.ties(panel, contact(same[0]).entering()));
+            rows.add(values, &system.pair_parts(panel, contact(same[0]).entering()));
         }
     }
 }
@@ -287,7 +287,7 @@ impl<R: Real> Rows<R> {
 
     /// Adds what the springs bring to the parts of the two blocks.
     #[inline(always)]
-    fn add(&mut self, values: &mut [R], couplings: &Ties) {
+    fn add(&mut self, values: &mut [R], couplings: &PairParts) {
         let between = if couplings.i_is_later { (&self.g, &self.e) } else { (&self.e, &self.g) };
         let parts = [
             (couplings.own[0], (&self.e, &self.e), false),
@@ -307,8 +307,8 @@ impl<R: Real> Rows<R> {
             }
             // Of known lengths, so that the loops can be unrolled.
             match part.rows {
-                12 => tie::<R, 12>(values, part, earlier, &self.scaled),
-                6 => tie::<R, 6>(values, part, earlier, &self.scaled),
+                12 => add_coupling::<R, 12>(values, part, earlier, &self.scaled),
+                6 => add_coupling::<R, 6>(values, part, earlier, &self.scaled),
                 _ => {}
             }
         }
@@ -317,7 +317,12 @@ impl<R: Real> Rows<R> {
 
 /// Adds `Σ later·earlierᵀ` to a part of so many rows, one summand after another.
 #[inline(always)]
-fn tie<R: Real, const ROWS: usize>(values: &mut [R], part: Tie, earlier: &[BlockVector<R>], later: &[BlockVector<R>]) {
+fn add_coupling<R: Real, const ROWS: usize>(
+    values: &mut [R],
+    part: PanelPart,
+    earlier: &[BlockVector<R>],
+    later: &[BlockVector<R>],
+) {
     for column in 0..part.columns.min(12) {
         let Some(values) = values[part.at + part.stride * column..].first_chunk_mut::<ROWS>() else { continue };
         let mut sums = *values;

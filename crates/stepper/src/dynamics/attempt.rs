@@ -2,7 +2,7 @@
 
 use crate::dynamics::contact::StepContact;
 use crate::dynamics::displacement::BlockVector;
-use crate::dynamics::friction::Settling;
+use crate::dynamics::friction::FrictionMisfit;
 use crate::dynamics::island::{BlockSystem, CachedFactor, FactorizationFailure, Memory, SolveContext, islands};
 use crate::dynamics::layout::Layouts;
 use crate::dynamics::report::{IterationTimes, ModeChange};
@@ -168,9 +168,9 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
 
     /// Whether friction has settled at every block that is not fixed.
     fn friction_settled<M: StepRules>(&self, contacts: &[StepContact<R>]) -> bool {
-        let mut blocks = vec![Settling::NONE; self.block_systems.len()];
+        let mut blocks = vec![FrictionMisfit::NONE; self.block_systems.len()];
         for contact in contacts {
-            contact.blocks.iter().for_each(|&block| blocks[block as usize].add(contact.iterate.settling));
+            contact.blocks.iter().for_each(|&block| blocks[block as usize].add(contact.iterate.friction_misfit));
         }
         let free = blocks.iter().zip(self.block_systems).filter(|(_, block_systems)| block_systems.unknowns > 0);
         free.into_iter().all(|(block, _)| M::settled(block.misfit, block.pressing))

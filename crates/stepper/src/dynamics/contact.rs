@@ -1,7 +1,7 @@
 //! A contact within a step: its springs, and what the last solve says of it (SPEC section 5).
 
 use crate::dynamics::displacement::{BlockVector, displacement, dot, generalized};
-use crate::dynamics::friction::{Friction, Settling};
+use crate::dynamics::friction::{Friction, FrictionMisfit};
 use crate::dynamics::material::Joint;
 use crate::dynamics::plane::Plane;
 use crate::dynamics::rules::{StepRules, TangentialState};
@@ -47,7 +47,7 @@ pub(super) struct ContactIterate<R> {
     /// While sliding: what acts across the normal in the next solve.
     pub(super) friction: Friction<R>,
     /// What it adds to the question whether friction has settled; nothing unless it was closed in the last solve and is after it.
-    pub(super) settling: Settling<R>,
+    pub(super) friction_misfit: FrictionMisfit<R>,
 }
 
 impl<R: Real> StepContact<R> {
@@ -89,7 +89,7 @@ impl<R: Real> StepContact<R> {
             gap: self.plane.gap,
             stretch: self.stretch,
             friction: Friction::along::<M>(self.stretch, shear, shear, self.plane.normal),
-            settling: Settling::NONE,
+            friction_misfit: FrictionMisfit::NONE,
         };
     }
 
@@ -115,12 +115,12 @@ impl<R: Real> StepContact<R> {
         let acted = self.tangential(before);
         let after = prescribed.unwrap_or_else(|| self.mode_after_solve::<M>(limits, settling));
         self.take::<M>(after);
-        self.iterate.settling = if before.is_closed() && after.is_closed() {
+        self.iterate.friction_misfit = if before.is_closed() && after.is_closed() {
             let stuck = before == Mode::Locked && after == Mode::Locked;
             let misfit = if stuck { R::ZERO } else { (self.tangential_after(after) - acted).length() };
-            Settling { misfit, pressing: self.joint.normal * M::pressing(gap) }
+            FrictionMisfit { misfit, pressing: self.joint.normal * M::pressing(gap) }
         } else {
-            Settling::NONE
+            FrictionMisfit::NONE
         };
     }
 

@@ -6,7 +6,7 @@ mod tests;
 use crate::contact::{PreparedBlock, SpecRules, classify_keeping};
 use crate::dynamics::area;
 use crate::dynamics::contact::{ContactIterate, StepContact};
-use crate::dynamics::friction::{Friction, Settling};
+use crate::dynamics::friction::{Friction, FrictionMisfit};
 use crate::dynamics::island::Memory;
 use crate::dynamics::layout::Layouts;
 use crate::dynamics::moments::{BlockMatrix, Moments};
@@ -304,8 +304,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 Some((Mode::Open, _)) => (Mode::Open, feet),
                 Some((mode, [a, b])) => (mode, if plane.a_enters { [a, b] } else { [b, a] }),
             };
-            let (friction, settling) = (Friction::NONE, Settling::NONE);
-            let now = ContactIterate { mode: begins, gap: plane.gap, stretch: Vector::ZERO, friction, settling };
+            let (friction, friction_misfit) = (Friction::NONE, FrictionMisfit::NONE);
+            let now = ContactIterate { mode: begins, gap: plane.gap, stretch: Vector::ZERO, friction, friction_misfit };
             let (arms, zero) = ([Vector::ZERO; 2], R::ZERO);
             let contact = *contact;
             let (cohesive, tensile_gap, stretch) = (zero, zero, Vector::ZERO);

@@ -42,19 +42,19 @@ impl<R: Real> Friction<R> {
 
 /// What one block's contacts that stay closed add up to in a solve.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Settling<R> {
+pub(super) struct FrictionMisfit<R> {
     /// Σ|Δf| in N: by how much the tangential forces of the new modes differ from those that acted.
     pub(super) misfit: R,
     /// Σ p_n·max(0, −h) in N.
     pub(super) pressing: R,
 }
 
-impl<R: Real> Settling<R> {
+impl<R: Real> FrictionMisfit<R> {
     /// Of no contact.
-    pub(super) const NONE: Self = Settling { misfit: R::ZERO, pressing: R::ZERO };
+    pub(super) const NONE: Self = FrictionMisfit { misfit: R::ZERO, pressing: R::ZERO };
 
     /// Adds the share of one contact.
-    pub(super) fn add(&mut self, share: Settling<R>) {
+    pub(super) fn add(&mut self, share: FrictionMisfit<R>) {
         self.misfit = self.misfit + share.misfit;
         self.pressing = self.pressing + share.pressing;
     }

@@ -26,25 +26,25 @@ pub(super) struct Bytes<'a> {
 
 /// Where something stands.
 #[derive(Clone, Copy)]
-pub(super) enum Place {
+pub(super) enum InputPosition {
     Line(usize),
     Byte(usize),
 }
 
-impl Place {
+impl InputPosition {
     /// Its line, if it has one.
     pub(super) fn line(self) -> Option<usize> {
         match self {
-            Place::Line(line) => Some(line),
-            Place::Byte(_) => None,
+            InputPosition::Line(line) => Some(line),
+            InputPosition::Byte(_) => None,
         }
     }
 
     /// What a message calls something here.
     pub(super) fn name(self, what: &str) -> String {
         match self {
-            Place::Line(_) => what.to_owned(),
-            Place::Byte(at) => format!("{what}, at byte {at} of the file,"),
+            InputPosition::Line(_) => what.to_owned(),
+            InputPosition::Byte(at) => format!("{what}, at byte {at} of the file,"),
         }
     }
 }
@@ -80,17 +80,17 @@ impl<'a> Input<'a> {
                 Ok(())
             }
             found => {
-                let what = Place::Byte(at).name("the number that shows the order of bytes");
+                let what = InputPosition::Byte(at).name("the number that shows the order of bytes");
                 Err(not_allowed(what, format!("{found:02x?}"), "1 in four bytes"))
             }
         }
     }
 
     /// Where the next word or number stands.
-    pub(super) fn place(&mut self) -> Place {
+    pub(super) fn position(&mut self) -> InputPosition {
         match self {
-            Input::Text(tokens) => Place::Line(tokens.peek().map_or(0, |token| token.line)),
-            Input::Binary(input) => Place::Byte(input.at),
+            Input::Text(tokens) => InputPosition::Line(tokens.peek().map_or(0, |token| token.line)),
+            Input::Binary(input) => InputPosition::Byte(input.at),
         }
     }
 
@@ -104,10 +104,10 @@ impl<'a> Input<'a> {
 
     /// The next word, which must be `keyword`.
     pub(super) fn keyword(&mut self, keyword: &str) -> Result<(), Located> {
-        let place = self.place();
+        let position = self.position();
         let expected = format!("\"{keyword}\"");
         let token = self.word(&expected)?;
-        if token.text == keyword { Ok(()) } else { Err(other(token, place, &expected)) }
+        if token.text == keyword { Ok(()) } else { Err(other(token, position, &expected)) }
     }
 
     /// The heading of the next section without its `$`; none at the end of the file.
@@ -119,11 +119,11 @@ impl<'a> Input<'a> {
         if is_over {
             return Ok(None);
         }
-        let place = self.place();
+        let position = self.position();
         let heading = self.word("a section")?;
         match heading.text.strip_prefix('$') {
             Some(name) => Ok(Some(name)),
-            None => Err(other(heading, place, "a section, which begins with $")),
+            None => Err(other(heading, position, "a section, which begins with $")),
         }
     }
 
@@ -147,7 +147,7 @@ impl<'a> Input<'a> {
 
     /// The rest of the line of a name in quotes, which may have spaces.
     pub(super) fn name(&mut self) -> Result<String, Located> {
-        let place = self.place();
+        let position = self.position();
         let mut last = self.word("the name of a physical group")?;
         let first = last;
         let mut words = vec![first.text];
@@ -157,7 +157,7 @@ impl<'a> Input<'a> {
                 Input::Binary(input) => !input.is_new_line(),
             };
             if !is_more {
-                return Err(other(first, place, "a name in quotes"));
+                return Err(other(first, position, "a name in quotes"));
             }
             last = self.word("the name of a physical group")?;
             words.push(last.text);
@@ -165,23 +165,23 @@ impl<'a> Input<'a> {
         let name = words.join(" ");
         let name = name.trim_matches('"');
         if name.chars().any(char::is_control) {
-            return Err(other(Token { text: name, line: first.line }, place, "a name without control characters"));
+            return Err(other(Token { text: name, line: first.line }, position, "a name without control characters"));
         }
         Ok(name.to_owned())
     }
 
     /// A number in ASCII that is not negative, also in a binary file.
     pub(super) fn plain_count(&mut self, what: &str) -> Result<usize, Located> {
-        let place = self.place();
+        let position = self.position();
         let token = self.word(what)?;
-        whole(token, &place.name(what)).map_err(|(line, problem)| (place.line().and(line), problem))
+        whole(token, &position.name(what)).map_err(|(line, problem)| (position.line().and(line), problem))
     }
 
     /// A whole number in ASCII, also in a binary file.
     pub(super) fn plain_integer(&mut self, what: &str) -> Result<i64, Located> {
-        let place = self.place();
+        let position = self.position();
         let token = self.word(what)?;
-        token.text.parse().map_err(|_| other(token, place, &format!("{what}, a whole number")))
+        token.text.parse().map_err(|_| other(token, position, &format!("{what}, a whole number")))
     }
 
     /// A whole number of four bytes.
@@ -197,18 +197,18 @@ impl<'a> Input<'a> {
         match self {
             Input::Text(_) => self.plain_count(what),
             Input::Binary(input) => {
-                let place = Place::Byte(input.at);
+                let position = InputPosition::Byte(input.at);
                 let found = input.integer(what)?;
-                usize::try_from(found).map_err(|_| not_allowed(place.name(what), found.to_string(), "0 or more"))
+                usize::try_from(found).map_err(|_| not_allowed(position.name(what), found.to_string(), "0 or more"))
             }
         }
     }
 
     /// One of `limit` things, of four bytes.
     pub(super) fn index(&mut self, what: &str, limit: usize) -> Result<usize, Located> {
-        let place = self.place();
+        let position = self.position();
         let index = self.small_count(what)?;
-        if index < limit { Ok(index) } else { Err((place.line(), out_of(&place.name(what), index, limit))) }
+        if index < limit { Ok(index) } else { Err((position.line(), out_of(&position.name(what), index, limit))) }
     }
 
     /// A count of version 4.
@@ -241,10 +241,10 @@ impl<'a> Input<'a> {
 }
 
 /// "Found this where that should stand."
-fn other(token: Token<'_>, place: Place, expected: &str) -> Located {
-    match place {
-        Place::Line(_) => unexpected(token, expected),
-        Place::Byte(at) => {
+fn other(token: Token<'_>, position: InputPosition, expected: &str) -> Located {
+    match position {
+        InputPosition::Line(_) => unexpected(token, expected),
+        InputPosition::Byte(at) => {
             let found = format!("\"{}\" at byte {at} of the file", shown(token.text));
             (None, SceneProblem::Unexpected { found, expected: expected.to_owned() })
         }
@@ -281,15 +281,15 @@ impl<'a> Bytes<'a> {
         if self.width == 4 {
             return self.little(what).map(|bytes| i64::from(u32::from_le_bytes(bytes)));
         }
-        let place = Place::Byte(self.at);
+        let position = InputPosition::Byte(self.at);
         let found = u64::from_le_bytes(self.little(what)?);
-        i64::try_from(found).map_err(|_| not_allowed(place.name(what), found.to_string(), "less than 2^63"))
+        i64::try_from(found).map_err(|_| not_allowed(position.name(what), found.to_string(), "less than 2^63"))
     }
 
     fn number(&mut self, what: &str) -> Result<Number, Located> {
-        let place = Place::Byte(self.at);
+        let position = InputPosition::Byte(self.at);
         let value = f64::from_le_bytes(self.little(what)?);
-        Number::from_f64(value).map_err(|error| (None, SceneProblem::Number { what: place.name(what), error }))
+        Number::from_f64(value).map_err(|error| (None, SceneProblem::Number { what: position.name(what), error }))
     }
 
     /// Whether what follows is the end of a line, or of the file.

@@ -13,7 +13,7 @@ use crate::scene::error::SceneProblem;
 use crate::scene::mesh::{Face, blocks, weld, weld_block};
 use crate::scene::raw::RawBlock;
 use crate::scene::tokens::Located;
-use input::{Input, Place};
+use input::{Input, InputPosition};
 use std::collections::{BTreeSet, HashMap};
 
 /// What is kept of an element.
@@ -83,10 +83,10 @@ pub(super) fn read(bytes: &[u8], distance: Option<&Number>) -> Result<Vec<RawBlo
 
 /// Whether the version is 4.1, not 2.2.
 fn version(input: &mut Input<'_>) -> Result<bool, Located> {
-    let place = input.place();
+    let position = input.position();
     let version = input.word("the version")?;
     let refuse = |what: String, allowed: &str| {
-        Err((place.line(), SceneProblem::Unsupported { what, allowed: allowed.to_owned() }))
+        Err((position.line(), SceneProblem::Unsupported { what, allowed: allowed.to_owned() }))
     };
     let is_version_4 = match version.text {
         "2.2" | "2" | "2.1" => false,
@@ -155,12 +155,12 @@ impl Mesh {
         Ok(())
     }
 
-    fn add_node(&mut self, tag: i64, at: Point, place: Place) -> Result<(), Located> {
+    fn add_node(&mut self, tag: i64, at: Point, position: InputPosition) -> Result<(), Located> {
         let number = self.points.len() as u32;
         if self.places.insert(tag, number).is_some() {
-            let what = place.name(&format!("node {tag}"));
+            let what = position.name(&format!("node {tag}"));
             let allowed = "a number that no other has".to_owned();
-            return Err((place.line(), SceneProblem::NotAllowed { what, found: "there twice".to_owned(), allowed }));
+            return Err((position.line(), SceneProblem::NotAllowed { what, found: "there twice".to_owned(), allowed }));
         }
         self.points.push(at);
         Ok(())
@@ -168,10 +168,10 @@ impl Mesh {
 
     fn read_nodes_2(&mut self, input: &mut Input<'_>) -> Result<(), Located> {
         for _ in 0..input.plain_count("the number of nodes")? {
-            let place = input.place();
+            let position = input.position();
             let tag = input.integer("the number of a node")?;
             let at = input.point("a coordinate of a node")?;
-            self.add_node(tag, at, place)?;
+            self.add_node(tag, at, position)?;
         }
         Ok(())
     }
@@ -187,15 +187,15 @@ impl Mesh {
             let parameters = dimension * input.index("whether nodes have parameters", 2)?;
             let mut tags = Vec::new();
             for _ in 0..input.count("the number of nodes of an entity")? {
-                let place = input.place();
-                tags.push((input.tag("the number of a node")?, place));
+                let position = input.position();
+                tags.push((input.tag("the number of a node")?, position));
             }
-            for (tag, place) in tags {
+            for (tag, position) in tags {
                 let at = input.point("a coordinate of a node")?;
                 for _ in 0..parameters {
                     input.number("a parameter of a node")?;
                 }
-                self.add_node(tag, at, place)?;
+                self.add_node(tag, at, position)?;
             }
         }
         Ok(())
@@ -205,10 +205,10 @@ impl Mesh {
     fn read_elements_2(&mut self, input: &mut Input<'_>) -> Result<(), Located> {
         for _ in 0..input.plain_count("the number of elements")? {
             let tag = input.integer("the number of an element")?;
-            let place = input.place();
+            let position = input.position();
             let kind = input.plain_count("the type of an element")?;
             let group = first_of(input, "the number of tags of an element")?;
-            let element = NamedElement { tag, kind, place, group };
+            let element = NamedElement { tag, kind, position, group };
             self.read_element(input, &element, Input::integer)?;
         }
         Ok(())
@@ -219,19 +219,19 @@ impl Mesh {
         let all = input.plain_count("the number of elements")?;
         let mut read = 0;
         while read < all {
-            let place = input.place();
+            let position = input.position();
             let kind = input.small_count("the type of elements")?;
             let count = input.index("the number of elements of a list", all - read + 1)?;
             let tags = input.small_count("the number of tags of an element")?;
             if count == 0 {
-                let what = place.name("the number of elements of a list");
+                let what = position.name("the number of elements of a list");
                 let allowed = format!("1 to {}", all - read);
                 return Err((None, SceneProblem::NotAllowed { what, found: "0".to_owned(), allowed }));
             }
             for _ in 0..count {
                 let tag = input.integer("the number of an element")?;
                 let group = first_of_some(input, tags)?;
-                self.read_element(input, &NamedElement { tag, kind, place, group }, Input::integer)?;
+                self.read_element(input, &NamedElement { tag, kind, position, group }, Input::integer)?;
             }
             read += count;
         }
@@ -246,12 +246,12 @@ impl Mesh {
         for _ in 0..entities {
             let dimension = input.index("the dimension of an entity", 4)?;
             let entity = input.integer("the number of an entity")?;
-            let place = input.place();
+            let position = input.position();
             let kind = input.small_count("the type of elements")?;
             let group = self.groups.get(&entity).copied().filter(|_| dimension == 2).unwrap_or(0);
             for _ in 0..input.count("the number of elements of an entity")? {
                 let tag = input.tag("the number of an element")?;
-                self.read_element(input, &NamedElement { tag, kind, place, group }, Input::tag)?;
+                self.read_element(input, &NamedElement { tag, kind, position, group }, Input::tag)?;
             }
         }
         Ok(())
@@ -264,36 +264,36 @@ impl Mesh {
         element: &NamedElement,
         node: fn(&mut Input<'a>, &str) -> Result<i64, Located>,
     ) -> Result<(), Located> {
-        let &NamedElement { tag, kind, mut place, group } = element;
+        let &NamedElement { tag, kind, mut position, group } = element;
         let Some((element, count)) = element_of(kind) else {
-            let what = place.name(&format!("element {tag} of type {kind}"));
+            let what = position.name(&format!("element {tag} of type {kind}"));
             let allowed = "types that can are 2 (triangle), 3 (quadrangle), 4 (tetrahedron), 5 (hexahedron), 6 (prism) and 7 (pyramid), and \
                  1, 8 and 15 are skipped; in Gmsh: Mesh.ElementOrder = 1";
-            return Err((place.line(), SceneProblem::Unsupported { what, allowed: allowed.to_owned() }));
+            return Err((position.line(), SceneProblem::Unsupported { what, allowed: allowed.to_owned() }));
         };
         let mut corners = Vec::with_capacity(count);
         for _ in 0..count {
             let what = format!("a node of element {tag}");
-            place = input.place();
+            position = input.position();
             let node = node(input, &what)?;
             let known = self.places.get(&node).copied();
             corners.push(known.ok_or_else(|| {
                 let allowed = "the number of a node above it".to_owned();
-                let what = place.name(&what);
-                (place.line(), SceneProblem::NotAllowed { what, found: node.to_string(), allowed })
+                let what = position.name(&what);
+                (position.line(), SceneProblem::NotAllowed { what, found: node.to_string(), allowed })
             })?);
         }
-        let line = place.line();
+        let line = position.line();
         match element {
             Element::Skipped => {}
             Element::Polygon => {
                 let face = Face { vertices: corners, line };
                 let next = self.polygons.len();
-                let place = *self.group_places.entry(group).or_insert(next);
-                if place == next {
+                let position = *self.group_places.entry(group).or_insert(next);
+                if position == next {
                     self.polygons.push((group, Vec::new()));
                 }
-                self.polygons[place].1.push(face);
+                self.polygons[position].1.push(face);
             }
             Element::Cell(kind) => self.add_cell(&kind, &corners, line),
         }
@@ -303,8 +303,8 @@ impl Mesh {
     fn add_cell(&mut self, kind: &CellKind, corners: &[u32], line: Option<usize>) {
         // A node named twice is one vertex, and the cell then no block.
         let used: BTreeSet<u32> = corners.iter().copied().collect();
-        let place: HashMap<u32, u32> = used.iter().zip(0..).map(|(&v, i)| (v, i)).collect();
-        let corners: Vec<u32> = corners.iter().map(|corner| place[corner]).collect();
+        let position: HashMap<u32, u32> = used.iter().zip(0..).map(|(&v, i)| (v, i)).collect();
+        let corners: Vec<u32> = corners.iter().map(|corner| position[corner]).collect();
         self.cells.push(RawBlock {
             vertices: used.iter().map(|&v| self.points[v as usize].clone()).collect(),
             faces: kind.faces_on(&corners),
@@ -338,7 +338,7 @@ struct NamedElement {
     tag: i64,
     kind: usize,
     /// Where its type stands.
-    place: Place,
+    position: InputPosition,
     /// Its physical group, 0 for none.
     group: i64,
 }
