@@ -14,12 +14,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rows = grid::measure(grid::PAIRS)?;
     let approaches = steps::approaches()?;
     let crossings = steps::crossings()?;
+    let classic = steps::classic_crossings()?;
     let images = folder.join("images/rules");
     std::fs::create_dir_all(&images)?;
     for (name, chart) in page::charts(&rows, &approaches, &crossings) {
         rockproof_results::write_atomically(images.join(format!("{name}.svg")), chart.svg()?)?;
     }
-    let text = page::tables(&rows, &approaches, &crossings);
+    let text = page::tables(&rows, &approaches, &crossings, &classic);
     rockproof_results::write_atomically(folder.join("rules_of_thumb_tables.md"), text)?;
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! The tables and charts of the measurements.
 
 use crate::grid::{Row, ladders};
-use crate::steps::{Approach, Crossing};
+use crate::steps::{ANGLES, Approach, ClassicCrossing, Crossing};
 use rockproof_bench::plot::{Legend, Marks, Plot, PlotAxis, Series};
 use rockproof_campaign::proportion::wilson;
 use rockproof_model::Criteria;
@@ -90,7 +90,12 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
 }
 
 /// The tables as Markdown.
-pub(crate) fn tables(rows: &[Row], approaches: &[Approach], crossings: &[Crossing]) -> String {
+pub(crate) fn tables(
+    rows: &[Row],
+    approaches: &[Approach],
+    crossings: &[Crossing],
+    classic: &[ClassicCrossing],
+) -> String {
     let mut text = String::from(
         "# Rules of thumb: the figures\n\nWritten by `cargo run --release --example rules_of_thumb`; [rules_of_thumb.md](rules_of_thumb.md) says what they mean.\n\n## Pairs\n\n\
          One tolerance at a time around `auto`; shares in % of the pairs. Changed: the exact contacts are not those of nearest features alone. Missed: \
@@ -151,6 +156,16 @@ pub(crate) fn tables(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
             c.run.blind,
             note(&c.run.stopped)
         );
+    }
+    text.push_str(
+        "\n## A keel across a ridge under `classic`, by overlap angle\n\nThe same with no parallel angle, in f64: how far the keel has risen after 0.1 s (mm), by the angle between the edges. Rule: so·(longest edge) ≤ g.\n\n\
+         | overlap angle | rule kept |",
+    );
+    text.extend(ANGLES.map(|angle| format!(" {angle}° |")));
+    text.push_str(&format!("\n| --: | --- |{}\n", " --: |".repeat(ANGLES.len())));
+    for c in classic {
+        let risen: String = c.risen.iter().map(|risen| format!(" {} |", (1e5 * risen).round() / 1e2 + 0.0)).collect();
+        let _ = writeln!(text, "| {}° | {} |{risen}", c.overlap, if c.keeps_rule { "yes" } else { "no" });
     }
     text
 }
