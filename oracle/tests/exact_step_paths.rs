@@ -140,16 +140,13 @@ fn a_fast_block_is_halved_until_it_keeps_the_limit() {
     scene.bodies[0].velocity = point(["40", "0", "0"]);
     // 40 m/s: 4/10 of a metre, 2/10, and 1/10, which is the limit and allowed.
     let answer = scene.step(&scene.start(), KeptPrecision::Exact);
-    let given_up = |time_step: &str, reason| FailedAttempt {
+    let retry = |time_step: &str, reason| FailedAttempt {
         time_step: exact(time_step),
         reason,
         solves: 1,
         end: IterationEnd::Settled,
     };
-    assert_eq!(
-        answer.retries,
-        [given_up("1/100", RetryReason::Displacement), given_up("1/200", RetryReason::Displacement)]
-    );
+    assert_eq!(answer.retries, [retry("1/100", RetryReason::Displacement), retry("1/200", RetryReason::Displacement)]);
     assert_eq!(answer.time_step, exact("1/400"));
     assert_eq!(value(&answer.state.blocks[0].vertices[0].x), exact("1/10"));
     assert_eq!(value(&answer.state.time), exact("1/400"));
@@ -158,7 +155,7 @@ fn a_fast_block_is_halved_until_it_keeps_the_limit() {
     scene.tolerances.max_displacement = number("1");
     // 16 rad/s: 16/100, and 8/100 below the limit of 1/10.
     let answer = scene.step(&scene.start(), KeptPrecision::Exact);
-    assert_eq!(answer.retries, [given_up("1/100", RetryReason::Rotation)]);
+    assert_eq!(answer.retries, [retry("1/100", RetryReason::Rotation)]);
     scene.tolerances.max_rotation = number("1/1000000");
     let shapes: Vec<&Block> = scene.blocks.iter().collect();
     let model: StepModel<'_> = scene.model(&shapes);

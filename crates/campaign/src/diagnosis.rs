@@ -16,7 +16,7 @@ use rockproof_differential::diagnosis::{
 };
 use rockproof_differential::engine::Engine;
 use rockproof_differential::finding::{Cause, Finding, FindingScope};
-use rockproof_differential::row::FindingRow;
+use rockproof_differential::row::{FindingRow, written};
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_results::digest;
 use std::collections::{BTreeMap, BTreeSet};
@@ -139,7 +139,7 @@ impl Campaign<'_> {
             }
         }
         journal.write_cases(cases)?;
-        journal.write(DIAGNOSIS, &table(&rows)?)?;
+        journal.write(DIAGNOSIS, &written(&DIAGNOSIS_COLUMNS, &rows)?)?;
         Ok(Ending::Finished)
     }
 
@@ -273,11 +273,4 @@ fn question(engine: &dyn Engine, subject: &Subject, set: &SubjectSet) -> Option<
     let reply = ask(engine, &blocks, &tolerances);
     let label = label(subject.index, &set.name);
     Some(Question { blocks, tolerances, precision, accuracy: engine.accuracy(), reply, label })
-}
-
-fn table(rows: &[DiagnosisRow]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    writer.write_record(DIAGNOSIS_COLUMNS)?;
-    rows.iter().try_for_each(|row| writer.serialize(row))?;
-    writer.into_inner().map_err(|e| e.into_error().into())
 }

@@ -1,6 +1,7 @@
 //! How many findings of which sort: the counts behind `summary.csv` and the table at the end of a campaign.
 
 use rockproof_differential::finding::Finding;
+use rockproof_differential::row::written;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -189,11 +190,6 @@ impl Summary {
     /// # Errors
     /// Those of the CSV writer.
     pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-        writer.write_record(SUMMARY_COLUMNS)?;
-        for row in self.rows() {
-            writer.serialize(row)?;
-        }
-        writer.into_inner().map_err(|e| e.into_error().into())
+        written(&SUMMARY_COLUMNS, self.rows())
     }
 }

@@ -2,9 +2,11 @@
 //! `agreement.csv` and `confusion.csv`. Findings say what differs; these say of how many.
 
 use super::compare::{AnswerChange, Difference, Features, differences};
+use super::row::{named, written};
 use super::separation_state::StateComparison;
 use rockproof_model::{Contact, ContactKind};
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
@@ -160,6 +162,99 @@ pub const AGREEMENT_COLUMNS: [&str; 13] = [
 /// The columns of `confusion.csv`: so many contacts of kind `before` became kind `after`.
 pub const CONFUSION_COLUMNS: [&str; 6] = ["tolerances", "span", "engine", "before", "after", "contacts"];
 
+fn span<'d, D: Deserializer<'d>>(deserializer: D) -> Result<ChainSpan, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    ChainSpan::from_name(&text).ok_or_else(|| {
+        let allowed = ChainSpan::ALL.map(ChainSpan::name).join(", ");
+        D::Error::custom(format!("span is \"{text}\", which is none of {allowed}"))
+    })
+}
+
+/// A row of `agreement.csv`; the fields are its columns.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AgreementRow {
+    /// The family.
+    #[serde(deserialize_with = "named")]
+    pub family: String,
+    /// The tolerance set.
+    #[serde(deserialize_with = "named")]
+    pub tolerances: String,
+    /// Which links are compared.
+    #[serde(deserialize_with = "span")]
+    pub span: ChainSpan,
+    /// The precision or the engine.
+    #[serde(deserialize_with = "named")]
+    pub engine: String,
+    /// [`AgreementCounts::pairs`], and so on.
+    pub pairs: u64,
+    /// Pairs with the same answer.
+    pub agreeing: u64,
+    /// Pairs without an answer.
+    pub silent: u64,
+    /// Contacts on the earlier side.
+    pub contacts: u64,
+    /// Kept contacts with another entrance.
+    pub entrance: u64,
+    /// Kept contacts with a gap of another sign.
+    pub gap_sign: u64,
+    /// Σ of a².
+    pub agreeing_squared: u64,
+    /// Σ of a·n.
+    pub agreeing_times_pairs: u64,
+    /// Σ of n².
+    pub pairs_squared: u64,
+}
+
+impl AgreementRow {
+    fn new(family: &str, compared: &ComparisonKey, counts: &AgreementCounts) -> AgreementRow {
+        let ComparisonKey { tolerances, span, engine } = compared.clone();
+        let AgreementCounts { pairs, agreeing, silent, contacts, entrance, gap_sign, .. } = *counts;
+        let AgreementCounts { agreeing_squared, agreeing_times_pairs, pairs_squared, .. } = *counts;
+        AgreementRow {
+            family: family.to_owned(),
+            tolerances,
+            span,
+            engine,
+            pairs,
+            agreeing,
+            silent,
+            contacts,
+            entrance,
+            gap_sign,
+            agreeing_squared,
+            agreeing_times_pairs,
+            pairs_squared,
+        }
+    }
+
+    /// What was compared.
+    pub fn key(&self) -> ComparisonKey {
+        ComparisonKey { tolerances: self.tolerances.clone(), span: self.span, engine: self.engine.clone() }
+    }
+}
+
+/// A row of `confusion.csv`; the fields are its columns.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ConfusionRow {
+    /// The tolerance set.
+    #[serde(deserialize_with = "named")]
+    pub tolerances: String,
+    /// Which links are compared.
+    #[serde(deserialize_with = "span")]
+    pub span: ChainSpan,
+    /// The precision or the engine.
+    #[serde(deserialize_with = "named")]
+    pub engine: String,
+    /// The kind of contact, or the state of the pair, before; [`NONE`] where there is no contact.
+    #[serde(deserialize_with = "named")]
+    pub before: String,
+    /// The same after.
+    #[serde(deserialize_with = "named")]
+    pub after: String,
+    /// How many became so.
+    pub contacts: u64,
+}
+
 /// Records the comparisons of one pair.
 #[derive(Debug)]
 pub struct AgreementRecorder {
@@ -256,16 +351,8 @@ impl Agreement {
     /// # Errors
     /// Those of the CSV writer.
     pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(AGREEMENT_COLUMNS)?;
-        for ((family, compared), c) in &self.counts {
-            let squares = [c.agreeing_squared, c.agreeing_times_pairs, c.pairs_squared];
-            let numbers = [c.pairs, c.agreeing, c.silent, c.contacts, c.entrance, c.gap_sign];
-            let numbers: Vec<String> = numbers.iter().chain(&squares).map(u64::to_string).collect();
-            let names = [&**family, &compared.tolerances, compared.span.name(), &compared.engine];
-            writer.write_record(names.into_iter().chain(numbers.iter().map(String::as_str)))?;
-        }
-        writer.into_inner().map_err(|e| e.into_error().into())
+        let rows = self.counts.iter().map(|((family, compared), counts)| AgreementRow::new(family, compared, counts));
+        written(&AGREEMENT_COLUMNS, rows)
     }
 
     /// `confusion.csv`.
@@ -273,13 +360,10 @@ impl Agreement {
     /// # Errors
     /// Those of the CSV writer.
     pub fn confusion_to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(CONFUSION_COLUMNS)?;
-        for ((compared, (before, after)), times) in &self.confusion {
-            let times = times.to_string();
-            let ComparisonKey { tolerances, span, engine } = compared;
-            writer.write_record([&**tolerances, span.name(), engine, before, after, &times])?;
-        }
-        writer.into_inner().map_err(|e| e.into_error().into())
+        let row = |((compared, (before, after)), times): (&(ComparisonKey, Transition), &u64)| {
+            let ComparisonKey { tolerances, span, engine } = compared.clone();
+            ConfusionRow { tolerances, span, engine, before: before.clone(), after: after.clone(), contacts: *times }
+        };
+        written(&CONFUSION_COLUMNS, self.confusion.iter().map(row))
     }
 }

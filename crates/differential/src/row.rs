@@ -1,4 +1,4 @@
-//! A row of `findings.csv`, for whoever writes or reads one.
+//! A row of `findings.csv`, for whoever writes or reads one, and what rows of other tables have in common with it.
 
 use super::compare::AnswerChange;
 use super::finding::{Cause, FindingScope};
@@ -44,6 +44,19 @@ pub struct FindingRow {
     pub margin_ulps: Option<f64>,
     /// The case file, in the directory of the run; empty where there is none.
     pub case: String,
+}
+
+/// A table of these rows, with its header also where there are none.
+///
+/// # Errors
+/// Those of the CSV writer.
+pub fn written<R: Serialize>(columns: &[&str], rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    writer.write_record(columns)?;
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
 }
 
 /// A value by its name.
@@ -95,7 +108,11 @@ pub fn deserialize_cause<'d, D: Deserializer<'d>>(deserializer: D) -> Result<Cau
     Cause::from_name(&text).ok_or_else(|| D::Error::custom(format!("cause is \"{text}\"")))
 }
 
-fn named<'d, D: Deserializer<'d>>(deserializer: D) -> Result<String, D::Error> {
+/// A name of a family, a tolerance set or an engine.
+///
+/// # Errors
+/// Where there is none.
+pub fn named<'d, D: Deserializer<'d>>(deserializer: D) -> Result<String, D::Error> {
     let text = String::deserialize(deserializer)?;
     if text.is_empty() { Err(D::Error::custom("family, tolerance set or engine has no name")) } else { Ok(text) }
 }

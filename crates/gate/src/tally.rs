@@ -7,7 +7,7 @@ use super::config::{Baseline, FindingLimit};
 use super::known_findings::SEPARATOR;
 use rockproof_campaign::engine_counts::{ENGINES, EngineRow};
 use rockproof_campaign::pairs::BATCH;
-use rockproof_campaign::steps::StepFindingRow;
+use rockproof_campaign::steps::{StepFindingRow, StepSummaryRow};
 use rockproof_campaign::summary::SummaryRow;
 use rockproof_differential::finding::{Cause, FindingScope};
 use rockproof_differential::lockstep::StepCause;
@@ -307,7 +307,7 @@ type PairCounts = BTreeMap<(String, String), u64>;
 /// Pairs that make steps, and those of them whose steps were looked through: as many as the engine has of them that takes the most.
 fn moved(file: &Path) -> Result<[PairCounts; 2], TallyError> {
     let mut by_engine: BTreeMap<[String; 3], [u64; 2]> = BTreeMap::new();
-    for MovedRow { family, tolerances, engine, pairs, watched } in table(file)? {
+    for StepSummaryRow { family, tolerances, engine, pairs, watched, .. } in table(file)? {
         let known = by_engine.entry([family, tolerances, engine]).or_default();
         // At most: of a pair several steps may be looked through.
         *known = [known[0] + pairs, known[1] + pairs.min(watched)];
@@ -320,17 +320,6 @@ fn moved(file: &Path) -> Result<[PairCounts; 2], TallyError> {
         }
     }
     Ok(counts)
-}
-
-/// What of a row of `step_summary.csv` tells how many pairs there were.
-#[derive(Deserialize)]
-struct MovedRow {
-    family: String,
-    tolerances: String,
-    engine: String,
-    pairs: u64,
-    /// Steps.
-    watched: u64,
 }
 
 fn table<T: DeserializeOwned>(file: &Path) -> Result<Vec<T>, TallyError> {

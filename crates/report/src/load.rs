@@ -8,9 +8,11 @@ use super::tally::FindingTally;
 use super::{lockstep, motion, stress, timing};
 use rockproof_campaign::merge::Parts;
 use rockproof_campaign::proportion::{ClusterSums, Proportion};
-use rockproof_campaign::steps::STEP_SUMMARY_COLUMNS;
-use rockproof_campaign::steps::summary::{PenetrationSums, StepCounts, StepGroup};
-use rockproof_differential::agreement::{AGREEMENT_COLUMNS, CONFUSION_COLUMNS, ChainSpan, ComparisonKey};
+use rockproof_campaign::steps::summary::{StepCounts, StepGroup};
+use rockproof_campaign::steps::{STEP_SUMMARY_COLUMNS, StepSummaryRow};
+use rockproof_differential::agreement::{
+    AGREEMENT_COLUMNS, AgreementRow, CONFUSION_COLUMNS, ChainSpan, ComparisonKey, ConfusionRow,
+};
 use rockproof_differential::diagnosis::{DIAGNOSIS_COLUMNS, DiagnosisRow};
 use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::FINDING_COLUMNS;
@@ -104,6 +106,22 @@ pub struct AgreementSums {
 }
 
 impl AgreementSums {
+    fn of(row: &AgreementRow) -> AgreementSums {
+        AgreementSums {
+            pairs: row.pairs,
+            agreeing: row.agreeing,
+            silent: row.silent,
+            contacts: row.contacts,
+            entrance: row.entrance,
+            gap_sign: row.gap_sign,
+            clusters: ClusterSums {
+                hits_squared: row.agreeing_squared,
+                hits_times_trials: row.agreeing_times_pairs,
+                trials_squared: row.pairs_squared,
+            },
+        }
+    }
+
     /// Adds the sums of `other`.
     pub fn add(&mut self, other: &AgreementSums) {
         self.pairs += other.pairs;
@@ -353,30 +371,17 @@ pub fn is_made_for_ties(setting: &str) -> bool {
 }
 
 fn read_agreement(file: &Path) -> Result<Vec<(String, ComparisonKey, AgreementSums)>, ReportError> {
-    let columns = &AGREEMENT_COLUMNS;
-    let mut rows = CsvTable::open(file.to_owned(), columns)?;
+    let mut rows = CsvTable::open(file.to_owned(), &AGREEMENT_COLUMNS)?;
     let mut found = Vec::new();
-    while let Some(row) = rows.next(columns)? {
-        let span = row.of(2, "tolerance, representation, arithmetic or whole", ChainSpan::from_name)?;
-        let compared = ComparisonKey { tolerances: row.name(1)?.to_owned(), span, engine: row.name(3)?.to_owned() };
-        let sums = AgreementSums {
-            pairs: row.count(4)?,
-            agreeing: row.count(5)?,
-            silent: row.count(6)?,
-            contacts: row.count(7)?,
-            entrance: row.count(8)?,
-            gap_sign: row.count(9)?,
-            clusters: ClusterSums {
-                hits_squared: row.count(10)?,
-                hits_times_trials: row.count(11)?,
-                trials_squared: row.count(12)?,
-            },
-        };
+    while let Some(row) = rows.next(&AGREEMENT_COLUMNS)? {
+        let counted: AgreementRow = row.parsed()?;
+        let sums = AgreementSums::of(&counted);
         if sums.agreeing.checked_add(sums.silent).is_none_or(|sum| sum > sums.pairs) {
             let found = format!("{} pairs agree and {} have no answer", sums.agreeing, sums.silent);
             return Err(row.invalid_row(&found, &format!("at most {} together, as there are pairs", sums.pairs)));
         }
-        found.push((row.name(0)?.to_owned(), compared, sums));
+        let compared = counted.key();
+        found.push((counted.family, compared, sums));
     }
     Ok(found)
 }
@@ -392,33 +397,21 @@ fn read_diagnosis(file: &Path) -> Result<Vec<DiagnosisRow>, ReportError> {
 }
 
 fn read_steps(file: &Path) -> Result<Vec<(StepGroup, StepCounts)>, ReportError> {
-    let columns = &STEP_SUMMARY_COLUMNS;
-    let mut rows = CsvTable::open(file.to_owned(), columns)?;
+    let mut rows = CsvTable::open(file.to_owned(), STEP_SUMMARY_COLUMNS)?;
     let mut found = Vec::new();
-    while let Some(row) = rows.next(columns)? {
-        let name = |column: usize| row.name(column).map(str::to_owned);
-        let place = StepGroup { family: name(0)?, form: name(1)?, tolerances: name(2)?, engine: name(3)? };
-        let first = 4 + StepCounts::NAMES.len();
-        let numbers = (4..first).map(|column| row.count(column)).collect::<Result<Vec<u64>, _>>()?;
-        let depth = |column: usize| row.number(column).map(|depth| depth.unwrap_or(0.0));
-        let depths = |side: usize| -> Result<PenetrationSums, ReportError> {
-            let [deepest, relative, sum] = [first + side, first + 2 + side, first + 4 + side].map(depth);
-            Ok(PenetrationSums { deepest: deepest?, relative: relative?, sum: sum?.into() })
-        };
-        found.push((place, StepCounts::of(numbers, [depths(0)?, depths(1)?])));
+    while let Some(row) = rows.next(STEP_SUMMARY_COLUMNS)? {
+        found.push(row.parsed::<StepSummaryRow>()?.counts());
     }
     Ok(found)
 }
 
 fn read_confusion(file: &Path) -> Result<BTreeMap<ComparisonKey, ConfusionCounts>, ReportError> {
-    let columns = &CONFUSION_COLUMNS;
-    let mut rows = CsvTable::open(file.to_owned(), columns)?;
+    let mut rows = CsvTable::open(file.to_owned(), &CONFUSION_COLUMNS)?;
     let mut found: BTreeMap<ComparisonKey, ConfusionCounts> = BTreeMap::new();
-    while let Some(row) = rows.next(columns)? {
-        let span = row.of(1, "tolerance, representation, arithmetic or whole", ChainSpan::from_name)?;
-        let compared = ComparisonKey { tolerances: setting(row.name(0)?), span, engine: row.name(2)?.to_owned() };
-        let became = (row.name(3)?.to_owned(), row.name(4)?.to_owned());
-        *found.entry(compared).or_default().entry(became).or_default() += row.count(5)?;
+    while let Some(row) = rows.next(&CONFUSION_COLUMNS)? {
+        let ConfusionRow { tolerances, span, engine, before, after, contacts } = row.parsed()?;
+        let compared = ComparisonKey { tolerances: setting(&tolerances), span, engine };
+        *found.entry(compared).or_default().entry((before, after)).or_default() += contacts;
     }
     Ok(found)
 }

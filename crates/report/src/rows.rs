@@ -104,7 +104,10 @@ impl CsvRow<'_> {
     pub(super) fn parsed<T: DeserializeOwned>(&self) -> Result<T, ReportError> {
         self.record.deserialize(Some(self.header)).map_err(|error| match error.kind() {
             csv::ErrorKind::Deserialize { err, .. } => match err.field().and_then(|at| usize::try_from(at).ok()) {
-                Some(column) => self.wrong(column, &err.kind().to_string()),
+                Some(column) => match err.kind() {
+                    csv::DeserializeErrorKind::ParseInt(_) => self.wrong(column, "a count"),
+                    other => self.wrong(column, &other.to_string()),
+                },
                 None => self.damaged(err.kind().to_string(), "what a campaign writes there".to_owned()),
             },
             _ => damaged(self.file, &error),

@@ -15,4 +15,4 @@ pub use examine::{StepExamination, examine, examine_all};
 pub use finding::{STEP_FINDING_COLUMNS, StepChange, StepFinding, StepFindingRow};
 pub use motion::MotionStyle;
 pub use passing::PASSAGE;
-pub use summary::{STEP_SUMMARY_COLUMNS, StepSummary};
+pub use summary::{STEP_SUMMARY_COLUMNS, StepSummary, StepSummaryRow};

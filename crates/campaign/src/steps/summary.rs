@@ -10,6 +10,7 @@ use rockproof_differential::lockstep::answer::StepAnswerChange;
 use rockproof_differential::lockstep::intrusion::Intrusions;
 use rockproof_differential::lockstep::table::CAUSES;
 use rockproof_differential::lockstep::{Intrusion, StepCause};
+use rockproof_differential::row::{exponential, finite, named, written};
 use rockproof_differential::subject::{Subject, SubjectSet};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -95,24 +96,97 @@ macro_rules! counts {
         }
 
         impl StepCounts {
-            /// The names of the counts.
-            pub const NAMES: &'static [&'static str] = &[$(stringify!($name)),*];
-
-            /// Counts of these numbers, in the order of their names.
-            pub fn of(numbers: impl IntoIterator<Item = u64>, depths: [PenetrationSums; 2]) -> StepCounts {
-                let mut numbers = numbers.into_iter();
-                StepCounts { $($name: numbers.next().unwrap_or(0),)* depths }
-            }
-
-            /// The counts in the order of their names.
-            pub fn numbers(&self) -> Vec<u64> {
-                vec![$(self.$name),*]
-            }
-
             /// Adds the counts of `other`.
             pub fn add(&mut self, other: &StepCounts) {
                 $(self.$name += other.$name;)*
                 self.depths.iter_mut().zip(&other.depths).for_each(|(sum, depths)| sum.add(depths));
+            }
+        }
+
+        /// A row of `step_summary.csv`; the fields are its columns.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        pub struct StepSummaryRow {
+            /// The family.
+            #[serde(deserialize_with = "named")]
+            pub family: String,
+            /// The form.
+            #[serde(deserialize_with = "named")]
+            pub form: String,
+            /// The tolerance set.
+            #[serde(deserialize_with = "named")]
+            pub tolerances: String,
+            /// The engine.
+            #[serde(deserialize_with = "named")]
+            pub engine: String,
+            $(#[doc = $what] pub $name: u64,)*
+            /// The deepest overlap after steps of the stepper (m).
+            #[serde(serialize_with = "exponential", deserialize_with = "finite")]
+            pub deepest_stepper_m: Option<f64>,
+            /// The deepest overlap after steps of the oracle (m).
+            #[serde(serialize_with = "exponential", deserialize_with = "finite")]
+            pub deepest_oracle_m: Option<f64>,
+            /// The deepest over half the longest side of its pair, after steps of the stepper.
+            #[serde(serialize_with = "exponential", deserialize_with = "finite")]
+            pub relative_stepper: Option<f64>,
+            /// The same after steps of the oracle.
+            #[serde(serialize_with = "exponential", deserialize_with = "finite")]
+            pub relative_oracle: Option<f64>,
+            /// Sum of the depths over half the longest sides, after steps of the stepper.
+            #[serde(serialize_with = "exponential", deserialize_with = "finite")]
+            pub sum_stepper: Option<f64>,
+            /// The same after steps of the oracle.
+            #[serde(serialize_with = "exponential", deserialize_with = "finite")]
+            pub sum_oracle: Option<f64>,
+        }
+
+        /// The columns of `step_summary.csv`.
+        pub const STEP_SUMMARY_COLUMNS: &[&str] = &[
+            "family",
+            "form",
+            "tolerances",
+            "engine",
+            $(stringify!($name),)*
+            "deepest_stepper_m",
+            "deepest_oracle_m",
+            "relative_stepper",
+            "relative_oracle",
+            "sum_stepper",
+            "sum_oracle",
+        ];
+
+        impl StepSummaryRow {
+            fn new(group: &StepGroup, counts: &StepCounts) -> StepSummaryRow {
+                let StepGroup { family, form, tolerances, engine } = group.clone();
+                let [stepper, oracle] = counts.depths;
+                StepSummaryRow {
+                    family,
+                    form,
+                    tolerances,
+                    engine,
+                    $($name: counts.$name,)*
+                    deepest_stepper_m: Some(stepper.deepest),
+                    deepest_oracle_m: Some(oracle.deepest),
+                    relative_stepper: Some(stepper.relative),
+                    relative_oracle: Some(oracle.relative),
+                    sum_stepper: Some(stepper.sum.value()),
+                    sum_oracle: Some(oracle.sum.value()),
+                }
+            }
+
+            /// Of which pairs and by which engine the steps were made, and the counts.
+            pub fn counts(&self) -> (StepGroup, StepCounts) {
+                let of = |deepest: Option<f64>, relative: Option<f64>, sum: Option<f64>| PenetrationSums {
+                    deepest: deepest.unwrap_or(0.0),
+                    relative: relative.unwrap_or(0.0),
+                    sum: sum.unwrap_or(0.0).into(),
+                };
+                let [family, form, tolerances, engine] =
+                    [&self.family, &self.form, &self.tolerances, &self.engine].map(String::clone);
+                let depths = [
+                    of(self.deepest_stepper_m, self.relative_stepper, self.sum_stepper),
+                    of(self.deepest_oracle_m, self.relative_oracle, self.sum_oracle),
+                ];
+                (StepGroup { family, form, tolerances, engine }, StepCounts { $($name: self.$name,)* depths })
             }
         }
     };
@@ -190,52 +264,6 @@ impl From<StepSummary> for StepSummaryRows {
         StepSummaryRows { places: summary.places.into_iter().collect(), sorts: summary.sorts.into_iter().collect() }
     }
 }
-
-/// The columns of `step_summary.csv`.
-pub const STEP_SUMMARY_COLUMNS: [&str; 42] = [
-    "family",
-    "form",
-    "tolerances",
-    "engine",
-    "pairs",
-    "steps",
-    "silent",
-    "compared",
-    "stopped",
-    "open",
-    "sliding",
-    "locked",
-    "turning",
-    "iterated",
-    "retried",
-    "contacts_differ",
-    "modes_differ",
-    "iterations_differ",
-    "converged_differ",
-    "retries_differ",
-    "state_differs",
-    "deeper",
-    "shallower",
-    "watched",
-    "passages_stepper",
-    "passages_oracle",
-    "passages_undecided",
-    "unseen_stepper",
-    "unseen_oracle",
-    "undecided",
-    "tolerance",
-    "representation",
-    "arithmetic",
-    "defect",
-    "step_length",
-    "not_held",
-    "deepest_stepper_m",
-    "deepest_oracle_m",
-    "relative_stepper",
-    "relative_oracle",
-    "sum_stepper",
-    "sum_oracle",
-];
 
 impl StepSummary {
     /// Counts a step of a pair whose longest side is twice `half` (m).
@@ -368,25 +396,7 @@ impl StepSummary {
     /// # Errors
     /// Those of the CSV writer.
     pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(STEP_SUMMARY_COLUMNS)?;
-        for (place, counts) in &self.places {
-            let [stepper, oracle] = counts.depths;
-            let depths = [
-                stepper.deepest,
-                oracle.deepest,
-                stepper.relative,
-                oracle.relative,
-                stepper.sum.value(),
-                oracle.sum.value(),
-            ];
-            let mut row =
-                vec![place.family.clone(), place.form.clone(), place.tolerances.clone(), place.engine.clone()];
-            row.extend(counts.numbers().iter().map(u64::to_string));
-            row.extend(depths.iter().map(|depth| format!("{depth:e}")));
-            writer.write_record(&row)?;
-        }
-        writer.into_inner().map_err(|e| e.into_error().into())
+        written(STEP_SUMMARY_COLUMNS, self.places.iter().map(|(group, counts)| StepSummaryRow::new(group, counts)))
     }
 }
 
@@ -395,8 +405,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_columns_are_the_counts() {
-        assert_eq!(STEP_SUMMARY_COLUMNS[4..36], *StepCounts::NAMES);
+    fn what_is_written_is_read_under_the_columns() {
+        let group = StepGroup { family: "a".into(), form: "b".into(), tolerances: "c".into(), engine: "d".into() };
+        let depths =
+            [0.1, 1.0 / 3.0].map(|depth| PenetrationSums { deepest: depth, relative: depth / 2.0, sum: 0.75.into() });
+        let counts = StepCounts { pairs: 3, steps: 7, not_held: 2, depths, ..StepCounts::default() };
+        let summary = StepSummary { places: [(group.clone(), counts)].into(), sorts: BTreeMap::new() };
+        let text = summary.to_csv().expect("a table");
+        let mut reader = csv::Reader::from_reader(&*text);
+        let rows: Vec<StepSummaryRow> = reader.deserialize().collect::<Result<_, _>>().expect("rows");
+        assert_eq!(rows.iter().map(StepSummaryRow::counts).collect::<Vec<_>>(), [(group, counts)]);
+        // The header is that of the fields, in their order.
+        let mut named = csv::Writer::from_writer(Vec::new());
+        named.serialize(&rows[0]).expect("a row");
+        assert_eq!(named.into_inner().expect("a table"), text);
     }
 
     #[test]

@@ -36,12 +36,13 @@ fn a_number_that_cannot_be_read_is_an_error_and_not_zero() {
 #[test]
 fn passages_are_a_share_of_the_pairs_looked_through() {
     let dir = tempfile::tempdir().expect("a folder");
-    let row = STEP_SUMMARY_COLUMNS.map(|column| match column {
+    let cell = |column: &&str| match *column {
         "family" | "form" | "tolerances" | "engine" => "sliver",
         "pairs" => "20",
         "watched" => "15",
         _ => "0",
-    });
+    };
+    let row: Vec<&str> = STEP_SUMMARY_COLUMNS.iter().map(cell).collect();
     let origin = "sliver,random,sliver,1000,f32,representation,missing,v-v,1";
     let [steps, row] = [STEP_SUMMARY_COLUMNS.join(","), row.join(",")];
     let tables = [(FINDING_COLUMNS.join(","), ""), (SUMMARY_COLUMNS.join(","), origin), (steps, &row)];
