@@ -4,6 +4,7 @@ use crate::exit::{Outcome, Verdict, print};
 use crate::input::{ReadArgs, ToleranceArgs, model_help};
 use crate::input_file::InputFile;
 use crate::overlaps::overlaps;
+use crate::progress::counted_while;
 use crate::table::table;
 use anyhow::Context;
 use clap::ValueEnum;
@@ -15,8 +16,12 @@ use rockproof_oracle::rational::Rational;
 use rockproof_oracle::{Pair, PreparedBlock};
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::{PreparedBlock as FloatSolid, SpecRules, Tolerances, classify};
+use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
-use std::io::{self, Write};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::io::{self, BufWriter, Write};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Classify the contacts between the blocks of a file
 ///
@@ -104,63 +109,113 @@ impl Classify {
             }
             None => neighbours(&blocks, &tolerances),
         };
-        let found = match self.engine {
-            EngineChoice::Exact => exactly(&blocks, &pairs, &tolerances),
-            EngineChoice::F64 => in_floats::<f64>(&blocks, &pairs, &tolerances).with_context(place)?,
-            EngineChoice::F32 => in_floats::<f32>(&blocks, &pairs, &tolerances).with_context(place)?,
-        };
-        let mut out = Vec::new();
-        match self.format {
-            OutputFormat::Table => write_table(&mut out, &found).and_then(|()| {
-                // Blocks that overlap deeper than any contact says are the first thing to know of a model.
-                writeln!(out, "{}", overlaps(&blocks, &tolerances, Some(&pairs)).line())
-            }),
-            OutputFormat::Csv => write_csv(&mut out, &found),
-            OutputFormat::Json => write_json(&mut out, &found),
-        }?;
-        print(&String::from_utf8_lossy(&out))?;
+        let classifier = Classifier::new(self.engine, &blocks, &tolerances).with_context(place)?;
+        let mut written = counted_while(pairs.len() as u64, "classified", |done| {
+            let found = classifier.all(&pairs, done, !matches!(self.format, OutputFormat::Csv));
+            match self.format {
+                OutputFormat::Table => {
+                    let mut out = Vec::new();
+                    write_table(&mut out, found, pairs.len())?;
+                    Ok(out)
+                }
+                // These two go out as they come, whatever the size of the model.
+                OutputFormat::Csv => to_reader(|out| write_csv(out, found)),
+                OutputFormat::Json => to_reader(|out| write_json(out, found)),
+            }
+        })?;
+        if matches!(self.format, OutputFormat::Table) {
+            // Blocks that overlap deeper than any contact says are the first thing to know of a model.
+            writeln!(written, "{}", overlaps(&blocks, &tolerances, Some(&pairs)).line())?;
+            print(&String::from_utf8_lossy(&written))?;
+        }
         Ok(Verdict::Passed)
     }
 }
 
-fn exactly(blocks: &[&Block], pairs: &[(usize, usize)], tolerances: &ToleranceSet) -> Vec<PairContacts> {
-    let solids: Vec<PreparedBlock> = blocks.iter().map(|b| PreparedBlock::new(b)).collect();
-    pairs
-        .par_iter()
-        .map(|&(i, j)| {
-            let pair = Pair::new(&solids[i], &solids[j]);
-            let with_gap = |contact: Contact| {
-                let gap = pair.gap(&contact.entrance);
-                let size = gap.squared.sqrt_rounded().unwrap_or(f64::INFINITY);
-                (contact, if gap.sign == Sign::Negative { -size } else { size })
-            };
-            let found = pair.classify(tolerances).contacts.into_iter().map(with_gap).collect();
-            with_combinations(blocks, (i, j), found)
+/// Writes to stdout. A reader that went away (`| head`) is no error.
+fn to_reader(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Vec<u8>> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    match write(&mut out).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error),
+        _ => Ok(Vec::new()),
+    }
+}
+
+/// Pairs that are classified at once, by all threads, before they are written.
+const CHUNK: usize = 4096;
+
+/// Who classifies, with the blocks prepared.
+enum Classifier<'b> {
+    Exact { blocks: &'b [&'b Block], solids: Vec<PreparedBlock>, tolerances: &'b ToleranceSet },
+    F64 { blocks: &'b [&'b Block], solids: Vec<FloatSolid<f64>>, tolerances: Tolerances<f64> },
+    F32 { blocks: &'b [&'b Block], solids: Vec<FloatSolid<f32>>, tolerances: Tolerances<f32> },
+}
+
+impl<'b> Classifier<'b> {
+    fn new(
+        engine: EngineChoice,
+        blocks: &'b [&'b Block],
+        tolerances: &'b ToleranceSet,
+    ) -> anyhow::Result<Classifier<'b>> {
+        Ok(match engine {
+            EngineChoice::Exact => {
+                let solids = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
+                Classifier::Exact { blocks, solids, tolerances }
+            }
+            EngineChoice::F64 => {
+                let tolerances = Tolerances::new(tolerances)?;
+                Classifier::F64 { blocks, solids: float_solids(blocks)?, tolerances }
+            }
+            EngineChoice::F32 => {
+                let tolerances = Tolerances::new(tolerances)?;
+                Classifier::F32 { blocks, solids: float_solids(blocks)?, tolerances }
+            }
         })
-        .collect()
+    }
+
+    /// The contacts of pairs in their order, with what they amount to where `combined` asks for it; `done` counts pairs. No more than some
+    /// thousand pairs are held at once.
+    fn all(&self, pairs: &[(usize, usize)], done: &AtomicU64, combined: bool) -> impl Iterator<Item = PairContacts> {
+        pairs.chunks(CHUNK).flat_map(move |chunk| {
+            let classified = |&pair: &(usize, usize)| {
+                let found = self.pair(pair, combined);
+                done.fetch_add(1, Ordering::Relaxed);
+                found
+            };
+            chunk.par_iter().map(classified).collect::<Vec<_>>()
+        })
+    }
+
+    fn pair(&self, (i, j): (usize, usize), combined: bool) -> PairContacts {
+        let (blocks, found) = match self {
+            Classifier::Exact { blocks, solids, tolerances } => {
+                let pair = Pair::new(&solids[i], &solids[j]);
+                let with_gap = |contact: Contact| {
+                    let gap = pair.gap(&contact.entrance);
+                    let size = gap.squared.sqrt_rounded().unwrap_or(f64::INFINITY);
+                    (contact, if gap.sign == Sign::Negative { -size } else { size })
+                };
+                (blocks, pair.classify(tolerances).contacts.into_iter().map(with_gap).collect())
+            }
+            Classifier::F64 { blocks, solids, tolerances } => (blocks, in_floats(&solids[i], &solids[j], tolerances)),
+            Classifier::F32 { blocks, solids, tolerances } => (blocks, in_floats(&solids[i], &solids[j], tolerances)),
+        };
+        let contacts: Vec<Contact> = found.iter().map(|(contact, _): &(Contact, f64)| *contact).collect();
+        let combined = if combined { combinations(blocks[i], blocks[j], &contacts) } else { Vec::new() };
+        PairContacts { a: i, b: j, found, combined }
+    }
 }
 
-fn in_floats<R: Real + Into<f64> + Send + Sync>(
-    blocks: &[&Block],
-    pairs: &[(usize, usize)],
-    tolerances: &ToleranceSet,
-) -> anyhow::Result<Vec<PairContacts>> {
-    let tolerances = Tolerances::<R>::new(tolerances)?;
-    let solids = blocks
-        .iter()
-        .enumerate()
-        .map(|(n, b)| FloatSolid::<R>::new(b).with_context(|| format!("block {n}")))
-        .collect::<Result<Vec<_>, _>>()?;
-    let contacts = |&(i, j): &(usize, usize)| {
-        let found = classify::<R, SpecRules>(&solids[i], &solids[j], &tolerances);
-        with_combinations(blocks, (i, j), found.into_iter().map(|f| (f.contact, f.gap.into())).collect())
-    };
-    Ok(pairs.iter().map(contacts).collect())
+fn float_solids<R: Real>(blocks: &[&Block]) -> anyhow::Result<Vec<FloatSolid<R>>> {
+    blocks.iter().enumerate().map(|(n, b)| FloatSolid::<R>::new(b).with_context(|| format!("block {n}"))).collect()
 }
 
-fn with_combinations(blocks: &[&Block], (a, b): (usize, usize), found: Vec<(Contact, f64)>) -> PairContacts {
-    let contacts: Vec<Contact> = found.iter().map(|(contact, _)| *contact).collect();
-    PairContacts { a, b, combined: combinations(blocks[a], blocks[b], &contacts), found }
+fn in_floats<R: Real + Into<f64>>(
+    a: &FloatSolid<R>,
+    b: &FloatSolid<R>,
+    tolerances: &Tolerances<R>,
+) -> Vec<(Contact, f64)> {
+    classify::<R, SpecRules>(a, b, tolerances).into_iter().map(|f| (f.contact, f.gap.into())).collect()
 }
 
 const COLUMNS: [&str; 10] = [
@@ -194,38 +249,37 @@ fn row(pair: &PairContacts, contact: &Contact, gap_m: f64) -> [String; 10] {
     ]
 }
 
-fn write_csv(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
+fn write_csv(out: &mut dyn Write, pairs: impl Iterator<Item = PairContacts>) -> io::Result<()> {
     let mut writer = csv::Writer::from_writer(out);
     writer.write_record(COLUMNS)?;
     for pair in pairs {
         for (contact, gap_m) in &pair.found {
-            writer.write_record(row(pair, contact, *gap_m))?;
+            writer.write_record(row(&pair, contact, *gap_m))?;
         }
     }
     writer.flush()
 }
 
-fn write_table(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
-    let rows = pairs.iter().flat_map(|p| p.found.iter().map(move |(c, gap)| row(p, c, *gap).to_vec()));
+fn write_table(out: &mut Vec<u8>, found: impl Iterator<Item = PairContacts>, examined: usize) -> io::Result<()> {
+    let (mut contacts, mut joined, mut touching) = (Vec::new(), Vec::new(), 0);
+    for pair in found {
+        touching += usize::from(!pair.found.is_empty());
+        contacts.extend(pair.found.iter().map(|(contact, gap_m)| row(&pair, contact, *gap_m).to_vec()));
+        joined.extend(pair.combined.iter().map(|combination| {
+            let [a, b, count] = [pair.a, pair.b, combination.contacts.len()].map(|n| n.to_string());
+            let [fa, fb] = combination.joins.numbers().map(|n| n.to_string());
+            vec![a, b, combination.joins.kind().to_string(), fa, fb, count]
+        }));
+    }
+    let count = contacts.len();
     let header =
         ["block A", "block B", "kind", "feature A", "feature B", "entrance", "of A", "of B", "gap sign", "gap (m)"];
-    writeln!(out, "{}", table(&header, &[0, 1, 3, 4, 6, 7, 8, 9], rows))?;
-    let rows: Vec<Vec<String>> = pairs
-        .iter()
-        .flat_map(|p| p.combined.iter().map(move |c| (p, c)))
-        .map(|(p, c)| {
-            let [a, b, count] = [p.a, p.b, c.contacts.len()].map(|n| n.to_string());
-            let [fa, fb] = c.joins.numbers().map(|n| n.to_string());
-            vec![a, b, c.joins.kind().to_string(), fa, fb, count]
-        })
-        .collect();
-    if !rows.is_empty() {
+    writeln!(out, "{}", table(&header, &[0, 1, 3, 4, 6, 7, 8, 9], contacts))?;
+    if !joined.is_empty() {
         let header = ["block A", "block B", "combination", "feature A", "feature B", "contacts"];
-        writeln!(out, "\n{}", table(&header, &[0, 1, 3, 4, 5], rows))?;
+        writeln!(out, "\n{}", table(&header, &[0, 1, 3, 4, 5], joined))?;
     }
-    let contacts: usize = pairs.iter().map(|p| p.found.len()).sum();
-    let touching = pairs.iter().filter(|p| !p.found.is_empty()).count();
-    writeln!(out, "\n{contacts} contacts in {touching} pairs; {} pairs of neighbours examined", pairs.len())
+    writeln!(out, "\n{count} contacts in {touching} pairs; {examined} pairs of neighbours examined")
 }
 
 /// A contact for programs, without its gap's size.
@@ -237,7 +291,18 @@ pub(crate) fn contact_json(c: &Contact) -> Value {
     })
 }
 
-fn write_json(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
+/// Pairs as a list in JSON, each worked out when it is written.
+struct Listed<I>(RefCell<I>);
+
+impl<I: Iterator<Item = PairContacts>> Serialize for Listed<I> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut pairs = self.0.borrow_mut();
+        let touching = pairs.by_ref().filter(|pair| !pair.found.is_empty());
+        serializer.collect_seq(touching.map(|pair| pair_json(&pair)))
+    }
+}
+
+fn pair_json(pair: &PairContacts) -> Value {
     let contact = |(c, gap_m): &(Contact, f64)| {
         let mut document = contact_json(c);
         document["gap_m"] = (*gap_m).into();
@@ -247,17 +312,15 @@ fn write_json(out: &mut impl Write, pairs: &[PairContacts]) -> io::Result<()> {
         let [a, b] = c.joins.numbers();
         json!({ "kind": c.joins.kind().name(), "feature_a": a, "feature_b": b, "contacts": c.contacts })
     };
-    let touching: Vec<Value> = pairs
-        .iter()
-        .filter(|p| !p.found.is_empty())
-        .map(|p| {
-            json!({
-                "block_a": p.a, "block_b": p.b,
-                "contacts": p.found.iter().map(contact).collect::<Vec<_>>(),
-                "combinations": p.combined.iter().map(combination).collect::<Vec<_>>(),
-            })
-        })
-        .collect();
-    serde_json::to_writer_pretty(&mut *out, &json!({ "pairs": touching }))?;
+    json!({
+        "block_a": pair.a, "block_b": pair.b,
+        "contacts": pair.found.iter().map(contact).collect::<Vec<_>>(),
+        "combinations": pair.combined.iter().map(combination).collect::<Vec<_>>(),
+    })
+}
+
+fn write_json(mut out: &mut dyn Write, pairs: impl Iterator<Item = PairContacts>) -> io::Result<()> {
+    let document = BTreeMap::from([("pairs", Listed(RefCell::new(pairs)))]);
+    serde_json::to_writer_pretty(&mut out, &document)?;
     writeln!(out)
 }

@@ -2,7 +2,8 @@
 //!
 //! A contact *lies on* a face (an edge) of a block when its feature there is that face (edge) or bounds it. Each contact
 //! has a point on either block: the vertex; on an edge, the foot of the vertex or of the common perpendicular; on a face,
-//! the foot of the vertex in the face's plane. All of them exact. Points of several contacts *span* a line or a plane when
+//! the foot of the vertex in the face's plane. All of them exact, in integers over one denominator a point: fractions that are
+//! brought to lowest terms again and again take many times longer. Points of several contacts *span* a line or a plane when
 //! they do so on both blocks: where the blocks are a gap apart, the points of one block alone are what lines up.
 //!
 //! - **face-face** of F and G: the faces look at each other (`N_F·N_G < 0`) and the contacts on both span a plane.
@@ -14,10 +15,11 @@
 //! So a box on a floor is one face-face, not also its four edges on the floor. A contact without a point (on an edge
 //! without length or a face without area, which rounding can make) is part of no combination.
 
-use num_rational::BigRational;
-use num_traits::{CheckedDiv, Signed, Zero};
+use num_bigint::BigInt;
+use num_traits::{One, Signed, Zero};
 use rockproof_model::block::face_normal;
 use rockproof_model::decision::Feature;
+use rockproof_model::lattice::Lattice;
 use rockproof_model::topology::Edge;
 use rockproof_model::{Block, Contact, EdgeId, FaceId, Vec3};
 use std::collections::BTreeMap;
@@ -104,7 +106,12 @@ pub struct Combination {
 /// `contacts` is what a classification of the pair answers; the blocks are those that were classified. A contact that
 /// names a feature its block does not have is part of no combination.
 pub fn combinations(a: &Block, b: &Block, contacts: &[Contact]) -> Vec<Combination> {
-    let (a, b) = (RationalBlock::of(a), RationalBlock::of(b));
+    // One point spans nothing.
+    if contacts.len() < 2 {
+        return Vec::new();
+    }
+    let lattice = Lattice::covering(a.coordinates().chain(b.coordinates()));
+    let (a, b) = (LatticeBlock::of(a, &lattice), LatticeBlock::of(b, &lattice));
     let touches: Vec<Touch> =
         contacts.iter().enumerate().filter_map(|(index, contact)| touch(&a, &b, index, contact)).collect();
     let mut found = face_faces(&a, &b, &touches);
@@ -118,12 +125,37 @@ pub fn combinations(a: &Block, b: &Block, contacts: &[Contact]) -> Vec<Combinati
     found
 }
 
-type ExactPoint = Vec3<BigRational>;
+type Units = Vec3<BigInt>;
 
-/// A block with its vertices as rationals.
-struct RationalBlock<'a> {
+/// A point in lattice units: `numerators / denominator`.
+#[derive(Clone, Debug)]
+struct HomogeneousPoint {
+    numerators: Units,
+    /// Above zero.
+    denominator: BigInt,
+}
+
+impl HomogeneousPoint {
+    fn whole(point: &Units) -> HomogeneousPoint {
+        HomogeneousPoint { numerators: point.clone(), denominator: BigInt::one() }
+    }
+
+    /// `start + direction·(share / whole)`; `None` where `whole`, which is no less than zero, is zero.
+    fn along(start: &Units, direction: &Units, share: &BigInt, whole: BigInt) -> Option<HomogeneousPoint> {
+        let numerators = start.scaled(&whole).plus(&direction.scaled(share));
+        (!whole.is_zero()).then_some(HomogeneousPoint { numerators, denominator: whole })
+    }
+
+    /// The way here from another point, times both denominators.
+    fn from(&self, other: &HomogeneousPoint) -> Units {
+        self.numerators.scaled(&other.denominator).minus(&other.numerators.scaled(&self.denominator))
+    }
+}
+
+/// A block with its vertices in lattice units.
+struct LatticeBlock<'a> {
     block: &'a Block,
-    vertices: Vec<ExactPoint>,
+    vertices: Vec<Units>,
 }
 
 /// A contact's features and its point on either block.
@@ -133,8 +165,8 @@ struct Touch {
     a: Support,
     /// Faces and edges of B on which the contact lies.
     b: Support,
-    point_a: ExactPoint,
-    point_b: ExactPoint,
+    point_a: HomogeneousPoint,
+    point_b: HomogeneousPoint,
 }
 
 /// What a contact's feature is or bounds.
@@ -143,9 +175,9 @@ struct Support {
     edges: Vec<EdgeId>,
 }
 
-impl<'a> RationalBlock<'a> {
-    fn of(block: &'a Block) -> Self {
-        RationalBlock { block, vertices: block.vertices().iter().map(|v| v.map(|c| c.to_rational())).collect() }
+impl<'a> LatticeBlock<'a> {
+    fn of(block: &'a Block, lattice: &Lattice) -> Self {
+        LatticeBlock { block, vertices: block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect() }
     }
 
     fn edge(&self, edge: EdgeId) -> &Edge {
@@ -173,53 +205,51 @@ impl<'a> RationalBlock<'a> {
         edges.iter().any(|edge| supports.clone().all(|support| support.edges.contains(edge)))
     }
 
-    fn normal(&self, face: FaceId) -> ExactPoint {
+    fn normal(&self, face: FaceId) -> Units {
         face_normal(&self.vertices, self.block.topology().face(face))
     }
 
     /// The edge's first point and its direction.
-    fn line(&self, edge: EdgeId) -> (&ExactPoint, ExactPoint) {
+    fn line(&self, edge: EdgeId) -> (&Units, Units) {
         let ends = self.edge(edge);
         let start = &self.vertices[ends.p.index()];
         (start, self.vertices[ends.q.index()].minus(start))
     }
 
     /// The foot of `x` on the line of an edge.
-    fn foot_on_edge(&self, edge: EdgeId, x: &ExactPoint) -> Option<ExactPoint> {
+    fn foot_on_edge(&self, edge: EdgeId, x: &Units) -> Option<HomogeneousPoint> {
         let (start, direction) = self.line(edge);
-        let share = x.minus(start).dot(&direction).checked_div(&direction.norm_squared())?;
-        Some(start.plus(&direction.scaled(&share)))
+        HomogeneousPoint::along(start, &direction, &x.minus(start).dot(&direction), direction.norm_squared())
     }
 
     /// The foot of `x` in the plane of a face: through the mean of its vertices, as SPEC section 2 has it.
-    fn foot_on_face(&self, face: FaceId, x: &ExactPoint) -> Option<ExactPoint> {
+    fn foot_on_face(&self, face: FaceId, x: &Units) -> Option<HomogeneousPoint> {
         let normal = self.normal(face);
         let boundary = self.block.topology().face(face);
-        let count = BigRational::from_integer(boundary.len().into());
-        let total = boundary.iter().fold(Vec3::zero(), |t: ExactPoint, &v| t.plus(&self.vertices[v.index()]));
-        // N·(x − c)/|N|² with c = total/count, over one denominator.
-        let height = normal.dot(&x.scaled(&count).minus(&total));
-        let share = height.checked_div(&(normal.norm_squared() * count))?;
-        Some(x.minus(&normal.scaled(&share)))
+        let count = BigInt::from(boundary.len());
+        let total = boundary.iter().fold(Vec3::zero(), |t: Units, &v| t.plus(&self.vertices[v.index()]));
+        // −N·(x − c)/|N|² with c = total/count, over one denominator.
+        let depth = normal.dot(&total.minus(&x.scaled(&count)));
+        HomogeneousPoint::along(x, &normal, &depth, normal.norm_squared() * count)
     }
 }
 
-fn touch(a: &RationalBlock<'_>, b: &RationalBlock<'_>, index: usize, contact: &Contact) -> Option<Touch> {
+fn touch(a: &LatticeBlock<'_>, b: &LatticeBlock<'_>, index: usize, contact: &Contact) -> Option<Touch> {
     let [feature_a, feature_b] = contact.key.features();
     if !feature_a.is_in(a.block.topology()) || !feature_b.is_in(b.block.topology()) {
         return None;
     }
     let (point_a, point_b) = match (feature_a, feature_b) {
         (Feature::Vertex(_, v), Feature::Vertex(_, w)) => {
-            (a.vertices[v.index()].clone(), b.vertices[w.index()].clone())
+            (HomogeneousPoint::whole(&a.vertices[v.index()]), HomogeneousPoint::whole(&b.vertices[w.index()]))
         }
         (Feature::Vertex(_, v), other) => {
             let vertex = &a.vertices[v.index()];
-            (vertex.clone(), foot(b, other, vertex)?)
+            (HomogeneousPoint::whole(vertex), foot(b, other, vertex)?)
         }
         (other, Feature::Vertex(_, v)) => {
             let vertex = &b.vertices[v.index()];
-            (foot(a, other, vertex)?, vertex.clone())
+            (foot(a, other, vertex)?, HomogeneousPoint::whole(vertex))
         }
         (Feature::Edge(_, e), Feature::Edge(_, f)) => feet_of_edges(a.line(e), b.line(f))?,
         _ => return None,
@@ -227,25 +257,25 @@ fn touch(a: &RationalBlock<'_>, b: &RationalBlock<'_>, index: usize, contact: &C
     Some(Touch { index, a: a.support(feature_a), b: b.support(feature_b), point_a, point_b })
 }
 
-fn foot(block: &RationalBlock<'_>, feature: Feature, x: &ExactPoint) -> Option<ExactPoint> {
+fn foot(block: &LatticeBlock<'_>, feature: Feature, x: &Units) -> Option<HomogeneousPoint> {
     match feature {
-        Feature::Vertex(_, v) => Some(block.vertices[v.index()].clone()),
+        Feature::Vertex(_, v) => Some(HomogeneousPoint::whole(&block.vertices[v.index()])),
         Feature::Edge(_, e) => block.foot_on_edge(e, x),
         Feature::Face(_, f) => block.foot_on_face(f, x),
     }
 }
 
 /// The feet of the common perpendicular of two lines; `None` when they are parallel.
-fn feet_of_edges(
-    (p1, d1): (&ExactPoint, ExactPoint),
-    (p2, d2): (&ExactPoint, ExactPoint),
-) -> Option<(ExactPoint, ExactPoint)> {
+fn feet_of_edges((p1, d1): (&Units, Units), (p2, d2): (&Units, Units)) -> Option<(HomogeneousPoint, HomogeneousPoint)> {
     let across = d1.cross(&d2);
     let whole = across.norm_squared();
     let between = p2.minus(p1);
-    let along_1 = between.cross(&d2).dot(&across).checked_div(&whole)?;
-    let along_2 = between.cross(&d1).dot(&across).checked_div(&whole)?;
-    Some((p1.plus(&d1.scaled(&along_1)), p2.plus(&d2.scaled(&along_2))))
+    let along_1 = between.cross(&d2).dot(&across);
+    let along_2 = between.cross(&d1).dot(&across);
+    Some((
+        HomogeneousPoint::along(p1, &d1, &along_1, whole.clone())?,
+        HomogeneousPoint::along(p2, &d2, &along_2, whole)?,
+    ))
 }
 
 /// The contacts on each pair of a feature of A and a feature of B.
@@ -265,7 +295,7 @@ fn grouped<A: Ord + Copy, B: Ord + Copy>(
     groups
 }
 
-fn face_faces(a: &RationalBlock<'_>, b: &RationalBlock<'_>, touches: &[Touch]) -> Vec<Combination> {
+fn face_faces(a: &LatticeBlock<'_>, b: &LatticeBlock<'_>, touches: &[Touch]) -> Vec<Combination> {
     let groups = grouped(touches, |t| &t.a.faces, |t| &t.b.faces);
     groups
         .into_iter()
@@ -276,8 +306,8 @@ fn face_faces(a: &RationalBlock<'_>, b: &RationalBlock<'_>, touches: &[Touch]) -
 
 /// Edges of A on faces of B.
 fn edge_faces(
-    a: &RationalBlock<'_>,
-    b: &RationalBlock<'_>,
+    a: &LatticeBlock<'_>,
+    b: &LatticeBlock<'_>,
     touches: &[Touch],
     found: &[Combination],
 ) -> Vec<Combination> {
@@ -296,8 +326,8 @@ fn edge_faces(
 
 /// Faces of A under edges of B.
 fn face_edges(
-    a: &RationalBlock<'_>,
-    b: &RationalBlock<'_>,
+    a: &LatticeBlock<'_>,
+    b: &LatticeBlock<'_>,
     touches: &[Touch],
     found: &[Combination],
 ) -> Vec<Combination> {
@@ -315,8 +345,8 @@ fn face_edges(
 }
 
 fn edge_edges(
-    a: &RationalBlock<'_>,
-    b: &RationalBlock<'_>,
+    a: &LatticeBlock<'_>,
+    b: &LatticeBlock<'_>,
     touches: &[Touch],
     found: &[Combination],
 ) -> Vec<Combination> {
@@ -361,15 +391,16 @@ fn spanned(group: &[&Touch]) -> Span {
     on_a.min(on_b)
 }
 
-fn span<'p>(mut points: impl Iterator<Item = &'p ExactPoint>) -> Span {
+fn span<'p>(mut points: impl Iterator<Item = &'p HomogeneousPoint>) -> Span {
     let Some(first) = points.next() else { return Span::Point };
-    let mut direction: Option<ExactPoint> = None;
+    let is_zero = |vector: &Units| vector.components().into_iter().all(Zero::is_zero);
+    let mut direction: Option<Units> = None;
     for point in points {
-        let offset = point.minus(first);
+        let offset = point.from(first);
         match &direction {
-            None if offset.norm_squared().is_zero() => {}
+            None if is_zero(&offset) => {}
             None => direction = Some(offset),
-            Some(d) if d.cross(&offset).norm_squared().is_zero() => {}
+            Some(d) if is_zero(&d.cross(&offset)) => {}
             Some(_) => return Span::Plane,
         }
     }
