@@ -15,13 +15,16 @@
 //! So a box on a floor is one face-face, not also its four edges on the floor. A contact without a point (on an edge
 //! without length or a face without area, which rounding can make) is part of no combination.
 
+mod span;
+
 use num_bigint::BigInt;
-use num_traits::{One, Signed, Zero};
+use num_traits::Signed;
 use rockproof_model::block::face_normal;
 use rockproof_model::decision::Feature;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::topology::Edge;
 use rockproof_model::{Block, Contact, EdgeId, FaceId, Vec3};
+use span::{HomogeneousPoint, Span, Units, span};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -123,33 +126,6 @@ pub fn combinations(a: &Block, b: &Block, contacts: &[Contact]) -> Vec<Combinati
     found.extend(edge_edges);
     found.sort();
     found
-}
-
-type Units = Vec3<BigInt>;
-
-/// A point in lattice units: `numerators / denominator`.
-#[derive(Clone, Debug)]
-struct HomogeneousPoint {
-    numerators: Units,
-    /// Above zero.
-    denominator: BigInt,
-}
-
-impl HomogeneousPoint {
-    fn whole(point: &Units) -> HomogeneousPoint {
-        HomogeneousPoint { numerators: point.clone(), denominator: BigInt::one() }
-    }
-
-    /// `start + direction·(share / whole)`; `None` where `whole`, which is no less than zero, is zero.
-    fn along(start: &Units, direction: &Units, share: &BigInt, whole: BigInt) -> Option<HomogeneousPoint> {
-        let numerators = start.scaled(&whole).plus(&direction.scaled(share));
-        (!whole.is_zero()).then_some(HomogeneousPoint { numerators, denominator: whole })
-    }
-
-    /// The way here from another point, times both denominators.
-    fn from(&self, other: &HomogeneousPoint) -> Units {
-        self.numerators.scaled(&other.denominator).minus(&other.numerators.scaled(&self.denominator))
-    }
 }
 
 /// A block with its vertices in lattice units.
@@ -373,36 +349,9 @@ fn combination(joins: JoinedFeatures, group: &[&Touch]) -> Combination {
     Combination { joins, contacts: group.iter().map(|touch| touch.index).collect() }
 }
 
-/// What points span.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Span {
-    /// All coincide.
-    Point,
-    /// They lie on one line.
-    Line,
-    /// They lie on no line.
-    Plane,
-}
-
 /// The less of what the contacts' points span on A and on B.
 fn spanned(group: &[&Touch]) -> Span {
     let on_a = span(group.iter().map(|touch| &touch.point_a));
     let on_b = span(group.iter().map(|touch| &touch.point_b));
     on_a.min(on_b)
-}
-
-fn span<'p>(mut points: impl Iterator<Item = &'p HomogeneousPoint>) -> Span {
-    let Some(first) = points.next() else { return Span::Point };
-    let is_zero = |vector: &Units| vector.components().into_iter().all(Zero::is_zero);
-    let mut direction: Option<Units> = None;
-    for point in points {
-        let offset = point.from(first);
-        match &direction {
-            None if is_zero(&offset) => {}
-            None => direction = Some(offset),
-            Some(d) if is_zero(&d.cross(&offset)) => {}
-            Some(_) => return Span::Plane,
-        }
-    }
-    if direction.is_some() { Span::Line } else { Span::Point }
 }
