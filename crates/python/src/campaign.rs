@@ -1,7 +1,7 @@
 //! Campaigns, with engines written in Python among the others.
 
 use crate::InputError;
-use crate::arguments::{input_error, precision};
+use crate::arguments::{input_error, load_options, precision};
 use crate::block::PyBlock;
 use crate::engine::PythonEngine;
 use crate::signals::interruptible_with;
@@ -24,6 +24,7 @@ use rockproof_differential::external::spec::check_name;
 use rockproof_differential::finding::Finding;
 use rockproof_differential::row::FindingRow;
 use rockproof_differential::subject::PairSource;
+use rockproof_model::scene::LoadOptions;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -165,6 +166,8 @@ pub(crate) struct Settings {
     families: Vec<String>,
     tolerances: Vec<String>,
     real: Vec<PathBuf>,
+    planarity: Option<Py<PyAny>>,
+    weld: Option<Py<PyAny>>,
     metamorphic_every: u64,
     threads: usize,
     precision: String,
@@ -192,6 +195,14 @@ pub(crate) fn run_campaign(
             settings.threads
         )));
     }
+    for (name, given) in [("planarity", &settings.planarity), ("weld", &settings.weld)] {
+        if given.is_some() && settings.real.is_empty() {
+            return Err(InputError::new_err(format!("{name} is about the files of `real`, and there are none")));
+        }
+    }
+    let bound = |given: &Option<Py<PyAny>>| given.as_ref().map(|given| given.bind(py).clone());
+    let LoadOptions { planarity, weld } =
+        load_options(bound(&settings.planarity).as_ref(), bound(&settings.weld).as_ref())?;
     let mut config = CampaignConfig {
         pairs: settings.pairs,
         seed: settings.seed,
@@ -199,6 +210,8 @@ pub(crate) fn run_campaign(
         families: settings.families,
         tolerances: settings.tolerances,
         real: settings.real,
+        planarity,
+        weld,
         metamorphic_every: settings.metamorphic_every,
         steps_every: 0,
         ..CampaignConfig::default()

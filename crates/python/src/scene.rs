@@ -11,7 +11,7 @@ use rockproof_differential::lockstep::Trajectory;
 use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::{Contact, Number, Point, Precision, Scene, ToleranceSet, ToleranceSpec, Vec3};
-use rockproof_oracle::step::{RetryReason, Mode as ExactMode, StepAnswer};
+use rockproof_oracle::step::{Mode as ExactMode, RetryReason as ExactReason, StepAnswer};
 use rockproof_stepper::dynamics::{Dynamics, RetryReason, Solve, StepReport};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -277,10 +277,10 @@ fn of_oracle(number: i64, answer: &StepAnswer) -> Step {
         ExactMode::Sliding => "sliding",
         ExactMode::Locked => "locked",
     };
-    let retry = |cut| match cut {
-        RetryReason::NotConverged => RetryReason::NotConverged.name(),
-        RetryReason::Displacement => RetryReason::Displacement.name(),
-        RetryReason::Rotation => RetryReason::Rotation.name(),
+    let retry = |reason| match reason {
+        ExactReason::NotConverged => RetryReason::NotConverged.name(),
+        ExactReason::Displacement => RetryReason::Displacement.name(),
+        ExactReason::Rotation => RetryReason::Rotation.name(),
     };
     let contacts = answer.state.contacts.iter().zip(&answer.gaps);
     let contacts =

@@ -121,6 +121,8 @@ def test_settings_that_mean_nothing_are_refused():
         ({"threads": 5000}, "threads is 5000"),
         ({"precision": "f16"}, 'precision is "f16"'),
         ({"real": "no.dda"}, "no.dda"),
+        ({"planarity": "1e-4"}, "planarity is about the files of `real`, and there are none"),
+        ({"real": "no.dda", "weld": -1}, "weld is negative; allowed is 0 or more"),
     ]:
         with pytest.raises(InputError, match=told):
             rockproof.campaign("f64", **settings)
@@ -197,3 +199,15 @@ def test_tables_of_pandas_and_polars():
 def test_families_are_named_with_what_they_are_for():
     assert {"face_stack", "real", "sliver"} <= set(rockproof.families())
     assert all(text for text in rockproof.families().values())
+
+
+def test_real_files_are_read_as_load_reads_them(root, command, tmp_path):
+    file = root / "cases/real/voronoi_120.txt"
+    settings = {"pairs": 64, "families": "real", "tolerances": "auto", "real": file}
+    with pytest.raises(InputError, match="face 0 is not planar"):
+        rockproof.campaign(**settings)
+    found = rockproof.campaign(**settings, planarity="1e-4", weld=0)
+    arguments = ["--family", "real", "--tolerances", "auto", "--real", file, "--planarity", "1e-4", "--weld", 0]
+    command("campaign", "--pairs", 64, "--steps-every", 0, *arguments, "--out", tmp_path / "run")
+    with open(tmp_path / "run/findings.csv", newline="") as rows:
+        assert [int(row["index"]) for row in csv.DictReader(rows)] == [finding["index"] for finding in found.findings] != []

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     import pandas
     import polars
 
+    from ._native import Exact
+
 Answer = Union[Mapping[str, Any], Iterable[Union[_native.Contact, Mapping[str, Any]]]]
 Function = Callable[[_native.Block, _native.Block, "dict[str, float | str]"], Answer]
 EngineArgument = Union[str, Function, "Mapping[str, Function]", "Sequence[str | Function]"]
@@ -99,6 +101,8 @@ def campaign(
     families: str | Sequence[str] = (),
     tolerances: str | Sequence[str] = (),
     real: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
+    planarity: Exact | None = None,
+    weld: Exact | None = None,
     precision: str = "f64",
     metamorphic_every: int = 16,
     threads: int = 0,
@@ -114,7 +118,7 @@ def campaign(
     Threads ask it at once; Python's lock lets one in at a time.
 
     `families` and `tolerances` are names (`rockproof.families()`; "auto", "shi", "zero", … or TOML files of tolerances), all of them if none is given; `real`
-    are block files for the family "real". One pair in `metamorphic_every` is asked again moved, mirrored and renumbered; 0 for none. `threads` is one a
+    are block files for the family "real", read as by `load` with `planarity` and `weld`. One pair in `metamorphic_every` is asked again moved, mirrored and renumbered; 0 for none. `threads` is one a
     core if 0; results do not depend on it. `progress` is called now and then with the pairs looked at and the findings made.
 
     The same seed makes the same pairs and findings as `rockproof campaign` with the same settings. Ctrl-C ends it between two pairs.
@@ -126,6 +130,8 @@ def campaign(
         "families": _list(families),
         "tolerances": _list(tolerances),
         "real": [os.fspath(path) for path in _list(real)],
+        "planarity": planarity,
+        "weld": weld,
         "metamorphic_every": metamorphic_every,
         "threads": threads,
         "precision": precision,
