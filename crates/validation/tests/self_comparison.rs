@@ -175,12 +175,13 @@ fn a_mistake_in_any_path_is_counted_and_kept_and_the_run_goes_on() {
         .flat_map(|path| [Mistake::LosesLast, Mistake::NamesNoVertex, Mistake::Panics].map(|how| (path, how)))
     {
         let dir = tempfile::tempdir().expect("a folder");
-        let plan = ComparisonPlan { pairs: 2 * BATCH, plain_every: 1, gmp_every: 1, ..plan() };
+        let pairs = if cfg!(debug_assertions) { BATCH } else { 2 * BATCH };
+        let plan = ComparisonPlan { pairs, plain_every: 1, gmp_every: 1, ..plan() };
         let mistaken = Mistaken { path, how };
         assert_eq!(run(dir.path(), plan, &mistaken, (Start::Fresh, 2)).expect("runs"), Ending::Finished);
         let total = Total::of(&[dir.path().to_owned()]).expect("adds up");
         let (all, rows) = (total.totals.all(), rows(dir.path()));
-        assert!(all.disagreements > 10 && all.disagreements == rows.len() as u64, "{all:?}");
+        assert!(all.disagreements > 5 && all.disagreements == rows.len() as u64, "{all:?}");
         assert_eq!(all.exact, plan.pairs, "it goes on");
         // All others contradict a mistaken fast path; beside that one nobody but the mistaken path is named.
         let named: Vec<&str> = match (path, how) {

@@ -125,7 +125,7 @@ impl Total {
             done.push((count.plan.seed, start..start + count.pairs_done, &count.dir));
         }
         done.sort_by_key(|(seed, pairs, _)| (*seed, pairs.start));
-        // Of what begins before, that which ends last is the one to hold it against.
+        // In this order, if any two overlap, some two neighbours do.
         let mut before: Option<&(u64, Range<u64>, &Path)> = None;
         for this in &done {
             let (seed, pairs, dir) = this;
