@@ -36,6 +36,7 @@ mod passages;
 mod report_command;
 mod report_page;
 mod results;
+mod self_comparison;
 mod simulate_audit;
 mod simulate_cli;
 mod simulate_record;

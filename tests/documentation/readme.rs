@@ -11,12 +11,16 @@ use std::path::Path;
 use std::process::Command;
 
 /// Beginnings of commands that are not run, and why.
-const NOT_RUN: [(&str, &str); 11] = [
+const NOT_RUN: [(&str, &str); 12] = [
     ("cargo test", "it is the test, or one of hours; `.ci/run` has `cargo test --release`"),
     ("cargo install", "it builds the program anew; `.ci/run` builds it"),
     ("cargo build --release --locked --manifest-path examples/other_codes/parry", "minutes; `.ci/run` has it"),
     ("cargo run --release -p rockproof-validation", "minutes; the tests of that crate hold what it finds"),
     ("cargo run --release --example soak", "minutes; `.ci/run` has it, and tests/commands/soak.rs some seconds"),
+    (
+        "cargo run --release --example self_comparison",
+        "hours; `.ci/run` has seconds of it, and so has tests/commands/self_comparison.rs",
+    ),
     ("mpirun", "an MPI; `.ci/run` runs tests/commands/mpi.rs where it can install one"),
     ("mdbook", "a tool that neither the program nor its tests need; tests/documentation/book.rs checks what it would"),
     ("sbatch", "a cluster; docs/scale.md runs the script itself without one"),

@@ -18,7 +18,8 @@ use std::ops::Range;
 use std::str::FromStr;
 
 /// Which part of how many.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Part {
     of: u64,
     number: u64,
@@ -38,6 +39,20 @@ impl FromStr for Part {
             Some((number, of)) if (1..=of).contains(&number) => Ok(Part { of, number }),
             _ => Err(PartFault(text.to_owned())),
         }
+    }
+}
+
+impl TryFrom<String> for Part {
+    type Error = PartFault;
+
+    fn try_from(text: String) -> Result<Part, PartFault> {
+        text.parse()
+    }
+}
+
+impl From<Part> for String {
+    fn from(part: Part) -> String {
+        part.to_string()
     }
 }
 

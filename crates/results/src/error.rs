@@ -21,7 +21,9 @@ pub enum ResultsError {
     },
     /// The directory belongs to another command, or to another program of this name.
     #[error(
-        "{dir} belongs to `rockproof {found}`, and `rockproof {owner}` leaves it alone; --out DIR writes elsewhere"
+        "{dir} belongs to `{}`, and `{}` leaves it alone; --out DIR writes elsewhere",
+        found.command(),
+        owner.command()
     )]
     OtherCommand {
         /// The directory.
@@ -33,9 +35,10 @@ pub enum ResultsError {
     },
     /// The directory is to be read, and is not one of the command's.
     #[error(
-        "{dir} is no directory of `rockproof {owner}`: {}",
+        "{dir} is no directory of `{}`: {}",
+        owner.command(),
         match found {
-            Some(found) => format!("its manifest says `rockproof {found}`"),
+            Some(found) => format!("its manifest says `{}`", found.command()),
             None if dir.is_dir() => format!("it has no {MANIFEST}"),
             None => "there is no such directory".to_owned(),
         }
@@ -63,7 +66,7 @@ pub enum ResultsError {
         differences: Vec<String>,
     },
     /// A file that we did not write has the name of one that we would write.
-    #[error("{file} is in the way: no manifest says that `rockproof {owner}` wrote it; move it, or use --out DIR")]
+    #[error("{file} is in the way: no manifest says that `{}` wrote it; move it, or use --out DIR", owner.command())]
     Foreign {
         /// The file.
         file: PathBuf,

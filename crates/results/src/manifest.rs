@@ -30,6 +30,9 @@ pub enum Owner {
     Examine,
     /// `rockproof report`
     Report,
+    /// The example `self_comparison`
+    #[serde(rename = "self_comparison")]
+    SelfComparison,
 }
 
 impl Owner {
@@ -43,6 +46,15 @@ impl Owner {
             Owner::Bench => "bench",
             Owner::Examine => "examine",
             Owner::Report => "report",
+            Owner::SelfComparison => "self_comparison",
+        }
+    }
+
+    /// How it is called on a command line, without its arguments.
+    pub(crate) fn command(self) -> String {
+        match self {
+            Owner::SelfComparison => format!("cargo run --example {self}"),
+            command => format!("rockproof {command}"),
         }
     }
 
@@ -55,12 +67,13 @@ impl Owner {
             Owner::Bench => "measurements",
             Owner::Examine => "an examination",
             Owner::Report => "a report",
+            Owner::SelfComparison => "a comparison",
         }
     }
 
     /// Whether it goes on with what is there when asked to.
     pub(crate) fn resumes(self) -> bool {
-        matches!(self, Owner::Campaign | Owner::Simulate | Owner::Tune)
+        matches!(self, Owner::Campaign | Owner::Simulate | Owner::Tune | Owner::SelfComparison)
     }
 }
 

@@ -1,4 +1,5 @@
-//! The stepper against closed forms: each case runs a scene in f32 and f64 and says how far it is from the known answer.
+//! The stepper against closed forms: each case runs a scene in f32 and f64 and says how far it is from the known answer. And the exact side against
+//! itself, on pairs ([`self_comparison`]).
 //!
 //! `cargo run --release -p rockproof-validation` writes the tables of `docs/validation.md` and its plots; `tests/closed_forms.rs` and
 //! `tests/energy.rs` hold the figures. Scenes are those of `cases/handmade`; every case takes the rules of the step as a parameter, so that a test can plant a
@@ -19,6 +20,7 @@ pub mod regimes;
 pub mod report;
 pub mod rest;
 pub mod restitution;
+pub mod self_comparison;
 pub mod stepped_scene;
 pub mod toppling;
 pub mod wall;

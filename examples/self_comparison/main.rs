@@ -1,0 +1,81 @@
+//! Compares the exact side with itself, for as long as one likes: fast path, stepper in 512 bits and plain path on the pairs of a campaign.
+//!
+//! ```text
+//! cargo run --release --example self_comparison -- run --pairs 1600000 --seed 7 --out comparison
+//! cargo run --release --example self_comparison -- run --pairs 1600000 --seed 7 --out comparison --resume
+//! cargo run --release --example self_comparison -- run --pairs 1600000000 --seed 8 --part 3/100 --out parts/3
+//! cargo run --release --example self_comparison -- total comparison parts/*
+//! cargo run --release --example self_comparison -- check comparison/cases/*.toml
+//! ```
+//!
+//! It goes on after a disagreement: the pair is kept as a case file, and the run ends with 1. Ctrl-C commits what is done and ends with 130. With the
+//! feature `gmp` the plain path joins in GMP's rationals as well. docs/validation.md says what was compared.
+
+mod check;
+mod progress;
+mod run;
+mod total;
+
+use clap::{Parser, Subcommand};
+use rockproof_validation::self_comparison::paths::{self, Paths};
+use std::io::{ErrorKind, Write};
+use std::process::ExitCode;
+
+/// Compare the exact side with itself: the oracle's fast path, the stepper in 512 bits, the oracle's plain path
+#[derive(Parser)]
+#[command(
+    name = "self_comparison",
+    after_help = "Exit status: 0 no disagreement, 1 disagreements, 2 wrong arguments or files, 130 interrupted."
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Run(run::Run),
+    Total(total::TotalArgs),
+    Check(check::Check),
+}
+
+/// How a command ends.
+enum Verdict {
+    Agreed,
+    Disagreed,
+    Interrupted,
+}
+
+/// The exit code of what was interrupted, as a shell has it.
+const INTERRUPTED: u8 = 130;
+
+#[cfg(feature = "gmp")]
+static PATHS: &dyn Paths = &paths::WithGmp::<rug::Rational>::new();
+#[cfg(not(feature = "gmp"))]
+static PATHS: &dyn Paths = &paths::BuiltIn;
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Run(run) => run.run(),
+        Command::Total(total) => total.run(),
+        Command::Check(check) => check.run(),
+    };
+    match outcome {
+        Ok(Verdict::Agreed) => ExitCode::SUCCESS,
+        Ok(Verdict::Disagreed) => ExitCode::from(1),
+        Ok(Verdict::Interrupted) => ExitCode::from(INTERRUPTED),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Prints to stdout. A reader that went away (`| head`) is no error.
+fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
