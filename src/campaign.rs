@@ -118,11 +118,9 @@ impl Campaign {
             return self.run_here();
         }
         #[cfg(feature = "mpi")]
-        return crate::mpi::run(self);
+        return crate::mpi::campaign::run(self);
         #[cfg(not(feature = "mpi"))]
-        anyhow::bail!(
-            "--mpi: this program was built without MPI; `cargo install --locked --path . --features mpi` builds it with, where an MPI and libclang are installed (docs/scale.md)"
-        )
+        Err(crate::exit::without_mpi())
     }
 
     /// Runs in this process alone.

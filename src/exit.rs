@@ -50,6 +50,14 @@ fn peak_memory_mb() -> Option<u64> {
     Some(kb.div_ceil(1024))
 }
 
+/// What `--mpi` comes to in a build without MPI.
+#[cfg(not(feature = "mpi"))]
+pub(crate) fn without_mpi() -> anyhow::Error {
+    anyhow::anyhow!(
+        "--mpi: this program was built without MPI; `cargo install --locked --path . --features mpi` builds it with, where an MPI and libclang are installed (docs/scale.md)"
+    )
+}
+
 /// What a command comes to, or why it could not.
 pub(crate) type Outcome = anyhow::Result<Verdict>;
 

@@ -8,13 +8,15 @@ use crate::input_file::InputFile;
 use crate::stop::on_ctrl_c;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
+use rayon::ThreadPool;
 use rockproof_model::scene::write_toml;
-use rockproof_model::{Precision, Scene};
+use rockproof_model::{Precision, Scene, ToleranceSpec};
 use rockproof_results::{Start, bounded, digest};
+use rockproof_tune::distribute::Enough;
 use rockproof_tune::report::{as_toml, markdown};
-use rockproof_tune::{EvaluatedCandidate, Evaluator, Search, SearchRecord};
+use rockproof_tune::{EvaluatedCandidate, Evaluator, Search, SearchRecord, TuneError, UnauditedEvaluator};
 use serde_json::{Map, Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -32,6 +34,7 @@ use std::time::{Duration, Instant};
   rockproof tune slope.toml --engine stepper-f32 --budget 600 --out reports/slope
   rockproof tune slope.toml --candidates 50           always the same answer, however long it takes
   rockproof tune slope.toml --candidates 200 --resume
+  mpirun -n 8 rockproof tune slope.toml --candidates 200 --mpi --threads 1
 
 Exit status: 0 done, 1 no set kept every rule without a difference, 2 usage or input error, 130 interrupted (go on with --resume).")]
 pub(crate) struct Tune {
@@ -66,15 +69,73 @@ pub(crate) struct Tune {
     /// Discard the search in the directory; other files there stay
     #[arg(long)]
     overwrite: bool,
-    /// Worker threads [default: one a core]; the results do not depend on it
+    /// Share the work among the ranks of an MPI job (docs/scale.md; a build with the feature mpi)
+    #[arg(long)]
+    mpi: bool,
+    /// Worker threads, with --mpi of each rank [default: one a core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
     #[command(flatten)]
     format: FormatArgs,
 }
 
+/// A search that can begin.
+pub(crate) struct Prepared {
+    pub(crate) evaluator: UnauditedEvaluator,
+    /// What the author uses.
+    pub(crate) author: ToleranceSpec,
+    /// Everything that determines what candidate `n` is and measures.
+    pub(crate) identity: Map<String, Value>,
+    pub(crate) dir: PathBuf,
+}
+
+/// Writes what was tried so far.
+type Commit<'c> = &'c mut dyn FnMut(&Search<'_>) -> anyhow::Result<()>;
+
 impl Tune {
     pub(crate) fn run(&self) -> Outcome {
+        if !self.mpi {
+            return self.run_here();
+        }
+        #[cfg(feature = "mpi")]
+        return crate::mpi::tune::run(self);
+        #[cfg(not(feature = "mpi"))]
+        Err(crate::exit::without_mpi())
+    }
+
+    /// Searches in this process alone.
+    pub(crate) fn run_here(&self) -> Outcome {
+        let pool = self.pool()?;
+        let Prepared { evaluator, author, identity, dir } = self.prepared()?;
+        let evaluator = pool.install(|| evaluator.audited());
+        let stop = on_ctrl_c()?;
+        self.searched((&evaluator, &author), (&identity, &dir), &stop, |search, enough, commit| {
+            while !(enough.reached)(search.tried().len()) && !stop.load(Ordering::Relaxed) {
+                pool.install(|| search.step().map(|_| ()))?;
+                commit(search)?;
+            }
+            Ok(())
+        })
+    }
+
+    pub(crate) fn pool(&self) -> anyhow::Result<ThreadPool> {
+        Ok(rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?)
+    }
+
+    /// Worker threads; 0 for one a core.
+    #[cfg(feature = "mpi")]
+    pub(crate) fn threads(&self) -> usize {
+        self.threads
+    }
+
+    /// The seed of candidates and pairs.
+    #[cfg(feature = "mpi")]
+    pub(crate) fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Reads and measures the model.
+    pub(crate) fn prepared(&self) -> anyhow::Result<Prepared> {
         let scene = self.read.scene(&self.file)?;
         let author = self.tolerances.spec(scene.tolerances.as_ref())?;
         let here = || self.tolerances.place(self.file.path());
@@ -84,19 +145,49 @@ impl Tune {
         // A search goes on with the steps it began with, whatever the budget is now.
         let held = if self.resume { SearchRecord::steps(&dir) } else { None };
         let steps = self.steps.map(u64::from).or(held);
-        let evaluator = Evaluator::new(&scene, self.engine, self.seed, steps, self.budget).with_context(here)?;
-        let mut search = Search::new(&evaluator, &author, self.seed).with_context(here)?;
+        let prepare = || UnauditedEvaluator::new(&scene, self.engine, self.seed, steps, self.budget);
+        let evaluator = self.pool()?.install(prepare).with_context(here)?;
+        let author_set = author.derive(&scene.shapes(), self.engine).with_context(here)?;
+        let identity = self.identity(&scene, &as_toml(&author_set), evaluator.steps());
+        Ok(Prepared { evaluator, author, identity, dir })
+    }
+
+    /// Opens the record of a search, lets `search_all` search until it is told that there is enough, and writes and prints the answer.
+    pub(crate) fn searched(
+        &self,
+        (evaluator, author): (&Evaluator, &ToleranceSpec),
+        (identity, dir): (&Map<String, Value>, &Path),
+        stop: &AtomicBool,
+        search_all: impl FnOnce(&mut Search<'_>, &Enough<'_>, Commit<'_>) -> anyhow::Result<()>,
+    ) -> Outcome {
+        let here = || self.tolerances.place(self.file.path());
+        let mut search = Search::new(evaluator, author, self.seed).with_context(here)?;
         let start = Start::of(self.resume, self.overwrite);
-        let author_set = search.candidate().set;
-        let mut record = SearchRecord::open(
-            &dir,
-            &self.identity(&scene, &as_toml(&author_set), evaluator.steps()),
-            start,
-            &mut search,
-        )?;
-        let stop = on_ctrl_c()?;
-        let interrupted = self.work(&mut search, &mut record, &stop)?;
-        let text = markdown(&file_name(self.file.path()), &evaluator, &search);
+        let mut record = SearchRecord::open(dir, identity, start, &mut search)?;
+        let begun = Instant::now();
+        let reached = |tried: usize| match self.candidates {
+            Some(count) => tried >= count as usize,
+            // The first of all is always measured: it is what the others are compared with.
+            None => tried > 0 && begun.elapsed() >= Duration::from_secs(self.budget),
+        };
+        let enough = Enough { reached: &reached, most: self.candidates.map(|count| count as usize) };
+        let bar = shows_progress().then(spinner);
+        let ended = search_all(&mut search, &enough, &mut |search| {
+            record.commit(search)?;
+            if let Some(bar) = &bar {
+                tell(bar, search);
+            }
+            Ok(())
+        });
+        if let Some(bar) = &bar {
+            bar.finish_and_clear();
+        }
+        ended.map_err(|error| match error.downcast_ref() {
+            // What is wrong with a candidate is wrong with the model.
+            Some(TuneError::Record(_) | TuneError::Distribute(_) | TuneError::Panic(_)) | None => error,
+            Some(_) => error.context(here()),
+        })?;
+        let text = markdown(&file_name(self.file.path()), evaluator, &search);
         let Some(best) = search.best().map(|best| &search.tried()[best]) else {
             print_note("interrupted before the first candidate");
             return Ok(Verdict::Interrupted);
@@ -115,7 +206,7 @@ impl Tune {
                 "directory": dir.display().to_string(),
             })
         })?;
-        Ok(match (interrupted, best.measurement.is_clean()) {
+        Ok(match (stop.load(Ordering::Relaxed), best.measurement.is_clean()) {
             (true, _) => Verdict::Interrupted,
             (_, true) => Verdict::Passed,
             (_, false) => Verdict::CheckFailed,
@@ -133,40 +224,23 @@ impl Tune {
         map.insert("steps".to_owned(), steps.into());
         map
     }
+}
 
-    /// Tries candidates until there are enough, time is up, or it is told to stop; says whether that was it.
-    fn work(&self, search: &mut Search<'_>, record: &mut SearchRecord, stop: &AtomicBool) -> anyhow::Result<bool> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
-        let begun = Instant::now();
-        let bar = shows_progress().then(|| {
-            let bar = ProgressBar::new_spinner();
-            if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed}, {msg}") {
-                bar.set_style(style);
-            }
-            bar
-        });
-        let enough = |tried: usize| match self.candidates {
-            Some(count) => tried >= count as usize,
-            // The first of all is always measured: it is what the others are compared with.
-            None => tried > 0 && begun.elapsed() >= Duration::from_secs(self.budget),
-        };
-        while !enough(search.tried().len()) && !stop.load(Ordering::Relaxed) {
-            let tried = pool.install(|| search.step().map(|_| ()));
-            tried.with_context(|| self.tolerances.place(self.file.path()))?;
-            record.commit(search)?;
-            if let (Some(bar), Some(best)) = (&bar, search.best()) {
-                let differ = search.tried()[best].measurement.differences.avoidable();
-                bar.set_message(format!(
-                    "{} candidates, the best with {differ} pairs that differ",
-                    search.tried().len()
-                ));
-                bar.tick();
-            }
-        }
-        if let Some(bar) = &bar {
-            bar.finish_and_clear();
-        }
-        Ok(stop.load(Ordering::Relaxed))
+/// What shows on a terminal that there is progress.
+fn spinner() -> ProgressBar {
+    let bar = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed}, {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// Tells how far a search is.
+fn tell(bar: &ProgressBar, search: &Search<'_>) {
+    if let Some(best) = search.best() {
+        let differ = search.tried()[best].measurement.differences.avoidable();
+        bar.set_message(format!("{} candidates, the best with {differ} pairs that differ", search.tried().len()));
+        bar.tick();
     }
 }
 

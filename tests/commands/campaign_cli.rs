@@ -63,6 +63,10 @@ fn without_mpi_a_build_says_how_to_have_it() {
     assert!(code == 2 && err.contains("--features mpi") && err.contains("docs/scale.md"), "{code}: {err}");
     let (code, _, err) = campaign(&out, &["--mpi", "--part", "1/2"]);
     assert!(code == 2 && err.contains("cannot be used with"), "{code}: {err}");
+    let model = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/real/smallEdge.dda");
+    let (code, _, of_tune) = rockproof(&["tune", model, "--candidates", "2", "--mpi", "--out", &out]);
+    let (_, _, of_campaign) = campaign(&out, &["--mpi"]);
+    assert_eq!((code, of_tune), (2, of_campaign), "one text");
     assert!(!Path::new(&out).exists());
 }
 

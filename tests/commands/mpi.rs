@@ -1,5 +1,7 @@
-//! Pins `campaign --mpi`: any number of ranks writes the bytes of one process, whoever is killed meanwhile. Only in a build with the feature
-//! `mpi`. `ROCKPROOF_MPIRUN` names the `mpirun` of the MPI that the program was built with.
+//! Pins `campaign --mpi`, and `tune --mpi` in `tune`: any number of ranks writes the bytes of one process, whoever is killed meanwhile. Only in
+//! a build with the feature `mpi`. `ROCKPROOF_MPIRUN` names the `mpirun` of the MPI that the program was built with.
+
+mod tune;
 
 use crate::engines::client;
 use crate::merge_command::{Campaigns, SETTINGS};
@@ -30,10 +32,15 @@ fn program() -> String {
     command.get_program().to_string_lossy().into_owned()
 }
 
-/// A job of so many ranks, one thread each unless `arguments` say otherwise.
+/// A campaign on so many ranks.
 fn job(place: &Campaigns, ranks: usize, arguments: &[&str]) -> std::process::Command {
+    job_of("campaign", place, ranks, arguments)
+}
+
+/// A command on so many ranks.
+fn job_of(name: &str, place: &Campaigns, ranks: usize, arguments: &[&str]) -> std::process::Command {
     let mut command = std::process::Command::new(mpirun());
-    command.current_dir(place.at("")).args(options()).args(["-n", &ranks.to_string(), &program(), "campaign", "--mpi"]);
+    command.current_dir(place.at("")).args(options()).args(["-n", &ranks.to_string(), &program(), name, "--mpi"]);
     command.args(arguments).stdin(Stdio::null());
     command
 }
@@ -160,19 +167,25 @@ fn signal(name: &str, target: &str) {
     let _ = std::process::Command::new("kill").args([name, "--", target]).stderr(Stdio::null()).status();
 }
 
-/// Kills a worker, rank 0, or all of a job again and again, or asks it to end, until it comes to its end undisturbed; gives how often.
-fn killed_again_and_again(place: &Campaigns, out: &str, kills: u32, random: &mut Random) -> [u32; 4] {
+/// Kills a worker, rank 0, or all of a job again and again, or asks it to end, until it comes to its end undisturbed; gives how often. `job`
+/// is that of so many ranks, and writes to `out`.
+fn killed_again_and_again(
+    out: &Path,
+    job: &dyn Fn(usize) -> std::process::Command,
+    kills: u32,
+    random: &mut Random,
+) -> [u32; 4] {
     let mut done = [0; 4];
     while done.iter().sum::<u32>() < kills {
         let count = 2 + random.below(3) as usize;
-        let mut command = job(place, count, &["campaign.toml", "--out", out, "--resume"]);
+        let mut command = job(count);
         let mut child = command.process_group(0).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("starts");
         std::thread::sleep(Duration::from_millis(150 + random.below(1500)));
         let (what, running) = (random.below(4) as usize, ranks(&child));
         let group = format!("-{}", child.id());
         if child.try_wait().expect("a child").is_some() {
             // It came to its end first: begin anew.
-            let _ = fs::remove_dir_all(place.at(out));
+            let _ = fs::remove_dir_all(out);
             continue;
         }
         match (what, running.first(), running.last()) {
@@ -208,7 +221,7 @@ fn killed_again_and_again(place: &Campaigns, out: &str, kills: u32, random: &mut
         }
         if code == Some(0) {
             // Too late to disturb it.
-            let _ = fs::remove_dir_all(place.at(out));
+            let _ = fs::remove_dir_all(out);
         } else {
             done[what] += 1;
         }
@@ -234,7 +247,8 @@ fn bears(kills: u32, seed: u64) {
     let mut sum = [0; 4];
     while sum.iter().sum::<u32>() < kills {
         let more = (kills - sum.iter().sum::<u32>()).min(6);
-        let done = killed_again_and_again(&place, "killed", more, &mut random);
+        let job = |ranks| job(&place, ranks, &["campaign.toml", "--out", "killed", "--resume"]);
+        let done = killed_again_and_again(&place.at("killed"), &job, more, &mut random);
         sum.iter_mut().zip(done).for_each(|(sum, done)| *sum += done);
         // With other ranks, or without MPI.
         match random.below(2) {

@@ -10,6 +10,8 @@ mod mistakes;
 mod side_by_side_step;
 #[path = "../../crates/stepper/tests/support/step_mistakes.rs"]
 mod step_mistakes;
+#[path = "../support/thread_ranks.rs"]
+mod thread_ranks;
 
 mod agreement;
 mod campaign_machinery;
@@ -21,3 +23,4 @@ mod lockstep;
 mod lockstep_table;
 mod passages;
 mod planted_step_mistakes;
+mod tune_ranks;

@@ -88,9 +88,6 @@ pub enum RunError {
     /// A part, or what is to be made of parts, cannot be used.
     #[error(transparent)]
     Merge(#[from] MergeError),
-    /// A message between processes cannot be written.
-    #[error("cannot write a message to another rank: {0}")]
-    Message(postcard::Error),
     /// A worker cannot make a case file.
     #[error("a worker: {0}")]
     Case(String),

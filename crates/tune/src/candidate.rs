@@ -3,6 +3,7 @@
 use rockproof_campaign::families::PairSampler;
 use rockproof_model::preset::{self, Preset, sine_of_degrees};
 use rockproof_model::{Block, Criteria, Number, Precision, PresetError, ToleranceSet};
+use serde::{Deserialize, Serialize};
 
 /// The lengths of a model that tolerance sets are made of (m).
 #[derive(Clone, Copy, Debug)]
@@ -109,8 +110,32 @@ fn number(value: f64) -> Number {
 }
 
 /// A tolerance set as places on scales of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(try_from = "[i32; 9]", into = "[i32; 9]")]
 pub struct SetParameters([i32; 9]);
+
+/// A place that is not on its scale.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("place {place} is not on scale {scale} of a tolerance set")]
+pub struct PlaceFault {
+    scale: usize,
+    place: i32,
+}
+
+impl TryFrom<[i32; 9]> for SetParameters {
+    type Error = PlaceFault;
+
+    fn try_from(places: [i32; 9]) -> Result<SetParameters, PlaceFault> {
+        let off = (0..places.len()).find(|&k| !(FIRST[k]..=LAST[k]).contains(&places[k]));
+        off.map_or(Ok(SetParameters(places)), |scale| Err(PlaceFault { scale, place: places[scale] }))
+    }
+}
+
+impl From<SetParameters> for [i32; 9] {
+    fn from(parameters: SetParameters) -> [i32; 9] {
+        parameters.0
+    }
+}
 
 /// The angles that are tried (degrees).
 const ANGLES: [f64; 11] = [0.0, 0.125, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0];

@@ -2,7 +2,7 @@
 
 use super::TuneError;
 use super::cluster::{self, Cluster};
-use super::given::GivenOverlaps;
+use super::given::{GivenOverlap, GivenOverlaps, Share};
 use super::probes::{Differences, Probes};
 use super::steps::{InitialOverlaps, LockstepMeasures, StepMeasures, measure_lockstep, measure_steps};
 use rockproof_differential::builtin::{ENGINES, StepperEngine};
@@ -69,6 +69,12 @@ impl Measurement {
     }
 }
 
+/// An evaluator that does not know yet which pairs of the model overlap: finding them may take longer than all else before the first candidate.
+pub struct UnauditedEvaluator {
+    evaluator: Evaluator,
+    auto: ToleranceSet,
+}
+
 /// A scene made ready for measuring sets.
 pub struct Evaluator {
     scene: Scene,
@@ -84,8 +90,8 @@ pub struct Evaluator {
     engine: Box<dyn Engine>,
 }
 
-impl Evaluator {
-    /// Makes a scene ready; the seed chooses pairs. `steps` are those of the part for every candidate, after its settling; `None` for as many as
+impl UnauditedEvaluator {
+    /// Makes a scene ready but for its overlaps; the seed chooses pairs. `steps` are those of the part for every candidate, after its settling; `None` for as many as
     /// a budget of so many seconds allows.
     ///
     /// # Errors
@@ -96,7 +102,7 @@ impl Evaluator {
         seed: u64,
         steps: Option<u64>,
         budget: u64,
-    ) -> Result<Evaluator, TuneError> {
+    ) -> Result<UnauditedEvaluator, TuneError> {
         if let Some(block) = scene.blocks.iter().find(|block| block.block.rounded(precision).is_none()) {
             return Err(TuneError::Overflow { what: format!("a coordinate of block \"{}\"", block.name), precision });
         }
@@ -110,8 +116,52 @@ impl Evaluator {
         let lengths = MeasuredModel::of(&scene.shapes());
         let (initial, steps) =
             (InitialOverlaps::of(&cluster.scene, precision), steps.unwrap_or_else(|| cluster.steps_for(budget)));
-        let given = GivenOverlaps::of(&scene.shapes(), &auto);
-        Ok(Evaluator { scene: scene.clone(), precision, lengths, probes, cluster, initial, given, steps, engine })
+        let (given, scene) = (GivenOverlaps::none_of(&scene.shapes()), scene.clone());
+        let evaluator = Evaluator { scene, precision, lengths, probes, cluster, initial, given, steps, engine };
+        Ok(UnauditedEvaluator { evaluator, auto })
+    }
+
+    /// Steps of the part for every candidate, after its settling.
+    pub fn steps(&self) -> u64 {
+        self.evaluator.steps
+    }
+
+    /// Finds the pairs that overlap.
+    pub fn audited(self) -> Evaluator {
+        let overlaps = self.overlaps(Share::WHOLE);
+        self.with(overlaps)
+    }
+
+    /// Those of a share of the pairs.
+    pub(super) fn overlaps(&self, share: Share) -> Vec<GivenOverlap> {
+        self.evaluator.given.found(&self.evaluator.scene.shapes(), &self.auto, share)
+    }
+
+    /// The evaluator, told which pairs overlap.
+    pub(super) fn with(mut self, overlaps: Vec<GivenOverlap>) -> Evaluator {
+        self.evaluator.given.add(overlaps);
+        self.evaluator
+    }
+
+    /// How many blocks the model has.
+    pub(super) fn blocks(&self) -> usize {
+        self.evaluator.given.blocks()
+    }
+}
+
+impl Evaluator {
+    /// Makes a scene ready, as [`UnauditedEvaluator::new`], and finds its overlaps.
+    ///
+    /// # Errors
+    /// As [`UnauditedEvaluator::new`].
+    pub fn new(
+        scene: &Scene,
+        precision: Precision,
+        seed: u64,
+        steps: Option<u64>,
+        budget: u64,
+    ) -> Result<Evaluator, TuneError> {
+        Ok(UnauditedEvaluator::new(scene, precision, seed, steps, budget)?.audited())
     }
 
     /// The scene.

@@ -5,6 +5,23 @@ use rayon::prelude::*;
 use rockproof_model::{Block, Precision, ToleranceSet};
 use rockproof_oracle::audit::{Auditor, rounding_depth};
 use rockproof_oracle::{Pair, PreparedBlock};
+use serde::{Deserialize, Serialize};
+
+/// A share of what several processes do together, one in `of`. Scattered: in a regular model every so-manieth pair may be one that takes long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Share {
+    pub(super) number: usize,
+    pub(super) of: usize,
+}
+
+impl Share {
+    pub(super) const WHOLE: Share = Share { number: 0, of: 1 };
+
+    fn has(self, index: usize) -> bool {
+        let scattered = (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
+        scattered.checked_rem(self.of as u64) == Some(self.number as u64)
+    }
+}
 
 /// The pairs of a model that overlap. Which they are, and how deep, depends on no tolerance.
 pub(super) struct GivenOverlaps {
@@ -13,27 +30,44 @@ pub(super) struct GivenOverlaps {
 }
 
 /// A pair of blocks that overlap.
-struct GivenOverlap {
-    blocks: [usize; 2],
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct GivenOverlap {
+    pub(super) blocks: [usize; 2],
     /// The square of the penetration (m²).
-    depth_squared: BigRational,
-    is_rounding: bool,
+    pub(super) depth_squared: BigRational,
+    pub(super) is_rounding: bool,
 }
 
 impl GivenOverlaps {
-    /// Finds them; `set` says only how far apart pairs are looked at, and blocks that overlap always are.
-    pub(super) fn of(blocks: &[&Block], set: &ToleranceSet) -> GivenOverlaps {
-        let solids: Vec<PreparedBlock> = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
+    /// Makes blocks ready, and knows of no overlap.
+    pub(super) fn none_of(blocks: &[&Block]) -> GivenOverlaps {
+        let solids = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
+        GivenOverlaps { solids, overlaps: Vec::new() }
+    }
+
+    /// Finds those of a share of the pairs; `set` says only how far apart pairs are looked at, and blocks that overlap always are.
+    pub(super) fn found(&self, blocks: &[&Block], set: &ToleranceSet, share: Share) -> Vec<GivenOverlap> {
         // As `check` has it: in f64 whatever the engine.
         let rounding = rounding_depth(blocks, Precision::F64);
-        let auditor = Auditor::new(&solids, set);
+        let auditor = Auditor::new(&self.solids, set);
         let overlap = |pair: [usize; 2]| {
             let found = auditor.pair(pair).overlap?;
             let (depth_squared, is_rounding) = (found.depth_squared(), found.is_rounding(&rounding));
             Some(GivenOverlap { blocks: pair, depth_squared, is_rounding })
         };
-        let overlaps = auditor.neighbours().into_par_iter().filter_map(overlap).collect();
-        GivenOverlaps { overlaps, solids }
+        let neighbours = auditor.neighbours().into_iter().enumerate();
+        let meant: Vec<[usize; 2]> = neighbours.filter(|(at, _)| share.has(*at)).map(|(_, pair)| pair).collect();
+        meant.into_par_iter().filter_map(overlap).collect()
+    }
+
+    /// Takes in what was found, in any order: of blocks that there are.
+    pub(super) fn add(&mut self, overlaps: Vec<GivenOverlap>) {
+        self.overlaps.extend(overlaps);
+    }
+
+    /// How many blocks the model has.
+    pub(super) fn blocks(&self) -> usize {
+        self.solids.len()
     }
 
     /// Pairs of the model that overlap by more than rounding.
@@ -69,7 +103,20 @@ mod tests {
         let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/real/slope_joints.dda")).unwrap();
         let shapes = scene.shapes();
         let mut set = derive(Preset::Auto, &shapes, Precision::F64).unwrap();
-        let given = GivenOverlaps::of(&shapes, &set);
+        let mut given = GivenOverlaps::none_of(&shapes);
+        let whole = given.found(&shapes, &set, Share::WHOLE);
+        for number in [2, 0, 1] {
+            let share = given.found(&shapes, &set, Share { number, of: 3 });
+            assert!(
+                share.len() > whole.len() / 5 && share.len() < whole.len() / 2,
+                "{} of {}",
+                share.len(),
+                whole.len()
+            );
+            given.add(share);
+        }
+        assert_eq!(given.overlaps.len(), whole.len());
+        assert!(given.found(&shapes, &set, Share { number: 0, of: 0 }).is_empty());
         assert_eq!(given.count(), 19);
         let rounding = rounding_depth(&shapes, Precision::F64);
         // From all pairs lost to few, by depth and by sight.

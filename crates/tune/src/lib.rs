@@ -6,6 +6,7 @@
 
 mod candidate;
 mod cluster;
+pub mod distribute;
 mod evaluator;
 mod given;
 mod pair_check;
@@ -15,14 +16,15 @@ pub mod report;
 mod search;
 mod steps;
 
-pub use candidate::{ModelLengths, SetParameters};
+pub use candidate::{ModelLengths, PlaceFault, SetParameters};
 pub use cluster::{Cluster, ClusterSupport, hold_lowest};
-pub use evaluator::{Evaluator, Measurement};
+pub use evaluator::{Evaluator, Measurement, UnauditedEvaluator};
 pub use probes::{Differences, Probes};
 pub use record::{COLUMNS, RecordError, SearchRecord};
 pub use search::{CandidateOrigin, EvaluatedCandidate, PendingCandidate, Search};
 pub use steps::{LockstepMeasures, Overlaps, StepMeasures};
 
+use rockproof_campaign::distribute::{DistributeError, WorkerPanic};
 use rockproof_model::SpecError;
 use rockproof_stepper::dynamics::SetupError;
 
@@ -49,6 +51,15 @@ pub enum TuneError {
     /// No worker threads.
     #[error("cannot start the worker threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// A candidate cannot be measured, as the rank said that tried.
+    #[error("{0}")]
+    Candidate(String),
+    /// A thread of this process panicked.
+    #[error(transparent)]
+    Panic(#[from] WorkerPanic),
+    /// The processes of the search do not work together.
+    #[error(transparent)]
+    Distribute(#[from] DistributeError),
     /// The record cannot be used.
     #[error(transparent)]
     Record(#[from] RecordError),

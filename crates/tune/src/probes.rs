@@ -11,6 +11,7 @@ use rockproof_campaign::families::{CoordinateStyle, Family, PairSampler, RealNei
 use rockproof_campaign::pairs::{self, PairConfig, PairForm, SetSource};
 use rockproof_differential::engine::Engine;
 use rockproof_model::{Block, Precision, Scene, ToleranceSet};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Neighbouring pairs looked at as they stand, at most.
@@ -21,7 +22,7 @@ const BATCHES: u64 = 12;
 
 /// Pairs that engine and oracle answer differently, with what was looked at. A pair differs when rounding its input changes the exact
 /// contacts, or when the engine misses those of the rounded input.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Differences {
     /// Neighbours as they stand: examined, and different.
     pub standing: [u64; 2],

@@ -8,6 +8,7 @@ use rand_chacha::rand_core::SeedableRng;
 use rockproof_campaign::families::{CoordinateStyle, PairSampler};
 use rockproof_model::rules::Rule;
 use rockproof_model::{Preset, ToleranceSet, ToleranceSpec};
+use serde::{Deserialize, Serialize};
 
 /// Draws before a candidate is taken although it breaks a rule or was there before.
 const TRIES: usize = 200;
@@ -57,6 +58,21 @@ pub struct EvaluatedCandidate {
     pub parameters: Option<SetParameters>,
     /// What was measured.
     pub measurement: Measurement,
+}
+
+/// How a search of the same model, author and seed has a set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum SetRecipe {
+    /// One of those that are tried first.
+    Given(usize),
+    Drawn(SetParameters),
+}
+
+impl PendingCandidate {
+    /// How to have the set of this candidate, whose number is told.
+    pub(super) fn recipe(&self, number: usize) -> SetRecipe {
+        self.parameters.map_or(SetRecipe::Given(number), SetRecipe::Drawn)
+    }
 }
 
 /// A search over tolerance sets.
@@ -117,7 +133,15 @@ impl<'w> Search<'w> {
 
     /// The next candidate: a function of the seed and of what was measured so far.
     pub fn candidate(&self) -> PendingCandidate {
-        let number = self.evaluated.len();
+        self.candidate_after(std::iter::empty())
+    }
+
+    /// The candidate after the next ones, which are still to be measured, if none of these is the best.
+    pub(super) fn candidate_after<'a>(
+        &self,
+        ahead: impl Iterator<Item = &'a PendingCandidate> + Clone,
+    ) -> PendingCandidate {
+        let number = self.evaluated.len() + ahead.clone().count();
         if let Some((origin, set)) = self.first.get(number) {
             return PendingCandidate { origin: *origin, set: set.clone(), parameters: None };
         }
@@ -137,8 +161,11 @@ impl<'w> Search<'w> {
         };
         let mut parameters = draw();
         for _ in 0..TRIES {
-            let known = self.evaluated.iter().any(|evaluated| evaluated.parameters == Some(parameters));
-            if !known && self.evaluator.broken_rules(&parameters.set(&self.model)).is_empty() {
+            let evaluated = self.evaluated.iter().map(|evaluated| evaluated.parameters);
+            let mut known = evaluated.chain(ahead.clone().map(|candidate| candidate.parameters));
+            if known.all(|other| other != Some(parameters))
+                && self.evaluator.broken_rules(&parameters.set(&self.model)).is_empty()
+            {
                 break;
             }
             parameters = draw();
@@ -169,7 +196,7 @@ impl<'w> Search<'w> {
     /// Whether the oracle is asked about the steps of the next candidate, which takes much longer than all else: always for the first; later if it is better
     /// than the best so far in what is cheap, or no worse in pairs and rules where the steps of the best differ from the oracle's; and no more often than
     /// for a quarter of all candidates, but for the first that loses no pair of the model: a set that does is never the best beside it.
-    fn may_be_best(&self, measurement: &Measurement) -> bool {
+    pub(super) fn may_be_best(&self, measurement: &Measurement) -> bool {
         let Some(best) = self.best().map(|best| &self.evaluated[best].measurement) else { return true };
         if measurement.lost_pairs == 0 && best.lost_pairs > 0 {
             return true;
@@ -181,6 +208,19 @@ impl<'w> Search<'w> {
         let (new, old) = (measurement.screened(), best.screened());
         let faulty = best.lockstep.as_ref().is_some_and(|lockstep| lockstep.failed + lockstep.differ > 0);
         new < old || (faulty && (new.0, new.1, new.2, new.3) <= (old.0, old.1, old.2, old.3))
+    }
+
+    /// What measures.
+    pub(super) fn evaluator(&self) -> &'w Evaluator {
+        self.evaluator
+    }
+
+    /// The set of candidate `number`, as [`PendingCandidate::recipe`] tells it.
+    pub(super) fn set_of(&self, recipe: SetRecipe) -> Option<ToleranceSet> {
+        match recipe {
+            SetRecipe::Given(number) => self.first.get(number).map(|(_, set)| set.clone()),
+            SetRecipe::Drawn(parameters) => Some(parameters.set(&self.model)),
+        }
     }
 
     /// All candidates measured, in order.

@@ -9,9 +9,10 @@ use rockproof_differential::lockstep::{StepAnswerChange, StepDecisions, compare}
 use rockproof_model::{Block, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::penetration::penetration;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State};
+use serde::{Deserialize, Serialize};
 
 /// What steps under a set came to.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepMeasures {
     /// Steps made, settling not counted.
     pub steps: u64,
@@ -26,7 +27,7 @@ pub struct StepMeasures {
 }
 
 /// What the oracle said of the same steps, each made from the state in which the stepper was.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LockstepMeasures {
     /// Steps compared, settling too.
     pub steps: u64,
@@ -53,7 +54,7 @@ impl LockstepMeasures {
 }
 
 /// How deep blocks overlap, one of the two free to move (m).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Overlaps {
     /// The deepest after the last step.
     pub deepest: f64,

@@ -3,7 +3,8 @@
 
 use super::resume::{config, results, uninterrupted};
 use super::scripted::{Counting, counting};
-use rockproof_campaign::distribute::{Crew, DistributeError, Introduction, Transport, serve};
+use crate::thread_ranks::Threads;
+use rockproof_campaign::distribute::{Crew, DistributeError, Introduction, serve};
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::part::Machine;
 use rockproof_campaign::run::{Campaign, Ending, RunError};
@@ -11,55 +12,7 @@ use rockproof_differential::finding::Finding;
 use rockproof_results::Start;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
-
-/// Ranks that are threads.
-struct Threads {
-    own: usize,
-    others: Vec<Sender<(usize, Vec<u8>)>>,
-    inbox: Receiver<(usize, Vec<u8>)>,
-    /// Messages between an error in one of them and the next; 0 for none.
-    damage: u64,
-    sent: u64,
-    /// How long a message takes.
-    delay: Duration,
-}
-
-impl Threads {
-    fn all(ranks: usize) -> Vec<Threads> {
-        let (others, inboxes): (Vec<_>, Vec<_>) = (0..ranks).map(|_| channel()).unzip();
-        let one = |(own, inbox)| Threads {
-            own,
-            others: others.clone(),
-            inbox,
-            damage: 0,
-            sent: 0,
-            // The first workers are the slowest.
-            delay: Duration::from_micros(300 * (ranks - own) as u64),
-        };
-        inboxes.into_iter().enumerate().map(one).collect()
-    }
-}
-
-impl Transport for Threads {
-    fn ranks(&self) -> usize {
-        self.others.len()
-    }
-
-    fn send(&mut self, to: usize, message: &[u8]) {
-        self.sent += 1;
-        std::thread::sleep(if self.own == 0 { Duration::ZERO } else { self.delay });
-        let damaged = self.damage > 0 && self.sent.is_multiple_of(self.damage) && message.len() > 8;
-        let message = if damaged { &message[..message.len() / 2] } else { message };
-        // Who has ended hears nothing.
-        let _ = self.others[to].send((self.own, message.to_vec()));
-    }
-
-    fn receive(&mut self) -> Option<(usize, Vec<u8>)> {
-        self.inbox.try_recv().ok()
-    }
-}
 
 fn introduction(answers: &str, threads: usize) -> Introduction {
     let [os, architecture] = ["toy", "toy"].map(str::to_owned);

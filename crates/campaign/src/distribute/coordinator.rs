@@ -1,7 +1,8 @@
 //! Hands out units of pairs and case files, and brings the results in order to whoever writes them.
 
-use super::message::{CaseReply, CaseState, CaseTask, Order, Report, encoded, taken};
+use super::message::{CaseReply, CaseState, CaseTask, Order, Report};
 use super::plan::{AT_ONCE, Plan, WINDOW};
+use super::ranks::{encoded, taken};
 use super::{DistributeError, Patience, Transport};
 use crate::journal::Seen;
 use crate::run::{Campaign, RunError};

@@ -1,12 +1,12 @@
 //! All ranks of a campaign, as rank 0 sees them.
 
 use super::coordinator::Coordinator;
-use super::message::{Introduction, Order, Report, encoded, taken};
+use super::message::{Order, Report};
+use super::ranks::{self, Introduction, encoded, taken};
 use super::remote::Remote;
-use super::{DistributeError, Patience, Transport};
+use super::{DistributeError, Transport};
 use crate::journal::Journal;
 use crate::run::{Campaign, Ending, RunError};
-use rockproof_results::identity_differences;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::panic::resume_unwind;
@@ -32,35 +32,19 @@ pub struct Crew<'t, T: Transport> {
 }
 
 impl<'t, T: Transport> Crew<'t, T> {
-    /// Waits for the workers to introduce themselves, and compares what they are to do with what rank 0 is. `None` where `stop` is set
-    /// meanwhile. Nothing is written before.
+    /// Waits for the workers ([`ranks::gather`]). Nothing is written before.
     ///
     /// # Errors
-    /// The first worker that cannot begin, is to do something else, or answers the first pairs differently.
+    /// As [`ranks::gather`].
     pub fn gather(
         transport: &'t mut T,
         own: &Introduction,
         stop: &AtomicBool,
     ) -> Result<Option<Crew<'t, T>>, DistributeError> {
-        let mut workers: BTreeMap<usize, Introduction> = BTreeMap::new();
-        let mut patience = Patience::default();
-        while workers.len() + 1 < transport.ranks() {
-            if stop.load(Ordering::SeqCst) {
-                return Ok(None);
-            }
-            let Some((rank, message)) = transport.receive() else {
-                patience.wait();
-                continue;
-            };
-            patience.reset();
-            let worker: Introduction =
-                serde_json::from_slice(&message).map_err(|e| DistributeError::Message { rank, what: e.to_string() })?;
-            compare(rank, &worker, own)?;
-            workers.insert(rank, worker);
-        }
-        let threads: Vec<usize> = workers.values().map(|worker| worker.threads).collect();
+        let Some(workers) = ranks::gather(transport, own, stop)? else { return Ok(None) };
+        let threads: Vec<usize> = workers.iter().map(|worker| worker.threads).collect();
         let mut hosts: BTreeMap<&str, u64> = BTreeMap::new();
-        for introduction in workers.values().chain([own]) {
+        for introduction in workers.iter().chain([own]) {
             *hosts.entry(&introduction.host).or_default() += 1;
         }
         let told = [
@@ -76,45 +60,11 @@ impl<'t, T: Transport> Crew<'t, T> {
     ///
     /// # Errors
     /// None that can be foreseen: the message cannot be written.
-    pub fn dismiss(transport: &mut T) -> Result<(), RunError> {
+    pub fn dismiss(transport: &mut T) -> Result<(), DistributeError> {
         let end = encoded(&Order::End)?;
-        for rank in 1..transport.ranks() {
-            transport.send(rank, &end);
-        }
-        let (mut ended, mut patience) = (1, Patience::default());
-        while ended < transport.ranks() {
-            match transport.receive() {
-                // What else comes was on its way.
-                Some((rank, message)) => {
-                    ended += usize::from(matches!(taken::<Report>(rank, &message), Ok((Report::Ended, _))));
-                    patience.reset();
-                }
-                None => patience.wait(),
-            }
-        }
+        ranks::dismiss(transport, &end, |message| matches!(taken::<Report>(0, message), Ok((Report::Ended, _))));
         Ok(())
     }
-}
-
-/// Compares a worker with rank 0.
-fn compare(rank: usize, worker: &Introduction, own: &Introduction) -> Result<(), DistributeError> {
-    let host = || worker.host.clone();
-    let (identity, machine) = match &worker.work {
-        Ok(work) => work,
-        Err(what) => return Err(DistributeError::Worker { rank, host: host(), what: what.clone() }),
-    };
-    let Ok((own_identity, own_machine)) = &own.work else { return Ok(()) };
-    let differences = identity_differences(own_identity, identity);
-    if !differences.is_empty() {
-        let told = |line: String| line.replace("the run has", "rank 0 has").replace("asked for is", "this rank has");
-        let differences = differences.into_iter().map(told).collect();
-        return Err(DistributeError::Configuration { rank, host: host(), differences });
-    }
-    if machine.answers != own_machine.answers {
-        let (machine, here) = (machine.to_string(), own_machine.to_string());
-        return Err(DistributeError::Answers { rank, host: host(), machine, here });
-    }
-    Ok(())
 }
 
 impl Campaign<'_> {

@@ -1,30 +1,17 @@
-//! What ranks tell one another, in postcard; a worker's first message is JSON, which programs of other versions understand too.
+//! What ranks of a campaign tell one another, after their introductions.
 
 use super::DistributeError;
+use super::ranks::{encoded, taken};
 use crate::examiner::Counts;
 use crate::journal::CampaignProgress;
-use crate::part::Machine;
 use crate::run::RunError;
 use crate::steps::StepSummary;
 use crate::summary::Summary;
 use rockproof_differential::agreement::Agreement;
 use rockproof_differential::engine::{EngineCounts, Levels};
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::ops::Range;
-
-/// How a worker introduces itself, and what rank 0 compares that with.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Introduction {
-    /// The machine it runs on, by name.
-    pub host: String,
-    /// Its worker threads.
-    pub threads: usize,
-    /// What it is to do, with the version of the program; why it cannot, otherwise.
-    pub work: Result<(Map<String, Value>, Machine), String>,
-}
 
 /// How many case files there are: what decides which findings may still get one.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -166,7 +153,7 @@ impl UnitResult {
             candidates: [self.findings.candidates, self.steps.candidates],
             bytes: [self.findings.bytes.len(), self.steps.bytes.len()],
         };
-        let message = postcard::to_extend(&head, encoded(report)?).map_err(unwritable)?;
+        let message = postcard::to_extend(&head, encoded(report)?).map_err(DistributeError::Unwritable)?;
         Ok([message, self.findings.bytes, self.steps.bytes].concat())
     }
 
@@ -200,18 +187,4 @@ impl UnitResult {
             },
         })
     }
-}
-
-/// A message.
-pub(super) fn encoded<T: Serialize>(message: &T) -> Result<Vec<u8>, RunError> {
-    postcard::to_extend(message, Vec::new()).map_err(unwritable)
-}
-
-/// A message from a rank, and what follows upon it.
-pub(super) fn taken<T: DeserializeOwned>(rank: usize, bytes: &[u8]) -> Result<(T, &[u8]), DistributeError> {
-    postcard::take_from_bytes(bytes).map_err(|e| DistributeError::Message { rank, what: e.to_string() })
-}
-
-fn unwritable(error: postcard::Error) -> RunError {
-    RunError::Message(error)
 }

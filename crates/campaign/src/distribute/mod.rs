@@ -2,17 +2,18 @@
 //! make case files. What the journal holds is what one process writes, byte for byte: rows are put in the order of the pairs, and case files are
 //! chosen by rank 0, chunk by chunk.
 //!
-//! Messages travel by a [`Transport`]; this crate knows of none.
+//! Messages travel by a [`Transport`]; this crate knows of none. What has to do with no campaign is in [`ranks`], for other jobs of many processes.
 
 mod coordinator;
 mod crew;
 mod message;
 mod plan;
+pub mod ranks;
 mod remote;
 mod worker;
 
 pub use crew::{Crew, Distributed};
-pub use message::Introduction;
+pub use ranks::Introduction;
 pub use worker::{WorkerPanic, serve};
 
 use std::time::Duration;
@@ -57,7 +58,7 @@ pub enum DistributeError {
     },
     /// A worker answers differently.
     #[error(
-        "rank {rank} ({host}, {machine}) and rank 0 ({here}) answer the first pairs differently, so their findings do not go together: start one build of the program, on machines of one kind"
+        "rank {rank} ({host}, {machine}) and rank 0 ({here}) answer the first pairs differently, so what they find does not go together: start one build of the program, on machines of one kind"
     )]
     Answers {
         /// The worker.
@@ -69,6 +70,12 @@ pub enum DistributeError {
         /// Those of rank 0.
         here: String,
     },
+    /// A message that cannot be written.
+    #[error("cannot write a message to another rank: {0}")]
+    Unwritable(postcard::Error),
+    /// An introduction that cannot be written.
+    #[error("cannot write a message to rank 0: {0}")]
+    Introduction(serde_json::Error),
     /// A message that cannot be understood.
     #[error("rank {rank} sent a message that cannot be read: {what}; start one build of the program on all ranks")]
     Message {
@@ -81,17 +88,19 @@ pub enum DistributeError {
 
 /// Waits a little longer each time, so that a rank without work does not take time from one that has some.
 #[derive(Default)]
-struct Patience(u32);
+pub struct Patience(u32);
 
 impl Patience {
     const SHORTEST: Duration = Duration::from_micros(50);
     const DOUBLINGS: u32 = 6;
 
-    fn reset(&mut self) {
+    /// Something came: the next wait is short.
+    pub fn reset(&mut self) {
         self.0 = 0;
     }
 
-    fn wait(&mut self) {
+    /// Sleeps, longer than the last time: from 50 µs up to 3 ms.
+    pub fn wait(&mut self) {
         std::thread::sleep(Patience::SHORTEST * (1 << self.0));
         self.0 = (self.0 + 1).min(Patience::DOUBLINGS);
     }

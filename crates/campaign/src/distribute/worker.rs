@@ -1,8 +1,7 @@
 //! A worker: examines the units that rank 0 hands out, and makes case files, with all its threads.
 
-use super::message::{
-    Candidate, CaseReply, CaseState, CaseTask, FoundRows, Introduction, Order, Report, UnitResult, encoded, taken,
-};
+use super::message::{Candidate, CaseReply, CaseState, CaseTask, FoundRows, Order, Report, UnitResult};
+use super::ranks::{Introduction, encoded, introduce, taken};
 use super::remote::row;
 use super::{Patience, Transport};
 use crate::case_writer::{CaseQuota, CaseRequest, has_room};
@@ -38,7 +37,7 @@ pub fn serve<T: Transport>(
     introduction: &Introduction,
     stop: &AtomicBool,
 ) -> Result<(), RunError> {
-    transport.send(0, &serde_json::to_vec(introduction)?);
+    introduce(transport, introduction)?;
     let jobs = Jobs::default();
     let batch_len = campaign.map_or(1, |campaign| campaign.source.batch_len());
     let (sender, done) = mpsc::channel();
@@ -215,7 +214,7 @@ impl Worker<'_> {
                 if self.is_stopped() {
                     return Ok(None);
                 }
-                encoded(&Report::Case { number, reply, engines: self.meter.since_last() }).map(Some)
+                Ok(Some(encoded(&Report::Case { number, reply, engines: self.meter.since_last() })?))
             }
             Job::Batch(unit, number) => {
                 let lock = || unit.progress.lock().unwrap_or_else(PoisonError::into_inner);
