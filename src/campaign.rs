@@ -2,10 +2,11 @@
 
 use crate::campaign_end::print_end;
 use crate::exit::{Outcome, Verdict, print_note};
-use crate::input::{EngineArgs, FormatArgs, at_least_zero, threads};
+use crate::input::{EngineArgs, FormatArgs, at_least_zero};
 use crate::progress::{counted_while, shown_while};
 use crate::stop::on_ctrl_c;
 use crate::stress;
+use crate::terminal::threads;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::diagnosis;

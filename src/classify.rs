@@ -6,6 +6,7 @@ use crate::input_file::InputFile;
 use crate::overlaps::overlaps;
 use crate::progress::counted_while;
 use crate::table::table;
+use crate::terminal::to_stdout;
 use anyhow::Context;
 use clap::ValueEnum;
 use rayon::prelude::*;
@@ -20,7 +21,7 @@ use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Classify the contacts between the blocks of a file
@@ -110,34 +111,22 @@ impl Classify {
             None => neighbours(&blocks, &tolerances),
         };
         let classifier = Classifier::new(self.engine, &blocks, &tolerances).with_context(place)?;
-        let mut written = counted_while(pairs.len() as u64, "classified", |done| {
+        let mut rows = Vec::new();
+        counted_while(pairs.len() as u64, "classified", |done| {
             let found = classifier.all(&pairs, done, !matches!(self.format, OutputFormat::Csv));
             match self.format {
-                OutputFormat::Table => {
-                    let mut out = Vec::new();
-                    write_table(&mut out, found, pairs.len())?;
-                    Ok(out)
-                }
+                OutputFormat::Table => write_table(&mut rows, found, pairs.len()),
                 // These two go out as they come, whatever the size of the model.
-                OutputFormat::Csv => to_reader(|out| write_csv(out, found)),
-                OutputFormat::Json => to_reader(|out| write_json(out, found)),
+                OutputFormat::Csv => to_stdout(|out| write_csv(out, found)),
+                OutputFormat::Json => to_stdout(|out| write_json(out, found)),
             }
         })?;
         if matches!(self.format, OutputFormat::Table) {
             // Blocks that overlap deeper than any contact says are the first thing to know of a model.
-            writeln!(written, "{}", overlaps(&blocks, &tolerances, Some(&pairs)).line())?;
-            print(&String::from_utf8_lossy(&written))?;
+            writeln!(rows, "{}", overlaps(&blocks, &tolerances, Some(&pairs)).line())?;
+            print(&String::from_utf8_lossy(&rows))?;
         }
         Ok(Verdict::Passed)
-    }
-}
-
-/// Writes to stdout. A reader that went away (`| head`) is no error.
-fn to_reader(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Vec<u8>> {
-    let mut out = BufWriter::new(io::stdout().lock());
-    match write(&mut out).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error),
-        _ => Ok(Vec::new()),
     }
 }
 

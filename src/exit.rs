@@ -1,7 +1,8 @@
 //! How a command ends, and how it talks.
 
 use crate::extents::{is_apart, is_bent};
-use crate::stop::{INTERRUPTED, is_ended};
+use crate::stop::is_ended;
+use crate::terminal::{INTERRUPTED, to_stdout};
 use rockproof_model::text::is_harmful;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
@@ -131,11 +132,7 @@ pub(crate) fn print(text: &str) -> anyhow::Result<()> {
 
 /// Prints commands for GitHub's runner.
 pub(crate) fn print_as_it_is(text: &str) -> anyhow::Result<()> {
-    let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
-        _ => Ok(()),
-    }
+    Ok(to_stdout(|out| out.write_all(text.as_bytes()))?)
 }
 
 /// Tells an error on stderr.

@@ -1,9 +1,10 @@
 //! `gate`: does this change let contact classification get worse?
 
 use crate::exit::{Outcome, Verdict, print_as_it_is, print_note};
-use crate::input::{FormatArgs, threads};
+use crate::input::FormatArgs;
 use crate::stop::end_on_ctrl_c;
 use crate::table::table;
+use crate::terminal::threads;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::Engines;

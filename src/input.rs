@@ -151,17 +151,6 @@ impl EngineArgs {
     }
 }
 
-/// The most worker threads; more of them than cores gain nothing.
-const MOST_THREADS: usize = 1024;
-
-/// A number of worker threads; 0 for one a core.
-pub(crate) fn threads(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(threads) if threads <= MOST_THREADS => Ok(threads),
-        _ => Err(format!("allowed are 1 to {MOST_THREADS}, and 0 for one a core")),
-    }
-}
-
 /// Seconds, as milliseconds.
 fn seconds(text: &str) -> Result<u64, String> {
     match text.parse::<f64>() {

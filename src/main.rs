@@ -29,6 +29,7 @@ mod step_audit;
 mod stop;
 mod stress;
 mod table;
+mod terminal;
 mod tune;
 
 use clap::{Parser, Subcommand};

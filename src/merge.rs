@@ -3,10 +3,11 @@
 use crate::campaign::{check_deny, denied, diagnosed, pair_source, probed};
 use crate::campaign_end::print_end;
 use crate::exit::{Outcome, Verdict, print_note};
-use crate::input::{FormatArgs, threads};
+use crate::input::FormatArgs;
 use crate::progress::shown_while;
 use crate::stop::on_ctrl_c;
 use crate::stress;
+use crate::terminal::threads;
 use rockproof_campaign::engines::Engines;
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::merge::Parts;

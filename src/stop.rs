@@ -1,13 +1,11 @@
 //! Ctrl-C, and what else asks a program to end (TERM, HUP): long work stops in good order, and no engine is left running.
 
 use crate::exit::print_note;
+use crate::terminal::{INTERRUPTED, stop_flag};
 use anyhow::Context;
 use rockproof_differential::external::end_all;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// The exit code of a program that was interrupted, as a shell has it.
-pub(crate) const INTERRUPTED: u8 = 130;
 
 /// A flag that Ctrl-C sets, which is told, before it ends all external engines, so that none of them is waited for: whoever asked one finds the
 /// flag set. A second Ctrl-C ends the program at once, with exit code 130; what is on disk bears it.
@@ -15,7 +13,7 @@ pub(crate) const INTERRUPTED: u8 = 130;
 /// # Errors
 /// When the system gives no handler, or one was set before.
 pub(crate) fn on_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
-    stop_flag(print_note)
+    stop_flag(end_all, print_note).context(NO_HANDLER)
 }
 
 /// The same where another process tells the user.
@@ -24,24 +22,7 @@ pub(crate) fn on_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
 /// As [`on_ctrl_c`].
 #[cfg(feature = "mpi")]
 pub(crate) fn on_ctrl_c_silently() -> anyhow::Result<Arc<AtomicBool>> {
-    stop_flag(|_| {})
-}
-
-fn stop_flag(told: fn(&str)) -> anyhow::Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || {
-        let again = flag.swap(true, Ordering::SeqCst);
-        end_all();
-        if again {
-            // What comes next stands on a line of its own, whatever a bar left there.
-            told("stopped at once");
-            std::process::exit(INTERRUPTED.into());
-        }
-        told("finishing what has begun; Ctrl-C again to quit at once");
-    })
-    .context("cannot catch Ctrl-C")?;
-    Ok(stop)
+    stop_flag(end_all, |_| {}).context(NO_HANDLER)
 }
 
 /// For commands that have nothing to go on from: Ctrl-C ends the program at once, and its engines with it.
@@ -55,8 +36,10 @@ pub(crate) fn end_on_ctrl_c() -> anyhow::Result<()> {
         end_all();
         std::process::exit(INTERRUPTED.into());
     })
-    .context("cannot catch Ctrl-C")
+    .context(NO_HANDLER)
 }
+
+const NO_HANDLER: &str = "cannot catch Ctrl-C";
 
 /// Whether a signal has ended the program at once.
 pub(crate) fn is_ended() -> bool {

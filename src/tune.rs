@@ -3,9 +3,10 @@
 use crate::check::tolerances_json;
 use crate::examine::file_name;
 use crate::exit::{Outcome, Verdict, print_note, shows_progress};
-use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, stepper, threads};
+use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, stepper};
 use crate::input_file::InputFile;
 use crate::stop::on_ctrl_c;
+use crate::terminal::threads;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;

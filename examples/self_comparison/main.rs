@@ -12,20 +12,21 @@
 //! feature `gmp` the plain path joins in GMP's rationals as well. docs/validation.md says what was compared.
 
 mod check;
-mod progress;
 mod run;
+#[path = "../../src/terminal.rs"]
+mod terminal;
 mod total;
 
 use clap::{Parser, Subcommand};
 use rockproof_validation::self_comparison::paths::{self, Paths};
-use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
+use terminal::{INTERRUPTED, to_stdout};
 
 /// Compare the exact side with itself: the oracle's fast path, the stepper in 512 bits, the oracle's plain path
 #[derive(Parser)]
 #[command(
     name = "self_comparison",
-    after_help = "Exit status: 0 no disagreement, 1 disagreements, 2 wrong arguments or files, 130 interrupted."
+    after_help = "Exit status: 0 no disagreement, 1 disagreements, 2 wrong arguments or files or nothing compared, 130 interrupted."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -45,9 +46,6 @@ enum Verdict {
     Disagreed,
     Interrupted,
 }
-
-/// The exit code of what was interrupted, as a shell has it.
-const INTERRUPTED: u8 = 130;
 
 #[cfg(feature = "gmp")]
 static PATHS: &dyn Paths = &paths::WithGmp::<rug::Rational>::new();
@@ -71,11 +69,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints to stdout. A reader that went away (`| head`) is no error.
+/// Prints to stdout.
 fn print(text: &str) -> anyhow::Result<()> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
-        _ => Ok(()),
-    }
+    Ok(to_stdout(|out| out.write_all(text.as_bytes()))?)
 }

@@ -1,19 +1,21 @@
 //! `run`: compares, and keeps what it counted.
 
-use crate::progress::shown_while;
-use crate::total::text;
-use crate::{INTERRUPTED, PATHS, Verdict, print};
+use crate::terminal::{Progress, stop_flag, threads};
+use crate::total::{text, verdict};
+use crate::{PATHS, Verdict, print};
 use anyhow::Context;
 use rockproof_campaign::pairs::{BATCH, PairConfig};
 use rockproof_campaign::part::Part;
 use rockproof_campaign::run::Ending;
+use rockproof_report::table::grouped;
 use rockproof_results::Start;
 use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord};
 use rockproof_validation::self_comparison::run::{Comparison, Seen};
 use rockproof_validation::self_comparison::total::Total;
+use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 /// Compare the paths on pairs of a seed, and write counts, disagreements and their cases to a directory
 #[derive(clap::Args)]
@@ -54,23 +56,13 @@ fn whole_batches(text: &str) -> Result<u64, String> {
     }
 }
 
-/// The most worker threads; more of them than cores gain nothing.
-const MOST_THREADS: usize = 1024;
-
-fn threads(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(threads) if threads <= MOST_THREADS => Ok(threads),
-        _ => Err(format!("allowed are 1 to {MOST_THREADS}, and 0 for one a core")),
-    }
-}
-
 impl Run {
     pub(crate) fn run(&self) -> anyhow::Result<Verdict> {
         anyhow::ensure!(
             self.gmp_every == 0 || cfg!(feature = "gmp"),
             "--gmp-every: this program was built without GMP; `cargo run --release --features gmp --example self_comparison` builds it with"
         );
-        let stop = on_ctrl_c()?;
+        let stop = stop_flag(|| {}, note).context("cannot catch Ctrl-C")?;
         let plan = ComparisonPlan {
             seed: self.seed,
             pairs: self.pairs,
@@ -83,15 +75,26 @@ impl Run {
         let share = plan.share();
         let comparison = Comparison { paths: PATHS, config: &config, threads: self.threads };
         let seen = Seen::default();
-        let ending = shown_while(share.end - share.start, &seen, || comparison.run(&mut record, &stop, &seen))?;
+        let now = || {
+            let disagreements = grouped(seen.disagreements.load(Ordering::Relaxed));
+            (seen.pairs.load(Ordering::Relaxed), format!("{disagreements} disagreements"))
+        };
+        let progress = Progress {
+            pairs: share.end - share.start,
+            now: &now,
+            has_bar: stderr().is_terminal(),
+            line: note,
+            lines_every: Duration::from_secs(60),
+        };
+        let ending = progress.shown_while(|| comparison.run(&mut record, &stop, &seen))?;
         drop(record);
         let total = Total::of(std::slice::from_ref(&self.out))?;
         print(&text(&total))?;
         if ending == Ending::Stopped {
-            eprintln!("note: stopped; to go on: {}", again()?);
+            note(&format!("stopped; to go on: {}", again()?));
             return Ok(Verdict::Interrupted);
         }
-        Ok(if total.totals.all().disagreements == 0 { Verdict::Agreed } else { Verdict::Disagreed })
+        verdict(&total)
     }
 }
 
@@ -104,17 +107,7 @@ fn again() -> anyhow::Result<String> {
     Ok(format!("cargo run --release{features} --example self_comparison -- {arguments}"))
 }
 
-/// A flag that Ctrl-C sets; a second Ctrl-C ends the program at once, which what is on disk bears.
-fn on_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::SeqCst) {
-            eprintln!("note: stopped at once");
-            std::process::exit(INTERRUPTED.into());
-        }
-        eprintln!("note: finishing what has begun; Ctrl-C again to quit at once");
-    })
-    .context("cannot catch Ctrl-C")?;
-    Ok(stop)
+/// Tells something worth knowing on stderr.
+fn note(text: &str) {
+    eprintln!("note: {text}");
 }

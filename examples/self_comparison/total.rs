@@ -35,8 +35,18 @@ impl TotalArgs {
             Format::Text => print(&text(&total))?,
             Format::Json => print(&(serde_json::to_string_pretty(&total)? + "\n"))?,
         }
-        Ok(if total.totals.all().disagreements == 0 { Verdict::Agreed } else { Verdict::Disagreed })
+        verdict(&total)
     }
+}
+
+/// What a total comes to.
+///
+/// # Errors
+/// When nothing was compared: that says nothing of anybody.
+pub(crate) fn verdict(total: &Total) -> anyhow::Result<Verdict> {
+    let all = total.totals.all();
+    anyhow::ensure!(all.compared() > 0, "nothing is compared yet: there is no verdict");
+    Ok(if all.disagreements == 0 { Verdict::Agreed } else { Verdict::Disagreed })
 }
 
 /// The total for people.
@@ -44,16 +54,18 @@ pub(crate) fn text(total: &Total) -> String {
     let mut out = String::new();
     let all = total.totals.all();
     let (pairs, done) = total.pairs();
-    let said = match all.disagreements {
-        0 => "no disagreement".to_owned(),
-        1 => "1 DISAGREEMENT".to_owned(),
-        n => format!("{} DISAGREEMENTS", grouped(n)),
+    let verdict = match (all.disagreements, all.compared()) {
+        (0, 0) => "no verdict yet".to_owned(),
+        (0, _) => "no disagreement".to_owned(),
+        (1, _) => "1 DISAGREEMENT".to_owned(),
+        (n, _) => format!("{} DISAGREEMENTS", grouped(n)),
     };
     let seeds: std::collections::BTreeSet<u64> = total.directories.iter().map(|count| count.plan.seed).collect();
     let seeds: Vec<String> = seeds.iter().map(u64::to_string).collect();
     let [done, pairs, compared] = [done, pairs, all.compared()].map(grouped);
     // Writing to a string cannot fail.
-    let _ = writeln!(out, "{said} in {compared} comparisons; {done} of {pairs} pairs done, seed {}", seeds.join(", "));
+    let _ =
+        writeln!(out, "{verdict} in {compared} comparisons; {done} of {pairs} pairs done, seed {}", seeds.join(", "));
     let _ = writeln!(out, "{}\n", table(total));
     let levels = Levels::NAMES.into_iter().zip(total.totals.levels);
     let levels: Vec<String> = levels.map(|(level, count)| format!("{level} {}", grouped(count))).collect();

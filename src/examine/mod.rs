@@ -11,10 +11,11 @@ mod view;
 
 use crate::check::{CheckedModel, ModelArgs};
 use crate::exit::{Outcome, Verdict, print_note};
-use crate::input::{FormatArgs, precision, threads};
+use crate::input::{FormatArgs, precision};
 use crate::overlaps::{Overlaps, overlaps};
 use crate::stop::on_ctrl_c;
 use crate::table::grouped;
+use crate::terminal::threads;
 use pairs::{ExaminedPair, PRECISIONS};
 use progress::Stage;
 use rockproof_differential::subject::SubjectSet;

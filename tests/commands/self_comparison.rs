@@ -90,10 +90,25 @@ impl Paths for Loses {
     }
 }
 
+const PLAN: ComparisonPlan = ComparisonPlan { seed: 2, pairs: 32, plain_every: 0, gmp_every: 0, part: None };
+
+fn record(dir: &Path) -> ComparisonRecord {
+    ComparisonRecord::open(dir, PLAN, &PairConfig::default(), Start::Fresh).expect("a directory")
+}
+
+/// As after a stop at once.
+#[test]
+fn nothing_compared_is_no_agreement() {
+    let place = Place::new();
+    drop(record(&place.path("begun")));
+    let (code, out, err) = ran(&place, &["total", "begun"]);
+    assert!(code == Some(2) && out.contains("no verdict yet in 0 comparisons; 0 of 32 pairs done"), "{out}{err}");
+    assert!(err.contains("nothing is compared yet: there is no verdict"), "{err}");
+}
+
 fn mistaken_comparison(dir: &Path) {
-    let plan = ComparisonPlan { seed: 2, pairs: 32, plain_every: 0, gmp_every: 0, part: None };
     let config = PairConfig::default();
-    let mut record = ComparisonRecord::open(dir, plan, &config, Start::Fresh).expect("a directory");
+    let mut record = record(dir);
     let comparison = Comparison { paths: &Loses, config: &config, threads: 1 };
     comparison.run(&mut record, &AtomicBool::new(false), &Seen::default()).expect("runs");
 }

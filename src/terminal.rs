@@ -1,0 +1,127 @@
+//! What the program and its long-running examples have in common at a terminal: output whose reader may go away, progress, Ctrl-C and the number
+//! of worker threads. It uses nothing else of the program, so that an example can include it by its path.
+
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use rockproof_report::table::grouped;
+use std::io::{self, BufWriter, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// The exit code of a program that was interrupted, as a shell has it.
+pub(crate) const INTERRUPTED: u8 = 130;
+
+/// Writes to stdout. A reader that went away (`| head`) is no error.
+pub(crate) fn to_stdout(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    match write(&mut out).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// The most worker threads; more of them than cores gain nothing.
+const MOST_THREADS: usize = 1024;
+
+/// A number of worker threads; 0 for one a core.
+pub(crate) fn threads(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(threads) if threads <= MOST_THREADS => Ok(threads),
+        _ => Err(format!("allowed are 1 to {MOST_THREADS}, and 0 for one a core")),
+    }
+}
+
+/// A flag that Ctrl-C sets, after which it calls `ended`, and says so by `note`. A second Ctrl-C ends the program at once, with exit code 130;
+/// what is on disk bears it.
+///
+/// # Errors
+/// When the system gives no handler, or one was set before.
+pub(crate) fn stop_flag(ended: fn(), note: fn(&str)) -> Result<Arc<AtomicBool>, ctrlc::Error> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    ctrlc::set_handler(move || {
+        let again = flag.swap(true, Ordering::SeqCst);
+        ended();
+        if again {
+            // What comes next stands on a line of its own, whatever a bar left there.
+            note("stopped at once");
+            std::process::exit(INTERRUPTED.into());
+        }
+        note("finishing what has begun; Ctrl-C again to quit at once");
+    })?;
+    Ok(stop)
+}
+
+/// Progress through so many pairs: a bar, or a line now and then; from the first pair on.
+pub(crate) struct Progress<'n> {
+    pub(crate) pairs: u64,
+    /// Pairs done, and what else there is to say.
+    pub(crate) now: &'n (dyn Fn() -> (u64, String) + Sync),
+    /// Whether there is a bar.
+    pub(crate) has_bar: bool,
+    /// Prints a line, where there is no bar.
+    pub(crate) line: fn(&str),
+    /// How often.
+    pub(crate) lines_every: Duration,
+}
+
+/// How often a bar moves.
+const MOVES: Duration = Duration::from_millis(200);
+
+impl Progress<'_> {
+    /// Shows it until `work` ends, and gives what that gives.
+    pub(crate) fn shown_while<T>(&self, work: impl FnOnce() -> T) -> T {
+        let ended = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(|| self.show_until(&ended));
+            let _ends = Ends(&ended);
+            work()
+        })
+    }
+
+    fn bar(&self) -> ProgressBar {
+        let bar = ProgressBar::new(self.pairs);
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {human_pos}/{human_len} pairs, {msg}") {
+            bar.set_style(style);
+        }
+        // What an earlier session did says nothing of how fast this one is.
+        bar.set_position((self.now)().0);
+        bar.reset_eta();
+        bar
+    }
+
+    fn show_until(&self, ended: &AtomicBool) {
+        let bar = self.has_bar.then(|| self.bar());
+        let mut last = Instant::now();
+        while !ended.load(Ordering::Relaxed) {
+            let (done, message) = (self.now)();
+            match &bar {
+                Some(bar) => {
+                    bar.set_position(done);
+                    // There is no telling before anything is done.
+                    let left = bar.eta();
+                    let left = if left.is_zero() { String::new() } else { format!(", {} left", HumanDuration(left)) };
+                    bar.set_message(message + &left);
+                }
+                None if last.elapsed() > self.lines_every => {
+                    last = Instant::now();
+                    (self.line)(&format!("{} of {} pairs, {message}", grouped(done), grouped(self.pairs)));
+                }
+                None => {}
+            }
+            std::thread::park_timeout(MOVES);
+        }
+        if let Some(bar) = bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Ends the display when work ends, however it ends.
+struct Ends<'e>(&'e AtomicBool);
+
+impl Drop for Ends<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
