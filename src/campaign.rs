@@ -119,7 +119,7 @@ impl Campaign {
             return self.run_here();
         }
         #[cfg(feature = "mpi")]
-        return crate::mpi::campaign::run(self);
+        return crate::mpi::on_all_ranks(self);
         #[cfg(not(feature = "mpi"))]
         Err(crate::exit::without_mpi())
     }

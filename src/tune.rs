@@ -99,7 +99,7 @@ impl Tune {
             return self.run_here();
         }
         #[cfg(feature = "mpi")]
-        return crate::mpi::tune::run(self);
+        return crate::mpi::on_all_ranks(self);
         #[cfg(not(feature = "mpi"))]
         Err(crate::exit::without_mpi())
     }
@@ -107,7 +107,7 @@ impl Tune {
     /// Searches in this process alone.
     pub(crate) fn run_here(&self) -> Outcome {
         let pool = self.pool()?;
-        let Prepared { evaluator, author, identity, dir } = self.prepared()?;
+        let Prepared { evaluator, author, identity, dir } = self.prepared(&pool)?;
         let evaluator = pool.install(|| evaluator.audited());
         let stop = on_ctrl_c()?;
         self.searched((&evaluator, &author), (&identity, &dir), &stop, |search, enough, commit| {
@@ -135,8 +135,8 @@ impl Tune {
         self.seed
     }
 
-    /// Reads and measures the model.
-    pub(crate) fn prepared(&self) -> anyhow::Result<Prepared> {
+    /// Reads and measures the model, in `pool`.
+    pub(crate) fn prepared(&self, pool: &ThreadPool) -> anyhow::Result<Prepared> {
         let scene = self.read.scene(&self.file)?;
         let author = self.tolerances.spec(scene.tolerances.as_ref())?;
         let here = || self.tolerances.place(self.file.path());
@@ -147,7 +147,7 @@ impl Tune {
         let held = if self.resume { SearchRecord::steps(&dir) } else { None };
         let steps = self.steps.map(u64::from).or(held);
         let prepare = || UnauditedEvaluator::new(&scene, self.engine, self.seed, steps, self.budget);
-        let evaluator = self.pool()?.install(prepare).with_context(here)?;
+        let evaluator = pool.install(prepare).with_context(here)?;
         let author_set = author.derive(&scene.shapes(), self.engine).with_context(here)?;
         let identity = self.identity(&scene, &as_toml(&author_set), evaluator.steps());
         Ok(Prepared { evaluator, author, identity, dir })

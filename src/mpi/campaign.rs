@@ -1,6 +1,6 @@
 //! `campaign --mpi`: rank 0 keeps the journal, the others examine pairs (`crates/campaign/src/distribute/`).
 
-use super::{Job, PANICKED, Ranks, introduction, on_all_ranks};
+use super::{Job, Ranks, introduction};
 use crate::campaign::{Campaign, Prepared, diagnosed, probed};
 use crate::exit::{Outcome, Verdict, print_note};
 use crate::progress::shown_while;
@@ -11,20 +11,39 @@ use rockproof_campaign::part::Machine;
 use rockproof_campaign::run::{Ending, RunError};
 use serde_json::{Map, Value};
 
-/// Runs a campaign on all ranks.
-pub(crate) fn run(command: &Campaign) -> Outcome {
-    on_all_ranks(command)
-}
-
 impl Job for Campaign {
     fn alone(&self) -> Outcome {
         self.run_here()
     }
 
     fn lead(&self, ranks: &mut Ranks) -> Outcome {
-        let outcome = led(self, ranks);
-        Crew::dismiss(ranks)?;
-        outcome
+        let prepared = self.prepared()?;
+        let stop = on_ctrl_c()?;
+        if !probed(&prepared.engines, &stop)? {
+            return Ok(Verdict::Interrupted);
+        }
+        let own = introduction(self.threads(), Ok(work_of(&prepared)?));
+        let Some(mut crew) = Crew::gather(ranks, &own, &stop)? else { return Ok(Verdict::Interrupted) };
+        let mut journal = self.journal(&prepared)?;
+        let mut led = |journal: &mut Journal| {
+            prepared.with_campaign(self.threads(), |campaign| {
+                shown_while(prepared.config.pairs, journal.seen(), || campaign.run_on(&mut crew, journal, &stop))
+            })
+        };
+        let distributed = led(&mut journal)?;
+        if distributed.unseen > 0 {
+            print_note(&format!(
+                "{} findings have no case file, because an engine does not answer twice alike",
+                distributed.unseen
+            ));
+        }
+        let ending = match distributed.ending {
+            Ending::Finished => {
+                prepared.with_campaign(self.threads(), |campaign| diagnosed(campaign, &mut journal, &stop))?
+            }
+            ending @ Ending::Stopped => ending,
+        };
+        self.end(&prepared, &mut journal, ending)
     }
 
     fn work(&self, ranks: &mut Ranks) -> Outcome {
@@ -41,42 +60,8 @@ impl Job for Campaign {
             }
             Err(error) => serve(None, ranks, &introduction(1, Err(error)), &stop),
         };
-        match served {
-            Ok(()) => Ok(Verdict::Passed),
-            Err(error @ RunError::Panic(_)) => ranks.end_all(&error.to_string(), PANICKED),
-            Err(error) => ranks.end_all(&error.to_string(), 2),
-        }
+        ranks.served(served, |error| matches!(error, RunError::Panic(_)))
     }
-}
-
-fn led(command: &Campaign, ranks: &mut Ranks) -> Outcome {
-    let prepared = command.prepared()?;
-    let stop = on_ctrl_c()?;
-    if !probed(&prepared.engines, &stop)? {
-        return Ok(Verdict::Interrupted);
-    }
-    let own = introduction(command.threads(), Ok(work_of(&prepared)?));
-    let Some(mut crew) = Crew::gather(ranks, &own, &stop)? else { return Ok(Verdict::Interrupted) };
-    let mut journal = command.journal(&prepared)?;
-    let mut led = |journal: &mut Journal| {
-        prepared.with_campaign(command.threads(), |campaign| {
-            shown_while(prepared.config.pairs, journal.seen(), || campaign.run_on(&mut crew, journal, &stop))
-        })
-    };
-    let distributed = led(&mut journal)?;
-    if distributed.unseen > 0 {
-        print_note(&format!(
-            "{} findings have no case file, because an engine does not answer twice alike",
-            distributed.unseen
-        ));
-    }
-    let ending = match distributed.ending {
-        Ending::Finished => {
-            prepared.with_campaign(command.threads(), |campaign| diagnosed(campaign, &mut journal, &stop))?
-        }
-        ending @ Ending::Stopped => ending,
-    };
-    command.end(&prepared, &mut journal, ending)
 }
 
 /// What is to be done, and how it is answered here.

@@ -1,18 +1,20 @@
 //! The ranks of an MPI job, and how they end: what `campaign --mpi` and `tune --mpi` have in common. Rank 0 leads and writes, the others work.
 
-pub(crate) mod campaign;
-pub(crate) mod tune;
+mod campaign;
+mod tune;
 
-use crate::exit::{Outcome, chain, print_error};
+use crate::exit::{Outcome, Verdict, chain, print_error};
 use anyhow::Context;
 use mpi::Threading;
 use mpi::point_to_point::{MatchedReceiveVec, Source};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, Destination};
+use rockproof_campaign::distribute::ranks::dismiss;
 use rockproof_campaign::distribute::{Introduction, Transport};
 use rockproof_campaign::part::Machine;
 use serde_json::{Map, Value};
 use std::collections::VecDeque;
+use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
@@ -20,11 +22,11 @@ use std::time::Duration;
 const PANICKED: i32 = 101;
 
 /// What a command does on the ranks of a job.
-trait Job {
+pub(crate) trait Job {
     /// All of it, in the only process there is.
     fn alone(&self) -> Outcome;
 
-    /// The part of rank 0. Dismisses the others at the end, whatever became of it.
+    /// The part of rank 0. The others are dismissed afterwards, whatever became of it.
     fn lead(&self, ranks: &mut Ranks) -> Outcome;
 
     /// The part of any other rank. What goes wrong before it works it tells rank 0, which tells the user.
@@ -32,7 +34,7 @@ trait Job {
 }
 
 /// Does a job on all ranks, or in this process where there is only one.
-fn on_all_ranks(job: &dyn Job) -> Outcome {
+pub(crate) fn on_all_ranks(job: &dyn Job) -> Outcome {
     let (universe, threading) =
         mpi::initialize_with_threading(Threading::Funneled).context("MPI is running already in this process")?;
     anyhow::ensure!(threading >= Threading::Funneled, "this MPI bears no threads in a process");
@@ -40,7 +42,11 @@ fn on_all_ranks(job: &dyn Job) -> Outcome {
     // Whoever ends otherwise than with all others would leave them waiting.
     let ended = catch_unwind(AssertUnwindSafe(|| match (ranks.ranks(), ranks.own()) {
         (1, _) => job.alone(),
-        (_, 0) => job.lead(&mut ranks),
+        (_, 0) => {
+            let outcome = job.lead(&mut ranks);
+            dismiss(&mut ranks)?;
+            outcome
+        }
         (_, _) => job.work(&mut ranks),
     }));
     ended.unwrap_or_else(|_| ranks.end_all("a panic, told above", PANICKED))
@@ -59,7 +65,7 @@ fn host() -> String {
 }
 
 /// The ranks of the job.
-struct Ranks {
+pub(crate) struct Ranks {
     world: SimpleCommunicator,
     inbox: VecDeque<(usize, Vec<u8>)>,
 }
@@ -70,6 +76,14 @@ const LOOK: Duration = Duration::from_micros(100);
 impl Ranks {
     fn own(&self) -> usize {
         usize::try_from(self.world.rank()).unwrap_or(0)
+    }
+
+    /// What a worker comes to that has served; an error, which may be a panic, ends all ranks.
+    fn served<E: Display>(&self, served: Result<(), E>, is_panic: impl FnOnce(&E) -> bool) -> Outcome {
+        match served {
+            Ok(()) => Ok(Verdict::Passed),
+            Err(error) => self.end_all(&error.to_string(), if is_panic(&error) { PANICKED } else { 2 }),
+        }
     }
 
     /// Ends all ranks at once; what is on disk bears it.

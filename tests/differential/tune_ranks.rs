@@ -1,6 +1,7 @@
 //! Pins that a search on many processes is the search of one, whoever is slow, stopped or refused. Threads stand for the processes.
 
 use crate::thread_ranks::Threads;
+use rockproof_campaign::distribute::ranks::dismiss;
 use rockproof_campaign::distribute::{DistributeError, Introduction, Transport};
 use rockproof_campaign::part::Machine;
 use rockproof_model::{Precision, Scene, ToleranceSpec};
@@ -122,7 +123,7 @@ fn run(model: Model, dir: &Path, ranks: usize, trouble: Trouble) -> Result<Optio
             })?;
             Ok(search.best().map(|_| written(dir, &evaluator, &search)))
         })();
-        Crew::dismiss(&mut first).expect("a message");
+        dismiss(&mut first).expect("a message");
         led
     })
 }
@@ -187,7 +188,9 @@ fn a_damaged_message_ends_the_search_and_what_is_there_goes_on() {
 #[test]
 fn what_nobody_asked_for_is_refused_by_name() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("threads");
-    for message in [&[9, 9, 9][..], &[0, 1, 9, 9, 1, 49, 0], &[0, 1, 0, 1, 1, 120, 0], &[1, 5, 1, 1, 0], &[]] {
+    let overlaps = [&[2, 0, 1, 9, 9, 1, 49, 0][..], &[2, 0, 1, 0, 1, 1, 120, 0]];
+    let done = [2, 1, 5, 1, 1, 0];
+    for message in [overlaps[0], overlaps[1], &done, &[0], &[9, 9, 9], &[]] {
         let mut all = Threads::all(2);
         let mut worker = all.remove(1);
         let introduction = CHANGING.introduction("toy");

@@ -1,8 +1,8 @@
 //! Hands out units of pairs and case files, and brings the results in order to whoever writes them.
 
-use super::message::{CaseReply, CaseState, CaseTask, Order, Report};
+use super::message::{CampaignOrder, CampaignReport, CaseReply, CaseState, CaseTask};
 use super::plan::{AT_ONCE, Plan, WINDOW};
-use super::ranks::{encoded, taken};
+use super::ranks::{Order, Report, encoded, taken};
 use super::{DistributeError, Patience, Transport};
 use crate::journal::Seen;
 use crate::run::{Campaign, RunError};
@@ -148,7 +148,9 @@ impl<'t, T: Transport> Coordinator<'t, T> {
     fn note(&mut self, request: Request) -> Result<(), RunError> {
         match request {
             Request::Taken => self.taken += 1,
-            Request::State(state) => self.state = (self.state.0 + 1, encoded(&Order::Cases(state))?),
+            Request::State(state) => {
+                self.state = (self.state.0 + 1, encoded(&Order::Job(CampaignOrder::Cases(state)))?)
+            }
             Request::Cases(tasks, reply) if self.units.is_some() => {
                 for (at, task) in tasks.into_iter().enumerate() {
                     self.case_number += 1;
@@ -163,11 +165,11 @@ impl<'t, T: Transport> Coordinator<'t, T> {
     }
 
     fn hear(&mut self, rank: usize, message: Vec<u8>, seen: &Seen, stop: &AtomicBool) -> Result<(), RunError> {
-        let (report, rest): (Report, &[u8]) = taken(rank, &message)?;
+        let (report, rest): (Report<CampaignReport>, &[u8]) = taken(rank, &message)?;
         let unasked = || DistributeError::Message { rank, what: "nobody asked for it".to_owned() };
         let worker = rank.checked_sub(1).and_then(|at| self.workers.get_mut(at)).ok_or_else(unasked)?;
         match report {
-            Report::Unit { number, seconds, findings, engines } => {
+            Report::Job(CampaignReport::Unit { number, seconds, findings, engines }) => {
                 let pairs = self.in_work.remove(&number).ok_or_else(unasked)?;
                 worker.units = worker.units.saturating_sub(1);
                 let length = pairs.end - pairs.start;
@@ -183,7 +185,7 @@ impl<'t, T: Transport> Coordinator<'t, T> {
                     let _ = self.units.as_ref().map(|units| units.send(next));
                 }
             }
-            Report::Case { number, reply, engines } => {
+            Report::Job(CampaignReport::Case { number, reply, engines }) => {
                 worker.cases = worker.cases.saturating_sub(1);
                 // Nobody waits for it when the run is stopped.
                 if let Some((sender, at)) = self.asked.remove(&number) {
@@ -206,7 +208,7 @@ impl<'t, T: Transport> Coordinator<'t, T> {
             };
             let Some((number, task)) = self.tasks.pop_front() else { break };
             self.workers[at].cases += 1;
-            self.transport.send(at + 1, &encoded(&Order::Case { number, task })?);
+            self.transport.send(at + 1, &encoded(&Order::Job(CampaignOrder::Case { number, task }))?);
         }
         for units in 0..AT_ONCE {
             for at in 0..self.workers.len() {
@@ -224,7 +226,7 @@ impl<'t, T: Transport> Coordinator<'t, T> {
                 self.handed_out += 1;
                 self.workers[at].units += 1;
                 self.in_work.insert(number, pairs.clone());
-                self.transport.send(at + 1, &encoded(&Order::Unit { number, pairs })?);
+                self.transport.send(at + 1, &encoded(&Order::Job(CampaignOrder::Unit { number, pairs }))?);
             }
         }
         Ok(())

@@ -1,8 +1,7 @@
 //! All ranks of a campaign, as rank 0 sees them.
 
 use super::coordinator::Coordinator;
-use super::message::{Order, Report};
-use super::ranks::{self, Introduction, encoded, taken};
+use super::ranks::{self, Introduction};
 use super::remote::Remote;
 use super::{DistributeError, Transport};
 use crate::journal::Journal;
@@ -55,23 +54,13 @@ impl<'t, T: Transport> Crew<'t, T> {
         let told = told.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
         Ok(Some(Crew { transport, threads, told }))
     }
-
-    /// Tells all workers that there is no more to do, and waits until they have heard it. They hear it whatever became of the campaign.
-    ///
-    /// # Errors
-    /// None that can be foreseen: the message cannot be written.
-    pub fn dismiss(transport: &mut T) -> Result<(), DistributeError> {
-        let end = encoded(&Order::End)?;
-        ranks::dismiss(transport, &end, |message| matches!(taken::<Report>(0, message), Ok((Report::Ended, _))));
-        Ok(())
-    }
 }
 
 impl Campaign<'_> {
     /// Runs as [`Campaign::run`] does, with what workers examine who [`super::serve`] the same campaign. Examines nothing itself.
     ///
     /// # Errors
-    /// As [`Campaign::run`], and when a worker fails. The workers are not dismissed.
+    /// As [`Campaign::run`], and when a worker fails. The workers are not dismissed ([`ranks::dismiss`]).
     pub fn run_on<T: Transport>(
         &self,
         crew: &mut Crew<'_, T>,

@@ -1,7 +1,7 @@
 //! What ranks of a campaign tell one another, after their introductions.
 
 use super::DistributeError;
-use super::ranks::{encoded, taken};
+use super::ranks::{Report, encoded, taken};
 use crate::examiner::Counts;
 use crate::journal::CampaignProgress;
 use crate::run::RunError;
@@ -55,9 +55,9 @@ pub(super) enum CaseReply {
     Failed(String),
 }
 
-/// From rank 0 to a worker.
+/// What rank 0 orders.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) enum Order {
+pub(super) enum CampaignOrder {
     /// How many case files there are, for units from now on.
     Cases(CaseState),
     Unit {
@@ -68,13 +68,11 @@ pub(super) enum Order {
         number: u64,
         task: CaseTask,
     },
-    /// There is no more to do, whatever is in work.
-    End,
 }
 
-/// From a worker to rank 0. The [`UnitResult`] follows upon a unit.
+/// What a worker reports. The [`UnitResult`] follows upon a unit.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) enum Report {
+pub(super) enum CampaignReport {
     Unit {
         number: u64,
         /// From the first of its batches to the last.
@@ -87,10 +85,6 @@ pub(super) enum Report {
         reply: CaseReply,
         engines: BTreeMap<String, EngineCounts>,
     },
-    /// It was told to stop.
-    Stopped,
-    /// The answer to [`Order::End`].
-    Ended,
 }
 
 /// A row that may get a case file.
@@ -141,7 +135,7 @@ struct UnitHead {
 
 impl UnitResult {
     /// The message of a unit: a report, and this.
-    pub(super) fn message(self, report: &Report) -> Result<Vec<u8>, RunError> {
+    pub(super) fn message(self, report: CampaignReport) -> Result<Vec<u8>, RunError> {
         let Counts { summary, levels, contacts, metamorphic_checks, agreement, steps } = self.counts;
         let head = UnitHead {
             summary,
@@ -153,7 +147,8 @@ impl UnitResult {
             candidates: [self.findings.candidates, self.steps.candidates],
             bytes: [self.findings.bytes.len(), self.steps.bytes.len()],
         };
-        let message = postcard::to_extend(&head, encoded(report)?).map_err(DistributeError::Unwritable)?;
+        let message =
+            postcard::to_extend(&head, encoded(&Report::Job(report))?).map_err(DistributeError::Unwritable)?;
         Ok([message, self.findings.bytes, self.steps.bytes].concat())
     }
 

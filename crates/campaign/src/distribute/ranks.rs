@@ -1,4 +1,4 @@
-//! What a job on many processes begins and ends with, whatever it does: the ranks introduce themselves, and are dismissed.
+//! What jobs on many processes have in common, whatever they do: the ranks introduce themselves, workers obey orders and report, and are dismissed.
 
 use super::{DistributeError, Patience, Transport};
 use crate::part::Machine;
@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Receiver;
 
 /// How a worker introduces itself, and what rank 0 compares that with. In JSON, which programs of other versions understand too.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -18,6 +19,26 @@ pub struct Introduction {
     pub threads: usize,
     /// What it is to do, with the version of the program; why it cannot, otherwise.
     pub work: Result<(Map<String, Value>, Machine), String>,
+}
+
+/// From rank 0 to a worker, in a job with orders `O`.
+#[derive(Debug, Serialize, Deserialize)]
+pub enum Order<O> {
+    /// There is no more to do, whatever is in work.
+    End,
+    /// Something to do.
+    Job(O),
+}
+
+/// From a worker to rank 0, in a job with reports `R`.
+#[derive(Debug, Serialize, Deserialize)]
+pub enum Report<R> {
+    /// The answer to [`Order::End`].
+    Ended,
+    /// It was told to stop.
+    Stopped,
+    /// What came of an order.
+    Job(R),
 }
 
 /// Tells rank 0 who this worker is.
@@ -84,23 +105,68 @@ fn compare(rank: usize, worker: &Introduction, own: &Introduction) -> Result<(),
     Ok(())
 }
 
-/// Sends all workers the message that there is no more to do, and waits until each has answered that it has ended. They hear it whatever
-/// became of the job.
-pub fn dismiss<T: Transport>(transport: &mut T, end: &[u8], has_ended: impl Fn(&[u8]) -> bool) {
+/// What a worker does after its introduction, until rank 0 says that there is no more to do: gives orders to `carry_out`, which does not wait
+/// until they are, and sends the encoded `reports` of whoever does. When `stop` is set rank 0 is told, which then says so.
+///
+/// # Errors
+/// When a message cannot be read or written, and what `reports` brings.
+pub fn obey<T: Transport, O: DeserializeOwned, E: From<DistributeError>>(
+    transport: &mut T,
+    reports: &Receiver<Result<Vec<u8>, E>>,
+    stop: &AtomicBool,
+    mut carry_out: impl FnMut(O),
+) -> Result<(), E> {
+    let (mut patience, mut has_said_so) = (Patience::default(), false);
+    loop {
+        let mut idle = true;
+        while let Some((rank, message)) = transport.receive() {
+            idle = false;
+            match taken(rank, &message)?.0 {
+                Order::End => {
+                    transport.send(0, &encoded(&Report::<()>::Ended)?);
+                    return Ok(());
+                }
+                Order::Job(order) => carry_out(order),
+            }
+        }
+        while let Ok(report) = reports.try_recv() {
+            idle = false;
+            transport.send(0, &report?);
+        }
+        if stop.load(Ordering::SeqCst) && !has_said_so {
+            has_said_so = true;
+            transport.send(0, &encoded(&Report::<()>::Stopped)?);
+        }
+        if idle {
+            patience.wait();
+        } else {
+            patience.reset();
+        }
+    }
+}
+
+/// Tells all workers that there is no more to do, and waits until each has answered that it has ended. They hear it whatever became of the job.
+///
+/// # Errors
+/// None that can be foreseen: the message cannot be written.
+pub fn dismiss<T: Transport>(transport: &mut T) -> Result<(), DistributeError> {
+    let end = encoded(&Order::<()>::End)?;
     for rank in 1..transport.ranks() {
-        transport.send(rank, end);
+        transport.send(rank, &end);
     }
     let (mut ended, mut patience) = (1, Patience::default());
     while ended < transport.ranks() {
         match transport.receive() {
             // What else comes was on its way.
-            Some((_, message)) => {
-                ended += usize::from(has_ended(&message));
+            Some((rank, message)) => {
+                // Of a report the kind is read alone.
+                ended += usize::from(matches!(taken(rank, &message), Ok((Report::<()>::Ended, _))));
                 patience.reset();
             }
             None => patience.wait(),
         }
     }
+    Ok(())
 }
 
 /// A message, in postcard.

@@ -1,9 +1,9 @@
 //! A worker: examines the units that rank 0 hands out, and makes case files, with all its threads.
 
-use super::message::{Candidate, CaseReply, CaseState, CaseTask, FoundRows, Order, Report, UnitResult};
-use super::ranks::{Introduction, encoded, introduce, taken};
+use super::Transport;
+use super::message::{CampaignOrder, CampaignReport, Candidate, CaseReply, CaseState, CaseTask, FoundRows, UnitResult};
+use super::ranks::{Introduction, Report, encoded, introduce, obey};
 use super::remote::row;
-use super::{Patience, Transport};
 use crate::case_writer::{CaseQuota, CaseRequest, has_room};
 use crate::cases::{case_request, step_case_request};
 use crate::engine_counts::EngineMeter;
@@ -52,34 +52,7 @@ pub fn serve<T: Transport>(
         }
         // However this ends, the threads end too.
         let _closes = Closes(&jobs);
-        let (mut patience, mut told) = (Patience::default(), false);
-        loop {
-            let mut idle = true;
-            while let Some((rank, message)) = transport.receive() {
-                idle = false;
-                match taken(rank, &message)?.0 {
-                    Order::End => {
-                        jobs.close();
-                        transport.send(0, &encoded(&Report::Ended)?);
-                        return Ok(());
-                    }
-                    order => jobs.add(order, batch_len),
-                }
-            }
-            while let Ok(message) = done.try_recv() {
-                idle = false;
-                transport.send(0, &message?);
-            }
-            if stop.load(Ordering::SeqCst) && !told {
-                told = true;
-                transport.send(0, &encoded(&Report::Stopped)?);
-            }
-            if idle {
-                patience.wait();
-            } else {
-                patience.reset();
-            }
-        }
+        obey(transport, &done, stop, |order| jobs.add(order, batch_len))
     })
 }
 
@@ -124,19 +97,18 @@ enum Job {
 
 impl Jobs {
     /// Takes up an order about batches of so many pairs.
-    fn add(&self, order: Order, batch_len: u64) {
+    fn add(&self, order: CampaignOrder, batch_len: u64) {
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         match order {
-            Order::Cases(state) => waiting.state = Arc::new(state),
-            Order::Case { number, task } => waiting.cases.push_back((number, task)),
-            Order::Unit { number, pairs } => {
+            CampaignOrder::Cases(state) => waiting.state = Arc::new(state),
+            CampaignOrder::Case { number, task } => waiting.cases.push_back((number, task)),
+            CampaignOrder::Unit { number, pairs } => {
                 let progress = Mutex::new(UnitProgress { begun: None, done: BTreeMap::new() });
                 let unit =
                     Unit { number, state: Arc::clone(&waiting.state), progress, first: pairs.start / batch_len, pairs };
                 let first = unit.first;
                 waiting.units.push_back((Arc::new(unit), first));
             }
-            Order::End => {}
         }
         drop(waiting);
         self.news.notify_all();
@@ -214,7 +186,8 @@ impl Worker<'_> {
                 if self.is_stopped() {
                     return Ok(None);
                 }
-                Ok(Some(encoded(&Report::Case { number, reply, engines: self.meter.since_last() })?))
+                let engines = self.meter.since_last();
+                Ok(Some(encoded(&Report::Job(CampaignReport::Case { number, reply, engines }))?))
             }
             Job::Batch(unit, number) => {
                 let lock = || unit.progress.lock().unwrap_or_else(PoisonError::into_inner);
@@ -267,7 +240,7 @@ impl Worker<'_> {
         };
         let (findings, steps) = (found(&findings, row_of)?, found(&stepped, step_row_of)?);
         let engines = self.meter.since_last();
-        UnitResult { counts, findings, steps }.message(&Report::Unit {
+        UnitResult { counts, findings, steps }.message(CampaignReport::Unit {
             number: unit.number,
             seconds,
             findings: count,

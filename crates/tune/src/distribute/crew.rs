@@ -1,13 +1,13 @@
 //! All ranks of a search, as rank 0 sees them, which measures candidates too.
 
 use super::lookahead::Lookahead;
-use super::message::{JobResult, Order, Report, SentOverlap, SentResult, unasked};
+use super::message::{JobResult, SearchOrder, SearchReport, SentOverlap, SentResult, unasked};
 use crate::TuneError;
 use crate::evaluator::{Evaluator, UnauditedEvaluator};
 use crate::given::{GivenOverlap, Share};
 use crate::search::Search;
 use rayon::ThreadPool;
-use rockproof_campaign::distribute::ranks::{self, Introduction, encoded, taken};
+use rockproof_campaign::distribute::ranks::{self, Introduction, Order, Report, encoded, taken};
 use rockproof_campaign::distribute::{DistributeError, Patience, Transport};
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,7 +56,7 @@ impl<'t, T: Transport> Crew<'t, T> {
     ) -> Result<Option<Evaluator>, TuneError> {
         let of = self.transport.ranks();
         for number in 1..of {
-            self.transport.send(number, &encoded(&Order::Audit(Share { number, of }))?);
+            self.transport.send(number, &encoded(&Order::Job(SearchOrder::Audit(Share { number, of })))?);
         }
         let mut found: Vec<Option<Vec<GivenOverlap>>> = vec![None; of];
         found[0] = Some(self.pool.install(|| evaluator.overlaps(Share { number: 0, of })));
@@ -71,7 +71,7 @@ impl<'t, T: Transport> Crew<'t, T> {
             };
             patience.reset();
             match (taken(rank, &message)?.0, found.get_mut(rank)) {
-                (Report::Audited(sent), Some(place @ None)) => {
+                (Report::Job(SearchReport::Audited(sent)), Some(place @ None)) => {
                     let overlaps = sent.iter().map(|sent| sent.read(rank, evaluator.blocks()));
                     *place = Some(overlaps.collect::<Result<_, _>>()?);
                 }
@@ -80,12 +80,13 @@ impl<'t, T: Transport> Crew<'t, T> {
             }
         }
         let found: Vec<GivenOverlap> = found.into_iter().flatten().flatten().collect();
-        let order = encoded(&Order::Overlaps(found.iter().map(SentOverlap::of).collect()))?;
+        let overlaps = SearchOrder::Overlaps(found.iter().map(SentOverlap::of).collect());
+        let order = encoded(&Order::Job(overlaps))?;
         (1..of).for_each(|rank| self.transport.send(rank, &order));
         Ok(Some(evaluator.with(found)))
     }
 
-    /// Tries candidates until there are enough or `stop` is set, and commits each. The workers are not dismissed.
+    /// Tries candidates until there are enough or `stop` is set, and commits each. The workers are not dismissed ([`ranks::dismiss`]).
     ///
     /// # Errors
     /// When a candidate cannot be measured or committed, or a worker fails.
@@ -146,7 +147,10 @@ impl<'t, T: Transport> Crew<'t, T> {
                             let set = search.set_of(job.set).ok_or_else(|| TuneError::from(unasked(0)))?;
                             let _ = to_thread.send((job.number, job.work, set));
                         }
-                        _ => self.transport.send(rank, &encoded(&Order::Job(job)).map_err(TuneError::from)?),
+                        _ => {
+                            let order = encoded(&Order::Job(SearchOrder::Job(job))).map_err(TuneError::from)?;
+                            self.transport.send(rank, &order);
+                        }
                     }
                 }
                 if idle {
@@ -159,22 +163,12 @@ impl<'t, T: Transport> Crew<'t, T> {
             thread.join().map_err(|panic| resume_unwind(panic))
         })
     }
-
-    /// Tells all workers that there is no more to do, and waits until they have heard it.
-    ///
-    /// # Errors
-    /// None that can be foreseen: the message cannot be written.
-    pub fn dismiss(transport: &mut T) -> Result<(), DistributeError> {
-        let end = encoded(&Order::End)?;
-        ranks::dismiss(transport, &end, |message| matches!(taken::<Report>(0, message), Ok((Report::Ended, _))));
-        Ok(())
-    }
 }
 
 /// What a worker tells while candidates are tried: what came of its job, or `None` where it was told to stop.
 fn hear(rank: usize, message: &[u8], in_work: &mut [Option<u64>]) -> Result<Option<(u64, JobResult)>, TuneError> {
     match (taken(rank, message)?.0, in_work.get_mut(rank)) {
-        (Report::Done { number, done }, Some(place)) if rank > 0 && *place == Some(number) => {
+        (Report::Job(SearchReport::Done { number, done }), Some(place)) if rank > 0 && *place == Some(number) => {
             *place = None;
             Ok(Some((number, SentResult::read(done, rank)?)))
         }

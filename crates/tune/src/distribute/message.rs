@@ -27,29 +27,23 @@ pub(super) struct Job {
     pub(super) set: SetRecipe,
 }
 
-/// From rank 0 to a worker.
+/// What rank 0 orders.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) enum Order {
+pub(super) enum SearchOrder {
     /// Find the overlaps of a share of the pairs.
     Audit(Share),
     /// All overlaps of the model; jobs follow.
     Overlaps(Vec<SentOverlap>),
     Job(Job),
-    /// There is no more to do, whatever is in work.
-    End,
 }
 
-/// From a worker to rank 0.
+/// What a worker reports.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) enum Report {
-    /// The answer to [`Order::Audit`].
+pub(super) enum SearchReport {
+    /// The answer to [`SearchOrder::Audit`].
     Audited(Vec<SentOverlap>),
-    /// The answer to [`Order::Job`].
+    /// The answer to [`SearchOrder::Job`].
     Done { number: u64, done: SentResult },
-    /// It was told to stop.
-    Stopped,
-    /// The answer to [`Order::End`].
-    Ended,
 }
 
 /// What came of a job; why there is nothing, otherwise.

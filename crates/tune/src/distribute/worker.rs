@@ -1,15 +1,15 @@
 //! A worker: measures the candidates that rank 0 asks for.
 
-use super::message::{JobResult, Order, Report, SentOverlap, SentResult, unasked, unreadable};
+use super::message::{JobResult, SearchOrder, SearchReport, SentOverlap, SentResult, unasked, unreadable};
 use crate::TuneError;
 use crate::evaluator::UnauditedEvaluator;
 use crate::search::Search;
 use rayon::ThreadPool;
-use rockproof_campaign::distribute::ranks::{Introduction, encoded, introduce, taken};
-use rockproof_campaign::distribute::{Patience, Transport, WorkerPanic};
+use rockproof_campaign::distribute::ranks::{Introduction, Report, encoded, introduce, obey};
+use rockproof_campaign::distribute::{Transport, WorkerPanic};
 use rockproof_model::ToleranceSpec;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{self, Receiver, Sender};
 
 /// What a worker measures.
@@ -48,49 +48,27 @@ pub fn serve<T: Transport>(
                 }
             });
         }
-        let (mut patience, mut told) = (Patience::default(), false);
-        loop {
-            let mut idle = true;
-            while let Some((rank, message)) = transport.receive() {
-                idle = false;
-                match taken(rank, &message)?.0 {
-                    Order::End => {
-                        transport.send(0, &encoded(&Report::Ended)?);
-                        return Ok(());
-                    }
-                    order => drop(to_thread.send(order)),
-                }
-            }
-            while let Ok(report) = done.try_recv() {
-                idle = false;
-                transport.send(0, &encoded(&report?)?);
-            }
-            if stop.load(Ordering::SeqCst) && !told {
-                told = true;
-                transport.send(0, &encoded(&Report::Stopped)?);
-            }
-            if idle {
-                patience.wait();
-            } else {
-                patience.reset();
-            }
-        }
+        obey(transport, &done, stop, |order| drop(to_thread.send(order)))
     })
 }
 
 impl SearchTask<'_> {
     /// Carries out orders until there are no more.
-    fn work(self, orders: &Receiver<Order>, reports: &Sender<Result<Report, TuneError>>) -> Result<(), TuneError> {
+    fn work(
+        self,
+        orders: &Receiver<SearchOrder>,
+        reports: &Sender<Result<Vec<u8>, TuneError>>,
+    ) -> Result<(), TuneError> {
         let SearchTask { evaluator, author, seed, pool } = self;
         // Nobody listens any more when the search is over.
-        let tell = |report: Report| drop(reports.send(Ok(report)));
+        let tell = |report: SearchReport| drop(reports.send(encoded(&Report::Job(report)).map_err(TuneError::from)));
         let overlaps = loop {
             match orders.recv() {
-                Ok(Order::Audit(share)) => {
+                Ok(SearchOrder::Audit(share)) => {
                     let found = pool.install(|| evaluator.overlaps(share));
-                    tell(Report::Audited(found.iter().map(SentOverlap::of).collect()));
+                    tell(SearchReport::Audited(found.iter().map(SentOverlap::of).collect()));
                 }
-                Ok(Order::Overlaps(all)) => break all,
+                Ok(SearchOrder::Overlaps(all)) => break all,
                 Ok(_) => return Err(unasked(0).into()),
                 Err(_) => return Ok(()),
             }
@@ -100,10 +78,10 @@ impl SearchTask<'_> {
         let evaluator = evaluator.with(overlaps);
         let search = Search::new(&evaluator, author, seed)?;
         for order in orders {
-            let Order::Job(job) = order else { return Err(unasked(0).into()) };
+            let SearchOrder::Job(job) = order else { return Err(unasked(0).into()) };
             let set = search.set_of(job.set).ok_or_else(|| unreadable(0, "a set that there is not"))?;
             let done = SentResult::of(pool.install(|| JobResult::of(&evaluator, job.work, &set)));
-            tell(Report::Done { number: job.number, done });
+            tell(SearchReport::Done { number: job.number, done });
         }
         Ok(())
     }
