@@ -45,7 +45,7 @@ pub fn trials_to_tell(share: f64, limit: f64) -> Option<u64> {
 }
 
 /// Sums over batches of trials that hang together: a hits among n trials of each batch.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct ClusterSums {
     /// Σ a².
     pub hits_squared: u64,
@@ -56,13 +56,6 @@ pub struct ClusterSums {
 }
 
 impl ClusterSums {
-    /// Adds the sums of `other`.
-    pub fn add(&mut self, other: &ClusterSums) {
-        self.hits_squared += other.hits_squared;
-        self.hits_times_trials += other.hits_times_trials;
-        self.trials_squared += other.trials_squared;
-    }
-
     /// How many independent trials tell as much: trials over the design effect, which is the variance of the share
     /// between batches over that of independent trials (L. Kish, Survey sampling, 1965, section 8.2).
     pub fn effective(&self, hits: u64, trials: u64) -> f64 {

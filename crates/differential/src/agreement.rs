@@ -63,7 +63,7 @@ pub struct ComparisonKey {
     pub engine: String,
 }
 
-/// Counts over the pairs of one family. A contact that is there on both sides, features and all, is *kept*.
+/// Counts over pairs. A contact that is there on both sides, features and all, is *kept*.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AgreementCounts {
     /// Pairs compared, those without an answer too.
@@ -88,7 +88,8 @@ pub struct AgreementCounts {
 }
 
 impl AgreementCounts {
-    fn add(&mut self, other: &AgreementCounts) {
+    /// Adds the counts of other pairs.
+    pub fn add(&mut self, other: &AgreementCounts) {
         let AgreementCounts { pairs, agreeing, silent, contacts, entrance, gap_sign, .. } = *other;
         self.pairs += pairs;
         self.agreeing += agreeing;
@@ -170,7 +171,7 @@ fn span<'d, D: Deserializer<'d>>(deserializer: D) -> Result<ChainSpan, D::Error>
     })
 }
 
-/// A row of `agreement.csv`; the fields are its columns.
+/// A row of `agreement.csv`; the fields are its columns, and so are those of [`AgreementCounts`].
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AgreementRow {
     /// The family.
@@ -185,46 +186,14 @@ pub struct AgreementRow {
     /// The precision or the engine.
     #[serde(deserialize_with = "named")]
     pub engine: String,
-    /// [`AgreementCounts::pairs`], and so on.
-    pub pairs: u64,
-    /// Pairs with the same answer.
-    pub agreeing: u64,
-    /// Pairs without an answer.
-    pub silent: u64,
-    /// Contacts on the earlier side.
-    pub contacts: u64,
-    /// Kept contacts with another entrance.
-    pub entrance: u64,
-    /// Kept contacts with a gap of another sign.
-    pub gap_sign: u64,
-    /// Σ of a².
-    pub agreeing_squared: u64,
-    /// Σ of a·n.
-    pub agreeing_times_pairs: u64,
-    /// Σ of n².
-    pub pairs_squared: u64,
+    /// How often they agree.
+    pub counts: AgreementCounts,
 }
 
 impl AgreementRow {
-    fn new(family: &str, compared: &ComparisonKey, counts: &AgreementCounts) -> AgreementRow {
+    fn new(family: &str, compared: &ComparisonKey, counts: AgreementCounts) -> AgreementRow {
         let ComparisonKey { tolerances, span, engine } = compared.clone();
-        let AgreementCounts { pairs, agreeing, silent, contacts, entrance, gap_sign, .. } = *counts;
-        let AgreementCounts { agreeing_squared, agreeing_times_pairs, pairs_squared, .. } = *counts;
-        AgreementRow {
-            family: family.to_owned(),
-            tolerances,
-            span,
-            engine,
-            pairs,
-            agreeing,
-            silent,
-            contacts,
-            entrance,
-            gap_sign,
-            agreeing_squared,
-            agreeing_times_pairs,
-            pairs_squared,
-        }
+        AgreementRow { family: family.to_owned(), tolerances, span, engine, counts }
     }
 
     /// What was compared.
@@ -351,7 +320,7 @@ impl Agreement {
     /// # Errors
     /// Those of the CSV writer.
     pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let rows = self.counts.iter().map(|((family, compared), counts)| AgreementRow::new(family, compared, counts));
+        let rows = self.counts.iter().map(|((family, compared), counts)| AgreementRow::new(family, compared, *counts));
         written(&AGREEMENT_COLUMNS, rows)
     }
 

@@ -2,7 +2,7 @@
 
 use super::Report;
 use super::error::ReportError;
-use super::load::{CampaignRun, RunFile};
+use super::load::{CampaignRun, RunFile, agreeing_share};
 use super::sections::{Section, SectionPart};
 use super::table::{Table, TableCell, grouped};
 use super::verdict::{Severity, VerdictLine};
@@ -295,7 +295,7 @@ fn shares(runs: [&CampaignRun; 2]) -> Vec<ShareChange> {
             run.by_setting().into_iter().filter(|(key, _)| key.span == ChainSpan::Whole && run.shows(&key.tolerances));
         let share = |Proportion { value, low, high }: Proportion| [value, low, high];
         whole
-            .filter_map(|(key, sums)| Some(((key.tolerances, key.engine), share(sums.agreement()?))))
+            .filter_map(|(key, sums)| Some(((key.tolerances, key.engine), share(agreeing_share(&sums)?))))
             .collect::<BTreeMap<_, _>>()
     });
     let both = sums[0].iter().filter_map(|(key, before)| Some((key, before, sums[1].get(key)?)));

@@ -11,7 +11,7 @@ use rockproof_campaign::proportion::{ClusterSums, Proportion};
 use rockproof_campaign::steps::summary::{StepCounts, StepGroup};
 use rockproof_campaign::steps::{STEP_SUMMARY_COLUMNS, StepSummaryRow};
 use rockproof_differential::agreement::{
-    AGREEMENT_COLUMNS, AgreementRow, CONFUSION_COLUMNS, ChainSpan, ComparisonKey, ConfusionRow,
+    AGREEMENT_COLUMNS, AgreementCounts, AgreementRow, CONFUSION_COLUMNS, ChainSpan, ComparisonKey, ConfusionRow,
 };
 use rockproof_differential::diagnosis::{DIAGNOSIS_COLUMNS, DiagnosisRow};
 use rockproof_differential::engine::EngineCounts;
@@ -86,57 +86,14 @@ pub struct FindingCounts {
     pub total: u64,
 }
 
-/// Sums of [`rockproof_differential::agreement::AgreementCounts`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct AgreementSums {
-    /// Pairs compared.
-    pub pairs: u64,
-    /// Pairs with the same answer on both sides.
-    pub agreeing: u64,
-    /// Pairs without an answer.
-    pub silent: u64,
-    /// Contacts on the earlier side.
-    pub contacts: u64,
-    /// Kept contacts with another entrance.
-    pub entrance: u64,
-    /// Kept contacts whose gap has another sign.
-    pub gap_sign: u64,
-    /// How pairs of a batch hang together.
-    pub clusters: ClusterSums,
-}
-
-impl AgreementSums {
-    fn of(row: &AgreementRow) -> AgreementSums {
-        AgreementSums {
-            pairs: row.pairs,
-            agreeing: row.agreeing,
-            silent: row.silent,
-            contacts: row.contacts,
-            entrance: row.entrance,
-            gap_sign: row.gap_sign,
-            clusters: ClusterSums {
-                hits_squared: row.agreeing_squared,
-                hits_times_trials: row.agreeing_times_pairs,
-                trials_squared: row.pairs_squared,
-            },
-        }
-    }
-
-    /// Adds the sums of `other`.
-    pub fn add(&mut self, other: &AgreementSums) {
-        self.pairs += other.pairs;
-        self.agreeing += other.agreeing;
-        self.silent += other.silent;
-        self.contacts += other.contacts;
-        self.entrance += other.entrance;
-        self.gap_sign += other.gap_sign;
-        self.clusters.add(&other.clusters);
-    }
-
-    /// The share of pairs with the same answer, of all that were compared.
-    pub fn agreement(&self) -> Option<Proportion> {
-        Proportion::of(self.agreeing, self.pairs, self.clusters.effective(self.agreeing, self.pairs))
-    }
+/// The share of pairs with the same answer, of all that were compared.
+pub fn agreeing_share(counts: &AgreementCounts) -> Option<Proportion> {
+    let clusters = ClusterSums {
+        hits_squared: counts.agreeing_squared,
+        hits_times_trials: counts.agreeing_times_pairs,
+        trials_squared: counts.pairs_squared,
+    };
+    Proportion::of(counts.agreeing, counts.pairs, clusters.effective(counts.agreeing, counts.pairs))
 }
 
 /// Which kind became which, and how often.
@@ -152,7 +109,7 @@ pub struct CampaignRun {
     /// What `run.json` tells.
     pub run: RunFile,
     /// Counts by family and what was compared.
-    pub agreement: Vec<(String, ComparisonKey, AgreementSums)>,
+    pub agreement: Vec<(String, ComparisonKey, AgreementCounts)>,
     /// Kinds by what was compared.
     pub confusion: BTreeMap<ComparisonKey, ConfusionCounts>,
     /// The findings, counted.
@@ -292,8 +249,8 @@ impl CampaignRun {
     }
 
     /// Sums over families and over the rungs of ladders, by what was compared; see [`setting`].
-    pub fn by_setting(&self) -> BTreeMap<ComparisonKey, AgreementSums> {
-        let mut sums: BTreeMap<ComparisonKey, AgreementSums> = BTreeMap::new();
+    pub fn by_setting(&self) -> BTreeMap<ComparisonKey, AgreementCounts> {
+        let mut sums: BTreeMap<ComparisonKey, AgreementCounts> = BTreeMap::new();
         for (_, compared, counts) in &self.agreement {
             let compared = ComparisonKey { tolerances: setting(&compared.tolerances), ..compared.clone() };
             sums.entry(compared).or_default().add(counts);
@@ -302,8 +259,8 @@ impl CampaignRun {
     }
 
     /// Sums over tolerance sets, by family, span and engine.
-    pub fn by_family(&self) -> BTreeMap<(&str, ChainSpan, &str), AgreementSums> {
-        let mut sums: BTreeMap<(&str, ChainSpan, &str), AgreementSums> = BTreeMap::new();
+    pub fn by_family(&self) -> BTreeMap<(&str, ChainSpan, &str), AgreementCounts> {
+        let mut sums: BTreeMap<(&str, ChainSpan, &str), AgreementCounts> = BTreeMap::new();
         for (family, compared, counts) in &self.agreement {
             sums.entry((family, compared.span, &compared.engine)).or_default().add(counts);
         }
@@ -343,9 +300,9 @@ impl CampaignRun {
     }
 
     /// Sums over everything, for an engine, along [`CampaignRun::span_of`] it.
-    pub fn of_engine(&self, engine: &str) -> AgreementSums {
+    pub fn of_engine(&self, engine: &str) -> AgreementCounts {
         let span = self.span_of(engine);
-        let mut sums = AgreementSums::default();
+        let mut sums = AgreementCounts::default();
         for (_, _, counts) in self.agreement.iter().filter(|(_, c, _)| c.span == span && c.engine == engine) {
             sums.add(counts);
         }
@@ -370,18 +327,18 @@ pub fn is_made_for_ties(setting: &str) -> bool {
         || ["dyadic", "fractional"].iter().any(|start| setting.starts_with(start))
 }
 
-fn read_agreement(file: &Path) -> Result<Vec<(String, ComparisonKey, AgreementSums)>, ReportError> {
+fn read_agreement(file: &Path) -> Result<Vec<(String, ComparisonKey, AgreementCounts)>, ReportError> {
     let mut rows = CsvTable::open(file.to_owned(), &AGREEMENT_COLUMNS)?;
     let mut found = Vec::new();
     while let Some(row) = rows.next(&AGREEMENT_COLUMNS)? {
         let counted: AgreementRow = row.parsed()?;
-        let sums = AgreementSums::of(&counted);
-        if sums.agreeing.checked_add(sums.silent).is_none_or(|sum| sum > sums.pairs) {
-            let found = format!("{} pairs agree and {} have no answer", sums.agreeing, sums.silent);
-            return Err(row.invalid_row(&found, &format!("at most {} together, as there are pairs", sums.pairs)));
+        let AgreementCounts { pairs, agreeing, silent, .. } = counted.counts;
+        if agreeing.checked_add(silent).is_none_or(|sum| sum > pairs) {
+            let found = format!("{agreeing} pairs agree and {silent} have no answer");
+            return Err(row.invalid_row(&found, &format!("at most {pairs} together, as there are pairs")));
         }
         let compared = counted.key();
-        found.push((counted.family, compared, sums));
+        found.push((counted.family, compared, counted.counts));
     }
     Ok(found)
 }

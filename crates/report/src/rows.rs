@@ -22,7 +22,6 @@ pub(super) struct CsvTable {
 pub(super) struct CsvRow<'r> {
     file: &'r Path,
     names: &'r [&'static str],
-    header: &'r csv::StringRecord,
     record: &'r csv::StringRecord,
     places: &'r [usize],
 }
@@ -68,7 +67,7 @@ impl CsvTable {
         if !self.reader.read_record(&mut self.record).map_err(|e| damaged(&self.file, &e))? {
             return Ok(None);
         }
-        let row = CsvRow { file: &self.file, names, header: &self.header, record: &self.record, places: &self.places };
+        let row = CsvRow { file: &self.file, names, record: &self.record, places: &self.places };
         if self.record.len() != self.header.len() {
             let found = format!("{} fields", self.record.len());
             return Err(row.damaged(found, format!("{}", self.header.len())));
@@ -100,9 +99,9 @@ impl CsvRow<'_> {
         ReportError::Damaged { file: self.file.to_owned(), line, found, expected }
     }
 
-    /// The whole row, its fields by the names of the columns.
+    /// The whole row of a table that was opened with the columns in the order of the fields of `T`.
     pub(super) fn parsed<T: DeserializeOwned>(&self) -> Result<T, ReportError> {
-        self.record.deserialize(Some(self.header)).map_err(|error| match error.kind() {
+        self.record.deserialize(None).map_err(|error| match error.kind() {
             csv::ErrorKind::Deserialize { err, .. } => match err.field().and_then(|at| usize::try_from(at).ok()) {
                 Some(column) => match err.kind() {
                     csv::DeserializeErrorKind::ParseInt(_) => self.wrong(column, "a count"),

@@ -1,6 +1,6 @@
 //! The verdict: three lines that sum up, and one for each external engine.
 
-use super::load::{CampaignRun, Results};
+use super::load::{CampaignRun, Results, agreeing_share};
 use super::own;
 use super::stress_reach::{Reach, reach};
 use super::table::{grouped, label, percent, short};
@@ -142,7 +142,7 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
     let mut words = Vec::new();
     for campaign in campaigns {
         for engine in campaign.engines() {
-            let Some(share) = campaign.of_engine(&engine).agreement() else { continue };
+            let Some(share) = agreeing_share(&campaign.of_engine(&engine)) else { continue };
             if share.value < 1.0 {
                 severity = Severity::Fair;
             }
@@ -223,7 +223,7 @@ fn tolerances(campaigns: &[CampaignRun]) -> Option<VerdictLine> {
         for (compared, sums) in campaign.by_setting() {
             if compared.span == ChainSpan::Tolerance && campaign.shows(&compared.tolerances) {
                 let name = label(campaigns.len(), &campaign.name, &compared.tolerances);
-                shares.extend(sums.agreement().map(|s| (1.0 - s.value, name)));
+                shares.extend(agreeing_share(&sums).map(|s| (1.0 - s.value, name)));
             }
         }
     }

@@ -2,10 +2,10 @@
 
 use super::{Section, SectionPart};
 use crate::chart::{Chart, color, error_bars, heat_map, in_lines};
-use crate::load::{AgreementSums, CampaignRun};
+use crate::load::{CampaignRun, agreeing_share};
 use crate::table::{Table, TableCell, label};
 use rockproof_campaign::proportion::Proportion;
-use rockproof_differential::agreement::{ChainSpan, ComparisonKey};
+use rockproof_differential::agreement::{AgreementCounts, ChainSpan, ComparisonKey};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -38,8 +38,8 @@ fn not_shown(campaigns: &[CampaignRun]) -> Option<SectionPart> {
 }
 
 /// The row's share, or blank cells.
-fn share_cells(sums: &AgreementSums) -> [TableCell; 3] {
-    sums.agreement()
+fn share_cells(sums: &AgreementCounts) -> [TableCell; 3] {
+    agreeing_share(sums)
         .map_or([TableCell::Empty, TableCell::Empty, TableCell::Empty], |Proportion { value, low, high }| {
             [value, low, high].map(TableCell::Share)
         })
@@ -127,7 +127,7 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
             let of: Vec<(&str, Proportion)> = sums
                 .iter()
                 .filter(|(c, _)| c.span == span && c.engine == engine && campaign.shows(&c.tolerances))
-                .filter_map(|(c, s)| Some((c.tolerances.as_str(), s.agreement()?)))
+                .filter_map(|(c, s)| Some((c.tolerances.as_str(), agreeing_share(s)?)))
                 .collect();
             for (setting, share) in &of {
                 let known = least.entry((*setting).to_owned()).or_insert(*share);
@@ -204,8 +204,8 @@ fn family_map(campaigns: &[CampaignRun]) -> Chart {
     let shares: Vec<Vec<Option<f64>>> = families
         .iter()
         .map(|family| {
-            let column = |(sums, (_, span, engine, _)): (&BTreeMap<_, AgreementSums>, &(_, ChainSpan, String, _))| {
-                sums.get(&(family.as_str(), *span, engine.as_str()))?.agreement().map(|share| share.value)
+            let column = |(sums, (_, span, engine, _)): (&BTreeMap<_, AgreementCounts>, &(_, ChainSpan, String, _))| {
+                agreeing_share(sums.get(&(family.as_str(), *span, engine.as_str()))?).map(|share| share.value)
             };
             sums.iter().zip(&columns).map(column).collect()
         })

@@ -2,11 +2,11 @@
 
 use super::{Section, SectionPart};
 use crate::chart::{Chart, color, error_bars, heat_map};
-use crate::load::{AgreementSums, CampaignRun};
+use crate::load::{CampaignRun, agreeing_share};
 use crate::table::{Table, TableCell, label};
 use rockproof_campaign::proportion::Proportion;
 use rockproof_campaign::tolerance_grid::axes_of;
-use rockproof_differential::agreement::ChainSpan;
+use rockproof_differential::agreement::{AgreementCounts, ChainSpan};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,7 +18,7 @@ struct Sweep<'r> {
     run: &'r CampaignRun,
     /// The factors of each axis, in numerical order.
     axes: Vec<(&'r str, Vec<&'r str>)>,
-    curves: BTreeMap<(ChainSpan, &'r str), Vec<(Point<'r>, AgreementSums)>>,
+    curves: BTreeMap<(ChainSpan, &'r str), Vec<(Point<'r>, AgreementCounts)>>,
 }
 
 /// The section, where a campaign went over a grid.
@@ -50,7 +50,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
         }
         for ((span, engine), points) in &sweep.curves {
             for (point, sums) in points {
-                let Some(Proportion { value, low, high }) = sums.agreement() else { continue };
+                let Some(Proportion { value, low, high }) = agreeing_share(sums) else { continue };
                 let setting: Vec<String> = point.iter().map(|(axis, factor)| format!("{axis}*{factor}")).collect();
                 let names = [sweep.run.name.as_str(), &setting.join(" "), engine, span.name()].map(TableCell::from);
                 let shares = [value, low, high].map(TableCell::Share);
@@ -77,7 +77,7 @@ pub(super) fn order(one: &str, other: &str) -> std::cmp::Ordering {
 
 impl<'r> Sweep<'r> {
     fn of(run: &'r CampaignRun) -> Option<Sweep<'r>> {
-        let mut curves: BTreeMap<(ChainSpan, &str), BTreeMap<Point<'_>, AgreementSums>> = BTreeMap::new();
+        let mut curves: BTreeMap<(ChainSpan, &str), BTreeMap<Point<'_>, AgreementCounts>> = BTreeMap::new();
         let mut factors: Vec<(&str, BTreeSet<&str>)> = Vec::new();
         for (_, compared, sums) in &run.agreement {
             if compared.tolerances.contains(':') {
@@ -108,8 +108,8 @@ impl<'r> Sweep<'r> {
         (!axes.is_empty()).then_some(Sweep { run, axes, curves })
     }
 
-    fn sums(points: &[(Point<'_>, AgreementSums)], wanted: &[(&str, &str)]) -> AgreementSums {
-        let mut all = AgreementSums::default();
+    fn sums(points: &[(Point<'_>, AgreementCounts)], wanted: &[(&str, &str)]) -> AgreementCounts {
+        let mut all = AgreementCounts::default();
         for (_, sums) in points.iter().filter(|(point, _)| wanted.iter().all(|w| point.contains(w))) {
             all.add(sums);
         }
@@ -125,7 +125,7 @@ impl<'r> Sweep<'r> {
         for ((span, engine), points) in &self.curves {
             let of: Vec<(&str, Proportion)> = factors
                 .iter()
-                .filter_map(|factor| Some((*factor, Self::sums(points, &[(axis, factor)]).agreement()?)))
+                .filter_map(|factor| Some((*factor, agreeing_share(&Self::sums(points, &[(axis, factor)]))?)))
                 .collect();
             let shares: Vec<Proportion> = of.iter().map(|(_, share)| *share).collect();
             let name = Self::curve_name(*span, engine);
@@ -154,7 +154,7 @@ impl<'r> Sweep<'r> {
             let shares: Vec<Vec<Option<f64>>> = y
                 .iter()
                 .map(|fy| {
-                    let share = |fx: &&str| Self::sums(points, &[(x_axis, fx), (y_axis, fy)]).agreement();
+                    let share = |fx: &&str| agreeing_share(&Self::sums(points, &[(x_axis, fx), (y_axis, fy)]));
                     x.iter().map(|fx| share(fx).map(|share| share.value)).collect()
                 })
                 .collect();
