@@ -135,6 +135,28 @@ fn initial_stress_strains_a_free_block() {
 }
 
 #[test]
+fn a_block_without_a_positive_volume_ends_the_run() {
+    let mut scene =
+        Scene::new(vec![(cuboid(["0", "0", "0"], ["1", "1", "1"]), Motion::Deformable)], "0", ["0", "0", "0"]);
+    scene.tolerances.max_displacement = number("2");
+    // As above: a shear strain γ leaves 1 − γ²/4 of the volume, which is nothing at γ = −2.
+    let resistance = exact("20000") * exact("2000") / exact("24") + exact("4000000000");
+    for kinematics in [Kinematics::Linear, Kinematics::Cayley] {
+        scene.simulation.control.kinematics = kinematics;
+        let little = exact("1/1000000000000000000000000");
+        for (strain, ended) in [(exact("2"), true), (exact("2") + &little, true), (exact("2") - &little, false)] {
+            scene.bodies[0].stress[5] = Number::from_rational(&strain * &resistance);
+            let shapes: Vec<&Block> = scene.blocks.iter().collect();
+            let model = scene.model(&shapes);
+            let exactly = exact_step(&model, &scene.start(), FINE).map(|answer| answer.time_step);
+            let expected = if ended { Err(StepFailure::Inverted { block: 0 }) } else { Ok(exact("1/100")) };
+            assert_eq!(exactly, expected, "{strain} {kinematics:?}");
+            assert_eq!(certified_step(&model, &scene.start()).map(|answer| answer.time_step), expected);
+        }
+    }
+}
+
+#[test]
 fn a_fast_block_is_halved_until_it_keeps_the_limit() {
     let mut scene = Scene::new(vec![(cuboid(["0", "0", "0"], ["1", "1", "1"]), Motion::Rigid)], "0", ["0", "0", "0"]);
     scene.bodies[0].velocity = point(["40", "0", "0"]);

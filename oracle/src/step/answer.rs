@@ -120,6 +120,11 @@ pub enum StepFailure {
         /// Which limit.
         limit: RetryReason,
     },
+    /// The step leaves a block without a positive volume.
+    Inverted {
+        /// The block.
+        block: usize,
+    },
     /// The new state cannot be kept as asked: not in fractions, or not to the grid within 4,096 bits.
     NotKept,
 }
@@ -134,6 +139,7 @@ impl fmt::Display for StepFailure {
                 write!(f, "the open–close iteration does not converge at the smallest time step")
             }
             StepFailure::TooFast { block, .. } => write!(f, "block {block} exceeds a limit at the smallest time step"),
+            StepFailure::Inverted { block } => write!(f, "block {block} is inverted: its volume is not positive"),
             StepFailure::NotKept => write!(f, "the new state cannot be kept as asked"),
         }
     }

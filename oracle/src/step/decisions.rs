@@ -1,10 +1,11 @@
-//! The decisions of a step, each asked of one number type (SPEC 5.9 and 5.11): `None` where that cannot tell.
+//! The decisions of a step, each asked of one number type (SPEC 5.9, 5.11 and 5.12): `None` where that cannot tell.
 
 use super::attempt_state::AttemptState;
 use super::frame;
 use super::friction::SlipForce;
 use super::state::Mode;
 use crate::field::Field;
+use rockproof_model::simulation::Kinematics;
 use rockproof_model::{Sign, Vec3};
 
 /// A question that any level can be asked.
@@ -128,6 +129,33 @@ impl StepDecision for TooTurned {
             let d = &iterate.d[block];
             let turn = Vec3::new(d[3].clone(), d[4].clone(), d[5].clone());
             if turn.norm_squared().minus(&chain.limits.rotation).certain_sign()?.is_positive() {
+                return Some(Some(block));
+            }
+        }
+        Some(None)
+    }
+}
+
+/// Which block the step leaves without a positive volume: the map of its points is affine, so its volume is multiplied by the determinant of
+/// the linear part. **A volume of zero is not positive.**
+pub(crate) struct Inverted;
+
+impl StepDecision for Inverted {
+    type Answer = Option<usize>;
+    fn ask<S: Field>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
+        let iterate = chain.iterates.last()?;
+        let turns = chain.attempt.model.simulation.control.kinematics == Kinematics::Linear;
+        let [zero, one] = [0, 1].map(S::from_i32);
+        let axes = [[&one, &zero, &zero], [&zero, &one, &zero], [&zero, &zero, &one]];
+        for (block, _) in chain.attempt.moving() {
+            // Translations change no volume, and under `cayley` rotations are rotations.
+            let mut d = iterate.d[block].clone();
+            d.iter_mut().take(if turns { 3 } else { 6 }).for_each(|value| *value = zero.clone());
+            let [a, b, c] = axes.map(|[x, y, z]| {
+                let axis = Vec3::new(x.clone(), y.clone(), z.clone());
+                frame::displacement(&axis, &d).plus(&axis)
+            });
+            if a.dot(&b.cross(&c)).certain_sign()?.is_at_most_zero() {
                 return Some(Some(block));
             }
         }

@@ -1,11 +1,12 @@
-//! The open–close iteration, its attempts and their Δt (SPEC 5.10 and 5.11).
+//! The open–close iteration, its attempts and their Δt, and blocks that a step inverts (SPEC 5.10 to 5.12).
 
 use super::answer::{FailedAttempt, IterationEnd, RetryReason, StepFailure, UNCHANGED_SOLVES};
 use super::attempt::Attempt;
-use super::decisions::{FrictionSettled, NextMode, TooFar, TooTurned};
+use super::decisions::{FrictionSettled, Inverted, NextMode, TooFar, TooTurned};
 use super::ladder::{Ladder, StepLevels};
 use super::prepare::PreparedStep;
 use super::state::Mode;
+use crate::number::Ball;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::simulation::{Control, Unconverged};
@@ -39,12 +40,18 @@ pub(super) fn attempts<T>(
         let iterated = iterate(&mut ladder, &attempt);
         let beyond =
             if iterated.end.is_converged() { beyond_limits(&mut ladder) } else { Some((RetryReason::NotConverged, 0)) };
-        let Some((reason, block)) = beyond else { return finish(ladder, &attempt, iterated, retries) };
+        let Some((reason, block)) = beyond else {
+            volumes_stay(&mut ladder)?;
+            return finish(ladder, &attempt, iterated, retries);
+        };
         let (numerator, denominator) = if reason == RetryReason::NotConverged { Control::CUT } else { (1, 2) };
         let shorter = &time_step * BigRational::new(numerator.into(), denominator.into());
         if shorter < smallest {
             return match (reason, prepared.model.simulation.control.unconverged) {
-                (RetryReason::NotConverged, Unconverged::Accept) => finish(ladder, &attempt, iterated, retries),
+                (RetryReason::NotConverged, Unconverged::Accept) => {
+                    volumes_stay(&mut ladder)?;
+                    finish(ladder, &attempt, iterated, retries)
+                }
                 (RetryReason::NotConverged, Unconverged::Stop) => Err(StepFailure::NotConverged),
                 (limit, _) => Err(StepFailure::TooFast { block, limit }),
             };
@@ -90,4 +97,18 @@ fn has_settled(ladder: &mut Ladder<'_>, modes: [&[Mode]; 2]) -> bool {
 fn beyond_limits(ladder: &mut Ladder<'_>) -> Option<(RetryReason, usize)> {
     let far = ladder.ask(&TooFar).flatten().map(|block| (RetryReason::Displacement, block));
     far.or_else(|| ladder.ask(&TooTurned).flatten().map(|block| (RetryReason::Rotation, block)))
+}
+
+/// A block of which the rotations and strains are together below this keeps its volume positive: the linear part of its map is I + E, a row of E
+/// sums up to no more than they do, and I + t·E is singular for no t from 0 to 1.
+const NO_INVERSION: f64 = 0.5;
+
+/// That every block keeps a positive volume. Where that stays undecided it counts as kept.
+fn volumes_stay(ladder: &mut Ladder<'_>) -> Result<(), StepFailure> {
+    let bound = |d: &Vec<Ball>| d.iter().skip(3).map(|value| value.middle.abs() + value.radius).sum::<f64>();
+    let last = ladder.float().and_then(|chain| chain.iterates.last());
+    if last.is_some_and(|last| last.d.iter().all(|d| bound(d) < NO_INVERSION)) {
+        return Ok(());
+    }
+    ladder.ask(&Inverted).flatten().map_or(Ok(()), |block| Err(StepFailure::Inverted { block }))
 }
