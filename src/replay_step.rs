@@ -9,7 +9,7 @@ use rockproof_differential::lockstep::answer::described;
 use rockproof_differential::lockstep::case_file::Expected;
 use rockproof_differential::lockstep::intrusion::Intruded;
 use rockproof_differential::lockstep::{
-    AttributedDifference, ComparedLinks, ComparedStep, Intrusion, Lockstep, StepCase, StepDecisions, WatchedStep,
+    AttributedDifference, ComparedLinks, ComparedStep, Drift, Intrusion, Lockstep, StepCase, StepDecisions, WatchedStep,
 };
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Contact, Precision};
@@ -22,22 +22,22 @@ use std::path::Path;
 /// Makes the step of a state file again; messages call it by `path`. Exit 0 where it still differs and the oracle's answer is the one recorded, 1 otherwise.
 pub(super) fn run(text: &str, path: &Path, format: &FormatArgs) -> Outcome {
     let case = StepCase::parse(text).with_context(|| path.display().to_string())?;
-    let compared = match case.precision()? {
+    let (compared, drift) = match case.precision()? {
         Precision::F32 => replay_step::<f32>(&case),
         Precision::F64 => replay_step::<f64>(&case),
     }
     .with_context(|| path.display().to_string())?;
     let mut text = String::new();
     // Writing to a String cannot fail.
-    let _ = show(&mut text, &case, &compared);
-    let recurs = differs(&compared);
+    let _ = show(&mut text, &case, &compared, drift);
+    let recurs = drift.is_some() || differs(&compared);
     text += if recurs {
         "\nthe finding recurs\n"
     } else {
         "\nthe finding does not recur: nothing differs in the step now\n"
     };
     let is_expected = Expected::of_step(&compared).as_ref() == Some(&case.expected);
-    format.print(|| text, || document(&case, &compared, recurs, is_expected))?;
+    format.print(|| text, || document(&case, (&compared, drift), recurs, is_expected))?;
     if is_expected {
         return Ok(if recurs { Verdict::Passed } else { Verdict::CheckFailed });
     }
@@ -53,18 +53,21 @@ fn differs(step: &ComparedStep) -> bool {
     !step.differences.is_empty() || !step.failure.is_empty() || step.watched.as_ref().is_some_and(intrusions)
 }
 
-fn replay_step<R: Solve>(case: &StepCase) -> anyhow::Result<ComparedStep> {
+fn replay_step<R: Solve>(case: &StepCase) -> anyhow::Result<(ComparedStep, Option<Drift>)> {
     let (scene, set) = case.scene()?;
     let mut lockstep = Lockstep::<R, SpecRules>::new(&scene, &set, case.precision()?, ComparedLinks::All)?;
     if case.expected.intrusions.is_some() {
         lockstep = lockstep.watching();
     }
     lockstep.restore(case.state.state()?)?;
-    Ok(lockstep.step().1)
+    let before = lockstep.state().clone();
+    let compared = lockstep.step().1;
+    let drift = lockstep.drift(&before, &compared);
+    Ok((compared, drift))
 }
 
 /// The same for programs.
-fn document(case: &StepCase, step: &ComparedStep, recurs: bool, is_expected: bool) -> Value {
+fn document(case: &StepCase, (step, drift): (&ComparedStep, Option<Drift>), recurs: bool, is_expected: bool) -> Value {
     let side = |answer: &StepDecisions| {
         let contact = |(number, (blocks, contact)): (usize, &([u32; 2], Contact))| {
             let modes: Vec<&str> = answer.modes.iter().filter_map(|all| Some(all.get(number)?.name())).collect();
@@ -115,11 +118,12 @@ fn document(case: &StepCase, step: &ComparedStep, recurs: bool, is_expected: boo
         "failure": failure,
         "differences": step.differences.iter().map(difference).collect::<Vec<_>>(),
         "intrusions": step.watched.as_ref().map(intrusions),
+        "state": drift.map(|drift| json!({ "cause": "defect", "change": drift.what.name(), "error": drift.error })),
         "penetration_m": { "stepper": stepper, "oracle": oracle },
     })
 }
 
-fn show(out: &mut String, case: &StepCase, step: &ComparedStep) -> std::fmt::Result {
+fn show(out: &mut String, case: &StepCase, step: &ComparedStep, drift: Option<Drift>) -> std::fmt::Result {
     writeln!(out, "step {} in {}, recorded by {}\n", case.step, case.engine, excerpt(&case.version, SHOWN))?;
     let both = [&step.oracle, &step.stepper].map(Option::as_ref);
     let sides = both.map(|answer| answer.map_or_else(|| [(); 5].map(|()| "–".to_owned()), in_words));
@@ -150,6 +154,9 @@ fn show(out: &mut String, case: &StepCase, step: &ComparedStep) -> std::fmt::Res
             format!("{} margin {margin:e}", if decision.is_empty() { ";" } else { "," })
         });
         writeln!(out, "{decision}{margin}")?;
+    }
+    if let Some(drift) = drift {
+        writeln!(out, "defect: {drift}")?;
     }
     if let Some(watched) = &step.watched {
         show_intrusions(out, watched)?;

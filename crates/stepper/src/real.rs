@@ -38,6 +38,9 @@ pub trait Real:
     /// rounded), or `None` if that overflows.
     fn from_number(number: &Number) -> Option<Self>;
 
+    /// The number it is, exactly (of `Wide` the middle); `None` where it is none.
+    fn to_number(self) -> Option<Number>;
+
     /// The nearest f64 (for `Wide` within one unit in the last place); keeps the sign unless it underflows.
     fn to_f64(self) -> f64;
 
@@ -87,6 +90,9 @@ macro_rules! real_float {
             fn from_number(number: &Number) -> Option<Self> {
                 number.rounded($precision).map($from_f64)
             }
+            fn to_number(self) -> Option<Number> {
+                Number::from_f64(f64::from(self)).ok()
+            }
             #[inline]
             fn to_f64(self) -> f64 {
                 f64::from(self)
@@ -134,6 +140,9 @@ impl Real for Wide {
     }
     fn from_number(number: &Number) -> Option<Self> {
         Some(Wide::of_number(number))
+    }
+    fn to_number(self) -> Option<Number> {
+        self.middle()
     }
     fn to_f64(self) -> f64 {
         self.nearest_f64()

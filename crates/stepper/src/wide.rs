@@ -17,6 +17,7 @@ mod radius;
 use self::radius::Radius;
 use crypto_bigint::{NonZero, U64, U512, U1024};
 use num_bigint::{BigInt, Sign as BigSign};
+use num_rational::BigRational;
 use rockproof_model::Number;
 use rockproof_model::number::split_f64;
 use std::cell::Cell;
@@ -109,6 +110,21 @@ impl Wide {
     /// Whether the value is a number at all.
     pub fn is_known(self) -> bool {
         self.radius.is_known()
+    }
+
+    /// The middle, exactly; `None` if unknown.
+    pub fn middle(self) -> Option<Number> {
+        if !self.is_known() {
+            return None;
+        }
+        let sign = if self.negative { BigSign::Minus } else { BigSign::Plus };
+        let significand = BigInt::from_bytes_le(sign, &self.significand.to_le_bytes());
+        let power = BigInt::from(1) << self.exponent.unsigned_abs();
+        let ratio = match self.exponent.is_negative() {
+            true => BigRational::new(significand, power),
+            false => BigRational::from_integer(significand * power),
+        };
+        Some(Number::from_rational(ratio))
     }
 
     /// The middle, rounded to f64; NaN if unknown.

@@ -1,13 +1,13 @@
 //! What makes the steps of a campaign: the stepper beside the oracle, in f32 or f64.
 
 use rockproof_differential::collapse::collapsed_feature;
-use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, Lockstep};
+use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, Drifting, Lockstep};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::Precision;
 use rockproof_simulate::checkpoint::SavedState;
 use rockproof_stepper::contact::SpecRules;
-use rockproof_stepper::dynamics::{Mode, Solve, State, StepRules};
+use rockproof_stepper::dynamics::{Mode, Solve, StepRules};
 use std::marker::PhantomData;
 
 /// One step, made on both sides.
@@ -18,7 +18,7 @@ pub struct ComparedPairStep {
     /// The state before it.
     pub before: SavedState,
     /// What differs of the state after it where all decisions are the same, and as much in 512 bits: no rounding.
-    pub drift: Option<&'static str>,
+    pub drift: Option<Drifting>,
     /// Contacts by their mode after the last solve of the oracle: open, sliding, locked.
     pub modes: [u64; 3],
     /// Contacts that, exactly, chattered: closed after one solve and open after another of the accepted attempt.
@@ -95,12 +95,11 @@ impl<R: Solve, M: StepRules> StepEngine for StepperStepEngine<R, M> {
         let mut lockstep = Lockstep::<R, M>::new(&scene, tolerances, self.precision, ComparedLinks::All)
             .map_err(|failure| failure.to_string())?
             .watching();
-        let reach = tolerances.max_displacement.approximate();
         let mut all = Vec::new();
         for _ in 0..motion.steps {
             let before = lockstep.state().clone();
             let (made, compared) = lockstep.step();
-            let drift = self.drift(&mut lockstep, &before, &compared, reach);
+            let drift = lockstep.drift(&before, &compared).map(|drift| drift.what);
             let ends = made.is_err() || compared.unproved.is_some();
             all.push(ComparedPairStep {
                 before: SavedState::of(&before),
@@ -114,41 +113,6 @@ impl<R: Solve, M: StepRules> StepEngine for StepperStepEngine<R, M> {
             }
         }
         Ok(all)
-    }
-}
-
-impl<R: Solve, M: StepRules> StepperStepEngine<R, M> {
-    /// Errors of the state beyond these are looked at in 512 bits: of velocities as a share, of anchors as a share of the largest
-    /// displacement allowed.
-    fn suspicious(&self) -> f64 {
-        match self.precision {
-            Precision::F32 => 0.125,
-            Precision::F64 => 1e-6,
-        }
-    }
-
-    fn drift(
-        &self,
-        lockstep: &mut Lockstep<R, M>,
-        before: &State<R>,
-        compared: &ComparedStep,
-        reach: f64,
-    ) -> Option<&'static str> {
-        let own = compared.stepper.is_some() && compared.oracle.is_some() && !compared.differs();
-        let beyond = |error: Option<f64>, limit: f64| error.is_some_and(|error| error > limit);
-        let limit = self.suspicious();
-        let suspicious = beyond(compared.velocity, limit)
-            || beyond(compared.anchors, limit * reach)
-            || beyond(compared.displacement.map(|(error, _)| error), limit);
-        if !own || !suspicious {
-            return None;
-        }
-        let drift = lockstep.drift_in_wide(before)?;
-        // In 512 bits nothing of this size is rounding; the oracle's state is kept to 2⁻⁸⁰ m.
-        [("anchors", drift.anchors / reach), ("velocity", drift.velocity), ("displacement", drift.vertices / reach)]
-            .into_iter()
-            .find(|(_, error)| *error > 1e-6)
-            .map(|(what, _)| what)
     }
 }
 

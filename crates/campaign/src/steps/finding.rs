@@ -4,7 +4,7 @@
 use rockproof_differential::compare;
 use rockproof_differential::finding::{DecidingDecision, FindingScope};
 use rockproof_differential::lockstep::answer::StepAnswerChange;
-use rockproof_differential::lockstep::{AttributedDifference, Intrusion, StepCause};
+use rockproof_differential::lockstep::{AttributedDifference, Drifting, Intrusion, StepCause};
 use rockproof_differential::row;
 use rockproof_model::Contact;
 use rockproof_results::bounded;
@@ -21,8 +21,8 @@ pub enum StepChange {
     Deeper,
     /// They overlap less deep.
     Shallower,
-    /// The same decisions and another state, in 512 bits too: `anchors`, `velocity` or `displacement`.
-    State(&'static str),
+    /// The same decisions and another state, in 512 bits too.
+    State(Drifting),
     /// The blocks pass through one another, or overlap where no contact sees it.
     Intrusion(Intrusion),
 }
@@ -51,7 +51,7 @@ impl StepChange {
             StepChange::Decision(change) => change.name(),
             StepChange::Deeper => "deeper",
             StepChange::Shallower => "shallower",
-            StepChange::State(what) => what,
+            StepChange::State(what) => what.name(),
             StepChange::Intrusion(kind) => kind.name(),
         }
     }

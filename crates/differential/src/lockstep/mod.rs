@@ -4,6 +4,7 @@
 pub mod answer;
 pub mod attribution;
 pub mod case_file;
+pub mod drift;
 pub mod effect;
 pub mod free;
 pub mod intrusion;
@@ -19,6 +20,7 @@ pub mod wide;
 pub use answer::{StepAnswerChange, StepDecisions, StepDifference, compare};
 pub use attribution::{AttributedDifference, ComparedLinks};
 pub use case_file::StepCase;
+pub use drift::{Drift, Drifting};
 pub use free::FreeStepping;
 pub use intrusion::{Intrusion, StepCause, WatchedStep};
 pub use run::{ComparedStep, Lockstep, LockstepError};

@@ -11,9 +11,9 @@ use crate::lockstep::effect::{StepPenetrations, penetration};
 use crate::lockstep::intrusion::{Watch, WatchedStep};
 use crate::lockstep::scene::{ExactScene, NumberOverflow};
 use crate::lockstep::state::{NotFinite, exact_state};
-use crate::lockstep::state_errors::{anchor_error, displacement_error, largest_distance, rate_error, velocity_error};
+use crate::lockstep::state_errors::{anchor_error, displacement_error, velocity_error};
 use crate::lockstep::wide::{WideError, WideStepper};
-use rockproof_model::{Block, ContactKey, Number, Precision, Scene, ToleranceSet};
+use rockproof_model::{Block, ContactKey, Precision, Scene, ToleranceSet};
 use rockproof_oracle::step::{self as exact, KeptPrecision, StepAnswer, StepFailure};
 use rockproof_stepper::dynamics::{
     Dynamics, PrescribedAttempt, PrescribedStep, SetupError, Solve, State, StepError, StepReport, StepRules,
@@ -21,7 +21,10 @@ use rockproof_stepper::dynamics::{
 use std::time::{Duration, Instant};
 
 /// What the oracle keeps of coordinates after a step: far finer than any engine, and within reach of balls of two f64.
-pub const KEEP: KeptPrecision = KeptPrecision::Grid { exponent: 80 };
+pub const KEEP: KeptPrecision = KeptPrecision::Grid { exponent: KEPT_EXPONENT };
+
+/// Its grid is that of multiples of 2 to the power of minus this (m).
+pub(super) const KEPT_EXPONENT: u32 = 80;
 
 /// A step made on both sides.
 #[derive(Clone, Debug)]
@@ -73,18 +76,7 @@ impl ComparedStep {
 }
 
 /// The share of the largest displacement that a step may make below which a block is nearly at rest.
-const NEARLY_AT_REST: f64 = 1e-12;
-
-/// How far two states after a step are apart.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drift {
-    /// The largest distance of a vertex (m).
-    pub vertices: f64,
-    /// The largest error of a rate over the largest rate of its block, before or after the step.
-    pub velocity: f64,
-    /// As [`ComparedStep::anchors`] (m).
-    pub anchors: f64,
-}
+pub(super) const NEARLY_AT_REST: f64 = 1e-12;
 
 /// Why a scene cannot be run in lockstep.
 #[derive(Debug, thiserror::Error)]
@@ -165,28 +157,14 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         &self.rounded
     }
 
-    /// How far the stepper's own code, in 512 bits, comes from the oracle's step from a state, where no comparison there is left
-    /// unsettled and the decisions are the same: what is there is no rounding. `None` otherwise.
-    pub fn drift_in_wide(&mut self, before: &State<R>) -> Option<Drift> {
-        let start = exact_state(before).ok()?;
-        let exact = self.rounded.step(&start, KEEP).ok()?;
-        let step = wide_stepper(&mut self.wide, &self.rounded)?.step(before).ok()?;
-        let (answer, after) = step.outcome.ok()?;
-        if step.unsettled > 0
-            || !compare(&StepDecisions::of_oracle(&exact), &answer, &self.rounded.scene().shapes()).is_empty()
-        {
-            return None;
-        }
-        let after = exact_state(&after).ok()?;
-        let distance =
-            |(a, b): (&exact::BlockState, &exact::BlockState)| largest_distance(a.vertices.iter().zip(&b.vertices));
-        let time_step = Number::from_rational(exact.time_step.clone()).approximate();
-        let slow = self.rounded.tolerances().max_displacement.approximate() / time_step * NEARLY_AT_REST;
-        Some(Drift {
-            vertices: after.blocks.iter().zip(&exact.state.blocks).map(distance).fold(0.0, f64::max),
-            velocity: rate_error(&start, &after, &exact.state, slow),
-            anchors: anchor_error(&after, &exact.state).unwrap_or(0.0),
-        })
+    /// The engine's precision.
+    pub(super) fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    /// The scene as the engine has it, and the stepper's code in 512 bits, which is made when it is first asked.
+    pub(super) fn rounded_and_wide(&mut self) -> (&ExactScene, &mut Option<WideStepper<M>>) {
+        (&self.rounded, &mut self.wide)
     }
 
     /// One step on both sides. The state goes on with the stepper's.
@@ -355,7 +333,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         step.look(|| {
             let step = wide_stepper(wide, scenes[2])?.step(before).ok()?;
             let (_, after) = step.outcome.ok().filter(|_| step.unsettled == 0)?;
-            exact_state(&after).ok()
+            Some(scenes[2].kept(exact_state(&after).ok()?))
         })
     }
 
@@ -379,7 +357,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
 }
 
 /// The wide stepper, made when first asked; `None` where it cannot be.
-fn wide_stepper<'w, M: StepRules>(
+pub(super) fn wide_stepper<'w, M: StepRules>(
     wide: &'w mut Option<WideStepper<M>>,
     scene: &ExactScene,
 ) -> Option<&'w mut WideStepper<M>> {

@@ -1,5 +1,8 @@
 //! A scene as the oracle steps it: as it is, or with every number as an engine has it.
 
+use crate::lockstep::run::KEPT_EXPONENT;
+use num_bigint::BigInt;
+use num_rational::BigRational;
 use rockproof_model::simulation::{JointProperties, Simulation};
 use rockproof_model::{Block, Body, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::step::{self, CertifiedStep, KeptPrecision, ModeMargin, StepAnswer, StepFailure, StepModel};
@@ -105,6 +108,21 @@ impl ExactScene {
     pub fn blocks_at(&self, state: &step::State) -> Vec<Block> {
         let moved = self.scene.blocks.iter().zip(&state.blocks);
         moved.map(|(block, state)| block.block.with_vertices(state.vertices.clone())).collect()
+    }
+
+    /// A state after a step as the oracle keeps it (`KEEP`): vertices of blocks that may move rounded to the grid, a half away from zero. What both
+    /// sides make exactly is then the same on both, blocks that touch among it.
+    pub fn kept(&self, mut state: step::State) -> step::State {
+        let scale = BigInt::from(1) << KEPT_EXPONENT;
+        let kept = |value: &Number| {
+            let units = (value.to_rational() * &scale).round().to_integer();
+            Number::from_rational(BigRational::new(units, scale.clone()))
+        };
+        let moving = state.blocks.iter_mut().zip(&self.bodies).filter(|(_, body)| !body.is_fixed());
+        for vertex in moving.flat_map(|(block, _)| &mut block.vertices) {
+            *vertex = vertex.map(kept);
+        }
+        state
     }
 
     fn with_model<T>(&self, ask: impl FnOnce(&StepModel<'_>) -> T) -> T {

@@ -29,7 +29,7 @@ pub fn float_mode(mode: exact::Mode) -> Mode {
 }
 
 fn number<R: Real>(value: R) -> Result<Number, NotFinite> {
-    Number::from_f64(value.to_f64()).map_err(|_| NotFinite)
+    value.to_number().ok_or(NotFinite)
 }
 
 fn point<R: Real>(v: Vector<R>) -> Result<Point, NotFinite> {
@@ -48,7 +48,7 @@ fn numbers<R: Real, const N: usize>(values: &[R; N]) -> Result<[Number; N], NotF
     Ok(all)
 }
 
-/// The oracle's state of a state in f32 or f64: every number as the exact one it is. (Of `Wide`, the f64 nearest to it.)
+/// The oracle's state of a stepper's: every number as the exact one it is, of `Wide` the middle.
 ///
 /// # Errors
 /// When a number is not finite.

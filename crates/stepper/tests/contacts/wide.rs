@@ -49,6 +49,8 @@ proptest! {
         holds(a - b, &(&p - &q), &scale);
         holds((a - c) * (b - c), &((&p - &r) * (&q - &r)), &scale);
         prop_assert!((a * b).is_exact(), "106 bits fit");
+        prop_assert_eq!((a * b).middle().map(|n| n.to_rational()), Some(&p * &q));
+        prop_assert_eq!((a / Wide::of_f64(0.0)).middle(), None);
         if y != 0.0 {
             let quotient = a / b;
             holds(quotient, &(&p / &q), &(&p / &q));
