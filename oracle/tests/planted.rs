@@ -2,7 +2,8 @@
 //!
 //! `planted/*.toml` lists them: a text of a source file that occurs once, and the mistaken text. The library holds none of it: the large
 //! test copies the sources, puts a choice between right and mistaken at every place, builds the copy once, and runs for each mistake
-//! the test that is said to find it. The quick test holds that every text still occurs, and that docs/validation.md lists the mistakes.
+//! the test that is said to find it. The quick tests hold that every text still occurs, that every test is there, and that docs/validation.md lists
+//! the mistakes.
 
 #[path = "planted/copy.rs"]
 mod copy;
@@ -12,6 +13,7 @@ mod list;
 use copy::{Copy, Outcome};
 use list::{Mistake, mistakes};
 use std::collections::BTreeSet;
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -31,6 +33,29 @@ fn every_mistake_has_its_place_in_the_sources() {
     // Panics where a text does not occur, occurs twice, or two overlap.
     let changed = copy::changed_sources(&mistakes);
     assert!(changed.values().all(|text| text.contains("crate::planted::number()")));
+}
+
+/// The text of a Rust file and of all in the folder of its name.
+fn module(stem: &Path) -> String {
+    let mut text = std::fs::read_to_string(stem.with_extension("rs")).unwrap_or_default();
+    for entry in std::fs::read_dir(stem).into_iter().flatten() {
+        text += &module(&entry.unwrap().path().with_extension(""));
+    }
+    text
+}
+
+#[test]
+fn the_test_that_finds_a_mistake_is_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for Mistake { name, found_by, .. } in mistakes() {
+        let (program, test) = found_by.split_once(' ').expect("a program and a test");
+        let (modules, function) = test.rsplit_once("::").unwrap_or(("", test));
+        let stem = match program {
+            "lib" => root.join("src").join(modules.split("::").next().unwrap_or_default()),
+            _ => root.join("tests").join(program),
+        };
+        assert!(module(&stem).contains(&format!("fn {function}(")), "{name}: no test \"{found_by}\"");
+    }
 }
 
 #[test]
