@@ -66,7 +66,9 @@ impl Report {
         for line in &report.verdict {
             print(&format!("{}\n", line.text))?;
         }
-        print_note(&format!("written to {}, beside it tables, latex and charts", path.display()));
+        let charts = report.sections.iter().any(|section| section.charts().next().is_some());
+        let beside = if charts { "tables, latex and charts" } else { "tables and latex" };
+        print_note(&format!("written to {}, beside it {beside}", path.display()));
         Ok(Verdict::Passed)
     }
 }
