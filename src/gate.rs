@@ -27,7 +27,7 @@ use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 /// Findings of failed checks that are shrunk and written as case files, over all checks.
 const CASES: usize = 20;
@@ -201,6 +201,7 @@ impl Gating<'_> {
         // Cases are made afterwards, of what fails.
         let config = CampaignConfig { cases_per_cause: 0, ..config };
         let dir = self.gate.out.join(name);
+        let begun = Instant::now();
         let source = source::of(&config)?;
         let mut journal = Journal::open_for(Owner::Gate, &dir, source::identity(&config)?, Start::Overwrite)?;
         let (panel, engines) = (self.engines.panel(), &self.engines);
@@ -228,24 +229,26 @@ impl Gating<'_> {
                 print_note(&format!("written: {}", baseline.file.display()));
             }
         }
-        for check in &checks {
+        let share = begun.elapsed().as_secs_f64() / checks.len().max(1) as f64;
+        for check in &mut checks {
+            check.seconds = share;
             if let Some(&row) = check.rows.first() {
-                self.keep(&mut journal, &source, &config, &tally.rows[row])?;
+                check.case = self.keep(&mut journal, &source, &config, &tally.rows[row])?;
             }
         }
         Ok(checks)
     }
 
-    /// Writes the shrunk case of a row.
+    /// Writes the shrunk case of a row, and says where it is; none where there are enough already, or the finding has none.
     fn keep(
         &mut self,
         journal: &mut Journal,
         source: &FamilySource,
         config: &CampaignConfig,
         row: &TallyRow,
-    ) -> anyhow::Result<()> {
+    ) -> anyhow::Result<Option<PathBuf>> {
         if self.written >= CASES {
-            return Ok(());
+            return Ok(None);
         }
         let panel = self.engines.panel();
         let row = match row {
@@ -253,11 +256,11 @@ impl Gating<'_> {
             TallyRow::Step(row) => return self.keep_step(journal, source, config, row),
         };
         let subjects = source.batch(row.index / source.batch_len());
-        let Some(subject) = subjects.iter().find(|s| s.index == row.index) else { return Ok(()) };
+        let Some(subject) = subjects.iter().find(|s| s.index == row.index) else { return Ok(None) };
         let same = |finding: &Finding| finding.row(row.case.clone()) == *row;
-        let Some(finding) = examine(subject, &panel).findings.into_iter().find(same) else { return Ok(()) };
+        let Some(finding) = examine(subject, &panel).findings.into_iter().find(same) else { return Ok(None) };
         let panel = self.engines.panel_for(&finding);
-        let Some(case) = Case::of(&finding, subject, config.seed, &panel) else { return Ok(()) };
+        let Some(case) = Case::of(&finding, subject, config.seed, &panel) else { return Ok(None) };
         let case = Shrinker::new(&panel, config.shrink_evaluations).shrink(case);
         let stem = finding.fingerprint().file_stem(&finding.set, finding.index);
         self.write(journal, format!("{stem}.toml"), case.to_toml()?.into_bytes())
@@ -270,23 +273,24 @@ impl Gating<'_> {
         source: &FamilySource,
         config: &CampaignConfig,
         row: &StepFindingRow,
-    ) -> anyhow::Result<()> {
+    ) -> anyhow::Result<Option<PathBuf>> {
         let names = self.engines.names();
         let steppers = steps::engines(names.iter().map(String::as_str));
-        let Some((subject, motion)) = source.moving(row.index, &row.family) else { return Ok(()) };
+        let Some((subject, motion)) = source.moving(row.index, &row.family) else { return Ok(None) };
         let found = steps::examine_all(&[(&subject, motion.clone())], &steppers).findings;
         let same = |finding: &StepFinding| finding.row(row.case.clone()) == *row;
-        let Some(finding) = found.into_iter().find(same) else { return Ok(()) };
+        let Some(finding) = found.into_iter().find(same) else { return Ok(None) };
         let Some(case) = steps::case::of(&finding, &subject, &motion, &steppers, config.shrink_evaluations) else {
-            return Ok(());
+            return Ok(None);
         };
         self.write(journal, row.file_name(), case.text()?)
     }
 
-    fn write(&mut self, journal: &mut Journal, name: String, bytes: Vec<u8>) -> anyhow::Result<()> {
-        print_note(&format!("to replay: rockproof replay {}", journal.dir().join("cases").join(&name).display()));
+    fn write(&mut self, journal: &mut Journal, name: String, bytes: Vec<u8>) -> anyhow::Result<Option<PathBuf>> {
+        let file = journal.dir().join("cases").join(&name);
+        print_note(&format!("to replay: rockproof replay {}", file.display()));
         journal.write_cases(vec![(name, bytes)])?;
         self.written += 1;
-        Ok(())
+        Ok(Some(file))
     }
 }

@@ -7,12 +7,13 @@ use rockproof_report::{PAGE, Report as Made, TEXT};
 use rockproof_results::Start;
 use std::path::PathBuf;
 
-/// Turn the results of runs into a page that needs no network, with its tables as CSV
+/// Turn the results of runs into a page that needs no network, with its tables as CSV and LaTeX and its charts as SVG
 ///
 /// Takes the directories of campaigns, of lockstep runs, of stress sets and of benches, in any mixture.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  rockproof report reports/campaign-1                  writes reports/campaign-1/report/report.html and tables/
+  rockproof report reports/campaign-1                  writes report.html, tables/, latex/ and charts/
+                                                       into reports/campaign-1/report
   rockproof report reports/f32 reports/f64 --out reports/both --overwrite
   rockproof report reports/campaign-1 --format markdown >> $GITHUB_STEP_SUMMARY
 
@@ -37,7 +38,7 @@ pub(crate) struct Report {
 
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum OutputFormat {
-    /// One page with charts and views, and the tables as CSV
+    /// One page with charts and views; the tables as CSV and LaTeX, the charts as SVG and CSV
     Html,
     /// A short text for a pull request
     Markdown,
@@ -65,7 +66,9 @@ impl Report {
         for line in &report.verdict {
             print(&format!("{}\n", line.text))?;
         }
-        print_note(&format!("written to {}, tables beside it in {}/tables", path.display(), out.display()));
+        let charts = report.sections.iter().any(|section| section.charts().next().is_some());
+        let beside = if charts { "tables, latex and charts" } else { "tables and latex" };
+        print_note(&format!("written to {}, beside it {beside}", path.display()));
         Ok(Verdict::Passed)
     }
 }

@@ -34,6 +34,7 @@ use rockproof_simulate::{AuditTotals, Ending, Plan, Run, RunRecord, Stepping};
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport};
+use rockproof_tune::hold_lowest;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -51,6 +52,7 @@ use std::time::{Duration, Instant};
   rockproof simulate slope.toml --steps 4000 --every 50 --contacts --out reports/slope --resume
   rockproof simulate incline.toml --engine stepper-f32 --steps 200 --lockstep
   rockproof simulate slope.toml --steps 200 --audit
+  rockproof simulate blocks.stl --hold-lowest --steps 100 --audit       blocks alone, standing on the lowest
 
 A run can be interrupted or killed at any moment; --resume continues from its last checkpoint; the files are byte-identical.
 
@@ -102,6 +104,10 @@ pub(crate) struct Simulate {
     /// scene says, else all]; no byte of any file depends on it
     #[arg(long, value_name = "NAMES", value_parser = skips)]
     skips: Option<Skips>,
+
+    /// Fix the lowest blocks of a model that fixes none, as `examine` does; without it such a model falls as a whole
+    #[arg(long)]
+    hold_lowest: bool,
 
     /// Run although rules are violated
     #[arg(long)]
@@ -204,6 +210,7 @@ impl Simulate {
         if let Some(skips) = self.skips {
             scene.simulation.control.skips = skips;
         }
+        self.hold(&mut scene);
         scene.derive_stiffness(&set);
         let violations = rules::check_scene(&set, &scene, precision);
         if !violations.is_empty() && !self.force {
@@ -239,6 +246,18 @@ impl Simulate {
             EngineChoice::F64 => self.go::<f64>("f64", ready),
             EngineChoice::F32 => self.go::<f32>("f32", ready),
             EngineChoice::Exact => self.exact(&ready),
+        }
+    }
+
+    /// Fixes the lowest blocks of a model that fixes none, where that is asked for; else says that it will fall.
+    fn hold(&self, scene: &mut Scene) {
+        if scene.blocks.iter().any(|block| block.body.is_fixed()) {
+            return;
+        }
+        if self.hold_lowest {
+            print_note(&hold_lowest(scene).sentence());
+        } else if scene.blocks.len() > 1 && scene.simulation.fixed_points.is_empty() {
+            print_note("nothing is fixed, so the model falls as a whole; --hold-lowest fixes its lowest blocks");
         }
     }
 

@@ -12,9 +12,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use rockproof_model::scene::write_toml;
 use rockproof_model::{Precision, Scene, ToleranceSpec};
+use rockproof_report::latex::latex;
+use rockproof_report::table::{Table, TableCell};
 use rockproof_results::{Start, bounded, digest};
 use rockproof_tune::distribute::Enough;
-use rockproof_tune::report::{as_toml, markdown};
+use rockproof_tune::report::{as_toml, markdown, sides};
 use rockproof_tune::{EvaluatedCandidate, Evaluator, Search, SearchRecord, TuneError, UnauditedEvaluator};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -27,7 +29,7 @@ use std::time::{Duration, Instant};
 /// as well, and prints the one with no difference between engine and oracle, the least sinking and the largest margin to every rule, ready to paste,
 /// beside what the model's current set does.
 ///
-/// Writes tolerances.toml, tune.md, candidates.csv and tune.json. The same number of candidates gives the same bytes; only that number depends on
+/// Writes tolerances.toml, tune.md, tune.tex (its table for a paper), candidates.csv and tune.json. The same number of candidates gives the same bytes; only that number depends on
 /// the clock.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -194,9 +196,10 @@ impl Tune {
             return Ok(Verdict::Interrupted);
         };
         record.write("tune.md", text.as_bytes())?;
+        record.write("tune.tex", sides_in_latex(&search).as_bytes())?;
         record.write("tolerances.toml", as_toml(&best.set).as_bytes())?;
         let count = search.tried().len();
-        let files = "tolerances.toml, tune.md, candidates.csv, tune.json";
+        let files = "tolerances.toml, tune.md, tune.tex, candidates.csv, tune.json";
         let told = || format!("{text}\n{count} candidates tried; written to {}: {files}\n", dir.display());
         self.format.print(told, || {
             json!({
@@ -225,6 +228,16 @@ impl Tune {
         map.insert("steps".to_owned(), steps.into());
         map
     }
+}
+
+/// What was measured of the author's set and the one recommended, as a table for a paper.
+fn sides_in_latex(search: &Search<'_>) -> String {
+    let (columns, rows) = sides(search).unwrap_or_default();
+    let mut table = Table::new("tune", "The author's tolerances beside those recommended; lengths in m", &columns);
+    for row in rows {
+        table.push(row.into_iter().map(TableCell::Text).collect());
+    }
+    latex(&table, usize::MAX)
 }
 
 /// What shows on a terminal that there is progress.

@@ -41,8 +41,8 @@ const SEED: u64 = 1;
 /// difference; makes some steps and asks exactly after each whether blocks overlap unseen or passed through one another; and searches for a
 /// tolerance set that does better, which it then examines in the same way. Ends with a verdict and the next command.
 ///
-/// Writes index.html (the model in 3-D, bad pairs in colour), examine.md, examine.json, blocks.vtu, pairs.csv, tolerances.toml, tolerances.csv, and the worst
-/// differences as cases to replay. Nothing is written before the end, so an interrupted examination is begun anew.
+/// Writes index.html (the model in 3-D, bad pairs in colour), examine.md, examine.json, blocks.vtu, pairs.csv, tolerances.toml, tolerances.csv, both tables
+/// for a paper (pairs.tex, tolerances.tex), and the worst differences as cases to replay. Nothing is written before the end, so an interrupted examination is begun anew.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   rockproof examine slope.dda

@@ -10,6 +10,7 @@ use rockproof_model::Precision;
 use rockproof_model::vtu::{DataArray, SCALAR, vtu};
 use rockproof_oracle::audit::{Meaning, Overlap};
 use rockproof_report::Report;
+use rockproof_report::latex::{MOST_ROWS, latex};
 use rockproof_report::page::page;
 use rockproof_report::sections::{Section, SectionPart};
 use rockproof_report::table::{Table, TableCell};
@@ -21,8 +22,17 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// The files that are always written.
-pub(crate) const FILES: [&str; 7] =
-    ["index.html", "examine.md", "examine.json", "blocks.vtu", "pairs.csv", "tolerances.toml", "tolerances.csv"];
+pub(crate) const FILES: [&str; 9] = [
+    "index.html",
+    "examine.md",
+    "examine.json",
+    "blocks.vtu",
+    "pairs.csv",
+    "tolerances.toml",
+    "tolerances.csv",
+    "pairs.tex",
+    "tolerances.tex",
+];
 /// Rows of pairs in the page, and in the text.
 const SHOWN: [usize; 2] = [200, 20];
 
@@ -227,6 +237,8 @@ pub(crate) fn write(
         (FILES[4].to_owned(), FileKind::Table, all.to_csv()?),
         (FILES[5].to_owned(), FileKind::Input, as_toml(set).into_bytes()),
         (FILES[6].to_owned(), FileKind::Table, tolerances.to_csv()?),
+        (FILES[7].to_owned(), FileKind::Text, latex(&worst(MOST_ROWS), MOST_ROWS).into_bytes()),
+        (FILES[8].to_owned(), FileKind::Text, latex(&tolerances, usize::MAX).into_bytes()),
     ];
     if let Recommendation::Other(other) = &found.other {
         files.push(("tune.md".to_owned(), FileKind::Text, other.text.clone().into_bytes()));

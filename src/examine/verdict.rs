@@ -11,6 +11,7 @@ use crate::table::grouped;
 use rockproof_model::rules::{MeasuredModel, stiffness_slack};
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_report::verdict::Severity;
+use rockproof_tune::ClusterSupport;
 use std::path::Path;
 
 /// A line of the answer.
@@ -270,13 +271,17 @@ fn recommended(found: &Examination, precision: Precision, dir: &Path) -> Line {
     let counts = counts.into_iter().filter(|(_, ours, theirs)| ours != theirs);
     let mut figures: Vec<String> =
         counts.map(|(what, ours, theirs)| format!("{} {what} instead of {}", grouped(ours), grouped(theirs))).collect();
-    let [sunk, theirs_sunk] = [ours, theirs].map(|measured| measured.steps_measured.overlaps.sunk);
+    // As they are shown: nobody learns from a number that it is instead of the same number.
+    let [sunk, theirs_sunk] = [ours, theirs].map(|measured| format!("{:.2e} m", measured.steps_measured.overlaps.sunk));
     if sunk != theirs_sunk {
-        figures.push(format!("blocks sink {sunk:.2e} m instead of {theirs_sunk:.2e} m"));
+        figures.push(format!("blocks sink {sunk} instead of {theirs_sunk}"));
     }
     let [slack, theirs_slack] = [ours, theirs].map(|measured| format!("{:.2}", measured.tightest.factor));
-    if slack != theirs_slack || figures.is_empty() {
+    if slack != theirs_slack {
         figures.push(format!("the nearest rule met {slack} times instead of {theirs_slack}"));
+    }
+    if figures.is_empty() {
+        figures.push("better by less than these lines show".to_owned());
     }
     let is_safe = other.assessed.is_safe(precision);
     let (file, safe) = (dir.join("tolerances.toml"), if is_safe { "safe" } else { "not safe" });
@@ -294,6 +299,9 @@ fn next(
     (units, answer): (bool, &str),
 ) -> String {
     let (file, given) = (args.shown(), args.tolerances.shown());
+    // Steps of a file that fixes nothing were made with its lowest blocks held; without that all of it falls.
+    let is_held = found.given.steps.made().is_some_and(|made| made.held != ClusterSupport::Given);
+    let hold = if is_held { " --hold-lowest" } else { "" };
     if units {
         let factor = found.model.extents.factor().unwrap_or("1");
         return format!("rockproof examine {file}{given} --scale {factor} --overwrite");
@@ -308,7 +316,7 @@ fn next(
         return format!("rockproof convert {file} {metres} --scale {scale}");
     }
     if answer == "safe" {
-        return format!("rockproof simulate {file}{given} --steps 100 --audit");
+        return format!("rockproof simulate {file}{given}{hold} --steps 100 --audit");
     }
     if answer == "safe with another set" {
         let (set, out) = (shown("tolerances.toml"), quoted(&format!("{}-set", dir.display())));
@@ -321,7 +329,7 @@ fn next(
     match found.given.steps.made() {
         Some(made) if found.given.steps.object() => {
             let steps = made.asked;
-            format!("rockproof simulate {file}{given} --steps {steps} --audit --contacts")
+            format!("rockproof simulate {file}{given}{hold} --steps {steps} --audit --contacts")
         }
         _ => format!("rockproof tune {file}{given}"),
     }

@@ -119,6 +119,38 @@ fn the_action_is_yaml_and_asks_for_what_there_is() {
         let pinned = commit.len() == 40 && commit.chars().all(|c| c.is_ascii_hexdigit());
         assert!(pinned || uses.starts_with("./"), "{uses} is not held by its commit");
     }
+    // Two gates of a job, or of a matrix, keep their results beside one another; the second does not build again.
+    let with = |uses: &str, key: &str| {
+        let step = steps.iter().find(|step| step["uses"].as_str().is_some_and(|used| used.starts_with(uses)));
+        step.and_then(|step| step["with"][key].as_str()).map(str::to_owned)
+    };
+    assert_eq!(with("actions/cache@", "key").as_deref(), Some("${{ steps.name.outputs.build }}"));
+    assert_eq!(with("actions/upload-artifact@", "name").as_deref(), Some("${{ steps.name.outputs.artifact }}"));
+    #[cfg(unix)]
+    {
+        let named = |out: &str| {
+            let script = steps[0]["run"].as_str().expect("a script");
+            let dir = tempfile::tempdir().expect("a directory");
+            let file = dir.path().join("output");
+            let status = std::process::Command::new("bash")
+                .args(["-euo", "pipefail", "-c", script])
+                .env("ACTION", env!("CARGO_MANIFEST_DIR"))
+                .envs([("OUT", out), ("JOB", "test-0"), ("RUNNER_OS", "Linux"), ("RUNNER_ARCH", "X64")])
+                .env("GITHUB_OUTPUT", &file)
+                .status()
+                .expect("bash runs");
+            assert!(status.success());
+            fs::read_to_string(file).expect("outputs")
+        };
+        let [one, other] = ["reports/gate", "reports/other gate"].map(named);
+        let [one, other] = [&one, &other].map(|text| text.lines().collect::<Vec<_>>());
+        assert_eq!([one.len(), other.len()], [2, 2]);
+        assert!(one[0] == other[0] && one[0].starts_with("build=rockproof-Linux-X64-") && one[0].len() > 70, "{one:?}");
+        assert_eq!(
+            [one[1], other[1]],
+            ["artifact=rockproof-gate-test-0-reports-gate", "artifact=rockproof-gate-test-0-reports-other-gate"]
+        );
+    }
     let help = Command::cargo_bin("rockproof").expect("the program").args(["gate", "--help"]).output().expect("runs");
     let help = String::from_utf8_lossy(&help.stdout).into_owned();
     for flag in ["--out", "--junit", "--rotating-seed"] {

@@ -11,7 +11,17 @@ const NASTY: &str = "50%: a,b::c | d_e_f *g* `h` <i> & \"j\" [k](l) \\ m%0An";
 
 fn check(group: &'static str, name: &str, message: &str, verdict: Verdict) -> Check {
     let place = (format!("a,b:c%/{name}.toml"), 3);
-    Check { group, name: name.to_owned(), message: message.to_owned(), verdict, place, rows: Vec::new() }
+    let case = (name == "b").then(|| "reports/gate/fixed/cases/b.toml".into());
+    Check {
+        group,
+        name: name.to_owned(),
+        message: message.to_owned(),
+        verdict,
+        place,
+        rows: Vec::new(),
+        seconds: 0.25,
+        case,
+    }
 }
 
 fn checks() -> Vec<Check> {
@@ -96,6 +106,14 @@ fn junit_is_what_its_schema_allows() {
     assert_eq!(status(2).and_then(|failure| failure.attribute("message")), Some(NASTY));
     assert_eq!(status(3).map(|node| node.tag_name().name()), Some("skipped"));
     assert!(status(1).is_none() && status(4).is_none());
+    assert_eq!(xml.root_element().attribute("time"), Some("1.500"));
+    assert_eq!(
+        suites.iter().map(|suite| suite.attribute("time")).collect::<Vec<_>>(),
+        [Some("0.500"), Some("0.250"), Some("0.750")]
+    );
+    assert!(cases.iter().all(|case| case.attribute("time") == Some("0.250")));
+    let said = |at: usize| status(at).and_then(|failure| failure.text());
+    assert_eq!([said(0), said(2)], [None, Some("rockproof replay reports/gate/fixed/cases/b.toml")]);
     let red = status(5).and_then(|failure| failure.attribute("message")).expect("a message");
     assert!(red.contains("red") && !red.contains(char::is_control), "{red:?}");
 }

@@ -28,6 +28,7 @@ mod gate_formats;
 mod gate_regressions;
 mod json_output;
 mod kept_results;
+mod latex;
 mod lockstep_cli;
 mod merge_command;
 #[cfg(feature = "mpi")]

@@ -62,6 +62,55 @@ fn writes_a_page_and_the_same_tables_as_csv() {
     );
 }
 
+#[test]
+fn every_chart_is_a_picture_with_its_numbers() {
+    let (dir, path) = copy();
+    let (code, _, err) = rockproof(&["report", &path]);
+    assert_eq!(code, 0, "{err}");
+    let report = dir.path().join("report");
+    let page = fs::read_to_string(report.join("report.html")).expect("a page");
+    let stems: Vec<&str> = page
+        .split("<figure class=\"chart")
+        .skip(1)
+        .filter_map(|rest| rest.split_once("id=\"chart-")?.1.split_once('"'))
+        .map(|(stem, _)| stem)
+        .collect();
+    assert!(stems.len() >= 6, "{stems:?}");
+    let of_folder = fs::read_dir(report.join("charts")).expect("charts").count();
+    assert_eq!(of_folder, 2 * stems.len(), "a picture and a table for each chart");
+    for stem in &stems {
+        let picture = fs::read_to_string(report.join(format!("charts/{stem}.svg"))).expect(stem);
+        assert!(picture.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\""), "{stem}");
+        let rows =
+            csv::Reader::from_path(report.join(format!("charts/{stem}.csv"))).expect(stem).into_records().count();
+        assert!(rows > 0, "{stem} is empty");
+    }
+    // The numbers are those of the table.
+    let shown = table(&report, "charts/agreement.csv");
+    let all = table(&report, "tables/agreement.csv");
+    for point in &shown {
+        let row = all
+            .iter()
+            .find(|row| row["setting"] == point["y"] && row["engine"] == point["series"] && row["compared"] == "whole");
+        let share =
+            |row: &std::collections::BTreeMap<String, String>, name: &str| row[name].parse::<f64>().expect("a number");
+        let row = row.unwrap_or_else(|| panic!("{point:?}"));
+        for (column, of) in [("x", "agreement"), ("low", "low"), ("high", "high")] {
+            assert!((share(point, column) - 100.0 * share(row, of)).abs() < 1e-3, "{point:?}: {row:?}");
+        }
+    }
+    assert_eq!(shown.len(), 4, "two engines under auto and shi: {shown:?}");
+    let causes: u64 =
+        table(&report, "charts/causes.csv").iter().map(|row| row["x"].parse::<u64>().expect("a count")).sum();
+    let shown = |row: &&std::collections::BTreeMap<String, String>| ["auto", "shi"].contains(&&*row["setting"]);
+    let found: u64 = table(&report, "tables/causes.csv")
+        .iter()
+        .filter(shown)
+        .map(|row| row["findings"].parse::<u64>().expect("a count"))
+        .sum();
+    assert_eq!(causes, found);
+}
+
 /// The table's rows as columns by name.
 fn table(dir: &Path, name: &str) -> Vec<std::collections::BTreeMap<String, String>> {
     let mut reader = csv::Reader::from_path(dir.join(name)).expect(name);

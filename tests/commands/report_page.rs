@@ -16,7 +16,8 @@ const PROBE: &str = r#"<script>
     scroll: document.documentElement.scrollWidth,
     errors,
     requests: performance.getEntriesByType("resource").map(e => e.name).filter(name => !/^(data|blob):/.test(name)),
-    charts: [...document.querySelectorAll(".chart")].map(f => [f.id, f.dataset.drawn || "no", f.querySelectorAll(".main-svg .point, .main-svg .heatmaplayer image").length]),
+    charts: [...document.querySelectorAll(".chart")].map(f => [f.id, f.dataset.drawn || "no", f.querySelectorAll(".main-svg .point, .main-svg .heatmaplayer image").length, f.querySelector(".still").naturalWidth]),
+    saved: [...document.querySelectorAll(".save a")].map(a => [a.download, a.href.slice(0, 26)]),
     views: [...document.querySelectorAll(".finding[open]")].map(f => [f.id, f.dataset.drawn || "no", f.querySelector(".still").src.length]),
     closed: document.querySelectorAll(".finding:not([open])").length,
     theme: document.documentElement.dataset.theme,
@@ -117,6 +118,14 @@ fn the_page_works_in_a_browser() {
         assert!(list("charts").len() >= 6);
         for chart in list("charts") {
             assert!(chart[1] == "yes" && chart[2].as_u64() > Some(0), "{width} px: not drawn: {chart}");
+            assert!(chart[3].as_u64() > Some(200), "{width} px: the browser cannot draw the picture of {chart}");
+        }
+        assert_eq!(list("saved").len(), 2 * list("charts").len());
+        for link in list("saved") {
+            let kind =
+                if link[0].as_str().is_some_and(|name| name.ends_with(".svg")) { "image/svg+xml" } else { "text/csv" };
+            let whole = format!("data:{kind};base64,");
+            assert!(whole.starts_with(&link[1].as_str().unwrap_or("none")[..whole.len().min(26)]), "{link}");
         }
         assert!(!list("views").is_empty());
         for view in list("views") {

@@ -361,3 +361,40 @@ fn help_shows_examples() {
         assert!(help.contains(told), "{help}");
     }
 }
+
+/// A model that fixes nothing falls, which is said; `--hold-lowest` fixes what `examine` holds, which names that.
+#[test]
+fn a_model_that_fixes_nothing_stands_on_its_lowest_blocks() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let path = |name: &str| dir.path().join(name).to_str().expect("text").to_owned();
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let run = |args: &[&str]| {
+        let output = assert_cmd::Command::cargo_bin("rockproof").expect("built").args(args).output().expect("runs");
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+        assert!(output.status.success(), "{args:?}: {}", text(output.stderr));
+        (text(output.stdout), text(output.stderr))
+    };
+    let mesh = root.join("cases/meshes/arch_mm.stl");
+    let [arch, falls, stands, examined] = ["arch.toml", "falls", "stands", "examined"].map(path);
+    run(&["convert", mesh.to_str().expect("text"), &arch, "--scale", "1/1000"]);
+    let energy = |out: &str| {
+        let mut rows = csv::Reader::from_path(std::path::Path::new(out).join("steps.csv")).expect("a table");
+        let at = rows.headers().expect("names").iter().position(|name| name == "kinetic_J").expect("a column");
+        let last = rows.records().last().expect("a step").expect("a row");
+        last[at].parse::<f64>().expect("a number")
+    };
+    let note = "falls as a whole";
+    let (_, said) = run(&["simulate", &arch, "--steps", "20", "--out", &falls]);
+    assert!(said.contains(note), "{said}");
+    let (_, said) = run(&["simulate", &arch, "--steps", "20", "--hold-lowest", "--out", &stands]);
+    assert!(!said.contains(note) && said.contains("2 lowest blocks held"), "{said}");
+    let [falling, standing] = [&falls, &stands].map(|out| energy(out));
+    assert!(standing < falling / 100.0, "{standing} J, {falling} J");
+    let scene = rockproof_model::Scene::load(std::path::Path::new(&stands).join("scene.toml")).expect("a scene");
+    let fixed: Vec<usize> = (0..13).filter(|block| scene.blocks[*block].body.is_fixed()).collect();
+    assert_eq!(fixed, [11, 12], "the footings");
+    let (_, said) = run(&["simulate", &format!("{stands}/scene.toml"), "--steps", "1", "--out", &path("again")]);
+    assert!(!said.contains(note), "{said}");
+    let (answer, _) = run(&["examine", &arch, "--no-tune", "--out", &examined]);
+    assert!(answer.ends_with("--hold-lowest --steps 100 --audit\n"), "{answer}");
+}

@@ -7,6 +7,7 @@ use rockproof_differential::engine::catch_panic;
 use rockproof_differential::external::protocol::completed;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Why a corpus cannot be examined.
 #[derive(Debug, thiserror::Error)]
@@ -54,10 +55,21 @@ fn files(path: &Path) -> Result<Vec<PathBuf>, CorpusError> {
 }
 
 fn check(file: &Path, engines: &Engines) -> Result<Check, CorpusError> {
+    let begun = Instant::now();
     let case = Case::load(file)?;
     let (verdict, message) = judge(&case, engines);
     let name = file.display().to_string();
-    Ok(Check { group: "corpus", name: name.clone(), message, verdict, place: (name, 1), rows: Vec::new() })
+    let case = (verdict == Verdict::Fail).then(|| file.to_owned());
+    Ok(Check {
+        group: "corpus",
+        name: name.clone(),
+        message,
+        verdict,
+        place: (name, 1),
+        rows: Vec::new(),
+        seconds: begun.elapsed().as_secs_f64(),
+        case,
+    })
 }
 
 fn judge(case: &Case, engines: &Engines) -> (Verdict, String) {

@@ -3,13 +3,19 @@
 use super::{Check, Verdict};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use rockproof_model::text::excerpt;
+use std::time::Duration;
 
-/// JUnit XML: a suite for each group, a case for each check.
+/// JUnit XML: a suite for each group, a case for each check, with the time it took and the command that replays what fails.
 ///
 /// # Errors
 /// Those of the XML writer.
 pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
     let mut report = Report::new("rockproof gate");
+    let sum = |wanted: &dyn Fn(&&Check) -> bool| {
+        Duration::try_from_secs_f64(checks.iter().filter(wanted).map(|check| check.seconds).sum()).unwrap_or_default()
+    };
+    let of_group = |group: &str| sum(&|check| check.group == group);
+    report.set_time(sum(&|_| true));
     for group in ["limit", "baseline", "corpus"] {
         let mut suite = TestSuite::new(format!("rockproof.{group}"));
         for check in checks.iter().filter(|check| check.group == group) {
@@ -23,11 +29,16 @@ pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
             }
             if check.verdict == Verdict::Fail {
                 status.set_type("gate");
+                if let Some(case) = &check.case {
+                    status.set_description(format!("rockproof replay {}", case.display()));
+                }
             }
             let mut case = TestCase::new(check.name.as_str(), status);
+            case.set_time(Duration::try_from_secs_f64(check.seconds).unwrap_or_default());
             case.set_classname(format!("rockproof.{group}"));
             suite.add_test_case(case);
         }
+        suite.set_time(of_group(group));
         report.add_test_suite(suite);
     }
     report.to_string()

@@ -82,7 +82,16 @@ impl KnownFindings {
             };
             let place = (baseline.file.display().to_string(), 1);
             let name = format!("{run}: baseline");
-            checks.push(Check { group: "baseline", name, message, verdict: Verdict::Pass, place, rows: Vec::new() });
+            checks.push(Check {
+                group: "baseline",
+                name,
+                message,
+                verdict: Verdict::Pass,
+                place,
+                rows: Vec::new(),
+                seconds: 0.0,
+                case: None,
+            });
         }
         checks
     }
@@ -104,7 +113,7 @@ fn failed(name: String, message: String, tally: &CampaignTally, baseline: &Basel
     let of = |at: &usize| tally.rows[*at].fingerprint(baseline) == *fingerprint;
     let place = (baseline.file.display().to_string(), 1);
     let rows = (0..tally.rows.len()).filter(of).collect();
-    Check { group: "baseline", name, message, verdict: Verdict::Fail, place, rows }
+    Check { group: "baseline", name, message, verdict: Verdict::Fail, place, rows, seconds: 0.0, case: None }
 }
 
 /// A sort of finding then and now.

@@ -8,6 +8,7 @@ pub mod known_findings;
 pub mod tally;
 
 use config::{FindingLimit, GateConfig, RECOVERED, line_of};
+use std::path::PathBuf;
 use tally::CampaignTally;
 
 /// How a check came out.
@@ -47,6 +48,10 @@ pub struct Check {
     pub place: (String, usize),
     /// The rows of the tally it fails for.
     pub rows: Vec<usize>,
+    /// How long it took (s). The time of a campaign is shared out among its checks.
+    pub seconds: f64,
+    /// A case that shows why it fails, for `replay`.
+    pub case: Option<PathBuf>,
 }
 
 /// How sure one must be that a rate is exceeded, where a limit does not say.
@@ -76,7 +81,16 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
         };
         let rows = (0..tally.rows.len()).filter(|&at| failed && tally.rows[at].is_of(limit)).collect();
         let verdict = if failed { Verdict::Fail } else { Verdict::Pass };
-        Check { group: "limit", name: format!("{run}: {}", limit.text()), message, verdict, place, rows }
+        Check {
+            group: "limit",
+            name: format!("{run}: {}", limit.text()),
+            message,
+            verdict,
+            place,
+            rows,
+            seconds: 0.0,
+            case: None,
+        }
     };
     config.limit.iter().map(check).chain(recovered(config, file, run, tally)).collect()
 }
@@ -104,5 +118,7 @@ fn recovered<'x>(
         verdict: Verdict::Skip,
         place: (file.to_owned(), 1),
         rows: Vec::new(),
+        seconds: 0.0,
+        case: None,
     })
 }

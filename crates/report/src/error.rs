@@ -80,6 +80,9 @@ pub enum ReportError {
     /// The page cannot be made.
     #[error("cannot write the page: {0}")]
     Page(#[from] minijinja::Error),
+    /// The picture of a chart cannot be made.
+    #[error("cannot draw a chart: {0}")]
+    Drawing(io::Error),
     /// A table cannot be made.
     #[error("cannot write a table: {0}")]
     Csv(#[from] csv::Error),

@@ -1,6 +1,7 @@
 //! Tables for a paper, in LaTeX with `booktabs`.
 
 use super::table::{Table, TableCell};
+use std::ops::RangeInclusive;
 
 /// How many rows at most are printed of a table that the page does not show.
 pub const MOST_ROWS: usize = 60;
@@ -44,7 +45,13 @@ fn cell(cell: &TableCell) -> String {
 /// A text that LaTeX shows as it is.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
+    let mut raised = String::new();
     for (at, c) in text.char_indices() {
+        if let Some(digit) = lowered(c) {
+            raised.push(digit);
+            continue;
+        }
+        raise(&mut out, &mut raised);
         match c {
             // Behind a line break of a row a bracket would be an option of it.
             '[' if at == 0 => out.push_str("{[}"),
@@ -59,8 +66,8 @@ fn escaped(text: &str) -> String {
             '<' => out.push_str("\\textless{}"),
             '>' => out.push_str("\\textgreater{}"),
             '|' => out.push_str("\\textbar{}"),
-            '"' => out.push_str("\\textquotedbl{}"),
-            '\'' => out.push_str("\\textquotesingle{}"),
+            // The usual font encoding has no straight double quote.
+            '"' => out.push_str("''"),
             '`' => out.push_str("\\textasciigrave{}"),
             // A ligature would make one dash of two.
             '-' if text[..at].ends_with('-') => out.push_str("{-}"),
@@ -74,14 +81,48 @@ fn escaped(text: &str) -> String {
             '≥' => out.push_str("$\\ge$"),
             '→' => out.push_str("$\\to$"),
             '√' => out.push_str("$\\surd$"),
-            '²' => out.push_str("$^2$"),
-            '³' => out.push_str("$^3$"),
             'µ' | 'μ' => out.push_str("$\\mu$"),
+            'θ' => out.push_str("$\\theta$"),
+            'φ' => out.push_str("$\\varphi$"),
+            '°' => out.push_str("$^\\circ$"),
+            '±' => out.push_str("$\\pm$"),
+            '−' => out.push_str("$-$"),
+            '…' => out.push_str("\\ldots{}"),
             c if c.is_control() => out.push(' '),
-            c => out.push(c),
+            c if c.is_ascii() || ACCENTED.contains(&c) && !NOT_IN_OT1.contains(&c) => out.push(c),
+            // pdfLaTeX stops at a character that it does not know.
+            c => out.push_str(&format!("U+{:04X}", u32::from(c))),
         }
     }
+    raise(&mut out, &mut raised);
     out
+}
+
+/// Letters with accents that pdfLaTeX knows in any font encoding.
+const ACCENTED: RangeInclusive<char> = 'À'..='ÿ';
+/// Those among them that it does not, and two signs.
+const NOT_IN_OT1: [char; 6] = ['Ð', 'ð', 'Þ', 'þ', '×', '÷'];
+
+/// The digit or sign that a raised one stands for.
+fn lowered(c: char) -> Option<char> {
+    Some(match c {
+        '⁻' => '-',
+        '⁺' => '+',
+        '⁰' => '0',
+        '¹' => '1',
+        '²' => '2',
+        '³' => '3',
+        '⁴'..='⁹' => char::from_digit(u32::from(c) - u32::from('⁰'), 10)?,
+        _ => return None,
+    })
+}
+
+/// Writes the exponent that has been gathered.
+fn raise(out: &mut String, raised: &mut String) {
+    if !raised.is_empty() {
+        out.push_str(&format!("$^{{{raised}}}$"));
+        raised.clear();
+    }
 }
 
 #[cfg(test)]
@@ -110,11 +151,11 @@ mod tests {
 
     #[test]
     fn no_text_is_a_command() {
-        let nasty = "\\input{x} #1 ~ ^ {a}_$y$ | <b> \"c\" -- \u{7}é Δ≥1\u{202f}000";
+        let nasty = "\\input{x} #1 ~ ^ {a}_$y$ | <b> \"c\" -- \u{7}é Δ≥1\u{202f}000 10⁻¹²m² 3° 岩þ";
         assert_eq!(
             escaped(nasty),
             "\\textbackslash{}input\\{x\\} \\#1 \\textasciitilde{} \\textasciicircum{} \\{a\\}\\_\\$y\\$ \\textbar{} \\textless{}b\\textgreater{} \
-             \\textquotedbl{}c\\textquotedbl{} -{-}  é $\\Delta$$\\ge$1\\,000"
+             ''c'' -{-}  é $\\Delta$$\\ge$1\\,000 10$^{-12}$m$^{2}$ 3$^\\circ$ U+5CA9U+00FE"
         );
     }
 }

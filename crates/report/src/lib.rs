@@ -1,4 +1,4 @@
-//! From results on disk to one page that opens without a network, the same tables as CSV and LaTeX, and a short text for a pull
+//! From results on disk to one page that opens without a network, its tables as CSV and LaTeX and its charts as pictures, and a short text for a pull
 //! request (docs/report.md).
 //!
 //! Reading, counting and showing are apart: [`load`] and its neighbours read runs and say where one is damaged; [`sections`] makes
@@ -52,6 +52,8 @@ pub const TEXT: &str = "report.md";
 pub const TABLES: &str = "tables";
 /// The name of the directory of the same tables in LaTeX.
 pub const LATEX: &str = "latex";
+/// The name of the directory of the charts as pictures, and of their numbers as CSV.
+pub const CHARTS: &str = "charts";
 
 impl Report {
     /// The report on the runs in these directories.
@@ -74,7 +76,7 @@ impl Report {
         Ok(Report { title, verdict: verdict::verdict(&results), sections: sections::all(&results)? })
     }
 
-    /// Writes the tables into `dir`, and the page or the text beside them. A report that is there already is replaced where
+    /// Writes the tables and charts into `dir`, and the page or the text beside them. A report that is there already is replaced where
     /// `start` says so; files that are no part of it stay.
     ///
     /// # Errors
@@ -84,13 +86,25 @@ impl Report {
         let path =
             |table: &table::Table| [format!("{TABLES}/{}.csv", table.name), format!("{LATEX}/{}.tex", table.name)];
         let names: Vec<[String; 2]> = tables.iter().map(|(table, _)| path(table)).collect();
-        let files: Vec<&str> = names.iter().flatten().map(String::as_str).chain([name]).collect();
+        let charts: Vec<&chart::Chart> = self.sections.iter().flat_map(Section::charts).collect();
+        let path = |chart: &chart::Chart| ["svg", "csv"].map(|kind| format!("{CHARTS}/{}.{kind}", chart.stem()));
+        let pictures: Vec<[String; 2]> = charts.iter().map(|chart| path(chart)).collect();
+        let files = names.iter().chain(&pictures).flatten().map(String::as_str);
+        let files: Vec<&str> = files.chain([name]).collect();
         let mut directory = Directory::claim(Claim { dir, owner: Owner::Report, start, files: &files })?;
         directory.make_folder(TABLES)?;
         directory.make_folder(LATEX)?;
         for ((table, most), [csv, tex]) in tables.iter().zip(&names) {
             directory.write(csv, FileKind::Table, table.to_csv()?.as_ref())?;
             directory.write(tex, FileKind::Text, latex::latex(table, *most).as_bytes())?;
+        }
+        if !charts.is_empty() {
+            directory.make_folder(CHARTS)?;
+        }
+        for (chart, [picture, values]) in charts.iter().zip(&pictures) {
+            let drawn = chart::svg::svg(chart).map_err(ReportError::Drawing)?;
+            directory.write(picture, FileKind::Picture, drawn.as_bytes())?;
+            directory.write(values, FileKind::Table, &chart::values::csv(chart)?)?;
         }
         directory.write(name, FileKind::Text, contents.as_bytes())?;
         Ok(dir.join(name))

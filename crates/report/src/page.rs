@@ -4,9 +4,14 @@
 //! leaves no `<`. A content security policy in the page forbids any request.
 
 use super::Report;
+use super::chart::svg::svg;
+use super::chart::values::csv;
+use super::chart::{Chart, plotly};
 use super::error::ReportError;
 use super::glossary::GLOSSARY;
 use super::sections::{Section, SectionPart};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
 use serde::Serialize;
@@ -34,7 +39,7 @@ pub fn page(report: &Report) -> Result<String, ReportError> {
         title => report.title.clone(),
         version => env!("CARGO_PKG_VERSION"),
         verdict => html_value(&report.verdict),
-        sections => report.sections.iter().map(section).collect::<Vec<_>>(),
+        sections => report.sections.iter().map(section).collect::<Result<Vec<_>, _>>()?,
         glossary => GLOSSARY.map(|(term, meaning)| context! { term, meaning }),
         style => STYLE,
         script => SCRIPT,
@@ -48,18 +53,32 @@ fn html_value(value: impl Serialize) -> Value {
     Value::from(Serde(value))
 }
 
-fn section(section: &Section) -> Value {
-    let parts: Vec<Value> = section.parts.iter().filter_map(part).collect();
-    context! { id => section.id, title => section.title, lead => &section.lead, parts }
+fn section(section: &Section) -> Result<Value, ReportError> {
+    let parts: Vec<Value> = section.parts.iter().filter_map(|one| part(one).transpose()).collect::<Result<_, _>>()?;
+    Ok(context! { id => section.id, title => section.title, lead => &section.lead, parts })
 }
 
-fn part(part: &SectionPart) -> Option<Value> {
-    Some(match part {
+fn part(part: &SectionPart) -> Result<Option<Value>, ReportError> {
+    Ok(Some(match part {
         SectionPart::Text(text) => context! { what => "text", text },
         SectionPart::Table(table, most) => context! { what => "table", table => html_value(table.page(*most)) },
-        SectionPart::Quiet(_) => return None,
-        SectionPart::Chart(chart) => context! { what => "chart", chart => html_value(chart) },
+        SectionPart::Quiet(_) => return Ok(None),
+        SectionPart::Chart(chart) => context! { what => "chart", chart => self::chart(chart)? },
         SectionPart::Matrices(matrices) => context! { what => "matrices", matrices => html_value(matrices) },
         SectionPart::Findings(views) => context! { what => "findings", findings => html_value(views) },
+    }))
+}
+
+/// A chart: what plotly draws, and what is printed or saved instead.
+fn chart(chart: &Chart) -> Result<Value, ReportError> {
+    Ok(context! {
+        id => &chart.id,
+        stem => chart.stem(),
+        caption => &chart.caption,
+        height => chart.height,
+        half => chart.half,
+        spec => html_value(plotly::spec(chart)),
+        svg => STANDARD.encode(svg(chart).map_err(ReportError::Drawing)?),
+        csv => STANDARD.encode(csv(chart)?),
     })
 }

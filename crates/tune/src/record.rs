@@ -72,7 +72,7 @@ pub const COLUMNS: [&str; 41] = [
 const TABLE: &str = "candidates.csv";
 const ABOUT: &str = "tune.json";
 /// The files of a search.
-const FILES: [&str; 4] = [TABLE, ABOUT, "tune.md", "tolerances.toml"];
+const FILES: [&str; 5] = [TABLE, ABOUT, "tune.md", "tune.tex", "tolerances.toml"];
 
 /// The content of `tune.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -153,7 +153,7 @@ impl SearchRecord {
         Ok(self.directory.write(TABLE, FileKind::Table, &bytes)?)
     }
 
-    /// Writes `tune.md` or `tolerances.toml`, beside its final name first.
+    /// Writes `tune.md`, `tune.tex` or `tolerances.toml`, beside its final name first.
     ///
     /// # Errors
     /// When it cannot be written.

@@ -55,9 +55,12 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
     )?;
     writeln!(out, "- every rule of SPEC section 3, exactly\n")?;
     writeln!(out, "## What each would do\n")?;
-    match best {
-        0 => sides(out, &[("author, and recommended", &evaluated[0])])?,
-        _ => sides(out, &[("author", &evaluated[0]), ("recommended", &evaluated[best])])?,
+    if let Some((columns, rows)) = sides(search) {
+        writeln!(out, "| {} |", columns.join(" | ").trim_start())?;
+        writeln!(out, "| --- |{}", " --: |".repeat(columns.len() - 1))?;
+        for row in rows {
+            writeln!(out, "| {} |", row.join(" | "))?;
+        }
     }
     if best != 0 {
         compare(out, &evaluated[best].measurement, &author.measurement)?;
@@ -99,58 +102,59 @@ fn part(cluster: &Cluster) -> String {
     format!("{blocks} ({} contacts, {} unknowns; {held})", cluster.contacts, cluster.unknowns())
 }
 
-/// Everything that was measured, a column for each set.
-fn sides(out: &mut String, sets: &[(&str, &EvaluatedCandidate)]) -> std::fmt::Result {
-    let row = |out: &mut String, name: &str, cell: fn(&EvaluatedCandidate) -> String| {
-        let cells: Vec<String> = sets.iter().map(|(_, evaluated)| cell(evaluated)).collect();
-        writeln!(out, "| {name} | {} |", cells.join(" | "))
+/// Everything that was measured of the author's set and the one recommended, or of the author's alone where that is the best: names of the columns, the first
+/// of them empty, and rows. Nothing where nothing was tried.
+pub fn sides(search: &Search<'_>) -> Option<(Vec<&'static str>, Vec<Vec<String>>)> {
+    let evaluated = search.tried();
+    let (best, author) = (search.best()?, evaluated.first()?);
+    let sets = match best {
+        0 => vec![("author, and recommended", author)],
+        _ => vec![("author", author), ("recommended", &evaluated[best])],
     };
-    let names: Vec<&str> = sets.iter().map(|(name, _)| *name).collect();
-    writeln!(out, "| | {} |", names.join(" | "))?;
-    writeln!(out, "| --- |{}", " --: |".repeat(names.len()))?;
-    let numbers = |out: &mut String, name: &str, at: usize| {
-        let cells: Vec<String> = sets.iter().map(|(_, evaluated)| value(&evaluated.set, at)).collect();
-        writeln!(out, "| {name} | {} |", cells.join(" | "))
+    let columns = [""].into_iter().chain(sets.iter().map(|(name, _)| *name)).collect();
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut row = |name: &str, cell: &dyn Fn(&EvaluatedCandidate) -> String| {
+        let cells = sets.iter().map(|(_, evaluated)| cell(evaluated));
+        rows.push([name.to_owned()].into_iter().chain(cells).collect());
     };
     for (at, name) in NAMES.into_iter().enumerate() {
-        numbers(out, name, at)?;
+        row(name, &|evaluated| value(&evaluated.set, at));
     }
-    row(out, "criteria", |evaluated| evaluated.set.criteria.name().to_owned())?;
-    row(out, "overlaps of the model too deep or unseen", |evaluated| evaluated.measurement.lost_pairs.to_string())?;
-    row(out, "rules broken", |evaluated| evaluated.measurement.violated.len().to_string())?;
-    row(out, "the nearest rule is met", |evaluated| format!("{:.2} times", evaluated.measurement.tightest.factor))?;
-    row(out, "pairs that differ as they stand", |evaluated| of(evaluated.measurement.differences.standing))?;
-    row(out, "moved at random", |evaluated| of(evaluated.measurement.differences.moved))?;
-    row(out, "beside a boundary", |evaluated| of(evaluated.measurement.differences.near))?;
-    row(out, "on a boundary", |evaluated| of(evaluated.measurement.differences.boundary))?;
-    row(out, "contacts that tolerances change", |evaluated| evaluated.measurement.differences.changed.to_string())?;
-    row(out, "steps made", |evaluated| evaluated.measurement.steps_measured.steps.to_string())?;
-    row(out, "unconverged, attempts given up", |evaluated| {
+    row("criteria", &|evaluated| evaluated.set.criteria.name().to_owned());
+    row("overlaps of the model too deep or unseen", &|evaluated| evaluated.measurement.lost_pairs.to_string());
+    row("rules broken", &|evaluated| evaluated.measurement.violated.len().to_string());
+    row("the nearest rule is met", &|evaluated| format!("{:.2} times", evaluated.measurement.tightest.factor));
+    row("pairs that differ as they stand", &|evaluated| of(evaluated.measurement.differences.standing));
+    row("moved at random", &|evaluated| of(evaluated.measurement.differences.moved));
+    row("beside a boundary", &|evaluated| of(evaluated.measurement.differences.near));
+    row("on a boundary", &|evaluated| of(evaluated.measurement.differences.boundary));
+    row("contacts that tolerances change", &|evaluated| evaluated.measurement.differences.changed.to_string());
+    row("steps made", &|evaluated| evaluated.measurement.steps_measured.steps.to_string());
+    row("unconverged, attempts given up", &|evaluated| {
         format!(
             "{}, {}",
             evaluated.measurement.steps_measured.unconverged, evaluated.measurement.steps_measured.retries
         )
-    })?;
-    row(out, "some pair sinks by", |evaluated| {
-        format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.sunk)
-    })?;
-    row(out, "deepest overlap after the last", |evaluated| {
+    });
+    row("some pair sinks by", &|evaluated| format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.sunk));
+    row("deepest overlap after the last", &|evaluated| {
         format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.deepest)
-    })?;
-    row(out, "the same by the oracle", |evaluated| {
+    });
+    row("the same by the oracle", &|evaluated| {
         let deepest = evaluated.measurement.lockstep.as_ref().and_then(|lockstep| lockstep.deepest);
         deepest.map_or("–".to_owned(), |deepest| format!("{deepest:.3e} m"))
-    })?;
-    row(out, "steps that differ from the oracle's", |evaluated| lockstep(&evaluated.measurement))?;
-    row(out, "contacts, modes that differ in them", |evaluated| {
+    });
+    row("steps that differ from the oracle's", &|evaluated| lockstep(&evaluated.measurement));
+    row("contacts, modes that differ in them", &|evaluated| {
         let lockstep = evaluated.measurement.lockstep.as_ref();
         lockstep.map_or("–".to_owned(), |l| {
             format!("{}, {} of {} ({:.1} %)", l.contacts, l.modes, l.found, 100.0 * l.share())
         })
-    })?;
-    row(out, "steps that one side could not make", |evaluated| {
+    });
+    row("steps that one side could not make", &|evaluated| {
         evaluated.measurement.lockstep.as_ref().map_or("–".to_owned(), |lockstep| lockstep.failed.to_string())
-    })
+    });
+    Some((columns, rows))
 }
 
 /// The tolerances of [`sides`], in the order of [`ToleranceSet::numbers`].

@@ -31,12 +31,14 @@
   }
 
   // Colours: names like $series0 stand for the theme's.
-  const color = name => getComputedStyle(root).getPropertyValue("--" + name).trim();
-  function painted(value) {
+  const colorsOf = element => name => getComputedStyle(element).getPropertyValue("--" + name).trim();
+  const color = colorsOf(root);
+  const onPaper = colorsOf(document.getElementById("paper"));
+  function painted(value, color) {
     if (value === "$scale") return [[0, color("scale0")], [.5, color("scale1")], [1, color("scale2")]];
     if (typeof value === "string" && value[0] === "$") return color(value.slice(1));
-    if (Array.isArray(value)) return typeof value[0] === "object" ? value.map(painted) : value;
-    if (value && typeof value === "object") return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, painted(v)]));
+    if (Array.isArray(value)) return typeof value[0] === "object" ? value.map(part => painted(part, color)) : value;
+    if (value && typeof value === "object") return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, painted(v, color)]));
     return value;
   }
 
@@ -61,7 +63,7 @@
     const { data, layout } = JSON.parse(figure.querySelector("script").textContent);
     if (layout.wide) plot.style.minWidth = layout.wide + "px";
     const narrow = plot.clientWidth < 500;
-    await library("cartesian").react(plot, painted(data), painted(layoutOf(layout, narrow)), config);
+    await library("cartesian").react(plot, painted(data, color), painted(layoutOf(layout, narrow), color), config);
     figure.dataset.drawn = "yes";
   }
 
@@ -93,15 +95,17 @@
     const plot = finding.querySelector(".plot");
     const traces = JSON.parse(finding.querySelector("script").textContent);
     const { range, ratio } = stage(traces);
-    const axis = (title, k) => ({ title: { text: title }, range: range[k], gridcolor: color("line"), color: color("muted"), showbackground: false, exponentformat: "power" });
     const camera = plot.layout?.scene?.camera;
-    const layout = {
-      paper_bgcolor: "rgba(0,0,0,0)", margin: { l: 0, r: 0, t: 0, b: 0 }, font: { color: color("text"), size: 11 },
-      scene: { aspectmode: "manual", aspectratio: ratio, xaxis: axis("x, m", 0), yaxis: axis("y, m", 1), zaxis: axis("z, m", 2), ...(camera ? { camera } : {}) },
-      legend: { orientation: "h", y: 0, yanchor: "top" }, hoverlabel: { bgcolor: color("card"), font: { color: color("text") } },
+    const layout = color => {
+      const axis = (title, k) => ({ title: { text: title }, range: range[k], gridcolor: color("line"), color: color("muted"), showbackground: false, exponentformat: "power" });
+      return {
+        paper_bgcolor: "rgba(0,0,0,0)", margin: { l: 0, r: 0, t: 0, b: 0 }, font: { color: color("text"), size: 11 },
+        scene: { aspectmode: "manual", aspectratio: ratio, xaxis: axis("x, m", 0), yaxis: axis("y, m", 1), zaxis: axis("z, m", 2), ...(camera ? { camera } : {}) },
+        legend: { orientation: "h", y: 0, yanchor: "top" }, hoverlabel: { bgcolor: color("card"), font: { color: color("text") } },
+      };
     };
     const plotly = library("gl3d");
-    await plotly.react(plot, painted(traces), layout, config);
+    await plotly.react(plot, painted(traces, color), layout(color), config);
     const at = views.indexOf(finding);
     if (at >= 0) views.splice(at, 1);
     views.push(finding);
@@ -111,9 +115,9 @@
       plotly.purge(old.querySelector(".plot"));
       delete old.dataset.drawn;
     }
-    // Paper cannot be turned: it gets a picture.
+    // Paper cannot be turned, and is white: it gets a picture in the colours of the light theme.
     const still = finding.querySelector(".still");
-    still.src = await plotly.toImage(plot, { format: "png", width: 900, height: 560 });
+    still.src = await plotly.toImage({ data: painted(traces, onPaper), layout: layout(onPaper) }, { format: "png", width: 900, height: 560 });
     finding.dataset.drawn = "yes";
   }
 
@@ -121,6 +125,9 @@
     element.querySelector(".plot").textContent = "This view cannot be drawn here: " + error.message;
     element.dataset.drawn = "failed";
   });
+
+  // The picture that is printed is the one to save, also where the page has been moved away from its files.
+  for (const link of document.querySelectorAll(".save .picture")) link.href = link.closest(".chart").querySelector(".still").src;
 
   // Draw what comes into sight.
   const pending = new Map();

@@ -1,12 +1,11 @@
 //! How often engines are right: by tolerance setting, and by family of pairs.
 
 use super::{Section, SectionPart};
-use crate::chart::{Chart, color, error_bars, heat_map, in_lines};
+use crate::chart::{Chart, ChartAxis, ChartColor, ChartContent, ChartPoint, Curve, HeatMap, height_of_rows};
 use crate::load::{CampaignRun, agreeing_share};
 use crate::table::{Table, TableCell, label};
 use rockproof_campaign::proportion::Proportion;
 use rockproof_differential::agreement::{AgreementCounts, ChainSpan, ComparisonKey};
-use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
@@ -141,32 +140,24 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
         }
     }
     let settings = chosen(&least);
-    let data = curves.iter().enumerate().map(|(number, (name, of))| {
-        let of: Vec<&(String, Proportion)> = of.iter().filter(|(setting, _)| settings.contains(setting)).collect();
-        let shares: Vec<Proportion> = of.iter().map(|(_, share)| *share).collect();
-        json!({
-            "type": "scatter", "mode": "markers", "name": name,
-            "y": of.iter().map(|(setting, _)| in_lines(setting).0).collect::<Vec<_>>(),
-            "x": shares.iter().map(|s| s.value * 100.0).collect::<Vec<_>>(),
-            "error_x": error_bars(&shares),
-            "marker": { "size": 9, "color": color(number), "symbol": number % 8 },
-            "hovertemplate": "%{y}: %{x:.2f} %<extra>%{fullData.name}</extra>",
-        })
+    let data = curves.into_iter().enumerate().map(|(number, (name, of))| {
+        let row = |setting: &String| settings.iter().position(|shown| shown == setting);
+        let point = |(setting, share): &(String, Proportion)| {
+            Some(ChartPoint::new(share.value * 100.0, row(setting)? as f64).with_share(share))
+        };
+        let points = of.iter().filter_map(point).collect();
+        Curve { name, color: ChartColor::Series(number), line: None, marker: Some(number), points }
     });
+    let content = ChartContent::Curves(data.collect(), None);
     let caption = match least.len() - settings.len() {
         0 => "Agreement of each engine under each tolerance setting, with 95 % intervals".to_owned(),
         left => format!(
             "Agreement of each engine with 95 % intervals, under the {ENDS} settings where the worse engine's is least beyond chance and the {ENDS} where it is most; the {left} others are in agreement.csv"
         ),
     };
-    let (settings, lines): (Vec<String>, Vec<usize>) = settings.iter().map(|setting| in_lines(setting)).unzip();
-    let height = 110 + (12 + 14 * lines.into_iter().max().unwrap_or(1)) * settings.len().max(2);
-    let layout = json!({
-        "xaxis": { "title": { "text": "pairs answered exactly right, %" }, "range": [0, 101] },
-        "yaxis": { "type": "category", "autorange": "reversed", "categoryorder": "array", "categoryarray": settings },
-        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
-    });
-    Chart::new("chart-agreement", caption, height, data.collect(), layout)
+    let height = 110 + height_of_rows(&settings, 2);
+    let axes = [ChartAxis::linear("pairs answered exactly right, %", [0.0, 101.0]), ChartAxis::names("", settings)];
+    Chart::new("chart-agreement", caption, height, axes, content)
 }
 
 fn families(campaigns: &[CampaignRun]) -> Table {
@@ -210,19 +201,21 @@ fn family_map(campaigns: &[CampaignRun]) -> Chart {
             sums.iter().zip(&columns).map(column).collect()
         })
         .collect();
-    let names: Vec<String> = columns.into_iter().map(|(.., name)| name.replace(", ", "<br>")).collect();
+    let names: Vec<String> = columns.into_iter().map(|(.., name)| name).collect();
     let height = 150 + 24 * families.len();
-    let layout = json!({
-        "yaxis": { "type": "category", "autorange": "reversed" },
-        "xaxis": { "type": "category", "side": "top", "tickangle": -40 },
-        "wide": 70 * names.len() + 140,
-    });
-    let data = vec![heat_map(&names, &families, &shares, false)];
+    let axes = [ChartAxis::names("", names), ChartAxis::names("", families)];
+    let content =
+        ChartContent::Map(HeatMap { percent: in_percent(&shares), colors_from_to: [0.0, 100.0], names_above: true });
     Chart::new(
         "chart-families",
-        "Agreement by family of pairs, in percent: engines first, then what each link leaves as it was",
+        "Agreement by family of pairs, in percent, coloured from 0 to 100: engines first, then what each link leaves as it was",
         height,
-        data,
-        layout,
+        axes,
+        content,
     )
+}
+
+/// Shares in percent.
+pub(super) fn in_percent(shares: &[Vec<Option<f64>>]) -> Vec<Vec<Option<f64>>> {
+    shares.iter().map(|row| row.iter().map(|share| share.map(|share| share * 100.0)).collect()).collect()
 }

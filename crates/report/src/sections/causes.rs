@@ -1,11 +1,10 @@
 //! Why answers differ: causes, changes, and the predicates that decide most findings.
 
 use super::{Section, SectionPart};
-use crate::chart::{Chart, in_lines};
+use crate::chart::{BarSeries, Chart, ChartAxis, ChartColor, ChartContent, height_of_rows};
 use crate::load::CampaignRun;
 use crate::table::{Table, label};
 use rockproof_differential::finding::Cause;
-use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
@@ -26,11 +25,6 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
 /// How many settings the chart shows.
 const MOST: usize = 20;
 
-/// The colour of a cause.
-pub(super) fn color_of(cause: Cause) -> String {
-    format!("$cause{}", Cause::ALL.iter().position(|c| *c == cause).unwrap_or(0))
-}
-
 fn by_setting(campaigns: &[CampaignRun]) -> Chart {
     let mut counts: BTreeMap<Cause, BTreeMap<String, u64>> = BTreeMap::new();
     let mut rows = BTreeSet::new();
@@ -46,27 +40,20 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
     let mut order: Vec<String> = rows.iter().cloned().collect();
     order.sort_by_key(|row| std::cmp::Reverse(sum(row)));
     let left = order.len().saturating_sub(MOST);
-    let rows: BTreeSet<String> = order.into_iter().take(MOST).collect();
-    let data = counts.iter().map(|(cause, counts)| {
-        let shown: Vec<(&String, &u64)> = counts.iter().filter(|(row, _)| rows.contains(*row)).collect();
-        json!({
-            "type": "bar", "orientation": "h", "name": cause.name(), "marker": { "color": color_of(*cause) },
-            "y": shown.iter().map(|(row, _)| in_lines(row).0).collect::<Vec<_>>(), "x": shown.iter().map(|(_, n)| n).collect::<Vec<_>>(),
-            "hovertemplate": "%{y}: %{x:,}<extra>%{fullData.name}</extra>",
-        })
+    let rows: Vec<String> = order.into_iter().take(MOST).collect::<BTreeSet<String>>().into_iter().collect();
+    let series = counts.iter().map(|(cause, counts)| BarSeries {
+        name: cause.name().to_owned(),
+        color: ChartColor::Cause(*cause),
+        counts: rows.iter().map(|row| counts.get(row).copied().unwrap_or(0)).collect(),
     });
-    let (rows, lines): (Vec<String>, Vec<usize>) = rows.iter().map(|row| in_lines(row)).unzip();
-    let layout = json!({
-        "barmode": "stack", "xaxis": { "title": { "text": "findings" } },
-        "yaxis": { "type": "category", "autorange": "reversed", "categoryorder": "array", "categoryarray": rows },
-        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
-    });
-    let height = 130 + (12 + 14 * lines.into_iter().max().unwrap_or(1)) * rows.len();
+    let content = ChartContent::Bars(series.collect());
+    let height = 130 + height_of_rows(&rows, 1);
+    let axes = [ChartAxis::from_zero("findings"), ChartAxis::names("", rows)];
     let caption = match left {
         0 => "Findings by tolerance setting and cause".to_owned(),
         left => format!("Findings by cause, of the {MOST} tolerance settings with the most; {left} more in causes.csv"),
     };
-    Chart::new("chart-causes", caption, height, data.collect(), layout)
+    Chart::new("chart-causes", caption, height, axes, content)
 }
 
 fn changes(campaigns: &[CampaignRun]) -> Table {
@@ -115,19 +102,14 @@ fn predicate_chart(campaigns: &[CampaignRun]) -> Chart {
     order.truncate(15);
     let names: Vec<&str> = order.iter().map(|(name, _)| *name).collect();
     let causes: BTreeSet<Cause> = sums.values().flat_map(BTreeMap::keys).copied().collect();
-    let data = causes.into_iter().map(|cause| {
+    let series = causes.into_iter().map(|cause| {
         let count = |name: &&str| sums.get(name).and_then(|counts| counts.get(&cause)).copied().unwrap_or(0);
-        json!({
-            "type": "bar", "orientation": "h", "name": cause.name(), "marker": { "color": color_of(cause) },
-            "y": names, "x": names.iter().map(count).collect::<Vec<u64>>(),
-            "hovertemplate": "%{y}: %{x:,}<extra>%{fullData.name}</extra>",
-        })
+        let counts = names.iter().map(count).collect();
+        BarSeries { name: cause.name().to_owned(), color: ChartColor::Cause(cause), counts }
     });
-    let layout = json!({
-        "barmode": "stack", "xaxis": { "title": { "text": "findings" } },
-        "yaxis": { "type": "category", "autorange": "reversed", "categoryorder": "array", "categoryarray": names },
-        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
-    });
+    let content = ChartContent::Bars(series.collect());
     let height = 130 + 24 * names.len();
-    Chart::new("chart-predicates", "The predicates that decide most findings, by cause", height, data.collect(), layout)
+    let names = names.iter().map(|name| (*name).to_owned()).collect();
+    let axes = [ChartAxis::from_zero("findings"), ChartAxis::names("", names)];
+    Chart::new("chart-predicates", "The predicates that decide most findings, by cause", height, axes, content)
 }

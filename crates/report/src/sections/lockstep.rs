@@ -1,11 +1,10 @@
 //! Steps of a run made by stepper and oracle from the same states.
 
 use super::{Section, SectionPart};
-use crate::chart::{Chart, color};
-use crate::lockstep::LockstepRun;
+use crate::chart::{Chart, ChartAxis, ChartColor, ChartContent, ChartPoint, Curve, LineStyle};
+use crate::lockstep::{LockstepRun, StepPoint};
 use crate::table::{Table, TableCell, grouped};
 use rockproof_differential::finding::Cause;
-use serde_json::{Value, json};
 
 pub(super) fn section(runs: &[LockstepRun]) -> Section {
     let mut section = Section::new(
@@ -152,33 +151,38 @@ fn differing(runs: &[LockstepRun]) -> Table {
 }
 
 fn penetration(number: usize, run: &LockstepRun) -> Chart {
-    let line = |name: &str, depth: fn(&crate::lockstep::StepPoint) -> Option<f64>, at, dash: &str| -> Value {
-        json!({
-            "type": "scatter", "mode": "lines", "name": name, "line": { "color": color(at), "dash": dash, "width": 2 },
-            "x": run.points.iter().map(|p| p.step).collect::<Vec<_>>(), "y": run.points.iter().map(depth).collect::<Vec<_>>(),
-        })
+    let curve = |name: &str, depth: fn(&StepPoint) -> Option<f64>, at, line| Curve {
+        name: name.to_owned(),
+        color: ChartColor::Series(at),
+        line: Some(line),
+        marker: None,
+        points: run.points.iter().map(|p| ChartPoint::new(p.step as f64, depth(p).unwrap_or(f64::NAN))).collect(),
     };
-    let data = vec![line(&run.engine, |p| p.stepper_m, 0, "solid"), line("oracle", |p| p.oracle_m, 1, "dot")];
-    let layout = json!({
-        "xaxis": { "title": { "text": "step" } }, "yaxis": { "title": { "text": "deepest overlap, m" }, "exponentformat": "power" },
-        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
-    });
-    Chart::new(
-        format!("chart-lockstep-{number}"),
-        format!("{}: deepest overlap after each step", run.name),
-        340,
-        data,
-        layout,
-    )
+    let curves = vec![
+        curve(&run.engine, |p| p.stepper_m, 0, LineStyle::Solid),
+        curve("oracle", |p| p.oracle_m, 1, LineStyle::Dotted),
+    ];
+    let axes = [steps_of(run), ChartAxis::from_zero("deepest overlap, m")];
+    let caption = format!("{}: deepest overlap after each step", run.name);
+    Chart::new(format!("chart-lockstep-{number}"), caption, 340, axes, ChartContent::Curves(curves, None))
 }
 
 fn iterations(number: usize, run: &LockstepRun) -> Chart {
-    let data = vec![json!({
-        "type": "scatter", "mode": "lines", "line": { "shape": "hv", "color": color(2), "width": 2 },
-        "x": run.points.iter().map(|p| p.step).collect::<Vec<_>>(),
-        "y": run.points.iter().map(|p| p.more_iterations).collect::<Vec<_>>(),
-    })];
-    let layout = json!({ "xaxis": { "title": { "text": "step" } }, "yaxis": { "title": { "text": "iterations more than the oracle" } } });
+    let curve = Curve {
+        name: String::new(),
+        color: ChartColor::Series(2),
+        line: Some(LineStyle::Steps),
+        marker: None,
+        points: run.points.iter().map(|p| ChartPoint::new(p.step as f64, p.more_iterations as f64)).collect(),
+    };
+    let axes = [steps_of(run), ChartAxis::from_zero("iterations more than the oracle")];
     let caption = format!("{}: iterations of the stepper less those of the oracle", run.name);
-    Chart::new(format!("chart-iterations-{number}"), caption, 280, data, layout)
+    Chart::new(format!("chart-iterations-{number}"), caption, 280, axes, ChartContent::Curves(vec![curve], None))
+}
+
+/// The axis of a run's steps: from the first to the last, those of settling being negative.
+fn steps_of(run: &LockstepRun) -> ChartAxis {
+    let steps = || run.points.iter().map(|point| point.step as f64);
+    let [first, last] = [steps().fold(f64::INFINITY, f64::min), steps().fold(f64::NEG_INFINITY, f64::max)];
+    if first < last { ChartAxis::linear("step", [first, last]) } else { ChartAxis::from_zero("step") }
 }

@@ -1,13 +1,12 @@
 //! How near to a tie findings are.
 
 use super::{Section, SectionPart};
-use crate::chart::{Chart, color};
+use crate::chart::{BarSeries, Chart, ChartAxis, ChartColor, ChartContent};
 use crate::load::CampaignRun;
 use crate::table::{Table, TableCell, label};
 use crate::tally::Decade;
 use rockproof_differential::finding::Cause;
-use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
     let mut section = Section::new(
@@ -54,24 +53,21 @@ fn table(campaigns: &[CampaignRun]) -> Table {
 }
 
 fn chart(id: &str, title: &str, campaigns: &[CampaignRun], wanted: impl Fn(Cause) -> bool) -> Chart {
-    let mut data: Vec<Value> = Vec::new();
-    let mut decades: BTreeMap<Decade, ()> = BTreeMap::new();
+    let mut series: Vec<(String, &BTreeMap<Decade, u64>)> = Vec::new();
+    let mut decades: BTreeSet<Decade> = BTreeSet::new();
     for campaign in campaigns {
         for ((engine, cause), counts) in campaign.tally.margins.iter().filter(|((_, cause), _)| wanted(*cause)) {
-            decades.extend(counts.keys().map(|decade| (*decade, ())));
-            data.push(json!({
-                "type": "bar", "name": label(campaigns.len(), &campaign.name, &format!("{engine}, {cause}")),
-                "x": counts.keys().map(|decade| name_of(*decade)).collect::<Vec<_>>(),
-                "y": counts.values().collect::<Vec<_>>(), "marker": { "color": color(data.len()) },
-                "hovertemplate": "from %{x}: %{y:,}<extra>%{fullData.name}</extra>",
-            }));
+            decades.extend(counts.keys());
+            series.push((label(campaigns.len(), &campaign.name, &format!("{engine}, {cause}")), counts));
         }
     }
-    let order: Vec<String> = decades.into_keys().map(name_of).collect();
-    let layout = json!({
-        "barmode": "stack", "xaxis": { "type": "category", "categoryorder": "array", "categoryarray": order, "title": { "text": format!("{title}, from") } },
-        "yaxis": { "title": { "text": "findings" } },
-        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    let bars = series.into_iter().enumerate().map(|(number, (name, counts))| BarSeries {
+        name,
+        color: ChartColor::Series(number),
+        counts: decades.iter().map(|decade| counts.get(decade).copied().unwrap_or(0)).collect(),
     });
-    Chart::new(id, format!("Distribution of margins: {title}, by decade"), 380, data, layout)
+    let content = ChartContent::Bars(bars.collect());
+    let order: Vec<String> = decades.into_iter().map(name_of).collect();
+    let axes = [ChartAxis::names(format!("{title}, from"), order), ChartAxis::from_zero("findings")];
+    Chart::new(id, format!("Distribution of margins: {title}, by decade"), 380, axes, content)
 }

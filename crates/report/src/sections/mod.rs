@@ -63,6 +63,14 @@ impl Section {
         self.printed_tables().map(|(table, _)| table)
     }
 
+    /// Its charts.
+    pub fn charts(&self) -> impl Iterator<Item = &Chart> {
+        self.parts.iter().filter_map(|part| match part {
+            SectionPart::Chart(chart) => Some(chart),
+            _ => None,
+        })
+    }
+
     /// Its tables, and how many rows of each are printed at most.
     pub(crate) fn printed_tables(&self) -> impl Iterator<Item = (&Table, usize)> {
         self.parts.iter().filter_map(|part| match part {

@@ -2,12 +2,11 @@
 
 use super::sweep::order;
 use super::{Section, SectionPart};
-use crate::chart::{Chart, color};
+use crate::chart::{Chart, ChartAxis, ChartColor, ChartContent, ChartPoint, Curve, LineStyle};
 use crate::load::{CampaignRun, setting};
 use crate::table::{Table, TableCell, label};
 use rockproof_campaign::steps::summary::{StepCounts, Sum};
 use rockproof_campaign::tolerance_grid::axes_of;
-use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The form of the pairs that are examined under every set.
@@ -152,28 +151,29 @@ fn charts(number: usize, run: &CampaignRun, runs: usize) -> Vec<Chart> {
         .map(|(at, (axis, factors))| {
             let mut factors: Vec<&str> = factors.into_iter().collect();
             factors.sort_by(|one, other| order(one, other));
-            let mut data: Vec<Value> = Vec::new();
+            let mut curves: Vec<Curve> = Vec::new();
             for engine in &engines {
                 for (side, name) in [(0, (*engine).to_owned()), (1, format!("exact ({engine})"))] {
-                    let depth = |factor: &&str| {
-                        let counts = sums.get(&(axis, *factor, *engine))?;
+                    let depth = |factor: &str| {
+                        let counts = sums.get(&(axis, factor, *engine))?;
                         (counts.compared > 0).then(|| mean(counts.depths[side].sum, counts.compared))
                     };
-                    data.push(json!({
-                        "type": "scatter", "mode": "lines+markers", "name": name,
-                        "line": { "color": color(data.len()), "dash": if side == 0 { "solid" } else { "dot" } },
-                        "x": factors, "y": factors.iter().map(depth).collect::<Vec<_>>(),
-                    }));
+                    let place =
+                        |(at, factor): (usize, &&str)| ChartPoint::new(at as f64, depth(factor).unwrap_or(f64::NAN));
+                    curves.push(Curve {
+                        name,
+                        color: ChartColor::Series(curves.len()),
+                        line: Some(if side == 0 { LineStyle::Solid } else { LineStyle::Dotted }),
+                        marker: Some(curves.len()),
+                        points: factors.iter().enumerate().map(place).collect(),
+                    });
                 }
             }
             let words = if axis == "criteria" { "criteria".to_owned() } else { format!("{axis}, times the preset's") };
-            let layout = json!({
-                "xaxis": { "type": "category", "categoryorder": "array", "categoryarray": factors, "title": { "text": words } },
-                "yaxis": { "title": { "text": "mean penetration over half the side" }, "exponentformat": "power" },
-                "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
-            });
+            let factors = factors.into_iter().map(str::to_owned).collect();
+            let axes = [ChartAxis::names(words, factors), ChartAxis::from_zero("mean penetration over half the side")];
             let caption = label(runs, &run.name, &format!("penetration after the same steps, by {axis}"));
-            Chart::new(format!("chart-steps-{number}-{at}"), caption, 340, data, layout)
+            Chart::new(format!("chart-steps-{number}-{at}"), caption, 340, axes, ChartContent::Curves(curves, None))
         })
         .collect()
 }

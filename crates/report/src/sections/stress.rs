@@ -1,13 +1,14 @@
 //! Where floats stop agreeing with the exact answer: the stress set.
 
 use super::{Section, SectionPart};
-use crate::chart::{Chart, engine_color};
+use crate::chart::{
+    Chart, ChartAxis, ChartColor, ChartContent, ChartPoint, Curve as ChartCurve, LineStyle, LogScale, PointLook,
+};
 use crate::stress::{Curve, StressCell, StressLimit, StressRun, StressStep};
 use crate::stress_reach::{Reach, alignment_words, noun, power, reach};
 use crate::table::{Table, TableCell, label, percent};
 use rockproof_campaign::stress::table::{Proof, SAFE_SHARE};
 use rockproof_campaign::stress::{PairAlignment, StressAxis};
-use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn section(runs: &[StressRun]) -> Section {
@@ -210,9 +211,9 @@ fn share_of(cell: &StressCell) -> f64 {
 }
 
 /// The colour of an engine in a run.
-fn color_of(run: &StressRun, engine: &str) -> String {
+fn color_of(run: &StressRun, engine: &str) -> ChartColor {
     let engines: BTreeSet<&str> = run.cells.iter().map(|cell| &*cell.curve.engine).collect();
-    engine_color(engine, engines.iter().position(|known| *known == engine).unwrap_or(0))
+    ChartColor::of_engine(engine, engines.iter().position(|known| *known == engine).unwrap_or(0))
 }
 
 /// The share that differs over the levels of an axis. Nothing lies at 0 on a logarithmic scale: it is drawn at the lower end, marked so.
@@ -236,47 +237,45 @@ fn chart(number: usize, run: &StressRun, axis: StressAxis, runs: usize) -> Optio
     for cell in &of {
         curves.entry(&cell.curve).or_default().push(cell);
     }
-    let data = curves.into_iter().map(|(curve, cells)| {
-        let height: Vec<f64> = cells.iter().map(|cell| (share_of(cell) * 100.0).max(floor)).collect();
-        let up = |(cell, height): (&&StressCell, &f64)| (cell.interval[1] * 100.0 - height).max(0.0);
-        let down = |(cell, height): (&&StressCell, &f64)| height - (cell.interval[0] * 100.0).clamp(floor, *height);
-        let text = |cell: &&StressCell| {
+    let data = curves.into_iter().enumerate().map(|(number, (curve, cells))| {
+        let point = |cell: &&StressCell| {
             let [low, high] = cell.interval.map(percent);
-            format!("{} of {} differ: {} ({low} to {high})", cell.differ, cell.pairs, percent(share_of(cell)))
+            let level = power(&cell.level);
+            ChartPoint {
+                x: levels.iter().position(|known| *known == level).unwrap_or(0) as f64,
+                y: share_of(cell) * 100.0,
+                interval: Some(cell.interval.map(|end| end * 100.0)),
+                look: if cell.differ == 0 { PointLook::Open } else { PointLook::Plain },
+                note: format!(
+                    "{level}: {} of {} differ: {} ({low} to {high})",
+                    cell.differ,
+                    cell.pairs,
+                    percent(share_of(cell))
+                ),
+            }
         };
         let set = if settings.len() > 1 { format!(", {}", curve.setting) } else { String::new() };
-        let symbols: Vec<&str> =
-            cells.iter().map(|cell| if cell.differ == 0 { "circle-open" } else { "circle" }).collect();
-        json!({
-            "type": "scatter", "mode": "lines+markers", "name": format!("{}, {}{set}", curve.engine, alignment_words(curve.form)),
-            "line": { "color": color_of(run, &curve.engine), "dash": if curve.form == PairAlignment::Generic { "solid" } else { "dot" }, "width": 1.5 },
-            "marker": { "size": 7, "symbol": symbols },
-            "x": cells.iter().map(|cell| power(&cell.level)).collect::<Vec<_>>(), "y": height,
-            "error_y": {
-                "type": "data", "symmetric": false, "thickness": 1, "width": 2,
-                "array": cells.iter().zip(&height).map(up).collect::<Vec<_>>(),
-                "arrayminus": cells.iter().zip(&height).map(down).collect::<Vec<_>>(),
-            },
-            "text": cells.iter().map(text).collect::<Vec<_>>(), "hovertemplate": "%{x}: %{text}<extra>%{fullData.name}</extra>",
-        })
+        let generic = curve.form == PairAlignment::Generic;
+        ChartCurve {
+            name: format!("{}, {}{set}", curve.engine, alignment_words(curve.form)),
+            color: color_of(run, &curve.engine),
+            line: Some(if generic { LineStyle::Solid } else { LineStyle::Dotted }),
+            marker: Some(number),
+            points: cells.iter().map(point).collect(),
+        }
     });
-    let ticks: Vec<f64> = (decade..=2).map(|k| 10f64.powi(k)).collect();
-    let words: Vec<String> = std::iter::once("0".to_owned()).chain(ticks.iter().skip(1).map(f64::to_string)).collect();
-    let safe = 100.0 * SAFE_SHARE;
-    let layout = json!({
-        "xaxis": { "type": "category", "categoryorder": "array", "categoryarray": levels, "title": { "text": levels_are(axis) } },
-        "yaxis": {
-            "type": "log", "range": [f64::from(decade) - 0.1, 2.1], "tickvals": ticks, "ticktext": words,
-            "title": { "text": "pairs that differ, %" },
-        },
-        "shapes": [{
-            "type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": safe, "y1": safe, "line": { "color": "$good", "width": 1.5, "dash": "dash" },
-        }],
-        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
-    });
+    let content = ChartContent::Curves(data.collect(), Some(100.0 * SAFE_SHARE));
+    let zero = std::iter::once((floor, "0".to_owned()));
+    let named = (decade + 1..=2).map(|k| (10f64.powi(k), 10f64.powi(k).to_string()));
+    let scale = LogScale {
+        decades: Some([f64::from(decade) - 0.1, 2.1]),
+        zero: Some(floor),
+        ticks: zero.chain(named).collect(),
+    };
+    let axes = [ChartAxis::names(levels_are(axis), levels.clone()), ChartAxis::log("pairs that differ, %", scale)];
     let what = format!("{}: pairs that differ; safe where the interval ends below the dashed line", noun(axis));
     let caption = label(runs, &run.name, &what);
-    Some(Chart::new(format!("chart-stress-{number}-{}", axis.name()), caption, 380, data.collect(), layout))
+    Some(Chart::new(format!("chart-stress-{number}-{}", axis.name()), caption, 380, axes, content))
 }
 
 fn steps_chart(id: String, caption: String, axis: &str, of: &[&StressStep]) -> Chart {
@@ -286,20 +285,13 @@ fn steps_chart(id: String, caption: String, axis: &str, of: &[&StressStep]) -> C
             curves.entry((&step.engine, &step.motion)).or_default().push([step.level, error]);
         }
     }
-    let data: Vec<Value> = curves
-        .iter()
-        .map(|((engine, motion), points)| {
-            json!({
-                "type": "scatter", "mode": "lines+markers", "name": format!("{engine}, {motion}"),
-                "line": { "color": engine_color(engine, 0), "dash": if *motion == "rigid" { "solid" } else { "dot" }, "width": 1.5 },
-                "x": points.iter().map(|p| p[0]).collect::<Vec<_>>(), "y": points.iter().map(|p| p[1]).collect::<Vec<_>>(),
-            })
-        })
-        .collect();
-    let layout = json!({
-        "xaxis": { "type": "log", "title": { "text": axis }, "exponentformat": "power" },
-        "yaxis": { "type": "log", "title": { "text": "relative error" }, "exponentformat": "power" },
-        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    let curves = curves.into_iter().enumerate().map(|(number, ((engine, motion), points))| ChartCurve {
+        name: format!("{engine}, {motion}"),
+        color: ChartColor::of_engine(engine, 0),
+        line: Some(if motion == "rigid" { LineStyle::Solid } else { LineStyle::Dotted }),
+        marker: Some(number),
+        points: points.into_iter().map(|[x, y]| ChartPoint::new(x, y)).collect(),
     });
-    Chart::new(id, caption, 340, data, layout)
+    let axes = [ChartAxis::log(axis, LogScale::default()), ChartAxis::log("relative error", LogScale::default())];
+    Chart::new(id, caption, 340, axes, ChartContent::Curves(curves.collect(), None))
 }

@@ -1,13 +1,13 @@
 //! What each tolerance does: campaigns over a grid of tolerance sets.
 
+use super::agreement::in_percent;
 use super::{Section, SectionPart};
-use crate::chart::{Chart, color, error_bars, heat_map};
+use crate::chart::{Chart, ChartAxis, ChartColor, ChartContent, ChartPoint, Curve, HeatMap, LineStyle};
 use crate::load::{CampaignRun, agreeing_share};
 use crate::table::{Table, TableCell, label};
 use rockproof_campaign::proportion::Proportion;
 use rockproof_campaign::tolerance_grid::axes_of;
 use rockproof_differential::agreement::{AgreementCounts, ChainSpan};
-use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A set of a grid, without the rungs of ladders: axis by axis.
@@ -39,13 +39,19 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
         "Agreement at every point of the grid",
         &["run", "setting", "engine", "compared", "pairs", "agreement", "low", "high"],
     );
+    let least = least_percent(&sweeps);
     for (number, sweep) in sweeps.iter().enumerate() {
         for (at, (axis, factors)) in sweep.axes.iter().enumerate() {
-            section.parts.push(SectionPart::Chart(sweep.lines(number, at, axis, factors, campaigns.len()).half()));
+            section
+                .parts
+                .push(SectionPart::Chart(sweep.lines([number, at], axis, factors, least, campaigns.len()).half()));
         }
         for (one, other) in pairs_of(sweep.axes.len()) {
             section.parts.extend(
-                sweep.maps(number, one, other, campaigns.len()).into_iter().map(|map| SectionPart::Chart(map.half())),
+                sweep
+                    .maps(number, [one, other], least, campaigns.len())
+                    .into_iter()
+                    .map(|map| SectionPart::Chart(map.half())),
             );
         }
         for ((span, engine), points) in &sweep.curves {
@@ -65,6 +71,15 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
 /// The first few pairs of axes: more maps than these nobody reads.
 fn pairs_of(axes: usize) -> Vec<(usize, usize)> {
     (0..axes).flat_map(|one| (one + 1..axes).map(move |other| (one, other))).take(3).collect()
+}
+
+/// Where the axes and colours of all charts of the sweeps begin, in percent: a round number below whatever they show, so that shares are compared from
+/// chart to chart.
+fn least_percent(sweeps: &[Sweep<'_>]) -> f64 {
+    let sums = sweeps.iter().flat_map(|sweep| sweep.curves.values().flatten());
+    let shares = sums.filter_map(|(_, sums)| agreeing_share(sums));
+    let least = shares.map(|share| share.low * 100.0).fold(100.0, f64::min);
+    [99.0, 98.0, 95.0, 90.0, 80.0, 60.0].into_iter().find(|round| *round <= least).unwrap_or(0.0)
 }
 
 /// Factors are numbers, criteria are words.
@@ -120,34 +135,31 @@ impl<'r> Sweep<'r> {
         if span == ChainSpan::Whole { engine.to_owned() } else { format!("{span} ({engine})") }
     }
 
-    fn lines(&self, number: usize, at: usize, axis: &str, factors: &[&str], runs: usize) -> Chart {
-        let mut data: Vec<Value> = Vec::new();
-        for ((span, engine), points) in &self.curves {
-            let of: Vec<(&str, Proportion)> = factors
-                .iter()
-                .filter_map(|factor| Some((*factor, agreeing_share(&Self::sums(points, &[(axis, factor)]))?)))
-                .collect();
-            let shares: Vec<Proportion> = of.iter().map(|(_, share)| *share).collect();
-            let name = Self::curve_name(*span, engine);
-            data.push(json!({
-                "type": "scatter", "mode": "lines+markers", "name": name, "error_y": error_bars(&shares),
-                "line": { "color": color(data.len()), "dash": if *span == ChainSpan::Whole { "solid" } else { "dot" } },
-                "x": of.iter().map(|(factor, _)| factor).collect::<Vec<_>>(),
-                "y": shares.iter().map(|share| share.value * 100.0).collect::<Vec<_>>(),
-                "hovertemplate": "×%{x}: %{y:.2f} %<extra>%{fullData.name}</extra>",
-            }));
-        }
-        let words = if axis == "criteria" { "criteria".to_owned() } else { format!("{axis}, times the preset's") };
-        let layout = json!({
-            "xaxis": { "type": "category", "categoryorder": "array", "categoryarray": factors, "title": { "text": words } },
-            "yaxis": { "title": { "text": "pairs, %" }, "rangemode": "normal" },
-            "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
+    fn lines(&self, ids: [usize; 2], axis: &str, factors: &[&str], least: f64, runs: usize) -> Chart {
+        let curves = self.curves.iter().enumerate().map(|(at, ((span, engine), points))| {
+            let place = |(at, factor): (usize, &&str)| {
+                let share = agreeing_share(&Self::sums(points, &[(axis, factor)]))?;
+                Some(ChartPoint::new(at as f64, share.value * 100.0).with_share(&share))
+            };
+            let line = if *span == ChainSpan::Whole { LineStyle::Solid } else { LineStyle::Dotted };
+            Curve {
+                name: Self::curve_name(*span, engine),
+                color: ChartColor::Series(at),
+                line: Some(line),
+                marker: Some(at),
+                points: factors.iter().enumerate().filter_map(place).collect(),
+            }
         });
+        let content = ChartContent::Curves(curves.collect(), None);
+        let words = if axis == "criteria" { "criteria".to_owned() } else { format!("{axis}, times the preset's") };
+        let factors = factors.iter().map(|factor| (*factor).to_owned()).collect();
+        let axes = [ChartAxis::names(words, factors), ChartAxis::linear("pairs, %", [least, 100.5])];
+        let [number, at] = ids;
         let caption = label(runs, &self.run.name, &format!("pairs whose contacts stay what they are, by {axis}"));
-        Chart::new(format!("chart-sweep-{number}-{at}"), caption, 380, data, layout)
+        Chart::new(format!("chart-sweep-{number}-{at}"), caption, 380, axes, content)
     }
 
-    fn maps(&self, number: usize, one: usize, other: usize, runs: usize) -> Vec<Chart> {
+    fn maps(&self, number: usize, [one, other]: [usize; 2], least: f64, runs: usize) -> Vec<Chart> {
         let ((x_axis, x), (y_axis, y)) = (&self.axes[one], &self.axes[other]);
         let mut charts = Vec::new();
         for (at, ((span, engine), points)) in self.curves.iter().enumerate() {
@@ -158,15 +170,21 @@ impl<'r> Sweep<'r> {
                     x.iter().map(|fx| share(fx).map(|share| share.value)).collect()
                 })
                 .collect();
-            let names = |factors: &[&str]| factors.iter().map(|f| (*f).to_owned()).collect::<Vec<_>>();
-            let layout = json!({
-                "xaxis": { "type": "category", "title": { "text": (*x_axis).to_owned() } },
-                "yaxis": { "type": "category", "title": { "text": (*y_axis).to_owned() } },
-            });
-            let what = format!("{}: {x_axis} against {y_axis}, percent of pairs", Self::curve_name(*span, engine));
+            let names = |title: &str, factors: &[&str]| {
+                ChartAxis::names(title, factors.iter().map(|factor| (*factor).to_owned()).collect())
+            };
+            let axes = [names(x_axis, x), names(y_axis, y)];
+            let what = format!(
+                "{}: {x_axis} against {y_axis}, percent of pairs, coloured from {least} to 100",
+                Self::curve_name(*span, engine)
+            );
             let id = format!("chart-sweep-{number}-{one}-{other}-{at}");
-            let data = vec![heat_map(&names(x), &names(y), &shares, true)];
-            charts.push(Chart::new(id, label(runs, &self.run.name, &what), 130 + 36 * y.len(), data, layout));
+            let content = ChartContent::Map(HeatMap {
+                percent: in_percent(&shares),
+                colors_from_to: [least, 100.0],
+                names_above: false,
+            });
+            charts.push(Chart::new(id, label(runs, &self.run.name, &what), 130 + 36 * y.len(), axes, content));
         }
         charts
     }

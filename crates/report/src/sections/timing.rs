@@ -1,11 +1,10 @@
 //! Run time against error.
 
 use super::{Section, SectionPart};
-use crate::chart::{Chart, engine_color};
+use crate::chart::{Chart, ChartAxis, ChartColor, ChartContent, ChartPoint, Curve, LineStyle, LogScale, PointLook};
 use crate::stress_reach::power;
 use crate::table::{Table, TableCell, short};
 use crate::timing::{Measurement, TimingRun};
-use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
 pub(super) fn section(runs: &[TimingRun]) -> Section {
@@ -57,51 +56,59 @@ fn chart(id: String, run: &TimingRun, case: &str) -> Chart {
     let [low, high] = if least.is_finite() { [least.log10().floor(), most.log10().ceil()] } else { [0.0, 0.0] };
     let bottom = if exact { low - 1.0 } else { low };
     let floor = 10f64.powf(bottom);
-    let height = |m: &&Measurement| if m.error > 0.0 { m.error } else { floor };
     let text = |m: &&Measurement| {
-        let step = m.time_step_s.map_or(String::new(), |dt| format!(", Δt {dt:?} s"));
         let error = if m.error == 0.0 { "exact".to_owned() } else { format!("error {:.3e}", m.error) };
-        format!("{} {}{step}: {} µs, {error}", m.engine, m.tolerances, short(m.seconds * 1e6))
+        format!("{}: {} µs, {error}", set_up(m), short(m.seconds * 1e6))
+    };
+    let point = |m: &&Measurement| ChartPoint {
+        x: m.seconds * 1e6,
+        y: m.error,
+        interval: None,
+        look: if m.efficient { PointLook::Ringed(text(m)) } else { PointLook::Plain },
+        note: text(m),
     };
     // Of the whole run, so that an engine looks the same in every chart.
     let engines: BTreeSet<&str> = run.measurements.iter().map(|m| &*m.engine).collect();
-    let mut data: Vec<Value> = Vec::new();
+    let mut curves: Vec<Curve> = Vec::new();
     for (at, engine) in engines.into_iter().enumerate() {
-        let of: Vec<&Measurement> = of.iter().filter(|m| m.engine == engine).copied().collect();
-        if of.is_empty() {
-            continue;
+        let mut of: Vec<&Measurement> = of.iter().filter(|m| m.engine == engine).copied().collect();
+        of.sort_by(|m, n| m.seconds.total_cmp(&n.seconds));
+        if !of.is_empty() {
+            curves.push(Curve {
+                name: engine.to_owned(),
+                color: ChartColor::of_engine(engine, at),
+                line: None,
+                marker: Some(at),
+                points: of.iter().map(point).collect(),
+            });
         }
-        let rings: Vec<f64> = of.iter().map(|m| if m.efficient { 2.5 } else { 0.0 }).collect();
-        data.push(json!({
-            "type": "scatter", "mode": "markers", "name": engine,
-            "marker": { "size": 10, "color": engine_color(engine, at), "symbol": at % 8, "line": { "color": "$text", "width": rings } },
-            "x": of.iter().map(|m| m.seconds * 1e6).collect::<Vec<_>>(), "y": of.iter().map(height).collect::<Vec<_>>(),
-            "text": of.iter().map(text).collect::<Vec<_>>(), "hovertemplate": "%{text}<extra></extra>",
-        }));
     }
     let mut front: Vec<&Measurement> = of.iter().filter(|m| m.efficient).copied().collect();
     front.sort_by(|m, n| m.seconds.total_cmp(&n.seconds));
-    data.push(json!({
-        "type": "scatter", "mode": "lines", "name": "efficient", "line": { "shape": "hv", "color": "$muted", "width": 1.5, "dash": "dash" },
-        "x": front.iter().map(|m| m.seconds * 1e6).collect::<Vec<_>>(), "y": front.iter().map(height).collect::<Vec<_>>(), "hoverinfo": "skip",
-    }));
+    curves.push(Curve {
+        name: "efficient".to_owned(),
+        color: ChartColor::Muted,
+        line: Some(LineStyle::DashedSteps),
+        marker: None,
+        points: front.iter().map(|m| ChartPoint::new(m.seconds * 1e6, m.error)).collect(),
+    });
     let error_of = of.first().map_or("", |m| m.error_of.as_str());
     // At most eight decades are named; what is exact lies one below the least.
     let every = (((high - low) / 8.0).ceil() as usize).max(1);
     let named = (low as i32..=high as i32).rev().step_by(every);
-    let (mut ticks, mut words): (Vec<f64>, Vec<String>) =
-        named.map(|k| (10f64.powi(k), power(&format!("1e{k}")))).unzip();
+    let mut ticks: Vec<(f64, String)> = named.map(|k| (10f64.powi(k), power(&format!("1e{k}")))).collect();
     if exact {
-        ticks.push(floor);
-        words.push("0".to_owned());
+        ticks.push((floor, "0".to_owned()));
     }
-    let layout = json!({
-        "xaxis": { "type": "log", "title": { "text": "time for a step or a pair, µs" }, "exponentformat": "power", "dtick": 1 },
-        "yaxis": {
-            "type": "log", "title": { "text": if error_of.is_empty() { "error".to_owned() } else { format!("error: {error_of}") } },
-            "tickvals": ticks, "ticktext": words, "range": [bottom - 0.3, high.max(bottom + 1.0) + 0.3],
-        },
-        "legend": { "orientation": "h", "y": 1.02, "yanchor": "bottom" },
-    });
-    Chart::new(id, format!("{case}: run time against error"), 380, data, layout)
+    let errors = LogScale { decades: Some([bottom - 0.3, high.max(bottom + 1.0) + 0.3]), zero: Some(floor), ticks };
+    let title = if error_of.is_empty() { "error".to_owned() } else { format!("error: {error_of}") };
+    let axes = [ChartAxis::log("time for a step or a pair, µs", LogScale::default()), ChartAxis::log(title, errors)];
+    let content = ChartContent::Curves(curves, None);
+    Chart::new(id, format!("{case}: run time against error"), 380, axes, content)
+}
+
+/// What was measured: the engine, its tolerances, and its Δt where it has one.
+fn set_up(m: &Measurement) -> String {
+    let step = m.time_step_s.map_or(String::new(), |dt| format!(", Δt {dt:?} s"));
+    format!("{}, {}{step}", m.engine, m.tolerances)
 }
