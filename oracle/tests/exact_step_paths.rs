@@ -1,6 +1,8 @@
 //! Parts of the exact step that the closed forms of `exact_step` leave out: edges that cross, roles exchanged, fixed
-//! points, loads over time, initial stress, cuts of Δt, irrational friction; and what exchanging, moving, scaling and
+//! points, loads over time, initial stress, inverted blocks, cuts of Δt, irrational friction; and what exchanging, moving, scaling and
 //! turning a scene may not change.
+
+// Longer than 400 lines: one closed form after another, each on a scene of its own.
 
 mod support;
 
