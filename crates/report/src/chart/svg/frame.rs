@@ -57,7 +57,7 @@ impl<'c> Frame<'c> {
             };
             axis.ticks().into_iter().map(label).collect()
         };
-        let x_labels = labels(&x, |name| vec![name.to_owned()]);
+        let mut x_labels = labels(&x, |name| vec![name.to_owned()]);
         let y_labels = labels(&y, in_lines);
         let widest = |labels: &[TickLabel]| labels.iter().map(|label| label.width).fold(0.0, f64::max);
         let x_above = matches!(&chart.content, ChartContent::Map(map) if map.names_above);
@@ -74,6 +74,11 @@ impl<'c> Frame<'c> {
         }
         x.pixels = [left, right];
         let x_turned = x_above || chart.x.as_names().is_some() && widest(&x_labels) > x.slot() - 4.0;
+        if x_turned {
+            // Where turned names would still overlap, every second one is left out, or more.
+            let every = (turned_distance() / x.slot()).ceil().max(1.0) as usize;
+            x_labels = x_labels.into_iter().step_by(every).collect();
+        }
         let names_down = if x_turned { down } else { LINE };
         let (legend, rows) = legend_places(&content::legend_names(chart), left.min(90.0), width - PAD);
         let top = PAD + rows as f64 * LEGEND_LINE + if rows > 0 { 6.0 } else { 0.0 } + if x_above { down } else { 0.0 };
@@ -149,6 +154,11 @@ impl<'c> Frame<'c> {
 fn turned_size(width: f64) -> (f64, f64) {
     let (sine, cosine) = TURNED.to_radians().abs().sin_cos();
     (width * cosine + FONT * sine, width * sine + FONT * cosine + 6.0)
+}
+
+/// How far turned names beside one another must be apart along the axis.
+fn turned_distance() -> f64 {
+    LINE / TURNED.to_radians().abs().sin()
 }
 
 /// Where the entries of a legend begin, and how many lines they take.

@@ -187,6 +187,23 @@ mod tests {
     }
 
     #[test]
+    fn names_below_do_not_overlap() {
+        for count in [2, 20, 80, 300] {
+            let decades: Vec<String> = (0..count).map(|n| format!("1e-{n}")).collect();
+            let bars = vec![BarSeries { name: "a".to_owned(), color: ChartColor::Muted, counts: vec![1; count] }];
+            let axes = [ChartAxis::names("margin", decades), ChartAxis::from_zero("findings")];
+            let text =
+                svg(&Chart::new("chart-decades", "decades", 380, axes, ChartContent::Bars(bars))).expect("drawn");
+            let document = roxmltree::Document::parse(&text).expect("XML");
+            let words = document.descendants().filter(|node| node.has_tag_name("text"));
+            let names = words.filter(|node| node.text().is_some_and(|text| text.starts_with("1e-")));
+            let places: Vec<f64> = names.map(|node| numbers(node.attribute("x").expect("a place"))[0]).collect();
+            let least = places.windows(2).map(|two| two[1] - two[0]).fold(f64::INFINITY, f64::min);
+            assert!(places.len() >= count.min(20) && least > 14.0, "{count} names: {} {least} px apart", places.len());
+        }
+    }
+
+    #[test]
     fn values_are_those_that_are_shown() {
         let values = |id: &str| {
             let all = charts();
