@@ -26,6 +26,15 @@ fn all_paths_agree_at_full_size() {
     agree(24);
 }
 
+/// A pair of the comparison of ten million: the foot of a vertex lies exactly on an edge of a concave face, at whose level the vertex is.
+#[test]
+fn a_foot_on_a_reentrant_edge_is_not_inside() {
+    let batch =
+        compare_batch(PATHS, (77, 2_405_691 / 16), &PairConfig::default(), SlowPaths { plain: true, gmp: true });
+    assert_eq!(batch.family, "concave_notch");
+    assert!(batch.disagreements.is_empty(), "{:?}", batch.disagreements);
+}
+
 fn agree(batches: u64) {
     let (config, mut totals) = (PairConfig::default(), Totals::default());
     for number in 0..batches {

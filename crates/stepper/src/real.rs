@@ -63,6 +63,9 @@ pub trait Real:
     /// `self < other`, not counted as a decision: for culling with slack and for choosing between equivalent ways.
     fn below(self, other: Self) -> bool;
 
+    /// `self < other` for certain, not counted as a decision: of `Wide` both balls, of floats as [`Real::below`].
+    fn surely_below(self, other: Self) -> bool;
+
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
 
@@ -118,6 +121,10 @@ macro_rules! real_float {
                 self < other
             }
             #[inline]
+            fn surely_below(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline]
             fn is_finite(self) -> bool {
                 <$type>::is_finite(self)
             }
@@ -161,6 +168,9 @@ impl Real for Wide {
     }
     fn below(self, other: Self) -> bool {
         self.middle_below(other)
+    }
+    fn surely_below(self, other: Self) -> bool {
+        self.surely_below(other)
     }
     fn is_finite(self) -> bool {
         self.is_known()

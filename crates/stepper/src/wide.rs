@@ -167,6 +167,12 @@ impl Wide {
         difference.is_known() && difference.negative && !difference.significand.is_zero_vartime()
     }
 
+    /// Whether every value of the ball is below every value of the other's. Not counted.
+    pub fn surely_below(self, other: Wide) -> bool {
+        let difference = self - other;
+        difference.middle_below(Wide::EXACT_ZERO) && difference.is_settled()
+    }
+
     /// The square root; unknown for a negative number.
     #[must_use]
     pub fn root(self) -> Wide {

@@ -80,7 +80,9 @@ fn winds_around<R: Real, M: ContactRules>(at: Vector<R>, solid: &PreparedBlock<R
     for (k, &e) in topology.face_edges(f).iter().enumerate() {
         let end = corners.get(k + 1).map_or(first, |&corner| level(corner));
         let (from_above, to_above) = (R::ZERO.below(start), R::ZERO.below(end));
-        let misses_level = (from_above && to_above) || (start.below(R::ZERO) && end.below(R::ZERO));
+        // Where an edge may lie at the point's own level, its side is asked: the point may be on it.
+        let misses_level = (R::ZERO.surely_below(start) && R::ZERO.surely_below(end))
+            || (start.surely_below(R::ZERO) && end.surely_below(R::ZERO));
         start = end;
         if misses_level {
             continue;
@@ -99,7 +101,8 @@ fn winds_around<R: Real, M: ContactRules>(at: Vector<R>, solid: &PreparedBlock<R
 /// For a point on an edge's line: whether it is on the edge, ends included.
 fn is_between_ends<R: Real>(at: Vector<R>, solid: &PreparedBlock<R>, e: EdgeId) -> bool {
     let ridge = solid.edge(e);
-    !(at - ridge.p).dot(ridge.direction).below(R::ZERO) && !R::ZERO.below((at - ridge.q).dot(ridge.direction))
+    !(at - ridge.p).dot(ridge.direction).surely_below(R::ZERO)
+        && !R::ZERO.surely_below((at - ridge.q).dot(ridge.direction))
 }
 
 /// A direction across `normal`, without rounding: the cross product with the axis it leans to least.
