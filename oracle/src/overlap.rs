@@ -204,6 +204,26 @@ mod tests {
     }
 
     #[test]
+    fn convex_polygons_are_known_whichever_way_they_go_round() {
+        let corners = [[-3, 1], [2, -2], [4, 0], [4, 3], [-1, 4]];
+        let pentagon = polygon(&corners, (0, 1));
+        let counterclockwise: Vec<&Flat> = pentagon.iter().collect();
+        let backwards: Vec<Flat> = pentagon.iter().rev().cloned().collect();
+        assert_eq!(convex(&pentagon), Some(counterclockwise.clone()));
+        assert_eq!(convex(&backwards), Some(counterclockwise));
+        // A corner in line with its neighbours bends nothing.
+        let straight = polygon(&[[-1, -1], [0, -1], [1, -1], [1, 1], [-1, 1]], (0, 1));
+        assert_eq!(convex(&straight).map(|corners| corners.len()), Some(5));
+        for notch in [[1, 1], [-1, 2]] {
+            let mut bent = corners.to_vec();
+            bent.insert(4, notch);
+            assert_eq!(convex(&polygon(&bent, (0, 1))), None);
+            bent.reverse();
+            assert_eq!(convex(&polygon(&bent, (0, 1))), None);
+        }
+    }
+
+    #[test]
     fn overlaps_worked_by_hand_come_out_turned_and_reversed() {
         let square = polygon(&[[0, 0], [1, 0], [1, 1], [0, 1]], (0, 1));
         let shifted = polygon(&[[0, 0], [1, 0], [1, 1], [0, 1]], (1, 3));

@@ -1,6 +1,8 @@
 //! The audit of overlaps: ties, which are none, hand-worked blocks that are not convex, what contacts see, and random pairs
 //! beside plain rational searches: of all directions for convex pairs, of pieces cut by hand for others.
 
+// Longer than 400 lines: blocks worked out by hand and the plain searches that hold the audit for random ones.
+
 mod support;
 
 use num_rational::BigRational;
@@ -85,16 +87,17 @@ fn blocks_that_touch_do_not_overlap() {
         (plus_sign(), plus_sign().translated(&point(["2", "1", "0"]))),
         (plus_sign(), cuboid(["2", "-1", "0"], ["3", "1", "1"])),
     ];
-    let little = exact("1/1000000000");
     for (k, (a, b)) in touching.into_iter().enumerate() {
         assert!(!overlaps(&a, &b), "case {k}");
         assert!(!brute_force(&a, &b), "case {k}");
-        // Moved by a little towards each other along one of the diagonals, they do.
-        let shifts = (0..8).map(|bits: u32| {
-            let sign = |bit: u32| if bits >> bit & 1 == 0 { little.clone() } else { -little.clone() };
-            Vec3::new(sign(0), sign(1), sign(2)).map(|c| Number::from_rational(c.clone()))
-        });
-        assert!(shifts.map(|by| b.translated(&by)).any(|moved| overlaps(&a, &moved)), "case {k}");
+        // Moved by a little towards each other along one of the diagonals, they do, also where no f64 tells.
+        for little in ["1/1000000000", "1/10000000000000000000000000"].map(exact) {
+            let shifts = (0..8).map(|bits: u32| {
+                let sign = |bit: u32| if bits >> bit & 1 == 0 { little.clone() } else { -little.clone() };
+                Vec3::new(sign(0), sign(1), sign(2)).map(|c| Number::from_rational(c.clone()))
+            });
+            assert!(shifts.map(|by| b.translated(&by)).any(|moved| overlaps(&a, &moved)), "case {k}, {little}");
+        }
     }
 }
 
@@ -186,6 +189,30 @@ fn a_little_is_seen_and_five_centimetres_are_not() {
     assert_eq!(overlap_of(&step(), &in_notch, &wide()).unwrap().sight, OverlapVisibility::Seen);
 }
 
+/// The unit cube with the corners of its face x = 1 a thousandth before and behind that plane by turns; all other faces stay plane.
+fn uneven() -> Block {
+    let one = Number::from_integer(1);
+    let bend = |v: &Vec3<Number>| match (v.x == one, v.y == v.z) {
+        (false, _) => v.clone(),
+        (true, before) => Vec3::new(number(if before { "1001/1000" } else { "999/1000" }), v.y.clone(), v.z.clone()),
+    };
+    unit().with_vertices(unit().vertices().iter().map(bend).collect())
+}
+
+#[test]
+fn an_overlap_of_twice_the_unevenness_of_a_face_is_within_it() {
+    for (depth, expected) in
+        [("1/1000", true), ("3/2000", true), ("1/500", true), ("2000001/1000000000", false), ("1/100", false)]
+    {
+        let on_slab = uneven().translated(&Vec3::new(number("0"), number("0"), number(depth).negated()));
+        for (a, b) in [(slab(), on_slab.clone()), (on_slab, slab())] {
+            let found = overlap_of(&a, &b, &wide()).unwrap();
+            assert_eq!(found.depth_squared(), exact(depth) * exact(depth), "{depth}");
+            assert_eq!(found.is_within_unevenness, expected, "{depth}");
+        }
+    }
+}
+
 #[test]
 fn what_an_overlap_means_depends_on_depth_and_sight() {
     let on_slab = |depth: &str| cuboid(["-1", "-1", "0"], ["1", "1", "2"]).translated(&point(["0", "0", depth]));
@@ -232,6 +259,14 @@ fn blocks_without_an_inside_are_left_out() {
         .with_vertices(unit().vertices().iter().map(|v| Vec3::new(v.x.clone(), v.y.clone(), number("1/3"))).collect());
     let found = audit(&[&unit(), &flat, &turned(&flat)], &wide());
     assert_eq!((found.overlaps.len(), found.counts.of(Decider::LeftOut)), (0, 3));
+    // A plate so thin that no f64 tells its faces apart has an inside.
+    let faces = [number("1/3"), number("1/3").plus(&number("1/10000000000000000000000000"))];
+    let at = |v: &Vec3<Number>| Vec3::new(v.x.clone(), v.y.clone(), faces[usize::from(!v.z.is_zero())].clone());
+    let thin = unit().with_vertices(unit().vertices().iter().map(at).collect());
+    for (plate, cube) in [(thin.clone(), unit()), (turned(&thin), turned(&unit()))] {
+        let found = audit(&[&plate, &cube], &wide());
+        assert_eq!((found.overlaps.len(), found.counts.of(Decider::LeftOut)), (1, 0));
+    }
 }
 
 #[test]

@@ -121,6 +121,30 @@ fn a_scene_names_its_deepest_pair() {
     assert_eq!(deepest(&[&blocks[0], &blocks[3]]), (None, 0));
 }
 
+#[test]
+fn a_scene_names_its_deepest_pair_where_floats_see_none() {
+    // By 1e-30 m, which no f64 beside 1 m holds, along each axis; the second pair touches exactly, the third is deeper by as little.
+    for axis in 0..3 {
+        let at = |start: &str| {
+            let mut low = ["0"; 3];
+            low[axis] = start;
+            cuboid(["0", "0", "0"], ["1", "1", "1"]).translated(&point(low))
+        };
+        let just_below = "999999999999999999999999999999/1000000000000000000000000000000";
+        let blocks =
+            [at("0"), at(just_below), at("-1"), at("-1999999999999999999999999999998/1000000000000000000000000000000")];
+        let two = |k: usize, n: usize| deepest(&[&blocks[k], &blocks[n]]).0;
+        let depth = |n: &str| exact(n) * exact(n);
+        let found = two(0, 1).unwrap();
+        assert_eq!(found.penetration.gap.squared, depth("1/1000000000000000000000000000000"), "axis {axis}");
+        assert_eq!(two(0, 2), None, "axis {axis}");
+        let (found, _) = deepest(&blocks.iter().collect::<Vec<_>>());
+        let found = found.unwrap();
+        assert_eq!(found.blocks, [2, 3], "axis {axis}");
+        assert_eq!(found.penetration.gap.squared, depth("2/1000000000000000000000000000000"), "axis {axis}");
+    }
+}
+
 /// SplitMix64: the same pairs everywhere.
 struct Random(u64);
 
