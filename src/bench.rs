@@ -5,7 +5,7 @@
 use crate::exit::{Outcome, Verdict, print, print_note};
 use crate::table::{grouped, table};
 use clap::ValueEnum;
-use rockproof_bench::accuracy::{self, AccuracyOptions};
+use rockproof_bench::accuracy::{self, AccuracyOptions, AccuracyRow};
 use rockproof_bench::exact_stepping::scenes;
 use rockproof_bench::plot::PlotError;
 use rockproof_bench::{
@@ -13,10 +13,12 @@ use rockproof_bench::{
     bench_entries, exact_stepping, rock, skip_cost, skip_scenes, stack, stepping, throughput, time_interleaved, wall,
 };
 use rockproof_model::{BlockError, Motion, Precision, Scene};
+use rockproof_report::latex::latex;
+use rockproof_report::table::{Table, TableCell};
 use rockproof_results::{Claim, Directory, FileKind, Owner, Start};
 use serde_json::{Map, Value, json};
-use std::fmt::Write;
-use std::path::PathBuf;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 
 /// Measure classification in f32, f64, exactly and in plain rationals, and the speed of campaigns
 ///
@@ -26,6 +28,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   rockproof bench                            two minutes or three
   rockproof bench --format csv > speed.csv
+  rockproof bench --wall 100,1000 --format latex > walls.tex
   rockproof bench --quick --format json
   rockproof bench --quick                    a few seconds, rough figures
   rockproof bench --error --out reports/bench  run time against error, as CSV and plots (docs/bench.md)
@@ -60,7 +63,7 @@ pub(crate) struct Bench {
     /// Measure run time against error instead: scenes with closed forms, and pairs, by every engine, tolerance set and Δt
     #[arg(long, conflicts_with_all = ["wall", "stack", "rock", "threads"])]
     error: bool,
-    /// Directory for bench.csv and the plots bench_scenes.svg and bench_pairs.svg
+    /// Directory for bench.csv, its front as a table for a paper (bench.tex), and the plots bench_scenes.svg and bench_pairs.svg
     #[arg(long, requires = "error")]
     out: Option<PathBuf>,
     /// Discard the measurements in the directory; other files there stay
@@ -93,7 +96,7 @@ pub(crate) struct Bench {
 }
 
 /// The files of run time against error.
-const FILES: [&str; 3] = ["bench.csv", "bench_scenes.svg", "bench_pairs.svg"];
+const FILES: [&str; 4] = ["bench.csv", "bench.tex", "bench_scenes.svg", "bench_pairs.svg"];
 
 #[derive(Clone, Copy, ValueEnum)]
 enum OutputFormat {
@@ -101,6 +104,38 @@ enum OutputFormat {
     Csv,
     /// One document (docs/formats.md)
     Json,
+    /// The printed tables for a paper
+    Latex,
+}
+
+/// A table as it is printed.
+struct PrintedTable {
+    name: &'static str,
+    caption: &'static str,
+    header: Vec<&'static str>,
+    /// The columns that hold numbers.
+    numbers: Vec<usize>,
+    rows: Vec<Vec<String>>,
+}
+
+impl PrintedTable {
+    /// For people.
+    fn text(&self) -> String {
+        table(&self.header, &self.numbers, self.rows.iter().cloned())
+    }
+
+    /// For a paper.
+    fn latex(&self) -> String {
+        let mut table = Table::new(self.name, self.caption, &self.header);
+        for row in &self.rows {
+            let cell = |(column, text): (usize, &String)| match self.numbers.contains(&column) {
+                true => cell(text),
+                false => TableCell::Text(text.clone()),
+            };
+            table.push(row.iter().enumerate().map(cell).collect());
+        }
+        latex(&table, usize::MAX)
+    }
 }
 
 /// Makes a scene of so many blocks.
@@ -127,18 +162,22 @@ impl Bench {
             return self.skips();
         }
         let report = self.measure()?;
-        self.print("classification", || Ok(as_table(&report)?), || as_csv(&report))
+        self.print("classification", &tables(&report), ["", ""], || as_csv(&report))
     }
 
-    /// Prints what was measured in the form asked for.
+    /// Prints what was measured in the form asked for; before and after tables for people stand `around`.
     fn print(
         &self,
         measure: &str,
-        table: impl FnOnce() -> anyhow::Result<String>,
+        tables: &[PrintedTable],
+        around: [&str; 2],
         csv: impl FnOnce() -> anyhow::Result<String>,
     ) -> Outcome {
+        let all =
+            |one: fn(&PrintedTable) -> String, between: &str| tables.iter().map(one).collect::<Vec<_>>().join(between);
         print(&match self.format {
-            OutputFormat::Table => table()?,
+            OutputFormat::Table => format!("{}{}\n{}", around[0], all(PrintedTable::text, "\n\n"), around[1]),
+            OutputFormat::Latex => all(PrintedTable::latex, "\n"),
             OutputFormat::Csv => csv()?,
             OutputFormat::Json => as_json(measure, &csv()?)?,
         })?;
@@ -188,9 +227,14 @@ impl Bench {
         ];
         header.extend(SteppingCost::PHASES);
         header.push("kB a block");
-        let shown =
-            || Ok(format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows.iter().cloned())));
-        self.print("steps", shown, || Ok(plain_csv(&header, &rows)))
+        let table = PrintedTable {
+            name: "bench_steps",
+            caption: "Steps of brick walls, stacks and rock; the phases in % of a step",
+            numbers: (1..header.len()).collect(),
+            header,
+            rows,
+        };
+        self.print_one("steps", table)
     }
 
     /// What is gained by what steps leave out.
@@ -213,8 +257,14 @@ impl Bench {
             }
         }
         let header = ["scene", "blocks", "left out", "steps a second", "processor ms a step", "over nothing left out"];
-        let shown = || Ok(format!("{}\n", table(&header, &[1, 3, 4, 5], rows.iter().cloned())));
-        self.print("skips", shown, || Ok(plain_csv(&header, &rows)))
+        let table = PrintedTable {
+            name: "bench_skips",
+            caption: "What steps gain by leaving out what cannot have changed",
+            header: header.to_vec(),
+            numbers: vec![1, 3, 4, 5],
+            rows,
+        };
+        self.print_one("skips", table)
     }
 
     /// Run time against error.
@@ -227,28 +277,25 @@ impl Bench {
         let directory = self.out.as_deref().map(claim).transpose()?;
         let rows = accuracy::measure(effort, &mut |subject| print_note(&format!("measuring {subject}")))?;
         let csv = accuracy::to_csv(&rows)?;
+        let table = front(&rows);
         if let Some(mut directory) = directory {
             let plots = [("bench_scenes.svg", "scene"), ("bench_pairs.svg", "family")];
             let plots = plots.map(|(name, kind)| Ok((name, accuracy::plot(&rows, kind)?.into_bytes())));
-            for file in plots.into_iter().chain([Ok(("bench.csv", csv.clone()))]) {
+            for file in
+                plots.into_iter().chain([Ok(("bench.csv", csv.clone())), Ok(("bench.tex", table.latex().into_bytes()))])
+            {
                 let (name, bytes) = file.map_err(|error: PlotError| anyhow::anyhow!(error))?;
-                let kind = if name.ends_with(".csv") { FileKind::Table } else { FileKind::Picture };
+                let kind = match Path::new(name).extension().and_then(OsStr::to_str) {
+                    Some("csv") => FileKind::Table,
+                    Some("tex") => FileKind::Text,
+                    _ => FileKind::Picture,
+                };
                 directory.write(name, kind, &bytes)?;
             }
         }
-        let shown = rows.iter().filter(|row| row.front || !row.note.is_empty()).map(|row| {
-            let step = row.time_step.map_or(String::new(), |step| format!("{step:.2e}"));
-            let start = [row.subject, row.engine.name(), row.tolerances, &step].map(str::to_owned);
-            let figures = [grouped(row.units), digits(row.micros), format!("{:.1e} {}", row.error, row.of.name())];
-            let last = if row.note.is_empty() { figures } else { [String::new(), String::new(), row.note.clone()] };
-            start.into_iter().chain(last).collect()
-        });
-        let header = ["subject", "engine", "tolerances", "Δt (s)", "steps or pairs", "µs each", "error"];
-        let text = || {
-            let table = table(&header, &[3, 4, 5], shown);
-            Ok(format!("What nothing beats in time and error at once:\n\n{table}\n{} rows measured\n", rows.len()))
-        };
-        self.print("error", text, || Ok(String::from_utf8(csv)?))
+        let count = format!("{} rows measured\n", rows.len());
+        let around = ["What nothing beats in time and error at once:\n\n", &count];
+        self.print("error", &[table], around, || Ok(String::from_utf8(csv)?))
     }
 
     /// Certified steps beside the stepper's.
@@ -288,9 +335,19 @@ impl Bench {
             "fractions",
             "undecided",
         ];
-        let shown =
-            || Ok(format!("{}\n", table(&header, &(1..header.len()).collect::<Vec<_>>(), rows.iter().cloned())));
-        self.print("exact steps", shown, || Ok(plain_csv(&header, &rows)))
+        let table = PrintedTable {
+            name: "bench_exact_steps",
+            caption: "Certified steps beside those in f64, and the share of decisions that each level of the oracle took",
+            header: header.to_vec(),
+            numbers: (1..header.len()).collect(),
+            rows,
+        };
+        self.print_one("exact steps", table)
+    }
+
+    /// Prints the one table of a measure, of which the CSV is the same.
+    fn print_one(&self, measure: &str, table: PrintedTable) -> Outcome {
+        self.print(measure, std::slice::from_ref(&table), ["", ""], || Ok(plain_csv(&table.header, &table.rows)))
     }
 
     fn measure(&self) -> anyhow::Result<Report> {
@@ -335,9 +392,27 @@ fn digits(value: f64) -> String {
     }
 }
 
-fn as_table(report: &Report) -> Result<String, std::fmt::Error> {
-    let mut text = String::new();
-    let rows = report.races.iter().map(|(sample, _)| {
+/// What nothing beats in time and error at once, and what was not measured.
+fn front(rows: &[AccuracyRow]) -> PrintedTable {
+    let told = rows.iter().filter(|row| row.front || !row.note.is_empty()).map(|row| {
+        let step = row.time_step.map_or(String::new(), |step| format!("{step:.2e}"));
+        let start = [row.subject, row.engine.name(), row.tolerances, &step].map(str::to_owned);
+        let figures = [grouped(row.units), digits(row.micros), format!("{:.1e} {}", row.error, row.of.name())];
+        let last = if row.note.is_empty() { figures } else { [String::new(), String::new(), row.note.clone()] };
+        start.into_iter().chain(last).collect()
+    });
+    PrintedTable {
+        name: "bench",
+        caption: "Run time against error: what nothing beats in both at once",
+        header: vec!["subject", "engine", "tolerances", "Δt (s)", "steps or pairs", "µs each", "error"],
+        numbers: vec![3, 4, 5],
+        rows: told.collect(),
+    }
+}
+
+/// The samples, what classification of them took, and what campaigns managed.
+fn tables(report: &Report) -> [PrintedTable; 3] {
+    let samples = report.races.iter().map(|(sample, _)| {
         let counts = [sample.pairs.len() as u64, sample.touching, sample.contacts, sample.ties].map(grouped);
         let total = sample.levels.total();
         let shares = sample.levels.by_name().map(|(_, n)| share(n, total));
@@ -346,9 +421,14 @@ fn as_table(report: &Report) -> Result<String, std::fmt::Error> {
     });
     let mut header = vec!["sample", "pairs", "touching", "contacts", "with ties", "signs a pair"];
     header.extend(rockproof_oracle::LevelCounts::default().by_name().map(|(name, _)| name));
-    let numbers: Vec<usize> = (1..header.len()).collect();
-    writeln!(text, "{}\n", table(&header, &numbers, rows))?;
-    let rows = report.races.iter().flat_map(|(sample, figures)| {
+    let samples = PrintedTable {
+        name: "bench_samples",
+        caption: "The pairs, and the share of signs that each level of the oracle decided",
+        numbers: (1..header.len()).collect(),
+        header,
+        rows: samples.collect(),
+    };
+    let times = report.races.iter().flat_map(|(sample, figures)| {
         figures.iter().map(|figure| {
             vec![
                 sample.kind.name().to_owned(),
@@ -361,9 +441,14 @@ fn as_table(report: &Report) -> Result<String, std::fmt::Error> {
             ]
         })
     });
-    let header = ["sample", "work", "engine", "pairs", "µs a pair", "over f64", "over certified"];
-    writeln!(text, "{}\n", table(&header, &[3, 4, 5, 6], rows))?;
-    let rows = report.campaigns.iter().map(|campaign| {
+    let times = PrintedTable {
+        name: "bench_times",
+        caption: "What classification takes",
+        header: vec!["sample", "work", "engine", "pairs", "µs a pair", "over f64", "over certified"],
+        numbers: vec![3, 4, 5, 6],
+        rows: times.collect(),
+    };
+    let campaigns = report.campaigns.iter().map(|campaign| {
         vec![
             campaign_name(campaign).to_owned(),
             campaign.run.threads.to_string(),
@@ -385,8 +470,14 @@ fn as_table(report: &Report) -> Result<String, std::fmt::Error> {
         "pairs a second",
         "signs a pair",
     ];
-    writeln!(text, "{}", table(&header, &[1, 2, 3, 4, 5, 6, 7], rows))?;
-    Ok(text)
+    let campaigns = PrintedTable {
+        name: "bench_campaigns",
+        caption: "What campaigns manage",
+        header: header.to_vec(),
+        numbers: (1..header.len()).collect(),
+        rows: campaigns.collect(),
+    };
+    [samples, times, campaigns]
 }
 
 /// What a campaign ran on.
@@ -426,18 +517,29 @@ fn as_json(measure: &str, csv: &str) -> anyhow::Result<String> {
     Ok(serde_json::to_string_pretty(&json!({ "measure": measure, "rows": rows }))? + "\n")
 }
 
-/// A cell: counts and other numbers, percentages as shares, texts; nothing where it is empty.
-fn figure(cell: &str) -> Value {
-    if cell.is_empty() {
-        return Value::Null;
+/// A cell for programs.
+fn figure(text: &str) -> Value {
+    match cell(text) {
+        TableCell::Empty => Value::Null,
+        TableCell::Count(count) => count.into(),
+        TableCell::Share(number) | TableCell::Number(number) => number.into(),
+        TableCell::Text(text) => text.into(),
     }
-    if let Ok(count) = cell.parse::<u64>() {
-        return count.into();
+}
+
+/// What a cell holds: counts and other numbers, percentages as shares, texts; nothing where it is empty.
+fn cell(text: &str) -> TableCell {
+    let plain = text.replace('\u{202f}', "");
+    if plain.is_empty() {
+        return TableCell::Empty;
     }
-    if let Some(percent) = cell.strip_suffix(" %").and_then(|text| text.parse::<f64>().ok()) {
-        return (percent / 100.0).into();
+    if let Ok(count) = plain.parse::<u64>() {
+        return TableCell::Count(count);
     }
-    cell.parse::<f64>().map_or_else(|_| cell.into(), Value::from)
+    if let Some(percent) = plain.strip_suffix(" %").and_then(|text| text.parse::<f64>().ok()) {
+        return TableCell::Share(percent / 100.0);
+    }
+    plain.parse::<f64>().map_or_else(|_| TableCell::Text(text.to_owned()), TableCell::Number)
 }
 
 fn as_csv(report: &Report) -> anyhow::Result<String> {

@@ -4,6 +4,7 @@ use crate::campaign_end::print_end;
 use crate::exit::{Outcome, Verdict, print_note};
 use crate::input::{EngineArgs, FormatArgs, at_least_zero};
 use crate::progress::{counted_while, shown_while};
+use crate::reading::factor;
 use crate::stop::on_ctrl_c;
 use crate::stress;
 use crate::terminal::threads;
@@ -85,6 +86,9 @@ pub(crate) struct Campaign {
     /// Join vertices of --real no further apart than this, in the file's unit of length [default: STL's at the same place]
     #[arg(long, value_name = "DISTANCE", value_parser = at_least_zero, allow_negative_numbers = true)]
     weld: Option<Number>,
+    /// Multiply every length of --real first: 1/1000 for files in millimetres
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
+    scale: Option<Number>,
     /// Do only the K-th of N parts of the pairs; `rockproof merge` makes of all parts what one campaign would have made
     #[arg(long, value_name = "K/N")]
     part: Option<Part>,
@@ -233,13 +237,16 @@ impl Campaign {
         if !self.real.is_empty() {
             config.real.clone_from(&self.real);
         }
-        if let Some(planarity) = &self.planarity {
-            anyhow::ensure!(!config.real.is_empty(), "--planarity is about the files of --real, and there are none");
-            config.planarity = Some(planarity.clone());
-        }
-        if let Some(weld) = &self.weld {
-            anyhow::ensure!(!config.real.is_empty(), "--weld is about the files of --real, and there are none");
-            config.weld = Some(weld.clone());
+        let of_real = [
+            ("planarity", &self.planarity, &mut config.planarity),
+            ("weld", &self.weld, &mut config.weld),
+            ("scale", &self.scale, &mut config.scale),
+        ];
+        for (name, given, setting) in of_real {
+            if let Some(given) = given {
+                anyhow::ensure!(!config.real.is_empty(), "--{name} is about the files of --real, and there are none");
+                *setting = Some(given.clone());
+            }
         }
         Ok(config)
     }

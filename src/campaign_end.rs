@@ -10,7 +10,7 @@ use rockproof_campaign::steps::StepSummary;
 use rockproof_campaign::steps::summary::StepCounts;
 use rockproof_differential::diagnosis::diagnosis_lines;
 use rockproof_differential::external::EngineSpec;
-use rockproof_differential::external::spec::NumberFormat;
+use rockproof_differential::external::spec::{NumberFormat, quoted};
 use rockproof_differential::finding::Cause;
 use rockproof_report::load::Results;
 use rockproof_report::tally::{FindingTally, WorstFinding};
@@ -216,11 +216,6 @@ fn argument(spec: &EngineSpec) -> String {
     let precision = if spec.precision == NumberFormat::F32 { ":f32" } else { "" };
     let command: Vec<String> = spec.command.iter().map(|word| quoted(word)).collect();
     quoted(&format!("{}{precision}={}", spec.name, command.join(" ")))
-}
-
-/// For a shell.
-pub(crate) fn quoted(text: &str) -> String {
-    shlex::try_quote(text).map_or_else(|_| text.to_owned(), std::borrow::Cow::into_owned)
 }
 
 /// The counts of steps in tables.

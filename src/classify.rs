@@ -3,8 +3,7 @@
 use crate::exit::{Outcome, Verdict, print};
 use crate::input::{ReadArgs, ToleranceArgs, model_help};
 use crate::input_file::InputFile;
-use crate::overlaps::overlaps;
-use crate::progress::counted_while;
+use crate::progress::{counted_while, overlaps};
 use crate::table::table;
 use crate::terminal::to_stdout;
 use anyhow::Context;

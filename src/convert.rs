@@ -1,12 +1,11 @@
 //! `convert`: from any format that can be read to any that can be written.
 
 use crate::exit::{Outcome, Verdict, print, print_note};
-use crate::extents::{factor, scale};
 use crate::input::{ReadArgs, model_help, precision};
-use crate::input_file::{InputFile, ModelFile};
+use crate::input_file::InputFile;
 use anyhow::Context;
 use rockproof_model::scene::{FormatError, SceneFormat, losses, write};
-use rockproof_model::{Block, BlockOptions, Number, Precision, Scene};
+use rockproof_model::{Block, BlockOptions, Precision, Scene};
 use rockproof_results::write_atomically;
 use std::path::PathBuf;
 
@@ -28,10 +27,6 @@ pub(crate) struct Convert {
     #[command(flatten)]
     read: ReadArgs,
 
-    /// Multiply every length first: 1/1000 for a file in millimetres
-    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
-    scale: Option<Number>,
-
     /// Round every coordinate to f32 or f64
     #[arg(long, value_parser = precision)]
     precision: Option<Precision>,
@@ -43,11 +38,7 @@ impl Convert {
             .filter(|format| format.is_written())
             .ok_or(FormatError::ReadOnly)
             .with_context(|| self.output.display().to_string())?;
-        let model = ModelFile::read(&self.input, &self.read)?;
-        let mut scene = model.scene()?;
-        if let Some(factor) = &self.scale {
-            scale(&mut scene, &model, factor)?;
-        }
+        let mut scene = self.read.scene(&self.input)?;
         if let Some(precision) = self.precision {
             self.round(&mut scene, precision)?;
         }

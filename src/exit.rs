@@ -1,6 +1,6 @@
 //! How a command ends, and how it talks.
 
-use crate::extents::{is_apart, is_bent};
+use crate::reading::{is_apart, is_bent};
 use crate::stop::is_ended;
 use crate::terminal::{INTERRUPTED, to_stdout};
 use rockproof_model::text::is_harmful;

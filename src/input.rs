@@ -2,6 +2,7 @@
 
 use crate::exit::print;
 use crate::input_file::{InputFile, ModelFile};
+use crate::reading::factor;
 use crate::stop::end_on_ctrl_c;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
@@ -9,6 +10,8 @@ use rockproof_campaign::engines::Engines;
 use rockproof_differential::builtin::{ENGINES, full_name};
 use rockproof_differential::case_file::Case;
 use rockproof_differential::external::EngineSpec;
+use rockproof_differential::external::spec::quoted;
+use rockproof_examine::reading;
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::{LoadOptions, Number, Precision, Preset, Scene, ToleranceSpec};
 use serde_json::Value;
@@ -23,13 +26,16 @@ pub(crate) struct ReadArgs {
     /// Join vertices no further apart than this, in the file's unit of length [default: STL's at the same place]
     #[arg(long, value_name = "DISTANCE", value_parser = at_least_zero, allow_negative_numbers = true)]
     weld: Option<Number>,
+    /// Multiply every length first: 1/1000 for a file in millimetres; 1 says that metres are meant
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
+    scale: Option<Number>,
     #[arg(long, value_name = "FORMAT", value_parser = scene_format, help = format_help())]
     input_format: Option<SceneFormat>,
 }
 
 impl ReadArgs {
     pub(crate) fn options(&self) -> LoadOptions {
-        LoadOptions { planarity: self.planarity.clone(), weld: self.weld.clone() }
+        LoadOptions { planarity: self.planarity.clone(), weld: self.weld.clone(), scale: self.scale.clone() }
     }
 
     /// The format that is named, whatever the file is called.
@@ -47,10 +53,8 @@ impl ReadArgs {
 
     /// The options as they stand on a command line, after a space; nothing where none is given.
     pub(crate) fn shown(&self) -> String {
-        let texts = [("planarity", &self.planarity), ("weld", &self.weld)]
-            .map(|(name, value)| value.as_ref().map(|value| format!(" --{name} {value}")));
-        let format = self.input_format.map(|format| format!(" --input-format {}", format.name()));
-        texts.into_iter().chain([format]).flatten().collect()
+        let format = self.input_format.map_or(String::new(), |format| format!(" --input-format {}", format.name()));
+        reading(&self.options()) + &format
     }
 }
 
@@ -182,7 +186,6 @@ impl ToleranceArgs {
 
     /// The options as they stand on a command line, each after a space; nothing where none is given.
     pub(crate) fn shown(&self) -> String {
-        let quoted = |text: &String| shlex::try_quote(text).map_or_else(|_| text.clone(), std::borrow::Cow::into_owned);
         let named = self.tolerances.iter().map(|name| format!(" --tolerances {}", quoted(name)));
         named.chain(self.set.iter().map(|changed| format!(" --set {}", quoted(changed)))).collect()
     }

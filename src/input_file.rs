@@ -1,8 +1,8 @@
 //! The file that a command looks at: a path, or `-` for stdin.
 
-use crate::campaign_end::quoted;
 use crate::input::{ReadArgs, format_names};
 use anyhow::Context;
+use rockproof_differential::external::spec::quoted;
 use rockproof_model::files::{read_limited, read_stream, text_of};
 use rockproof_model::scene::{SceneFormat, SceneProblem};
 use rockproof_model::{LoadOptions, Scene, SceneError};

@@ -1,15 +1,21 @@
-//! Progress of a campaign, of a merge or of an audit of overlaps, while it works.
+//! Progress of a campaign, of a merge, of classification or of an examination, while it works.
 
 use crate::exit::{print_note, shows_progress};
 use crate::table::grouped;
-use crate::terminal::Progress;
-use rockproof_campaign::journal::Seen;
+use crate::terminal::{MOVES, Progress, beside};
+use indicatif::{ProgressBar, ProgressStyle};
+use rockproof_campaign::journal::Seen as SeenPairs;
+use rockproof_examine::{Overlaps, Seen, Stage, StageProgress};
+use rockproof_model::{Block, ToleranceSet};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// Time between two lines, where there is no bar.
+const LINES: Duration = Duration::from_secs(10);
 
 /// Shows how much of so many pairs has been seen, until `work` ends, and gives what it gives.
-pub(crate) fn shown_while<T>(pairs: u64, seen: Arc<Seen>, work: impl FnOnce() -> T) -> T {
+pub(crate) fn shown_while<T>(pairs: u64, seen: Arc<SeenPairs>, work: impl FnOnce() -> T) -> T {
     let now = || {
         let shrinking = if seen.shrinking.load(Ordering::Relaxed) { ", shrinking some" } else { "" };
         let findings = grouped(seen.findings.load(Ordering::Relaxed));
@@ -25,5 +31,54 @@ pub(crate) fn counted_while<T>(pairs: u64, doing: &str, work: impl FnOnce(&Atomi
 }
 
 fn progress(pairs: u64, now: &(dyn Fn() -> (u64, String) + Sync)) -> Progress<'_> {
-    Progress { pairs, now, has_bar: shows_progress(), line: print_note, lines_every: Duration::from_secs(10) }
+    Progress { pairs, now, has_bar: shows_progress(), line: print_note, lines_every: LINES }
+}
+
+/// The overlaps of all neighbouring pairs, or of some, with progress.
+pub(crate) fn overlaps(blocks: &[&Block], tolerances: &ToleranceSet, only: Option<&[(usize, usize)]>) -> Overlaps {
+    let (seen, stop) = (Seen::default(), AtomicBool::new(false));
+    stages_while(&seen, || rockproof_examine::overlaps(blocks, tolerances, only, &seen, &stop))
+}
+
+/// Shows what `work` tells `seen`, part by part, until it ends, and gives what it gives.
+pub(crate) fn stages_while<T>(seen: &Seen, work: impl FnOnce() -> T) -> T {
+    beside(|ended| show_stages(seen, ended), work)
+}
+
+fn show_stages(seen: &Seen, ended: &AtomicBool) {
+    let has_bar = shows_progress();
+    let mut bar: Option<(Stage, ProgressBar)> = None;
+    let mut last = Instant::now();
+    while !ended.load(Ordering::Relaxed) {
+        if let Some(now) = seen.now() {
+            if has_bar {
+                move_bar(&mut bar, now);
+            } else if last.elapsed() > LINES {
+                last = Instant::now();
+                print_note(&format!("{}: {} of {}", now.stage.name(), grouped(now.done), grouped(now.total)));
+            }
+        }
+        std::thread::park_timeout(MOVES);
+    }
+    if let Some((_, bar)) = bar {
+        bar.finish_and_clear();
+    }
+}
+
+/// Moves the bar of a part, in the place of that of the part before.
+fn move_bar(bar: &mut Option<(Stage, ProgressBar)>, now: StageProgress) {
+    if bar.as_ref().is_none_or(|(stage, _)| *stage != now.stage) {
+        let new = ProgressBar::new(now.total);
+        if let Ok(style) = ProgressStyle::with_template("{msg}: {bar:40} {human_pos}/{human_len}, {eta} left") {
+            new.set_style(style);
+        }
+        new.set_message(now.stage.name());
+        if let Some((_, old)) = bar.replace((now.stage, new)) {
+            old.finish_and_clear();
+        }
+    }
+    if let Some((_, bar)) = bar {
+        bar.set_length(now.total);
+        bar.set_position(now.done);
+    }
 }

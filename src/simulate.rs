@@ -2,13 +2,11 @@
 
 // Longer than 400 lines: one command with all its options and ways to end.
 
-use crate::check::{violation_json, violations_text};
 use crate::exit::{Outcome, Verdict, print_error, print_note, shows_progress};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs};
 use crate::input_file::InputFile;
-use crate::overlaps::overlaps;
+use crate::progress::overlaps;
 use crate::simulate_exact::ExactRun;
-use crate::step_audit::AuditedRun;
 use crate::stop::on_ctrl_c;
 use crate::table::grouped;
 use anyhow::Context;
@@ -19,6 +17,7 @@ use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_differential::lockstep::{
     ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
 };
+use rockproof_examine::{AuditedRun, violation_json, violations_text};
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::{Control, Skips};
 use rockproof_model::{Precision, Scene, ToleranceSet, rules};

@@ -65,18 +65,23 @@ pub(crate) struct Progress<'n> {
     pub(crate) lines_every: Duration,
 }
 
+/// Runs `show` in a thread of its own beside `work`; it is to end when the flag is set, however `work` ends.
+pub(crate) fn beside<T>(show: impl FnOnce(&AtomicBool) + Send, work: impl FnOnce() -> T) -> T {
+    let ended = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| show(&ended));
+        let _ends = Ends(&ended);
+        work()
+    })
+}
+
 /// How often a bar moves.
-const MOVES: Duration = Duration::from_millis(200);
+pub(crate) const MOVES: Duration = Duration::from_millis(200);
 
 impl Progress<'_> {
     /// Shows it until `work` ends, and gives what that gives.
     pub(crate) fn shown_while<T>(&self, work: impl FnOnce() -> T) -> T {
-        let ended = AtomicBool::new(false);
-        std::thread::scope(|scope| {
-            scope.spawn(|| self.show_until(&ended));
-            let _ends = Ends(&ended);
-            work()
-        })
+        beside(|ended| self.show_until(ended), work)
     }
 
     fn bar(&self) -> ProgressBar {

@@ -1,7 +1,5 @@
 //! `tune`: which tolerances should this model use?
 
-use crate::check::tolerances_json;
-use crate::examine::file_name;
 use crate::exit::{Outcome, Verdict, print_note, shows_progress};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, stepper};
 use crate::input_file::InputFile;
@@ -10,6 +8,7 @@ use crate::terminal::threads;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
+use rockproof_examine::{file_name, tolerances_json};
 use rockproof_model::scene::write_toml;
 use rockproof_model::{Precision, Scene, ToleranceSpec};
 use rockproof_report::latex::latex;

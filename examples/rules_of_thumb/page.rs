@@ -16,7 +16,7 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
             let percent = |row: &Row| 100.0 * count(row) as f64 / row.pairs.max(1) as f64;
             let interval = |row: &Row| wilson(count(row), row.pairs).map(|end| 100.0 * end);
             let (points, intervals) = mine.map(|row| ([row.value, percent(row)], interval(row))).unzip();
-            Series { name: format!("{name}, {criteria}"), points, intervals, marks: Marks::Joined }
+            Series { name: format!("{name}, {criteria}"), points, intervals, titles: Vec::new(), marks: Marks::Joined }
         };
         let both =
             |count: &dyn Fn(&Row) -> u64, name: &str| ["revised", "classic"].map(|criteria| of(criteria, count, name));
@@ -41,7 +41,13 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
             .iter()
             .filter(|a| a.step_limit == limit && a.penetration == 1.0 && a.run.engine == "stepper-f64");
         let points = mine.map(|a| [a.search, a.run.depth / limit]).collect();
-        Series { name: format!("u = {limit} of the edge"), points, intervals: Vec::new(), marks: Marks::Joined }
+        Series {
+            name: format!("u = {limit} of the edge"),
+            points,
+            intervals: Vec::new(),
+            titles: Vec::new(),
+            marks: Marks::Joined,
+        }
     });
     let (x, y) =
         (PlotAxis::linear("search / max_displacement"), PlotAxis::linear("deepest overlap / max_displacement"));
@@ -72,6 +78,7 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
             name: format!("{}, parallel below {parallel}°", criteria.name()),
             points,
             intervals: Vec::new(),
+            titles: Vec::new(),
             marks: Marks::Joined,
         }
     });

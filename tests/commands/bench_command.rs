@@ -139,21 +139,24 @@ fn the_committed_plots_are_those_of_the_committed_table() {
     let text = fs::read_to_string(folder.join("bench.csv")).unwrap();
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let number = |text: &str| text.parse().unwrap_or(f64::NAN);
+    let quantities =
+        [ErrorQuantity::Displacement, ErrorQuantity::Overlap, ErrorQuantity::Volume, ErrorQuantity::Contacts];
     let rows: Vec<AccuracyRow> = reader
         .records()
         .map(|row| {
             let row = row.unwrap();
+            // As long as the test; names in a row are those of the program.
+            let name = |text: &str| -> &'static str { Box::leak(text.to_owned().into_boxed_str()) };
             AccuracyRow {
                 kind: if &row[0] == "scene" { "scene" } else { "family" },
-                // A plot does not tell subjects, sets and Δt apart.
-                subject: "any",
+                subject: name(&row[1]),
                 engine: MeasuredEngine::ALL.into_iter().find(|engine| engine.name() == &row[2]).unwrap(),
-                tolerances: "any",
-                time_step: None,
+                tolerances: name(&row[3]),
+                time_step: row[4].parse().ok(),
                 units: row[5].parse().unwrap(),
                 micros: number(&row[6]),
                 error: number(&row[7]),
-                of: ErrorQuantity::Contacts,
+                of: quantities.into_iter().find(|quantity| quantity.name() == &row[8]).unwrap(),
                 front: &row[9] == "1",
                 note: row[10].to_owned(),
             }
@@ -164,8 +167,46 @@ fn the_committed_plots_are_those_of_the_committed_table() {
         if std::env::var_os("RENEW").is_some() {
             fs::write(&file, &drawn).unwrap();
         }
-        assert!(fs::read_to_string(&file).unwrap() == drawn, "{name}: RENEW=1 cargo test --test bench_command plots");
+        assert!(
+            fs::read_to_string(&file).unwrap() == drawn,
+            "{name}: RENEW=1 cargo test --release --test commands plots"
+        );
+        // Each point says what it is.
+        let document = roxmltree::Document::parse(&drawn).unwrap();
+        let titles: Vec<&str> =
+            document.descendants().filter(|n| n.has_tag_name("title")).filter_map(|n| n.text()).collect();
+        let measured: Vec<&AccuracyRow> =
+            rows.iter().filter(|row| row.kind == kind && row.micros.is_finite() && row.error.is_finite()).collect();
+        assert_eq!(titles.len(), measured.len() + measured.iter().filter(|row| row.front).count(), "dots and rings");
+        for row in measured {
+            let step = row.time_step.map_or(String::new(), |step| format!(", Δt {step:.3e} s"));
+            let of_row = format!("{}: {}, {}{step}: ", row.subject, row.engine.name(), row.tolerances);
+            assert!(titles.iter().any(|title| title.starts_with(&of_row)), "{of_row}");
+        }
     }
+}
+
+#[test]
+fn tables_are_to_be_had_as_latex() {
+    let arguments = ["bench", "--wall=12", "--steps=2", "--format=latex"];
+    let text = output_of(&arguments);
+    assert!(text.starts_with("% Steps of brick walls") && text.contains("\\begin{tabular}{lrrr"), "{text}");
+    assert!(text.contains("scene & blocks & contacts") && text.contains("$\\mu$s a block"), "{text}");
+    let [row] = text.lines().filter(|line| line.starts_with("wall & 13 & ")).collect::<Vec<_>>()[..] else {
+        panic!("one wall: {text}")
+    };
+    let (header, _) = table_of(&["bench", "--wall=12", "--steps=2", "--format=csv"]);
+    assert!(row.ends_with(" \\\\") && row.matches(" & ").count() + 1 == header.len(), "{row}");
+    // Of time against error the front lies beside the CSV.
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("bench");
+    let arguments = ["bench", "--error", "--quick", "--format=latex", "--out", out.to_str().unwrap()];
+    let printed = output_of(&arguments);
+    assert_eq!(fs::read_to_string(out.join("bench.tex")).unwrap(), printed);
+    let (header, rows) = table_in(&fs::read_to_string(out.join("bench.csv")).unwrap());
+    let [front, note] = ["front", "note"].map(|name| column(&header, name));
+    let shown = rows.iter().filter(|row| &row[front] == "1" || !row[note].is_empty()).count();
+    assert_eq!(printed.lines().filter(|line| line.matches(" & ").count() == 6).count(), shown + 1, "{printed}");
 }
 
 /// Programs that make PDF of a picture have no page around it.

@@ -54,6 +54,73 @@ fn a_model_in_millimetres_is_doubted_and_can_be_scaled() {
     assert!(code == 2 && err.contains("TOML"), "{err}");
 }
 
+/// Two cubes in millimetres, one a millimetre above the other and half over its edge.
+fn two_cubes_in_millimetres() -> String {
+    let mut text = String::new();
+    for block in 0..2 {
+        text += &format!("o block_{block}\n");
+        for corner in 0..8 {
+            let [x, y, z] = [corner & 1, corner >> 1 & 1, block + (corner >> 2 & 1)].map(|at| 1000 * at);
+            text += &format!("v {} {y} {}\n", x + 500 * block, z + block);
+        }
+        for [a, b, c, d] in [[1, 3, 4, 2], [1, 2, 6, 5], [1, 5, 7, 3], [2, 4, 8, 6], [3, 7, 8, 4], [5, 6, 8, 7]] {
+            let [a, b, c, d] = [a, b, c, d].map(|corner| corner + 8 * block);
+            text += &format!("f {a} {b} {c} {d}\n");
+        }
+    }
+    text
+}
+
+#[test]
+fn every_command_reads_a_file_in_millimetres_as_its_conversion() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let path = |name: &str| dir.path().join(name).to_str().expect("text").to_owned();
+    let [mm, metres] = ["two.obj", "two.toml"].map(path);
+    fs::write(&mm, two_cubes_in_millimetres()).expect("written");
+    let scale = ["--scale", "1/1000"];
+    let run = |args: &[&str]| {
+        let (code, out, err) = rockproof(args);
+        assert!(code == 0 || code == 1, "{args:?}: {code} {err}");
+        out
+    };
+    run(&["convert", &mm, &metres, scale[0], scale[1]]);
+    let both = |before: &[&str], after: &[&str], result: &dyn Fn(&str, &str) -> String| {
+        let of = |file: &str, more: &[&str], name: &str| {
+            let out = path(&format!("{}-{name}", before[0]));
+            let mut args = [before, &[file], more, after].concat();
+            if before[0] != "classify" {
+                args.extend(["--out", &out]);
+            }
+            let printed = run(&args);
+            result(&printed, &out)
+        };
+        let (scaled, converted) = (of(&mm, &scale, "scaled"), of(&metres, &[], "converted"));
+        assert!(scaled == converted && scaled.lines().count() > 1, "{before:?}\n{scaled}\n{converted}");
+        assert!(of(&mm, &[], "plain") != scaled, "{before:?} without a scale");
+    };
+    let file = |name: &'static str| {
+        move |_: &str, out: &str| fs::read_to_string(std::path::Path::new(out).join(name)).expect("a table")
+    };
+    both(&["classify"], &["--format", "csv"], &|printed, _| printed.to_owned());
+    both(&["simulate"], &["--steps", "2", "--force"], &file("steps.csv"));
+    both(&["tune"], &["--candidates", "2", "--steps", "1"], &file("candidates.csv"));
+    both(&["examine"], &["--no-tune", "--steps", "0"], &file("tolerances.csv"));
+    both(&["campaign", "--family", "real", "--pairs", "128", "--real"], &[], &file("findings.csv"));
+    // Not for scenes, which have other lengths as well, nor without files that it is about.
+    for args in
+        [&["classify", &*metres][..], &["simulate", &*metres], &["tune", &*metres], &["campaign", "--real", &*metres]]
+    {
+        let (code, _, err) = rockproof(&[args, &["--scale", "2"]].concat());
+        assert!(code == 2 && err.contains("two.toml: a scale is for files of coordinates"), "{args:?}: {err}");
+    }
+    let (code, _, err) = rockproof(&["campaign", "--scale", "2"]);
+    assert!(code == 2 && err.contains("--scale is about the files of --real"), "{err}");
+    let settings = path("campaign.toml");
+    fs::write(&settings, format!("real = ['{mm}']\nscale = 0\n")).expect("written");
+    let (code, _, err) = rockproof(&["campaign", &settings]);
+    assert!(code == 2 && err.contains("scale is 0; allowed is above 0"), "{err}");
+}
+
 #[test]
 fn the_planarity_that_merges_triangles_is_named() {
     let dir = tempfile::tempdir().expect("a directory");

@@ -153,8 +153,9 @@ fn units_in_doubt_are_settled_by_scale() {
     assert_eq!(code, 0, "{out}{err}");
     assert!(out.contains("2 blocks in 1 × 1 × 2 m") && out.contains("its lowest block held"), "{out}");
     let next = out.lines().last().and_then(|line| line.strip_prefix("next: rockproof ")).expect("a command");
-    assert_eq!(next, "convert stack.obj stack_m.toml --scale 1/1000");
-    assert_eq!(place.run(&next.split(' ').collect::<Vec<_>>()).0, 0);
+    assert_eq!(next, "simulate stack.obj --scale 1/1000 --hold-lowest --steps 100 --audit");
+    let (code, out, err) = place.run(&next.replace("100", "2").split(' ').collect::<Vec<_>>());
+    assert_eq!(code, 0, "{out}{err}");
     assert!(place.read("found/index.html").contains("rockproof check stack.obj --scale 1"));
     let (_, out, err) = examine(&["--scale", "1", "--overwrite"]);
     assert!(out.contains("2 blocks in 1000 × 1000 × 2000 m") && !out.contains("doubt"), "{out}{err}");

@@ -59,7 +59,8 @@ fn tables_for_a_paper_are_latex() {
     rockproof(&["report", &campaign, &lockstep, "reports/stress", "reports/bench", "--out", &report], &[0]);
     rockproof(&["tune", "cases/real/slope_joints.dda", "--candidates", "3", "--out", &path("tune")], &[0, 1]);
     rockproof(&["examine", "cases/real/slope_joints.dda", "--no-tune", "--out", &path("examine")], &[0, 1]);
-    let folders = ["report/latex", "tune", "examine"].map(|folder| dir.path().join(folder));
+    rockproof(&["bench", "--error", "--quick", "--out", &path("bench")], &[0]);
+    let folders = ["report/latex", "tune", "examine", "bench"].map(|folder| dir.path().join(folder));
     let mut tables: Vec<PathBuf> = folders
         .iter()
         .flat_map(|folder| fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()))

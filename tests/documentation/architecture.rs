@@ -18,7 +18,7 @@ const REASON: &str = "// Longer than 400 lines: ";
 
 /// The crates of the workspace and those of its own that each may depend on. Cargo refuses every import that is not listed in a
 /// manifest; this table says which manifests are right. The rule above all others: oracle and stepper know the model alone.
-const MAY_DEPEND_ON: [(&str, &[&str]); 14] = [
+const MAY_DEPEND_ON: [(&str, &[&str]); 15] = [
     ("model", &[]),
     ("oracle", &["model"]),
     ("stepper", &["model"]),
@@ -30,6 +30,7 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 14] = [
     ("tune", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
     ("bench", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
     ("report", &["model", "oracle", "simulate", "differential", "campaign", "gate", "results"]),
+    ("examine", &["model", "oracle", "stepper", "simulate", "differential", "tune", "report", "results"]),
     // Nothing depends on it but tests and examples.
     ("fuzz", &["model", "oracle", "stepper", "results", "differential", "campaign", "gate", "report"]),
     // The stepper against closed forms, and the exact side against itself. Nothing depends on it but tests and examples.
@@ -48,6 +49,7 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 14] = [
             "tune",
             "bench",
             "report",
+            "examine",
         ],
     ),
 ];

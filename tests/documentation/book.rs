@@ -170,6 +170,7 @@ fn settings_on_the_pages_are_read() {
         real: Vec::new(),
         planarity: None,
         weld: None,
+        scale: None,
         external: Vec::new(),
         ..settings.clone()
     };

@@ -353,24 +353,36 @@ pub fn to_csv(rows: &[AccuracyRow]) -> Result<Vec<u8>, csv::Error> {
 }
 
 /// Time and error of the rows of one kind, by engine, with rings around those that nothing beats for their subject. An error of 0
-/// lies at the lower end. Points lie where the figures of `bench.csv` put them, so that the plot can be made from the table alone.
+/// lies at the lower end. Each point tells what was measured by which engine, tolerances and Δt. Points lie where the figures of `bench.csv` put them, so that the plot can be made from the table alone.
 ///
 /// # Errors
 /// When there is nothing to draw.
 pub fn plot(rows: &[AccuracyRow], kind: &str) -> Result<String, PlotError> {
     let point = |r: &AccuracyRow| [r.micros, r.error].map(|value| as_written(value).parse().unwrap_or(value));
-    let of = |wanted: &dyn Fn(&AccuracyRow) -> bool| -> Vec<[f64; 2]> {
-        rows.iter().filter(|r| r.kind == kind && r.has_figures() && wanted(r)).map(point).collect()
-    };
-    let series = |name: &str, points, marks| Series { name: name.to_owned(), points, intervals: Vec::new(), marks };
-    let mut all: Vec<Series> = MeasuredEngine::ALL
-        .into_iter()
-        .map(|engine| series(engine.name(), of(&|r| r.engine == engine), Marks::Dots))
-        .collect();
-    all.push(series("nothing beats it", of(&|r| r.front), Marks::Rings));
-    all.retain(|series| !series.points.is_empty());
     let (unit, error) =
         if kind == "scene" { ("step", "relative error") } else { ("pair", "share of pairs with wrong contacts") };
+    let title = |r: &AccuracyRow| {
+        let step = r.time_step.map_or(String::new(), |step| format!(", Δt {step:.3e} s"));
+        let ([micros, error], of) = (point(r), r.of.name());
+        let front = if r.front { "; nothing beats it" } else { "" };
+        format!(
+            "{}: {}, {}{step}: {micros:.3} µs a {unit}, error of {of} {error:.2e}{front}",
+            r.subject,
+            r.engine.name(),
+            r.tolerances
+        )
+    };
+    let series = |name: &str, marks, wanted: &dyn Fn(&AccuracyRow) -> bool| {
+        let all = || rows.iter().filter(|r| r.kind == kind && r.has_figures() && wanted(r));
+        let (points, titles) = (all().map(point).collect(), all().map(title).collect());
+        Series { name: name.to_owned(), points, intervals: Vec::new(), titles, marks }
+    };
+    let mut all: Vec<Series> = MeasuredEngine::ALL
+        .into_iter()
+        .map(|engine| series(engine.name(), Marks::Dots, &|r| r.engine == engine))
+        .collect();
+    all.push(series("nothing beats it", Marks::Rings, &|r| r.front));
+    all.retain(|series| !series.points.is_empty());
     let title = format!("Run time against error, one point a {kind}, engine, tolerance set and Δt");
     Plot {
         title,

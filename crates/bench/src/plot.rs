@@ -54,6 +54,8 @@ pub struct Series {
     pub points: Vec<[f64; 2]>,
     /// Lower and upper ends of intervals around the points; as many, or none.
     pub intervals: Vec<[f64; 2]>,
+    /// What is told of each point where one points at it; as many, or none.
+    pub titles: Vec<String>,
     /// How they are drawn.
     pub marks: Marks,
 }
@@ -111,7 +113,29 @@ impl Plot {
         let (Some(x), Some(y)) = (x_scale, y_scale) else { return Err(fail("there is no point".to_owned())) };
         let mut text = String::new();
         self.draw(&mut text, &x, &y).map_err(|error| fail(error.to_string()))?;
-        Ok(text)
+        Ok(self.titled(&text))
+    }
+
+    /// The SVG text with the titles of points, which the drawing library does not know: circles are the points, series by series, behind those
+    /// of each the one of a legend beside the chart.
+    fn titled(&self, svg: &str) -> String {
+        let mut titles = self.series.iter().flat_map(|series| {
+            let points = (0..series.points.len()).map(|point| series.titles.get(point));
+            points.chain((self.legend == Legend::Beside).then_some(None))
+        });
+        let mut parts = svg.split("<circle ");
+        let mut out = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            out += "<circle ";
+            match (titles.next().flatten(), part.split_once("/>")) {
+                (Some(title), Some((attributes, rest))) => {
+                    let title = title.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+                    out += &format!("{attributes}><title>{title}</title></circle>{rest}");
+                }
+                _ => out += part,
+            }
+        }
+        out
     }
 
     fn draw(&self, text: &mut String, x: &Scale, y: &Scale) -> Result<(), Box<dyn std::error::Error>> {
@@ -245,7 +269,8 @@ mod tests {
 
     fn chart(points: Vec<[f64; 2]>) -> Plot {
         let intervals = points.iter().map(|p| [p[1] / 2.0, p[1] * 2.0]).collect();
-        let series = vec![Series { name: "one & all".to_owned(), points, intervals, marks: Marks::Joined }];
+        let titles = points.iter().map(|p| format!("{} < {}", p[0], p[1])).collect();
+        let series = vec![Series { name: "one & all".to_owned(), points, intervals, titles, marks: Marks::Joined }];
         let (x, y, legend) = (PlotAxis::log("x (m)"), PlotAxis::linear("y"), Legend::Inside);
         Plot { title: "A title".to_owned(), x, y, series, legend }
     }
@@ -256,6 +281,8 @@ mod tests {
         let document = roxmltree::Document::parse(&text).expect("XML");
         let circles = document.descendants().filter(|n| n.has_tag_name("circle")).count();
         assert_eq!(circles, 4, "three points and the legend's");
+        let titles = document.descendants().filter(|n| n.has_tag_name("title")).map(|n| n.text().unwrap_or_default());
+        assert_eq!(titles.collect::<Vec<_>>(), ["0 < 1", "0.001 < 2", "10 < 0"]);
         for word in ["A title", "x (m)", "one & all"] {
             assert!(document.descendants().any(|n| n.text().is_some_and(|t| t.trim() == word)), "{word}");
         }
@@ -273,6 +300,8 @@ mod tests {
         let circles: Vec<_> = document.descendants().filter(|n| n.has_tag_name("circle")).collect();
         let at = |n: &roxmltree::Node<'_, '_>| n.attribute("cx").and_then(|x| x.parse::<u32>().ok()).expect("a place");
         assert_eq!(circles.iter().filter(|n| at(n) > SIZE.0).count(), 2, "the legend's");
+        let is_titled = |n: &roxmltree::Node<'_, '_>| n.first_element_child().is_some_and(|n| n.has_tag_name("title"));
+        assert!(circles.iter().all(|n| is_titled(n) == (at(n) < SIZE.0)), "points have titles, the legend none");
         assert_eq!(
             circles.iter().filter(|n| n.attribute("fill") == Some("none") && at(n) < SIZE.0).count(),
             2,

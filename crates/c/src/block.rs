@@ -80,7 +80,8 @@ impl Block {
 
 impl Model {
     pub(crate) fn load(path: &str, planarity: f64, weld: f64) -> Result<Model, String> {
-        let options = LoadOptions { planarity: given(planarity, "planarity")?, weld: given(weld, "weld")? };
+        let options =
+            LoadOptions { planarity: given(planarity, "planarity")?, weld: given(weld, "weld")?, scale: None };
         Scene::load_with(Path::new(path), &options).map(Model).map_err(|error| error.to_string())
     }
 

@@ -43,6 +43,9 @@ pub struct CampaignConfig {
     /// Vertices of those files no further apart than this, in the file's unit, become one; see [`rockproof_model::LoadOptions`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub weld: Option<Number>,
+    /// What every length of those files is multiplied by; see [`rockproof_model::LoadOptions`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale: Option<Number>,
     /// Pairs between two states of the journal: what an interruption can lose.
     pub chunk: u64,
     /// One pair in this many goes through the metamorphic checks; 0 for none.
@@ -74,6 +77,7 @@ impl Default for CampaignConfig {
             real: Vec::new(),
             planarity: None,
             weld: None,
+            scale: None,
             chunk: 4096,
             metamorphic_every: 16,
             steps_every: 64,

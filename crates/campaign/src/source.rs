@@ -36,6 +36,12 @@ pub enum SourceError {
         /// The sets.
         allowed: String,
     },
+    /// A factor of lengths that is none.
+    #[error("scale is {found}; allowed is above 0")]
+    Scale {
+        /// What was found.
+        found: Number,
+    },
     /// A file of tolerances that names no set.
     #[error("{file}: {source}")]
     Spec {
@@ -107,10 +113,14 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
         allowed: families::all().iter().map(|f| f.name()).chain([PASSAGE]).collect::<Vec<_>>().join(", "),
     })?;
     if !config.real.is_empty() {
+        let (planarity, weld, scale) = (config.planarity.clone(), config.weld.clone(), config.scale.clone());
+        let options = LoadOptions { planarity, weld, scale };
+        if let Some(found) = options.scale.clone().filter(|scale| scale.is_negative() || scale.is_zero()) {
+            return Err(SourceError::Scale { found });
+        }
         let mut blocks = Vec::new();
         for file in &config.real {
             // Pairs are sought within a file, so files are kept apart by a family of their own each.
-            let options = LoadOptions { planarity: config.planarity.clone(), weld: config.weld.clone() };
             let scene = Scene::load_with(file, &options)?;
             blocks.push(
                 RealNeighbours::neighbours(&scene.shapes().into_iter().cloned().collect::<Vec<Block>>())

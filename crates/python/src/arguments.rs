@@ -50,13 +50,14 @@ pub(crate) fn precision(name: &str) -> PyResult<Precision> {
     }
 }
 
-/// How a file is read: how far faces may be from planar, and how near vertices become one.
+/// How a file is read: how far faces may be from planar, how near vertices become one, and what lengths are multiplied by.
 ///
 /// # Errors
-/// `InputError` where one is no number of 0 or more.
+/// `InputError` where one is no number of 0 or more, or the last not above 0.
 pub(crate) fn load_options(
     planarity: Option<&Bound<'_, PyAny>>,
     weld: Option<&Bound<'_, PyAny>>,
+    scale: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<LoadOptions> {
     let at_least_zero = |value: Option<&Bound<'_, PyAny>>, name: &str, what: &str| {
         let number = value.map(|value| crate::number::number(value, || name.to_owned())).transpose()?;
@@ -65,9 +66,14 @@ pub(crate) fn load_options(
             false => Ok(number),
         }
     };
+    let scale = scale.map(|scale| crate::number::number(scale, || "scale".to_owned())).transpose()?;
+    if scale.as_ref().is_some_and(|scale| scale.is_negative() || scale.is_zero()) {
+        return Err(InputError::new_err("scale is not above 0; \"1/1000\" is for a file in millimetres"));
+    }
     Ok(LoadOptions {
         planarity: at_least_zero(planarity, "planarity", "a share of the block's size")?,
         weld: at_least_zero(weld, "weld", "a distance in the file's unit of length")?,
+        scale,
     })
 }
 

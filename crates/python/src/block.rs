@@ -35,7 +35,7 @@ impl PyBlock {
     ) -> PyResult<PyBlock> {
         let vertices = points(vertices)?;
         let faces = loops(faces)?;
-        let options = load_options(planarity, None)?
+        let options = load_options(planarity, None, None)?
             .planarity
             .map_or_else(BlockOptions::default, |planarity| BlockOptions { planarity });
         Ok(PyBlock(Block::new(vertices, faces, &options).map_err(input_error)?))

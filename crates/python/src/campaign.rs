@@ -168,6 +168,7 @@ pub(crate) struct Settings {
     real: Vec<PathBuf>,
     planarity: Option<Py<PyAny>>,
     weld: Option<Py<PyAny>>,
+    scale: Option<Py<PyAny>>,
     metamorphic_every: u64,
     threads: usize,
     precision: String,
@@ -195,14 +196,14 @@ pub(crate) fn run_campaign(
             settings.threads
         )));
     }
-    for (name, given) in [("planarity", &settings.planarity), ("weld", &settings.weld)] {
+    for (name, given) in [("planarity", &settings.planarity), ("weld", &settings.weld), ("scale", &settings.scale)] {
         if given.is_some() && settings.real.is_empty() {
             return Err(InputError::new_err(format!("{name} is about the files of `real`, and there are none")));
         }
     }
     let bound = |given: &Option<Py<PyAny>>| given.as_ref().map(|given| given.bind(py).clone());
-    let LoadOptions { planarity, weld } =
-        load_options(bound(&settings.planarity).as_ref(), bound(&settings.weld).as_ref())?;
+    let [planarity, weld, scale] = [&settings.planarity, &settings.weld, &settings.scale].map(bound);
+    let LoadOptions { planarity, weld, scale } = load_options(planarity.as_ref(), weld.as_ref(), scale.as_ref())?;
     let mut config = CampaignConfig {
         pairs: settings.pairs,
         seed: settings.seed,
@@ -212,6 +213,7 @@ pub(crate) fn run_campaign(
         real: settings.real,
         planarity,
         weld,
+        scale,
         metamorphic_every: settings.metamorphic_every,
         steps_every: 0,
         ..CampaignConfig::default()

@@ -90,6 +90,20 @@ pub(crate) struct Overlap {
     direction: (BigRational, BigRational, BigRational),
 }
 
+impl Overlap {
+    pub(crate) fn new(found: &FoundOverlap, meaning: Meaning) -> Overlap {
+        Overlap {
+            blocks: (found.blocks[0], found.blocks[1]),
+            meaning: meaning.name(),
+            sight: found.sight.name(),
+            is_deeper_than_penetration: found.is_deeper_than_g,
+            depth_m: found.penetration.depth_m().unwrap_or(f64::INFINITY),
+            depth_squared: found.depth_squared(),
+            direction: triple(&found.penetration.direction),
+        }
+    }
+}
+
 #[pymethods]
 impl Overlap {
     /// The depth in metres as a Fraction; None where it is irrational.
@@ -200,14 +214,6 @@ fn overlaps(blocks: &[&Block], set: &ToleranceSet, stop: &AtomicBool) -> (Vec<Ov
     // Where it was stopped the signal is raised instead.
     let audit = Audit::of(audited.unwrap_or_default());
     let rounding = rounding_depth(blocks, Precision::F64);
-    let told = |found: &FoundOverlap| Overlap {
-        blocks: (found.blocks[0], found.blocks[1]),
-        meaning: found.meaning(&rounding).name(),
-        sight: found.sight.name(),
-        is_deeper_than_penetration: found.is_deeper_than_g,
-        depth_m: found.penetration.depth_m().unwrap_or(f64::INFINITY),
-        depth_squared: found.depth_squared(),
-        direction: triple(&found.penetration.direction),
-    };
+    let told = |found: &FoundOverlap| Overlap::new(found, found.meaning(&rounding));
     (audit.overlaps.iter().map(told).collect(), audit.counts.neighbours())
 }

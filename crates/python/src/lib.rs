@@ -1,4 +1,4 @@
-//! Rockproof for Python: blocks, exact and floating-point classification, checks, campaigns with engines written in Python, and steps.
+//! Rockproof for Python: blocks, exact and floating-point classification, checks, examinations, campaigns with engines written in Python, and steps.
 //!
 //! This crate converts arguments and answers and decides nothing. What Python sees of it is put together in `python/rockproof/`.
 
@@ -8,6 +8,7 @@ mod campaign;
 mod check;
 mod contacts;
 mod engine;
+mod examine;
 mod model;
 mod number;
 mod scene;
@@ -38,6 +39,8 @@ mod _native {
     use super::check::{CheckReport, Fall, Overlap, Violation, check};
     #[pymodule_export]
     use super::contacts::{PairContacts, PyContact, classify};
+    #[pymodule_export]
+    use super::examine::{ExaminationRun, run_examination};
     #[pymodule_export]
     use super::model::{Model, load};
     #[pymodule_export]

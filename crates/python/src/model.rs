@@ -10,7 +10,7 @@ use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use rockproof_differential::neighbours::neighbours;
-use rockproof_model::{Block, Scene, SceneBlock, ToleranceSpec};
+use rockproof_model::{Block, LoadOptions, Scene, SceneBlock, ToleranceSpec};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -22,6 +22,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub(crate) struct Model {
     pub(crate) scene: Scene,
     pub(crate) path: Option<PathBuf>,
+    /// How the file was read.
+    pub(crate) options: LoadOptions,
 }
 
 #[pymethods]
@@ -37,7 +39,7 @@ impl Model {
             return Err(InputError::new_err(format!("there are {} names for {} blocks", names.len(), blocks.len())));
         }
         let blocks = names.into_iter().zip(blocks).map(|(name, block)| SceneBlock::new(name, block.0)).collect();
-        Ok(Model { scene: Scene { blocks, ..Scene::default() }, path: None })
+        Ok(Model { scene: Scene { blocks, ..Scene::default() }, path: None, options: LoadOptions::default() })
     }
 
     /// The file it was read from, or None.
@@ -161,16 +163,20 @@ impl Model {
 /// `planarity` is how far faces may be from planar, as a share of a block's size; what the file says, or 1e-9, if it is not given. `weld` joins
 /// vertices no further apart than this, in the file's unit of length; those of STL at one place, if it is not given.
 ///
+/// `scale` is what every length is multiplied by, "1/1000" for a file in millimetres; `examine` takes 1 for "metres are meant". Scenes in TOML, which
+/// have other lengths as well, are refused.
+///
 /// Raises InputError for the first thing wrong with the file, naming file and line, or the block.
 #[pyfunction]
-#[pyo3(signature = (path, *, planarity=None, weld=None))]
+#[pyo3(signature = (path, *, planarity=None, weld=None, scale=None))]
 pub(crate) fn load(
     py: Python<'_>,
     path: PathBuf,
     planarity: Option<&Bound<'_, PyAny>>,
     weld: Option<&Bound<'_, PyAny>>,
+    scale: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Model> {
-    let options = load_options(planarity, weld)?;
+    let options = load_options(planarity, weld, scale)?;
     let scene = interruptible(py, |_| Scene::load_with(&path, &options))?.map_err(input_error)?;
-    Ok(Model { scene, path: Some(path) })
+    Ok(Model { scene, path: Some(path), options })
 }

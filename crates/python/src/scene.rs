@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use rockproof_differential::lockstep::Trajectory;
 use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_model::scene::SceneFormat;
-use rockproof_model::{Contact, Number, Point, Precision, Scene, ToleranceSet, ToleranceSpec, Vec3};
+use rockproof_model::{Contact, LoadOptions, Number, Point, Precision, Scene, ToleranceSet, ToleranceSpec, Vec3};
 use rockproof_oracle::step::{Mode as ExactMode, RetryReason as ExactReason, StepAnswer};
 use rockproof_stepper::dynamics::{Dynamics, RetryReason, Solve, StepReport};
 use std::path::{Path, PathBuf};
@@ -170,7 +170,7 @@ impl PyScene {
     /// The blocks at the beginning.
     #[getter]
     fn model(&self) -> Model {
-        Model { scene: self.scene.clone(), path: None }
+        Model { scene: self.scene.clone(), path: None, options: LoadOptions::default() }
     }
 
     /// The tolerances, complete, for an arithmetic ("f64", "f32" or "exact").

@@ -135,6 +135,27 @@ def test_settings_that_mean_nothing_are_refused():
         rockproof.campaign([exact, exact])
 
 
+def test_a_file_in_millimetres_is_read_as_its_conversion(root, command, tmp_path):
+    file, metres = root / "cases/meshes/arch_mm.stl", tmp_path / "metres.toml"
+    command("convert", file, metres, "--scale", "1/1000")
+    scaled, converted = rockproof.load(file, scale="1/1000"), rockproof.load(metres)
+    assert [block.exact_vertices for block in scaled.blocks] == [block.exact_vertices for block in converted.blocks]
+    settings = {"pairs": 64, "families": "real", "tolerances": "auto"}
+    found = rockproof.campaign(real=file, scale="1/1000", **settings)
+    assert found.findings == rockproof.campaign(real=metres, **settings).findings != rockproof.campaign(real=file, **settings).findings
+    # Only whoever says the unit is believed.
+    quick = {"steps": 0, "candidates": 0}
+    assert "doubt" in rockproof.examine(rockproof.load(file), **quick).sentence
+    assert "doubt" not in rockproof.examine(rockproof.load(file, scale=1), **quick).sentence
+    for scale in [0, -1]:
+        with pytest.raises(InputError, match="scale is not above 0"):
+            rockproof.load(file, scale=scale)
+    with pytest.raises(InputError, match="a scale is for files of coordinates"):
+        rockproof.load(metres, scale=2)
+    with pytest.raises(InputError, match="scale is about the files of `real`"):
+        rockproof.campaign(scale=2, pairs=1)
+
+
 def test_ctrl_c_ends_a_campaign():
     # A shell starts what runs in its background with Ctrl-C ignored, and Python leaves that so.
     signal.signal(signal.SIGINT, signal.default_int_handler)

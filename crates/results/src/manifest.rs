@@ -51,7 +51,7 @@ impl Owner {
     }
 
     /// How it is called on a command line, without its arguments.
-    pub(crate) fn command(self) -> String {
+    pub fn command(self) -> String {
         match self {
             Owner::SelfComparison => format!("cargo run --example {self}"),
             command => format!("rockproof {command}"),

@@ -103,6 +103,11 @@ pub fn check_name(name: &str) -> Result<(), EngineSpecError> {
     if is_name(name) && !taken { Ok(()) } else { Err(EngineSpecError::Name(name.to_owned())) }
 }
 
+/// A text as one word of a command, for a shell.
+pub fn quoted(word: &str) -> String {
+    shlex::try_quote(word).map_or_else(|_| word.to_owned(), std::borrow::Cow::into_owned)
+}
+
 fn split(command: &str) -> Option<Vec<String>> {
     shlex::split(command).filter(|words| words.first().is_some_and(|program| !program.is_empty()))
 }

@@ -120,6 +120,11 @@ pub enum SceneProblem {
     /// Tolerances that are none.
     #[error(transparent)]
     Tolerances(#[from] SpecError),
+    /// A scene in TOML whose lengths are to be multiplied.
+    #[error(
+        "a scale is for files of coordinates; a scene in TOML has other lengths in metres as well: scale what it was made from"
+    )]
+    ScaledScene,
     /// A file without any block.
     #[error("there is no block in it")]
     NoBlock,

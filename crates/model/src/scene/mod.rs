@@ -79,6 +79,16 @@ pub struct LoadOptions {
     /// Vertices no further apart than this (in the file's unit of length) become the first of them, whatever the format but TOML. If it is not
     /// given, those of STL that are one point, and no others.
     pub weld: Option<Number>,
+    /// What every length is multiplied by, exactly, after vertices are joined; above 0. For files of coordinates alone: a scene in TOML, which has
+    /// other lengths as well, is refused, but for a factor of 1.
+    pub scale: Option<Number>,
+}
+
+impl LoadOptions {
+    /// The factor that lengths are multiplied by, where that changes them.
+    pub fn scaled(&self) -> Option<&Number> {
+        self.scale.as_ref().filter(|scale| **scale != Number::from_integer(1))
+    }
 }
 
 impl Scene {
@@ -165,6 +175,9 @@ impl Scene {
         let mut attached = None;
         match read_foreign(bytes, format, options) {
             None => {
+                if options.scaled().is_some() {
+                    return Err(at(path, (None, SceneProblem::ScaledScene)));
+                }
                 let document = as_text(bytes).and_then(toml::read).map_err(|problem| at(path, problem))?;
                 gathered.add_entries(&document, path, options)?;
                 (scene.tolerances, scene.simulation) = (document.tolerances, document.simulation);
@@ -174,6 +187,9 @@ impl Scene {
                 let blocks = blocks.map_err(|problem| at(path, problem))?;
                 let assembly = Assembly { file: path, options, planarity: None, merging: format.merging() };
                 gathered.add_all(blocks, &assembly, &BodyProperties::default());
+                if let Some(scale) = options.scaled() {
+                    gathered.scale(scale, path);
+                }
             }
         }
         if gathered.count == 0 {
@@ -281,6 +297,24 @@ impl SceneBuilder {
             }
         }
         Ok(())
+    }
+
+    /// Multiplies every length of the blocks read so far; a block that is none then is a problem.
+    fn scale(&mut self, factor: &Number, path: &Path) {
+        for mut block in std::mem::take(&mut self.blocks) {
+            let vertices = block.block.vertices().iter().map(|v| v.map(|c| c.times(factor))).collect();
+            let options = BlockOptions { planarity: block.planarity.clone() };
+            match Block::new(vertices, block.block.topology().faces().to_vec(), &options) {
+                Ok(scaled) => {
+                    block.block = scaled;
+                    self.blocks.push(block);
+                }
+                Err(error) => {
+                    let block = format!("block {} \"{}\", scaled", block.origin.index, block.name);
+                    self.problems.push(at(path, (None, SceneProblem::Block { block, error })));
+                }
+            }
+        }
     }
 
     fn add_one(&mut self, raw: RawBlock, index: usize, assembly: &Assembly<'_>, patch: &BodyProperties) {

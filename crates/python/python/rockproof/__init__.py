@@ -29,6 +29,7 @@ from ._native import (
 )
 from ._benchmark import BenchmarkContact, BenchmarkPair, benchmark
 from ._campaign import Results, campaign, families
+from ._examine import Examination, examine
 
 __all__ = [
     "BenchmarkContact",
@@ -36,6 +37,7 @@ __all__ = [
     "Block",
     "CheckReport",
     "Contact",
+    "Examination",
     "ExaminedPair",
     "Fall",
     "InputError",
@@ -55,6 +57,7 @@ __all__ = [
     "campaign",
     "check",
     "classify",
+    "examine",
     "families",
     "load",
     "penetration",

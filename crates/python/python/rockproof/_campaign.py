@@ -103,6 +103,7 @@ def campaign(
     real: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
     planarity: Exact | None = None,
     weld: Exact | None = None,
+    scale: Exact | None = None,
     precision: str = "f64",
     metamorphic_every: int = 16,
     threads: int = 0,
@@ -118,7 +119,7 @@ def campaign(
     Threads ask it at once; Python's lock lets one in at a time.
 
     `families` and `tolerances` are names (`rockproof.families()`; "auto", "shi", "zero", … or TOML files of tolerances), all of them if none is given; `real`
-    are block files for the family "real", read as by `load` with `planarity` and `weld`. One pair in `metamorphic_every` is asked again moved, mirrored and renumbered; 0 for none. `threads` is one a
+    are block files for the family "real", read as by `load` with `planarity`, `weld` and `scale`. One pair in `metamorphic_every` is asked again moved, mirrored and renumbered; 0 for none. `threads` is one a
     core if 0; results do not depend on it. `progress` is called now and then with the pairs looked at and the findings made.
 
     The same seed makes the same pairs and findings as `rockproof campaign` with the same settings. Ctrl-C ends it between two pairs.
@@ -132,6 +133,7 @@ def campaign(
         "real": [os.fspath(path) for path in _list(real)],
         "planarity": planarity,
         "weld": weld,
+        "scale": scale,
         "metamorphic_every": metamorphic_every,
         "threads": threads,
         "precision": precision,

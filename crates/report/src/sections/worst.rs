@@ -7,6 +7,7 @@ use crate::table::{Table, TableCell, label, short};
 use crate::tally::{WORRYING, WorstFinding};
 use crate::view;
 use rockproof_differential::case_file::Case;
+use rockproof_differential::external::spec::quoted;
 use rockproof_differential::finding::{Cause, FAR};
 use rockproof_model::decision::Predicate;
 use serde::Serialize;
@@ -215,9 +216,4 @@ pub const CHOICES: [Predicate; 3] = [Predicate::EntranceChoice, Predicate::Short
 /// A gap as a reader likes it; the command below gives it in full.
 fn nine_digits(gap_m: f64) -> String {
     format!("{:?}", format!("{gap_m:.8e}").parse().unwrap_or(gap_m))
-}
-
-/// For a shell.
-fn quoted(path: &str) -> String {
-    shlex::try_quote(path).map_or_else(|_| path.to_owned(), std::borrow::Cow::into_owned)
 }

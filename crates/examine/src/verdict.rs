@@ -1,41 +1,46 @@
 //! The answer in at most ten lines, each with a figure, and the next command.
 
-use super::cases::KeptCase;
-use super::pairs::ExaminedPair;
-use super::steps::Steps;
-use super::{Assessment, Examination, Recommendation, file_name, plural};
-use crate::campaign_end::quoted;
-use crate::check::ModelArgs;
+use crate::assess::{Assessment, Examination, Recommendation, plural};
+use crate::cases::KeptCase;
 use crate::extents::short;
-use crate::table::grouped;
+use crate::naming::{Naming, file_name, quoted_path};
+use crate::pairs::ExaminedPair;
+use crate::steps::Steps;
+use rockproof_differential::external::spec::quoted;
 use rockproof_model::rules::{MeasuredModel, stiffness_slack};
 use rockproof_model::{Precision, Scene, ToleranceSet};
+use rockproof_report::table::grouped;
 use rockproof_report::verdict::Severity;
 use rockproof_tune::ClusterSupport;
 use std::path::Path;
 
+/// The file of the set to use.
+const SET: &str = "tolerances.toml";
+
 /// A line of the answer.
-pub(crate) struct Line {
+#[derive(Clone, Debug)]
+pub struct Line {
     /// What it is about.
-    pub(crate) about: &'static str,
+    pub about: &'static str,
     /// How it is meant.
-    pub(crate) severity: Severity,
+    pub severity: Severity,
     /// What was found.
-    pub(crate) text: String,
+    pub text: String,
 }
 
 /// The answer.
-pub(crate) struct Verdict {
+#[derive(Clone, Debug)]
+pub struct Verdict {
     /// Whether the model is safe with the tolerances that it was examined with.
-    pub(crate) is_safe: bool,
+    pub is_safe: bool,
     /// `safe`, `safe with another set` or `not safe`.
-    pub(crate) answer: &'static str,
+    pub answer: &'static str,
     /// The answer with its reasons.
-    pub(crate) sentence: String,
+    pub sentence: String,
     /// What it rests on.
-    pub(crate) lines: Vec<Line>,
-    /// The next command.
-    pub(crate) next: String,
+    pub lines: Vec<Line>,
+    /// The next command; none where there is no directory of results.
+    pub next: Option<String>,
 }
 
 fn line(about: &'static str, severity: Severity, text: String) -> Line {
@@ -43,10 +48,10 @@ fn line(about: &'static str, severity: Severity, text: String) -> Line {
 }
 
 impl Verdict {
-    /// The answer for a model read as `args` say; the results are in `dir`.
-    pub(crate) fn of(found: &Examination, cases: &[KeptCase], args: &ModelArgs, dir: &Path) -> Verdict {
+    /// The answer for a model that commands name so.
+    pub fn of(found: &Examination, cases: &[KeptCase], naming: &Naming) -> Verdict {
         let precision = found.model.precision;
-        let doubt = found.model.extents.doubt().filter(|_| args.scale.is_none());
+        let doubt = found.model.extents.doubt().filter(|_| !naming.units_are_meant);
         let is_safe = doubt.is_none() && found.given.is_safe(precision);
         let with_other = doubt.is_none() && found.recommended().is_some_and(|other| other.is_safe(precision));
         let reasons = reasons(&found.given, precision, doubt.is_some());
@@ -60,7 +65,7 @@ impl Verdict {
                 "safe with another set",
                 format!(
                     "safe with another set, {} (under {}: {reasons})",
-                    dir.join("tolerances.toml").display(),
+                    naming.place_of(SET, "the one recommended"),
                     found.name
                 ),
             ),
@@ -76,23 +81,26 @@ impl Verdict {
             steps(&found.given.steps),
         ];
         lines.extend(fall(found));
-        lines.push(recommended(found, precision, dir));
-        let next = next(found, cases, (args, dir), (doubt.is_some(), answer));
+        lines.push(recommended(found, precision, naming));
+        let next = naming.dir.as_ref().map(|dir| next(found, cases, (naming, dir), (doubt.is_some(), answer)));
         Verdict { is_safe, answer, sentence, lines, next }
     }
 
     /// For a terminal.
-    pub(crate) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let mut out = format!("{}\n", self.sentence);
         for Line { about, severity, text } in &self.lines {
             out += &format!("  {} {about:<10} {text}\n", mark(*severity));
         }
-        out + &format!("next: {}\n", self.next)
+        if let Some(next) = &self.next {
+            out += &format!("next: {next}\n");
+        }
+        out
     }
 }
 
 /// A sign for a severity, as the page has it.
-pub(crate) fn mark(severity: Severity) -> char {
+pub fn mark(severity: Severity) -> char {
     match severity {
         Severity::Good => '✓',
         Severity::Fair => 'i',
@@ -250,7 +258,7 @@ fn fall(found: &Examination) -> Option<Line> {
     Some(line("fall", Severity::Fair, text))
 }
 
-fn recommended(found: &Examination, precision: Precision, dir: &Path) -> Line {
+fn recommended(found: &Examination, precision: Precision, naming: &Naming) -> Line {
     let other = match &found.other {
         Recommendation::Skipped(why) => return line("set", Severity::Fair, why.clone()),
         Recommendation::Given { candidates } => {
@@ -284,10 +292,9 @@ fn recommended(found: &Examination, precision: Precision, dir: &Path) -> Line {
         figures.push("better by less than these lines show".to_owned());
     }
     let is_safe = other.assessed.is_safe(precision);
-    let (file, safe) = (dir.join("tolerances.toml"), if is_safe { "safe" } else { "not safe" });
+    let (file, safe) = (naming.place_of(SET, "the one recommended"), if is_safe { "safe" } else { "not safe" });
     let (origin, candidates) = (other.origin, other.candidates);
-    let text =
-        format!("{} ({origin}) is the best of {candidates} tried, {safe}: {}", file.display(), figures.join(", "));
+    let text = format!("{file} ({origin}) is the best of {candidates} tried, {safe}: {}", figures.join(", "));
     line("set", if is_safe { Severity::Good } else { Severity::Fair }, text)
 }
 
@@ -295,10 +302,10 @@ fn recommended(found: &Examination, precision: Precision, dir: &Path) -> Line {
 fn next(
     found: &Examination,
     cases: &[KeptCase],
-    (args, dir): (&ModelArgs, &Path),
+    (naming, dir): (&Naming, &Path),
     (units, answer): (bool, &str),
 ) -> String {
-    let (file, given) = (args.shown(), args.tolerances.shown());
+    let (file, given) = (naming.shown(), &naming.tolerances);
     // Steps of a file that fixes nothing were made with its lowest blocks held; without that all of it falls.
     let is_held = found.given.steps.made().is_some_and(|made| made.held != ClusterSupport::Given);
     let hold = if is_held { " --hold-lowest" } else { "" };
@@ -306,22 +313,17 @@ fn next(
         let factor = found.model.extents.factor().unwrap_or("1");
         return format!("rockproof examine {file}{given} --scale {factor} --overwrite");
     }
-    let shown = |path: &str| quoted(&dir.join(path).display().to_string());
+    let shown = |path: &str| quoted_path(&dir.join(path));
     let lost = found.given.overlaps.worst_lost().filter(|_| answer == "not safe");
     if let Some(worst) = lost {
-        return args.show(worst.blocks);
-    }
-    if let (Some(scale), true) = (args.scaled(), answer != "safe with another set") {
-        let metres = quoted(&format!("{}_m.toml", args.file.stem()));
-        return format!("rockproof convert {file} {metres} --scale {scale}");
+        return naming.show(worst.blocks);
     }
     if answer == "safe" {
         return format!("rockproof simulate {file}{given}{hold} --steps 100 --audit");
     }
     if answer == "safe with another set" {
-        let (set, out) = (shown("tolerances.toml"), quoted(&format!("{}-set", dir.display())));
-        let scale = args.scaled().map_or(String::new(), |scale| format!(" --scale {scale}"));
-        return format!("rockproof examine {file}{scale} --tolerances {set} --out {out}");
+        let (set, out) = (shown(SET), quoted(&format!("{}-set", dir.display())));
+        return format!("rockproof examine {file} --tolerances {set} --out {out}");
     }
     if let Some(case) = cases.iter().find(|case| case.is_broken) {
         return format!("rockproof replay {}", shown(&case.file));

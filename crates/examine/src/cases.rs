@@ -1,7 +1,7 @@
 //! The worst differences of a model as cases to replay.
 
-use super::pairs::{PRECISIONS, is_broken, panel, subject};
-use super::{Examination, pairs::ExaminedPair};
+use crate::assess::Examination;
+use crate::pairs::{ExaminedPair, PRECISIONS, is_broken, panel, subject};
 use rockproof_differential::builtin::panel_for;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::Finding;
@@ -13,21 +13,22 @@ use std::cmp::Reverse;
 const KEPT: usize = 3;
 
 /// A difference as a file.
-pub(crate) struct KeptCase {
+#[derive(Clone, Debug)]
+pub struct KeptCase {
     /// Its name in the directory.
-    pub(crate) file: String,
+    pub file: String,
     /// The blocks of the model.
-    pub(crate) blocks: [usize; 2],
+    pub blocks: [usize; 2],
     /// Whether it is more than a tie that rounding decides, in the precision that the model is to be safe in.
-    pub(crate) is_broken: bool,
+    pub is_broken: bool,
     /// The difference.
-    pub(crate) finding: Finding,
+    pub finding: Finding,
     /// The content.
-    pub(crate) case: Case,
+    pub case: Case,
 }
 
 /// The worst difference of the worst pairs in each precision, the one that the model is to be safe in first.
-pub(crate) fn worst(found: &Examination) -> Vec<KeptCase> {
+pub fn worst_cases(found: &Examination) -> Vec<KeptCase> {
     let asked = found.model.precision;
     let mut precisions = PRECISIONS;
     precisions.sort_by_key(|precision| *precision != asked);

@@ -1,9 +1,9 @@
 //! The model and its worst pairs in three dimensions, for the page.
 
-use super::cases::KeptCase;
-use super::results::PairFacts;
-use super::{Examination, file_name};
-use crate::check::ModelArgs;
+use crate::assess::Examination;
+use crate::cases::KeptCase;
+use crate::naming::{Naming, file_name};
+use crate::results::PairFacts;
 use rockproof_model::Block;
 use rockproof_oracle::audit::Meaning;
 use rockproof_report::model_view::{BlockGroup, traces};
@@ -83,15 +83,15 @@ pub(crate) fn standings(found: &Examination, pairs: &[PairFacts<'_>]) -> Vec<(St
 
 /// The views of the page: the whole model, the deepest overlaps, the worst differences.
 pub(crate) fn views(
-    (found, args): (&Examination, &ModelArgs),
+    (found, naming): (&Examination, &Naming),
     (pairs, standings): (&[PairFacts<'_>], &[(Standing, String)]),
     (cases, dir): (&[KeptCase], &Path),
 ) -> Vec<FindingView> {
     let shapes = found.model.scene.shapes();
-    let mut views = vec![whole(found, args, &shapes, standings)];
+    let mut views = vec![whole(found, naming, &shapes, standings)];
     let mut lost: Vec<&PairFacts<'_>> = pairs.iter().filter(|pair| Standing::of(pair) == Standing::Lost).collect();
     lost.sort_by(|one, two| two.depth_m().unwrap_or(0.0).total_cmp(&one.depth_m().unwrap_or(0.0)));
-    views.extend(lost.into_iter().take(MOST_OVERLAPS).map(|pair| overlap(found, args, &shapes, pair)));
+    views.extend(lost.into_iter().take(MOST_OVERLAPS).map(|pair| overlap(found, naming, &shapes, pair)));
     for (number, kept) in cases.iter().enumerate() {
         let predicate = kept.finding.predicate().map_or(String::new(), |predicate| predicate.to_string());
         let (engine, file) = (kept.finding.scope.to_string(), dir.join(&kept.file));
@@ -103,7 +103,7 @@ pub(crate) fn views(
     views
 }
 
-fn whole(found: &Examination, args: &ModelArgs, shapes: &[&Block], standings: &[(Standing, String)]) -> FindingView {
+fn whole(found: &Examination, naming: &Naming, shapes: &[&Block], standings: &[(Standing, String)]) -> FindingView {
     let is_drawn = |standing: Standing| shapes.len() <= MOST_DRAWN || standing != Standing::Sound;
     let groups: Vec<BlockGroup> = Standing::ALL
         .into_iter()
@@ -129,12 +129,12 @@ fn whole(found: &Examination, args: &ModelArgs, shapes: &[&Block], standings: &[
         cause: "model",
         facts,
         contacts: Vec::new(),
-        replay: args.show_all(),
+        replay: naming.show_all(),
         traces,
     }
 }
 
-fn overlap(found: &Examination, args: &ModelArgs, shapes: &[&Block], pair: &PairFacts<'_>) -> FindingView {
+fn overlap(found: &Examination, naming: &Naming, shapes: &[&Block], pair: &PairFacts<'_>) -> FindingView {
     let [a, b] = pair.blocks;
     let name = |block: usize| format!("block {block} {}", found.model.scene.blocks[block].name);
     let group = |number: usize, block: usize, color: &'static str| BlockGroup {
@@ -155,7 +155,7 @@ fn overlap(found: &Examination, args: &ModelArgs, shapes: &[&Block], pair: &Pair
         cause: "overlap",
         facts,
         contacts: Vec::new(),
-        replay: args.show(pair.blocks),
+        replay: naming.show(pair.blocks),
         traces,
     }
 }

@@ -1,6 +1,6 @@
 //! Every neighbouring pair of a model as it stands, through the chain of causes that campaigns use (SPEC section 6).
 
-use super::progress::Stage;
+use crate::seen::Seen;
 use rayon::prelude::*;
 use rockproof_differential::attribution::{EnginePanel, examine};
 use rockproof_differential::builtin::{self, ENGINES};
@@ -9,45 +9,48 @@ use rockproof_differential::finding::{Cause, FAR, Finding, FindingScope};
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::{Block, Precision};
 use rockproof_report::sections::CHOICES;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The precisions of the built-in engines, in the order of [`ENGINES`].
 pub(crate) const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
 /// What was found of one pair.
-pub(crate) struct ExaminedPair {
+#[derive(Clone, Debug)]
+pub struct ExaminedPair {
     /// The blocks, the lower number first.
-    pub(crate) blocks: [usize; 2],
+    pub blocks: [usize; 2],
     /// Contacts that the tolerances add, remove or change, everything exact.
-    pub(crate) tolerance: u64,
-    /// What differs in each of [`PRECISIONS`].
-    pub(crate) engines: [EngineDifferences; 2],
+    pub tolerance: u64,
+    /// What differs in f32, and in f64.
+    pub engines: [EngineDifferences; 2],
 }
 
 /// How the contacts of a pair in one precision differ from the exact ones.
-#[derive(Default)]
-pub(crate) struct EngineDifferences {
+#[derive(Clone, Debug, Default)]
+pub struct EngineDifferences {
     /// Contacts that change because the input is rounded.
-    pub(crate) representation: u64,
+    pub representation: u64,
     /// Contacts that change because the engine calculates in its precision.
-    pub(crate) arithmetic: u64,
+    pub arithmetic: u64,
     /// Contacts that are wrong in several hundred bits as well.
-    pub(crate) defects: u64,
-    /// Of all these, what [`is_broken`] is true of.
-    pub(crate) broken: u64,
+    pub defects: u64,
+    /// Of all these, what is more than a tie that rounding decides the other way: a mistake in code, no answer, a feature that rounding
+    /// destroyed, or a decision further from a tie than rounding explains.
+    pub broken: u64,
     /// Of all these the gravest: what is broken first, then what is furthest from a tie.
-    pub(crate) worst: Option<Finding>,
+    pub worst: Option<Finding>,
 }
 
 impl ExaminedPair {
     /// What differs in a precision.
-    pub(crate) fn in_precision(&self, precision: Precision) -> &EngineDifferences {
+    pub fn in_precision(&self, precision: Precision) -> &EngineDifferences {
         &self.engines[usize::from(precision == Precision::F64)]
     }
 }
 
 impl EngineDifferences {
     /// All that differs.
-    pub(crate) fn total(&self) -> u64 {
+    pub fn total(&self) -> u64 {
         self.representation + self.arithmetic + self.defects
     }
 
@@ -98,11 +101,11 @@ pub(crate) fn examine_all(
     blocks: &[&Block],
     pairs: &[[usize; 2]],
     set: &SubjectSet,
-    stage: &Stage<'_>,
+    (seen, stop): (&Seen, &AtomicBool),
 ) -> Option<Vec<ExaminedPair>> {
     let panel = panel();
     let one = |(number, &pair): (usize, &[usize; 2])| {
-        if stage.is_stopped() {
+        if stop.load(Ordering::SeqCst) {
             return None;
         }
         let mut found = ExaminedPair { blocks: pair, tolerance: 0, engines: Default::default() };
@@ -117,7 +120,7 @@ pub(crate) fn examine_all(
                 _ => found.engines[usize::from(is_f64)].add(finding),
             }
         }
-        stage.advance();
+        seen.advance();
         Some(found)
     };
     pairs.par_iter().enumerate().map(one).collect()

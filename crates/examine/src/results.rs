@@ -1,11 +1,14 @@
 //! What an examination leaves in its directory.
 
-use super::cases::KeptCase;
-use super::pairs::EngineDifferences;
-use super::verdict::{Verdict, mark, title};
-use super::view::{Standing, standings, views};
-use super::{Examination, Recommendation, document};
-use crate::check::{ModelArgs, violations_text};
+use crate::assess::{Examination, Recommendation};
+use crate::cases::KeptCase;
+use crate::checked::violations_text;
+use crate::document::document;
+use crate::error::ExamineError;
+use crate::naming::Naming;
+use crate::pairs::EngineDifferences;
+use crate::verdict::{Verdict, mark, title};
+use crate::view::{Standing, standings, views};
 use rockproof_model::Precision;
 use rockproof_model::vtu::{DataArray, SCALAR, vtu};
 use rockproof_oracle::audit::{Meaning, Overlap};
@@ -22,7 +25,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// The files that are always written.
-pub(crate) const FILES: [&str; 9] = [
+pub const FILES: [&str; 9] = [
     "index.html",
     "examine.md",
     "examine.json",
@@ -162,35 +165,31 @@ pub(crate) fn name_of(meaning: Meaning) -> &'static str {
 }
 
 /// What was written.
-pub(crate) struct Written {
+#[derive(Clone, Debug)]
+pub struct Written {
     /// The document of `--format json`.
-    pub(crate) document: Value,
+    pub document: Value,
     /// The files.
-    pub(crate) names: Vec<String>,
+    pub names: Vec<String>,
 }
 
 /// Writes everything.
 ///
 /// # Errors
 /// When a file cannot be made or written.
-pub(crate) fn write(
-    (found, args): (&Examination, &ModelArgs),
+pub fn write(
+    (found, naming): (&Examination, &Naming),
     verdict: &Verdict,
     cases: &[KeptCase],
     directory: &mut Directory,
-) -> anyhow::Result<Written> {
+) -> Result<Written, ExamineError> {
     let pairs = PairFacts::all(found);
     let standings = standings(found, &pairs);
-    let all = pair_table(pairs.iter());
-    let mut ranked: Vec<&PairFacts<'_>> = pairs.iter().filter(|pair| Standing::of(pair) != Standing::Sound).collect();
-    // A stable sort: of equally bad ones the first pair first.
-    ranked.sort_by(|one, two| {
-        let depth = |pair: &PairFacts<'_>| pair.depth_m().unwrap_or(0.0);
-        Standing::of(one).cmp(&Standing::of(two)).then(depth(two).total_cmp(&depth(one)))
-    });
-    let worst = |most: usize| pair_table(ranked.iter().take(most).copied());
+    let all = table_of(pairs.iter());
+    let ranked = ranked(&pairs);
+    let worst = |most: usize| table_of(ranked.iter().take(most).copied());
     let tolerances = tolerance_table(found);
-    let views = views((found, args), (&pairs, &standings), (cases, directory.path()));
+    let views = views((found, naming), (&pairs, &standings), (cases, directory.path()));
     let report = Report {
         title: title(found),
         verdict: lines(verdict),
@@ -222,7 +221,7 @@ pub(crate) fn write(
         ],
     };
     let set = found.recommended().map_or(&found.given.set, |other| &other.set);
-    let document = document::document(found, verdict, &pairs);
+    let document = document(found, verdict);
     let json = serde_json::to_string_pretty(&document)? + "\n";
     let text = text(found, verdict, &worst(SHOWN[1]), ranked.len());
     let mut files: Vec<(String, FileKind, Vec<u8>)> = vec![
@@ -255,14 +254,35 @@ pub(crate) fn write(
     Ok(Written { document, names })
 }
 
-fn pair_table<'f>(pairs: impl Iterator<Item = &'f PairFacts<'f>>) -> Table {
+/// All neighbouring pairs, and those that met in the steps, in ascending order: what `pairs.csv` holds.
+pub fn pair_table(found: &Examination) -> Table {
+    table_of(PairFacts::all(found).iter())
+}
+
+/// The pairs with something to say, the worst first, with the columns of [`pair_table`].
+pub fn findings_table(found: &Examination) -> Table {
+    table_of(ranked(&PairFacts::all(found)).into_iter())
+}
+
+/// The pairs with something to say, the worst first.
+fn ranked<'p, 'f>(pairs: &'p [PairFacts<'f>]) -> Vec<&'p PairFacts<'f>> {
+    let mut ranked: Vec<_> = pairs.iter().filter(|pair| Standing::of(pair) != Standing::Sound).collect();
+    // A stable sort: of equally bad ones the first pair first.
+    ranked.sort_by(|one, two| {
+        let depth = |pair: &PairFacts<'_>| pair.depth_m().unwrap_or(0.0);
+        Standing::of(one).cmp(&Standing::of(two)).then(depth(two).total_cmp(&depth(one)))
+    });
+    ranked
+}
+
+fn table_of<'p, 'f: 'p>(pairs: impl Iterator<Item = &'p PairFacts<'f>>) -> Table {
     let mut table = Table::new("pairs", "Pairs of blocks, the worst first", &COLUMNS);
     pairs.for_each(|pair| table.push(pair.cells()));
     table
 }
 
-/// The set given beside the one recommended.
-fn tolerance_table(found: &Examination) -> Table {
+/// The set given beside the one recommended: what `tolerances.csv` holds.
+pub fn tolerance_table(found: &Examination) -> Table {
     let mut table = Table::new("tolerances", "Lengths in m", &["tolerance", "given", "recommended"]);
     let given = &found.given.set;
     let other = found.recommended().map_or(given, |other| &other.set);
@@ -284,7 +304,8 @@ fn lines(verdict: &Verdict) -> Vec<VerdictLine> {
             .iter()
             .map(|line| VerdictLine { severity: line.severity, text: format!("{}: {}", line.about, line.text) }),
     );
-    lines.push(VerdictLine { severity: Severity::Fair, text: format!("next: {}", verdict.next) });
+    let next = verdict.next.iter().map(|next| format!("next: {next}"));
+    lines.extend(next.map(|text| VerdictLine { severity: Severity::Fair, text }));
     lines
 }
 
@@ -296,7 +317,9 @@ fn text(found: &Examination, verdict: &Verdict, worst: &Table, all: usize) -> St
     for line in &verdict.lines {
         out += &format!("- {} **{}** {}\n", mark(line.severity), line.about, clean(&line.text));
     }
-    out += &format!("\nNext: `{}`\n", clean(&verdict.next));
+    if let Some(next) = &verdict.next {
+        out += &format!("\nNext: `{}`\n", clean(next));
+    }
     if !found.given.violations.is_empty() {
         out += &format!("\n## Rules\n\n```text\n{}```\n", violations_text(&found.given.violations));
     }

@@ -1,6 +1,6 @@
 //! `simulate --audit`: every step audited exactly (SPEC section 7), overlaps after it and passages within it.
 
-use anyhow::Context;
+use crate::error::ExamineError;
 use rayon::prelude::*;
 use rockproof_model::{Block, ContactKey, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::PreparedBlock;
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 
 /// A run of which every step is audited. The stepper's coordinates are taken as exact; pairs of two fixed blocks are left
 /// out, as they never move.
-pub(crate) struct AuditedRun<R> {
+pub struct AuditedRun<R> {
     stepping: Box<dyn Stepping<R>>,
     set: ToleranceSet,
     precision: Precision,
@@ -27,14 +27,17 @@ pub(crate) struct AuditedRun<R> {
 
 impl<R: Real> AuditedRun<R> {
     /// Audits the steps of a run from its present state on.
-    pub(crate) fn new(
+    ///
+    /// # Errors
+    /// Where its present state has a coordinate that is not finite.
+    pub fn new(
         stepping: Box<dyn Stepping<R>>,
         scene: &Scene,
         set: &ToleranceSet,
         precision: Precision,
-    ) -> anyhow::Result<AuditedRun<R>> {
+    ) -> Result<AuditedRun<R>, ExamineError> {
         let shapes: Vec<Block> = scene.blocks.iter().map(|block| block.block.clone()).collect();
-        let before = placed(&shapes, stepping.state()).context("the state has a coordinate that is not finite")?;
+        let before = placed(&shapes, stepping.state()).ok_or(ExamineError::NotFinite)?;
         let is_fixed = scene.blocks.iter().map(|block| block.body.is_fixed()).collect();
         Ok(AuditedRun { stepping, set: set.clone(), precision, is_fixed, before, last: None })
     }

@@ -1,38 +1,43 @@
 //! Overlaps of a model, for every command that begins with one: the exact audit (SPEC section 7), in words.
 
-use crate::progress::counted_while;
+use crate::seen::{Seen, Stage};
 use rayon::prelude::*;
 use rockproof_model::{Block, Number, Precision, ToleranceSet};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Meaning, Overlap, rounding_depth};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Overlaps named one by one.
 const MOST_NAMED: usize = 5;
 
-/// The overlaps of all neighbouring pairs, or of some.
-pub(crate) fn overlaps(blocks: &[&Block], tolerances: &ToleranceSet, only: Option<&[(usize, usize)]>) -> Overlaps {
+/// The overlaps of all neighbouring pairs, or of some. Where `stop` is set meanwhile, those of the pairs looked at until then.
+pub fn overlaps(
+    blocks: &[&Block],
+    tolerances: &ToleranceSet,
+    only: Option<&[(usize, usize)]>,
+    seen: &Seen,
+    stop: &AtomicBool,
+) -> Overlaps {
     let solids: Vec<PreparedBlock> = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
     let auditor = Auditor::new(&solids, tolerances);
     let pairs = match only {
         None => auditor.neighbours(),
         Some(pairs) => pairs.iter().map(|&(i, j)| [i.min(j), i.max(j)]).collect(),
     };
-    let audited: Vec<_> = counted_while(pairs.len() as u64, "audited for overlaps", |done| {
-        let audited = pairs.par_iter().map(|&pair| {
-            let audited = auditor.pair(pair);
-            done.fetch_add(1, Ordering::Relaxed);
-            audited
-        });
-        audited.collect()
+    seen.begin(Stage::Overlaps, pairs.len());
+    let audited = pairs.par_iter().filter(|_| !stop.load(Ordering::Relaxed)).map(|&pair| {
+        let audited = auditor.pair(pair);
+        seen.advance();
+        audited
     });
-    Overlaps::of(Audit::of(audited), &rounding_depth(blocks, Precision::F64), pairs)
+    Overlaps::of(Audit::of(audited.collect::<Vec<_>>()), &rounding_depth(blocks, Precision::F64), pairs)
 }
 
 /// The overlaps of a model, and what they mean.
-pub(crate) struct Overlaps {
+#[derive(Clone, Debug)]
+pub struct Overlaps {
     /// The audit.
     audit: Audit,
     /// What each overlap means.
@@ -49,27 +54,27 @@ impl Overlaps {
     }
 
     /// How many overlaps make a run untrustworthy: deeper than `penetration`, or seen by no contact though more than rounding.
-    pub(crate) fn lost(&self) -> usize {
+    pub fn lost(&self) -> usize {
         self.count(Meaning::Lost)
     }
 
     /// The pairs that were looked at, whether they overlap or not, in ascending order.
-    pub(crate) fn neighbours(&self) -> &[[usize; 2]] {
+    pub fn neighbours(&self) -> &[[usize; 2]] {
         &self.neighbours
     }
 
     /// The pairs that overlap, in ascending order, each with what that means.
-    pub(crate) fn all(&self) -> impl Iterator<Item = (&Overlap, Meaning)> {
+    pub fn all(&self) -> impl Iterator<Item = (&Overlap, Meaning)> {
         self.audit.overlaps.iter().zip(self.meanings.iter().copied())
     }
 
     /// The deepest pair that makes a run untrustworthy, of equal ones the first.
-    pub(crate) fn worst_lost(&self) -> Option<&Overlap> {
+    pub fn worst_lost(&self) -> Option<&Overlap> {
         self.worst(Meaning::Lost)
     }
 
     /// How many overlaps mean this.
-    pub(crate) fn count(&self, meaning: Meaning) -> usize {
+    pub fn count(&self, meaning: Meaning) -> usize {
         self.meanings.iter().filter(|&&found| found == meaning).count()
     }
 
@@ -86,7 +91,7 @@ impl Overlaps {
     }
 
     /// What the audit found, in one sentence, with the deepest pair of the first count; `None` where nothing overlaps.
-    pub(crate) fn sentence(&self) -> Option<String> {
+    pub fn sentence(&self) -> Option<String> {
         let said = [
             "overlap deeper than penetration or where no contact sees it, and will pass through one another",
             "overlap and are held by contacts",
@@ -106,7 +111,7 @@ impl Overlaps {
     }
 
     /// The sentence after its name, also where nothing overlaps.
-    pub(crate) fn line(&self) -> String {
+    pub fn line(&self) -> String {
         match self.sentence() {
             None => format!("overlaps: none in {} neighbouring pairs", self.audit.counts.neighbours()),
             Some(sentence) => format!("overlaps: {sentence}"),
@@ -114,7 +119,7 @@ impl Overlaps {
     }
 
     /// The overlaps for programs: how many of each meaning, and every pair that overlaps by more than rounding.
-    pub(crate) fn json(&self) -> Value {
+    pub fn json(&self) -> Value {
         let told = |(_, meaning): &(&Overlap, Meaning)| *meaning != Meaning::Rounding;
         let pair = |(overlap, meaning): (&Overlap, Meaning)| {
             json!({
@@ -136,7 +141,7 @@ impl Overlaps {
     }
 
     /// What `check` says: the line and the deepest pairs.
-    pub(crate) fn report(&self) -> String {
+    pub fn report(&self) -> String {
         let mut out = format!("\n{}\n", self.line());
         let mut worst: Vec<&Overlap> = self.that(|meaning| meaning != Meaning::Rounding).collect();
         // A stable sort: of equally deep ones the first pair first.
@@ -156,7 +161,7 @@ impl Overlaps {
 }
 
 /// The penetration in metres, in four digits.
-pub(crate) fn depth(overlap: &Overlap) -> String {
+fn depth(overlap: &Overlap) -> String {
     match overlap.penetration.depth_m() {
         Some(depth) if depth == 0.0 || (1e-3..1e4).contains(&depth) => format!("{depth:.4}"),
         Some(depth) => format!("{depth:.3e}"),
@@ -188,7 +193,7 @@ mod tests {
         let blocks: Vec<&Block> = blocks.iter().collect();
         let mut set = derive(Preset::Auto, &blocks, Precision::F64).expect("a set");
         set.penetration = Number::from_f64(0.0625).expect("a number");
-        let mut found = overlaps(&blocks, &set, None);
+        let mut found = overlaps(&blocks, &set, None, &Seen::default(), &AtomicBool::new(false));
         let held = "3 pairs (worst 0–3, 0.0030 m) overlap and are held by contacts";
         assert_eq!(found.sentence().as_deref(), Some(held));
         // The two shallower ones unseen: the deepest pair of all is not theirs.

@@ -1,17 +1,19 @@
 //! A few steps of a model, each audited exactly: which blocks pass through one another?
 
-use super::progress::Stage;
+use crate::error::ExamineError;
+use crate::seen::Seen;
 use crate::step_audit::AuditedRun;
-use anyhow::Context;
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_simulate::{AuditTotals, PairDepth, Stepping};
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, Solve};
 use rockproof_tune::{ClusterSupport, hold_lowest};
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What became of the steps.
-pub(crate) enum Steps {
+#[derive(Clone, Debug)]
+pub enum Steps {
     /// They were made.
     Made(Box<AuditedSteps>),
     /// They were not, and why.
@@ -19,26 +21,27 @@ pub(crate) enum Steps {
 }
 
 /// Steps and what the audit found.
-pub(crate) struct AuditedSteps {
+#[derive(Clone, Debug)]
+pub struct AuditedSteps {
     /// Steps made, settling not counted.
-    pub(crate) made: u64,
+    pub made: u64,
     /// Steps asked for.
-    pub(crate) asked: u64,
+    pub asked: u64,
     /// What holds the model.
-    pub(crate) held: ClusterSupport,
+    pub held: ClusterSupport,
     /// Why they ended early, if they did.
-    pub(crate) stopped: Option<String>,
+    pub stopped: Option<String>,
     /// What the audit found.
-    pub(crate) totals: AuditTotals,
+    pub totals: AuditTotals,
     /// Pairs that passed through one another within a step, with the greatest depth shown (m).
-    pub(crate) passages: BTreeMap<[usize; 2], f64>,
+    pub passages: BTreeMap<[usize; 2], f64>,
     /// Pairs that overlapped after a step where no contact saw it, with the greatest penetration (m).
-    pub(crate) unseen: BTreeMap<[usize; 2], f64>,
+    pub unseen: BTreeMap<[usize; 2], f64>,
 }
 
 impl Steps {
     /// The steps, if they were made.
-    pub(crate) fn made(&self) -> Option<&AuditedSteps> {
+    pub fn made(&self) -> Option<&AuditedSteps> {
         match self {
             Steps::Made(made) => Some(made),
             Steps::Skipped(_) => None,
@@ -46,7 +49,7 @@ impl Steps {
     }
 
     /// Whether blocks passed through one another or were about to, or the steps could not be made.
-    pub(crate) fn object(&self) -> bool {
+    pub fn object(&self) -> bool {
         self.made().is_some_and(|made| made.stopped.is_some() || made.totals.objects())
     }
 }
@@ -61,15 +64,15 @@ pub(crate) fn make(
     set: &ToleranceSet,
     precision: Precision,
     steps: u64,
-    stage: &Stage<'_>,
-) -> anyhow::Result<Option<AuditedSteps>> {
+    (seen, stop): (&Seen, &AtomicBool),
+) -> Result<Option<AuditedSteps>, ExamineError> {
     let mut scene = scene.clone();
     let nothing_fixed = scene.blocks.iter().all(|block| !block.body.is_fixed());
     let held = if nothing_fixed { hold_lowest(&mut scene) } else { ClusterSupport::Given };
     scene.derive_stiffness(set);
     match precision {
-        Precision::F32 => make_in::<f32>(&scene, set, (precision, held), steps, stage),
-        Precision::F64 => make_in::<f64>(&scene, set, (precision, held), steps, stage),
+        Precision::F32 => make_in::<f32>(&scene, set, (precision, held), steps, (seen, stop)),
+        Precision::F64 => make_in::<f64>(&scene, set, (precision, held), steps, (seen, stop)),
     }
 }
 
@@ -78,9 +81,9 @@ fn make_in<R: Solve>(
     set: &ToleranceSet,
     (precision, held): (Precision, ClusterSupport),
     steps: u64,
-    stage: &Stage<'_>,
-) -> anyhow::Result<Option<AuditedSteps>> {
-    let dynamics = Dynamics::<R, SpecRules>::new(scene, set).context("the model cannot be stepped")?;
+    (seen, stop): (&Seen, &AtomicBool),
+) -> Result<Option<AuditedSteps>, ExamineError> {
+    let dynamics = Dynamics::<R, SpecRules>::new(scene, set)?;
     let mut run = AuditedRun::new(Box::new(dynamics), scene, set, precision)?;
     let mut found = AuditedSteps {
         made: 0,
@@ -92,7 +95,7 @@ fn make_in<R: Solve>(
         unseen: BTreeMap::new(),
     };
     while found.made < steps && found.stopped.is_none() {
-        if stage.is_stopped() {
+        if stop.load(Ordering::SeqCst) {
             return Ok(None);
         }
         match run.step() {
@@ -104,7 +107,7 @@ fn make_in<R: Solve>(
                     deepen(&mut found.unseen, &audit.unseen_pairs);
                 }
                 found.made = run.state().step;
-                stage.advance();
+                seen.advance();
             }
         }
     }

@@ -1,15 +1,17 @@
 //! The examination as one JSON document (docs/formats.md).
 
-use super::pairs::{ExaminedPair, PRECISIONS};
-use super::results::{PairFacts, name_of};
-use super::steps::Steps;
-use super::verdict::Verdict;
-use super::{Assessment, Examination, Recommendation};
+use crate::assess::{Assessment, Examination, Recommendation};
+use crate::checked::{tolerances_json, violation_json};
+use crate::pairs::{ExaminedPair, PRECISIONS};
+use crate::results::{PairFacts, name_of};
+use crate::steps::Steps;
+use crate::verdict::Verdict;
 use rockproof_model::Precision;
 use serde_json::{Value, json};
 
-/// The document.
-pub(crate) fn document(found: &Examination, verdict: &Verdict, pairs: &[PairFacts<'_>]) -> Value {
+/// The document; `next` in it is null where the verdict has none.
+pub fn document(found: &Examination, verdict: &Verdict) -> Value {
+    let pairs = PairFacts::all(found);
     let lines: Vec<Value> = verdict
         .lines
         .iter()
@@ -58,8 +60,8 @@ fn assessment(of: &Assessment, precision: Precision) -> Value {
     let [f32, f64] = engines;
     json!({
         "safe_but_for_units": of.is_safe(precision),
-        "tolerances": crate::check::tolerances_json(&of.set),
-        "rules_violated": of.violations.iter().map(crate::check::violation_json).collect::<Vec<_>>(),
+        "tolerances": tolerances_json(&of.set),
+        "rules_violated": of.violations.iter().map(violation_json).collect::<Vec<_>>(),
         "overlaps": of.overlaps.json(),
         "pairs_examined": of.pairs.len(),
         "f32": f32,

@@ -1,0 +1,256 @@
+//! The work: a model under one set of tolerances, a search for another one, and the model under that.
+
+use crate::checked::CheckedModel;
+use crate::error::ExamineError;
+use crate::extents::short;
+use crate::naming::file_name;
+use crate::overlaps::{Overlaps, overlaps};
+use crate::pairs::{self, ExaminedPair, PRECISIONS};
+use crate::seen::{Seen, Stage};
+use crate::steps::{self, Steps};
+use rockproof_differential::subject::SubjectSet;
+use rockproof_model::rules::{self, Violation};
+use rockproof_model::{Precision, ToleranceSet, ToleranceSpec};
+use rockproof_report::table::grouped;
+use rockproof_tune::report::markdown;
+use rockproof_tune::{Evaluator, Measurement, Search};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Blocks of a model that is stepped without being asked to.
+const MOST_STEPPED: usize = 2000;
+/// Steps of such a model.
+const STEPS: u64 = 5;
+/// Steps of the search for a set, for each candidate.
+const TUNE_STEPS: u64 = 8;
+/// Seed of the search for a set.
+const SEED: u64 = 1;
+
+/// How much is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Steps to make and audit after settling, whatever the size of the model; `None` for 5 where it has at most 2000 blocks.
+    pub steps: Option<u64>,
+    /// Tolerance sets to try, the one given among them; 0 for no search.
+    pub candidates: u32,
+    /// Worker threads, 0 for one a core; the results do not depend on it.
+    pub threads: usize,
+}
+
+/// How a model does with one tolerance set.
+#[derive(Clone, Debug)]
+pub struct Assessment {
+    /// The set.
+    pub set: ToleranceSet,
+    /// The rules that it violates.
+    pub violations: Vec<Violation>,
+    /// The blocks that overlap.
+    pub overlaps: Overlaps,
+    /// All neighbouring pairs, in ascending order.
+    pub pairs: Vec<ExaminedPair>,
+    /// The steps.
+    pub steps: Steps,
+}
+
+/// What the search for another set came to.
+#[derive(Clone, Debug)]
+pub enum Recommendation {
+    /// There was none, and why.
+    Skipped(String),
+    /// The set given is the best of so many.
+    Given {
+        /// Sets that were tried.
+        candidates: usize,
+    },
+    /// Another set.
+    Other(Box<OtherSet>),
+}
+
+/// A set that the search prefers.
+#[derive(Clone, Debug)]
+pub struct OtherSet {
+    /// Sets that were tried.
+    pub candidates: usize,
+    /// How it came about.
+    pub origin: &'static str,
+    /// How the model does with it.
+    pub assessed: Assessment,
+    /// What the search measured of it, and of the set given.
+    pub measured: [Measurement; 2],
+    /// What the search says.
+    pub text: String,
+}
+
+/// Everything that was found.
+#[derive(Clone, Debug)]
+pub struct Examination {
+    /// The model and its tolerances.
+    pub model: CheckedModel,
+    /// The name of the set that was given.
+    pub name: String,
+    /// How the model does with it.
+    pub given: Assessment,
+    /// Another set.
+    pub other: Recommendation,
+}
+
+impl Assessment {
+    /// Pairs that differ in a precision, and those of them that are broken.
+    pub fn differing(&self, precision: Precision) -> [usize; 2] {
+        let count = |is_meant: &dyn Fn(&ExaminedPair) -> bool| self.pairs.iter().filter(|pair| is_meant(pair)).count();
+        [
+            count(&|pair| pair.in_precision(precision).total() > 0),
+            count(&|pair| pair.in_precision(precision).broken > 0),
+        ]
+    }
+
+    /// Whether nothing is wrong with the model under this set.
+    pub fn is_safe(&self, precision: Precision) -> bool {
+        let [_, broken] = self.differing(precision);
+        self.violations.is_empty() && self.overlaps.lost() == 0 && broken == 0 && !self.steps.object()
+    }
+}
+
+impl Examination {
+    /// The assessment under the set that is recommended, if another one is.
+    pub fn recommended(&self) -> Option<&Assessment> {
+        match &self.other {
+            Recommendation::Other(other) => Some(&other.assessed),
+            _ => None,
+        }
+    }
+}
+
+/// Examines a model; what is being done is told to `seen`. `None` where `stop` is set before the end: it is looked at between two pairs, steps and sets.
+///
+/// # Errors
+/// When tolerances cannot be derived, or the model cannot be stepped.
+pub fn examine(
+    model: CheckedModel,
+    settings: &Settings,
+    seen: &Seen,
+    stop: &AtomicBool,
+) -> Result<Option<Examination>, ExamineError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
+    pool.install(|| Work { settings, seen, stop }.examine(model))
+}
+
+/// What the parts of the work share.
+struct Work<'w> {
+    settings: &'w Settings,
+    seen: &'w Seen,
+    stop: &'w AtomicBool,
+}
+
+impl Work<'_> {
+    fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::SeqCst)
+    }
+
+    /// Does everything; `None` where it was stopped.
+    fn examine(&self, model: CheckedModel) -> Result<Option<Examination>, ExamineError> {
+        let name = name_of(&model.spec);
+        let shapes = model.scene.shapes();
+        let [f32, f64] = PRECISIONS.map(|precision| model.spec.derive(&shapes, precision));
+        let sets = SubjectSet { name: name.as_str().into(), f32: f32?, f64: f64? };
+        let Some(given) = self.assess(&model, &sets)? else { return Ok(None) };
+        let Some(other) = self.recommend(&model, &given)? else { return Ok(None) };
+        Ok(Some(Examination { model, name, given, other }))
+    }
+
+    /// How the model does with a set; `None` where it was stopped meanwhile.
+    fn assess(&self, model: &CheckedModel, sets: &SubjectSet) -> Result<Option<Assessment>, ExamineError> {
+        let shapes = model.scene.shapes();
+        let set = sets.of(model.precision).clone();
+        let violations = rules::check_scene(&set, &model.scene, model.precision);
+        let overlaps = overlaps(&shapes, &set, None, self.seen, self.stop);
+        let all = overlaps.neighbours();
+        self.seen.begin(Stage::Pairs, all.len());
+        let pairs = pairs::examine_all(&shapes, all, sets, (self.seen, self.stop));
+        let Some(pairs) = pairs.filter(|_| !self.is_stopped()) else { return Ok(None) };
+        let steps = match self.why_no_steps(model, &overlaps) {
+            Some(why) => Steps::Skipped(why),
+            None => {
+                let count = self.settings.steps.unwrap_or(STEPS);
+                let settling = u64::from(model.scene.simulation.control.settle);
+                self.seen.begin(Stage::Steps, usize::try_from(count.saturating_add(settling)).unwrap_or(usize::MAX));
+                match steps::make(&model.scene, &set, model.precision, count, (self.seen, self.stop))? {
+                    None => return Ok(None),
+                    Some(made) => Steps::Made(Box::new(made)),
+                }
+            }
+        };
+        Ok(Some(Assessment { set, violations, overlaps, pairs, steps }))
+    }
+
+    fn why_no_steps(&self, model: &CheckedModel, overlaps: &Overlaps) -> Option<String> {
+        let blocks = model.scene.blocks.len();
+        match self.settings.steps {
+            Some(0) => Some("none were asked for".to_owned()),
+            _ if overlaps.lost() > 0 => {
+                let pairs = plural(overlaps.lost(), "pair overlaps", "pairs overlap");
+                Some(format!("not made: {pairs} at the start so that contacts cannot hold them"))
+            }
+            None if blocks > MOST_STEPPED => Some(format!(
+                "not made: {blocks} blocks are more than {MOST_STEPPED}; --steps N makes them all the same"
+            )),
+            _ => None,
+        }
+    }
+
+    /// Looks for a better set; `None` where it was stopped meanwhile.
+    fn recommend(&self, model: &CheckedModel, given: &Assessment) -> Result<Option<Recommendation>, ExamineError> {
+        if let Some(why) = self.why_no_search(model, given) {
+            return Ok(Some(Recommendation::Skipped(why)));
+        }
+        let most = self.settings.candidates as usize;
+        self.seen.begin(Stage::Sets, most);
+        let evaluator = Evaluator::new(&model.scene, model.precision, SEED, Some(TUNE_STEPS), 0)?;
+        let mut search = Search::new(&evaluator, &model.spec, SEED)?;
+        while search.tried().len() < most {
+            if self.is_stopped() {
+                return Ok(None);
+            }
+            search.step()?;
+            self.seen.advance();
+        }
+        let candidates = search.tried().len();
+        let best = search.best().map(|best| &search.tried()[best]);
+        let Some(best) = best.filter(|best| best.set != given.set) else {
+            return Ok(Some(Recommendation::Given { candidates }));
+        };
+        let sets = SubjectSet { name: "recommended".into(), f32: best.set.clone(), f64: best.set.clone() };
+        let Some(assessed) = self.assess(model, &sets)? else { return Ok(None) };
+        let file = file_name(&model.file);
+        let text = markdown(&file, &evaluator, &search);
+        let measured = [best.measurement.clone(), search.tried()[0].measurement.clone()];
+        let other = OtherSet { candidates, origin: best.origin.name(), assessed, measured, text };
+        Ok(Some(Recommendation::Other(Box::new(other))))
+    }
+
+    fn why_no_search(&self, model: &CheckedModel, given: &Assessment) -> Option<String> {
+        if self.settings.candidates == 0 {
+            return Some("not looked for (--no-tune)".to_owned());
+        }
+        if given.overlaps.neighbours().is_empty() {
+            return Some("not looked for: no two blocks are near one another".to_owned());
+        }
+        let (shortest, _) = model.extents.shortest();
+        let deepest = given.overlaps.worst_lost().and_then(|worst| worst.penetration.depth_m()).unwrap_or(0.0);
+        // A tolerance as long as an edge of the model is none.
+        (deepest > shortest).then(|| {
+            let [deepest, shortest] = [deepest, shortest].map(short);
+            format!("not looked for: the deepest overlap, {deepest} m, is longer than the shortest edge, {shortest} m, and no set is meant to hold that")
+        })
+    }
+}
+
+/// What a set is called: by the preset it is, with a mark where it was changed, or by its file.
+fn name_of(spec: &ToleranceSpec) -> String {
+    let changed = if spec.numbers().is_empty() { "" } else { ", changed" };
+    spec.preset().map_or("the set given".to_owned(), |preset| format!("{}{changed}", preset.name()))
+}
+
+/// A count with its noun.
+pub(crate) fn plural(count: usize, one: &str, many: &str) -> String {
+    format!("{} {}", grouped(count as u64), if count == 1 { one } else { many })
+}

@@ -1,0 +1,197 @@
+//! A model that could be read, with what the rules say of its tolerances.
+
+use crate::extents::Extents;
+use rockproof_model::rules::{self, Fall};
+use rockproof_model::{Number, Precision, Scene, SceneBlock, ToleranceSet, ToleranceSpec, Violation};
+use serde_json::{Map, Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// A model and the tolerances that it is looked at with.
+#[derive(Clone, Debug)]
+pub struct CheckedModel {
+    /// The file, as messages and results name it.
+    pub file: PathBuf,
+    /// What was read.
+    pub scene: Scene,
+    /// The tolerances asked for.
+    pub spec: ToleranceSpec,
+    /// The complete set for these blocks.
+    pub set: ToleranceSet,
+    /// The precision that the rules, the presets and the verdict are for.
+    pub precision: Precision,
+    /// How large it is.
+    pub extents: Extents,
+    /// The rules that are not met.
+    pub violations: Vec<Violation>,
+    /// A fall that is not stopped within `penetration`.
+    pub fall: Option<Fall>,
+    /// What may be meant otherwise than it is written: units, triangles of a mesh.
+    pub notes: Vec<String>,
+}
+
+/// A value whose rounding overflows (SPEC section 1).
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CheckError {
+    /// A coordinate of a block.
+    #[error("block {number} \"{name}\": a coordinate overflows when rounded to {precision}")]
+    Block {
+        /// The block's number.
+        number: usize,
+        /// Its name.
+        name: String,
+        /// The precision.
+        precision: Precision,
+    },
+    /// A tolerance.
+    #[error("tolerance `{name}` overflows when rounded to {precision}")]
+    Tolerance {
+        /// Its name.
+        name: &'static str,
+        /// The precision.
+        precision: Precision,
+    },
+}
+
+impl CheckedModel {
+    /// Compares the tolerances of a scene with the rules.
+    ///
+    /// # Errors
+    /// Where a coordinate or a tolerance overflows in the precision.
+    pub fn new(
+        file: PathBuf,
+        scene: Scene,
+        (spec, set): (ToleranceSpec, ToleranceSet),
+        precision: Precision,
+    ) -> Result<CheckedModel, CheckError> {
+        for (number, block) in scene.blocks.iter().enumerate() {
+            if block.block.rounded(precision).is_none() {
+                return Err(CheckError::Block { number, name: block.name.clone(), precision });
+            }
+        }
+        set.rounded(precision).map_err(|name| CheckError::Tolerance { name, precision })?;
+        let violations = rules::check_scene(&set, &scene, precision);
+        let extents = Extents::of(&scene);
+        let notes = extents.doubt().into_iter().collect();
+        let fall = rules::fall(&set, &scene);
+        Ok(CheckedModel { file, scene, spec, set, precision, extents, violations, fall, notes })
+    }
+
+    /// Blocks, tolerances and notes for programs.
+    pub fn json(&self) -> Value {
+        let count = self.counts();
+        let (shortest, block) = self.extents.shortest();
+        let fall = self.fall.as_ref().map(|fall| {
+            json!({
+                "block": fall.block, "weight_n": fall.weight, "height_m": fall.height, "stiffness_n_per_m": fall.stiffness,
+                "needed_n_per_m": fall.needed, "depth_m": fall.depth, "allowed_m": fall.allowed, "remedy": fall.remedy,
+            })
+        });
+        json!({
+            "file": self.file.display().to_string(),
+            "precision": self.precision.to_string(),
+            "blocks": self.scene.blocks.len(),
+            "fixed": count.fixed,
+            "concave": count.concave,
+            "vertices": count.vertices,
+            "edges": count.edges,
+            "faces": count.faces,
+            "merged_faces": count.merged[0],
+            "dropped_vertices": count.merged[1],
+            "inexact_blocks": count.inexact,
+            "volume_m3": count.volume,
+            "sides_m": self.extents.sides(),
+            "from_m": self.extents.from(),
+            "shortest_edge_m": shortest,
+            "shortest_edge_block": block,
+            "preset": self.spec.preset().map(|preset| preset.name()),
+            "tolerances": tolerances_json(&self.set),
+            "fall": fall,
+            "notes": self.notes,
+        })
+    }
+
+    /// What its blocks come to.
+    pub fn counts(&self) -> BlockCounts {
+        let blocks = &self.scene.blocks;
+        let total = |count: fn(&SceneBlock) -> usize| blocks.iter().map(count).sum::<usize>();
+        BlockCounts {
+            fixed: total(|b| usize::from(b.body.is_fixed())),
+            concave: total(|b| usize::from(!b.block.is_convex())),
+            vertices: total(|b| b.block.vertices().len()),
+            edges: total(|b| b.block.topology().edges().len()),
+            faces: total(|b| b.block.topology().faces().len()),
+            merged: [total(|b| b.merged.faces), total(|b| b.merged.vertices)],
+            inexact: blocks.iter().filter(|b| !b.block.is_exact_in(self.precision)).count(),
+            volume: Number::from_rational(blocks.iter().map(|b| b.block.volume()).sum()).approximate(),
+        }
+    }
+}
+
+/// What the blocks of a model come to.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockCounts {
+    /// Blocks that do not move.
+    pub fixed: usize,
+    /// Blocks that are not convex.
+    pub concave: usize,
+    /// Vertices of all blocks.
+    pub vertices: usize,
+    /// Edges of all blocks.
+    pub edges: usize,
+    /// Faces of all blocks.
+    pub faces: usize,
+    /// Coplanar faces that became one with others, and vertices that were dropped with them.
+    pub merged: [usize; 2],
+    /// Blocks with coordinates that the precision rounds.
+    pub inexact: usize,
+    /// In m³.
+    pub volume: f64,
+}
+
+/// A set for programs: lengths in m, angles as sines or in rad, each the nearest f64.
+pub fn tolerances_json(set: &ToleranceSet) -> Value {
+    let numbers = set.numbers().into_iter().map(|(name, value)| (name.to_owned(), value.approximate().into()));
+    let mut all: Map<String, Value> = numbers.collect();
+    all.insert("criteria".to_owned(), set.criteria.name().into());
+    all.into()
+}
+
+/// A violated rule for programs.
+pub fn violation_json(violation: &Violation) -> Value {
+    json!({
+        "rule": violation.rule.formula(),
+        "found": violation.found,
+        "allowed": violation.allowed,
+        "block": violation.place.map(|place| place.block),
+        "edge": violation.place.and_then(|place| place.edge).map(|(p, q)| [p, q]),
+        "reason": violation.rule.reason(),
+        "remedy": violation.remedy,
+    })
+}
+
+/// The rules that are not met, each with its reason and what would satisfy it.
+pub fn violations_text(violations: &[Violation]) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_violations(&mut out, violations);
+    out.trim_start().to_owned()
+}
+
+fn write_violations(out: &mut String, violations: &[Violation]) -> std::fmt::Result {
+    if violations.is_empty() {
+        return writeln!(out, "\nrules: all met");
+    }
+    writeln!(out, "\nrules: {} violated", violations.len())?;
+    for violation in violations {
+        writeln!(out, "  {}", violation.rule.formula())?;
+        write!(out, "    found      {:.6e}, allowed {:.6e}", violation.found, violation.allowed)?;
+        match violation.place {
+            Some(place) => writeln!(out, ", by {place}")?,
+            None => writeln!(out)?,
+        }
+        writeln!(out, "    because    {}", violation.rule.reason())?;
+        writeln!(out, "    satisfied  by {}", violation.remedy)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,35 @@
+//! Is this model safe? Its blocks and tolerances, every neighbouring pair, some steps, and a set of tolerances that does better.
+//!
+//! [`examine`] does the work: it tells how far it is by [`Seen`], ends where a flag is set, prints nothing and writes nothing. [`Verdict`] is the
+//! answer in words, [`write()`] leaves page, tables, grid and cases in a directory. What a model is looked at with is a [`CheckedModel`].
+
+mod assess;
+mod cases;
+mod checked;
+mod document;
+mod error;
+mod extents;
+mod naming;
+mod overlaps;
+mod pairs;
+mod results;
+mod seen;
+mod step_audit;
+mod steps;
+mod verdict;
+mod view;
+
+pub use assess::{Assessment, Examination, OtherSet, Recommendation, Settings, examine};
+pub use cases::{KeptCase, worst_cases};
+pub use checked::{BlockCounts, CheckError, CheckedModel, tolerances_json, violation_json, violations_text};
+pub use document::document;
+pub use error::ExamineError;
+pub use extents::{Extents, short};
+pub use naming::{Naming, file_name, reading, setting};
+pub use overlaps::{Overlaps, overlaps};
+pub use pairs::{EngineDifferences, ExaminedPair};
+pub use results::{FILES, Written, findings_table, pair_table, tolerance_table, write};
+pub use seen::{Seen, Stage, StageProgress};
+pub use step_audit::AuditedRun;
+pub use steps::{AuditedSteps, Steps};
+pub use verdict::{Line, Verdict, mark};
