@@ -2,7 +2,7 @@
 
 use crate::{PATHS, Verdict, print};
 use rockproof_differential::case_file::Case;
-use rockproof_validation::self_comparison::compare::{SlowPaths, compare};
+use rockproof_validation::self_comparison::compare::{OtherPaths, compare};
 use rockproof_validation::self_comparison::paths::Question;
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ impl Check {
         for path in &self.cases {
             let case = Case::load(path)?;
             let question = Question { a: &case.a, b: &case.b, tolerances: &case.tolerances };
-            let found = compare(PATHS, question, SlowPaths { plain: true, gmp: true });
+            let found = compare(PATHS, question, OtherPaths { settled: true, plain: true, gmp: true });
             let mut said = match found.tally.collapsed {
                 0 if found.deviations.is_empty() => "all paths agree".to_owned(),
                 0 => String::new(),

@@ -6,7 +6,7 @@
 
 use rockproof_campaign::pairs::PairConfig;
 use rockproof_differential::engine::Levels;
-use rockproof_validation::self_comparison::compare::{SlowPaths, compare_batch};
+use rockproof_validation::self_comparison::compare::{OtherPaths, compare_batch};
 use rockproof_validation::self_comparison::paths::{self, Paths};
 use rockproof_validation::self_comparison::tally::{Tally, Totals};
 
@@ -29,8 +29,12 @@ fn all_paths_agree_at_full_size() {
 /// A pair of the comparison of ten million: the foot of a vertex lies exactly on an edge of a concave face, at whose level the vertex is.
 #[test]
 fn a_foot_on_a_reentrant_edge_is_not_inside() {
-    let batch =
-        compare_batch(PATHS, (77, 2_405_691 / 16), &PairConfig::default(), SlowPaths { plain: true, gmp: true });
+    let batch = compare_batch(
+        PATHS,
+        (77, 2_405_691 / 16),
+        &PairConfig::default(),
+        OtherPaths { settled: true, plain: true, gmp: true },
+    );
     assert_eq!(batch.family, "concave_notch");
     assert!(batch.disagreements.is_empty(), "{:?}", batch.disagreements);
 }
@@ -38,7 +42,7 @@ fn a_foot_on_a_reentrant_edge_is_not_inside() {
 fn agree(batches: u64) {
     let (config, mut totals) = (PairConfig::default(), Totals::default());
     for number in 0..batches {
-        let slow = SlowPaths { plain: true, gmp: true };
+        let slow = OtherPaths { settled: true, plain: true, gmp: true };
         let batch = compare_batch(PATHS, (5, number * 7), &config, slow);
         assert!(batch.disagreements.is_empty(), "{:?}", batch.disagreements);
         totals.add(batch.family, batch.tally);

@@ -9,7 +9,7 @@ use rockproof_model::{Contact, ContactKey, Sign};
 use rockproof_oracle::LevelCounts;
 use rockproof_results::Start;
 use rockproof_stepper::engine::EngineError;
-use rockproof_validation::self_comparison::compare::{SlowPaths, compare};
+use rockproof_validation::self_comparison::compare::{OtherPaths, compare};
 use rockproof_validation::self_comparison::disagreement::DisagreementRow;
 use rockproof_validation::self_comparison::paths::{BuiltIn, PathName, Paths, Question};
 use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord, MOST_CASES, RecordError};
@@ -200,7 +200,7 @@ fn a_mistake_in_any_path_is_counted_and_kept_and_the_run_goes_on() {
             let case = Case::load(&file).unwrap_or_else(|error| panic!("{row:?}: {error}"));
             // The pair of the case is the pair of the row: with the mistake it shows it, without it does not.
             let question = Question { a: &case.a, b: &case.b, tolerances: &case.tolerances };
-            let slow = SlowPaths { plain: row.path == "plain", gmp: row.path == "gmp" };
+            let slow = OtherPaths { settled: true, plain: row.path == "plain", gmp: row.path == "gmp" };
             let again = compare(&mistaken, question, slow).deviations;
             assert!(again.iter().any(|deviation| deviation.path.name() == row.path), "{row:?}: {again:?}");
             assert_eq!(compare(&RIGHT, question, slow).deviations, []);

@@ -7,9 +7,11 @@ use rockproof_campaign::pairs::{PairCase, PairConfig, batch};
 use rockproof_differential::engine::{Levels, catch_panic};
 use rockproof_model::{Contact, Precision};
 
-/// Which of the slow paths are asked.
+/// Which paths are asked beside the fast one and the stepper in 512 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SlowPaths {
+pub struct OtherPaths {
+    /// The stepper in 512 bits once more, where it says whether every comparison is settled without counting them.
+    pub settled: bool,
     /// The plain path in pure Rust rationals: some tens of milliseconds a pair.
     pub plain: bool,
     /// The plain path in GMP's rationals, where there is one: some milliseconds a pair.
@@ -46,7 +48,7 @@ fn asked<T>(work: impl FnOnce() -> T) -> Result<T, String> {
 }
 
 /// Asks every path about one pair as it stands. A pair that the stepper calls collapsed is counted as such and not compared: it is no pair of blocks.
-pub fn compare(paths: &dyn Paths, question: Question<'_>, slow: SlowPaths) -> PairResult {
+pub fn compare(paths: &dyn Paths, question: Question<'_>, others: OtherPaths) -> PairResult {
     let mut result = PairResult::default();
     let wide = match asked(|| paths.wide(question)) {
         Ok(Err(_)) => {
@@ -80,16 +82,18 @@ pub fn compare(paths: &dyn Paths, question: Question<'_>, slow: SlowPaths) -> Pa
                 deviates(PathName::Wide, Some(contacts.clone()), Some(ties).filter(|_| *unsettled > 0));
             }
             let right = if fast_answers { &fast } else { contacts };
-            match asked(|| paths.settled(question)) {
-                Ok(Ok(settled)) if settled.is_some() != (*unsettled == 0) => {
-                    let says = if settled.is_some() { "all comparisons are" } else { "a comparison is not" };
-                    let note = format!("says that {says} settled; by counting {unsettled} are not");
-                    deviates(PathName::Settled, settled, Some(note));
+            if others.settled {
+                match asked(|| paths.settled(question)) {
+                    Ok(Ok(settled)) if settled.is_some() != (*unsettled == 0) => {
+                        let says = if settled.is_some() { "all comparisons are" } else { "a comparison is not" };
+                        let note = format!("says that {says} settled; by counting {unsettled} are not");
+                        deviates(PathName::Settled, settled, Some(note));
+                    }
+                    Ok(Ok(Some(settled))) if settled != *right => deviates(PathName::Settled, Some(settled), None),
+                    Ok(Ok(_)) => {}
+                    Ok(Err(error)) => deviates(PathName::Settled, None, Some(error.to_string())),
+                    Err(panic) => deviates(PathName::Settled, None, Some(panic)),
                 }
-                Ok(Ok(Some(settled))) if settled != *right => deviates(PathName::Settled, Some(settled), None),
-                Ok(Ok(_)) => {}
-                Ok(Err(error)) => deviates(PathName::Settled, None, Some(error.to_string())),
-                Err(panic) => deviates(PathName::Settled, None, Some(panic)),
             }
         }
         Err(panic) => deviates(PathName::Wide, None, Some(panic.clone())),
@@ -99,11 +103,11 @@ pub fn compare(paths: &dyn Paths, question: Question<'_>, slow: SlowPaths) -> Pa
         Ok(contacts) => deviates(path, Some(contacts), None),
         Err(panic) => deviates(path, None, Some(panic)),
     };
-    if slow.plain {
+    if others.plain {
         result.tally.plain = 1;
         held_against(PathName::Plain, asked(|| paths.plain(question)));
     }
-    if slow.gmp
+    if others.gmp
         && let Some(answer) = asked(|| paths.gmp(question)).transpose()
     {
         result.tally.gmp = 1;
@@ -140,7 +144,7 @@ pub fn compare_batch(
     paths: &dyn Paths,
     (seed, number): (u64, u64),
     config: &PairConfig,
-    slow: SlowPaths,
+    others: OtherPaths,
 ) -> BatchResult {
     let mut result =
         BatchResult { family: "", tally: Tally::default(), levels: Default::default(), disagreements: Vec::new() };
@@ -148,10 +152,10 @@ pub fn compare_batch(
         result.family = case.family;
         let set = &case.sets[case.index as usize % case.sets.len()];
         let question = Question { a: &case.a, b: &case.b, tolerances: &set.f64 };
-        let found = compare(paths, question, slow);
+        let found = compare(paths, question, others);
         result.add(found, |deviation| Disagreement::of((seed, &case, &set.name), question, deviation));
         if case.index % IN_F32_EVERY == IN_F32 {
-            result.in_f32(paths, (seed, &case), slow);
+            result.in_f32(paths, (seed, &case), others);
         }
     }
     result
@@ -166,7 +170,7 @@ impl BatchResult {
         self.disagreements.extend(found.deviations.into_iter().map(told));
     }
 
-    fn in_f32(&mut self, paths: &dyn Paths, (seed, case): (u64, &PairCase), slow: SlowPaths) {
+    fn in_f32(&mut self, paths: &dyn Paths, (seed, case): (u64, &PairCase), others: OtherPaths) {
         let near = Precision::F32;
         let set = &case.sets[case.index as usize % case.sets.len()];
         let (Some(a), Some(b), Ok(tolerances)) = (case.a.rounded(near), case.b.rounded(near), set.f32.rounded(near))
@@ -175,7 +179,7 @@ impl BatchResult {
             return;
         };
         let question = Question { a: &a, b: &b, tolerances: &tolerances };
-        let mut found = compare(paths, question, slow);
+        let mut found = compare(paths, question, others);
         (found.tally.exact, found.tally.in_f32) = (0, found.tally.exact);
         self.add(found, |deviation| Disagreement::of((seed, case, &set.name), question, deviation).in_f32());
     }

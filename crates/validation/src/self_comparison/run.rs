@@ -1,6 +1,6 @@
 //! A comparison, batch by batch, on several threads.
 
-use super::compare::{BatchResult, SlowPaths, compare_batch};
+use super::compare::{BatchResult, OtherPaths, compare_batch};
 use super::paths::Paths;
 use super::record::{ComparisonPlan, ComparisonRecord, RecordError};
 use rayon::prelude::*;
@@ -29,6 +29,8 @@ pub struct Comparison<'c> {
     pub threads: usize,
 }
 
+/// The stepper in 512 bits is asked without counting in one round of all families in so many: it makes the same comparisons again.
+const SETTLED_EVERY: u64 = 8;
 /// A commit is made when so much time has gone by since the last one.
 const COMMIT_AFTER: Duration = Duration::from_secs(2);
 /// A chunk that takes longer than this is halved, for it is what a kill costs.
@@ -80,8 +82,9 @@ impl Comparison<'_> {
         // By rounds of all families, so that each of them has its share.
         let round = number / self.config.families.len() as u64;
         let joins = |every: u64| every > 0 && round.is_multiple_of(every);
-        let slow = SlowPaths { plain: joins(plan.plain_every), gmp: joins(plan.gmp_every) };
-        let result = compare_batch(self.paths, (plan.seed, number), self.config, slow);
+        let others =
+            OtherPaths { settled: joins(SETTLED_EVERY), plain: joins(plan.plain_every), gmp: joins(plan.gmp_every) };
+        let result = compare_batch(self.paths, (plan.seed, number), self.config, others);
         seen.pairs.fetch_add(BATCH, Ordering::Relaxed);
         seen.disagreements.fetch_add(result.disagreements.len() as u64, Ordering::Relaxed);
         result
