@@ -12,6 +12,8 @@ mod double;
 mod exact;
 mod float;
 #[cfg(test)]
+mod operation_tests;
+#[cfg(test)]
 mod tests;
 mod upper_bound;
 mod wide;
