@@ -97,6 +97,10 @@ pub fn six_digits(value: f64) -> String {
     format!("{:?}", format!("{value:.5e}").parse().unwrap_or(value))
 }
 
+/// The tables of campaigns whose engine may be a precision; in runs of a scene that is the stepper's own.
+const OF_SCOPES: [&str; 10] =
+    ["agreement", "families", "confusion", "sweep", "causes", "predicates", "margins", "worst", "changed", "classes"];
+
 /// Whom a finding is about: an engine, or what every engine is given that works in a precision, which has no engine's name.
 pub fn concerned(scope: &str) -> String {
     match scope {
@@ -169,7 +173,9 @@ impl Table {
     /// A cell of a row as a reader likes it. A precision in the place of an engine is no engine.
     pub(crate) fn shown(&self, row: &[TableCell], column: usize) -> String {
         match &row[column] {
-            TableCell::Text(engine) if self.columns[column] == "engine" => excerpt(&concerned(engine), SHOWN),
+            TableCell::Text(engine) if self.columns[column] == "engine" && OF_SCOPES.contains(&self.name) => {
+                excerpt(&concerned(engine), SHOWN)
+            }
             cell => cell.shown(),
         }
     }
@@ -246,12 +252,15 @@ mod tests {
 
     #[test]
     fn a_precision_is_shown_as_no_engine() {
-        let mut table = Table::new("t", "a table", &["engine"]);
+        let mut table = Table::new("causes", "a table", &["engine"]);
         table.push(vec!["f32".into()]);
         table.push(vec!["stepper-f32".into()]);
         assert_eq!(table.to_csv().expect("csv"), b"engine\nf32\nstepper-f32\n");
         let text = table.to_markdown(2);
         assert!(text.contains("| input in f32 |\n| stepper-f32 |"), "{text}");
+        // Of runs of a scene it is the stepper's precision.
+        let text = Table { name: "lockstep", ..table }.to_markdown(1);
+        assert!(text.contains("| f32 |"), "{text}");
     }
 
     #[test]
