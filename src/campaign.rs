@@ -178,10 +178,9 @@ impl Campaign {
     pub(crate) fn end(&self, prepared: &Prepared, journal: &mut Journal, ending: Ending) -> Outcome {
         let Prepared { config, engines, .. } = prepared;
         // Of a part there is no table of the whole: the merge makes it.
-        if config.stress && self.part.is_none() && ending == Ending::Finished {
-            stress::finish(journal, engines)?;
-        }
-        print_end(journal, &config.external, ending, &self.format)?;
+        let is_whole = self.part.is_none() && ending == Ending::Finished;
+        let stress = (config.stress && is_whole).then(|| stress::finish(journal, engines)).transpose()?;
+        print_end(journal, &config.external, ending, stress.as_ref(), &self.format)?;
         if ending == Ending::Stopped {
             return Ok(Verdict::Interrupted);
         }

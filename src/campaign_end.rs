@@ -1,7 +1,8 @@
 //! The end of a campaign, of a part of one, or of a merge: what it means in three lines, what differs by cause, and what to do next.
 
 use crate::input::FormatArgs;
-use crate::table::{grouped, table};
+use crate::stress::StressEnd;
+use crate::table::{grouped, prose, table};
 use rockproof_campaign::journal::{CampaignProgress, Journal};
 use rockproof_campaign::merge::Parts;
 use rockproof_campaign::part::Part;
@@ -10,7 +11,7 @@ use rockproof_campaign::steps::StepSummary;
 use rockproof_campaign::steps::summary::StepCounts;
 use rockproof_differential::diagnosis::diagnosis_lines;
 use rockproof_differential::external::EngineSpec;
-use rockproof_differential::external::spec::{NumberFormat, quoted};
+use rockproof_differential::external::spec::quoted;
 use rockproof_differential::finding::Cause;
 use rockproof_report::load::Results;
 use rockproof_report::tally::{FindingTally, WorstFinding};
@@ -19,20 +20,21 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Prints the end of a campaign, from what it left on disk.
+/// Prints the end of a campaign, from what it left on disk, and what its stress set came to where it has one.
 pub(crate) fn print_end(
     journal: &Journal,
     external: &[EngineSpec],
     ending: Ending,
+    stress: Option<&StressEnd>,
     format: &FormatArgs,
 ) -> anyhow::Result<()> {
     let dir = journal.dir().to_owned();
     let results = Results::read(std::slice::from_ref(&dir))?;
     let progress = journal.progress();
     let text = || {
-        let mut out = String::new();
+        let mut out = stress.map_or(String::new(), |stress| stress.text.clone());
         for line in verdict(&results) {
-            out += &format!("{}\n", line.text);
+            out += &prose(&format!("{}\n", line.text));
         }
         for campaign in &results.campaigns {
             out += &by_cause(&campaign.tally);
@@ -54,7 +56,13 @@ pub(crate) fn print_end(
             None => next(&dir, worst, external),
         }
     };
-    format.print(text, || document(&results, progress, &dir, ending))
+    format.print(text, || {
+        let mut document = document(&results, progress, &dir, ending);
+        if let Some(stress) = stress {
+            document["stress"] = stress.document.clone();
+        }
+        document
+    })
 }
 
 /// The end for programs.
@@ -180,7 +188,9 @@ fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> Str
         }
     }
     if ending == Ending::Stopped {
-        out += "interrupted; --resume goes on\n";
+        out += &format!(
+            "interrupted: {pairs} pairs are kept, those of the chunk under way are not; --resume goes on from there\n"
+        );
     }
     if let Some(there) = setting(progress, Parts::KEY) {
         let asked = progress.configuration.get("pairs").and_then(Value::as_u64).unwrap_or_default();
@@ -204,18 +214,11 @@ fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> Str
 fn next(dir: &Path, worst: Option<&WorstFinding>, external: &[EngineSpec]) -> String {
     let mut out = format!("next: rockproof report {}\n", quoted(&dir.display().to_string()));
     if let Some(worst) = worst {
-        let engine = external.iter().find(|spec| spec.name == worst.engine).map(argument);
+        let engine = external.iter().find(|spec| spec.name == worst.engine).map(EngineSpec::argument);
         let engine = engine.map_or(String::new(), |text| format!(" --engine-command {text}"));
         out += &format!("      rockproof replay {}{engine}\n", quoted(&dir.join(&worst.case).display().to_string()));
     }
     out
-}
-
-/// The argument of `--engine-command` that names an engine, for a shell.
-fn argument(spec: &EngineSpec) -> String {
-    let precision = if spec.precision == NumberFormat::F32 { ":f32" } else { "" };
-    let command: Vec<String> = spec.command.iter().map(|word| quoted(word)).collect();
-    quoted(&format!("{}{precision}={}", spec.name, command.join(" ")))
 }
 
 /// The counts of steps in tables.

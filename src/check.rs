@@ -74,14 +74,15 @@ impl Check {
 }
 
 impl ModelArgs {
-    /// How commands name the model, of which results are in `dir`.
-    pub(crate) fn naming(&self, dir: &Path) -> Naming {
+    /// How commands name the model, of which results are in `dir`, the usual one or another.
+    pub(crate) fn naming(&self, dir: &Path, is_usual_dir: bool) -> Naming {
         Naming {
             file: self.file.shown(),
             read: self.read.shown(),
             tolerances: self.tolerances.shown(),
             units_are_meant: self.read.options().scale.is_some(),
             dir: Some(dir.to_path_buf()),
+            is_usual_dir,
         }
     }
 
@@ -102,7 +103,8 @@ impl ModelArgs {
             CheckError::Tolerance { .. } => anyhow::Error::new(error).context(place()),
         })?;
         if file.options().scale.is_none() {
-            model.notes.extend(planarity_that_merges(&file, &model.scene));
+            model.merging = planarity_that_merges(&file, &model.scene);
+            model.notes.extend(model.merging.clone());
         }
         Ok(model)
     }

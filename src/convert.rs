@@ -12,7 +12,8 @@ use std::path::PathBuf;
 /// Convert blocks to another format
 ///
 /// The formats are told by the extensions. Coordinates are kept exactly; formats other than TOML hold decimals or f64, so a coordinate
-/// that is no f64 (1/3) needs `--precision` to say how it is rounded. What else the format does not keep is said.
+/// that is no f64 (1/3) needs `--precision` to say how it is rounded. What else the format does not keep is said. A file that is there
+/// already is replaced with `--overwrite` alone.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  rockproof convert cells.txt cells.toml --planarity 1e-4\n  rockproof convert scan.stl blocks.toml --weld 1e-6 --planarity 1e-5"
@@ -30,6 +31,10 @@ pub(crate) struct Convert {
     /// Round every coordinate to f32 or f64
     #[arg(long, value_parser = precision)]
     precision: Option<Precision>,
+
+    /// Replace the file if there is one
+    #[arg(long)]
+    overwrite: bool,
 }
 
 impl Convert {
@@ -43,6 +48,9 @@ impl Convert {
             self.round(&mut scene, precision)?;
         }
         let place = || self.output.display().to_string();
+        if !self.overwrite && self.output.symlink_metadata().is_ok() {
+            anyhow::bail!("{}: it is there already; --overwrite replaces it", place());
+        }
         let bytes = write(&scene, format).with_context(place)?;
         write_atomically(&self.output, bytes).with_context(place)?;
         for lost in losses(&scene, format) {

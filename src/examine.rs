@@ -5,6 +5,7 @@ use crate::exit::{Outcome, Verdict, print_note};
 use crate::input::{FormatArgs, precision};
 use crate::progress::stages_while;
 use crate::stop::on_ctrl_c;
+use crate::table::prose;
 use crate::terminal::threads;
 use rockproof_examine::{FILES, Seen, Settings, examine, worst_cases, write};
 use rockproof_model::Precision;
@@ -56,6 +57,15 @@ pub(crate) struct Examine {
     threads: usize,
 }
 
+/// The answer with its lines no wider than a terminal, but for the next command, which is to be copied.
+fn shown(verdict: &rockproof_examine::Verdict) -> String {
+    let text = verdict.text();
+    match text.split_once("\nnext: ") {
+        Some((said, next)) => prose(&format!("{said}\n")) + &format!("next: {next}"),
+        None => prose(&text),
+    }
+}
+
 impl Examine {
     pub(crate) fn run(&self) -> Outcome {
         let model = self.model.checked(self.precision)?;
@@ -71,10 +81,10 @@ impl Examine {
             return Ok(Verdict::Interrupted);
         };
         found.model.notes.iter().for_each(|note| print_note(note));
-        let (cases, naming) = (worst_cases(&found), self.model.naming(&dir));
+        let (cases, naming) = (worst_cases(&found), self.model.naming(&dir, self.out.is_none()));
         let verdict = rockproof_examine::Verdict::of(&found, &cases, &naming);
         let written = write((&found, &naming), &verdict, &cases, &mut directory)?;
-        self.format.print(|| verdict.text(), || written.document)?;
+        self.format.print(|| shown(&verdict), || written.document)?;
         print_note(&format!("written to {}: {}", dir.display(), written.names.join(", ")));
         Ok(if verdict.is_safe { Verdict::Passed } else { Verdict::CheckFailed })
     }

@@ -45,10 +45,10 @@ impl InputFile {
         }
     }
 
-    /// The argument as it stands on a command line.
+    /// The argument as it stands in a command to go on with. What came from stdin is not there again.
     pub(crate) fn shown(&self) -> String {
         match self {
-            InputFile::Stdin => "-".to_owned(),
+            InputFile::Stdin => "FILE".to_owned(),
             InputFile::Named(path) => quoted(&path.display().to_string()),
         }
     }
@@ -86,14 +86,18 @@ impl ModelFile {
     pub(crate) fn read(file: &InputFile, args: &ReadArgs) -> anyhow::Result<ModelFile> {
         let name = file.path().to_path_buf();
         let refuse = |problem| SceneError { file: name.clone(), line: None, problem };
+        // What is no file, or an empty one, has no format to ask about.
+        let bytes = file.bytes().map_err(|error| refuse(SceneProblem::Io(error)))?;
         let told = match file {
             InputFile::Stdin => args.format(),
-            InputFile::Named(path) => {
-                let told = args.format().or_else(|| SceneFormat::of_path(path));
-                Some(told.ok_or_else(|| refuse(SceneProblem::UnknownFormat))?)
-            }
+            InputFile::Named(path) => args.format().or_else(|| SceneFormat::of_path(path)),
         };
-        let bytes = file.bytes().map_err(|error| refuse(SceneProblem::Io(error)))?;
+        if bytes.is_empty() && told.is_none() {
+            anyhow::bail!("{}: it is empty", name.display());
+        }
+        if told.is_none() && !matches!(file, InputFile::Stdin) {
+            return Err(refuse(SceneProblem::UnknownFormat).into());
+        }
         let Some(format) = told.or_else(|| SceneFormat::of_contents(&bytes)) else {
             let known = format_names();
             anyhow::bail!("{STDIN}: it begins as no format does; --input-format says which it is: {known}");

@@ -106,10 +106,8 @@ impl Merge {
                 merged.unseen
             ));
         }
-        if config.stress {
-            stress::finish(&mut journal, &engines)?;
-        }
-        print_end(&journal, &config.external, merged.ending, &self.format)?;
+        let stress = config.stress.then(|| stress::finish(&mut journal, &engines)).transpose()?;
+        print_end(&journal, &config.external, merged.ending, stress.as_ref(), &self.format)?;
         Ok(denied(&self.deny, journal.progress()))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::exit::{print_note, shows_progress};
 use crate::table::grouped;
-use crate::terminal::{MOVES, Progress, beside};
+use crate::terminal::{MOVES, Progress, beside, in_groups};
 use indicatif::{ProgressBar, ProgressStyle};
 use rockproof_campaign::journal::Seen as SeenPairs;
 use rockproof_examine::{Overlaps, Seen, Stage, StageProgress};
@@ -69,8 +69,8 @@ fn show_stages(seen: &Seen, ended: &AtomicBool) {
 fn move_bar(bar: &mut Option<(Stage, ProgressBar)>, now: StageProgress) {
     if bar.as_ref().is_none_or(|(stage, _)| *stage != now.stage) {
         let new = ProgressBar::new(now.total);
-        if let Ok(style) = ProgressStyle::with_template("{msg}: {bar:40} {human_pos}/{human_len}, {eta} left") {
-            new.set_style(style);
+        if let Ok(style) = ProgressStyle::with_template("{msg}: {bar:40} {done}/{all}, {eta} left") {
+            new.set_style(in_groups(style));
         }
         new.set_message(now.stage.name());
         if let Some((_, old)) = bar.replace((now.stage, new)) {

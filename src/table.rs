@@ -18,6 +18,35 @@ pub(crate) fn table(header: &[&str], numbers: &[usize], rows: impl IntoIterator<
     }
 }
 
+/// Sentences whose lines on a terminal are no wider than that, broken between words; elsewhere as they are.
+pub(crate) fn prose(text: &str) -> String {
+    match terminal_size::terminal_size_of(io::stdout()) {
+        Some((terminal_size::Width(width), _)) => wrapped(text, usize::from(width)),
+        None => text.to_owned(),
+    }
+}
+
+/// A text in lines of at most so many characters, but for longer words; what a line goes on with stands under its first word.
+fn wrapped(text: &str, width: usize) -> String {
+    let mut out = String::new();
+    for line in text.lines() {
+        let indent = " ".repeat(line.chars().take_while(|c| *c == ' ').count());
+        let mut length = 0;
+        for (number, word) in line.trim_start().split(' ').enumerate() {
+            let more = word.chars().count() + usize::from(number > 0);
+            if number > 0 && length + more > width {
+                out += &format!("\n{indent}{word}");
+                length = indent.len() + word.chars().count();
+            } else {
+                out += &if number > 0 { format!(" {word}") } else { format!("{indent}{word}") };
+                length += more + if number > 0 { 0 } else { indent.len() };
+            }
+        }
+        out.push('\n');
+    }
+    out
+}
+
 /// The cells of a table.
 struct Cells<'a> {
     header: Vec<String>,
@@ -139,7 +168,7 @@ fn shared_out(columns: &[usize], least: &[usize], whole: &[usize], width: usize)
 
 #[cfg(test)]
 mod tests {
-    use super::Cells;
+    use super::{Cells, wrapped};
     use crate::campaign_end::STEP_COLUMNS;
 
     fn steps() -> Cells<'static> {
@@ -148,6 +177,14 @@ mod tests {
         let row = (0..12).map(|n| if n == 0 { "stepper-f32".to_owned() } else { (1001 * n).to_string() });
         cells.rows.push(row.collect());
         cells
+    }
+
+    #[test]
+    fn sentences_break_between_words() {
+        let text = "f32, no ties: safe to 1e2.\n  ✓ set  short\n";
+        assert_eq!(wrapped(text, 80), text);
+        assert_eq!(wrapped(text, 12), "f32, no\nties: safe\nto 1e2.\n  ✓ set \n  short\n");
+        assert_eq!(wrapped("longerthanthat and\n", 4), "longerthanthat\nand\n");
     }
 
     fn sentences() -> Cells<'static> {

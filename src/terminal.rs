@@ -1,7 +1,7 @@
 //! What the program and its long-running examples have in common at a terminal: output whose reader may go away, progress, Ctrl-C and the number
 //! of worker threads. It uses nothing else of the program, so that an example can include it by its path.
 
-use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use rockproof_report::table::grouped;
 use std::io::{self, BufWriter, Write};
 use std::sync::Arc;
@@ -47,7 +47,7 @@ pub(crate) fn stop_flag(ended: fn(), note: fn(&str)) -> Result<Arc<AtomicBool>, 
             note("stopped at once");
             std::process::exit(INTERRUPTED.into());
         }
-        note("finishing what has begun; Ctrl-C again to quit at once");
+        note("stopping in good order; Ctrl-C again to quit at once");
     })?;
     Ok(stop)
 }
@@ -86,8 +86,8 @@ impl Progress<'_> {
 
     fn bar(&self) -> ProgressBar {
         let bar = ProgressBar::new(self.pairs);
-        if let Ok(style) = ProgressStyle::with_template("{bar:40} {human_pos}/{human_len} pairs, {msg}") {
-            bar.set_style(style);
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {done}/{all} pairs, {msg}") {
+            bar.set_style(in_groups(style));
         }
         // What an earlier session did says nothing of how fast this one is.
         bar.set_position((self.now)().0);
@@ -120,6 +120,17 @@ impl Progress<'_> {
             bar.finish_and_clear();
         }
     }
+}
+
+/// Gives a style `done` and `all`, with the thousands apart as everywhere.
+pub(crate) fn in_groups(style: ProgressStyle) -> ProgressStyle {
+    let write = |count: u64, w: &mut dyn std::fmt::Write| {
+        // A bar that cannot be written to shows nothing either way.
+        let _ = w.write_str(&grouped(count));
+    };
+    style
+        .with_key("done", move |state: &ProgressState, w: &mut dyn std::fmt::Write| write(state.pos(), w))
+        .with_key("all", move |state: &ProgressState, w: &mut dyn std::fmt::Write| write(state.len().unwrap_or(0), w))
 }
 
 /// Ends the display when work ends, however it ends.

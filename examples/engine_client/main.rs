@@ -129,7 +129,7 @@ fn mistake(word: &str, question: &Value, contacts: &mut Vec<Contact>) {
 }
 
 /// A way to misbehave, on pairs whose first coordinate says so, about a third of them; `second` does on every second question, `escape` wherever that
-/// coordinate is not 0.
+/// coordinate is not 0; `apart` says of the others that they are.
 fn trick(word: &str, question: &Value) -> Option<String> {
     let first = question["a"]["vertices"][0][0].as_f64().unwrap_or(0.0).to_bits();
     // Not the first question, whose first coordinate is 0.
@@ -143,6 +143,9 @@ fn trick(word: &str, question: &Value) -> Option<String> {
         "second" => None,
         "escape" if first == 0 => None,
         "escape" => Some(json!({ "id": id, "unsupported": "\u{1b}[31mred\n::error::\u{0}" }).to_string()),
+        // A code that says only how blocks lie, and does not take every pair.
+        "apart" if !chosen => Some(json!({ "id": id, "state": "apart" }).to_string()),
+        "apart" => Some(json!({ "id": id, "unsupported": "not today" }).to_string()),
         _ if !chosen => None,
         "crash" => std::process::exit(3),
         "hang" => loop {

@@ -241,11 +241,18 @@ fn files_that_are_none() {
     std::fs::write(path("bytes.toml"), [0x5b, 0x0a, 0xff, 0xfe]).unwrap();
     std::fs::write(path("loose.toml"), "search = 1\n[[block]]\n").unwrap();
     std::fs::create_dir(path("folder.dda")).unwrap();
-    let cases: [(&[&str], &[&str]); 19] = [
+    std::fs::write(path("empty"), "").unwrap();
+    for name in ["good.step", "good"] {
+        std::fs::copy(path("good.obj"), path(name)).unwrap();
+    }
+    let cases: [(&[&str], &[&str]); 23] = [
         (&["check", "missing.dda"], &["missing.dda:", "No such file"]),
         (&["check", "folder.dda"], &["folder.dda:", "directory"]),
         (&["check", "bytes.toml"], &["bytes.toml:2:", "byte 2 of the file is 0xff"]),
-        (&["check", "good.step"], &["good.step:", "cannot tell the format"]),
+        (&["check", "good.step"], &["good.step:", "cannot tell the format", "CAD programs export STL and OBJ"]),
+        (&["check", "missing.xyz"], &["missing.xyz:", "No such file"]),
+        (&["check", "."], &[".:", "directory"]),
+        (&["check", "empty"], &["empty: it is empty"]),
         (&["check", "good"], &["good:", "cannot tell the format"]),
         (&["check"], &["<FILE>"]),
         (&["check", "good.obj", "--planarity", "-1"], &["--planarity", "must be 0 or more"]),
@@ -259,7 +266,8 @@ fn files_that_are_none() {
         (&["check", "good.obj", "--set", "search=1", "open=x"], &["--set open=x", "is not a number"]),
         (&["convert", "good.obj", "out.dda"], &["out.dda:", "known are .toml, .obj, .stl, .ply, .msh, .vtk and .vtu"]),
         (&["convert", "good.obj", "nowhere/out.toml"], &["nowhere/out.toml", "No such file"]),
-        (&["convert", "third.toml", "out.obj"], &["out.obj", "vertex 1: 1/3 is not an f64"]),
+        (&["convert", "third.toml", "out.obj"], &["out.obj", "vertex 1: 1/3 is not an f64", "--precision f64 rounds"]),
+        (&["convert", "good.obj", "bytes.toml"], &["bytes.toml: it is there already", "--overwrite"]),
         (&["convert", "missing.obj", "out.obj"], &["missing.obj:", "No such file"]),
     ];
     for (arguments, parts) in cases {
@@ -327,6 +335,9 @@ fn convert_writes_what_loads_again() {
         assert!(message.contains(note), "{message}");
         assert_eq!(run(&["check", to], directory.path()).0, Some(0), "{to}");
     }
+    // What is there is replaced where that is said.
+    assert_eq!(run(&["convert", "a.toml", "b.obj"], directory.path()).0, Some(2));
+    assert_eq!(run(&["convert", "a.toml", "b.obj", "--overwrite"], directory.path()).0, Some(0));
     // A third is no f64, so OBJ and VTK want to be told that it is to be rounded.
     std::fs::write(directory.path().join("third.toml"), change(MESH, "[1, 0, 0]", "[\"1/3\", 0, 0]")).unwrap();
     assert_eq!(run(&["convert", "third.toml", "e.vtk", "--precision", "f64"], directory.path()).0, Some(0));

@@ -179,7 +179,7 @@ fn an_interrupt_is_acknowledged_and_a_second_one_ends() {
     std::thread::sleep(std::time::Duration::from_secs(1));
     let mut lines = BufReader::new(child.stderr.take().expect("piped")).lines();
     interrupt(child.id());
-    let said = lines.find(|line| line.as_ref().is_ok_and(|line| line.contains("finishing what has begun")));
+    let said = lines.find(|line| line.as_ref().is_ok_and(|line| line.contains("stopping in good order")));
     assert!(said.is_some_and(|line| line.expect("text").contains("again")));
     interrupt(child.id());
     // The first may have ended it before the second came.
@@ -205,4 +205,5 @@ fn what_is_stopped_before_its_first_chunk_ends_has_no_verdict() {
     let out = String::from_utf8(output.stdout).expect("UTF-8");
     assert_eq!(output.status.code(), Some(130), "{out}");
     assert!(out.contains("No pair has been examined to its end") && !out.contains("No difference"), "{out}");
+    assert!(out.contains("interrupted: 0 pairs are kept, those of the chunk under way are not"), "{out}");
 }

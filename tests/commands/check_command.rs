@@ -39,7 +39,7 @@ fn a_model_in_millimetres_is_doubted_and_can_be_scaled() {
     let run = |more| rockproof(&args(more).split(' ').collect::<Vec<_>>());
     let (_, out, err) = run(&[]);
     assert!(out.contains("extent") && out.contains("shortest          1000 m: an edge of block 0"), "{out}");
-    assert!(err.contains("millimetres") && err.contains("--scale 1/1000"), "{err}");
+    assert!(err.contains("millimetres") && err.contains("`convert --scale 1/1000 --precision f64`"), "{err}");
     let (_, out, err) = run(&["--scale", "1/1000"]);
     assert!(out.contains("shortest             1 m") && !err.contains("millimetres"), "{out}{err}");
     assert_eq!(run(&["--scale", "0"]).0, 2);

@@ -114,6 +114,31 @@ fn other_pairs_are_compared_by_chance_and_what_one_run_has_is_left_out() {
 }
 
 #[test]
+fn a_code_that_says_only_how_blocks_lie_is_as_often_right_as_its_answers() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    campaign(dir, "before", "apart", &["--pairs", "128"]);
+    campaign(dir, "after", "apart", &["--pairs", "128"]);
+    let found = document(&run(dir, &["compare", "before", "after", "--format", "json", "--out", "page"]).1);
+    let of_mine: Vec<&Value> = found["agreement"]
+        .as_array()
+        .expect("shares")
+        .iter()
+        .filter(|share| share["engine"] == "mine" && share["setting"] == "auto")
+        .collect();
+    assert_eq!(of_mine.len(), 1, "{found:#}");
+    let (before, after) = (of_mine[0]["before"][0].as_f64(), of_mine[0]["after"][0].as_f64());
+    assert!(before > Some(0.0) && before == after, "{found:#}");
+    // What it does not take is no column of the map by family, and not the first finding to look at while there are others.
+    assert_eq!(run(dir, &["report", "before"]).0, 0);
+    let chart = fs::read_to_string(dir.join("before/report/charts/families.svg")).expect("a chart");
+    assert!(chart.contains("mine, arithmetic") && !chart.contains(">mine<"), "{chart}");
+    let worst = fs::read_to_string(dir.join("before/report/tables/worst.csv")).expect("a table");
+    let changes: Vec<&str> = worst.lines().filter(|line| line.contains(",engine,")).collect();
+    assert!(changes.len() > 1 && !changes[0].contains("unsupported"), "{worst}");
+}
+
+#[test]
 fn what_is_no_finished_campaign_is_refused() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();

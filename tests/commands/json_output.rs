@@ -76,6 +76,26 @@ fn campaigns_and_gates_say_the_same_to_programs() {
 }
 
 #[test]
+fn the_stress_set_is_one_document() {
+    let place = tempfile::tempdir().expect("a directory");
+    let found = document(place.path(), 0, &["campaign", "--stress", "--pairs", "1344", "--out", "found"]);
+    let rows = |name: &str| {
+        let text = fs::read_to_string(place.path().join("found").join(name)).expect("a table");
+        text.lines().count() - 1
+    };
+    for (name, table) in [("cells", "stress.csv"), ("limits", "limits.csv"), ("steps", "steps.csv")] {
+        assert_eq!(found["stress"][name].as_array().map(Vec::len), Some(rows(table)), "{name}");
+    }
+    let stopped =
+        found["stress"]["steps"].as_array().expect("steps").iter().filter_map(|step| step["stopped"].as_str());
+    assert!(stopped.clone().count() > 0 && stopped.clone().all(|why| why.starts_with("settling step 1 of 20: ")));
+    // 16 pairs a cell: one that differs proves nothing.
+    let limits = found["stress"]["limits"].as_array().expect("limits");
+    let once: Vec<&Value> = limits.iter().filter(|limit| limit["share_beyond"] == 0.0625).collect();
+    assert!(!once.is_empty() && once.iter().all(|limit| limit["beyond_is"] == "too few pairs"), "{once:?}");
+}
+
+#[test]
 fn a_search_says_the_same_to_programs() {
     let place = tempfile::tempdir().expect("a directory");
     let file = model("smallEdge.dda");

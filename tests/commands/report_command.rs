@@ -40,6 +40,26 @@ fn copy() -> (tempfile::TempDir, String) {
     (dir, path)
 }
 
+/// A command that the page has for its reader runs as it stands there.
+#[test]
+fn findings_of_an_external_engine_are_replayed_with_it() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let out = dir.path().join("run");
+    let (path, mine) = (out.to_str().expect("text"), format!("mine={} sign", crate::engines::client()));
+    let settings = ["--pairs", "64", "--family", "sliver", "--tolerances", "auto", "--engine", "mine"];
+    let (code, _, err) = rockproof(&[&["campaign", "--engine-command", &mine, "--out", path], &settings[..]].concat());
+    assert_eq!(code, 0, "{err}");
+    assert_eq!(rockproof(&["report", path]).0, 0);
+    let page = fs::read_to_string(out.join("report/report.html")).expect("a page");
+    let commands = page.split("rockproof replay ").skip(1).filter_map(|rest| rest.split_once("</code>"));
+    let told = commands.map(|(command, _)| command).find(|command| command.contains("--engine-command"));
+    let told = told.expect("a command with the engine").replace("&#x27;", "'").replace("&#x2f;", "/");
+    let words = shlex::split(&told).expect("words of a shell");
+    let words: Vec<&str> = std::iter::once("replay").chain(words.iter().map(String::as_str)).collect();
+    let (code, out, err) = rockproof(&words);
+    assert!(code != 2 && out.contains("mine"), "{code}: {told}: {out}{err}");
+}
+
 #[test]
 fn writes_a_page_and_the_same_tables_as_csv() {
     let (dir, path) = copy();

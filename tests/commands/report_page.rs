@@ -1,5 +1,5 @@
-//! The page of a report in a real browser: no error, no request, every chart and view drawn, nothing wider than the screen. Runs where
-//! Chromium is installed; with ROCKPROOF_REQUIRE_CHROMIUM=1, as in `.ci/run`, its absence is a failure.
+//! The pages of reports, comparisons and examinations in a real browser: no error, no request, every chart and view drawn, nothing wider than the screen or
+//! the paper. Runs where Chromium is installed; with ROCKPROOF_REQUIRE_CHROMIUM=1, as in `.ci/run`, its absence is a failure.
 
 use serde_json::Value;
 use std::fs;
@@ -23,9 +23,14 @@ const PROBE: &str = r#"<script>
     theme: document.documentElement.dataset.theme,
     sections: [...document.querySelectorAll("section")].map(s => s.id),
     verdict: document.querySelectorAll(".verdict li").length,
+    squeezed: [...document.querySelectorAll("dd")].filter(d => d.offsetParent && d.clientWidth < 120).map(d => d.textContent),
+    cut: [...document.querySelectorAll("table, .still")].filter(t => t.getClientRects().length > 0).filter(t => {
+      const around = t.closest(".matrix, .finding, section").getBoundingClientRect();
+      return t.getBoundingClientRect().right > Math.min(around.right, innerWidth) + 1;
+    }).map(t => (t.alt || t.textContent).slice(0, 80)),
   });
   const wait = () => {
-    const done = document.documentElement.dataset.drawn === "all" || errors.length > 0;
+    const done = location.hash.slice(1) === "print" || document.documentElement.dataset.drawn === "all" || errors.length > 0;
     if (done) parent.postMessage(JSON.stringify(looked()), "*"); else setTimeout(wait, 100);
   };
   wait();
@@ -47,15 +52,31 @@ fn chromium() -> Option<PathBuf> {
     std::env::split_paths(&path).flat_map(|dir| names.map(|name| dir.join(name))).find(|file| file.is_file())
 }
 
+/// The width between the margins of a sheet of A4, in CSS pixels.
+const PAPER: u32 = 688;
+
+/// What the page looks like on paper: its styles for print, between the margins.
+fn inspect_print(browser: &Path, dir: &Path, page: &str) -> Value {
+    for media in ["@media print {", "@media screen {"] {
+        assert!(page.contains(media), "no {media}");
+    }
+    let printed = page.replace("@media print {", "@media all {").replace("@media screen {", "@media not all {");
+    inspect(browser, dir, &printed, PAPER, "light", "print")
+}
+
 /// What the page looks like in a window of the given width.
 fn inspect_page(browser: &Path, dir: &Path, page: &str, width: u32, theme: &str) -> Value {
+    inspect(browser, dir, page, width, theme, "all")
+}
+
+fn inspect(browser: &Path, dir: &Path, page: &str, width: u32, theme: &str, hash: &str) -> Value {
     let probed = page.replacen("<head>", WATCH, 1);
     let (start, end) = probed.rsplit_once("</body>").expect("a body");
     let file = dir.join("probed.html");
     fs::write(&file, format!("{start}{PROBE}{end}")).expect("written");
     // Browser windows cannot be as narrow as a phone; a frame can.
     let outer = format!(
-        r#"<!doctype html><meta name="color-scheme" content="{theme}"><body style="margin:0"><iframe src="probed.html#all" style="border:0;width:{width}px;height:1200px"></iframe>
+        r#"<!doctype html><meta name="color-scheme" content="{theme}"><body style="margin:0"><iframe src="probed.html#{hash}" style="border:0;width:{width}px;height:1200px"></iframe>
 <script>addEventListener("message", e => {{ const told = document.createElement("pre"); told.id = "told"; told.textContent = e.data; document.body.append(told); }});</script>"#
     );
     let frame = dir.join("frame.html");
@@ -90,6 +111,70 @@ fn rockproof(args: &[&str]) {
     assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
+/// Something that has a page: its directory and file, lines of its verdict, least number of charts, and sections.
+struct Paged<'p> {
+    page: &'p str,
+    verdict: u64,
+    charts: usize,
+    /// Whether it has views to turn.
+    has_views: bool,
+    sections: &'p [&'p str],
+}
+
+impl Paged<'_> {
+    fn read(&self, dir: &Path) -> String {
+        let page = fs::read_to_string(dir.join(self.page)).expect("a page");
+        assert!(page.len() < 8 << 20, "the page has {} bytes", page.len());
+        page
+    }
+
+    /// Everything is there and works in a window of this width.
+    fn check(&self, browser: &Path, dir: &Path, width: u32, theme: &str) {
+        let seen = inspect_page(browser, dir, &self.read(dir), width, theme);
+        let place = format!("{} at {width} px, {theme}", self.page);
+        let list = |name: &str| seen[name].as_array().unwrap_or_else(|| panic!("{place}: {name}: {seen}")).clone();
+        for name in ["errors", "requests", "squeezed"] {
+            assert_eq!(list(name), [] as [Value; 0], "{place}: {name}");
+        }
+        assert_eq!(seen["width"], width);
+        assert!(seen["scroll"].as_u64() <= Some(u64::from(width)), "{place}: wider: {}", seen["scroll"]);
+        assert_eq!(seen["theme"], theme, "{place}");
+        assert_eq!(seen["verdict"], self.verdict, "{place}");
+        assert!(list("charts").len() >= self.charts, "{place}");
+        for chart in list("charts") {
+            assert!(chart[1] == "yes" && chart[2].as_u64() > Some(0), "{place}: not drawn: {chart}");
+            assert!(chart[3].as_u64() > Some(200), "{place}: the browser cannot draw the picture of {chart}");
+        }
+        assert_eq!(list("saved").len(), 2 * list("charts").len());
+        for link in list("saved") {
+            let kind =
+                if link[0].as_str().is_some_and(|name| name.ends_with(".svg")) { "image/svg+xml" } else { "text/csv" };
+            let whole = format!("data:{kind};base64,");
+            assert!(whole.starts_with(&link[1].as_str().unwrap_or("none")[..whole.len().min(26)]), "{link}");
+        }
+        assert_eq!(!list("views").is_empty(), self.has_views, "{place}");
+        for view in list("views") {
+            // An empty scene makes a picture of some 3 kB.
+            assert!(view[1] == "yes" && view[2].as_u64() > Some(10_000), "{place}: not drawn: {view}");
+        }
+        for section in self.sections {
+            assert!(list("sections").contains(&(*section).into()), "{place}: no section {section}");
+        }
+    }
+
+    /// Nothing is cut on paper.
+    fn check_print(&self, browser: &Path, dir: &Path) {
+        let seen = inspect_print(browser, dir, &self.read(dir));
+        assert_eq!(seen["cut"], Value::Array(Vec::new()), "{} is cut on paper", self.page);
+        assert!(
+            seen["scroll"].as_u64() <= Some(u64::from(PAPER)),
+            "{} is wider than paper: {}",
+            self.page,
+            seen["scroll"]
+        );
+    }
+}
+
 #[test]
 fn the_page_works_in_a_browser() {
     let Some(browser) = chromium() else {
@@ -101,39 +186,46 @@ fn the_page_works_in_a_browser() {
         return;
     };
     let dir = tempfile::tempdir().expect("a directory");
-    let run = dir.path().join("run");
-    let run = run.to_str().expect("text");
-    rockproof(&["campaign", "--pairs", "192", "--seed", "3", "--tolerances", "auto,shi", "--out", run]);
-    rockproof(&["report", run]);
-    let page = fs::read_to_string(Path::new(run).join("report/report.html")).expect("a page");
-    assert!(page.len() < 8 << 20, "the page has {} bytes", page.len());
-    for width in [360, 1600] {
-        let seen = inspect_page(&browser, dir.path(), &page, width, "light");
-        let list = |name: &str| seen[name].as_array().unwrap_or_else(|| panic!("{name}: {seen}")).clone();
-        assert_eq!(list("errors"), [] as [Value; 0], "{width} px");
-        assert_eq!(list("requests"), [] as [Value; 0], "{width} px");
-        assert_eq!(seen["width"], width);
-        assert!(seen["scroll"].as_u64() <= Some(u64::from(width)), "wider than {width} px: {}", seen["scroll"]);
-        assert_eq!(seen["verdict"], 3);
-        assert!(list("charts").len() >= 6);
-        for chart in list("charts") {
-            assert!(chart[1] == "yes" && chart[2].as_u64() > Some(0), "{width} px: not drawn: {chart}");
-            assert!(chart[3].as_u64() > Some(200), "{width} px: the browser cannot draw the picture of {chart}");
-        }
-        assert_eq!(list("saved").len(), 2 * list("charts").len());
-        for link in list("saved") {
-            let kind =
-                if link[0].as_str().is_some_and(|name| name.ends_with(".svg")) { "image/svg+xml" } else { "text/csv" };
-            let whole = format!("data:{kind};base64,");
-            assert!(whole.starts_with(&link[1].as_str().unwrap_or("none")[..whole.len().min(26)]), "{link}");
-        }
-        assert!(!list("views").is_empty());
-        for view in list("views") {
-            // An empty scene makes a picture of some 3 kB.
-            assert!(view[1] == "yes" && view[2].as_u64() > Some(10_000), "{width} px: not drawn: {view}");
-        }
-        for section in ["verdict", "agreement", "kinds", "causes", "margins", "worst", "runs", "words"] {
-            assert!(list("sections").contains(&section.into()), "no section {section}");
-        }
+    let dir = dir.path();
+    let at = |name: &str| dir.join(name).display().to_string();
+    rockproof(&["campaign", "--pairs", "192", "--seed", "3", "--tolerances", "auto,shi", "--out", &at("run")]);
+    rockproof(&["report", &at("run")]);
+    let sections = ["verdict", "agreement", "kinds", "causes", "margins", "worst", "runs", "words"];
+    let page = "run/report/report.html";
+    let report = Paged { page, verdict: 3, charts: 6, has_views: true, sections: &sections };
+    for (width, theme) in [(360, "light"), (1600, "light"), (1600, "dark")] {
+        report.check(&browser, dir, width, theme);
     }
+    report.check_print(&browser, dir);
+
+    // A third engine makes tables wider.
+    let mine = format!("mine={} sign", crate::engines::client());
+    let all = "stepper-f32,stepper-f64,mine";
+    let own =
+        ["campaign", "--pairs", "128", "--tolerances", "auto", "--engine-command", &mine, "--engine", all, "--out"];
+    rockproof(&[&own[..], &[&at("own")]].concat());
+    rockproof(&["report", &at("own")]);
+    let own = Paged { page: "own/report/report.html", verdict: 4, charts: 6, has_views: true, sections: &sections };
+    own.check(&browser, dir, 360, "dark");
+    own.check_print(&browser, dir);
+
+    rockproof(&["compare", &at("run"), &at("own"), "--out", &at("compared")]);
+    let sections = ["verdict", "changed", "shares", "settings"];
+    let page = "compared/report.html";
+    let compared = Paged { page, verdict: 3, charts: 0, has_views: false, sections: &sections };
+    compared.check(&browser, dir, 360, "dark");
+    compared.check_print(&browser, dir);
+
+    // Two cubes a kilometre from the origin, so that there is something to show.
+    let model = "[[block]]\nfixed = true\nbox = { min = [999, -1, -1], max = [1003, 3, 0] }\n\
+                 [[block]]\nbox = { min = [1000, 0, 0], max = [1001, 1, 1] }\n\
+                 [[block]]\nbox = { min = [\"100100001/100000\", 0, 0], max = [1002, 1, 1] }\n";
+    fs::write(dir.join("far.toml"), model).expect("written");
+    rockproof(&["examine", &at("far.toml"), "--no-tune", "--out", &at("examined")]);
+    let sections = ["verdict", "model", "pairs", "tolerances"];
+    let page = "examined/index.html";
+    let examined = Paged { page, verdict: 10, charts: 0, has_views: true, sections: &sections };
+    examined.check(&browser, dir, 360, "light");
+    examined.check(&browser, dir, 1600, "dark");
+    examined.check_print(&browser, dir);
 }

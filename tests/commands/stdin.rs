@@ -45,7 +45,7 @@ fn the_format_of_every_model_is_found_from_its_contents() {
 #[test]
 fn what_begins_as_no_format_does_needs_its_name() {
     let place = Place::new();
-    for contents in [&b""[..], b"once upon a time", b"1 2 3\n4 5 6\n"] {
+    for contents in [&b"once upon a time"[..], b"1 2 3\n4 5 6\n"] {
         let (code, _, err) = place.piped(contents, &["check", "-"]);
         assert!(code == 2 && err.contains("<stdin>: ") && err.contains("--input-format"), "{err}");
         assert!(err.contains("toml, dda, obj, stl, ply, msh, vtk, vtu, voro"), "{err}");
@@ -79,6 +79,8 @@ fn errors_name_stdin_and_the_line() {
     assert_eq!(place.piped(scene, &["classify", "-"]).0, 0);
     let (code, _, err) = place.piped(b"[case]\n\xff", &["replay", "-"]);
     assert!(code == 2 && err.contains("<stdin>: line 2: byte 7"), "{err}");
+    let (code, _, err) = place.piped(b"", &["check", "-"]);
+    assert!(code == 2 && err.contains("<stdin>: it is empty"), "{err}");
     let (code, _, err) = place.piped(b"{}", &["replay", "-"]);
     assert!(code == 2 && err.contains("<stdin>: no state file"), "{err}");
     let (code, _, err) = place.piped(&bytes(CASE), &["shrink", "-"]);
@@ -108,7 +110,7 @@ fn every_command_answers_as_to_the_file() {
     let (code, out, err) = place.piped(&edge, &["examine", "-", "--no-tune", "--steps", "0"]);
     let named = place.run(&["examine", "edge.dda", "--no-tune", "--steps", "0"]);
     assert_eq!(
-        (code, out.replace("reports/examine-stdin", "reports/examine-edge").replace(" - ", " edge.dda ")),
+        (code, out.replace("reports/examine-stdin", "reports/examine-edge").replace(" FILE ", " edge.dda ")),
         (named.0, named.1),
         "{err}"
     );

@@ -37,11 +37,42 @@ pub fn wilson(hits: u64, trials: u64) -> [f64; 2] {
     Proportion::of(hits, trials, trials as f64).map_or([0.0, 1.0], |share| [share.low, share.high])
 }
 
-/// How many independent trials bring an end of Wilson's interval to `limit` where the share found is `share`, for fewer the limit lies
-/// inside: z²·l·(1 − l)/(p − l)². `None` where the two are so near that a billion are not enough.
-pub fn trials_to_tell(share: f64, limit: f64) -> Option<u64> {
+/// The chance of a share that is not above a limit to be taken for one that is, on one side of a 95 % interval.
+const ONE_SIDED: f64 = 0.025;
+
+/// Whether `hits` of as many independent `trials` prove a share above `limit`: so many or more come by chance in at most 2.5 % of all cases where the
+/// share is the limit itself (the binomial tail, exactly).
+pub fn is_above(hits: u64, trials: u64, limit: f64) -> bool {
+    if hits as f64 <= limit * trials as f64 {
+        return false;
+    }
+    // Terms as logarithms, since the first may be below what f64 holds.
+    let (mut term, odds) = (trials as f64 * (-limit).ln_1p(), limit.ln() - (-limit).ln_1p());
+    let mut fewer = 0.0;
+    for k in 0..hits {
+        fewer += term.exp();
+        term += ((trials - k) as f64 / (k + 1) as f64).ln() + odds;
+    }
+    1.0 - fewer <= ONE_SIDED
+}
+
+/// How many independent trials would tell a share from `limit` if it stays `hits` of `trials`: for a smaller one Wilson's upper end comes down to the limit
+/// with z²·l·(1 − l)/(p − l)² of them, a larger one is proven ([`is_above`]) by a multiple of the trials or by so many. `None` where the two are so near
+/// that a billion are not enough.
+pub fn trials_to_tell(hits: u64, trials: u64, limit: f64) -> Option<u64> {
+    let share = hits as f64 / trials.max(1) as f64;
     let needed = Z * Z * limit * (1.0 - limit) / (share - limit).powi(2);
-    (needed < 1e9).then(|| needed.ceil() as u64)
+    if !needed.is_finite() || needed >= 1e9 {
+        return None;
+    }
+    let needed = needed.ceil() as u64;
+    if share < limit {
+        return Some(needed);
+    }
+    // The exact tail asks for a little more than the interval does.
+    let times = |k: u64| is_above(k * hits, k * trials, limit);
+    let first = (needed / trials.max(1)).max(1);
+    (first..first + 8).find(|k| times(*k)).map(|k| k * trials)
 }
 
 /// Sums over batches of trials that hang together: a hits among n trials of each batch.
@@ -70,7 +101,7 @@ impl ClusterSums {
 
 #[cfg(test)]
 mod tests {
-    use super::{ClusterSums, Proportion, trials_to_tell, wilson};
+    use super::{ClusterSums, Proportion, is_above, trials_to_tell, wilson};
 
     #[test]
     fn wilson_as_in_the_literature() {
@@ -99,14 +130,23 @@ mod tests {
 
     #[test]
     fn so_many_trials_tell_and_one_less_does_not() {
-        let none = trials_to_tell(0.0, 0.01).expect("a count");
+        let none = trials_to_tell(0, 16, 0.01).expect("a count");
         assert_eq!(none, 381);
         assert!(wilson(0, none)[1] <= 0.01 && wilson(0, none - 1)[1] > 0.01);
         // A share of 1/20, which is above the limit: the lower end passes it.
-        let some = trials_to_tell(0.05, 0.01).expect("a count");
-        let low = |trials: u64| Proportion::of(trials / 20, trials, trials as f64).expect("trials").low;
-        assert!(low(some.next_multiple_of(20)) >= 0.01 && low(some / 20 * 20) < 0.01, "{some}");
-        assert_eq!(trials_to_tell(0.01, 0.01), None);
+        let some = trials_to_tell(1, 20, 0.01).expect("a count");
+        assert!(is_above(some / 20, some, 0.01) && !is_above(some / 20 - 1, some - 20, 0.01), "{some}");
+        assert_eq!(trials_to_tell(1, 100, 0.01), None);
+    }
+
+    #[test]
+    fn a_share_is_above_a_limit_where_chance_hardly_makes_it() {
+        // 1 − 0.99¹⁶ is 14.9 %, and less 16·0.01·0.99¹⁵ it is 1.1 %.
+        assert!(!is_above(1, 16, 0.01) && is_above(2, 16, 0.01));
+        // 0.01¹ itself, and 1 of 2.
+        assert!(is_above(1, 1, 0.01) && is_above(1, 2, 0.01) && !is_above(1, 3, 0.01));
+        assert!(!is_above(0, 0, 0.01) && !is_above(1_000, 100_000, 0.01) && is_above(1_100, 100_000, 0.01));
+        assert!(is_above(100_000, 100_000, 0.01));
     }
 
     #[test]

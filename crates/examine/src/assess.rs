@@ -6,6 +6,7 @@ use crate::extents::short;
 use crate::naming::file_name;
 use crate::overlaps::{Overlaps, overlaps};
 use crate::pairs::{self, ExaminedPair, PRECISIONS};
+use crate::recommend::{Recommendation, better};
 use crate::seen::{Seen, Stage};
 use crate::steps::{self, Steps};
 use rockproof_differential::subject::SubjectSet;
@@ -13,7 +14,7 @@ use rockproof_model::rules::{self, Violation};
 use rockproof_model::{Precision, ToleranceSet, ToleranceSpec};
 use rockproof_report::table::grouped;
 use rockproof_tune::report::markdown;
-use rockproof_tune::{Evaluator, Measurement, Search};
+use rockproof_tune::{Evaluator, Search};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Blocks of a model that is stepped without being asked to.
@@ -51,35 +52,6 @@ pub struct Assessment {
     pub steps: Steps,
 }
 
-/// What the search for another set came to.
-#[derive(Clone, Debug)]
-pub enum Recommendation {
-    /// There was none, and why.
-    Skipped(String),
-    /// The set given is the best of so many.
-    Given {
-        /// Sets that were tried.
-        candidates: usize,
-    },
-    /// Another set.
-    Other(Box<OtherSet>),
-}
-
-/// A set that the search prefers.
-#[derive(Clone, Debug)]
-pub struct OtherSet {
-    /// Sets that were tried.
-    pub candidates: usize,
-    /// How it came about.
-    pub origin: &'static str,
-    /// How the model does with it.
-    pub assessed: Assessment,
-    /// What the search measured of it, and of the set given.
-    pub measured: [Measurement; 2],
-    /// What the search says.
-    pub text: String,
-}
-
 /// Everything that was found.
 #[derive(Clone, Debug)]
 pub struct Examination {
@@ -105,8 +77,15 @@ impl Assessment {
 
     /// Whether nothing is wrong with the model under this set.
     pub fn is_safe(&self, precision: Precision) -> bool {
+        self.harm(precision) == [0; 5]
+    }
+
+    /// What is wrong, each zero where nothing is: rules violated, overlaps not held, pairs broken, pairs that pass through one another, steps that cannot be made.
+    pub(crate) fn harm(&self, precision: Precision) -> [u64; 5] {
         let [_, broken] = self.differing(precision);
-        self.violations.is_empty() && self.overlaps.lost() == 0 && broken == 0 && !self.steps.object()
+        let passing = self.steps.made().map_or(0, |made| made.passages.len() + made.unseen.len());
+        let not_made = self.steps.object() && passing == 0;
+        [self.violations.len(), self.overlaps.lost(), broken, passing, usize::from(not_made)].map(|count| count as u64)
     }
 }
 
@@ -213,18 +192,12 @@ impl Work<'_> {
             search.step()?;
             self.seen.advance();
         }
-        let candidates = search.tried().len();
-        let best = search.best().map(|best| &search.tried()[best]);
-        let Some(best) = best.filter(|best| best.set != given.set) else {
-            return Ok(Some(Recommendation::Given { candidates }));
-        };
-        let sets = SubjectSet { name: "recommended".into(), f32: best.set.clone(), f64: best.set.clone() };
-        let Some(assessed) = self.assess(model, &sets)? else { return Ok(None) };
         let file = file_name(&model.file);
-        let text = markdown(&file, &evaluator, &search);
-        let measured = [best.measurement.clone(), search.tried()[0].measurement.clone()];
-        let other = OtherSet { candidates, origin: best.origin.name(), assessed, measured, text };
-        Ok(Some(Recommendation::Other(Box::new(other))))
+        let text = || markdown(&file, &evaluator, &search);
+        better(&search, given, model.precision, text, |set| {
+            let sets = SubjectSet { name: "recommended".into(), f32: set.clone(), f64: set.clone() };
+            self.assess(model, &sets)
+        })
     }
 
     fn why_no_search(&self, model: &CheckedModel, given: &Assessment) -> Option<String> {

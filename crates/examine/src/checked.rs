@@ -28,6 +28,8 @@ pub struct CheckedModel {
     pub fall: Option<Fall>,
     /// What may be meant otherwise than it is written: units, triangles of a mesh.
     pub notes: Vec<String>,
+    /// What a planarity would merge of a mesh whose coordinates were rounded, where whoever read it knows.
+    pub merging: Option<String>,
 }
 
 /// A value whose rounding overflows (SPEC section 1).
@@ -74,7 +76,7 @@ impl CheckedModel {
         let extents = Extents::of(&scene);
         let notes = extents.doubt().into_iter().collect();
         let fall = rules::fall(&set, &scene);
-        Ok(CheckedModel { file, scene, spec, set, precision, extents, violations, fall, notes })
+        Ok(CheckedModel { file, scene, spec, set, precision, extents, violations, fall, notes, merging: None })
     }
 
     /// Blocks, tolerances and notes for programs.

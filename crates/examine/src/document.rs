@@ -1,11 +1,12 @@
 //! The examination as one JSON document (docs/formats.md).
 
-use crate::assess::{Assessment, Examination, Recommendation};
+use crate::assess::{Assessment, Examination};
 use crate::checked::{tolerances_json, violation_json};
 use crate::pairs::{ExaminedPair, PRECISIONS};
+use crate::recommend::Recommendation;
 use crate::results::{PairFacts, name_of};
 use crate::steps::Steps;
-use crate::verdict::Verdict;
+use crate::verdict::{Verdict, refused_words};
 use rockproof_model::Precision;
 use serde_json::{Value, json};
 
@@ -19,7 +20,12 @@ pub fn document(found: &Examination, verdict: &Verdict) -> Value {
         .collect();
     let (recommended, why) = match &found.other {
         Recommendation::Skipped(why) => (Value::Null, why.clone()),
-        Recommendation::Given { candidates } => (Value::Null, format!("the set given is the best of {candidates}")),
+        Recommendation::Given { candidates, refused: 0 } => {
+            (Value::Null, format!("the set given is the best of {candidates}"))
+        }
+        Recommendation::Given { candidates, refused } => {
+            (Value::Null, format!("the set given is the best of {candidates} but for {}", refused_words(*refused)))
+        }
         Recommendation::Other(other) => (
             assessment(&other.assessed, found.model.precision),
             format!("{}, the best of {}", other.origin, other.candidates),

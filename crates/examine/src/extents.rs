@@ -75,7 +75,7 @@ impl Extents {
     pub fn doubt(&self) -> Option<String> {
         let (what, factor) = (if self.size > SIZES[1] { "millimetres" } else { "kilometres" }, self.factor()?);
         Some(format!(
-            "a mean block of {} m: lengths are metres here; if the file has {what}, `--scale {factor}` checks what it means, and `convert` writes it so",
+            "a mean block of {} m: lengths are metres here; if the file has {what}, `--scale {factor}` checks what it means, and `convert --scale {factor} --precision f64` writes it so",
             short(self.size)
         ))
     }

@@ -17,6 +17,8 @@ pub struct Naming {
     pub units_are_meant: bool,
     /// The directory of the results; without one no next command is told, since that may be about a file in it.
     pub dir: Option<PathBuf>,
+    /// Whether that is where results of the model are without being told, so that commands need not name it.
+    pub is_usual_dir: bool,
 }
 
 impl Naming {

@@ -1,16 +1,17 @@
 //! What an examination leaves in its directory.
 
-use crate::assess::{Examination, Recommendation};
+use crate::assess::Examination;
 use crate::cases::KeptCase;
 use crate::checked::violations_text;
 use crate::document::document;
 use crate::error::ExamineError;
 use crate::naming::Naming;
 use crate::pairs::EngineDifferences;
+use crate::recommend::Recommendation;
 use crate::verdict::{Verdict, mark, title};
 use crate::view::{Standing, standings, views};
-use rockproof_model::Precision;
 use rockproof_model::vtu::{DataArray, SCALAR, vtu};
+use rockproof_model::{Precision, ToleranceSet};
 use rockproof_oracle::audit::{Meaning, Overlap};
 use rockproof_report::Report;
 use rockproof_report::latex::{MOST_ROWS, latex};
@@ -215,7 +216,10 @@ pub fn write(
             Section {
                 id: "tolerances",
                 title: "Tolerances",
-                lead: "What was examined, and what is recommended: the set of tolerances.toml.".to_owned(),
+                lead: match found.recommended() {
+                    Some(_) => "What was examined, and what is recommended: the set of tolerances.toml.".to_owned(),
+                    None => "What was examined: the set of tolerances.toml. No other one is recommended.".to_owned(),
+                },
                 parts: vec![SectionPart::Table(tolerances.clone(), usize::MAX)],
             },
         ],
@@ -281,16 +285,19 @@ fn table_of<'p, 'f: 'p>(pairs: impl Iterator<Item = &'p PairFacts<'f>>) -> Table
     table
 }
 
-/// The set given beside the one recommended: what `tolerances.csv` holds.
+/// The set given, beside the one recommended where there is one: what `tolerances.csv` holds.
 pub fn tolerance_table(found: &Examination) -> Table {
-    let mut table = Table::new("tolerances", "Lengths in m", &["tolerance", "given", "recommended"]);
-    let given = &found.given.set;
-    let other = found.recommended().map_or(given, |other| &other.set);
-    for ((name, given), (_, other)) in given.numbers().iter().zip(other.numbers()) {
-        let [given, other] = [given, &other].map(|value| TableCell::Number(value.approximate()));
-        table.push(vec![(*name).into(), given, other]);
+    let sets: Vec<&ToleranceSet> =
+        std::iter::once(&found.given).chain(found.recommended()).map(|assessed| &assessed.set).collect();
+    let header = ["tolerance", "given", "recommended"];
+    let mut table = Table::new("tolerances", "Lengths in m", &header[..=sets.len()]);
+    let numbers: Vec<_> = sets.iter().map(|set| set.numbers()).collect();
+    for (row, (name, _)) in numbers[0].iter().enumerate() {
+        let values = numbers.iter().map(|numbers| TableCell::Number(numbers[row].1.approximate()));
+        table.push(std::iter::once((*name).into()).chain(values).collect());
     }
-    table.push(vec!["criteria".into(), given.criteria.name().into(), other.criteria.name().into()]);
+    let criteria = sets.iter().map(|set| set.criteria.name().into());
+    table.push(std::iter::once("criteria".into()).chain(criteria).collect());
     table
 }
 

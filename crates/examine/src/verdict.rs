@@ -1,10 +1,11 @@
 //! The answer in at most ten lines, each with a figure, and the next command.
 
-use crate::assess::{Assessment, Examination, Recommendation, plural};
+use crate::assess::{Assessment, Examination, plural};
 use crate::cases::KeptCase;
 use crate::extents::short;
 use crate::naming::{Naming, file_name, quoted_path};
 use crate::pairs::ExaminedPair;
+use crate::recommend::Recommendation;
 use crate::steps::Steps;
 use rockproof_differential::external::spec::quoted;
 use rockproof_model::rules::{MeasuredModel, stiffness_slack};
@@ -163,7 +164,10 @@ fn model(found: &Examination, doubt: Option<&str>) -> Line {
     let blocks = plural(found.model.scene.blocks.len(), "block", "blocks");
     let text = format!("{blocks} in {x} × {y} × {z} m, shortest edge {} m", short(shortest));
     match doubt {
-        None => line("model", Severity::Good, text),
+        None => match &found.model.merging {
+            None => line("model", Severity::Good, text),
+            Some(merging) => line("model", Severity::Fair, format!("{text}: {merging}")),
+        },
         Some(doubt) => line("model", Severity::Bad, format!("{text}: {doubt}; `--scale 1` says that metres are meant")),
     }
 }
@@ -196,7 +200,10 @@ fn nearest_rule(scene: &Scene, set: &ToleranceSet, precision: Precision) -> Opti
 fn overlapping(given: &Assessment) -> Line {
     let overlaps = &given.overlaps;
     let said = overlaps.line();
-    let text = said.strip_prefix("overlaps: ").unwrap_or(&said).to_owned();
+    let mut text = said.strip_prefix("overlaps: ").unwrap_or(&said).to_owned();
+    if overlaps.lost() > 0 {
+        text += &format!("; penetration is {} m", short(given.set.penetration.approximate()));
+    }
     let held = overlaps.all().any(|(_, meaning)| meaning == rockproof_oracle::audit::Meaning::Held);
     let severity = match (overlaps.lost(), held) {
         (0, false) => good(given),
@@ -261,41 +268,27 @@ fn fall(found: &Examination) -> Option<Line> {
 fn recommended(found: &Examination, precision: Precision, naming: &Naming) -> Line {
     let other = match &found.other {
         Recommendation::Skipped(why) => return line("set", Severity::Fair, why.clone()),
-        Recommendation::Given { candidates } => {
+        Recommendation::Given { candidates, refused } => {
             let severity = if found.given.is_safe(precision) { Severity::Good } else { Severity::Fair };
-            return line("set", severity, format!("{} is the best of {candidates} tried", found.name));
+            let but = if *refused == 0 { String::new() } else { format!(" but for {}", refused_words(*refused)) };
+            return line("set", severity, format!("{} is the best of {candidates} tried{but}", found.name));
         }
         Recommendation::Other(other) => other,
     };
-    let broken = |assessed: &Assessment| assessed.differing(precision)[1] as u64;
-    let [ours, theirs] = &other.measured;
-    let [ours_broken, theirs_broken] = [&other.assessed, &found.given].map(broken);
-    let counts = [
-        ("rules violated", ours.violated.len() as u64, theirs.violated.len() as u64),
-        ("overlaps not held", ours.lost_pairs, theirs.lost_pairs),
-        ("pairs broken", ours_broken, theirs_broken),
-        ("pairs that differ, moved ones among them,", ours.differences.avoidable(), theirs.differences.avoidable()),
-    ];
-    let counts = counts.into_iter().filter(|(_, ours, theirs)| ours != theirs);
-    let mut figures: Vec<String> =
-        counts.map(|(what, ours, theirs)| format!("{} {what} instead of {}", grouped(ours), grouped(theirs))).collect();
-    // As they are shown: nobody learns from a number that it is instead of the same number.
-    let [sunk, theirs_sunk] = [ours, theirs].map(|measured| format!("{:.2e} m", measured.steps_measured.overlaps.sunk));
-    if sunk != theirs_sunk {
-        figures.push(format!("blocks sink {sunk} instead of {theirs_sunk}"));
-    }
-    let [slack, theirs_slack] = [ours, theirs].map(|measured| format!("{:.2}", measured.tightest.factor));
-    if slack != theirs_slack {
-        figures.push(format!("the nearest rule met {slack} times instead of {theirs_slack}"));
-    }
-    if figures.is_empty() {
-        figures.push("better by less than these lines show".to_owned());
-    }
     let is_safe = other.assessed.is_safe(precision);
     let (file, safe) = (naming.place_of(SET, "the one recommended"), if is_safe { "safe" } else { "not safe" });
-    let (origin, candidates) = (other.origin, other.candidates);
-    let text = format!("{file} ({origin}) is the best of {candidates} tried, {safe}: {}", figures.join(", "));
+    let (origin, candidates, figures) = (other.origin, other.candidates, other.figures(&found.given, precision));
+    let best = match other.refused {
+        0 => format!("is the best of {candidates} tried"),
+        refused => format!("is the best of {candidates} tried but for {}", refused_words(refused)),
+    };
+    let text = format!("{file} ({origin}) {best}, {safe}: {}", figures.join(", "));
     line("set", if is_safe { Severity::Good } else { Severity::Fair }, text)
+}
+
+/// Sets that a search prefers, and that are no better.
+pub(crate) fn refused_words(refused: usize) -> String {
+    format!("{refused} with which the model itself does no better")
 }
 
 /// The command to go on with.
@@ -311,7 +304,8 @@ fn next(
     let hold = if is_held { " --hold-lowest" } else { "" };
     if units {
         let factor = found.model.extents.factor().unwrap_or("1");
-        return format!("rockproof examine {file}{given} --scale {factor} --overwrite");
+        let out = if naming.is_usual_dir { String::new() } else { format!(" --out {}", quoted_path(dir)) };
+        return format!("rockproof examine {file}{given} --scale {factor}{out} --overwrite");
     }
     let shown = |path: &str| quoted_path(&dir.join(path));
     let lost = found.given.overlaps.worst_lost().filter(|_| answer == "not safe");

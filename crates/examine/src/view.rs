@@ -8,6 +8,7 @@ use rockproof_model::Block;
 use rockproof_oracle::audit::Meaning;
 use rockproof_report::model_view::{BlockGroup, traces};
 use rockproof_report::sections::{FindingView, ShownCase};
+use rockproof_report::table::six_digits;
 use std::path::Path;
 
 /// Blocks that a browser is asked to draw; of more only those with something to say.
@@ -122,7 +123,7 @@ fn whole(found: &Examination, naming: &Naming, shapes: &[&Block], standings: &[(
         facts.push(("not drawn", format!("blocks without a finding: {} are more than {MOST_DRAWN}", shapes.len())));
     }
     let (traces, centre) = traces(shapes, &groups);
-    facts.push(("axes from", format!("({})", centre.map(|c| format!("{c:?}")).join(", "))));
+    facts.push(("axes from", format!("({})", centre.map(six_digits).join(", "))));
     FindingView {
         id: "whole-model".to_owned(),
         title: format!("{}: each block by the worst that was found of it", file_name(&found.model.file)),
@@ -148,7 +149,7 @@ fn overlap(found: &Examination, naming: &Naming, shapes: &[&Block], pair: &PairF
     if let Some((overlap, _)) = pair.overlap {
         facts.push(("by contacts", overlap.sight.name().to_owned()));
     }
-    facts.push(("axes from", format!("({})", centre.map(|c| format!("{c:?}")).join(", "))));
+    facts.push(("axes from", format!("({})", centre.map(six_digits).join(", "))));
     FindingView {
         id: format!("overlap-{a}-{b}"),
         title: format!("blocks {a} and {b} overlap"),

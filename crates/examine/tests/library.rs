@@ -34,7 +34,7 @@ fn examined(model: CheckedModel, seen: &Seen) -> Option<Examination> {
 
 fn naming(dir: Option<PathBuf>) -> Naming {
     let [read, tolerances] = [const { String::new() }; 2];
-    Naming { file: "model.toml".to_owned(), read, tolerances, units_are_meant: false, dir }
+    Naming { file: "model.toml".to_owned(), read, tolerances, units_are_meant: false, dir, is_usual_dir: false }
 }
 
 #[test]

@@ -145,6 +145,7 @@ fn naming(model: &Model, tolerances: &str, dir: Option<&Path>) -> lib::Naming {
         tolerances: tolerances.to_owned(),
         units_are_meant: model.options.scale.is_some(),
         dir: dir.map(Path::to_path_buf),
+        is_usual_dir: false,
     }
 }
 

@@ -7,7 +7,6 @@ use super::sections::{Section, SectionPart};
 use super::table::{Table, TableCell, grouped};
 use super::verdict::{Severity, VerdictLine};
 use rockproof_campaign::proportion::Proportion;
-use rockproof_differential::agreement::ChainSpan;
 use rockproof_gate::comparison::{ClassChange, Comparable, FindingComparison, Trend};
 use rockproof_gate::tally::CampaignTally;
 use serde::Serialize;
@@ -291,8 +290,7 @@ fn differences(before: &Map<String, Value>, after: &Map<String, Value>) -> Vec<S
 /// What users of each engine see, under each setting that both runs have.
 fn shares(runs: [&CampaignRun; 2]) -> Vec<ShareChange> {
     let sums = runs.map(|run| {
-        let whole =
-            run.by_setting().into_iter().filter(|(key, _)| key.span == ChainSpan::Whole && run.shows(&key.tolerances));
+        let whole = run.by_setting().into_iter().filter(|(key, _)| run.is_of_users(key) && run.shows(&key.tolerances));
         let share = |Proportion { value, low, high }: Proportion| [value, low, high];
         whole
             .filter_map(|(key, sums)| Some(((key.tolerances, key.engine), share(agreeing_share(&sums)?))))

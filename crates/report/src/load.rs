@@ -299,6 +299,12 @@ impl CampaignRun {
         }
     }
 
+    /// Whether a comparison is the one that shows how often an engine is right.
+    pub fn is_of_users(&self, compared: &ComparisonKey) -> bool {
+        let engine = matches!(compared.span, ChainSpan::Whole | ChainSpan::Arithmetic);
+        engine && compared.span == self.span_of(&compared.engine)
+    }
+
     /// Sums over everything, for an engine, along [`CampaignRun::span_of`] it.
     pub fn of_engine(&self, engine: &str) -> AgreementCounts {
         let span = self.span_of(engine);

@@ -92,6 +92,23 @@ pub fn percent(share: f64) -> String {
     }
 }
 
+/// A number in at most six digits.
+pub fn six_digits(value: f64) -> String {
+    format!("{:?}", format!("{value:.5e}").parse().unwrap_or(value))
+}
+
+/// The tables of campaigns whose engine may be a precision; in runs of a scene that is the stepper's own.
+const OF_SCOPES: [&str; 10] =
+    ["agreement", "families", "confusion", "sweep", "causes", "predicates", "margins", "worst", "changed", "classes"];
+
+/// Whom a finding is about: an engine, or what every engine is given that works in a precision, which has no engine's name.
+pub fn concerned(scope: &str) -> String {
+    match scope {
+        "f32" | "f64" => format!("input in {scope}"),
+        engine => engine.to_owned(),
+    }
+}
+
 /// A number to three digits.
 pub fn short(number: f64) -> String {
     match number.abs() {
@@ -153,6 +170,16 @@ impl Table {
         usize::from(one && same)..self.columns.len()
     }
 
+    /// A cell of a row as a reader likes it. A precision in the place of an engine is no engine.
+    pub(crate) fn shown(&self, row: &[TableCell], column: usize) -> String {
+        match &row[column] {
+            TableCell::Text(engine) if self.columns[column] == "engine" && OF_SCOPES.contains(&self.name) => {
+                excerpt(&concerned(engine), SHOWN)
+            }
+            cell => cell.shown(),
+        }
+    }
+
     /// The table for the page, at most `most` rows of it.
     pub(super) fn page(&self, most: usize) -> RenderedTable {
         let needed = self.needed();
@@ -167,7 +194,7 @@ impl Table {
                 .rows
                 .iter()
                 .take(most)
-                .map(|row| row.iter().skip(needed.start).map(TableCell::shown).collect())
+                .map(|row| needed.clone().map(|column| self.shown(row, column)).collect())
                 .collect(),
             left_out: self.rows.len().saturating_sub(most),
         }
@@ -195,7 +222,7 @@ impl Table {
         let rule = |i| if self.is_number(i) { "--:".to_owned() } else { "---".to_owned() };
         text += &line(needed.clone().map(rule).collect());
         for row in self.rows.iter().take(most) {
-            text += &line(row.iter().skip(needed.start).map(|cell| clean(&cell.shown())).collect());
+            text += &line(needed.clone().map(|column| clean(&self.shown(row, column))).collect());
         }
         if self.rows.len() > most {
             text += &format!("\n{} more rows in {}.csv\n", self.rows.len() - most, self.name);
@@ -221,6 +248,19 @@ mod tests {
     #[test]
     fn nearly_all_is_not_all() {
         assert_eq!([0.0, 1e-9, 0.5, 0.999_999, 1.0].map(percent), ["0 %", "< 0.01 %", "50.00 %", "> 99.99 %", "100 %"]);
+    }
+
+    #[test]
+    fn a_precision_is_shown_as_no_engine() {
+        let mut table = Table::new("causes", "a table", &["engine"]);
+        table.push(vec!["f32".into()]);
+        table.push(vec!["stepper-f32".into()]);
+        assert_eq!(table.to_csv().expect("csv"), b"engine\nf32\nstepper-f32\n");
+        let text = table.to_markdown(2);
+        assert!(text.contains("| input in f32 |\n| stepper-f32 |"), "{text}");
+        // Of runs of a scene it is the stepper's precision.
+        let text = Table { name: "lockstep", ..table }.to_markdown(1);
+        assert!(text.contains("| f32 |"), "{text}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Counts the findings of a campaign while reading them, in memory that does not grow with their number.
 
-use super::load::setting;
+use super::load::{is_made_for_ties, setting};
 use super::own::{self, Owns};
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::Cause;
@@ -63,14 +63,19 @@ impl WorstFinding {
         self.margin_ulps.or(self.margin).map_or(f64::INFINITY, f64::abs)
     }
 
-    /// What no rounding excuses first: no margin at all, then the largest.
+    /// Whether the engine said that it does not take such a pair: to know, and nothing to look at first.
+    fn is_unsupported(&self) -> bool {
+        self.change == AnswerChange::Unsupported
+    }
+
+    /// What no rounding excuses first: no margin at all, then the largest; last what an engine does not take.
     fn rank(&self, other: &WorstFinding) -> Ordering {
-        // Sets that a ladder put on an edge differ by design; a plain setting that differs is worse.
-        let laddered = |w: &WorstFinding| w.tolerances.contains(':');
-        other
-            .magnitude()
-            .total_cmp(&self.magnitude())
-            .then_with(|| laddered(self).cmp(&laddered(other)))
+        // Sets that were put on an edge differ by design; a plain setting that differs is worse.
+        let designed = |w: &WorstFinding| is_made_for_ties(&setting(&w.tolerances));
+        self.is_unsupported()
+            .cmp(&other.is_unsupported())
+            .then_with(|| other.magnitude().total_cmp(&self.magnitude()))
+            .then_with(|| designed(self).cmp(&designed(other)))
             .then_with(|| self.index.cmp(&other.index))
             .then_with(|| self.case.cmp(&other.case))
     }
@@ -144,9 +149,11 @@ impl FindingTally {
         }
     }
 
-    /// The finding with a case to look at first: of the cause that worries most, the furthest from a tie.
+    /// The finding with a case to look at first: of the cause that worries most, the furthest from a tie; one that an engine does not take where there are
+    /// no others.
     pub fn worst_of_all(&self) -> Option<&WorstFinding> {
-        WORRYING.iter().find_map(|cause| self.worst.get(cause)?.first())
+        let first = || WORRYING.iter().filter_map(|cause| self.worst.get(cause)?.first());
+        first().find(|worst| !worst.is_unsupported()).or_else(|| first().next())
     }
 
     /// Findings by cause.
@@ -161,4 +168,44 @@ impl FindingTally {
 
 fn decade(margin: f64) -> Decade {
     (margin != 0.0).then(|| margin.abs().log10().floor() as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_differential::finding::FINDING_COLUMNS;
+
+    fn tally(rows: &[&str]) -> FindingTally {
+        let text = format!("{}\n{}\n", FINDING_COLUMNS.join(","), rows.join("\n"));
+        let mut tally = FindingTally::default();
+        for row in csv::Reader::from_reader(text.as_bytes()).deserialize() {
+            tally.add(row.expect("a row"));
+        }
+        tally
+    }
+
+    #[test]
+    fn what_an_engine_does_not_take_is_never_looked_at_first() {
+        let unsupported = "1,concave_notch,base,auto,mine,engine,unsupported,,,,,,,cases/a.toml";
+        let wrong = "2,sliver,base,auto,mine,engine,normal,v-f,v-f,gap-sign,0,1e-3,2e15,cases/b.toml";
+        let built_in = "3,sliver,base,auto,stepper-f64,arithmetic,missing,v-f,,gap-sign,0,1e-9,3,cases/c.toml";
+        let first = |rows: &[&str]| tally(rows).worst_of_all().map(|worst| worst.index);
+        assert_eq!(first(&[unsupported, wrong]), Some(2));
+        assert_eq!(first(&[unsupported, built_in]), Some(3));
+        assert_eq!(first(&[unsupported]), Some(1));
+        let ranked: Vec<u64> = tally(&[unsupported, wrong]).worst[&Cause::Engine].iter().map(|w| w.index).collect();
+        assert_eq!(ranked, [2, 1]);
+    }
+
+    #[test]
+    fn of_equal_margins_a_set_that_somebody_would_take_comes_first() {
+        let row = |index, set| {
+            format!(
+                "{index},sliver,base,{set},stepper-f64,arithmetic,missing,v-f,,gap-sign,0,1e-9,3,cases/{index}.toml"
+            )
+        };
+        let rows = [row(1, "dyadic-deep"), row(2, "auto:territory"), row(3, "auto")];
+        let worst = tally(&rows.each_ref().map(String::as_str)).worst_of_all().map(|worst| worst.index);
+        assert_eq!(worst, Some(3));
+    }
 }

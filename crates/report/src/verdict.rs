@@ -235,10 +235,10 @@ fn tolerances(campaigns: &[CampaignRun]) -> Option<VerdictLine> {
             percent(*most)
         )
     } else {
+        let least = if *least > 0.0 { format!(", of {} under \"{best}\"", percent(*least)) } else { String::new() };
         format!(
-            "Tolerances alone, without any rounding, change the contacts of {} of the pairs under \"{worst}\", of {} under \"{best}\".",
-            percent(*most),
-            percent(*least)
+            "Tolerances alone, without any rounding, change the contacts of {} of the pairs under \"{worst}\"{least}.",
+            percent(*most)
         )
     };
     Some(line(if *most > 0.0 { Severity::Fair } else { Severity::Good }, text))

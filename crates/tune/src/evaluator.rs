@@ -61,6 +61,11 @@ impl Measurement {
         Measurement { lockstep: None, ..self.clone() }.merit()
     }
 
+    /// Whether the search prefers this to another, of which the oracle was asked about the steps as well.
+    pub fn is_better_than(&self, other: &Measurement) -> bool {
+        self.lockstep.is_some() && self.merit() < other.merit()
+    }
+
     /// Whether nothing is wrong with the set: every rule kept, no pair of the model lost, no pair that differs but for those on a boundary, and no step.
     pub fn is_clean(&self) -> bool {
         let steps = self.lockstep.as_ref().is_some_and(|lockstep| lockstep.failed + lockstep.differ == 0);

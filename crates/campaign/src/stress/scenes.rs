@@ -26,8 +26,11 @@ pub enum StepsError {
 /// Weight of a block of 1 m³ of the default material under 10 m/s² (N).
 pub(super) const WEIGHT: f64 = 26_000.0;
 
+/// Static steps before time starts.
+pub(super) const SETTLING: u32 = 20;
+
 /// As many blocks of 1 m as there are stiffnesses, on one another, on a fixed floor whose top is z = 0. `stiffness[k]` is the normal
-/// stiffness of the contacts under block `k + 1`, 20 static steps come first.
+/// stiffness of the contacts under block `k + 1`, [`SETTLING`] static steps come first.
 pub(super) fn column(stiffness: &[Number], motion: Motion) -> Result<Scene, BlockError> {
     let corner = |x, y, z| Vec3::new(Number::from_integer(x), Number::from_integer(y), Number::from_integer(z));
     let mut scene = Scene::on_fixed("floor", Block::cuboid(&corner(-1, -1, -1), &corner(2, 2, 0))?);
@@ -43,7 +46,7 @@ pub(super) fn column(stiffness: &[Number], motion: Motion) -> Result<Scene, Bloc
         scene.blocks.push(block);
     }
     scene.simulation.gravity = corner(0, 0, -10);
-    scene.simulation.control.settle = 20;
+    scene.simulation.control.settle = SETTLING;
     Ok(scene)
 }
 

@@ -25,6 +25,15 @@ pub struct EngineSpec {
     pub accuracy: u64,
 }
 
+impl EngineSpec {
+    /// The argument of `--engine-command` that names it, for a shell.
+    pub fn argument(&self) -> String {
+        let precision = if self.precision == NumberFormat::F32 { ":f32" } else { "" };
+        let command: Vec<String> = self.command.iter().map(|word| quoted(word)).collect();
+        quoted(&format!("{}{precision}={}", self.name, command.join(" ")))
+    }
+}
+
 /// A number format.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -43,7 +43,7 @@ pub enum SceneProblem {
         error: std::io::Error,
     },
     /// A name that says nothing about the format.
-    #[error("cannot tell the format from the name; known are {}, the last two for voro++", SceneFormat::listed(|_| true))]
+    #[error("cannot tell the format from the name; known are {}, the last two for voro++; CAD programs export STL and OBJ", SceneFormat::listed(|_| true))]
     UnknownFormat,
     /// A byte that no text file contains.
     #[error("byte {offset} of the file is 0x{byte:02x}, which is not text; only text files can be read")]

@@ -16,7 +16,7 @@ use std::fmt::Write;
 pub enum FormatError {
     /// A coordinate that the format cannot hold exactly.
     #[error(
-        "block {block} \"{name}\", vertex {vertex}: {found} is not an f64, and {format} holds decimals only; round the coordinates first"
+        "block {block} \"{name}\", vertex {vertex}: {found} is not an f64, and {format} is written in these; --precision f64 rounds the coordinates"
     )]
     NotRepresentable {
         /// Number of the block.

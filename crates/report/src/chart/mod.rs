@@ -160,10 +160,19 @@ pub enum ChartColor {
 }
 
 impl ChartColor {
+    /// What has a colour of its own in every chart.
+    const BUILT_IN: [&'static str; 4] = ["stepper-f32", "stepper-f64", "certified", "exact"];
+
     /// The colour of an engine: the same in every chart. `at` is its place among those that are not built in.
     pub fn of_engine(engine: &str, at: usize) -> ChartColor {
-        let known = ["stepper-f32", "stepper-f64", "certified", "exact"];
+        let known = Self::BUILT_IN;
         ChartColor::Series(known.iter().position(|name| *name == engine).unwrap_or(known.len() + at))
+    }
+
+    /// The colour of an engine of a run with these engines.
+    pub fn among(engine: &str, engines: &[String]) -> ChartColor {
+        let others = || engines.iter().filter(|known| !Self::BUILT_IN.contains(&known.as_str()));
+        ChartColor::of_engine(engine, others().position(|known| known == engine).unwrap_or(0))
     }
 
     /// Its name in the page's style sheet.

@@ -1,5 +1,6 @@
 //! A chart as plotly takes it. Colours are named (`$series0`, `$cause2`, …); the page puts in those of its light or dark theme.
 
+use super::scale::PlacedAxis;
 use super::{AxisScale, BarSeries, Chart, ChartAxis, ChartContent, ChartPoint, Curve, HeatMap, LineStyle, LogScale};
 use super::{PointLook, in_lines};
 use serde_json::{Value, json};
@@ -12,8 +13,8 @@ pub fn spec(chart: &Chart) -> Value {
         ChartContent::Bars(series) => series.iter().map(|series| bar(chart, series)).collect(),
         ChartContent::Map(map) => vec![heat_map(x_names.unwrap_or_default(), y_names.unwrap_or_default(), map)],
     };
-    let mut x = axis(&chart.x, shown_across);
-    let mut y = axis(&chart.y, shown_down);
+    let mut x = axis(chart, 0, shown_across);
+    let mut y = axis(chart, 1, shown_down);
     if y_names.is_some() {
         y["autorange"] = json!("reversed");
     }
@@ -48,7 +49,9 @@ fn shown_across(name: &str) -> String {
     name.replace(", ", "<br>")
 }
 
-fn axis(axis: &ChartAxis, shown: fn(&str) -> String) -> Value {
+/// The axis of a chart, 0 to the right, 1 upwards.
+fn axis(chart: &Chart, number: usize, shown: fn(&str) -> String) -> Value {
+    let axis = [&chart.x, &chart.y][number];
     let mut made = match &axis.scale {
         AxisScale::Names(names) => {
             let names: Vec<String> = names.iter().map(|name| shown(name)).collect();
@@ -56,7 +59,9 @@ fn axis(axis: &ChartAxis, shown: fn(&str) -> String) -> Value {
         }
         AxisScale::Linear(Some(range)) => json!({ "range": range, "exponentformat": "power" }),
         AxisScale::Linear(None) => json!({ "rangemode": "tozero", "exponentformat": "power" }),
-        AxisScale::Log(log) if log.ticks.is_empty() => json!({ "type": "log", "exponentformat": "power", "dtick": 1 }),
+        AxisScale::Log(log) if log.ticks.is_empty() => {
+            json!({ "type": "log", "exponentformat": "power", "dtick": PlacedAxis::of(chart, number).decades_apart() })
+        }
         AxisScale::Log(log) => {
             let (values, words): (Vec<f64>, Vec<&str>) = log.ticks.iter().map(|(at, name)| (*at, &**name)).unzip();
             json!({ "type": "log", "tickvals": values, "ticktext": words })
@@ -182,4 +187,30 @@ fn heat_map(x: &[String], y: &[String], map: &HeatMap) -> Value {
         "texttemplate": "%{text}", "xgap": 1, "ygap": 1, "colorscale": "$scale", "zmin": zmin, "zmax": zmax,
         "showscale": false, "hoverongaps": false, "hovertemplate": "%{y}, %{x}: %{text} %<extra></extra>",
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spec;
+    use crate::chart::{Chart, ChartAxis, ChartColor, ChartContent, ChartPoint, Curve, LogScale};
+
+    #[test]
+    fn names_of_many_decades_do_not_touch() {
+        let every = |decades: i32| {
+            let points = [0, decades].map(|k| ChartPoint::new(1.0, 10f64.powi(k))).to_vec();
+            let color = ChartColor::among("mine", &["mine".to_owned(), "stepper-f64".to_owned()]);
+            let curve = Curve { name: String::new(), color, line: None, marker: Some(0), points };
+            let axes = [ChartAxis::from_zero("x"), ChartAxis::log("y", LogScale::default())];
+            let chart = Chart::new("chart-c", "c", 340, axes, ChartContent::Curves(vec![curve], None));
+            spec(&chart)["layout"]["yaxis"]["dtick"].as_i64()
+        };
+        assert_eq!([4, 7, 12, 20].map(every), [1, 1, 2, 3].map(Some));
+    }
+
+    #[test]
+    fn an_engine_has_one_colour() {
+        let engines = ["mine", "stepper-f32", "stepper-f64", "theirs"].map(str::to_owned);
+        let colors = engines.each_ref().map(|engine| ChartColor::among(engine, &engines));
+        assert_eq!(colors, [4, 0, 1, 5].map(ChartColor::Series));
+    }
 }

@@ -97,6 +97,11 @@ impl<'c> PlacedAxis<'c> {
         ((self.pixels[1] - self.pixels[0]) / (self.ends[1] - self.ends[0])).abs()
     }
 
+    /// How many decades apart the powers of ten are that are named, so that their names do not touch.
+    pub(super) fn decades_apart(&self) -> i32 {
+        ((self.ends[1].floor() - self.ends[0].ceil()) as i32 / 8 + 1).max(1)
+    }
+
     /// The values that are named, with their names.
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         match self.scale {
@@ -104,8 +109,10 @@ impl<'c> PlacedAxis<'c> {
             AxisScale::Log(log) if !log.ticks.is_empty() => log.ticks.clone(),
             AxisScale::Log(_) => {
                 let (low, high) = (self.ends[0].ceil() as i32, self.ends[1].floor() as i32);
-                let every = ((high - low) / 8 + 1).max(1) as usize;
-                (low..=high).step_by(every).map(|k| (10f64.powi(k), power(&format!("1e{k}")))).collect()
+                (low..=high)
+                    .step_by(self.decades_apart() as usize)
+                    .map(|k| (10f64.powi(k), power(&format!("1e{k}"))))
+                    .collect()
             }
             AxisScale::Linear(_) => linear_ticks(self.ends),
         }

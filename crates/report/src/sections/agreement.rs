@@ -73,8 +73,7 @@ fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
         let all =
             campaigns.iter().flat_map(|campaign| campaign.by_setting().into_iter().map(move |row| (campaign, row)));
         let seen = |campaign: &CampaignRun, compared: &ComparisonKey| {
-            let engine = matches!(compared.span, ChainSpan::Whole | ChainSpan::Arithmetic);
-            engine && compared.span == campaign.span_of(&compared.engine) && campaign.shows(&compared.tolerances)
+            campaign.is_of_users(compared) && campaign.shows(&compared.tolerances)
         };
         for (campaign, (compared, sums)) in all.filter(|(campaign, (compared, _))| seen(campaign, compared) == first) {
             whole += usize::from(first);
@@ -121,11 +120,12 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
     let mut curves = Vec::new();
     for campaign in campaigns {
         let sums = campaign.by_setting();
-        for engine in campaign.engines() {
-            let span = campaign.span_of(&engine);
+        let engines = campaign.engines();
+        for engine in &engines {
+            let span = campaign.span_of(engine);
             let of: Vec<(&str, Proportion)> = sums
                 .iter()
-                .filter(|(c, _)| c.span == span && c.engine == engine && campaign.shows(&c.tolerances))
+                .filter(|(c, _)| c.span == span && c.engine == *engine && campaign.shows(&c.tolerances))
                 .filter_map(|(c, s)| Some((c.tolerances.as_str(), agreeing_share(s)?)))
                 .collect();
             for (setting, share) in &of {
@@ -136,17 +136,22 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
             }
             let of: Vec<(String, Proportion)> =
                 of.into_iter().map(|(setting, share)| (setting.to_owned(), share)).collect();
-            curves.push((label(campaigns.len(), &campaign.name, &engine), of));
+            // Of several runs each curve has a colour of its own.
+            let color = match campaigns {
+                [_] => ChartColor::among(engine, &engines),
+                _ => ChartColor::Series(curves.len()),
+            };
+            curves.push((label(campaigns.len(), &campaign.name, engine), color, of));
         }
     }
     let settings = chosen(&least);
-    let data = curves.into_iter().enumerate().map(|(number, (name, of))| {
+    let data = curves.into_iter().enumerate().map(|(number, (name, color, of))| {
         let row = |setting: &String| settings.iter().position(|shown| shown == setting);
         let point = |(setting, share): &(String, Proportion)| {
             Some(ChartPoint::new(share.value * 100.0, row(setting)? as f64).with_share(share))
         };
         let points = of.iter().filter_map(point).collect();
-        Curve { name, color: ChartColor::Series(number), line: None, marker: Some(number), points }
+        Curve { name, color, line: None, marker: Some(number), points }
     });
     let content = ChartContent::Curves(data.collect(), None);
     let caption = match least.len() - settings.len() {
@@ -184,6 +189,10 @@ fn family_map(campaigns: &[CampaignRun]) -> Chart {
         families.extend(sums.keys().map(|(family, ..)| (*family).to_owned()));
         let lines = sums.keys().map(|(_, span, engine)| (*span, (*engine).to_owned())).collect::<BTreeSet<_>>();
         for (span, engine) in lines {
+            // Of an engine that says only how blocks lie the whole chain holds what it does not take, and nothing else.
+            if span == ChainSpan::Whole && campaign.span_of(&engine) != span {
+                continue;
+            }
             let what = if span == ChainSpan::Whole { engine.clone() } else { format!("{engine}, {span}") };
             columns.push((campaign, span, engine, label(campaigns.len(), &campaign.name, &what)));
         }

@@ -3,7 +3,7 @@
 use super::{Section, SectionPart};
 use crate::chart::{BarSeries, Chart, ChartAxis, ChartColor, ChartContent};
 use crate::load::CampaignRun;
-use crate::table::{Table, TableCell, label};
+use crate::table::{Table, TableCell, concerned, label};
 use crate::tally::Decade;
 use rockproof_differential::finding::Cause;
 use std::collections::{BTreeMap, BTreeSet};
@@ -58,7 +58,7 @@ fn chart(id: &str, title: &str, campaigns: &[CampaignRun], wanted: impl Fn(Cause
     for campaign in campaigns {
         for ((engine, cause), counts) in campaign.tally.margins.iter().filter(|((_, cause), _)| wanted(*cause)) {
             decades.extend(counts.keys());
-            series.push((label(campaigns.len(), &campaign.name, &format!("{engine}, {cause}")), counts));
+            series.push((label(campaigns.len(), &campaign.name, &format!("{}, {cause}", concerned(engine))), counts));
         }
     }
     let bars = series.into_iter().enumerate().map(|(number, (name, counts))| BarSeries {

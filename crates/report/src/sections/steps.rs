@@ -12,6 +12,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The form of the pairs that are examined under every set.
 const BASE: &str = "base";
 
+/// Rows of each table that the page shows.
+const MOST: usize = 40;
+
 /// The section, where pairs of a campaign made steps.
 pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
     if campaigns.iter().all(|run| run.steps.is_empty()) {
@@ -25,7 +28,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
     );
     let mut differences = Table::new(
         "steps",
-        "Steps by what differs from the exact step",
+        "Steps by what differs from the exact step; settings made for ties are in the CSV files alone, here and below",
         &[
             "run",
             "setting",
@@ -77,8 +80,12 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
             "not_held",
         ],
     );
-    for run in campaigns {
-        for ((setting, engine), counts) in by_setting(run) {
+    // Settings that nobody would take come last, and in the tables alone.
+    let mut shown = 0;
+    for first in [true, false] {
+        let all = campaigns.iter().flat_map(|run| by_setting(run).into_iter().map(move |row| (run, row)));
+        for (run, ((setting, engine), counts)) in all.filter(|(run, ((setting, _), _))| run.shows(setting) == first) {
+            shown += usize::from(first);
             let names = || [run.name.as_str(), &setting, engine].map(TableCell::from).into_iter();
             let c = &counts;
             let numbers = [
@@ -111,9 +118,9 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
             intrusions.push(names().chain(numbers.map(TableCell::Count)).collect());
         }
     }
-    section.parts.push(SectionPart::Table(differences, 40));
-    section.parts.push(SectionPart::Table(penetration, 40));
-    section.parts.push(SectionPart::Table(intrusions, 40));
+    for table in [differences, penetration, intrusions] {
+        section.parts.push(SectionPart::Table(table, shown.min(MOST)));
+    }
     for (number, run) in campaigns.iter().enumerate() {
         section.parts.extend(charts(number, run, campaigns.len()).into_iter().map(SectionPart::Chart));
     }
@@ -145,6 +152,7 @@ fn charts(number: usize, run: &CampaignRun, runs: usize) -> Vec<Chart> {
         }
     }
     let engines: BTreeSet<&str> = run.steps.iter().map(|(place, _)| place.engine.as_str()).collect();
+    let known = run.engines();
     let several = axes.into_iter().filter(|(_, factors)| factors.len() > 1);
     several
         .enumerate()
@@ -162,7 +170,7 @@ fn charts(number: usize, run: &CampaignRun, runs: usize) -> Vec<Chart> {
                         |(at, factor): (usize, &&str)| ChartPoint::new(at as f64, depth(factor).unwrap_or(f64::NAN));
                     curves.push(Curve {
                         name,
-                        color: ChartColor::Series(curves.len()),
+                        color: ChartColor::among(engine, &known),
                         line: Some(if side == 0 { LineStyle::Solid } else { LineStyle::Dotted }),
                         marker: Some(curves.len()),
                         points: factors.iter().enumerate().map(place).collect(),

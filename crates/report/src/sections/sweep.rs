@@ -136,7 +136,11 @@ impl<'r> Sweep<'r> {
     }
 
     fn lines(&self, ids: [usize; 2], axis: &str, factors: &[&str], least: f64, runs: usize) -> Chart {
-        let curves = self.curves.iter().enumerate().map(|(at, ((span, engine), points))| {
+        let engines = self.run.engines();
+        let links = self.curves.keys().filter(|(span, _)| *span != ChainSpan::Whole);
+        let links: Vec<&(ChainSpan, &str)> = links.collect();
+        let curves = self.curves.iter().enumerate().map(|(at, (key, points))| {
+            let (span, engine) = key;
             let place = |(at, factor): (usize, &&str)| {
                 let share = agreeing_share(&Self::sums(points, &[(axis, factor)]))?;
                 Some(ChartPoint::new(at as f64, share.value * 100.0).with_share(&share))
@@ -144,7 +148,11 @@ impl<'r> Sweep<'r> {
             let line = if *span == ChainSpan::Whole { LineStyle::Solid } else { LineStyle::Dotted };
             Curve {
                 name: Self::curve_name(*span, engine),
-                color: ChartColor::Series(at),
+                // An engine has its colour in every chart; what the links leave has those behind.
+                color: match links.iter().position(|link| *link == key) {
+                    None => ChartColor::among(engine, &engines),
+                    Some(place) => ChartColor::Series(2 + place),
+                },
                 line: Some(line),
                 marker: Some(at),
                 points: factors.iter().enumerate().filter_map(place).collect(),

@@ -2,15 +2,16 @@
 
 use super::{Section, SectionPart};
 use crate::error::ReportError;
-use crate::load::CampaignRun;
-use crate::table::{Table, TableCell, label, short};
+use crate::load::{CampaignRun, RunFile};
+use crate::table::{Table, TableCell, concerned, label, short, six_digits};
 use crate::tally::{WORRYING, WorstFinding};
 use crate::view;
 use rockproof_differential::case_file::Case;
+use rockproof_differential::external::EngineSpec;
 use rockproof_differential::external::spec::quoted;
 use rockproof_differential::finding::{Cause, FAR};
 use rockproof_model::decision::Predicate;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 
@@ -86,7 +87,11 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError>
             }
             for finding in worst.iter().take(SHOWN) {
                 let name = label(campaigns.len(), &campaign.name, finding.change.name());
-                views.push(show(&campaign.dir, finding, name, views.len())?);
+                let mut view = show(&campaign.dir, finding, name, views.len())?;
+                if let Some(spec) = specs(&campaign.run).iter().find(|spec| spec.name == finding.engine) {
+                    view.replay += &format!(" --engine-command {}", spec.argument());
+                }
+                views.push(view);
             }
         }
     }
@@ -96,6 +101,13 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError>
     section.parts.push(SectionPart::Findings(views));
     section.parts.push(SectionPart::Quiet(table));
     Ok(section)
+}
+
+/// The external engines of a run.
+fn specs(run: &RunFile) -> Vec<EngineSpec> {
+    let all = run.configuration.get("external").and_then(Value::as_array).into_iter().flatten();
+    // What is no engine is not replayed with one.
+    all.filter_map(|spec| EngineSpec::deserialize(spec).ok()).collect()
 }
 
 fn row(campaign: &CampaignRun, finding: &WorstFinding) -> Vec<TableCell> {
@@ -169,12 +181,12 @@ impl ShownCase<'_> {
         for (what, text) in [("lying", &about.states), ("the engine said", &about.note)] {
             facts.extend(text.iter().map(|text| (what, text.clone())));
         }
-        facts.push(("axes from", format!("({})", centre.map(|c| format!("{c:?}")).join(", "))));
+        facts.push(("axes from", format!("({})", centre.map(six_digits).join(", "))));
         let row =
             |c: &view::ViewedContact| FindingContact { who: c.side_name(), name: c.name(), gap: nine_digits(c.gap_m) };
         FindingView {
             id: format!("finding-{number}"),
-            title: format!("{name}: {kinds}, {}", self.engine),
+            title: format!("{name}: {kinds}, {}", concerned(self.engine)),
             cause: self.cause.name(),
             facts,
             contacts: contacts.iter().map(row).collect(),
