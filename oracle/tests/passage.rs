@@ -162,6 +162,16 @@ impl Random {
 }
 
 #[test]
+fn neighbours_are_those_whose_boxes_meet_over_the_step() {
+    let cube = |x: &str| cuboid(["0", "0", "0"], ["1", "1", "1"]).translated(&point([x, "0", "0"]));
+    let starts = [cube("0"), cube("3"), cube("-1"), cube("10"), cube("12")];
+    let ends = [cube("1"), cube("2"), cube("-1"), cube("10"), cube("11")];
+    let motions: Vec<StraightMotion<'_>> = starts.iter().zip(&ends).map(|(a, b)| StraightMotion::new(a, b)).collect();
+    // 0 sweeps [0, 2] and 1 [2, 4]; 2 ends where 0 begins; 3 ends where the sweep of 4 begins.
+    assert_eq!(swept_neighbours(&motions), [[0, 1], [0, 2], [3, 4]]);
+}
+
+#[test]
 fn random_motions_agree_with_the_depths_at_many_times() {
     let mut random = Random(3);
     let g = "1/8";

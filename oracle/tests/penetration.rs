@@ -122,6 +122,27 @@ fn a_scene_names_its_deepest_pair() {
 }
 
 #[test]
+fn a_scene_names_the_first_of_equal_pairs_and_none_that_miss() {
+    let cube = |x: &str| cuboid(["0", "0", "0"], ["1", "1", "1"]).translated(&point([x, "0", "0"]));
+    let row = [cube("0"), cube("7/8"), cube("14/8")];
+    let (found, left_out) = deepest(&row.iter().collect::<Vec<_>>());
+    assert_eq!((found.map(|found| found.blocks), left_out), (Some([0, 1]), 0));
+    // Their boxes overlap, they do not; nor do those that touch along a slope.
+    let corner = |z: &str| tetrahedron([["0", "0", "0"], ["4", "0", "0"], ["0", "4", "0"], ["0", "0", z]]);
+    for far in ["4", "3", "2"] {
+        let other = tetrahedron([[far, far, far], ["0", far, far], [far, "0", far], [far, far, "0"]]);
+        let apart = [corner("4"), other];
+        let touches = squared(&apart[0], &apart[1]).0;
+        assert_eq!((deepest(&apart.each_ref()).0, touches.is_negative()), (None, false), "{far}");
+    }
+    // Squeezed to a segment a block has no face that a depth could be measured from.
+    let squeezed = cube("0").vertices().iter().map(|v| Vec3::new(v.x.clone(), number("1/2"), number("1/2"))).collect();
+    let segment = cube("0").with_vertices(squeezed);
+    assert_eq!(deepest(&[&row[1], &segment]), (None, 1));
+    assert_eq!(deepest(&[&row[1], &segment, &segment]).1, 2);
+}
+
+#[test]
 fn a_scene_names_its_deepest_pair_where_floats_see_none() {
     // By 1e-30 m, which no f64 beside 1 m holds, along each axis; the second pair touches exactly, the third is deeper by as little.
     for axis in 0..3 {

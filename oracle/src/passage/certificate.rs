@@ -1,5 +1,8 @@
 //! The certificate that an interval of time is free.
 
+#[cfg(test)]
+mod tests;
+
 use super::motion::MovingPair;
 use crate::point_in_surface::{triangle_corners, triangles};
 use num_bigint::BigInt;

@@ -1,0 +1,206 @@
+//! What a certificate is made of, piece by piece: a piece that claims too much would certify a passage away.
+
+use super::*;
+use rockproof_model::{BlockOptions, Number};
+
+/// A small generator of its own: the tests must not depend on a library's stream.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 >> 20
+    }
+
+    /// An integer from −2^bits to 2^bits.
+    fn integer(&mut self, bits: u32) -> BigInt {
+        let digits = BigInt::from(self.next()) << 60 | BigInt::from(self.next()) << 30 | BigInt::from(self.next());
+        let span: BigInt = (BigInt::from(1) << (bits + 1)) + 1;
+        digits % span - (BigInt::from(1) << bits)
+    }
+
+    fn point(&mut self, bits: u32) -> LatticePoint {
+        Vec3::new(self.integer(bits), self.integer(bits), self.integer(bits))
+    }
+
+    fn four(&mut self, bits: u32) -> Vec<LatticePoint> {
+        (0..4).map(|_| self.point(bits)).collect()
+    }
+}
+
+fn whole(x: i64, y: i64, z: i64) -> LatticePoint {
+    Vec3::new(x, y, z).map(|&c| BigInt::from(c))
+}
+
+fn four_corners() -> ConvexPart {
+    ConvexPart::of_points([0, 1, 2, 3].map(VertexId))
+}
+
+/// One below, the other above along an axis.
+fn ends_along(points: &[LatticePoint], axis: usize) -> [BigInt; 2] {
+    let along = || points.iter().map(|p| p.components()[axis].clone());
+    [along().min().expect("some point"), along().max().expect("some point")]
+}
+
+/// Whether at both ends one part is above the other along one axis by more than a distance.
+fn exactly_far(places: &[[Vec<LatticePoint>; 2]; 2], distance: &BigInt) -> bool {
+    (0..3).any(|axis| {
+        [(0, 1), (1, 0)].into_iter().any(|(above, below)| {
+            (0..2).all(|end| {
+                let [[low, _], [_, high]] = [above, below].map(|side| ends_along(&places[end][side], axis));
+                low - high > *distance
+            })
+        })
+    })
+}
+
+#[test]
+fn parts_are_far_only_where_they_are_by_more_than_the_limit() {
+    let mut random = Random(5);
+    let part = four_corners();
+    let (mut far, mut near) = (0, 0);
+    for trial in 0..1_500 {
+        let bits = [3, 40, 66][trial % 3];
+        let limit = [BigInt::ZERO, BigInt::from(5) << (bits - 2), (BigInt::from(1) << bits) - 1][trial % 4 % 3].clone();
+        let axis = random.next() as usize % 3;
+        let is_above = random.next().is_multiple_of(2);
+        let mut places = [0, 1].map(|_| [random.four(bits), random.four(bits)]);
+        for place in &mut places {
+            // B's nearest point is as far from A as the limit, and a little more or less.
+            let little = match random.next() % 4 {
+                0 => BigInt::ZERO,
+                1 => BigInt::from(1),
+                2 => BigInt::from(1) << (bits / 2),
+                _ => random.integer(bits),
+            };
+            let [low_a, high_a] = ends_along(&place[0], axis);
+            let [low_b, high_b] = ends_along(&place[1], axis);
+            let by = if is_above { high_a - low_b + &limit + little } else { low_a - high_b - &limit - little };
+            let mut shift = [BigInt::ZERO, BigInt::ZERO, BigInt::ZERO];
+            shift[axis] = by;
+            let [x, y, z] = shift;
+            let shift = Vec3::new(x, y, z);
+            for p in &mut place[1] {
+                *p = p.plus(&shift);
+            }
+        }
+        let clearly: BigInt = &limit + (BigInt::from(1) << bits.saturating_sub(36));
+        let [is_far, is_clear] = [&limit, &clearly].map(|distance| exactly_far(&places, distance));
+        let ends = Ends::new(places);
+        let found = PartsAtEnds { parts: [&part, &part], ends: &ends }.are_far(float(&limit));
+        assert!(!found || is_far, "{trial}: called far, and is not");
+        // With three bits a lattice unit is more than all roundings.
+        assert!(found || !is_clear || bits == 66, "{trial}: is far");
+        far += usize::from(found);
+        near += usize::from(!is_far);
+    }
+    assert!(far > 100 && near > 100, "{far} far, {near} near");
+}
+
+#[test]
+fn directions_come_with_their_gaps_the_largest_first() {
+    let mut random = Random(9);
+    let part = four_corners();
+    for trial in 0..60 {
+        let far = whole(if trial % 2 == 0 { 40 } else { 9 }, 5, -7);
+        let shifted = |points: Vec<LatticePoint>| points.iter().map(|p| p.plus(&far)).collect();
+        let places = [0, 1].map(|_| [random.four(3), shifted(random.four(3))]);
+        let ends = Ends::new(places);
+        let both = PartsAtEnds { parts: [&part, &part], ends: &ends };
+        let found = both.best_directions();
+        assert_eq!(found.len(), TRIED);
+        let exact_gap = |n: &LatticePoint| float(&both.gap(n)) / float(&n.norm_squared()).sqrt();
+        for candidate in &found {
+            let gap = exact_gap(&candidate.n);
+            assert!((candidate.gap - gap).abs() <= 1e-9, "{trial}: {} for {gap}", candidate.gap);
+        }
+        assert!(found.windows(2).all(|two| two[0].gap >= two[1].gap), "{trial}");
+        let all = both.sources().flat_map(|source| [false, true].map(|is_reversed| Source { is_reversed, ..source }));
+        let normals = all.map(|source| source.exactly(&both)).filter(|n| !Zero::is_zero(&n.norm_squared()));
+        let largest = normals.map(|n| exact_gap(&n)).fold(f64::NEG_INFINITY, f64::max);
+        assert!((found[0].gap - largest).abs() <= 1e-9, "{trial}: {} of {largest}", found[0].gap);
+    }
+}
+
+#[test]
+fn the_axes_are_all_six() {
+    let mut found: Vec<[i64; 3]> =
+        axes().map(|n| n.map(|c| c.to_i64().expect("small"))).map(|n| [n.x, n.y, n.z]).into();
+    found.sort_unstable();
+    assert_eq!(found, [[-1, 0, 0], [0, -1, 0], [0, 0, -1], [0, 0, 1], [0, 1, 0], [1, 0, 0]]);
+}
+
+#[test]
+fn a_shift_is_no_longer_than_the_limit_and_nearly_as_long() {
+    let mut random = Random(2);
+    for bits in [1, 2, 5, 30, 66] {
+        for _ in 0..50 {
+            let n = random.point(bits);
+            if Zero::is_zero(&n.norm_squared()) {
+                continue;
+            }
+            let limit = (random.integer(50).abs() + 1i32) << (random.next() % 3 * 20) as usize;
+            let shift = at_most_as_long(&n, &limit);
+            assert!(shift.norm_squared() <= &limit * &limit, "{n:?} to {limit}");
+            let (length, wanted) = (float(&shift.norm_squared()).sqrt(), float(&limit));
+            let size = float(&n.norm_squared()).sqrt();
+            assert!(length + 2.0 >= wanted * (size / (size + 1.0)) * (1.0 - 1e-9), "{n:?} to {limit}: {length}");
+            assert!(!n.dot(&shift).is_negative());
+        }
+    }
+}
+
+#[test]
+fn a_middle_leans_to_no_direction() {
+    let unit = 2f64.powi(40);
+    let near = |found: Option<LatticePoint>, expected: [f64; 3]| {
+        let found = found.expect("a direction");
+        for (c, expected) in found.components().into_iter().zip(expected) {
+            assert!((float(c) / unit - expected).abs() < 1e-9, "{found:?} for {expected:?}");
+        }
+    };
+    let (long, short) = (whole(30_000, 40_000, 0), whole(3, -4, 0));
+    near(middle_of([&long].into_iter()), [0.6, 0.8, 0.0]);
+    near(middle_of([&long, &short].into_iter()), [1.2, 0.0, 0.0]);
+    near(
+        middle_of([&whole(0, 0, -7), &short, &whole(2, 3, 6)].into_iter()),
+        [0.6 + 2.0 / 7.0, -0.8 + 3.0 / 7.0, -1.0 + 6.0 / 7.0],
+    );
+    assert!(middle_of(std::iter::empty()).is_none());
+}
+
+#[test]
+fn ways_are_shares_of_the_size_of_all() {
+    let places = [0, 1].map(|end| {
+        let at = |k: i64| whole(k * 3, k * k, -k * (end + 1));
+        [(0..4).map(at).collect(), (4..8).map(at).collect()]
+    });
+    let ends = Ends::new(places);
+    // The farthest from the first is (21, 49, −7) or (21, 49, −14).
+    assert_eq!(ends.size, 49.0);
+    let way = ends.near_way(1, 1, [VertexId(1), VertexId(3)]);
+    assert_eq!(way, [6.0 / 49.0, 24.0 / 49.0, -4.0 / 49.0]);
+}
+
+#[test]
+fn the_cover_of_a_block_seen_from_a_corner_fills_it() {
+    // A staircase of two steps, 3 wide: seen whole from the edge at the bottom of the wall.
+    let profile = [[0, 0], [4, 0], [4, 1], [2, 1], [2, 3], [0, 3]];
+    let at = |y: i32| profile.map(|[x, z]| Vec3::new(x, y, z).map(|&c| Number::from_integer(c)));
+    let vertices: Vec<Vec3<Number>> = at(0).into_iter().chain(at(3)).collect();
+    let n = profile.len() as u32;
+    let mut faces: Vec<Vec<u32>> = vec![(0..n).collect(), (n..2 * n).rev().collect()];
+    faces.extend((0..n).map(|k| vec![k, k + n, (k + 1) % n + n, (k + 1) % n]));
+    let block = Block::new(vertices, faces, &BlockOptions::default()).expect("a block");
+    let places: Vec<LatticePoint> =
+        block.vertices().iter().map(|v| v.map(|c| BigInt::from(c.approximate() as i64))).collect();
+    let volume = |part: &ConvexPart| {
+        let [o, a, b, c] = [0, 1, 2, 3].map(|k| &places[part.vertices[k].index()]);
+        a.minus(o).cross(&b.minus(o)).dot(&c.minus(o)).abs()
+    };
+    let parts = tetrahedra(&block, &places);
+    assert!(parts.iter().all(|part| !Zero::is_zero(&volume(part)) || part.vertices.len() == 4));
+    let sum: BigInt = parts.iter().map(volume).sum();
+    // 6 times 3 wide, 4 + 4 in section.
+    assert_eq!(sum, BigInt::from(6 * 3 * 8));
+}
