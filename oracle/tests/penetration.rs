@@ -130,14 +130,14 @@ fn a_scene_names_the_first_of_equal_pairs_and_none_that_miss() {
     // Their boxes overlap, they do not; nor do those that touch along a slope.
     let corner = |z: &str| tetrahedron([["0", "0", "0"], ["4", "0", "0"], ["0", "4", "0"], ["0", "0", z]]);
     for far in ["4", "3", "2"] {
-        let other = tetrahedron([[far, far, far], ["0", far, far], [far, "0", far], [far, far, "0"]]);
+        let other = tetrahedron([[far, far, far], [far, "0", far], ["0", far, far], [far, far, "0"]]);
         let apart = [corner("4"), other];
         let touches = squared(&apart[0], &apart[1]).0;
         assert_eq!((deepest(&apart.each_ref()).0, touches.is_negative()), (None, false), "{far}");
     }
-    // Squeezed to a segment a block has no face that a depth could be measured from.
-    let squeezed = cube("0").vertices().iter().map(|v| Vec3::new(v.x.clone(), number("1/2"), number("1/2"))).collect();
-    let segment = cube("0").with_vertices(squeezed);
+    // Squeezed to a segment a concave block has no face that a depth could be measured from.
+    let squeezed = step().vertices().iter().map(|v| Vec3::new(v.x.clone(), number("1/2"), number("1/2"))).collect();
+    let segment = step().with_vertices(squeezed);
     assert_eq!(deepest(&[&row[1], &segment]), (None, 1));
     assert_eq!(deepest(&[&row[1], &segment, &segment]).1, 2);
 }
