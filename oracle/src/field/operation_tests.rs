@@ -92,8 +92,15 @@ fn f64_floor(least: &BigRational) -> BigRational {
 
 /// Parts of enclosures in f64: middles, and for each radii that matter beside it.
 fn middles_and_radii() -> Vec<(f64, f64)> {
-    let mut found =
-        vec![(0.0, 0.0), (0.0, 0.25), (5e-324, 0.0), (1.0, 1.0), (1.0, 1e3), (3.0 * f64::MIN_POSITIVE, 5e-324)];
+    let mut found = vec![
+        (0.0, 0.0),
+        (0.0, 0.25),
+        (5e-324, 0.0),
+        (1.0, 1.0),
+        (1.0, 1e3),
+        (3.0 * f64::MIN_POSITIVE, 5e-324),
+        (1e-160, 1e-172),
+    ];
     for middle in [-3.0, 0.1, 67_108_865.0, 3.0 * f64::MIN_POSITIVE, -1e-160] {
         let size: f64 = middle.abs();
         found.extend([0.0, size * 1e-17, size.next_down()].map(|radius| (middle, radius)));
