@@ -69,10 +69,12 @@ pub fn trials_to_tell(hits: u64, trials: u64, limit: f64) -> Option<u64> {
     if share < limit {
         return Some(needed);
     }
-    // The exact tail asks for a little more than the interval does.
-    let times = |k: u64| is_above(k * hits, k * trials, limit);
-    let first = (needed / trials.max(1)).max(1);
-    (first..first + 8).find(|k| times(*k)).map(|k| k * trials)
+    // The exact tail asks for a little more than the interval does: a hundredth where there are ten thousand hits.
+    let first = (needed / trials).max(1);
+    if first.saturating_mul(hits) > 10_000 {
+        return Some(needed);
+    }
+    (first..).find(|k| is_above(k * hits, k * trials, limit)).map(|k| k * trials)
 }
 
 /// Sums over batches of trials that hang together: a hits among n trials of each batch.
@@ -136,6 +138,10 @@ mod tests {
         // A share of 1/20, which is above the limit: the lower end passes it.
         let some = trials_to_tell(1, 20, 0.01).expect("a count");
         assert!(is_above(some / 20, some, 0.01) && !is_above(some / 20 - 1, some - 20, 0.01), "{some}");
+        // One a little above it, which takes many: the exact tail asks for a twentieth more than the interval.
+        let many = trials_to_tell(1, 90, 0.01).expect("a count");
+        assert!(is_above(many / 90, many, 0.01) && !is_above(many / 90 - 1, many - 90, 0.01), "{many}");
+        assert!((30_000..36_000).contains(&many), "{many}");
         assert_eq!(trials_to_tell(1, 100, 0.01), None);
     }
 
