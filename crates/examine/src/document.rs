@@ -24,7 +24,7 @@ pub fn document(found: &Examination, verdict: &Verdict) -> Value {
             (Value::Null, format!("the set given is the best of {candidates}"))
         }
         Recommendation::Given { candidates, refused } => {
-            (Value::Null, format!("the set given is the best of {candidates} but for {}", refused_words(*refused)))
+            (Value::Null, format!("the set given is the best of {candidates}, leaving out {}", refused_words(*refused)))
         }
         Recommendation::Other(other) => (
             assessment(&other.assessed, found.model.precision),

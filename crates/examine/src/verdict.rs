@@ -270,7 +270,7 @@ fn recommended(found: &Examination, precision: Precision, naming: &Naming) -> Li
         Recommendation::Skipped(why) => return line("set", Severity::Fair, why.clone()),
         Recommendation::Given { candidates, refused } => {
             let severity = if found.given.is_safe(precision) { Severity::Good } else { Severity::Fair };
-            let but = if *refused == 0 { String::new() } else { format!(" but for {}", refused_words(*refused)) };
+            let but = if *refused == 0 { String::new() } else { format!(", leaving out {}", refused_words(*refused)) };
             return line("set", severity, format!("{} is the best of {candidates} tried{but}", found.name));
         }
         Recommendation::Other(other) => other,
@@ -280,7 +280,7 @@ fn recommended(found: &Examination, precision: Precision, naming: &Naming) -> Li
     let (origin, candidates, figures) = (other.origin, other.candidates, other.figures(&found.given, precision));
     let best = match other.refused {
         0 => format!("is the best of {candidates} tried"),
-        refused => format!("is the best of {candidates} tried but for {}", refused_words(refused)),
+        refused => format!("is the best of {candidates} tried, leaving out {}", refused_words(refused)),
     };
     let text = format!("{file} ({origin}) {best}, {safe}: {}", figures.join(", "));
     line("set", if is_safe { Severity::Good } else { Severity::Fair }, text)

@@ -75,12 +75,11 @@ fn check(file: &Path, engines: &Engines) -> Result<Check, CorpusError> {
 fn judge(case: &Case, engines: &Engines) -> (Verdict, String) {
     let about = &case.about;
     let Some(panel) = engines.panel_of(case) else {
-        let whose = match about.engine.as_str() {
-            precision @ ("f32" | "f64") => format!("no engine that is given {precision}"),
-            engine => format!("engine {engine}"),
+        let reason = match about.engine.as_str() {
+            precision @ ("f32" | "f64") => format!("no engine that is given {precision} takes part in this gate"),
+            engine => format!("engine {engine} takes no part in this gate"),
         };
-        let takes = if whose.starts_with("no ") { "takes part" } else { "takes no part" };
-        return (Verdict::Skip, format!("{whose} {takes} in this gate"));
+        return (Verdict::Skip, reason);
     };
     let exact = |a: &_, b: &_, t: &_| panel.oracle.prepare(a, b).pair().classify(t).contacts;
     let precision = panel.precisions().pop().unwrap_or(rockproof_model::Precision::F64);
