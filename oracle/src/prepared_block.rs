@@ -331,15 +331,14 @@ fn largest_component<'a>(vectors: impl IntoIterator<Item = &'a Vec3<Approx>>) ->
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use rockproof_model::{BlockOptions, Number};
 
-    /// A box whose top has one corner raised, all of it `2^exponent` in size.
-    fn bent_box(exponent: i32) -> Block {
+    /// A box 3 wide whose top and two sides are bent by one corner raised, all of it `scale` times as large.
+    pub(crate) fn bent_box(scale: &Number) -> Block {
         let corners = [[0, 0, 0], [3, 0, 0], [3, 3, 0], [0, 3, 0], [0, 0, 3], [3, 0, 3], [3, 3, 4], [0, 3, 3]];
-        let unit = 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2);
-        let at = |c: i32| Number::from_f64(f64::from(c) * unit).unwrap();
+        let at = |c: i32| Number::from_integer(c).times(scale);
         let vertices = corners.map(|[x, y, z]| Vec3::new(at(x), at(y), at(z))).to_vec();
         let faces =
             [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]].map(|f| f.to_vec());
@@ -352,7 +351,8 @@ mod tests {
         let bulge = 4.5 / 342f64.sqrt();
         let (mut known, mut unknown) = (0, 0);
         for exponent in -300..300 {
-            let bound = PreparedBlock::new(&bent_box(exponent)).bulge;
+            let unit = 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2);
+            let bound = PreparedBlock::new(&bent_box(&Number::from_f64(unit).unwrap())).bulge;
             let least = bulge * (1.0 - 1e-9) * 2f64.powi(exponent);
             assert!(bound >= least, "2^{exponent}: {bound:e} for {least:e}");
             if bound.is_finite() {

@@ -135,18 +135,8 @@ fn dot(n: [f64; 3], p: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockproof_model::{BlockOptions, Number};
-
-    /// A box 3 wide whose top and whose side at y = 3 are bent by raising one corner and moving another, all of it `scale` times as large.
-    fn bent(scale: &str) -> Block {
-        let scale = scale.parse::<Number>().expect("a number");
-        let corners = [[0, 0, 0], [3, 0, 0], [3, 3, 0], [0, 3, 0], [0, 0, 3], [3, 0, 3], [3, 3, 4], [0, 3, 3]];
-        let at = |c: i32| Number::from_integer(c).times(&scale);
-        let vertices = corners.map(|[x, y, z]| Vec3::new(at(x), at(y), at(z))).to_vec();
-        let faces =
-            [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]].map(|f| f.to_vec());
-        Block::new(vertices, faces.to_vec(), &BlockOptions { planarity: Number::from_integer(1) }).expect("a block")
-    }
+    use crate::prepared_block::tests::bent_box;
+    use rockproof_model::Number;
 
     #[test]
     fn unevenness_is_the_greatest_distance_from_a_face_s_own_plane() {
@@ -154,7 +144,8 @@ mod tests {
         let expected = BigRational::new(9.into(), 152.into());
         for (scale, square) in [("1", (1, 1)), ("1/7", (1, 49)), ("3/8", (9, 64)), ("5", (25, 1))] {
             let square = BigRational::new(square.0.into(), square.1.into());
-            assert_eq!(unevenness_squared(&bent(scale)), &expected * square, "{scale}");
+            let block = bent_box(&scale.parse::<Number>().expect("a number"));
+            assert_eq!(unevenness_squared(&block), &expected * square, "{scale}");
         }
     }
 }

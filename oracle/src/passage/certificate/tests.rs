@@ -1,31 +1,22 @@
 //! What a certificate is made of, piece by piece: a piece that claims too much would certify a passage away.
 
 use super::*;
+use crate::soundness::Dice;
 use rockproof_model::{BlockOptions, Number};
 
-/// A small generator of its own: the tests must not depend on a library's stream.
-struct Random(u64);
+/// An integer from −2^bits to 2^bits.
+fn integer(dice: &mut Dice, bits: u32) -> BigInt {
+    let digits = BigInt::from(dice.next()) << 64 | BigInt::from(dice.next());
+    let span: BigInt = (BigInt::from(1) << (bits + 1)) + 1;
+    digits % span - (BigInt::from(1) << bits)
+}
 
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        self.0 >> 20
-    }
+fn random_point(dice: &mut Dice, bits: u32) -> LatticePoint {
+    Vec3::new(integer(dice, bits), integer(dice, bits), integer(dice, bits))
+}
 
-    /// An integer from −2^bits to 2^bits.
-    fn integer(&mut self, bits: u32) -> BigInt {
-        let digits = BigInt::from(self.next()) << 60 | BigInt::from(self.next()) << 30 | BigInt::from(self.next());
-        let span: BigInt = (BigInt::from(1) << (bits + 1)) + 1;
-        digits % span - (BigInt::from(1) << bits)
-    }
-
-    fn point(&mut self, bits: u32) -> LatticePoint {
-        Vec3::new(self.integer(bits), self.integer(bits), self.integer(bits))
-    }
-
-    fn four(&mut self, bits: u32) -> Vec<LatticePoint> {
-        (0..4).map(|_| self.point(bits)).collect()
-    }
+fn four(dice: &mut Dice, bits: u32) -> Vec<LatticePoint> {
+    (0..4).map(|_| random_point(dice, bits)).collect()
 }
 
 fn whole(x: i64, y: i64, z: i64) -> LatticePoint {
@@ -56,22 +47,22 @@ fn exactly_far(places: &[[Vec<LatticePoint>; 2]; 2], distance: &BigInt) -> bool 
 
 #[test]
 fn parts_are_far_only_where_they_are_by_more_than_the_limit() {
-    let mut random = Random(5);
+    let mut dice = Dice(5);
     let part = four_corners();
     let (mut far, mut near) = (0, 0);
     for trial in 0..1_500 {
         let bits = [3, 40, 66][trial % 3];
         let limit = [BigInt::ZERO, BigInt::from(5) << (bits - 2), (BigInt::from(1) << bits) - 1][trial % 4 % 3].clone();
-        let axis = random.next() as usize % 3;
-        let is_above = random.next().is_multiple_of(2);
-        let mut places = [0, 1].map(|_| [random.four(bits), random.four(bits)]);
+        let axis = dice.below(3) as usize;
+        let is_above = dice.below(2) == 0;
+        let mut places = [0, 1].map(|_| [four(&mut dice, bits), four(&mut dice, bits)]);
         for place in &mut places {
             // B's nearest point is as far from A as the limit, and a little more or less.
-            let little = match random.next() % 4 {
+            let little = match dice.below(4) {
                 0 => BigInt::ZERO,
                 1 => BigInt::from(1),
                 2 => BigInt::from(1) << (bits / 2),
-                _ => random.integer(bits),
+                _ => integer(&mut dice, bits),
             };
             let [low_a, high_a] = ends_along(&place[0], axis);
             let [low_b, high_b] = ends_along(&place[1], axis);
@@ -99,12 +90,12 @@ fn parts_are_far_only_where_they_are_by_more_than_the_limit() {
 
 #[test]
 fn directions_come_with_their_gaps_the_largest_first() {
-    let mut random = Random(9);
+    let mut dice = Dice(9);
     let part = four_corners();
     for trial in 0..60 {
         let far = whole(if trial % 2 == 0 { 40 } else { 9 }, 5, -7);
         let shifted = |points: Vec<LatticePoint>| points.iter().map(|p| p.plus(&far)).collect();
-        let places = [0, 1].map(|_| [random.four(3), shifted(random.four(3))]);
+        let places = [0, 1].map(|_| [four(&mut dice, 3), shifted(four(&mut dice, 3))]);
         let ends = Ends::new(places);
         let both = PartsAtEnds { parts: [&part, &part], ends: &ends };
         let found = both.best_directions();
@@ -132,14 +123,14 @@ fn the_axes_are_all_six() {
 
 #[test]
 fn a_shift_is_no_longer_than_the_limit_and_nearly_as_long() {
-    let mut random = Random(2);
+    let mut dice = Dice(2);
     for bits in [1, 2, 5, 30, 66] {
         for _ in 0..50 {
-            let n = random.point(bits);
+            let n = random_point(&mut dice, bits);
             if Zero::is_zero(&n.norm_squared()) {
                 continue;
             }
-            let limit = (random.integer(50).abs() + 1i32) << (random.next() % 3 * 20) as usize;
+            let limit = (integer(&mut dice, 50).abs() + 1i32) << (dice.below(3) * 20) as usize;
             let shift = at_most_as_long(&n, &limit);
             assert!(shift.norm_squared() <= &limit * &limit, "{n:?} to {limit}");
             let (length, wanted) = (float(&shift.norm_squared()).sqrt(), float(&limit));
