@@ -9,13 +9,14 @@
 //! is run once to see which mutants it reaches, and then each mutant is held against the tests that reach it, shortest first. A run that was
 //! stopped goes on with the mutants that the results do not name. docs/mutants.md tells what came of it.
 
+mod judging;
 mod list;
 mod rewrite;
-mod tests;
 mod tree;
 
 use anyhow::{Context, Result};
 use clap::Parser;
+use judging::Test;
 use list::Mutant;
 use std::collections::HashSet;
 use std::io::Write;
@@ -23,7 +24,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
-use tests::Test;
 use tree::Absent;
 
 /// Hold the mutants of a list against the tests of the oracle and the stepper
@@ -70,7 +70,7 @@ fn main() -> Result<()> {
         let packages: Vec<Vec<String>> = std::iter::once(crates).chain(also).collect();
         let programs = tree::test_programs(&tree, &packages)?;
         eprintln!("{} test programs", programs.len());
-        let found = tests::measure(&tree, &programs, arguments.threads, Duration::from_secs(120))?;
+        let found = judging::measure(&tree, &programs, arguments.threads, Duration::from_secs(120))?;
         std::fs::write(&measured, serde_json::to_string(&found)?)?;
     }
     let tests: Vec<Test> = serde_json::from_str(&std::fs::read_to_string(&measured)?)?;
@@ -103,7 +103,7 @@ fn judge(arguments: &Arguments, mutants: &[Mutant], absent: &Absent, tests: &[Te
             } else if absent.unchoosable.contains(&id) {
                 line(mutant, "no branch", "", "")?;
             } else {
-                let verdict = tests::judge(tests, id, arguments.limit)?;
+                let verdict = judging::judge(tests, id, arguments.limit)?;
                 let counts = format!("{} of {}", verdict.run, verdict.of);
                 let by: String = verdict.by.chars().take(60).collect();
                 line(mutant, verdict.outcome.name(), &counts, &by)?;

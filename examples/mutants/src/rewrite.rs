@@ -116,23 +116,28 @@ impl Finder<'_> {
         if !is_const && !is_opaque {
             self.values(block);
         }
-        self.constant += usize::from(is_const);
-        visit::visit_block(self, block);
-        self.constant -= usize::from(is_const);
+        if is_const {
+            self.in_constant(|finder| visit::visit_block(finder, block));
+        } else {
+            visit::visit_block(self, block);
+        }
+    }
+
+    /// Visits what can hold no branch.
+    fn in_constant(&mut self, visit: impl FnOnce(&mut Self)) {
+        self.constant += 1;
+        visit(self);
+        self.constant -= 1;
     }
 
     /// Constants in the place of a body.
     fn values(&mut self, block: &Block) {
-        let (Some(first), Some(_)) = (block.stmts.first(), block.stmts.last()) else {
-            return;
-        };
-        let start = self.lines.bytes(first).start;
-        let brace = self.lines.byte(block.brace_token.span.open().end());
-        let mut found = self.wanted(start, Genre::FnValue);
-        found.extend(self.wanted(brace - 1, Genre::FnValue).into_iter().filter(|_| start != brace - 1));
+        let Some(first) = block.stmts.first() else { return };
+        let found = self.wanted(self.lines.bytes(first).start, Genre::FnValue);
         if found.is_empty() {
             return;
         }
+        let brace = self.lines.byte(block.brace_token.span.open().end());
         let mut text = Inserted::default();
         for (id, mutant) in &found {
             text.text.push_str(" if ");
@@ -316,27 +321,19 @@ impl<'ast> Visit<'ast> for Finder<'_> {
 
     // No branch may stand in any of these.
     fn visit_item_const(&mut self, item: &'ast syn::ItemConst) {
-        self.constant += 1;
-        visit::visit_item_const(self, item);
-        self.constant -= 1;
+        self.in_constant(|finder| visit::visit_item_const(finder, item));
     }
 
     fn visit_impl_item_const(&mut self, item: &'ast syn::ImplItemConst) {
-        self.constant += 1;
-        visit::visit_impl_item_const(self, item);
-        self.constant -= 1;
+        self.in_constant(|finder| visit::visit_impl_item_const(finder, item));
     }
 
     fn visit_item_static(&mut self, item: &'ast syn::ItemStatic) {
-        self.constant += 1;
-        visit::visit_item_static(self, item);
-        self.constant -= 1;
+        self.in_constant(|finder| visit::visit_item_static(finder, item));
     }
 
     fn visit_expr_const(&mut self, item: &'ast syn::ExprConst) {
-        self.constant += 1;
-        visit::visit_expr_const(self, item);
-        self.constant -= 1;
+        self.in_constant(|finder| visit::visit_expr_const(finder, item));
     }
 
     fn visit_type(&mut self, _: &'ast syn::Type) {}

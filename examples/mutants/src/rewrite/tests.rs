@@ -13,6 +13,12 @@ fn mutant(source: &str, what: &str, genre: Genre, replacement: &str) -> Mutant {
     Mutant { name: what.into(), file: "f.rs".into(), genre, replacement: replacement.into(), span }
 }
 
+/// The source with the mutants, numbered from 1.
+fn rewritten(source: &str, found: &[Mutant]) -> Rewritten {
+    let numbered: Vec<(Id, &Mutant)> = found.iter().enumerate().map(|(k, m)| (k + 1, m)).collect();
+    rewrite(source, &numbered).unwrap()
+}
+
 #[test]
 fn operands_may_hold_mutants_of_their_own() {
     let source = "fn f(a: i32, b: i32) -> bool {\n    a + 1 < b && !(b == 2)\n}\n";
@@ -22,8 +28,7 @@ fn operands_may_hold_mutants_of_their_own() {
         mutant(source, "&&", Genre::BinaryOperator, "||"),
         mutant(source, "!", Genre::UnaryOperator, ""),
     ];
-    let numbered: Vec<(Id, &Mutant)> = found.iter().enumerate().map(|(k, m)| (k + 1, m)).collect();
-    let rewritten = rewrite(source, &numbered).unwrap();
+    let rewritten = rewritten(source, &found);
     assert!(rewritten.left_out.is_empty());
     let text = rewritten.text.replace(CHOSEN, "c");
     let sum = "({ let l_ = (a ); let r_ = ( 1); if c(1) { l_ - r_ } else { l_ + r_ } })";
@@ -41,8 +46,7 @@ fn operands_may_hold_mutants_of_their_own() {
 fn constants_cannot_hold_a_branch() {
     let source = "const N: usize = 1 + 2;\nconst fn f() -> usize { 3 * N }\n";
     let found = [mutant(source, "+", Genre::BinaryOperator, "-"), mutant(source, "*", Genre::BinaryOperator, "+")];
-    let numbered: Vec<(Id, &Mutant)> = found.iter().enumerate().map(|(k, m)| (k + 1, m)).collect();
-    let rewritten = rewrite(source, &numbered).unwrap();
+    let rewritten = rewritten(source, &found);
     assert_eq!((rewritten.left_out, rewritten.text.as_str()), (vec![1, 2], source));
 }
 
@@ -56,8 +60,7 @@ fn arms_and_bodies_and_sums_in_place() {
         mutant(source, "a > 0", Genre::MatchArmGuard, "true"),
         mutant(source, "a > 0", Genre::MatchArmGuard, "false"),
     ];
-    let numbered: Vec<(Id, &Mutant)> = found.iter().enumerate().map(|(k, m)| (k + 1, m)).collect();
-    let rewritten = rewrite(source, &numbered).unwrap();
+    let rewritten = rewritten(source, &found);
     assert!(rewritten.left_out.is_empty(), "{:?}", rewritten.left_out);
     let text = rewritten.text.replace(CHOSEN, "c");
     for part in [
