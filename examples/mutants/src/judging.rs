@@ -3,7 +3,7 @@
 use crate::rewrite::Id;
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
@@ -88,7 +88,7 @@ pub fn measure(tree: &Path, programs: &[PathBuf], threads: usize, longest: Durat
         while let Some((program, folder, name)) = all.get(next.fetch_add(1, Ordering::Relaxed)) {
             let _ = std::fs::remove_file(&trace);
             let begin = Instant::now();
-            let plain = run(program, folder, &[name], ("MUTANT", "0"), longest)?;
+            let plain = run(program, folder, &[name], ("MUTANTS", ""), longest)?;
             let seconds = begin.elapsed().as_secs_f64();
             let traced = run(program, folder, &[name], ("MUTANT_TRACE", &trace.to_string_lossy()), 4 * longest)?;
             if !matches!((plain, traced), (Ended::Passed, Ended::Passed)) {
@@ -138,49 +138,81 @@ impl Outcome {
     }
 }
 
-/// What tests say of a mutant: how it ended, how many tests were run of how many that reach it, which one found it.
-pub struct Verdict {
-    pub outcome: Outcome,
-    pub run: usize,
-    pub of: usize,
-    pub by: String,
+/// Tests that are run in one process.
+pub struct Round<'a> {
+    tests: Vec<&'a Test>,
+    /// How long they take without a mutant.
+    pub seconds: f64,
 }
 
-/// Asks the tests that reach a mutant, the short ones first, for about `limit`.
-pub fn judge(tests: &[Test], id: Id, limit: f64) -> Result<Verdict> {
-    let mut reaching: Vec<&Test> = tests.iter().filter(|test| test.reaches.contains(&id)).collect();
-    reaching.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
-    let of = reaching.len();
-    if of == 0 {
-        return Ok(Verdict { outcome: Outcome::Unreached, run: 0, of, by: String::new() });
-    }
-    // One process for the short tests of a program, one for each of the others.
-    let mut groups: Vec<Vec<&Test>> = Vec::new();
-    for test in reaching {
-        let same = |group: &&mut Vec<&Test>| test.seconds <= SHORT && group[0].program == test.program;
-        match groups.iter_mut().find(same) {
-            Some(group) => group.push(test),
-            None => groups.push(vec![test]),
+impl<'a> Round<'a> {
+    /// All tests, the quickest first: the short ones of a program in one round, each of the others in one of its own.
+    pub fn all(tests: &'a [Test]) -> Vec<Round<'a>> {
+        let mut short: BTreeMap<&Path, Round> = BTreeMap::new();
+        let mut rounds = Vec::new();
+        for test in tests {
+            if test.seconds <= SHORT {
+                let round = short.entry(&test.program).or_insert(Round { tests: Vec::new(), seconds: 0.0 });
+                round.tests.push(test);
+                round.seconds += test.seconds;
+            } else {
+                rounds.push(Round { tests: vec![test], seconds: test.seconds });
+            }
         }
+        rounds.extend(short.into_values());
+        rounds.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        rounds
     }
-    let seconds = |group: &[&Test]| group.iter().map(|test| test.seconds).sum::<f64>();
-    groups.sort_by(|a, b| seconds(a).total_cmp(&seconds(b)));
-    let (begin, mut done) = (Instant::now(), 0);
-    for group in &groups {
-        let expected = seconds(group);
-        if done > 0 && begin.elapsed().as_secs_f64() + expected > limit {
-            return Ok(Verdict { outcome: Outcome::SurvivedSome, run: done, of, by: String::new() });
+
+    /// The tests that reach a mutant.
+    pub fn reaching(&self, id: Id) -> usize {
+        self.tests.iter().filter(|test| test.reaches.contains(&id)).count()
+    }
+
+    /// Names of the tests.
+    pub fn name(&self) -> String {
+        self.tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Those of the mutants that the tests find, each of them by itself.
+    ///
+    /// Tests that pass with all of them chosen at once find none of them; otherwise the mutants are halved. So one that is found
+    /// only while another is not chosen is not found.
+    pub fn find(&self, mutants: &[Id]) -> Result<Vec<(Id, Outcome)>> {
+        let mut found = Vec::new();
+        self.find_among(mutants, false, &mut found)?;
+        Ok(found)
+    }
+
+    /// Adds what is found, and tells whether there was something; if `surely`, then there is.
+    fn find_among(&self, mutants: &[Id], surely: bool, found: &mut Vec<(Id, Outcome)>) -> Result<bool> {
+        if mutants.is_empty() {
+            return Ok(false);
         }
-        let names: Vec<&str> = group.iter().map(|test| test.name.as_str()).collect();
+        if mutants.len() == 1 || !surely {
+            let outcome = match self.run_with(mutants)? {
+                Ended::Passed => return Ok(false),
+                Ended::Failed => Outcome::Found,
+                Ended::Hung => Outcome::Hung,
+            };
+            if let [one] = mutants {
+                found.push((*one, outcome));
+                return Ok(true);
+            }
+        }
+        let (first, second) = mutants.split_at(mutants.len() / 2);
+        let in_first = self.find_among(first, false, found)?;
+        self.find_among(second, !in_first, found)?;
+        Ok(true)
+    }
+
+    fn run_with(&self, mutants: &[Id]) -> Result<Ended> {
+        let reached = |test: &&&Test| mutants.iter().any(|id| test.reaches.contains(id));
+        let tests: Vec<&&Test> = self.tests.iter().filter(reached).collect();
+        let names: Vec<&str> = tests.iter().map(|test| test.name.as_str()).collect();
+        let expected: f64 = tests.iter().map(|test| test.seconds).sum();
+        let ids = mutants.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
         let patience = Duration::from_secs_f64(5.0 + 10.0 * expected);
-        let ended = run(&group[0].program, &group[0].folder, &names, ("MUTANT", &id.to_string()), patience)?;
-        done += group.len();
-        let outcome = match ended {
-            Ended::Passed => continue,
-            Ended::Failed => Outcome::Found,
-            Ended::Hung => Outcome::Hung,
-        };
-        return Ok(Verdict { outcome, run: done, of, by: names.join(" ") });
+        run(&self.tests[0].program, &self.tests[0].folder, &names, ("MUTANTS", &ids), patience)
     }
-    Ok(Verdict { outcome: Outcome::Survived, run: done, of, by: String::new() })
 }

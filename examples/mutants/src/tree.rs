@@ -8,29 +8,31 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Asked by every branch: which mutant is chosen, and which ones a test reaches.
+/// Asked by every branch: which mutants are chosen, and which ones a test reaches.
 const MODULE: &str = r#"
 #[doc(hidden)]
 pub mod mutation {
-    //! Which mutant is chosen, and which are reached.
+    //! Which mutants are chosen, and which are reached.
     use std::io::Write;
-    use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
+    use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::{Acquire, Relaxed, Release}};
     use std::sync::{Mutex, OnceLock};
 
-    /// Not asked the environment yet; no mutant, but what is reached is written down.
-    const UNKNOWN: usize = usize::MAX;
-    const TRACING: usize = usize::MAX - 1;
-    static CHOSEN: AtomicUsize = AtomicUsize::new(UNKNOWN);
+    /// Not asked the environment yet; some mutants, or none; no mutant, but what is reached is written down.
+    const UNKNOWN: usize = 0;
+    const CHOOSING: usize = 1;
+    const TRACING: usize = 2;
+    static MODE: AtomicUsize = AtomicUsize::new(UNKNOWN);
     static TRACE: OnceLock<Mutex<std::fs::File>> = OnceLock::new();
+    static CHOSEN: [AtomicBool; 16384] = [const { AtomicBool::new(false) }; 16384];
     static REACHED: [AtomicBool; 16384] = [const { AtomicBool::new(false) }; 16384];
 
     /// Whether the mutant is chosen.
     #[inline]
     pub fn chosen(id: usize) -> bool {
-        match CHOSEN.load(Relaxed) {
+        match MODE.load(Acquire) {
+            CHOOSING => CHOSEN[id].load(Relaxed),
             TRACING => reached(id),
-            UNKNOWN => first(id),
-            chosen => chosen == id,
+            _ => first(id),
         }
     }
 
@@ -38,10 +40,12 @@ pub mod mutation {
     fn first(id: usize) -> bool {
         if let Ok(path) = std::env::var("MUTANT_TRACE") {
             TRACE.get_or_init(|| Mutex::new(std::fs::OpenOptions::new().create(true).append(true).open(path).unwrap()));
-            CHOSEN.store(TRACING, Relaxed);
+            MODE.store(TRACING, Release);
         } else {
-            let number = std::env::var("MUTANT").ok().and_then(|text| text.parse().ok()).unwrap_or(0);
-            CHOSEN.store(number, Relaxed);
+            for number in std::env::var("MUTANTS").unwrap_or_default().split_whitespace() {
+                CHOSEN[number.parse::<usize>().unwrap()].store(true, Relaxed);
+            }
+            MODE.store(CHOOSING, Release);
         }
         chosen(id)
     }
