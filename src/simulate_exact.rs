@@ -6,6 +6,7 @@ use crate::stop::on_ctrl_c;
 use rockproof_differential::lockstep::Trajectory;
 use rockproof_differential::lockstep::effect::penetration;
 use rockproof_model::Number;
+use rockproof_model::simulation::step_in_words;
 use rockproof_oracle::step::{KeptPrecision, Mode, StepAnswer};
 use rockproof_results::{Claim, Directory, FileKind, Owner, Start};
 use rockproof_simulate::Plan;
@@ -59,7 +60,7 @@ impl ExactRun {
             let number = trajectory.next_number();
             match trajectory.step() {
                 Err(why) => {
-                    (failure, ending) = (Some(format!("step {number}: {why}")), "stopped");
+                    (failure, ending) = (Some(format!("{}: {why}", step_in_words(number))), "stopped");
                     break;
                 }
                 Ok(answer) => {

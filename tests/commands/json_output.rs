@@ -88,7 +88,10 @@ fn the_stress_set_is_one_document() {
     }
     let stopped =
         found["stress"]["steps"].as_array().expect("steps").iter().filter_map(|step| step["stopped"].as_str());
-    assert!(stopped.clone().count() > 0 && stopped.clone().all(|why| why.starts_with("settling step 1 of 20: ")));
+    assert!(
+        stopped.clone().count() > 0
+            && stopped.clone().all(|why| why.starts_with("settling step -19 (the last is 0): "))
+    );
     // 16 pairs a cell: one that differs proves nothing.
     let limits = found["stress"]["limits"].as_array().expect("limits");
     let once: Vec<&Value> = limits.iter().filter(|limit| limit["share_beyond"] == 0.0625).collect();

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use rockproof_differential::lockstep::Trajectory;
 use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_model::scene::SceneFormat;
+use rockproof_model::simulation::step_in_words;
 use rockproof_model::{Contact, LoadOptions, Number, Point, Precision, Scene, ToleranceSet, ToleranceSpec, Vec3};
 use rockproof_oracle::step::{Mode as ExactMode, RetryReason as ExactReason, StepAnswer};
 use rockproof_stepper::dynamics::{Dynamics, RetryReason, Solve, StepReport};
@@ -236,7 +237,7 @@ impl PyScene {
         }
         let trajectory = run.as_mut().ok_or_else(|| PyRuntimeError::new_err("the scene did not begin"))?;
         let number = trajectory.next_number();
-        let answer = trajectory.step().map_err(|error| PyRuntimeError::new_err(format!("step {number}: {error}")))?;
+        let answer = trajectory.step().map_err(|error| PyRuntimeError::new_err(format!("{}: {error}", step_in_words(number))))?;
         Ok(of_oracle(number, &answer))
     }
 }

@@ -4,6 +4,7 @@ use super::error::ReportError;
 use super::load::{name_of, read_json};
 use super::rows::{CsvRow, CsvTable};
 use rockproof_differential::finding::Cause;
+use rockproof_model::simulation::step_in_words;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -197,7 +198,7 @@ impl LockstepRun {
             *self.effects.entry(row.text(14).to_owned()).or_default() += 1;
         }
         if !row.text(15).is_empty() {
-            self.failure = Some(format!("step {step}: {}", row.text(15)));
+            self.failure = Some(format!("{}: {}", step_in_words(step), row.text(15)));
         }
         self.displacement_error = self.displacement_error.max(row.number(6)?.unwrap_or(0.0));
         let (stepper_m, oracle_m) = (row.number(7)?, row.number(8)?);

@@ -27,7 +27,7 @@ pub enum StepsError {
 pub(super) const WEIGHT: f64 = 26_000.0;
 
 /// Static steps before time starts.
-pub(super) const SETTLING: u32 = 20;
+const SETTLING: u32 = 20;
 
 /// As many blocks of 1 m as there are stiffnesses, on one another, on a fixed floor whose top is z = 0. `stiffness[k]` is the normal
 /// stiffness of the contacts under block `k + 1`, [`SETTLING`] static steps come first.

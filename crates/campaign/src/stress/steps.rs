@@ -1,6 +1,6 @@
 //! What steps do where nothing should happen: a block at rest for 10,000 steps, and stiff contacts above soft ones.
 
-use super::scenes::{self, SETTLING, StepsError, WEIGHT};
+use super::scenes::{self, StepsError, WEIGHT};
 use rockproof_model::{Motion, Number, Precision};
 use rockproof_stepper::dynamics::{Dynamics, Solve};
 
@@ -132,7 +132,7 @@ fn contrast<R: Solve>(
     let mut dynamics = match scenes::settled::<R>(&scene, precision) {
         Ok(dynamics) => dynamics,
         Err(StepsError::Stopped(error)) => {
-            return Ok(ClosedFormCheck { stopped: Some(in_words(&error.to_string())), ..measured });
+            return Ok(ClosedFormCheck { stopped: Some(error.to_string()), ..measured });
         }
         Err(error) => return Err(error),
     };
@@ -150,16 +150,6 @@ fn contrast<R: Solve>(
     measured.drift = (now.x.to_f64() - begin.x.to_f64()).hypot(now.y.to_f64() - begin.y.to_f64());
     measured.overlap = highest(&dynamics, 1) - lowest(&dynamics, 2);
     Ok(measured)
-}
-
-/// Why a step could not be made, with static steps, whose numbers are 0 and less, counted from the first.
-fn in_words(error: &str) -> String {
-    let numbered = error.strip_prefix("step ").and_then(|rest| rest.split_once(": "));
-    let step = numbered.and_then(|(step, what)| Some((step.parse::<i64>().ok().filter(|step| *step <= 0)?, what)));
-    step.map_or_else(
-        || error.to_owned(),
-        |(step, what)| format!("settling step {} of {SETTLING}: {what}", step + i64::from(SETTLING)),
-    )
 }
 
 /// The lowest z of a block (m).

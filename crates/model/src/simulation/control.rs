@@ -99,3 +99,8 @@ impl Unconverged {
         [Unconverged::Stop, Unconverged::Accept].into_iter().find(|u| u.name() == name)
     }
 }
+
+/// A step in words: `step 5`; of settling, whose steps have the numbers −n + 1 to 0, `settling step -19 (the last is 0)`.
+pub fn step_in_words(number: i64) -> String {
+    if number > 0 { format!("step {number}") } else { format!("settling step {number} (the last is 0)") }
+}

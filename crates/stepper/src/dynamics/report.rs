@@ -1,6 +1,7 @@
 //! What a step says of itself.
 
 use crate::dynamics::state::Mode;
+use rockproof_model::simulation::step_in_words;
 use rockproof_model::{ContactKey, ContactKind};
 use std::time::Duration;
 
@@ -100,8 +101,8 @@ impl RetryReason {
 pub enum StepError {
     /// The open–close iteration does not converge at the smallest Δt.
     #[error(
-        "step {step}: the open–close iteration does not converge at the smallest time step, {time_step} s; still changing: {}",
-        list(contacts)
+        "{}: the open–close iteration does not converge at the smallest time step, {time_step} s; still changing: {}",
+        step_in_words(*step), list(contacts)
     )]
     NotConverged {
         /// The step.
@@ -112,7 +113,7 @@ pub enum StepError {
         contacts: Vec<ModeChange>,
     },
     /// Motion exceeds the limits at the smallest Δt.
-    #[error("step {step}: block {block} exceeds the limit of {} at the smallest time step, {time_step} s", why.name())]
+    #[error("{}: block {block} exceeds the limit of {} at the smallest time step, {time_step} s", step_in_words(*step), why.name())]
     TooFast {
         /// The step.
         step: i64,
@@ -124,7 +125,7 @@ pub enum StepError {
         why: RetryReason,
     },
     /// A block turned inside out.
-    #[error("step {step}: block {block} is inverted: its volume is {volume} m³")]
+    #[error("{}: block {block} is inverted: its volume is {volume} m³", step_in_words(*step))]
     Inverted {
         /// The step.
         step: i64,
@@ -134,7 +135,7 @@ pub enum StepError {
         volume: f64,
     },
     /// A block lost a feature: an edge without length, a face without area.
-    #[error("step {step}: block {block}: {what}")]
+    #[error("{}: block {block}: {what}", step_in_words(*step))]
     Collapsed {
         /// The step.
         step: i64,
@@ -144,7 +145,7 @@ pub enum StepError {
         what: crate::contact::Collapsed,
     },
     /// A number overflowed or is none.
-    #[error("step {step}: a number of block {block} is not finite")]
+    #[error("{}: a number of block {block} is not finite", step_in_words(*step))]
     NotFinite {
         /// The step.
         step: i64,
@@ -152,7 +153,7 @@ pub enum StepError {
         block: usize,
     },
     /// The system of equations has no solution in this precision.
-    #[error("step {step}: the system of block {block} cannot be solved: a pivot is not positive")]
+    #[error("{}: the system of block {block} cannot be solved: a pivot is not positive", step_in_words(*step))]
     Singular {
         /// The step.
         step: i64,
