@@ -523,7 +523,7 @@ fn figure(text: &str) -> Value {
         TableCell::Empty => Value::Null,
         TableCell::Count(count) => count.into(),
         TableCell::Share(number) | TableCell::Number(number) => number.into(),
-        TableCell::Text(text) => text.into(),
+        TableCell::Text(text) | TableCell::Scope(text) => text.into(),
     }
 }
 

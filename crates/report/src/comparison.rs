@@ -234,11 +234,12 @@ fn class_table<'c>(name: &'static str, caption: &str, classes: impl Iterator<Ite
     for class in classes {
         let only = class.only.map_or([TableCell::Empty, TableCell::Empty], |only| only.map(TableCell::Count));
         let name = &class.class;
-        let words = [class.trend.name(), &name.engine, &name.cause, &name.change, &name.predicate].map(TableCell::from);
+        let words = [name.cause.as_str(), &name.change, &name.predicate].map(TableCell::from);
+        let first = [class.trend.name().into(), TableCell::Scope(name.engine.clone())];
         let counts = [class.findings, class.pairs].into_iter().flatten().map(TableCell::Count);
         let examined = class.examined.map(TableCell::Count);
         let last = [TableCell::number(class.chance), class.pair.map_or(TableCell::Empty, TableCell::Count)];
-        table.push(words.into_iter().chain(counts).chain(only).chain(examined).chain(last).collect());
+        table.push(first.into_iter().chain(words).chain(counts).chain(only).chain(examined).chain(last).collect());
     }
     table
 }

@@ -18,7 +18,7 @@ pub fn latex(table: &Table, most: usize) -> String {
         head.join(" & ")
     );
     for row in table.rows.iter().take(most) {
-        let cells: Vec<String> = needed.clone().map(|column| cell(&row[column], &table.shown(row, column))).collect();
+        let cells: Vec<String> = row[needed.clone()].iter().map(cell).collect();
         text += &format!("{} \\\\\n", cells.join(" & "));
     }
     text += "\\bottomrule\n\\end{tabular}\n";
@@ -29,13 +29,14 @@ pub fn latex(table: &Table, most: usize) -> String {
 }
 
 /// A cell: numbers as formulas, so that they have minus signs and powers of ten.
-fn cell(cell: &TableCell, shown: &str) -> String {
+fn cell(cell: &TableCell) -> String {
+    let shown = cell.shown();
     match cell {
         TableCell::Number(number) if number.is_finite() => match shown.split_once('e') {
             Some((digits, exponent)) => format!("${digits}\\times10^{{{exponent}}}$"),
             None => format!("${shown}$"),
         },
-        _ => escaped(shown),
+        _ => escaped(&shown),
     }
 }
 

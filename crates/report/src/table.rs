@@ -10,6 +10,8 @@ pub enum TableCell {
     Empty,
     /// Words.
     Text(String),
+    /// Whom a finding is about: an engine, or a precision, which is shown as [`concerned`] says.
+    Scope(String),
     /// A count.
     Count(u64),
     /// A share from 0 to 1, shown in percent.
@@ -46,7 +48,7 @@ impl TableCell {
     pub fn raw(&self) -> String {
         match self {
             TableCell::Empty => String::new(),
-            TableCell::Text(text) => csv_cell(text),
+            TableCell::Text(text) | TableCell::Scope(text) => csv_cell(text),
             TableCell::Count(count) => count.to_string(),
             TableCell::Share(share) => format!("{share:.6}"),
             TableCell::Number(number) => format!("{number:?}"),
@@ -58,6 +60,7 @@ impl TableCell {
         match self {
             TableCell::Empty => "–".to_owned(),
             TableCell::Text(text) => excerpt(text, SHOWN),
+            TableCell::Scope(scope) => excerpt(&concerned(scope), SHOWN),
             TableCell::Count(count) => grouped(*count),
             TableCell::Share(share) => percent(*share),
             TableCell::Number(number) => short(*number),
@@ -65,7 +68,7 @@ impl TableCell {
     }
 
     fn is_number(&self) -> bool {
-        !matches!(self, TableCell::Text(_))
+        !matches!(self, TableCell::Text(_) | TableCell::Scope(_))
     }
 }
 
@@ -96,10 +99,6 @@ pub fn percent(share: f64) -> String {
 pub fn six_digits(value: f64) -> String {
     format!("{:?}", format!("{value:.5e}").parse().unwrap_or(value))
 }
-
-/// The tables of campaigns whose engine may be a precision; in runs of a scene that is the stepper's own.
-const OF_SCOPES: [&str; 10] =
-    ["agreement", "families", "confusion", "sweep", "causes", "predicates", "margins", "worst", "changed", "classes"];
 
 /// Whom a finding is about: an engine, or what every engine is given that works in a precision, which has no engine's name.
 pub fn concerned(scope: &str) -> String {
@@ -170,16 +169,6 @@ impl Table {
         usize::from(one && same)..self.columns.len()
     }
 
-    /// A cell of a row as a reader likes it. A precision in the place of an engine is no engine.
-    pub(crate) fn shown(&self, row: &[TableCell], column: usize) -> String {
-        match &row[column] {
-            TableCell::Text(engine) if self.columns[column] == "engine" && OF_SCOPES.contains(&self.name) => {
-                excerpt(&concerned(engine), SHOWN)
-            }
-            cell => cell.shown(),
-        }
-    }
-
     /// The table for the page, at most `most` rows of it.
     pub(super) fn page(&self, most: usize) -> RenderedTable {
         let needed = self.needed();
@@ -194,7 +183,7 @@ impl Table {
                 .rows
                 .iter()
                 .take(most)
-                .map(|row| needed.clone().map(|column| self.shown(row, column)).collect())
+                .map(|row| row[needed.clone()].iter().map(TableCell::shown).collect())
                 .collect(),
             left_out: self.rows.len().saturating_sub(most),
         }
@@ -222,7 +211,7 @@ impl Table {
         let rule = |i| if self.is_number(i) { "--:".to_owned() } else { "---".to_owned() };
         text += &line(needed.clone().map(rule).collect());
         for row in self.rows.iter().take(most) {
-            text += &line(needed.clone().map(|column| clean(&self.shown(row, column))).collect());
+            text += &line(row[needed.clone()].iter().map(|cell| clean(&cell.shown())).collect());
         }
         if self.rows.len() > most {
             text += &format!("\n{} more rows in {}.csv\n", self.rows.len() - most, self.name);
@@ -253,8 +242,8 @@ mod tests {
     #[test]
     fn a_precision_is_shown_as_no_engine() {
         let mut table = Table::new("causes", "a table", &["engine"]);
-        table.push(vec!["f32".into()]);
-        table.push(vec!["stepper-f32".into()]);
+        table.push(vec![TableCell::Scope("f32".to_owned())]);
+        table.push(vec![TableCell::Scope("stepper-f32".to_owned())]);
         assert_eq!(table.to_csv().expect("csv"), b"engine\nf32\nstepper-f32\n");
         let text = table.to_markdown(2);
         assert!(text.contains("| input in f32 |\n| stepper-f32 |"), "{text}");

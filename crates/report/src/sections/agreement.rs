@@ -81,7 +81,7 @@ fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
             table.push(vec![
                 campaign.name.as_str().into(),
                 compared.tolerances.into(),
-                compared.engine.into(),
+                TableCell::Scope(compared.engine),
                 compared.span.name().into(),
                 sums.pairs.into(),
                 value,
@@ -174,7 +174,8 @@ fn families(campaigns: &[CampaignRun]) -> Table {
     for campaign in campaigns {
         for ((family, span, engine), sums) in campaign.by_family() {
             let [value, low, high] = share_cells(&sums);
-            let names = [campaign.name.as_str(), family, engine, span.name()].map(TableCell::from);
+            let engine = TableCell::Scope(engine.to_owned());
+            let names = [campaign.name.as_str().into(), family.into(), engine, span.name().into()];
             table.push(names.into_iter().chain([sums.pairs.into(), value, low, high, sums.silent.into()]).collect());
         }
     }

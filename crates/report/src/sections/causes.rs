@@ -3,7 +3,7 @@
 use super::{Section, SectionPart};
 use crate::chart::{BarSeries, Chart, ChartAxis, ChartColor, ChartContent, height_of_rows};
 use crate::load::CampaignRun;
-use crate::table::{Table, label};
+use crate::table::{Table, TableCell, label};
 use rockproof_differential::finding::Cause;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -66,8 +66,14 @@ fn changes(campaigns: &[CampaignRun]) -> Table {
         let mut sorts: Vec<_> = campaign.tally.sorts.iter().collect();
         sorts.sort_by_key(|(sort, count)| (!campaign.shows(&sort.setting), std::cmp::Reverse(**count)));
         for (sort, count) in sorts {
-            let names = [campaign.name.as_str(), &sort.setting, &sort.engine, sort.cause.name(), sort.change.name()];
-            table.push(names.into_iter().map(Into::into).chain([(*count).into()]).collect());
+            table.push(vec![
+                campaign.name.as_str().into(),
+                sort.setting.as_str().into(),
+                TableCell::Scope(sort.engine.clone()),
+                sort.cause.name().into(),
+                sort.change.name().into(),
+                (*count).into(),
+            ]);
         }
     }
     table
@@ -82,8 +88,8 @@ fn predicates(campaigns: &[CampaignRun]) -> Table {
     for campaign in campaigns {
         for (predicate, counts) in &campaign.tally.predicates {
             for ((cause, engine), count) in counts {
-                let names = [campaign.name.as_str(), predicate, cause.name(), engine];
-                table.push(names.into_iter().map(Into::into).chain([(*count).into()]).collect());
+                let names = [campaign.name.as_str(), predicate, cause.name()].map(TableCell::from);
+                table.push(names.into_iter().chain([TableCell::Scope(engine.clone()), (*count).into()]).collect());
             }
         }
     }

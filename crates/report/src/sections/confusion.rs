@@ -2,7 +2,7 @@
 
 use super::{Section, SectionPart};
 use crate::load::{CampaignRun, ConfusionCounts};
-use crate::table::{Table, grouped, label};
+use crate::table::{Table, TableCell, grouped, label};
 use rockproof_differential::agreement::{ChainSpan, NONE};
 use rockproof_differential::separation_state::SeparationState;
 use rockproof_model::ContactKind;
@@ -63,15 +63,15 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
     for campaign in campaigns {
         for (compared, confusion) in &campaign.confusion {
             for ((before, after), count) in confusion {
-                let names = [
-                    campaign.name.as_str(),
-                    &compared.tolerances,
-                    &compared.engine,
-                    compared.span.name(),
-                    before,
-                    after,
-                ];
-                table.push(names.into_iter().map(Into::into).chain([(*count).into()]).collect());
+                table.push(vec![
+                    campaign.name.as_str().into(),
+                    compared.tolerances.as_str().into(),
+                    TableCell::Scope(compared.engine.clone()),
+                    compared.span.name().into(),
+                    before.as_str().into(),
+                    after.as_str().into(),
+                    (*count).into(),
+                ]);
             }
         }
         for engine in campaign.engines() {

@@ -40,7 +40,7 @@ fn table(campaigns: &[CampaignRun]) -> Table {
     );
     for campaign in campaigns {
         for ((engine, cause), decades) in &campaign.tally.margins {
-            let start = || [campaign.name.as_str(), engine, cause.name()].map(TableCell::from);
+            let start = || [campaign.name.as_str().into(), TableCell::Scope(engine.clone()), cause.name().into()];
             for (decade, count) in decades {
                 table.push(start().into_iter().chain([name_of(*decade).into(), (*count).into()]).collect());
             }

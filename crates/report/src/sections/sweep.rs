@@ -58,7 +58,8 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
             for (point, sums) in points {
                 let Some(Proportion { value, low, high }) = agreeing_share(sums) else { continue };
                 let setting: Vec<String> = point.iter().map(|(axis, factor)| format!("{axis}*{factor}")).collect();
-                let names = [sweep.run.name.as_str(), &setting.join(" "), engine, span.name()].map(TableCell::from);
+                let engine = TableCell::Scope((*engine).to_owned());
+                let names = [sweep.run.name.as_str().into(), setting.join(" ").into(), engine, span.name().into()];
                 let shares = [value, low, high].map(TableCell::Share);
                 table.push(names.into_iter().chain([sums.pairs.into()]).chain(shares).collect());
             }

@@ -116,7 +116,7 @@ fn row(campaign: &CampaignRun, finding: &WorstFinding) -> Vec<TableCell> {
         campaign.name.as_str().into(),
         finding.cause.name().into(),
         finding.change.name().into(),
-        finding.engine.as_str().into(),
+        TableCell::Scope(finding.engine.clone()),
         before.as_str().into(),
         after.as_str().into(),
         finding.predicate.as_str().into(),
