@@ -78,30 +78,37 @@ pub(crate) fn better(
 }
 
 impl OtherSet {
-    /// Whether the model does better with it: it is safe and something shows why it is better; or neither is, and what is wrong is less.
+    /// Whether the model does better with it: it is safe where it was not, or less is wrong. That the nearest rule is met by more, or that blocks sink less,
+    /// is no reason to leave a set.
     fn is_better_than(&self, given: &Assessment, precision: Precision) -> bool {
         let [ours, theirs] = [&self.assessed, given].map(|assessed| assessed.harm(precision));
-        if self.assessed.is_safe(precision) {
-            return !self.figures(given, precision).is_empty();
+        match (self.assessed.is_safe(precision), given.is_safe(precision)) {
+            (true, true) => self.counts(given, precision).into_iter().any(|(_, ours, theirs)| ours < theirs),
+            (true, false) => true,
+            (false, _) => ours != theirs && ours.iter().zip(&theirs).all(|(ours, theirs)| ours <= theirs),
         }
-        ours != theirs && ours.iter().zip(&theirs).all(|(ours, theirs)| ours <= theirs)
     }
 
-    /// In what it differs from the set given, each in a few words.
-    pub(crate) fn figures(&self, given: &Assessment, precision: Precision) -> Vec<String> {
+    /// What goes wrong with it and with the set given, by its name in the plural.
+    fn counts(&self, given: &Assessment, precision: Precision) -> [(&'static str, u64, u64); 6] {
         let [ours, theirs] = &self.measured;
         let [harm, their_harm] = [&self.assessed, given].map(|assessed| assessed.harm(precision));
         let [_, _, broken, passing, not_made] = harm;
         let [_, _, their_broken, their_passing, their_not_made] = their_harm;
-        let counts = [
+        [
             ("rules violated", ours.violated.len() as u64, theirs.violated.len() as u64),
             ("overlaps not held", ours.lost_pairs, theirs.lost_pairs),
             ("pairs broken", broken, their_broken),
             ("pairs through one another", passing, their_passing),
             ("steps that cannot be made", not_made, their_not_made),
             ("pairs that differ, moved ones among them,", ours.differences.avoidable(), theirs.differences.avoidable()),
-        ];
-        let counts = counts.into_iter().filter(|(_, ours, theirs)| ours != theirs);
+        ]
+    }
+
+    /// In what it differs from the set given, each in a few words.
+    pub(crate) fn figures(&self, given: &Assessment, precision: Precision) -> Vec<String> {
+        let [ours, theirs] = &self.measured;
+        let counts = self.counts(given, precision).into_iter().filter(|(_, ours, theirs)| ours != theirs);
         let mut figures: Vec<String> = counts
             .map(|(what, ours, theirs)| format!("{} {what} instead of {}", grouped(ours), grouped(theirs)))
             .collect();
