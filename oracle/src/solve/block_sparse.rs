@@ -144,3 +144,74 @@ impl<S: Field> BlockSparseSystem<S> {
         rows
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solve::fraction_free_solve;
+    use num_rational::BigRational;
+
+    fn fraction(numerator: i64, denominator: i64) -> BigRational {
+        BigRational::new(numerator.into(), denominator.into())
+    }
+
+    fn whole(value: i64) -> BigRational {
+        fraction(value, 1)
+    }
+
+    /// Blocks of 1, 2 and 1 unknowns, of which the first and the last meet: 2a + d = 1, 3b = 2, 4c = 3, a + 5d = 4.
+    fn two_islands() -> BlockSparseSystem<BigRational> {
+        let mut system = BlockSparseSystem::zero(&[1, 2, 1]);
+        let [first, last, between] = [[[2]], [[5]], [[1]]];
+        let middle = [[3, 0], [0, 4]];
+        system.add(0, 0, |row, column| whole(first[row][column]));
+        system.add(1, 1, |row, column| whole(middle[row][column]));
+        system.add(2, 2, |row, column| whole(last[row][column]));
+        system.add(2, 0, |row, column| whole(between[row][column]));
+        let right = [&[1][..], &[2, 3], &[4]];
+        for (block, right) in right.iter().enumerate() {
+            system.add_right(block, |row| whole(right[row]));
+        }
+        system
+    }
+
+    #[test]
+    fn islands_are_solved_apart_as_the_whole_is() {
+        let system = two_islands();
+        let solution = [fraction(1, 9), fraction(2, 3), fraction(3, 4), fraction(7, 9)];
+        assert_eq!(fraction_free_solve(&system.dense(), &system.right).unwrap(), solution);
+        assert_eq!(system.solve_apart(48, fraction_free_solve).unwrap(), solution);
+        assert!(system.residual(&solution).iter().all(Field::is_zero));
+    }
+
+    #[test]
+    fn an_island_of_just_the_most_unknowns_is_solved() {
+        // The first and the last block are one island, the middle one another: two unknowns each.
+        assert_eq!(two_islands().islands(), [vec![0, 2], vec![1]]);
+        assert!(two_islands().solve_apart(2, fraction_free_solve).is_some());
+        assert!(two_islands().solve_apart(1, fraction_free_solve).is_none());
+    }
+
+    #[test]
+    fn blocks_that_meet_through_others_are_one_island() {
+        // 0 meets 3, 1 meets 2, then 2 meets 3: all one. 4 stays alone.
+        let mut system = BlockSparseSystem::zero(&[1; 5]);
+        for (i, j) in [(3, 0), (1, 2), (2, 3)] {
+            system.add(i, j, |_, _| whole(1));
+        }
+        assert_eq!(system.islands(), [vec![0, 1, 2, 3], vec![4]]);
+    }
+
+    #[test]
+    fn a_block_above_the_diagonal_is_kept_as_its_transpose() {
+        let mut above = BlockSparseSystem::zero(&[1, 2]);
+        let line = [[7, 8]];
+        above.add(0, 1, |row, column| whole(line[row][column]));
+        let mut below = BlockSparseSystem::zero(&[1, 2]);
+        let upright = [[7], [8]];
+        below.add(1, 0, |row, column| whole(upright[row][column]));
+        let expected = [[0, 7, 8], [7, 0, 0], [8, 0, 0]].map(|row| row.map(whole).to_vec());
+        assert_eq!(above.dense(), expected);
+        assert_eq!(below.dense(), expected);
+    }
+}

@@ -196,3 +196,33 @@ pub(crate) fn refine<S: Correctable>(
     let bound = norm.middle.plus(norm.radius).over(least)?;
     Some(x.iter().zip(scale).map(|(x, &s)| x.widened_by(bound.shifted(i64::from(s)))).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The radius after the widening holds the old one and what was added, and little more.
+    fn widens<S: Correctable>(ball: &S, more: i64) {
+        let more = UpperBound::power_of_two(more);
+        let before = ball.radius().unwrap().to_rational() + more.to_rational();
+        let widened = ball.widened_by(more);
+        let after = widened.radius().unwrap().to_rational();
+        assert!(after >= before, "{after} for {before}");
+        let most = &before + &before / num_bigint::BigInt::from(1 << 20);
+        assert!(after <= most, "{after} for {before}");
+        assert_eq!(widened.middle(), ball.middle());
+    }
+
+    #[test]
+    fn a_ball_that_is_widened_has_the_sum_of_both_radii() {
+        for radius in [0.0, 2f64.powi(-80), 1.0] {
+            for more in [-140, -81, -80, -79, -60, 3] {
+                widens(&Ball { middle: 1.0, radius }, more);
+                widens(&DoubleBall { high: 1.0, low: 2f64.powi(-60), radius }, more);
+                let exactly = WideBall::exactly(1.into(), 0, 128);
+                let wide = UpperBound::of_f64(radius).unwrap();
+                widens(&if wide.is_zero() { exactly } else { exactly.widened(wide) }, more);
+            }
+        }
+    }
+}

@@ -138,11 +138,6 @@ impl SpdSystem {
         SpdSystem { exact }
     }
 
-    /// Number of unknowns.
-    pub fn unknowns(&self) -> usize {
-        self.exact.unknowns()
-    }
-
     /// The exact solution by Gaussian elimination in fractions, with no thought of speed: to compare with.
     ///
     /// # Errors
