@@ -156,3 +156,20 @@ impl State {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::are_narrow;
+
+    #[test]
+    fn displacements_are_narrow_by_the_largest_of_them() {
+        assert!(are_narrow(&[vec![[1.0, 1e-9]]]));
+        assert!(!are_narrow(&[vec![[1.0, 1e-8]]]));
+        assert!(!are_narrow(&[vec![[1e-6, 1e-9]]]));
+        // The largest may be another one, of another block, and negative; so may the widest.
+        assert!(are_narrow(&[vec![[1e-6, 1e-9]], vec![[0.0, 0.0], [-1.0, 0.0]]]));
+        assert!(!are_narrow(&[vec![[-1.0, 0.0]], vec![[0.0, 2e-9]]]));
+        assert!(!are_narrow(&[vec![[0.0, f64::MIN_POSITIVE]]]));
+        assert!(are_narrow(&[vec![[0.0, 0.0]]]));
+    }
+}

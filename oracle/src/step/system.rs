@@ -331,3 +331,45 @@ fn add(square: &mut Square, rows: &[[f64; 12]; 3], columns: &[[f64; 12]; 3], sig
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_model::Vec3;
+
+    /// |b|² = 25·2⁻²⁰.
+    const ACROSS: [f64; 3] = [3.0 / 1024.0, 4.0 / 1024.0, 0.0];
+
+    /// A spring of k/|b|² for k = 10⁹ N/m, both with a radius that is so large a share of them.
+    fn spring(of_spring: f64, of_across: f64) -> SlipForce<Ball> {
+        let size = 1e9 / (25.0 * 2f64.powi(-20));
+        let across = ACROSS.map(|middle| Ball { middle, radius: of_across * 5.0 / 1024.0 });
+        let [x, y, z] = across;
+        SlipForce {
+            last: Vec3::zero(),
+            secant: Ball { middle: 1.0, radius: 0.0 },
+            across: Vec3::new(x, y, z),
+            spring: Ball { middle: size, radius: of_spring * size },
+        }
+    }
+
+    #[test]
+    fn a_spring_across_a_slip_is_used_where_it_is_known_to_a_millionth() {
+        let (well, badly) = (2f64.powi(-21), 2f64.powi(-19));
+        for (of_spring, of_across, known) in [
+            (0.0, 0.0, true),
+            (well, 0.0, true),
+            (badly, 0.0, false),
+            (0.0, well, true),
+            (0.0, badly, false),
+            (well, well, true),
+            (badly, badly, false),
+        ] {
+            let slip = spring(of_spring, of_across);
+            let expected = known.then_some((slip.spring.middle, ACROSS));
+            assert_eq!(float_spring(&slip, 1e9), expected, "{of_spring} {of_across}");
+        }
+        let none = SlipForce { spring: Ball { middle: 0.0, radius: 0.0 }, ..spring(0.0, badly) };
+        assert_eq!(float_spring(&none, 1e9), Some((0.0, [0.0; 3])));
+    }
+}

@@ -50,3 +50,61 @@ pub(crate) fn transfer(found: &[([usize; 2], Contact)], old: &[ContactMemory]) -
     };
     found.iter().zip(from).map(start).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_model::{ContactKey, ContactKind, Entrance, Number, Sign, Vec3};
+
+    /// A contact of a vertex with a face through an entrance that need not be theirs.
+    fn contact(vertex: u32, entrance: u32, gap: Sign) -> Contact {
+        Contact {
+            key: ContactKey::of_kind(ContactKind::VertexFace, [vertex, 0]),
+            entrance: Entrance::of_kind(EntranceKind::VertexFace, [entrance, 0]),
+            gap,
+        }
+    }
+
+    fn anchors(at: i32) -> [Point; 2] {
+        [at, at + 1].map(|x| Vec3::new(Number::from_integer(x), Number::ZERO, Number::ZERO))
+    }
+
+    fn memory(blocks: [usize; 2], contact: Contact, at: i32) -> ContactMemory {
+        ContactMemory { blocks, contact, mode: Mode::Sliding, anchors: anchors(at) }
+    }
+
+    fn started(found: &[([usize; 2], Contact)], old: &[ContactMemory]) -> Vec<(Mode, Option<[Point; 2]>)> {
+        transfer(found, old).into_iter().map(|contact| (contact.mode, contact.anchors)).collect()
+    }
+
+    #[test]
+    fn a_contact_of_another_pair_has_no_memory() {
+        let apart = contact(1, 1, Sign::Positive);
+        let old = [memory([0, 1], apart, 0)];
+        assert_eq!(started(&[([0, 2], apart)], &old), [(Mode::Open, None)]);
+        let touching = contact(1, 1, Sign::Zero);
+        assert_eq!(started(&[([0, 2], touching)], &old), [(Mode::Locked, None)]);
+        assert_eq!(started(&[([0, 1], apart)], &old), [(Mode::Sliding, Some(anchors(0)))]);
+    }
+
+    #[test]
+    fn no_contact_is_continued_twice() {
+        // Both have the entrance of the old one, which the first continues by its features.
+        let (same, other) = (contact(1, 7, Sign::Positive), contact(2, 7, Sign::Positive));
+        let old = [memory([0, 1], same, 0)];
+        let (continued, begun) = ((Mode::Sliding, Some(anchors(0))), (Mode::Open, None));
+        assert_eq!(started(&[([0, 1], same), ([0, 1], other)], &old), [continued.clone(), begun.clone()]);
+        assert_eq!(started(&[([0, 1], other), ([0, 1], same)], &old), [begun, continued]);
+    }
+
+    #[test]
+    fn features_go_before_entrances_and_the_first_memory_before_later_ones() {
+        let old = [memory([0, 1], contact(1, 7, Sign::Zero), 0), memory([0, 1], contact(2, 7, Sign::Zero), 10)];
+        // Vertex 3 is new; its entrance is that of both, of which vertex 2 is still there and continues its own.
+        let found = [([0, 1], contact(2, 7, Sign::Zero)), ([0, 1], contact(3, 7, Sign::Zero))];
+        assert_eq!(started(&found, &old), [10, 0].map(|at| (Mode::Sliding, Some(anchors(at)))));
+        // Both are new: they continue the old ones in order.
+        let found = [([0, 1], contact(4, 7, Sign::Zero)), ([0, 1], contact(5, 7, Sign::Zero))];
+        assert_eq!(started(&found, &old), [0, 10].map(|at| (Mode::Sliding, Some(anchors(at)))));
+    }
+}

@@ -211,3 +211,42 @@ fn significant<S: Field>(value: &S, keep: KeptPrecision) -> Number {
     let units = (middle * dyadic(BigInt::from(1), shift)).round().to_integer();
     Number::from_rational(dyadic(units, -shift))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::Ball;
+    use num_rational::BigRational;
+
+    const GRID: KeptPrecision = KeptPrecision::Grid { exponent: 10 };
+
+    #[test]
+    fn a_coordinate_known_to_half_a_unit_of_the_grid_is_kept() {
+        let half = 2f64.powi(-11);
+        let kept_of = |middle: f64, radius: f64| kept(&Ball { middle, radius }, GRID);
+        assert_eq!(kept_of(1.0, half), Some(Number::from_integer(1)));
+        assert_eq!(kept_of(1.0, half * (1.0 + f64::EPSILON)), None);
+        // To the nearest multiple of 2⁻¹⁰.
+        let unit = BigRational::new(1.into(), 1024.into());
+        assert_eq!(kept_of(2.75 / 1024.0, 0.0).unwrap().to_rational(), &unit * BigInt::from(3));
+        assert_eq!(kept_of(-2.25 / 1024.0, 0.0).unwrap().to_rational(), &unit * BigInt::from(-2));
+    }
+
+    #[test]
+    fn a_rate_keeps_its_significant_bits_whatever_its_size() {
+        let third = BigRational::new(1.into(), 3.into());
+        for exponent in [-300i64, -1, 0, 1, 300] {
+            for sign in [1, -1] {
+                let value = &third * dyadic(BigInt::from(sign), exponent);
+                let rate = significant(&value, GRID).to_rational();
+                assert!((&rate - &value).abs() <= value.abs() * dyadic(BigInt::from(1), -254), "2^{exponent}");
+                // No more bits than that: a binary number, rounded.
+                assert_ne!(rate, value);
+                let odd = rate.numer() >> rate.numer().trailing_zeros().unwrap();
+                assert!(odd.bits() <= 257, "2^{exponent}: {} bits", odd.bits());
+                assert_eq!(significant(&value, KeptPrecision::Exact).to_rational(), value);
+            }
+        }
+        assert_eq!(significant(&BigRational::from_integer(0.into()), GRID), Number::ZERO);
+    }
+}
