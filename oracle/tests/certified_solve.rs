@@ -6,7 +6,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use rockproof_oracle::rational::Rational;
-use rockproof_oracle::solve::{SolveError, SpdSystem};
+use rockproof_oracle::solve::{Enclosed, SolveError, SpdSystem};
 
 const SYSTEMS: u64 = if cfg!(debug_assertions) { 300 } else { 1_000 };
 
@@ -159,6 +159,32 @@ fn hold_exact_solutions(systems: u64) {
     );
     assert!(by_float * 2 > systems, "f64 proves too few: {by_float}");
     assert!(hard > systems / 20, "only {hard} hard systems");
+}
+
+#[test]
+fn an_enclosure_holds_its_ends_and_nothing_beyond() {
+    let enclosed = Enclosed { middle: fraction(1, 1), radius: fraction(1, 4) };
+    let little = fraction(1, 1 << 62);
+    assert!([fraction(5, 4), fraction(3, 4), fraction(1, 1)].iter().all(|value| enclosed.holds(value)));
+    assert!(!enclosed.holds(&(fraction(5, 4) + &little)) && !enclosed.holds(&(fraction(3, 4) - &little)));
+    assert!(!enclosed.holds(&fraction(-1, 1)));
+}
+
+#[test]
+fn f64_proves_a_matrix_definite_whose_least_eigenvalue_is_far_from_one() {
+    // [[1, 1], [1, 1 + 2⁻²⁵]]: some 1.5e-8; and twice the unit matrix.
+    let nearly = BigRational::new(1.into(), BigInt::from(1) << 25) + fraction(1, 1);
+    let one = || fraction(1, 1);
+    for matrix in [
+        vec![vec![one(), one()], vec![one(), nearly]],
+        vec![vec![fraction(2, 1), fraction(0, 1)], vec![fraction(0, 1), fraction(2, 1)]],
+    ] {
+        let system = SpdSystem::new(matrix, vec![fraction(1, 3), fraction(1, 7)]).unwrap();
+        let exact = system.exact().unwrap();
+        let enclosure = system.float_enclosure().expect("f64 proves it definite");
+        assert!(enclosure.iter().zip(&exact).all(|(x, exact)| x.holds(exact)));
+        assert!(enclosure.iter().all(|x| x.radius < fraction(1, 1)));
+    }
 }
 
 /// The exponent of a positive fraction, within one.
