@@ -1,11 +1,14 @@
-//! The limits of a contact's mode, each at a value that only it can have decided: εc for closing, εo for opening, ε of Eq. (1) at a tie.
+//! The limits of a contact's mode, each at a value that only it can have decided: εc for closing, εo for opening, ε of Eq. (1) at a tie;
+//! how close a contact came to them; and blocks as far apart as contacts are recorded.
 
 mod support;
 
+use num_bigint::BigInt;
+use num_rational::BigRational;
 use rockproof_model::Number;
 use rockproof_model::simulation::Motion;
-use rockproof_oracle::step::{KeptPrecision, Mode};
-use support::shapes::{cuboid, number, point};
+use rockproof_oracle::step::{KeptPrecision, Mode, ModeMargin, mode_margins};
+use support::shapes::{cuboid, exact, number, point};
 use support::steps::Scene;
 
 /// A cube over a fixed slab, weightless and `gap` apart, with this velocity in z.
@@ -55,4 +58,80 @@ fn a_gap_that_changes_its_sign_alone_keeps_the_mode() {
     assert_eq!(mode_after(&scene), Mode::Open);
     scene.tolerances.equal = number("999/1000");
     assert_ne!(mode_after(&scene), Mode::Open);
+}
+
+/// The margins of the first corner after the first solve.
+fn first_margin(scene: &Scene) -> ModeMargin {
+    let shapes: Vec<_> = scene.blocks.iter().collect();
+    mode_margins(&scene.model(&shapes), &scene.start()).expect("a step")[0][0]
+}
+
+fn near(found: Option<f64>, expected: f64) -> bool {
+    found.is_some_and(|found| (found - expected).abs() < 1e-12)
+}
+
+#[test]
+fn margins_are_shares_of_the_sizes_of_their_terms() {
+    // Open, from 1/1000 to −9/1000 in the first solve: h² = 81, ε²·h0² = 1/4; h + εc = −1 of 1 + 10 + 8.
+    let mut scene = cube("1/1000", "-1");
+    (scene.tolerances.close, scene.tolerances.equal) = (number("8/1000"), number("1/2"));
+    let open = first_margin(&scene);
+    assert!(near(open.equal, (81.0 - 0.25) / (81.0 + 0.25)), "{open:?}");
+    assert!(near(open.gap, -1.0 / 19.0), "{open:?}");
+    // No friction and no stretch: nothing to compare.
+    assert_eq!((open.slip, open.turn), (None, None));
+    // Locked, from 0: the inertia 2m/Δt² = 4·10⁷ N/m meets four springs of 10⁹ N/m, so that h = 1/1000 / 101. h − εo = −100/101 of
+    // 0 + 1/101 + 1.
+    let mut scene = cube("0", "1/10");
+    scene.tolerances.open = number("1/1000");
+    let locked = first_margin(&scene);
+    assert!(near(locked.equal, 1.0), "{locked:?}");
+    assert!(near(locked.gap, -100.0 / 102.0), "{locked:?}");
+    // Without a change of the gap all of it is a tie.
+    scene.bodies[1].velocity = point(["0", "0", "0"]);
+    let still = first_margin(&scene);
+    assert_eq!((still.equal, still.slip), (None, None));
+    assert!(near(still.gap, -1.0), "{still:?}");
+}
+
+/// How many contacts a scene has.
+fn contacts(scene: &Scene) -> usize {
+    scene.step(&scene.start(), KeptPrecision::Exact).contacts.len()
+}
+
+#[test]
+fn blocks_just_as_far_apart_as_contacts_are_recorded_are_neighbours() {
+    let mut scene = cube("1/10", "0");
+    assert_eq!(contacts(&scene), 4);
+    scene.tolerances.search = number("999999999999/10000000000000");
+    assert_eq!(contacts(&scene), 0);
+    // 3 km up the faces are known to some 10⁻¹³ m: in f64 they are further apart than they are.
+    let mut high = cube("1/1000", "0");
+    (high.tolerances.search, high.tolerances.territory) = (number("1/1000"), number("1/2000"));
+    assert_eq!(contacts(&high), 4);
+    let height = point(["0", "0", "21009/7"]);
+    high.blocks.iter_mut().for_each(|block| *block = block.translated(&height));
+    let [low, top] = ["21009/7", "21009007/7000"].map(|z| number(z).approximate());
+    assert!(top - low > 1e-3 + 1e-13);
+    assert_eq!(contacts(&high), 4);
+    // Further apart than they are large.
+    let slab = cuboid(["-1", "-1", "-1"], ["1", "1", "-3/4"]);
+    let plate = cuboid(["-1/2", "-1/2", "3/4"], ["1/2", "1/2", "1"]);
+    let mut apart = Scene::new(vec![(slab, Motion::Fixed), (plate, Motion::Rigid)], "0", ["0", "0", "0"]);
+    apart.tolerances.search = number("3/2");
+    assert_eq!(contacts(&apart), 4);
+}
+
+#[test]
+fn gaps_of_a_step_in_fractions_are_known_to_200_bits() {
+    // 4/3 m over a slab whose normal is twice its 64 m² long.
+    let mut scene = cube("4/3", "0");
+    scene.tolerances.search = number("2");
+    let answer = scene.step(&scene.start(), KeptPrecision::Exact);
+    assert_eq!(answer.gaps.len(), 4);
+    let unit = BigRational::new(1.into(), BigInt::from(1) << 200);
+    for gap in answer.gaps.iter().flat_map(|gap| [&gap.before, &gap.after]) {
+        let off = gap.to_rational() - exact("4/3");
+        assert!(off <= unit && -off <= unit, "{gap}");
+    }
 }

@@ -71,6 +71,7 @@ fn differences(expected: &GoldenStep, set: &State, before: &State, answer: &Step
     let expected_modes: Vec<_> = expected.contacts.iter().map(|contact| contact.modes()).collect();
     want("modes", modes == expected_modes, format!("{modes:?}, not {expected_modes:?}"));
     want("undecided", answer.levels.undecided == 0, format!("{:?}", answer.levels));
+    want("gaps", answer.gaps.len() == expected.contacts.len(), format!("of {} contacts", answer.gaps.len()));
     for (k, (gaps, contact)) in answer.gaps.iter().zip(&expected.contacts).enumerate() {
         let same = agrees_in_digits(&gaps.before, &contact.gap_before) && agrees_in_digits(&gaps.after, &contact.gap);
         want("gaps", same, format!("contact {k}: {} {}", gaps.before.approximate(), gaps.after.approximate()));

@@ -174,3 +174,45 @@ fn fixed_stiffness(model: &StepModel<'_>) -> Result<Vec<Number>, StepFailure> {
     let fixed = model.simulation.fixed_points.iter();
     fixed.map(|f| f.stiffness.as_ref().or(stiffest).cloned().ok_or(StepFailure::NoStiffness)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_model::simulation::{Body, Motion, Simulation};
+    use rockproof_model::{Criteria, ToleranceSet, Vec3};
+
+    #[test]
+    fn neighbours_are_two_blocks_within_reach_not_both_fixed() {
+        let at = |x, y, z| Vec3::new(Number::from_integer(x), Number::from_integer(y), Number::from_integer(z));
+        // Cubes of side 2 in the order of their numbers: along x 0 and 2 touch; 1 is 1 beside 2 along y, 3 is 3 above it, and 4 far away.
+        let corners = [(0, 0, 0), (2, 3, 0), (2, 0, 0), (2, 0, 5), (20, 0, 0)];
+        let blocks = corners.map(|(x, y, z)| Block::cuboid(&at(x, y, z), &at(x + 2, y + 2, z + 2)).unwrap());
+        let shapes: Vec<&Block> = blocks.iter().collect();
+        let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
+        let zero = || Number::ZERO;
+        let tolerances = ToleranceSet {
+            search: Number::from_integer(1),
+            territory: zero(),
+            penetration: zero(),
+            overlap_sine: zero(),
+            parallel_sine: zero(),
+            equal: zero(),
+            open: zero(),
+            close: zero(),
+            max_displacement: zero(),
+            max_rotation: zero(),
+            criteria: Criteria::Revised,
+        };
+        let simulation = Simulation::default();
+        let of = |motions: [Motion; 5]| {
+            let bodies = motions.map(|motion| Body { motion, ..Body::default() });
+            let model =
+                StepModel { shapes: &shapes, bodies: &bodies, simulation: &simulation, tolerances: &tolerances };
+            neighbours(&model, &solids)
+        };
+        let (fixed, rigid) = (Motion::Fixed, Motion::Rigid);
+        assert_eq!(of([rigid; 5]), [[0, 1], [0, 2], [1, 2]]);
+        assert_eq!(of([fixed, rigid, fixed, rigid, rigid]), [[0, 1], [1, 2]]);
+        assert_eq!(of([fixed; 5]), [[0usize; 2]; 0]);
+    }
+}
