@@ -4,11 +4,11 @@
 mod support;
 
 use num_rational::BigRational;
-use rockproof_model::simulation::Motion;
+use rockproof_model::simulation::{Body, Motion};
 use rockproof_model::{EntranceKind, Number, Point, Vec3};
 use rockproof_oracle::step::{
-    ContactMemory, IterationEnd, KeptPrecision, Mode, State, StepAnswer, certified_step, first_system,
-    friction_margins, mode_margins,
+    ContactMemory, IterationEnd, KeptPrecision, Mode, RetryReason, State, StepAnswer, StepFailure, certified_step,
+    exact_step, first_system, friction_margins, mode_margins,
 };
 use support::shapes::{cuboid, exact, number, point};
 use support::steps::Scene;
@@ -119,6 +119,20 @@ fn a_slip_that_swings_by_a_right_angle_has_not_turned() {
             Mode::Locked => assert!(turn < -1e-12, "{turn}"),
             _ => assert!(turn > -1e-25, "{turn}"),
         }
+    }
+}
+
+#[test]
+fn the_margin_of_a_slip_compares_squares_of_forces() {
+    // The first solve doubles the stretch that friction holds: 4 against 1, of 4 + 1. v·Δt = |s0| + 6/2·Δt².
+    let scene = clamped(OVERLAP, "1/100");
+    let speed = (exact("3/10000") + exact(HELD)) * exact("100");
+    let state = moving(&scene, Mode::Sliding, [HELD, "0"], [&speed.to_string(), "0"]);
+    let shapes: Vec<_> = scene.blocks.iter().collect();
+    let margins = mode_margins(&scene.model(&shapes), &state).expect("a step");
+    assert_eq!(margins[0].len(), 8);
+    for margin in &margins[0] {
+        assert!(margin.slip.is_some_and(|slip| (slip - 0.6).abs() < 1e-12), "{margin:?}");
     }
 }
 
@@ -234,6 +248,15 @@ fn what_nothing_presses_never_settles_and_ends_with_the_seventh_solve() {
     assert_eq!((answer.end, answer.iterations), (IterationEnd::Unchanged, 7));
     assert!(answer.converged && answer.retries.is_empty());
     assert_eq!(answer.levels.undecided, 0);
+    // A grid finer than 2,048 bits is reached too, after questions that took 128.
+    let fine = scene.step(&aside, KeptPrecision::Grid { exponent: 2100 });
+    assert!(fine.levels.wide.iter().any(|&settled| settled > 0), "128 bits are asked first: {:?}", fine.levels);
+    assert_eq!(fine.modes, answer.modes);
+    let unit = BigRational::new(1.into(), num_bigint::BigInt::from(1) << 199);
+    for axis in [0, 1] {
+        let apart = along(&fine.state, axis) - along(&answer.state, axis);
+        assert!(apart < unit && -apart < unit, "axis {axis}");
+    }
 }
 
 #[test]
@@ -257,6 +280,62 @@ fn the_next_step_begins_with_three_halves_of_the_last() {
         assert!(answer.retries.is_empty());
         state = answer.state;
     }
+}
+
+#[test]
+fn a_time_step_of_just_a_thousandth_is_tried() {
+    let mut scene = Scene::new(vec![(cuboid(["0", "0", "0"], ["1", "1", "1"]), Motion::Rigid)], "0", ["0", "0", "0"]);
+    scene.bodies[0].velocity = point(["10000", "0", "0"]);
+    // 10 km/s and a limit of 1/10 m: 3/2 of 1/75000 s is 1/5 m, half of it just 1/10 m and a thousandth of 1/100 s.
+    let mut state = scene.start();
+    state.last_time_step = number("1/75000");
+    let answer = scene.step(&state, KeptPrecision::Exact);
+    assert_eq!((answer.time_step, answer.retries.len()), (exact("1/100000"), 1));
+    assert_eq!(answer.retries[0].time_step, exact("1/50000"));
+    // A little less is not.
+    state.last_time_step = number("1/75001");
+    scene.bodies[0].velocity = point(["10001", "0", "0"]);
+    let shapes: Vec<_> = scene.blocks.iter().collect();
+    let failure = exact_step(&scene.model(&shapes), &state, KeptPrecision::Exact).unwrap_err();
+    assert_eq!(failure, StepFailure::TooFast { block: 0, limit: RetryReason::Displacement });
+}
+
+/// The scene with so many free rigid cubes more, 100 m apart: six unknowns each, and nothing that touches.
+fn with_cubes(mut scene: Scene, count: usize) -> Scene {
+    for k in 1..=count {
+        let offset = point([&(100 * k).to_string(), "0", "0"]);
+        scene.blocks.push(cuboid(["0", "0", "0"], ["1", "1", "1"]).translated(&offset));
+        scene.bodies.push(Body { motion: Motion::Rigid, ..Body::default() });
+    }
+    scene
+}
+
+#[test]
+fn a_tie_of_a_large_step_is_asked_of_fractions() {
+    // As among few blocks: a change of just a hundredth of what presses.
+    let scene = with_cubes(clamped(OVERLAP, "1/100"), 16);
+    let state = moving(&scene, Mode::Sliding, ["122/10000000", "0"], ["1", "0"]);
+    let answer = scene.step(&state, KeptPrecision::Exact);
+    assert_eq!((answer.end, answer.iterations), (IterationEnd::Settled, 1));
+    assert!(answer.levels.exact > 0 && answer.levels.undecided == 0, "{:?}", answer.levels);
+}
+
+#[test]
+fn up_to_96_unknowns_are_asked_to_1024_bits_and_more_to_256() {
+    // Nothing presses, so that a slip has settled only where it does not turn at all; each solve squares how far it turns, and soon
+    // that is below what 256 bits can see.
+    let mut scene = clamped("-1/1000000", "1/100");
+    scene.simulation.joints.other.cohesion = number("6000");
+    scene.simulation.joints.other.tension = number("6000");
+    let levels = |cubes: usize| {
+        let scene = with_cubes(scene.clone(), cubes);
+        let state = moving(&scene, Mode::Sliding, [HELD, "0"], ["1", "1/1000"]);
+        scene.step(&state, KeptPrecision::Grid { exponent: 200 }).levels
+    };
+    let few = levels(15);
+    assert!(few.undecided == 0 && few.wide[2] + few.wide[3] > 0, "{few:?}");
+    let many = levels(16);
+    assert_eq!((many.undecided, many.wide[2], many.wide[3]), (1, 0, 0), "{many:?}");
 }
 
 #[test]
