@@ -8,10 +8,11 @@ mod support;
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use rockproof_model::simulation::{FixedPoint, Kinematics, Motion, PointLoad};
+use rockproof_model::simulation::{FixedPoint, Kinematics, Material, Motion, PointLoad};
 use rockproof_model::{Block, ContactKind, Number, Vec3};
 use rockproof_oracle::step::{
-    FailedAttempt, IterationEnd, KeptPrecision, Mode, RetryReason, StepFailure, StepModel, certified_step, exact_step,
+    CertifiedStep, FailedAttempt, IterationEnd, KeptPrecision, Mode, RetryReason, StepFailure, StepModel,
+    certified_step, exact_step,
 };
 use support::shapes::{Prism, WEDGE, cuboid, exact, number, point, spike};
 use support::steps::Scene;
@@ -159,6 +160,98 @@ fn a_block_without_a_positive_volume_ends_the_run() {
 }
 
 #[test]
+fn a_rotation_changes_the_volume_of_a_linear_step_alone() {
+    // γxy = −2 as above, and r = 5/100 about z: the linear part is ((1, −1 − r), (−1 + r, 1)), its determinant r². Under `cayley` it is
+    // a rotation times a strain that leaves nothing.
+    let mut scene =
+        Scene::new(vec![(cuboid(["0", "0", "0"], ["1", "1", "1"]), Motion::Deformable)], "0", ["0", "0", "0"]);
+    scene.tolerances.max_displacement = number("2");
+    let resistance = exact("20000") * exact("2000") / exact("24") + exact("4000000000");
+    scene.bodies[0].stress[5] = Number::from_rational(exact("2") * resistance);
+    scene.bodies[0].spin = point(["0", "0", "5"]);
+    let shapes: Vec<&Block> = scene.blocks.iter().collect();
+    for (kinematics, expected) in
+        [(Kinematics::Linear, Ok(exact("1/100"))), (Kinematics::Cayley, Err(StepFailure::Inverted { block: 0 }))]
+    {
+        let mut simulation = scene.simulation.clone();
+        simulation.control.kinematics = kinematics;
+        let model = StepModel { simulation: &simulation, ..scene.model(&shapes) };
+        assert_eq!(exact_step(&model, &scene.start(), FINE).map(|answer| answer.time_step), expected);
+        assert_eq!(certified_step(&model, &scene.start()).map(|answer| answer.time_step), expected);
+    }
+}
+
+#[test]
+fn strains_that_f64_does_not_know_are_not_small() {
+    // The bound of what f64 knows is one for all unknowns: next to a block of 10⁴⁰ kg/m³ it knows the strains of a light one badly. γxy = −3
+    // leaves 1 − 9/4 of its volume.
+    let light = (cuboid(["0", "0", "0"], ["1", "1", "1"]), Motion::Deformable);
+    let heavy = (cuboid(["100", "0", "0"], ["101", "1", "1"]), Motion::Rigid);
+    let mut scene = Scene::new(vec![light, heavy], "0", ["0", "0", "0"]);
+    scene.tolerances.max_displacement = number("2");
+    let dense = format!("1{}", "0".repeat(40));
+    let heavier = Material { density: number(&dense), ..scene.simulation.materials[0].clone() };
+    scene.simulation.materials.push(heavier);
+    scene.bodies[1].material = 1;
+    scene.bodies[1].velocity = point(["100/3", "0", "0"]);
+    let resistance = exact("20000") * exact("2000") / exact("24") + exact("4000000000");
+    scene.bodies[0].stress[5] = Number::from_rational(exact("3") * resistance);
+    let shapes: Vec<&Block> = scene.blocks.iter().collect();
+    let model = scene.model(&shapes);
+    let ended = Err(StepFailure::Inverted { block: 0 });
+    assert_eq!(exact_step(&model, &scene.start(), FINE).map(|answer| answer.time_step), ended);
+    assert_eq!(certified_step(&model, &scene.start()).map(|answer| answer.time_step), ended);
+}
+
+/// That a certified step of blocks that nothing touches moves each by its velocity and turns it by its spin, known to 10⁻⁹.
+fn flies(scene: &Scene) -> CertifiedStep {
+    let shapes: Vec<&Block> = scene.blocks.iter().collect();
+    let certified = certified_step(&scene.model(&shapes), &scene.start()).unwrap();
+    let displacements = certified.displacements.as_ref().expect("enclosed");
+    let (mut largest, mut widest) = (exact("0"), exact("0"));
+    for (body, displacements) in scene.bodies.iter().zip(displacements) {
+        let rates = [&body.velocity, &body.spin].into_iter().flat_map(|v| v.components());
+        assert_eq!(displacements.len(), 6);
+        for (rate, pair) in rates.zip(displacements) {
+            let [middle, radius] = pair.map(|value| BigRational::from_float(value).expect("finite"));
+            let moved = value(rate) / exact("100");
+            let off = &moved - &middle;
+            assert!(off <= radius && -off <= radius, "{pair:?}");
+            (largest, widest) = (largest.max(moved), widest.max(radius));
+        }
+    }
+    assert!(widest <= largest / exact("1000000000"));
+    certified
+}
+
+#[test]
+fn a_thin_rod_askew_is_enclosed() {
+    // Edges of 5 m along (4, 3, 0), of 5·2⁻¹⁴ m along (−3, 4, 0) and z. About its own axis it resists some 10⁻⁸ of what it does across.
+    let thin = number("1/16384");
+    let rod = cuboid(["0", "0", "0"], ["1", "1", "1"]);
+    let along = |v: &rockproof_model::Point| {
+        let (y, z) = (v.y.times(&thin), v.z.times(&thin));
+        let times = |c: &Number, factor: &str| c.times(&number(factor));
+        Vec3::new(times(&v.x, "4").plus(&times(&y, "-3")), times(&v.x, "3").plus(&times(&y, "4")), times(&z, "5"))
+    };
+    let rod = rod.with_vertices(rod.vertices().iter().map(along).collect());
+    let mut scene = Scene::new(vec![(rod, Motion::Rigid)], "0", ["0", "0", "0"]);
+    scene.bodies[0].velocity = point(["1/3", "1/7", "1/11"]);
+    scene.bodies[0].spin = point(["1/3", "1/7", "1/11"]);
+    flies(&scene);
+}
+
+#[test]
+fn a_step_of_more_unknowns_than_are_factored_whole_is_settled_in_f64() {
+    let cube = |k: i32| cuboid(["0", "0", "0"], ["1", "1", "1"]).translated(&point([&(10 * k).to_string(), "0", "0"]));
+    let mut scene = Scene::new((0..13).map(|k| (cube(k), Motion::Rigid)).collect(), "0", ["0", "0", "0"]);
+    scene.bodies.iter_mut().for_each(|body| body.velocity = point(["1/3", "0", "0"]));
+    let levels = flies(&scene).levels;
+    assert!(levels.float > 0, "{levels:?}");
+    assert_eq!((levels.wide, levels.exact, levels.undecided), ([0; 4], 0, 0), "{levels:?}");
+}
+
+#[test]
 fn a_fast_block_is_halved_until_it_keeps_the_limit() {
     let mut scene = Scene::new(vec![(cuboid(["0", "0", "0"], ["1", "1", "1"]), Motion::Rigid)], "0", ["0", "0", "0"]);
     scene.bodies[0].velocity = point(["40", "0", "0"]);
@@ -241,6 +334,19 @@ fn irrational_friction_is_enclosed() {
         for v in &finest.blocks[1].vertices[..1] {
             assert!((v.x.approximate() - v.y.approximate()).abs() < 1e-100f64.max(f64::EPSILON));
         }
+    }
+}
+
+#[test]
+fn a_slip_askew_without_friction_is_a_fraction() {
+    let mut scene = diagonal(Kinematics::Linear);
+    scene.simulation.joints.other.friction = Number::ZERO;
+    let answer = scene.step(&scene.start(), KeptPrecision::Exact);
+    assert!(answer.modes.last().unwrap().iter().all(|mode| *mode == Mode::Sliding), "{:?}", answer.modes);
+    for (now, before) in answer.state.blocks[1].vertices.iter().zip(scene.blocks[1].vertices()) {
+        let pairs = now.components().into_iter().zip(before.components());
+        let moved: Vec<BigRational> = pairs.map(|(now, before)| value(now) - value(before)).collect();
+        assert_eq!(moved, ["1/100", "1/100", "0"].map(exact));
     }
 }
 
