@@ -48,3 +48,18 @@ impl AddAssign for LevelCounts {
         self.heap += other.heap;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_add_up_level_by_level() {
+        let mut sum = LevelCounts { float: 1, ball: 2, i128: 3, fixed: [4, 5, 6], heap: 7 };
+        assert_eq!(sum.total(), 28);
+        let names = [("f64", 1), ("i128", 3), ("ball", 2), ("i256", 4), ("i512", 5), ("i1024", 6), ("heap", 7)];
+        assert_eq!(sum.by_name(), names);
+        sum += LevelCounts { float: 10, ball: 20, i128: 30, fixed: [40, 50, 60], heap: 70 };
+        assert_eq!(sum, LevelCounts { float: 11, ball: 22, i128: 33, fixed: [44, 55, 66], heap: 77 });
+    }
+}

@@ -11,7 +11,7 @@ mod fixed;
 mod magnitude;
 
 pub(crate) use approx::Approx;
-pub(crate) use ball::Ball;
+pub(crate) use ball::{Ball, sum_is_exact};
 pub(crate) use bits::Bits;
 pub(crate) use bound::Bound;
 pub(crate) use fixed::Fixed;

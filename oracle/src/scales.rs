@@ -53,9 +53,9 @@ impl Scales<Bound> {
 }
 
 impl Scales<Bound> {
-    /// Any tolerances of at most 1, each off by at most one roundoff.
+    /// Any tolerances that are at most 1 in f64, each off by at most one roundoff.
     pub(crate) fn at_most_one() -> Scales<Bound> {
-        let any = Bound { magnitude: 1.0 + UNIT_ROUNDOFF, error: UNIT_ROUNDOFF };
+        let any = Bound { magnitude: 1.0 + f64::EPSILON, error: UNIT_ROUNDOFF };
         let exactly_one = Bound { magnitude: 1.0, error: 0.0 };
         Scales {
             unit: exactly_one,
@@ -165,4 +165,48 @@ fn powers_of_two<const N: usize>(numbers: [&Number; N], lattice: &Lattice) -> Op
     let shift = parts.iter().map(|&(_, exponent)| -exponent).max()?.max(0);
     let scaled = parts.map(|(significand, exponent)| BigInt::from(significand) << (exponent + shift) as usize);
     Some((scaled, BigInt::one() << shift as usize))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_traits::Signed;
+
+    fn power(exponent: i32) -> BigRational {
+        BigRational::from_integer(2.into()).pow(exponent)
+    }
+
+    fn rational(value: f64) -> BigRational {
+        BigRational::from_float(value).unwrap()
+    }
+
+    /// A fraction that f64 rounds to 1, by as much as it may.
+    fn above_one() -> BigRational {
+        power(0) + power(-53) - power(-200)
+    }
+
+    #[test]
+    fn a_fraction_is_off_by_no_more_than_its_rounding() {
+        let third = BigRational::new(1.into(), 3.into());
+        for value in [third.clone(), &third * power(-1030), &third * power(1000), above_one()] {
+            let number = Number::from_rational(value.clone());
+            let (off, doubt) = ((rational(number.approximate()) - &value).abs(), rounding_of(&number));
+            assert!(doubt >= 0.0 && off <= rational(doubt), "{value} is off by {off}, not {doubt}");
+            assert!(rational(doubt) <= value * power(-52) + power(-1020), "{doubt} is far more than {off}");
+        }
+        for value in [0.0, 0.1, 1.0, 5e-324, f64::MAX] {
+            assert_eq!(rounding_of(&Number::from_f64(value).unwrap()), 0.0, "f64 holds {value}");
+        }
+    }
+
+    #[test]
+    fn a_tolerance_that_f64_takes_for_one_is_among_those_of_at_most_one() {
+        let number = Number::from_rational(above_one());
+        assert_eq!(number.approximate(), 1.0);
+        let any = Scales::at_most_one();
+        for bound in [any.search, any.territory, any.penetration, any.overlap, any.parallel, any.equal] {
+            assert!(above_one() <= rational(bound.magnitude), "{bound:?}");
+            assert!(above_one() - power(0) <= rational(bound.error), "{bound:?}");
+        }
+    }
 }

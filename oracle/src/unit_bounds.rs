@@ -36,7 +36,8 @@ impl UnitBounds {
     }
 }
 
-/// How far coordinates that are no f64s may be off, per size of the pair: they may lie sixteen sizes from the origin.
+/// How far coordinates that are no f64s may be off, per size of the pair. Half of it is used, so that they may lie some eight sizes from
+/// the origin.
 const ROUNDED: f64 = 16.0 * UNIT_ROUNDOFF;
 
 /// For coordinates that f64 holds, and for others.
@@ -70,4 +71,121 @@ pub(crate) fn unit_bounds_for(
         powers[k] = powers[k - 1] * size;
     }
     (bounds.unwrap_or(&BOUNDS[0]), powers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prepared_block::PreparedBlock;
+    use num_rational::BigRational;
+    use rockproof_model::{Block, BlockOptions, Number, Vec3};
+
+    const NO_LENGTHS: [f64; 3] = [0.0; 3];
+    const NO_RATIOS: [f64; 3] = [0.0; 3];
+
+    /// What is found for a pair under tolerances of these lengths and ratios.
+    fn found(blocks: &[Block; 2], lengths: [f64; 3], ratios: [f64; 3]) -> Option<([f64; 2], Vec<f64>)> {
+        let [a, b] = [0, 1].map(|k: usize| PreparedBlock::new(&blocks[k]));
+        let ([search, territory, penetration], [overlap, parallel, equal]) = (lengths.map(Approx), ratios.map(Approx));
+        let (unit, whole, one) = (Approx(1.0), Approx(1.0), Approx(1.0));
+        let scales = Scales { unit, search, territory, penetration, one, overlap, parallel, whole, equal };
+        let (bounds, powers) = unit_bounds_for(&Pair::new(&a, &b), &scales);
+        if powers.iter().all(|power| power.is_infinite()) {
+            return None;
+        }
+        Some(([bounds.longest_loop as f64, bounds.coordinate], powers.to_vec()))
+    }
+
+    /// Two cubes of this edge side by side, the first at `x` from the origin.
+    fn cubes(x: &BigRational, edge: &BigRational) -> [Block; 2] {
+        let number = |value: &BigRational| Number::from_rational(value.clone());
+        [0, 1].map(|k| {
+            let low = x + edge * BigRational::from_integer(k.into());
+            let (zero, side) = (Number::ZERO, number(edge));
+            let (min, max) =
+                (Vec3::new(number(&low), zero.clone(), zero), Vec3::new(number(&(&low + edge)), side.clone(), side));
+            Block::cuboid(&min, &max).unwrap()
+        })
+    }
+
+    fn whole(n: i64) -> BigRational {
+        BigRational::from_integer(n.into())
+    }
+
+    /// Two prisms one over the other, over a polygon of so many corners on a parabola.
+    fn prisms(corners: i32) -> [Block; 2] {
+        let n = corners as u32;
+        let sides = (0..n).map(|k| vec![k, (k + 1) % n, n + (k + 1) % n, n + k]);
+        let faces: Vec<Vec<u32>> = [(0..n).rev().collect(), (n..2 * n).collect()].into_iter().chain(sides).collect();
+        [0, 1].map(|at| {
+            let places = [at, at + 1].into_iter().flat_map(|z| (0..corners).map(move |k| [k, k * k, z]));
+            let vertices = places.map(|[x, y, z]| Vec3::new(x, y, z).map(|&c| Number::from_integer(c)));
+            Block::new(vertices.collect(), faces.clone(), &BlockOptions { planarity: Number::ZERO }).unwrap()
+        })
+    }
+
+    #[test]
+    fn a_bound_is_unknown_until_it_is_set() {
+        let bounds = UnitBounds::new(4, 0.0);
+        assert!(bounds.get(3).is_nan());
+        bounds.set(3, 0.25);
+        assert_eq!(bounds.get(3), 0.25);
+        assert!(bounds.get(2).is_nan());
+    }
+
+    #[test]
+    fn powers_are_those_of_the_size_and_a_little_more() {
+        let third = BigRational::new(1.into(), 3.into());
+        let thirds = cubes(&whole(2), &third);
+        // The largest of the pair's extent and the three lengths.
+        for (lengths, size) in
+            [([1.0 / 3.0; 3], 2.0 / 3.0), ([5.0, 1.0, 0.0], 5.0), ([1.0, 5.0, 0.0], 5.0), ([0.0, 1.0, 5.0], 5.0)]
+        {
+            let (_, powers) = found(&thirds, lengths, NO_RATIOS).expect("of moderate size");
+            assert_eq!(powers.len(), LARGEST_DEGREE + 1);
+            let mut exact = 1.0;
+            for (degree, power) in powers.into_iter().enumerate() {
+                assert!((exact..=exact * (1.0 + 2e-11)).contains(&power), "{power} for {size}^{degree}");
+                exact *= size;
+            }
+        }
+    }
+
+    #[test]
+    fn fractions_are_held_within_eight_sizes_of_the_origin() {
+        let third = BigRational::new(1.into(), 3.into());
+        let lengths = [1.0 / 3.0; 3];
+        // The pair is 2/3 long; its largest coordinates are 4, 7, 8½, 13, 31 and 150,000 times that.
+        for (x, near) in [(2, true), (4, true), (5, false), (8, false), (20, false), (100_000, false)] {
+            let bounds = found(&cubes(&whole(x), &third), lengths, NO_RATIOS).map(|(bounds, _)| bounds);
+            assert_eq!(bounds, near.then_some([4.0, ROUNDED]), "at {x}");
+        }
+        // What f64 holds may be anywhere.
+        for x in [0, 20, 1 << 30] {
+            let (bounds, _) = found(&cubes(&whole(x), &whole(1)), NO_LENGTHS, NO_RATIOS).expect("exact");
+            assert_eq!(bounds, [4.0, 0.0], "at {x}");
+        }
+    }
+
+    #[test]
+    fn long_faces_and_sizes_and_ratios_out_of_range_have_no_unit_bound() {
+        for (corners, longest) in [(4, Some(4.0)), (5, Some(8.0)), (8, Some(8.0)), (9, Some(32.0)), (33, None)] {
+            let bounds = found(&prisms(corners), NO_LENGTHS, NO_RATIOS).map(|(bounds, _)| bounds);
+            assert_eq!(bounds, longest.map(|longest| [longest, 0.0]), "{corners} corners");
+        }
+        // Two edges: a pair of twice this size.
+        for (exponent, held) in [(-52, false), (-50, true), (48, true), (50, false)] {
+            let edge = whole(2).pow(exponent);
+            assert_eq!(found(&cubes(&whole(0), &edge), NO_LENGTHS, NO_RATIOS).is_some(), held, "edges of 2^{exponent}");
+        }
+        let cubes = cubes(&whole(0), &whole(1));
+        assert!(found(&cubes, NO_LENGTHS, [1.0; 3]).is_some());
+        for place in 0..3 {
+            for ratio in [1.5, f64::NAN] {
+                let mut ratios = NO_RATIOS;
+                ratios[place] = ratio;
+                assert!(found(&cubes, NO_LENGTHS, ratios).is_none(), "{ratios:?}");
+            }
+        }
+    }
 }

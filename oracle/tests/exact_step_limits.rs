@@ -1,13 +1,13 @@
 //! The limits of a contact's mode, each at a value that only it can have decided: εc for closing, εo for opening, ε of Eq. (1) at a tie;
-//! how close a contact came to them; and blocks as far apart as contacts are recorded.
+//! how close a contact came to them; blocks as far apart as contacts are recorded; and a step without unknowns.
 
 mod support;
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use rockproof_model::Number;
 use rockproof_model::simulation::Motion;
-use rockproof_oracle::step::{KeptPrecision, Mode, ModeMargin, mode_margins};
+use rockproof_model::{Block, Number};
+use rockproof_oracle::step::{KeptPrecision, Mode, ModeMargin, certified_step, mode_margins};
 use support::shapes::{cuboid, exact, number, point};
 use support::steps::Scene;
 
@@ -134,4 +134,20 @@ fn gaps_of_a_step_in_fractions_are_known_to_200_bits() {
         let off = gap.to_rational() - exact("4/3");
         assert!(off <= unit && -off <= unit, "{gap}");
     }
+
+#[test]
+fn a_step_in_which_no_block_moves_leaves_the_state_as_it_is() {
+    // A fixed block on a fixed slab, under gravity: no unknown at all, so that there is no smallest eigenvalue to bound either.
+    let slab = cuboid(["-4", "-4", "-4"], ["4", "4", "0"]);
+    let above = cuboid(["0", "0", "0"], ["1", "1", "1"]);
+    let scene = Scene::new(vec![(slab, Motion::Fixed), (above, Motion::Fixed)], "0", ["0", "0", "-10"]);
+    let start = scene.start();
+    for keep in [KeptPrecision::Exact, KeptPrecision::Grid { exponent: 60 }, KeptPrecision::Grid { exponent: 200 }] {
+        let answer = scene.step(&start, keep);
+        assert_eq!(answer.state.blocks, start.blocks, "{keep:?}");
+        assert!(answer.converged && answer.retries.is_empty(), "{keep:?}");
+    }
+    let shapes: Vec<&Block> = scene.blocks.iter().collect();
+    let displacements = certified_step(&scene.model(&shapes), &start).expect("a step").displacements;
+    assert!(displacements.expect("nothing to enclose").iter().all(Vec::is_empty));
 }

@@ -103,7 +103,8 @@ impl Ring for DoubleBall {
             return DoubleBall::exactly(0.0, 0.0);
         }
         let (product, rest) = two_product(self.high, other.high);
-        let safe = product.abs() >= SAFE;
+        // An overflow, of the product or of its parts, leaves no number in `rest`.
+        let safe = product.abs() >= SAFE && rest.is_finite();
         if self.low == 0.0 && other.low == 0.0 && self.radius == 0.0 && other.radius == 0.0 && safe {
             return DoubleBall::exactly(product, rest);
         }
@@ -187,8 +188,8 @@ impl Field for DoubleBall {
         if left == 0.0 && self.radius == 0.0 && self.low == 0.0 {
             return Some(DoubleBall::exactly(first, 0.0));
         }
-        let ball = DoubleBall::rounded(high, low, spread);
-        Some(DoubleBall { radius: ball.radius + UNDERFLOW, ..ball })
+        // The root of a number above SAFE is far above what underflow may take from its radius.
+        Some(DoubleBall::rounded(high, low, spread))
     }
 
     fn half(&self) -> Self {

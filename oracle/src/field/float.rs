@@ -2,7 +2,7 @@
 //! [`UNDERFLOW`] is added wherever a result may have fallen below the normal numbers.
 
 use super::{Field, UpperBound, dyadic};
-use crate::number::{Ball, INFLATION, LEAST, UNDERFLOW, UNIT_ROUNDOFF};
+use crate::number::{Ball, INFLATION, LEAST, UNDERFLOW, UNIT_ROUNDOFF, sum_is_exact};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Zero;
@@ -53,7 +53,7 @@ impl Field for Ball {
         let power = divisor.middle.to_bits() & ((1 << 52) - 1) == 0;
         if power && self.radius == 0.0 && divisor.radius == 0.0 {
             let middle = self.middle / divisor.middle;
-            if middle.abs() > 4.0 * UNDERFLOW && middle.is_finite() && divisor.middle.abs() >= f64::MIN_POSITIVE {
+            if middle.abs() > 4.0 * UNDERFLOW && middle.is_finite() {
                 return Some(Ball { middle, radius: 0.0 });
             }
         }
@@ -73,15 +73,17 @@ impl Field for Ball {
         if self.radius.is_nan() || !self.middle.is_finite() || self.middle <= self.radius {
             return None;
         }
+        // No root is so small that something could be lost to underflow.
         let middle = self.middle.sqrt();
-        Some(Ball { middle, radius: (self.radius / middle + middle * UNIT_ROUNDOFF) * INFLATION + UNDERFLOW })
+        Some(Ball { middle, radius: (self.radius / middle + middle * UNIT_ROUNDOFF) * INFLATION })
     }
 
     fn half(&self) -> Self {
         let radius = self.radius / 2.0;
         // Halving loses a bit only below the normal numbers.
         let safe = self.middle == 0.0 || self.middle.abs() > 4.0 * UNDERFLOW;
-        let whole = safe && (radius == 0.0 || radius > 4.0 * UNDERFLOW);
+        // Half of the least radius rounds to zero, which would call the middle exact.
+        let whole = safe && (self.radius == 0.0 || radius > 4.0 * UNDERFLOW);
         Ball { middle: self.middle / 2.0, radius: if whole { radius } else { radius + UNDERFLOW } }
     }
 
@@ -112,10 +114,4 @@ impl Field for Ball {
     fn nearby(&self) -> (f64, f64) {
         (self.middle, self.radius)
     }
-}
-
-/// Whether `sum = fl(a + b)` lost nothing (Knuth's two-sum gives the loss exactly).
-fn sum_is_exact(a: f64, b: f64, sum: f64) -> bool {
-    let b_part = sum - a;
-    (a - (sum - b_part)) + (b - b_part) == 0.0 && sum.is_finite()
 }

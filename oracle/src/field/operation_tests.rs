@@ -22,6 +22,9 @@ trait Enclosure: Field + std::fmt::Debug {
     /// Enclosures to try, exact ones and others.
     fn samples() -> Vec<Self>;
 
+    /// More, for what is made of one alone.
+    fn alone() -> Vec<Self>;
+
     /// The radius, exactly; `None` for infinity and NaN.
     fn exact_radius(&self) -> Option<BigRational>;
 
@@ -90,6 +93,10 @@ fn f64_floor(least: &BigRational) -> BigRational {
     rational(f64::MIN_POSITIVE) * rational(8.0) / least.abs().min(BigRational::one())
 }
 
+/// Middles and radii that matter to what is made of one alone: a root next to a tie, radii below the normal numbers beside a middle that
+/// is not.
+const ALONE: [(f64, f64); 3] = [(1.0 + f64::EPSILON, 0.0), (1.0, 2.5e-323), (1.0, 5e-324)];
+
 /// Parts of enclosures in f64: middles, and for each radii that matter beside it.
 fn middles_and_radii() -> Vec<(f64, f64)> {
     let mut found = vec![
@@ -100,6 +107,11 @@ fn middles_and_radii() -> Vec<(f64, f64)> {
         (1.0, 1e3),
         (3.0 * f64::MIN_POSITIVE, 5e-324),
         (1e-160, 1e-172),
+        // A power of two and a square, exact or not.
+        (4.0, 0.0),
+        (4.0, 0.5),
+        // A dividend that is not small enough to be lost, and too small for the low part of a product.
+        (1e-283, 0.0),
     ];
     for middle in [-3.0, 0.1, 67_108_865.0, 3.0 * f64::MIN_POSITIVE, -1e-160] {
         let size: f64 = middle.abs();
@@ -111,6 +123,10 @@ fn middles_and_radii() -> Vec<(f64, f64)> {
 impl Enclosure for Ball {
     fn samples() -> Vec<Self> {
         middles_and_radii().into_iter().map(|(middle, radius)| Ball { middle, radius }).collect()
+    }
+
+    fn alone() -> Vec<Self> {
+        ALONE.map(|(middle, radius)| Ball { middle, radius }).to_vec()
     }
 
     fn exact_radius(&self) -> Option<BigRational> {
@@ -143,6 +159,10 @@ impl Enclosure for DoubleBall {
             }
         }
         found
+    }
+
+    fn alone() -> Vec<Self> {
+        ALONE.map(|(high, radius)| DoubleBall { high, low: 0.0, radius }).to_vec()
     }
 
     fn exact_radius(&self) -> Option<BigRational> {
@@ -180,6 +200,10 @@ impl Enclosure for WideBall {
         found
     }
 
+    fn alone() -> Vec<Self> {
+        Vec::new()
+    }
+
     fn exact_radius(&self) -> Option<BigRational> {
         Field::radius(self).map(UpperBound::to_rational)
     }
@@ -204,12 +228,16 @@ fn size_of(operand: &impl Enclosure) -> BigRational {
     if middle == BigRational::zero() { BigRational::one() } else { middle }
 }
 
-fn products(
+/// The results of the ends of both: a sum, a product, a quotient and the lesser of two have their extremes there.
+fn of_the_ends(
     one: &[BigRational; 3],
     other: &[BigRational; 3],
     with: fn(&BigRational, &BigRational) -> BigRational,
 ) -> Vec<BigRational> {
-    one.iter().flat_map(|x| other.iter().map(move |y| with(x, y))).collect()
+    fn ends([least, _, most]: &[BigRational; 3]) -> impl Iterator<Item = &BigRational> {
+        std::iter::once(least).chain((least != most).then_some(most))
+    }
+    ends(one).flat_map(|x| ends(other).map(move |y| with(x, y))).collect()
 }
 
 /// Sums, differences, products, quotients and the lesser of two.
@@ -220,14 +248,14 @@ fn hold_pairs<S: Enclosure>() {
             let (x, y) = (a.values(), b.values());
             let told = |sign: &str| format!("{a:?} {sign} {b:?}");
             let least = &size_of(a).min(size_of(b));
-            a.plus(b).hold(&products(&x, &y, |x, y| x + y), least, &|| told("+"));
-            a.minus(b).hold(&products(&x, &y, |x, y| x - y), least, &|| told("-"));
-            a.times(b).hold(&products(&x, &y, |x, y| x * y), least, &|| told("*"));
+            a.plus(b).hold(&of_the_ends(&x, &y, |x, y| x + y), least, &|| told("+"));
+            a.minus(b).hold(&of_the_ends(&x, &y, |x, y| x - y), least, &|| told("-"));
+            a.times(b).hold(&of_the_ends(&x, &y, |x, y| x * y), least, &|| told("*"));
             let apart = y[0].is_positive() || y[2].is_negative();
             match a.over(b) {
                 Some(quotient) => {
                     assert!(apart, "{} may be anything", told("/"));
-                    let values = products(&x, &y, |x, y| x / y);
+                    let values = of_the_ends(&x, &y, |x, y| x / y);
                     if values.iter().all(|value| value.abs() < S::reach()) {
                         quotient.hold(&values, least, &|| told("/"));
                     }
@@ -239,7 +267,7 @@ fn hold_pairs<S: Enclosure>() {
             }
             let lesser = a.lesser(b).expect("an enclosure");
             if let Some(radius) = lesser.exact_radius() {
-                let values = products(&x, &y, |x, y| std::cmp::min(x, y).clone());
+                let values = of_the_ends(&x, &y, |x, y| std::cmp::min(x, y).clone());
                 let needed = values.iter().map(|value| (value - lesser.middle()).abs()).max().expect("some");
                 assert!(needed <= radius, "{}: {lesser:?}", told("or"));
             }
@@ -249,7 +277,7 @@ fn hold_pairs<S: Enclosure>() {
 
 /// Halves, roots and opposites.
 fn hold_singles<S: Enclosure>() {
-    for a in &S::samples() {
+    for a in S::samples().iter().chain(&S::alone()) {
         let x = a.values();
         let half = BigRational::new(1.into(), 2.into());
         a.half().hold(&x.clone().map(|x| x * &half), &size_of(a), &|| format!("half of {a:?}"));
@@ -284,6 +312,11 @@ fn hold_conversions<S: Enclosure>() {
     let mut numbers =
         vec![BigRational::zero(), rational(0.1), rational(1e300), rational(5e-324), power(-40) + power(40)];
     numbers.extend(sizes.iter().flat_map(|size| [size * &third, -size.clone()]));
+    // Numbers, and differences of two, that f64 or two f64 round by all that they may, and some below what f64 holds.
+    let one = BigRational::one;
+    numbers.extend([one() + power(-53), power(-53), power(53), BigRational::from_integer((-3).into())]);
+    numbers.extend([one() - power(-53), -power(-52), one() + power(-60) + power(-113)]);
+    numbers.extend([&third / ten.pow(400), -&third / ten.pow(400)]);
     for value in &numbers {
         let number = Number::from_rational(value.clone());
         let values = [value.clone()];
@@ -300,7 +333,10 @@ fn hold_conversions<S: Enclosure>() {
         }
     }
     let beyond = S::of_rational(&ten.pow(400), 64);
-    assert!(beyond.exact_radius().is_none_or(|radius| (beyond.middle() - ten.pow(400)).abs() <= radius));
+    let off = (beyond.middle() - ten.pow(400)).abs();
+    assert!(beyond.exact_radius().is_none_or(|radius| off <= radius));
+    assert!(beyond.radius().is_none_or(|radius| off <= radius.to_rational()));
+    assert!(beyond.magnitude_bound().is_none_or(|size| ten.pow(400) <= size.to_rational()));
     assert_ne!(beyond.certain_sign(), Some(Sign::Negative));
 }
 

@@ -199,16 +199,117 @@ fn what_one_operation_may_lose_is_in_its_radius() {
     assert_eq!(double(1.0, 0.75).certain_sign(), Some(Sign::Positive));
     assert_eq!(double(1.0, 1.0).certain_sign(), None);
     assert_eq!(double(-1.0, 1.25).certain_sign(), None);
+    // A product beyond f64 is not known, nor what is divided by it: 10³⁰⁰ over 10⁴⁰⁰ is above zero.
+    let beyond = double(1e200, 0.0).times(&double(1e200, 0.0));
+    assert!(beyond.radius().is_none() && beyond.certain_sign().is_none(), "{beyond:?}");
+    let quotient = double(1e300, 0.0).over(&beyond);
+    assert!(quotient.is_none_or(|quotient| quotient.minus(&double(1e-200, 0.0)).certain_sign().is_none()));
+    // Nor one whose low part is beyond f64, and so no number.
+    assert!(double(1.5e301, 0.0).times(&double(1.1, 0.0)).radius().is_none());
+    for (high, low) in [(1.0, f64::NAN), (f64::INFINITY, 0.0)] {
+        assert!(DoubleBall { high, low, radius: 0.0 }.radius().is_none(), "{high} + {low}");
+    }
+    // Half of the least radius is no f64, and not nothing.
+    let half = wide(1.0, 5e-324).half();
+    assert!(half.middle == 0.5 && half.radius > 0.0, "{half:?}");
     // An addend far below the other's last bit.
     let one = WideBall::exactly(1.into(), 0, 64);
     let tiny = WideBall::exactly(1.into(), -1_000, 64);
     for sum in [one.plus(&tiny), tiny.plus(&one), one.minus(&tiny)] {
         assert!((sum.middle() - rational(1.0)).abs() + sum.radius().unwrap().to_rational() > BigRational::default());
     }
-    // The root of a number that is no square.
-    let root = WideBall::exactly(2.into(), 0, 64).root().unwrap();
+    // The quotient of an exact number and one with a radius: 3·b over b − 1/2.
+    let (a, b) = (12_890_774_745_i64, 4_296_924_915_i64);
+    let divisor = WideBall::exactly(b.into(), 0, 64).widened(UpperBound::power_of_two(-1));
+    let quotient = WideBall::exactly(a.into(), 0, 64).over(&divisor).unwrap();
+    let largest = BigRational::new(BigInt::from(2 * a), BigInt::from(2 * b - 1));
+    assert!((quotient.middle() - largest).abs() <= quotient.radius().unwrap().to_rational(), "{quotient:?}");
+}
+
+/// Roots of squares are exact, others are off by no more than the last place or two, whatever the last bits of the root are.
+#[test]
+fn a_root_is_exact_where_the_number_is_a_square_and_only_there() {
+    for bits in [64, 128, 200, 256] {
+        for n in 2..=60_i32 {
+            let root = WideBall::exactly(n.into(), 0, bits).root().unwrap();
+            let (middle, radius) = (root.middle(), root.radius().unwrap().to_rational());
+            let (most, least) = (&middle + &radius, &middle - &radius);
+            let number = BigRational::from_integer(n.into());
+            assert!(&most * &most >= number && &least * &least <= number, "√{n} in {bits} bits: {root:?}");
+            let square = (2..8).any(|k| k * k == n);
+            assert_eq!(radius == BigRational::default(), square, "√{n} in {bits} bits: {root:?}");
+            // Roots below 8 have three bits before the point.
+            assert!(radius <= super::dyadic(1.into(), 4 - i64::from(bits)), "√{n} in {bits} bits: {root:?}");
+        }
+    }
+    // A number of more bits than asked for, with an odd exponent.
+    let root = WideBall::exactly(BigInt::from(3) << 190, 1, 64).root().unwrap();
     let (middle, radius) = (root.middle(), root.radius().unwrap().to_rational());
-    let two = rational(2.0);
-    let (most, least) = (&middle + &radius, &middle - &radius);
-    assert!(&most * &most >= two && &least * &least <= two, "{root:?}");
+    let (most, least, number) = (&middle + &radius, middle - &radius, super::dyadic(3.into(), 191));
+    assert!(&most * &most >= number && &least * &least <= number, "{root:?}");
+}
+
+#[test]
+fn what_fits_stays_exact_and_what_is_cut_loses_its_last_places_only() {
+    let two_to = |exponent: i64| super::dyadic(1.into(), exponent);
+    let big = |exponent: u32| BigInt::from(1) << exponent;
+    let exactly = WideBall::exactly;
+    let one = || WideBall::from_i32(1);
+    let three = WideBall::from_i32(3);
+    // Results of as many bits as there are, or of zeros after that.
+    let exact = [
+        (exactly(big(63) + 1, 0, 64).times(&one()), two_to(63) + two_to(0)),
+        (exactly(big(63) - 1, 0, 64).plus(&exactly(big(63) + 3, 0, 64)), two_to(64) + two_to(1)),
+        (exactly(1.into(), 300, 128).plus(&exactly(1.into(), 250, 128)), two_to(300) + two_to(250)),
+        (exactly(1.into(), 250, 128).plus(&exactly(1.into(), 300, 128)), two_to(300) + two_to(250)),
+        (exactly(1.into(), 900, 64).plus(&exactly(1.into(), 850, 64)), two_to(900) + two_to(850)),
+        (exactly(9.into(), 0, 200).root().unwrap(), two_to(1) + two_to(0)),
+    ];
+    for (ball, value) in exact {
+        assert!(ball.middle() == value && ball.spread().is_zero(), "{ball:?} is {value}");
+    }
+    // 81 bits, the last of which is set, cut to 64.
+    let cut = exactly(big(80) + 1, 0, 64).times(&one());
+    assert!(cut.middle() == two_to(80) && cut.spread().to_rational() == two_to(17), "{cut:?}");
+    // A sum of 326 bits, cut to 256.
+    let cut = exactly(1.into(), 0, 256).plus(&exactly(big(255) + 1, -325, 256));
+    assert!(cut.spread().to_rational() <= two_to(-250), "{cut:?}");
+    assert!((cut.middle() - two_to(0) - two_to(-70) - two_to(-325)).abs() <= cut.spread().to_rational(), "{cut:?}");
+    // A third to 200 bits, of ones to which something of so many bits has been added, zero or far below.
+    let ones = [
+        exactly(1.into(), 0, 64).with_bits(200),
+        one().plus(&exactly(0.into(), 0, 200)),
+        exactly(0.into(), 0, 200).plus(&one()),
+        one().plus(&exactly(1.into(), -1_000, 200)),
+    ];
+    let third = BigRational::new(1.into(), 3.into());
+    for one in ones {
+        let quotient = one.over(&three).unwrap();
+        let radius = quotient.spread().to_rational();
+        assert!((quotient.middle() - &third).abs() <= radius && radius <= two_to(-197), "{one:?} / 3 = {quotient:?}");
+    }
+}
+
+#[test]
+fn bounds_of_few_bits_are_exact_and_in_order() {
+    let of = |value: u32| UpperBound::of_integer(&value.into(), 0);
+    for a in 0..40 {
+        for b in 0..40 {
+            assert_eq!(of(a).cmp(&of(b)), a.cmp(&b), "{a} and {b}");
+        }
+    }
+    // 32 bits are kept as they are, the last of them set, whatever zeros follow.
+    let mut random = Random(5);
+    for _ in 0..200 {
+        let digits = BigInt::from(random.next() | 1 << 31 | 1);
+        for zeros in [0, 5, 40] {
+            let value = BigRational::from_integer(&digits << zeros);
+            assert_eq!(UpperBound::of_integer(&(&digits << zeros), 0).to_rational(), value);
+        }
+    }
+    // What is no finite number, or below zero, has no bound.
+    for value in [f64::INFINITY, f64::NAN, -1.0] {
+        assert!(UpperBound::of_f64(value).is_none() && UpperBound::floor_of_f64(value).is_none(), "{value}");
+    }
+    assert!(UpperBound::floor_of_f64(0.0).is_none() && UpperBound::of_f64(0.0).is_some_and(UpperBound::is_zero));
 }

@@ -27,7 +27,7 @@ impl UpperBound {
     fn fitted(significand: u128, exponent: i64) -> UpperBound {
         let excess = (128 - significand.leading_zeros()).saturating_sub(WIDTH);
         let kept = (significand >> excess) as u64;
-        let lost = excess > 0 && significand.trailing_zeros() < excess;
+        let lost = significand.trailing_zeros() < excess;
         UpperBound::canonical(kept + u64::from(lost), exponent + i64::from(excess))
     }
 
@@ -45,7 +45,7 @@ impl UpperBound {
         let excess = value.bits().saturating_sub(u64::from(WIDTH));
         let shifted = value.magnitude() >> excess;
         let top = shifted.iter_u64_digits().next().unwrap_or(0);
-        let lost = excess > 0 && value.trailing_zeros().is_some_and(|zeros| zeros < excess);
+        let lost = value.trailing_zeros().is_some_and(|zeros| zeros < excess);
         UpperBound::canonical(top + u64::from(lost), exponent + excess as i64)
     }
 

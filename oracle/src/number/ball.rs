@@ -38,15 +38,12 @@ impl Ball {
     }
 }
 
-/// Significant binary digits of a number, from the first to the last that is not zero; far too many for zero, subnormal
-/// and non-finite numbers.
+/// Significant binary digits of a number, from the first to the last that is not zero; more than there are for zero and
+/// subnormal numbers, which have no first digit that goes without saying. Means nothing of infinity and NaN.
 #[inline]
 fn digits(value: f64) -> u32 {
     let bits = value.to_bits();
-    match (bits >> 52) & 0x7FF {
-        0 | 0x7FF => 1000,
-        _ => 53 - (bits | 1 << 52).trailing_zeros(),
-    }
+    53 - (bits | 1 << 52).trailing_zeros()
 }
 
 /// Whether `product` is the product of the two and not a rounding of it. May say no of some that are.
@@ -57,9 +54,10 @@ fn product_is_exact(one: f64, other: f64, product: f64) -> bool {
     digits(one) + digits(other) <= 53 && product.abs() >= SAFE && product.is_finite()
 }
 
-/// Whether `sum` is the sum of the two and not a rounding of it: the error that two-sum (Knuth 1969) finds is zero.
+/// Whether `sum` is the sum of the two and not a rounding of it: the error that two-sum (Knuth 1969) finds is zero. An
+/// overflow leaves no number as error.
 #[inline]
-fn sum_is_exact(one: f64, other: f64, sum: f64) -> bool {
+pub(crate) fn sum_is_exact(one: f64, other: f64, sum: f64) -> bool {
     let from_other = sum - one;
     (one - (sum - from_other)) + (other - from_other) == 0.0
 }
@@ -136,6 +134,25 @@ mod tests {
         }
         assert!(exact > 100 && rounded > 100, "{exact} exact, {rounded} rounded");
         assert!(!sum_is_exact(f64::MAX, f64::MAX, f64::INFINITY));
+    }
+
+    #[test]
+    fn a_sum_is_exact_just_where_nothing_was_lost() {
+        // The loss of the larger part alone, of the smaller alone, and both at once; some add up to nothing by mistake.
+        let mut pairs = vec![(2.0 - f64::EPSILON, 2.0 * f64::EPSILON), (3.0, 2f64.powi(54))];
+        for k in -4..=4 {
+            let one = 1.0 + f64::from(k) * f64::EPSILON;
+            for j in 1..=9 {
+                let far = (50..=56).map(|exponent| 2f64.powi(exponent)).chain([f64::EPSILON / 2.0]);
+                pairs.extend(far.map(|unit| (one, f64::from(j) * unit)));
+            }
+        }
+        for (x, y) in pairs {
+            for (x, y) in [(x, y), (y, x), (x, -y), (-x, y), (y, -x), (-y, x), (-x, -y), (-y, -x)] {
+                let exact = rational(x + y) == rational(x) + rational(y);
+                assert_eq!(sum_is_exact(x, y, x + y), exact, "{x:e} + {y:e}");
+            }
+        }
     }
 
     #[test]

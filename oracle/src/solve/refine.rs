@@ -156,6 +156,10 @@ pub(crate) fn refine<S: Correctable>(
     bits: u32,
 ) -> Option<Vec<S>> {
     let scale = support.scale();
+    if scale.is_empty() {
+        // Nothing to solve: no eigenvalue either, whose bound would be infinite.
+        return Some(Vec::new());
+    }
     let with_norm = |x: Vec<S>, residual: Vec<S>| {
         let norm = norms(&residual, scale)?;
         Some((x, residual, norm))
