@@ -1,12 +1,15 @@
 //! The wide scalar: its bound holds the exact result, exact results are known to be exact, and a comparison that is
 //! settled is right.
 
+use crate::hand_worked::{base, check};
+use crate::pairs::{spike, tolerances};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use proptest::prelude::*;
 use rockproof_model::Number;
 use rockproof_stepper::{Real, Wide, wide};
+use std::panic::{catch_unwind, resume_unwind};
 
 fn rational(value: f64) -> BigRational {
     BigRational::from_float(value).unwrap()
@@ -110,6 +113,28 @@ fn counting_nests_and_keeps_what_was_counted_outside() {
         ((before, after), inner)
     });
     assert_eq!((inner, outer), (1, 2));
+}
+
+/// A caller that catches a panic goes on working on the same thread.
+#[test]
+fn work_that_panics_leaves_neither_its_mode_nor_its_count_behind() {
+    let third = Wide::of_f64(1.0) / Wide::of_f64(3.0);
+    let unsettled = || third == third;
+    // Unwinds as a panic does, without its message.
+    let panics = || {
+        assert!(unsettled());
+        resume_unwind(Box::new(()))
+    };
+    let ((), outer) = wide::count_unsettled(|| {
+        assert!(unsettled());
+        let inner = catch_unwind(|| wide::count_unsettled(panics));
+        assert!(inner.is_err() && unsettled());
+    });
+    assert_eq!(outer, 3, "one before, one within, one after");
+    assert!(catch_unwind(|| wide::settled(panics)).is_err());
+    // Where it was still so that one unsettled comparison spoils the answer, no contact would be looked for.
+    let above = spike([1.0, 1.0, 1.0625], 0.25, 0.5);
+    check("after a panic", &above, &base(), &tolerances(), &["v-f 0 1 v-f 0 1 +1"]);
 }
 
 #[test]
