@@ -6,6 +6,7 @@ mod mistakes;
 #[path = "../support/pairs.rs"]
 mod pairs;
 
+mod bent;
 mod golden;
 mod hand_worked;
 mod kept;
