@@ -12,5 +12,6 @@ mod hand_worked;
 mod kept;
 mod planted;
 mod solid;
+mod traces;
 mod true_exits;
 mod wide;

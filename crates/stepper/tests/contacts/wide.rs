@@ -105,6 +105,27 @@ fn a_tie_of_rounded_values_is_unsettled_and_counted() {
 }
 
 #[test]
+fn whatever_follows_from_a_rounded_value_is_not_exact() {
+    let (third, one) = (Wide::of_f64(1.0) / Wide::of_f64(3.0), Wide::of_f64(1.0));
+    // Of the middle 0, or next to it.
+    let (naught, nearly_zero) = (third - third, third * Wide::of_f64(3.0) - one);
+    for value in [
+        (third + third + third).larger(one),
+        naught.sqrt(),
+        nearly_zero.sqrt(),
+        naught + one,
+        one + naught,
+        naught - one,
+        third / one,
+        one / third,
+        third * one,
+    ] {
+        assert!(value.is_known() && !value.is_exact(), "{value:?}");
+    }
+    assert!(one == one && one != third);
+}
+
+#[test]
 fn counting_nests_and_keeps_what_was_counted_outside() {
     let third = Wide::of_f64(1.0) / Wide::of_f64(3.0);
     let ((_, inner), outer) = wide::count_unsettled(|| {
@@ -161,6 +182,8 @@ fn range_is_wider_than_that_of_f64() {
     let huge = Wide::of_f64(f64::MAX);
     assert_eq!(tiny.to_f64(), f64::from_bits(1));
     assert_eq!(huge.to_f64(), f64::MAX);
+    assert_eq!(huge.middle().map(|n| n.to_rational()), Some(rational(f64::MAX)));
+    assert_eq!(Wide::EXACT_ZERO.middle(), Some(Number::ZERO));
     let product = tiny * tiny * tiny;
     assert!(product.is_exact() && Wide::EXACT_ZERO.below(product));
     assert_eq!((product * huge * huge * huge / (huge * huge * huge) / tiny / tiny).to_f64(), tiny.to_f64());
