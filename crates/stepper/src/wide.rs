@@ -44,20 +44,51 @@ thread_local! {
     static SETTLED_ONLY: Cell<bool> = const { Cell::new(false) };
 }
 
+/// Counts from nothing; when dropped, adds what was counted outside. So nothing stays behind where a caller catches a panic of the work.
+struct Count {
+    outside: u64,
+}
+
+impl Count {
+    fn begin() -> Count {
+        Count { outside: UNSETTLED.replace(0) }
+    }
+}
+
+impl Drop for Count {
+    fn drop(&mut self) {
+        UNSETTLED.set(self.outside + UNSETTLED.get());
+    }
+}
+
+/// Wants settled answers alone until dropped.
+struct SettledOnly {
+    outside: bool,
+}
+
+impl SettledOnly {
+    fn begin() -> SettledOnly {
+        SettledOnly { outside: SETTLED_ONLY.replace(true) }
+    }
+}
+
+impl Drop for SettledOnly {
+    fn drop(&mut self) {
+        SETTLED_ONLY.set(self.outside);
+    }
+}
+
 /// Runs `work` and tells how many of its comparisons rounding left unsettled. Counts on this thread only.
 pub fn count_unsettled<T>(work: impl FnOnce() -> T) -> (T, u64) {
-    let before = UNSETTLED.replace(0);
+    let _count = Count::begin();
     let result = work();
-    let count = UNSETTLED.replace(before);
-    UNSETTLED.set(before + count);
-    (result, count)
+    (result, UNSETTLED.get())
 }
 
 /// What `work` gives if all its comparisons are settled. It may end early once one is not. Counts on this thread only.
 pub fn settled<T>(work: impl FnOnce() -> T) -> Option<T> {
-    let before = SETTLED_ONLY.replace(true);
+    let _settled_only = SettledOnly::begin();
     let (result, unsettled) = count_unsettled(work);
-    SETTLED_ONLY.set(before);
     (unsettled == 0).then_some(result)
 }
 

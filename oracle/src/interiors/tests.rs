@@ -150,6 +150,8 @@ fn a_block_in_another_or_equal_to_it_meets_it_and_one_in_a_notch_does_not() {
         (v.clone(), v.clone(), true),
         (l.clone(), scaled(&v, 4), true),
         (other.clone(), scaled(&notch, 8), true),
+        // Through the top alone, within a triangle of it that reaches over the notch and so is cut into pieces; most of it is outside.
+        (l.clone(), scaled(&notch, 8).translated(&Vec3::new(number(19, 10), number(1, 10), number(9, 5))), true),
         (l.clone(), notch.clone(), false),
         (other.clone(), notch.clone(), false),
         (v, l.translated(&Vec3::new(number(4, 1), number(0, 1), number(0, 1))), false),

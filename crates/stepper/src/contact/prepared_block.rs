@@ -16,6 +16,8 @@ pub struct PreparedBlock<R> {
     vertices: Vec<Vertex<R>>,
     edges: Vec<PreparedEdge<R>>,
     faces: Vec<Face<R>>,
+    /// Greatest distance of a vertex from the plane of a face of it.
+    bulge: OnceLock<R>,
 }
 
 /// A vertex of a prepared block.
@@ -191,7 +193,7 @@ impl<R: Real> PreparedBlock<R> {
             })
             .collect();
         let bounds = Bounds::around(points);
-        Ok(PreparedBlock { block, bounds, vertices, edges, faces })
+        Ok(PreparedBlock { block, bounds, vertices, edges, faces, bulge: OnceLock::new() })
     }
 
     /// The block this was prepared from, with its own exact coordinates.
@@ -279,6 +281,26 @@ impl<R: Real> PreparedBlock<R> {
             };
             n == 3 || (0..n).all(left)
         })
+    }
+
+    /// Greatest distance of a vertex from the plane of one of its faces, within some roundoffs: of planar faces nothing more.
+    #[inline]
+    pub fn bulge(&self) -> R {
+        *self.bulge.get_or_init(|| {
+            let corners = self.block.topology().faces();
+            corners.iter().zip(&self.faces).map(|(corners, face)| self.bulge_of(corners, face)).fold(R::ZERO, R::larger)
+        })
+    }
+
+    fn bulge_of(&self, corners: &[VertexId], face: &Face<R>) -> R {
+        let asked = match corners.len() {
+            3 => 0,
+            // The normal is across both diagonals, so all four are as far from the plane, by turns above and below.
+            4 => 1,
+            n => n,
+        };
+        let distance = |&v: &VertexId| face.normal.dot(self.vertex(v).at - face.point).abs();
+        corners[..asked].iter().map(distance).fold(R::ZERO, R::larger)
     }
 
     /// Greatest distance of a vertex of the left and of the right face from an edge's line.

@@ -21,7 +21,7 @@ pub struct Tolerances<R> {
     /// Whether the revised criteria apply, not the classic ones.
     pub revised: bool,
     /// No contact that is not kept joins features farther apart than this: max(s, g), and a sixteenth more, so that rounding in
-    /// culling never decides.
+    /// culling never decides. Corners of a face that is not planar may be farther from what touches its plane.
     pub reach: R,
 }
 

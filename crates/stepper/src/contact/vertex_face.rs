@@ -117,3 +117,86 @@ fn across<R: Real>(normal: Vector<R>) -> Vector<R> {
         Vector::new(y, -x, R::ZERO)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::rules::SpecRules;
+    use crate::wide::Wide;
+    use rockproof_model::{Block, BlockOptions, Number, Vec3};
+
+    /// A polygon, and rectangles that make it up and overlap where they meet: what is strictly inside one of them is strictly inside it.
+    type Shape = (&'static [[i32; 2]], &'static [[[i32; 2]; 2]]);
+
+    /// An L, a U and a plus.
+    const SHAPES: [Shape; 3] = [
+        (&[[0, 0], [6, 0], [6, 2], [2, 2], [2, 6], [0, 6]], &[[[0, 0], [6, 2]], [[0, 0], [2, 6]]]),
+        (
+            &[[0, 0], [6, 0], [6, 4], [4, 4], [4, 2], [2, 2], [2, 4], [0, 4]],
+            &[[[0, 0], [6, 2]], [[0, 0], [2, 4]], [[4, 0], [6, 4]]],
+        ),
+        (
+            &[[2, 0], [4, 0], [4, 2], [6, 2], [6, 4], [4, 4], [4, 6], [2, 6], [2, 4], [0, 4], [0, 2], [2, 2]],
+            &[[[2, 0], [4, 6]], [[0, 2], [6, 4]]],
+        ),
+    ];
+
+    /// Maps that keep angles and the way round: the normal of the top comes to lie along an axis or halfway between two, either way.
+    fn turned([x, y, z]: [i32; 3], way: usize) -> [i32; 3] {
+        let [x, y, z] = if way & 1 == 0 { [x, y, z] } else { [x, -y, -z] };
+        let turned = if way & 2 == 0 { [x, y, z] } else { [x, y + z, z - y] };
+        [0, 1, 2].map(|k| turned[(k + way / 4) % 3])
+    }
+
+    fn over_every_point<R: Real>() {
+        let [mut inside, mut outside] = [0; 2];
+        for (outline, rectangles) in SHAPES {
+            for way in 0..12 {
+                let n = outline.len() as u32;
+                let at = |z: i32| outline.iter().map(move |&[x, y]| turned([x, y, z], way));
+                let vertices =
+                    at(-1).chain(at(0)).map(|[x, y, z]| Vec3::new(x, y, z).map(|&c| Number::from_integer(c)));
+                let sides = (0..n).map(|k| vec![k, (k + 1) % n, n + (k + 1) % n, n + k]);
+                let faces = [(0..n).rev().collect(), (n..2 * n).collect()].into_iter().chain(sides).collect();
+                let block = Block::new(vertices.collect(), faces, &BlockOptions { planarity: Number::ZERO }).unwrap();
+                let solid = PreparedBlock::<R>::new(&block).unwrap();
+                for (x, y) in (-1..8).flat_map(|x| (-1..8).map(move |y| (x, y))) {
+                    let [u, v, w] = turned([x, y, 1], way).map(|c| R::from_f64(f64::from(c)));
+                    let found = is_over_face::<R, SpecRules>(Vector::new(u, v, w), &solid, FaceId(1));
+                    let strictly = |[[x0, y0], [x1, y1]]: &[[i32; 2]; 2]| *x0 < x && x < *x1 && *y0 < y && y < *y1;
+                    let expected = rectangles.iter().any(strictly);
+                    assert_eq!(found, expected, "({x}, {y}) over {outline:?}, turned the way {way}");
+                    *if expected { &mut inside } else { &mut outside } += 1;
+                }
+            }
+        }
+        // Nine points are strictly inside each shape.
+        assert_eq!((inside, outside), (3 * 12 * 9, 3 * 12 * (81 - 9)));
+    }
+
+    #[test]
+    fn a_point_is_over_a_concave_face_where_it_is_strictly_inside_a_part_of_it() {
+        over_every_point::<f32>();
+        over_every_point::<f64>();
+        over_every_point::<Wide>();
+    }
+
+    /// Levels along a short direction would be lost to underflow.
+    #[test]
+    fn a_direction_across_a_unit_normal_is_not_short_and_is_across() {
+        let small = f32::from_bits(1);
+        for axis in 0..3 {
+            for long in [1.0, -1.0] {
+                for [one, two] in
+                    [[0.0, 0.0], [small, 0.0], [0.0, small], [small, small], [0.6, 0.0], [0.0, -0.6], [0.6, 0.6]]
+                {
+                    let mut c = [long, one, two];
+                    c.rotate_right(axis);
+                    let normal = Vector::new(c[0], c[1], c[2]);
+                    let found = across(normal);
+                    assert!(found.length() >= 0.5 && found.dot(normal) == 0.0, "{found:?} across {normal:?}");
+                }
+            }
+        }
+    }
+}

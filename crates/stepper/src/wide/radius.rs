@@ -201,4 +201,23 @@ mod tests {
             }
         }
     }
+
+    /// Digits that are all ones, but for some that are cut, round up to a power of two.
+    #[test]
+    fn rounding_up_carries_into_the_exponent() {
+        let two = BigRational::from_integer(2.into());
+        for exponent in [-1000, 0, 1000] {
+            let scale = pow(two.clone(), 1000);
+            let scale = match exponent {
+                0 => BigRational::one(),
+                e if e < 0 => scale.recip(),
+                _ => scale,
+            };
+            for (digits, power) in [(u64::MAX, 64), ((1 << 33) - 1, 33), (u64::MAX << 31, 64)] {
+                let found = Radius::above(digits, exponent);
+                is_just_above(found, &(BigRational::from_integer(digits.into()) * &scale));
+                assert_eq!(value(found), pow(two.clone(), power) * &scale);
+            }
+        }
+    }
 }

@@ -4,13 +4,13 @@
 //! Tolerances unless said otherwise: s = 1/8, r = 1/64, g = 1/16, so = sp = 3/64, ε = 2⁻²⁰, revised.
 
 use crate::pairs::{
-    beak, blade, classic, corner_block, cuboid, keel, long_ridge, n, ridge, shifted_keel, show, spike, tetrahedron,
-    tolerances, undercut,
+    L_OUTLINE, beak, blade, classic, cone, corner_block, cuboid, keel, leaning, long_ridge, n, ridge, shifted_keel,
+    show, spike, tetrahedron, tolerances, undercut, upright,
 };
-use rockproof_model::{Block, ContactKey, ToleranceSet, VertexId};
-use rockproof_stepper::Wide;
-use rockproof_stepper::contact::SpecRules;
+use rockproof_model::{Block, ContactKey, FaceId, ToleranceSet, VertexId};
+use rockproof_stepper::contact::{ContactRules, SpecRules};
 use rockproof_stepper::engine::contacts_keeping;
+use rockproof_stepper::{PreparedBlock, Wide};
 
 /// In each scalar the contacts are these, where nothing is kept.
 pub(crate) fn check(name: &str, a: &Block, b: &Block, t: &ToleranceSet, expected: &[&str]) {
@@ -229,6 +229,10 @@ fn concave_blocks() {
     );
     check("over the notch", &spike([2.0, 2.0, 1.0625], 0.25, 0.5), &block, &t, &[]);
     check("over the notch, level with its inner corner", &spike([5.0, 1.0, 1.0625], 0.25, 0.5), &block, &t, &[]);
+    check("over the notch, level with the far edge", &spike([2.5, 4.0, 1.0625], 0.25, 0.5), &block, &t, &[]);
+    let rim = block.topology().edge_between(VertexId(6), VertexId(11)).unwrap();
+    let expected = format!("v-e 0 {rim} v-f 0 1 +1");
+    check("over the outer rim", &spike([0.0, 2.0, 1.0625], 0.25, 0.5), &block, &t, &[&expected]);
     check("over the inner corner, on the rim", &spike([1.0, 1.0, 1.0625], 0.25, 0.5), &block, &t, &[]);
     let rim = block.topology().edge_between(VertexId(9), VertexId(10)).unwrap();
     let expected = format!("v-e 0 {rim} v-f 0 1 +1");
@@ -236,22 +240,36 @@ fn concave_blocks() {
 }
 
 #[test]
+fn a_concave_face_may_begin_at_any_of_its_corners() {
+    for first in 0..6 {
+        let mut turned = L_OUTLINE;
+        turned.rotate_left(first);
+        let block = upright(&turned);
+        assert!(!PreparedBlock::<f64>::new(&block).unwrap().turns_left(FaceId(1)), "corner {first} first");
+        let name = format!("over the top, corner {first} first");
+        check(&name, &spike([0.5, 2.0, 1.0625], 0.25, 0.5), &block, &tolerances(), &["v-f 0 1 v-f 0 1 +1"]);
+        check("over the notch", &spike([2.0, 2.0, 1.0625], 0.25, 0.5), &block, &tolerances(), &[]);
+    }
+}
+
+#[test]
 fn exits_of_overlapping_contacts() {
     let t = tolerances();
     // A vertex below the top and behind the face x = 4 (corner block) or x = 2 (base).
-    let leaning = |x: f64, y: f64, z: f64| {
-        tetrahedron([
-            [x, y, z],
-            [x + 0.5, y, z + 0.125],
-            [x + 0.125, y + 0.25, z + 0.5],
-            [x + 0.125, y - 0.25, z + 0.5],
-        ])
-    };
     let block = corner_block();
     check("shortest exit upwards", &leaning(3.953125, 0.5, 0.96875), &block, &t, &["v-f 0 1 v-f 0 1 -1"]);
     check("shortest exit sideways", &leaning(3.96875, 0.5, 0.953125), &block, &t, &["v-f 0 3 v-f 0 3 -1"]);
     check("shortest exit, a tie", &leaning(3.96875, 0.5, 0.96875), &block, &t, &["v-f 0 1 v-f 0 1 -1"]);
     check("one exit", &leaning(1.953125, 1.0, 0.96875), &base(), &t, &["v-f 0 1 v-f 0 1 -1"]);
+    let any_angle = ToleranceSet { overlap_sine: n(1.0), ..tolerances() };
+    check(
+        "a right angle is another exit",
+        &leaning(1.953125, 1.0, 0.96875),
+        &base(),
+        &any_angle,
+        &["v-f 0 1 v-f 0 1 -1"],
+    );
+    assert!(!SpecRules::same_exit(0.0, 1.0, 1.0) && SpecRules::same_exit(0.5, 0.75, 0.75));
     // On the top and behind the slope below it: a face it touches is none it overlaps, so both stay.
     let beak = beak([3.96875, 0.5, 1.0]);
     check("touching one, overlapping one", &beak, &undercut(), &t, &["v-f 0 1 v-f 0 1 +0", "v-f 0 3 v-f 0 3 -1"]);
@@ -264,4 +282,12 @@ fn exits_of_overlapping_contacts() {
         &t,
         &["v-f 1 4 v-f 1 4 -1", "v-f 3 5 v-f 3 5 -1", "v-f 5 4 v-f 5 4 -1", "v-f 7 5 v-f 7 5 -1"],
     );
+    // A rebate 1/128 wide parts the sides at x = 2 and y = 2, so that no edge joins them: 3/64 behind one and 1/32 behind the other a vertex
+    // stays in contact with both. Edges cross none: their angle is within the tolerance, whatever it is.
+    let edge = 2.0 - 0.0078125;
+    let rebated = upright(&[[0.0, 0.0], [2.0, 0.0], [2.0, edge], [edge, edge], [edge, 2.0], [0.0, 2.0]]);
+    let tip = cone([1.953125, 1.96875, 0.5], [[0.5, 0.0, 0.25], [0.0, 0.5, 0.25], [0.5, 0.5, 0.375]]);
+    let t = ToleranceSet { search: n(0.03125), parallel_sine: n(1.0), ..classic() };
+    check("two sides that no edge joins", &tip, &rebated, &t, &["v-f 0 3 v-f 0 3 -1", "v-f 0 6 v-f 0 6 -1"]);
+    assert!(SpecRules::joins_exits(true) && !SpecRules::joins_exits(false));
 }

@@ -6,10 +6,12 @@ mod mistakes;
 #[path = "../support/pairs.rs"]
 mod pairs;
 
+mod bent;
 mod golden;
 mod hand_worked;
 mod kept;
 mod planted;
 mod solid;
+mod traces;
 mod true_exits;
 mod wide;

@@ -1,10 +1,11 @@
 //! Preparation, boxes, traces and errors of the stepper.
 
+use crate::bent::{bent, short_reach, tips};
 use crate::hand_worked::base;
-use crate::pairs::{self, block, cuboid, n, spike, tolerances};
+use crate::pairs::{self, block, cuboid, n, spike, tetrahedron, tolerances};
 use proptest::prelude::*;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{Block, EdgeId, FaceId, ToleranceSet, VertexId};
+use rockproof_model::{Block, BlockOptions, EdgeId, FaceId, ToleranceSet, Vec3, VertexId};
 use rockproof_stepper::contact::prepared_block::{CollapsedPart, FaceOfEdge};
 use rockproof_stepper::contact::{SpecRules, ToleranceOverflow, neighbouring_pairs, neighbours};
 use rockproof_stepper::{
@@ -40,6 +41,62 @@ fn a_cuboid_has_the_measures_of_a_cuboid() {
     measures::<f32>();
     measures::<f64>();
     measures::<Wide>();
+}
+
+/// Of a quadrilateral all corners are as far from the plane, of a pentagon they are not.
+fn bulges<R: Real>() {
+    // 2·2 − 2·2 + 32/8 = 4 over √(2² + 2² + 32²).
+    let bulge = PreparedBlock::<R>::new(&bent()).unwrap().bulge().to_f64();
+    assert!((bulge - 4.0 / 1032f64.sqrt()).abs() < 1e-6, "{bulge}");
+    // Over a pentagon with its last corner half a metre low: N = (−3, 1, 40), c = (2, 2.8, −0.1), and N·(v − c) is 7.2, −4.8, −0.8,
+    // 7.2 and −8.8.
+    let outline = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 6.0], [0.0, 4.0]];
+    let corner = |k: usize| {
+        let z = [-4.0, 0.0][k / 5] - if k == 9 { 0.5 } else { 0.0 };
+        Vec3::new(n(outline[k % 5][0]), n(outline[k % 5][1]), n(z))
+    };
+    let sides = (0..5).map(|k| vec![k, (k + 1) % 5, 5 + (k + 1) % 5, 5 + k]);
+    let faces = [vec![4, 3, 2, 1, 0], vec![5, 6, 7, 8, 9]].into_iter().chain(sides).collect();
+    let block = Block::new((0..10).map(corner).collect(), faces, &BlockOptions { planarity: n(0.25) }).unwrap();
+    let bulge = PreparedBlock::<R>::new(&block).unwrap().bulge().to_f64();
+    assert!((bulge - 8.8 / 1610f64.sqrt()).abs() < 1e-6, "{bulge}");
+    let planar = PreparedBlock::<R>::new(&base()).unwrap().bulge();
+    assert_eq!(planar.to_f64(), 0.0);
+}
+
+#[test]
+fn the_bulge_is_the_greatest_distance_of_a_corner_from_its_face() {
+    bulges::<f32>();
+    bulges::<f64>();
+    bulges::<Wide>();
+}
+
+/// Edges of bent faces are not in the planes of those.
+fn directions_are_of_unit_length<R: Real>() {
+    let solid = PreparedBlock::<R>::new(&bent()).unwrap();
+    for e in solid.block().topology().edge_ids() {
+        for side in FaceOfEdge::BOTH {
+            let length = solid.into_face(e, side).length().to_f64();
+            assert!((length - 1.0).abs() < 1e-15, "edge {e}: {length}");
+        }
+    }
+}
+
+#[test]
+fn directions_into_bent_faces_are_of_unit_length() {
+    directions_are_of_unit_length::<f64>();
+    directions_are_of_unit_length::<Wide>();
+}
+
+#[test]
+fn an_end_of_a_long_edge_does_not_count_as_the_width_of_a_face() {
+    // The far end (608, 784, 0) of edge 0-1 is on its line; but its direction rounds, which in f32 makes that 6e-5. Vertex 2 is 1e-5 from
+    // it, across (0.6128, 0.7902, 0), and vertex 3 is 1 from it.
+    let thin = tetrahedron([[0.0; 3], [608.0, 784.0, 0.0], [-7.902e-6, 6.128e-6, 0.0], [0.0, 0.0, 1.0]]);
+    let solid = PreparedBlock::<f32>::new(&thin).unwrap();
+    let [one, two] = solid.widths(EdgeId(0));
+    let (narrow, wide) = (one.min(two), one.max(two));
+    assert!((narrow / 1e-5 - 1.0).abs() < 0.01 && wide == 1.0, "{narrow:e} {wide:e}");
 }
 
 #[test]
@@ -169,6 +226,15 @@ fn culling_never_changes_an_answer() {
         culling_is_silent::<f32>(&pair.a, &pair.b, &pair.tolerances);
         culling_is_silent::<f64>(&pair.a, &pair.b, &pair.tolerances);
         culling_is_silent::<Wide>(&pair.a, &pair.b, &pair.tolerances);
+    }
+    // As far above a bent face as s, nearly so, and as deep.
+    for height in [0.015625, 0.0078125, -0.0078125] {
+        let (a, b, t) = (tips(height), bent(), short_reach());
+        for [a, b] in [[&a, &b], [&b, &a]] {
+            culling_is_silent::<f32>(a, b, &t);
+            culling_is_silent::<f64>(a, b, &t);
+            culling_is_silent::<Wide>(a, b, &t);
+        }
     }
 }
 

@@ -1,12 +1,15 @@
 //! The wide scalar: its bound holds the exact result, exact results are known to be exact, and a comparison that is
 //! settled is right.
 
+use crate::hand_worked::{base, check};
+use crate::pairs::{spike, tolerances};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use proptest::prelude::*;
 use rockproof_model::Number;
 use rockproof_stepper::{Real, Wide, wide};
+use std::panic::{catch_unwind, resume_unwind};
 
 fn rational(value: f64) -> BigRational {
     BigRational::from_float(value).unwrap()
@@ -102,6 +105,27 @@ fn a_tie_of_rounded_values_is_unsettled_and_counted() {
 }
 
 #[test]
+fn whatever_follows_from_a_rounded_value_is_not_exact() {
+    let (third, one) = (Wide::of_f64(1.0) / Wide::of_f64(3.0), Wide::of_f64(1.0));
+    // Of the middle 0, or next to it.
+    let (naught, nearly_zero) = (third - third, third * Wide::of_f64(3.0) - one);
+    for value in [
+        (third + third + third).larger(one),
+        naught.sqrt(),
+        nearly_zero.sqrt(),
+        naught + one,
+        one + naught,
+        naught - one,
+        third / one,
+        one / third,
+        third * one,
+    ] {
+        assert!(value.is_known() && !value.is_exact(), "{value:?}");
+    }
+    assert!(one == one && one != third);
+}
+
+#[test]
 fn counting_nests_and_keeps_what_was_counted_outside() {
     let third = Wide::of_f64(1.0) / Wide::of_f64(3.0);
     let ((_, inner), outer) = wide::count_unsettled(|| {
@@ -110,6 +134,28 @@ fn counting_nests_and_keeps_what_was_counted_outside() {
         ((before, after), inner)
     });
     assert_eq!((inner, outer), (1, 2));
+}
+
+/// A caller that catches a panic goes on working on the same thread.
+#[test]
+fn work_that_panics_leaves_neither_its_mode_nor_its_count_behind() {
+    let third = Wide::of_f64(1.0) / Wide::of_f64(3.0);
+    let unsettled = || third == third;
+    // Unwinds as a panic does, without its message.
+    let panics = || {
+        assert!(unsettled());
+        resume_unwind(Box::new(()))
+    };
+    let ((), outer) = wide::count_unsettled(|| {
+        assert!(unsettled());
+        let inner = catch_unwind(|| wide::count_unsettled(panics));
+        assert!(inner.is_err() && unsettled());
+    });
+    assert_eq!(outer, 3, "one before, one within, one after");
+    assert!(catch_unwind(|| wide::settled(panics)).is_err());
+    // Where it was still so that one unsettled comparison spoils the answer, no contact would be looked for.
+    let above = spike([1.0, 1.0, 1.0625], 0.25, 0.5);
+    check("after a panic", &above, &base(), &tolerances(), &["v-f 0 1 v-f 0 1 +1"]);
 }
 
 #[test]
@@ -136,6 +182,8 @@ fn range_is_wider_than_that_of_f64() {
     let huge = Wide::of_f64(f64::MAX);
     assert_eq!(tiny.to_f64(), f64::from_bits(1));
     assert_eq!(huge.to_f64(), f64::MAX);
+    assert_eq!(huge.middle().map(|n| n.to_rational()), Some(rational(f64::MAX)));
+    assert_eq!(Wide::EXACT_ZERO.middle(), Some(Number::ZERO));
     let product = tiny * tiny * tiny;
     assert!(product.is_exact() && Wide::EXACT_ZERO.below(product));
     assert_eq!((product * huge * huge * huge / (huge * huge * huge) / tiny / tiny).to_f64(), tiny.to_f64());

@@ -191,6 +191,11 @@ pub(crate) fn cone(apex: [f64; 3], edges: [[f64; 3]; 3]) -> Block {
     tetrahedron([apex, end(edges[0]), end(edges[1]), end(edges[2])])
 }
 
+/// A tetrahedron whose edges at vertex 0 rise and lead to +x: below a top and behind a side it overlaps both.
+pub(crate) fn leaning(x: f64, y: f64, z: f64) -> Block {
+    cone([x, y, z], [[0.5, 0.0, 0.125], [0.125, 0.25, 0.5], [0.125, -0.25, 0.5]])
+}
+
 /// A tetrahedron whose vertex 0 points to −x; its edges there rise little.
 pub(crate) fn beak(apex: [f64; 3]) -> Block {
     cone(apex, [[0.5, 0.0, 0.0625], [0.5, 0.25, 0.25], [0.5, -0.25, 0.25]])
@@ -221,22 +226,25 @@ pub(crate) fn corner_block() -> Block {
     moved_corner_block(|v| v)
 }
 
+/// The outline of the corner block.
+pub(crate) const L_OUTLINE: [[f64; 2]; 6] = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [1.0, 1.0], [1.0, 4.0], [0.0, 4.0]];
+
 fn moved_corner_block(map: impl Fn([f64; 3]) -> [f64; 3]) -> Block {
-    let outline = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [1.0, 1.0], [1.0, 4.0], [0.0, 4.0]];
-    let vertices: Vec<_> = [0.0, 1.0].iter().flat_map(|&z| outline.map(|[x, y]| map([x, y, z]))).collect();
-    block(
-        &vertices,
-        &[
-            &[5, 4, 3, 2, 1, 0],
-            &[6, 7, 8, 9, 10, 11],
-            &[0, 1, 7, 6],
-            &[1, 2, 8, 7],
-            &[2, 3, 9, 8],
-            &[3, 4, 10, 9],
-            &[4, 5, 11, 10],
-            &[5, 0, 6, 11],
-        ],
-    )
+    moved_upright(&L_OUTLINE, map)
+}
+
+/// The prism over a polygon that runs counter-clockwise, from z = 0 to 1. Faces: bottom, top, then one an edge, in its order.
+pub(crate) fn upright(outline: &[[f64; 2]]) -> Block {
+    moved_upright(outline, |v| v)
+}
+
+fn moved_upright(outline: &[[f64; 2]], map: impl Fn([f64; 3]) -> [f64; 3]) -> Block {
+    let n = outline.len() as u32;
+    let vertices: Vec<_> =
+        [0.0, 1.0].iter().flat_map(|&z| outline.iter().map(move |&[x, y]| [x, y, z])).map(map).collect();
+    let sides = (0..n).map(|k| vec![k, (k + 1) % n, n + (k + 1) % n, n + k]);
+    let faces: Vec<Vec<u32>> = [(0..n).rev().collect(), (n..2 * n).collect()].into_iter().chain(sides).collect();
+    block(&vertices, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
 /// Tolerances exact in every precision: s = 1/8, r = 1/64, g = 1/16, so = sp = 3/64, ε = 2⁻²⁰, revised.
