@@ -58,24 +58,21 @@ enum Input {
     Overflowing,
     Underflowing,
     Fractions,
-    TinyFractions,
     /// Fractions beyond sixteen times their extent from the origin.
     FarFractions,
     /// Integers of so many binary digits: they bring polynomials to every width of integers.
     Digits(u32),
 }
 
-const INPUTS: [Input; 12] = [
+const INPUTS: [Input; 10] = [
     Input::SmallIntegers,
     Input::FullDoubles,
     Input::NearTies,
     Input::FarAway,
     Input::Tiny,
     Input::Huge,
-    Input::Overflowing,
     Input::Underflowing,
     Input::Fractions,
-    Input::TinyFractions,
     Input::FarFractions,
     Input::Digits(0),
 ];
@@ -93,10 +90,8 @@ fn coordinate(dice: &mut Dice, corner: i32, input: Input) -> Number {
         Input::Huge => float((whole + fraction) * 2f64.powi(200)),
         Input::Overflowing => float((whole + fraction) * 2f64.powi(512)),
         Input::Underflowing => float((whole + fraction) * 2f64.powi(-250)),
-        Input::Fractions | Input::TinyFractions => {
-            let third = BigRational::new((whole as i64 * 7 + dice.below(3) as i64).into(), 21.into());
-            let unit = if matches!(input, Input::TinyFractions) { float(2f64.powi(-1000)) } else { float(1.0) };
-            Number::from_rational(third).times(&unit)
+        Input::Fractions => {
+            Number::from_rational(BigRational::new((whole as i64 * 7 + dice.below(3) as i64).into(), 21.into()))
         }
         Input::FarFractions => Number::from_rational(BigRational::new(
             ((100_000 + whole as i64) * 7 + dice.below(3) as i64).into(),
@@ -341,10 +336,11 @@ impl Checker<'_, '_> {
 fn no_level_proves_a_wrong_sign() {
     let mut dice = Dice(7);
     let (mut seen, mut levels) = (BTreeMap::new(), LevelCounts::default());
-    let rounds = if cfg!(debug_assertions) { 672 } else { 2_400 };
+    let rounds = if cfg!(debug_assertions) { 560 } else { 2_000 };
     for round in 0..rounds {
         let input = match INPUTS[round % INPUTS.len()] {
             Input::Digits(_) => Input::Digits(1 + dice.below(49) as u32),
+            Input::Huge if dice.below(4) == 0 => Input::Overflowing,
             input => input,
         };
         // Below A's first vertex as well: then differences are longer than coordinates.
@@ -354,7 +350,6 @@ fn no_level_proves_a_wrong_sign() {
             Input::Tiny => 2f64.powi(-55),
             Input::Huge => 2f64.powi(200),
             Input::Overflowing => 2f64.powi(512),
-            Input::TinyFractions => 2f64.powi(-1000),
             Input::Underflowing => 2f64.powi(-250),
             _ => 1.0,
         };
