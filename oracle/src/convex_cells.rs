@@ -181,3 +181,44 @@ impl Plane {
         corners
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The one cell of a box between two corners given in halves.
+    fn cell(low: [i32; 3], high: [i32; 3]) -> ConvexCell {
+        let half = Number::from_f64(0.5).unwrap();
+        let at = |[x, y, z]: [i32; 3]| Vec3::new(x, y, z).map(|&c| Number::from_integer(c).times(&half));
+        let cells = cells(&Block::cuboid(&at(low), &at(high)).unwrap());
+        assert_eq!(cells.len(), 1);
+        cells.into_iter().next().unwrap()
+    }
+
+    #[test]
+    fn cells_share_something_only_where_their_interiors_meet() {
+        let unit = cell([0, 0, 0], [2, 2, 2]);
+        for axis in 0..3 {
+            let shifted = |by: i32| {
+                let moved = |c: i32| std::array::from_fn(|k| if k == axis { c + by } else { c });
+                cell(moved(0), moved(2))
+            };
+            for by in [-4, -3, -2, 2, 3, 4] {
+                let other = shifted(by);
+                let shared = unit.common(&other).is_some() || other.common(&unit).is_some();
+                assert!(!shared, "touching or apart along axis {axis}, by {by} halves");
+            }
+            for by in [-1, 0, 1] {
+                let other = shifted(by);
+                let quarters = |c: i32| BigRational::new(c.into(), 4.into());
+                // The middle of [max(0, by), min(2, 2 + by)] halves, in quarters.
+                let middle = |k: usize| quarters(if k == axis { by.max(0) + 2.min(2 + by) } else { 2 });
+                for common in [unit.common(&other), other.common(&unit)] {
+                    assert_eq!(common.unwrap().middle(), Vec3::new(middle(0), middle(1), middle(2)));
+                }
+            }
+        }
+        // Apart along no single axis by more than the others: corner to corner.
+        assert!(unit.common(&cell([2, 2, 2], [4, 4, 4])).is_none());
+    }
+}

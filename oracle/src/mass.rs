@@ -160,4 +160,23 @@ mod tests {
         assert_eq!(mass[11][11], q(48 * (4 + 16), 48));
         assert!((0..12).all(|k| (0..12).all(|l| mass[k][l] == mass[l][k])));
     }
+
+    /// E/(1 + ν) and λ = Eν/((1 + ν)(1 − 2ν)) have no value for ν = −1 and ν = 1/2 alone.
+    #[test]
+    fn two_ratios_of_poisson_leave_no_elasticity() {
+        let ratio = |n: i32, d: i32| Number::from_rational(BigRational::new(n.into(), d.into()));
+        for (poisson, elastic) in [
+            (ratio(-1, 1), false),
+            (ratio(1, 2), false),
+            (ratio(-2, 1), true),
+            (ratio(-1, 2), true),
+            (ratio(0, 1), true),
+            (ratio(1, 4), true),
+            (ratio(1, 1), true),
+        ] {
+            let material = Material { poisson, ..Material::default() };
+            assert_eq!(is_elastic(&material), elastic, "{:?}", material.poisson);
+            assert_eq!(elasticity::<BigRational>(&material, 0).is_some(), elastic, "{:?}", material.poisson);
+        }
+    }
 }

@@ -224,6 +224,39 @@ mod tests {
             assert_eq!(i128::from_big(&big), value);
             assert_eq!(Int256::from_big(&big), Int256::from_small(value));
             assert_eq!(BigInt::from_small(value), big);
+            assert_eq!(BigInt::from_big(&big), big);
         }
+    }
+
+    #[test]
+    fn large_integers_are_the_same_in_every_type_that_holds_them() {
+        for bits in [127u32, 130, 250, 500] {
+            for value in [BigInt::from(3) << bits, -(BigInt::from(1) << bits) + 1] {
+                assert_eq!(BigInt::from_big(&value), value);
+                let magnitude = Magnitude::<BigInt>::from_big(&value);
+                assert_eq!((magnitude.value, magnitude.terms), (value.clone(), value.abs()));
+            }
+        }
+    }
+
+    /// Coordinates of more than 120 bits on the pair's lattice: B's bottom is 2⁻¹³⁰/3 above A's top.
+    #[test]
+    fn gaps_on_a_fine_lattice_are_exact() {
+        use num_rational::BigRational;
+        use rockproof_model::{Block, Entrance, FaceId, Number, Sign, VertexId};
+        let number = |numerator: i32, denominator: i32| {
+            Number::from_rational(BigRational::new(numerator.into(), denominator.into()))
+        };
+        let hair = BigRational::new(1.into(), BigInt::from(3) << 130u32);
+        let height = Number::from_rational(BigRational::from_integer(1.into()) + &hair);
+        let at = |c: [i32; 3], d: i32| Vec3::new(c[0], c[1], c[2]).map(|&c| number(c, d));
+        let a = PreparedBlock::new(&Block::cuboid(&at([0, 0, 0], 1), &at([1, 1, 1], 1)).unwrap());
+        let low = Vec3::new(number(1, 3), number(1, 3), height);
+        let high = Vec3::new(number(4, 3), number(4, 3), number(2, 1));
+        let b = PreparedBlock::new(&Block::cuboid(&low, &high).unwrap());
+        let top = (0..6).map(FaceId).find(|f| a.faces[f.index()].normal.z.0 > 0.0).unwrap();
+        let lowest: VertexId = b.extremes[2].0;
+        let gap = Pair::new(&a, &b).gap(&Entrance::FaceVertex(top, lowest));
+        assert_eq!((gap.sign, gap.squared), (Sign::Positive, &hair * &hair));
     }
 }

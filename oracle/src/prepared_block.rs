@@ -331,37 +331,4 @@ fn largest_component<'a>(vectors: impl IntoIterator<Item = &'a Vec3<Approx>>) ->
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
-    use super::*;
-    use rockproof_model::{BlockOptions, Number};
-
-    /// A box 3 wide whose top and two sides are bent by one corner raised, all of it `scale` times as large.
-    pub(crate) fn bent_box(scale: &Number) -> Block {
-        let corners = [[0, 0, 0], [3, 0, 0], [3, 3, 0], [0, 3, 0], [0, 0, 3], [3, 0, 3], [3, 3, 4], [0, 3, 3]];
-        let at = |c: i32| Number::from_integer(c).times(scale);
-        let vertices = corners.map(|[x, y, z]| Vec3::new(at(x), at(y), at(z))).to_vec();
-        let faces =
-            [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]].map(|f| f.to_vec());
-        Block::new(vertices, faces.to_vec(), &BlockOptions { planarity: Number::from_integer(1) }).unwrap()
-    }
-
-    #[test]
-    fn the_bulge_of_a_bent_face_is_bounded_whatever_the_size() {
-        // N is (−3, −3, 18) and a corner is 18/4 above the mean: 4.5/√342.
-        let bulge = 4.5 / 342f64.sqrt();
-        let (mut known, mut unknown) = (0, 0);
-        for exponent in -300..300 {
-            let unit = 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2);
-            let bound = PreparedBlock::new(&bent_box(&Number::from_f64(unit).unwrap())).bulge;
-            let least = bulge * (1.0 - 1e-9) * 2f64.powi(exponent);
-            assert!(bound >= least, "2^{exponent}: {bound:e} for {least:e}");
-            if bound.is_finite() {
-                known += 1;
-                assert!(bound <= bulge * (1.0 + 1e-9) * 2f64.powi(exponent), "2^{exponent}: {bound:e}");
-            } else {
-                unknown += 1;
-            }
-        }
-        assert!(known > 450 && unknown > 20, "{known} known, {unknown} unknown");
-    }
-}
+pub(crate) mod tests;

@@ -317,3 +317,82 @@ impl<'s, 'p> DirectionCone<'s, 'p> {
         sum
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_rational::BigRational;
+    use rockproof_model::Number;
+
+    fn float(value: f64) -> Number {
+        Number::from_f64(value).unwrap()
+    }
+
+    fn part(numerator: i32, denominator: i32) -> Number {
+        Number::from_rational(BigRational::new(numerator.into(), denominator.into()))
+    }
+
+    fn points(of: Vec<[Number; 3]>) -> SeparablePoints {
+        SeparablePoints::new(of.into_iter().map(|[x, y, z]| Vec3::new(x, y, z)).collect())
+    }
+
+    /// Whether every point of the first set is exactly at or beyond every one of the second along n.
+    fn separates(n: [i32; 3], sets: [&SeparablePoints; 2]) -> bool {
+        let n = Vec3::new(n[0], n[1], n[2]).map(|&c| BigRational::from_integer(c.into()));
+        let [a, b] = sets.map(|set| set.exact.iter().map(|p| n.dot(&p.map(Number::to_rational))).collect::<Vec<_>>());
+        a.iter().min() >= b.iter().max()
+    }
+
+    /// The first set is exactly below the second by less than a rounding, or f64 overflows: nothing is sure.
+    #[test]
+    fn what_f64_cannot_tell_separates_for_sure_nowhere() {
+        let (fifth, third, two_thirds) = (0.2, 1.0 / 3.0, 2.0 / 3.0);
+        for (name, n, a, b) in [
+            (
+                "a of fractions",
+                [1, 1, 1],
+                points(vec![[part(1, 5), part(1, 5), part(1, 5)]]),
+                points(vec![[float(fifth), float(fifth), float(fifth - 2f64.powi(-55))]]),
+            ),
+            (
+                "b of fractions",
+                [1, 1, 1],
+                points(vec![[float(third), float(third + 2f64.powi(-54)), float(two_thirds)]]),
+                points(vec![[part(1, 3), part(1, 3), part(2, 3)]]),
+            ),
+            (
+                "overflow",
+                [0, 0, 1],
+                points(vec![[float(0.0), float(0.0), float(1.2e308)], [float(0.0), float(0.0), float(-1.2e308)]]),
+                points(vec![[float(0.0), float(0.0), float(0.0)]]),
+            ),
+        ] {
+            assert!(!separates(n, [&a, &b]), "{name}");
+            let search =
+                Search { sets: [a.set(), b.set()], integers: OnceCell::new(), asked_integers: Cell::new(false) };
+            assert!(!search.surely_separates(n.map(f64::from)), "{name}");
+        }
+    }
+
+    /// A narrow cone of directions, far from every plane of a face: cutting must keep track of which condition bounds it where.
+    #[test]
+    fn tetrahedra_that_only_a_skew_plane_separates_are_separated() {
+        let halves = |of: [[i32; 3]; 4]| points(of.map(|p| p.map(|c| part(c, 2))).to_vec());
+        for (n, a, b) in [
+            (
+                [2, -1, -6],
+                halves([[6, 2, 4], [4, 0, 4], [0, 4, 2], [4, 2, 0]]),
+                halves([[3, 4, 3], [1, 0, 3], [1, 4, 5], [-1, 4, 5]]),
+            ),
+            (
+                [-7, 2, -6],
+                halves([[0, 6, 0], [6, 6, 0], [0, 6, 4], [2, 4, 4]]),
+                halves([[4, 7, 3], [6, 3, -1], [4, 7, 5], [2, 7, 5]]),
+            ),
+        ] {
+            assert!(separates(n, [&a, &b]), "{n:?}");
+            assert!(separate(a.set(), b.set()).is_separated, "{n:?}");
+            assert!(separate(b.set(), a.set()).is_separated, "{n:?}, exchanged");
+        }
+    }
+}

@@ -21,6 +21,7 @@ use rockproof_model::{
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
+mod limits;
 mod vectors;
 
 /// A small generator of its own (SplitMix64): the tests must not depend on a library's stream.
@@ -53,6 +54,8 @@ enum Input {
     FarAway,
     Tiny,
     Huge,
+    /// Products of two overflow.
+    Overflowing,
     Underflowing,
     Fractions,
     /// Fractions beyond sixteen times their extent from the origin.
@@ -85,6 +88,7 @@ fn coordinate(dice: &mut Dice, corner: i32, input: Input) -> Number {
         Input::FarAway => float(1e8 + whole + fraction),
         Input::Tiny => float((whole + fraction) * 2f64.powi(-55)),
         Input::Huge => float((whole + fraction) * 2f64.powi(200)),
+        Input::Overflowing => float((whole + fraction) * 2f64.powi(512)),
         Input::Underflowing => float((whole + fraction) * 2f64.powi(-250)),
         Input::Fractions => {
             Number::from_rational(BigRational::new((whole as i64 * 7 + dice.below(3) as i64).into(), 21.into()))
@@ -196,6 +200,10 @@ impl Checker<'_, '_> {
         assert!(p.variant() < P::VARIANTS && slot < SLOTS);
         let exact = self.in_integers::<P, BigInt>(p);
         assert_eq!(self.run.exact_sign(p), exact, "the width of integers chosen, slot {slot}, {about}");
+        // Twice: the second time the bound for all pairs of the size is known.
+        for time in 1..=2 {
+            assert_eq!(self.run.sign(p), exact, "the ladder, slot {slot}, time {time}, {about}");
+        }
         let certain = |value: f64, bound: f64| {
             if value > bound {
                 Some(Sign::Positive)
@@ -213,6 +221,8 @@ impl Checker<'_, '_> {
         let (unit, powers) = unit_bounds_for(pair, &floats);
         let unit_bound =
             p.value(&BoundView::of_unit_size(pair.a, pair.b, unit.longest_loop, unit.coordinate)).error * INFLATION;
+        let known = unit.get(slot);
+        assert!(known.is_nan() || known == unit_bound, "{known:e} for {unit_bound:e}, slot {slot}, {about}");
         if let Some(sign) = certain(value, unit_bound * powers[P::DEGREE]) {
             assert_eq!(sign, exact, "unit bound, slot {slot}, {about}");
             seen.by_unit_bound += 1;
@@ -343,6 +353,7 @@ fn no_level_proves_a_wrong_sign() {
     for round in 0..rounds {
         let input = match INPUTS[round % INPUTS.len()] {
             Input::Digits(_) => Input::Digits(1 + dice.below(49) as u32),
+            Input::Huge if dice.below(4) == 0 => Input::Overflowing,
             input => input,
         };
         // Below A's first vertex as well: then differences are longer than coordinates.
@@ -351,6 +362,7 @@ fn no_level_proves_a_wrong_sign() {
         let size = match input {
             Input::Tiny => 2f64.powi(-55),
             Input::Huge => 2f64.powi(200),
+            Input::Overflowing => 2f64.powi(512),
             Input::Underflowing => 2f64.powi(-250),
             _ => 1.0,
         };

@@ -44,12 +44,8 @@ impl Pair<'_> {
         entries
     }
 
-    /// The exact margin of a decision, or `None` if [`Pair::classify`] does not come to make it.
-    pub fn margin(&self, tolerances: &ToleranceSet, decision: &Decision) -> Option<Margin> {
-        self.margins(tolerances, std::slice::from_ref(decision)).pop().flatten()
-    }
-
-    /// The exact margins of several decisions, for the price of one classification and of the margins themselves.
+    /// The exact margins of several decisions, for the price of one classification and of the margins themselves; `None` for
+    /// one that [`Pair::classify`] does not come to make.
     pub fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<Margin>> {
         self.margins_keeping(tolerances, &[], decisions)
     }

@@ -6,10 +6,10 @@
 mod support;
 
 use num_rational::BigRational;
-use rockproof_model::{Block, ContactKind, Number, Point, Precision, ToleranceSet, Vec3};
+use rockproof_model::{Block, ContactKind, Number, Point, Precision, Sign, ToleranceSet, Vec3};
 use rockproof_oracle::{LevelCounts, Pair, PreparedBlock, plain};
 use support::handworked;
-use support::shapes::{block, cuboid, number, point, revised};
+use support::shapes::{block, cuboid, number, point, revised, slab, spike};
 
 const ROUNDS: u64 = 2;
 const FULL_ROUNDS: u64 = 8;
@@ -202,3 +202,138 @@ fn edges_that_cross_at_an_end_have_the_feet_that_fractions_find() {
 }
 
 const TETRAHEDRON: [&[u32]; 4] = [&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[0, 3, 2]];
+
+#[test]
+fn boxes_apart_along_every_axis_are_no_neighbours() {
+    let a = cuboid(["-10", "-10", "-10"], ["-9", "-9", "-9"]);
+    let b = cuboid(["-7", "-7", "-7"], ["-6", "-6", "-6"]);
+    // More than once: the bound of the f64 path is known from the second time on.
+    for (first, second) in [(&a, &b), (&b, &a), (&a, &b), (&b, &a)] {
+        let (first, second) = (PreparedBlock::new(first), PreparedBlock::new(second));
+        let pair = Pair::new(&first, &second);
+        assert!(!pair.are_neighbours(&revised(&[("search", "1")])));
+        assert!(pair.are_neighbours(&revised(&[("search", "2")])));
+    }
+}
+
+/// The tetrahedron of integer points times a length; corners 2 and 3 are exchanged where that turns it right way out.
+fn tetrahedron_of(corners: [[i64; 3]; 4], length: &Number) -> Block {
+    let [p, q, r, s] = corners;
+    let from_p = |v: [i64; 3]| [0, 1, 2].map(|k| i128::from(v[k]) - i128::from(p[k]));
+    let [d, e, f] = [q, r, s].map(from_p);
+    let volume = |k: usize| (d[(k + 1) % 3] * e[(k + 2) % 3] - d[(k + 2) % 3] * e[(k + 1) % 3]) as f64 * f[k] as f64;
+    let turned = if (0..3).map(volume).sum::<f64>() > 0.0 { [p, q, r, s] } else { [p, q, s, r] };
+    let scaled = |c: i64| Number::from_rational(BigRational::from_integer(c.into())).times(length);
+    block(turned.map(|[x, y, z]| Vec3::new(scaled(x), scaled(y), scaled(z))).to_vec(), &TETRAHEDRON)
+}
+
+fn power_of_two(exponent: i32) -> Number {
+    Number::from_rational(BigRational::from_integer(2.into()).pow(exponent))
+}
+
+/// Both paths find this one contact, of an e-e with this h², also when the fast one is asked again.
+fn touch_in(about: &str, [a, b]: [&Block; 2], t: &ToleranceSet, kind: ContactKind, gap_squared: &BigRational) {
+    let plainly = plain::classify::<BigRational>(a, b, t);
+    let found: Vec<_> = plainly.iter().map(|f| (f.contact.kind(), f.contact.key.numbers())).collect();
+    assert_eq!(found, [(kind, [0, 0])], "{about}");
+    if kind == ContactKind::EdgeEdge {
+        assert_eq!(&plainly[0].gap_squared, gap_squared, "{about}");
+    }
+    let contacts = [plainly[0].contact];
+    for time in 0..2 {
+        let fast = Pair::new(&PreparedBlock::new(a), &PreparedBlock::new(b)).classify(t).contacts;
+        assert_eq!(fast, contacts, "{about}, time {time}: fast (left), plain (right)");
+    }
+}
+
+fn lengths(unit: &Number, [search, territory, penetration]: [&str; 3]) -> ToleranceSet {
+    let mut t = revised(&[("search", search), ("territory", territory), ("penetration", penetration)]);
+    for length in [&mut t.search, &mut t.territory, &mut t.penetration] {
+        *length = length.times(unit);
+    }
+    t
+}
+
+fn square(value: &Number) -> BigRational {
+    value.to_rational().pow(2)
+}
+
+/// Where products overflow every bound of the f64 path is infinite, and so may a value be: that proves nothing.
+#[test]
+fn feet_whose_values_overflow_are_not_rejected() {
+    let unit = power_of_two(254);
+    let a = tetrahedron_of([[3, 1, 3], [-3, -1, -3], [-9, 3, 4], [-3, 9, 4]], &unit);
+    let b = tetrahedron_of([[4, -2, -2], [2, -4, -2], [3, -11, -12], [15, -7, 0]], &unit);
+    // d₁ = −2(3, 1, 3) and d₂ = −2(1, 1, 0): d₁ × d₂ ∥ (−3, 3, 2), and p_A − p_B = (−1, 3, 5): h = 22/√22.
+    let h_squared = BigRational::from_integer(22.into()) * square(&unit);
+    touch_in("feet", [&a, &b], &lengths(&unit, ["5", "0", "1"]), ContactKind::EdgeEdge, &h_squared);
+}
+
+#[test]
+fn gaps_whose_squares_overflow_are_not_rejected() {
+    let metre = number("1");
+    // Edges that cross 1/32 apart and overlapping, in units of 1/32 m: they make the bounds of such gaps known.
+    let small = power_of_two(-5);
+    let ridge = |z: i64| tetrahedron_of([[-64, 0, z], [64, 0, z], [0, 64, 64 + z], [0, -64, 64 + z]], &small);
+    let lower = tetrahedron_of([[0, -64, 0], [0, 64, 0], [64, 0, -64], [-64, 0, -64]], &small);
+    for z in [1, -1] {
+        touch_in("small", [&ridge(z), &lower], &revised(&[]), ContactKind::EdgeEdge, &square(&small));
+    }
+    // Edges that cross in the origin, exactly; in f64 their plane's value is noise of 1e165 m³, whose square is infinite.
+    let d = [354_895_485_115_210, 548_345_363_464_445, 545_631_947_218_857];
+    let e = [-389_417_101_237_555, -549_637_915_451_607, 412_034_039_467_077];
+    let u = [525_836_961_204_471, -358_707_431_549_218, 18_471_047_275_466];
+    let sum = |of_d: i64, of_e: i64, of_u: i64| [0, 1, 2].map(|k| of_d * d[k] + of_e * e[k] + of_u * u[k]);
+    let unit = power_of_two(150);
+    let a = tetrahedron_of([sum(-3, 0, 0), sum(5, 0, 0), sum(0, 4, 3), sum(0, -4, 3)], &unit);
+    let b = tetrahedron_of([sum(0, -2, 0), sum(0, 4, 0), sum(4, 0, -3), sum(-4, 0, -3)], &unit);
+    let nothing = BigRational::from_integer(0.into());
+    touch_in("large", [&a, &b], &lengths(&metre, ["1", "0", "1"]), ContactKind::EdgeEdge, &nothing);
+}
+
+/// Below the least normal f64 the slack of culling rounds to nothing: what is left is the distance itself.
+#[test]
+fn in_units_of_the_least_f64_what_is_exactly_s_apart_touches() {
+    let unit = power_of_two(-1074);
+    let ridge_above = [[-40, 0, 10], [40, 0, 10], [0, 30, 60], [0, -30, 60]];
+    let ridge_below = [[0, -40, 0], [0, 40, 0], [30, 0, -50], [-30, 0, -50]];
+    let tip_above = [[0, 0, 10], [40, 0, 60], [-20, 30, 60], [-20, -30, 60]];
+    let tip_below = [[0, 0, 0], [40, 0, -50], [-20, 30, -50], [-20, -30, -50]];
+    let t = lengths(&unit, ["10", "0", "0"]);
+    let h_squared = square(&unit) * BigRational::from_integer(100.into());
+    for (above, below, kind, back) in [
+        (ridge_above, ridge_below, ContactKind::EdgeEdge, ContactKind::EdgeEdge),
+        (tip_above, tip_below, ContactKind::VertexVertex, ContactKind::VertexVertex),
+        (tip_above, ridge_below, ContactKind::VertexEdge, ContactKind::EdgeVertex),
+    ] {
+        // Upside down as well, so that the lower ends are met and the upper ones.
+        for way in [1, -1] {
+            let [above, below] =
+                [above, below].map(|corners| tetrahedron_of(corners.map(|c| c.map(|x: i64| way * x)), &unit));
+            touch_in("above and below", [&above, &below], &t, kind, &h_squared);
+            touch_in("below and above", [&below, &above], &t, back, &h_squared);
+        }
+    }
+    // Lengths that are no f64s: 2/5, 53/5 and 51/5 of the unit are seen as 0, 11 and 10.
+    let fifth = unit.times(&number("1/5"));
+    let raised =
+        |corners: [[i64; 3]; 4], by: i64| tetrahedron_of(corners.map(|[x, y, z]| [5 * x, 5 * y, 5 * z + by]), &fifth);
+    let (above, below) = (raised(tip_above, 3), raised(tip_below, 2));
+    let h_squared = square(&unit.times(&number("51/5")));
+    let t = lengths(&unit, ["51/5", "0", "0"]);
+    touch_in("fifths", [&above, &below], &t, ContactKind::VertexVertex, &h_squared);
+    touch_in("fifths", [&below, &above], &t, ContactKind::VertexVertex, &h_squared);
+}
+
+/// With no tolerance nothing but rounding is left of the reach: less than none would lose what touches.
+#[test]
+fn without_tolerances_a_tip_on_a_face_touches() {
+    let nothing = [("search", "0"), ("territory", "0"), ("penetration", "0")];
+    for at in ["0", "1/3", "1000003/7"] {
+        let offset = point(["0", "0", at]);
+        let (a, b) = (spike(["0", "0", "0"]).translated(&offset), slab().translated(&offset));
+        let found = Pair::new(&PreparedBlock::new(&a), &PreparedBlock::new(&b)).classify(&revised(&nothing)).contacts;
+        let found: Vec<_> = found.iter().map(|c| (c.kind(), c.key.numbers(), c.gap)).collect();
+        assert_eq!(found, [(ContactKind::VertexFace, [0, 1], Sign::Zero)], "{at}");
+    }
+}

@@ -3,7 +3,9 @@
 mod support;
 
 use num_rational::BigRational;
-use rockproof_model::{Block, Contact, ContactKey, ContactKind, EdgeId, FaceId, ToleranceSet};
+use rockproof_model::{
+    Block, Contact, ContactKey, ContactKind, EdgeId, Entrance, FaceId, Sign, ToleranceSet, VertexId,
+};
 use rockproof_oracle::combination::{Combination, JoinedFeatures, combinations};
 use rockproof_oracle::plain;
 use support::shapes::{Prism, WEDGE, cuboid, point, revised, slab, spike, step};
@@ -145,4 +147,58 @@ fn single_contacts_combine_to_nothing() {
         let (contacts, found) = combined(&spike(tip), &slab(), &revised(&[]));
         assert_eq!((contacts.len(), found), (1, Vec::new()));
     }
+}
+
+/// What contacts written by hand combine to, whichever block is named first. Neither entrance nor gap matters.
+fn of_contacts(a: &Block, b: &Block, contacts: &[(ContactKind, u32, u32)]) -> Vec<Combination> {
+    let contacts: Vec<Contact> = contacts
+        .iter()
+        .map(|&(kind, of_a, of_b)| Contact {
+            key: ContactKey::of_kind(kind, [of_a, of_b]),
+            entrance: Entrance::VertexFace(VertexId(0), FaceId(1)),
+            gap: Sign::Zero,
+        })
+        .collect();
+    let found = combinations(a, b, &contacts);
+    let swapped: Vec<Contact> = contacts.iter().map(|c| c.swapped()).collect();
+    let mut back: Vec<Combination> = combinations(b, a, &swapped).into_iter().map(exchanged).collect();
+    back.sort();
+    assert_eq!(back, found, "combinations do not depend on which block is named first");
+    found
+}
+
+use ContactKind::{EdgeEdge, VertexEdge, VertexFace};
+
+#[test]
+fn contacts_with_one_foot_in_common_span_no_line() {
+    // The ends of a vertical edge have the same foot on the slab's top.
+    let post = cuboid(["0", "0", "1"], ["1", "1", "3"]);
+    assert_eq!(of_contacts(&post, &slab(), &[(VertexFace, 0, 1), (VertexFace, 4, 1)]), []);
+    // One corner beside two edges of the top: on the post it is a single point.
+    assert_eq!(of_contacts(&post, &slab(), &[(VertexEdge, 0, 8), (VertexEdge, 0, 9)]), []);
+}
+
+#[test]
+fn an_edge_on_a_face_holds_the_edge_beside_which_two_of_its_contacts_lie() {
+    // Two corners of an edge along y = 4, a third inside of it on the top: edge 11 bounds the top, and its contacts are among those.
+    let post = cuboid(["-1", "4", "0"], ["1", "6", "1"]);
+    let found = of_contacts(&post, &slab(), &[(VertexEdge, 0, 11), (VertexEdge, 1, 11), (VertexFace, 1, 1)]);
+    assert_eq!(found, [combination(JoinedFeatures::EdgeFace(EdgeId(0), FaceId(1)), &[0, 1, 2])]);
+}
+
+#[test]
+fn an_edge_on_another_face_is_none_of_a_face_on_a_face() {
+    let post = cuboid(["-1", "4", "0"], ["1", "6", "1"]);
+    let contacts = [0, 1, 2].map(|v| (VertexFace, v, 1)).into_iter().chain([4, 7].map(|v| (VertexFace, v, 3)));
+    let found = of_contacts(&post, &slab(), &contacts.collect::<Vec<_>>());
+    let on_the_side = combination(JoinedFeatures::EdgeFace(EdgeId(9), FaceId(3)), &[3, 4]);
+    assert_eq!(found, [combination(face_face(0, 1), &[0, 1, 2]), on_the_side]);
+}
+
+#[test]
+fn three_contacts_in_line_make_no_face_on_a_face() {
+    // The bottom's corners 0 and 1, and a crossing of edge 0 with the top's edge 9, all on edge 0's line.
+    let bar = cuboid(["-5", "0", "0"], ["1", "2", "1"]);
+    let found = of_contacts(&bar, &slab(), &[(VertexFace, 0, 1), (VertexFace, 1, 1), (EdgeEdge, 0, 9)]);
+    assert_eq!(found, [combination(JoinedFeatures::EdgeFace(EdgeId(0), FaceId(1)), &[0, 1, 2])]);
 }

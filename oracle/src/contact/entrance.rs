@@ -59,13 +59,11 @@ impl<O: Observer> Classification<'_, '_, O> {
         }
     }
 
-    /// Adds the planes of convex, crossing edges whose wedges pass.
+    /// Adds the planes of crossing edges whose wedges pass. Convex edges all: those at convex vertices, and those that v-e is about.
     pub(crate) fn add_edges(&mut self, edges_a: &[EdgeId], edges_b: &[EdgeId], candidates: &mut Candidates) {
         for &edge_a in edges_a.iter() {
             for &edge_b in edges_b {
-                if !(self.edge_is_convex(Side::A, edge_a) && self.edge_is_convex(Side::B, edge_b))
-                    || self.nearly_parallel(edge_a, edge_b)
-                {
+                if self.nearly_parallel(edge_a, edge_b) {
                     continue;
                 }
                 let sigma = self.orientation(edge_a, edge_b);

@@ -129,10 +129,10 @@ impl<O: Observer> Classification<'_, '_, O> {
             .all(|&corner| self.sign(&WedgeDipDepth { inward, corner, limit }).is_at_least_zero())
     }
 
-    /// Whether a plane that passed is a true exit: what dips below it does so by at most r/10; **a tie says yes**. Under
-    /// classic whatever passes is one, and nothing is asked.
+    /// Whether a plane that passed is a true exit: what dips below it does so by at most r/10; **a tie says yes**. Asked under
+    /// revised alone: under classic whatever passes is one.
     pub(crate) fn is_true_exit(&mut self, candidate: &Candidate) -> bool {
-        if self.classic || (!O::ACTIVE && !candidate.may_dip) {
+        if !O::ACTIVE && !candidate.may_dip {
             return true;
         }
         let entrance = candidate.entrance;

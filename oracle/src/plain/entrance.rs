@@ -27,10 +27,10 @@ impl<'p, 'a, Q: Rational> Candidates<'p, 'a, Q> {
         }
     }
 
-    /// Two edges, if they are convex, not nearly parallel, and the wedges pass.
+    /// Two convex edges (those at convex vertices are, and those that v-e is about), if they are not nearly parallel and the
+    /// wedges pass.
     pub(super) fn edge_edge(&mut self, a: EdgeId, b: EdgeId) {
-        let convex = self.pair.a.block.edge_is_convex(a) && self.pair.b.block.edge_is_convex(b);
-        if convex && !edge_edge::nearly_parallel(self.pair, a, b) {
+        if !edge_edge::nearly_parallel(self.pair, a, b) {
             let plane = edge_edge::plane(self.pair, a, b);
             if edge_edge::wedges_pass(self.pair, (a, b), &plane) {
                 self.planes.push(plane);

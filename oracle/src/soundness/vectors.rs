@@ -59,6 +59,8 @@ pub(super) fn check(pair: &Pair<'_>, t: &ToleranceSet, about: &str) {
             views.compare(1, Vector::Centre(side, face));
             let (length, count) = (views.exact.loop_length(side, face), views.counted.loop_length(side, face));
             assert!(length.bits() <= u64::from(count.0), "{about}");
+            let bound = views.bounds.loop_length(side, face).magnitude;
+            assert!(BigRational::from_integer(length) <= rational(bound), "{bound}, {about}");
             if pair.solid(side).faces[face.index()].surely_convex {
                 turns_left(&views.exact, side, face, about);
             }

@@ -58,7 +58,8 @@ pub(crate) fn slab() -> Block {
     cuboid(["-4", "-4", "-4"], ["4", "4", "0"])
 }
 
-const PYRAMID_FACES: [&[u32]; 5] = [&[1, 2, 3, 4], &[0, 2, 1], &[0, 3, 2], &[0, 4, 3], &[0, 1, 4]];
+/// The faces of a pyramid with tip 0 and base 1 to 4, numbered as in [`spike`].
+pub(crate) const PYRAMID_FACES: [&[u32]; 5] = [&[1, 2, 3, 4], &[0, 2, 1], &[0, 3, 2], &[0, 4, 3], &[0, 1, 4]];
 
 /// A pyramid on its tip.
 ///
@@ -194,7 +195,7 @@ pub(crate) fn gable() -> Block {
 
 /// The polygon of the plane (x, z), counter-clockwise with x to the right and z up, from y = `front` to y = `back`.
 /// Face 0 is the front, face 1 the back, face 2 + k joins corners k and k + 1.
-fn extruded(corners: &[[&str; 2]], front: &str, back: &str) -> Block {
+pub(crate) fn extruded(corners: &[[&str; 2]], front: &str, back: &str) -> Block {
     let n = corners.len() as u32;
     let at = |y| corners.iter().map(move |[x, z]| point([x, y, z]));
     let sides = (0..n).map(|k| vec![(k + 1) % n, k, k + n, (k + 1) % n + n]);

@@ -1,6 +1,8 @@
 //! Concave blocks: reflex edges and vertices, and the shortest exit.
 
-use super::super::shapes::{WEDGE, classic, cuboid, leaning_spike, point, revised, spike, step, step_between};
+use super::super::shapes::{
+    WEDGE, classic, cuboid, extruded, leaning_spike, point, revised, spike, step, step_between,
+};
 use super::{Case, Row};
 use rockproof_model::{Block, ToleranceSet};
 
@@ -94,6 +96,30 @@ pub(super) fn cases() -> Vec<Case> {
             [spike(["1", "0", "1"]), step_between("-1/50", "1/50")],
             classic(&[("overlap_sine", "1")]),
             vec![("v-f", 0, 0, "v-f", 0, 0, "-1/2500"), ("v-f", 0, 1, "v-f", 0, 1, "-1/2500")],
+        ),
+        case(
+            "two_groups_of_three",
+            "The tip is in the middle of a plate 1/25 thick: 1/50 behind its bottom (face 2), below the right half of its roof \
+             (face 6, N = (1, 0, 250)) by 5/√62501 and below the left half (face 7, (−1, 0, 400)) by 8/√160001, which is more. The \
+             ridge (edge 12) joins the halves alone: of these the right one stays, and the bottom, a group of its own, stays as \
+             well. A wall at x = 5 makes the plate no convex block. Under classic so = 1 lets every cone and wedge pass. Edges 0 to 3 × \
+             12 are (3/50)/5 from each other. σ follows the sums of the inward directions, B's (−384, 0, −128/25): A's are (±96, ∓96, 144) \
+             and the like, so n is (4, 0, 3) for edges 1 and 2, overlapping, and (4, 0, −3) for 0 and 3, apart by more than s.",
+            [
+                spike(["0", "0", "0"]),
+                extruded(
+                    &[["-8", "-1/50"], ["6", "-1/50"], ["6", "2"], ["5", "2"], ["5", "0"], ["0", "1/50"], ["-8", "0"]],
+                    "-4",
+                    "4",
+                ),
+            ],
+            classic(&[("overlap_sine", "1"), ("search", "1/100")]),
+            vec![
+                ("v-f", 0, 2, "v-f", 0, 2, "-1/2500"),
+                ("v-f", 0, 6, "v-f", 0, 6, "-25/62501"),
+                ("e-e", 1, 12, "e-e", 1, 12, "-9/62500"),
+                ("e-e", 2, 12, "e-e", 2, 12, "-9/62500"),
+            ],
         ),
         plain(
             "box_over_a_convex_edge_of_a_step",

@@ -1,6 +1,6 @@
 //! One exit: two convex blocks overlap in one place and leave it by one way.
 
-use super::super::shapes::{cuboid, gable, leaning_spike, revised, slab, spike};
+use super::super::shapes::{cuboid, gable, leaning_spike, revised, slab, spike, tetrahedron};
 use super::{Case, Row};
 use rockproof_model::Block;
 
@@ -102,6 +102,27 @@ pub(super) fn cases() -> Vec<Case> {
             [leaning_spike(["397/100", "0", "-1/25"]), slab()],
             &[],
             vec![("v-f", 0, 3, "v-f", 0, 3, "-9/10000")],
+        ),
+        case(
+            "exit_beside_a_contact_apart",
+            "Vertex 0 is 1/100 below face 1 and 1/40 behind face 3, vertex 1 as deep and 1/100 before face 3; the edge between them \
+             passes under edge 10 with n = z. Seen from face 3 it dips by 7/200, with sine 0.07 ≤ so: a contact, and no true exit. \
+             So n* = z; the one with n = x does not overlap and stays, whatever its normal.",
+            [
+                tetrahedron([
+                    ["3975/1000", "0", "-1/100"],
+                    ["401/100", "1/2", "-1/100"],
+                    ["5", "1", "2"],
+                    ["5", "-1", "2"],
+                ]),
+                slab(),
+            ],
+            &[("overlap_sine", "1/10"), ("territory", "1/200")],
+            vec![
+                ("v-f", 0, 1, "v-f", 0, 1, "-1/10000"),
+                ("v-f", 1, 3, "v-f", 1, 3, "+1/10000"),
+                ("e-e", 0, 10, "e-e", 0, 10, "-1/10000"),
+            ],
         ),
     ]
 }

@@ -1,6 +1,6 @@
 //! Contacts kept from the step before: depth alone does not end them, anything else does.
 
-use super::super::shapes::{Prism, WEDGE, cuboid, leaning_spike, point, revised, slab, spike, step};
+use super::super::shapes::{Prism, WEDGE, classic, cuboid, leaning_spike, point, revised, slab, spike, step};
 use super::{Case, Row};
 use rockproof_model::{Block, ContactKey, ContactKind};
 
@@ -157,6 +157,17 @@ pub(super) fn cases() -> Vec<Case> {
             (&[], &[("v-f", 0, 1), ("v-f", 0, 3)]),
             vec![("v-f", 0, 1, "v-f", 0, 1, "-9/2500")],
         ),
+        Case {
+            tolerances: classic(&[("overlap_sine", "1")]),
+            ..case(
+                "kept_ee_of_a_reflex_edge",
+                "ridge_across_a_reflex_edge under classic with so = 1, so that every wedge would pass, and the e-e with the reflex edge \
+                 8 kept: a reflex edge has no e-e all the same.",
+                [WEDGE.along_x().translated(&point(["1", "0", "101/50"])), step()],
+                (&[], &[("e-e", 0, 8)]),
+                vec![("v-f", 1, 4, "v-f", 1, 4, "+1/2500")],
+            )
+        },
     ]
 }
 

@@ -2,7 +2,9 @@
 //!
 //! so = 1/20 and g = 1/20 let the small dips of these blocks pass.
 
-use super::super::shapes::{Prism, WEDGE, classic, just_below, point, revised, slab, tetrahedron};
+use super::super::shapes::{
+    PYRAMID_FACES, Prism, WEDGE, block, classic, just_below, point, revised, slab, tetrahedron,
+};
 use super::{Case, Row};
 use rockproof_model::{Block, ToleranceSet};
 
@@ -113,6 +115,34 @@ pub(super) fn cases() -> Vec<Case> {
             [tetrahedron([["0", "0", "-1/50"], ["2", "0", "-13/200"], ["-3", "3", "4"], ["-3", "-3", "4"]]), slab()],
             revised(&at_tie),
             vec![("v-f", 0, 1, "v-f", 0, 1, "-1/2500")],
+        ),
+        case(
+            "one_exit_where_every_edge_of_a_cone_dips",
+            "The tip of a low roof is 1/200 below face 1, and all four edges fall from it, by 1/40 and 1/25: they pass, but by more than \
+             r/10, so (0, 1) is no true exit, nor is another contact through the top. Tip and near eaves are 39/2000 and 1/50 \
+             behind face 3, and from there nothing but the eaves dips, by 1/2000: of these the tip's gap is the larger, n* = x, \
+             and all with n = z goes.",
+            [
+                block(
+                    [
+                        ["39805/10000", "0", "-1/200"],
+                        ["199/50", "-1", "-3/100"],
+                        ["199/50", "1", "-3/100"],
+                        ["8", "1", "-9/200"],
+                        ["8", "-1", "-9/200"],
+                    ]
+                    .map(point)
+                    .to_vec(),
+                    &PYRAMID_FACES,
+                ),
+                slab(),
+            ],
+            revised(&at_tie),
+            vec![
+                ("v-f", 0, 3, "v-f", 0, 3, "-1521/4000000"),
+                ("v-f", 1, 3, "v-f", 1, 3, "-1/2500"),
+                ("v-f", 2, 3, "v-f", 2, 3, "-1/2500"),
+            ],
         ),
     ]
 }
