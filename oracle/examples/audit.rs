@@ -29,10 +29,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let audit = Audit::of(pairs.into_iter().map(|pair| auditor.pair(pair)));
     println!("audited in {:.3} s, one thread; decided by", start.elapsed().as_secs_f64());
     for decider in Decider::ALL {
-        println!("  {:>16} {}", decider.name(), audit.counts.of(decider));
+        println!("  {:>16} {}", format!("{decider:?}"), audit.counts.of(decider));
     }
     for sight in [OverlapVisibility::Seen, OverlapVisibility::Shallow, OverlapVisibility::Unseen] {
-        println!("  {:>16} {}", sight.name(), audit.count(sight));
+        let count = audit.overlaps.iter().filter(|overlap| overlap.sight == sight).count();
+        println!("  {:>16} {count}", sight.name());
     }
     let uneven = audit.overlaps.iter().filter(|overlap| overlap.is_within_unevenness).count();
     let deep = audit.overlaps.iter().filter(|overlap| overlap.is_deeper_than_g).count();

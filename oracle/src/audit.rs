@@ -104,19 +104,6 @@ impl Decider {
         Decider::Surfaces,
         Decider::LeftOut,
     ];
-
-    /// The name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Decider::Boxes => "boxes",
-            Decider::FacePlane => "face plane",
-            Decider::ExactFacePlane => "exact face plane",
-            Decider::Float => "f64",
-            Decider::Exact => "exact",
-            Decider::Surfaces => "surfaces",
-            Decider::LeftOut => "left out",
-        }
-    }
 }
 
 /// What the audit says of one pair.
@@ -169,11 +156,6 @@ impl Audit {
         }
         audit.overlaps.sort_by_key(|overlap| overlap.blocks);
         audit
-    }
-
-    /// How many overlaps are of one sight.
-    pub fn count(&self, sight: OverlapVisibility) -> usize {
-        self.overlaps.iter().filter(|overlap| overlap.sight == sight).count()
     }
 
     /// The deepest overlap, of several equally deep the first.
@@ -312,9 +294,9 @@ impl<'s> Auditor<'s> {
     }
 
     fn is_within_unevenness(&self, blocks: [usize; 2], penetration: &Penetration) -> bool {
-        // f64 bounds leave out nearly all; NaN leaves out nothing.
+        // f64 bounds leave out nearly all; NaN leaves out nothing. The depth is rounded to nearest, which keeps the order.
         let most = blocks.iter().map(|&k| self.solids[k].bulge).fold(0.0, f64::max);
-        if penetration.depth_m().is_some_and(|depth| depth > 2.0 * most * (1.0 + 4.0 * f64::EPSILON)) {
+        if penetration.depth_m().is_some_and(|depth| depth > 2.0 * most) {
             return false;
         }
         let unevenness =

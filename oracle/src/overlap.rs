@@ -241,6 +241,10 @@ mod tests {
             // Sharing a corner or a side only.
             (&square, &polygon(&[[1, 1], [2, 1], [2, 2]], (0, 1)), (0, 1)),
             (&square, &polygon(&[[1, 0], [2, 0], [2, 1], [1, 1]], (0, 1)), (0, 1)),
+            // Nothing at all.
+            (&square, &polygon(&[[5, 0], [6, 0], [6, 1], [5, 1]], (0, 1)), (0, 1)),
+            // Below x + y = 3: of the base 5/2, of the first prong 3/2, of the second a corner.
+            (&prongs, &polygon(&[[3, 0], [0, 3], [0, 0]], (0, 1)), (4, 1)),
         ];
         for (k, (one, two, expected)) in cases.into_iter().enumerate() {
             let backwards: Vec<Flat> = two.iter().rev().cloned().collect();

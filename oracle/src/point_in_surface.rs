@@ -31,6 +31,15 @@ pub(crate) fn surface_holds_origin<T: ExactRing + Zero>(triangles: &[[Vec3<T>; 3
         .unwrap_or(false)
 }
 
+/// Whether the origin is in a triangle that has an area, its boundary included.
+pub(crate) fn triangle_holds_origin<T: ExactRing + Zero>([a, b, c]: &[Vec3<T>; 3]) -> bool {
+    let n = b.minus(a).cross(&c.minus(a));
+    let is_plane = n.components().into_iter().any(|c| !c.is_zero());
+    is_plane
+        && n.dot(a).sign().is_zero()
+        && [(a, b), (b, c), (c, a)].iter().all(|(p, q)| !p.cross(q).dot(&n).sign().is_negative())
+}
+
 /// Whether a ray from the origin crosses triangles an odd number of times; `None` where it meets an edge or lies in a plane.
 fn odd_crossings<T: ExactRing + Zero>(triangles: &[[Vec3<T>; 3]], ray: &Vec3<T>) -> Option<bool> {
     let mut odd = false;

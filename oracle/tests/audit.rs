@@ -12,7 +12,7 @@ use rockproof_model::scene::Scene;
 use rockproof_model::{Block, ContactKey, FaceId, Number, Precision, ToleranceSet, Vec3, VertexId};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Decider, Meaning, Overlap, OverlapVisibility, audit, rounding_depth};
-use support::shapes::{block, cuboid, exact, number, point, revised, slab, step, tetrahedron};
+use support::shapes::{block, cuboid, exact, number, plus_sign, point, revised, slab, step, tetrahedron};
 
 type Place = Vec3<BigRational>;
 
@@ -52,17 +52,6 @@ fn turned(block: &Block) -> Block {
 
 fn unit() -> Block {
     cuboid(["0", "0", "0"], ["1", "1", "1"])
-}
-
-/// A plus sign in the plane (x, y), arms 1 wide and 3 long, from z = 0 to z = 1.
-fn plus_sign() -> Block {
-    let corners = [[1, 0], [2, 0], [2, 1], [3, 1], [3, 2], [2, 2], [2, 3], [1, 3], [1, 2], [0, 2], [0, 1], [1, 1]];
-    let at = |z: i32| corners.map(|[x, y]| Vec3::new(x, y, z).map(|&c| Number::from_integer(c)));
-    let n = corners.len() as u32;
-    let sides = (0..n).map(|k| vec![k, (k + 1) % n, (k + 1) % n + n, k + n]);
-    let faces: Vec<Vec<u32>> = [(0..n).rev().collect(), (n..2 * n).collect()].into_iter().chain(sides).collect();
-    let faces: Vec<&[u32]> = faces.iter().map(Vec::as_slice).collect();
-    block(at(0).into_iter().chain(at(1)).collect(), &faces)
 }
 
 #[test]
@@ -168,6 +157,13 @@ fn contacts_see_half_of_the_depth_or_all_of_it_or_nothing() {
     assert_eq!((half.sight, half.contact.unwrap().1.squared), (OverlapVisibility::Seen, exact("1/400")));
     let less = overlap_of(&sheared(["499/10000", "1/10"]), &slab(), &tolerances("9/100")).unwrap();
     assert_eq!((less.sight, less.is_deeper_than_g), (OverlapVisibility::Shallow, true));
+    // On the floor of a step, which is not convex, the same contacts see the whole depth.
+    let on_step = sheared(["1/100", "59/1000"]).translated(&point(["5/2", "0", "2"]));
+    for (a, b) in [(&on_step, &step()), (&step(), &on_step)] {
+        let found = overlap_of(a, b, &revised(&[("overlap_sine", "3/5")])).unwrap();
+        assert_eq!(found.depth_squared(), exact("59/1000") * exact("59/1000"));
+        assert_eq!((found.sight, found.is_deeper_than_g), (OverlapVisibility::Seen, true));
+    }
 }
 
 #[test]
@@ -201,13 +197,19 @@ fn uneven() -> Block {
 
 #[test]
 fn an_overlap_of_twice_the_unevenness_of_a_face_is_within_it() {
-    for (depth, expected) in
-        [("1/1000", true), ("3/2000", true), ("1/500", true), ("2000001/1000000000", false), ("1/100", false)]
-    {
+    let cases = [("1/1000", true), ("3/2000", true), ("1/500", true), ("2000001/1000000000", false), ("1/100", false)];
+    // Blocks so large that their faces are uneven by 100 m as well.
+    for (size, (depth, expected)) in ["1", "100000"].into_iter().flat_map(|size| cases.map(|case| (size, case))) {
+        let large = |block: &Block| {
+            let vertices = block.vertices().iter().map(|v| v.map(|c| c.times(&number(size))));
+            block.with_vertices(vertices.collect())
+        };
         let on_slab = uneven().translated(&Vec3::new(number("0"), number("0"), number(depth).negated()));
-        for (a, b) in [(slab(), on_slab.clone()), (on_slab, slab())] {
-            let found = overlap_of(&a, &b, &wide()).unwrap();
-            assert_eq!(found.depth_squared(), exact(depth) * exact(depth), "{depth}");
+        let (slab, on_slab) = (large(&slab()), large(&on_slab));
+        for (a, b) in [(&slab, &on_slab), (&on_slab, &slab)] {
+            let found = overlap_of(a, b, &wide()).unwrap();
+            let depth = exact(depth) * exact(size);
+            assert_eq!(found.depth_squared(), &depth * &depth, "{depth}");
             assert_eq!(found.is_within_unevenness, expected, "{depth}");
         }
     }
@@ -231,6 +233,8 @@ fn what_an_overlap_means_depends_on_depth_and_sight() {
     assert!(!unseen.is_unseen(&number("1/1000")));
     // 2⁸·2⁻⁵²·4 m
     assert_eq!(rounding_depth(&[&slab(), &unit()], Precision::F64), Number::from_f64(2f64.powi(-42)).unwrap());
+    // The largest coordinate need not be the first.
+    assert_eq!(rounding_depth(&[&unit(), &slab()], Precision::F64), Number::from_f64(2f64.powi(-42)).unwrap());
     assert_eq!(rounding_depth(&[&slab(), &unit()], Precision::F32), Number::from_f64(2f64.powi(-13)).unwrap());
 }
 
@@ -255,10 +259,13 @@ fn neighbours_rounded_to_f32_are_audited_as_they_came_out() {
 
 #[test]
 fn blocks_without_an_inside_are_left_out() {
-    let flat = unit()
-        .with_vertices(unit().vertices().iter().map(|v| Vec3::new(v.x.clone(), v.y.clone(), number("1/3"))).collect());
-    let found = audit(&[&unit(), &flat, &turned(&flat)], &wide());
-    assert_eq!((found.overlaps.len(), found.counts.of(Decider::LeftOut)), (0, 3));
+    // At a height that f64 rounds, and at one that it holds.
+    for z in ["1/3", "1/2"] {
+        let pressed = |v: &Vec3<Number>| Vec3::new(v.x.clone(), v.y.clone(), number(z));
+        let flat = unit().with_vertices(unit().vertices().iter().map(pressed).collect());
+        let found = audit(&[&unit(), &flat, &turned(&flat)], &wide());
+        assert_eq!((found.overlaps.len(), found.counts.of(Decider::LeftOut)), (0, 3), "{z}");
+    }
     // A plate so thin that no f64 tells its faces apart has an inside.
     let faces = [number("1/3"), number("1/3").plus(&number("1/10000000000000000000000000"))];
     let at = |v: &Vec3<Number>| Vec3::new(v.x.clone(), v.y.clone(), faces[usize::from(!v.z.is_zero())].clone());

@@ -136,16 +136,121 @@ fn dot(n: [f64; 3], p: [f64; 3]) -> f64 {
 mod tests {
     use super::*;
     use crate::prepared_block::tests::bent_box;
-    use rockproof_model::Number;
+    use rockproof_model::{BlockOptions, Number, Point};
+
+    fn number(text: &str) -> Number {
+        Number::from_rational(text.parse().expect("a fraction"))
+    }
+
+    /// 10 to a power.
+    fn power(exponent: i32) -> Number {
+        let power = BigRational::from_integer(BigInt::from(10).pow(exponent.unsigned_abs()));
+        Number::from_rational(if exponent < 0 { power.recip() } else { power })
+    }
+
+    fn block(vertices: Vec<Point>, faces: &[&[u32]]) -> Block {
+        let faces = faces.iter().map(|face| face.to_vec()).collect();
+        Block::new(vertices, faces, &BlockOptions { planarity: Number::ZERO }).expect("a block")
+    }
+
+    fn cuboid(low: [&str; 3], high: [&str; 3]) -> Block {
+        let [low, high] = [low, high].map(|[x, y, z]| Vec3::new(number(x), number(y), number(z)));
+        Block::cuboid(&low, &high).expect("a block")
+    }
+
+    /// The prism of height 1 on a triangle that goes round counter-clockwise.
+    fn prism(corners: [[&str; 2]; 3]) -> Block {
+        let at = |z: &'static str| corners.map(|[x, y]| Vec3::new(number(x), number(y), number(z)));
+        let faces: [&[u32]; 5] = [&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]];
+        block([at("0"), at("1")].concat(), &faces)
+    }
+
+    fn mapped(block: &Block, map: impl Fn(&Point) -> Point) -> Block {
+        block.with_vertices(block.vertices().iter().map(map).collect())
+    }
+
+    /// The answer, which must be the same both ways round.
+    fn separating(a: &Block, b: &Block) -> Option<Decider> {
+        let [a, b] = [a, b].map(PreparedBlock::new);
+        let planes = [&a, &b].map(FacePlanes::of);
+        let found = separating_face(&Pair::new(&a, &b), planes.each_ref());
+        let [one, other] = planes.each_ref();
+        assert_eq!(separating_face(&Pair::new(&b, &a), [other, one]), found);
+        found
+    }
 
     #[test]
     fn unevenness_is_the_greatest_distance_from_a_face_s_own_plane() {
         // N of the top is (−3, −3, 18), its corners' n·p are 54 and 45 by turns, so 9/2 from their mean: (9/2)² / 342.
         let expected = BigRational::new(9.into(), 152.into());
-        for (scale, square) in [("1", (1, 1)), ("1/7", (1, 49)), ("3/8", (9, 64)), ("5", (25, 1))] {
+        for (scale, square) in [("1", (1, 1)), ("1/7", (1, 49)), ("3/8", (9, 64)), ("5", (25, 1)), ("2", (4, 1))] {
             let square = BigRational::new(square.0.into(), square.1.into());
             let block = bent_box(&scale.parse::<Number>().expect("a number"));
             assert_eq!(unevenness_squared(&block), &expected * square, "{scale}");
+        }
+    }
+
+    #[test]
+    fn a_dot_product_is_the_sum_of_three_products() {
+        assert_eq!(dot([2.0, 3.0, 5.0], [7.0, 11.0, 13.0]), 112.0);
+    }
+
+    #[test]
+    fn no_face_separates_blocks_that_overlap_by_less_than_floats_see() {
+        let unit = cuboid(["0"; 3], ["1"; 3]);
+        let beside = cuboid(["1", "1/3", "1/3"], ["2", "4/3", "4/3"]);
+        let turns = [("3/5", "4/5"), ("5/13", "12/13"), ("199/19801", "19800/19801")];
+        let shifts =
+            [["0"; 3], ["71/7", "113/33", "1/13"], ["1/13", "-71/7", "113/33"], ["1000001/7", "-1000000", "10001/3"]];
+        for ((cosine, sine), axis) in turns.into_iter().flat_map(|turn| (0..3).map(move |axis| (turn, axis))) {
+            let (c, s) = (number(cosine), number(sine));
+            for (size, shift) in ["1", "1/10000"].into_iter().flat_map(|size| shifts.map(|shift| (number(size), shift)))
+            {
+                let placed = |block: &Block, by: &Number| {
+                    mapped(block, |v| {
+                        let mut place = [v.x.plus(by), v.y.clone(), v.z.clone()].map(|c| c.times(&size));
+                        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+                        let (p, q) = (place[i].clone(), place[j].clone());
+                        place[i] = p.times(&c).plus(&q.times(&s).negated());
+                        place[j] = p.times(&s).plus(&q.times(&c));
+                        let [x, y, z] = place;
+                        Vec3::new(x.plus(&number(shift[0])), y.plus(&number(shift[1])), z.plus(&number(shift[2])))
+                    })
+                };
+                let what = || format!("axis {axis}, {cosine}, {size:?}, {shift:?}");
+                let a = placed(&unit, &Number::ZERO);
+                let little = power(-25);
+                // Any plane that separated them would go through the inside of both.
+                assert_eq!(separating(&a, &placed(&beside, &little.negated())), None, "{}", what());
+                for apart in [Number::ZERO, little] {
+                    let found = separating(&a, &placed(&beside, &apart));
+                    assert_eq!(found, Some(Decider::ExactFacePlane), "{}", what());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_face_separates_blocks_that_overlap_whatever_their_size() {
+        let cube = cuboid(["0"; 3], ["1"; 3]);
+        let corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
+        let corners = corners.map(|[x, y, z]| Vec3::new(x, y, z).map(|&c| Number::from_integer(c)));
+        let tetrahedron = block(corners.to_vec(), &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[0, 3, 2]]);
+        // At x = 31/20 the thin triangle is between y = 1.4868 and y = 1.5776, and the box below 1.495.
+        let thin = [["11/5", "2"], ["16/5", "3"], ["3/10", "1/2"]];
+        let small = cuboid(["38/25", "7/5", "1/4"], ["79/50", "299/200", "3/4"]);
+        let pairs = [
+            (cube.clone(), cube),
+            (tetrahedron.clone(), tetrahedron),
+            (prism(thin), small.clone()),
+            (prism([thin[2], thin[0], thin[1]]), small),
+        ];
+        for exponent in [-160, -100, -80, -10, 0, 10, 60, 62, 64, 78, 80, 103, 110] {
+            let scale = power(exponent);
+            for (k, (a, b)) in pairs.iter().enumerate() {
+                let [a, b] = [a, b].map(|block| mapped(block, |v| v.map(|c| c.times(&scale))));
+                assert_eq!(separating(&a, &b), None, "pair {k} times 10^{exponent}");
+            }
         }
     }
 }

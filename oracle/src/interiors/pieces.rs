@@ -193,9 +193,9 @@ impl<'s> Plane<'s> {
 }
 
 impl Piece<'_> {
-    /// Whether the piece is its whole triangle.
+    /// Whether the piece is its whole triangle: each half of a cut has a side along the cut.
     pub(super) fn is_whole(&self) -> bool {
-        self.polygon.iter().all(|(_, edge)| *edge < 3) && self.polygon.len() == 3
+        self.polygon.iter().all(|(_, edge)| *edge < 3)
     }
 
     /// The corners in m.

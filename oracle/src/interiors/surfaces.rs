@@ -303,3 +303,74 @@ pub(super) fn ball(value: &BigInt, shift: i64) -> Ball {
     // Cut to 64 bits and rounded to 53.
     Ball { middle, radius: if is_exact { 0.0 } else { middle.abs() * f64::EPSILON } }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_traits::Signed;
+
+    /// Values short and long, exact in f64 and not, next to powers of two and far from them.
+    fn values() -> Vec<BigInt> {
+        let mut values = vec![BigInt::from(1), BigInt::from(5)];
+        for k in [2u32, 40, 52, 53, 54, 63, 64, 65, 100, 700, 1030, 1100, 2500] {
+            let power = BigInt::from(1) << k;
+            values.extend([&power - 1, power.clone(), power + 1, BigInt::from(3).pow(k)]);
+        }
+        values.iter().flat_map(|value| [value.clone(), -value]).collect()
+    }
+
+    fn fraction(value: f64) -> BigRational {
+        BigRational::from_float(value).expect("a finite number")
+    }
+
+    #[test]
+    fn a_ball_holds_its_value_at_both_ends_of_its_range() {
+        for value in values() {
+            let bits = value.bits() as i64;
+            // `value / 2^shift` is below 2^top and at least half of that.
+            let tops =
+                [-2000, -1100, -1074, -1012, -902, -901, -900, -899, -1, 0, 1, 999, 1000, 1001, 1002, 1024, 1100];
+            let shifts = tops.into_iter().map(|top| bits - top).chain([0, 1, 900, 1100, 1160, 1200, 2500]);
+            for shift in shifts {
+                let found = ball(&value, shift);
+                let what = || format!("{value} / 2^{shift}: {found:?}");
+                let sign = found.certain_sign();
+                assert!(sign.is_none_or(|sign| sign == ExactRing::sign(&value)), "{}", what());
+                let is_within_range = (-899..=1000).contains(&(bits - shift));
+                if found.radius == f64::INFINITY {
+                    assert!(!is_within_range && found.middle.is_finite(), "{}", what());
+                    continue;
+                }
+                let power = BigInt::from(1) << shift.unsigned_abs();
+                let exact = BigRational::from(value.clone());
+                let exact = if shift < 0 { exact * &power } else { exact / &power };
+                let off = (exact - fraction(found.middle)).abs();
+                assert!(off <= fraction(found.radius), "{}", what());
+                if is_within_range {
+                    // Twice a roundoff at most, and none where the value has no more digits than an f64.
+                    let digits = value.magnitude() >> value.trailing_zeros().unwrap_or(0);
+                    let most = if digits.bits() <= 53 { 0.0 } else { f64::EPSILON * found.middle.abs() };
+                    assert!(found.radius <= most, "{}", what());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_box_holds_points_that_no_f64_is_equal_to() {
+        for value in values().into_iter().filter(|value| value.bits() < 1000) {
+            let at = |value: &BigInt| Vec3::new(ball(value, 0), ball(&-value, 0), ball(&BigInt::zero(), 0));
+            let bounds = bounds_of(&[at(&value)]);
+            for ([low, high], c) in bounds.into_iter().zip([value.clone(), -&value, BigInt::zero()]) {
+                let c = BigRational::from(c);
+                assert!(fraction(low) <= c && c <= fraction(high), "{c}: {low} to {high}");
+            }
+            // That of more points holds all.
+            let zero = BigInt::zero();
+            for [low, high] in [&bounds_of(&[at(&value), at(&zero)])[0], &bounds_of(&[at(&zero), at(&value)])[0]] {
+                let c = BigRational::from(value.clone());
+                assert!(fraction(*low) <= c.clone().min(BigRational::zero()) && c <= fraction(*high));
+            }
+        }
+    }
+}

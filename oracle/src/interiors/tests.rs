@@ -166,4 +166,88 @@ fn a_block_in_another_or_equal_to_it_meets_it_and_one_in_a_notch_does_not() {
         let (a, b) = (l.translated(&far), moved.translated(&far));
         assert_eq!([meet(&a, &b), meet(&b, &a)], [expected; 2]);
     }
+    // In an L as large as 2⁶⁰ m, and so far from its first vertex that f64 does not tell a triangle of it from a line.
+    let times = |factor: Number, add: Number| {
+        let place = |c: &Number| c.times(&factor).plus(&add);
+        other.with_vertices(other.vertices().iter().map(|p| p.map(place)).collect())
+    };
+    let large = Number::from_integer(1 << 30).times(&Number::from_integer(1 << 30));
+    let a = times(large.clone(), Number::ZERO);
+    let b = times(number(1, 3), large.plus(&number(1, 3)));
+    assert_eq!([surfaces_meet(&a, &b), surfaces_meet(&b, &a)], [true; 2]);
+}
+
+/// The tetrahedron of four points with `(v1 − v0) × (v2 − v0) · (v3 − v0) > 0`.
+fn tetrahedron(corners: [[i32; 3]; 4]) -> Block {
+    let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]].map(|face| face.to_vec());
+    let vertices = corners.map(|[x, y, z]| Vec3::new(x, y, z).map(|&c| Number::from_integer(c)));
+    Block::new(vertices.to_vec(), faces.to_vec(), &BlockOptions { planarity: Number::ZERO }).unwrap()
+}
+
+/// A tetrahedron with corners from 0 to 4.
+fn random_tetrahedron(random: &mut Random) -> Block {
+    loop {
+        let mut corner = || [random.below(5), random.below(5), random.below(5)];
+        let corners = [corner(), corner(), corner(), corner()];
+        let [origin, ends @ ..] = corners.map(|[x, y, z]| Vec3::new(x, y, z).map(|&c| BigInt::from(c)));
+        let [d, e, f] = ends.map(|end| end.minus(&origin));
+        if d.cross(&e).dot(&f) > BigInt::ZERO {
+            return tetrahedron(corners);
+        }
+    }
+}
+
+/// Whether the insides meet, by both surfaces and by each block's surface with the other's hull, both ways round: all one.
+fn meet_by_surfaces(a: &Block, b: &Block) -> bool {
+    let points = |block: &Block| SeparablePoints::new(block.vertices().to_vec());
+    let answer = surfaces_meet(a, b);
+    assert_eq!(surfaces_meet(b, a), answer, "{a:?}\n{b:?}");
+    if b.is_convex() {
+        assert_eq!(meets_hull(a, points(b).set()), answer, "{a:?}\n{b:?}");
+    }
+    if a.is_convex() {
+        assert_eq!(meets_hull(b, points(a).set()), answer, "{a:?}\n{b:?}");
+    }
+    answer
+}
+
+#[test]
+fn surfaces_of_convex_blocks_say_the_opposite_of_a_plane_that_separates_them() {
+    let mut random = Random(3);
+    let mut counts = [0; 2];
+    for _ in 0..if cfg!(debug_assertions) { 100 } else { 600 } {
+        let [a, b] = [0, 1].map(|_| random_tetrahedron(&mut random));
+        let [one, two] = [&a, &b].map(|block| SeparablePoints::new(block.vertices().to_vec()));
+        let expected = !separate(one.set(), two.set()).is_separated;
+        assert_eq!(meet_by_surfaces(&a, &b), expected, "{a:?}\n{b:?}");
+        counts[usize::from(expected)] += 1;
+    }
+    assert!(counts.iter().all(|&count| count > 20), "{counts:?}");
+}
+
+#[test]
+fn surfaces_meet_in_what_both_enclose() {
+    // Both hold the tetrahedron (0, 0, 0), (4, 0, 0), (0, 4, 0), (0, 0, 4), their faces in its planes but for one each.
+    let one = tetrahedron([[0, 0, 0], [4, 0, 0], [-12, 16, 0], [0, 0, 16]]);
+    let two = tetrahedron([[0, -12, 0], [16, 0, -12], [0, 4, 0], [0, 0, 4]]);
+    assert!(meet_by_surfaces(&one, &two));
+    let cuboid = |low: [Number; 3], high: [Number; 3]| {
+        let unit = prism(&[[0, 0], [1, 0], [1, 1], [0, 1]]);
+        let pick = |c: &Number, k: usize| if c.is_zero() { low[k].clone() } else { high[k].clone() };
+        unit.with_vertices(
+            unit.vertices().iter().map(|v| Vec3::new(pick(&v.x, 0), pick(&v.y, 1), pick(&v.z, 2))).collect(),
+        )
+    };
+    // A box in the slot of a U, against its left prong and its floor: it shares faces' parts alone.
+    let u = prism(&[[0, 0], [3, 0], [3, 3], [2, 3], [2, 1], [1, 1], [1, 3], [0, 3]]);
+    let in_slot = cuboid([number(1, 1), number(1, 1), number(3, 2)], [number(3, 2), number(9, 4), number(5, 2)]);
+    assert!(!meet_by_surfaces(&u, &in_slot));
+    // A box a quarter into the top of an L's arm.
+    let l = prism(&[[0, 4], [0, 0], [4, 0], [4, 2], [2, 2], [2, 4]]);
+    let in_arm = cuboid([number(5, 2), number(5, 4), number(7, 4)], [number(13, 4), number(7, 4), number(5, 2)]);
+    assert!(meet_by_surfaces(&l, &in_arm));
+    // An L and the same beside it: they share a part of the plane x = 0.
+    let l = prism(&[[0, 0], [4, 0], [4, 2], [2, 2], [2, 4], [0, 4]]);
+    let beside = l.translated(&Vec3::new(number(-2, 1), number(-11, 4), number(-1, 1)));
+    assert!(!meet_by_surfaces(&l, &beside));
 }

@@ -19,7 +19,7 @@ use super::{LatticePair, Penetration, compare};
 use crate::Gap;
 use crate::convex_cells::cells;
 use crate::interiors::surfaces_meet;
-use crate::point_in_surface::{surface_holds_origin, triangles};
+use crate::point_in_surface::{surface_holds_origin, triangle_holds_origin, triangles};
 use crate::separation::{SeparablePoints, separate};
 use num_bigint::BigInt;
 use num_integer::Integer;
@@ -277,11 +277,12 @@ impl<'p> LatticeSurface<'p> {
         Some(NearestPoint { numerator: way.norm_squared(), denominator: &length * &length, way })
     }
 
-    /// Whether a point that is not on the surface is inside.
+    /// Whether a point is inside; **one on the surface is not**. An uneven face's triangles are not in the face's plane, so
+    /// a point on them can have a distance from it.
     fn holds(&self, point: &Vec3<BigInt>) -> bool {
         let around: Vec<_> =
             triangles(self.block, &self.points).map(|corners| corners.map(|v| v.minus(point))).collect();
-        surface_holds_origin(&around)
+        !around.iter().any(triangle_holds_origin) && surface_holds_origin(&around)
     }
 }
 

@@ -187,6 +187,50 @@ pub(crate) fn step_between(front: &str, back: &str) -> Block {
     extruded(&[["0", "0"], ["4", "0"], ["4", "2"], ["2", "2"], ["2", "4"], ["0", "4"]], front, back)
 }
 
+/// A plus sign in the plane (x, y), arms 1 wide and 3 long, from z = 0 to z = 1.
+pub(crate) fn plus_sign() -> Block {
+    let corners = [[1, 0], [2, 0], [2, 1], [3, 1], [3, 2], [2, 2], [2, 3], [1, 3], [1, 2], [0, 2], [0, 1], [1, 1]];
+    let at = |z: i32| corners.map(|[x, y]| Vec3::new(x, y, z).map(|&c| Number::from_integer(c)));
+    let n = corners.len() as u32;
+    let sides = (0..n).map(|k| vec![k, (k + 1) % n, (k + 1) % n + n, k + n]);
+    let faces: Vec<Vec<u32>> = [(0..n).rev().collect(), (n..2 * n).collect()].into_iter().chain(sides).collect();
+    let faces: Vec<&[u32]> = faces.iter().map(Vec::as_slice).collect();
+    block(at(0).into_iter().chain(at(1)).collect(), &faces)
+}
+
+/// A cube of edge 4 from the origin without the cube of edge 2 at its corner (4, 4, 4); vertex 13 is that cube's corner (2, 2, 2).
+pub(crate) fn notched_cube() -> Block {
+    let corners = [
+        [0, 0, 0],
+        [4, 0, 0],
+        [4, 4, 0],
+        [0, 4, 0],
+        [0, 0, 4],
+        [4, 0, 4],
+        [0, 4, 4],
+        [4, 4, 2],
+        [4, 2, 2],
+        [4, 2, 4],
+        [2, 2, 4],
+        [2, 4, 4],
+        [2, 4, 2],
+        [2, 2, 2],
+    ];
+    let faces: [&[u32]; 9] = [
+        &[0, 3, 2, 1],
+        &[0, 1, 5, 4],
+        &[0, 4, 6, 3],
+        &[1, 2, 7, 8, 9, 5],
+        &[2, 3, 6, 11, 12, 7],
+        &[4, 5, 9, 10, 11, 6],
+        &[13, 8, 7, 12],
+        &[13, 12, 11, 10],
+        &[13, 10, 9, 8],
+    ];
+    let vertices = corners.map(|[x, y, z]| Vec3::new(x, y, z).map(|&c| Number::from_integer(c)));
+    block(vertices.to_vec(), &faces)
+}
+
 /// A slab with a gable: top at z = 0 for x < 0 (face 5), from x = 0 a slope down with normal (3, 0, 4)/5 (face 4);
 /// edge 8 is the gable's, along y through the origin. From y = −4 to y = 4.
 pub(crate) fn gable() -> Block {

@@ -80,8 +80,9 @@ fn parts_are_far_only_where_they_are_by_more_than_the_limit() {
         let ends = Ends::new(places);
         let found = PartsAtEnds { parts: [&part, &part], ends: &ends }.are_far(float(&limit));
         assert!(!found || is_far, "{trial}: called far, and is not");
-        // With three bits a lattice unit is more than all roundings.
         assert!(found || !is_clear || bits == 66, "{trial}: is far");
+        // With three bits a lattice unit is more than all roundings.
+        assert!(bits != 3 || found == is_far, "{trial}: {found}");
         far += usize::from(found);
         near += usize::from(!is_far);
     }
@@ -111,6 +112,54 @@ fn directions_come_with_their_gaps_the_largest_first() {
         let largest = normals.map(|n| exact_gap(&n)).fold(f64::NEG_INFINITY, f64::max);
         assert!((found[0].gap - largest).abs() <= 1e-9, "{trial}: {} of {largest}", found[0].gap);
     }
+}
+
+#[test]
+fn parts_as_far_apart_as_the_limit_are_not_far_however_they_are_rounded() {
+    // A's part is at x = h and B's at x = l; both are rounded as seen from A's first vertex, which is between them.
+    let (h, l) = (-2_158_642_289_454_014_431, 2_158_642_289_454_014_119);
+    let at = |x: i64| (0..4).map(|k| whole(x, k, k * k)).collect::<Vec<_>>();
+    let of_a: Vec<LatticePoint> = std::iter::once(whole(0, 0, 0)).chain(at(h)).collect();
+    let parts = [ConvexPart::of_points([1, 2, 3, 4].map(VertexId)), four_corners()];
+    let ends = Ends::new([0, 1].map(|_| [of_a.clone(), at(l)]));
+    let both = PartsAtEnds { parts: [&parts[0], &parts[1]], ends: &ends };
+    assert!(!both.are_far(float(&(BigInt::from(l) - h))));
+    assert!(both.are_far(float(&((BigInt::from(l) - h) - (1i64 << 20)))));
+}
+
+#[test]
+fn parts_are_not_far_where_floats_are_infinite() {
+    // A is at x ≤ 0, B at x ≥ 2¹¹⁰⁰, and the limit is twice as much.
+    let of_a: Vec<LatticePoint> = (0..4).map(|k| whole(-k, k * k, k)).collect();
+    let far = Vec3::new(BigInt::from(1) << 1100, BigInt::ZERO, BigInt::ZERO);
+    let of_b = || (0..4).map(|k| whole(k, k, k * k).plus(&far)).collect();
+    let ends = Ends::new([0, 1].map(|_| [of_a.clone(), of_b()]));
+    let part = four_corners();
+    let both = PartsAtEnds { parts: [&part, &part], ends: &ends };
+    assert!(!both.are_far(float(&(BigInt::from(1) << 1101))));
+}
+
+#[test]
+fn a_face_that_begins_at_a_reflex_corner_has_the_normal_of_its_whole() {
+    // An L whose front begins beside its reflex corner, and a box 1 before the front.
+    let l = extruded(&[[4, 2], [2, 2], [2, 4], [0, 4], [0, 0], [4, 0]], [-4, 4]);
+    let b = extruded(&[[0, 0], [1, 0], [1, 1], [0, 1]], [-7, -5]);
+    let parts = [&l, &b].map(ConvexPart::whole);
+    let ends = Ends::new([0, 1].map(|_| [places_of(&l), places_of(&b)]));
+    let both = PartsAtEnds { parts: [&parts[0], &parts[1]], ends: &ends };
+    for candidate in both.best_directions() {
+        // Not farther than 1 along any direction, and so far along y alone, of which there are more than are tried.
+        let gap = float(&both.gap(&candidate.n)) / float(&candidate.n.norm_squared()).sqrt();
+        assert!((gap - 1.0).abs() <= 1e-9 && (candidate.gap - gap).abs() <= 1e-9, "{:?}: {gap}", candidate.n);
+    }
+}
+
+#[test]
+fn a_direction_of_long_numbers_keeps_within_floats() {
+    let [x, y, z] = direction([&(BigInt::from(1) << 400), &BigInt::ZERO, &(BigInt::from(3) << 398)]);
+    assert!((x * x).is_finite() && x > 0.0);
+    assert_eq!((y, 3.0 * x), (0.0, 4.0 * z));
+    assert_eq!(direction([&BigInt::from(-3), &BigInt::from(4), &BigInt::ZERO]), [-3.0, 4.0, 0.0]);
 }
 
 #[test]
@@ -173,18 +222,25 @@ fn ways_are_shares_of_the_size_of_all() {
     assert_eq!(way, [6.0 / 49.0, 24.0 / 49.0, -4.0 / 49.0]);
 }
 
-#[test]
-fn the_cover_of_a_block_seen_from_a_corner_fills_it() {
-    // A staircase of two steps, 3 wide: seen whole from the edge at the bottom of the wall.
-    let profile = [[0, 0], [4, 0], [4, 1], [2, 1], [2, 3], [0, 3]];
-    let at = |y: i32| profile.map(|[x, z]| Vec3::new(x, y, z).map(|&c| Number::from_integer(c)));
-    let vertices: Vec<Vec3<Number>> = at(0).into_iter().chain(at(3)).collect();
+/// The polygon of the plane (x, z), counter-clockwise with x to the right and z up, between two y.
+fn extruded(profile: &[[i32; 2]], [front, back]: [i32; 2]) -> Block {
+    let at = |y: i32| profile.iter().map(move |[x, z]| Vec3::new(*x, y, *z).map(|&c| Number::from_integer(c)));
     let n = profile.len() as u32;
     let mut faces: Vec<Vec<u32>> = vec![(0..n).collect(), (n..2 * n).rev().collect()];
     faces.extend((0..n).map(|k| vec![k, k + n, (k + 1) % n + n, (k + 1) % n]));
-    let block = Block::new(vertices, faces, &BlockOptions::default()).expect("a block");
-    let places: Vec<LatticePoint> =
-        block.vertices().iter().map(|v| v.map(|c| BigInt::from(c.approximate() as i64))).collect();
+    Block::new(at(front).chain(at(back)).collect(), faces, &BlockOptions::default()).expect("a block")
+}
+
+/// The vertices of a block of integers.
+fn places_of(block: &Block) -> Vec<LatticePoint> {
+    block.vertices().iter().map(|v| v.map(|c| BigInt::from(c.approximate() as i64))).collect()
+}
+
+#[test]
+fn the_cover_of_a_block_seen_from_a_corner_fills_it() {
+    // A staircase of two steps, 3 wide: seen whole from the edge at the bottom of the wall.
+    let block = extruded(&[[0, 0], [4, 0], [4, 1], [2, 1], [2, 3], [0, 3]], [0, 3]);
+    let places = places_of(&block);
     let volume = |part: &ConvexPart| {
         let [o, a, b, c] = [0, 1, 2, 3].map(|k| &places[part.vertices[k].index()]);
         a.minus(o).cross(&b.minus(o)).dot(&c.minus(o)).abs()
