@@ -134,6 +134,7 @@ fn gaps_of_a_step_in_fractions_are_known_to_200_bits() {
         let off = gap.to_rational() - exact("4/3");
         assert!(off <= unit && -off <= unit, "{gap}");
     }
+}
 
 #[test]
 fn a_step_in_which_no_block_moves_leaves_the_state_as_it_is() {
