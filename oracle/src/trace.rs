@@ -14,7 +14,8 @@ pub struct TraceEntry {
     pub decision: Decision,
     /// 1 yes, 0 no; the sign for gap-sign.
     pub outcome: i8,
-    /// Whether a sign it rests on is exactly zero.
+    /// Whether a sign asked for it is exactly zero. A choice between planes that the signs of their gaps settle, as between two
+    /// that touch, asks none: those signs are decisions of their own.
     pub tie: bool,
 }
 

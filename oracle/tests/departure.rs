@@ -6,6 +6,7 @@ use rockproof_model::decision::Predicate;
 use rockproof_model::{Contact, Sign};
 use rockproof_oracle::{Departure, Pair, PreparedBlock};
 use support::handworked;
+use support::shapes::{classic, slab, spike};
 
 /// How many answers change under a departure, and how many do where it does not come up.
 struct Changed {
@@ -83,4 +84,15 @@ fn what_is_left_out_is_gone_before_an_exit_is_chosen() {
         }
     }
     assert!(others > 0, "in some pair another exit is chosen");
+}
+
+/// Without limit of the distance as well: what is out of reach is not looked at, so only the tip is, not the base 4 above it.
+#[test]
+fn what_is_always_near_must_be_within_reach() {
+    let (a, b) = (PreparedBlock::new(&spike(["0", "0", "1/20"])), PreparedBlock::new(&slab()));
+    let pair = Pair::new(&a, &b);
+    let tolerances = classic(&[("overlap_sine", "1")]);
+    let near = pair.classify_departing(&tolerances, Departure::Always(Predicate::VertexFaceNear, true));
+    assert_eq!(near, pair.classify(&tolerances).contacts);
+    assert_eq!(near.len(), 1);
 }

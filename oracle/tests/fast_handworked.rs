@@ -4,9 +4,12 @@
 mod support;
 
 use num_rational::BigRational;
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{Block, EdgeId, ToleranceSet, VertexId};
 use rockproof_oracle::{Pair, PreparedBlock, plain};
 use std::collections::BTreeMap;
 use support::handworked;
+use support::shapes::{Prism, WEDGE, revised, slab, spike};
 
 #[test]
 fn every_hand_worked_pair_comes_out() {
@@ -68,4 +71,27 @@ fn margins_are_zero_exactly_at_ties() {
         }
     }
     assert!(ties > 100 && others > 500, "{ties} ties, {others} others");
+}
+
+/// The outcome of a decision, and whether it is a tie.
+fn decided(a: &Block, b: &Block, tolerances: &ToleranceSet, decision: Decision) -> (i8, bool) {
+    let (a, b) = (PreparedBlock::new(a), PreparedBlock::new(b));
+    let trace = Pair::new(&a, &b).trace(tolerances);
+    let entry = trace.iter().find(|entry| entry.decision == decision).expect("it is asked");
+    (entry.outcome, entry.tie)
+}
+
+/// The distance of a corner from the line of its own edge is exactly zero; a face's width is that of its other corners.
+#[test]
+fn ends_of_an_edge_make_no_tie_of_the_width_of_its_faces() {
+    // A ridge whose face to p falls by 3 in 5, over a ridge across: with g = 0 its corner at p is too deep, without a tie.
+    let falling = Prism { p: ["1/15", "-1/20"], q: ["0", "5"], offset: ["0", "0", "7/100"], ..WEDGE };
+    let edges = [Feature::Edge(Side::A, EdgeId(0)), Feature::Edge(Side::B, EdgeId(0))];
+    let tolerances = revised(&[("overlap_sine", "7/10"), ("penetration", "0")]);
+    let asked = Decision::about(Predicate::WedgesPass, &edges);
+    assert_eq!(decided(&falling.along_x(), &WEDGE.upside_down_along_y(), &tolerances, asked), (0, false));
+    // A tip on the middle of edge 8: at distance 0 of λ·4.
+    let tip = [Feature::Vertex(Side::A, VertexId(0)), Feature::Edge(Side::B, EdgeId(8))];
+    let asked = Decision::about(Predicate::EdgeTerritory, &tip);
+    assert_eq!(decided(&spike(["0", "-4", "0"]), &slab(), &revised(&[]), asked), (1, false));
 }

@@ -4,8 +4,8 @@
 mod support;
 
 use num_rational::BigRational;
-use rockproof_model::decision::{Decision, Predicate};
-use rockproof_model::{Contact, ContactKey, Sign};
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{Contact, ContactKey, EdgeId, FaceId, Sign, VertexId};
 use rockproof_oracle::plain;
 use rockproof_oracle::rational::Rational;
 use std::collections::{BTreeMap, BTreeSet};
@@ -120,5 +120,38 @@ fn every_predicate_is_seen_to_say_no_to_say_yes_and_to_tie() {
     for predicate in Predicate::ALL {
         let seen = seen.get(&predicate).cloned().unwrap_or_default();
         assert_eq!(seen.into_iter().collect::<Vec<_>>(), ["no", "tie", "yes"], "{predicate}");
+    }
+}
+
+/// A decision that rests on a choice or a side that an exact tie made is a tie itself, though its own comparison is none.
+#[test]
+fn what_rests_on_a_tie_is_a_tie() {
+    use Feature::{Edge, Face, Vertex};
+    let (tip, corner) = (Vertex(Side::A, VertexId(0)), Vertex(Side::B, VertexId(6)));
+    for (name, predicate, features, why) in [
+        (
+            "exit_perpendicular",
+            Predicate::OneExit,
+            vec![Vertex(Side::A, VertexId(3)), Face(Side::B, FaceId(1))],
+            "the gap of v-f (0, 1), first in order, is the same",
+        ),
+        (
+            "wedges_on_no_side",
+            Predicate::EdgeEdgeNear,
+            vec![Edge(Side::A, EdgeId(0)), Edge(Side::B, EdgeId(0))],
+            "σ, and with it whether the edges are apart, is a tie",
+        ),
+        (
+            "exactly_equal",
+            Predicate::EntranceChoice,
+            vec![tip, corner, Face(Side::A, FaceId(2)), corner],
+            "the largest, first of those like it, which v-f (0, 1) equals by Eq. (1)",
+        ),
+    ] {
+        let case = cases().into_iter().find(|case| case.name == name).unwrap();
+        let asked = Decision::about(predicate, &features);
+        let trace = plain::trace_keeping::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept);
+        let tie = trace.iter().find(|(decision, ..)| *decision == asked).map(|(_, _, tie)| *tie);
+        assert_eq!(tie, Some(true), "{name}: {why}");
     }
 }

@@ -142,3 +142,63 @@ fn point(solid: &PreparedBlock, vertex: VertexId) -> [f64; 3] {
     let v = &solid.vertices[vertex.index()];
     [v.x.0, v.y.0, v.z.0]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pair::Pair;
+    use crate::sign_ladder::Unobserved;
+    use rockproof_model::{Block, Criteria, FaceId, Number, ToleranceSet, Vec3};
+
+    /// A cube of this size, from the origin on, in parts of 1/3.
+    fn cube(thirds: i32) -> PreparedBlock {
+        let third = Number::from_rational(num_rational::BigRational::new(1.into(), 3.into()));
+        let at = |c: i32| Vec3::new(c, c, c).map(|&c| Number::from_integer(c).times(&third));
+        PreparedBlock::new(&Block::cuboid(&at(0), &at(thirds)).unwrap())
+    }
+
+    fn without_tolerances() -> ToleranceSet {
+        let zero = || Number::ZERO;
+        ToleranceSet {
+            search: zero(),
+            territory: zero(),
+            penetration: zero(),
+            overlap_sine: zero(),
+            parallel_sine: zero(),
+            equal: zero(),
+            open: zero(),
+            close: zero(),
+            max_displacement: zero(),
+            max_rotation: zero(),
+            criteria: Criteria::Revised,
+        }
+    }
+
+    /// A kept contact of edges is looked at by name unless both are in reach, and of one another.
+    #[test]
+    fn kept_edges_are_looked_at_once() {
+        let (a, b) = (cube(3), cube(2));
+        let (pair, t) = (Pair::new(&a, &b), without_tolerances());
+        let kept = [ContactKey::EdgeEdge(EdgeId(0), EdgeId(1)), ContactKey::VertexFace(VertexId(0), FaceId(0))];
+        let run = Classification::new(&pair, &t, Unobserved).keeping(&kept);
+        let reach = |edges: &[u32]| Reach { edges: edges.iter().copied().map(EdgeId).collect(), ..Reach::default() };
+        let beyond = |a: &[u32], b: &[u32], distance| run.kept_edges_beyond(&reach(a), &reach(b), distance).to_vec();
+        let it = vec![(EdgeId(0), EdgeId(1))];
+        assert_eq!(beyond(&[], &[], 1e9), it);
+        assert_eq!(beyond(&[0], &[], 1e9), it);
+        assert_eq!(beyond(&[], &[1], 1e9), it);
+        assert_eq!(beyond(&[0], &[1], 1e9), []);
+        assert_eq!(beyond(&[0], &[1], -1e9), it, "too far from one another");
+    }
+
+    /// The reach makes up for coordinates that f64 does not hold and for the roundings in comparing.
+    #[test]
+    fn the_reach_without_tolerances_is_that_of_roundings() {
+        let (a, b) = (cube(4), cube(2));
+        let (pair, t) = (Pair::new(&a, &b), without_tolerances());
+        let run = Classification::new(&pair, &t, Unobserved);
+        let off = a.errors.coordinate + b.errors.coordinate;
+        assert!(off > 0.0);
+        assert!(run.reach_distance() >= off + 8.0 * f64::EPSILON * 4.0 / 3.0, "{:e}", run.reach_distance());
+    }
+}
