@@ -7,7 +7,7 @@ use num_rational::BigRational;
 use rockproof_model::{Block, Number, Vec3};
 use rockproof_oracle::passage::{PassageAnswer, PassageReport, StraightMotion, passage, swept_neighbours};
 use rockproof_oracle::penetration::penetration;
-use support::shapes::{cuboid, exact, number, point, slab, step, tetrahedron};
+use support::shapes::{block, cuboid, exact, notched_cube, number, point, slab, spike, step, tetrahedron};
 
 /// A moves by a translation, B stays.
 fn moved(a: &Block, by: [&str; 3], b: &Block, g: &str) -> PassageReport {
@@ -128,6 +128,74 @@ fn blocks_move_in_notches_and_through_walls() {
         kind(&moved(&back.translated(&point(["-1", "0", "0"])), ["10", "0", "0"], &step(), "1/50").answer),
         "passage"
     );
+}
+
+/// A seesaw whose top, z = h·x, goes through the origin, as h goes from 1/2 to −1/2.
+fn seesaw() -> [Block; 2] {
+    [["-1/2", "1/2"], ["1/2", "-1/2"]].map(|[left, right]| {
+        let bottom = [["-1", "-1", "-4"], ["1", "-1", "-4"], ["1", "1", "-4"], ["-1", "1", "-4"]].map(point);
+        let top = [["-1", "-1", left], ["1", "-1", right], ["1", "1", right], ["-1", "1", left]].map(point);
+        let faces: [&[u32]; 6] =
+            [&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
+        block([bottom, top].concat(), &faces)
+    })
+}
+
+#[test]
+fn how_long_is_looked_before_a_pair_is_left_undecided() {
+    // What stands on the middle of a seesaw touches it at all times, and only the top's normal parts them, which is another
+    // at each time: no interval is certified, and each is halved.
+    let [before, after] = seesaw();
+    let tilting = StraightMotion::new(&before, &after);
+    let undecided = |intervals| PassageReport { answer: PassageAnswer::Undecided, intervals };
+    let both_ways = |a: &Block| {
+        let resting = StraightMotion::new(a, a);
+        [passage(&resting, &tilting, &number("0")), passage(&tilting, &resting, &number("0"))]
+    };
+    // Convex: the first odd number above 2000, as one is followed by two for each that is halved.
+    assert_eq!(both_ways(&spike(["0", "0", "0"])), [undecided(2001), undecided(2001)]);
+    // A step on its edge, which is not convex: 1 + 2 + 4 + 8 + 16 + 32, the first length with more than 16.
+    let turned = |v: &Vec3<Number>| Vec3::new(v.x.plus(&v.z.negated()), v.y.clone(), v.x.plus(&v.z));
+    let on_edge = step().with_vertices(step().vertices().iter().map(turned).collect());
+    assert_eq!(both_ways(&on_edge), [undecided(63), undecided(63)]);
+    // Where the corners touch in the middle of the step, each half has a face's normal; the whole has none.
+    let two_halves = PassageReport { answer: PassageAnswer::NoPassage, intervals: 3 };
+    assert_eq!(corner_past_corner("0", "1", "0"), two_halves);
+    // The same past the upper edge of a step, where one half needs its cover.
+    let cube = cuboid(["0", "-1", "0"], ["1", "1", "1"]).translated(&point(["9/7", "0", "5"]));
+    assert_eq!(moved(&cube, ["10/7", "0", "-2"], &step(), "0"), two_halves);
+}
+
+#[test]
+fn parts_that_only_seem_to_touch_may_be_moved_apart_too() {
+    let certified = PassageReport { answer: PassageAnswer::NoPassage, intervals: 1 };
+    // On the floor of a step, deeper by less than f64 sees.
+    let cube = cuboid(["5/2", "-1", "2"], ["3", "1", "3"]);
+    for depth in ["0", "1/1000000000000000000000000000000", "1/10000000000000000000", "1/1000000"] {
+        let down = number(depth).negated();
+        let on_floor = cube.translated(&Vec3::new(Number::ZERO, Number::ZERO, down));
+        assert_eq!(moved(&on_floor, ["1/2", "0", "0"], &step(), "1/50"), certified, "{depth}");
+    }
+    // In the notch of a cube, 3/250 into two of its walls and touching the third: √2·3/250 is less than g.
+    for into in ["-1/100", "-3/250"] {
+        let in_notch = cuboid(["2", "2", "2"], ["3", "3", "3"]).translated(&point([into, "0", into]));
+        assert_eq!(moved(&in_notch, ["0", "0", "0"], &notched_cube(), "1/50"), certified, "{into}");
+    }
+}
+
+#[test]
+fn coordinates_of_many_bits_have_directions_too() {
+    // f = 2 + 3⁻¹²⁰: x + y + z is 4 at most in the first and 2·f at least in the second, along a face of both alone.
+    let f = number("2").plus(&Number::from_rational(exact("3").pow(-120)));
+    let place = |place: [i32; 3]| {
+        let [x, y, z] = place.map(|k| if k == 0 { Number::ZERO } else { f.clone() });
+        Vec3::new(x, y, z)
+    };
+    let corner = tetrahedron([["0", "0", "0"], ["4", "0", "0"], ["0", "4", "0"], ["0", "0", "4"]]);
+    let other = tetrahedron([["2", "2", "2"], ["2", "0", "2"], ["0", "2", "2"], ["2", "2", "0"]]);
+    let other = other.with_vertices([[1, 1, 1], [1, 0, 1], [0, 1, 1], [1, 1, 0]].map(place).to_vec());
+    let certified = PassageReport { answer: PassageAnswer::NoPassage, intervals: 1 };
+    assert_eq!(moved(&corner, ["0", "0", "0"], &other, "1/1000000"), certified);
 }
 
 /// SplitMix64: the same motions everywhere.

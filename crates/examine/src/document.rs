@@ -4,7 +4,7 @@ use crate::assess::{Assessment, Examination};
 use crate::checked::{tolerances_json, violation_json};
 use crate::pairs::{ExaminedPair, PRECISIONS};
 use crate::recommend::Recommendation;
-use crate::results::{PairFacts, name_of};
+use crate::results::PairFacts;
 use crate::steps::Steps;
 use crate::verdict::{Verdict, refused_words};
 use rockproof_model::Precision;
@@ -106,7 +106,7 @@ fn pair(pair: &PairFacts<'_>) -> Value {
     json!({
         "blocks": pair.blocks,
         "overlap_m": pair.depth_m(),
-        "overlap": pair.overlap.map(|(_, meaning)| name_of(meaning)),
+        "overlap": pair.overlap.map(|(_, meaning)| meaning.name()),
         "f32": f32,
         "f64": f64,
         "passage_m": pair.passage_m,

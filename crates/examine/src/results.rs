@@ -117,7 +117,7 @@ impl<'f> PairFacts<'f> {
             a,
             b,
             TableCell::number(self.depth_m()),
-            text(self.overlap.map(|(_, meaning)| name_of(meaning).to_owned())),
+            text(self.overlap.map(|(_, meaning)| meaning.name().to_owned())),
             text(self.overlap.map(|(overlap, _)| overlap.sight.name().to_owned())),
             f32.total().into(),
             f32.broken.into(),
@@ -155,15 +155,6 @@ const COLUMNS: [&str; 17] = [
     "passage_m",
     "unseen_after_step_m",
 ];
-
-/// What an overlap means, as written in tables.
-pub(crate) fn name_of(meaning: Meaning) -> &'static str {
-    match meaning {
-        Meaning::Lost => "lost",
-        Meaning::Held => "held",
-        Meaning::Rounding => "rounding",
-    }
-}
 
 /// What was written.
 #[derive(Clone, Debug)]

@@ -372,6 +372,7 @@ fn divide_by_unit(numerator: &BigInt, denominator: &BigInt, unit: i64) -> (BigIn
 
 /// `2^exponent` for −1074 ≤ exponent ≤ 1023, exactly.
 pub fn power_of_two(exponent: i32) -> f64 {
+    debug_assert!((-1074..=1023).contains(&exponent), "2^{exponent} is no f64");
     if exponent >= -1022 {
         f64::from_bits(((exponent + 1023) as u64) << 52)
     } else {

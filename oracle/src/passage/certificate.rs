@@ -94,10 +94,14 @@ impl<'m, 'b> Certificate<'m, 'b> {
                 .collect();
             let directions: Vec<Vec<Candidate>> = against.iter().map(PartsAtEnds::best_directions).collect();
             // No translation, then by g along the direction that the part overlapped most asks for, or along the middle of
-            // all that are asked for, as in a corner of the other block.
-            let best = || directions.iter().filter_map(|best| best.first()).filter(|best| best.gap < 0.0);
-            let worst = best().min_by(|one, two| one.gap.total_cmp(&two.gap)).map(|worst| worst.n.clone());
-            let along = [worst, middle_of(best().map(|best| &best.n))].into_iter().flatten();
+            // all that are asked for, as in a corner of the other block; and of those as well that seem to be touched and may
+            // be overlapped by less than f64 sees.
+            let doubt = ends.size * (16.0 * f64::EPSILON);
+            let asked =
+                |most: f64| directions.iter().filter_map(|best| best.first()).filter(move |best| best.gap < most);
+            let worst = asked(doubt).min_by(|one, two| one.gap.total_cmp(&two.gap)).map(|worst| worst.n.clone());
+            let middles = [0.0, doubt].map(|most| middle_of(asked(most).map(|best| &best.n)));
+            let along = std::iter::once(worst).chain(middles).flatten();
             let along = along.map(|n| at_most_as_long(&n, limit));
             std::iter::once(Vec3::zero()).chain(along).any(|shift| {
                 against.iter().zip(&directions).all(|(ends, tried)| {
