@@ -237,7 +237,9 @@ impl PyScene {
         }
         let trajectory = run.as_mut().ok_or_else(|| PyRuntimeError::new_err("the scene did not begin"))?;
         let number = trajectory.next_number();
-        let answer = trajectory.step().map_err(|error| PyRuntimeError::new_err(format!("{}: {error}", step_in_words(number))))?;
+        let answer = trajectory
+            .step()
+            .map_err(|error| PyRuntimeError::new_err(format!("{}: {error}", step_in_words(number))))?;
         Ok(of_oracle(number, &answer))
     }
 }
