@@ -5,6 +5,7 @@ mod drawings;
 
 mod architecture;
 mod book;
+mod mutants;
 mod pictures;
 #[cfg(unix)]
 mod readme;

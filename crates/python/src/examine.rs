@@ -155,7 +155,7 @@ fn dicts<'py>(py: Python<'py>, table: &Table) -> PyResult<Vec<Bound<'py, PyDict>
         for (name, cell) in table.columns.iter().zip(cells) {
             match cell {
                 TableCell::Empty => dict.set_item(name, py.None())?,
-                TableCell::Text(text) => dict.set_item(name, text)?,
+                TableCell::Text(text) | TableCell::Scope(text) => dict.set_item(name, text)?,
                 TableCell::Count(count) => dict.set_item(name, count)?,
                 TableCell::Share(number) | TableCell::Number(number) => dict.set_item(name, number)?,
             }
