@@ -43,6 +43,22 @@ fn vertex_face_where_the_plane_of_a_bent_face_is_out_of_its_box() {
     check("roles exchanged", &bent(), &tips(0.0078125), &t, &["f-v 1 0 f-v 1 0 +1", "f-v 1 1 f-v 1 1 +1"]);
 }
 
+/// All coordinates times a power of two.
+fn scaled(block: &Block, factor: f64) -> Block {
+    let vertices = block.vertices().iter().map(|v| v.map(|c| c.times(&n(factor)))).collect();
+    block.with_vertices(vertices)
+}
+
+#[test]
+fn a_bent_face_is_looked_at_in_proportion_to_the_reach() {
+    for factor in [0.125, 1.0 / 1024.0, 1024.0] {
+        let [search, penetration] = [n(0.015625 * factor), n(0.015625 * factor)];
+        let t = ToleranceSet { search, penetration, ..short_reach() };
+        let [tips, bent] = [tips(0.0078125), bent()].map(|block| scaled(&block, factor));
+        check(&format!("times {factor}"), &tips, &bent, &t, &["v-f 0 1 v-f 0 1 +1", "v-f 1 1 v-f 1 1 +1"]);
+    }
+}
+
 #[test]
 fn vertex_face_touching_a_bent_face_where_nothing_may_be_apart() {
     // With s = g = 0 no slack in proportion to them is left. Both tips are on the plane, so that only exact arithmetic could tell them apart
