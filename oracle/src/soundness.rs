@@ -137,6 +137,24 @@ fn block(dice: &mut Dice, input: Input, shift: i32) -> Option<Block> {
     Block::new(vertices, faces, &BlockOptions { planarity: Number::from_integer(1) }).ok()
 }
 
+/// A set in which nothing may be apart, deep or askew, under `revised`.
+pub(crate) fn without_tolerances() -> ToleranceSet {
+    let zero = || Number::ZERO;
+    ToleranceSet {
+        search: zero(),
+        territory: zero(),
+        penetration: zero(),
+        overlap_sine: zero(),
+        parallel_sine: zero(),
+        equal: zero(),
+        open: zero(),
+        close: zero(),
+        max_displacement: zero(),
+        max_rotation: zero(),
+        criteria: Criteria::Revised,
+    }
+}
+
 fn tolerances(dice: &mut Dice, size: f64) -> ToleranceSet {
     let third = Number::from_rational(BigRational::new(1.into(), 3.into()));
     let length = |dice: &mut Dice| match dice.pick(&[0.0, 0.25, 1.0, 1.5, 0.1, 40.0, 1.0 / 3.0]) {
@@ -152,11 +170,7 @@ fn tolerances(dice: &mut Dice, size: f64) -> ToleranceSet {
         overlap_sine: ratio(sine(dice)),
         parallel_sine: ratio(sine(dice)),
         equal: Number::from_f64(dice.pick(&[0.0, 1e-9, 0.5, 3.0])).unwrap(),
-        open: Number::ZERO,
-        close: Number::ZERO,
-        max_displacement: Number::ZERO,
-        max_rotation: Number::ZERO,
-        criteria: Criteria::Revised,
+        ..without_tolerances()
     }
 }
 

@@ -148,30 +148,14 @@ mod tests {
     use super::*;
     use crate::pair::Pair;
     use crate::sign_ladder::Unobserved;
-    use rockproof_model::{Block, Criteria, FaceId, Number, ToleranceSet, Vec3};
+    use crate::soundness::without_tolerances;
+    use rockproof_model::{Block, FaceId, Number, Vec3};
 
     /// A cube of this size, from the origin on, in parts of 1/3.
     fn cube(thirds: i32) -> PreparedBlock {
         let third = Number::from_rational(num_rational::BigRational::new(1.into(), 3.into()));
         let at = |c: i32| Vec3::new(c, c, c).map(|&c| Number::from_integer(c).times(&third));
         PreparedBlock::new(&Block::cuboid(&at(0), &at(thirds)).unwrap())
-    }
-
-    fn without_tolerances() -> ToleranceSet {
-        let zero = || Number::ZERO;
-        ToleranceSet {
-            search: zero(),
-            territory: zero(),
-            penetration: zero(),
-            overlap_sine: zero(),
-            parallel_sine: zero(),
-            equal: zero(),
-            open: zero(),
-            close: zero(),
-            max_displacement: zero(),
-            max_rotation: zero(),
-            criteria: Criteria::Revised,
-        }
     }
 
     /// A kept contact of edges is looked at by name unless both are in reach, and of one another.

@@ -4,27 +4,11 @@ use crate::pair::Pair;
 use crate::predicate::{BeyondVertex, BoxesMeet};
 use crate::prepared_block::PreparedBlock;
 use crate::sign_ladder::{Classification, Unobserved};
+use crate::soundness::without_tolerances;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::decision::Side;
-use rockproof_model::{Block, BlockOptions, Criteria, EdgeId, Number, Point, Sign, ToleranceSet, Vec3, VertexId};
-
-fn without_tolerances() -> ToleranceSet {
-    let zero = || Number::ZERO;
-    ToleranceSet {
-        search: zero(),
-        territory: zero(),
-        penetration: zero(),
-        overlap_sine: zero(),
-        parallel_sine: zero(),
-        equal: zero(),
-        open: zero(),
-        close: zero(),
-        max_displacement: zero(),
-        max_rotation: zero(),
-        criteria: Criteria::Revised,
-    }
-}
+use rockproof_model::{Block, BlockOptions, EdgeId, Number, Point, Sign, Vec3, VertexId};
 
 /// A dot product whose first term overflows while the exact sum has the other sign: where every bound is infinite, an infinite
 /// value proves nothing.

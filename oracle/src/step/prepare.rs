@@ -178,8 +178,9 @@ fn fixed_stiffness(model: &StepModel<'_>) -> Result<Vec<Number>, StepFailure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::soundness::without_tolerances;
     use rockproof_model::simulation::{Body, Motion, Simulation};
-    use rockproof_model::{Criteria, ToleranceSet, Vec3};
+    use rockproof_model::{ToleranceSet, Vec3};
 
     #[test]
     fn neighbours_are_two_blocks_within_reach_not_both_fixed() {
@@ -189,20 +190,7 @@ mod tests {
         let blocks = corners.map(|(x, y, z)| Block::cuboid(&at(x, y, z), &at(x + 2, y + 2, z + 2)).unwrap());
         let shapes: Vec<&Block> = blocks.iter().collect();
         let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
-        let zero = || Number::ZERO;
-        let tolerances = ToleranceSet {
-            search: Number::from_integer(1),
-            territory: zero(),
-            penetration: zero(),
-            overlap_sine: zero(),
-            parallel_sine: zero(),
-            equal: zero(),
-            open: zero(),
-            close: zero(),
-            max_displacement: zero(),
-            max_rotation: zero(),
-            criteria: Criteria::Revised,
-        };
+        let tolerances = ToleranceSet { search: Number::from_integer(1), ..without_tolerances() };
         let simulation = Simulation::default();
         let of = |motions: [Motion; 5]| {
             let bodies = motions.map(|motion| Body { motion, ..Body::default() });
