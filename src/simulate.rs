@@ -19,7 +19,7 @@ use rockproof_differential::lockstep::{
 };
 use rockproof_examine::{AuditedRun, violation_json, violations_text};
 use rockproof_model::scene::SceneFormat;
-use rockproof_model::simulation::{Control, Skips};
+use rockproof_model::simulation::{Control, Skips, step_in_words};
 use rockproof_model::{Precision, Scene, ToleranceSet, rules};
 use rockproof_oracle::step::KeptPrecision;
 use rockproof_results::{Start, bounded};
@@ -433,8 +433,8 @@ impl Display {
 fn line(report: &StepReport) -> String {
     let contacts: u32 = report.contacts.iter().flatten().sum();
     format!(
-        "step {}, {} s, Δt {} s, {contacts} contacts, {} iterations, {} J kinetic, {} J potential",
-        report.step,
+        "{}, {} s, Δt {} s, {contacts} contacts, {} iterations, {} J kinetic, {} J potential",
+        step_in_words(report.step),
         short(report.time),
         short(report.time_step),
         report.iterations,
@@ -558,7 +558,7 @@ fn write_summary<R: Real>(
     writeln!(out, "contacts         {open} open, {sliding} sliding, {locked} locked")?;
     // What contacts have as gaps; of overlaps that no contact sees it says nothing.
     for (name, extreme) in [("in contacts      overlap of", totals.deepest), ("displacement    ", totals.furthest)] {
-        let at = if extreme.value.0 > 0.0 { format!(" in step {}", extreme.step) } else { String::new() };
+        let at = if extreme.value.0 > 0.0 { format!(" in {}", step_in_words(extreme.step)) } else { String::new() };
         writeln!(out, "{name} {} m at most{at}", short(extreme.value.0))?;
     }
     writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;

@@ -78,14 +78,14 @@ pub(crate) fn better(
 }
 
 impl OtherSet {
-    /// Whether the model does better with it: it is safe where it was not, or less is wrong. That the nearest rule is met by more, or that blocks sink less,
-    /// is no reason to leave a set.
+    /// Whether the model does better with it: it is safe where it was not, or less of something is wrong and more of nothing. That the nearest rule is met by
+    /// more, or that blocks sink less, is no reason to leave a set.
     fn is_better_than(&self, given: &Assessment, precision: Precision) -> bool {
         let [ours, theirs] = [&self.assessed, given].map(|assessed| assessed.harm(precision));
         match (self.assessed.is_safe(precision), given.is_safe(precision)) {
-            (true, true) => self.counts(given, precision).into_iter().any(|(_, ours, theirs)| ours < theirs),
+            (true, true) => is_less(self.counts(given, precision).map(|(_, ours, theirs)| [ours, theirs])),
             (true, false) => true,
-            (false, _) => ours != theirs && ours.iter().zip(&theirs).all(|(ours, theirs)| ours <= theirs),
+            (false, _) => is_less(ours.into_iter().zip(theirs).map(<[u64; 2]>::from)),
         }
     }
 
@@ -123,5 +123,92 @@ impl OtherSet {
             figures.push(format!("the nearest rule met {slack} times instead of {theirs_slack}"));
         }
         figures
+    }
+}
+
+/// Whether of pairs of counts no first one is the greater, and one is the smaller.
+fn is_less(counts: impl IntoIterator<Item = [u64; 2]>) -> bool {
+    let order: Vec<_> = counts.into_iter().map(|[ours, theirs]| ours.cmp(&theirs)).collect();
+    order.iter().all(|order| order.is_le()) && order.iter().any(|order| order.is_lt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{CheckedModel, Seen, Settings, examine};
+    use rockproof_model::Scene;
+    use rockproof_model::rules::{Rule, RuleSlack, Violation};
+    use rockproof_model::scene::SceneFormat;
+    use rockproof_tune::{Differences, StepMeasures};
+    use std::path::{Path, PathBuf};
+    use std::sync::atomic::AtomicBool;
+
+    /// How a cube does on a fixed floor, with its lowest face at this height.
+    fn cube_at(height: &str) -> Assessment {
+        let text = format!(
+            "[[block]]\nfixed = true\nbox = {{ min = [-1, -1, -1], max = [2, 2, 0] }}\n\
+             [[block]]\nbox = {{ min = [0, 0, {height}], max = [1, 1, 1] }}\n"
+        );
+        let scene = Scene::parse(&text, SceneFormat::Toml, Path::new("model.toml")).expect("a scene");
+        let spec = scene.tolerances.clone().unwrap_or_default();
+        let set = spec.derive(&scene.shapes(), Precision::F64).expect("a set");
+        let model =
+            CheckedModel::new(PathBuf::from("model.toml"), scene, (spec, set), Precision::F64).expect("a model");
+        let settings = Settings { steps: Some(1), candidates: 0, threads: 1 };
+        let examined = examine(model, &settings, &Seen::default(), &AtomicBool::new(false));
+        examined.expect("an examination").expect("an end").given
+    }
+
+    /// What a search measured where so many rules are violated and so many of 100 moved pairs differ.
+    fn measured(violated: usize, moved: u64, tightest: f64) -> Measurement {
+        Measurement {
+            violated: vec![Rule::Search; violated],
+            tightest: RuleSlack { rule: Rule::Search, factor: tightest },
+            lost_pairs: 0,
+            differences: Differences { moved: [100, moved], ..Differences::default() },
+            steps_measured: StepMeasures::default(),
+            lockstep: None,
+        }
+    }
+
+    /// Whether a set is better than another, each with what the examination and the search say of it.
+    fn is_better(ours: (&Assessment, Measurement), theirs: (&Assessment, Measurement)) -> bool {
+        let measured = [ours.1, theirs.1];
+        let (assessed, text) = (ours.0.clone(), String::new());
+        let set = OtherSet { candidates: 2, refused: 0, origin: "auto", assessed, measured, text };
+        set.is_better_than(theirs.0, Precision::F64)
+    }
+
+    #[test]
+    fn a_safe_model_leaves_its_set_only_where_less_is_wrong_and_more_of_nothing() {
+        let safe = &cube_at("0");
+        assert!(safe.is_safe(Precision::F64));
+        let given = || (safe, measured(1, 5, 2.0));
+        assert!(is_better((safe, measured(1, 4, 2.0)), given()), "less differs");
+        assert!(is_better((safe, measured(0, 4, 2.0)), given()), "less differs, fewer rules are violated");
+        assert!(!is_better((safe, measured(1, 5, 8.0)), given()), "only the nearest rule is met by more");
+        assert!(!is_better((safe, measured(2, 4, 8.0)), given()), "less differs, another rule is violated");
+        assert!(!is_better((safe, measured(0, 6, 8.0)), given()), "fewer rules are violated, more differs");
+    }
+
+    #[test]
+    fn what_is_not_safe_is_better_only_where_less_of_its_harm_remains() {
+        let [safe, sunk] = ["0", "-0.5"].map(cube_at);
+        assert!(!sunk.is_safe(Precision::F64));
+        let measured = || measured(0, 0, 2.0);
+        assert!(is_better((&safe, measured()), (&sunk, measured())), "safe");
+        assert!(!is_better((&sunk, measured()), (&safe, measured())), "no longer safe");
+        assert!(!is_better((&sunk, measured()), (&sunk, measured())), "the same harm");
+        let violation = || {
+            let remedy = String::new();
+            vec![Violation { rule: Rule::Search, found: 1.0, allowed: 2.0, place: None, remedy }]
+        };
+        let violating = Assessment { violations: violation(), ..sunk.clone() };
+        assert!(is_better((&sunk, measured()), (&violating, measured())), "a rule less");
+        assert!(!is_better((&violating, measured()), (&sunk, measured())), "a rule more");
+        // Harm of another sort is no less harm.
+        let other = Assessment { violations: violation(), ..safe };
+        assert!(!is_better((&other, measured()), (&sunk, measured())), "a rule instead of an overlap");
+        assert!(!is_better((&sunk, measured()), (&other, measured())), "an overlap instead of a rule");
     }
 }

@@ -2,6 +2,7 @@
 //! oracle.
 
 use crate::exact_float::ExactFloat;
+use rockproof_model::simulation::step_in_words;
 use serde::{Deserialize, Serialize};
 
 /// The columns of `steps.csv` that the audit fills; empty without one.
@@ -138,7 +139,7 @@ impl AuditTotals {
 fn worst_pair_note(worst: Option<PairExtreme>) -> String {
     let Some(PairExtreme { blocks: [a, b], depth_m: ExactFloat(depth), step }) = worst else { return String::new() };
     let depth = if (1e-3..1e4).contains(&depth) { format!("{depth:.4}") } else { format!("{depth:.3e}") };
-    format!(" (worst {a}–{b}, {depth} m, step {step})")
+    format!(" (worst {a}–{b}, {depth} m, {})", step_in_words(step))
 }
 
 #[cfg(test)]
@@ -172,5 +173,13 @@ mod tests {
                         undecided; deepest overlap of all (worst 0–1, 0.5000 m, step 1)";
         assert_eq!(totals.sentence(), expected);
         assert_eq!(passed.cells(), ["0", "0.5", "1", "3"]);
+    }
+
+    #[test]
+    fn a_pair_that_is_worst_while_blocks_settle_is_said_to_be() {
+        let mut totals = AuditTotals::default();
+        totals.add(-19, &StepAudit { deepest: pair(0, 1, 0.5), ..StepAudit::default() });
+        let sentence = totals.sentence();
+        assert!(sentence.ends_with("all (worst 0–1, 0.5000 m, settling step -19 (the last is 0))"), "{sentence}");
     }
 }
