@@ -109,15 +109,24 @@ impl ScalesCache {
     }
 }
 
-/// The size of a polynomial over that of its terms, in integers of the least width that holds both.
-fn margin<P: Polynomial>(polynomial: &P, pair: &Pair<'_>, cache: &ScalesCache, tolerances: &ToleranceSet) -> f64 {
-    let known = pair.magnitudes();
-    let exact = cache.exact(pair, tolerances);
-    match cache.bits_of(polynomial, pair, tolerances).0 {
-        ..128 => relative_size(polynomial, known.small.get_or_init(|| pair.exact()), exact),
-        128..256 => relative_size(polynomial, known.int256.get_or_init(|| pair.exact()), exact),
-        256..512 => relative_size(polynomial, known.int512.get_or_init(|| pair.exact()), exact),
-        _ => relative_size(polynomial, known.heap.get_or_init(|| pair.exact()), exact),
+/// Works out how close polynomials are to zero.
+pub(crate) struct Margins<'m, 's> {
+    pair: &'m Pair<'s>,
+    tolerances: &'m ToleranceSet,
+    scales: &'m ScalesCache,
+}
+
+impl Margins<'_, '_> {
+    /// The sign of a polynomial, and its size over that of its terms, in integers of the least width that holds both.
+    pub(crate) fn of<P: Polynomial>(&self, polynomial: &P) -> (Sign, f64) {
+        let known = self.pair.magnitudes();
+        let exact = self.scales.exact(self.pair, self.tolerances);
+        match self.scales.bits_of(polynomial, self.pair, self.tolerances).0 {
+            ..128 => relative_size(polynomial, known.small.get_or_init(|| self.pair.exact()), exact),
+            128..256 => relative_size(polynomial, known.int256.get_or_init(|| self.pair.exact()), exact),
+            256..512 => relative_size(polynomial, known.int512.get_or_init(|| self.pair.exact()), exact),
+            _ => relative_size(polynomial, known.heap.get_or_init(|| self.pair.exact()), exact),
+        }
     }
 }
 
@@ -125,7 +134,7 @@ fn relative_size<P: Polynomial, T: FromUnits + Into<BigInt>>(
     polynomial: &P,
     geometry: &ExactPair<'_, Magnitude<T>>,
     exact: &Scales<BigInt>,
-) -> f64 {
+) -> (Sign, f64) {
     let scales = LazyScales { made: &OnceCell::new(), make: &|| exact.converted() };
     polynomial.value(&ExactView { geometry, scales }).relative()
 }
@@ -196,16 +205,25 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     #[inline(always)]
     pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
         let sign = self.quick_sign(polynomial);
-        if O::ACTIVE {
-            let (pair, tolerances) = (self.pair, self.tolerances);
-            let careful_stages = &self.careful_stages;
-            self.observer.sign(sign, &mut || {
-                let cache = &careful_stages.get_or_init(Box::default).scales;
-                margin(polynomial, pair, cache, tolerances)
-            });
-            return self.observer.taken(sign);
-        }
-        sign
+        if O::ACTIVE { self.observed(sign, |margins| margins.of(polynomial).1) } else { sign }
+    }
+
+    /// The same for a sign that the observer does not see, since by itself it says nothing about the decision.
+    #[inline(always)]
+    pub(crate) fn unobserved_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
+        self.quick_sign(polynomial)
+    }
+
+    /// What a sign that the decision under way rests on is taken for, once the observer has seen it and may have asked for
+    /// its margin: 0 where it is zero, at most 1.
+    pub(crate) fn observed(&mut self, sign: Sign, margin: impl Fn(&Margins<'_, '_>) -> f64) -> Sign {
+        let (pair, tolerances) = (self.pair, self.tolerances);
+        let careful_stages = &self.careful_stages;
+        self.observer.sign(sign, &mut || {
+            let scales = &careful_stages.get_or_init(Box::default).scales;
+            margin(&Margins { pair, tolerances, scales })
+        });
+        self.observer.taken(sign)
     }
 
     /// The pair in f64.

@@ -15,17 +15,19 @@ pub struct TraceEntry {
     /// 1 yes, 0 no; the sign for gap-sign.
     pub outcome: i8,
     /// Whether a sign asked for it is exactly zero. A choice between planes that the signs of their gaps settle, as between two
-    /// that touch, asks none: those signs are decisions of their own.
+    /// that touch, asks none: those signs are decisions of their own. Of inside-face: whether the projection lies on the face's
+    /// boundary.
     pub tie: bool,
 }
 
 /// How close a decision is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
-    /// Sign of the polynomial nearest to zero among those the decision rests on.
+    /// Sign of the polynomial nearest to zero among those the decision rests on; of inside-face positive inside.
     pub sign: Sign,
     /// The size of that polynomial over the sum of the magnitudes of its terms (differences of coordinates count as
-    /// terms of degree one): 0 at a tie, 1 where nothing cancels.
+    /// terms of degree one): 0 at a tie, 1 where nothing cancels. Of inside-face, how close the projection is to the edge
+    /// closest to it, by the largest of three: off its line, and beyond its ends along two axes.
     pub relative: f64,
 }
 

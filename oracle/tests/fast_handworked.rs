@@ -34,21 +34,27 @@ fn every_hand_worked_pair_comes_out() {
 
 #[test]
 fn decisions_agree_with_the_plain_path() {
-    let mut compared = 0;
+    let (mut compared, mut inside) = (0, [0; 2]);
     for case in handworked::cases() {
         let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
         let plain: BTreeMap<_, _> = plain::trace_keeping::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept)
             .into_iter()
-            .map(|(decision, outcome, _)| (decision, outcome))
+            .map(|(decision, outcome, tie)| (decision, (outcome, tie)))
             .collect();
         for entry in Pair::new(&a, &b).trace_keeping(&case.tolerances, &case.kept) {
-            if let Some(&outcome) = plain.get(&entry.decision) {
+            if let Some(&(outcome, tie)) = plain.get(&entry.decision) {
                 assert_eq!(entry.outcome, outcome, "{}: {}", case.name, entry.decision);
+                // Both call it a tie where the projection is on the boundary, and nowhere else.
+                if entry.decision.predicate == Predicate::InsideFace {
+                    assert_eq!(entry.tie, tie, "{}: {}", case.name, entry.decision);
+                    inside[usize::from(tie)] += 1;
+                }
                 compared += 1;
             }
         }
     }
     assert!(compared > 1_000, "{compared} decisions compared");
+    assert!(inside.iter().all(|&count| count > 20), "{inside:?} inside faces, without ties and with them");
 }
 
 #[test]

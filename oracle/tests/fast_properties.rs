@@ -40,13 +40,14 @@ proptest! {
         let kept = choice.of(&a, &b, &t);
         let plain: BTreeMap<_, _> = plain::trace_keeping::<BigRational>(&a, &b, &t, &kept)
             .into_iter()
-            .map(|(decision, outcome, _)| (decision, outcome))
+            .map(|(decision, outcome, tie)| (decision, (outcome, tie)))
             .collect();
         let (a, b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
         let trace = Pair::new(&a, &b).trace_keeping(&t, &kept);
         for entry in &trace {
-            if let Some(outcome) = plain.get(&entry.decision) {
-                prop_assert_eq!(entry.outcome, *outcome, "{}", entry.decision);
+            if let Some(&(outcome, tie)) = plain.get(&entry.decision) {
+                prop_assert_eq!(entry.outcome, outcome, "{}", entry.decision);
+                prop_assert!(entry.decision.predicate != Predicate::InsideFace || entry.tie == tie, "{}", entry.decision);
             }
         }
         // Both ask of the same planes whether they are true exits, and of the same contacts whether they may stay.

@@ -6,8 +6,10 @@
 mod support;
 
 use num_rational::BigRational;
-use rockproof_model::decision::Predicate;
-use rockproof_model::{Block, BlockOptions, ContactKey, ContactKind, Number, Point, ToleranceSet, Vec3, VertexId};
+use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{
+    Block, BlockOptions, ContactKey, ContactKind, FaceId, Number, Point, ToleranceSet, Vec3, VertexId,
+};
 use rockproof_oracle::{Pair, PreparedBlock, plain};
 use std::collections::BTreeSet;
 use support::shapes::{number, revised, spike, tetrahedron};
@@ -93,6 +95,53 @@ fn over_a_concave_face_the_paths_agree() {
     let seen = walk(&["1/20", "0", "-1/40"], 3, &revised(&[("territory", "0")]));
     assert!(seen.pairs == 4 * 3 * 49 && seen.kinds.contains(&ContactKind::VertexFace), "{:?}", seen.kinds);
     assert_eq!(seen.inside, BTreeSet::from([0, 1]));
+}
+
+/// Where a point of the grid lies in an outline: 1 inside, 0 on it, −1 outside. An edge is passed by a ray along x where its
+/// ends are on different sides of the ray, or its upper end on it.
+fn place_in(outline: &[[i32; 2]], [x, y]: [i32; 2]) -> i8 {
+    let mut inside = false;
+    for (k, &[px, py]) in outline.iter().enumerate() {
+        let [qx, qy] = outline[(k + 1) % outline.len()];
+        let turn = (qx - px) * (y - py) - (qy - py) * (x - px);
+        let [along_x, along_y] = [(px, qx, x), (py, qy, y)].map(|(p, q, at)| (p.min(q)..=p.max(q)).contains(&at));
+        if turn == 0 && along_x && along_y {
+            return 0;
+        }
+        inside ^= (py < y) != (qy < y) && (turn > 0) == (qy > py);
+    }
+    if inside { 1 } else { -1 }
+}
+
+/// Level with a corner, or on the line of an edge that ends before it, a tip is no nearer to the boundary than elsewhere.
+#[test]
+fn inside_ties_on_the_boundary_alone_and_its_margin_grows_with_the_distance() {
+    let t = revised(&[("territory", "0")]);
+    let mut ties = [0; 3];
+    for (shape, outline) in OUTLINES.iter().enumerate() {
+        let base = PreparedBlock::new(&prism(shape));
+        for (x, y) in (0..=6).flat_map(|x| (0..=6).map(move |y| (x, y))) {
+            let tip = spike(["0", "0", "0"]).translated(&Vec3::new(halves(x), halves(y), number("1/20")));
+            let tip = PreparedBlock::new(&tip);
+            let pair = Pair::new(&tip, &base);
+            let features = [Feature::Vertex(Side::A, VertexId(0)), Feature::Face(Side::B, FaceId(1))];
+            let asked = Decision::about(Predicate::InsideFace, &features);
+            let trace = pair.trace(&t);
+            let place = place_in(outline, [x, y]);
+            let about = format!("outline {shape}, tip at ({x}, {y})/2");
+            let Some(entry) = trace.iter().find(|entry| entry.decision == asked) else {
+                assert_eq!(place, -1, "{about}: not asked");
+                continue;
+            };
+            assert_eq!((entry.outcome == 1, entry.tie), (place > 0, place == 0), "{about}");
+            let margin = pair.margins(&t, &[asked])[0].expect("it is measured");
+            assert_eq!(margin.sign.as_i8(), place, "{about}");
+            // No distance in the grid is small against the block: neither is any margin.
+            assert!(if place == 0 { margin.relative == 0.0 } else { margin.relative > 1e-3 }, "{about}: {margin:?}");
+            ties[(place + 1) as usize] += 1;
+        }
+    }
+    assert!(ties.iter().all(|&count| count > 20), "{ties:?} outside, on the boundary, inside");
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use super::entrance::Candidate;
 use crate::predicate::{Face, InwardOf, LengthTolerance, NormalComponent, PolygonHeight, Vertex};
-use crate::sign_ladder::{Classification, Observer};
+use crate::sign_ladder::{Classification, Margins, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{ContactKey, EdgeId, Sign};
+use rockproof_model::{ContactKey, EdgeId, Sign, Topology};
 
 /// The v-f or f-v contact of a vertex and a face.
 pub(super) fn contact_of(vertex: Vertex, face: Face) -> ContactKey {
@@ -44,16 +44,33 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// Whether the projection of a vertex along N lies strictly inside a face; **a tie says no**.
+    ///
+    /// Recorded is one sign, of where the projection lies: positive inside, zero on the boundary. Those it is made of may be
+    /// zero far from the boundary: the height of the vertex over a corner, or its side of an edge that ends before it.
     fn inside_face(&mut self, vertex: Vertex, face: Face) -> bool {
         let features = [Feature::Vertex(vertex.0, vertex.1), Feature::Face(face.0, face.1)];
         self.decide(
             || Decision::about(Predicate::InsideFace, &features),
             |run| {
-                if run.pair.solid(face.0).faces[face.1.index()].surely_convex {
+                let inside = if run.pair.solid(face.0).faces[face.1.index()].surely_convex {
                     run.inside_all_edges(vertex, face)
                 } else {
-                    run.inside_by_winding(vertex, face)
+                    run.side_of_boundary(vertex, face).is_positive()
+                };
+                if !O::ACTIVE {
+                    return inside;
                 }
+                let side = match run.side_of_boundary(vertex, face) {
+                    _ if inside => Sign::Positive,
+                    Sign::Zero => Sign::Zero,
+                    _ => Sign::Negative,
+                };
+                let axes = run.axes_across(face);
+                let topology = run.pair.topology(face.0);
+                let margin = |margins: &Margins<'_, '_>| {
+                    axes.map_or(0.0, |axes| boundary_margin(vertex, face, axes, topology, margins))
+                };
+                run.observed(side, margin).is_positive()
             },
         )
     }
@@ -65,17 +82,17 @@ impl<O: Observer> Classification<'_, '_, O> {
 
     /// Positive where the projection of the vertex is on the face's side of one of its edges.
     fn side_of_edge(&mut self, vertex: Vertex, face: Face, edge: EdgeId) -> Sign {
-        let right = self.pair.topology(face.0).edge(edge).right == face.1;
-        self.sign(&InwardOf { vertex, edge: (face.0, edge), right })
+        self.unobserved_sign(&inward_of(vertex, face, edge, self.pair.topology(face.0)))
     }
 
-    /// The winding number of a polygon that may be concave, with the boundary itself outside.
-    fn inside_by_winding(&mut self, vertex: Vertex, face: Face) -> bool {
-        let Some([up, along]) = self.axes_across(face) else { return false };
+    /// Where the projection of a vertex lies in a polygon that may be concave, by its winding number: positive inside, zero on
+    /// the boundary.
+    fn side_of_boundary(&mut self, vertex: Vertex, face: Face) -> Sign {
+        let Some([up, along]) = self.axes_across(face) else { return Sign::Zero };
         let topology = self.pair.topology(face.0);
         let corners = topology.face(face.1);
-        let heights: Vec<Sign> =
-            corners.iter().map(|&corner| self.sign(&PolygonHeight { vertex, corner, face, axis: up })).collect();
+        let height = |run: &mut Self, corner, axis| run.unobserved_sign(&PolygonHeight { vertex, corner, face, axis });
+        let heights: Vec<Sign> = corners.iter().map(|&corner| height(self, corner, up)).collect();
         let mut winding = 0;
         for (k, &edge) in topology.face_edges(face.1).iter().enumerate() {
             let next = (k + 1) % corners.len();
@@ -86,25 +103,50 @@ impl<O: Observer> Classification<'_, '_, O> {
             let side = self.side_of_edge(vertex, face, edge);
             if from.is_zero() && to.is_zero() {
                 // A level edge at the vertex's height: on it where its ends are not both to one side.
-                let [p, q] = [corners[k], corners[next]]
-                    .map(|corner| self.sign(&PolygonHeight { vertex, corner, face, axis: along }));
+                let [p, q] = [corners[k], corners[next]].map(|corner| height(self, corner, along));
                 if !p.times(q).is_positive() {
-                    return false;
+                    return Sign::Zero;
                 }
             } else if side.is_zero() {
-                return false;
+                return Sign::Zero;
             } else if !from.is_positive() && to.is_positive() && side.is_positive() {
                 winding += 1;
             } else if from.is_positive() && !to.is_positive() && side.is_negative() {
                 winding -= 1;
             }
         }
-        winding != 0
+        if winding != 0 { Sign::Positive } else { Sign::Negative }
     }
 
     /// Two coordinate axes that span space together with the face's normal; `None` for a face without area.
     fn axes_across(&mut self, face: Face) -> Option<[usize; 2]> {
-        let axis = (0..3).find(|&axis| !self.sign(&NormalComponent { face, axis }).is_zero())?;
+        let axis = (0..3).find(|&axis| !self.unobserved_sign(&NormalComponent { face, axis }).is_zero())?;
         Some([(axis + 1) % 3, (axis + 2) % 3])
     }
+}
+
+fn inward_of(vertex: Vertex, face: Face, edge: EdgeId, topology: &Topology) -> InwardOf {
+    InwardOf { vertex, edge: (face.0, edge), right: topology.edge(edge).right == face.1 }
+}
+
+/// How close the projection of a vertex is to the boundary of a face: that of the closest edge. To be on an edge it must be on
+/// its line, and along neither axis beyond both its ends; the largest of these three margins counts.
+fn boundary_margin(
+    vertex: Vertex,
+    face: Face,
+    axes: [usize; 2],
+    topology: &Topology,
+    margins: &Margins<'_, '_>,
+) -> f64 {
+    let corners = topology.face(face.1);
+    let of_edge = |(k, &edge): (usize, &EdgeId)| {
+        let (_, off_line) = margins.of(&inward_of(vertex, face, edge, topology));
+        let ends = [corners[k], corners[(k + 1) % corners.len()]];
+        let beyond_ends = axes.map(|axis| {
+            let [(p, from), (q, to)] = ends.map(|corner| margins.of(&PolygonHeight { vertex, corner, face, axis }));
+            if p.times(q).is_positive() { from.min(to) } else { 0.0 }
+        });
+        beyond_ends.into_iter().fold(off_line, f64::max)
+    };
+    topology.face_edges(face.1).iter().enumerate().map(of_edge).fold(1.0, f64::min)
 }

@@ -1,8 +1,8 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
-use rockproof_model::Ring;
 use rockproof_model::number::{Precision, round_rational};
+use rockproof_model::{Ring, Sign};
 
 /// An exact value together with the sum of the magnitudes of the terms it is the sum of.
 ///
@@ -17,14 +17,15 @@ pub(crate) struct Magnitude<T> {
 }
 
 impl<T: Into<BigInt>> Magnitude<T> {
-    /// The value's size over that of its terms, at most 1; 0 where there are none.
-    pub(crate) fn relative(self) -> f64 {
+    /// The value's sign, and its size over that of its terms, at most 1; 0 where there are none.
+    pub(crate) fn relative(self) -> (Sign, f64) {
         let (value, terms) = (self.value.into(), self.terms.into());
         if terms.is_zero() {
-            return 0.0;
+            return (Sign::Zero, 0.0);
         }
+        let sign = Sign::of_ordering(value.cmp(&BigInt::ZERO));
         // At most 1, so rounding cannot overflow.
-        round_rational(&BigRational::new_raw(value.abs(), terms), Precision::F64).unwrap_or(1.0)
+        (sign, round_rational(&BigRational::new_raw(value.abs(), terms), Precision::F64).unwrap_or(1.0))
     }
 }
 
