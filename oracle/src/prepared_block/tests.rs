@@ -153,7 +153,7 @@ fn turns_that_overflow_prove_no_convexity() {
 fn largest_bulge_squared(block: &Block) -> BigRational {
     let vertices: Vec<Vec3<BigRational>> = block.vertices().iter().map(|v| v.map(Number::to_rational)).collect();
     let mut largest = exactly(0.0);
-    for face in block.topology().faces() {
+    for face in block.topology().faces().iter().filter(|face| face.len() > 3) {
         let (n, centre) = (face_normal(&vertices, face), centre_sum(&vertices, face));
         let count = BigRational::from_integer(face.len().into());
         for &v in face {
@@ -167,61 +167,66 @@ fn largest_bulge_squared(block: &Block) -> BigRational {
 
 #[test]
 fn the_bulge_bounds_what_is_bent_by_hardly_more_than_roundings() {
-    let cube = bent_box(&Number::from_integer(1));
     let mut dice = Dice(31);
     let mut part = || dice.below(1 << 52) as f64 / (1u64 << 52) as f64;
-    let mut bent = 0;
+    let (mut bent, mut known) = (0, 0);
     for round in 0..200 {
-        // A top in one plane but for its roundings and a little.
+        // A quadrilateral in one plane but for its roundings and a little.
         let mut corner = || [part(), part(), 2.0 + part()];
         let [p, q, s] = [corner(), corner(), corner()];
         let at = |u: f64, v: f64| std::array::from_fn::<f64, 3, _>(|k| p[k] + u * (q[k] - p[k]) + v * (s[k] - p[k]));
-        let mut top = [p, q, at(1.0, 0.9), at(0.1, 1.0)];
+        let mut base = [p, q, at(1.0, 0.9), at(0.1, 1.0)];
         // Bent by a little more, the roundings in calculating how much are still far larger than any slack for them.
-        top[3][2] += 2f64.powi(-28 - round % 30);
+        base[3][2] += 2f64.powi(-28 - round % 30);
         if round == 0 {
             // In f64 no corner of this one is off its plane.
-            top = [
+            base = [
                 [1.742936953102772, 1.0455226301517002, 1.1856584237241816],
                 [1.0878998679953438, 0.882949780600351, 1.9235584750337869],
                 [1.080181897124372, 0.8900667524647349, 1.9274487551503368],
                 [1.7352189822318003, 1.0526396020160842, 1.1895487038407315],
             ];
         }
-        let mut vertices: Vec<_> = cube.vertices()[..4].to_vec();
-        vertices.extend(top.map(|[x, y, z]| Vec3::new(x, y, z).map(|&c| float(c))));
-        // Only the top: the sides of these are bent much more.
-        let block = only_upper_face_bent(&vertices);
+        let block = pyramid_on(base);
         let (bulge, least) = (PreparedBlock::new(&block).bulge, largest_bulge_squared(&block));
+        // A base that were bent more would hide what is looked for.
+        assert!(least <= exactly(2f64.powi(-40)), "round {round}");
         bent += usize::from(least.is_positive());
+        known += usize::from(bulge.is_finite());
         assert!(bulge.is_infinite() || exactly(bulge).pow(2) >= least, "round {round}: {bulge:e}");
     }
-    assert!(bent > 100, "{bent}");
+    assert!(bent > 100 && known > 100, "{bent} bent, {known} known");
 }
 
-/// Eight corners with a quadrilateral on top; every other face is a triangle, and flat.
-fn only_upper_face_bent(vertices: &[Vec3<Number>]) -> Block {
-    let mut faces = vec![vec![4, 5, 6, 7], vec![0, 2, 1], vec![0, 3, 2]];
-    for k in 0..4u32 {
-        let next = (k + 1) % 4;
-        faces.extend([vec![k, next, 4 + next], vec![k, 4 + next, 4 + k]]);
-    }
-    let straight = bent_box(&Number::from_integer(1));
-    let straight =
-        Block::new(straight.vertices().to_vec(), faces, &BlockOptions { planarity: Number::from_integer(1) });
-    straight.unwrap().with_vertices(vertices.to_vec())
+/// A pyramid with the tip at the origin, whose base, face 0, is a quadrilateral that may be bent; its other faces are
+/// triangles, and flat. Those of a box would not do: two that make up a flat side are one face of the block.
+fn pyramid_on(base: [[f64; 3]; 4]) -> Block {
+    let vertices = |base: [[f64; 3]; 4]| -> Vec<Vec3<Number>> {
+        base.iter().chain([&[0.0; 3]]).map(|&[x, y, z]| Vec3::new(x, y, z).map(|&c| float(c))).collect()
+    };
+    let mut faces = vec![vec![0, 1, 2, 3]];
+    faces.extend((0..4).map(|k| vec![(k + 1) % 4, k, 4]));
+    let flat = vertices([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]]);
+    let pyramid = Block::new(flat, faces, &BlockOptions { planarity: Number::ZERO }).unwrap();
+    assert_eq!(pyramid.topology().faces().iter().map(Vec::len).collect::<Vec<_>>(), [4, 3, 3, 3, 3]);
+    pyramid.with_vertices(vertices(base))
 }
 
 #[test]
 fn a_folded_sliver_has_no_small_bulge() {
-    // N is (0, 0, 2⁻⁵⁹), far below its error: f64 does not know where the plane is. Corners are 1/4 above and below it.
-    let cube = bent_box(&Number::from_integer(1));
-    let mut vertices = cube.vertices().to_vec();
-    let sliver = [[0.0, 0.0, 3.0], [1.0, 0.0, 3.5], [2.0, 0.0, 3.0], [1.0, 2f64.powi(-60), 3.5]];
-    for (place, [x, y, z]) in vertices[4..].iter_mut().zip(sliver) {
-        *place = Vec3::new(float(x), float(y), float(z));
+    let (mut known, mut unknown) = (0, 0);
+    for exponent in 10..=200 {
+        // N is (0, 0, 2 width), so the plane is z = 13/4 and corners are 1/4 above and below it. Of the narrow ones N is far
+        // below its error: f64 does not know where the plane is.
+        let width = 2f64.powi(-exponent);
+        let block = pyramid_on([[0.0, 0.0, 3.0], [1.0, 0.0, 3.5], [2.0, 0.0, 3.0], [1.0, width, 3.5]]);
+        assert_eq!(largest_bulge_squared(&block), BigRational::new(1.into(), 16.into()));
+        let bulge = PreparedBlock::new(&block).bulge;
+        assert!(bulge >= 0.25, "width 2^-{exponent}: {bulge:e}");
+        known += usize::from(bulge.is_finite());
+        unknown += usize::from(bulge.is_infinite());
     }
-    assert!(PreparedBlock::new(&cube.with_vertices(vertices)).bulge >= 0.25);
+    assert!(known > 20 && unknown > 100, "{known} known, {unknown} unknown");
 }
 
 /// Every vector of a block is within its error of the exact one, and one that f64 cannot hold has no finite error.
