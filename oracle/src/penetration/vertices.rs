@@ -300,3 +300,6 @@ fn crossing(p: &Vec3<BigInt>, d: &Vec3<BigInt>, corners: [&Vec3<BigInt>; 3]) -> 
     let is_on_edge = !place.is_negative() && place <= BigRational::one();
     (is_on_edge && !sides.iter().any(is_outside)).then_some(place)
 }
+
+#[cfg(test)]
+mod tests;
