@@ -23,7 +23,12 @@ pub(crate) fn bent() -> Block {
 /// Two tips that are as far above the plane of the bent top, `height` along z: vertex 0 where the plane is 1/16 above the box, vertex 1
 /// where it is 1/16 below the highest corners. All other edges rise.
 pub(crate) fn tips(height: f64) -> Block {
-    let [x, y, z] = [3.5, 0.5, 0.0625 + height];
+    tips_beside_the_corner(0.5, height)
+}
+
+/// The same with vertex 0 at x = 4 − `beside`, y = `beside`.
+fn tips_beside_the_corner(beside: f64, height: f64) -> Block {
+    let [x, y, z] = [4.0 - beside, beside, (1.0 - beside) / 8.0 + height];
     tetrahedron([[x, y, z], [x - 1.0, y + 1.0, z - 0.125], [x - 1.0, y, z + 1.0], [x, y + 1.0, z + 1.0]])
 }
 
@@ -66,4 +71,20 @@ fn vertex_face_touching_a_bent_face_where_nothing_may_be_apart() {
     let t = ToleranceSet { search: n(0.0), penetration: n(0.0), ..short_reach() };
     let found = contacts_in::<Wide, SpecRules>(&tips(0.0), &bent(), &t).unwrap();
     assert_eq!(found.iter().map(show).collect::<Vec<_>>(), ["v-f 0 1 v-f 0 1 +0", "v-f 1 1 v-f 1 1 +0"]);
+}
+
+#[test]
+fn vertex_face_over_the_corner_where_the_plane_is_out_by_the_whole_bulge() {
+    // Corner 5 is 4/√1032 = 0.1245 from the plane, and its foot (−1/16, 1/16, 1)/8 from it, nearly. Vertex 0 is a little farther in: z is
+    // 31/256 = 0.121 there, 0.97 of the bulge, while s is less than a hundredth of it.
+    let apart = 1.0 / 1024.0;
+    let t = ToleranceSet { search: n(apart), penetration: n(apart), ..short_reach() };
+    let tips = |height: f64| tips_beside_the_corner(1.0 / 32.0, height);
+    let found = |sign: &str| [0, 1].map(|v| format!("v-f {v} 1 v-f {v} 1 {sign}"));
+    for (name, height, sign) in [("apart", 0.5, "+1"), ("hardly within s", 1.0, "+1"), ("overlapping", -0.5, "-1")] {
+        let found = found(sign);
+        check(name, &tips(height * apart), &bent(), &t, &found.each_ref().map(String::as_str));
+    }
+    check("more than s", &tips(1.0625 * apart), &bent(), &t, &[]);
+    check("roles exchanged", &bent(), &tips(0.5 * apart), &t, &["f-v 1 0 f-v 1 0 +1", "f-v 1 1 f-v 1 1 +1"]);
 }
