@@ -23,11 +23,12 @@ pub struct TraceEntry {
 /// How close a decision is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
-    /// Sign of the polynomial nearest to zero among those the decision rests on; of inside-face positive inside.
+    /// Sign of the polynomial nearest to zero among those the decision rests on; of those equally near, the first asked. Of
+    /// inside-face positive inside.
     pub sign: Sign,
-    /// The size of that polynomial over the sum of the magnitudes of its terms (differences of coordinates count as
-    /// terms of degree one): 0 at a tie, 1 where nothing cancels. Of inside-face, how close the projection is to the edge
-    /// closest to it, by the largest of three: off its line, and beyond its ends along two axes.
+    /// The size of that polynomial over the sum of the magnitudes of its terms (coordinates, counted from A's first vertex,
+    /// are terms of degree one): 0 at a tie, 1 where nothing cancels. Of inside-face, how close the projection is to the
+    /// edge closest to it, by the largest of three: off its line, and beyond its ends along two axes.
     pub relative: f64,
 }
 
@@ -48,7 +49,7 @@ impl Pair<'_> {
     }
 
     /// The exact margins of several decisions, for the price of one classification and of the margins themselves; `None` for
-    /// one that [`Pair::classify`] does not come to make.
+    /// one that [`Pair::classify`] does not come to make, or that asks no sign of its own.
     pub fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<Margin>> {
         self.margins_keeping(tolerances, &[], decisions)
     }
