@@ -18,7 +18,7 @@ pub(crate) trait Observer {
     const ACTIVE: bool;
     /// A decision begins; the signs that follow belong to it.
     fn begin(&mut self, decision: &Decision);
-    /// A sign was decided for the decision begun last; `margin` works out the size of its polynomial over that of its terms.
+    /// A sign was decided for the decision begun last; `margin` works out how close it is to zero: [`crate::Margin::relative`].
     fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> f64);
     /// The decision has this outcome.
     fn end(&mut self, decision: &Decision, outcome: i8);

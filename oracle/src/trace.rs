@@ -16,7 +16,7 @@ pub struct TraceEntry {
     pub outcome: i8,
     /// Whether a sign asked for it is exactly zero. A choice between planes that the signs of their gaps settle, as between two
     /// that touch, asks none: those signs are decisions of their own. Of inside-face: whether the projection lies on the face's
-    /// boundary.
+    /// boundary, or the face has no area.
     pub tie: bool,
 }
 
@@ -28,7 +28,7 @@ pub struct Margin {
     pub sign: Sign,
     /// The size of that polynomial over the sum of the magnitudes of its terms (coordinates, counted from A's first vertex,
     /// are terms of degree one): 0 at a tie, 1 where nothing cancels. Of inside-face, how close the projection is to the
-    /// edge closest to it, by the largest of three: off its line, and beyond its ends along two axes.
+    /// edge closest to it, by the largest of four: off its line, and beyond its ends along each coordinate axis.
     pub relative: f64,
 }
 

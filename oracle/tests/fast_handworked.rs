@@ -68,6 +68,10 @@ fn margins_are_zero_exactly_at_ties() {
         for (entry, margin) in trace.iter().zip(pair.margins_keeping(&case.tolerances, &case.kept, &decisions)) {
             let Some(margin) = margin else { continue };
             assert!((0.0..=1.0).contains(&margin.relative), "{}: {}", case.name, entry.decision);
+            if entry.decision.predicate == Predicate::InsideFace {
+                let (zero, inside) = (margin.relative == 0.0, margin.sign.is_positive());
+                assert_eq!((zero, inside), (entry.tie, entry.outcome == 1), "{}: {}", case.name, entry.decision);
+            }
             if entry.tie {
                 assert_eq!(margin.relative, 0.0, "{}: {}", case.name, entry.decision);
                 ties += 1;

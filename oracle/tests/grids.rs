@@ -28,7 +28,11 @@ fn halves(steps: i32) -> Number {
 
 /// The prism over an outline of the list, from z = −2 or −1 to z = 0; its top is face 1.
 fn prism(shape: usize) -> Block {
-    let (outline, low) = (OUTLINES[shape], [-4, -2, -4, -2][shape]);
+    prism_over(OUTLINES[shape], [-4, -2, -4, -2][shape])
+}
+
+/// The prism over an outline, from so many half metres below to z = 0; its top is face 1.
+fn prism_over(outline: &[[i32; 2]], low: i32) -> Block {
     let n = outline.len() as u32;
     let at = |z: i32| outline.iter().map(move |&[x, y]| Vec3::new(halves(x), halves(y), halves(z)));
     let sides = (0..n).map(|k| vec![k, (k + 1) % n, n + (k + 1) % n, n + k]);
@@ -113,35 +117,57 @@ fn place_in(outline: &[[i32; 2]], [x, y]: [i32; 2]) -> i8 {
     if inside { 1 } else { -1 }
 }
 
-/// Level with a corner, or on the line of an edge that ends before it, a tip is no nearer to the boundary than elsewhere.
+/// Where a tip 1/20 over a face is told to be, and how close to the boundary: `None` where nobody asks.
+fn place_told(tip: &Block, base: &Block) -> Option<(i8, bool, f64)> {
+    let (tip, base) = (PreparedBlock::new(tip), PreparedBlock::new(base));
+    let (pair, t) = (Pair::new(&tip, &base), revised(&[("territory", "0")]));
+    let features = [Feature::Vertex(Side::A, VertexId(0)), Feature::Face(Side::B, FaceId(1))];
+    let asked = Decision::about(Predicate::InsideFace, &features);
+    let entry = pair.trace(&t).into_iter().find(|entry| entry.decision == asked)?;
+    let margin = pair.margins(&t, &[asked])[0].expect("it is measured");
+    assert_eq!(entry.outcome == 1, margin.sign.is_positive());
+    Some((margin.sign.as_i8(), entry.tie, margin.relative))
+}
+
+/// Level with a corner, or on the line of an edge that ends before it, a tip is no nearer to the boundary than elsewhere; nor where
+/// the face is tilted so little that one component of its normal is small.
 #[test]
-fn inside_ties_on_the_boundary_alone_and_its_margin_grows_with_the_distance() {
-    let t = revised(&[("territory", "0")]);
-    let mut ties = [0; 3];
-    for (shape, outline) in OUTLINES.iter().enumerate() {
-        let base = PreparedBlock::new(&prism(shape));
+fn inside_ties_on_the_boundary_alone_and_its_margin_is_small_nowhere_else() {
+    const SQUARE: [[i32; 2]; 4] = [[0, 0], [4, 0], [4, 4], [0, 4]];
+    let outlines: [&[[i32; 2]]; 5] = [OUTLINES[0], OUTLINES[1], OUTLINES[2], OUTLINES[3], &SQUARE];
+    let (mut places, mut tilted_places) = ([0; 3], 0);
+    for (shape, outline) in outlines.into_iter().enumerate() {
+        let base = prism_over(outline, -4);
+        let tilt = number("1/1099511627776");
+        let raised = |v: &Point| Vec3::new(v.x.clone(), v.y.clone(), v.z.plus(&v.x.times(&tilt)));
+        let tilted = base.with_vertices(base.vertices().iter().map(raised).collect());
         for (x, y) in (0..=6).flat_map(|x| (0..=6).map(move |y| (x, y))) {
             let tip = spike(["0", "0", "0"]).translated(&Vec3::new(halves(x), halves(y), number("1/20")));
-            let tip = PreparedBlock::new(&tip);
-            let pair = Pair::new(&tip, &base);
-            let features = [Feature::Vertex(Side::A, VertexId(0)), Feature::Face(Side::B, FaceId(1))];
-            let asked = Decision::about(Predicate::InsideFace, &features);
-            let trace = pair.trace(&t);
             let place = place_in(outline, [x, y]);
-            let about = format!("outline {shape}, tip at ({x}, {y})/2");
-            let Some(entry) = trace.iter().find(|entry| entry.decision == asked) else {
-                assert_eq!(place, -1, "{about}: not asked");
-                continue;
-            };
-            assert_eq!((entry.outcome == 1, entry.tie), (place > 0, place == 0), "{about}");
-            let margin = pair.margins(&t, &[asked])[0].expect("it is measured");
-            assert_eq!(margin.sign.as_i8(), place, "{about}");
-            // No distance in the grid is small against the block: neither is any margin.
-            assert!(if place == 0 { margin.relative == 0.0 } else { margin.relative > 1e-3 }, "{about}: {margin:?}");
-            ties[(place + 1) as usize] += 1;
+            for turns in 0..3 {
+                let about = format!("outline {shape}, turned {turns} times, tip at ({x}, {y})/2");
+                let tip = turned(&tip, turns);
+                let Some((told, tie, margin)) = place_told(&tip, &turned(&base, turns)) else {
+                    assert_eq!(place, -1, "{about}: not asked");
+                    continue;
+                };
+                assert_eq!((told, tie), (place, place == 0), "{about}");
+                // No distance in the grid is small against the blocks: neither is any margin.
+                assert!(if tie { margin == 0.0 } else { margin > 1e-3 }, "{about}: {margin}");
+                places[(place + 1) as usize] += 1;
+                // The foot is moved by 2⁻⁴⁰ of a twentieth along the slope: across a boundary that it was on, and no other.
+                let Some((told, tie, margin)) = place_told(&tip, &turned(&tilted, turns)) else { continue };
+                if place == 0 {
+                    assert!(margin < 1e-9, "{about}, tilted: {margin}");
+                } else {
+                    assert!(told == place && !tie && margin > 1e-3, "{about}, tilted: {told} {margin}");
+                    tilted_places += 1;
+                }
+            }
         }
     }
-    assert!(ties.iter().all(|&count| count > 20), "{ties:?} outside, on the boundary, inside");
+    assert!(places.iter().all(|&count| count > 60), "{places:?} outside, on the boundary, inside");
+    assert!(tilted_places > 120, "{tilted_places}");
 }
 
 #[test]

@@ -52,25 +52,20 @@ impl<O: Observer> Classification<'_, '_, O> {
         self.decide(
             || Decision::about(Predicate::InsideFace, &features),
             |run| {
-                let inside = if run.pair.solid(face.0).faces[face.1.index()].surely_convex {
-                    run.inside_all_edges(vertex, face)
+                let side = if !run.pair.solid(face.0).faces[face.1.index()].surely_convex {
+                    run.side_of_boundary(vertex, face)
+                } else if run.inside_all_edges(vertex, face) {
+                    Sign::Positive
+                } else if O::ACTIVE && run.side_of_boundary(vertex, face).is_zero() {
+                    Sign::Zero
                 } else {
-                    run.side_of_boundary(vertex, face).is_positive()
+                    Sign::Negative
                 };
                 if !O::ACTIVE {
-                    return inside;
+                    return side.is_positive();
                 }
-                let side = match run.side_of_boundary(vertex, face) {
-                    _ if inside => Sign::Positive,
-                    Sign::Zero => Sign::Zero,
-                    _ => Sign::Negative,
-                };
-                let axes = run.axes_across(face);
                 let topology = run.pair.topology(face.0);
-                let margin = |margins: &Margins<'_, '_>| {
-                    axes.map_or(0.0, |axes| boundary_margin(vertex, face, axes, topology, margins))
-                };
-                run.observed(side, margin).is_positive()
+                run.observed(side, |margins| boundary_margin(vertex, face, topology, margins)).is_positive()
             },
         )
     }
@@ -130,19 +125,14 @@ fn inward_of(vertex: Vertex, face: Face, edge: EdgeId, topology: &Topology) -> I
 }
 
 /// How close the projection of a vertex is to the boundary of a face: that of the closest edge. To be on an edge it must be on
-/// its line, and along neither axis beyond both its ends; the largest of these three margins counts.
-fn boundary_margin(
-    vertex: Vertex,
-    face: Face,
-    axes: [usize; 2],
-    topology: &Topology,
-    margins: &Margins<'_, '_>,
-) -> f64 {
+/// its line, and along no coordinate axis beyond both its ends; the largest of these four margins counts. Two axes would be
+/// enough for exactness, but heights along one that nearly is the normal's are small everywhere.
+fn boundary_margin(vertex: Vertex, face: Face, topology: &Topology, margins: &Margins<'_, '_>) -> f64 {
     let corners = topology.face(face.1);
     let of_edge = |(k, &edge): (usize, &EdgeId)| {
         let (_, off_line) = margins.of(&inward_of(vertex, face, edge, topology));
         let ends = [corners[k], corners[(k + 1) % corners.len()]];
-        let beyond_ends = axes.map(|axis| {
+        let beyond_ends = [0, 1, 2].map(|axis| {
             let [(p, from), (q, to)] = ends.map(|corner| margins.of(&PolygonHeight { vertex, corner, face, axis }));
             if p.times(q).is_positive() { from.min(to) } else { 0.0 }
         });

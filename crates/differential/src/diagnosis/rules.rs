@@ -3,7 +3,7 @@
 use super::hypothesis::Hypothesis;
 use super::question::Asked;
 use rockproof_model::decision::Predicate;
-use rockproof_model::{Block, Contact, Sign};
+use rockproof_model::{Contact, Sign};
 use rockproof_oracle::Departure;
 
 /// A rule that is another one.
@@ -74,8 +74,6 @@ impl Hypothesis for Rule {
 
     fn contacts(&self, asked: &Asked<'_>) -> Option<Vec<Contact>> {
         let departure = match *self {
-            // Inside a concave face is a winding number, which no single comparison decides.
-            Rule::Tie(Predicate::InsideFace, _) if !asked.question.blocks.iter().all(Block::is_convex) => return None,
             Rule::Tie(predicate, taken) => Departure::Tie(predicate, taken),
             Rule::Always(predicate, answer) => Departure::Always(predicate, answer),
         };
