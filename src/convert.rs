@@ -3,6 +3,7 @@
 use crate::exit::{Outcome, Verdict, print, print_note};
 use crate::input::{ReadArgs, model_help, precision};
 use crate::input_file::InputFile;
+use crate::output_file::OverwriteArgs;
 use anyhow::Context;
 use rockproof_model::scene::{FormatError, SceneFormat, losses, write};
 use rockproof_model::{Block, BlockOptions, Precision, Scene};
@@ -32,9 +33,8 @@ pub(crate) struct Convert {
     #[arg(long, value_parser = precision)]
     precision: Option<Precision>,
 
-    /// Replace the file if there is one
-    #[arg(long)]
-    overwrite: bool,
+    #[command(flatten)]
+    overwrite: OverwriteArgs,
 }
 
 impl Convert {
@@ -48,9 +48,7 @@ impl Convert {
             self.round(&mut scene, precision)?;
         }
         let place = || self.output.display().to_string();
-        if !self.overwrite && self.output.symlink_metadata().is_ok() {
-            anyhow::bail!("{}: it is there already; --overwrite replaces it", place());
-        }
+        self.overwrite.allow(&self.output)?;
         let bytes = write(&scene, format).with_context(place)?;
         write_atomically(&self.output, bytes).with_context(place)?;
         for lost in losses(&scene, format) {

@@ -2,6 +2,7 @@
 
 use crate::exit::{Outcome, Verdict, print_as_it_is, print_note};
 use crate::input::FormatArgs;
+use crate::output_file::allow_ours;
 use crate::stop::end_on_ctrl_c;
 use crate::table::table;
 use crate::terminal::threads;
@@ -51,7 +52,7 @@ pub(crate) struct Gate {
     /// Directory of the results; what a gate wrote there before is discarded
     #[arg(long, default_value = "reports/gate")]
     out: PathBuf,
-    /// Write JUnit XML
+    /// Write JUnit XML; a report of an earlier gate is replaced, any other file is not
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
     /// Seed of the rotating campaign [default: the number of today, counted from 1970]
@@ -75,6 +76,9 @@ struct Gating<'g> {
 
 impl Gate {
     pub(crate) fn run(&self) -> Outcome {
+        if let Some(junit) = &self.junit {
+            allow_ours(junit, "JUnit report of a gate", junit::is_ours)?;
+        }
         let file = self.file.display().to_string();
         let text = read_text(&self.file).with_context(|| file.clone())?;
         let config = GateConfig::from_toml(&text, &file).map_err(anyhow::Error::msg)?;

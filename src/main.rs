@@ -16,6 +16,7 @@ mod input_file;
 mod merge;
 #[cfg(feature = "mpi")]
 mod mpi;
+mod output_file;
 mod progress;
 mod reading;
 mod replay;

@@ -3,6 +3,7 @@
 use crate::exit::{Outcome, Verdict, print};
 use crate::input::EngineArgs;
 use crate::input_file::InputFile;
+use crate::output_file::OverwriteArgs;
 use anyhow::Context;
 use rockproof_campaign::shrink::Shrinker;
 use rockproof_differential::case_file::{Case, CaseDescription};
@@ -20,9 +21,11 @@ pub(crate) struct Shrink {
     /// The case; or - for stdin
     #[arg(value_hint = clap::ValueHint::FilePath)]
     case: InputFile,
-    /// Where to write the smaller case [default: the case's own file; needed for stdin]
+    /// Where to write the smaller case [default: the case's own file, which it replaces; needed for stdin]
     #[arg(long)]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArgs,
     /// Pairs to examine at most
     #[arg(long, default_value_t = 5000)]
     evaluations: u64,
@@ -38,6 +41,9 @@ impl Shrink {
                 anyhow::bail!("a case on stdin has no file of its own; --out says where to write")
             }
         };
+        if let Some(out) = &self.out {
+            self.overwrite.allow(out)?;
+        }
         let path = self.case.path();
         let case = Case::from_toml(&self.case.text()?, path.display().to_string())?;
         let about = &case.about;

@@ -34,16 +34,16 @@ const PROGRAM_INPUTS: u64 = 20;
 const COMMANDS: [(&str, &str, &[&str]); 13] = [
     ("scene", "input.toml", &["check", "input.toml"]),
     ("scene", "input.toml", &["classify", "input.toml"]),
-    ("scene", "input.toml", &["convert", "input.toml", "made.vtk"]),
+    ("scene", "input.toml", &["convert", "input.toml", "made.vtk", "--overwrite"]),
     ("dda", "input.dda", &["check", "input.dda"]),
     ("dda", "input.dda", &["classify", "input.dda", "--engine", "f32"]),
     ("obj", "input.obj", &["classify", "input.obj"]),
-    ("obj", "input.obj", &["convert", "input.obj", "made.toml"]),
+    ("obj", "input.obj", &["convert", "input.obj", "made.toml", "--overwrite"]),
     ("vtk", "input.vtk", &["classify", "input.vtk", "--engine", "f64"]),
     ("voro", "input.voro", &["check", "input.voro"]),
     ("tolerances", "input.toml", &["check", "good.obj", "--tolerances", "input.toml"]),
     ("case", "input.toml", &["replay", "input.toml"]),
-    ("case", "input.toml", &["shrink", "input.toml", "--out", "made.toml"]),
+    ("case", "input.toml", &["shrink", "input.toml", "--out", "made.toml", "--overwrite"]),
     ("state", "input.json", &["replay", "input.json"]),
 ];
 

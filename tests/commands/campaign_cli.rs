@@ -163,7 +163,7 @@ fn cases_replay_and_shrink() {
         assert_eq!(code, 0, "{case}: {err}");
         assert!(text.contains("stepper-f64") && text.contains("exact f32"), "{text}");
         let small = path(dir.path(), "small.toml");
-        let (code, text, err) = rockproof(&["shrink", case, "--out", &small, "--evaluations", "60"]);
+        let (code, text, err) = rockproof(&["shrink", case, "--out", &small, "--evaluations", "60", "--overwrite"]);
         assert_eq!(code, 0, "{case}: {err}");
         assert!(text.starts_with("before: "), "{text}");
         let (code, _, err) = rockproof(&["replay", &small]);

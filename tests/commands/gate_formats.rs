@@ -3,7 +3,7 @@
 //! summary by a Markdown parser.
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
-use rockproof_gate::junit::{annotations, junit, markdown};
+use rockproof_gate::junit::{annotations, is_ours, junit, markdown};
 use rockproof_gate::{Check, Verdict};
 use std::collections::BTreeMap;
 
@@ -93,6 +93,7 @@ fn valid(node: roxmltree::Node<'_, '_>) {
 #[test]
 fn junit_is_what_its_schema_allows() {
     let text = junit(&checks()).expect("XML");
+    assert!(is_ours(&text) && !is_ours(&text.replacen("rockproof gate", "unit tests", 1)), "{text}");
     let xml = roxmltree::Document::parse(&text).expect("XML");
     assert_eq!(xml.root_element().tag_name().name(), "testsuites");
     valid(xml.root_element());

@@ -33,6 +33,7 @@ mod lockstep_cli;
 mod merge_command;
 #[cfg(feature = "mpi")]
 mod mpi;
+mod output_files;
 mod passages;
 mod report_command;
 mod report_page;

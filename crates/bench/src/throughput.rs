@@ -193,10 +193,25 @@ fn in_directory<T>(
     scratch: &Path,
     work: impl FnOnce(&Path) -> Result<T, ThroughputError>,
 ) -> Result<T, ThroughputError> {
-    let directory = scratch.join(format!("rockproof-bench-{}", std::process::id()));
-    let at = |source| ThroughputError::Directory { directory: directory.clone(), source };
-    std::fs::create_dir_all(&directory).map_err(at)?;
-    let result = work(&directory);
-    std::fs::remove_dir_all(&directory).map_err(at)?;
+    let at = |source| ThroughputError::Directory { directory: scratch.to_owned(), source };
+    let directory = tempfile::Builder::new().prefix("rockproof-bench-").tempdir_in(scratch).map_err(at)?;
+    let result = work(directory.path());
+    directory.close().map_err(at)?;
     result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_directory;
+    use std::fs;
+
+    #[test]
+    fn a_directory_of_others_is_neither_used_nor_removed() {
+        let scratch = tempfile::tempdir().unwrap();
+        let theirs = scratch.path().join(format!("rockproof-bench-{}", std::process::id()));
+        fs::create_dir(&theirs).unwrap();
+        let used = in_directory(scratch.path(), |directory| Ok(directory.to_owned())).unwrap();
+        assert!(used != theirs && used.starts_with(scratch.path()) && !used.exists());
+        assert!(theirs.exists());
+    }
 }

@@ -5,12 +5,22 @@ use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use rockproof_model::text::excerpt;
 use std::time::Duration;
 
+/// What a report is called.
+const NAME: &str = "rockproof gate";
+
+/// Whether a text begins as what [`junit`] writes.
+pub fn is_ours(text: &str) -> bool {
+    let after_declaration = text.strip_prefix("<?xml ").and_then(|rest| rest.split_once("?>"));
+    let root = after_declaration.and_then(|(_, rest)| rest.trim_start().strip_prefix("<testsuites "));
+    root.is_some_and(|root| root.starts_with(&format!("name=\"{NAME}\"")))
+}
+
 /// JUnit XML: a suite for each group, a case for each check, with the time it took and the command that replays what fails.
 ///
 /// # Errors
 /// Those of the XML writer.
 pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
-    let mut report = Report::new("rockproof gate");
+    let mut report = Report::new(NAME);
     let sum = |wanted: &dyn Fn(&&Check) -> bool| {
         Duration::try_from_secs_f64(checks.iter().filter(wanted).map(|check| check.seconds).sum()).unwrap_or_default()
     };

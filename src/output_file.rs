@@ -1,0 +1,39 @@
+//! The file that a command is told to write: what is there already is replaced only where that is allowed.
+
+use anyhow::Context;
+use rockproof_model::files::read_text;
+use std::path::Path;
+
+/// Whether a file may be replaced.
+#[derive(clap::Args)]
+pub(crate) struct OverwriteArgs {
+    /// Replace the file if there is one
+    #[arg(long)]
+    overwrite: bool,
+}
+
+impl OverwriteArgs {
+    /// Refuses a file that is there, unless `--overwrite` is given.
+    pub(crate) fn allow(&self, file: &Path) -> anyhow::Result<()> {
+        if !self.overwrite && is_there(file) {
+            anyhow::bail!("{}: it is there already; --overwrite replaces it", file.display());
+        }
+        Ok(())
+    }
+}
+
+/// Refuses a file that is there and not ours, as its text tells; `what` is what ours would be.
+pub(crate) fn allow_ours(file: &Path, what: &str, is_ours: impl FnOnce(&str) -> bool) -> anyhow::Result<()> {
+    if !is_there(file) {
+        return Ok(());
+    }
+    let left_alone = || format!("{}: it is there already and no {what}, so it is left alone", file.display());
+    let text = read_text(file).with_context(left_alone)?;
+    anyhow::ensure!(is_ours(&text), left_alone());
+    Ok(())
+}
+
+/// A link that leads nowhere is there too.
+fn is_there(file: &Path) -> bool {
+    file.symlink_metadata().is_ok()
+}
