@@ -100,6 +100,17 @@ fn other_peoples_files_are_named_and_left_alone() {
             place.refuses(&[command, &["--out", &dir], start].concat(), &[name, "in the way"]);
         }
     }
+    // Nor does a run go on over them, were it the very scene that it is asked to step.
+    for (command, name) in [commands[0], commands[1], commands[3]] {
+        let dir = format!("{}-{name}", command[0]);
+        place.refuses(&[command, &["--out", &dir, "--resume"][..]].concat(), &[name, "in the way"]);
+    }
+    fs::create_dir(place.at("mine")).expect("a folder");
+    fs::write(place.at("mine/scene.toml"), SCENE).expect("write");
+    for start in ["--resume", "--overwrite"] {
+        let own = ["simulate", "mine/scene.toml", "--steps", "2", "--force", "--out", "mine", start];
+        place.refuses(&own, &["scene.toml", "in the way"]);
+    }
     // Neither are the results of another command, nor cases that somebody put beside ours.
     place.works(&[&SLIVERS[..], &["--out", "run"]].concat());
     for start in ["--resume", "--overwrite"] {
