@@ -81,15 +81,30 @@ fn a_signal_ends_hanging_engines_at_once() {
     let words = ["sh", "-c", "echo $$ >>numbers; exec sleep 1000"];
     fs::write(dir.join("gate.toml"), around(&words, "").replace("timeout_ms = 500", "timeout_ms = 600000"))
         .expect("write");
-    let runs_of = [
-        ("INT", &midway, &campaign[..]),
-        ("TERM", &midway, &campaign[..]),
-        ("HUP", &hanging, &campaign[..]),
-        ("TERM", &hanging, &["gate", "gate.toml"]),
-        ("INT", &hanging, &["replay", case, "--engine-timeout", "600"]),
+    // `shrink` asks the engine alone that a case is about.
+    let text = fs::read_to_string(case).expect("a case");
+    let about = "engine = \"stepper-f32\"";
+    assert!(text.contains(about), "{text}");
+    fs::write(dir.join("mine.toml"), text.replacen(about, "engine = \"mine\"", 1)).expect("write");
+    let shrink = ["shrink", "mine.toml", "--out", "small.toml", "--engine-timeout", "600"];
+    let replay = ["replay", case, "--engine-timeout", "600"];
+    let runs_of: [(&[&str], &String, &[&str]); 13] = [
+        (&["INT"], &midway, &campaign),
+        (&["TERM"], &midway, &campaign),
+        (&["HUP"], &hanging, &campaign),
+        (&["INT", "INT"], &midway, &campaign),
+        (&["INT", "INT"], &hanging, &campaign),
+        (&["HUP", "TERM"], &hanging, &campaign),
+        (&["TERM"], &hanging, &["gate", "gate.toml"]),
+        (&["HUP"], &hanging, &["gate", "gate.toml"]),
+        (&["INT"], &hanging, &replay),
+        (&["HUP"], &hanging, &replay),
+        (&["INT"], &hanging, &shrink),
+        (&["TERM"], &hanging, &shrink),
+        (&["HUP"], &hanging, &shrink),
     ];
-    for (name, command, arguments) in runs_of {
-        let what = format!("{name} to {}", arguments[0]);
+    for (signals, command, arguments) in runs_of {
+        let what = format!("{} to {}", signals.join(" and "), arguments[0]);
         let _ = fs::remove_file(dir.join("numbers"));
         let _ = fs::remove_dir_all(dir.join("out"));
         let engine = format!("mine={command}");
@@ -99,9 +114,12 @@ fn a_signal_ends_hanging_engines_at_once() {
         }
         let child = start(dir, &all);
         numbers(&dir.join("numbers"));
-        // Into the first chunk, where a third of the questions is never answered.
-        std::thread::sleep(Duration::from_secs(2));
-        signal(&child, name);
+        if command == &midway {
+            // Into the first chunk, where a third of the questions is never answered.
+            std::thread::sleep(Duration::from_secs(2));
+        }
+        // The second finds the program as the first left it, or about to end.
+        signals.iter().for_each(|name| signal(&child, name));
         assert_eq!(ended(child, &what), Some(130), "{what}");
         for number in numbers(&dir.join("numbers")) {
             assert!(!runs(&number), "{what}: engine {number} runs on");
