@@ -151,6 +151,14 @@ fn trick(word: &str, question: &Value) -> Option<String> {
         "hang" => loop {
             std::thread::sleep(std::time::Duration::from_secs(60));
         },
+        // An answer with a line after it that nobody asked for, in one piece.
+        "unasked" => Some(format!("{}\nand good morning\n", json!({ "id": id, "contacts": [] }))),
+        "endless" => loop {
+            // It ends with the pipe, or is ended.
+            if writeln!(std::io::stdout(), "good morning").is_err() {
+                std::process::exit(0);
+            }
+        },
         "malformed" => Some(format!("{{\"id\":{id},\"contacts\":[{{\"kind\":\"v-w\"}}]}}")),
         "unsupported" => Some(json!({ "id": id, "unsupported": "not today" }).to_string()),
         "unstable" if std::process::id().is_multiple_of(2) => None,

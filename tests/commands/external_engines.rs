@@ -54,6 +54,8 @@ fn every_misbehaviour_is_a_finding() {
         ("crash", "crash", vec![]),
         ("hang", "timeout", vec!["--engine-timeout", "0.2", "--pairs", "16"]),
         ("malformed", "malformed", vec![]),
+        ("unasked", "malformed", vec![]),
+        ("endless", "malformed", vec![]),
         ("unsupported", "unsupported", vec![]),
         ("none", "missing", vec![]),
         ("state", "state", vec![]),
@@ -66,6 +68,15 @@ fn every_misbehaviour_is_a_finding() {
         let cases = fs::read_dir(dir.path().join(trick).join("cases")).expect("cases").count();
         assert!(cases > 0, "{trick}: a case to replay");
     }
+    // A line too many is told as such.
+    let cases = fs::read_dir(dir.path().join("unasked/cases")).expect("cases");
+    let mut cases = cases.map(|case| case.expect("a case").path());
+    let case = cases.find(|case| case.to_string_lossy().contains("malformed")).expect("a case of it");
+    let mine = format!("mine={} unasked", client());
+    let mut replay = Command::cargo_bin("rockproof").expect("the program");
+    replay.arg("replay").arg(case).args(["--engine-command", &mine]);
+    let said = String::from_utf8(replay.output().expect("runs").stdout).expect("text");
+    assert!(said.contains("mine gave no answer: malformed") && said.contains("nobody asked for"), "{said}");
 }
 
 #[test]
