@@ -54,6 +54,35 @@ fn a_model_in_millimetres_is_doubted_and_can_be_scaled() {
     assert!(code == 2 && err.contains("TOML"), "{err}");
 }
 
+/// The cube of side 4 with its top drawn in to an apex: a pit above the floor, and through it below.
+fn cube_with_apex(height: i32) -> String {
+    let base = "[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0], [0, 0, 4], [4, 0, 4], [4, 4, 4], [0, 4, 4]";
+    let faces = "[0, 3, 2, 1], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7], [4, 5, 8], [5, 6, 8], [6, 7, 8], [7, 4, 8]";
+    format!("[[block]]\nname = \"rock\"\nvertices = [{base}, [2, 2, {height}]]\nfaces = [{faces}]\n")
+}
+
+#[test]
+fn a_solid_that_pierces_itself_is_refused() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let file = dir.path().join("pierced.toml");
+    let (model, out) = (file.to_string_lossy().into_owned(), dir.path().join("run").to_string_lossy().into_owned());
+    let check = ["check", &model];
+    let simulate = ["simulate", &model, "--steps", "1", "--out", &out];
+    fs::write(&file, cube_with_apex(-1)).expect("written");
+    for command in [&check[..], &simulate, &[&simulate[..], &["--force"]].concat()] {
+        let (code, _, err) = rockproof(command);
+        let said = ["pierced.toml", "\"rock\"", "faces 5 and 0 meet", "edge 5-8 of face 5 crosses or touches face 0"];
+        assert!(code == 2 && said.iter().all(|part| err.contains(part)), "{command:?}: {err}");
+    }
+    assert!(!dir.path().join("run").exists());
+    // With the apex above the floor it is a block.
+    fs::write(&file, cube_with_apex(1)).expect("written");
+    for command in [&check[..], &simulate] {
+        let (code, _, err) = rockproof(command);
+        assert_eq!(code, 0, "{command:?}: {err}");
+    }
+}
+
 /// Two cubes in millimetres, one a millimetre above the other and half over its edge.
 fn two_cubes_in_millimetres() -> String {
     let mut text = String::new();
