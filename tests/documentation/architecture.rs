@@ -186,6 +186,43 @@ fn published() -> Vec<PathBuf> {
     folders.filter(is_published).collect()
 }
 
+/// The one file that starts programs, and the one that takes a command to start it in a process group.
+const STARTS_PROGRAMS: [&str; 2] =
+    ["crates/differential/src/external/process.rs", "crates/differential/src/external/group.rs"];
+
+/// Only what a user names as an engine is started as a program (docs/reliability.md).
+#[test]
+fn programs_are_started_in_one_place() {
+    let outside = ["crates/c", "crates/python"].map(|folder| root().join(folder));
+    let is_test = |file: &Path| file.ends_with("tests.rs") || file.components().any(|part| part.as_os_str() == "tests");
+    let mut starting = BTreeSet::new();
+    let mut importing = BTreeSet::new();
+    let mut read = 0;
+    for folder in published().into_iter().chain(outside) {
+        let folder = folder.join("src");
+        for file in rust_files(&folder).into_iter().filter(|file| !is_test(file.strip_prefix(&folder).unwrap())) {
+            let text = std::fs::read_to_string(&file).unwrap();
+            let name = file.strip_prefix(root()).unwrap().to_string_lossy().into_owned();
+            if text.contains("Command::new(") {
+                starting.insert(name.clone());
+            }
+            // An import may give it another name.
+            let has_command = |part: &str| {
+                let names = part.split_inclusive(';').next().unwrap_or_default();
+                let names = names.strip_prefix('{').map_or(names, |list| list.split('}').next().unwrap_or_default());
+                names.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == "Command")
+            };
+            if text.split("std::process::").skip(1).any(has_command) {
+                importing.insert(name);
+            }
+            read += 1;
+        }
+    }
+    assert!(read > 200, "only {read} files");
+    assert_eq!(Vec::from_iter(starting), STARTS_PROGRAMS[..1]);
+    assert_eq!(importing, BTreeSet::from(STARTS_PROGRAMS.map(str::to_owned)));
+}
+
 /// A package holds its own folder alone: what sources include from elsewhere would be missing.
 #[test]
 fn packages_hold_what_their_sources_include() {
