@@ -2,13 +2,17 @@
 //! ends of f64.
 
 use arbitrary::{Result, Unstructured};
+use num_rational::BigRational;
+use num_traits::Signed;
 use rockproof_campaign::shapes::catalogue;
 use rockproof_campaign::shapes::rotation::cube_turn;
 use rockproof_differential::hull::convex_hull;
+use rockproof_model::block::face_normal;
 use rockproof_model::simulation::{Kinematics, Unconverged};
+use rockproof_model::topology::Edge;
 use rockproof_model::{
-    Block, BlockOptions, Body, Criteria, Motion, Number, Point, Precision, Scene, SceneBlock, Simulation, ToleranceSet,
-    ToleranceSpec, Vec3, VertexId,
+    Block, BlockOptions, Body, Criteria, FaceId, Motion, Number, Point, Precision, Scene, SceneBlock, Simulation,
+    ToleranceSet, ToleranceSpec, Vec3, VertexId,
 };
 
 /// Grid lines a metre.
@@ -156,7 +160,46 @@ fn decode_pair(u: &mut Unstructured<'_>) -> Result<Option<PairInput>> {
     let unit = Unit::any(u)?;
     let Some(a) = block(u, unit, 2)? else { return Ok(None) };
     let Some(b) = block(u, unit, 8)? else { return Ok(None) };
-    Ok(Some(PairInput { a, b, tolerances: tolerances(u, unit)? }))
+    let tolerances = tolerances(u, unit)?;
+    // The last choice: it changes nothing of what comes before it, and where the bytes end it is 0.
+    let b = if u.int_in_range(0..=TIP_ONCE_IN - 1)? == TIP_ONCE_IN - 1 { with_tip_below(u, unit, &a, b)? } else { b };
+    Ok(Some(PairInput { a, b, tolerances }))
+}
+
+/// Once in so many pairs a tip of the second block is put below two faces of the first.
+const TIP_ONCE_IN: u8 = 8;
+
+/// The outward direction of a face that lies across an axis.
+fn across_axis(block: &Block, face: FaceId) -> Option<[i64; 3]> {
+    let points: Vec<Vec3<BigRational>> = block.vertices().iter().map(|v| v.map(Number::to_rational)).collect();
+    let sign = |n: BigRational| i64::from(n.is_positive()) - i64::from(n.is_negative());
+    let Vec3 { x, y, z } = face_normal(&points, block.topology().face(face));
+    let outward = [x, y, z].map(sign);
+    (outward.iter().filter(|n| **n != 0).count() == 1).then_some(outward)
+}
+
+/// `b` moved so that the tip of it is equally deep below two faces of `a` that a convex edge joins: neither is the shorter exit.
+fn with_tip_below(u: &mut Unstructured<'_>, unit: Unit, a: &Block, b: Block) -> Result<Block> {
+    let inward = |edge: &Edge| {
+        let (left, right) = (across_axis(a, edge.left)?, across_axis(a, edge.right)?);
+        Some((edge.p, edge.q, [0, 1, 2].map(|axis| -left[axis] - right[axis])))
+    };
+    let convex = a.topology().edge_ids().filter(|edge| a.edge_is_convex(*edge));
+    let edges: Vec<_> = convex.filter_map(|edge| inward(a.topology().edge(edge))).collect();
+    if edges.is_empty() {
+        return Ok(b);
+    }
+    let (p, q, inward) = u.choose(&edges)?;
+    let depth = u.int_in_range(1..=4)?;
+    let ahead = |v: &Point| (0..3).map(|axis| v.components()[axis].approximate() * inward[axis] as f64).sum::<f64>();
+    let Some(tip) = b.vertices().iter().max_by(|v, w| ahead(v).total_cmp(&ahead(w))) else { return Ok(b) };
+    let half = Number::from_f64(0.5).unwrap_or(Number::ZERO);
+    let offset = |axis: usize| {
+        let [p, q] = [p, q].map(|v| a.vertices()[v.index()].components()[axis]);
+        let place = p.plus(q).times(&half).plus(&unit.number(depth * inward[axis]));
+        place.plus(&tip.components()[axis].negated())
+    };
+    Ok(b.translated(&Vec3::new(offset(0), offset(1), offset(2))))
 }
 
 /// A scene of a fixed slab and one or two blocks on it.

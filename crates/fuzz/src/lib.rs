@@ -21,7 +21,7 @@ pub use input::PairInput;
 pub use mutate::mutated;
 pub use reach::Reach;
 pub use scratch::new_folder;
-pub use seeds::{corpus, seeds};
+pub use seeds::{REFUSED, corpus, seeds};
 
 use std::fmt;
 

@@ -66,6 +66,11 @@ pub fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
     paths.into_iter().map(read).collect()
 }
 
+/// What begins the name of an input that is refused; the rest is the kind of error, as [`crate::Reach`] counts it.
+pub const REFUSED: &str = "refused-";
+/// What begins the name of an input that libFuzzer found to reach something new: good or not.
+const GROWN: &str = "grown-";
+
 /// All good inputs of a target that are files: of its corpus and of the project.
 ///
 /// # Panics
@@ -77,7 +82,11 @@ pub fn seeds(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
         let bytes = fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         (path, bytes)
     });
-    corpus(target).into_iter().chain(of_project).collect()
+    let is_good = |path: &Path| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        !name.starts_with(REFUSED) && !name.starts_with(GROWN)
+    };
+    corpus(target).into_iter().filter(|(path, _)| is_good(path)).chain(of_project).collect()
 }
 
 /// A good input with a few changes.

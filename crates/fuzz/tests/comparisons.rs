@@ -21,45 +21,46 @@ const SHARE: u64 = if cfg!(debug_assertions) { 10 } else { 1 };
 
 /// What pairs reach.
 const PAIRS: &[(&str, u64)] = &[
-    ("gap-sign--1", 26),
-    ("gap-sign-0", 10),
-    ("gap-sign-1", 69),
-    ("kind-e-e", 17),
-    ("kind-e-v", 8),
-    ("kind-f-v", 5),
-    ("kind-v-e", 7),
-    ("kind-v-f", 6),
-    ("kind-v-v", 59),
-    ("level-ball", 1275),
-    ("level-f64", 18450),
-    ("level-heap", 685),
-    ("level-i1024", 164),
-    ("level-i128", 6596),
-    ("level-i256", 2758),
-    ("level-i512", 1130),
-    ("tie-cone-passes", 252),
+    ("gap-sign--1", 35),
+    ("gap-sign-0", 9),
+    ("gap-sign-1", 95),
+    ("kind-e-e", 23),
+    ("kind-e-v", 7),
+    ("kind-f-v", 7),
+    ("kind-v-e", 4),
+    ("kind-v-f", 7),
+    ("kind-v-v", 91),
+    ("level-ball", 1968),
+    ("level-f64", 23431),
+    ("level-heap", 616),
+    ("level-i1024", 134),
+    ("level-i128", 8175),
+    ("level-i256", 2678),
+    ("level-i512", 931),
+    ("tie-cone-passes", 418),
     ("tie-edge-edge-depth", 1),
-    ("tie-edge-edge-near", 2),
-    ("tie-edge-region", 6),
-    ("tie-edge-territory", 4),
-    ("tie-entrance-choice", 61),
-    ("tie-entrance-depth", 1),
-    ("tie-feet-inside", 110),
-    ("tie-foot-inside", 166),
-    ("tie-foot-region", 3),
-    ("tie-gap-sign", 66),
-    ("tie-inside-face", 177),
-    ("tie-nearly-parallel", 139),
-    ("tie-neighbours", 3),
-    ("tie-one-exit", 19),
-    ("tie-true-exit", 18),
-    ("tie-vertex-edge-near", 4),
-    ("tie-vertex-face-depth", 26),
-    ("tie-vertex-face-near", 27),
-    ("tie-vertex-region", 6),
-    ("tie-vertex-territory", 1),
+    ("tie-edge-edge-near", 1),
+    ("tie-edge-region", 10),
+    ("tie-edge-territory", 2),
+    ("tie-entrance-choice", 87),
+    ("tie-entrance-depth", 13),
+    ("tie-feet-inside", 120),
+    ("tie-foot-inside", 186),
+    ("tie-foot-region", 4),
+    ("tie-gap-sign", 65),
+    ("tie-inside-face", 41),
+    ("tie-nearly-parallel", 178),
+    ("tie-neighbours", 2),
+    ("tie-one-exit", 36),
+    ("tie-shortest-exit", 1),
+    ("tie-true-exit", 24),
+    ("tie-vertex-edge-near", 3),
+    ("tie-vertex-face-depth", 44),
+    ("tie-vertex-face-near", 20),
+    ("tie-vertex-region", 10),
+    ("tie-vertex-territory", 2),
     ("tie-vertex-vertex-near", 1),
-    ("tie-wedges-pass", 162),
+    ("tie-wedges-pass", 218),
 ];
 
 const WANTED: [Wanted; 4] = [
@@ -70,23 +71,23 @@ const WANTED: [Wanted; 4] = [
         target: "step",
         inputs: 24,
         reached: &[
-            ("contacts", 13),
-            ("cuts", 6),
+            ("contacts", 12),
+            ("cuts", 5),
             ("enclosed", 2),
-            ("level-float", 91),
-            ("mode-locked", 9),
-            ("mode-open", 19),
+            ("level-float", 66),
+            ("mode-locked", 6),
+            ("mode-open", 16),
             ("mode-sliding", 6),
-            ("solves", 8),
-            ("step", 5),
-            ("wide-settled", 3),
+            ("solves", 5),
+            ("step", 3),
+            ("wide-settled", 2),
         ],
     },
 ];
 
 /// What the targets of pairs reach beside what [`PAIRS`] says.
 const OF_TARGET: [(&str, &str, u64); 3] =
-    [("fast_plain", "pair", 34), ("wide_oracle", "settled", 18), ("wide_oracle", "unsettled", 14)];
+    [("fast_plain", "pair", 34), ("wide_oracle", "settled", 19), ("wide_oracle", "unsettled", 15)];
 
 fn reached(target: &Target, inputs: u64, seed: u64) -> Reach {
     let (mut dice, mut reach) = (Dice::new(seed), Reach::default());
@@ -128,7 +129,7 @@ fn many_inputs_agree() {
 
 /// Pairs until a mistaken stepper is looked at no further.
 const MOST: usize = 4_000;
-/// So many of the mistakes that can show in a pair do: 88 of 92 when this was written.
+/// So many of the mistakes that can show in a pair do: 89 of 92 when this was written.
 const FOUND: usize = 85;
 
 #[test]
