@@ -78,9 +78,8 @@ impl Attack {
     pub(crate) fn reader_inputs(&mut self) -> Told<()> {
         let readers: Vec<Target> = TARGETS.iter().copied().filter(|target| target.kind == TargetKind::Reader).collect();
         let target = *self.dice.one_of(&readers);
-        let is_directory = ["run_directory", "report"].contains(&target.name);
         let mut reach = Reach::default();
-        for _ in 0..if is_directory { DIRECTORIES } else { INPUTS } {
+        for _ in 0..if target.takes_directory() { DIRECTORIES } else { INPUTS } {
             let bytes = target.input(&mut self.dice);
             let begin = Instant::now();
             let panicked = catch_unwind(AssertUnwindSafe(|| target.run(&bytes, &mut reach))).is_err();

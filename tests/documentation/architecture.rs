@@ -32,7 +32,10 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 15] = [
     ("report", &["model", "oracle", "simulate", "differential", "campaign", "gate", "results"]),
     ("examine", &["model", "oracle", "stepper", "simulate", "differential", "tune", "report", "results"]),
     // Nothing depends on it but tests and examples.
-    ("fuzz", &["model", "oracle", "stepper", "results", "differential", "campaign", "gate", "report"]),
+    (
+        "fuzz",
+        &["model", "oracle", "stepper", "results", "simulate", "differential", "campaign", "tune", "gate", "report"],
+    ),
     // The stepper against closed forms, and the exact side against itself. Nothing depends on it but tests and examples.
     ("validation", &["model", "oracle", "stepper", "results", "simulate", "differential", "campaign"]),
     (

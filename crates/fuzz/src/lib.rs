@@ -9,12 +9,15 @@ mod dice;
 mod engine_answer;
 mod input;
 mod mutate;
+mod part_directory;
 mod reach;
 mod readers;
 mod run_directory;
 mod scratch;
 mod seeds;
+mod simulation_directory;
 mod steps;
+mod tune_directory;
 
 pub use dice::Dice;
 pub use input::PairInput;
@@ -60,6 +63,11 @@ impl Target {
     /// An input as the dice fall.
     pub fn input(&self, dice: &mut Dice) -> Vec<u8> {
         (self.input)(self, dice)
+    }
+
+    /// Whether it takes a whole directory, which takes longer than a file.
+    pub fn takes_directory(&self) -> bool {
+        self.name == "report" || self.name.ends_with("_directory")
     }
 
     /// The target of a name.
@@ -138,6 +146,12 @@ targets! {
     run_directory: Reader, run_directory::run_directory, run_directory::run_directory_input;
     /// The same directory, reported on.
     report: Reader, run_directory::report, run_directory::report_input;
+    /// The directory of `simulate`, likewise gone on with.
+    simulation_directory: Reader, simulation_directory::simulation_directory, simulation_directory::simulation_directory_input;
+    /// The directory of `tune`, likewise gone on with.
+    tune_directory: Reader, tune_directory::tune_directory, tune_directory::tune_directory_input;
+    /// The parts of a campaign with one file damaged, put together.
+    part_directory: Reader, part_directory::part_directory, part_directory::part_directory_input;
     /// The question that an external engine is asked about a pair holds the pair.
     engine_question: Comparison, comparisons::engine_question, any_bytes;
     /// The oracle's fast path and its plain path say the same of a pair.

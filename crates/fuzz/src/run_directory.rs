@@ -14,6 +14,7 @@ use rockproof_campaign::source;
 use rockproof_differential::finding::Finding;
 use rockproof_report::load::Results;
 use rockproof_results::{MANIFEST, Start, digest};
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -29,10 +30,13 @@ const REMOVED: u8 = 1;
 /// The bytes get a seal that is right, as by somebody who means harm.
 const RESEALED: u8 = 2;
 /// What a run goes on from.
-const GONE_ON_FROM: [&str; 3] = [MANIFEST, "progress.json", "findings.csv"];
+pub(crate) const GONE_ON_FROM: [&str; 3] = [MANIFEST, "progress.json", "findings.csv"];
+
+/// What a campaign that was gone on with, or put together, must have made again.
+pub(crate) const TABLES: [&str; 4] = ["findings.csv", "summary.csv", "agreement.csv", "confusion.csv"];
 
 /// The files of a finished campaign of a few pairs, by name.
-fn campaign() -> &'static BTreeMap<String, Vec<u8>> {
+pub(crate) fn campaign() -> &'static BTreeMap<String, Vec<u8>> {
     static FILES: OnceLock<BTreeMap<String, Vec<u8>>> = OnceLock::new();
     FILES.get_or_init(|| {
         let folder = new_folder();
@@ -44,7 +48,8 @@ fn campaign() -> &'static BTreeMap<String, Vec<u8>> {
     })
 }
 
-fn files(dir: &Path, before: &str) -> BTreeMap<String, Vec<u8>> {
+/// The files of a directory and its folders, by name.
+pub(crate) fn files(dir: &Path, before: &str) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(dir).expect("a folder") {
         let path = entry.expect("an entry").path();
@@ -57,7 +62,8 @@ fn files(dir: &Path, before: &str) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-fn config() -> CampaignConfig {
+/// What the campaign is asked.
+pub(crate) fn config() -> CampaignConfig {
     CampaignConfig {
         pairs: 32,
         chunk: 16,
@@ -71,39 +77,47 @@ fn config() -> CampaignConfig {
     }
 }
 
-/// Begins the campaign, or goes on with it.
-fn run_into(dir: &Path, start: Start) -> Result<(), String> {
+/// Does something with the campaign, which is ready to go.
+pub(crate) fn with_campaign<T>(work: impl FnOnce(&Campaign<'_>, Map<String, Value>) -> T) -> T {
     let config = config();
     let engines = Engines::of(&config).expect("the built-in engines");
     let source = source::of(&config).expect("a family");
     let (panel, narrow) = (engines.panel(), |finding: &Finding| engines.panel_for(finding));
     let campaign =
         Campaign { config: &config, source: &source, panel: &panel, narrow: &narrow, steppers: &[], threads: 1 };
-    let identity = source::identity(&config).map_err(|error| error.to_string())?;
-    let mut journal = Journal::open(dir, identity, start).map_err(|error| error.to_string())?;
-    campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {}).map_err(|error| error.to_string())?;
-    Ok(())
+    work(&campaign, source::identity(&config).expect("a map"))
+}
+
+/// Begins the campaign, or goes on with it.
+fn run_into(dir: &Path, start: Start) -> Result<(), String> {
+    with_campaign(|campaign, identity| {
+        let mut journal = Journal::open(dir, identity, start).map_err(|error| error.to_string())?;
+        campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {}).map_err(|error| error.to_string())?;
+        Ok(())
+    })
 }
 
 /// A JSON object with a seal that is right, if it looks like one that had one.
-fn resealed(bytes: &[u8]) -> Vec<u8> {
+pub(crate) fn resealed(bytes: &[u8]) -> Vec<u8> {
     let mark = b",\"sha256\":\"";
     let place = bytes.windows(mark.len()).rposition(|window| window == mark);
     let body = &bytes[..place.unwrap_or(bytes.len())];
     [body, mark, digest(body).as_bytes(), b"\"}\n"].concat()
 }
 
-/// What an input does to the directory.
-struct Damage {
-    name: &'static str,
+/// What an input does to a directory.
+pub(crate) struct Damage {
+    /// The file.
+    pub(crate) name: &'static str,
     /// None where the file is removed.
-    bytes: Option<Vec<u8>>,
-    resealed: bool,
+    pub(crate) bytes: Option<Vec<u8>>,
+    /// Whether its seal is right.
+    pub(crate) resealed: bool,
 }
 
 impl Damage {
     /// The damage that bytes say; none if there are too few.
-    fn of(bytes: &[u8], names: &[&'static str]) -> Option<Damage> {
+    pub(crate) fn of(bytes: &[u8], names: &[&'static str]) -> Option<Damage> {
         let ([number, how], given) = (bytes.first_chunk::<HEAD>()?, &bytes[HEAD..]);
         let name = names[usize::from(*number) % names.len()];
         let (removed, reseal) = (how & REMOVED != 0, how & RESEALED != 0);
@@ -111,7 +125,8 @@ impl Damage {
         Some(Damage { name, bytes: (!removed).then_some(bytes), resealed: reseal && !removed })
     }
 
-    fn apply(&self, dir: &Path) {
+    /// Does it.
+    pub(crate) fn apply(&self, dir: &Path) {
         let path = dir.join(self.name);
         match &self.bytes {
             None => drop(fs::remove_file(path)),
@@ -120,10 +135,10 @@ impl Damage {
     }
 }
 
-/// The directory anew, as the campaign left it.
-fn write(dir: &Path) {
+/// The directory anew, of such files.
+pub(crate) fn write(dir: &Path, files: &BTreeMap<String, Vec<u8>>) {
     drop(fs::remove_dir_all(dir));
-    for (name, bytes) in campaign() {
+    for (name, bytes) in files {
         let path = dir.join(name);
         fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
         fs::write(path, bytes).expect("a file");
@@ -134,12 +149,12 @@ fn write(dir: &Path) {
 pub(crate) fn run_directory(bytes: &[u8], reach: &mut Reach) {
     let Some(damage) = Damage::of(bytes, &GONE_ON_FROM) else { return reach.count("too-short") };
     let dir = scratch().join("resumed");
-    write(&dir);
+    write(&dir, campaign());
     damage.apply(&dir);
     match run_into(&dir, Start::Resume) {
         Ok(()) => {
             let found = files(&dir, "");
-            for name in ["findings.csv", "summary.csv", "agreement.csv", "confusion.csv"] {
+            for name in TABLES {
                 let whole = found.get(name) == campaign().get(name);
                 assert!(whole || damage.resealed, "{} was believed: {name} is another one", damage.name);
             }
@@ -162,7 +177,7 @@ const REPORTED: [&str; 5] = ["run.json", "findings.csv", "agreement.csv", "confu
 pub(crate) fn report(bytes: &[u8], reach: &mut Reach) {
     let Some(damage) = Damage::of(bytes, &REPORTED) else { return reach.count("too-short") };
     let dir = scratch().join("reported");
-    write(&dir);
+    write(&dir, campaign());
     damage.apply(&dir);
     match Results::read(std::slice::from_ref(&dir)) {
         Ok(_) => reach.count("read"),
@@ -175,9 +190,10 @@ pub(crate) fn report(bytes: &[u8], reach: &mut Reach) {
     }
 }
 
-fn input(names: &[&str], dice: &mut Dice) -> Vec<u8> {
+/// An input that damages one of the files, mostly a little.
+pub(crate) fn input(names: &[&str], files: &BTreeMap<String, Vec<u8>>, dice: &mut Dice) -> Vec<u8> {
     let number = dice.below(names.len());
-    let content = |name: &str| campaign().get(name).map_or(&[][..], Vec::as_slice);
+    let content = |name: &str| files.get(name).map_or(&[][..], Vec::as_slice);
     let other = content(names[dice.below(names.len())]);
     let how = match dice.below(12) {
         0 => REMOVED,
@@ -196,10 +212,10 @@ fn input(names: &[&str], dice: &mut Dice) -> Vec<u8> {
 
 /// An input of [`run_directory`].
 pub(crate) fn run_directory_input(_: &Target, dice: &mut Dice) -> Vec<u8> {
-    input(&GONE_ON_FROM, dice)
+    input(&GONE_ON_FROM, campaign(), dice)
 }
 
 /// An input of [`report`].
 pub(crate) fn report_input(_: &Target, dice: &mut Dice) -> Vec<u8> {
-    input(&REPORTED, dice)
+    input(&REPORTED, campaign(), dice)
 }
