@@ -202,7 +202,10 @@ fn good_inputs_are_read() {
 #[test]
 fn the_corpus_is_borne() {
     for target in TARGETS {
-        for (path, bytes) in corpus(target.name) {
+        let corpus = corpus(target.name);
+        let bytes: usize = corpus.iter().map(|(_, bytes)| bytes.len()).sum();
+        assert!((1..=48).contains(&corpus.len()) && bytes <= 60_000, "{}: {} inputs", target.name, corpus.len());
+        for (path, bytes) in corpus {
             println!("{}", path.display());
             target.run(&bytes, &mut Reach::default());
         }
