@@ -142,8 +142,10 @@ fn annotations_come_apart_as_they_were_put_together() {
         assert_eq!(properties.keys().collect::<Vec<_>>(), ["file", "line", "title"]);
         assert_eq!((properties["file"].as_str(), properties["line"].as_str()), (check.place.0.as_str(), "3"));
         assert_eq!(properties["title"], format!("rockproof {}", check.group));
-        assert_eq!(*message, format!("{}: {}", check.name, check.message));
+        let shown = check.message.replace('\u{1b}', "\\u{1b}").replace('\0', "\\0").replace('\u{7}', "\\u{7}");
+        assert_eq!(*message, format!("{}: {shown}", check.name));
     }
+    assert!(!text.contains(|c: char| c.is_control() && c != '\n'), "{text:?}");
     assert_eq!(annotations(&[check("limit", "plain", "fine", Verdict::Pass)]), "");
 }
 

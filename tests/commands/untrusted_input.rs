@@ -245,7 +245,7 @@ fn the_name_of_a_case_is_no_command_to_the_runner() {
     let dir = dir.path();
     fs::create_dir(dir.join("corpus")).expect("a folder");
     let expected = "expected = [{ kind = \"v-v\", feature_a = 0, feature_b = 0, entrance = \"v-f\", entrance_a = 0, entrance_b = 0, gap_sign = 1 }]";
-    let name = "a\n::error title=planted::b ##[error]c.toml";
+    let name = "a\n::error title=planted::b \u{1b}[31m##[error]c.toml";
     fs::write(dir.join("corpus").join(name), change(CASE, "expected = []", expected)).expect("write");
     let ran = gate(dir, "corpus = [\"corpus\"]\n[campaign]\npairs = 16\n", &[], true);
     assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
@@ -256,6 +256,7 @@ fn the_name_of_a_case_is_no_command_to_the_runner() {
         "{text}"
     );
     assert!(text.contains("corpus/a\\n::error title=planted"), "{text}");
+    assert!(commands[0].contains("\\u{1b}[31m") && !text.contains('\u{1b}'), "nor one to a terminal: {text:?}");
     // A broken one is told of as well.
     fs::write(dir.join("corpus").join(name), "[case]\n\"b\\n::error title=planted::c\" = 1\n").expect("write");
     let ran = gate(dir, "corpus = [\"corpus\"]\n[campaign]\npairs = 16\n", &[], true);

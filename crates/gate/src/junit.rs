@@ -2,7 +2,7 @@
 
 use super::{Check, Verdict};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
-use rockproof_model::text::excerpt;
+use rockproof_model::text::{excerpt, is_harmful};
 use std::time::Duration;
 
 /// What a report is called.
@@ -54,9 +54,17 @@ pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
     report.to_string()
 }
 
-/// GitHub's annotations, a line for each check that fails.
+/// GitHub's annotations, a line for each check that fails. Line breaks are escaped for the runner, other control characters for whoever
+/// reads the log.
 pub fn annotations(checks: &[Check]) -> String {
-    let data = |text: &str| text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A");
+    let escaped = |c: char| match c {
+        '%' => "%25".to_owned(),
+        '\r' => "%0D".to_owned(),
+        '\n' => "%0A".to_owned(),
+        c if is_harmful(c) && c != '\t' => c.escape_debug().to_string(),
+        c => c.to_string(),
+    };
+    let data = |text: &str| text.chars().map(escaped).collect::<String>();
     let property = |text: &str| data(text).replace(':', "%3A").replace(',', "%2C");
     let failed = checks.iter().filter(|check| check.verdict == Verdict::Fail);
     let line = |check: &Check| {
