@@ -2,6 +2,7 @@
 //! disturbed.
 #![cfg(target_os = "linux")]
 
+use crate::engines::client;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -81,4 +82,34 @@ fn killed_interrupted_and_out_of_room_it_goes_on_to_the_same_bytes() {
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && told.contains("full/") && told.contains("too large"), "{told}");
     goes_on("full");
+}
+
+/// Case files are called after the engine among others, and no file system takes a name of more than 255 bytes.
+#[test]
+fn an_engine_may_have_a_name_of_300_characters() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let (name, command) = ("e".repeat(300), toml::Value::from(client()));
+    let settings =
+        format!("engines = [\"{name}\"]\n{SETTINGS}[[external]]\nname = \"{name}\"\ncommand = [{command}, \"none\"]\n");
+    fs::write(dir.join("settings.toml"), settings).expect("write");
+    assert!(campaign(dir, "whole", &[]).status().expect("runs").success());
+    let whole = files(&dir.join("whole"));
+    let mut child = campaign(dir, "killed", &[]).spawn().expect("starts");
+    begun(&dir.join("killed"));
+    child.kill().expect("killed");
+    child.wait().expect("ends");
+    assert!(campaign(dir, "killed", &["--resume"]).status().expect("goes on").success());
+    assert!(files(&dir.join("killed")) == whole, "the bytes of a run that was never disturbed");
+    for run in ["whole", "killed"] {
+        let names = [dir.join(run), dir.join(run).join("cases")]
+            .into_iter()
+            .flat_map(|folder| fs::read_dir(folder).expect("a folder"))
+            .map(|entry| entry.expect("an entry").file_name());
+        assert!(names.into_iter().all(|name| name.len() <= 255), "{run}");
+    }
+    let about = whole.iter().filter(|(name, _)| name.starts_with("cases/") && name.contains("eeeeeeee"));
+    assert!(about.count() > 0, "cases about the engine: {:?}", whole.keys());
+    let rows = String::from_utf8(whole["findings.csv"].clone()).expect("a table");
+    assert!(rows.contains(&format!(",{name},")), "tables have its name in full");
 }
