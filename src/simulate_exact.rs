@@ -7,6 +7,7 @@ use rockproof_differential::lockstep::Trajectory;
 use rockproof_differential::lockstep::effect::penetration;
 use rockproof_model::Number;
 use rockproof_model::simulation::step_in_words;
+use rockproof_model::text::csv_cell;
 use rockproof_oracle::step::{KeptPrecision, Mode, StepAnswer};
 use rockproof_results::{Claim, Directory, FileKind, Owner, Start};
 use rockproof_simulate::Plan;
@@ -67,7 +68,7 @@ impl ExactRun {
                     undecided += answer.levels.undecided;
                     steps.extend(lines([row(number, &answer, &trajectory)])?);
                     for ((name, now), then) in self.names.iter().zip(trajectory.measured()).zip(&begin) {
-                        let mut cells = vec![number.to_string(), text(&answer.state.time), name.clone()];
+                        let mut cells = vec![number.to_string(), text(&answer.state.time), csv_cell(name)];
                         cells.extend(now.components().into_iter().map(text));
                         let moved = now.components().into_iter().zip(then.components());
                         cells.extend(moved.map(|(now, then)| text(&now.plus(&then.negated()))));

@@ -105,6 +105,11 @@ fn state_files_are_checked_and_open_no_other_file() {
     assert_eq!(code, 0, "{out}{err}");
     let measured = fs::read_to_string(dir.join("run/measured.csv")).expect("a table");
     assert!(measured.contains(",'=1+1,"), "no spreadsheet calculates it: {measured}");
+    let (code, out, err) =
+        rockproof(dir, &["simulate", "slider.toml", "--engine", "exact", "--steps", "1", "--out", "exact"]);
+    assert_eq!(code, 0, "{out}{err}");
+    let measured = fs::read_to_string(dir.join("exact/measured.csv")).expect("a table");
+    assert!(measured.contains(",'=1+1,"), "no spreadsheet calculates it: {measured}");
     let state = fs::read_dir(dir.join("run/states")).expect("states").next().expect("a state").expect("a file");
     let text = fs::read_to_string(state.path()).expect("a state");
     let value: serde_json::Value = serde_json::from_str(&text).expect("JSON");
@@ -174,6 +179,26 @@ fn messages_name_their_file_and_say_things_once() {
     for command in ["campaign", "gate", "tune"] {
         refused(dir, &[command, "two.obj", "--threads", "1025"], &["1 to 1024"]);
     }
+}
+
+/// Tables of campaigns hold the names of sets as they are, so no set has one that a spreadsheet calculates.
+#[test]
+fn no_set_is_called_like_a_formula() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    for stem in ["=1+1", "+x", "-2", "@SUM(A1)"] {
+        let name = format!("{stem}.toml");
+        fs::write(dir.join(&name), "preset = \"auto\"\n").expect("write");
+        fs::write(dir.join("settings.toml"), format!("pairs = 16\ntolerances = [\"{name}\"]\n")).expect("write");
+        let parts = [&format!("{name}: in tables its set"), "at the beginning", "rename the file"];
+        refused(dir, &["campaign", "settings.toml", "--out", "run"], &parts);
+        let inline = format!("--tolerances={name}");
+        refused(dir, &["campaign", "--pairs", "16", &inline, "--out", "run"], &parts);
+        refused(dir, &["campaign", "--stress", "--pairs", "16", &inline, "--out", "run"], &parts);
+        let ran = gate(dir, &format!("corpus = []\n[campaign]\npairs = 16\ntolerances = [\"{name}\"]\n"), &[], false);
+        assert!(ran.code == 2 && ran.err.contains(parts[0]), "{name}: {}", ran.err);
+    }
+    assert!(!dir.join("run").exists(), "nothing is written");
 }
 
 #[cfg(unix)]

@@ -13,10 +13,15 @@ pub fn excerpt(text: &str, longest: usize) -> String {
     short
 }
 
-/// A name or a sentence as the cell of a CSV file. A spreadsheet calculates what begins with `=`, `+`, `-`, `@`, a tab or a carriage
-/// return; an apostrophe before it makes it a text. A number stays as it is.
+/// Whether a text begins with `=`, `+`, `-`, `@`, a tab or a carriage return: a spreadsheet calculates a cell that does.
+pub fn begins_a_formula(text: &str) -> bool {
+    text.starts_with(['=', '+', '-', '@', '\t', '\r'])
+}
+
+/// A name or a sentence as the cell of a CSV file. Where a spreadsheet would calculate it, an apostrophe before it makes it a text. A
+/// number stays as it is.
 pub fn csv_cell(text: &str) -> String {
-    let calculates = text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.parse::<f64>().is_err();
+    let calculates = begins_a_formula(text) && text.parse::<f64>().is_err();
     if calculates { format!("'{text}") } else { text.to_owned() }
 }
 
