@@ -23,6 +23,7 @@ use rockproof_gate::known_findings::KnownFindings;
 use rockproof_gate::tally::{CampaignTally, TallyRow};
 use rockproof_gate::{self, Check, corpus, junit};
 use rockproof_model::files::read_text;
+use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_results::{Owner, Start, write_atomically};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -112,6 +113,7 @@ impl Gate {
         for limit in config.limit.iter().map(toml::Spanned::get_ref) {
             let file = self.file.display();
             if let Some(found) = limit.engine.as_ref().filter(|name| !allowed.contains(&name.as_str())) {
+                let found = excerpt(found, SHOWN);
                 anyhow::bail!("{file}: limit: engine is \"{found}\"; allowed are {}", allowed.join(", "));
             }
             let names = |list: &Option<String>| list.iter().cloned().collect::<Vec<_>>();

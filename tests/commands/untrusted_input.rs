@@ -201,6 +201,67 @@ fn no_set_is_called_like_a_formula() {
     assert!(!dir.join("run").exists(), "nothing is written");
 }
 
+/// Whatever is long in a file of settings, a gate, a baseline or a case, its message is short and says what is wrong and what is allowed.
+#[test]
+fn messages_cut_long_values() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let long = "x".repeat(100_000);
+    let write = |name: &str, text: &str| fs::write(dir.join(name), text).expect("write");
+    let short = |arguments: &[&str], parts: &[&str]| {
+        let (code, out, err) = rockproof(dir, arguments);
+        assert_eq!(code, 2, "{parts:?}: {} bytes", out.len() + err.len());
+        assert!(err.len() < 4000, "{parts:?}: {} bytes", err.len());
+        for part in parts {
+            assert!(err.contains(part), "{part} in {err}");
+        }
+        assert!(err.contains('…'), "{err}");
+    };
+    let external = format!("[[external]]\nname = \"a\"\ncommand = \"x\"\n[[external]]\nname = \"{long}");
+    for (text, parts) in [
+        (format!("families = [\"{long}\"]"), ["family \"xxx", "…\" does not exist; there are "]),
+        (format!("tolerances = [\"{long}\"]"), ["tolerance set \"xxx", "…\" does not exist; there are auto"]),
+        (format!("engines = [\"{long}\"]"), ["engine \"xxx", "…\" does not exist; there are stepper-f32"]),
+        (format!("[grid]\nbase = \"{long}\""), ["base \"xxx", "…\" is no tolerance set; there are auto"]),
+        (format!("{external} \"\ncommand = \"x\""), ["engine name \"xxx", "…\": allowed are letters"]),
+        (format!("{external}\"\ncommand = \"'{long}\""), ["line 6", "a quote is not closed"]),
+        (format!("{long} = 1"), ["line 1", "expected one of"]),
+        (format!("\"{}\" = 1", "y\\n".repeat(50_000)), ["line 1", "expected one of"]),
+        (format!("pairs = \"{long}\""), ["line 1, column 9", "expected u64"]),
+        (format!("pairs = {long}"), ["line 1, column 9", "error"]),
+    ] {
+        write("settings.toml", &text);
+        short(&["campaign", "settings.toml", "--out", "unused"], &[&["settings.toml:"][..], &parts].concat());
+    }
+    let around = |text: &str| format!("corpus = []\n[campaign]\npairs = 16\n{text}");
+    for (text, parts) in [
+        (around(&format!("families = [\"{long}\"]")), ["family \"xxx", "there are "]),
+        (around(&format!("[[limit]]\ncount = 0\nengine = \"{long}\"")), ["limit: engine is \"xxx", "allowed are any"]),
+        (around(&format!("[[limit]]\ncount = 0\ncause = \"{long}\"")), ["line 4: cause is \"xxx", "allowed are "]),
+        (around(&format!("[[limit]]\ncount = 0\nfamily = \"{long}\"")), ["limit: family \"xxx", "there are "]),
+        (
+            around(&format!("[baseline]\nfile = \"k.toml\"\nfields = [\"{long}\"]")),
+            ["baseline.fields: \"xxx", "allowed are family"],
+        ),
+        (around(&format!("[[limit]]\n{long} = 0")), ["line 5", "expected one of"]),
+        (around("[baseline]\nfile = \"known.toml\""), ["known.toml:", "line 1"]),
+    ] {
+        write("known.toml", &format!("{long} = 1\n"));
+        write("gate.toml", &text);
+        short(&["gate", "gate.toml"], &parts);
+    }
+    for (from, to, parts) in [
+        ("[case]", format!("[case]\n{long} = 1"), ["line 2", "expected one of"]),
+        ("engine = \"stepper-f32\"", format!("engine = {{ {long} = 1 }}"), ["line 2", "expected a string"]),
+        ("kind = \"f-v\"", format!("kind = \"{long}\""), ["expected or found is \"", "allowed are kinds v-v"]),
+    ] {
+        write("case.toml", &change(CASE, from, &to));
+        for command in ["replay", "shrink"] {
+            short(&[command, "case.toml"], &[&["case.toml:"][..], &parts].concat());
+        }
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn no_device_is_read_to_its_end() {

@@ -10,6 +10,7 @@ use rockproof_differential::external::{EngineSpec, EngineSpecError, External};
 use rockproof_differential::finding::{Finding, FindingScope};
 use rockproof_differential::hull::convex_hull;
 use rockproof_model::preset::{self, Preset};
+use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Block, Number, Point, Precision};
 
 /// The engines of a campaign.
@@ -23,7 +24,7 @@ pub struct Engines {
 #[derive(Debug, thiserror::Error)]
 pub enum EnginesError {
     /// A name that no engine has.
-    #[error("engine \"{found}\" does not exist; there are {allowed}")]
+    #[error("engine \"{}\" does not exist; there are {allowed}", excerpt(.found, SHOWN))]
     Unknown {
         /// What was found.
         found: String,

@@ -387,7 +387,8 @@ impl Case {
         for row in about.expected.iter().chain(&about.found) {
             if row.contact().is_none() {
                 let allowed = "kinds v-v v-e e-v v-f f-v e-e, entrances v-f f-v e-e, gap signs -1 0 1".to_owned();
-                return Err(CaseError::Value { file, key: "expected or found", found: format!("{row:?}"), allowed });
+                let found = excerpt(&format!("{row:?}"), SHOWN);
+                return Err(CaseError::Value { file, key: "expected or found", found, allowed });
             }
         }
         let found = parsed.block.len();

@@ -2,6 +2,7 @@
 
 use crate::builtin::ENGINES;
 use rockproof_model::Precision;
+use rockproof_model::text::{SHOWN, excerpt};
 use serde::{Deserialize, Serialize};
 
 /// What an external engine is called, how it is started and what is asked of it.
@@ -67,11 +68,12 @@ const fn default_accuracy() -> u64 {
 pub enum EngineSpecError {
     /// Not `NAME=COMMAND`.
     #[error(
-        "\"{0}\": expected NAME=COMMAND or NAME:f32=COMMAND, as in parry=./parry-client or mine:f32=python3 client.py"
+        "\"{}\": expected NAME=COMMAND or NAME:f32=COMMAND, as in parry=./parry-client or mine:f32=python3 client.py",
+        excerpt(.0, SHOWN)
     )]
     Form(String),
     /// A precision that is none.
-    #[error("\"{found}\" in \"{text}\": a precision is f32 or f64")]
+    #[error("\"{}\" in \"{}\": a precision is f32 or f64", excerpt(.found, SHOWN), excerpt(.text, SHOWN))]
     Precision {
         /// What was found.
         found: String,
@@ -79,13 +81,13 @@ pub enum EngineSpecError {
         text: String,
     },
     /// A name that cannot be one.
-    #[error("engine name \"{0}\": allowed are letters, digits, '-', '_' and '.', the first a letter or digit, and none of any, f32, f64, {list}", list = ENGINES.join(", "))]
+    #[error("engine name \"{name}\": allowed are letters, digits, '-', '_' and '.', the first a letter or digit, and none of any, f32, f64, {list}", name = excerpt(.0, SHOWN), list = ENGINES.join(", "))]
     Name(String),
     /// Two engines of one name.
-    #[error("two external engines have the name \"{0}\"; each needs its own")]
+    #[error("two external engines have the name \"{}\"; each needs its own", excerpt(.0, SHOWN))]
     Twice(String),
     /// A command without a program, or with an open quote.
-    #[error("engine \"{name}\": the command \"{command}\" names no program, or a quote is not closed")]
+    #[error("engine \"{}\": the command \"{}\" names no program, or a quote is not closed", excerpt(.name, SHOWN), excerpt(.command, SHOWN))]
     Command {
         /// The engine.
         name: String,
@@ -93,7 +95,7 @@ pub enum EngineSpecError {
         command: String,
     },
     /// No time to answer.
-    #[error("engine \"{0}\": timeout_ms is 0; allowed are 1 and more")]
+    #[error("engine \"{}\": timeout_ms is 0; allowed are 1 and more", excerpt(.0, SHOWN))]
     Timeout(String),
 }
 
@@ -130,8 +132,10 @@ fn command<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<Stri
     }
     match Either::deserialize(deserializer)? {
         Either::List(list) => Ok(list),
-        Either::Text(text) => split(&text)
-            .ok_or_else(|| serde::de::Error::custom(format!("\"{text}\" names no program, or a quote is not closed"))),
+        Either::Text(text) => split(&text).ok_or_else(|| {
+            let text = excerpt(&text, SHOWN);
+            serde::de::Error::custom(format!("\"{text}\" names no program, or a quote is not closed"))
+        }),
     }
 }
 
