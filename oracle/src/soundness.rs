@@ -22,6 +22,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 mod limits;
+mod ties;
 mod vectors;
 
 /// A small generator of its own (SplitMix64): the tests must not depend on a library's stream.
@@ -201,18 +202,49 @@ fn expect_one_bound<K: Ord>(bounds: &mut BTreeMap<K, f64>, of: K, bound: f64, sl
     assert_eq!(first.to_bits(), bound.to_bits(), "slot {slot} has the bounds {first:e} and {bound:e}, {about}");
 }
 
-impl Checker<'_, '_> {
-    fn in_integers<P: Polynomial, T: FromUnits + ExactRing>(&self, p: &P) -> Sign {
-        let exact = Scales::exact(self.tolerances, &self.pair.grid().lattice);
-        let scales = LazyScales { made: &OnceCell::new(), make: &|| exact.converted::<T>() };
-        ExactRing::sign(&p.value(&ExactView { geometry: &self.pair.exact::<T>(), scales }))
-    }
+/// The sign in integers of one type.
+fn in_integers<P: Polynomial, T: FromUnits + ExactRing>(pair: &Pair<'_>, tolerances: &ToleranceSet, p: &P) -> Sign {
+    let exact = Scales::exact(tolerances, &pair.grid().lattice);
+    let scales = LazyScales { made: &OnceCell::new(), make: &|| exact.converted::<T>() };
+    ExactRing::sign(&p.value(&ExactView { geometry: &pair.exact::<T>(), scales }))
+}
 
+/// The bits that every intermediate value has at most.
+fn bits_of<P: Polynomial>(pair: &Pair<'_>, tolerances: &ToleranceSet, p: &P) -> Bits {
+    p.value(&BitsView {
+        a: &pair.a.block,
+        b: &pair.b.block,
+        coordinate: pair.grid().bits,
+        scales: LazyScales { made: &OnceCell::new(), make: &|| Scales::exact(tolerances, &pair.grid().lattice).bits() },
+    })
+}
+
+/// Holds that integers of every width that holds so many bits find this sign.
+fn check_widths<P: Polynomial>(pair: &Pair<'_>, t: &ToleranceSet, p: &P, bits: Bits, exact: Sign, about: &str) {
+    for (width, sign) in [
+        (128, in_integers::<P, i128> as fn(&Pair<'_>, &ToleranceSet, &P) -> Sign),
+        (256, in_integers::<P, Int256>),
+        (512, in_integers::<P, Int512>),
+        (1024, in_integers::<P, Int1024>),
+    ] {
+        if bits < Bits(width) {
+            let slot = P::FIRST_SLOT + p.variant();
+            assert_eq!(sign(pair, t, p), exact, "{width}-bit integers, slot {slot}, {about}");
+        }
+    }
+}
+
+/// Is shown polynomials.
+trait Visitor {
+    fn visit<P: Polynomial>(&mut self, p: &P);
+}
+
+impl Visitor for Checker<'_, '_> {
     fn visit<P: Polynomial>(&mut self, p: &P) {
         let (pair, t, about) = (self.pair, self.tolerances, &self.about);
         let slot = P::FIRST_SLOT + p.variant();
         assert!(p.variant() < P::VARIANTS && slot < SLOTS);
-        let exact = self.in_integers::<P, BigInt>(p);
+        let exact = in_integers::<P, BigInt>(pair, t, p);
         assert_eq!(self.run.exact_sign(p), exact, "the width of integers chosen, slot {slot}, {about}");
         // Twice: the second time the bound for all pairs of the size is known.
         for time in 1..=2 {
@@ -262,99 +294,90 @@ impl Checker<'_, '_> {
             assert_eq!(sign, exact, "ball, slot {slot}, {about}");
             seen.by_ball += 1;
         }
-        let bits = p.value(&BitsView {
-            a: &pair.a.block,
-            b: &pair.b.block,
-            coordinate: pair.grid().bits,
-            scales: LazyScales { made: &OnceCell::new(), make: &|| Scales::exact(t, &pair.grid().lattice).bits() },
-        });
-        for (width, sign) in [
-            (128, Self::in_integers::<P, i128> as fn(&Self, &P) -> Sign),
-            (256, Self::in_integers::<P, Int256>),
-            (512, Self::in_integers::<P, Int512>),
-            (1024, Self::in_integers::<P, Int1024>),
-        ] {
-            if bits < Bits(width) {
-                assert_eq!(sign(self, p), exact, "{width}-bit integers, slot {slot}, {about}");
+        check_widths(pair, t, p, bits_of(pair, t, p), exact, about);
+    }
+}
+
+/// Shows every polynomial, of features drawn at random.
+fn show_all(pair: &Pair<'_>, dice: &mut Dice, visitor: &mut impl Visitor) {
+    let any = |dice: &mut Dice, n: usize| dice.below(n as u64) as u32;
+    let of = |side| pair.topology(side);
+    let (ta, tb) = (of(Side::A), of(Side::B));
+    let vertex_of = |dice: &mut Dice, t: &Topology| VertexId(any(dice, t.vertex_count()));
+    let edge_of = |dice: &mut Dice, t: &Topology| EdgeId(any(dice, t.edges().len()));
+    let face_of = |dice: &mut Dice, t: &Topology| FaceId(any(dice, t.faces().len()));
+    let (va, vb) = (vertex_of(dice, ta), vertex_of(dice, tb));
+    let (edge_a, edge_b) = (edge_of(dice, ta), edge_of(dice, tb));
+    let (fa, fb) = (face_of(dice, ta), face_of(dice, tb));
+    let axis = dice.below(3) as usize;
+    let flip = dice.below(2) == 0;
+    visitor.visit(&BoxesMeet { low: (Side::A, va), high: (Side::B, vb), axis });
+    for limit in [LengthTolerance::Search, LengthTolerance::Territory, LengthTolerance::Penetration] {
+        visitor.visit(&Near { a: va, b: vb, limit });
+        for (vertex, edge) in [((Side::A, va), (Side::B, edge_b)), ((Side::B, vb), (Side::A, edge_a))] {
+            visitor.visit(&NearLine { vertex, edge, limit });
+        }
+    }
+    for (vertex, edge, face) in
+        [((Side::A, va), (Side::B, edge_b), (Side::B, fb)), ((Side::B, vb), (Side::A, edge_a), (Side::A, fa))]
+    {
+        let own = if vertex.0 == Side::A { ta } else { tb };
+        let other = if vertex.0 == Side::A { tb } else { ta };
+        let at_vertex = own.vertex_edges(vertex.1)[0];
+        let ends = *other.edge(edge.1);
+        let far = other.faces()[if flip { ends.right } else { ends.left }.index()]
+            .iter()
+            .copied()
+            .find(|&w| w != ends.p && w != ends.q)
+            .unwrap();
+        visitor.visit(&NearForEdge { a: va, b: vb, edge });
+        visitor.visit(&BeyondVertex { point: vertex, at: (edge.0, ends.p), edge: edge.1 });
+        visitor.visit(&FootAlong { vertex, edge, from_end: flip });
+        visitor.visit(&NearLineForHeight { vertex, edge, height_at: far });
+        visitor.visit(&InwardOf { vertex, edge, right: flip });
+        visitor.visit(&FootBeyondVertex { vertex, edge, at_vertex });
+        visitor.visit(&AbovePlane { vertex, face });
+        visitor.visit(&PolygonHeight { vertex, corner: other.face(face.1)[0], face, axis });
+        visitor.visit(&NormalComponent { face, axis });
+        visitor.visit(&EdgeAbovePlane { vertex, edge: at_vertex, face });
+        visitor.visit(&EdgeDipAngle { edge: (vertex.0, at_vertex), face });
+        let inward = InwardAcross { edge_a, edge_b, side: edge.0, right: flip };
+        for limit in [DipLimit::Penetration, DipLimit::TrueExit] {
+            visitor.visit(&EdgeDipDepth { edge: (vertex.0, at_vertex), face, limit });
+            visitor.visit(&WedgeDipDepth { inward, corner: far, limit });
+        }
+        visitor.visit(&ParallelReach { edge_a, edge_b, longer: vertex.0 });
+        visitor.visit(&CommonFoot { edge_a, edge_b, on: vertex.0, from_end: flip });
+        visitor.visit(&inward);
+        visitor.visit(&WedgeDipAngle(inward));
+    }
+    visitor.visit(&ParallelAngle { edge_a, edge_b });
+    visitor.visit(&Orientation { edge_a, edge_b });
+    visitor.visit(&EdgesApart { edge_a, edge_b });
+    let entrances = [Entrance::VertexFace(va, fb), Entrance::FaceVertex(fa, vb), Entrance::EdgeEdge(edge_a, edge_b)];
+    let (wa, wb) = (vertex_of(dice, ta), vertex_of(dice, tb));
+    let (da, db) = (edge_of(dice, ta), edge_of(dice, tb));
+    let (ga, gb) = (face_of(dice, ta), face_of(dice, tb));
+    let others = [Entrance::VertexFace(wa, gb), Entrance::FaceVertex(ga, wb), Entrance::EdgeEdge(da, db)];
+    for first in entrances {
+        for limit in [LengthTolerance::Search, LengthTolerance::Territory, LengthTolerance::Penetration] {
+            visitor.visit(&GapWithin { entrance: first, limit });
+        }
+        for second in others {
+            visitor.visit(&NormalsAgree { first, second });
+            visitor.visit(&NormalsWithin { first, second });
+            for factor in [Factor::One, Factor::OneMinusEqual, Factor::OnePlusEqual] {
+                visitor.visit(&LargerGap { first, second, factor });
             }
         }
     }
+}
 
+impl Checker<'_, '_> {
     /// Asks every polynomial about features drawn at random; how many integers of each width that took.
     fn visit_all(mut self, dice: &mut Dice) -> LevelCounts {
         vectors::check(self.pair, self.tolerances, &self.about);
-        let any = |dice: &mut Dice, n: usize| dice.below(n as u64) as u32;
-        let of = |side| self.pair.topology(side);
-        let (ta, tb) = (of(Side::A), of(Side::B));
-        let vertex_of = |dice: &mut Dice, t: &Topology| VertexId(any(dice, t.vertex_count()));
-        let edge_of = |dice: &mut Dice, t: &Topology| EdgeId(any(dice, t.edges().len()));
-        let face_of = |dice: &mut Dice, t: &Topology| FaceId(any(dice, t.faces().len()));
-        let (va, vb) = (vertex_of(dice, ta), vertex_of(dice, tb));
-        let (edge_a, edge_b) = (edge_of(dice, ta), edge_of(dice, tb));
-        let (fa, fb) = (face_of(dice, ta), face_of(dice, tb));
-        let axis = dice.below(3) as usize;
-        let flip = dice.below(2) == 0;
-        self.visit(&BoxesMeet { low: (Side::A, va), high: (Side::B, vb), axis });
-        for limit in [LengthTolerance::Search, LengthTolerance::Territory, LengthTolerance::Penetration] {
-            self.visit(&Near { a: va, b: vb, limit });
-            for (vertex, edge) in [((Side::A, va), (Side::B, edge_b)), ((Side::B, vb), (Side::A, edge_a))] {
-                self.visit(&NearLine { vertex, edge, limit });
-            }
-        }
-        for (vertex, edge, face) in
-            [((Side::A, va), (Side::B, edge_b), (Side::B, fb)), ((Side::B, vb), (Side::A, edge_a), (Side::A, fa))]
-        {
-            let own = if vertex.0 == Side::A { ta } else { tb };
-            let other = if vertex.0 == Side::A { tb } else { ta };
-            let at_vertex = own.vertex_edges(vertex.1)[0];
-            let ends = *other.edge(edge.1);
-            let far = other.faces()[if flip { ends.right } else { ends.left }.index()]
-                .iter()
-                .copied()
-                .find(|&w| w != ends.p && w != ends.q)
-                .unwrap();
-            self.visit(&NearForEdge { a: va, b: vb, edge });
-            self.visit(&BeyondVertex { point: vertex, at: (edge.0, ends.p), edge: edge.1 });
-            self.visit(&FootAlong { vertex, edge, from_end: flip });
-            self.visit(&NearLineForHeight { vertex, edge, height_at: far });
-            self.visit(&InwardOf { vertex, edge, right: flip });
-            self.visit(&FootBeyondVertex { vertex, edge, at_vertex });
-            self.visit(&AbovePlane { vertex, face });
-            self.visit(&PolygonHeight { vertex, corner: other.face(face.1)[0], face, axis });
-            self.visit(&NormalComponent { face, axis });
-            self.visit(&EdgeAbovePlane { vertex, edge: at_vertex, face });
-            self.visit(&EdgeDipAngle { edge: (vertex.0, at_vertex), face });
-            let inward = InwardAcross { edge_a, edge_b, side: edge.0, right: flip };
-            for limit in [DipLimit::Penetration, DipLimit::TrueExit] {
-                self.visit(&EdgeDipDepth { edge: (vertex.0, at_vertex), face, limit });
-                self.visit(&WedgeDipDepth { inward, corner: far, limit });
-            }
-            self.visit(&ParallelReach { edge_a, edge_b, longer: vertex.0 });
-            self.visit(&CommonFoot { edge_a, edge_b, on: vertex.0, from_end: flip });
-            self.visit(&inward);
-            self.visit(&WedgeDipAngle(inward));
-        }
-        self.visit(&ParallelAngle { edge_a, edge_b });
-        self.visit(&Orientation { edge_a, edge_b });
-        self.visit(&EdgesApart { edge_a, edge_b });
-        let entrances =
-            [Entrance::VertexFace(va, fb), Entrance::FaceVertex(fa, vb), Entrance::EdgeEdge(edge_a, edge_b)];
-        let (wa, wb) = (vertex_of(dice, ta), vertex_of(dice, tb));
-        let (da, db) = (edge_of(dice, ta), edge_of(dice, tb));
-        let (ga, gb) = (face_of(dice, ta), face_of(dice, tb));
-        let others = [Entrance::VertexFace(wa, gb), Entrance::FaceVertex(ga, wb), Entrance::EdgeEdge(da, db)];
-        for first in entrances {
-            for limit in [LengthTolerance::Search, LengthTolerance::Territory, LengthTolerance::Penetration] {
-                self.visit(&GapWithin { entrance: first, limit });
-            }
-            for second in others {
-                self.visit(&NormalsAgree { first, second });
-                self.visit(&NormalsWithin { first, second });
-                for factor in [Factor::One, Factor::OneMinusEqual, Factor::OnePlusEqual] {
-                    self.visit(&LargerGap { first, second, factor });
-                }
-            }
-        }
+        show_all(self.pair, dice, &mut self);
         self.run.levels
     }
 }
