@@ -21,6 +21,7 @@ use rockproof_model::{
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
+mod definite;
 mod limits;
 mod ties;
 mod vectors;
