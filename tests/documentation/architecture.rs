@@ -31,13 +31,25 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 15] = [
     ("bench", &["model", "oracle", "stepper", "simulate", "differential", "campaign", "results"]),
     ("report", &["model", "oracle", "simulate", "differential", "campaign", "gate", "results"]),
     ("examine", &["model", "oracle", "stepper", "simulate", "differential", "tune", "report", "results"]),
+    // The stepper against closed forms, and the exact side against itself. Nothing depends on it but fuzz targets, tests and examples.
+    ("validation", &["model", "oracle", "stepper", "results", "simulate", "differential", "campaign"]),
     // Nothing depends on it but tests and examples.
     (
         "fuzz",
-        &["model", "oracle", "stepper", "results", "simulate", "differential", "campaign", "tune", "gate", "report"],
+        &[
+            "model",
+            "oracle",
+            "stepper",
+            "results",
+            "simulate",
+            "differential",
+            "campaign",
+            "tune",
+            "gate",
+            "report",
+            "validation",
+        ],
     ),
-    // The stepper against closed forms, and the exact side against itself. Nothing depends on it but tests and examples.
-    ("validation", &["model", "oracle", "stepper", "results", "simulate", "differential", "campaign"]),
     (
         "rockproof",
         &[

@@ -4,6 +4,7 @@
 //! and [`Target::run`] takes them (`tests/`, and `examples/soak`). A target that finds something wrong panics. What inputs reach is
 //! counted in a [`Reach`], so that a test can hold that they reach what a target is for.
 
+mod comparison_directory;
 mod comparisons;
 mod dice;
 mod engine_answer;
@@ -152,6 +153,8 @@ targets! {
     tune_directory: Reader, tune_directory::tune_directory, tune_directory::tune_directory_input;
     /// The parts of a campaign with one file damaged, put together.
     part_directory: Reader, part_directory::part_directory, part_directory::part_directory_input;
+    /// The directory of a comparison of the exact side with itself, added up and gone on with.
+    comparison_directory: Reader, comparison_directory::comparison_directory, comparison_directory::comparison_directory_input;
     /// The question that an external engine is asked about a pair holds the pair.
     engine_question: Comparison, comparisons::engine_question, any_bytes;
     /// The oracle's fast path and its plain path say the same of a pair.

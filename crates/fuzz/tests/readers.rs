@@ -11,7 +11,7 @@ const DIRECTORY: u64 = 20;
 const WANTED_OF: u64 = 3_000;
 
 /// What [`WANTED_OF`] inputs of each target reach at least: about a third of what they did when this was written.
-const WANTED: [(&str, &[(&str, u64)]); 23] = [
+const WANTED: [(&str, &[(&str, u64)]); 24] = [
     (
         "scene",
         &[
@@ -139,6 +139,10 @@ const WANTED: [(&str, &[(&str, u64)]); 23] = [
         &[("Csv", 1), ("Damaged", 25), ("Foreign", 1), ("Manifest", 11), ("resealed-read", 6), ("whole", 4)],
     ),
     ("part_directory", &[("Results", 37), ("resealed-read", 6), ("whole", 6)]),
+    (
+        "comparison_directory",
+        &[("Results", 29), ("added-up", 21), ("resealed-read", 8), ("total-Results", 28), ("whole", 12)],
+    ),
 ];
 
 /// What is wrong with blocks, and how often [`WANTED_OF`] inputs of each target reach it at least, all together; 0 where only a kept input does.
