@@ -264,7 +264,7 @@ impl Solver<'_> {
             let most = [127u32, 255, 511, 1023, 1060][level];
             let Some(digits) = most.checked_sub(bits).map(|more| more / P::DEGREE as u32) else { continue };
             // Odd, as a lattice leaves twos out: 1010…1.
-            let factor = |digits: u32| (BigInt::one() << (digits + 1)) / 3 | BigInt::one();
+            let factor = |digits: u32| ((BigInt::one() << (digits + 1)) / 3) | BigInt::one();
             let scaled = (0..digits.min(4)).find_map(|less| {
                 let digits = digits - less;
                 let scaled = tie.times(&factor(digits));
