@@ -187,6 +187,25 @@ fn settings_on_the_pages_are_read() {
     assert!(job["script"].as_vec().is_some_and(|lines| lines.iter().all(|line| line.as_str().is_some())));
 }
 
+/// A tag of somebody else's action may be moved to other code, a commit not.
+#[test]
+fn workflows_name_the_actions_of_others_by_commit() {
+    let mut found = 0;
+    for path in pages(&root().join("docs")).into_keys() {
+        let page = format!("docs/{}", path.file_name().expect("a name").display());
+        for block in blocks(&page, "yaml") {
+            for used in block.lines().filter_map(|line| line.trim_start_matches([' ', '-']).strip_prefix("uses:")) {
+                let name = used.split('#').next().unwrap_or_default().trim();
+                let commit = name.split_once('@').map_or("", |(_, commit)| commit);
+                let is_pinned = commit.len() == 40 && commit.chars().all(|c| c.is_ascii_hexdigit());
+                assert!(is_pinned || name.starts_with("./"), "{page}: {name}");
+                found += 1;
+            }
+        }
+    }
+    assert!(found >= 5, "workflows on the pages use {found} actions");
+}
+
 #[test]
 fn broken_links_are_seen() {
     let folder = tempfile::tempdir().expect("a folder");
