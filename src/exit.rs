@@ -3,7 +3,7 @@
 use crate::reading::{is_apart, is_bent};
 use crate::stop::is_ended;
 use crate::terminal::{INTERRUPTED, to_stdout};
-use rockproof_model::text::is_harmful;
+use rockproof_model::text::{cut_in_the_middle, is_harmful};
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -135,32 +135,9 @@ pub(crate) fn print_as_it_is(text: &str) -> anyhow::Result<()> {
     Ok(to_stdout(|out| out.write_all(text.as_bytes()))?)
 }
 
-/// A line of an error with more characters is cut in the middle.
-const LONGEST_LINE: usize = 1000;
-/// An error with more lines is cut in the middle.
-const MOST_LINES: usize = 40;
-
-/// An error whose long lines, and lines that are too many, are cut in the middle: what is wrong stands at the beginning, what is allowed at
-/// the end. Parsers quote lines of a file in full, whatever their length.
-fn cut(text: &str) -> String {
-    let short = |line: &str| match line.chars().count().checked_sub(LONGEST_LINE) {
-        None | Some(0) => line.to_owned(),
-        Some(more) => {
-            let (begin, end): (String, String) =
-                (line.chars().take(600).collect(), line.chars().skip(700 + more).collect());
-            format!("{begin}…{end}")
-        }
-    };
-    let mut lines: Vec<String> = text.split('\n').map(short).collect();
-    if lines.len() > MOST_LINES {
-        lines.splice(MOST_LINES / 2..lines.len() - MOST_LINES / 2, ["…".to_owned()]);
-    }
-    lines.join("\n")
-}
-
 /// Tells an error on stderr.
 pub(crate) fn print_error(message: &str) {
-    print_labelled(&cut(&harmless(&format!("error: {message}"))));
+    print_labelled(&cut_in_the_middle(&harmless(&format!("error: {message}"))));
 }
 
 /// Tells something worth knowing on stderr, unless `--quiet` is given.
@@ -177,24 +154,13 @@ fn print_labelled(text: &str) {
 
 #[cfg(test)]
 mod tests {
-    use super::{chain, cut, harmless};
+    use super::{chain, harmless};
     use anyhow::Context;
 
     #[test]
     fn no_text_is_a_command_to_a_terminal_or_a_runner() {
         let nasty = "a\u{1b}[31m\0\n::error file=x::y\n  ::debug::z\nb ##[error]c\td::e";
         assert_eq!(harmless(nasty), "a\\u{1b}[31m\\0\n| ::error file=x::y\n|   ::debug::z\nb ## [error]c\td::e");
-    }
-
-    #[test]
-    fn errors_are_cut_in_the_middle() {
-        let line = "é".repeat(1000);
-        assert_eq!(cut(&line), line);
-        assert_eq!(cut(&format!("a{line}b")), format!("a{}…{}b", "é".repeat(599), "é".repeat(299)));
-        let many = |last: u32| (1..=last).map(|number| number.to_string()).collect::<Vec<_>>();
-        assert_eq!(cut(&many(40).join("\n")), many(40).join("\n"));
-        let lines = cut(&many(100).join("\n"));
-        assert!(lines.starts_with("1\n2\n") && lines.contains("\n20\n…\n81\n") && lines.ends_with("\n100"), "{lines}");
     }
 
     #[derive(Debug, thiserror::Error)]

@@ -13,6 +13,29 @@ pub fn excerpt(text: &str, longest: usize) -> String {
     short
 }
 
+/// A line of an error with more characters is cut in the middle.
+const LONGEST_LINE: usize = 1000;
+/// An error with more lines is cut in the middle.
+const MOST_LINES: usize = 40;
+
+/// An error whose long lines, and lines that are too many, are cut in the middle: what is wrong stands at the beginning, what is allowed at
+/// the end. Parsers quote lines of a file in full, whatever their length.
+pub fn cut_in_the_middle(text: &str) -> String {
+    let short = |line: &str| match line.chars().count().checked_sub(LONGEST_LINE) {
+        None | Some(0) => line.to_owned(),
+        Some(more) => {
+            let (begin, end): (String, String) =
+                (line.chars().take(600).collect(), line.chars().skip(700 + more).collect());
+            format!("{begin}…{end}")
+        }
+    };
+    let mut lines: Vec<String> = text.split('\n').map(short).collect();
+    if lines.len() > MOST_LINES {
+        lines.splice(MOST_LINES / 2..lines.len() - MOST_LINES / 2, ["…".to_owned()]);
+    }
+    lines.join("\n")
+}
+
 /// Whether a text begins with `=`, `+`, `-`, `@`, a tab or a carriage return: a spreadsheet calculates a cell that does.
 pub fn begins_a_formula(text: &str) -> bool {
     text.starts_with(['=', '+', '-', '@', '\t', '\r'])
@@ -39,7 +62,7 @@ fn harmless(c: char) -> impl Iterator<Item = char> {
 
 #[cfg(test)]
 mod tests {
-    use super::{csv_cell, excerpt};
+    use super::{csv_cell, cut_in_the_middle, excerpt};
 
     #[test]
     fn no_cell_is_a_formula() {
@@ -58,5 +81,16 @@ mod tests {
         assert_eq!(shown, "a\\n::error x\\r\\t\\u{1b}[31m\\0\\u{7}\\u{202e}é \"q\" \\");
         assert_eq!(excerpt("abcdef", 3), "abc…");
         assert_eq!(excerpt("abc", 3), "abc");
+    }
+
+    #[test]
+    fn errors_are_cut_in_the_middle() {
+        let line = "é".repeat(1000);
+        assert_eq!(cut_in_the_middle(&line), line);
+        assert_eq!(cut_in_the_middle(&format!("a{line}b")), format!("a{}…{}b", "é".repeat(599), "é".repeat(299)));
+        let many = |last: u32| (1..=last).map(|number| number.to_string()).collect::<Vec<_>>();
+        assert_eq!(cut_in_the_middle(&many(40).join("\n")), many(40).join("\n"));
+        let lines = cut_in_the_middle(&many(100).join("\n"));
+        assert!(lines.starts_with("1\n2\n") && lines.contains("\n20\n…\n81\n") && lines.ends_with("\n100"), "{lines}");
     }
 }

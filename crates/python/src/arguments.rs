@@ -2,6 +2,7 @@
 
 use crate::InputError;
 use pyo3::prelude::*;
+use rockproof_model::text::{cut_in_the_middle, excerpt};
 use rockproof_model::{LoadOptions, Precision};
 
 /// Who classifies, or makes steps.
@@ -77,7 +78,8 @@ pub(crate) fn load_options(
     })
 }
 
-/// An error of the crates below, as Python sees it.
+/// An error of the crates below, as Python sees it: long values cut, nothing in it a command to a terminal.
 pub(crate) fn input_error(error: impl std::fmt::Display) -> PyErr {
-    InputError::new_err(error.to_string())
+    let lines: Vec<String> = error.to_string().split('\n').map(|line| excerpt(line, usize::MAX)).collect();
+    InputError::new_err(cut_in_the_middle(&lines.join("\n")))
 }

@@ -45,6 +45,9 @@ def test_scenes_come_from_texts_and_models(root):
     assert Scene(text=text, tolerances={"search": "1/3"}).tolerances("exact")["search"] == Fraction(1, 3)
     with pytest.raises(InputError, match="scene.toml:2:.*unknown key"):
         Scene(text="[simulation]\ngravty = 1\n")
+    with pytest.raises(InputError, match="scene.toml:2:") as long:
+        Scene(text="[simulation]\ngravity\x1b = \"" + "7" * 100_000 + "\"\n")
+    assert len(str(long.value)) < 10_000 and "\x1b" not in str(long.value)
     with pytest.raises(InputError, match="one of them"):
         Scene()
     with pytest.raises(InputError, match='arithmetic is "f16"'):
