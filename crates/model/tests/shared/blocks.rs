@@ -4,35 +4,35 @@ use proptest::prelude::*;
 use rockproof_model::{Block, BlockOptions, EdgeId, FaceId, Number, Point, Vec3, VertexId};
 use std::collections::{BTreeMap, BTreeSet};
 
-type Units = [i128; 3];
+pub(super) type Units = [i128; 3];
 
-fn minus(p: Units, q: Units) -> Units {
+pub(super) fn minus(p: Units, q: Units) -> Units {
     [0, 1, 2].map(|k| p[k] - q[k])
 }
 
-fn cross(p: Units, q: Units) -> Units {
+pub(super) fn cross(p: Units, q: Units) -> Units {
     [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
 }
 
-fn dot(p: Units, q: Units) -> i128 {
+pub(super) fn dot(p: Units, q: Units) -> i128 {
     p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
 }
 
 /// A surface on whole numbers.
 #[derive(Clone, Debug)]
-struct Surface {
-    vertices: Vec<Units>,
-    faces: Vec<Vec<usize>>,
+pub(super) struct Surface {
+    pub(super) vertices: Vec<Units>,
+    pub(super) faces: Vec<Vec<usize>>,
 }
 
 /// A block as docs/spec.md, section 2, says it: edges by the sorted pair of their ends, with κ.
-struct Second {
-    edges: Vec<([usize; 2], i128)>,
+pub(super) struct Second {
+    pub(super) edges: Vec<([usize; 2], i128)>,
 }
 
 impl Surface {
     /// N = Σ (v_k − v_0) × (v_{k+1} − v_0).
-    fn normal(&self, face: &[usize]) -> Units {
+    pub(super) fn normal(&self, face: &[usize]) -> Units {
         let at = |k: usize| minus(self.vertices[face[k]], self.vertices[face[0]]);
         (1..face.len() - 1).fold([0; 3], |sum, k| {
             let more = cross(at(k), at(k + 1));
@@ -49,7 +49,7 @@ impl Surface {
         self.faces.iter().enumerate().flat_map(of_face).collect()
     }
 
-    fn second(&self) -> Second {
+    pub(super) fn second(&self) -> Second {
         let of = self.faces_by_edge();
         let pairs: BTreeSet<[usize; 2]> = of.keys().map(|&(p, q)| [p.min(q), p.max(q)]).collect();
         let kappa = |&[p, q]: &[usize; 2]| {
@@ -67,7 +67,7 @@ impl Surface {
     }
 
     /// The surface under a linear map that does not mirror.
-    fn mapped(&self, matrix: [Units; 3]) -> Surface {
+    pub(super) fn mapped(&self, matrix: [Units; 3]) -> Surface {
         let vertices = self.vertices.iter().map(|v| matrix.map(|row| dot(row, *v))).collect();
         Surface { vertices, faces: self.faces.clone() }
     }
@@ -108,7 +108,7 @@ impl Surface {
 }
 
 /// Convex and concave: a box, a tetrahedron, an octahedron, a wedge, an L and an arrow, each standing on its polygon.
-fn shapes() -> Vec<(&'static str, Surface)> {
+pub(super) fn shapes() -> Vec<(&'static str, Surface)> {
     let prism = |polygon: &[[i128; 2]], height: i128| {
         let n = polygon.len();
         let at = |z: i128| polygon.iter().map(move |[x, y]| [*x, *y, z]);
@@ -163,7 +163,7 @@ fn units_of(block: &Block) -> Vec<Units> {
     block.vertices().iter().map(|v| [unit(&v.x), unit(&v.y), unit(&v.z)]).collect()
 }
 
-fn matrix() -> impl Strategy<Value = [Units; 3]> {
+pub(super) fn matrix() -> impl Strategy<Value = [Units; 3]> {
     let row = || prop::array::uniform3(-3_i32..=3).prop_map(|row| row.map(i128::from));
     [row(), row(), row()].prop_filter("no mirror", |[a, b, c]| dot(cross(*a, *b), *c) > 0)
 }
@@ -189,6 +189,21 @@ proptest! {
             prop_assert_eq!(block.vertex_is_convex(VertexId(vertex as u32)), convex, "{} vertex {}", name, vertex);
         }
         prop_assert_eq!(block.is_convex(), second.edges.iter().all(|(_, kappa)| *kappa > 0));
+        // Lists of edges and faces by vertex, ascending, and of edges by face, in the order of its loop.
+        let number_of = |p: usize, q: usize| second.edges.iter().position(|(ends, _)| *ends == [p.min(q), p.max(q)]);
+        for vertex in 0..surface.vertices.len() {
+            let at = VertexId(vertex as u32);
+            let edges: Vec<usize> = (0..second.edges.len()).filter(|&k| second.edges[k].0.contains(&vertex)).collect();
+            let faces: Vec<usize> = (0..surface.faces.len()).filter(|&k| surface.faces[k].contains(&vertex)).collect();
+            prop_assert_eq!(block.topology().vertex_edges(at).iter().map(|e| e.index()).collect::<Vec<_>>(), edges);
+            prop_assert_eq!(block.topology().vertex_faces(at).iter().map(|f| f.index()).collect::<Vec<_>>(), faces);
+        }
+        for (k, face) in surface.faces.iter().enumerate() {
+            let round = face.iter().zip(face.iter().cycle().skip(1));
+            let edges: Vec<Option<usize>> = round.map(|(&p, &q)| number_of(p, q)).collect();
+            let found = block.topology().face_edges(FaceId(k as u32)).iter().map(|e| Some(e.index()));
+            prop_assert_eq!(found.collect::<Vec<_>>(), edges);
+        }
         for (k, face) in surface.faces.iter().enumerate() {
             let (normal, n) = (surface.normal(face), face.len());
             let corner = |i: usize| [0, 1, 2].map(|j| surface.vertices[face[(i + j) % n]]);
