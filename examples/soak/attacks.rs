@@ -18,8 +18,11 @@ pub(crate) struct Attack {
     pub(crate) folder: tempfile::TempDir,
 }
 
+/// Time zones: the ends of the day, one of half an hour, and none.
+pub(crate) const ZONES: [&str; 6] = ["UTC", "Pacific/Kiritimati", "America/St_Johns", "Asia/Kathmandu", "no/zone", ""];
+
 /// A share of a time, as the dice fall.
-fn share_of(time: Duration, dice: &mut Dice) -> Duration {
+pub(crate) fn share_of(time: Duration, dice: &mut Dice) -> Duration {
     time.mul_f64(dice.below(1_000) as f64 / 1_000.0)
 }
 
@@ -33,7 +36,7 @@ impl Attack {
     }
 
     /// Goes on with a command to its end.
-    fn finish(&mut self, call: &Call, codes: &[i32]) -> Told<()> {
+    pub(crate) fn finish(&mut self, call: &Call, codes: &[i32]) -> Told<()> {
         let call = call.clone().and("--resume");
         self.run(&call, Disturbance::None)?.has_code(codes, &call.arguments.join(" "))
     }
@@ -161,12 +164,11 @@ impl Attack {
         let job = Job::any(&mut self.dice);
         let whole = job.undisturbed(&self.program, &mut self.counts)?;
         job.prepare(self.folder.path())?;
-        let zones = ["UTC", "Pacific/Kiritimati", "America/St_Johns", "Asia/Kathmandu", "no/zone", ""];
         let languages =
             ["C", "POSIX", "C.UTF-8", "de_DE.UTF-8", "tr_TR.UTF-8", "ar_EG.UTF-8", "ja_JP.eucJP", "no-language"];
         for mut call in job.calls() {
-            call.environment = vec![
-                ("TZ", Some(*self.dice.one_of(&zones))),
+            let environment = [
+                ("TZ", Some(*self.dice.one_of(&ZONES))),
                 ("LC_ALL", Some(*self.dice.one_of(&languages))),
                 ("LANG", Some(*self.dice.one_of(&languages))),
                 ("COLUMNS", Some(*self.dice.one_of(&["1", "80", "100000", "none"]))),
@@ -174,6 +176,7 @@ impl Attack {
                 ("HOME", *self.dice.one_of(&[None, Some("/nowhere")])),
                 ("TERM", *self.dice.one_of(&[None, Some("dumb"), Some("xterm-256color")])),
             ];
+            call.environment = environment.map(|(name, value)| (name, value.map(str::to_owned))).to_vec();
             self.run(&call, Disturbance::None)?.has_code(&whole.codes(), &format!("{:?}", call.environment))?;
         }
         self.counts.environments += 1;
@@ -196,11 +199,7 @@ impl Attack {
             let ended = self.run(&call.clone().and("--resume"), how)?;
             self.counts.kills += u64::from(ended.disturbed && ended.code.is_none());
         }
-        let named = |call: &Call| {
-            let at = call.arguments.iter().position(|argument| argument == "--out").map_or(0, |at| at + 1);
-            call.arguments[at].clone()
-        };
-        let dir = named(&calls[number]);
+        let dir = calls[number].out().to_owned();
         let path = self.folder.path().join(&dir);
         if !path.is_dir() {
             // It was killed before it began.

@@ -16,6 +16,10 @@ pub(crate) struct Counts {
     pub(crate) full_disks: u64,
     pub(crate) read_only: u64,
     pub(crate) environments: u64,
+    /// Processes that began under a clock set anew.
+    pub(crate) clocks: u64,
+    /// Those of them that were found to know the time that the clock was set to.
+    pub(crate) clocks_seen: u64,
     pub(crate) damages_refused: u64,
     pub(crate) damages_harmless: u64,
     pub(crate) faulty_engines: u64,
@@ -41,6 +45,8 @@ impl Counts {
             (&mut self.full_disks, other.full_disks),
             (&mut self.read_only, other.read_only),
             (&mut self.environments, other.environments),
+            (&mut self.clocks, other.clocks),
+            (&mut self.clocks_seen, other.clocks_seen),
             (&mut self.damages_refused, other.damages_refused),
             (&mut self.damages_harmless, other.damages_harmless),
             (&mut self.faulty_engines, other.faulty_engines),
@@ -61,7 +67,7 @@ impl fmt::Display for Counts {
         write!(
             f,
             "{} steps: {} kills, {} interruptions, {} files and {} disks full, {} read-only directories, {} environments, \
-             {} damaged files ({} refused, {} harmless), {} faulty engines, {} mutated inputs to the program and {} to readers; \
+             {} clocks ({} told by the program), {} damaged files ({} refused, {} harmless), {} faulty engines, {} mutated inputs to the program and {} to readers; \
              {} processes, {} comparisons with an undisturbed run, longest process {:.1} s, peak memory {} MiB; {} failures",
             grouped(self.steps),
             grouped(self.kills),
@@ -70,6 +76,8 @@ impl fmt::Display for Counts {
             grouped(self.full_disks),
             grouped(self.read_only),
             grouped(self.environments),
+            grouped(self.clocks),
+            grouped(self.clocks_seen),
             grouped(self.damages_refused + self.damages_harmless),
             grouped(self.damages_refused),
             grouped(self.damages_harmless),

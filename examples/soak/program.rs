@@ -67,13 +67,15 @@ impl Ended {
 pub(crate) struct Program {
     pub(crate) path: PathBuf,
     pub(crate) engine_client: PathBuf,
+    /// The library that shifts the clock.
+    pub(crate) clock: PathBuf,
 }
 
 /// A call of the program.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Call {
     pub(crate) arguments: Vec<String>,
-    pub(crate) environment: Vec<(&'static str, Option<&'static str>)>,
+    pub(crate) environment: Vec<(&'static str, Option<String>)>,
 }
 
 impl Call {
@@ -84,6 +86,12 @@ impl Call {
     pub(crate) fn and(mut self, argument: &str) -> Call {
         self.arguments.push(argument.to_owned());
         self
+    }
+
+    /// The directory that it writes.
+    pub(crate) fn out(&self) -> &str {
+        let at = self.arguments.iter().position(|argument| argument == "--out").map_or(0, |at| at + 1);
+        &self.arguments[at]
     }
 }
 

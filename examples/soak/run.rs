@@ -1,6 +1,7 @@
 //! Steps one after the other, on several threads, until the time is over.
 
 use crate::attacks::Attack;
+use crate::clock::build_clock;
 use crate::counts::{Counts, Total};
 use crate::inputs::{keep_panics, last_panic};
 use crate::program::{Program, Told, peak_memory};
@@ -40,8 +41,9 @@ const LONGEST_STEP: Duration = Duration::from_secs(900);
 type StepOf = fn(&mut Attack) -> Told<()>;
 
 /// The attacks, each with its share of a hundred.
-const ATTACKS: [(&str, usize, StepOf); 10] = [
-    ("kills", 26, Attack::kills),
+const ATTACKS: [(&str, usize, StepOf); 11] = [
+    ("kills", 22, Attack::kills),
+    ("clock", 4, Attack::clock),
     ("interruptions", 8, Attack::interruptions),
     ("limited files", 7, Attack::limited_files),
     ("full disk", 8, Attack::full_disk),
@@ -55,7 +57,9 @@ const ATTACKS: [(&str, usize, StepOf); 10] = [
 
 pub(crate) fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    match program() {
+    // For what is built for the soak alone. Disks in memory often let no library be loaded.
+    let built = tempfile::tempdir().map_err(|error| format!("no folder for temporary files: {error}"));
+    match built.as_ref().map_err(String::clone).and_then(|folder| program(folder.path())) {
         Ok(program) => soak(&arguments, &program),
         Err(what) => {
             eprintln!("error: {what}");
@@ -64,8 +68,8 @@ pub(crate) fn main() -> ExitCode {
     }
 }
 
-/// The program that ROCKPROOF names, or the one that is built now; with it the example engine.
-fn program() -> Told<Program> {
+/// The program that ROCKPROOF names, or the one that is built now; with it the example engine, and in a folder the library that shifts the clock.
+fn program(folder_of_clock: &Path) -> Told<Program> {
     let here = std::env::current_exe().map_err(|error| error.to_string())?;
     let examples = here.parent().unwrap_or(Path::new("."));
     let folder = examples.parent().unwrap_or(Path::new("."));
@@ -85,7 +89,7 @@ fn program() -> Told<Program> {
     }
     let path = path.unwrap_or_else(|| folder.join("rockproof"));
     let path = path.canonicalize().map_err(|error| format!("{}: {error}", path.display()))?;
-    Ok(Program { path, engine_client })
+    Ok(Program { path, engine_client, clock: build_clock(folder_of_clock)? })
 }
 
 fn soak(arguments: &Arguments, program: &Program) -> ExitCode {
@@ -95,6 +99,7 @@ fn soak(arguments: &Arguments, program: &Program) -> ExitCode {
     // Without a handler Ctrl-C ends the soak at once, and nothing is counted.
     drop(ctrlc::set_handler(move || flag.store(true, Ordering::SeqCst)));
     let (total, next, begin) = (Total::default(), AtomicU64::new(0), Instant::now());
+    total.add(&clock_is_seen(program));
     let end = Duration::from_secs_f64(arguments.minutes.clamp(0.0, 1e6) * 60.0);
     let done = AtomicU64::new(0);
     let threads = if arguments.step.is_some() { 1 } else { arguments.threads.clamp(1, 64) as u64 };
@@ -126,6 +131,16 @@ fn soak(arguments: &Arguments, program: &Program) -> ExitCode {
     counts.memory = counts.memory.max(peak_memory(Path::new("/proc/self")));
     println!("seed {}, {:.1} min, {counts}", arguments.seed, begin.elapsed().as_secs_f64() / 60.0);
     if counts.failures == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Shows that a shifted clock reaches the program: without that, what is done with clocks shows nothing.
+fn clock_is_seen(program: &Program) -> Counts {
+    let mut at = Attack::new(program, Dice::new(0));
+    if let Err(what) = at.clock_is_seen() {
+        at.counts.failures += 1;
+        println!("FAILED: the shifted clock does not reach the program: {what}");
+    }
+    at.counts
 }
 
 /// Does the step of a number, and tells what went wrong.

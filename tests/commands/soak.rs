@@ -1,4 +1,4 @@
-//! A few seconds of the soak: it finds nothing wrong with the program, and does with one that loses a byte.
+//! A few seconds of the soak: it finds nothing wrong with the program, and does with one that loses a byte, or does not see the clock it sets.
 #![cfg(target_os = "linux")]
 
 use crate::engines::{built_example, client};
@@ -21,6 +21,7 @@ fn a_short_soak_finds_nothing_wrong() {
     let (code, said) = soak(&assert_cmd::cargo::cargo_bin("rockproof"), &["--minutes", "0.1", "--seed", "5"]);
     assert!(code == Some(0) && said.contains("; 0 failures"), "{said}");
     assert!(!said.contains(": 0 kills") && !said.contains(" 0 comparisons"), "nothing was done: {said}");
+    assert!(said.contains(" clocks (") && !said.contains("(0 told by the program)"), "no clock was set: {said}");
 }
 
 #[test]
@@ -38,4 +39,15 @@ fn a_program_that_loses_a_byte_is_found() {
     let (code, said) = soak(&lossy, &["--minutes", "0.2", "--seed", "5"]);
     assert!(code == Some(1), "{said}");
     assert!(said.contains("not the bytes of an undisturbed run") && said.contains("--seed 5 --step"), "{said}");
+}
+
+#[test]
+fn a_clock_that_does_not_reach_the_program_is_found() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let own = dir.path().join("own");
+    let program = assert_cmd::cargo::cargo_bin("rockproof");
+    fs::write(&own, format!("#!/bin/sh\nunset LD_PRELOAD\nexec '{}' \"$@\"\n", program.display())).expect("write");
+    fs::set_permissions(&own, fs::Permissions::from_mode(0o755)).expect("a program");
+    let (code, said) = soak(&own, &["--minutes", "0"]);
+    assert!(code == Some(1) && said.contains("the shifted clock does not reach the program"), "{said}");
 }

@@ -75,29 +75,42 @@ fn holder() -> String {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     let command: Vec<String> = std::env::args().collect();
     let shown: String = command.join(" ").chars().filter(|c| !c.is_control()).take(200).collect();
-    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let count = COUNTER.fetch_add(1, Ordering::Relaxed);
-    format!("{FIRST}process {} ({shown}), since {}, lock {count}\n", std::process::id(), utc(seconds))
+    format!(
+        "{FIRST}process {} ({shown}), since {}, lock {count}\n",
+        std::process::id(),
+        utc(seconds_since_1970(SystemTime::now()))
+    )
+}
+
+/// Whole seconds since 1970; negative where a clock is set to before.
+fn seconds_since_1970(time: SystemTime) -> i64 {
+    let whole = |seconds: u128| i64::try_from(seconds).unwrap_or(i64::MAX);
+    match time.duration_since(UNIX_EPOCH) {
+        Ok(since) => whole(since.as_secs().into()),
+        Err(before) => -whole(before.duration().as_nanos().div_ceil(1_000_000_000)),
+    }
 }
 
 /// A time in seconds since 1970 as date and time of day.
-fn utc(seconds: u64) -> String {
-    let (days, rest) = (seconds / 86_400, seconds % 86_400);
+fn utc(seconds: i64) -> String {
+    let (days, rest) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
     // Days from civil, inverted (Howard Hinnant, "chrono-Compatible Low-Level Date Algorithms", 2013): years begin in March.
     let days = days + 719_468;
-    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let (era, day_of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));
     let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
     let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
     let from_march = (5 * day_of_year + 2) / 153;
     let day = day_of_year - (153 * from_march + 2) / 5 + 1;
     let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
-    let year = 400 * era + year_of_era + u64::from(month <= 2);
+    let year = 400 * era + year_of_era + i64::from(month <= 2);
     format!("{year:04}-{month:02}-{day:02} {:02}:{:02}:{:02} UTC", rest / 3600, rest / 60 % 60, rest % 60)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Duration;
 
     #[test]
     fn one_at_a_time_and_the_holder_is_named() {
@@ -136,5 +149,10 @@ mod tests {
         assert_eq!(utc(0), "1970-01-01 00:00:00 UTC");
         assert_eq!(utc(951_827_696), "2000-02-29 12:34:56 UTC");
         assert_eq!(utc(4_107_542_399), "2100-02-28 23:59:59 UTC");
+        // A clock may be set to before 1970.
+        let before = |seconds: f64| utc(seconds_since_1970(UNIX_EPOCH - Duration::from_secs_f64(seconds)));
+        assert_eq!(before(0.5), "1969-12-31 23:59:59 UTC");
+        assert_eq!(before(2_147_483_648.0), "1901-12-13 20:45:52 UTC");
+        assert_eq!(utc(-70_000_000_000), "-249-10-15 19:33:20 UTC");
     }
 }
