@@ -38,6 +38,7 @@ mod passages;
 mod report_command;
 mod report_page;
 mod results;
+mod second_signal;
 mod self_comparison;
 mod simulate_audit;
 mod simulate_cli;
