@@ -95,6 +95,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let begun = Instant::now();
     cli.talk.apply();
+    rockproof_results::on_unprotected(|dir| exit::print_note(&terminal::unprotected(dir)));
     let code = exit::code(cli.command.run());
     cli.talk.tell_cost(begun);
     code

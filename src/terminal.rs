@@ -4,6 +4,7 @@
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use rockproof_report::table::grouped;
 use std::io::{self, BufWriter, Write};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -50,6 +51,11 @@ pub(crate) fn stop_flag(ended: fn(), note: fn(&str)) -> Result<Arc<AtomicBool>, 
         note("stopping in good order; Ctrl-C again to quit at once");
     })?;
     Ok(stop)
+}
+
+/// What is said of a directory on a file system without locks.
+pub(crate) fn unprotected(dir: &Path) -> String {
+    format!("{}: this file system has no locks, so nothing keeps a second process out of this directory", dir.display())
 }
 
 /// Progress through so many pairs: a bar, or a line now and then; from the first pair on.

@@ -1,6 +1,6 @@
 //! `run`: compares, and keeps what it counted.
 
-use crate::terminal::{Progress, stop_flag, threads};
+use crate::terminal::{Progress, stop_flag, threads, unprotected};
 use crate::total::{text, verdict};
 use crate::{PATHS, Verdict, print};
 use anyhow::Context;
@@ -8,7 +8,7 @@ use rockproof_campaign::pairs::{BATCH, PairConfig};
 use rockproof_campaign::part::Part;
 use rockproof_campaign::run::Ending;
 use rockproof_report::table::grouped;
-use rockproof_results::Start;
+use rockproof_results::{Start, on_unprotected};
 use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord};
 use rockproof_validation::self_comparison::run::{Comparison, Seen};
 use rockproof_validation::self_comparison::total::Total;
@@ -63,6 +63,7 @@ impl Run {
             "--gmp-every: this program was built without GMP; `cargo run --release --features gmp --example self_comparison` builds it with"
         );
         let stop = stop_flag(|| {}, note).context("cannot catch Ctrl-C")?;
+        on_unprotected(|dir| note(&unprotected(dir)));
         let plan = ComparisonPlan {
             seed: self.seed,
             pairs: self.pairs,

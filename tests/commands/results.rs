@@ -195,6 +195,37 @@ fn what_is_damaged_is_not_gone_on_from() {
     }
 }
 
+/// A library in front of the program's own takes the file system's locks away, as some network file systems have none.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_system_without_locks_is_told_once_a_directory() {
+    let place = WorkDir::new();
+    let (source, library) = (place.at("flock.c"), place.at("flock.so"));
+    let without =
+        "#include <errno.h>\nint flock(int file, int how) { (void)file, (void)how; errno = ENOSYS; return -1; }\n";
+    fs::write(&source, without).expect("write");
+    let made = std::process::Command::new("cc").args(["-shared", "-fPIC", "-o"]).args([&library, &source]).status();
+    assert!(made.expect("a C compiler").success());
+    // The gate works in two directories.
+    let gate = "corpus = []\nrotating_pairs = 8\n[campaign]\npairs = 8\nfamilies = [\"edge_cross\"]\n";
+    fs::write(place.at("gate.toml"), gate).expect("write");
+    let run = |more: &[&str]| {
+        let mut command = Command::cargo_bin("rockproof").expect("the program");
+        command.env("LD_PRELOAD", &library).current_dir(place.0.path()).args(["gate", "gate.toml", "--out", "out"]);
+        let output = command.args(more).output().expect("runs");
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, err) = run(&[]);
+    assert_eq!(code, Some(0), "{err}");
+    for dir in ["out/fixed", "out/rotating"] {
+        let told = format!("note: {dir}: this file system has no locks, so nothing keeps a second process out");
+        assert_eq!(err.matches(&told).count(), 1, "{err}");
+    }
+    assert_eq!(run(&["--quiet"]), (Some(0), String::new()));
+    let (code, err) = place.run(&["gate", "gate.toml", "--out", "out"]);
+    assert!(code == 0 && !err.contains("no locks"), "{err}");
+}
+
 #[test]
 fn progress_beyond_the_plan_is_refused() {
     let place = WorkDir::new();

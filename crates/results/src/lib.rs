@@ -15,6 +15,7 @@ mod manifest;
 mod seal;
 mod stem;
 mod table;
+mod unprotected;
 mod view;
 
 pub use atomic::write_atomically;
@@ -26,4 +27,5 @@ pub use manifest::{FileKind, MANIFEST, Owner, is_inside};
 pub use seal::{Seal, digest};
 pub use stem::bounded;
 pub use table::AppendedTable;
+pub use unprotected::on_unprotected;
 pub use view::View;

@@ -2,8 +2,9 @@
 
 use super::error::ResultsError;
 use super::manifest::Owner;
+use super::unprotected::tell;
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{Read, Seek, Write};
+use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -24,30 +25,33 @@ pub(crate) struct Lock {
 }
 
 impl Lock {
-    /// Takes the lock.
+    /// Takes the lock. On a file system without locks there is none to take: better unprotected, and told, than not at all.
     pub(crate) fn take(dir: &Path, owner: Owner) -> Result<Lock, ResultsError> {
+        let (lock, protects) = Lock::take_by(File::try_lock, dir, owner)?;
+        if !protects {
+            tell(dir);
+        }
+        Ok(lock)
+    }
+
+    /// The same by a function that tries to lock a file; whether the lock protects.
+    fn take_by(
+        try_lock: impl Fn(&File) -> Result<(), TryLockError>,
+        dir: &Path,
+        owner: Owner,
+    ) -> Result<(Lock, bool), ResultsError> {
         let path = dir.join(LOCK);
         let at = || ResultsError::at(&path);
         loop {
             let mut file =
                 OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(at())?;
-            let locked = match file.try_lock() {
-                Err(TryLockError::Error(error)) => Err(error),
-                Err(TryLockError::WouldBlock) => Ok(false),
-                Ok(()) => Ok(true),
-            };
+            let attempt = Attempt::of(try_lock(&file)).map_err(at())?;
             let mut text = Vec::new();
             (&mut file).take(LONGEST).read_to_end(&mut text).map_err(at())?;
             let held = String::from_utf8_lossy(&text);
-            match locked {
-                // A file system without locks: better unprotected than not at all.
-                Err(error) if error.kind() == std::io::ErrorKind::Unsupported => {}
-                Err(error) => return Err(at()(error)),
-                Ok(false) => {
-                    let holder = held.strip_prefix(FIRST).map_or("another process", |held| held.trim_end());
-                    return Err(ResultsError::InUse { dir: dir.to_owned(), holder: holder.to_owned() });
-                }
-                Ok(true) => {}
+            if attempt == Attempt::Held {
+                let holder = held.strip_prefix(FIRST).map_or("another process", |held| held.trim_end());
+                return Err(ResultsError::InUse { dir: dir.to_owned(), holder: holder.to_owned() });
             }
             if !held.is_empty() && !held.starts_with(FIRST) {
                 return Err(ResultsError::Foreign { file: path, owner });
@@ -57,8 +61,29 @@ impl Lock {
             written.map_err(at())?;
             // Whoever held the lock may have removed the file after we opened it: then this is not the file that others would lock.
             if fs::read(&path).is_ok_and(|text| text == holder.as_bytes()) {
-                return Ok(Lock { path, _file: file });
+                return Ok((Lock { path, _file: file }, attempt == Attempt::Taken));
             }
+        }
+    }
+}
+
+/// What trying to lock a file came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Attempt {
+    Taken,
+    /// Another process has it.
+    Held,
+    /// The file system has no locks.
+    Unsupported,
+}
+
+impl Attempt {
+    fn of(tried: Result<(), TryLockError>) -> io::Result<Attempt> {
+        match tried {
+            Ok(()) => Ok(Attempt::Taken),
+            Err(TryLockError::WouldBlock) => Ok(Attempt::Held),
+            Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => Ok(Attempt::Unsupported),
+            Err(TryLockError::Error(error)) => Err(error),
         }
     }
 }
@@ -126,6 +151,19 @@ mod tests {
         fs::write(dir.path().join(LOCK), "mine").expect("write");
         assert!(matches!(Lock::take(dir.path(), Owner::Campaign), Err(ResultsError::Foreign { .. })));
         assert_eq!(fs::read(dir.path().join(LOCK)).expect("read"), b"mine");
+    }
+
+    #[test]
+    fn a_file_system_without_locks_is_no_obstacle_and_does_not_protect() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let by = |kind: ErrorKind| {
+            let fails = move |_: &File| Err(TryLockError::Error(kind.into()));
+            Lock::take_by(fails, dir.path(), Owner::Campaign).map(|(lock, protects)| (lock.path.exists(), protects))
+        };
+        assert_eq!(by(ErrorKind::Unsupported).expect("no obstacle"), (true, false));
+        assert!(matches!(by(ErrorKind::PermissionDenied), Err(ResultsError::Io { .. })));
+        let (lock, protects) = Lock::take_by(File::try_lock, dir.path(), Owner::Campaign).expect("free");
+        assert!(protects && lock.path.exists());
     }
 
     #[test]
