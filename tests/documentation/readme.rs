@@ -9,6 +9,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Beginnings of commands that are not run, and why.
 const NOT_RUN: [(&str, &str); 12] = [
@@ -200,7 +201,17 @@ fn checked(page: &str, slow: bool) -> (Vec<String>, usize) {
 }
 
 fn check_all(slow: bool) {
-    let checks: Vec<_> = pages().iter().map(|page| checked(page, slow)).collect();
+    // Each page has a folder of its own, so as many are checked at a time as the machine has cores.
+    let (pages, next) = (pages(), AtomicUsize::new(0));
+    let work = || -> Vec<_> {
+        let mine = std::iter::from_fn(|| pages.get(next.fetch_add(1, Ordering::Relaxed)));
+        mine.map(|page| checked(page, slow)).collect()
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let checks: Vec<_> = std::thread::scope(|scope| {
+        let all: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        all.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
+    });
     let wrong: Vec<&String> = checks.iter().flat_map(|(wrong, _)| wrong).collect();
     println!("{} commands of {} pages run", checks.iter().map(|(_, count)| count).sum::<usize>(), checks.len());
     assert!(wrong.is_empty(), "these say something else now (ROCKPROOF_RENEW=1 renews them):\n{wrong:#?}");
