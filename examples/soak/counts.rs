@@ -30,6 +30,8 @@ pub(crate) struct Counts {
     pub(crate) processes: u64,
     pub(crate) failures: u64,
     pub(crate) longest: Duration,
+    /// The longest input to a reader in this process.
+    pub(crate) longest_input: Duration,
     /// The largest resident memory of a process, in KiB.
     pub(crate) memory: u64,
 }
@@ -58,6 +60,7 @@ impl Counts {
         ];
         pairs.into_iter().for_each(|(sum, more)| *sum += more);
         self.longest = self.longest.max(other.longest);
+        self.longest_input = self.longest_input.max(other.longest_input);
         self.memory = self.memory.max(other.memory);
     }
 }
@@ -68,7 +71,7 @@ impl fmt::Display for Counts {
             f,
             "{} steps: {} kills, {} interruptions, {} files and {} disks full, {} read-only directories, {} environments, \
              {} clocks ({} told by the program), {} damaged files ({} refused, {} harmless), {} faulty engines, {} mutated inputs to the program and {} to readers; \
-             {} processes, {} comparisons with an undisturbed run, longest process {:.1} s, peak memory {} MiB; {} failures",
+             {} processes, {} comparisons with an undisturbed run, longest process {:.1} s, longest input {:.1} s, peak memory {} MiB; {} failures",
             grouped(self.steps),
             grouped(self.kills),
             grouped(self.interruptions),
@@ -87,6 +90,7 @@ impl fmt::Display for Counts {
             grouped(self.processes),
             grouped(self.comparisons),
             self.longest.as_secs_f64(),
+            self.longest_input.as_secs_f64(),
             self.memory / 1024,
             grouped(self.failures),
         )

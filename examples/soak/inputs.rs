@@ -2,11 +2,11 @@
 
 use crate::attacks::Attack;
 use crate::jobs::write;
-use crate::program::{Call, Disturbance, MOST_SECONDS, Told};
+use crate::program::{Call, Disturbance, MOST_MEMORY, MOST_SECONDS, Told, peak_memory};
 use rockproof_fuzz::{Reach, TARGETS, Target, TargetKind};
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 thread_local! {
@@ -86,10 +86,16 @@ impl Attack {
             if panicked {
                 return Err(format!("{}: {}; {}", target.name, last_panic(), kept(target.name, &bytes)));
             }
-            if begin.elapsed().as_secs() > MOST_SECONDS {
-                let took = begin.elapsed().as_secs();
-                return Err(format!("{}: an input of {took} s; {}", target.name, kept(target.name, &bytes)));
+            let took = begin.elapsed();
+            if took.as_secs() >= MOST_SECONDS {
+                return Err(format!("{}: an input of {took:.0?}; {}", target.name, kept(target.name, &bytes)));
             }
+            let memory = peak_memory(Path::new("/proc/self"));
+            if memory > MOST_MEMORY {
+                let mib = memory / 1024;
+                return Err(format!("{}: {mib} MiB after an input; {}", target.name, kept(target.name, &bytes)));
+            }
+            self.counts.longest_input = self.counts.longest_input.max(took);
             self.counts.reader_inputs += 1;
         }
         Ok(())
