@@ -132,7 +132,7 @@ impl Campaign {
     pub(crate) fn run_here(&self) -> Outcome {
         let prepared = self.prepared()?;
         let stop = on_ctrl_c()?;
-        if !probed(&prepared.engines, &stop)? {
+        if !self.probed(&prepared.engines, &stop)? {
             return Ok(Verdict::Interrupted);
         }
         let mut journal = self.journal(&prepared)?;
@@ -156,8 +156,26 @@ impl Campaign {
     pub(crate) fn prepared(&self) -> anyhow::Result<Prepared> {
         check_deny(&self.deny)?;
         let config = self.configuration()?;
-        let (engines, source, identity) = (Engines::of(&config)?, pair_source(&config)?, source::identity(&config)?);
+        let engines = match Engines::of(&config) {
+            // Options cannot name none.
+            Err(error @ EnginesError::None { .. }) => return Err(self.in_file(error.into())),
+            engines => engines?,
+        };
+        let (source, identity) = (pair_source(&config)?, source::identity(&config)?);
         Ok(Prepared { config, engines, source, identity })
+    }
+
+    /// Asks the external engines a first question; `false` where they were ended with the program.
+    pub(crate) fn probed(&self, engines: &Engines, stop: &AtomicBool) -> anyhow::Result<bool> {
+        probed(engines, stop).map_err(|error| if self.external.names_none() { self.in_file(error) } else { error })
+    }
+
+    /// An error about something in the file of settings, where there is one.
+    fn in_file(&self, error: anyhow::Error) -> anyhow::Error {
+        match &self.config {
+            Some(path) => error.context(path.display().to_string()),
+            None => error,
+        }
     }
 
     /// The directory of the results, as the command is to begin there.
@@ -205,20 +223,20 @@ impl Campaign {
         };
         config.stress |= self.stress;
         if config.stress {
-            anyhow::ensure!(
-                config.families.is_empty() && config.real.is_empty(),
-                "the stress set has pairs of its own: no families"
-            );
+            // Options that name some are refused with --stress.
+            if !config.families.is_empty() || !config.real.is_empty() {
+                return Err(self.in_file(anyhow::anyhow!("the stress set has pairs of its own: no families")));
+            }
             if self.config.is_none() {
                 (config.pairs, config.metamorphic_every, config.cases_per_cause) =
                     (StressSource::default_pairs(), 0, 8);
             }
         }
         config.pairs = self.pairs.unwrap_or(config.pairs);
-        anyhow::ensure!(
-            config.pairs > 0,
-            "pairs is 0; allowed are 1 and more: where nothing is asked nothing is found"
-        );
+        if config.pairs == 0 {
+            let none = anyhow::anyhow!("pairs is 0; allowed are 1 and more: where nothing is asked nothing is found");
+            return Err(if self.pairs.is_some() { none } else { self.in_file(none) });
+        }
         config.seed = self.seed.unwrap_or(config.seed);
         config.steps_every = self.steps_every.unwrap_or(config.steps_every);
         config.steps = self.steps.unwrap_or(config.steps);

@@ -140,6 +140,16 @@ pub(crate) fn print_error(message: &str) {
     print_labelled(&cut_in_the_middle(&harmless(&format!("error: {message}"))));
 }
 
+/// Tells what is wrong with a command line, as other errors are told; or the help or version that it asks for.
+pub(crate) fn refuse(error: &clap::Error) -> ExitCode {
+    use clap::error::ErrorKind::{DisplayHelp, DisplayHelpOnMissingArgumentOrSubcommand, DisplayVersion};
+    if matches!(error.kind(), DisplayHelp | DisplayHelpOnMissingArgumentOrSubcommand | DisplayVersion) {
+        error.exit();
+    }
+    print_labelled(&cut_in_the_middle(&harmless(error.to_string().trim_end())));
+    ExitCode::from(2)
+}
+
 /// Tells something worth knowing on stderr, unless `--quiet` is given.
 pub(crate) fn print_note(message: &str) {
     if !QUIET.load(Ordering::Relaxed) {

@@ -118,6 +118,11 @@ pub(crate) struct EngineArgs {
 }
 
 impl EngineArgs {
+    /// Whether no engine is named here.
+    pub(crate) fn names_none(&self) -> bool {
+        self.engine_command.is_empty()
+    }
+
     /// Adds them to those of a configuration.
     pub(crate) fn add_to(&self, config: &mut CampaignConfig) -> anyhow::Result<()> {
         for text in &self.engine_command {

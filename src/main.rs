@@ -92,7 +92,10 @@ impl Command {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return exit::refuse(&error),
+    };
     let begun = Instant::now();
     cli.talk.apply();
     rockproof_results::on_unprotected(|dir| exit::print_note(&terminal::unprotected(dir)));

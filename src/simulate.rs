@@ -304,7 +304,8 @@ impl Simulate {
 
     fn go<R: Solve>(&self, engine: &str, ready: PreparedRun) -> Outcome {
         let PreparedRun { scene, set, plan, about, overlaps } = ready;
-        let file = || self.scene.path().display().to_string();
+        // What can be wrong by now is a number that overflows where it is rounded, most often a tolerance.
+        let file = || self.tolerances.place(self.scene.path());
         let mut dynamics = Dynamics::<R>::new(&scene, &set).with_context(file)?;
         let begin = dynamics.state().clone();
         let start = Start::of(self.resume, self.overwrite);

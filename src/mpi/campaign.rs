@@ -1,7 +1,7 @@
 //! `campaign --mpi`: rank 0 keeps the journal, the others examine pairs (`crates/campaign/src/distribute/`).
 
 use super::{Job, Ranks, introduction};
-use crate::campaign::{Campaign, Prepared, diagnosed, probed};
+use crate::campaign::{Campaign, Prepared, diagnosed};
 use crate::exit::{Outcome, Verdict, print_note};
 use crate::progress::shown_while;
 use crate::stop::{on_ctrl_c, on_ctrl_c_silently};
@@ -19,7 +19,7 @@ impl Job for Campaign {
     fn lead(&self, ranks: &mut Ranks) -> Outcome {
         let prepared = self.prepared()?;
         let stop = on_ctrl_c()?;
-        if !probed(&prepared.engines, &stop)? {
+        if !self.probed(&prepared.engines, &stop)? {
             return Ok(Verdict::Interrupted);
         }
         let own = introduction(self.threads(), Ok(work_of(&prepared)?));
@@ -49,7 +49,7 @@ impl Job for Campaign {
     fn work(&self, ranks: &mut Ranks) -> Outcome {
         let stop = on_ctrl_c_silently()?;
         let prepared = self.prepared().and_then(|prepared| {
-            probed(&prepared.engines, &stop)?;
+            self.probed(&prepared.engines, &stop)?;
             let work = work_of(&prepared)?;
             Ok((prepared, work))
         });

@@ -17,6 +17,7 @@ mod campaign_cli;
 mod campaign_default;
 mod campaign_end;
 mod check_command;
+mod command_line;
 mod compare_command;
 mod diagnosis;
 mod engine_processes;

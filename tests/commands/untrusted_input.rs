@@ -153,6 +153,13 @@ fn messages_name_their_file_and_say_things_once() {
         ("families.toml", "families = [\"pyramids\"]\n", "\"pyramids\""),
         ("sets.toml", "tolerances = [\"loose\"]\n", "\"loose\""),
         ("keys.toml", "pears = 3\n", "`pears`"),
+        ("pairs.toml", "pairs = 0\n", "pairs is 0"),
+        ("nobody.toml", "engines = []\n", "no engine is named"),
+        ("scale.toml", "scale = 0\n", "scale is 0; allowed is above 0"),
+        ("weld.toml", "weld = -1\n", "weld is -1; allowed is 0 or more"),
+        ("planarity.toml", "planarity = -1\n", "planarity is -1; allowed is 0 or more"),
+        ("stress.toml", "stress = true\nfamilies = [\"sliver\"]\n", "no families"),
+        ("dumb.toml", "engines = [\"mine\"]\n[[external]]\nname = \"mine\"\ncommand = \"true\"\n", "does not answer"),
         ("none.toml", "[[external]]\nname = \"f32\"\ncommand = \"x\"\n", "\"f32\":"),
     ] {
         write(name, text);
@@ -167,6 +174,7 @@ fn messages_name_their_file_and_say_things_once() {
         &["classify", "two.obj", "--engine", "f32", "--tolerances", "large.toml"][..],
         &["check", "two.obj", "--precision", "f32", "--tolerances", "large.toml"],
         &["tune", "two.obj", "--engine", "f32", "--tolerances", "large.toml", "--candidates", "1"],
+        &["simulate", "two.obj", "--engine", "f32", "--tolerances", "large.toml", "--steps", "1", "--out", "unused"],
     ] {
         refused(dir, arguments, &["two.obj", "large.toml", "overflows"]);
     }

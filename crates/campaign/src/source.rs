@@ -38,11 +38,15 @@ pub enum SourceError {
         /// The sets.
         allowed: String,
     },
-    /// A factor of lengths that is none.
-    #[error("scale is {found}; allowed is above 0")]
-    Scale {
+    /// An option for reading block files with a value that it cannot have.
+    #[error("{name} is {found}; allowed is {allowed}")]
+    Reading {
+        /// The option.
+        name: &'static str,
         /// What was found.
         found: Number,
+        /// What it may be.
+        allowed: &'static str,
     },
     /// A file of tolerances that names no set.
     #[error("{file}: {source}")]
@@ -102,6 +106,19 @@ pub struct FamilySource {
     passages: Vec<SetSource>,
 }
 
+/// That the options for reading block files have values that they can have.
+fn check_reading(config: &CampaignConfig) -> Result<(), SourceError> {
+    for (name, value, may_be_zero) in
+        [("planarity", &config.planarity, true), ("weld", &config.weld, true), ("scale", &config.scale, false)]
+    {
+        if let Some(found) = value.as_ref().filter(|value| value.is_negative() || value.is_zero() && !may_be_zero) {
+            let allowed = if may_be_zero { "0 or more" } else { "above 0" };
+            return Err(SourceError::Reading { name, found: found.clone(), allowed });
+        }
+    }
+    Ok(())
+}
+
 /// The pairs that a configuration asks for.
 ///
 /// # Errors
@@ -114,12 +131,10 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
         found: found.to_owned(),
         allowed: families::all().iter().map(|f| f.name()).chain([PASSAGE]).collect::<Vec<_>>().join(", "),
     })?;
+    check_reading(config)?;
     if !config.real.is_empty() {
         let (planarity, weld, scale) = (config.planarity.clone(), config.weld.clone(), config.scale.clone());
         let options = LoadOptions { planarity, weld, scale };
-        if let Some(found) = options.scale.clone().filter(|scale| scale.is_negative() || scale.is_zero()) {
-            return Err(SourceError::Scale { found });
-        }
         let mut blocks = Vec::new();
         for file in &config.real {
             // Pairs are sought within a file, so files are kept apart by a family of their own each.

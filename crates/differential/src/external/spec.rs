@@ -81,7 +81,7 @@ pub enum EngineSpecError {
         text: String,
     },
     /// A name that cannot be one.
-    #[error("engine name \"{name}\": allowed are letters, digits, '-', '_' and '.', the first a letter or digit, and none of any, f32, f64, {list}", name = excerpt(.0, SHOWN), list = ENGINES.join(", "))]
+    #[error("engine name \"{name}\": allowed are letters, digits, '-', '_' and '.', at most {LONGEST_NAME} of them, the first a letter or digit, and none of any, f32, f64, {list}", name = excerpt(.0, SHOWN), list = ENGINES.join(", "))]
     Name(String),
     /// Two engines of one name.
     #[error("two external engines have the name \"{}\"; each needs its own", excerpt(.0, SHOWN))]
@@ -99,10 +99,14 @@ pub enum EngineSpecError {
     Timeout(String),
 }
 
+/// The most characters of the name of an engine.
+pub const LONGEST_NAME: usize = 300;
+
 /// Whether a text can be the name of an engine, in tables and files; no spreadsheet takes it for a formula.
 pub fn is_name(text: &str) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
-    text.starts_with(|c: char| c.is_ascii_alphanumeric()) && text.chars().all(plain)
+    let begins = text.starts_with(|c: char| c.is_ascii_alphanumeric());
+    begins && text.chars().all(plain) && text.len() <= LONGEST_NAME
 }
 
 /// Whether an engine that is not built in can have a name: it can stand in tables, and means nothing else there.
@@ -208,6 +212,7 @@ mod tests {
             ("f32=client", "none of any, f32, f64, stepper-f32"),
             ("stepper-f64=client", "none of any"),
             ("a b=client", "allowed are letters"),
+            (&format!("{}=client", "e".repeat(301)), "at most 300 of them"),
             ("-a=client", "the first a letter or digit"),
             ("a:f16=client", "f32 or f64"),
             ("a=", "names no program"),

@@ -1,0 +1,49 @@
+//! What is wrong with a command line is told as other errors are, whatever stands in it.
+
+use std::process::Command;
+
+fn rockproof(arguments: &[&str]) -> (i32, String, String) {
+    let output = Command::new(assert_cmd::cargo::cargo_bin!("rockproof")).args(arguments).output().expect("it runs");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn long_values_are_cut() {
+    let long = "x".repeat(100_000);
+    for arguments in [
+        &["check", "a.obj", "--planarity", &long][..],
+        &["campaign", "--pairs", &long],
+        &["campaign", "--part", &long],
+        &["bench", "--skips", &long],
+        &["classify", "a.obj", "--pair", &long],
+        &[&long],
+    ] {
+        let (code, out, err) = rockproof(arguments);
+        assert!(code == 2 && out.is_empty(), "{arguments:.40?}: {code}");
+        assert!(err.starts_with("error: ") && err.contains('…'), "{arguments:.40?}: {err:.2000}");
+        assert!(err.len() < 4000, "{arguments:.40?}: {} bytes", err.len());
+    }
+}
+
+#[test]
+fn no_value_is_a_command_to_a_terminal_or_a_runner() {
+    for value in ["1\n::error file=x::y", "\u{1b}[31m", "##[error]z"] {
+        for option in [["campaign", "--pairs"], ["check", "--input-format"]] {
+            let (code, _, err) = rockproof(&[option[0], "a.obj", option[1], value]);
+            let harmless = !err.contains('\u{1b}') && !err.contains("##[") && !err.contains("\n::");
+            assert!(code == 2 && harmless, "{value:?}: {err:?}");
+        }
+    }
+}
+
+#[test]
+fn help_and_version_are_no_errors_and_whole() {
+    let (code, out, err) = rockproof(&["campaign", "--help"]);
+    assert!(code == 0 && err.is_empty() && out.lines().count() > 60, "{code}: {out}{err}");
+    let (code, out, _) = rockproof(&["--version"]);
+    assert!(code == 0 && out.starts_with("rockproof "), "{code}: {out}");
+    // Without a command: how to use it, whole.
+    let (code, out, err) = rockproof(&[]);
+    assert!(code == 2 && out.is_empty() && err.contains("Usage:") && err.contains("simulate"), "{code}: {out}{err}");
+}
