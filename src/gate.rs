@@ -240,6 +240,7 @@ impl Gating<'_> {
             check.seconds = share;
             if let Some(&row) = check.rows.first() {
                 check.case = self.keep(&mut journal, &source, &config, &tally.rows[row])?;
+                self.engines.able()?;
             }
         }
         Ok(checks)

@@ -50,12 +50,15 @@ impl Shrink {
         let engines = self.external.engines_of(&case, path)?;
         let file = path.display();
         let panel = engines.panel_of(&case).with_context(|| file.to_string())?;
-        if case.findings(&panel).is_empty() {
+        let shows = !case.findings(&panel).is_empty();
+        panel.able()?;
+        if !shows {
             let CaseDescription { cause, change, engine, predicate, .. } = about;
             anyhow::bail!("{file}: the pair does not show its finding: {cause} {change} by {engine} ({predicate})");
         }
         let before = size(&case);
         let small = Shrinker::new(&panel, self.evaluations).shrink(case);
+        panel.able()?;
         write_atomically(out, small.to_toml()?).with_context(|| out.display().to_string())?;
         print(&format!("before: {before}\nafter:  {}\nwritten to {}\n", size(&small), out.display()))?;
         Ok(Verdict::Passed)

@@ -191,3 +191,27 @@ fn what_an_engine_says_is_shown_and_not_done() {
         assert!(!text.contains(['\u{1b}', '\0']) && !text.lines().any(|l| l.trim_start().starts_with("::")), "{text}");
     }
 }
+
+#[test]
+fn what_this_program_lacks_is_no_finding_about_an_engine() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let engine = format!("mine={}", client());
+    let run = |limit: &str, more: &[&str]| {
+        let script = format!("{limit}exec \"$0\" \"$@\"");
+        let mut shell = Command::new("sh");
+        shell.current_dir(dir).args(["-c", &script]).arg(assert_cmd::cargo::cargo_bin("rockproof"));
+        shell.args(["campaign", "--pairs", "256", "--family", "edge_cross", "--engine", "mine", "--threads", "6"]);
+        let output = shell.args(["--engine-command", &engine]).args(more).output().expect("runs");
+        (output.status.code().expect("a code"), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, err) = run("ulimit -n 14; ", &["--out", "run"]);
+    let told = ["\"mine\" cannot be asked", "Too many open files", "fewer --threads", "ulimit -n"];
+    assert!(code == 2 && told.iter().all(|part| err.contains(part)), "{code}: {err}");
+    let (code, err) = run("", &["--out", "run", "--resume"]);
+    assert_eq!(code, 0, "{err}");
+    let (code, err) = run("", &["--out", "undisturbed"]);
+    assert_eq!(code, 0, "{err}");
+    let findings = ["run", "undisturbed"].map(|out| fs::read(dir.join(out).join("findings.csv")).expect("findings"));
+    assert!(findings[0] == findings[1], "{}", String::from_utf8_lossy(&findings[0]));
+}

@@ -108,7 +108,7 @@ impl Campaign<'_> {
     /// differ. Nothing is done where no engine is external. `done` counts the differing answers asked for, of [`DIFFERING`] for each engine at most.
     ///
     /// # Errors
-    /// When a table cannot be read or written.
+    /// When a table cannot be read or written, or an engine cannot be asked for want of something here.
     pub fn diagnose(&self, journal: &mut Journal, stop: &AtomicBool, done: &AtomicU64) -> Result<Ending, RunError> {
         let engines: Vec<&dyn Engine> = self.panel.engines.iter().map(|engine| &**engine).collect();
         let external: Vec<&dyn Engine> = engines.into_iter().filter(|engine| engine.cause() == Cause::Engine).collect();
@@ -117,7 +117,7 @@ impl Campaign<'_> {
         }
         let mut differing = differing(&journal.dir().join(FINDINGS), self.config.seed)?;
         let pool = self.pool()?;
-        let stopped = || stop.load(Ordering::SeqCst);
+        let stopped = || self.is_over(stop);
         let (mut rows, mut cases) = (Vec::new(), Vec::new());
         for engine in external {
             let found = differing.remove(engine.name()).unwrap_or_default();
@@ -134,6 +134,7 @@ impl Campaign<'_> {
             }
             rows.extend(of_engine);
             // Answers of engines that end together with this program count for nothing.
+            self.panel.able()?;
             if stopped() {
                 return Ok(Ending::Stopped);
             }

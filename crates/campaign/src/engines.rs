@@ -5,7 +5,7 @@ use rockproof_differential::attribution::EnginePanel;
 use rockproof_differential::builtin::{self, BuiltinOracle};
 use rockproof_differential::case_file::Case;
 use rockproof_differential::compare::AnswerChange;
-use rockproof_differential::engine::Engine;
+use rockproof_differential::engine::{Engine, Shortage};
 use rockproof_differential::external::{EngineSpec, EngineSpecError, External};
 use rockproof_differential::finding::{Finding, FindingScope};
 use rockproof_differential::hull::convex_hull;
@@ -52,6 +52,9 @@ pub enum EnginesError {
         /// What went wrong.
         what: String,
     },
+    /// An external engine that cannot be asked.
+    #[error(transparent)]
+    Shortage(#[from] Shortage),
 }
 
 impl Engines {
@@ -86,13 +89,23 @@ impl Engines {
             else {
                 continue;
             };
-            engine.probe(&a, &b, &tolerances).map_err(|what| EnginesError::Dumb {
+            let answered = engine.probe(&a, &b, &tolerances);
+            self.able()?;
+            answered.map_err(|what| EnginesError::Dumb {
                 name: engine.name().to_owned(),
                 command: engine.spec().command.join(" "),
                 what,
             })?;
         }
         Ok(())
+    }
+
+    /// Whether all engines could be asked so far.
+    ///
+    /// # Errors
+    /// What this program lacked for one: then what that one said counts for nothing.
+    pub fn able(&self) -> Result<(), Shortage> {
+        self.panel().able()
     }
 
     fn named(&self) -> Vec<Box<dyn Engine>> {

@@ -5,7 +5,7 @@ use super::run::{BatchResult, Campaign, RunError};
 use super::summary::Summary;
 use rayon::prelude::*;
 use rockproof_differential::finding::Finding;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// What a campaign in memory brought.
 #[derive(Debug, Default)]
@@ -25,14 +25,15 @@ impl Campaign<'_> {
     /// `stop` is set before the end; it is looked at between pairs. What has been looked at is counted in `seen`.
     ///
     /// # Errors
-    /// When there are no worker threads.
+    /// When there are no worker threads, or an engine cannot be asked for want of something here.
     pub fn examine(&self, stop: &AtomicBool, seen: &Seen) -> Result<Option<Examined>, RunError> {
-        let stopped = || stop.load(Ordering::SeqCst);
+        let stopped = || self.is_over(stop);
         let (batch_len, pairs) = (self.source.batch_len(), self.config.pairs);
         let batches: Option<Vec<BatchResult>> = self.pool()?.install(|| {
             let numbers = (0..pairs.div_ceil(batch_len)).into_par_iter();
             numbers.map(|number| self.batch(number, pairs, seen, &stopped)).collect()
         });
+        self.panel.able()?;
         Ok(batches.map(|batches| {
             let mut all = Examined::default();
             for batch in batches {

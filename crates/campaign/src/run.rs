@@ -10,7 +10,7 @@ use super::part::Part;
 use super::steps::{self, StepEngine, StepFinding};
 use super::summary::PairGroup;
 use rockproof_differential::attribution::{EnginePanel, PairExamination, examine};
-use rockproof_differential::engine::Levels;
+use rockproof_differential::engine::{Levels, Shortage};
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::PairSource;
 use rockproof_results::ResultsError;
@@ -94,6 +94,9 @@ pub enum RunError {
     /// A thread of this process panicked.
     #[error(transparent)]
     Panic(#[from] WorkerPanic),
+    /// An engine cannot be asked.
+    #[error(transparent)]
+    Shortage(#[from] Shortage),
     /// The processes of the campaign do not work together.
     #[error(transparent)]
     Distribute(#[from] DistributeError),
@@ -119,7 +122,8 @@ impl Campaign<'_> {
     /// count for nothing.
     ///
     /// # Errors
-    /// When a file cannot be written. What was committed before stays, and can be resumed.
+    /// When a file cannot be written, or an engine cannot be asked for want of something here. What was committed before stays, and can be
+    /// resumed.
     pub fn run(
         &self,
         journal: &mut Journal,
@@ -157,9 +161,16 @@ impl Campaign<'_> {
         stop: &AtomicBool,
         watch: &mut dyn FnMut(&CampaignProgress),
     ) -> Result<Ending, RunError> {
-        let stopped = || stop.load(Ordering::SeqCst);
+        let stopped = || self.is_over(stop);
         let mut examiner = InProcess::new(self, journal, &stopped)?;
-        self.work(share, journal, &stopped, watch, &mut examiner)
+        let ending = self.work(share, journal, &stopped, watch, &mut examiner);
+        self.panel.able()?;
+        ending
+    }
+
+    /// Whether there is no more to do: it was told to stop, or an engine cannot be asked.
+    pub(super) fn is_over(&self, stop: &AtomicBool) -> bool {
+        stop.load(Ordering::SeqCst) || self.panel.able().is_err()
     }
 
     /// Has a share of the pairs examined, chunk by chunk. Chunks begin where they do in the whole campaign.

@@ -12,7 +12,7 @@ use super::collapse::collapsed_feature;
 use super::collision;
 use super::compare::{AnswerChange, Difference, Features, differences};
 use super::engine::{
-    Answer, Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, catch_panic,
+    Answer, Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Shortage, Trace, catch_panic,
 };
 use super::explain::{ChainLink, explain, suspect};
 use super::external::protocol::completed;
@@ -42,6 +42,14 @@ impl EnginePanel {
             .into_iter()
             .filter(|&p| self.engines.iter().any(|e| e.precision() == p))
             .collect()
+    }
+
+    /// Whether all engines could be asked so far.
+    ///
+    /// # Errors
+    /// What this program lacked for one: then what that one said counts for nothing.
+    pub fn able(&self) -> Result<(), Shortage> {
+        self.engines.iter().find_map(|engine| engine.shortage()).map_or(Ok(()), |shortage| Err(shortage.clone()))
     }
 }
 

@@ -41,10 +41,28 @@ pub trait Engine: Send + Sync {
     /// Takes note that an answer of its could not be compared, for want of an exact one.
     fn not_compared(&self) {}
 
+    /// What this program lacked when it was to ask the engine; what the engine said since then counts for nothing.
+    fn shortage(&self) -> Option<&Shortage> {
+        None
+    }
+
     /// What it was put through since the program began; `None` for a built-in engine.
     fn counts(&self) -> Option<EngineCounts> {
         None
     }
+}
+
+/// An engine cannot be asked, for want of files, processes or memory that this program or its system has no more of: no verdict about the
+/// engine.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "engine \"{engine}\" cannot be asked: {what}; this says nothing about the engine: use fewer --threads, or raise the limit (`ulimit -n` is that on open files, `ulimit -u` on processes)"
+)]
+pub struct Shortage {
+    /// The engine.
+    pub engine: String,
+    /// What the system said.
+    pub what: String,
 }
 
 /// What an external engine was put through. These depend on threads and on luck; findings do not.

@@ -3,7 +3,7 @@
 use super::{Check, Verdict};
 use rockproof_campaign::engines::Engines;
 use rockproof_differential::case_file::{Case, CaseError, contact_rows};
-use rockproof_differential::engine::catch_panic;
+use rockproof_differential::engine::{Shortage, catch_panic};
 use rockproof_differential::external::protocol::completed;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -23,18 +23,22 @@ pub enum CorpusError {
     /// A file is no case.
     #[error(transparent)]
     Case(#[from] CaseError),
+    /// An engine cannot be asked.
+    #[error(transparent)]
+    Shortage(#[from] Shortage),
 }
 
 /// Examines case files, and all in folders, in the order of their names. A case passes when the oracle's answer is the one it records
 /// and the engine either still says what it records or has come to say what is right; for a defect only the latter.
 ///
 /// # Errors
-/// When a file cannot be read.
+/// When a file cannot be read, or an engine cannot be asked for want of something here.
 pub fn checks(paths: &[PathBuf], engines: &Engines) -> Result<Vec<Check>, CorpusError> {
     let mut checks = Vec::new();
     for path in paths {
         for file in files(path)? {
             checks.push(check(&file, engines)?);
+            engines.able()?;
         }
     }
     Ok(checks)

@@ -183,6 +183,7 @@ impl Worker<'_> {
         match job {
             Job::Case(number, task) => {
                 let reply = self.case(&task)?;
+                self.campaign.panel.able()?;
                 if self.is_stopped() {
                     return Ok(None);
                 }
@@ -194,6 +195,7 @@ impl Worker<'_> {
                 lock().begun.get_or_insert_with(Instant::now);
                 let stopped = || self.is_stopped();
                 let batch = self.campaign.batch(number, unit.pairs.end, &Seen::default(), &stopped);
+                self.campaign.panel.able()?;
                 let Some(batch) = batch else { return Ok(None) };
                 let mut progress = lock();
                 progress.done.insert(number, batch);
@@ -211,7 +213,7 @@ impl Worker<'_> {
     }
 
     fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::SeqCst) || self.jobs.is_closed()
+        self.campaign.is_over(self.stop) || self.jobs.is_closed()
     }
 
     /// The message of a unit.

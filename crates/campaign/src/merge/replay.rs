@@ -40,7 +40,7 @@ impl Campaign<'_> {
     /// the merge is resumed, so that answers of engines that end together with this program count for nothing.
     ///
     /// # Errors
-    /// When a part cannot be read or a file cannot be written. What was committed before stays, and can be resumed.
+    /// When a part cannot be read, a file cannot be written, or an engine cannot be asked for want of something here. What was committed before stays, and can be resumed.
     pub fn merge(
         &self,
         parts: &Parts,
@@ -70,7 +70,7 @@ impl Campaign<'_> {
         }
         let (before, started) = (progress.seconds, Instant::now());
         let engines = EngineSums::begin(self.panel, &progress.engines);
-        let stopped = || stop.load(Ordering::SeqCst);
+        let stopped = || self.is_over(stop);
         let seen = journal.seen();
         let mut findings = Rows::of(&parts.parts, FINDINGS, |row: &FindingRow| row.index)?;
         let mut steps = Rows::of(&parts.parts, STEP_FINDINGS, |row: &StepFindingRow| row.index)?;
@@ -105,7 +105,9 @@ impl Campaign<'_> {
             progress.pairs_done = parts.parts.iter().map(|part| part.progress.pairs_done).sum();
             progress.merging = false;
         }
-        journal.commit(&new, progress)?;
+        let committed = journal.commit(&new, progress);
+        self.panel.able()?;
+        committed?;
         if finished {
             self.write_tables(journal, whole, json)?;
         }

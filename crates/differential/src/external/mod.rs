@@ -19,12 +19,12 @@ pub use group::end_all;
 pub use process::end_all;
 pub use spec::{EngineSpec, EngineSpecError};
 
-use super::engine::{Answer, Engine, EngineCounts, EngineFailure, Prepared, Trace, WideAnswer};
+use super::engine::{Answer, Engine, EngineCounts, EngineFailure, Prepared, Shortage, Trace, WideAnswer};
 use super::finding::Cause;
 use process::{NoAnswer, Process};
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
 /// The longest line a program may answer with, in bytes.
@@ -43,6 +43,8 @@ struct Shared {
     spec: EngineSpec,
     ask_twice: bool,
     idle: Mutex<Vec<Process>>,
+    /// Set while `idle` is held, so that nothing rests there any more.
+    shortage: OnceLock<Shortage>,
     counts: EngineCounters,
 }
 
@@ -55,8 +57,8 @@ impl External {
     /// The engine of a specification. Nothing is started before the first question. With `ask_twice`, every question goes to two
     /// processes, whose answers must be the same.
     pub fn new(spec: EngineSpec, ask_twice: bool) -> External {
-        let (idle, counts) = (Mutex::default(), EngineCounters::default());
-        External(Arc::new(Shared { spec, ask_twice, idle, counts }))
+        let (idle, shortage, counts) = Default::default();
+        External(Arc::new(Shared { spec, ask_twice, idle, shortage, counts }))
     }
 
     /// What it was asked for.
@@ -80,18 +82,30 @@ impl External {
         Process::start(&self.0.spec.command)
     }
 
-    fn idle(&self) -> Option<Process> {
-        self.0.idle.lock().unwrap_or_else(PoisonError::into_inner).pop()
+    fn idle(&self) -> MutexGuard<'_, Vec<Process>> {
+        self.0.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn rest(&self, process: Process) {
-        self.0.idle.lock().unwrap_or_else(PoisonError::into_inner).push(process);
+        let mut idle = self.idle();
+        match self.0.shortage.get() {
+            None => idle.push(process),
+            Some(_) => process.kill(),
+        }
+    }
+
+    /// Keeps what this program lacks, and ends the processes that rest: whoever ends in good order now needs what they hold.
+    fn give_up(&self, what: String) {
+        let mut idle = self.idle();
+        self.0.shortage.get_or_init(|| Shortage { engine: self.0.spec.name.clone(), what });
+        idle.drain(..).for_each(Process::kill);
     }
 
     /// Asks a process that has time. Whatever fails there is asked again of a fresh one: a failure is a verdict about the
     /// pair, so it must not depend on what a process went through before.
     fn ask(&self, question: &Question<'_>) -> (Result<Answer, EngineFailure>, Option<Process>) {
-        if let Some(idle) = self.idle() {
+        let idle = self.idle().pop();
+        if let Some(idle) = idle {
             let (answer, process) = self.ask_of(idle, question);
             if process.is_some() {
                 return (answer, process);
@@ -144,6 +158,11 @@ impl External {
         match silence {
             NoAnswer::NotStarted(why) => EngineFailure::Crashed(why),
             #[cfg(unix)]
+            NoAnswer::Shortage(why) => {
+                self.give_up(why.clone());
+                EngineFailure::Crashed(why)
+            }
+            #[cfg(unix)]
             NoAnswer::Ended(why) => EngineFailure::Crashed(why),
             #[cfg(unix)]
             NoAnswer::TimedOut => EngineFailure::TimedOut(format!("no answer within {} ms", self.0.spec.timeout_ms)),
@@ -193,6 +212,10 @@ impl Engine for External {
 
     fn not_compared(&self) {
         self.0.counts.uncompared.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn shortage(&self) -> Option<&Shortage> {
+        self.0.shortage.get()
     }
 
     fn counts(&self) -> Option<EngineCounts> {

@@ -4,6 +4,8 @@
 use super::group::Group;
 use super::pipes::{PipeEvent, Pipes};
 use rockproof_model::text::excerpt;
+use rustix::io::Errno;
+use std::io;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
@@ -21,6 +23,8 @@ const WORDS: usize = 200;
 pub enum NoAnswer {
     /// The program could not be started.
     NotStarted(String),
+    /// The program could not be started, for want of something that this process or its system has no more of.
+    Shortage(String),
     /// The program ended; how, and the last line it wrote to stderr.
     Ended(String),
     /// No line came in time.
@@ -43,13 +47,16 @@ impl Process {
     /// Starts a program with its arguments, in a process group of its own.
     ///
     /// # Errors
-    /// [`NoAnswer::NotStarted`], with the reason.
+    /// [`NoAnswer::NotStarted`] or [`NoAnswer::Shortage`], with the reason.
     pub fn start(command: &[String]) -> Result<Process, NoAnswer> {
         let (program, arguments) =
             command.split_first().ok_or_else(|| NoAnswer::NotStarted("the command is empty".to_owned()))?;
         let mut command = Command::new(program);
         command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let not_started = |error: std::io::Error| NoAnswer::NotStarted(format!("cannot start {program}: {error}"));
+        let not_started = |error: io::Error| {
+            let why = format!("cannot start {program}: {error}");
+            if is_shortage(&error) { NoAnswer::Shortage(why) } else { NoAnswer::NotStarted(why) }
+        };
         let mut group = Group::start(&mut command).map_err(not_started)?;
         let pipes = Pipes::of(group.child()).map_err(not_started)?;
         Ok(Process { pipes, group, asked: 0 })
@@ -115,6 +122,11 @@ impl Drop for Process {
         self.group.wait(FAREWELL);
         self.group.end();
     }
+}
+
+/// Whether an error says that there are no more files, processes or memory to be had here, which is no fault of a program that is to be started.
+fn is_shortage(error: &io::Error) -> bool {
+    matches!(Errno::from_io_error(error), Some(Errno::MFILE | Errno::NFILE | Errno::AGAIN | Errno::NOMEM))
 }
 
 /// `exit code 3` or `signal 11`.

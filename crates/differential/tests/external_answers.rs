@@ -1,0 +1,59 @@
+//! What external engines are blamed for, and what they are not.
+#![cfg(unix)]
+
+use rockproof_differential::engine::{Answer, Engine, EngineFailure};
+use rockproof_differential::external::spec::NumberFormat;
+use rockproof_differential::external::{EngineSpec, External};
+use rockproof_differential::hull::convex_hull;
+use rockproof_model::preset::{self, Preset};
+use rockproof_model::{Block, Number, Point, Precision, ToleranceSet};
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+/// One test at a time: a limit holds for all threads of this process.
+static ALONE: Mutex<()> = Mutex::new(());
+
+fn cube(x: i32) -> Block {
+    let corner = |n: i32| {
+        let [x, y, z] = [x + (n & 1), (n >> 1) & 1, (n >> 2) & 1].map(Number::from_integer);
+        Point::new(x, y, z)
+    };
+    convex_hull(&(0..8).map(corner).collect::<Vec<_>>()).expect("a cube")
+}
+
+/// A shell script that answers for an engine.
+fn engine(script: &str, ask_twice: bool) -> External {
+    let command = ["sh", "-c", script].map(str::to_owned).to_vec();
+    let (name, precision) = ("mine".to_owned(), NumberFormat::F64);
+    External::new(EngineSpec { name, command, precision, timeout_ms: 20_000, accuracy: 1024 }, ask_twice)
+}
+
+/// Asks about two cubes.
+fn ask(engine: &External) -> Result<Answer, EngineFailure> {
+    let (a, b) = (cube(0), cube(2));
+    let tolerances: ToleranceSet = preset::derive(Preset::Auto, &[&a, &b], Precision::F64).expect("tolerances");
+    engine.prepare(&a, &b)?.answer(&tolerances)
+}
+
+#[test]
+fn what_this_process_lacks_is_not_the_engines_fault() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let engine =
+        engine("n=0; while read line; do echo \"{\\\"id\\\":$n,\\\"contacts\\\":[]}\"; n=$((n+1)); done", false);
+    assert_eq!(ask(&engine), Ok(Answer::Contacts(Vec::new())));
+    assert_eq!(engine.shortage(), None);
+    let missing =
+        External::new(EngineSpec { command: vec!["/no/such/program".to_owned()], ..engine.spec().clone() }, false);
+    assert!(matches!(ask(&missing), Err(EngineFailure::Crashed(_))));
+    assert_eq!(missing.shortage(), None, "a program that is not there is its own fault");
+    let fresh = External::new(engine.spec().clone(), true);
+    let limit = getrlimit(Resource::Nofile);
+    setrlimit(Resource::Nofile, Rlimit { current: Some(4), maximum: limit.maximum }).expect("a limit");
+    let answers = [ask(&fresh), ask(&engine)];
+    setrlimit(Resource::Nofile, limit).expect("a limit");
+    assert!(answers[0].is_err() && answers[1].is_ok(), "{answers:?}");
+    let told = fresh.shortage().expect("told").to_string();
+    assert!(told.contains("\"mine\"") && told.contains("cannot start sh") && told.contains("--threads"), "{told}");
+    assert_eq!(engine.shortage(), None);
+}
