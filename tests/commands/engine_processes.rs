@@ -193,6 +193,17 @@ fn what_an_engine_says_is_shown_and_not_done() {
 }
 
 #[test]
+fn a_line_after_each_answer_is_malformed_and_not_recovered() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let script = "n=0; while read line; do echo \"{\\\"id\\\":$n,\\\"contacts\\\":[]}\"; n=$((n+1)); sleep 0.01; echo late; done";
+    let words = ["sh", "-c", script];
+    let config = around(&words, "[[limit]]\nchange = \"malformed\"\ncount = 0\n");
+    let config = config.replace("pairs = 256", "pairs = 32").replace("timeout_ms = 500", "timeout_ms = 20000");
+    let ran = gate(dir.path(), &config, &[], true);
+    assert!(ran.code == 1 && ran.out.contains("malformed"), "{}{}", ran.out, ran.err);
+}
+
+#[test]
 fn what_this_program_lacks_is_no_finding_about_an_engine() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();

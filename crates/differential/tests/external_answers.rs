@@ -57,3 +57,27 @@ fn what_this_process_lacks_is_not_the_engines_fault() {
     assert!(told.contains("\"mine\"") && told.contains("cannot start sh") && told.contains("--threads"), "{told}");
     assert_eq!(engine.shortage(), None);
 }
+
+#[test]
+fn a_line_that_nobody_asked_for_is_no_matter_of_a_fresh_process() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let late = "n=0; while read line; do echo \"{\\\"id\\\":$n,\\\"contacts\\\":[]}\"; n=$((n+1)); sleep 0.01; echo late; done";
+    let stale = "while read line; do echo '{\"id\":0,\"contacts\":[]}'; done";
+    for (script, what) in [(late, "nobody asked for"), (stale, "id is 0")] {
+        for ask_twice in [false, true] {
+            let engine = engine(script, ask_twice);
+            for round in 0..2 {
+                assert_eq!(ask(&engine), Ok(Answer::Contacts(Vec::new())), "{script} {ask_twice} {round}");
+                std::thread::sleep(Duration::from_millis(500));
+                let second = ask(&engine);
+                let told = matches!(&second, Err(EngineFailure::Malformed(told)) if told.contains(what));
+                assert!(told, "{script} {ask_twice} {round}: {second:?}");
+                if ask_twice {
+                    // The other process is as it was.
+                    assert!(ask(&engine).is_err());
+                }
+            }
+            assert_eq!(engine.counts().map(|counts| counts.recovered), Some(0), "{script} {ask_twice}");
+        }
+    }
+}

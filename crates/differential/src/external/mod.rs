@@ -102,16 +102,17 @@ impl External {
     }
 
     /// Asks a process that has time. Whatever fails there is asked again of a fresh one: a failure is a verdict about the
-    /// pair, so it must not depend on what a process went through before.
-    fn ask(&self, question: &Question<'_>) -> (Result<Answer, EngineFailure>, Option<Process>) {
+    /// pair, so it must not depend on what a process went through before. Output that nobody asked for is told where it is seen: a fresh
+    /// process has not come to it yet.
+    fn ask(&self, question: &Question<'_>) -> Asked {
         let idle = self.idle().pop();
         if let Some(idle) = idle {
-            let (answer, process) = self.ask_of(idle, question);
-            if process.is_some() {
-                return (answer, process);
+            let asked = self.ask_of(idle, question);
+            if asked.process.is_some() || asked.unasked {
+                return asked;
             }
             let again = self.ask_fresh(question);
-            if again.1.is_some() {
+            if again.process.is_some() {
                 self.0.counts.recovered.fetch_add(1, Ordering::Relaxed);
             }
             return again;
@@ -119,19 +120,15 @@ impl External {
         self.ask_fresh(question)
     }
 
-    fn ask_fresh(&self, question: &Question<'_>) -> (Result<Answer, EngineFailure>, Option<Process>) {
+    fn ask_fresh(&self, question: &Question<'_>) -> Asked {
         match self.start() {
             Ok(fresh) => self.ask_of(fresh, question),
-            Err(silence) => (Err(self.verdict(silence)), None),
+            Err(silence) => self.silent(silence),
         }
     }
 
-    /// The answer of one process, and the process where it can be asked again.
-    fn ask_of(
-        &self,
-        mut process: Process,
-        question: &Question<'_>,
-    ) -> (Result<Answer, EngineFailure>, Option<Process>) {
+    /// What asking one process comes to.
+    fn ask_of(&self, mut process: Process, question: &Question<'_>) -> Asked {
         self.0.counts.asked.fetch_add(1, Ordering::Relaxed);
         let id = process.asked();
         let line = protocol::question(id, question.pair.text.as_str(), question.tolerances);
@@ -143,15 +140,23 @@ impl External {
                 if matches!(answer, Err(EngineFailure::Malformed(_))) {
                     // Who knows what else it is about to say.
                     process.kill();
-                    return (answer, None);
+                    return Asked { answer, process: None, unasked: protocol::is_of_earlier(&line, id) };
                 }
-                (answer, Some(process))
+                Asked { answer, process: Some(process), unasked: false }
             }
             Err(silence) => {
                 process.kill();
-                (Err(self.verdict(silence)), None)
+                self.silent(silence)
             }
         }
+    }
+
+    fn silent(&self, silence: NoAnswer) -> Asked {
+        #[cfg(unix)]
+        let unasked = silence == NoAnswer::Unasked;
+        #[cfg(not(unix))]
+        let unasked = false;
+        Asked { answer: Err(self.verdict(silence)), process: None, unasked }
     }
 
     fn verdict(&self, silence: NoAnswer) -> EngineFailure {
@@ -174,6 +179,15 @@ impl External {
             ),
         }
     }
+}
+
+/// What asking a process came to.
+struct Asked {
+    answer: Result<Answer, EngineFailure>,
+    /// The process, where it can be asked again.
+    process: Option<Process>,
+    /// Whether there was output that nobody asked for, or the answer to an earlier question.
+    unasked: bool,
 }
 
 struct Question<'x> {
@@ -237,16 +251,19 @@ impl Prepared for ExternalPair<'_> {
 
     fn answer(&self, tolerances: &ToleranceSet) -> Result<Answer, EngineFailure> {
         let question = Question { pair: self, tolerances };
-        let (first, process) = self.engine.ask(&question);
-        if !self.engine.0.ask_twice {
+        let Asked { answer: first, process, unasked } = self.engine.ask(&question);
+        if !self.engine.0.ask_twice || unasked {
             process.into_iter().for_each(|process| self.engine.rest(process));
             return first;
         }
         // The first process is kept back, so that another one is asked: one with another past, and other addresses.
-        let (second, other) = self.engine.ask(&question);
+        let Asked { answer: second, process: other, unasked } = self.engine.ask(&question);
         process.into_iter().chain(other).for_each(|process| self.engine.rest(process));
         if same(&first, &second) {
             return first;
+        }
+        if unasked {
+            return second;
         }
         Err(EngineFailure::Unstable(format!("first {}, then {}", describe_answer(&first), describe_answer(&second))))
     }

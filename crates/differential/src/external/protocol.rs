@@ -47,6 +47,12 @@ pub fn answer(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, 
     })
 }
 
+/// Whether a line answers a question that was asked before the question `id`.
+pub(super) fn is_of_earlier(line: &[u8], id: u64) -> bool {
+    let value = serde_json::from_slice::<Value>(line).ok();
+    value.and_then(|value| value.get("id")?.as_u64()).is_some_and(|found| found < id)
+}
+
 enum ProtocolError {
     Unsupported(String),
     Malformed(String),
