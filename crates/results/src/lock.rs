@@ -7,7 +7,8 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::thread;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// The file that is locked; it is there while somebody works in the directory, and after a kill.
 const LOCK: &str = ".rockproof.lock";
@@ -16,6 +17,10 @@ const FIRST: &str = "locked by ";
 
 /// So many bytes of it are read; what we write there is shorter.
 const LONGEST: u64 = 4096;
+
+/// How long a holder may take to write itself into the file after it has locked it, and how often that is looked for.
+const NAMING: Duration = Duration::from_secs(1);
+const LOOK: Duration = Duration::from_millis(10);
 
 /// An advisory lock on a directory, given up when it is dropped. The operating system gives it up for a process that was killed.
 #[derive(Debug)]
@@ -42,6 +47,7 @@ impl Lock {
     ) -> Result<(Lock, bool), ResultsError> {
         let path = dir.join(LOCK);
         let at = || ResultsError::at(&path);
+        let begin = Instant::now();
         loop {
             let mut file =
                 OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(at())?;
@@ -50,6 +56,10 @@ impl Lock {
             (&mut file).take(LONGEST).read_to_end(&mut text).map_err(at())?;
             let held = String::from_utf8_lossy(&text);
             if attempt == Attempt::Held {
+                if !held.starts_with(FIRST) && begin.elapsed() < NAMING {
+                    thread::sleep(LOOK);
+                    continue;
+                }
                 let holder = held.strip_prefix(FIRST).map_or("another process", |held| held.trim_end());
                 return Err(ResultsError::InUse { dir: dir.to_owned(), holder: holder.to_owned() });
             }
@@ -135,7 +145,6 @@ fn utc(seconds: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
 
     #[test]
     fn one_at_a_time_and_the_holder_is_named() {
@@ -151,6 +160,25 @@ mod tests {
         fs::write(dir.path().join(LOCK), "mine").expect("write");
         assert!(matches!(Lock::take(dir.path(), Owner::Campaign), Err(ResultsError::Foreign { .. })));
         assert_eq!(fs::read(dir.path().join(LOCK)).expect("read"), b"mine");
+    }
+
+    #[test]
+    fn a_holder_that_has_not_written_itself_yet_is_named() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let path = dir.path().join(LOCK);
+        let mut file = File::create(&path).expect("a file");
+        file.try_lock().expect("free");
+        let refused = || Lock::take(dir.path(), Owner::Campaign).expect_err("held").to_string();
+        let error = thread::scope(|scope| {
+            let error = scope.spawn(refused);
+            thread::sleep(Duration::from_millis(100));
+            file.write_all(format!("{FIRST}process 7 (rockproof), since now\n").as_bytes()).expect("written");
+            error.join().expect("no panic")
+        });
+        assert!(error.contains("in use by process 7 (rockproof), since now;"), "{error}");
+        // One that never does is not waited for.
+        file.set_len(0).expect("emptied");
+        assert!(refused().contains("in use by another process;"));
     }
 
     #[test]
