@@ -27,8 +27,8 @@ impl Directory {
     /// Claims a directory. On [`Start::Overwrite`] what the manifest lists is discarded, and nothing else.
     ///
     /// # Errors
-    /// When somebody works there, it belongs to another command, it holds results that were not asked for, or a file that is not ours
-    /// has a name that we need. Then nothing has been changed.
+    /// When somebody works there, it belongs to another command, it holds results that were not asked for, a file that is not ours
+    /// has a name that we need, or a folder of ours is a link. Then nothing has been changed.
     pub fn claim(claim: Claim<'_>) -> Result<Directory, ResultsError> {
         let Claim { dir, owner, start, files } = claim;
         fs::create_dir_all(dir).map_err(ResultsError::at(dir))?;
@@ -44,6 +44,7 @@ impl Directory {
         let resumes = held.is_some() && start == Start::Resume;
         let manifest = held.unwrap_or(Manifest { owner, files: BTreeMap::new() });
         let mut directory = Directory { path: dir.to_owned(), manifest, resumes, _lock: lock };
+        directory.refuse_links(directory.manifest.files.keys().map(String::as_str).chain(files.iter().copied()))?;
         directory.refuse_foreign(files.iter().copied())?;
         directory.remove_unfinished()?;
         if start == Start::Overwrite {
@@ -98,9 +99,10 @@ impl Directory {
     /// Makes a folder for files of ours, if there is none.
     ///
     /// # Errors
-    /// When it cannot be made.
+    /// When it is a link, or cannot be made.
     pub fn make_folder(&self, name: &str) -> Result<(), ResultsError> {
         let folder = self.path.join(name);
+        ResultsError::refuse_link(&folder)?;
         fs::create_dir_all(&folder).map_err(ResultsError::at(&folder))
     }
 
@@ -199,9 +201,17 @@ impl Directory {
         if new.is_empty() {
             return Ok(());
         }
+        self.refuse_links(new.iter().map(|(name, _)| name.as_str()))?;
         self.refuse_foreign(new.iter().map(|(name, _)| name.as_str()))?;
         self.manifest.files.extend(new);
         self.manifest.write(&self.path)
+    }
+
+    /// Refuses folders of these files that are links: what is written and removed through them is elsewhere, and not ours.
+    fn refuse_links<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> Result<(), ResultsError> {
+        let folders: BTreeSet<&Path> = names.into_iter().flat_map(|name| Path::new(name).ancestors().skip(1)).collect();
+        let inside = folders.into_iter().filter(|folder| !folder.as_os_str().is_empty());
+        inside.map(|folder| self.path.join(folder)).try_for_each(|folder| ResultsError::refuse_link(&folder))
     }
 
     fn refuse_foreign<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> Result<(), ResultsError> {

@@ -73,6 +73,12 @@ pub enum ResultsError {
         /// The command.
         owner: Owner,
     },
+    /// The lock or a folder of ours is a symbolic link.
+    #[error("{file} is a symbolic link, and what it leads to is not ours to change; remove the link, or use --out DIR")]
+    Link {
+        /// The link.
+        file: PathBuf,
+    },
     /// Another process works in the directory.
     #[error("{dir} is in use by {holder}; wait until that has ended, or use --out DIR")]
     InUse {
@@ -110,6 +116,14 @@ pub enum ResultsError {
 }
 
 impl ResultsError {
+    /// Refuses a symbolic link.
+    pub(crate) fn refuse_link(file: &Path) -> Result<(), ResultsError> {
+        match file.symlink_metadata() {
+            Ok(metadata) if metadata.is_symlink() => Err(ResultsError::Link { file: file.to_owned() }),
+            _ => Ok(()),
+        }
+    }
+
     /// Adds the name of the file to an error of the operating system.
     pub fn at(file: &Path) -> impl FnOnce(io::Error) -> ResultsError {
         let file = file.to_owned();

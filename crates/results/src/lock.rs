@@ -49,6 +49,7 @@ impl Lock {
         let at = || ResultsError::at(&path);
         let begin = Instant::now();
         loop {
+            ResultsError::refuse_link(&path)?;
             let mut file =
                 OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(at())?;
             let attempt = Attempt::of(try_lock(&file)).map_err(at())?;
@@ -192,6 +193,22 @@ mod tests {
         assert!(matches!(by(ErrorKind::PermissionDenied), Err(ResultsError::Io { .. })));
         let (lock, protects) = Lock::take_by(File::try_lock, dir.path(), Owner::Campaign).expect("free");
         assert!(protects && lock.path.exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_lock_that_is_a_link_is_refused_and_not_followed() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let (results, theirs) = (dir.path().join("run"), dir.path().join("theirs"));
+        fs::create_dir(&results).expect("a folder");
+        std::os::unix::fs::symlink(&theirs, results.join(LOCK)).expect("a link");
+        for _ in 0..2 {
+            let error = Lock::take(&results, Owner::Campaign).expect_err("a link");
+            assert!(matches!(&error, ResultsError::Link { file } if file.ends_with(LOCK)), "{error}");
+            // Once where it leads nowhere, and once to an empty file.
+            assert!(fs::read(&theirs).map_or(true, |bytes| bytes.is_empty()));
+            fs::write(&theirs, "").expect("written");
+        }
     }
 
     #[test]

@@ -128,3 +128,28 @@ fn sealed_objects_and_manifests_are_believed_only_as_written() {
     assert!(error.contains("../theirs"), "{error}");
     assert!(dir.path().join("my_own.csv").exists());
 }
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_is_a_link_is_refused_and_nothing_behind_it_changes() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let (results, theirs) = (dir.path().join("run"), dir.path().join("theirs"));
+    let mut directory = claim(&results, Start::Fresh).expect("free");
+    directory.write("cases/a.toml", FileKind::Case, b"ours").expect("written");
+    drop(directory);
+    fs::rename(results.join("cases"), &theirs).expect("moved");
+    fs::write(theirs.join("a.toml"), "theirs").expect("write");
+    std::os::unix::fs::symlink(&theirs, results.join("cases")).expect("a link");
+    for start in [Start::Resume, Start::Overwrite] {
+        let error = claim(&results, start).expect_err("a link");
+        assert!(matches!(&error, ResultsError::Link { file } if file.ends_with("run/cases")), "{error}");
+        assert!(error.to_string().contains("cases is a symbolic link"), "{error}");
+    }
+    // Nor where no file of ours was in it before.
+    fs::remove_file(results.join(MANIFEST)).expect("removed");
+    let mut directory = claim(&results, Start::Fresh).expect("free");
+    assert!(matches!(directory.make_folder("cases"), Err(ResultsError::Link { .. })));
+    let written = directory.write("cases/deep/b.toml", FileKind::Case, b"ours");
+    assert!(matches!(written, Err(ResultsError::Link { .. })), "{written:?}");
+    assert_eq!(files(&theirs), BTreeMap::from([(theirs.join("a.toml"), b"theirs".to_vec())]));
+}
