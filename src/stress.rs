@@ -11,7 +11,6 @@ use rockproof_campaign::stress::table::{AgreementLimit, CellRow, Proof, cells_cs
 use rockproof_campaign::stress::{StressLevel, StressSource};
 use rockproof_model::files::open_table;
 use serde_json::{Value, json};
-use std::io::BufReader;
 
 /// What the stress set came to.
 pub(crate) struct StressEnd {
@@ -24,7 +23,7 @@ pub(crate) struct StressEnd {
 /// Writes stress.csv, limits.csv and steps.csv into the directory of a finished campaign, and gives what is to be printed.
 pub(crate) fn finish(journal: &mut Journal, engines: &Engines) -> anyhow::Result<StressEnd> {
     let path = journal.dir().join("findings.csv");
-    let findings = BufReader::new(open_table(&path).with_context(|| path.display().to_string())?);
+    let findings = open_table(&path).with_context(|| path.display().to_string())?;
     let rows = rows(&journal.progress().summary, findings, &engines.precisions())?;
     let limits = limits(&rows);
     journal.write("stress.csv", &cells_csv(&rows)?)?;

@@ -29,6 +29,8 @@ mod gate_formats;
 mod gate_regressions;
 mod json_output;
 mod kept_results;
+#[cfg(target_os = "linux")]
+mod large_files;
 mod latex;
 mod lockstep_cli;
 mod merge_command;

@@ -18,7 +18,8 @@ use rockproof_differential::engine::Engine;
 use rockproof_differential::finding::{Cause, Finding, FindingScope};
 use rockproof_differential::row::{FindingRow, written};
 use rockproof_differential::subject::{Subject, SubjectSet};
-use rockproof_results::digest;
+use rockproof_model::files::open_table;
+use rockproof_results::{ResultsError, digest};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -251,7 +252,7 @@ impl Campaign<'_> {
 /// The differing answers of each engine.
 fn differing(findings: &Path, seed: u64) -> Result<BTreeMap<String, Differing>, RunError> {
     let mut found: BTreeMap<String, Differing> = BTreeMap::new();
-    for row in csv::Reader::from_path(findings)?.into_deserialize() {
+    for row in csv::Reader::from_reader(open_table(findings).map_err(ResultsError::at(findings))?).into_deserialize() {
         let row: FindingRow = row?;
         if let FindingScope::Engine(name) = &row.engine
             && row.cause == Cause::Engine

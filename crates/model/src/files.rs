@@ -1,5 +1,6 @@
 //! Reading files that have an end: every file that a user names is read through here.
 
+use crate::bounded_rows::BoundedRows;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
@@ -46,15 +47,15 @@ pub fn text_of(bytes: Vec<u8>) -> io::Result<String> {
     })
 }
 
-/// Opens a table that is read row by row and may be of any length.
+/// Opens a table that is read row by row and may be of any length; its rows are bounded.
 ///
 /// # Errors
 /// Those of the operating system; [`io::ErrorKind::InvalidInput`] for a device.
-pub fn open_table(path: impl AsRef<Path>) -> io::Result<File> {
+pub fn open_table(path: impl AsRef<Path>) -> io::Result<BoundedRows<File>> {
     let file = File::open(path)?;
     match is_device(&file.metadata()?.file_type()) {
         true => Err(device()),
-        false => Ok(file),
+        false => Ok(BoundedRows::new(file)),
     }
 }
 

@@ -3,6 +3,7 @@
 //! that with arithmetic of their own.
 
 pub mod block;
+pub mod bounded_rows;
 pub mod contact;
 pub mod decision;
 pub mod files;

@@ -1,17 +1,18 @@
 //! Reads the tables of runs, a row at a time, and says where one is damaged.
 
 use super::error::{ReportError, at};
+use rockproof_model::bounded_rows::BoundedRows;
 use rockproof_model::files::open_table;
 use serde::de::DeserializeOwned;
 use std::fs::File;
-use std::io::BufReader;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// A table on disk.
 pub(super) struct CsvTable {
     file: PathBuf,
-    reader: csv::Reader<BufReader<File>>,
+    reader: csv::Reader<BoundedRows<File>>,
     record: csv::StringRecord,
     header: csv::StringRecord,
     /// Where the columns asked for are.
@@ -30,7 +31,7 @@ impl CsvTable {
     /// Opens a table that must have these columns in this order.
     pub(super) fn open(file: PathBuf, columns: &[&str]) -> Result<CsvTable, ReportError> {
         let opened = open_table(&file).map_err(at(&file))?;
-        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(BufReader::new(opened));
+        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(opened);
         let places = (0..columns.len()).collect();
         let header = reader.headers().map_err(|e| damaged(&file, &e))?.clone();
         if header.iter().ne(columns.iter().copied()) {
@@ -48,7 +49,7 @@ impl CsvTable {
     /// Opens a table that must have these columns, in any order and beside others.
     pub(super) fn open_wider(file: PathBuf, columns: &[&str]) -> Result<CsvTable, ReportError> {
         let opened = open_table(&file).map_err(at(&file))?;
-        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(BufReader::new(opened));
+        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(opened);
         let header = reader.headers().map_err(|e| damaged(&file, &e))?.clone();
         let mut places = Vec::new();
         for column in columns {
@@ -77,6 +78,9 @@ impl CsvTable {
 }
 
 fn damaged(file: &Path, error: &csv::Error) -> ReportError {
+    if let csv::ErrorKind::Io(source) = error.kind() {
+        return at(file)(io::Error::new(source.kind(), source.to_string()));
+    }
     let line = error.position().map_or(1, csv::Position::line);
     ReportError::Damaged {
         file: file.to_owned(),

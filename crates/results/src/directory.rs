@@ -7,6 +7,7 @@ use super::lock::Lock;
 use super::manifest::{FileKind, MANIFEST, Manifest, Owner};
 use super::seal::{Seal, read_sealed, sealed};
 use super::table::AppendedTable;
+use super::whole::has_rows;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, BTreeSet};
@@ -82,9 +83,7 @@ impl Directory {
             return Ok(true);
         }
         let table = Some(self.path.join(table)).filter(|table| table.is_file());
-        let lines =
-            table.and_then(|table| fs::read(table).ok()).map_or(0, |rows| rows.iter().filter(|b| **b == b'\n').count());
-        if lines > 1 || self.has("run.json") {
+        if table.is_some_and(|table| has_rows(&table)) || self.has("run.json") {
             return Err(ResultsError::damaged(&self.path.join(checkpoint), "it is missing"));
         }
         self.remove(|_| true)?;

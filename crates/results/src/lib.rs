@@ -17,6 +17,7 @@ mod stem;
 mod table;
 mod unprotected;
 mod view;
+mod whole;
 
 pub use atomic::write_atomically;
 pub use claim::{Claim, Start};

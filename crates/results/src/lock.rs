@@ -3,6 +3,7 @@
 use super::error::ResultsError;
 use super::manifest::Owner;
 use super::unprotected::tell;
+use super::whole::read_whole;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -71,7 +72,7 @@ impl Lock {
             let written = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(holder.as_bytes()));
             written.map_err(at())?;
             // Whoever held the lock may have removed the file after we opened it: then this is not the file that others would lock.
-            if fs::read(&path).is_ok_and(|text| text == holder.as_bytes()) {
+            if read_whole(&path).is_ok_and(|text| text == holder.as_bytes()) {
                 return Ok((Lock { path, _file: file }, attempt == Attempt::Taken));
             }
         }

@@ -3,6 +3,7 @@
 use super::atomic::write_atomically;
 use super::error::ResultsError;
 use super::seal::{sealed, unsealed};
+use super::whole::read_whole;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -118,7 +119,7 @@ impl Manifest {
             let what = "it is a folder or a device, not a file".to_owned();
             return Err(ResultsError::Manifest { file, what });
         }
-        let text = match std::fs::read(&file) {
+        let text = match read_whole(&file) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             read => read.map_err(ResultsError::at(&file))?,
         };

@@ -1,6 +1,7 @@
 //! Seals: what a file held when it was written, so that a changed one is never gone on from.
 
 use super::error::ResultsError;
+use super::whole::read_whole;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -47,7 +48,7 @@ pub(crate) fn unsealed(text: &str) -> Result<String, &'static str> {
 
 /// Reads a sealed JSON object.
 pub(crate) fn read_sealed<T: DeserializeOwned>(file: &Path) -> Result<T, ResultsError> {
-    let text = std::fs::read(file).map_err(ResultsError::at(file))?;
+    let text = read_whole(file).map_err(ResultsError::at(file))?;
     let text = std::str::from_utf8(&text).map_err(|e| ResultsError::damaged(file, e))?;
     let object = unsealed(text).map_err(|what| ResultsError::damaged(file, what))?;
     serde_json::from_str(&object).map_err(|e| ResultsError::damaged(file, e))

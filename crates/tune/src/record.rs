@@ -5,6 +5,7 @@ use super::evaluator::Measurement;
 use super::probes::Differences;
 use super::search::{EvaluatedCandidate, PendingCandidate, Search};
 use super::steps::{LockstepMeasures, Overlaps, StepMeasures};
+use rockproof_model::bounded_rows::BoundedRows;
 use rockproof_model::files::read_limited;
 use rockproof_model::rules::{Rule, RuleSlack};
 use rockproof_results::{Claim, Directory, FileKind, Owner, ResultsError, Start, digest, identity_differences};
@@ -116,7 +117,7 @@ impl SearchRecord {
         }
         let file = dir.join(TABLE);
         if directory.has(TABLE) {
-            let table = std::fs::read(&file).map_err(ResultsError::at(&file))?;
+            let table = read_limited(&file).map_err(ResultsError::at(&file))?;
             if !about.candidates_sha256.contains(&digest(&table)) {
                 return Err(ResultsError::damaged(&file, "its rows are not as they were written").into());
             }
@@ -189,9 +190,9 @@ fn row(number: usize, evaluated: &EvaluatedCandidate, best: bool) -> Vec<String>
 /// Takes the candidates of a table into a search that has none. Each must be the one that the search would try.
 fn restore_rows(file: &Path, table: &[u8], search: &mut Search<'_>) -> Result<(), RecordError> {
     let damaged = |number: usize, what: &str| ResultsError::damaged(file, format!("candidate {number} {what}"));
-    let mut reader = csv::Reader::from_reader(table);
+    let mut reader = csv::Reader::from_reader(BoundedRows::new(table));
     for (number, record) in reader.records().enumerate() {
-        let record = record?;
+        let record = record.map_err(|error| ResultsError::damaged(file, error))?;
         let next = search.candidate();
         let measurement = parsed(&record).ok_or_else(|| damaged(number, "cannot be read"))?;
         if !is_same(&record, &next) {

@@ -2,11 +2,12 @@
 
 use super::parts::{MergeError, OnePart};
 use csv::ByteRecord;
+use rockproof_model::bounded_rows::BoundedRows;
 use rockproof_results::ResultsError;
 use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{BufReader, Take};
+use std::io::Take;
 use std::path::PathBuf;
 
 /// A row about a pair.
@@ -23,7 +24,7 @@ pub(super) struct Numbered<R> {
 pub(super) struct Rows<'p, R> {
     name: &'static str,
     parts: VecDeque<&'p OnePart>,
-    open: Option<(PathBuf, csv::Reader<BufReader<Take<File>>>)>,
+    open: Option<(PathBuf, csv::Reader<BoundedRows<Take<File>>>)>,
     ahead: Option<Numbered<R>>,
     index: fn(&R) -> u64,
     /// The pair of the last row read, and how many of its rows were read.
@@ -65,7 +66,7 @@ impl<'p, R: DeserializeOwned> Rows<'p, R> {
                 let Some(part) = self.parts.pop_front() else { return Ok(None) };
                 let seal = part.tables().into_iter().find_map(|(name, seal)| (name == self.name).then_some(seal));
                 if let Some(seal) = seal {
-                    let table = BufReader::new(part.view.table(self.name, seal)?);
+                    let table = BoundedRows::new(part.view.table(self.name, seal)?);
                     self.open = Some((part.view.path().join(self.name), csv::Reader::from_reader(table)));
                 }
                 continue;

@@ -4,6 +4,7 @@ use super::disagreement::DisagreementRow;
 use super::record::{ComparisonPlan, ComparisonProgress, GENERATOR, STATE, TABLE, VERSION};
 use super::tally::Totals;
 use rockproof_campaign::pairs::BATCH;
+use rockproof_model::bounded_rows::BoundedRows;
 use rockproof_results::{Owner, ResultsError, View};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -173,7 +174,7 @@ fn read(view: &View) -> Result<(ComparisonProgress, ComparisonPlan), ResultsErro
 /// The first rows of a directory's table, at most so many.
 fn rows(view: &View, progress: &ComparisonProgress, most: usize) -> Result<Vec<DisagreementRow>, ResultsError> {
     let path = view.path().join(TABLE);
-    let reader = csv::Reader::from_reader(view.table(TABLE, &progress.disagreements)?);
+    let reader = csv::Reader::from_reader(BoundedRows::new(view.table(TABLE, &progress.disagreements)?));
     let rows = reader.into_deserialize().take(most).map(|row: Result<DisagreementRow, csv::Error>| {
         let mut row = row.map_err(|error| ResultsError::damaged(&path, error))?;
         if !row.case.is_empty() {
