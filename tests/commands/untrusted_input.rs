@@ -130,6 +130,7 @@ fn state_files_are_checked_and_open_no_other_file() {
         (&["state", "time"], (-1.0).into(), "0 or more"),
         (&["state", "last_time_step"], 0.0.into(), "more than 0"),
         (&["state", "step"], u64::MAX.into(), "2^53"),
+        (&["step"], i64::MIN.into(), "step = -9223372036854775808"),
         (&["scene"], outside.into(), "names a `file`"),
         (&["scene"], negative.into(), "0 or more"),
         (&["format"], "\u{1b}[31m".into(), "\\u{1b}[31m"),

@@ -4,13 +4,16 @@ use crate::lockstep::answer::{StepDecisions, described};
 use crate::lockstep::intrusion::{Intruded, WatchedStep};
 use crate::lockstep::run::ComparedStep;
 use crate::lockstep::state::exact_state;
+use rockproof_model::decision::{Feature, Side};
 use rockproof_model::files::read_text;
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::text::{SHOWN, excerpt};
-use rockproof_model::{Precision, Scene, ToleranceSet};
+use rockproof_model::{Block, Contact, Precision, Scene, ToleranceSet, Topology};
 use rockproof_simulate::checkpoint::SavedState;
 use rockproof_stepper::Real;
+use rockproof_stepper::dynamics::ContactState;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// More steps than a run can make; what is counted in f64 somewhere stays exact below it.
@@ -131,16 +134,18 @@ impl StepCase {
         if case.format != StepCase::FORMAT {
             return Err(StepCaseError::Format(excerpt(&case.format, SHOWN)));
         }
-        match case.precision()? {
-            Precision::F32 => case.check::<f32>()?,
-            Precision::F64 => case.check::<f64>()?,
+        let precision = case.precision()?;
+        let (scene, _) = case.scene()?;
+        match precision {
+            Precision::F32 => case.check::<f32>(&scene)?,
+            Precision::F64 => case.check::<f64>(&scene)?,
         }
-        case.scene()?;
         Ok(case)
     }
 
-    /// Refuses a state that no run is in: numbers that are not finite, a time before the beginning, a Δt that is none.
-    fn check<R: Real>(&self) -> Result<(), StepCaseError> {
+    /// Refuses a state that no run is in: numbers that are not finite, a time before the beginning, a Δt that is none, another step than
+    /// the next, contacts that the scene cannot have.
+    fn check<R: Real>(&self, scene: &Scene) -> Result<(), StepCaseError> {
         let state = self.state.state::<R>().map_err(|error| StepCaseError::State(error.to_string()))?;
         exact_state(&state).map_err(|error| StepCaseError::State(error.to_string()))?;
         let refuse = |what: &str, allowed: &str| {
@@ -155,7 +160,14 @@ impl StepCase {
         if self.state.step > MOST_STEPS {
             return refuse(&format!("step = {}", self.state.step), "up to 2^53");
         }
-        Ok(())
+        let next = match self.state.settling {
+            0 => self.state.step as i64 + 1,
+            settling => 1 - i64::from(settling),
+        };
+        if self.step != next {
+            return refuse(&format!("step = {}", self.step), &format!("{next}, the step after the state's"));
+        }
+        check_contacts(&scene.shapes(), &state.contacts).map_err(StepCaseError::State)
     }
 
     /// The text of the file.
@@ -202,5 +214,99 @@ impl StepCase {
             .derive(&scene.shapes(), self.precision()?)
             .map_err(|e| StepCaseError::Scene(e.into()))?;
         Ok((scene, set))
+    }
+}
+
+/// Refuses contacts of blocks and features that there are not, and contacts of which two have the same name.
+fn check_contacts<R>(blocks: &[&Block], contacts: &[ContactState<R>]) -> Result<(), String> {
+    let mut places = BTreeMap::new();
+    for (place, state) in contacts.iter().enumerate() {
+        let ([a, b], Contact { key, entrance, .. }) = (state.blocks, state.contact);
+        let pair = [a, b].map(|block| blocks.get(block as usize));
+        let [Some(block_a), Some(block_b)] = pair else {
+            let last = blocks.len().saturating_sub(1);
+            return Err(format!("contact {place} is of blocks {a} and {b}; allowed are 0 to {last}"));
+        };
+        if a >= b {
+            return Err(format!("contact {place} is of blocks {a} and {b}; allowed is the lower number first"));
+        }
+        let topologies = [block_a.topology(), block_b.topology()];
+        let has = |feature: &Feature| feature.is_in(topologies[usize::from(feature.side() == Side::B)]);
+        if !key.features().iter().chain(&entrance.features()).all(has) {
+            return Err(format!(
+                "contact {place} of blocks {a} and {b} is {key} by {entrance}; allowed are {}",
+                topologies.map(features_of).join(" and ")
+            ));
+        }
+        if let Some(first) = places.insert(([a, b], key), place) {
+            return Err(format!(
+                "contact {place} of blocks {a} and {b} is {key}, as contact {first} is; allowed is each contact once"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The features of a block, for messages.
+fn features_of(topology: &Topology) -> String {
+    let (vertices, edges, faces) = (topology.vertex_count(), topology.edges().len(), topology.faces().len());
+    format!("vertices 0 to {}, edges 0 to {}, faces 0 to {}", vertices - 1, edges - 1, faces - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    /// The second step of a box on an incline, whose four vertices are in contact with it.
+    const SLIDER: &str = include_str!("../../../../fuzz/corpus/state/step_000002.json");
+
+    /// Why the state file is none after a change, if it is none.
+    fn refused(change: impl FnOnce(&mut Value)) -> Option<String> {
+        let mut file: Value = serde_json::from_str(SLIDER).expect("JSON");
+        change(&mut file);
+        StepCase::parse(&file.to_string()).err().map(|error| error.to_string())
+    }
+
+    #[test]
+    fn contacts_are_those_that_the_scene_can_have() {
+        let contact = |place: usize, key: &'static str, to: [u32; 2]| {
+            refused(move |file| file["state"]["contacts"][place][key] = json!(to)).expect("refused")
+        };
+        assert_eq!(refused(|_| ()), None);
+        let allowed =
+            "allowed are vertices 0 to 7, edges 0 to 11, faces 0 to 5 and vertices 0 to 7, edges 0 to 11, faces 0 to 5";
+        for (place, key, to, message) in [
+            (0, "entrance_features", [99, 99], "contact 0 of blocks 0 and 1 is f-v 1/0 by f-v 99/99; "),
+            (1, "entrance_features", [u32::MAX, 0], "contact 1 of blocks 0 and 1 is f-v 1/1 by f-v 4294967295/0; "),
+            (2, "entrance_features", [6, 2], "contact 2 of blocks 0 and 1 is f-v 1/2 by f-v 6/2; "),
+            (3, "features", [1, 8], "contact 3 of blocks 0 and 1 is f-v 1/8 by f-v 1/3; "),
+        ] {
+            assert_eq!(contact(place, key, to), format!("its state: {message}{allowed}"));
+        }
+        for (place, key, to, message) in [
+            (0, "blocks", [0, 2], "contact 0 is of blocks 0 and 2; allowed are 0 to 1"),
+            (0, "blocks", [1, 0], "contact 0 is of blocks 1 and 0; allowed is the lower number first"),
+            (
+                3,
+                "features",
+                [1, 0],
+                "contact 3 of blocks 0 and 1 is f-v 1/0, as contact 0 is; allowed is each contact once",
+            ),
+        ] {
+            assert_eq!(contact(place, key, to), format!("its state: {message}"));
+        }
+    }
+
+    #[test]
+    fn the_step_is_the_one_after_the_state() {
+        for step in [i64::MIN, 0, 1, 3, i64::MAX] {
+            let error = refused(|file| file["step"] = step.into()).expect("refused");
+            let text = format!("`step = {step}` is not allowed; allowed is 2, the step after the state's");
+            assert!(error.contains(&text), "{error}");
+        }
+        // Steps of settling come before the first, the last of them as number 0.
+        let settling = |step: i64| refused(|file| (file["state"]["settling"], file["step"]) = (3.into(), step.into()));
+        assert_eq!((settling(-2), settling(2).is_some()), (None, true));
     }
 }
