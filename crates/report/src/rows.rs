@@ -164,3 +164,25 @@ impl CsvRow<'_> {
         self.damaged(found.to_owned(), expected.to_owned())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_row_without_end_is_refused() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = dir.path().join("findings.csv");
+        fs::write(&file, "a,b\n1,2\n\"").expect("write");
+        // Sparse: it takes no room on the disk.
+        File::options().write(true).open(&file).expect("a file").set_len(3 << 30).expect("a sparse file");
+        let text = "findings.csv: the row that begins in line 3 has more than 16777216 bytes; at most so many are read";
+        for open in [CsvTable::open, CsvTable::open_wider] {
+            let mut table = open(file.clone(), &["a", "b"]).expect("a header");
+            assert_eq!(table.next(&["a", "b"]).expect("a row").map(|row| row.count(1).expect("a count")), Some(2));
+            let error = table.next(&["a", "b"]).err().expect("no row").to_string();
+            assert!(error.ends_with(text), "{error}");
+        }
+    }
+}

@@ -34,6 +34,17 @@ fn a_number_that_cannot_be_read_is_an_error_and_not_zero() {
 }
 
 #[test]
+fn a_row_without_end_is_refused() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = fs::File::create(dir.path().join("findings.csv")).expect("a file");
+    // Sparse: it takes no room on the disk.
+    file.set_len(3 << 30).expect("a sparse file");
+    let error = CampaignTally::read(dir.path()).expect_err("one row").to_string();
+    let text = "findings.csv: the row that begins in line 1 has more than 16777216 bytes; at most so many are read";
+    assert!(error.ends_with(text), "{error}");
+}
+
+#[test]
 fn passages_are_a_share_of_the_pairs_looked_through() {
     let dir = tempfile::tempdir().expect("a folder");
     let cell = |column: &&str| match *column {
