@@ -13,6 +13,7 @@ mod mutate;
 mod part_directory;
 mod reach;
 mod readers;
+mod reported;
 mod run_directory;
 mod scratch;
 mod seeds;
@@ -127,6 +128,8 @@ targets! {
     voro: Reader, readers::voro, seeds::changed_seed;
     /// A file of tolerances.
     tolerances: Reader, readers::tolerances, seeds::changed_seed;
+    /// A tolerance as `--set` names it.
+    assignment: Reader, readers::assignment, seeds::changed_seed;
     /// A case of a pair; what is read is written, and reads back the same.
     case: Reader, readers::case, seeds::changed_seed;
     /// A case of a step, likewise.
@@ -145,8 +148,10 @@ targets! {
     engine_answer: Reader, engine_answer::engine_answer, seeds::changed_seed;
     /// A campaign's directory with one file damaged, gone on with: what was written is found, or an error names a file.
     run_directory: Reader, run_directory::run_directory, run_directory::run_directory_input;
-    /// The same directory, reported on.
-    report: Reader, run_directory::report, run_directory::report_input;
+    /// Directories of every sort that reports are made of, one file damaged.
+    report: Reader, reported::report, reported::report_input;
+    /// The tables of a campaign, one damaged, counted as gates count them.
+    tally_directory: Reader, reported::tally_directory, reported::tally_directory_input;
     /// The directory of `simulate`, likewise gone on with.
     simulation_directory: Reader, simulation_directory::simulation_directory, simulation_directory::simulation_directory_input;
     /// The directory of `tune`, likewise gone on with.

@@ -3,18 +3,20 @@
 use crate::Target;
 use crate::dice::Dice;
 use crate::reach::Reach;
-use crate::run_directory::{Damage, GONE_ON_FROM, TABLES, campaign, files, input, with_campaign, write};
+use crate::run_directory::{Damage, TABLES, campaign, files, input, with_campaign, write};
 use crate::scratch::{new_folder, scratch};
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::merge::Parts;
 use rockproof_campaign::part::{Machine, Part};
-use rockproof_results::Start;
+use rockproof_results::{MANIFEST, Start};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 
+/// What parts are put together from.
+const PUT_TOGETHER: [&str; 5] = [MANIFEST, "progress.json", "findings.csv", "step_findings.csv", "no_case.csv"];
 /// How many parts there are; the first one is damaged.
 const PARTS: u64 = 2;
 
@@ -59,7 +61,7 @@ fn merged(dirs: &[PathBuf], out: &Path) -> Result<(), (String, String)> {
 
 /// Parts are put together.
 pub(crate) fn part_directory(bytes: &[u8], reach: &mut Reach) {
-    let Some(damage) = Damage::of(bytes, &GONE_ON_FROM) else { return reach.count("too-short") };
+    let Some(damage) = Damage::of(bytes, &PUT_TOGETHER) else { return reach.count("too-short") };
     let place = scratch().join("parts");
     let dirs: Vec<PathBuf> = (1..=PARTS).map(|number| place.join(number.to_string())).collect();
     for (dir, files) in dirs.iter().zip(parts()) {
@@ -86,5 +88,5 @@ pub(crate) fn part_directory(bytes: &[u8], reach: &mut Reach) {
 
 /// An input of [`part_directory`].
 pub(crate) fn part_directory_input(_: &Target, dice: &mut Dice) -> Vec<u8> {
-    input(&GONE_ON_FROM, &parts()[0], dice)
+    input(&PUT_TOGETHER, &parts()[0], dice)
 }

@@ -12,10 +12,11 @@ use rockproof_gate::config::GateConfig;
 use rockproof_gate::known_findings::KnownFindings;
 use rockproof_model::files::read_text;
 use rockproof_model::scene::SceneProblem;
-use rockproof_model::{BlockError, Number, Scene, ToleranceSpec};
+use rockproof_model::{Block, BlockError, Number, Point, Precision, Scene, ToleranceSpec};
 use std::fmt::{Debug, Display};
 use std::fs;
 use std::path::Path;
+use std::sync::OnceLock;
 
 /// The longest message about a file, in bytes.
 const LONGEST_MESSAGE: usize = 4_000;
@@ -46,11 +47,12 @@ fn read_as(name: &str, bytes: &[u8], reach: &mut Reach, read: impl FnOnce(&Path)
     }
 }
 
-/// The kind of a scene's error; of a block that is none, also which of the block's errors.
+/// The kind of a scene's error; of a block or tolerances that are none, also which of their errors.
 fn kind_of(problem: &SceneProblem) -> String {
     match problem {
         SceneProblem::Block { error: BlockError::Topology(error), .. } => format!("Block-{}", Reach::variant(error)),
         SceneProblem::Block { error, .. } => format!("Block-{}", Reach::variant(error)),
+        SceneProblem::Tolerances(error) => format!("Tolerances-{}", Reach::variant(error)),
         other => Reach::variant(other),
     }
 }
@@ -112,10 +114,54 @@ pub(crate) fn voro(bytes: &[u8], reach: &mut Reach) {
     scene_as("input.voro", bytes, reach);
 }
 
-/// Files of tolerances.
+/// A cube of which presets are derived, and one that is too large for them.
+fn cubes() -> &'static [Block; 2] {
+    static CUBES: OnceLock<[Block; 2]> = OnceLock::new();
+    let cube = |half: f64| {
+        let corner = |n| Number::from_f64(n).map(|n| Point::new(n.clone(), n.clone(), n)).expect("a finite number");
+        Block::cuboid(&corner(-half), &corner(half)).expect("a cube")
+    };
+    CUBES.get_or_init(|| [1.0, 1e308].map(cube))
+}
+
+/// Files of tolerances. What is read is made a set for a block, or an error says why it is none.
 pub(crate) fn tolerances(bytes: &[u8], reach: &mut Reach) {
-    let read = |path: &Path| ToleranceSpec::load(path).map(drop).map_err(|error| refused(&error.problem, &error));
-    read_as("input.toml", bytes, reach, read);
+    let mut spec = None;
+    read_as("input.toml", bytes, reach, |path| {
+        let read = ToleranceSpec::load(path).map_err(|error| (kind_of(&error.problem), error.to_string()))?;
+        spec = Some(read);
+        Ok(())
+    });
+    for (spec, cube) in spec.iter().flat_map(|spec| cubes().iter().map(move |cube| (spec, cube))) {
+        match spec.resolve(&[cube], Precision::F64) {
+            Ok(set) => {
+                let given = |name: &str| spec.numbers().iter().find(|(n, _)| *n == name).map(|(_, number)| number);
+                let kept = |(name, number): &(&str, &Number)| given(name).is_none_or(|given| given == *number);
+                assert!(set.numbers().iter().all(kept), "a tolerance that is not what was given: {spec:?}, {set:?}");
+                reach.count("resolved");
+            }
+            Err(error) => {
+                assert!(error.to_string().len() < LONGEST_MESSAGE, "too long a message: {error}");
+                reach.count(format!("unresolved-{}", Reach::variant(&error)));
+            }
+        }
+    }
+}
+
+/// What `--set` is given.
+pub(crate) fn assignment(bytes: &[u8], reach: &mut Reach) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return reach.count("not-text") };
+    let mut spec = ToleranceSpec::empty();
+    match spec.assign(text) {
+        Ok(()) => {
+            assert_ne!(spec, ToleranceSpec::empty(), "{text:?} sets nothing");
+            reach.count("read");
+        }
+        Err(error) => {
+            assert!(error.to_string().len() < LONGEST_MESSAGE, "too long a message: {error}");
+            reach.count(Reach::variant(&error));
+        }
+    }
 }
 
 /// Cases of pairs. What is read is written, and reads back the same.

@@ -1,5 +1,5 @@
-//! Directories of results that were damaged: one file exchanged for other bytes, or removed. A run that is taken up again finds what was
-//! written, byte by byte, or an error names a file; a report is made of what it reads, or names a file. No file of somebody else is touched.
+//! The directory of a campaign that was damaged: one file exchanged for other bytes, or removed. A run that is taken up again finds what was
+//! written, byte by byte, or an error names a file. No file of somebody else is touched.
 
 use crate::Target;
 use crate::dice::Dice;
@@ -10,9 +10,8 @@ use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::Engines;
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::Campaign;
-use rockproof_campaign::source;
+use rockproof_campaign::{source, steps};
 use rockproof_differential::finding::Finding;
-use rockproof_report::load::Results;
 use rockproof_results::{MANIFEST, Start, digest};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -30,10 +29,11 @@ const REMOVED: u8 = 1;
 /// The bytes get a seal that is right, as by somebody who means harm.
 const RESEALED: u8 = 2;
 /// What a run goes on from.
-pub(crate) const GONE_ON_FROM: [&str; 3] = [MANIFEST, "progress.json", "findings.csv"];
+const GONE_ON_FROM: [&str; 4] = [MANIFEST, "progress.json", "findings.csv", "step_findings.csv"];
 
 /// What a campaign that was gone on with, or put together, must have made again.
-pub(crate) const TABLES: [&str; 4] = ["findings.csv", "summary.csv", "agreement.csv", "confusion.csv"];
+pub(crate) const TABLES: [&str; 6] =
+    ["findings.csv", "summary.csv", "agreement.csv", "confusion.csv", "step_findings.csv", "step_summary.csv"];
 
 /// The files of a finished campaign of a few pairs, by name.
 pub(crate) fn campaign() -> &'static BTreeMap<String, Vec<u8>> {
@@ -67,10 +67,10 @@ pub(crate) fn config() -> CampaignConfig {
     CampaignConfig {
         pairs: 32,
         chunk: 16,
-        families: vec!["edge_cross".to_owned()],
+        families: ["edge_cross", "sliver"].map(str::to_owned).to_vec(),
         tolerances: vec!["auto".to_owned()],
         metamorphic_every: 0,
-        steps_every: 0,
+        steps_every: 4,
         cases_per_cause: 2,
         shrink_evaluations: 1,
         ..CampaignConfig::default()
@@ -83,8 +83,9 @@ pub(crate) fn with_campaign<T>(work: impl FnOnce(&Campaign<'_>, Map<String, Valu
     let engines = Engines::of(&config).expect("the built-in engines");
     let source = source::of(&config).expect("a family");
     let (panel, narrow) = (engines.panel(), |finding: &Finding| engines.panel_for(finding));
+    let steppers = steps::engines(engines.names().iter().map(String::as_str));
     let campaign =
-        Campaign { config: &config, source: &source, panel: &panel, narrow: &narrow, steppers: &[], threads: 1 };
+        Campaign { config: &config, source: &source, panel: &panel, narrow: &narrow, steppers: &steppers, threads: 1 };
     work(&campaign, source::identity(&config).expect("a map"))
 }
 
@@ -170,26 +171,6 @@ pub(crate) fn run_directory(bytes: &[u8], reach: &mut Reach) {
     assert_eq!(fs::read(dir.join(THEIRS.0)).ok().as_deref(), Some(THEIRS.1), "a file of somebody else");
 }
 
-/// What reports are made of, the names of the files that they read.
-const REPORTED: [&str; 5] = ["run.json", "findings.csv", "agreement.csv", "confusion.csv", "summary.csv"];
-
-/// A report of the campaign.
-pub(crate) fn report(bytes: &[u8], reach: &mut Reach) {
-    let Some(damage) = Damage::of(bytes, &REPORTED) else { return reach.count("too-short") };
-    let dir = scratch().join("reported");
-    write(&dir, campaign());
-    damage.apply(&dir);
-    match Results::read(std::slice::from_ref(&dir)) {
-        Ok(_) => reach.count("read"),
-        Err(error) => {
-            let message = error.to_string();
-            assert!(message.contains(&*dir.to_string_lossy()), "no file is named: {message}");
-            assert!(message.len() < 4_000, "a message of {} bytes: {message}", message.len());
-            reach.count(Reach::variant(&error));
-        }
-    }
-}
-
 /// An input that damages one of the files, mostly a little.
 pub(crate) fn input(names: &[&str], files: &BTreeMap<String, Vec<u8>>, dice: &mut Dice) -> Vec<u8> {
     let number = dice.below(names.len());
@@ -213,9 +194,4 @@ pub(crate) fn input(names: &[&str], files: &BTreeMap<String, Vec<u8>>, dice: &mu
 /// An input of [`run_directory`].
 pub(crate) fn run_directory_input(_: &Target, dice: &mut Dice) -> Vec<u8> {
     input(&GONE_ON_FROM, campaign(), dice)
-}
-
-/// An input of [`report`].
-pub(crate) fn report_input(_: &Target, dice: &mut Dice) -> Vec<u8> {
-    input(&REPORTED, campaign(), dice)
 }

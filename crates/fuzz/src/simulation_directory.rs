@@ -97,7 +97,7 @@ fn made(steps: u64) -> BTreeMap<String, Vec<u8>> {
 }
 
 /// The files of the run that is damaged.
-fn begun() -> &'static BTreeMap<String, Vec<u8>> {
+pub(crate) fn begun() -> &'static BTreeMap<String, Vec<u8>> {
     static FILES: OnceLock<BTreeMap<String, Vec<u8>>> = OnceLock::new();
     FILES.get_or_init(|| made(STEPS))
 }
