@@ -282,5 +282,61 @@ fn decode_scene(u: &mut Unstructured<'_>) -> Result<Option<SceneInput>> {
     scene.simulation = simulation(u)?;
     let set = ToleranceSpec::default().derive(&scene.shapes(), Precision::F64);
     let Ok(tolerances) = set else { return Ok(None) };
-    Ok(Some(SceneInput { scene, tolerances, steps: u.int_in_range(1..=2)? }))
+    let mut input = SceneInput { scene, tolerances, steps: u.int_in_range(1..=2)? };
+    // The last choice, as of pairs.
+    if let Some(spoil) = SPOILT.get(u.int_in_range(0..=SPOILT_ONCE_IN * SPOILT.len() - 1)?) {
+        spoil(u, &mut input)?;
+    }
+    Ok(Some(input))
 }
+
+/// Once in so many scenes there is something that no step can be made of.
+const SPOILT_ONCE_IN: usize = 4;
+
+/// Makes a scene one whose step fails, mostly.
+type Spoil = fn(&mut Unstructured<'_>, &mut SceneInput) -> Result<()>;
+
+/// What lets steps fail. Where bytes have ended the first is chosen, so it changes nothing.
+const SPOILT: [Spoil; 6] = [
+    |_, _| Ok(()),
+    // Too fast for any Δt.
+    |u, input| {
+        let [moved, spun] = [["0", "-1e9", "1e12"], ["0", "1e9", "0"]];
+        for block in &mut input.scene.blocks[1..] {
+            (block.body.velocity, block.body.spin) = (vector(u, &moved)?, vector(u, &spun)?);
+        }
+        Ok(())
+    },
+    // Strains beyond -1, and no limit that stops them.
+    |u, input| {
+        (input.tolerances.max_displacement, input.tolerances.max_rotation) =
+            (one_of(u, &["1e9"])?, one_of(u, &["1e9"])?);
+        for block in &mut input.scene.blocks[1..] {
+            block.body.motion = Motion::Deformable;
+            block.body.stress[u.choose_index(6)?] = one_of(u, &["1e13", "1e15", "1e18"])?;
+        }
+        Ok(())
+    },
+    // A material without elasticity.
+    |u, input| {
+        input.scene.simulation.materials[0].poisson = one_of(u, &["1/2", "-1"])?;
+        Ok(())
+    },
+    // Joints that say nothing of their stiffness.
+    |_, input| {
+        input.scene.simulation.joints.other.normal_stiffness = None;
+        Ok(())
+    },
+    // Hard contacts that open and close by turns, however small Δt is.
+    |u, input| {
+        let simulation = &mut input.scene.simulation;
+        (simulation.control.unconverged, simulation.control.time_step) = (Unconverged::Stop, one_of(u, &["1/20"])?);
+        let joint = &mut simulation.joints.other;
+        (joint.friction, joint.shear_ratio) = (one_of(u, &["1"])?, one_of(u, &["1"])?);
+        joint.normal_stiffness = Some(one_of(u, &["1e13", "1e15", "1e11"])?);
+        for block in &mut input.scene.blocks[1..] {
+            block.body.velocity = vector(u, &["1", "-1", "0", "3"])?;
+        }
+        Ok(())
+    },
+];

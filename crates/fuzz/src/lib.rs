@@ -26,7 +26,7 @@ pub use input::PairInput;
 pub use mutate::mutated;
 pub use reach::Reach;
 pub use scratch::new_folder;
-pub use seeds::{REFUSED, corpus, seeds};
+pub use seeds::{REACHES, REFUSED, corpus, seeds};
 
 use std::fmt;
 

@@ -68,6 +68,8 @@ pub fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
 
 /// What begins the name of an input that is refused; the rest is the kind of error, as [`crate::Reach`] counts it.
 pub const REFUSED: &str = "refused-";
+/// What begins the name of an input that is kept for what it reaches; the rest is that, as [`crate::Reach`] counts it.
+pub const REACHES: &str = "reaches-";
 /// What begins the name of an input that libFuzzer found to reach something new: good or not.
 const GROWN: &str = "grown-";
 

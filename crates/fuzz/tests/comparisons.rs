@@ -4,7 +4,7 @@
 #[path = "../../stepper/tests/support/mistakes.rs"]
 mod mistakes;
 
-use rockproof_fuzz::{Dice, PairInput, Reach, TARGETS, Target, TargetKind};
+use rockproof_fuzz::{Dice, PairInput, REACHES, Reach, TARGETS, Target, TargetKind, corpus};
 use rockproof_stepper::Classifier;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::engine::settled_contacts;
@@ -74,10 +74,12 @@ const WANTED: [Wanted; 4] = [
             ("contacts", 12),
             ("cuts", 5),
             ("enclosed", 2),
+            ("failure-Inverted", 1),
             ("level-float", 66),
             ("mode-locked", 6),
             ("mode-open", 16),
             ("mode-sliding", 6),
+            ("not-kept", 2),
             ("solves", 5),
             ("step", 3),
             ("wide-settled", 2),
@@ -113,6 +115,34 @@ fn seeded_inputs_agree_and_reach_what_they_are_for() {
             assert!(reach.of(kind) >= least, "{name}: {kind} only {} times, not {least}: {reach}", reach.of(kind));
         }
     }
+}
+
+/// What few inputs of `step` reach, so that one is kept for each. `failure-Degenerate` is none of them: it takes a volume or an area of zero,
+/// which no block has that is read, and a step that would leave none is `Inverted`.
+const KEPT_STEPS: [&str; 8] = [
+    "failure-Inverted",
+    "failure-NoElasticity",
+    "failure-NoStiffness",
+    "failure-NotConverged",
+    "failure-TooFast",
+    "level-double",
+    "level-exact",
+    "level-wide",
+];
+
+#[test]
+fn kept_inputs_reach_what_their_names_say() {
+    let target = Target::named("step").expect("a target");
+    let mut kept = Vec::new();
+    for (path, bytes) in corpus(target.name) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let Some(kind) = name.strip_prefix(REACHES) else { continue };
+        let mut reach = Reach::default();
+        target.run(&bytes, &mut reach);
+        assert!(reach.of(kind) > 0, "{}: {reach}", path.display());
+        kept.push(kind.to_owned());
+    }
+    assert_eq!(kept, KEPT_STEPS);
 }
 
 #[test]
