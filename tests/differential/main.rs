@@ -23,4 +23,5 @@ mod lockstep;
 mod lockstep_table;
 mod passages;
 mod planted_step_mistakes;
+mod state_files;
 mod tune_ranks;
