@@ -61,9 +61,12 @@ fn what_this_process_lacks_is_not_the_engines_fault() {
 #[test]
 fn a_line_that_nobody_asked_for_is_no_matter_of_a_fresh_process() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let late = "n=0; while read line; do echo \"{\\\"id\\\":$n,\\\"contacts\\\":[]}\"; n=$((n+1)); sleep 0.01; echo late; done";
+    let late =
+        "n=0; while read line; do echo \"{\\\"id\\\":$n,\\\"contacts\\\":[]}\"; n=$((n+1)); sleep 0.2; echo late; done";
     let stale = "while read line; do echo '{\"id\":0,\"contacts\":[]}'; done";
-    for (script, what) in [(late, "nobody asked for"), (stale, "id is 0")] {
+    // The next question is asked before this line comes, and read after it.
+    let while_asked = "n=0; while read line; do [ $n -gt 0 ] && echo late && sleep 0.02; echo \"{\\\"id\\\":$n,\\\"contacts\\\":[]}\"; n=$((n+1)); done";
+    for (script, what) in [(late, "nobody asked for"), (stale, "id is 0"), (while_asked, "")] {
         for ask_twice in [false, true] {
             let engine = engine(script, ask_twice);
             for round in 0..2 {

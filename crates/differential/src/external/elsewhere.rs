@@ -35,6 +35,11 @@ impl Process {
         match *self {}
     }
 
+    /// Says nothing.
+    pub fn says_more(&mut self) -> bool {
+        match *self {}
+    }
+
     /// Ends nothing.
     pub fn kill(self) {
         match self {}

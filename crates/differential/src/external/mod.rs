@@ -95,6 +95,7 @@ impl External {
     }
 
     /// Keeps what this program lacks, and ends the processes that rest: whoever ends in good order now needs what they hold.
+    #[cfg(unix)]
     fn give_up(&self, what: String) {
         let mut idle = self.idle();
         self.0.shortage.get_or_init(|| Shortage { engine: self.0.spec.name.clone(), what });
@@ -138,9 +139,11 @@ impl External {
                 let features = [question.pair.a.topology(), question.pair.b.topology()];
                 let answer = protocol::answer(&line, id, features);
                 if matches!(answer, Err(EngineFailure::Malformed(_))) {
+                    // A line that is no answer may be one that nobody asked for, with the answer behind it. Of a fresh process it would come again.
+                    let unasked = id > 0 && (protocol::is_of_earlier(&line, id) || process.says_more());
                     // Who knows what else it is about to say.
                     process.kill();
-                    return Asked { answer, process: None, unasked: protocol::is_of_earlier(&line, id) };
+                    return Asked { answer, process: None, unasked };
                 }
                 Asked { answer, process: Some(process), unasked: false }
             }

@@ -15,6 +15,9 @@ const FAREWELL: Duration = Duration::from_millis(300);
 /// How often a program that does not answer is looked at: it may have ended while something that it started holds its pipes.
 const LOOK: Duration = Duration::from_millis(20);
 
+/// How long a program that gave no answer may take to say more, which nobody asked for.
+const MORE: Duration = Duration::from_millis(250);
+
 /// So many characters of a program's last words are told.
 const WORDS: usize = 200;
 
@@ -93,6 +96,20 @@ impl Process {
                 Ok(PipeEvent::Nothing) if ended => return Err(NoAnswer::Ended(self.exit_description())),
                 Ok(PipeEvent::Nothing | PipeEvent::Part) if left.is_zero() => return Err(NoAnswer::TimedOut),
                 Ok(PipeEvent::Nothing | PipeEvent::Part) => {}
+            }
+        }
+    }
+
+    /// Whether it writes more soon, without being asked.
+    pub fn says_more(&mut self) -> bool {
+        let begin = Instant::now();
+        loop {
+            let left = MORE.saturating_sub(begin.elapsed());
+            match self.pipes.poll(left) {
+                Ok(PipeEvent::Line(_) | PipeEvent::Part | PipeEvent::TooLong) => return true,
+                Ok(PipeEvent::End) | Err(_) => return false,
+                Ok(PipeEvent::Nothing) if left.is_zero() => return false,
+                Ok(PipeEvent::Nothing) => {}
             }
         }
     }
