@@ -93,6 +93,24 @@ fn engine_counts(run: &mut BTreeMap<String, Vec<u8>>) -> [u64; 3] {
     [counts[0], counts[1], counts[2]]
 }
 
+#[test]
+fn without_open_files_it_ends_and_goes_on() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    fs::write(dir.join("settings.toml"), SETTINGS).expect("settings");
+    for files in 4..=7 {
+        let script = format!("ulimit -n {files}; exec \"$0\" campaign settings.toml --threads 1 --resume --out run");
+        let mut shell = Command::new("timeout");
+        let ended = shell.current_dir(dir).args(["20", "sh", "-c", &script]).arg(program()).output().expect("runs");
+        let err = String::from_utf8_lossy(&ended.stderr);
+        // So few are enough in the end.
+        let told = ended.status.code() == Some(2) && err.contains("Too many open files");
+        assert!(told || files > 4 && ended.status.success(), "{files}: {ended:?}");
+    }
+    let ended = campaign(dir, "run", &["--resume"]).output().expect("runs");
+    assert!(ended.status.success(), "{ended:?}");
+}
+
 /// Case files are called after the engine among others, and no file system takes a name of more than 255 bytes.
 #[test]
 fn an_engine_may_have_a_name_of_300_characters() {

@@ -3,7 +3,6 @@
 use super::error::ResultsError;
 use super::manifest::Owner;
 use super::unprotected::tell;
-use super::whole::read_whole;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -51,20 +50,26 @@ impl Lock {
         let begin = Instant::now();
         loop {
             ResultsError::refuse_link(&path)?;
+            // A pipe would be waited for.
+            if path.symlink_metadata().is_ok_and(|found| !found.is_file()) {
+                return Err(ResultsError::Foreign { file: path, owner });
+            }
             let mut file =
                 OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(at())?;
             let attempt = Attempt::of(try_lock(&file)).map_err(at())?;
             let mut text = Vec::new();
-            (&mut file).take(LONGEST).read_to_end(&mut text).map_err(at())?;
+            let read = (&mut file).take(LONGEST).read_to_end(&mut text);
             let held = String::from_utf8_lossy(&text);
             if attempt == Attempt::Held {
-                if !held.starts_with(FIRST) && begin.elapsed() < NAMING {
+                // On Windows what another process has locked cannot be read: there is nothing to wait for.
+                if read.is_ok() && !held.starts_with(FIRST) && begin.elapsed() < NAMING {
                     thread::sleep(LOOK);
                     continue;
                 }
                 let holder = held.strip_prefix(FIRST).map_or("another process", |held| held.trim_end());
                 return Err(ResultsError::InUse { dir: dir.to_owned(), holder: holder.to_owned() });
             }
+            read.map_err(at())?;
             if !held.is_empty() && !held.starts_with(FIRST) {
                 return Err(ResultsError::Foreign { file: path, owner });
             }
@@ -72,8 +77,11 @@ impl Lock {
             let written = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(holder.as_bytes()));
             written.map_err(at())?;
             // Whoever held the lock may have removed the file after we opened it: then this is not the file that others would lock.
-            if read_whole(&path).is_ok_and(|text| text == holder.as_bytes()) {
-                return Ok((Lock { path, _file: file }, attempt == Attempt::Taken));
+            let locked = file.try_clone().and_then(same_file::Handle::from_file).map_err(at())?;
+            match same_file::Handle::from_path(&path) {
+                Ok(found) if found == locked => return Ok((Lock { path, _file: file }, attempt == Attempt::Taken)),
+                Err(error) if error.kind() != ErrorKind::NotFound => return Err(at()(error)),
+                _ => {}
             }
         }
     }
@@ -178,7 +186,7 @@ mod tests {
             error.join().expect("no panic")
         });
         assert!(error.contains("in use by process 7 (rockproof), since now;"), "{error}");
-        // One that never does is not waited for.
+        // One that never does is given up after [`NAMING`].
         file.set_len(0).expect("emptied");
         assert!(refused().contains("in use by another process;"));
     }
@@ -198,7 +206,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_lock_that_is_a_link_is_refused_and_not_followed() {
+    fn a_lock_that_is_a_link_or_no_file_is_refused() {
         let dir = tempfile::tempdir().expect("a folder");
         let (results, theirs) = (dir.path().join("run"), dir.path().join("theirs"));
         fs::create_dir(&results).expect("a folder");
@@ -210,6 +218,9 @@ mod tests {
             assert!(fs::read(&theirs).map_or(true, |bytes| bytes.is_empty()));
             fs::write(&theirs, "").expect("written");
         }
+        let other = dir.path().join("other");
+        fs::create_dir_all(other.join(LOCK)).expect("a folder");
+        assert!(matches!(Lock::take(&other, Owner::Campaign), Err(ResultsError::Foreign { .. })));
     }
 
     #[test]
