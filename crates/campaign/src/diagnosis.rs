@@ -15,8 +15,8 @@ use rockproof_differential::diagnosis::{
     DIAGNOSIS_COLUMNS, DiagnosisRow, DiagnosisVerdict, Question, Reply, Sample, ask, diagnose,
 };
 use rockproof_differential::engine::Engine;
-use rockproof_differential::finding::{Cause, Finding, FindingScope};
-use rockproof_differential::row::{FindingRow, written};
+use rockproof_differential::finding::{Cause, FINDING_COLUMNS, Finding, FindingScope};
+use rockproof_differential::row::{FindingRow, typed_rows, written};
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::files::open_table;
 use rockproof_results::{ResultsError, digest};
@@ -135,7 +135,7 @@ impl Campaign<'_> {
             }
             rows.extend(of_engine);
             // Answers of engines that end together with this program count for nothing.
-            self.panel.able()?;
+            self.panel.check_shortage()?;
             if stopped() {
                 return Ok(Ending::Stopped);
             }
@@ -252,7 +252,8 @@ impl Campaign<'_> {
 /// The differing answers of each engine.
 fn differing(findings: &Path, seed: u64) -> Result<BTreeMap<String, Differing>, RunError> {
     let mut found: BTreeMap<String, Differing> = BTreeMap::new();
-    for row in csv::Reader::from_reader(open_table(findings).map_err(ResultsError::at(findings))?).into_deserialize() {
+    let table = open_table(findings).map_err(ResultsError::at(findings))?;
+    for row in typed_rows(table, &FINDING_COLUMNS)? {
         let row: FindingRow = row?;
         if let FindingScope::Engine(name) = &row.engine
             && row.cause == Cause::Engine

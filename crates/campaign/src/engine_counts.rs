@@ -24,6 +24,9 @@ pub struct EngineRow {
     pub not_compared: u64,
 }
 
+/// The columns of `engines.csv`.
+pub const ENGINE_COLUMNS: [&str; 5] = ["engine", "asked", "processes_started", "recovered", "not_compared"];
+
 /// The counts of earlier sessions or of parts, and those that the engines of a panel had when this session began.
 pub(super) struct EngineSums {
     before: BTreeMap<String, EngineCounts>,

@@ -2,9 +2,27 @@
 
 use super::compare::AnswerChange;
 use super::finding::{Cause, FindingScope};
-use serde::de::Error;
+use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt::Display;
+use std::io::{self, Read};
+
+/// The rows of a table, by the names of its columns, of which there must be these.
+///
+/// # Errors
+/// When the header cannot be read or lacks a column: a table that was emptied, or of which nothing can be read, is none without rows.
+pub fn typed_rows<T: DeserializeOwned, R: Read>(
+    table: R,
+    columns: &[&str],
+) -> csv::Result<csv::DeserializeRecordsIntoIter<R, T>> {
+    let mut reader = csv::Reader::from_reader(table);
+    let header = reader.headers()?;
+    if let Some(missing) = columns.iter().find(|column| !header.iter().any(|name| name == **column)) {
+        let text = format!("there is no column \"{missing}\"; expected are {}", columns.join(","));
+        return Err(io::Error::new(io::ErrorKind::InvalidData, text).into());
+    }
+    Ok(reader.into_deserialize())
+}
 
 /// One finding as `findings.csv` has it. The fields are its columns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,13 +5,13 @@ mod tests;
 
 use super::config::{Baseline, FindingLimit};
 use super::known_findings::SEPARATOR;
-use rockproof_campaign::engine_counts::{ENGINES, EngineRow};
+use rockproof_campaign::engine_counts::{ENGINE_COLUMNS, ENGINES, EngineRow};
 use rockproof_campaign::pairs::BATCH;
-use rockproof_campaign::steps::{StepFindingRow, StepSummaryRow};
-use rockproof_campaign::summary::SummaryRow;
-use rockproof_differential::finding::{Cause, FindingScope};
+use rockproof_campaign::steps::{STEP_FINDING_COLUMNS, STEP_SUMMARY_COLUMNS, StepFindingRow, StepSummaryRow};
+use rockproof_campaign::summary::{SUMMARY_COLUMNS, SummaryRow};
+use rockproof_differential::finding::{Cause, FINDING_COLUMNS, FindingScope};
 use rockproof_differential::lockstep::StepCause;
-use rockproof_differential::row::FindingRow;
+use rockproof_differential::row::{FindingRow, typed_rows};
 use rockproof_model::files::open_table;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -214,14 +214,15 @@ impl CampaignTally {
     /// # Errors
     /// When its tables cannot be read: a count that nobody can read must not pass for none.
     pub fn read(dir: &Path) -> Result<CampaignTally, TallyError> {
-        let mut rows: Vec<TallyRow> = table(&dir.join("findings.csv"))?.into_iter().map(TallyRow::Pair).collect();
+        let mut rows: Vec<TallyRow> =
+            table(&dir.join("findings.csv"), &FINDING_COLUMNS)?.into_iter().map(TallyRow::Pair).collect();
         let steps = dir.join("step_findings.csv");
         if steps.is_file() {
-            rows.extend(table(&steps)?.into_iter().map(TallyRow::Step));
+            rows.extend(table(&steps, &STEP_FINDING_COLUMNS)?.into_iter().map(TallyRow::Step));
         }
         let file = dir.join("summary.csv");
         let mut origins: BTreeMap<[String; 3], u64> = BTreeMap::new();
-        for SummaryRow { family, form, tolerances, pairs, .. } in table(&file)? {
+        for SummaryRow { family, form, tolerances, pairs, .. } in table(&file, &SUMMARY_COLUMNS)? {
             let known = *origins.entry([family, form, tolerances]).or_insert(pairs);
             if known != pairs {
                 return Err(TallyError::Contradiction { file, found: [known, pairs] });
@@ -236,7 +237,7 @@ impl CampaignTally {
         let classified: BTreeSet<String> = examined.keys().map(|(family, _)| family.clone()).collect();
         examined.extend(moved.into_iter().filter(|((family, _), _)| !classified.contains(family)));
         let file = dir.join(ENGINES);
-        let engines = if file.is_file() { table(&file)? } else { Vec::new() };
+        let engines = if file.is_file() { table(&file, &ENGINE_COLUMNS)? } else { Vec::new() };
         Ok(CampaignTally { rows, examined, watched, engines })
     }
 
@@ -307,7 +308,7 @@ type PairCounts = BTreeMap<(String, String), u64>;
 /// Pairs that make steps, and those of them whose steps were looked through: as many as the engine has of them that takes the most.
 fn moved(file: &Path) -> Result<[PairCounts; 2], TallyError> {
     let mut by_engine: BTreeMap<[String; 3], [u64; 2]> = BTreeMap::new();
-    for StepSummaryRow { family, tolerances, engine, pairs, watched, .. } in table(file)? {
+    for StepSummaryRow { family, tolerances, engine, pairs, watched, .. } in table(file, STEP_SUMMARY_COLUMNS)? {
         let known = by_engine.entry([family, tolerances, engine]).or_default();
         // At most: of a pair several steps may be looked through.
         *known = [known[0] + pairs, known[1] + pairs.min(watched)];
@@ -322,10 +323,11 @@ fn moved(file: &Path) -> Result<[PairCounts; 2], TallyError> {
     Ok(counts)
 }
 
-fn table<T: DeserializeOwned>(file: &Path) -> Result<Vec<T>, TallyError> {
+/// The rows of a table, which has these columns.
+fn table<T: DeserializeOwned>(file: &Path, columns: &[&str]) -> Result<Vec<T>, TallyError> {
     let at = |source| TallyError::Csv { file: file.to_owned(), source };
     let opened = open_table(file).map_err(|error| at(error.into()))?;
-    csv::Reader::from_reader(opened).into_deserialize().collect::<Result<_, _>>().map_err(at)
+    typed_rows(opened, columns).and_then(Iterator::collect).map_err(at)
 }
 
 impl LimitCount {

@@ -4,8 +4,8 @@ use super::axis::{CellKey, PairAlignment, StressAxis, StressLevel, cells};
 use crate::proportion::{is_above, trials_to_tell, wilson};
 use crate::summary::Summary;
 use rockproof_differential::compare::AnswerChange;
-use rockproof_differential::finding::{Cause, FindingScope};
-use rockproof_differential::row::FindingRow;
+use rockproof_differential::finding::{Cause, FINDING_COLUMNS, FindingScope};
+use rockproof_differential::row::{FindingRow, typed_rows};
 use rockproof_model::Precision;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
@@ -121,6 +121,12 @@ pub const SAFE_SHARE: f64 = 0.01;
 /// Why a table cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
+    /// The header lacks a column, or cannot be read.
+    #[error("findings.csv: {source}")]
+    Header {
+        /// What is wrong.
+        source: csv::Error,
+    },
     /// A row that is none of a stress campaign, or cannot be read.
     #[error("findings.csv: row {row} is not of a stress campaign: {source}")]
     Row {
@@ -149,8 +155,8 @@ pub fn rows(
     engines: &[(String, Precision)],
 ) -> Result<Vec<CellRow>, TableError> {
     let mut counts: BTreeMap<(String, String, String, String), Count> = BTreeMap::new();
-    let mut reader = csv::Reader::from_reader(findings);
-    for (row, record) in reader.deserialize().enumerate() {
+    let records = typed_rows(findings, &FINDING_COLUMNS).map_err(|source| TableError::Header { source })?;
+    for (row, record) in records.enumerate() {
         let row: FindingRow = record.map_err(|source| TableError::Row { row: row + 1, source })?;
         if row.cause == Cause::Tolerance {
             continue;
@@ -369,7 +375,11 @@ mod tests {
 
     #[test]
     fn findings_of_other_campaigns_are_refused() {
-        let text = "index,family\nx,y\n";
-        assert!(matches!(rows(&Summary::default(), text.as_bytes(), &[]), Err(TableError::Row { row: 1, .. })));
+        let refused = |text: &str| rows(&Summary::default(), text.as_bytes(), &[]).expect_err("no findings");
+        for text in ["", "index,family\nx,y\n"] {
+            assert!(matches!(refused(text), TableError::Header { .. }), "{text:?}");
+        }
+        let text = format!("{}\nx,y\n", FINDING_COLUMNS.join(","));
+        assert!(matches!(refused(&text), TableError::Row { row: 1, .. }));
     }
 }

@@ -1,7 +1,4 @@
 use super::*;
-use rockproof_campaign::steps::STEP_SUMMARY_COLUMNS;
-use rockproof_campaign::summary::SUMMARY_COLUMNS;
-use rockproof_differential::finding::FINDING_COLUMNS;
 use std::fs;
 
 #[test]
@@ -33,6 +30,19 @@ fn a_number_that_cannot_be_read_is_an_error_and_not_zero() {
     assert!(matches!(error, TallyError::Contradiction { found: [1000, 9], .. }), "{error}");
 }
 
+#[test]
+fn a_table_without_its_columns_is_none_without_rows() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let table = dir.path().join("findings.csv");
+    let header = FINDING_COLUMNS.join(",");
+    for (text, missing) in [("", "index"), ("\n", "index"), (&header.replace("cause", "because"), "cause")] {
+        fs::write(&table, text).expect("write");
+        let error = CampaignTally::read(dir.path()).expect_err("no table").to_string();
+        assert!(error.contains(&format!("findings.csv: there is no column \"{missing}\"")), "{error}");
+    }
+}
+
+#[cfg(unix)]
 #[test]
 fn a_row_without_end_is_refused() {
     let dir = tempfile::tempdir().expect("a folder");

@@ -1,9 +1,10 @@
 //! The counts of several directories added up: of parts, finished or not, of one comparison or of several.
 
-use super::disagreement::DisagreementRow;
+use super::disagreement::{DISAGREEMENT_COLUMNS, DisagreementRow};
 use super::record::{ComparisonPlan, ComparisonProgress, GENERATOR, STATE, TABLE, VERSION};
 use super::tally::Totals;
 use rockproof_campaign::pairs::BATCH;
+use rockproof_differential::row::typed_rows;
 use rockproof_model::bounded_rows::BoundedRows;
 use rockproof_results::{Owner, ResultsError, View};
 use serde::{Deserialize, Serialize};
@@ -174,8 +175,9 @@ fn read(view: &View) -> Result<(ComparisonProgress, ComparisonPlan), ResultsErro
 /// The first rows of a directory's table, at most so many.
 fn rows(view: &View, progress: &ComparisonProgress, most: usize) -> Result<Vec<DisagreementRow>, ResultsError> {
     let path = view.path().join(TABLE);
-    let reader = csv::Reader::from_reader(BoundedRows::new(view.table(TABLE, &progress.disagreements)?));
-    let rows = reader.into_deserialize().take(most).map(|row: Result<DisagreementRow, csv::Error>| {
+    let table = BoundedRows::new(view.table(TABLE, &progress.disagreements)?);
+    let rows = typed_rows(table, &DISAGREEMENT_COLUMNS).map_err(|error| ResultsError::damaged(&path, error))?;
+    let rows = rows.take(most).map(|row: Result<DisagreementRow, csv::Error>| {
         let mut row = row.map_err(|error| ResultsError::damaged(&path, error))?;
         if !row.case.is_empty() {
             row.case = view.path().join(&row.case).display().to_string();
