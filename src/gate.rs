@@ -171,8 +171,10 @@ impl Gate {
 
 fn load(baseline: &Baseline) -> anyhow::Result<KnownFindings> {
     let file = baseline.file.display();
-    let text =
-        read_text(&baseline.file).with_context(|| format!("{file}: no baseline; --update-baseline writes it"))?;
+    let text = read_text(&baseline.file).with_context(|| match baseline.file.exists() {
+        true => file.to_string(),
+        false => format!("{file}: no baseline; --update-baseline writes it"),
+    })?;
     let known: KnownFindings = toml::from_str(&text).with_context(|| file.to_string())?;
     if known.fields != baseline.fields {
         let fields = (known.fields.join(", "), baseline.fields.join(", "));
@@ -196,6 +198,9 @@ fn is_baseline(baseline: &Baseline) -> anyhow::Result<()> {
             .with_context(|| format!("{file} is no baseline, so --update-baseline leaves it alone")),
     }
 }
+
+/// A case file: its name and what it holds.
+type CaseFile = (String, Vec<u8>);
 
 impl Gating<'_> {
     fn campaign(
@@ -239,28 +244,29 @@ impl Gating<'_> {
         for check in &mut checks {
             check.seconds = share;
             if let Some(&row) = check.rows.first() {
-                check.case = self.keep(&mut journal, &source, &config, &tally.rows[row])?;
-                self.engines.able()?;
+                let case = self.case_of(&source, &config, &tally.rows[row])?;
+                // Else what the engines were asked for the case is worth nothing.
+                self.engines.check_shortage()?;
+                check.case = case.map(|case| self.write(&mut journal, case)).transpose()?;
             }
         }
         Ok(checks)
     }
 
-    /// Writes the shrunk case of a row, and says where it is; none where there are enough already, or the finding has none.
-    fn keep(
-        &mut self,
-        journal: &mut Journal,
+    /// The shrunk case of a row; none where there are enough already, or the finding has none.
+    fn case_of(
+        &self,
         source: &FamilySource,
         config: &CampaignConfig,
         row: &TallyRow,
-    ) -> anyhow::Result<Option<PathBuf>> {
+    ) -> anyhow::Result<Option<CaseFile>> {
         if self.written >= CASES {
             return Ok(None);
         }
         let panel = self.engines.panel();
         let row = match row {
             TallyRow::Pair(row) => row,
-            TallyRow::Step(row) => return self.keep_step(journal, source, config, row),
+            TallyRow::Step(row) => return self.case_of_step(source, config, row),
         };
         let subjects = source.batch(row.index / source.batch_len());
         let Some(subject) = subjects.iter().find(|s| s.index == row.index) else { return Ok(None) };
@@ -270,17 +276,16 @@ impl Gating<'_> {
         let Some(case) = Case::of(&finding, subject, config.seed, &panel) else { return Ok(None) };
         let case = Shrinker::new(&panel, config.shrink_evaluations).shrink(case);
         let stem = finding.fingerprint().file_stem(&finding.set, finding.index);
-        self.write(journal, format!("{stem}.toml"), case.to_toml()?.into_bytes())
+        Ok(Some((format!("{stem}.toml"), case.to_toml()?.into_bytes())))
     }
 
-    /// Writes the case of a row about a step.
-    fn keep_step(
-        &mut self,
-        journal: &mut Journal,
+    /// The case of a row about a step.
+    fn case_of_step(
+        &self,
         source: &FamilySource,
         config: &CampaignConfig,
         row: &StepFindingRow,
-    ) -> anyhow::Result<Option<PathBuf>> {
+    ) -> anyhow::Result<Option<CaseFile>> {
         let names = self.engines.names();
         let steppers = steps::engines(names.iter().map(String::as_str));
         let Some((subject, motion)) = source.moving(row.index, &row.family) else { return Ok(None) };
@@ -290,14 +295,15 @@ impl Gating<'_> {
         let Some(case) = steps::case::of(&finding, &subject, &motion, &steppers, config.shrink_evaluations) else {
             return Ok(None);
         };
-        self.write(journal, row.file_name(), case.text()?)
+        Ok(Some((row.file_name(), case.text()?)))
     }
 
-    fn write(&mut self, journal: &mut Journal, name: String, bytes: Vec<u8>) -> anyhow::Result<Option<PathBuf>> {
+    /// Writes a case, and says where it is.
+    fn write(&mut self, journal: &mut Journal, (name, bytes): CaseFile) -> anyhow::Result<PathBuf> {
         let file = journal.dir().join("cases").join(&name);
         print_note(&format!("to replay: rockproof replay {}", file.display()));
         journal.write_cases(vec![(name, bytes)])?;
         self.written += 1;
-        Ok(Some(file))
+        Ok(file)
     }
 }

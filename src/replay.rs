@@ -72,7 +72,7 @@ impl Replay {
         let engines = self.external.engines_of(&case, path)?;
         let (said, partings) = answers(&case, &engines);
         let recurrence = Recurrence::of(&case, &engines);
-        engines.able()?;
+        engines.check_shortage()?;
         let recorded = match case.about.cause.as_str() {
             "tolerance" => &said[0],
             "representation" => &said[1],

@@ -51,14 +51,14 @@ impl Shrink {
         let file = path.display();
         let panel = engines.panel_of(&case).with_context(|| file.to_string())?;
         let shows = !case.findings(&panel).is_empty();
-        panel.able()?;
+        panel.check_shortage()?;
         if !shows {
             let CaseDescription { cause, change, engine, predicate, .. } = about;
             anyhow::bail!("{file}: the pair does not show its finding: {cause} {change} by {engine} ({predicate})");
         }
         let before = size(&case);
         let small = Shrinker::new(&panel, self.evaluations).shrink(case);
-        panel.able()?;
+        panel.check_shortage()?;
         write_atomically(out, small.to_toml()?).with_context(|| out.display().to_string())?;
         print(&format!("before: {before}\nafter:  {}\nwritten to {}\n", size(&small), out.display()))?;
         Ok(Verdict::Passed)

@@ -90,7 +90,7 @@ impl Engines {
                 continue;
             };
             let answered = engine.probe(&a, &b, &tolerances);
-            self.able()?;
+            self.check_shortage()?;
             answered.map_err(|what| EnginesError::Dumb {
                 name: engine.name().to_owned(),
                 command: engine.spec().command.join(" "),
@@ -100,12 +100,12 @@ impl Engines {
         Ok(())
     }
 
-    /// Whether all engines could be asked so far.
+    /// That all engines could be asked so far.
     ///
     /// # Errors
     /// What this program lacked for one: then what that one said counts for nothing.
-    pub fn able(&self) -> Result<(), Shortage> {
-        self.panel().able()
+    pub fn check_shortage(&self) -> Result<(), Shortage> {
+        self.panel().check_shortage()
     }
 
     fn named(&self) -> Vec<Box<dyn Engine>> {

@@ -33,7 +33,7 @@ impl Campaign<'_> {
             let numbers = (0..pairs.div_ceil(batch_len)).into_par_iter();
             numbers.map(|number| self.batch(number, pairs, seen, &stopped)).collect()
         });
-        self.panel.able()?;
+        self.panel.check_shortage()?;
         Ok(batches.map(|batches| {
             let mut all = Examined::default();
             for batch in batches {

@@ -164,13 +164,13 @@ impl Campaign<'_> {
         let stopped = || self.is_over(stop);
         let mut examiner = InProcess::new(self, journal, &stopped)?;
         let ending = self.work(share, journal, &stopped, watch, &mut examiner);
-        self.panel.able()?;
+        self.panel.check_shortage()?;
         ending
     }
 
     /// Whether there is no more to do: it was told to stop, or an engine cannot be asked.
     pub(super) fn is_over(&self, stop: &AtomicBool) -> bool {
-        stop.load(Ordering::SeqCst) || self.panel.able().is_err()
+        stop.load(Ordering::SeqCst) || self.panel.check_shortage().is_err()
     }
 
     /// Has a share of the pairs examined, chunk by chunk. Chunks begin where they do in the whole campaign.

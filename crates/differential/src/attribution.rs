@@ -48,7 +48,7 @@ impl EnginePanel {
     ///
     /// # Errors
     /// What this program lacked for one: then what that one said counts for nothing.
-    pub fn able(&self) -> Result<(), Shortage> {
+    pub fn check_shortage(&self) -> Result<(), Shortage> {
         self.engines.iter().find_map(|engine| engine.shortage()).map_or(Ok(()), |shortage| Err(shortage.clone()))
     }
 }

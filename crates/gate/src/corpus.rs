@@ -38,7 +38,7 @@ pub fn checks(paths: &[PathBuf], engines: &Engines) -> Result<Vec<Check>, Corpus
     for path in paths {
         for file in files(path)? {
             checks.push(check(&file, engines)?);
-            engines.able()?;
+            engines.check_shortage()?;
         }
     }
     Ok(checks)

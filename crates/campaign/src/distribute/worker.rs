@@ -183,7 +183,7 @@ impl Worker<'_> {
         match job {
             Job::Case(number, task) => {
                 let reply = self.case(&task)?;
-                self.campaign.panel.able()?;
+                self.campaign.panel.check_shortage()?;
                 if self.is_stopped() {
                     return Ok(None);
                 }
@@ -195,7 +195,7 @@ impl Worker<'_> {
                 lock().begun.get_or_insert_with(Instant::now);
                 let stopped = || self.is_stopped();
                 let batch = self.campaign.batch(number, unit.pairs.end, &Seen::default(), &stopped);
-                self.campaign.panel.able()?;
+                self.campaign.panel.check_shortage()?;
                 let Some(batch) = batch else { return Ok(None) };
                 let mut progress = lock();
                 progress.done.insert(number, batch);

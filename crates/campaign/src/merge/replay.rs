@@ -106,7 +106,7 @@ impl Campaign<'_> {
             progress.merging = false;
         }
         let committed = journal.commit(&new, progress);
-        self.panel.able()?;
+        self.panel.check_shortage()?;
         committed?;
         if finished {
             self.write_tables(journal, whole, json)?;
