@@ -170,6 +170,7 @@ mod tests {
     use super::*;
     use std::fs;
 
+    #[cfg(unix)]
     #[test]
     fn a_row_without_end_is_refused() {
         let dir = tempfile::tempdir().expect("a folder");

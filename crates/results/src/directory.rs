@@ -82,8 +82,9 @@ impl Directory {
         if self.has(checkpoint) {
             return Ok(true);
         }
-        let table = Some(self.path.join(table)).filter(|table| table.is_file());
-        if table.is_some_and(|table| has_rows(&table)) || self.has("run.json") {
+        let table = self.path.join(table);
+        let has_rows = table.is_file() && has_rows(&table).map_err(ResultsError::at(&table))?;
+        if has_rows || self.has("run.json") {
             return Err(ResultsError::damaged(&self.path.join(checkpoint), "it is missing"));
         }
         self.remove(|_| true)?;
