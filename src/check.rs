@@ -74,6 +74,11 @@ impl Check {
 }
 
 impl ModelArgs {
+    /// The files that are read.
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
+        [self.file.path()].into_iter().chain(self.tolerances.file())
+    }
+
     /// How commands name the model, of which results are in `dir`, the usual one or another.
     pub(crate) fn naming(&self, dir: &Path, is_usual_dir: bool) -> Naming {
         Naming {

@@ -71,6 +71,7 @@ impl Examine {
         let model = self.model.checked(self.precision)?;
         let dir = self.directory();
         let start = Start::of(false, self.overwrite);
+        start.refuse_inputs(&dir, self.model.inputs())?;
         let mut directory = Directory::claim(Claim { dir: &dir, owner: Owner::Examine, start, files: &FILES })?;
         let stop = on_ctrl_c()?;
         let candidates = if self.no_tune { 0 } else { self.candidates };

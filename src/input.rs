@@ -183,10 +183,15 @@ pub(crate) struct ToleranceArgs {
 impl ToleranceArgs {
     /// What messages about the tolerances of a scene's file name: that file, and the one of --tolerances.
     pub(crate) fn place(&self, scene: &Path) -> String {
-        match &self.tolerances {
-            Some(text) if Preset::from_name(text).is_none() => format!("{}: --tolerances {text}", scene.display()),
-            _ => scene.display().to_string(),
+        match self.file() {
+            None => scene.display().to_string(),
+            Some(file) => format!("{}: --tolerances {}", scene.display(), file.display()),
         }
+    }
+
+    /// The file of --tolerances, where it names one.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.tolerances.as_deref().filter(|text| Preset::from_name(text).is_none()).map(Path::new)
     }
 
     /// The options as they stand on a command line, each after a space; nothing where none is given.

@@ -37,7 +37,7 @@ use rockproof_tune::hold_lowest;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Simulate a scene step by step
@@ -270,6 +270,7 @@ impl Simulate {
         let points = &ready.scene.simulation.measured_points;
         let names = points.iter().map(|point| point.name.clone()).collect();
         let (file, dir) = (self.scene.path().to_path_buf(), self.directory());
+        Start::of(false, self.overwrite).refuse_inputs(&dir, self.inputs())?;
         let run = ExactRun { file, dir, plan: ready.plan, overwrite: self.overwrite, names };
         run.go(&self.format, Trajectory::new(&ready.scene, &ready.set, self.keep(&ready.scene)))
     }
@@ -296,6 +297,11 @@ impl Simulate {
         Ok(Plan { steps, time, smallest_step, every: self.every, contacts: self.contacts })
     }
 
+    /// The files that are read.
+    fn inputs(&self) -> impl Iterator<Item = &Path> {
+        [self.scene.path()].into_iter().chain(self.tolerances.file())
+    }
+
     fn directory(&self) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
             PathBuf::from(format!("reports/{}", bounded(&format!("simulate-{}", self.scene.stem()))))
@@ -310,6 +316,7 @@ impl Simulate {
         let begin = dynamics.state().clone();
         let start = Start::of(self.resume, self.overwrite);
         let dir = self.directory();
+        start.refuse_inputs(&dir, self.inputs())?;
         let mut identity = identity(&scene, &set, engine, &plan);
         let mut headers = headers(&plan)?;
         if self.audit {

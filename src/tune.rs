@@ -165,6 +165,7 @@ impl Tune {
         let here = || self.tolerances.place(self.file.path());
         let mut search = Search::new(evaluator, author, self.seed).with_context(here)?;
         let start = Start::of(self.resume, self.overwrite);
+        start.refuse_inputs(dir, [self.file.path()].into_iter().chain(self.tolerances.file()))?;
         let mut record = SearchRecord::open(dir, identity, start, &mut search)?;
         let begun = Instant::now();
         let reached = |tried: usize| match self.candidates {

@@ -81,6 +81,30 @@ fn flip(file: &Path) {
 }
 
 #[test]
+fn an_input_is_not_discarded() {
+    let place = WorkDir::new();
+    let simulate = ["--steps", "2", "--force", "--out", "stepped"];
+    place.works(&[&["simulate", "model.toml"], &simulate[..]].concat());
+    place.works(&["tune", "model.toml", "--candidates", "1", "--steps", "1", "--out", "tuned"]);
+    let (scene, set) = (place.at("stepped/scene.toml"), place.at("tuned/tolerances.toml"));
+    for file in [&scene, &set] {
+        fs::write(file, fs::read_to_string(file).expect("a file") + "# mine\n").expect("write");
+    }
+    let again = [&["simulate", "stepped/scene.toml", "--overwrite"], &simulate[..]].concat();
+    place.refuses(&again, &["stepped/scene.toml is an input", "--out DIR"]);
+    place.refuses(&[&again[..], &["--engine", "exact"]].concat(), &["stepped/scene.toml is an input"]);
+    for command in ["tune", "examine"] {
+        let arguments =
+            [command, "model.toml", "--tolerances", "tuned/tolerances.toml", "--out", "tuned", "--overwrite"];
+        place.refuses(&arguments, &["tuned/tolerances.toml is an input"]);
+    }
+    for file in [&scene, &set] {
+        assert!(fs::read_to_string(file).expect("a file").ends_with("# mine\n"));
+    }
+    place.works(&[&["simulate", "model.toml", "--overwrite"], &simulate[..]].concat());
+}
+
+#[test]
 fn other_peoples_files_are_named_and_left_alone() {
     let place = WorkDir::new();
     let simulate = ["simulate", "model.toml", "--steps", "2", "--force"];

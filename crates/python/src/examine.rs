@@ -103,6 +103,7 @@ impl ExaminationRun {
         let own = self.model.path.is_none().then_some(MODEL);
         let files: Vec<&str> = lib::FILES.into_iter().chain(own).collect();
         let start = Start::of(false, overwrite);
+        start.refuse_inputs(dir, self.model.path.as_deref()).map_err(refused)?;
         let mut directory =
             Directory::claim(Claim { dir, owner: Owner::Examine, start, files: &files }).map_err(refused)?;
         let naming = naming(&self.model, &self.tolerances, Some(dir));

@@ -1,6 +1,7 @@
 //! What a command asks of a directory.
 
-use super::manifest::Owner;
+use super::error::ResultsError;
+use super::manifest::{Manifest, Owner};
 use std::path::Path;
 
 /// How to begin.
@@ -37,4 +38,23 @@ pub struct Claim<'c> {
     /// The files that the command will write whatever it finds, by their path within the directory. One that is there and not ours is
     /// told before any work is done.
     pub files: &'c [&'c str],
+}
+
+impl Start {
+    /// Refuses to begin anew where a file that is read is one of the results that are discarded: the user may have changed it.
+    ///
+    /// # Errors
+    /// [`ResultsError::Input`]; those of reading the manifest.
+    pub fn refuse_inputs<'p>(self, dir: &Path, inputs: impl IntoIterator<Item = &'p Path>) -> Result<(), ResultsError> {
+        if self != Start::Overwrite || !dir.is_dir() {
+            return Ok(());
+        }
+        let Some(manifest) = Manifest::read(dir)? else { return Ok(()) };
+        let listed: Vec<_> = manifest.files.keys().filter_map(|name| dir.join(name).canonicalize().ok()).collect();
+        let is_listed = |input: &&Path| input.canonicalize().is_ok_and(|input| listed.contains(&input));
+        match inputs.into_iter().find(is_listed) {
+            Some(input) => Err(ResultsError::Input { file: input.to_owned() }),
+            None => Ok(()),
+        }
+    }
 }

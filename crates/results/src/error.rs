@@ -79,6 +79,14 @@ pub enum ResultsError {
         /// The link.
         file: PathBuf,
     },
+    /// An input is one of the results that are to be discarded.
+    #[error(
+        "{file} is an input and one of the results that --overwrite discards; copy it to another place, or use --out DIR"
+    )]
+    Input {
+        /// The file.
+        file: PathBuf,
+    },
     /// Another process works in the directory.
     #[error("{dir} is in use by {holder}; wait until that has ended, or use --out DIR")]
     InUse {
