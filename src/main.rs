@@ -99,7 +99,7 @@ fn main() -> ExitCode {
     let begun = Instant::now();
     cli.talk.apply();
     rockproof_results::on_unprotected(|dir| exit::print_note(&terminal::unprotected(dir)));
-    let code = exit::code(cli.command.run());
+    let code = exit::code(terminal::check_environment().map_err(anyhow::Error::msg).and_then(|()| cli.command.run()));
     cli.talk.tell_cost(begun);
     code
 }

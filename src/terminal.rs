@@ -32,6 +32,18 @@ pub(crate) fn threads(text: &str) -> Result<usize, String> {
     }
 }
 
+/// That the environment asks for no more worker threads than `--threads` may: a command without the option does as it says.
+///
+/// # Errors
+/// With the variable, what was found and what is allowed.
+pub(crate) fn check_environment() -> Result<(), String> {
+    let asked = ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"].map(|name| (name, std::env::var(name).unwrap_or_default()));
+    match asked.iter().find(|(_, text)| text.parse::<u64>().is_ok_and(|threads| threads > MOST_THREADS as u64)) {
+        Some((name, text)) => Err(format!("{name} is {text}; allowed are 1 to {MOST_THREADS}, and 0 for one a core")),
+        None => Ok(()),
+    }
+}
+
 /// A flag that Ctrl-C sets, after which it calls `ended`, and says so by `note`. A second Ctrl-C ends the program at once, with exit code 130;
 /// what is on disk bears it.
 ///

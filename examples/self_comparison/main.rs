@@ -20,7 +20,7 @@ mod total;
 use clap::{Parser, Subcommand};
 use rockproof_validation::self_comparison::paths::{self, Paths};
 use std::process::ExitCode;
-use terminal::{INTERRUPTED, to_stdout};
+use terminal::{INTERRUPTED, check_environment, to_stdout};
 
 /// Compare the exact side with itself: the oracle's fast path, the stepper in 512 bits, the oracle's plain path
 #[derive(Parser)]
@@ -53,11 +53,12 @@ static PATHS: &dyn Paths = &paths::WithGmp::<rug::Rational>::new();
 static PATHS: &dyn Paths = &paths::BuiltIn;
 
 fn main() -> ExitCode {
-    let outcome = match Arguments::parse().command {
+    let command = Arguments::parse().command;
+    let outcome = check_environment().map_err(anyhow::Error::msg).and_then(|()| match command {
         Command::Run(run) => run.run(),
         Command::Total(total) => total.run(),
         Command::Check(check) => check.run(),
-    };
+    });
     match outcome {
         Ok(Verdict::Agreed) => ExitCode::SUCCESS,
         Ok(Verdict::Disagreed) => ExitCode::from(1),

@@ -50,13 +50,21 @@ pub fn text_of(bytes: Vec<u8>) -> io::Result<String> {
 /// Opens a table that is read row by row and may be of any length; its rows are bounded.
 ///
 /// # Errors
-/// Those of the operating system; [`io::ErrorKind::InvalidInput`] for a device.
+/// Those of the operating system; [`io::ErrorKind::InvalidInput`] for a folder, a device or a pipe.
 pub fn open_table(path: impl AsRef<Path>) -> io::Result<BoundedRows<File>> {
-    let file = File::open(path)?;
-    match is_device(&file.metadata()?.file_type()) {
-        true => Err(device()),
-        false => Ok(BoundedRows::new(file)),
+    refuse_what_is_no_file(&path)?;
+    Ok(BoundedRows::new(File::open(path)?))
+}
+
+/// Refuses what a directory of results may hold in a file's place: a folder, a device or a pipe, which may have no end.
+///
+/// # Errors
+/// [`io::ErrorKind::InvalidInput`]; those of the operating system, also where there is nothing.
+pub fn refuse_what_is_no_file(path: impl AsRef<Path>) -> io::Result<()> {
+    if fs::metadata(path)?.is_file() {
+        return Ok(());
     }
+    Err(io::Error::new(io::ErrorKind::InvalidInput, "this is a folder, a device or a pipe; a file is expected"))
 }
 
 fn device() -> io::Error {

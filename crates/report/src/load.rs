@@ -17,7 +17,7 @@ use rockproof_differential::diagnosis::{DIAGNOSIS_COLUMNS, DiagnosisRow};
 use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::FINDING_COLUMNS;
 use rockproof_differential::row::FindingRow;
-use rockproof_model::files::read_text;
+use rockproof_model::files::{read_text, refuse_what_is_no_file};
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_results::is_inside;
 use serde::Deserialize;
@@ -132,6 +132,12 @@ impl Results {
             let (campaign, lockstep, timing) = (has("findings.csv"), has("lockstep.csv"), has(timing::FILE));
             let (motion, stress) = (has(motion::FILE), has(stress::FILE));
             if !campaign && !lockstep && !timing && !motion && !stress {
+                for name in ["findings.csv", "lockstep.csv", timing::FILE, motion::FILE, stress::FILE] {
+                    let file = dir.join(name);
+                    if file.exists() {
+                        refuse_what_is_no_file(&file).map_err(at(&file))?;
+                    }
+                }
                 return Err(ReportError::NoRun { dir: dir.clone(), found: what_is_there(dir) });
             }
             if campaign {
@@ -188,7 +194,7 @@ pub(super) fn name_of(dir: &Path) -> String {
 
 /// Reads a JSON file that names the version that wrote it.
 pub(super) fn read_json<T: for<'d> Deserialize<'d>>(file: &Path) -> Result<T, ReportError> {
-    let text = read_text(file).map_err(at(file))?;
+    let text = refuse_what_is_no_file(file).and_then(|()| read_text(file)).map_err(at(file))?;
     let damaged = |error: &serde_json::Error, expected: &str| ReportError::Damaged {
         file: file.to_owned(),
         line: error.line() as u64,
