@@ -119,6 +119,13 @@ fn junit_is_what_its_schema_allows() {
     assert!(red.contains("red") && !red.contains(char::is_control), "{red:?}");
 }
 
+#[test]
+fn no_line_of_junit_is_a_command_to_a_runner_that_prints_it() {
+    let text = junit(&[check("corpus", "a\n::error::b\u{1b}[31m", "c\r\n::error::d", Verdict::Fail)]).expect("XML");
+    assert!(text.lines().all(|line| !line.trim_start().starts_with("::")), "{text}");
+    assert!(text.contains("a\\n::error::b\\u{1b}[31m") && text.contains("c\\r\\n::error::d"), "{text}");
+}
+
 /// One of GitHub's commands, `::name key=value,key=value::message`, taken apart as the runner does.
 fn command(line: &str) -> Option<(String, BTreeMap<String, String>, String)> {
     let (head, message) = line.strip_prefix("::")?.split_once("::")?;

@@ -15,6 +15,11 @@ pub fn is_ours(text: &str) -> bool {
     root.is_some_and(|root| root.starts_with(&format!("name=\"{NAME}\"")))
 }
 
+/// A text whole, with control characters escaped: a runner that prints the file takes no line of it for a command.
+fn on_a_line(text: &str) -> String {
+    excerpt(text, usize::MAX)
+}
+
 /// JUnit XML: a suite for each group, a case for each check, with the time it took and the command that replays what fails.
 ///
 /// # Errors
@@ -35,15 +40,15 @@ pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
                 Verdict::Skip => TestCaseStatus::skipped(),
             };
             if check.verdict != Verdict::Pass {
-                status.set_message(check.message.as_str());
+                status.set_message(on_a_line(&check.message));
             }
             if check.verdict == Verdict::Fail {
                 status.set_type("gate");
                 if let Some(case) = &check.case {
-                    status.set_description(format!("rockproof replay {}", case.display()));
+                    status.set_description(on_a_line(&format!("rockproof replay {}", case.display())));
                 }
             }
-            let mut case = TestCase::new(check.name.as_str(), status);
+            let mut case = TestCase::new(on_a_line(&check.name), status);
             case.set_time(Duration::try_from_secs_f64(check.seconds).unwrap_or_default());
             case.set_classname(format!("rockproof.{group}"));
             suite.add_test_case(case);
