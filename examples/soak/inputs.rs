@@ -81,7 +81,7 @@ impl Attack {
         let mut reach = Reach::default();
         for _ in 0..if target.takes_directory() { DIRECTORIES } else { INPUTS } {
             let bytes = target.input(&mut self.dice);
-            let begin = Instant::now();
+            let (begin, memory_before) = (Instant::now(), peak_memory(Path::new("/proc/self")));
             let panicked = catch_unwind(AssertUnwindSafe(|| target.run(&bytes, &mut reach))).is_err();
             if panicked {
                 return Err(format!("{}: {}; {}", target.name, last_panic(), kept(target.name, &bytes)));
@@ -91,9 +91,14 @@ impl Attack {
                 return Err(format!("{}: an input of {took:.0?}; {}", target.name, kept(target.name, &bytes)));
             }
             let memory = peak_memory(Path::new("/proc/self"));
-            if memory > MOST_MEMORY {
+            // The peak is that of all threads, and never falls.
+            if memory_before <= MOST_MEMORY && memory > MOST_MEMORY {
                 let mib = memory / 1024;
-                return Err(format!("{}: {mib} MiB after an input; {}", target.name, kept(target.name, &bytes)));
+                return Err(format!(
+                    "{}: {mib} MiB while it read this or another thread something else; {}",
+                    target.name,
+                    kept(target.name, &bytes)
+                ));
             }
             self.counts.longest_input = self.counts.longest_input.max(took);
             self.counts.reader_inputs += 1;

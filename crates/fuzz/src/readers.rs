@@ -19,7 +19,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 /// The longest message about a file, in bytes.
-const LONGEST_MESSAGE: usize = 4_000;
+pub(crate) const LONGEST_MESSAGE: usize = 4_000;
 
 /// What a reader made of a file: nothing more, or its error's kind and message.
 type Read = Result<(), (String, String)>;

@@ -5,6 +5,7 @@ mod tables;
 use crate::Target;
 use crate::dice::Dice;
 use crate::reach::Reach;
+use crate::readers::LONGEST_MESSAGE;
 use crate::run_directory::{Damage, campaign, input, write};
 use crate::scratch::{new_folder, scratch};
 use crate::simulation_directory::begun;
@@ -46,8 +47,6 @@ const TALLIED: [&str; 5] = [
     "campaign/step_summary.csv",
     "campaign/engines.csv",
 ];
-/// The longest message, in bytes.
-const LONGEST_MESSAGE: usize = 4_000;
 
 /// One directory of each sort that reports are made of. Those of a campaign and of a simulation were made; what an engine from outside, the
 /// exact side, a stress set and measurements add to them stands in [`tables`].

@@ -205,10 +205,7 @@ const WANTED: [(&str, &[(&str, u64)]); 26] = [
         ],
     ),
     ("simulation_directory", &[("Damaged", 31), ("Manifest", 8), ("resealed-run", 4), ("whole", 5)]),
-    (
-        "tune_directory",
-        &[("Csv", 1), ("Damaged", 25), ("Foreign", 1), ("Manifest", 11), ("resealed-read", 6), ("whole", 4)],
-    ),
+    ("tune_directory", &[("Damaged", 25), ("Foreign", 1), ("Manifest", 11), ("resealed-read", 6), ("whole", 4)]),
     ("part_directory", &[("Results", 37), ("resealed-read", 6), ("whole", 6)]),
     (
         "comparison_directory",
