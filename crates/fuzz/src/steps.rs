@@ -11,6 +11,10 @@ use rockproof_oracle::step::{CertifiedStep, KeptPrecision, State, StepAnswer, St
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::Dynamics;
 
+/// Of a state whose coordinates have longer fractions, in bits, no further step is made: one took minutes in fractions, where most take a tenth of a
+/// second.
+const LONGEST_FRACTION: u64 = 1_000;
+
 /// The certified step against the step in fractions, the plain classification and the stepper in 512 bits.
 pub(crate) fn step(bytes: &[u8], reach: &mut Reach) {
     let Some(input) = SceneInput::of(bytes) else { return reach.count("no-scene") };
@@ -19,6 +23,9 @@ pub(crate) fn step(bytes: &[u8], reach: &mut Reach) {
     };
     let mut state = scene.begin();
     for number in 0..input.steps {
+        if number > 0 && longest_fraction(&state) > LONGEST_FRACTION {
+            return reach.count("long-fractions");
+        }
         let (certified, exact) = (scene.decide(&state), scene.step(&state, KeptPrecision::Exact));
         if number == 0 {
             in_512_bits(&scene, &exact, reach);
@@ -50,6 +57,16 @@ pub(crate) fn step(bytes: &[u8], reach: &mut Reach) {
         reach.add("level-wide", levels.wide.iter().sum());
         state = exact.state;
     }
+}
+
+/// The bits of the longest fraction among the coordinates of a state, above and below its line.
+fn longest_fraction(state: &State) -> u64 {
+    let vertices = state.blocks.iter().flat_map(|block| &block.vertices);
+    let bits = |number: &Number| {
+        let fraction = number.to_rational();
+        fraction.numer().bits() + fraction.denom().bits()
+    };
+    vertices.flat_map(|vertex| vertex.components()).map(bits).max().unwrap_or(0)
 }
 
 /// The contacts of all pairs, in fractions.
