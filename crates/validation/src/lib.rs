@@ -21,6 +21,7 @@ pub mod report;
 pub mod rest;
 pub mod restitution;
 pub mod self_comparison;
+pub mod slab;
 pub mod stepped_scene;
 pub mod toppling;
 pub mod wall;
@@ -39,9 +40,10 @@ pub fn table() -> Vec<ValidationCase> {
 
 /// Every case by other rules.
 pub fn cases<M: StepRules>() -> Vec<ValidationCase> {
-    let groups: [fn() -> Vec<ValidationCase>; 11] = [
+    let groups: [fn() -> Vec<ValidationCase>; 12] = [
         flight::cases::<M>,
         incline::cases::<M>,
+        slab::cases::<M>,
         rest::cases::<M>,
         elastic::cases::<M>,
         impact::cases::<M>,

@@ -73,13 +73,14 @@ fn planted_mistakes_make_their_cases_miss() {
     let drift = "incline, tan φ = 4/5, settled: drift from 1 s to 2 s";
     let tipping = "a slender block tips over its edge: time from 0.05 to 0.8 rad";
     let dominoes = "a row of dominoes hinged at their edges: speed of the wave";
+    let slab = "a rigid slab set moving at 2 m/s, tan φ = 3/5: distance, Δt 0.2 to 10 ms";
     let restitution = "a tip that strikes a floor: restitution, Δt 0.1 to 10 ms, p 1e7 to 1e10 N/m";
     let mistakes: [(u8, &[&str]); 7] = [
         (
             HALF_RATE,
             &["free fall, 1 s", "thrown block, 1 s", "a turn, `cayley`: energy", tipping, dominoes, restitution],
         ),
-        (MORE_FRICTION, &["incline, tan φ = 1/4, settled, 0.5 s", wedge]),
+        (MORE_FRICTION, &["incline, tan φ = 1/4, settled, 0.5 s", wedge, slab]),
         (ALWAYS_LOCKS, &["incline, tan φ = 0, settled, 0.5 s", wedge, points]),
         (NEVER_OPENS, &["arch, t/R = 0.09", points, restitution]),
         // Where friction settles, what rests is locked: only what slides shows a drag that is left out.
