@@ -73,7 +73,15 @@ impl EnergyRun {
     /// # Errors
     /// When a step cannot be made.
     pub fn measure<M: StepRules>(self) -> Result<EnergyResult, CaseFailure> {
-        let mut stepped = SteppedScene::<f64, M>::new(self.scene()?)?;
+        self.measure_in::<M>(self.scene()?)
+    }
+
+    /// Runs a scene made of that of this run, by the rules `M`. Its loads must not change with time.
+    ///
+    /// # Errors
+    /// When a step cannot be made.
+    pub fn measure_in<M: StepRules>(self, scene: Scene) -> Result<EnergyResult, CaseFailure> {
+        let mut stepped = SteppedScene::<f64, M>::new(scene)?;
         let mut account = Account::open(&stepped);
         while stepped.time() < self.scene.duration() - 1e-9 {
             account.step(&mut stepped)?;

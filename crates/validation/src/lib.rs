@@ -1,7 +1,7 @@
 //! The stepper against closed forms: each case runs a scene in f32 and f64 and says how far it is from the known answer. And the exact side against
 //! itself, on pairs ([`self_comparison`]).
 //!
-//! `cargo run --release -p rockproof-validation` writes the tables of `docs/validation.md` and its plots; `tests/closed_forms.rs` and
+//! `cargo run --release -p rockproof-validation` writes the tables of `docs/validation.md` with its plots, and those of `docs/step.md`; `tests/closed_forms.rs` and
 //! `tests/energy.rs` hold the figures. Scenes are those of `cases/handmade`; every case takes the rules of the step as a parameter, so that a test can plant a
 //! mistake and see the case fail.
 
@@ -14,6 +14,7 @@ pub mod energy;
 pub mod flight;
 pub mod impact;
 pub mod incline;
+pub mod iterations;
 pub mod physics_report;
 pub mod plot;
 pub mod regimes;

@@ -1,38 +1,47 @@
-//! Renews the tables and the plots of `docs/validation.md`: `cargo run --release -p rockproof-validation`, or some of them by their names.
+//! Renews the tables and the plots of `docs/validation.md`, and the tables of `docs/step.md`: `cargo run --release -p rockproof-validation`, or some of them by their names.
 
 use anyhow::Context;
 use rayon::prelude::*;
 use rockproof_model::Motion;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_validation::convergence::{start_up, studies};
-use rockproof_validation::energy::EnergyResult;
+use rockproof_validation::energy::{EnergyResult, TIME_STEPS};
+use rockproof_validation::iterations::{self, Pour};
 use rockproof_validation::wall::{MOST_DRIFT, Wall};
 use rockproof_validation::{dominoes, energy, physics_report, plot, report, restitution, table};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// The tables, by the names of their marks in the page.
-const TABLES: [&str; 7] = ["closed forms", "orders", "start-up", "energy", "restitution", "dominoes", "wall"];
+/// The tables, by the names of their marks in the page, and the page.
+const TABLES: [(&str, &str); 9] = [
+    ("closed forms", "validation.md"),
+    ("orders", "validation.md"),
+    ("start-up", "validation.md"),
+    ("energy", "validation.md"),
+    ("restitution", "validation.md"),
+    ("dominoes", "validation.md"),
+    ("wall", "validation.md"),
+    ("iterations", "step.md"),
+    ("pours", "step.md"),
+];
 
 fn main() -> anyhow::Result<ExitCode> {
-    let mut asked: Vec<String> = std::env::args().skip(1).collect();
-    if let Some(unknown) = asked.iter().find(|name| !TABLES.contains(&name.as_str())) {
-        anyhow::bail!("no table is called `{unknown}`; there are: {}", TABLES.join(", "));
-    }
-    if asked.is_empty() {
-        asked = TABLES.map(str::to_owned).into();
+    let names = TABLES.map(|(name, _)| name);
+    let asked: Vec<String> = std::env::args().skip(1).collect();
+    if let Some(unknown) = asked.iter().find(|name| !names.contains(&name.as_str())) {
+        anyhow::bail!("no table is called `{unknown}`; there are: {}", names.join(", "));
     }
     let mut missed = 0;
-    for name in &asked {
+    for (name, page) in TABLES.iter().filter(|(name, _)| asked.is_empty() || asked.iter().any(|one| one == name)) {
         eprintln!("{name} …");
         let (text, misses) = made(name)?;
         print!("{text}");
         missed += misses;
-        let page = docs().join("validation.md");
+        let page = docs().join(page);
         let before = std::fs::read_to_string(&page).with_context(|| page.display().to_string())?;
         std::fs::write(&page, report::replace(&before, name, &text)?).with_context(|| page.display().to_string())?;
     }
-    eprintln!("{missed} cases miss their bound; written to docs/validation.md");
+    eprintln!("{missed} cases miss their bound; written to docs/");
     Ok(if missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
@@ -57,6 +66,13 @@ fn made(name: &str) -> anyhow::Result<(String, usize)> {
             let speeds = speeds.collect::<anyhow::Result<Vec<_>>>()?;
             let misses = speeds.iter().filter(|(row, speed)| row.hinged && !dominoes::is_near(*speed)).count();
             return Ok((physics_report::dominoes(&speeds), misses));
+        }
+        "iterations" => physics_report::iterations(&iterations::census()?),
+        "pours" => {
+            let runs: Vec<(Pour, f64)> =
+                Pour::ALL.into_iter().flat_map(|pour| TIME_STEPS.map(|time_step| (pour, time_step))).collect();
+            let pours = runs.into_par_iter().map(|(pour, time_step)| Ok((pour, pour.measure(time_step)?)));
+            physics_report::pours(&pours.collect::<anyhow::Result<Vec<_>>>()?)
         }
         _ => {
             let walls = [Motion::Rigid, Motion::Deformable].map(Wall::of_a_thousand);

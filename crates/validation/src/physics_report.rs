@@ -1,7 +1,8 @@
-//! Tables of `docs/validation.md` beside that of the closed forms: energy, restitution, dominoes, the wall.
+//! Tables of `docs/validation.md` beside that of the closed forms: energy, restitution, dominoes, the wall; and those of `docs/step.md`.
 
 use crate::dominoes::Row;
 use crate::energy::{EnergyLine, EnergyResult, STEP_GOAL, SUM_GOAL};
+use crate::iterations::{IterationCensus, Pour};
 use crate::report::short;
 use crate::restitution::{Restitution, STIFFNESSES, TIME_STEPS};
 use crate::wall::{Wall, WallDrift};
@@ -130,6 +131,57 @@ pub fn wall(all: &[(Wall, WallDrift)]) -> String {
             short(drift.drift[1]),
             short(drift.speed),
             short(drift.weight)
+        );
+    }
+    out
+}
+
+/// How iterations end and how deep contacts are kept, with a line for all.
+pub fn iterations(all: &[(String, IterationCensus)]) -> String {
+    let mut out = String::from(
+        "| runs | steps | attempts | solves a step | end with the seventh unchanged solve | cuts | halvings | not converged | \
+         contacts kept beyond g | deepest kept, over g |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
+    );
+    let total = all.iter().fold(IterationCensus::default(), |sum, (_, census)| sum.and(*census));
+    let total = ("**all**".to_owned(), total);
+    for (name, census) in all.iter().chain([&total]) {
+        let _ = writeln!(
+            out,
+            "| {} {name} | {} | {} | {:.2} | {} | {} | {} | {} | {} | {} |",
+            census.runs,
+            census.steps,
+            census.attempts,
+            census.solves as f64 / census.steps.max(1) as f64,
+            census.sevenths,
+            census.cuts,
+            census.halvings,
+            census.unconverged,
+            census.beyond,
+            short(census.deepest),
+        );
+    }
+    out
+}
+
+/// The pour of rigid bricks as it is, with cohesion and with a load, by Δt.
+pub fn pours(all: &[(Pour, EnergyResult)]) -> String {
+    let mut out = String::from(
+        "| ten bricks poured | Δt | gained in one step, at most | in all | left at the end | not converged | the step that gained most |\n\
+         | --- | ---: | ---: | ---: | ---: | ---: | --- |\n",
+    );
+    for (pour, result) in all {
+        let _ = writeln!(
+            out,
+            "| {} | {} ms | {}{} | {} | {} | {} of {} | {} |",
+            pour.name(),
+            1e3 * result.run.time_step,
+            if result.worst.gain > STEP_GOAL { "**missed** " } else { "" },
+            percent(result.worst.gain),
+            percent(result.gained),
+            percent(result.left),
+            result.steps[1],
+            result.steps[0],
+            largest_gain_note(result),
         );
     }
     out

@@ -7,6 +7,7 @@
 //! - friction *lags* by a solve; strain adds up in fixed axes; rotation is finite. What is left of a gain is called the rest.
 
 use super::{EnergyResult, EnergyRun};
+use crate::iterations::load_potential;
 use crate::stepped_scene::{CaseFailure, SteppedScene};
 use rockproof_model::ContactKind;
 use rockproof_stepper::Vector;
@@ -34,7 +35,7 @@ pub struct GainedStep {
     pub contact: Option<([u32; 2], ContactKind, f64)>,
 }
 
-/// The energy of a run, from step to step.
+/// The energy of a run, from step to step. Loads that do not change with time count as gravity does.
 pub struct Account {
     first: f64,
     energy: f64,
@@ -55,6 +56,7 @@ impl Account {
             kinetic += 0.5 * stepped.momenta(block).iter().zip(rates).map(|(m, v)| m * v).sum::<f64>();
             gravitational -= stepped.mass(block) * stepped.gravity().iter().zip(at).map(|(g, x)| g * x).sum::<f64>();
         }
+        gravitational += loads(stepped);
         let first = kinetic + gravitational;
         Account {
             first,
@@ -74,9 +76,10 @@ impl Account {
     pub fn step<M: StepRules>(&mut self, stepped: &mut SteppedScene<f64, M>) -> Result<(), CaseFailure> {
         let before = Before::new(stepped);
         let report = stepped.step()?.clone();
-        let energy = report.kinetic + report.potential();
+        let loads = loads(stepped);
+        let energy = report.kinetic + report.potential() + loads;
         let gain = energy - self.energy;
-        self.lowest = self.lowest.min(report.gravitational);
+        self.lowest = self.lowest.min(report.gravitational + loads);
         self.steps[0] += 1;
         self.steps[1] += u64::from(!report.converged);
         self.gained += gain.max(0.0);
@@ -99,6 +102,11 @@ impl Account {
         let left = (self.energy - self.lowest) / drop;
         EnergyResult { run, drop, gained: self.gained / drop, left, worst, steps: self.steps }
     }
+}
+
+/// What the loads of a scene have yet to spend (J).
+fn loads<M: StepRules>(stepped: &SteppedScene<f64, M>) -> f64 {
+    load_potential(&stepped.scene, &stepped.dynamics.state().load_points)
 }
 
 /// What must be remembered of the state before a step.
