@@ -1,7 +1,7 @@
 //! How errors shrink with Δt: measured orders, and what start-up costs on an incline.
 
 use crate::case::CasePrecision;
-use crate::incline::{Slide, Start};
+use crate::incline::{FirstSwing, Slide, Start};
 use crate::stepped_scene::{CaseFailure, SteppedScene, number, relative, scene};
 use crate::toppling::{self, Tipping};
 use rayon::prelude::*;
@@ -218,6 +218,14 @@ pub fn start_up() -> Result<Vec<StartUp>, CaseFailure> {
         Ok(StartUp { time_step, errors: [a?, b?, c?] })
     };
     SLIDING.par_iter().map(all).collect()
+}
+
+/// What the first swing costs with the joints of the scene and with stiffer ones.
+///
+/// # Errors
+/// When a run fails.
+pub fn first_swings() -> Result<Vec<FirstSwing>, CaseFailure> {
+    [1.0, 10.0, 100.0].par_iter().map(|&stiffer| FirstSwing::measure::<SpecRules>(stiffer)).collect()
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use anyhow::Context;
 use rayon::prelude::*;
 use rockproof_model::Motion;
 use rockproof_stepper::contact::SpecRules;
-use rockproof_validation::convergence::{start_up, studies};
+use rockproof_validation::convergence::{first_swings, start_up, studies};
 use rockproof_validation::energy::{EnergyResult, TIME_STEPS};
 use rockproof_validation::iterations::{self, Pour};
 use rockproof_validation::wall::{MOST_DRIFT, Wall};
@@ -57,7 +57,7 @@ fn made(name: &str) -> anyhow::Result<(String, usize)> {
             return Ok((report::markdown(&lines), lines.iter().filter(|line| !line.holds()).count()));
         }
         "orders" => orders()?,
-        "start-up" => report::start_up(&start_up()?),
+        "start-up" => report::start_up(&start_up()?, &first_swings()?),
         "energy" => physics_report::energy(&energy::measure(tell)?),
         "restitution" => physics_report::restitution(&restitution::table()?),
         "dominoes" => {
