@@ -36,6 +36,7 @@ mod lockstep_cli;
 mod merge_command;
 #[cfg(feature = "mpi")]
 mod mpi;
+mod numbers_in_settings;
 mod output_files;
 mod passages;
 mod report_command;

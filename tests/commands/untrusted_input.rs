@@ -6,10 +6,10 @@ use assert_cmd::Command;
 use std::fs;
 use std::path::Path;
 
-const CASE: &str = include_str!("../../cases/regressions/f-v-arithmetic-vertex-face-depth.toml");
+pub(crate) const CASE: &str = include_str!("../../cases/regressions/f-v-arithmetic-vertex-face-depth.toml");
 const CUBES: &str = include_str!("../fixtures/two_cubes.obj");
 
-fn rockproof(dir: &Path, arguments: &[&str]) -> (i32, String, String) {
+pub(crate) fn rockproof(dir: &Path, arguments: &[&str]) -> (i32, String, String) {
     let mut command = Command::cargo_bin("rockproof").expect("the program");
     let output = command.current_dir(dir).args(arguments).output().expect("runs");
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
@@ -17,7 +17,7 @@ fn rockproof(dir: &Path, arguments: &[&str]) -> (i32, String, String) {
 }
 
 /// The arguments are refused, and the message holds each of the parts once.
-fn refused(dir: &Path, arguments: &[&str], parts: &[&str]) {
+pub(crate) fn refused(dir: &Path, arguments: &[&str], parts: &[&str]) {
     let (code, out, err) = rockproof(dir, arguments);
     assert_eq!(code, 2, "{arguments:?}: {out}{err}");
     for part in parts {
@@ -28,7 +28,7 @@ fn refused(dir: &Path, arguments: &[&str], parts: &[&str]) {
 }
 
 /// `text` with one thing changed, which must be there.
-fn change(text: &str, from: &str, to: &str) -> String {
+pub(crate) fn change(text: &str, from: &str, to: &str) -> String {
     assert!(text.contains(from), "{from}");
     text.replacen(from, to, 1)
 }

@@ -63,7 +63,7 @@ pub struct FindingLimit {
     pub change: Option<String>,
     /// The contact's kind, before the change or after it.
     pub kind: Option<String>,
-    /// Only findings further from a tie than this many roundoffs.
+    /// Only findings further from a tie than this many roundoffs; finite, from 0.
     pub beyond_ulps: Option<f64>,
     /// Findings at most, plainly counted.
     pub count: Option<u64>,
@@ -156,6 +156,10 @@ impl FindingLimit {
         let changes: Vec<&str> = AnswerChange::ALL.map(AnswerChange::name).into_iter().chain(of_steps).collect();
         one_of("change", &self.change, &changes)?;
         one_of("kind", &self.kind, &ContactKind::ALL.map(ContactKind::name))?;
+        // Compared with NaN no margin is larger, so such a limit would hold whatever is found.
+        if let Some(found) = self.beyond_ulps.filter(|ulps| !(ulps.is_finite() && *ulps >= 0.0)) {
+            return Err(format!("beyond_ulps is {found}; allowed are finite numbers from 0"));
+        }
         if self.is_of_recovered() {
             let more = [&self.tolerances, &self.family, &self.cause, &self.kind].into_iter().any(Option::is_some);
             if more || self.beyond_ulps.is_some() || self.rate.is_some() {
