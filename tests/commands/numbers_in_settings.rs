@@ -143,3 +143,32 @@ fn no_key_is_forgotten() {
     assert_eq!(numbers.len(), TOLERANCES.len(), "{error}");
     assert!(numbers.iter().all(|name| TOLERANCES.contains(name)), "{error}");
 }
+
+/// What is found in a chunk waits in memory until the chunk ends.
+#[test]
+fn a_chunk_is_bounded() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    for chunk in [65_537, i64::MAX] {
+        for pairs in [16, i64::MAX] {
+            let settings = format!("pairs = {pairs}\nchunk = {chunk}\n");
+            fs::write(dir.join("settings.toml"), &settings).expect("write");
+            fs::write(dir.join("gate.toml"), format!("corpus = []\n[campaign]\n{settings}")).expect("write");
+            for arguments in [
+                &["campaign", "settings.toml", "--out", "run"][..],
+                &["campaign", "settings.toml", "--stress", "--out", "run"],
+                &["campaign", "settings.toml", "--part", "1/2", "--out", "run"],
+                &["gate", "gate.toml", "--out", "run"],
+            ] {
+                let (code, out, err) = rockproof(dir, arguments);
+                let said = err.contains(arguments[1])
+                    && err.contains(&format!("chunk is {chunk}; allowed are at most 65536 pairs"));
+                assert!(code == 2 && said, "{arguments:?}: {code}: {out}{err}");
+            }
+        }
+    }
+    assert!(!dir.join("run").exists(), "nothing is written");
+    fs::write(dir.join("settings.toml"), "pairs = 16\nchunk = 65536\n").expect("write");
+    let (code, out, err) = rockproof(dir, &["campaign", "settings.toml", "--family", "sliver", "--out", "run"]);
+    assert_eq!(code, 0, "{out}{err}");
+}

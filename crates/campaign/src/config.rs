@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::path::PathBuf;
 
+/// The most pairs of a chunk: what is found in them waits in memory until the chunk ends.
+pub const LARGEST_CHUNK: u64 = 1 << 16;
+
 /// The configuration of a campaign, as read from a file and changed by the command line. Together with the program's
 /// version it determines every byte of `findings.csv` and `summary.csv`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -46,7 +49,7 @@ pub struct CampaignConfig {
     /// What every length of those files is multiplied by; see [`rockproof_model::LoadOptions`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scale: Option<Number>,
-    /// Pairs between two states of the journal: what an interruption can lose.
+    /// Pairs between two states of the journal: what an interruption can lose. At most [`LARGEST_CHUNK`].
     pub chunk: u64,
     /// One pair in this many goes through the metamorphic checks; 0 for none.
     pub metamorphic_every: u64,

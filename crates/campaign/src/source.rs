@@ -1,6 +1,6 @@
 //! Where a campaign's pairs come from: the families, under the presets.
 
-use super::config::CampaignConfig;
+use super::config::{CampaignConfig, LARGEST_CHUNK};
 use super::families::{self, RealNeighbours};
 use super::pairs::{self, PairCase, PairConfig};
 use super::steps::{PASSAGE, motion, passing};
@@ -48,6 +48,11 @@ pub enum SourceError {
         /// What it may be.
         allowed: &'static str,
     },
+    /// A chunk that is too large.
+    #[error(
+        "chunk is {0}; allowed are at most {LARGEST_CHUNK} pairs: what is found in a chunk waits in memory until the chunk ends"
+    )]
+    Chunk(u64),
     /// A file of tolerances that names no set.
     #[error("{file}: {source}")]
     Spec {
@@ -132,6 +137,9 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
         allowed: families::all().iter().map(|f| f.name()).chain([PASSAGE]).collect::<Vec<_>>().join(", "),
     })?;
     check_reading(config)?;
+    if config.chunk > LARGEST_CHUNK {
+        return Err(SourceError::Chunk(config.chunk));
+    }
     if !config.real.is_empty() {
         let (planarity, weld, scale) = (config.planarity.clone(), config.weld.clone(), config.scale.clone());
         let options = LoadOptions { planarity, weld, scale };
