@@ -2,7 +2,7 @@
 
 // Longer than 400 lines: one command and the table of each measure that it prints.
 
-use crate::exit::{Outcome, Verdict, print, print_note};
+use crate::exit::{Outcome, Verdict, print, print_json, print_note};
 use crate::table::{grouped, table};
 use clap::ValueEnum;
 use rockproof_bench::accuracy::{self, AccuracyOptions, AccuracyRow};
@@ -175,12 +175,14 @@ impl Bench {
     ) -> Outcome {
         let all =
             |one: fn(&PrintedTable) -> String, between: &str| tables.iter().map(one).collect::<Vec<_>>().join(between);
-        print(&match self.format {
-            OutputFormat::Table => format!("{}{}\n{}", around[0], all(PrintedTable::text, "\n\n"), around[1]),
-            OutputFormat::Latex => all(PrintedTable::latex, "\n"),
-            OutputFormat::Csv => csv()?,
-            OutputFormat::Json => as_json(measure, &csv()?)?,
-        })?;
+        match self.format {
+            OutputFormat::Table => {
+                print(&format!("{}{}\n{}", around[0], all(PrintedTable::text, "\n\n"), around[1]))?;
+            }
+            OutputFormat::Latex => print(&all(PrintedTable::latex, "\n"))?,
+            OutputFormat::Csv => print(&csv()?)?,
+            OutputFormat::Json => print_json(&as_json(measure, &csv()?)?)?,
+        }
         Ok(Verdict::Passed)
     }
 
@@ -505,7 +507,7 @@ fn plain_csv(header: &[&str], rows: &[Vec<String>]) -> String {
 }
 
 /// The same figures as the CSV: an object for each row.
-fn as_json(measure: &str, csv: &str) -> anyhow::Result<String> {
+fn as_json(measure: &str, csv: &str) -> anyhow::Result<Value> {
     let mut reader = csv::Reader::from_reader(csv.as_bytes());
     let keys: Vec<String> =
         reader.headers()?.iter().map(|name| name.replace('µ', "u").replace([' ', '-'], "_")).collect();
@@ -514,7 +516,7 @@ fn as_json(measure: &str, csv: &str) -> anyhow::Result<String> {
         let cells = record?;
         rows.push(keys.iter().cloned().zip(cells.iter().map(figure)).collect::<Map<String, Value>>());
     }
-    Ok(serde_json::to_string_pretty(&json!({ "measure": measure, "rows": rows }))? + "\n")
+    Ok(json!({ "measure": measure, "rows": rows }))
 }
 
 /// A cell for programs.

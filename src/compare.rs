@@ -1,6 +1,6 @@
 //! `compare`: what changed between two runs of a campaign.
 
-use crate::exit::{Outcome, Verdict, print, print_note};
+use crate::exit::{Outcome, Verdict, print, print_json, print_note};
 use crate::table::table;
 use rockproof_gate::comparison::{ClassChange, Trend};
 use rockproof_report::PAGE;
@@ -81,7 +81,7 @@ impl Compare {
         let comparison = RunComparison::of(&self.before, &self.after)?;
         match self.format {
             OutputFormat::Text => print(&text(&comparison))?,
-            OutputFormat::Json => print(&(serde_json::to_string_pretty(&comparison)? + "\n"))?,
+            OutputFormat::Json => print_json(&comparison)?,
             OutputFormat::Markdown => print(&markdown(&comparison.report()))?,
         }
         if let Some(out) = &self.out {

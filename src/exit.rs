@@ -4,6 +4,7 @@ use crate::reading::{is_apart, is_bent};
 use crate::stop::is_ended;
 use crate::terminal::{INTERRUPTED, to_stdout};
 use rockproof_model::text::{cut_in_the_middle, is_harmful};
+use serde::Serialize;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -130,6 +131,25 @@ pub(crate) fn print(text: &str) -> anyhow::Result<()> {
     print_as_it_is(&harmless(text))
 }
 
+/// Prints a document on stdout. What would do something else than to show is escaped as JSON has it, so that the texts read from the document
+/// are those put into it. No line of it begins with `::`: its texts have no line breaks, and begin with a quotation mark.
+pub(crate) fn print_json(document: &impl Serialize) -> anyhow::Result<()> {
+    print_as_it_is(&(harmless_json(&serde_json::to_string_pretty(document)?) + "\n"))
+}
+
+fn harmless_json(document: &str) -> String {
+    let mut shown = String::with_capacity(document.len());
+    for c in document.replace("##[", "#\\u0023[").chars() {
+        // Between texts there are spaces and line breaks, which stay; within them serde has escaped these.
+        if is_harmful(c) && c != '\n' {
+            c.encode_utf16(&mut [0; 2]).iter().for_each(|unit| shown.push_str(&format!("\\u{unit:04x}")));
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
+}
+
 /// Prints commands for GitHub's runner.
 pub(crate) fn print_as_it_is(text: &str) -> anyhow::Result<()> {
     Ok(to_stdout(|out| out.write_all(text.as_bytes()))?)
@@ -164,13 +184,28 @@ fn print_labelled(text: &str) {
 
 #[cfg(test)]
 mod tests {
-    use super::{chain, harmless};
+    use super::{chain, harmless, harmless_json};
     use anyhow::Context;
+    use serde_json::{Value, json};
 
     #[test]
     fn no_text_is_a_command_to_a_terminal_or_a_runner() {
         let nasty = "a\u{1b}[31m\0\n::error file=x::y\n  ::debug::z\nb ##[error]c\td::e";
         assert_eq!(harmless(nasty), "a\\u{1b}[31m\\0\n| ::error file=x::y\n|   ::debug::z\nb ## [error]c\td::e");
+    }
+
+    #[test]
+    fn a_document_is_no_command_and_says_what_was_put_in() {
+        let nasty = "\n::error::x ##[error]####[ \u{1b}[31m\u{7f}\u{85}\u{202e}\u{2028}\t\"\\u{1b}\\ é \u{10000}";
+        let document = json!({ nasty: [nasty, 1, null], "b": {} });
+        let pretty = serde_json::to_string_pretty(&document).expect("a document");
+        let shown = harmless_json(&pretty);
+        assert_eq!(serde_json::from_str::<Value>(&shown).expect("JSON"), document);
+        assert!(!shown.contains("##[") && !shown.lines().any(|line| line.trim_start().starts_with("::")), "{shown}");
+        assert!(!shown.contains(|c: char| super::is_harmful(c) && c != '\n'), "{shown:?}");
+        assert!(shown.contains("\\u007f\\u0085\\u202e\\u2028\\t") && shown.contains("é \u{10000}"), "{shown}");
+        let plain = serde_json::to_string_pretty(&json!({ "a": ["#[", "##", 0.5] })).expect("a document");
+        assert_eq!(harmless_json(&plain), plain);
     }
 
     #[derive(Debug, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! Arguments that several commands share.
 
-use crate::exit::print;
+use crate::exit::{print, print_json};
 use crate::input_file::{InputFile, ModelFile};
 use crate::reading::factor;
 use crate::stop::end_on_ctrl_c;
@@ -97,7 +97,7 @@ impl FormatArgs {
     pub(crate) fn print(&self, text: impl FnOnce() -> String, document: impl FnOnce() -> Value) -> anyhow::Result<()> {
         match self.format {
             OutputFormat::Text => print(&text()),
-            OutputFormat::Json => print(&(serde_json::to_string_pretty(&document())? + "\n")),
+            OutputFormat::Json => print_json(&document()),
         }
     }
 }

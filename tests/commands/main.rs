@@ -52,4 +52,5 @@ mod stdin;
 mod stress_command;
 mod tune_command;
 mod untrusted_input;
+mod untrusted_names;
 mod weld;
