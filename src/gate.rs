@@ -27,12 +27,16 @@ use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_results::{Owner, Start, write_atomically};
 use serde_json::{Value, json};
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 /// Findings of failed checks that are shrunk and written as case files, over all checks.
 const CASES: usize = 20;
+
+/// The directories of the two campaigns within that of the results.
+const FIXED: &str = "fixed";
+const ROTATING: &str = "rotating";
 
 /// Run the campaign, cases and limits of a gate file: for continuous integration
 ///
@@ -94,15 +98,16 @@ impl Gate {
             }
             None => None,
         };
+        self.refuse_inputs(&config)?;
         end_on_ctrl_c()?;
         engines.probe().with_context(|| file.clone())?;
         let mut checks = corpus::checks(&config.corpus, &engines)?;
         let rotating = self.rotating(&config)?;
         let mut gating = Gating { gate: self, config, engines, text, written: 0 };
-        checks.extend(gating.campaign("fixed", gating.config.campaign.clone(), known.as_ref())?);
+        checks.extend(gating.campaign(FIXED, gating.config.campaign.clone(), known.as_ref())?);
         if let Some(campaign) = rotating {
             print_note(&format!("the rotating seed is {}", campaign.seed));
-            checks.extend(gating.campaign("rotating", campaign, known.as_ref())?);
+            checks.extend(gating.campaign(ROTATING, campaign, known.as_ref())?);
         }
         self.report_checks(&checks)
     }
@@ -123,6 +128,19 @@ impl Gate {
             let narrowed =
                 CampaignConfig { families: names(&limit.family), tolerances: names(&set), ..CampaignConfig::default() };
             source::of(&narrowed).with_context(|| format!("{file}: limit"))?;
+        }
+        Ok(())
+    }
+
+    /// Refuses to discard a result of an earlier run that is an input of this one, such as a case that the corpus names and the user changed.
+    fn refuse_inputs(&self, config: &GateConfig) -> anyhow::Result<()> {
+        let corpus = corpus::files(&config.corpus)?;
+        let files = corpus.iter().chain(&config.campaign.real).chain([&self.file]);
+        let files: Vec<&Path> = files.chain(config.baseline.iter().map(|b| &b.file)).map(PathBuf::as_path).collect();
+        let sets = || config.campaign.tolerances.iter().map(Path::new);
+        let rotating = (config.rotating_pairs > 0).then_some(ROTATING);
+        for name in [FIXED].into_iter().chain(rotating) {
+            Start::Overwrite.refuse_inputs(&self.out.join(name), files.iter().copied().chain(sets()))?;
         }
         Ok(())
     }
@@ -234,7 +252,7 @@ impl Gating<'_> {
         if let Some(baseline) = self.config.baseline.as_ref() {
             if let Some(known) = known {
                 checks.extend(known.check(name, &tally, baseline));
-            } else if self.gate.update_baseline && name == "fixed" {
+            } else if self.gate.update_baseline && name == FIXED {
                 let text = KnownFindings::of(&tally, baseline).to_toml();
                 write_atomically(&baseline.file, text).with_context(|| baseline.file.display().to_string())?;
                 print_note(&format!("written: {}", baseline.file.display()));

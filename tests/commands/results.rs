@@ -104,6 +104,30 @@ fn an_input_is_not_discarded() {
     place.works(&[&["simulate", "model.toml", "--overwrite"], &simulate[..]].concat());
 }
 
+/// A gate discards what an earlier one wrote, but not a case of it that its corpus names.
+#[test]
+fn a_gate_does_not_discard_its_corpus() {
+    let place = WorkDir::new();
+    let campaign = "[campaign]\npairs = 320\n[[limit]]\nengine = \"stepper-f32\"\ncount = 0\n";
+    let gate = ["gate", "gate.toml", "--out", "out"];
+    fs::write(place.at("gate.toml"), format!("corpus = []\nrotating_pairs = 320\n{campaign}")).expect("write");
+    place.works(&gate);
+    for (run, rotating) in [("fixed", 0), ("rotating", 320)] {
+        let cases = place.at(&format!("out/{run}/cases"));
+        let case = fs::read_dir(&cases).expect("cases").next().expect("a case").expect("a case").path();
+        fs::write(&case, fs::read_to_string(&case).expect("a case") + "# mine\n").expect("write");
+        let name = case.file_name().expect("a name").to_string_lossy().into_owned();
+        for corpus in [format!("out/{run}/cases"), format!("out/{run}/cases/{name}")] {
+            let text = format!("corpus = [\"{corpus}\"]\nrotating_pairs = {rotating}\n{campaign}");
+            fs::write(place.at("gate.toml"), text).expect("write");
+            place.refuses(&gate, &["is an input", "--out DIR"]);
+        }
+        assert!(fs::read_to_string(&case).expect("a case").ends_with("# mine\n"));
+    }
+    // Elsewhere they are examined.
+    place.works(&["gate", "gate.toml", "--out", "other"]);
+}
+
 #[test]
 fn other_peoples_files_are_named_and_left_alone() {
     let place = WorkDir::new();

@@ -35,16 +35,22 @@ pub enum CorpusError {
 /// When a file cannot be read, or an engine cannot be asked for want of something here.
 pub fn checks(paths: &[PathBuf], engines: &Engines) -> Result<Vec<Check>, CorpusError> {
     let mut checks = Vec::new();
-    for path in paths {
-        for file in files(path)? {
-            checks.push(check(&file, engines)?);
-            engines.check_shortage()?;
-        }
+    for file in files(paths)? {
+        checks.push(check(&file, engines)?);
+        engines.check_shortage()?;
     }
     Ok(checks)
 }
 
-fn files(path: &Path) -> Result<Vec<PathBuf>, CorpusError> {
+/// The case files of a corpus: those named, and all in the folders named, in the order of their names.
+///
+/// # Errors
+/// When a folder cannot be read.
+pub fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, CorpusError> {
+    paths.iter().map(|path| files_of(path)).collect::<Result<Vec<_>, _>>().map(|files| files.concat())
+}
+
+fn files_of(path: &Path) -> Result<Vec<PathBuf>, CorpusError> {
     let at = |source| CorpusError::Io { file: path.display().to_string(), source };
     if !path.is_dir() {
         return Ok(vec![path.to_owned()]);

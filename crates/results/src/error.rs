@@ -81,7 +81,7 @@ pub enum ResultsError {
     },
     /// An input is one of the results that are to be discarded.
     #[error(
-        "{file} is an input and one of the results that --overwrite discards; copy it to another place, or use --out DIR"
+        "{file} is an input and one of the results that are discarded to begin anew; copy it to another place, or use --out DIR"
     )]
     Input {
         /// The file.
