@@ -1,6 +1,7 @@
 //! `report`: what runs found, as a page to read, tables to calculate with, and a text for a pull request.
 
 use crate::exit::{Outcome, Verdict, print, print_note};
+use rockproof_model::text::escaped;
 use rockproof_report::markdown::markdown;
 use rockproof_report::page::page;
 use rockproof_report::{PAGE, Report as Made, TEXT};
@@ -48,7 +49,7 @@ impl Report {
     pub(crate) fn run(&self) -> Outcome {
         let mut report = Made::of(&self.runs)?;
         if let Some(title) = &self.title {
-            report.title.clone_from(title);
+            report.title = escaped(title);
         }
         let (name, contents) = match self.format {
             OutputFormat::Html => (PAGE, page(&report)?),

@@ -1,7 +1,9 @@
-//! Names of files and directories that a terminal, a runner or a spreadsheet would obey: in JSON they are escaped as JSON has it.
+//! Names of files and directories that a terminal, a runner or a spreadsheet would obey: in JSON they are escaped as JSON has it, tables and pages
+//! of reports show them, and no tolerance set is called so.
 
-use crate::untrusted_input::{CASE, change, rockproof};
-use rockproof_model::text::is_harmful;
+use crate::gates::gate;
+use crate::untrusted_input::{CASE, change, refused, rockproof};
+use rockproof_model::text::{escaped, is_harmful};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -73,5 +75,69 @@ fn documents_hold_names_as_they_are() {
     for (arguments, name) in commands {
         let document = document(dir, arguments);
         assert!(name.is_none_or(|name| holds(&document, name)), "{arguments:?}: {document}");
+    }
+}
+
+/// Tables of campaigns hold the names of sets as they are, so no set has one that does something else than to show.
+#[test]
+fn no_set_is_called_like_a_command() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    for stem in ["esc\u{1b}[31mx", "a\nb", "a\rb", "a\u{7f}", "a\u{202e}b"] {
+        let name = format!("{stem}.toml");
+        fs::write(dir.join(&name), "preset = \"auto\"\n").expect("write");
+        let settings = format!("pairs = 16\ntolerances = [{}]\n", toml::Value::from(name.as_str()));
+        fs::write(dir.join("settings.toml"), &settings).expect("write");
+        let called = format!("its set would be called \"{}\"", escaped(stem));
+        let parts = [called.as_str(), "and control characters", "rename the file"];
+        let inline = format!("--tolerances={name}");
+        for arguments in [
+            &["campaign", "settings.toml", "--out", "run"][..],
+            &["campaign", "--pairs", "16", &inline, "--out", "run"],
+            &["campaign", "--stress", "--pairs", "16", &inline, "--out", "run"],
+        ] {
+            refused(dir, arguments, &parts);
+        }
+        let ran = gate(dir, &format!("corpus = []\n[campaign]\n{settings}"), &[], false);
+        assert!(ran.code == 2 && ran.err.contains(parts[0]), "{stem:?}: {}", ran.err);
+    }
+    assert!(!dir.join("run").exists(), "nothing is written");
+}
+
+/// All files of a folder and its folders.
+fn files(dir: &Path) -> Vec<std::path::PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(dir).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() { found.extend(files(&path)) } else { found.push(path) }
+    }
+    found
+}
+
+#[cfg(unix)]
+#[test]
+fn reports_show_the_names_of_runs() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let (run, other) = (format!("run {NASTY}"), format!("other {NASTY}"));
+    for out in [&run, &other] {
+        let (code, _, err) = rockproof(dir, &["campaign", "--pairs", "64", "--family", "sliver", "--out", out]);
+        assert_eq!(code, 0, "{err}");
+    }
+    let (code, out, err) = rockproof(dir, &["report", &run, &other, "--title", NASTY, "--out", "page"]);
+    assert_eq!(code, 0, "{out}{err}");
+    let (code, out, err) = rockproof(dir, &["compare", &run, &other, "--out", "compared"]);
+    assert_eq!(code, 0, "{out}{err}");
+    let shown = escaped(&run);
+    for (folder, least) in [("page", 8), ("compared", 1)] {
+        let mut named = 0;
+        for file in files(&dir.join(folder)) {
+            let text = fs::read_to_string(&file).expect("a text");
+            // The name as it is: nothing of it does anything.
+            assert!(!text.contains('\u{1b}') && !text.contains("a\n::error"), "{}", file.display());
+            assert!(!text.contains("\u{7f}\u{85}") && !text.contains("\u{202e}##"), "{}", file.display());
+            named += usize::from(text.contains(&shown));
+        }
+        assert!(named >= least, "{folder}: {named}");
     }
 }

@@ -9,7 +9,7 @@ use super::tolerance_sets::{self, SetSource};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
 use rockproof_model::files::read_limited;
-use rockproof_model::text::{SHOWN, begins_a_formula, excerpt};
+use rockproof_model::text::{SHOWN, begins_a_formula, escaped, excerpt, is_harmful};
 use rockproof_model::{Block, LoadOptions, Number, Precision, Scene, SceneError, SpecError, ToleranceSpec, Vec3};
 use rockproof_results::digest;
 use serde_json::{Map, Value};
@@ -63,7 +63,7 @@ pub enum SourceError {
     },
     /// A file whose name cannot be that of a set.
     #[error(
-        "{file}: in tables its set would be called \"{stem}\"; allowed is what no other set is called, without ':' and '@', and not with '=', '+', '-', a tab or a carriage return at the beginning, where a spreadsheet would calculate it: rename the file"
+        "{file}: in tables its set would be called \"{}\"; allowed is what no other set is called, without ':', '@' and control characters, and not with '=', '+', '-', a tab or a carriage return at the beginning, where a spreadsheet would calculate it: rename the file", escaped(.stem)
     )]
     Stem {
         /// The file.
@@ -194,7 +194,7 @@ pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
     let spec = ToleranceSpec::load(file)?;
     let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     // A colon is for ladders, an @ for changes, and a name is of one set; tables hold names as they are.
-    let is_plain = !stem.contains([':', '@']) && !begins_a_formula(&stem);
+    let is_plain = !stem.contains([':', '@']) && !stem.contains(is_harmful) && !begins_a_formula(&stem);
     if stem.is_empty() || !is_plain || SetSource::named(&stem).is_some() {
         return Err(SourceError::Stem { file: name.to_owned(), stem });
     }

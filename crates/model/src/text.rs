@@ -13,6 +13,11 @@ pub fn excerpt(text: &str, longest: usize) -> String {
     short
 }
 
+/// A text of any length on one line, escaped as [`excerpt`] does.
+pub fn escaped(text: &str) -> String {
+    text.chars().flat_map(harmless).collect()
+}
+
 /// A line of an error with more characters is cut in the middle.
 const LONGEST_LINE: usize = 1000;
 /// An error with more lines is cut in the middle.
@@ -41,11 +46,12 @@ pub fn begins_a_formula(text: &str) -> bool {
     text.starts_with(['=', '+', '-', '@', '\t', '\r'])
 }
 
-/// A name or a sentence as the cell of a CSV file. Where a spreadsheet would calculate it, an apostrophe before it makes it a text. A
+/// A name or a sentence as the cell of a CSV file, [`escaped`]. Where a spreadsheet would calculate it, an apostrophe before it makes it a text. A
 /// number stays as it is.
 pub fn csv_cell(text: &str) -> String {
     let calculates = begins_a_formula(text) && text.parse::<f64>().is_err();
-    if calculates { format!("'{text}") } else { text.to_owned() }
+    let text = escaped(text);
+    if calculates { format!("'{text}") } else { text }
 }
 
 /// Whether a character does something else than to show.
@@ -62,12 +68,12 @@ fn harmless(c: char) -> impl Iterator<Item = char> {
 
 #[cfg(test)]
 mod tests {
-    use super::{csv_cell, cut_in_the_middle, excerpt};
+    use super::{csv_cell, cut_in_the_middle, escaped, excerpt};
 
     #[test]
     fn no_cell_is_a_formula() {
         for formula in ["=1+1", "+cmd|x", "-2+3", "@SUM(A1)", "\t=1", "-", "\r=1"] {
-            assert_eq!(csv_cell(formula), format!("'{formula}"));
+            assert_eq!(csv_cell(formula), format!("'{}", escaped(formula)));
         }
         for text in ["", "a=b", "-1.5e-3", "+2", "-inf", "stepper-f32", "auto@territory*1/2"] {
             assert_eq!(csv_cell(text), text);
@@ -75,10 +81,17 @@ mod tests {
     }
 
     #[test]
+    fn no_cell_is_a_command_to_a_terminal() {
+        assert_eq!(csv_cell("a\u{1b}[31m\n\u{202e}b"), "a\\u{1b}[31m\\n\\u{202e}b");
+        assert_eq!(csv_cell("\u{1b}é, \"q\""), "\\u{1b}é, \"q\"");
+    }
+
+    #[test]
     fn nothing_reaches_a_terminal_but_what_shows() {
         let nasty = "a\n::error x\r\t\u{1b}[31m\0\u{7}\u{202e}é \"q\" \\";
         let shown = excerpt(nasty, 100);
         assert_eq!(shown, "a\\n::error x\\r\\t\\u{1b}[31m\\0\\u{7}\\u{202e}é \"q\" \\");
+        assert_eq!(escaped(nasty), shown);
         assert_eq!(excerpt("abcdef", 3), "abc…");
         assert_eq!(excerpt("abc", 3), "abc");
     }

@@ -2,13 +2,14 @@
 
 use super::Report;
 use super::error::ReportError;
-use super::load::{CampaignRun, RunFile, agreeing_share};
+use super::load::{CampaignRun, RunFile, agreeing_share, last_name};
 use super::sections::{Section, SectionPart};
 use super::table::{Table, TableCell, grouped};
 use super::verdict::{Severity, VerdictLine};
 use rockproof_campaign::proportion::Proportion;
 use rockproof_gate::comparison::{ClassChange, Comparable, FindingComparison, Trend};
 use rockproof_gate::tally::CampaignTally;
+use rockproof_model::text::escaped;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -90,11 +91,8 @@ impl RunComparison {
         let comparable = Comparable { same_pairs, engines: shared };
         let findings = FindingComparison::of(&tallies[0], &tallies[1], &comparable);
         let agreement = shares(runs);
-        let names = if first.name == second.name {
-            dirs.map(|dir| dir.display().to_string())
-        } else {
-            runs.map(|run| run.name.clone())
-        };
+        let names =
+            if first.name == second.name { dirs.map(|dir| dir.display().to_string()) } else { dirs.map(last_name) };
         Ok(RunComparison { runs: names, pairs, same_pairs, settings, engines_left_out, findings, agreement })
     }
 
@@ -161,7 +159,7 @@ impl RunComparison {
 
     /// The comparison as a report: a page, tables, or a text for a pull request.
     pub fn report(&self) -> Report {
-        let [before, after] = &self.runs;
+        let [before, after] = &self.runs.each_ref().map(|name| escaped(name));
         let mut changed = Section::new(
             "changed",
             "Which findings changed?",

@@ -18,7 +18,7 @@ use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::FINDING_COLUMNS;
 use rockproof_differential::row::FindingRow;
 use rockproof_model::files::{read_text, refuse_what_is_no_file};
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{SHOWN, escaped, excerpt};
 use rockproof_results::is_inside;
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -160,7 +160,7 @@ impl Results {
         names.sort();
         if names.windows(2).any(|two| two[0] == two[1]) {
             for campaign in &mut results.campaigns {
-                campaign.name = campaign.dir.display().to_string();
+                campaign.name = escaped(&campaign.dir.display().to_string());
             }
         }
         Ok(results)
@@ -186,8 +186,13 @@ fn what_is_there(dir: &Path) -> String {
     }
 }
 
-/// The name of a run in the report.
+/// The name of a run in the report: that of its directory, as a text that only shows.
 pub(super) fn name_of(dir: &Path) -> String {
+    escaped(&last_name(dir))
+}
+
+/// The last name of a directory's path.
+pub(super) fn last_name(dir: &Path) -> String {
     let last = dir.file_name().map(|name| name.to_string_lossy().into_owned());
     last.unwrap_or_else(|| dir.display().to_string())
 }

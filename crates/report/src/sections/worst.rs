@@ -11,6 +11,7 @@ use rockproof_differential::external::EngineSpec;
 use rockproof_differential::external::spec::quoted;
 use rockproof_differential::finding::{Cause, FAR};
 use rockproof_model::decision::Predicate;
+use rockproof_model::text::escaped;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
@@ -190,7 +191,7 @@ impl ShownCase<'_> {
             cause: self.cause.name(),
             facts,
             contacts: contacts.iter().map(row).collect(),
-            replay: format!("rockproof replay {}", quoted(&self.file.display().to_string())),
+            replay: format!("rockproof replay {}", escaped(&quoted(&self.file.display().to_string()))),
             traces,
         }
     }
