@@ -53,4 +53,5 @@ mod stress_command;
 mod tune_command;
 mod untrusted_input;
 mod untrusted_names;
+mod untrusted_results;
 mod weld;

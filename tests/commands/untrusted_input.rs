@@ -203,29 +203,6 @@ fn the_environment_asks_for_no_more_threads_than_an_option() {
     }
 }
 
-/// What is in the place of a table or of run.json is not waited for.
-#[cfg(unix)]
-#[test]
-fn a_pipe_in_a_directory_of_results_is_refused() {
-    let dir = tempfile::tempdir().expect("a folder");
-    let dir = dir.path();
-    let (code, out, err) = rockproof(dir, &["campaign", "--pairs", "16", "--family", "sliver", "--out", "run"]);
-    assert_eq!(code, 0, "{out}{err}");
-    let pipe = |file: &Path| assert!(std::process::Command::new("mkfifo").arg(file).status().expect("runs").success());
-    fs::create_dir(dir.join("locked")).expect("a folder");
-    pipe(&dir.join("locked/.rockproof.lock"));
-    refused(dir, &["campaign", "--pairs", "16", "--out", "locked"], &[".rockproof.lock is in the way"]);
-    for name in ["findings.csv", "run.json"] {
-        let (file, aside) = (dir.join("run").join(name), dir.join(name));
-        fs::rename(&file, &aside).expect("moved");
-        pipe(&file);
-        for arguments in [&["report", "run", "--out", "page"][..], &["compare", "run", "run"]] {
-            refused(dir, arguments, &[&format!("{name}: this is a folder, a device or a pipe")]);
-        }
-        fs::rename(&aside, &file).expect("moved");
-    }
-}
-
 /// Tables of campaigns hold the names of sets as they are, so no set has one that a spreadsheet calculates.
 #[test]
 fn no_set_is_called_like_a_formula() {

@@ -1,7 +1,7 @@
 //! The worst findings, each with a view to turn.
 
 use super::{Section, SectionPart};
-use crate::error::ReportError;
+use crate::error::{ReportError, at};
 use crate::load::{CampaignRun, RunFile};
 use crate::table::{Table, TableCell, concerned, label, short, six_digits};
 use crate::tally::{WORRYING, WorstFinding};
@@ -11,6 +11,7 @@ use rockproof_differential::external::EngineSpec;
 use rockproof_differential::external::spec::quoted;
 use rockproof_differential::finding::{Cause, FAR};
 use rockproof_model::decision::Predicate;
+use rockproof_model::files::refuse_what_is_no_file;
 use rockproof_model::text::escaped;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -139,6 +140,7 @@ fn show(dir: &Path, finding: &WorstFinding, name: String, number: usize) -> Resu
         let other = "a report reads what is in the directory of the run".to_owned();
         return Err(ReportError::Contradiction { file: path, found, other });
     }
+    refuse_what_is_no_file(&path).map_err(at(&path))?;
     let case = Case::load(&path)?;
     let about = ShownCase { cause: finding.cause, predicate: &finding.predicate, engine: &finding.engine, file: &path };
     Ok(about.view(&case, &name, number))

@@ -1,0 +1,36 @@
+//! Directories of results in which others put something else: what is no file is not waited for.
+
+use crate::untrusted_input::{refused, rockproof};
+use std::fs;
+use std::path::Path;
+
+/// What is in the place of a table, of run.json or of a case is not waited for.
+#[cfg(unix)]
+#[test]
+fn a_pipe_in_a_directory_of_results_is_refused() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let (code, out, err) = rockproof(dir, &["campaign", "--pairs", "64", "--family", "sliver", "--out", "run"]);
+    assert_eq!(code, 0, "{out}{err}");
+    let pipe = |file: &Path| assert!(std::process::Command::new("mkfifo").arg(file).status().expect("runs").success());
+    fs::create_dir(dir.join("locked")).expect("a folder");
+    pipe(&dir.join("locked/.rockproof.lock"));
+    refused(dir, &["campaign", "--pairs", "16", "--out", "locked"], &[".rockproof.lock is in the way"]);
+    let (report, compare) = (&["report", "run", "--out", "page"][..], &["compare", "run", "run"][..]);
+    let cases = fs::read_dir(dir.join("run/cases")).expect("cases").map(|case| case.expect("a case").file_name());
+    // What comes of tolerances is as it should be, and not shown.
+    let shown = |name: &String| name.contains("arithmetic") && name.ends_with(".toml");
+    let pairs: Vec<String> = cases.map(|name| format!("cases/{}", name.to_string_lossy())).filter(shown).collect();
+    assert!(!pairs.is_empty(), "a case that a report shows");
+    for name in ["findings.csv", "run.json"].into_iter().chain(pairs.iter().map(String::as_str)) {
+        let (file, aside) = (dir.join("run").join(name), dir.join("aside"));
+        fs::rename(&file, &aside).expect("moved");
+        pipe(&file);
+        let only_reported = name.starts_with("cases/");
+        for arguments in [report, compare].into_iter().take(if only_reported { 1 } else { 2 }) {
+            refused(dir, arguments, &[&format!("{name}: this is a folder, a device or a pipe")]);
+        }
+        fs::remove_file(&file).expect("removed");
+        fs::rename(&aside, &file).expect("moved");
+    }
+}
