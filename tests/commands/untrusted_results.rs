@@ -1,4 +1,5 @@
-//! Directories of results in which others put something else: what is no file is not waited for.
+//! Directories of results in which others put something else: what is no file is not waited for, and errors in tables name their line however
+//! lines end.
 
 use crate::untrusted_input::{refused, rockproof};
 use std::fs;
@@ -32,5 +33,36 @@ fn a_pipe_in_a_directory_of_results_is_refused() {
         }
         fs::remove_file(&file).expect("removed");
         fs::rename(&aside, &file).expect("moved");
+    }
+}
+
+#[test]
+fn errors_in_tables_name_their_line_however_lines_end() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let (code, out, err) = rockproof(dir, &["campaign", "--pairs", "64", "--family", "sliver", "--out", "run"]);
+    assert_eq!(code, 0, "{out}{err}");
+    let file = dir.join("run/findings.csv");
+    let table = fs::read_to_string(&file).expect("a table");
+    let lines: Vec<&str> = table.lines().collect();
+    assert!(lines.len() > 4, "{table}");
+    for end in ["\n", "\r\n", "\r"] {
+        for line in [2, 4] {
+            // A field too many.
+            let changed = lines.iter().zip(1..).map(|(text, number)| match number == line {
+                true => format!("{text},{end}"),
+                false => format!("{text}{end}"),
+            });
+            fs::write(&file, changed.collect::<String>()).expect("write");
+            refused(dir, &["report", "run", "--out", "page"], &[&format!("findings.csv: line {line}:")]);
+            let (code, _, err) = rockproof(dir, &["compare", "run", "run"]);
+            assert!(
+                code == 2 && err.contains(&format!("line: {line}")) || err.contains(&format!("line {line}")),
+                "{err}"
+            );
+        }
+        fs::write(&file, table.replace('\n', end)).expect("write");
+        let (code, out, err) = rockproof(dir, &["report", "run", "--out", "page", "--overwrite"]);
+        assert_eq!(code, 0, "{end:?}: {out}{err}");
     }
 }

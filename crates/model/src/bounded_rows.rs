@@ -6,7 +6,8 @@ use std::io::{self, Read};
 pub const LONGEST_ROW: usize = 16 << 20;
 
 /// Passes on the bytes of a table as long as no row is longer than [`LONGEST_ROW`]; the table may be of any length. Rows end where a reader
-/// of CSV with commas and double quotes sees their end, so that a quote that stays open counts as one row.
+/// of CSV with commas and double quotes sees their end, so that a quote that stays open counts as one row. Between rows `\r\n` and `\r` become
+/// `\n`: a reader of CSV takes the row after `\r\n` to begin in the line before.
 #[derive(Debug)]
 pub struct BoundedRows<R> {
     inner: R,
@@ -17,6 +18,8 @@ pub struct BoundedRows<R> {
     line: u64,
     begin: u64,
     place: Place,
+    /// Whether the last byte was a `\r` between rows.
+    after_return: bool,
     /// How many bytes of a byte order mark the table began with, as long as there was nothing else.
     mark: Option<usize>,
 }
@@ -44,7 +47,20 @@ impl<R: Read> BoundedRows<R> {
 
     /// The same with another limit, in bytes.
     pub fn at_most(inner: R, longest: usize) -> BoundedRows<R> {
-        BoundedRows { inner, longest, length: 0, line: 1, begin: 1, place: Place::Begin, mark: Some(0) }
+        let place = Place::Begin;
+        BoundedRows { inner, longest, length: 0, line: 1, begin: 1, place, after_return: false, mark: Some(0) }
+    }
+
+    /// What becomes of a byte; nothing of the `\n` of a `\r\n` between rows, whose `\r` has become one.
+    fn passed(&mut self, byte: u8) -> io::Result<Option<u8>> {
+        let is_second = std::mem::take(&mut self.after_return) && byte == b'\n';
+        if is_second {
+            return Ok(None);
+        }
+        self.after_return = byte == b'\r' && !matches!(self.place, Place::Quoted);
+        let byte = if self.after_return { b'\n' } else { byte };
+        self.pass(byte)?;
+        Ok(Some(byte))
     }
 
     fn pass(&mut self, byte: u8) -> io::Result<()> {
@@ -56,11 +72,11 @@ impl<R: Read> BoundedRows<R> {
         self.place = match (self.place, byte) {
             (Place::Quoted, b'"') => Place::AfterQuote,
             (Place::Begin | Place::AfterQuote, b'"') | (Place::Quoted, _) => Place::Quoted,
-            (_, b',' | b'\n' | b'\r') => Place::Begin,
+            (_, b',' | b'\n') => Place::Begin,
             _ => Place::Plain,
         };
         self.line += u64::from(byte == b'\n');
-        if matches!((self.place, byte), (Place::Begin, b'\n' | b'\r')) {
+        if matches!((self.place, byte), (Place::Begin, b'\n')) {
             (self.length, self.begin) = (0, self.line);
             return Ok(());
         }
@@ -77,9 +93,20 @@ impl<R: Read> BoundedRows<R> {
 
 impl<R: Read> Read for BoundedRows<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.inner.read(buffer)?;
-        buffer[..count].iter().try_for_each(|byte| self.pass(*byte))?;
-        Ok(count)
+        loop {
+            let count = self.inner.read(buffer)?;
+            let mut kept = 0;
+            for at in 0..count {
+                if let Some(byte) = self.passed(buffer[at])? {
+                    buffer[kept] = byte;
+                    kept += 1;
+                }
+            }
+            // No byte would mean the end.
+            if kept > 0 || count == 0 {
+                return Ok(kept);
+            }
+        }
     }
 }
 
@@ -91,8 +118,32 @@ mod tests {
     fn read(table: &[u8]) -> Result<(), String> {
         let mut bytes = Vec::new();
         BoundedRows::at_most(table, 8).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
-        assert_eq!(bytes, table);
+        let text = String::from_utf8_lossy(table).replace("\r\n", "\n");
+        assert_eq!(String::from_utf8_lossy(&bytes), text);
         Ok(())
+    }
+
+    #[test]
+    fn rows_begin_in_their_line_whatever_ends_the_one_before() {
+        /// A table of which one byte is had at a time.
+        struct ByteByByte<'t>(&'t [u8]);
+        impl Read for ByteByByte<'_> {
+            fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+                let one = buffer.len().min(1);
+                self.0.read(&mut buffer[..one])
+            }
+        }
+        let table = "a,b\n1,2\n\"3\r\n\",4\n5,6\n";
+        let quoted = "\"3\r\n\"";
+        for end in ["\n", "\r\n", "\r"] {
+            let table = table.replace(quoted, "Q").replace('\n', end).replace('Q', quoted);
+            let mut bytes = Vec::new();
+            BoundedRows::new(ByteByByte(table.as_bytes())).read_to_end(&mut bytes).expect("rows");
+            assert_eq!(String::from_utf8_lossy(&bytes), "a,b\n1,2\n\"3\r\n\",4\n5,6\n", "{end:?}");
+            let mut whole = Vec::new();
+            BoundedRows::new(table.as_bytes()).read_to_end(&mut whole).expect("rows");
+            assert_eq!(whole, bytes);
+        }
     }
 
     #[test]
