@@ -9,6 +9,7 @@ mod comparisons;
 mod dice;
 mod engine_answer;
 mod input;
+mod message;
 mod mutate;
 mod part_directory;
 mod reach;
@@ -146,6 +147,8 @@ targets! {
     number: Reader, readers::number, seeds::changed_seed;
     /// The answer of an external engine.
     engine_answer: Reader, engine_answer::engine_answer, seeds::changed_seed;
+    /// A message between ranks of a campaign; what is read is written, and reads back the same.
+    message: Reader, message::message, seeds::changed_seed;
     /// A campaign's directory with one file damaged, gone on with: what was written is found, or an error names a file.
     run_directory: Reader, run_directory::run_directory, run_directory::run_directory_input;
     /// Directories of every sort that reports are made of, one file damaged.

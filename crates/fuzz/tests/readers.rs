@@ -13,7 +13,7 @@ const READ_ONLY: u64 = 4;
 const WANTED_OF: u64 = 3_000;
 
 /// What [`WANTED_OF`] inputs of each target reach at least: about a third of what they did when this was written.
-const WANTED: [(&str, &[(&str, u64)]); 26] = [
+const WANTED: [(&str, &[(&str, u64)]); 27] = [
     (
         "scene",
         &[
@@ -166,6 +166,23 @@ const WANTED: [(&str, &[(&str, u64)]); 26] = [
         ],
     ),
     ("engine_answer", &[("contacts", 36), ("state-overlapping", 28), ("Unsupported", 48), ("Malformed", 880)]),
+    (
+        "message",
+        &[
+            ("read", 190),
+            ("Csv", 55),
+            ("Distribute", 660),
+            ("case", 19),
+            ("case-report", 37),
+            ("cases", 14),
+            ("end", 19),
+            ("ended", 16),
+            ("introduction", 22),
+            ("stopped", 18),
+            ("unit", 25),
+            ("unit-report", 20),
+        ],
+    ),
     ("run_directory", &[("whole", 5), ("changed", 20), ("missing", 4), ("seal", 5), ("resealed-read", 6)]),
     (
         "report",

@@ -10,10 +10,12 @@ mod message;
 mod plan;
 pub mod ranks;
 mod remote;
+mod reread;
 mod worker;
 
 pub use crew::{Crew, Distributed};
 pub use ranks::Introduction;
+pub use reread::{MessageKind, Reread, reread};
 pub use worker::{WorkerPanic, serve};
 
 use std::time::Duration;

@@ -76,12 +76,16 @@ pub fn gather<T: Transport>(
             stop.store(true, Ordering::SeqCst);
             return Ok(None);
         }
-        let worker: Introduction =
-            serde_json::from_slice(&message).map_err(|e| DistributeError::Message { rank, what: e.to_string() })?;
+        let worker = introduced(rank, &message)?;
         compare(rank, &worker, own)?;
         workers.insert(rank, worker);
     }
     Ok(Some(workers.into_values().collect()))
+}
+
+/// The introduction in a message from a rank.
+pub(super) fn introduced(rank: usize, message: &[u8]) -> Result<Introduction, DistributeError> {
+    serde_json::from_slice(message).map_err(|e| DistributeError::Message { rank, what: e.to_string() })
 }
 
 /// Compares a worker with rank 0.

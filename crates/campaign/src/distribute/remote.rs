@@ -48,7 +48,7 @@ pub(super) struct FoundChunk {
 }
 
 /// A candidate with its values.
-struct Decoded<R> {
+pub(super) struct Decoded<R> {
     row: R,
     task: CaseTask,
 }
@@ -176,7 +176,7 @@ impl Examiner for Remote<'_> {
 }
 
 /// The candidates among some rows.
-fn decoded<R: DeserializeOwned>(found: &FoundRows, about_step: bool) -> Result<Vec<Decoded<R>>, RunError> {
+pub(super) fn decoded<R: DeserializeOwned>(found: &FoundRows, about_step: bool) -> Result<Vec<Decoded<R>>, RunError> {
     let one = |candidate: &super::message::Candidate| {
         let bytes = &found.bytes[candidate.bytes.clone()];
         let task = CaseTask { about_step, row: bytes.to_vec(), place: candidate.place };
