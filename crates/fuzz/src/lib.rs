@@ -9,6 +9,7 @@ mod comparisons;
 mod dice;
 mod engine_answer;
 mod input;
+mod limits;
 mod message;
 mod mutate;
 mod part_directory;
@@ -24,6 +25,7 @@ mod tune_directory;
 
 pub use dice::Dice;
 pub use input::PairInput;
+pub use limits::{MOST_MEMORY, MOST_SECONDS, peak_memory};
 pub use mutate::mutated;
 pub use reach::Reach;
 pub use scratch::new_folder;

@@ -259,7 +259,7 @@ const WRONG_WITH_BLOCKS: [(&str, u64); 22] = [
     ("VertexTwice", 26),
 ];
 
-/// What a number of seeded inputs reach.
+/// What a number of seeded inputs reach, each within the time and the memory that an input may take.
 fn reached(target: &Target, inputs: u64, seed: u64) -> Reach {
     let (mut dice, mut reach) = (Dice::new(seed), Reach::default());
     let share = match target.name {
@@ -267,8 +267,11 @@ fn reached(target: &Target, inputs: u64, seed: u64) -> Reach {
         _ if target.takes_directory() => DIRECTORY,
         _ => 1,
     };
-    for _ in 0..inputs / share {
-        target.run(&target.input(&mut dice), &mut reach);
+    for number in 0..inputs / share {
+        let bytes = target.input(&mut dice);
+        if let Err(what) = target.run_within_limits(&bytes, &mut reach) {
+            panic!("{}, seed {seed}, input {number}: {what}: {:?}", target.name, String::from_utf8_lossy(&bytes));
+        }
     }
     reach
 }
