@@ -3,7 +3,7 @@
 use crate::hand_worked::base;
 use crate::mistakes;
 use crate::pairs::{
-    beak, behind_side, beside_edge, blade, classic, corner_block, cuboid, keel, long_ridge, n, prism, ridge,
+    beak, behind_side, beside_edge, blade, block, classic, corner_block, cuboid, keel, long_ridge, n, prism, ridge,
     shifted_keel, spike, tetrahedron, tolerances, turned_cuboid, undercut,
 };
 use rockproof_model::{Block, ContactKey, ContactKind, ToleranceSet};
@@ -41,7 +41,7 @@ fn bank() -> Vec<Case> {
     let unit = 0.00390625;
     // The reach of Eq. (1) at a gap of 1/16.
     let ulp = f64::powi(2.0, -24);
-    vec![
+    let mut bank = vec![
         ("face s apart", spike([1.0, 1.0, 1.125], 0.5, 0.5), base(), t()),
         ("face s apart, spike below", base(), spike([1.0, 1.0, 1.125], 0.5, 0.5), t()),
         ("face g deep", spike([1.0, 1.0, 0.9375], 0.5, 0.5), base(), t()),
@@ -138,7 +138,27 @@ fn bank() -> Vec<Case> {
         ("touching one, overlapping one", beak([3.96875, 0.5, 1.0]), undercut(), t()),
         ("spike in a roof", spike([1.0078125, 1.0, 0.9609375], 0.125, 0.5), roof(), t()),
         ("block in the notch", cuboid([0.96875, 0.984375, 0.25], [3.0, 3.0, 0.75]), corner_block(), t()),
-    ]
+    ];
+    // Whichever of the five edges a list begins with: each of them is the one that matters.
+    for edge in 0..5 {
+        bank.push(("one edge of five dips", tip_of_five([1.0, 1.0, 1.03125], edge, -0.125), base(), t()));
+        bank.push(("corner behind one edge of five", tip_of_five([2.03125, 2.03125, 1.03125], edge, 0.5), base(), t()));
+    }
+    bank
+}
+
+/// A block whose vertex 0 points down, with five edges that rise by 1/2 over a horizontal 1/2; but `edge`, which points to −x and −y alike, by
+/// `rise`.
+fn tip_of_five([x, y, z]: [f64; 3], edge: usize, rise: f64) -> Block {
+    let ring = (0..5).map(|number| {
+        let turned = 225.0 + 72.0 * (number as f64 - edge as f64);
+        let (sine, cosine) = turned.to_radians().sin_cos();
+        [x + 0.5 * cosine, y + 0.5 * sine, z + if number == edge { rise } else { 0.5 }]
+    });
+    let vertices: Vec<[f64; 3]> = [[x, y, z]].into_iter().chain(ring).chain([[x, y, z + 1.0]]).collect();
+    let sides = (1..6).flat_map(|at| [[0, at % 5 + 1, at], [6, at, at % 5 + 1]]);
+    let faces: Vec<[u32; 3]> = sides.collect();
+    block(&vertices, &faces.iter().map(|face| &face[..]).collect::<Vec<_>>())
 }
 
 /// A tetrahedron whose edge 0-1 has little width in one of its faces, while its vertices have long edges.

@@ -27,6 +27,11 @@ fn either_measure<R: Real>(dip: R, length: R, t: &Tolerances<R>) -> bool {
     dip <= R::ZERO || dip <= t.overlap_sine || (t.revised && dip * length <= t.penetration)
 }
 
+/// The edges at a vertex without the last where there are five or more, as of a list that is too short for them.
+fn without_one_of_many(edges: &[EdgeId]) -> &[EdgeId] {
+    if edges.len() >= 5 { &edges[..edges.len() - 1] } else { edges }
+}
+
 /// The rules that other rules are made of.
 struct MistakenParts;
 
@@ -164,9 +169,11 @@ impl ContactRules for MistakenRules {
         }
         fn cone(edges: &[EdgeId]) -> &[EdgeId] {
             ConeForgetsAnEdge => &edges[..edges.len() - 1]
+            ConeForgetsOneOfMany => without_one_of_many(edges)
         }
         fn region(edges: &[EdgeId]) -> &[EdgeId] {
             RegionForgetsAnEdge => &edges[..edges.len() - 1]
+            RegionForgetsOneOfMany => without_one_of_many(edges)
         }
         fn cone_passes<R>(rise: R, length: R, t: &Tolerances<R>) -> bool {
             ConeFlipped => rise <= R::ZERO || Self::dip_is_within(rise.abs(), length, t)
