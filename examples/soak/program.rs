@@ -1,6 +1,8 @@
 //! The program under attack: started with limits, watched, killed, and judged by how it ends.
 
 use crate::counts::Counts;
+// What an input to a reader may take, a process may: of seconds processor time, of memory what it may map. Everything that a soak asks for is small.
+pub(crate) use rockproof_fuzz::{MOST_MEMORY, MOST_SECONDS, peak_memory};
 use std::fs;
 use std::io::Read;
 use std::os::unix::process::ExitStatusExt;
@@ -9,12 +11,8 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// The most processor time that a process may take, in seconds: everything that a soak asks for is small.
-pub(crate) const MOST_SECONDS: u64 = 20;
 /// The most time by the clock, on a machine that is busy with other things: who waits for ever takes no processor time.
 const PATIENCE: Duration = Duration::from_secs(180);
-/// The memory that a process may map, in KiB.
-pub(crate) const MOST_MEMORY: u64 = 1 << 20;
 /// So much of what a process prints is kept.
 const KEPT: usize = 1 << 20;
 
@@ -186,13 +184,6 @@ fn signal(id: u32, name: &str) -> Told<()> {
     // Who has ended already needs no signal.
     let sent = Command::new("kill").args([format!("-{name}"), id.to_string()]).stderr(Stdio::null()).status();
     sent.map(drop).map_err(|error| format!("kill: {error}"))
-}
-
-/// The most resident memory of a process so far, in KiB; 0 where it has ended.
-pub(crate) fn peak_memory(proc: &Path) -> u64 {
-    let status = fs::read_to_string(proc.join("status")).unwrap_or_default();
-    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    peak.and_then(|text| text.trim().strip_suffix("kB")?.trim().parse().ok()).unwrap_or(0)
 }
 
 /// The ticks of Linux's clock of processes, a second.
