@@ -20,7 +20,7 @@ use rockproof_model::{Block, EdgeId, FaceId, Vec3};
 /// The direction with the largest gap; `None` where no direction has a length.
 pub(super) fn least_translation(pair: &LatticePair<'_>) -> Option<Penetration> {
     let rough = F64Pair::new(pair);
-    let gaps: Vec<(Direction, f64)> = rough.gaps().collect();
+    let gaps = rough.measured();
     let best = gaps.iter().map(|&(_, gap)| gap - rough.doubt).fold(f64::NEG_INFINITY, f64::max);
     let mut found: Option<(Vec3<BigInt>, BigInt, BigInt)> = None;
     // Whatever is not a number decides nothing.
@@ -55,8 +55,8 @@ pub(super) fn least_translation(pair: &LatticePair<'_>) -> Option<Penetration> {
 /// At least and at most how deep the blocks overlap, in m; zero for blocks apart.
 pub(super) fn rough_depth(pair: &LatticePair<'_>) -> (f64, f64) {
     let rough = F64Pair::new(pair);
-    let gap =
-        rough.gaps().map(|(_, gap)| if gap.is_nan() { f64::INFINITY } else { gap }).fold(f64::NEG_INFINITY, f64::max);
+    let gaps = rough.measured().into_iter().map(|(_, gap)| if gap.is_nan() { f64::INFINITY } else { gap });
+    let gap = gaps.fold(f64::NEG_INFINITY, f64::max);
     if !gap.is_finite() {
         return (0.0, f64::INFINITY);
     }
@@ -100,12 +100,22 @@ fn edge(pair: &LatticePair<'_>, side: usize, edge: EdgeId) -> Vec3<BigInt> {
 struct F64Pair<'p, 'a> {
     pair: &'p LatticePair<'a>,
     points: [Vec<[f64; 3]>; 2],
-    /// No gap is off by more (lattice units).
+    /// No gap is off by more (lattice units) but of edges that are nearly parallel.
     doubt: f64,
 }
 
-/// A cross product shorter than this share of its factors' lengths is formed exactly, then rounded.
+/// The gap along a cross product shorter than this share of its factors' lengths is less certain, the shorter the less.
 const PARALLEL: f64 = 1.0 / 1024.0;
+
+/// A cross product shorter than this share is formed exactly, then rounded.
+const FORMED_EXACTLY: f64 = PARALLEL * PARALLEL * PARALLEL * PARALLEL;
+
+/// A direction and the gap along it in f64, in lattice units, which is off by no more than `doubt`.
+struct MeasuredGap {
+    direction: Direction,
+    gap: f64,
+    doubt: f64,
+}
 
 impl<'p, 'a> F64Pair<'p, 'a> {
     fn new(pair: &'p LatticePair<'a>) -> F64Pair<'p, 'a> {
@@ -118,7 +128,9 @@ impl<'p, 'a> F64Pair<'p, 'a> {
         let size = points.iter().flatten().flatten().fold(0.0f64, |most, c| most.max(c.abs()));
         // Edges and face normals are within a roundoff of the exact ones, cross products no shorter than
         // `PARALLEL`, or exact: the angle to the exact direction is below 2⁻³⁶. Turning a direction by an angle moves a gap
-        // by that angle times the distance of two points, below 4·size.
+        // by that angle times the distance of two points, below 4·size. A cross product of rounded edges is off by at most
+        // 8 roundoffs of the product of their lengths, so that of a share x of it the angle is below 2⁻⁴⁹/x: 2⁻⁹ at
+        // `FORMED_EXACTLY`, and always below 2⁻³⁶·`PARALLEL`/x.
         F64Pair { pair, points, doubt: size * 2f64.powi(-33) }
     }
 
@@ -128,28 +140,48 @@ impl<'p, 'a> F64Pair<'p, 'a> {
         all.map(|e| edge(self.pair, side, e)).map(|d| [near(&d.x), near(&d.y), near(&d.z)]).collect()
     }
 
-    /// The gap along each direction, in lattice units.
-    fn gaps(&self) -> impl Iterator<Item = (Direction, f64)> + '_ {
+    /// The gap along each direction that may have the largest, off by no more than `doubt`, in lattice units.
+    fn measured(&self) -> Vec<(Direction, f64)> {
+        let gaps = self.gaps();
+        let best = gaps.iter().map(|found| found.gap - found.doubt).fold(f64::NEG_INFINITY, f64::max);
+        // Whatever is not a number decides nothing.
+        let may_be_best = gaps.into_iter().filter(|found| found.gap.is_nan() || found.gap + found.doubt >= best);
+        let sharp = may_be_best.map(|found| {
+            let is_sharp = found.doubt <= self.doubt;
+            (found.direction, if is_sharp { found.gap } else { self.exact_gap(found.direction) })
+        });
+        sharp.collect()
+    }
+
+    /// The gap along each direction.
+    fn gaps(&self) -> Vec<MeasuredGap> {
         let faces = |block: &Block| block.topology().face_ids();
         let [a, b] = self.pair.blocks;
-        let of_a = faces(a).map(Direction::OfA);
-        let of_faces = of_a.chain(faces(b).map(Direction::OfB)).map(|direction| (direction, self.exact_gap(direction)));
+        let of_faces = faces(a).map(Direction::OfA).chain(faces(b).map(Direction::OfB));
+        let sharp = |direction, gap| MeasuredGap { direction, gap, doubt: self.doubt };
+        let mut found: Vec<MeasuredGap> =
+            of_faces.map(|direction| sharp(direction, self.exact_gap(direction))).collect();
         let (ones, twos) = (self.edges(0), self.edges(1));
-        let of_edges = (0..ones.len()).flat_map(move |one| {
-            let first = ones[one];
-            let twos = twos.clone();
-            (0..twos.len()).flat_map(move |two| {
-                let n = cross(first, twos[two]);
+        for (one, &first) in ones.iter().enumerate() {
+            for (two, &second) in twos.iter().enumerate() {
+                let n = cross(first, second);
                 let places = [false, true].map(|against| Direction::Edges(EdgeId::at(one), EdgeId::at(two), against));
-                let long = dot(n, n) > PARALLEL * PARALLEL * dot(first, first) * dot(twos[two], twos[two]);
-                if long {
-                    [(places[0], self.gap(n)), (places[1], self.gap(n.map(|c| -c)))]
+                let share = (dot(n, n) / (dot(first, first) * dot(second, second))).sqrt();
+                if share > FORMED_EXACTLY {
+                    // The angle to the exact cross product grows as the product gets shorter.
+                    let doubt = self.doubt * (PARALLEL / share).max(1.0);
+                    let gaps = [self.gap(n), self.gap(n.map(|c| -c))];
+                    found.extend(places.into_iter().zip(gaps).map(|(direction, gap)| MeasuredGap {
+                        direction,
+                        gap,
+                        doubt,
+                    }));
                 } else {
-                    places.map(|place| (place, self.exact_gap(place)))
+                    found.extend(places.map(|place| sharp(place, self.exact_gap(place))));
                 }
-            })
-        });
-        of_faces.chain(of_edges)
+            }
+        }
+        found
     }
 
     /// The gap along a direction that is formed exactly; minus infinity for one without length.
