@@ -10,6 +10,7 @@ use anyhow::Context;
 use clap::ValueEnum;
 use rayon::prelude::*;
 use rockproof_differential::neighbours::neighbours;
+use rockproof_examine::Overlaps;
 use rockproof_model::{Block, Contact, Precision, Sign, ToleranceSet};
 use rockproof_oracle::combination::{Combination, combinations};
 use rockproof_oracle::rational::Rational;
@@ -19,7 +20,6 @@ use rockproof_stepper::contact::{PreparedBlock as FloatSolid, SpecRules, Toleran
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -110,19 +110,24 @@ impl Classify {
             None => neighbours(&blocks, &tolerances),
         };
         let classifier = Classifier::new(self.engine, &blocks, &tolerances).with_context(place)?;
+        // Blocks that overlap deeper than any contact says are the first thing to know of a model. A row of CSV is a contact, so there it is not told.
+        let audited = !matches!(self.format, OutputFormat::Csv);
+        let overlaps = audited.then(|| overlaps(&blocks, &tolerances, Some(&pairs)));
         let mut rows = Vec::new();
         counted_while(pairs.len() as u64, "classified", |done| {
-            let found = classifier.all(&pairs, done, !matches!(self.format, OutputFormat::Csv));
+            let found = classifier.all(&pairs, done, audited);
             match self.format {
                 OutputFormat::Table => write_table(&mut rows, found, pairs.len()),
                 // These two go out as they come, whatever the size of the model.
                 OutputFormat::Csv => to_stdout(|out| write_csv(out, found)),
-                OutputFormat::Json => to_stdout(|out| write_json(out, found)),
+                OutputFormat::Json => {
+                    let overlaps = overlaps.as_ref().map_or(Value::Null, Overlaps::json);
+                    to_stdout(|out| write_json(out, overlaps, found))
+                }
             }
         })?;
-        if matches!(self.format, OutputFormat::Table) {
-            // Blocks that overlap deeper than any contact says are the first thing to know of a model.
-            writeln!(rows, "{}", overlaps(&blocks, &tolerances, Some(&pairs)).line())?;
+        if let (OutputFormat::Table, Some(overlaps)) = (self.format, overlaps) {
+            writeln!(rows, "{}", overlaps.line())?;
             print(&String::from_utf8_lossy(&rows))?;
         }
         Ok(Verdict::Passed)
@@ -307,8 +312,15 @@ fn pair_json(pair: &PairContacts) -> Value {
     })
 }
 
-fn write_json(mut out: &mut dyn Write, pairs: impl Iterator<Item = PairContacts>) -> io::Result<()> {
-    let document = BTreeMap::from([("pairs", Listed(RefCell::new(pairs)))]);
+/// What `--format json` prints.
+#[derive(Serialize)]
+struct ClassifyDocument<P: Serialize> {
+    overlaps: Value,
+    pairs: P,
+}
+
+fn write_json(mut out: &mut dyn Write, overlaps: Value, pairs: impl Iterator<Item = PairContacts>) -> io::Result<()> {
+    let document = ClassifyDocument { overlaps, pairs: Listed(RefCell::new(pairs)) };
     serde_json::to_writer_pretty(&mut out, &document)?;
     writeln!(out)
 }

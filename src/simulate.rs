@@ -29,7 +29,7 @@ use rockproof_simulate::record::{RunProgress, RunTable};
 use rockproof_simulate::run::headers;
 use rockproof_simulate::tables::lines;
 use rockproof_simulate::totals::Extreme;
-use rockproof_simulate::{AuditTotals, Ending, Plan, Run, RunRecord, Stepping};
+use rockproof_simulate::{AuditScope, AuditTotals, Ending, Plan, Run, RunRecord, Stepping};
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport};
@@ -50,13 +50,13 @@ use std::time::{Duration, Instant};
   rockproof simulate slope.toml --steps 2000 --every 50 --contacts --out reports/slope
   rockproof simulate slope.toml --steps 4000 --every 50 --contacts --out reports/slope --resume
   rockproof simulate incline.toml --engine stepper-f32 --steps 200 --lockstep
-  rockproof simulate slope.toml --steps 200 --audit
+  rockproof simulate slope.toml --steps 200 --audit                     looks within the steps as well
   rockproof simulate blocks.stl --hold-lowest --steps 100 --audit       blocks alone, standing on the lowest
 
 A run can be interrupted or killed at any moment; --resume continues from its last checkpoint; the files are byte-identical.
 
-Exit status: 0 done, 1 rules violated, a run that cannot go on, or what --audit objects to, 2 usage or input error, 130 interrupted (go on with
---resume).")]
+Exit status: 0 done, 1 rules violated, a run that cannot go on, blocks that overlap where no contact sees it or, with --audit, pass through one
+another within a step, 2 usage or input error, 130 interrupted (go on with --resume).")]
 pub(crate) struct Simulate {
     #[arg(help = format!("Blocks and what moves them: .toml; or blocks alone: {}; or - for stdin", SceneFormat::listed(|format| format != SceneFormat::Toml)), value_hint = clap::ValueHint::FilePath)]
     scene: InputFile,
@@ -112,10 +112,14 @@ pub(crate) struct Simulate {
     #[arg(long)]
     force: bool,
 
-    /// Look at every step exactly: do blocks overlap where no contact sees it, do they pass through one another within the step?
-    /// Fills columns of steps.csv; exits with 1 where they do
+    /// Look within every step as well: do blocks pass through one another? After every step it is looked at anyway how deep blocks overlap,
+    /// exactly, and whether a contact sees it. Exits with 1 where blocks pass through one another, or overlap unseen
     #[arg(long)]
     audit: bool,
+
+    /// Look at no step exactly: faster, but overlaps that no contact sees are not noticed
+    #[arg(long, conflicts_with = "audit")]
+    no_audit: bool,
 
     /// Make every step exactly as well and compare: lockstep.csv, differences.csv, states/
     #[arg(long)]
@@ -319,8 +323,8 @@ impl Simulate {
         start.refuse_inputs(&dir, self.inputs())?;
         let mut identity = identity(&scene, &set, engine, &plan);
         let mut headers = headers(&plan)?;
-        if self.audit {
-            identity.insert("audit".to_owned(), true.into());
+        if let Some(scope) = self.audited() {
+            identity.insert("audit".to_owned(), scope.name().into());
         }
         if self.lockstep {
             identity.extend(self.lockstep_identity());
@@ -356,8 +360,8 @@ impl Simulate {
                 Box::new(LockstepStepping::new(lockstep, about, &record.progress().beside))
             }
         };
-        if self.audit {
-            stepping = Box::new(AuditedRun::new(stepping, &scene, &set, precision).with_context(file)?);
+        if let Some(scope) = self.audited() {
+            stepping = Box::new(AuditedRun::new(stepping, &scene, &set, (precision, scope)).with_context(file)?);
         }
         let stop = on_ctrl_c()?;
         let mut display = Display::new();
@@ -385,6 +389,15 @@ impl Simulate {
                 Verdict::CheckFailed
             }
         })
+    }
+
+    /// What of each step is looked at exactly, if anything.
+    fn audited(&self) -> Option<AuditScope> {
+        match (self.audit, self.no_audit) {
+            (true, _) => Some(AuditScope::OverlapsAndPassages),
+            (false, false) => Some(AuditScope::Overlaps),
+            (false, true) => None,
+        }
     }
 
     /// What of lockstep must be the same for a run to go on.
@@ -548,6 +561,11 @@ fn write_summary<R: Real>(
     overlaps: Option<&str>,
 ) -> std::fmt::Result {
     let RunProgress { totals, seconds, .. } = record.progress();
+    let audit = totals.audit.as_ref();
+    // What makes all the rest worthless comes first.
+    if let Some(audit) = audit.filter(|audit| audit.objects()) {
+        writeln!(out, "audit            {}\n", audit.verdict())?;
+    }
     let all = totals.steps + totals.settling;
     let time = state.time.to_f64();
     writeln!(out, "time             {} s after {} steps", short(time), grouped(totals.steps))?;
@@ -564,16 +582,24 @@ fn write_summary<R: Real>(
     writeln!(out, "retries          {}", retries.join(", "))?;
     let [open, sliding, locked] = totals.contacts.map(grouped);
     writeln!(out, "contacts         {open} open, {sliding} sliding, {locked} locked")?;
-    // What contacts have as gaps; of overlaps that no contact sees it says nothing.
-    for (name, extreme) in [("in contacts      overlap of", totals.deepest), ("displacement    ", totals.furthest)] {
-        let at = if extreme.value.0 > 0.0 { format!(" in {}", step_in_words(extreme.step)) } else { String::new() };
-        writeln!(out, "{name} {} m at most{at}", short(extreme.value.0))?;
+    let at = |extreme: Extreme| {
+        let step = if extreme.value.0 > 0.0 { format!(" in {}", step_in_words(extreme.step)) } else { String::new() };
+        format!("{} m at most{step}", short(extreme.value.0))
+    };
+    match audit {
+        Some(audit) => writeln!(out, "penetration      {}", audit.deepest_in_words())?,
+        // The gaps of contacts say nothing of overlaps that no contact sees.
+        None => {
+            writeln!(out, "in contacts      overlap of {}, to first order; others are not known", at(totals.deepest))?
+        }
     }
+    writeln!(out, "displacement     {}", at(totals.furthest))?;
     writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;
     write_lockstep(out, &record.progress().beside)?;
-    match (&totals.audit, overlaps) {
-        (Some(audit), _) => writeln!(out, "audit            {}", audit.sentence())?,
-        (None, Some(sentence)) => writeln!(out, "model            {sentence}; --audit follows them")?,
+    match (audit, overlaps) {
+        (Some(audit), _) if audit.objects() => {}
+        (Some(audit), _) => writeln!(out, "audit            {}", audit.verdict())?,
+        (None, Some(sentence)) => writeln!(out, "model            {sentence}; without --no-audit they are followed")?,
         (None, None) => {}
     }
     let speed = all as f64 / seconds.max(1e-9);

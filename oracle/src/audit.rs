@@ -15,20 +15,23 @@
 //! 4. of other blocks, whether their surfaces enclose something that both share (`interiors`).
 //!
 //! [`Auditor::neighbours`] lists the pairs and [`Auditor::pair`] audits one of them, so that a caller can share the work
-//! among threads; [`Audit::of`] puts the answers together in the order of the pairs, whoever found them.
+//! among threads; [`Audit::of`] puts the answers together in the order of the pairs, whoever found them. Of blocks that a
+//! stepper has moved, [`Screen`] leaves out in f64, proved, all pairs that need no exact answer.
 
 mod meaning;
 mod planes;
+mod screen;
 
 use crate::boxes::{self, Box3, meeting_pairs};
 use crate::interiors;
 use crate::penetration::{Penetration, penetration};
 use crate::separation::{PointSet, SeparationAnswer, separate};
 use crate::{Gap, Pair, PreparedBlock};
-pub use meaning::{Meaning, rounding_depth};
+pub use meaning::{Meaning, rounding_depth, rounding_depth_of_size};
 use num_rational::BigRational;
 use planes::FacePlanes;
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
+pub use screen::Screen;
 use std::ops::AddAssign;
 use std::sync::OnceLock;
 
@@ -45,6 +48,10 @@ pub enum OverlapVisibility {
 }
 
 impl OverlapVisibility {
+    /// All, the best first.
+    pub const ALL: [OverlapVisibility; 3] =
+        [OverlapVisibility::Seen, OverlapVisibility::Shallow, OverlapVisibility::Unseen];
+
     /// `seen`, `shallow` or `unseen`, as written in tables and files.
     pub fn name(self) -> &'static str {
         match self {
@@ -239,6 +246,21 @@ impl<'s> Auditor<'s> {
         PairAudit { decider, overlap: overlaps.then(|| self.measure(blocks, kept)) }
     }
 
+    /// How deep two blocks overlap, without asking what contacts see of it; `None` where they do not.
+    ///
+    /// # Panics
+    /// When there is no block of one of the numbers.
+    pub fn depth(&self, blocks: [usize; 2]) -> Option<Penetration> {
+        let (overlaps, _) = self.overlap(blocks);
+        overlaps.then(|| self.penetration(blocks))
+    }
+
+    fn penetration(&self, blocks: [usize; 2]) -> Penetration {
+        let [one, two] = blocks.map(|k| self.solids[k].block());
+        // A block with an inside has faces with areas but where they cancel; then nothing is known of its depth.
+        penetration(one, two).unwrap_or_else(Penetration::none)
+    }
+
     /// Whether the interiors meet, and what decided it.
     fn overlap(&self, blocks: [usize; 2]) -> (bool, Decider) {
         let [a, b] = blocks.map(|k| &self.solids[k]);
@@ -270,8 +292,7 @@ impl<'s> Auditor<'s> {
     fn measure(&self, blocks: [usize; 2], kept: &[ContactKey]) -> Overlap {
         let [a, b] = blocks.map(|k| &self.solids[k]);
         let (one, two) = (a.block(), b.block());
-        // A block with an inside has faces with areas but where they cancel; then nothing is known of its depth.
-        let penetration = penetration(one, two).unwrap_or_else(Penetration::none);
+        let penetration = self.penetration(blocks);
         let contact = self.deepest_contact(&Pair::new(a, b), kept);
         let square = penetration.depth_squared();
         let four = BigRational::from_integer(4.into());

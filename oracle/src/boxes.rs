@@ -30,6 +30,25 @@ impl Box3 {
         Box3 { low, high }
     }
 
+    /// The box of points whose coordinates are these f64, exactly.
+    pub(crate) fn of_points(points: &[[f64; 3]]) -> Box3 {
+        let ends = |from: f64, pick: fn(f64, f64) -> f64| {
+            std::array::from_fn(|k| points.iter().fold(from, |end, point| pick(end, point[k])))
+        };
+        Box3 { low: ends(f64::INFINITY, f64::min), high: ends(f64::NEG_INFINITY, f64::max) }
+    }
+
+    /// Whether the boxes share more than their surfaces. **Boxes that touch do not.**
+    pub(crate) fn overlaps(&self, other: &Box3) -> bool {
+        (0..3).all(|k| self.low[k] < other.high[k] && other.low[k] < self.high[k])
+    }
+
+    /// At least the distance of any two of its points.
+    pub(crate) fn span(&self) -> f64 {
+        // Two roundings of a length each; the sum of the sides is no shorter than the diagonal.
+        (0..3).map(|k| self.high[k] - self.low[k]).sum::<f64>() * (1.0 + 8.0 * f64::EPSILON)
+    }
+
     /// The box of blocks together, rounded outwards.
     pub(crate) fn of_blocks(blocks: [&Block; 2]) -> Box3 {
         let [one, two] = blocks.map(|block| {

@@ -39,7 +39,8 @@ impl Penetration {
         Penetration { gap: Gap { sign: Sign::Zero, squared: BigRational::default() }, direction: Vec3::zero() }
     }
 
-    pub(crate) fn depth_squared(&self) -> BigRational {
+    /// The square of the depth in m², exactly; zero where the blocks do not overlap.
+    pub fn depth_squared(&self) -> BigRational {
         if self.gap.sign.is_negative() { self.gap.squared.clone() } else { BigRational::default() }
     }
 }

@@ -9,7 +9,7 @@ use num_rational::BigRational;
 use num_traits::One;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::number::split_f64;
-use rockproof_model::{Number, ToleranceSet};
+use rockproof_model::{Number, Ring, ToleranceSet};
 
 impl Scales<Approx> {
     /// Lengths in metres, rounded.
@@ -90,10 +90,10 @@ impl Scales<Ball> {
     }
 }
 
-impl Scales<BigInt> {
+impl<T: Ring> Scales<T> {
     /// For values that no tolerance enters.
-    pub(crate) fn none() -> Scales<BigInt> {
-        let zero = || BigInt::ZERO;
+    pub(crate) fn none() -> Scales<T> {
+        let zero = || T::from_i32(0);
         Scales {
             unit: zero(),
             search: zero(),
@@ -106,7 +106,9 @@ impl Scales<BigInt> {
             equal: zero(),
         }
     }
+}
 
+impl Scales<BigInt> {
     /// Lengths in lattice units over one common denominator, sines and ε over theirs.
     pub(crate) fn exact(t: &ToleranceSet, lattice: &Lattice) -> Scales<BigInt> {
         let ([search, territory, penetration], unit) =

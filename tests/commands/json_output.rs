@@ -39,7 +39,15 @@ fn check_says_the_same_to_programs() {
     assert!(rules.iter().all(|rule| text.contains(rule["rule"].as_str().expect("a rule"))));
     let overlaps = &found["overlaps"];
     assert!(text.contains(&format!("\noverlaps: {} pairs (worst 2–3, 1.1694 m) overlap deeper", overlaps["lost"])));
-    assert_eq!(overlaps["pairs"].as_array().map(Vec::len), Some(19));
+    let pairs = overlaps["pairs"].as_array().expect("pairs");
+    assert_eq!(pairs.len(), 19);
+    let counts = ["seen", "shallow", "unseen"].map(|sight| {
+        assert_eq!(overlaps[sight], pairs.iter().filter(|pair| pair["contacts_see_it"] == sight).count(), "{sight}");
+        format!("{} {sight}", overlaps[sight])
+    });
+    assert!(text.contains(&format!("pass through one another ({})", counts.join(", "))), "{text}");
+    let classified = document(place.path(), 0, &["classify", &file, "--tolerances", "shi"]);
+    assert_eq!(classified["overlaps"], *overlaps);
     let search = found["tolerances"]["search"].as_f64().expect("a length");
     assert!(text.contains(&format!("\n  search            {search:>13.6e}\n")), "{text}");
     assert_eq!(found["tolerances"]["criteria"], "classic");
@@ -137,7 +145,9 @@ fn runs_say_the_same_to_programs() {
     assert_eq!(found["deepest_contact_m"]["step"], totals["deepest"]["step"]);
     assert!(found["lockstep"]["differences"]["arithmetic"].is_u64() && found["audit"]["objects"] == false);
     assert_eq!(found["lockstep"]["steps"].as_u64(), Some(4 + found["settling_steps"].as_u64().expect("a count")));
-    let bare = run(&["--out", "bare"]);
+    let usual = run(&["--out", "usual"]);
+    assert!(usual["audit"]["deepest"] == found["audit"]["deepest"] && usual["audit"]["passages"].is_null());
+    let bare = run(&["--no-audit", "--out", "bare"]);
     assert!(bare["lockstep"].is_null() && bare["audit"].is_null() && bare["kinetic_j"] == found["kinetic_j"]);
     let exact = run(&["--engine", "exact", "--out", "exact"]);
     assert!(exact["ending"] == "finished" && exact["steps"] == 4 && exact["kept"].is_string());

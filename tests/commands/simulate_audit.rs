@@ -1,5 +1,6 @@
-//! Pins `simulate --audit`: what it fills in and says, that it objects to blocks that pass through one another and to nothing
-//! else, and that its bytes depend neither on threads nor on interruptions. And what `check` and `report` say of the same.
+//! Pins the audit of every step by `simulate`: that overlaps are looked at without being asked for and `--audit` adds passages, what it fills in
+//! and says, that it objects to blocks that pass through one another and to nothing else, and that its bytes depend neither on threads nor on
+//! interruptions. And what `check` and `report` say of the same.
 
 use crate::place::Place;
 use std::collections::BTreeMap;
@@ -83,18 +84,88 @@ fn a_sound_run_is_audited_to_the_same_bytes_whoever_does_it() {
     let read = |dir: &str| fs::read(place.path(dir).join("steps.csv")).expect("steps.csv");
     assert!(read("whole") == read("parts"));
     assert_eq!(totals_of(&place, "whole")["audit"], totals_of(&place, "parts")["audit"]);
-    // Without it the columns are empty, all others are the same, and one run is not taken for the other.
-    assert_eq!(place.run(&["simulate", "fall.toml", "--every", "7", "--out", "bare"]).0, 0);
-    for (mut audited, bare) in steps.into_iter().zip(step_rows(&place, "bare")) {
-        assert!(COLUMNS.iter().all(|column| bare[*column].is_empty()), "{bare:?}");
-        audited.extend(COLUMNS.map(|column| (column.to_owned(), String::new())));
-        assert_eq!(audited, bare);
+    // Without passages two columns are empty, with --no-audit all four; all others are the same, and no run is taken for another.
+    for (dir, more, empty) in [("usual", &[][..], &COLUMNS[2..]), ("bare", &["--no-audit"], &COLUMNS[..])] {
+        let (code, out, err) = place.run(&[&["simulate", "fall.toml", "--every", "7", "--out", dir], more].concat());
+        assert_eq!(code, 0, "{out}{err}");
+        for (mut audited, other) in steps.iter().cloned().zip(step_rows(&place, dir)) {
+            audited.extend(empty.iter().map(|column| ((*column).to_owned(), String::new())));
+            assert_eq!(audited, other);
+        }
+        let (code, _, err) = place.run(&[&args[..], &[dir, "--resume"]].concat());
+        assert!(code == 2 && err.contains("audit: the run has"), "{err}");
     }
+    let (mut whole, usual) = (totals_of(&place, "whole")["audit"].clone(), totals_of(&place, "usual")["audit"].clone());
+    assert_eq!((&whole["passages"], &whole["undecided"]), (&0.into(), &0.into()));
+    (whole["passages"], whole["undecided"]) = (serde_json::Value::Null, serde_json::Value::Null);
+    assert_eq!(whole, usual);
     assert!(totals_of(&place, "bare").get("audit").is_none());
-    let (code, _, err) = place.run(&[&args[..], &["bare", "--resume"]].concat());
-    assert!(code == 2 && err.contains("audit: the run has"), "{err}");
-    let (code, _, err) = place.run(&["simulate", "fall.toml", "--engine", "exact", "--audit"]);
-    assert!(code == 2 && err.contains("--audit"), "{err}");
+    for refused in [&["--engine", "exact", "--audit"][..], &["--no-audit", "--audit"]] {
+        let (code, _, err) = place.run(&[&["simulate", "fall.toml"], refused].concat());
+        assert!(code == 2 && err.contains("--audit"), "{err}");
+    }
+}
+
+#[test]
+fn the_end_tells_the_true_penetration_and_without_an_audit_that_it_does_not() {
+    let place = Place::new();
+    place.file("fall.toml", FALL);
+    let (code, out, err) = place.run(&["simulate", "fall.toml", "--out", "usual"]);
+    assert_eq!(code, 0, "{out}{err}");
+    let deepest = totals_of(&place, "usual")["audit"]["deepest"].clone();
+    let blocks = [0, 1].map(|k| deepest["blocks"][k].to_string());
+    assert!(out.contains("\npenetration      ") && !out.contains("in contacts"), "{out}");
+    let told = format!(" m at most, of blocks {} and {} in step {}\n", blocks[0], blocks[1], deepest["step"]);
+    assert!(out.contains(&told), "{told}{out}");
+    let told = "\naudit            contacts see every overlap after 42 steps; passages within steps not looked for (--audit does)\n";
+    assert!(out.contains(told), "{out}");
+    let (_, out, _) = place.run(&["simulate", "fall.toml", "--out", "bare", "--no-audit"]);
+    assert!(
+        out.contains("\nin contacts      overlap of ") && out.contains(", to first order; others are not known\n"),
+        "{out}"
+    );
+    assert!(!out.contains("penetration  ") && !out.contains("audit  "), "{out}");
+}
+
+/// A cube that is sunk 30 cm into a fixed floor: deeper than contacts begin.
+const SUNK: &str = r#"
+[simulation]
+gravity = [0, 0, -10]
+time_step = 0.01
+steps = 4
+
+[[block]]
+fixed = true
+box = { min = [-1, -1, -1], max = [2, 2, 0] }
+
+[[block]]
+box = { min = [0, 0, -0.3], max = [1, 1, 0.7] }
+"#;
+
+#[test]
+fn a_cube_that_falls_through_the_floor_is_told_first_without_being_asked_for() {
+    let place = Place::new();
+    place.file("sunk.toml", SUNK);
+    let (code, out, err) = place.run(&["simulate", "sunk.toml", "--force", "--out", "usual"]);
+    assert_eq!(code, 1, "{out}{err}");
+    let told = "audit            blocks pass through one another: 1 pair overlaps where no contact sees it, after 4 of 4 steps (worst 0–1, 0.3";
+    assert!(out.starts_with(told), "{out}");
+    assert!(
+        out.contains("\npenetration      0.3") && out.contains(" m at most, of blocks 0 and 1 in step 4\n"),
+        "{out}"
+    );
+    for row in step_rows(&place, "usual") {
+        let depth: f64 = row["true_penetration_m"].parse().expect("a depth");
+        assert!(row["unseen_pairs"] == "1" && depth > 0.3 && row["passages"].is_empty(), "{row:?}");
+        assert_eq!(row["max_penetration_m"], "0.0", "contacts know nothing of it");
+    }
+    let (code, out, err) = place.run(&["simulate", "sunk.toml", "--force", "--format", "json", "--out", "json"]);
+    let found: serde_json::Value = serde_json::from_str(&out).expect("JSON");
+    assert!(code == 1 && found["audit"]["objects"] == true && found["audit"]["passages"].is_null(), "{out}{err}");
+    assert_eq!(found["audit"]["steps_unseen"], 4);
+    let (code, out, err) = place.run(&["simulate", "sunk.toml", "--force", "--no-audit", "--out", "bare"]);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(out.contains("; without --no-audit they are followed\n"), "{out}");
 }
 
 #[test]
@@ -104,11 +175,16 @@ fn a_block_that_passes_through_another_within_a_step_is_told() {
     // Tolerances that break the rules: the step is far too long.
     let args =
         ["simulate", "shot.toml", "--force", "--set", "max_displacement=1", "--set", "penetration=1/100", "--out"];
-    assert_eq!(place.run(&[&args[..], &["bare"]].concat()).0, 0, "nobody looks");
+    assert_eq!(place.run(&[&args[..], &["bare", "--no-audit"]].concat()).0, 0, "nobody looks");
+    let (code, out, err) = place.run(&[&args[..], &["usual"]].concat());
+    assert!(code == 0 && out.contains("passages within steps not looked for"), "{out}{err}");
     let (code, out, err) = place.run(&[&args[..], &["shot", "--audit"]].concat());
     assert_eq!(code, 1, "{out}{err}");
     let told = "audit            blocks pass through one another: 1 passage within a step (worst 0–1, ";
-    assert!(out.contains(told) && out.contains(" m, step 2); no overlap after any step"), "{out}");
+    assert!(
+        out.starts_with(told) && out.contains("\npenetration      none: no two blocks overlap after any step\n"),
+        "{out}"
+    );
     let passages: Vec<String> = step_rows(&place, "shot").into_iter().map(|row| row["passages"].clone()).collect();
     assert_eq!(passages, ["0", "1", "0"]);
     assert_eq!(totals_of(&place, "shot")["audit"]["worst_passage"]["step"], 2);
@@ -130,16 +206,16 @@ fn overlaps_that_no_contact_sees_are_told_with_the_worst_pair_and_step() {
     let place = Place::new();
     let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/real/slope_joints.dda");
     let args = ["simulate", model.to_str().expect("text"), "--force", "--steps", "2", "--out"];
-    let (code, out, err) = place.run(&[&args[..], &["audited", "--audit"]].concat());
+    let (code, out, err) = place.run(&[&args[..], &["audited"]].concat());
     assert_eq!(code, 1, "{out}{err}");
     let told = "blocks pass through one another: up to 19 pairs overlap where no contact sees it, after 2 of 2 steps (worst 2–3, 1.1694 m";
     assert!(out.contains(told), "{out}");
     assert!(step_rows(&place, "audited").iter().all(|row| row["unseen_pairs"] == "19"));
     // Without it the end says what the beginning said, and how to look.
-    let (code, out, err) = place.run(&[&args[..], &["bare"]].concat());
+    let (code, out, err) = place.run(&[&args[..], &["bare", "--no-audit"]].concat());
     assert_eq!(code, 0, "{out}{err}");
     assert!(
-        out.contains("\nmodel            19 pairs (worst 2–3, 1.1694 m) overlap deeper") && out.contains("--audit"),
+        out.contains("\nmodel            19 pairs (worst 2–3, 1.1694 m) overlap deeper") && out.contains("--no-audit"),
         "{out}"
     );
 }

@@ -4,7 +4,7 @@ use crate::seen::{Seen, Stage};
 use rayon::prelude::*;
 use rockproof_model::{Block, Number, Precision, ToleranceSet};
 use rockproof_oracle::PreparedBlock;
-use rockproof_oracle::audit::{Audit, Auditor, Meaning, Overlap, rounding_depth};
+use rockproof_oracle::audit::{Audit, Auditor, Meaning, Overlap, OverlapVisibility, rounding_depth};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -78,6 +78,19 @@ impl Overlaps {
         self.meanings.iter().filter(|&&found| found == meaning).count()
     }
 
+    /// How many overlaps of one meaning contacts see so well.
+    pub fn count_seen(&self, meaning: Meaning, sight: OverlapVisibility) -> usize {
+        self.that(|found| found == meaning).filter(|overlap| overlap.sight == sight).count()
+    }
+
+    /// How many overlaps of one meaning contacts see, in brackets. None that contacts hold is unseen.
+    fn sights_in_words(&self, meaning: Meaning) -> String {
+        let told = OverlapVisibility::ALL.into_iter();
+        let told = told.filter(|&sight| meaning == Meaning::Lost || sight != OverlapVisibility::Unseen);
+        let counts = told.map(|sight| format!("{} {}", self.count_seen(meaning, sight), sight.name()));
+        format!(" ({})", counts.collect::<Vec<_>>().join(", "))
+    }
+
     /// The overlaps that are meant, in the order of their pairs.
     fn that(&self, is_meant: impl Fn(Meaning) -> bool) -> impl DoubleEndedIterator<Item = &Overlap> {
         let all = self.audit.overlaps.iter().zip(&self.meanings);
@@ -105,7 +118,8 @@ impl Overlaps {
             let [a, b] = worst.blocks;
             let worst =
                 if parts.is_empty() { format!(" (worst {a}–{b}, {} m)", depth(worst)) } else { String::new() };
-            parts.push(format!("{count} {pairs}{worst} {said}"));
+            let sights = if meaning == Meaning::Rounding { String::new() } else { self.sights_in_words(meaning) };
+            parts.push(format!("{count} {pairs}{worst} {said}{sights}"));
         }
         (!parts.is_empty()).then(|| parts.join("; "))
     }
@@ -118,7 +132,7 @@ impl Overlaps {
         }
     }
 
-    /// The overlaps for programs: how many of each meaning, and every pair that overlaps by more than rounding.
+    /// The overlaps for programs: how many of each meaning; of those deeper than rounding how many contacts see, and every pair.
     pub fn json(&self) -> Value {
         let told = |(_, meaning): &(&Overlap, Meaning)| *meaning != Meaning::Rounding;
         let pair = |(overlap, meaning): (&Overlap, Meaning)| {
@@ -131,11 +145,17 @@ impl Overlaps {
             })
         };
         let [lost, held, rounding] = Meaning::ALL.map(|meaning| self.count(meaning));
+        let more_than_rounding = |sight: OverlapVisibility| {
+            [Meaning::Lost, Meaning::Held].into_iter().map(|meaning| self.count_seen(meaning, sight)).sum::<usize>()
+        };
         json!({
             "neighbours": self.audit.counts.neighbours(),
             "lost": lost,
             "held": held,
             "rounding": rounding,
+            "seen": more_than_rounding(OverlapVisibility::Seen),
+            "shallow": more_than_rounding(OverlapVisibility::Shallow),
+            "unseen": more_than_rounding(OverlapVisibility::Unseen),
             "pairs": self.all().filter(told).map(pair).collect::<Vec<_>>(),
         })
     }
@@ -174,7 +194,6 @@ mod tests {
     use super::*;
     use rockproof_model::Vec3;
     use rockproof_model::preset::{Preset, derive};
-    use rockproof_oracle::audit::OverlapVisibility;
 
     /// A cube of 1 m on a fixed slab, sunk by so many thousandths.
     fn sunk(x: i32, thousandths: i32) -> Block {
@@ -194,15 +213,19 @@ mod tests {
         let mut set = derive(Preset::Auto, &blocks, Precision::F64).expect("a set");
         set.penetration = Number::from_f64(0.0625).expect("a number");
         let mut found = overlaps(&blocks, &set, None, &Seen::default(), &AtomicBool::new(false));
-        let held = "3 pairs (worst 0–3, 0.0030 m) overlap and are held by contacts";
+        let held = "3 pairs (worst 0–3, 0.0030 m) overlap and are held by contacts (3 seen, 0 shallow)";
         assert_eq!(found.sentence().as_deref(), Some(held));
         // The two shallower ones unseen: the deepest pair of all is not theirs.
         for overlap in &mut found.audit.overlaps[..2] {
             (overlap.sight, overlap.contact) = (OverlapVisibility::Unseen, None);
         }
+        found.audit.overlaps[2].sight = OverlapVisibility::Shallow;
         let found = Overlaps::of(found.audit, &rounding_depth(&blocks, Precision::F64), found.neighbours);
         let said = found.sentence().expect("overlaps");
         assert!(said.starts_with("2 pairs (worst 0–2, 0.0020 m) overlap deeper than penetration or where"), "{said}");
-        assert!(said.ends_with("; 1 pair overlap and are held by contacts"), "{said}");
+        assert!(said.contains(" pass through one another (0 seen, 0 shallow, 2 unseen); "), "{said}");
+        assert!(said.ends_with("; 1 pair overlap and are held by contacts (0 seen, 1 shallow)"), "{said}");
+        let json = found.json();
+        assert_eq!([&json["seen"], &json["shallow"], &json["unseen"]], [0, 1, 2]);
     }
 }

@@ -1,32 +1,45 @@
-//! `simulate --audit`: every step audited exactly (SPEC section 7), overlaps after it and passages within it.
+//! `simulate` and `examine`: every step audited exactly (SPEC section 7), overlaps after it and, where asked for, passages within it.
 
 use crate::error::ExamineError;
 use rayon::prelude::*;
-use rockproof_model::{Block, ContactKey, Number, Precision, Scene, ToleranceSet, Vec3};
-use rockproof_oracle::PreparedBlock;
-use rockproof_oracle::audit::{Audit, Auditor, Overlap, rounding_depth};
+use rockproof_model::{Block, Contact, ContactKey, Number, Precision, Scene, ToleranceSet};
+use rockproof_oracle::audit::{Auditor, Screen, rounding_depth_of_size};
 use rockproof_oracle::passage::{PassageAnswer, StraightMotion, passage, swept_neighbours};
 use rockproof_oracle::penetration::Penetration;
+use rockproof_oracle::{Pair, PreparedBlock};
 use rockproof_simulate::run::StepAnnotations;
-use rockproof_simulate::{PairDepth, StepAudit, Stepping};
-use rockproof_stepper::Real;
+use rockproof_simulate::{AuditScope, PairDepth, StepAudit, StepPassages, Stepping};
 use rockproof_stepper::dynamics::{State, StepError, StepReport};
-use std::collections::BTreeMap;
+use rockproof_stepper::{Real, Vector};
+
+/// Pairs that f64 looks at in one thread: to wake others costs more.
+const FEW: usize = 512;
 
 /// A run of which every step is audited. The stepper's coordinates are taken as exact; pairs of two fixed blocks are left
 /// out, as they never move.
 pub struct AuditedRun<R> {
     stepping: Box<dyn Stepping<R>>,
+    /// The blocks as the scene has them.
+    shapes: Vec<Block>,
     set: ToleranceSet,
     precision: Precision,
     is_fixed: Vec<bool>,
-    /// The blocks where the next step begins.
-    before: Vec<Block>,
+    /// The blocks where the next step begins; `None` where passages are not looked for.
+    before: Option<Vec<Block>>,
     last: Option<StepAudit>,
 }
 
+/// A pair that f64 does not prove to be apart.
+struct Candidate {
+    blocks: [usize; 2],
+    /// Certainly not exceeded by the depth (m).
+    most: f64,
+    /// Whether contacts may not see it.
+    is_open: bool,
+}
+
 impl<R: Real> AuditedRun<R> {
-    /// Audits the steps of a run from its present state on.
+    /// Audits the steps of a run from its present state on; `precision` is what the run calculates in.
     ///
     /// # Errors
     /// Where its present state has a coordinate that is not finite.
@@ -34,12 +47,13 @@ impl<R: Real> AuditedRun<R> {
         stepping: Box<dyn Stepping<R>>,
         scene: &Scene,
         set: &ToleranceSet,
-        precision: Precision,
+        (precision, scope): (Precision, AuditScope),
     ) -> Result<AuditedRun<R>, ExamineError> {
         let shapes: Vec<Block> = scene.blocks.iter().map(|block| block.block.clone()).collect();
-        let before = placed(&shapes, stepping.state()).ok_or(ExamineError::NotFinite)?;
+        let screen = screened(&shapes, stepping.state()).ok_or(ExamineError::NotFinite)?;
+        let before = (scope == AuditScope::OverlapsAndPassages).then(|| all_blocks(&screen, shapes.len()));
         let is_fixed = scene.blocks.iter().map(|block| block.body.is_fixed()).collect();
-        Ok(AuditedRun { stepping, set: set.clone(), precision, is_fixed, before, last: None })
+        Ok(AuditedRun { stepping, shapes, set: set.clone(), precision, is_fixed, before, last: None })
     }
 
     /// Whether one block of a pair can move.
@@ -47,53 +61,55 @@ impl<R: Real> AuditedRun<R> {
         pair.iter().any(|&block| !self.is_fixed[block])
     }
 
-    /// Fills in what blocks overlap after a step. A contact that the step left closed counts at any depth, as it does for
-    /// the next step.
-    fn audit_overlaps(&self, after: &[Block], state: &State<R>, found: &mut StepAudit) {
-        let solids: Vec<PreparedBlock> = after.par_iter().map(PreparedBlock::new).collect();
-        let auditor = Auditor::new(&solids, &self.set);
-        let mut kept: BTreeMap<[usize; 2], Vec<ContactKey>> = BTreeMap::new();
-        for contact in state.contacts.iter().filter(|contact| contact.mode.is_closed()) {
-            kept.entry(contact.blocks.map(|block| block as usize)).or_default().push(contact.contact.key);
-        }
-        let pairs: Vec<[usize; 2]> = auditor.neighbours().into_iter().filter(|pair| self.can_move(pair)).collect();
-        let audited = pairs.par_iter().map(|pair| {
-            let kept = kept.get(pair).map_or(&[][..], Vec::as_slice);
-            auditor.pair_keeping(*pair, kept)
-        });
-        let audit = Audit::of(audited.collect::<Vec<_>>());
-        let rounding = rounding_depth(&after.iter().collect::<Vec<_>>(), self.precision);
-        let is_unseen = |overlap: &Overlap| overlap.is_unseen(&rounding);
-        let worst = |overlap: &Overlap| pair_depth(overlap.blocks, &overlap.penetration);
-        found.unseen_pairs = audit.overlaps.iter().filter(|overlap| is_unseen(overlap)).map(worst).collect();
-        found.unseen = found.unseen_pairs.len() as u64;
-        found.worst_unseen = audit.deepest_of(is_unseen).map(worst);
-        found.deepest = audit.deepest().map(worst);
+    /// What blocks overlap after a step. Contacts see an overlap where one that the step left closed has h < 0, or one that an exact
+    /// classification finds, which keeps those at any depth, as the next step does.
+    fn audit_overlaps(&self, screen: &Screen<'_>, state: &State<R>) -> StepAudit {
+        let largest = Number::from_f64(screen.largest_coordinate()).unwrap_or(Number::ZERO);
+        let rounding = rounding_depth_of_size(&largest, self.precision);
+        // Blocks that overlap by no more are no concern of contacts; rounded down, so that "at most" is sure.
+        let harmless = if rounding < self.set.penetration { &rounding } else { &self.set.penetration };
+        let harmless = harmless.approximate().next_down();
+        let closed = ClosedContacts::of(state);
+        let pairs: Vec<[usize; 2]> = screen.pairs().into_iter().filter(|pair| self.can_move(pair)).collect();
+        let candidate = |&blocks: &[usize; 2]| {
+            let most = screen.greatest_depth(blocks)?;
+            let is_seen =
+                || closed.between(blocks).iter().any(|(_, c)| screen.surely_negative_gap(blocks, &c.entrance));
+            Some(Candidate { blocks, most, is_open: most > harmless && !is_seen() })
+        };
+        let mut candidates: Vec<Candidate> = if pairs.len() < FEW {
+            pairs.iter().filter_map(candidate).collect()
+        } else {
+            pairs.par_iter().filter_map(candidate).collect()
+        };
+        let open: Vec<[usize; 2]> = candidates.iter().filter(|c| c.is_open).map(|c| c.blocks).collect();
+        let set = &self.set;
+        let exactly = |&blocks: &[usize; 2]| unseen(screen, set, blocks, (closed.between(blocks), &rounding));
+        // Each takes long enough to be worth another thread.
+        let unseen = open.par_iter().filter_map(exactly).collect();
+        let floor = rounding_depth_of_size(&largest, Precision::F64);
+        StepAudit { unseen, deepest: deepest(screen, &self.set, &mut candidates, &floor), passages: None }
     }
 
-    /// Fills in which pairs passed through one another. Only pairs whose boxes over the whole step meet are asked about.
-    fn audit_passages(&self, after: &[Block], found: &mut StepAudit) {
-        let ends = || self.before.iter().zip(after);
+    /// Which pairs passed through one another. Only pairs whose boxes over the whole step meet are asked about.
+    fn passages(&self, before: &[Block], after: &[Block]) -> StepPassages {
+        let ends = || before.iter().zip(after);
         let motions: Vec<StraightMotion> = ends().map(|(before, after)| StraightMotion::new(before, after)).collect();
         let has_moved: Vec<bool> = ends().map(|(before, after)| before.vertices() != after.vertices()).collect();
         let mut pairs = swept_neighbours(&motions);
         pairs.retain(|[a, b]| has_moved[*a] || has_moved[*b]);
         let limit = &self.set.penetration;
         let asked = pairs.par_iter().map(|[a, b]| passage(&motions[*a], &motions[*b], limit).answer);
+        let mut found = StepPassages::default();
         for (&pair, answer) in pairs.iter().zip(asked.collect::<Vec<_>>()) {
             match answer {
-                PassageAnswer::Passage { depth, .. } => {
-                    let passage = pair_depth(pair, &depth);
-                    found.passages += 1;
-                    found.passage_pairs.push(passage);
-                    if found.worst_passage.is_none_or(|worst| passage.depth_m > worst.depth_m) {
-                        found.worst_passage = Some(passage);
-                    }
-                }
+                PassageAnswer::Passage { depth, .. } => found.pairs.push(pair_depth(pair, &depth)),
                 PassageAnswer::Undecided => found.undecided += 1,
                 PassageAnswer::NoPassage | PassageAnswer::DeepAtEnd => {}
             }
         }
+        found.pairs.sort_by_key(|pair| pair.blocks);
+        found
     }
 }
 
@@ -103,11 +119,14 @@ impl<R: Real> Stepping<R> for AuditedRun<R> {
         let report = self.stepping.step()?;
         let state = self.stepping.state();
         // A step whose numbers are not finite is not made.
-        if let Some(after) = placed(&self.before, state) {
-            let mut found = StepAudit::default();
-            self.audit_overlaps(&after, state, &mut found);
-            self.audit_passages(&after, &mut found);
-            (self.before, self.last) = (after, Some(found));
+        if let Some(screen) = screened(&self.shapes, state) {
+            let mut found = self.audit_overlaps(&screen, state);
+            if let Some(before) = &self.before {
+                let after = all_blocks(&screen, self.shapes.len());
+                found.passages = Some(self.passages(before, &after));
+                self.before = Some(after);
+            }
+            self.last = Some(found);
         }
         Ok(report)
     }
@@ -125,14 +144,88 @@ impl<R: Real> Stepping<R> for AuditedRun<R> {
     }
 }
 
-/// Blocks where a state has them, its numbers taken as exact; `None` where one is not finite.
-fn placed<R: Real>(shapes: &[Block], state: &State<R>) -> Option<Vec<Block>> {
-    let number = |value: R| Number::from_f64(value.to_f64()).ok();
-    let block = |(shape, now): (&Block, &rockproof_stepper::dynamics::BlockState<R>)| {
-        let vertices = now.vertices.iter().map(|v| Some(Vec3::new(number(v.x)?, number(v.y)?, number(v.z)?)));
-        Some(shape.with_vertices(vertices.collect::<Option<_>>()?))
+/// The contacts that a step left closed, sorted by their pairs.
+struct ClosedContacts(Vec<([usize; 2], Contact)>);
+
+impl ClosedContacts {
+    fn of<R: Real>(state: &State<R>) -> ClosedContacts {
+        let closed = state.contacts.iter().filter(|contact| contact.mode.is_closed());
+        let mut closed: Vec<_> = closed.map(|c| (c.blocks.map(|block| block as usize), c.contact)).collect();
+        closed.sort_by_key(|(blocks, _)| *blocks);
+        ClosedContacts(closed)
+    }
+
+    /// Those of a pair.
+    fn between(&self, pair: [usize; 2]) -> &[([usize; 2], Contact)] {
+        let start = self.0.partition_point(|(blocks, _)| *blocks < pair);
+        let count = self.0[start..].partition_point(|(blocks, _)| *blocks == pair);
+        &self.0[start..start + count]
+    }
+}
+
+/// A pair exactly: its depth, if it overlaps by more than rounding where no contact sees it.
+fn unseen(
+    screen: &Screen<'_>,
+    set: &ToleranceSet,
+    blocks: [usize; 2],
+    (closed, rounding): (&[([usize; 2], Contact)], &Number),
+) -> Option<PairDepth> {
+    let solids = blocks.map(|block| PreparedBlock::new(&screen.block(block)));
+    let kept: Vec<ContactKey> = closed.iter().map(|(_, contact)| contact.key).collect();
+    let overlap = Auditor::new(&solids, set).pair_keeping([0, 1], &kept).overlap?;
+    let pair = Pair::new(&solids[0], &solids[1]);
+    let is_pressed = || closed.iter().any(|(_, contact)| pair.gap(&contact.entrance).sign.is_negative());
+    (overlap.is_unseen(rounding) && !is_pressed()).then(|| pair_depth(blocks, &overlap.penetration))
+}
+
+/// The deepest of some pairs, exactly, of equal ones the first; none where none is deeper than `floor`.
+fn deepest(
+    screen: &Screen<'_>,
+    set: &ToleranceSet,
+    candidates: &mut Vec<Candidate>,
+    floor: &Number,
+) -> Option<PairDepth> {
+    let mut deepest: Option<(_, PairDepth)> = None;
+    let exactly = |candidate: &Candidate| {
+        let solids = candidate.blocks.map(|block| PreparedBlock::new(&screen.block(block)));
+        let depth = Auditor::new(&solids, set).depth([0, 1])?;
+        Some((depth.depth_squared(), pair_depth(candidate.blocks, &depth)))
     };
-    shapes.iter().zip(&state.blocks).map(block).collect()
+    let floor_squared = floor.times(floor).to_rational();
+    candidates.retain(|candidate| candidate.most > floor.approximate());
+    // Those of which most is possible first, until no other can be as deep.
+    candidates.sort_by(|one, two| two.most.total_cmp(&one.most).then(one.blocks.cmp(&two.blocks)));
+    let mut rest = &candidates[..];
+    let mut together = 1;
+    while !rest.is_empty() {
+        let limit = deepest.as_ref().map_or(0.0, |(_, pair)| pair.depth_m.next_down());
+        let possible = rest.partition_point(|candidate| candidate.most >= limit);
+        let (next, later) = rest[..possible].split_at(together.min(possible));
+        if next.is_empty() {
+            break;
+        }
+        for (squared, pair) in next.par_iter().filter_map(exactly).collect::<Vec<_>>() {
+            let is_deeper =
+                |(most, first): &(_, PairDepth)| squared > *most || (squared == *most && pair.blocks < first.blocks);
+            if squared > floor_squared && deepest.as_ref().is_none_or(is_deeper) {
+                deepest = Some((squared, pair));
+            }
+        }
+        rest = later;
+        together = rayon::current_num_threads();
+    }
+    deepest.map(|(_, pair)| pair)
+}
+
+/// The blocks where a state has them, for f64 to look at; `None` where a number is not finite.
+fn screened<'s, R: Real>(shapes: &'s [Block], state: &State<R>) -> Option<Screen<'s>> {
+    let place = |v: &Vector<R>| v.components().map(R::to_f64);
+    let places = state.blocks.iter().map(|block| block.vertices.iter().map(place).collect());
+    Screen::new(shapes.iter().zip(places))
+}
+
+fn all_blocks(screen: &Screen<'_>, count: usize) -> Vec<Block> {
+    (0..count).map(|block| screen.block(block)).collect()
 }
 
 fn pair_depth(blocks: [usize; 2], penetration: &Penetration) -> PairDepth {

@@ -4,7 +4,7 @@ use crate::error::ExamineError;
 use crate::seen::Seen;
 use crate::step_audit::AuditedRun;
 use rockproof_model::{Precision, Scene, ToleranceSet};
-use rockproof_simulate::{AuditTotals, PairDepth, Stepping};
+use rockproof_simulate::{AuditScope, AuditTotals, PairDepth, Stepping};
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, Solve};
 use rockproof_tune::{ClusterSupport, hold_lowest};
@@ -84,7 +84,7 @@ fn make_in<R: Solve>(
     (seen, stop): (&Seen, &AtomicBool),
 ) -> Result<Option<AuditedSteps>, ExamineError> {
     let dynamics = Dynamics::<R, SpecRules>::new(scene, set)?;
-    let mut run = AuditedRun::new(Box::new(dynamics), scene, set, precision)?;
+    let mut run = AuditedRun::new(Box::new(dynamics), scene, set, (precision, AuditScope::OverlapsAndPassages))?;
     let mut found = AuditedSteps {
         made: 0,
         asked: steps,
@@ -103,8 +103,8 @@ fn make_in<R: Solve>(
             Ok(report) => {
                 if let Some(audit) = run.audit() {
                     found.totals.add(report.step, &audit);
-                    deepen(&mut found.passages, &audit.passage_pairs);
-                    deepen(&mut found.unseen, &audit.unseen_pairs);
+                    deepen(&mut found.passages, audit.passages.as_ref().map_or(&[], |passages| &passages.pairs));
+                    deepen(&mut found.unseen, &audit.unseen);
                 }
                 found.made = run.state().step;
                 seen.advance();

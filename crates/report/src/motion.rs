@@ -46,7 +46,7 @@ impl MotionRun {
     pub fn sentence(&self) -> String {
         match self.audit() {
             Some(audit) => audit.sentence(),
-            None => "not audited; overlaps that no contact sees are found by simulate --audit".to_owned(),
+            None => "not audited (--no-audit); nobody looked for overlaps that no contact sees".to_owned(),
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::exact_float::ExactFloat;
 use rockproof_model::simulation::step_in_words;
 use serde::{Deserialize, Serialize};
 
-/// The columns of `steps.csv` that the audit fills; empty without one.
+/// The columns of `steps.csv` that the audit fills; empty without one, the last two where passages are not looked for.
 pub const COLUMNS: [&str; 4] = ["unseen_pairs", "true_penetration_m", "passages", "undecided_passages"];
 
 /// Two blocks and how deep they overlap.
@@ -17,33 +17,60 @@ pub struct PairDepth {
     pub depth_m: f64,
 }
 
+/// What of a step is audited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AuditScope {
+    /// The blocks after the step: which overlap, how deep, and whether contacts see it.
+    Overlaps,
+    /// That, and within the step which pairs pass through one another.
+    OverlapsAndPassages,
+}
+
+impl AuditScope {
+    /// The name in the identity of a run.
+    pub fn name(self) -> &'static str {
+        match self {
+            AuditScope::Overlaps => "overlaps",
+            AuditScope::OverlapsAndPassages => "overlaps and passages",
+        }
+    }
+}
+
 /// The exact audit of one step: the blocks as they are after it, and what happened within it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepAudit {
-    /// Pairs that overlap by more than rounding where no contact sees it.
-    pub unseen: u64,
-    /// The deepest of these, of equal ones the first.
-    pub worst_unseen: Option<PairDepth>,
-    /// The deepest overlap of all.
+    /// Pairs that overlap by more than rounding where no contact sees it, in ascending order.
+    pub unseen: Vec<PairDepth>,
+    /// The deepest overlap of all, of equal ones the first; none where all are within the rounding of f64.
     pub deepest: Option<PairDepth>,
-    /// Pairs that passed through one another within the step.
-    pub passages: u64,
-    /// The passage with the greatest depth that was shown; pairs may have been deeper at other times of the step.
-    pub worst_passage: Option<PairDepth>,
+    /// The passages within the step; `None` where these were not looked for.
+    pub passages: Option<StepPassages>,
+}
+
+/// Passages within one step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StepPassages {
+    /// Pairs that passed through one another, in ascending order, each with the depth that was shown; they may have been deeper at other
+    /// times of the step.
+    pub pairs: Vec<PairDepth>,
     /// Pairs of which neither a passage nor its absence was shown.
     pub undecided: u64,
-    /// The pairs behind `unseen`, in ascending order.
-    pub unseen_pairs: Vec<PairDepth>,
-    /// The pairs behind `passages`, in ascending order, each with the depth that was shown.
-    pub passage_pairs: Vec<PairDepth>,
 }
 
 impl StepAudit {
     /// The cells of [`COLUMNS`].
     pub fn cells(&self) -> [String; 4] {
         let deepest = self.deepest.map_or(0.0, |deepest| deepest.depth_m);
-        [self.unseen.to_string(), format!("{deepest:?}"), self.passages.to_string(), self.undecided.to_string()]
+        let passages = self.passages.as_ref().map(|found| found.pairs.len().to_string());
+        let undecided = self.passages.as_ref().map(|found| found.undecided.to_string());
+        let [passages, undecided] = [passages, undecided].map(Option::unwrap_or_default);
+        [self.unseen.len().to_string(), format!("{deepest:?}"), passages, undecided]
     }
+}
+
+/// The deepest pair, of equal ones the first.
+fn deepest_of(pairs: &[PairDepth]) -> Option<PairDepth> {
+    pairs.iter().rev().copied().max_by(|one, two| one.depth_m.total_cmp(&two.depth_m))
 }
 
 /// The audits of all steps of a run, settling included.
@@ -60,12 +87,12 @@ pub struct AuditTotals {
     pub worst_unseen: Option<PairExtreme>,
     /// The deepest overlap after a step.
     pub deepest: Option<PairExtreme>,
-    /// Passages, over all steps.
-    pub passages: u64,
+    /// Passages, over all steps; none where they were not looked for.
+    pub passages: Option<u64>,
     /// The passage with the greatest depth that was shown.
     pub worst_passage: Option<PairExtreme>,
-    /// Pairs and steps of which neither a passage nor its absence was shown.
-    pub undecided: u64,
+    /// Pairs and steps of which neither a passage nor its absence was shown; none where passages were not looked for.
+    pub undecided: Option<u64>,
 }
 
 /// The worst pair of a run and the step it belongs to.
@@ -84,14 +111,17 @@ impl AuditTotals {
     /// Adds the audit of a step.
     pub fn add(&mut self, step: i64, audit: &StepAudit) {
         self.steps += 1;
-        self.steps_unseen += u64::from(audit.unseen > 0);
-        self.most_unseen = self.most_unseen.max(audit.unseen);
-        self.passages += audit.passages;
-        self.undecided += audit.undecided;
+        self.steps_unseen += u64::from(!audit.unseen.is_empty());
+        self.most_unseen = self.most_unseen.max(audit.unseen.len() as u64);
+        let passages = audit.passages.as_ref();
+        if let Some(found) = passages {
+            *self.passages.get_or_insert(0) += found.pairs.len() as u64;
+            *self.undecided.get_or_insert(0) += found.undecided;
+        }
         for (worst, found) in [
-            (&mut self.worst_unseen, audit.worst_unseen),
+            (&mut self.worst_unseen, deepest_of(&audit.unseen)),
             (&mut self.deepest, audit.deepest),
-            (&mut self.worst_passage, audit.worst_passage),
+            (&mut self.worst_passage, passages.and_then(|found| deepest_of(&found.pairs))),
         ] {
             let Some(PairDepth { blocks, depth_m }) = found else { continue };
             if worst.is_none_or(|worst| depth_m > worst.depth_m.0) {
@@ -102,11 +132,20 @@ impl AuditTotals {
 
     /// Whether blocks passed through one another or were about to: a passage, or an overlap that no contact saw.
     pub fn objects(&self) -> bool {
-        self.steps_unseen > 0 || self.passages > 0
+        self.steps_unseen > 0 || self.passages.is_some_and(|passages| passages > 0)
     }
 
-    /// What was found, in one line.
+    /// What was found, in one line, with the deepest overlap of all.
     pub fn sentence(&self) -> String {
+        let deepest = match self.deepest {
+            None => "no overlap after any step".to_owned(),
+            deepest => format!("deepest overlap of all{}", worst_pair_note(deepest)),
+        };
+        format!("{}; {deepest}", self.verdict())
+    }
+
+    /// Whether contacts see every overlap and no pair passes through another, in one line.
+    pub fn verdict(&self) -> String {
         let mut parts: Vec<String> = Vec::new();
         if self.steps_unseen > 0 {
             let [count, steps, all] = [self.most_unseen, self.steps_unseen, self.steps];
@@ -114,58 +153,74 @@ impl AuditTotals {
             let worst = worst_pair_note(self.worst_unseen);
             parts.push(format!("{pairs} where no contact sees it, after {steps} of {all} steps{worst}"));
         }
-        if self.passages > 0 {
-            let passages = if self.passages == 1 { "passage" } else { "passages" };
+        let passages = self.passages.unwrap_or(0);
+        if passages > 0 {
+            let noun = if passages == 1 { "passage" } else { "passages" };
             let worst = worst_pair_note(self.worst_passage);
-            parts.push(format!("{} {passages} within a step{worst}", self.passages));
+            parts.push(format!("{passages} {noun} within a step{worst}"));
         }
         if self.objects() {
             parts[0].insert_str(0, "blocks pass through one another: ");
         } else {
-            parts.push(format!("contacts see every overlap after {} steps, and no passage within one", self.steps));
+            let none = if self.passages.is_some() { ", and no passage within one" } else { "" };
+            parts.push(format!("contacts see every overlap after {} steps{none}", self.steps));
         }
-        if self.undecided > 0 {
-            parts.push(format!("{} passages undecided", self.undecided));
+        match self.undecided {
+            None => parts.push("passages within steps not looked for (--audit does)".to_owned()),
+            Some(0) => {}
+            Some(undecided) => parts.push(format!("{undecided} passages undecided")),
         }
-        parts.push(match self.deepest {
-            None => "no overlap after any step".to_owned(),
-            deepest => format!("deepest overlap of all{}", worst_pair_note(deepest)),
-        });
         parts.join("; ")
+    }
+
+    /// The true penetration, in words: the deepest overlap after any step, with its pair and step.
+    pub fn deepest_in_words(&self) -> String {
+        let Some(PairExtreme { blocks: [a, b], depth_m: ExactFloat(depth), step }) = self.deepest else {
+            return "none: no two blocks overlap after any step".to_owned();
+        };
+        format!("{} m at most, of blocks {a} and {b} in {}", in_four_digits(depth), step_in_words(step))
     }
 }
 
 /// The worst pair with its depth and step, in brackets.
 fn worst_pair_note(worst: Option<PairExtreme>) -> String {
     let Some(PairExtreme { blocks: [a, b], depth_m: ExactFloat(depth), step }) = worst else { return String::new() };
-    let depth = if (1e-3..1e4).contains(&depth) { format!("{depth:.4}") } else { format!("{depth:.3e}") };
-    format!(" (worst {a}–{b}, {depth} m, {})", step_in_words(step))
+    format!(" (worst {a}–{b}, {} m, {})", in_four_digits(depth), step_in_words(step))
+}
+
+fn in_four_digits(depth: f64) -> String {
+    if (1e-3..1e4).contains(&depth) { format!("{depth:.4}") } else { format!("{depth:.3e}") }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn pair(a: usize, b: usize, depth_m: f64) -> Option<PairDepth> {
-        Some(PairDepth { blocks: [a, b], depth_m })
+    fn pair(a: usize, b: usize, depth_m: f64) -> PairDepth {
+        PairDepth { blocks: [a, b], depth_m }
+    }
+
+    fn passing(pairs: Vec<PairDepth>, undecided: u64) -> Option<StepPassages> {
+        Some(StepPassages { pairs, undecided })
     }
 
     #[test]
     fn a_run_is_told_by_its_worst_pairs_and_the_first_steps_that_have_them() {
         let mut totals = AuditTotals::default();
-        totals.add(0, &StepAudit::default());
+        totals.add(0, &StepAudit { passages: passing(vec![], 0), ..StepAudit::default() });
         assert!(!totals.objects());
         let nothing = "contacts see every overlap after 1 steps, and no passage within one; no overlap after any step";
         assert_eq!(totals.sentence(), nothing);
-        let held = StepAudit { deepest: pair(0, 1, 0.5), ..StepAudit::default() };
+        assert_eq!(totals.deepest_in_words(), "none: no two blocks overlap after any step");
+        let held = StepAudit { deepest: Some(pair(0, 1, 0.5)), passages: passing(vec![], 0), ..StepAudit::default() };
         totals.add(1, &held);
         totals.add(2, &held);
         assert!(!totals.objects());
         assert!(totals.sentence().ends_with("; deepest overlap of all (worst 0–1, 0.5000 m, step 1)"));
-        let unseen = |count, worst| StepAudit { unseen: count, worst_unseen: worst, ..held.clone() };
-        totals.add(3, &unseen(2, pair(2, 3, 1e-5)));
-        totals.add(4, &unseen(1, pair(4, 5, 2e-5)));
-        let passed = StepAudit { passages: 1, worst_passage: pair(6, 7, 0.25), undecided: 3, ..held.clone() };
+        assert_eq!(totals.deepest_in_words(), "0.5000 m at most, of blocks 0 and 1 in step 1");
+        totals.add(3, &StepAudit { unseen: vec![pair(2, 3, 1e-5), pair(4, 5, 1e-6)], ..held.clone() });
+        totals.add(4, &StepAudit { unseen: vec![pair(4, 5, 2e-5)], ..held.clone() });
+        let passed = StepAudit { passages: passing(vec![pair(6, 7, 0.25)], 3), ..held.clone() };
         totals.add(5, &passed);
         assert!(totals.objects());
         let expected = "blocks pass through one another: up to 2 pairs overlap where no contact sees it, after 2 of 6 steps \
@@ -176,9 +231,23 @@ mod tests {
     }
 
     #[test]
+    fn passages_that_nobody_looked_for_are_not_said_to_be_none() {
+        let mut totals = AuditTotals::default();
+        let found = StepAudit { unseen: vec![pair(0, 2, 0.5), pair(1, 2, 0.5)], ..StepAudit::default() };
+        assert_eq!(found.cells(), ["2", "0.0", "", ""]);
+        totals.add(1, &StepAudit::default());
+        let nothing = "contacts see every overlap after 1 steps; passages within steps not looked for (--audit does)";
+        assert_eq!(totals.verdict(), nothing);
+        totals.add(2, &found);
+        // Of equal ones the first.
+        assert!(totals.objects() && totals.verdict().contains("after 1 of 2 steps (worst 0–2, 0.5000 m, step 2)"));
+        assert_eq!((totals.passages, totals.undecided), (None, None));
+    }
+
+    #[test]
     fn a_pair_that_is_worst_while_blocks_settle_is_said_to_be() {
         let mut totals = AuditTotals::default();
-        totals.add(-19, &StepAudit { deepest: pair(0, 1, 0.5), ..StepAudit::default() });
+        totals.add(-19, &StepAudit { deepest: Some(pair(0, 1, 0.5)), ..StepAudit::default() });
         let sentence = totals.sentence();
         assert!(sentence.ends_with("all (worst 0–1, 0.5000 m, settling step -19 (the last is 0))"), "{sentence}");
     }

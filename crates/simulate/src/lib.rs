@@ -14,7 +14,7 @@ pub mod run;
 pub mod tables;
 pub mod totals;
 
-pub use audit::{AuditTotals, PairDepth, StepAudit};
+pub use audit::{AuditScope, AuditTotals, PairDepth, StepAudit, StepPassages};
 pub use plan::Plan;
 pub use record::RunRecord;
 pub use run::{Ending, Run, RunError, Stepping};

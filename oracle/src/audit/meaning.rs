@@ -62,6 +62,11 @@ pub fn rounding_depth(blocks: &[&Block], precision: Precision) -> Number {
     let coordinates = blocks.iter().flat_map(|block| block.coordinates());
     let sizes = coordinates.map(|c| if c.is_negative() { c.negated() } else { c.clone() });
     let largest = sizes.reduce(|most, c| if c > most { c } else { most }).unwrap_or(Number::ZERO);
+    rounding_depth_of_size(&largest, precision)
+}
+
+/// The same for blocks whose largest coordinate has this magnitude (m).
+pub fn rounding_depth_of_size(largest: &Number, precision: Precision) -> Number {
     // eps is 2 to the power of 1 less the digits of the precision.
     let share = BigRational::new(BigInt::from(1 << 8), BigInt::from(1) << (precision.digits() - 1));
     largest.times(&Number::from_rational(share))

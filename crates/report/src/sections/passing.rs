@@ -28,7 +28,7 @@ pub(super) fn section(results: &Results) -> Option<Section> {
 fn table(runs: &[MotionRun]) -> Table {
     let mut table = Table::new(
         "audit",
-        "Overlaps and passages; worst pairs by their blocks. Empty where steps were not audited",
+        "Overlaps and passages; worst pairs by their blocks. Empty where steps were not audited, or passages not looked for",
         &[
             "run",
             "engine",
@@ -55,7 +55,9 @@ fn table(runs: &[MotionRun]) -> Table {
             Some(audit) => {
                 row.extend([audit.steps_unseen, audit.most_unseen].map(TableCell::Count));
                 row.extend(pair(audit.worst_unseen));
-                row.extend([audit.passages, audit.undecided].map(TableCell::Count));
+                row.extend(
+                    [audit.passages, audit.undecided].map(|count| count.map_or(TableCell::Empty, TableCell::Count)),
+                );
                 row.extend([audit.worst_passage, audit.deepest].into_iter().flat_map(pair));
             }
         }

@@ -1,0 +1,89 @@
+//! The audit of steps, which leaves most pairs to f64, against a plain one: every neighbouring pair classified exactly and measured exactly after
+//! every step.
+
+use num_rational::BigRational;
+use rockproof_examine::AuditedRun;
+use rockproof_model::{Block, ContactKey, Number, Precision, Scene, ToleranceSet, Vec3};
+use rockproof_oracle::audit::{Auditor, rounding_depth};
+use rockproof_oracle::{Pair, PreparedBlock};
+use rockproof_simulate::{AuditScope, PairDepth, StepAudit, Stepping};
+use rockproof_stepper::contact::SpecRules;
+use rockproof_stepper::dynamics::{Dynamics, Solve, State};
+use std::path::Path;
+
+/// The blocks where a state has them.
+fn blocks<R: Solve>(scene: &Scene, state: &State<R>) -> Vec<Block> {
+    let number = |value: R| Number::from_f64(value.to_f64()).expect("finite");
+    let placed = scene.blocks.iter().zip(&state.blocks).map(|(shape, now)| {
+        let vertices = now.vertices.iter().map(|v| Vec3::new(number(v.x), number(v.y), number(v.z)));
+        shape.block.with_vertices(vertices.collect())
+    });
+    placed.collect()
+}
+
+/// What SPEC section 7 says of a state, pair by pair.
+fn plainly<R: Solve>(scene: &Scene, set: &ToleranceSet, precision: Precision, state: &State<R>) -> StepAudit {
+    let blocks = blocks(scene, state);
+    let shapes: Vec<&Block> = blocks.iter().collect();
+    let [rounding, floor] = [precision, Precision::F64].map(|precision| rounding_depth(&shapes, precision));
+    let floor_squared = floor.times(&floor).to_rational();
+    let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
+    let auditor = Auditor::new(&solids, set);
+    let (mut found, mut most) = (StepAudit::default(), BigRational::default());
+    for pair in auditor.neighbours() {
+        if pair.iter().all(|&block| scene.blocks[block].body.is_fixed()) {
+            continue;
+        }
+        let closed = state.contacts.iter().filter(|c| c.blocks.map(|b| b as usize) == pair && c.mode.is_closed());
+        let closed: Vec<_> = closed.collect();
+        let kept: Vec<ContactKey> = closed.iter().map(|contact| contact.key()).collect();
+        let Some(overlap) = auditor.pair_keeping(pair, &kept).overlap else { continue };
+        let depth = PairDepth { blocks: pair, depth_m: overlap.penetration.depth_m().expect("a depth") };
+        let [a, b] = pair.map(|block| &solids[block]);
+        let is_pressed = closed.iter().any(|contact| Pair::new(a, b).gap(&contact.entrance()).sign.is_negative());
+        if overlap.is_unseen(&rounding) && !is_pressed {
+            found.unseen.push(depth);
+        }
+        if overlap.depth_squared() > floor_squared && overlap.depth_squared() > most {
+            (most, found.deepest) = (overlap.depth_squared(), Some(depth));
+        }
+    }
+    found
+}
+
+/// Steps with an overlap, and with an unseen one, of a scene; the audit of each is the plain one.
+fn compared<R: Solve>(file: &str, precision: Precision, steps: usize) -> [usize; 2] {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(file);
+    let mut scene = Scene::load(path.to_str().expect("text")).expect("a scene");
+    let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), precision).expect("a set");
+    scene.derive_stiffness(&set);
+    let dynamics = Dynamics::<R, SpecRules>::new(&scene, &set).expect("a beginning");
+    let mut run = AuditedRun::new(Box::new(dynamics), &scene, &set, (precision, AuditScope::Overlaps)).expect("a run");
+    let mut reached = [0; 2];
+    for step in 0..steps {
+        run.step().expect("a step");
+        let audit = run.audit().expect("an audit");
+        assert_eq!(audit, plainly(&scene, &set, precision, run.state()), "{file}, step {step}");
+        reached[0] += usize::from(audit.deepest.is_some());
+        reached[1] += usize::from(!audit.unseen.is_empty());
+    }
+    reached
+}
+
+#[test]
+fn what_f64_leaves_out_changes_no_audit() {
+    let mut reached = [0; 2];
+    for (file, steps) in [
+        ("handmade/slope_failure.toml", 60),
+        ("handmade/bricks_in_a_bin.toml", 90),
+        ("handmade/brick_in_a_notch.toml", 60),
+        ("handmade/stack_of_10.toml", 20),
+        ("real/slope_joints.dda", 2),
+    ] {
+        let [overlapping, unseen] = compared::<f64>(file, Precision::F64, steps);
+        assert!(overlapping > 0, "{file}: nothing overlaps");
+        reached = [reached[0] + overlapping, reached[1] + unseen];
+    }
+    let [overlapping, unseen] = compared::<f32>("handmade/slope_failure.toml", Precision::F32, 40);
+    assert!(overlapping > 0 && reached[0] > 100 && reached[1] + unseen > 0, "{reached:?} {overlapping} {unseen}");
+}
