@@ -221,7 +221,11 @@ mod tests {
             let turn = [share() * small, share() * small];
             let far = [0.0, 1e6][number / 4 % 2];
             let height = two.bounds().max.z.approximate();
-            let by = [far + 0.3 * share(), far + 0.3 * share(), far + height - small * (share() - 0.3)];
+            let by = match number % 4 {
+                // Beside one another at an angle: boxes meet, and often the blocks do not.
+                0 => [(); 3].map(|()| far + 1.6 * share()),
+                _ => [far + 0.3 * share(), far + 0.3 * share(), far + height - small * (share() - 0.3)],
+            };
             let under = placed(&two, [0.0; 2], [far; 3]);
             [(one.clone(), placed(&one, turn, by)), (two, under)]
         };
@@ -261,7 +265,7 @@ mod tests {
             }
         }
         // Bounds by faces are close but where edges cross.
-        assert!(apart > 20 && near > 60 && near > 2 * loose, "{apart} {near} {loose}");
+        assert!(apart > 5 && near > 60 && near > 2 * loose, "{apart} {near} {loose}");
     }
 
     #[test]
