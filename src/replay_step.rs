@@ -6,15 +6,12 @@ use crate::input::FormatArgs;
 use crate::table::table;
 use anyhow::Context;
 use rockproof_differential::lockstep::answer::described;
-use rockproof_differential::lockstep::case_file::Expected;
 use rockproof_differential::lockstep::intrusion::Intruded;
 use rockproof_differential::lockstep::{
-    AttributedDifference, ComparedLinks, ComparedStep, Drift, Intrusion, Lockstep, StepCase, StepDecisions, WatchedStep,
+    AttributedDifference, ComparedStep, Drift, Intrusion, ReplayedStep, StepCase, StepDecisions, WatchedStep,
 };
+use rockproof_model::Contact;
 use rockproof_model::text::{SHOWN, excerpt};
-use rockproof_model::{Contact, Precision};
-use rockproof_stepper::contact::SpecRules;
-use rockproof_stepper::dynamics::Solve;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -22,48 +19,24 @@ use std::path::Path;
 /// Makes the step of a state file again; messages call it by `path`. Exit 0 where it still differs and the oracle's answer is the one recorded, 1 otherwise.
 pub(super) fn run(text: &str, path: &Path, format: &FormatArgs) -> Outcome {
     let case = StepCase::parse(text).with_context(|| path.display().to_string())?;
-    let (compared, drift) = match case.precision()? {
-        Precision::F32 => replay_step::<f32>(&case),
-        Precision::F64 => replay_step::<f64>(&case),
-    }
-    .with_context(|| path.display().to_string())?;
+    let replayed = ReplayedStep::of(&case).with_context(|| path.display().to_string())?;
+    let (compared, drift) = (&replayed.compared, replayed.drift);
     let mut text = String::new();
     // Writing to a String cannot fail.
-    let _ = show(&mut text, &case, &compared, drift);
-    let recurs = drift.is_some() || differs(&compared);
+    let _ = show(&mut text, &case, compared, drift);
+    let recurs = replayed.recurs();
     text += if recurs {
         "\nthe finding recurs\n"
     } else {
         "\nthe finding does not recur: nothing differs in the step now\n"
     };
-    let is_expected = Expected::of_step(&compared).as_ref() == Some(&case.expected);
-    format.print(|| text, || document(&case, (&compared, drift), recurs, is_expected))?;
+    let is_expected = replayed.is_expected(&case);
+    format.print(|| text, || document(&case, (compared, drift), recurs, is_expected))?;
     if is_expected {
         return Ok(if recurs { Verdict::Passed } else { Verdict::CheckFailed });
     }
     print_note("the oracle's answer is not the one recorded");
     Ok(Verdict::CheckFailed)
-}
-
-/// Whether there is anything to be told of a step: a difference, a side that cannot make it, a passage or an unseen overlap.
-fn differs(step: &ComparedStep) -> bool {
-    let intrusions = |watched: &WatchedStep| {
-        [&watched.oracle, &watched.stepper].into_iter().any(|side| !side.found.is_empty() || !side.undecided.is_empty())
-    };
-    !step.differences.is_empty() || !step.failure.is_empty() || step.watched.as_ref().is_some_and(intrusions)
-}
-
-fn replay_step<R: Solve>(case: &StepCase) -> anyhow::Result<(ComparedStep, Option<Drift>)> {
-    let (scene, set) = case.scene()?;
-    let mut lockstep = Lockstep::<R, SpecRules>::new(&scene, &set, case.precision()?, ComparedLinks::All)?;
-    if case.expected.intrusions.is_some() {
-        lockstep = lockstep.watching();
-    }
-    lockstep.restore(case.state.state()?)?;
-    let before = lockstep.state().clone();
-    let compared = lockstep.step().1;
-    let drift = lockstep.drift(&before, &compared);
-    Ok((compared, drift))
 }
 
 /// The same for programs.

@@ -5,6 +5,9 @@ use rockproof_campaign::engines::Engines;
 use rockproof_differential::case_file::{Case, CaseError, contact_rows};
 use rockproof_differential::engine::{Shortage, catch_panic};
 use rockproof_differential::external::protocol::completed;
+use rockproof_differential::finding::Cause;
+use rockproof_differential::lockstep::{ReplayError, ReplayedStep, StepCase, StepCause};
+use rockproof_model::text::{SHOWN, excerpt};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -23,13 +26,22 @@ pub enum CorpusError {
     /// A file is no case.
     #[error(transparent)]
     Case(#[from] CaseError),
+    /// A state file is none, or its step cannot be made.
+    #[error("{file}: {source}")]
+    Step {
+        /// Which.
+        file: String,
+        /// Why.
+        source: ReplayError,
+    },
     /// An engine cannot be asked.
     #[error(transparent)]
     Shortage(#[from] Shortage),
 }
 
 /// Examines case files, and all in folders, in the order of their names. A case passes when the oracle's answer is the one it records
-/// and the engine either still says what it records or has come to say what is right; for a defect only the latter.
+/// and the engine either still says what it records or has come to say what is right; for a defect only the latter. In folders these are the
+/// files `.toml`, cases about pairs, and `.json`, state files.
 ///
 /// # Errors
 /// When a file cannot be read, or an engine cannot be asked for want of something here.
@@ -59,15 +71,20 @@ fn files_of(path: &Path) -> Result<Vec<PathBuf>, CorpusError> {
     for entry in std::fs::read_dir(path).map_err(at)? {
         files.push(entry.map_err(at)?.path());
     }
-    files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
+    files.retain(|file| file.extension().is_some_and(|extension| extension == "toml" || extension == "json"));
     files.sort();
     Ok(files)
 }
 
 fn check(file: &Path, engines: &Engines) -> Result<Check, CorpusError> {
     let begun = Instant::now();
-    let case = Case::load(file)?;
-    let (verdict, message) = judge(&case, engines);
+    let (verdict, message) = if StepCase::is_named(file) {
+        let at = |source| CorpusError::Step { file: file.display().to_string(), source };
+        let case = StepCase::load(file).map_err(|error| at(error.into()))?;
+        judge_step(&case, engines).map_err(at)?
+    } else {
+        judge(&Case::load(file)?, engines)
+    };
     let name = file.display().to_string();
     let case = (verdict == Verdict::Fail).then(|| file.to_owned());
     Ok(Check {
@@ -128,4 +145,35 @@ fn judge(case: &Case, engines: &Engines) -> (Verdict, String) {
     } else {
         (Verdict::Fail, format!("{} says neither what is right nor what the case records", about.engine))
     }
+}
+
+/// The same of a state file, whose engine is the stepper of its precision.
+fn judge_step(case: &StepCase, engines: &Engines) -> Result<(Verdict, String), ReplayError> {
+    let engine = format!("stepper-{}", case.precision()?);
+    if engines.find(&engine).is_none() {
+        return Ok((Verdict::Skip, format!("engine {engine} takes no part in this gate")));
+    }
+    let step = ReplayedStep::of(case)?;
+    if !step.is_expected(case) {
+        return Ok((Verdict::Fail, "the oracle's answer is not the one the case expects".to_owned()));
+    }
+    if let Some(missing) = step.missing(case) {
+        let missing = excerpt(missing, SHOWN);
+        return Ok((Verdict::Fail, format!("what the case records has no longer its cause: {missing}")));
+    }
+    if let Some(drift) = step.drift {
+        return Ok((Verdict::Fail, format!("a defect: {drift}")));
+    }
+    let is_own = |cause| matches!(cause, StepCause::Link(Cause::Arithmetic | Cause::Defect));
+    let own: Vec<_> = step.differences().into_iter().filter(|one| is_own(one.cause)).collect();
+    if let Some(defect) = own.iter().find(|one| one.cause == Cause::Defect.into()) {
+        return Ok((Verdict::Fail, defect.words().to_owned()));
+    }
+    Ok(match own.iter().find(|one| !one.is_in(case)) {
+        Some(new) => {
+            (Verdict::Fail, format!("{engine} does neither what is right nor what the case records: {}", new.words()))
+        }
+        None if step.recurs() => (Verdict::Pass, "as recorded".to_owned()),
+        None => (Verdict::Pass, "the engine agrees".to_owned()),
+    })
 }

@@ -6,6 +6,7 @@ use crate::shrink::BlockShrinker;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCase;
 use rockproof_differential::lockstep::case_file::Expected;
+use rockproof_differential::lockstep::recorded::{pair_difference, pair_intrusion};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::simulation::Kinematics;
@@ -124,20 +125,18 @@ fn written(finding: &StepFinding, set: &SubjectSet, precision: Precision, shown:
     let ShownStep { subject, motion, made } = shown;
     let tolerances = set.of(precision);
     let scene = motion.scene(&subject.a, &subject.b, tolerances);
-    let about = |c: &rockproof_differential::lockstep::AttributedDifference| {
-        let d = &c.difference;
-        let contact = d.contact.map_or(String::new(), |(_, contact)| format!(" {}", contact.kind()));
-        format!("{} {}{contact}: {} → {}", c.cause, d.change.name(), d.before, d.after)
-    };
-    let mut differences: Vec<String> = made.compared.differences.iter().map(about).collect();
-    if !matches!(finding.change, StepChange::Decision(_)) {
-        differences.push(format!(
-            "{} {}: {} → {}",
-            finding.cause,
-            finding.change.name(),
-            finding.before,
-            finding.after
-        ));
+    let mut differences: Vec<String> = made.compared.differences.iter().map(pair_difference).collect();
+    match finding.change {
+        StepChange::Decision(_) => {}
+        // All of them, so that who replays the case knows which are new.
+        StepChange::Intrusion(_) => {
+            let watched = made.compared.watched.iter().flat_map(|watched| &watched.attributed);
+            differences.extend(watched.map(pair_intrusion));
+        }
+        _ => {
+            let StepFinding { cause, change, before, after, .. } = finding;
+            differences.push(format!("{cause} {}: {before} → {after}", change.name()));
+        }
     }
     let about_intrusion = matches!(finding.change, StepChange::Intrusion(_));
     let expected = if about_intrusion {

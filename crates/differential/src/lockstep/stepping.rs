@@ -3,6 +3,7 @@
 use crate::finding::Cause;
 use crate::lockstep::answer::StepDecisions;
 use crate::lockstep::case_file::{Expected, StepCase};
+use crate::lockstep::recorded::run_difference;
 use crate::lockstep::run::{ComparedStep, Lockstep};
 use crate::lockstep::table::{CAUSES, difference_rows, step_row};
 use rockproof_simulate::checkpoint::SavedState;
@@ -97,18 +98,12 @@ impl<R: Solve, M: StepRules> LockstepStepping<R, M> {
     }
 
     fn case(&self, before: &State<R>, compared: &ComparedStep, oracle: &StepDecisions) -> Option<(String, Vec<u8>)> {
-        let about = |c: &crate::lockstep::AttributedDifference| {
-            let d = &c.difference;
-            let place = d.contact.map_or(String::new(), |([a, b], _)| format!(" blocks {a}-{b}"));
-            let solve = d.solve.map_or(String::new(), |solve| format!(" solve {solve}"));
-            format!("{} {}{place}{solve}: {} → {}", c.cause, d.change.name(), d.before, d.after)
-        };
         let case = StepCase {
             format: StepCase::FORMAT.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             engine: self.about.engine.clone(),
             step: compared.step,
-            differences: compared.differences.iter().map(about).collect(),
+            differences: compared.differences.iter().map(run_difference).collect(),
             scene: self.about.scene.clone(),
             state: SavedState::of(before),
             expected: Expected::of(oracle),

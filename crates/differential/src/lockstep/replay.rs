@@ -1,0 +1,131 @@
+//! The step of a state file, made again on both sides.
+
+use crate::lockstep::attribution::ComparedLinks;
+use crate::lockstep::case_file::{Expected, StepCase, StepCaseError};
+use crate::lockstep::drift::Drift;
+use crate::lockstep::intrusion::{StepCause, WatchedStep};
+use crate::lockstep::recorded::{pair_difference, pair_intrusion, run_difference, run_intrusion};
+use crate::lockstep::run::{ComparedStep, Lockstep, LockstepError};
+use rockproof_model::Precision;
+use rockproof_simulate::checkpoint::InvalidState;
+use rockproof_stepper::contact::SpecRules;
+use rockproof_stepper::dynamics::{SetupError, Solve};
+
+/// The step of a state file, made again.
+#[derive(Clone, Debug)]
+pub struct ReplayedStep {
+    /// What both sides did.
+    pub compared: ComparedStep,
+    /// What of the state after it deviates by more than rounding, all decisions being the same.
+    pub drift: Option<Drift>,
+}
+
+/// Why the step of a state file cannot be made again.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// It is no state file.
+    #[error(transparent)]
+    Case(#[from] StepCaseError),
+    /// Its scene cannot be stepped.
+    #[error(transparent)]
+    Lockstep(#[from] LockstepError),
+    /// Its state is none.
+    #[error(transparent)]
+    State(#[from] InvalidState),
+    /// Its state does not fit its scene.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+}
+
+/// A difference of a step: its cause, and how a case records it, in the words of a campaign and in those of a run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RecordedDifference {
+    /// Why.
+    pub cause: StepCause,
+    words: [String; 2],
+}
+
+impl RecordedDifference {
+    /// Whether a case records it.
+    pub fn is_in(&self, case: &StepCase) -> bool {
+        self.words.iter().any(|words| case.differences.contains(words))
+    }
+
+    /// The difference with its blocks.
+    pub fn words(&self) -> &str {
+        &self.words[1]
+    }
+
+    fn is(&self, recorded: &str) -> bool {
+        self.words.iter().any(|words| words == recorded)
+    }
+}
+
+impl ReplayedStep {
+    /// Makes the step of a case again. Passages and unseen overlaps are looked for where the case says which there are.
+    ///
+    /// # Errors
+    /// When the state does not fit the scene, or a number overflows in the engine's precision.
+    pub fn of(case: &StepCase) -> Result<ReplayedStep, ReplayError> {
+        match case.precision()? {
+            Precision::F32 => made::<f32>(case),
+            Precision::F64 => made::<f64>(case),
+        }
+    }
+
+    /// Whether there is anything to be told of it: a difference, a side that cannot make it, a passage or an unseen overlap, a state that
+    /// deviates.
+    pub fn recurs(&self) -> bool {
+        let intrusions = |watched: &WatchedStep| {
+            let sides = [&watched.oracle, &watched.stepper];
+            sides.into_iter().any(|side| !side.found.is_empty() || !side.undecided.is_empty())
+        };
+        let step = &self.compared;
+        self.drift.is_some()
+            || !step.differences.is_empty()
+            || !step.failure.is_empty()
+            || step.watched.as_ref().is_some_and(intrusions)
+    }
+
+    /// Whether the oracle answers what a case records.
+    pub fn is_expected(&self, case: &StepCase) -> bool {
+        Expected::of_step(&self.compared).as_ref() == Some(&case.expected)
+    }
+
+    /// What differs between the links of the chain, passages and unseen overlaps among it.
+    pub fn differences(&self) -> Vec<RecordedDifference> {
+        let decisions = self.compared.differences.iter().map(|one| RecordedDifference {
+            cause: one.cause.into(),
+            words: [pair_difference(one), run_difference(one)],
+        });
+        let watched = self.compared.watched.iter().flat_map(|watched| &watched.attributed);
+        let intrusions = watched
+            .map(|one| RecordedDifference { cause: one.cause, words: [pair_intrusion(one), run_intrusion(one)] });
+        decisions.chain(intrusions).collect()
+    }
+
+    /// The first difference with an exact cause that a case records and the step has no more. What an engine's arithmetic does may come to be
+    /// right; tolerances, rounding of the input and the length of the step do the same for ever.
+    pub fn missing<'c>(&self, case: &'c StepCase) -> Option<&'c str> {
+        let found = self.differences();
+        let is_exact = |words: &str| EXACT.iter().any(|cause| words.split(' ').next() == Some(cause));
+        let recorded = case.differences.iter().map(String::as_str).filter(|words| is_exact(words));
+        recorded.into_iter().find(|words| !found.iter().any(|one| one.is(words)))
+    }
+}
+
+/// The names of causes in which no engine takes part.
+const EXACT: [&str; 4] = ["tolerance", "representation", StepCause::NAMES[0], StepCause::NAMES[1]];
+
+fn made<R: Solve>(case: &StepCase) -> Result<ReplayedStep, ReplayError> {
+    let (scene, set) = case.scene()?;
+    let mut lockstep = Lockstep::<R, SpecRules>::new(&scene, &set, case.precision()?, ComparedLinks::All)?;
+    if case.expected.intrusions.is_some() {
+        lockstep = lockstep.watching();
+    }
+    lockstep.restore(case.state.state()?)?;
+    let before = lockstep.state().clone();
+    let compared = lockstep.step().1;
+    let drift = lockstep.drift(&before, &compared);
+    Ok(ReplayedStep { compared, drift })
+}
