@@ -24,6 +24,7 @@ mod replay_step;
 mod report;
 mod shrink;
 mod simulate;
+mod simulate_causes;
 mod simulate_exact;
 mod stop;
 mod stress;

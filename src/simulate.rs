@@ -6,6 +6,7 @@ use crate::exit::{Outcome, Verdict, print_error, print_note, shows_progress};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs};
 use crate::input_file::InputFile;
 use crate::progress::overlaps;
+use crate::simulate_causes::{causes_json, find_causes, write_causes};
 use crate::simulate_exact::ExactRun;
 use crate::stop::on_ctrl_c;
 use crate::table::grouped;
@@ -17,7 +18,7 @@ use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_differential::lockstep::{
     ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
 };
-use rockproof_examine::{AuditedRun, violation_json, violations_text};
+use rockproof_examine::{AuditedRun, WorstKept, violation_json, violations_text};
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::{Control, Skips, step_in_words};
 use rockproof_model::{Precision, Scene, ToleranceSet, rules};
@@ -361,7 +362,9 @@ impl Simulate {
             }
         };
         if let Some(scope) = self.audited() {
-            stepping = Box::new(AuditedRun::new(stepping, &scene, &set, (precision, scope)).with_context(file)?);
+            let audited = AuditedRun::new(stepping, &scene, &set, (precision, scope)).with_context(file)?;
+            let kept = &record.progress().intrusions;
+            stepping = Box::new(WorstKept::new(Box::new(audited), &scene, &set, precision, kept));
         }
         let stop = on_ctrl_c()?;
         let mut display = Display::new();
@@ -370,6 +373,9 @@ impl Simulate {
             display.show(report, &plan, state);
         })?;
         display.end();
+        if ending != Ending::Interrupted {
+            find_causes::<R>(&mut record, &scene, &set, precision)?;
+        }
         self.format.print(
             || summary(&record, stepping.state(), &ending, overlaps.as_deref()),
             || document(&record, stepping.state(), &ending, overlaps.as_deref()),
@@ -538,6 +544,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, over
         "potential_j": totals.potential.0,
         "lockstep": lockstep,
         "audit": audit,
+        "intrusions": totals.audit.as_ref().map(|_| causes_json(record.intrusions())),
         "overlaps_at_start": overlaps,
         "seconds": seconds,
         "directory": record.dir().display().to_string(),
@@ -602,6 +609,7 @@ fn write_summary<R: Real>(
         (None, Some(sentence)) => writeln!(out, "model            {sentence}; without --no-audit they are followed")?,
         (None, None) => {}
     }
+    write_causes(out, record.intrusions())?;
     let speed = all as f64 / seconds.max(1e-9);
     writeln!(out, "\n{} steps in {seconds:.1} s ({speed:.0} a second)", grouped(all))?;
     match ending {

@@ -201,6 +201,68 @@ fn a_block_that_passes_through_another_within_a_step_is_told() {
     assert!(table.lines().nth(1).is_some_and(|row| row.starts_with("shot,f64,finished,3,0,0,,,1,0,0-1,")), "{table}");
 }
 
+/// What a run of [`SHOT`] begins with.
+const SHOOT: [&str; 8] =
+    ["simulate", "shot.toml", "--force", "--audit", "--set", "max_displacement=1", "--set", "penetration=1/100"];
+
+#[test]
+fn a_passage_has_its_cause_and_a_case_that_replays() {
+    let place = Place::new();
+    // A third block that has nothing to do with it is left out of the case.
+    let far = "\n[[block]]\nname = \"far\"\nfixed = true\nbox = { min = [9, 9, 9], max = [10, 10, 10] }\n";
+    let [plate, shot] = SHOT.split_once("[[block]]\nname = \"shot\"").map(|(one, two)| [one, two]).expect("two blocks");
+    place.file("shot.toml", &format!("{plate}{far}\n[[block]]\nname = \"shot\"{shot}"));
+    let (code, out, err) = place.run(&[&SHOOT[..], &["--out", "whole"]].concat());
+    assert_eq!(code, 1, "{out}{err}");
+    let case = "cases/passage_0-2_step_000002.json";
+    assert!(out.contains(&format!("\ncause            passage 0–2, step 2: step-length; {case}\n")), "{out}");
+    let rows = place.rows("whole/intrusions.csv");
+    let cell = |column: &str| rows[0][column].clone();
+    let cells = ["step", "change", "block_a", "block_b", "cause", "before", "after", "case_blocks", "case"].map(cell);
+    assert_eq!(cells, ["2", "passage", "0", "2", "step-length", "none", "passage", "2", case]);
+    assert!(rows.len() == 1 && place.read("whole/rockproof.manifest.json").contains(case));
+    let (code, out, err) = place.run(&["replay", &format!("whole/{case}")]);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(out.contains("step 2 in f64") && out.contains("step-length: passage 0-1: none → passage"), "{out}");
+    // A run that was interrupted between has the same, and JSON and a report tell it.
+    for (steps, code) in [("1", 0), ("3", 1)] {
+        let more = ["--out", "parts", "--resume", "--every", "1", "--format", "json", "--steps", steps];
+        let ran = place.run(&[&SHOOT[..], &more].concat());
+        assert_eq!(ran.0, code, "{}{}", ran.1, ran.2);
+        let document: serde_json::Value = serde_json::from_str(&ran.1).expect("JSON");
+        let causes = document["intrusions"].as_array().expect("a list");
+        assert_eq!(causes.iter().filter(|one| one["cause"] == "step-length").count() as i32, code);
+    }
+    for file in ["intrusions.csv", case] {
+        assert_eq!(place.read(&format!("whole/{file}")), place.read(&format!("parts/{file}")), "{file}");
+    }
+    let (code, out, err) = place.run(&["report", "whole", "--out", "page"]);
+    assert_eq!(code, 0, "{out}{err}");
+    let table = place.read("page/tables/audit_causes.csv");
+    let row = table.lines().nth(1).expect("a row");
+    assert!(row.starts_with("whole,2,passage,0-2,") && row.contains(",step-length,none,passage,2,"), "{table}");
+    // A run that is sound has neither.
+    place.file("fall.toml", FALL);
+    assert_eq!(place.run(&["simulate", "fall.toml", "--audit", "--steps", "2", "--out", "sound"]).0, 0);
+    assert!(!place.path("sound/intrusions.csv").exists() && !place.path("sound/cases").exists());
+}
+
+/// The wedges of `cases/regressions/step-step-length-unseen.json`, which touch at a corner and overlap unseen after the first step.
+#[test]
+fn an_overlap_that_no_contact_sees_any_more_has_its_cause() {
+    let place = Place::new();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/regressions/step-step-length-unseen.json");
+    let case: serde_json::Value = serde_json::from_str(&fs::read_to_string(file).expect("a case")).expect("JSON");
+    place.file("wedges.toml", case["scene"].as_str().expect("a scene"));
+    let args = ["simulate", "wedges.toml", "--force", "--audit", "--steps", "1", "--out", "run"];
+    let (code, out, err) = place.run(&args);
+    assert_eq!(code, 1, "{out}{err}");
+    let case = "cases/unseen_0-1_step_000001.json";
+    assert!(out.contains(&format!("\ncause            unseen 0–1, step 1: step-length; {case}\n")), "{out}");
+    let (code, out, err) = place.run(&["replay", &format!("run/{case}")]);
+    assert!(code == 0 && out.contains("step-length: unseen 0-1: none → unseen"), "{out}{err}");
+}
+
 #[test]
 fn overlaps_that_no_contact_sees_are_told_with_the_worst_pair_and_step() {
     let place = Place::new();

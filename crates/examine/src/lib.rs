@@ -19,6 +19,7 @@ mod step_audit;
 mod steps;
 mod verdict;
 mod view;
+mod worst;
 
 pub use assess::{Assessment, Examination, Settings, examine};
 pub use cases::{KeptCase, worst_cases};
@@ -35,3 +36,4 @@ pub use seen::{Seen, Stage, StageProgress};
 pub use step_audit::AuditedRun;
 pub use steps::{AuditedSteps, Steps};
 pub use verdict::{Line, Verdict, mark};
+pub use worst::{IntrusionCases, WorstKept};

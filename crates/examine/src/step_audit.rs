@@ -56,25 +56,31 @@ impl<R: Real> AuditedRun<R> {
         Ok(AuditedRun { stepping, shapes, set: set.clone(), precision, is_fixed, before, last: None })
     }
 
+    /// Whether a contact that a step left closed sees an overlap whatever the next classification says.
+    fn closed_contacts_see(&self) -> bool {
+        self.before.is_none()
+    }
+
     /// Whether one block of a pair can move.
     fn can_move(&self, pair: &[usize; 2]) -> bool {
         pair.iter().any(|&block| !self.is_fixed[block])
     }
 
-    /// What blocks overlap after a step. Contacts see an overlap where one that the step left closed has h < 0, or one that an exact
-    /// classification finds, which keeps those at any depth, as the next step does.
+    /// What blocks overlap after a step. Contacts see an overlap where one has h < 0 that an exact classification finds, which keeps those that the
+    /// step left closed at any depth, as the next step does. Where overlaps alone are looked for, one that the step left closed and that has h < 0 is
+    /// enough: it costs next to nothing, and what the next classification loses is unseen after that step.
     fn audit_overlaps(&self, screen: &Screen<'_>, state: &State<R>) -> StepAudit {
         let largest = Number::from_f64(screen.largest_coordinate()).unwrap_or(Number::ZERO);
         let rounding = rounding_depth_of_size(&largest, self.precision);
         // Blocks that overlap by no more are no concern of contacts; rounded down, so that "at most" is sure.
         let harmless = if rounding < self.set.penetration { &rounding } else { &self.set.penetration };
         let harmless = harmless.approximate().next_down();
-        let closed = ClosedContacts::of(state);
+        let (closed, see) = (ClosedContacts::of(state), self.closed_contacts_see());
         let pairs: Vec<[usize; 2]> = screen.pairs().into_iter().filter(|pair| self.can_move(pair)).collect();
         let candidate = |&blocks: &[usize; 2]| {
             let most = screen.greatest_depth(blocks)?;
             let is_seen =
-                || closed.between(blocks).iter().any(|(_, c)| screen.surely_negative_gap(blocks, &c.entrance));
+                || see && closed.between(blocks).iter().any(|(_, c)| screen.surely_negative_gap(blocks, &c.entrance));
             Some(Candidate { blocks, most, is_open: most > harmless && !is_seen() })
         };
         let mut candidates: Vec<Candidate> = if pairs.len() < FEW {
@@ -84,7 +90,7 @@ impl<R: Real> AuditedRun<R> {
         };
         let open: Vec<[usize; 2]> = candidates.iter().filter(|c| c.is_open).map(|c| c.blocks).collect();
         let set = &self.set;
-        let exactly = |&blocks: &[usize; 2]| unseen(screen, set, blocks, (closed.between(blocks), &rounding));
+        let exactly = |&blocks: &[usize; 2]| unseen(screen, (set, see), blocks, (closed.between(blocks), &rounding));
         // Each takes long enough to be worth another thread.
         let unseen = open.par_iter().filter_map(exactly).collect();
         let floor = rounding_depth_of_size(&largest, Precision::F64);
@@ -163,10 +169,23 @@ impl ClosedContacts {
     }
 }
 
-/// A pair exactly: its depth, if it overlaps by more than rounding where no contact sees it.
+/// Whether a pair of blocks overlaps in a state by more than rounding where no contact sees it; yes where a number is not finite.
+pub(crate) fn is_unseen<R: Real>(
+    shapes: &[Block],
+    (set, precision): (&ToleranceSet, Precision),
+    state: &State<R>,
+    blocks: [usize; 2],
+) -> bool {
+    let Some(screen) = screened(shapes, state) else { return true };
+    let largest = Number::from_f64(screen.largest_coordinate()).unwrap_or(Number::ZERO);
+    let rounding = rounding_depth_of_size(&largest, precision);
+    unseen(&screen, (set, false), blocks, (ClosedContacts::of(state).between(blocks), &rounding)).is_some()
+}
+
+/// A pair exactly: its depth, if it overlaps by more than rounding where no contact sees it; `closed_see` where closed contacts with h < 0 are enough.
 fn unseen(
     screen: &Screen<'_>,
-    set: &ToleranceSet,
+    (set, closed_see): (&ToleranceSet, bool),
     blocks: [usize; 2],
     (closed, rounding): (&[([usize; 2], Contact)], &Number),
 ) -> Option<PairDepth> {
@@ -174,7 +193,7 @@ fn unseen(
     let kept: Vec<ContactKey> = closed.iter().map(|(_, contact)| contact.key).collect();
     let overlap = Auditor::new(&solids, set).pair_keeping([0, 1], &kept).overlap?;
     let pair = Pair::new(&solids[0], &solids[1]);
-    let is_pressed = || closed.iter().any(|(_, contact)| pair.gap(&contact.entrance).sign.is_negative());
+    let is_pressed = || closed_see && closed.iter().any(|(_, contact)| pair.gap(&contact.entrance).sign.is_negative());
     (overlap.is_unseen(rounding) && !is_pressed()).then(|| pair_depth(blocks, &overlap.penetration))
 }
 

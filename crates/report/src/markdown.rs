@@ -5,7 +5,7 @@ use super::sections::SectionPart;
 use super::verdict::Severity;
 
 /// Tables of a pull request's text, and how many rows of each it shows.
-const SHOWN: [(&str, usize); 15] = [
+const SHOWN: [(&str, usize); 16] = [
     ("changed", 24),
     ("shares", 24),
     ("settings", 24),
@@ -19,6 +19,7 @@ const SHOWN: [(&str, usize); 15] = [
     ("lockstep_causes", 20),
     ("lockstep_steps", 12),
     ("audit", 20),
+    ("audit_causes", 20),
     ("stress_limits", 24),
     ("runs", 10),
 ];

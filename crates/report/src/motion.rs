@@ -2,7 +2,9 @@
 
 use super::error::ReportError;
 use super::load::{name_of, read_json};
-use rockproof_simulate::{AuditTotals, Totals};
+use super::rows::CsvTable;
+use rockproof_simulate::kept::INTRUSIONS;
+use rockproof_simulate::{AuditTotals, IntrusionRow, Totals};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +24,8 @@ pub struct MotionRun {
     pub ending: String,
     /// Sums over its steps.
     pub totals: Totals,
+    /// Why blocks passed through one another or overlapped unseen, of the worst; empty where none did or nobody looked.
+    pub intrusions: Vec<IntrusionRow>,
 }
 
 #[derive(Deserialize)]
@@ -34,7 +38,15 @@ struct RunFile {
 impl MotionRun {
     pub(super) fn read(dir: &Path) -> Result<MotionRun, ReportError> {
         let RunFile { engine, ending, totals } = read_json(&dir.join("run.json"))?;
-        Ok(MotionRun { dir: dir.to_owned(), name: name_of(dir), engine, ending, totals })
+        let file = dir.join(INTRUSIONS);
+        let mut intrusions = Vec::new();
+        if file.exists() {
+            let mut rows = CsvTable::open(file, &IntrusionRow::COLUMNS)?;
+            while let Some(row) = rows.next(&IntrusionRow::COLUMNS)? {
+                intrusions.push(row.parsed()?);
+            }
+        }
+        Ok(MotionRun { dir: dir.to_owned(), name: name_of(dir), engine, ending, totals, intrusions })
     }
 
     /// What the audit of its steps found; `None` where they were not audited.

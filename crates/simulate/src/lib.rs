@@ -8,6 +8,7 @@ pub mod checkpoint;
 pub mod exact_float;
 pub mod frame;
 pub mod identity;
+pub mod kept;
 pub mod plan;
 pub mod record;
 pub mod run;
@@ -15,6 +16,7 @@ pub mod tables;
 pub mod totals;
 
 pub use audit::{AuditScope, AuditTotals, PairDepth, StepAudit, StepPassages};
+pub use kept::{IntrusionRow, KeptIntrusion, KeptIntrusions};
 pub use plan::Plan;
 pub use record::RunRecord;
 pub use run::{Ending, Run, RunError, Stepping};

@@ -6,6 +6,9 @@
 
 use crate::checkpoint::SavedState;
 use crate::exact_float::ExactFloat;
+use crate::kept::{INTRUSIONS, IntrusionRow, KeptIntrusion};
+use crate::run::RunError;
+use crate::tables;
 use crate::totals::Totals;
 use rockproof_model::vtu;
 use rockproof_results as results;
@@ -31,6 +34,9 @@ pub struct RunProgress {
     pub totals: Totals,
     /// Sums over all steps of what lockstep found, by name; empty without it.
     pub beside: BTreeMap<String, u64>,
+    /// Passages and unseen overlaps that get a case; empty without an audit.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub intrusions: Vec<KeptIntrusion>,
     /// Seconds of work, over all sessions.
     pub seconds: f64,
     /// How often the run was taken up again.
@@ -106,6 +112,7 @@ impl RunTable {
 const PICTURES: [&str; 2] = ["blocks", "contacts"];
 const FRAMES: &str = "frames";
 const STATES: &str = "states";
+const CASES: &str = "cases";
 const CHECKPOINT: &str = "checkpoint.jsonl";
 /// Every file of a run but the tables, frames and states.
 const OTHERS: [&str; 5] = ["blocks.pvd", "contacts.pvd", "scene.toml", "run.json", CHECKPOINT];
@@ -117,6 +124,8 @@ pub struct RunRecord {
     /// By [`RunTable`]; the contacts only where asked for.
     tables: [Option<results::AppendedTable>; RunTable::COUNT],
     progress: RunProgress,
+    /// The rows of `intrusions.csv`, once they are written.
+    intrusions: Vec<IntrusionRow>,
 }
 
 impl RunRecord {
@@ -133,7 +142,8 @@ impl RunRecord {
         start: Start,
     ) -> Result<(RunRecord, Option<SavedState>), ResultsError> {
         let written = RunTable::ALL.into_iter().zip(&headers).filter(|(_, header)| header.is_some());
-        let files: Vec<_> = written.map(|(table, _)| table.name()).chain(OTHERS).collect();
+        let audited = identity.contains_key("audit").then_some(INTRUSIONS);
+        let files: Vec<_> = written.map(|(table, _)| table.name()).chain(OTHERS).chain(audited).collect();
         let mut directory = Directory::claim(Claim { dir, owner: Owner::Simulate, start, files: &files })?;
         if directory.is_resumable(CHECKPOINT, RunTable::Steps.name())? {
             return RunRecord::resume(directory, &identity);
@@ -144,7 +154,7 @@ impl RunRecord {
             tables[table as usize] = header.map(|header| directory.begin_table(table.name(), &header)).transpose()?;
         }
         let progress = RunProgress { identity, ..RunProgress::default() };
-        Ok((RunRecord { directory, tables, progress }, None))
+        Ok((RunRecord { directory, tables, progress, intrusions: Vec::new() }, None))
     }
 
     fn resume(
@@ -170,7 +180,7 @@ impl RunRecord {
         let wanted: std::collections::HashSet<String> =
             progress.frames.iter().flat_map(|frame| PICTURES.map(|name| picture(name, frame.step))).collect();
         directory.remove(|name| name.starts_with(&format!("{FRAMES}/")) && !wanted.contains(name))?;
-        Ok((RunRecord { directory, tables, progress }, Some(state)))
+        Ok((RunRecord { directory, tables, progress, intrusions: Vec::new() }, Some(state)))
     }
 
     /// What is known of the run.
@@ -192,7 +202,8 @@ impl RunRecord {
     pub fn names(&self) -> Vec<&'static str> {
         let tables = RunTable::ALL.into_iter().filter(|t| self.tables[*t as usize].is_some()).map(RunTable::name);
         let states = self.tables[RunTable::Differences as usize].is_some().then_some(STATES);
-        tables.chain(OTHERS).chain([FRAMES]).chain(states).collect()
+        let found = if self.intrusions.is_empty() { &[][..] } else { &[INTRUSIONS, CASES] };
+        tables.chain(OTHERS).chain([FRAMES]).chain(states).chain(found.iter().copied()).collect()
     }
 
     /// Appends rows to a table; nothing for a table that is not written.
@@ -218,6 +229,29 @@ impl RunRecord {
     /// When it cannot be written.
     pub fn write_state(&mut self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
         self.directory.write(&format!("{STATES}/{name}"), FileKind::Case, bytes)
+    }
+
+    /// The passages and unseen overlaps that got a case in this session, by cause.
+    pub fn intrusions(&self) -> &[IntrusionRow] {
+        &self.intrusions
+    }
+
+    /// Writes `intrusions.csv` and the cases that it names, in place of those that were there; nothing where there are no rows.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn write_intrusions(&mut self, rows: Vec<IntrusionRow>, cases: &[(String, Vec<u8>)]) -> Result<(), RunError> {
+        self.directory
+            .remove(|name| name.starts_with(&format!("{CASES}/")) && cases.iter().all(|(case, _)| case != name))?;
+        if !rows.is_empty() {
+            let cells =
+                [IntrusionRow::COLUMNS.map(str::to_owned)].into_iter().chain(rows.iter().map(IntrusionRow::cells));
+            let table = tables::lines(cells)?;
+            let files = cases.iter().map(|(name, bytes)| (name.clone(), FileKind::Case, &bytes[..]));
+            self.directory.write_all(files.chain([(INTRUSIONS.to_owned(), FileKind::Table, &table[..])]))?;
+        }
+        self.intrusions = rows;
+        Ok(())
     }
 
     /// Makes everything written so far what a resumed run goes on from, together with `state`.

@@ -3,6 +3,7 @@
 use crate::audit::{AuditTotals, StepAudit};
 use crate::checkpoint::SavedState;
 use crate::exact_float::ExactFloat;
+use crate::kept::KeptIntrusion;
 use crate::record::{Frame, RunRecord, RunTable};
 use crate::{Plan, frame, tables};
 use rockproof_model::{Scene, vtu};
@@ -42,6 +43,8 @@ pub struct StepAnnotations {
     pub rows: Vec<(RunTable, Vec<Vec<String>>)>,
     /// State files: a name within `states/`, and what it holds.
     pub states: Vec<(String, Vec<u8>)>,
+    /// The passages and unseen overlaps of the run that get a case, where they are others than before.
+    pub intrusions: Option<Vec<KeptIntrusion>>,
     /// What adds up over a run, by name.
     pub counts: Vec<(&'static str, u64)>,
     /// Why the run ends here, if it does.
@@ -265,6 +268,9 @@ fn append_beside(beside: StepAnnotations, record: &mut RunRecord) -> Result<Opti
     }
     for (name, bytes) in &beside.states {
         record.write_state(name, bytes)?;
+    }
+    if let Some(intrusions) = beside.intrusions {
+        record.progress_mut().intrusions = intrusions;
     }
     let counts = &mut record.progress_mut().beside;
     for (name, count) in beside.counts {

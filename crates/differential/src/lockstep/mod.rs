@@ -4,10 +4,12 @@
 pub mod answer;
 pub mod attribution;
 pub mod case_file;
+pub mod cutout;
 pub mod drift;
 pub mod effect;
 pub mod free;
 pub mod intrusion;
+pub mod intrusion_case;
 pub mod recorded;
 pub mod replay;
 pub mod run;

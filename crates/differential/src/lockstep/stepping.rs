@@ -92,6 +92,7 @@ impl<R: Solve, M: StepRules> LockstepStepping<R, M> {
                 (RunTable::Differences, difference_rows(compared, &name)),
             ],
             states: case.into_iter().collect(),
+            intrusions: None,
             counts,
             end,
         }

@@ -22,6 +22,9 @@ pub(super) fn section(results: &Results) -> Option<Section> {
         section.parts.push(SectionPart::Text(format!("{}: {}.", run.name, run.sentence())));
     }
     section.parts.push(SectionPart::Table(table(runs), 60));
+    if runs.iter().any(|run| !run.intrusions.is_empty()) {
+        section.parts.push(SectionPart::Table(causes(runs), 60));
+    }
     Some(section)
 }
 
@@ -62,6 +65,28 @@ fn table(runs: &[MotionRun]) -> Table {
             }
         }
         table.push(row);
+    }
+    table
+}
+
+/// The worst passages and unseen overlaps with their causes.
+fn causes(runs: &[MotionRun]) -> Table {
+    let mut table = Table::new(
+        "audit_causes",
+        "The worst passages and unseen overlaps of each run, and their causes; rockproof replay shows their cases",
+        &["run", "step", "change", "blocks", "depth_m", "cause", "before", "after", "case_blocks", "case"],
+    );
+    for run in runs {
+        for row in &run.intrusions {
+            let blocks = row.case_blocks.map_or(TableCell::Empty, |blocks| TableCell::Count(blocks as u64));
+            let pair = format!("{}-{}", row.block_a, row.block_b);
+            let [step, change] = [row.step.to_string(), row.change.clone()].map(TableCell::Text);
+            let [cause, before, after] =
+                [&row.cause, &row.before, &row.after].map(|text| TableCell::Text(text.clone()));
+            let (depth, case) = (TableCell::Number(row.depth_m), TableCell::Text(row.case.clone()));
+            let pair = TableCell::Text(pair);
+            table.push(vec![run.name.as_str().into(), step, change, pair, depth, cause, before, after, blocks, case]);
+        }
     }
     table
 }
