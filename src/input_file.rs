@@ -3,6 +3,7 @@
 use crate::input::{ReadArgs, format_names};
 use anyhow::Context;
 use rockproof_differential::external::spec::quoted;
+use rockproof_differential::lockstep::StepCase;
 use rockproof_model::files::{read_limited, read_stream, text_of};
 use rockproof_model::scene::{SceneFormat, SceneProblem};
 use rockproof_model::{LoadOptions, Scene, SceneError};
@@ -67,6 +68,15 @@ impl InputFile {
     /// With its name: when it cannot be read, is too long, or no UTF-8.
     pub(crate) fn text(&self) -> anyhow::Result<String> {
         self.bytes().and_then(text_of).with_context(|| self.path().display().to_string())
+    }
+
+    /// Whether it is a state file, by its name; on stdin by its text.
+    pub(crate) fn is_step(&self, text: &str) -> bool {
+        match self {
+            InputFile::Named(path) => StepCase::is_named(path),
+            // No TOML begins so.
+            InputFile::Stdin => text.trim_start().starts_with('{'),
+        }
     }
 }
 

@@ -15,7 +15,6 @@ use rockproof_differential::engine::{Answer, EngineFailure, Oracle, Trace, catch
 use rockproof_differential::explain::{DivergentDecision, divergent_decisions};
 use rockproof_differential::external::protocol::completed;
 use rockproof_differential::finding::Cause;
-use rockproof_differential::lockstep::StepCase;
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Contact, Precision, ToleranceSet};
 use serde_json::{Value, json};
@@ -60,12 +59,7 @@ struct Divergence {
 impl Replay {
     pub(crate) fn run(&self) -> Outcome {
         let (text, path) = (self.case.text()?, self.case.path());
-        let is_step = match &self.case {
-            InputFile::Named(path) => StepCase::is_named(path),
-            // No TOML begins so.
-            InputFile::Stdin => text.trim_start().starts_with('{'),
-        };
-        if is_step {
+        if self.case.is_step(&text) {
             return replay_step::run(&text, path, &self.format);
         }
         let case = Case::from_toml(&text, path.display().to_string())?;

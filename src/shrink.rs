@@ -1,4 +1,4 @@
-//! `shrink`: a case made smaller while it shows the same finding.
+//! `shrink`: a case made smaller while it shows the same finding, or a state file while its step does.
 
 use crate::exit::{Outcome, Verdict, print};
 use crate::input::EngineArgs;
@@ -6,19 +6,23 @@ use crate::input_file::InputFile;
 use crate::output_file::OverwriteArgs;
 use anyhow::Context;
 use rockproof_campaign::shrink::Shrinker;
+use rockproof_campaign::steps;
+use rockproof_campaign::steps::case::STEP_EVALUATIONS;
 use rockproof_differential::case_file::{Case, CaseDescription};
+use rockproof_differential::lockstep::StepCase;
 use rockproof_model::Block;
 use rockproof_results::write_atomically;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Make a case smaller
 ///
 /// Fewer vertices, shorter numbers, simpler tolerances, for as long as engine, cause, change and deciding predicate stay.
 #[derive(clap::Args)]
-#[command(after_help = "Example:
-  rockproof shrink reports/campaign-1/cases/v-f-arithmetic-….toml --out small.toml")]
+#[command(after_help = "Examples:
+  rockproof shrink reports/campaign-1/cases/v-f-arithmetic-….toml --out small.toml
+  rockproof shrink reports/simulate-slope/cases/passage_3-7_step_000012.json --out small.json")]
 pub(crate) struct Shrink {
-    /// The case; or - for stdin
+    /// The case of a pair (.toml), or a step (.json); or - for stdin, with either
     #[arg(value_hint = clap::ValueHint::FilePath)]
     case: InputFile,
     /// Where to write the smaller case [default: the case's own file, which it replaces; needed for stdin]
@@ -26,7 +30,7 @@ pub(crate) struct Shrink {
     out: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArgs,
-    /// Pairs to examine at most
+    /// Pairs to examine at most; a sixth as many steps of a state file
     #[arg(long, default_value_t = 5000)]
     evaluations: u64,
     #[command(flatten)]
@@ -44,8 +48,11 @@ impl Shrink {
         if let Some(out) = &self.out {
             self.overwrite.allow(out)?;
         }
-        let path = self.case.path();
-        let case = Case::from_toml(&self.case.text()?, path.display().to_string())?;
+        let (text, path) = (self.case.text()?, self.case.path());
+        if self.case.is_step(&text) {
+            return self.shrink_step(&text, out);
+        }
+        let case = Case::from_toml(&text, path.display().to_string())?;
         let about = &case.about;
         let engines = self.external.engines_of(&case, path)?;
         let file = path.display();
@@ -63,6 +70,25 @@ impl Shrink {
         print(&format!("before: {before}\nafter:  {}\nwritten to {}\n", size(&small), out.display()))?;
         Ok(Verdict::Passed)
     }
+
+    /// The same of a state file.
+    fn shrink_step(&self, text: &str, out: &Path) -> Outcome {
+        let file = || self.case.path().display().to_string();
+        let case = StepCase::parse(text).with_context(file)?;
+        let small = steps::shrink::shrink(&case, self.evaluations / STEP_EVALUATIONS).with_context(file)?;
+        write_atomically(out, small.text()?).with_context(|| out.display().to_string())?;
+        let [before, after] = [step_size(&case)?, step_size(&small)?];
+        print(&format!("before: {before}\nafter:  {after}\nwritten to {}\n", out.display()))?;
+        Ok(Verdict::Passed)
+    }
+}
+
+fn step_size(case: &StepCase) -> anyhow::Result<String> {
+    let (scene, _) = case.scene()?;
+    let shapes = scene.shapes();
+    let vertices: usize = shapes.iter().map(|block| block.vertices().len()).sum();
+    let faces: usize = shapes.iter().map(|block| block.topology().faces().len()).sum();
+    Ok(format!("step {} of {} blocks, {vertices} vertices, {faces} faces", case.step, shapes.len()))
 }
 
 fn size(case: &Case) -> String {

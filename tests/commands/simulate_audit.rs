@@ -224,6 +224,15 @@ fn a_passage_has_its_cause_and_a_case_that_replays() {
     let (code, out, err) = place.run(&["replay", &format!("whole/{case}")]);
     assert_eq!(code, 0, "{out}{err}");
     assert!(out.contains("step 2 in f64") && out.contains("step-length: passage 0-1: none → passage"), "{out}");
+    // Made smaller it is the first step of two blocks that begin where these were.
+    let (code, out, err) =
+        place.run(&["shrink", &format!("whole/{case}"), "--out", "small.json", "--evaluations", "600"]);
+    assert!(
+        code == 0 && out.starts_with("before: step 2 of 2 blocks, 16 vertices, 12 faces\nafter:  step 1 of 2"),
+        "{out}{err}"
+    );
+    let (code, out, err) = place.run(&["replay", "small.json"]);
+    assert!(code == 0 && out.contains("step-length: passage 0-1: none → passage"), "{out}{err}");
     // A run that was interrupted between has the same, and JSON and a report tell it.
     for (steps, code) in [("1", 0), ("3", 1)] {
         let more = ["--out", "parts", "--resume", "--every", "1", "--format", "json", "--steps", steps];

@@ -31,7 +31,7 @@ pub fn of(
 }
 
 /// A step takes about so many times as long as the examination of a pair.
-const STEP_EVALUATIONS: u64 = 6;
+pub const STEP_EVALUATIONS: u64 = 6;
 
 /// Whether a finding can have a case, without making it small where that is not needed to know: `false` only if [`of`] gives `None`.
 pub fn is_possible(

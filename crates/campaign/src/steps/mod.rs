@@ -8,6 +8,7 @@ pub mod examine;
 pub mod finding;
 pub mod motion;
 pub mod passing;
+pub mod shrink;
 pub mod summary;
 
 pub use engine::{ComparedPairStep, StepEngine, StepperStepEngine, engines};
