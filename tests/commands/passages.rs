@@ -63,3 +63,32 @@ fn a_gate_limits_passages_by_count_and_rate() {
     let ran = rockproof(dir.path(), &["campaign", "--family", "passage", "--steps-every", "0"]);
     assert!(ran.0 == 2 && ran.1.contains("steps_every"), "{}", ran.1);
 }
+
+#[test]
+fn a_baseline_holds_findings_about_steps() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let text = "corpus = []\n[campaign]\npairs = 16\nsteps_every = 1\nshrink_evaluations = 0\nfamilies = [\"passage\"]\nengines = [\"stepper-f64\"]\n\
+         tolerances = [\"auto@max_displacement*128\"]\n[baseline]\nfile = \"known.toml\"\ncauses = [\"step-length\"]\nfields = [\"cause\", \"change\", \"family\"]\n";
+    let ran = gate(dir, text, &["--update-baseline"], false);
+    assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
+    let known = fs::read_to_string(dir.join("known.toml")).expect("a baseline");
+    let sort = "\"step | step-length | unseen | passage\" = { findings = ";
+    assert!(known.contains(sort) && known.contains("\n[moved]\n\"passage\" = 16\n"), "{known}");
+    let check = |known: &str, code: i32, told: &str| {
+        fs::write(dir.join("known.toml"), known).expect("written");
+        let ran = gate(dir, text, &[], false);
+        assert!(ran.code == code && ran.out.contains(told), "{told}: {}{}", ran.out, ran.err);
+    };
+    check(&known, 0, "none new, none more often");
+    // What it does not know, what has become more frequent, and what it never saw.
+    let line = known.lines().find(|line| line.starts_with(sort)).expect("a line");
+    check(&known.replace(line, ""), 1, "new: step | step-length | unseen | passage");
+    let rare = "\"step | step-length | unseen | passage\" = { findings = 0, pairs = 0, squares = 0 }";
+    let often = known.replace(line, rare).replace("[moved]\n\"passage\" = 16\n", "[moved]\n\"passage\" = 16000000\n");
+    check(&often, 1, "fixed: more often: step | step-length | unseen | passage");
+    let bare = known.replace("[moved]\n\"passage\" = 16\n", "");
+    let bare: String =
+        bare.lines().filter(|line| !line.starts_with("\"step ")).map(|line| format!("{line}\n")).collect();
+    check(&bare, 0, "sorts of finding about steps: the baseline was written without steps");
+}

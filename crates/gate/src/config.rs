@@ -114,7 +114,7 @@ impl GateConfig {
             limit.get_ref().check().map_err(|what| format!("{place}: {what}"))?;
         }
         if let Some(baseline) = &config.baseline {
-            let known: Vec<&str> = Cause::ALL.map(Cause::name).to_vec();
+            let known: Vec<&str> = Cause::ALL.map(Cause::name).into_iter().chain(StepCause::NAMES).collect();
             for (key, list, allowed) in
                 [("causes", &baseline.causes, &known[..]), ("fields", &baseline.fields, &FIELDS[..])]
             {

@@ -16,6 +16,8 @@ pub struct KnownFindings {
     /// Pairs examined of each family when the file was written; a pair counts once for each tolerance set.
     #[serde(default)]
     pub examined: BTreeMap<String, u64>,
+    /// The same of pairs that make steps; none in a file of a gate that made none.
+    pub moved: Option<BTreeMap<String, u64>>,
     /// How often each sort of finding occurred then, by its fingerprint.
     #[serde(default)]
     pub known: BTreeMap<String, ClassCount>,
@@ -27,6 +29,7 @@ impl KnownFindings {
         KnownFindings {
             fields: baseline.fields.clone(),
             examined: tally.examined_by_family(),
+            moved: Some(tally.moved_by_family()).filter(|moved| !moved.is_empty()),
             known: tally.by_class(baseline),
         }
     }
@@ -42,6 +45,12 @@ impl KnownFindings {
         for (family, pairs) in &self.examined {
             file += &format!("{} = {pairs}\n", key(family));
         }
+        if let Some(moved) = &self.moved {
+            file += "\n[moved]\n";
+            for (family, pairs) in moved {
+                file += &format!("{} = {pairs}\n", key(family));
+            }
+        }
         file += "\n[known]\n";
         for (fingerprint, ClassCount { findings, pairs, squares }) in &self.known {
             let counts = format!("{{ findings = {findings}, pairs = {pairs}, squares = {squares} }}");
@@ -52,9 +61,14 @@ impl KnownFindings {
 
     /// The checks of what a campaign found against what is known. In the fixed campaign each fingerprint that is new fails. In
     /// every campaign one fails whose rate is greater than the baseline's by more than chance explains. Where none does, there
-    /// is one check that passes.
+    /// is one check that passes. Findings about steps are left out, and a skipped check says so, where the file was written by a gate that made none.
     pub fn check(&self, run: &str, tally: &CampaignTally, baseline: &Baseline) -> Vec<Check> {
-        let now = KnownFindings::of(tally, baseline);
+        let mut now = KnownFindings::of(tally, baseline);
+        let sorts = now.known.len();
+        if self.moved.is_none() {
+            now.known.retain(|fingerprint, _| !is_of_step(fingerprint));
+        }
+        let left_out = sorts - now.known.len();
         // Many sorts are looked at: that any of them exceeds by chance shall be no likelier than one alone (Bonferroni).
         let sorts = now.known.len().max(1) as f64;
         let allowed = (1.0 - baseline.confidence.unwrap_or(CONFIDENCE)) / sorts;
@@ -73,41 +87,51 @@ impl KnownFindings {
                 checks.push(failed(name, growth.describe(), tally, baseline, fingerprint));
             }
         }
-        if checks.is_empty() {
+        let has_failed = !checks.is_empty();
+        if left_out > 0 {
+            let message = format!("{left_out} sorts of finding about steps: the baseline was written without steps");
+            checks.push(unfailed(format!("{run}: baseline of steps"), message, Verdict::Skip, baseline));
+        }
+        if !has_failed {
             let gone = self.known.keys().filter(|fingerprint| !now.known.contains_key(*fingerprint)).count();
             let known = self.known.len();
             let message = match run {
                 "fixed" => format!("{known} known sorts of finding, {gone} of them gone, none new, none more often"),
                 _ => format!("{} sorts of finding, none more often than known", now.known.len()),
             };
-            let place = (baseline.file.display().to_string(), 1);
-            let name = format!("{run}: baseline");
-            checks.push(Check {
-                group: "baseline",
-                name,
-                message,
-                verdict: Verdict::Pass,
-                place,
-                rows: Vec::new(),
-                seconds: 0.0,
-                case: None,
-            });
+            checks.push(unfailed(format!("{run}: baseline"), message, Verdict::Pass, baseline));
         }
         checks
     }
 
-    /// The pairs a fingerprint could have occurred in: those of its family where it names one, else all.
+    /// The pairs a fingerprint could have occurred in, of a step those that make some: those of its family where it names one, else all.
     fn examined_of(&self, fingerprint: &str) -> u64 {
-        let parts = self.fields.iter().zip(fingerprint.split(SEPARATOR));
+        let of_step = is_of_step(fingerprint);
+        let none = BTreeMap::new();
+        let examined = if of_step { self.moved.as_ref().unwrap_or(&none) } else { &self.examined };
+        let parts = self.fields.iter().zip(fingerprint.split(SEPARATOR).skip(usize::from(of_step)));
         match parts.into_iter().find(|(field, _)| *field == "family") {
-            Some((_, family)) => self.examined.get(family).copied().unwrap_or(0),
-            None => self.examined.values().sum(),
+            Some((_, family)) => examined.get(family).copied().unwrap_or(0),
+            None => examined.values().sum(),
         }
     }
 }
 
 /// What stands between the parts of a fingerprint.
 pub const SEPARATOR: &str = " | ";
+
+/// What the fingerprint of a finding about a step begins with. No engine, family, cause or change has this name.
+pub const STEP: &str = "step";
+
+fn is_of_step(fingerprint: &str) -> bool {
+    fingerprint.split(SEPARATOR).next() == Some(STEP)
+}
+
+/// A check that does not fail.
+fn unfailed(name: String, message: String, verdict: Verdict, baseline: &Baseline) -> Check {
+    let place = (baseline.file.display().to_string(), 1);
+    Check { group: "baseline", name, message, verdict, place, rows: Vec::new(), seconds: 0.0, case: None }
+}
 
 fn failed(name: String, message: String, tally: &CampaignTally, baseline: &Baseline, fingerprint: &str) -> Check {
     let of = |at: &usize| tally.rows[*at].fingerprint(baseline) == *fingerprint;
@@ -222,9 +246,11 @@ mod tests {
         let known = KnownFindings {
             fields,
             examined: [("sliver".to_owned(), 12), ("real".to_owned(), 3)].into(),
+            moved: Some([("sliver".to_owned(), 2)].into()),
             known: [("a \"b\" | sliver".to_owned(), count(4, 10)), ("c | real".to_owned(), count(1, 1))].into(),
         };
         assert_eq!(toml::from_str::<KnownFindings>(&known.to_toml()).expect("TOML"), known);
         assert_eq!((known.examined_of("c | real"), known.examined_of("c | sliver")), (3, 12));
+        assert_eq!((known.examined_of("step | c | real"), known.examined_of("step | c | sliver")), (0, 2));
     }
 }

@@ -4,7 +4,7 @@
 mod tests;
 
 use super::config::{Baseline, FindingLimit};
-use super::known_findings::SEPARATOR;
+use super::known_findings::{SEPARATOR, STEP};
 use rockproof_campaign::engine_counts::{ENGINE_COLUMNS, ENGINES, EngineRow};
 use rockproof_campaign::pairs::BATCH;
 use rockproof_campaign::steps::{STEP_FINDING_COLUMNS, STEP_SUMMARY_COLUMNS, StepFindingRow, StepSummaryRow};
@@ -96,7 +96,7 @@ impl TallyRow {
         [row.scope.to_string(), row.cause.to_string(), row.change.to_owned(), predicate.to_owned()]
     }
 
-    /// What makes it like others, for a baseline.
+    /// What makes it like others, for a baseline; that of a step begins with [`STEP`].
     pub fn fingerprint(&self, baseline: &Baseline) -> String {
         let row = self.common();
         let value = |field: &String| match field.as_str() {
@@ -113,7 +113,8 @@ impl TallyRow {
             "predicate" => row.predicate.to_owned(),
             _ => String::new(),
         };
-        baseline.fields.iter().map(value).collect::<Vec<_>>().join(SEPARATOR)
+        let step = self.is_of_step().then(|| STEP.to_owned());
+        step.into_iter().chain(baseline.fields.iter().map(value)).collect::<Vec<_>>().join(SEPARATOR)
     }
 
     /// Whether a limit is about it.
@@ -164,6 +165,8 @@ pub struct CampaignTally {
     pub rows: Vec<TallyRow>,
     /// Pairs examined by (family, set); a pair counts once for each set. Of a family that is not classified, pairs that make steps.
     examined: BTreeMap<(String, String), u64>,
+    /// The same of pairs that make steps.
+    moved: PairCounts,
     /// The same of pairs whose steps were looked through for passages and unseen overlaps.
     watched: BTreeMap<(String, String), u64>,
     /// What external engines were put through.
@@ -235,19 +238,21 @@ impl CampaignTally {
         let file = dir.join("step_summary.csv");
         let [moved, watched] = if file.is_file() { moved(&file)? } else { Default::default() };
         let classified: BTreeSet<String> = examined.keys().map(|(family, _)| family.clone()).collect();
-        examined.extend(moved.into_iter().filter(|((family, _), _)| !classified.contains(family)));
+        let unclassified = moved.iter().filter(|((family, _), _)| !classified.contains(family));
+        examined.extend(unclassified.map(|(group, pairs)| (group.clone(), *pairs)));
         let file = dir.join(ENGINES);
         let engines = if file.is_file() { table(&file, &ENGINE_COLUMNS)? } else { Vec::new() };
-        Ok(CampaignTally { rows, examined, watched, engines })
+        Ok(CampaignTally { rows, examined, moved, watched, engines })
     }
 
     /// Pairs examined of each family; a pair counts once for each set.
     pub fn examined_by_family(&self) -> BTreeMap<String, u64> {
-        let mut families = BTreeMap::new();
-        for ((family, _), pairs) in &self.examined {
-            *families.entry(family.clone()).or_default() += pairs;
-        }
-        families
+        by_family(&self.examined)
+    }
+
+    /// Pairs of each family that make steps; a pair counts once for each set.
+    pub fn moved_by_family(&self) -> BTreeMap<String, u64> {
+        by_family(&self.moved)
     }
 
     /// Families and tolerance sets under which pairs were examined.
@@ -262,11 +267,10 @@ impl CampaignTally {
         of.map(|(_, pairs)| pairs).sum()
     }
 
-    /// How often each sort of finding occurred whose causes a baseline holds, by fingerprint; findings about steps are none of
-    /// them.
+    /// How often each sort of finding occurred whose causes a baseline holds, by fingerprint.
     pub fn by_class(&self, baseline: &Baseline) -> BTreeMap<String, ClassCount> {
         let known = |row: &&TallyRow| baseline.causes.iter().any(|cause| cause == row.common().cause.name());
-        let of = self.rows.iter().filter(|row| !row.is_of_step()).filter(known);
+        let of = self.rows.iter().filter(known);
         let mut hits: BTreeMap<String, Vec<(u64, &str)>> = BTreeMap::new();
         for row in of {
             hits.entry(row.fingerprint(baseline)).or_default().push((row.index(), row.common().tolerances));
@@ -304,6 +308,14 @@ impl CampaignTally {
 
 /// Pairs by (family, set).
 type PairCounts = BTreeMap<(String, String), u64>;
+
+fn by_family(counts: &PairCounts) -> BTreeMap<String, u64> {
+    let mut families = BTreeMap::new();
+    for ((family, _), pairs) in counts {
+        *families.entry(family.clone()).or_default() += pairs;
+    }
+    families
+}
 
 /// Pairs that make steps, and those of them whose steps were looked through: as many as the engine has of them that takes the most.
 fn moved(file: &Path) -> Result<[PairCounts; 2], TallyError> {
