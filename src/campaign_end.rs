@@ -1,8 +1,8 @@
-//! The end of a campaign, of a part of one, or of a merge: what it means in three lines, what differs by cause, and what to do next.
+//! The end of a campaign, of a part of one, or of a merge: what it means in a few lines, what differs by cause, and what to do next.
 
 use crate::input::FormatArgs;
 use crate::stress::StressEnd;
-use crate::table::{grouped, prose, table};
+use crate::table::{counted, grouped, prose, table};
 use rockproof_campaign::journal::{CampaignProgress, Journal};
 use rockproof_campaign::merge::Parts;
 use rockproof_campaign::part::Part;
@@ -13,8 +13,9 @@ use rockproof_differential::diagnosis::diagnosis_lines;
 use rockproof_differential::external::EngineSpec;
 use rockproof_differential::external::spec::quoted;
 use rockproof_differential::finding::Cause;
-use rockproof_report::load::Results;
-use rockproof_report::tally::{FindingTally, WorstFinding};
+use rockproof_report::load::{CampaignRun, Results};
+use rockproof_report::step_tally::WorstStep;
+use rockproof_report::tally::FindingTally;
 use rockproof_report::verdict::verdict;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -47,13 +48,13 @@ pub(crate) fn print_end(
             out += &format!("\n{}\n", steps_table(&progress.steps));
         }
         out += &format!("\n{}", what_is_there(progress, &dir, ending));
-        let worst = results.campaigns.first().and_then(|campaign| campaign.tally.worst_of_all());
+        let campaign = results.campaigns.first();
         out + &match setting(progress, Part::KEY) {
             _ if ending == Ending::Stopped => String::new(),
             Some(part) => {
                 format!("next: when all parts are done (this is {part}): rockproof merge DIR… --out DIR\n")
             }
-            None => next(&dir, worst, external),
+            None => next(&dir, campaign, external),
         }
     };
     format.print(text, || {
@@ -102,8 +103,10 @@ fn document(results: &Results, progress: &CampaignProgress, dir: &Path, ending: 
         "pairs": progress.pairs_done,
         "seconds": progress.seconds,
         "findings": progress.summary.total(),
+        "step_findings": progress.steps.total(),
         "causes": causes,
         "steps": steps,
+        "worst_step_case": results.campaigns.first().and_then(worst_step).map(|worst| &worst.case),
         "external_engines": progress.engines,
         "case_files": cases(&progress.cases),
         "step_case_files": cases(&progress.step_cases),
@@ -180,21 +183,31 @@ fn scope_words(engine: &str) -> String {
 
 fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> String {
     let speed = progress.pairs_done as f64 / progress.seconds.max(1e-9);
-    let (pairs, seconds, found) = (grouped(progress.pairs_done), progress.seconds, grouped(progress.summary.total()));
-    let mut out = format!("{pairs} pairs in {seconds:.1} s ({speed:.0} a second), {found} findings\n");
+    let (done, seconds) = (counted(progress.pairs_done, "pair", "pairs"), progress.seconds);
+    let found = counted(progress.summary.total(), "finding", "findings");
+    let in_steps = match progress.steps.total() {
+        0 => String::new(),
+        found => format!(", {} in steps", grouped(found)),
+    };
+    let mut out = format!("{done} in {seconds:.1} s ({speed:.0} a second), {found}{in_steps}\n");
     for (name, counts) in &progress.engines {
         if let Some(note) = counts.recovered_note() {
             out += &format!("{name}: {note}; engines.csv counts them\n");
         }
     }
     if ending == Ending::Stopped {
+        let are = if progress.pairs_done == 1 { "is" } else { "are" };
         out += &format!(
-            "interrupted: {pairs} pairs are kept, those of the chunk under way are not; --resume goes on from there\n"
+            "interrupted: {done} {are} kept, those of the chunk under way are not; --resume goes on from there\n"
         );
     }
     if let Some(there) = setting(progress, Parts::KEY) {
         let asked = progress.configuration.get("pairs").and_then(Value::as_u64).unwrap_or_default();
-        out += &format!("not the whole campaign: parts {there}, {pairs} of {} pairs\n", grouped(asked));
+        out += &format!(
+            "not the whole campaign: parts {there}, {} of {} pairs\n",
+            grouped(progress.pairs_done),
+            grouped(asked)
+        );
     }
     let dir = dir.display();
     let tables = if progress.steps.is_empty() { "" } else { "step_findings.csv, step_summary.csv, " };
@@ -202,23 +215,36 @@ fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> Str
     let count = |cases: &BTreeMap<String, u64>| cases.values().sum::<u64>();
     let (pairs, steps) = (count(&progress.cases), count(&progress.step_cases));
     if pairs > 0 {
-        out += &format!(", {pairs} shrunk findings in cases");
+        out += &format!(", {} in cases", counted(pairs, "shrunk finding", "shrunk findings"));
     }
     if steps > 0 {
-        out += &format!(", {steps} steps in cases");
+        out += &format!(", {} in cases", counted(steps, "step", "steps"));
     }
     out + "\n"
 }
 
 /// The commands that go on from here.
-fn next(dir: &Path, worst: Option<&WorstFinding>, external: &[EngineSpec]) -> String {
+fn next(dir: &Path, campaign: Option<&CampaignRun>, external: &[EngineSpec]) -> String {
     let mut out = format!("next: rockproof report {}\n", quoted(&dir.display().to_string()));
-    if let Some(worst) = worst {
+    let mut replay = |case: &str, engine: &str| {
+        out += &format!("      rockproof replay {}{engine}\n", quoted(&dir.join(case).display().to_string()));
+    };
+    let pair = campaign.and_then(|campaign| campaign.tally.worst_of_all());
+    if let Some(worst) = pair {
         let engine = external.iter().find(|spec| spec.name == worst.engine).map(EngineSpec::argument);
-        let engine = engine.map_or(String::new(), |text| format!(" --engine-command {text}"));
-        out += &format!("      rockproof replay {}{engine}\n", quoted(&dir.join(&worst.case).display().to_string()));
+        replay(&worst.case, &engine.map_or(String::new(), |text| format!(" --engine-command {text}")));
+    }
+    // Differences of steps that are neither passages nor mistakes come with those of contacts.
+    let step = campaign.and_then(worst_step);
+    if let Some(worst) = step.filter(|worst| pair.is_none() || worst.is_serious()) {
+        replay(&worst.case, "");
     }
     out
+}
+
+/// The step with a case to look at first.
+fn worst_step(campaign: &CampaignRun) -> Option<&WorstStep> {
+    campaign.step_tally.worst_of_all()
 }
 
 /// The counts of steps in tables.

@@ -4,7 +4,7 @@ use crate::exit::{Outcome, Verdict, print_as_it_is, print_note};
 use crate::input::FormatArgs;
 use crate::output_file::allow_ours;
 use crate::stop::end_on_ctrl_c;
-use crate::table::table;
+use crate::table::{prose, table};
 use crate::terminal::threads;
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
@@ -24,6 +24,9 @@ use rockproof_gate::tally::{CampaignTally, TallyRow};
 use rockproof_gate::{self, Check, corpus, junit};
 use rockproof_model::files::read_text;
 use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_report::load::Results;
+use rockproof_report::step_verdict::step_line;
+use rockproof_report::verdict::VerdictLine;
 use rockproof_results::{Owner, Start, write_atomically};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -77,6 +80,8 @@ struct Gating<'g> {
     engines: Engines,
     text: String,
     written: usize,
+    /// What the steps of each campaign that makes some came to, by the campaign's name.
+    steps: Vec<(String, VerdictLine)>,
 }
 
 impl Gate {
@@ -103,13 +108,13 @@ impl Gate {
         engines.probe().with_context(|| file.clone())?;
         let mut checks = corpus::checks(&config.corpus, &engines)?;
         let rotating = self.rotating(&config)?;
-        let mut gating = Gating { gate: self, config, engines, text, written: 0 };
+        let mut gating = Gating { gate: self, config, engines, text, written: 0, steps: Vec::new() };
         checks.extend(gating.campaign(FIXED, gating.config.campaign.clone(), known.as_ref())?);
         if let Some(campaign) = rotating {
             print_note(&format!("the rotating seed is {}", campaign.seed));
             checks.extend(gating.campaign(ROTATING, campaign, known.as_ref())?);
         }
-        self.report_checks(&checks)
+        self.report_checks(&checks, &gating.steps)
     }
 
     fn check_names(&self, config: &GateConfig, engines: &Engines) -> anyhow::Result<()> {
@@ -158,19 +163,23 @@ impl Gate {
         Ok(Some(CampaignConfig { pairs: config.rotating_pairs, seed, ..config.campaign.clone() }))
     }
 
-    fn report_checks(&self, checks: &[Check]) -> Outcome {
+    fn report_checks(&self, checks: &[Check], steps: &[(String, VerdictLine)]) -> Outcome {
         let failed = checks.iter().filter(|c| c.verdict == rockproof_gate::Verdict::Fail).count();
         let text = || {
             let rows = checks.iter().filter(|c| c.group != "corpus" || c.verdict != rockproof_gate::Verdict::Pass);
             let rows = rows.map(|c| vec![c.verdict.name().to_owned(), c.name.clone(), c.message.clone()]);
             let verdict = if failed == 0 { "passed" } else { "failed" };
             let head = table(&["verdict", "check", "found"], &[], rows);
-            format!("{head}\n\ngate {verdict}: {failed} of {} checks failed\n", checks.len())
+            let steps = steps.iter().map(|(name, line)| prose(&format!("{name} campaign: {}\n", line.text)));
+            let steps: String = steps.collect();
+            format!("{head}\n\n{steps}gate {verdict}: {failed} of {} checks failed\n", checks.len())
         };
         self.format.print(text, || {
             let check = |c: &Check| json!({ "verdict": c.verdict.name(), "group": c.group, "check": c.name, "found": c.message });
             let all: Vec<Value> = checks.iter().map(check).collect();
-            json!({ "passed": failed == 0, "failed": failed, "checks": all })
+            let line = |(name, line): &(String, VerdictLine)| json!({ "campaign": name, "severity": line.severity, "text": line.text });
+            let steps: Vec<Value> = steps.iter().map(line).collect();
+            json!({ "passed": failed == 0, "failed": failed, "checks": all, "steps": steps })
         })?;
         if let Some(path) = &self.junit {
             write_atomically(path, junit::junit(checks)?).with_context(|| path.display().to_string())?;
@@ -247,6 +256,10 @@ impl Gating<'_> {
         };
         campaign.run(&mut journal, &AtomicBool::new(false), &mut |_| {})?;
         let tally = CampaignTally::read(&dir)?;
+        if !journal.progress().steps.is_empty() {
+            let line = step_line(&Results::read(std::slice::from_ref(&dir))?.campaigns);
+            self.steps.extend(line.map(|line| (name.to_owned(), line)));
+        }
         let file = self.gate.file.display().to_string();
         let mut checks = rockproof_gate::limits(&self.config, (&file, &self.text), name, &tally);
         if let Some(baseline) = self.config.baseline.as_ref() {

@@ -4,7 +4,7 @@ use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, Ta
 use std::io;
 
 use rockproof_model::text::{SHOWN, excerpt};
-pub(crate) use rockproof_report::table::grouped;
+pub(crate) use rockproof_report::table::{counted, grouped};
 
 /// A table with a header; the columns named in `numbers` are aligned to the right. Cells are of one line and show what they hold, cut where it
 /// is long. On a terminal it is no wider than that; elsewhere it is as wide as its cells ask for.

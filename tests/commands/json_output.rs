@@ -67,7 +67,7 @@ fn campaigns_and_gates_say_the_same_to_programs() {
         let sum: u64 = of.map(|row| row["findings"].as_u64().expect("a count")).sum();
         assert_eq!(Some(sum), count.as_u64(), "{cause}");
     }
-    assert_eq!(found["verdict"].as_array().map(Vec::len), Some(3));
+    assert_eq!(found["verdict"].as_array().map(Vec::len), Some(4));
     let steps = found["steps"].as_array().expect("rows");
     assert!(steps.iter().all(|row| row["engine"].is_string() && row["other_contacts"].is_u64()));
 

@@ -27,6 +27,7 @@ fn a_passage_is_found_denied_kept_and_replayed() {
     assert_eq!(code, 1, "{out}");
     let (code, out) = rockproof(dir, &[&CAMPAIGN[..], &["--deny", "defect", "--overwrite"]].concat());
     assert_eq!(code, 0, "{out}");
+    the_end_names_them(dir, &out);
     let table = fs::read_to_string(dir.join("run/step_findings.csv")).expect("findings");
     let kept = |change: &str| {
         let rows = || table.lines().filter(|row| row.split(',').nth(7) == Some(change) && row.ends_with(".json"));
@@ -45,6 +46,47 @@ fn a_passage_is_found_denied_kept_and_replayed() {
     }
 }
 
+/// What a run with passages says at its end, to programs and in a pull request: how many, why, which to replay; and nothing is called well.
+fn the_end_names_them(dir: &Path, out: &str) {
+    let line = out.lines().find(|line| line.contains(" passages and ") && line.contains(" watched steps (by cause: "));
+    let line = line.unwrap_or_else(|| panic!("no line on passages in\n{out}"));
+    let (_, case) = line.split_once("worst: case ").expect("a case");
+    let (case, _) = case.split_once(')').expect("its end");
+    assert!(case.contains("-passage-"), "{case}");
+    assert!(out.contains(&format!("rockproof replay run/{case}\n")), "{case}: {out}");
+    assert!(!out.contains("No difference") && !out.contains("0 findings\n"), "{out}");
+    let (code, told) =
+        rockproof(dir, &["campaign", "settings.toml", "--out", "run", "--resume", "--quiet", "--format", "json"]);
+    let document: serde_json::Value = serde_json::from_str(&told).expect("one document");
+    let lines = document["verdict"].as_array().expect("lines");
+    assert!(code == 0 && lines.iter().any(|told| told["text"] == line && told["severity"] == "fair"), "{told}");
+    assert!(document["worst_step_case"] == case && document["step_findings"].as_u64() > Some(6), "{told}");
+    let (code, text) = rockproof(dir, &["report", "run", "--format", "markdown"]);
+    assert!(code == 0 && text.contains(line) && !text.contains('✅'), "{text}");
+    assert!(text.contains("| setting | engine | watched | passages | passages oracle |"), "{text}");
+    assert_eq!(rockproof(dir, &["report", "run", "--out", "page"]).0, 0);
+    let page = fs::read_to_string(dir.join("page/report.html")).expect("a page");
+    assert!(page.contains(" watched steps (by cause: ") && dir.join("page/latex/steps_passages.tex").is_file());
+    // Findings that are gone must not make a run look well.
+    let table = fs::read_to_string(dir.join("run/step_findings.csv")).expect("findings");
+    let (shorter, _) = table.trim_end().rsplit_once('\n').expect("rows");
+    fs::write(dir.join("run/step_findings.csv"), format!("{shorter}\n")).expect("written");
+    let (code, told) = rockproof(dir, &["report", "run", "--format", "markdown"]);
+    assert!(code == 2 && told.contains("step_findings.csv") && told.contains("run.json counts"), "{told}");
+    fs::write(dir.join("run/step_findings.csv"), table).expect("written");
+}
+
+#[test]
+fn a_merge_names_passages_too() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    fs::write(dir.join("settings.toml"), SETTINGS).expect("written");
+    assert_eq!(rockproof(dir, &["campaign", "settings.toml", "--out", "part", "--part", "1/1"]).0, 0);
+    let (code, out) = rockproof(dir, &["merge", "part", "--out", "whole"]);
+    assert!(code == 0 && out.contains(" watched steps (by cause: "), "{out}");
+    assert!(out.contains("rockproof replay whole/cases/step-") && !out.contains("No difference"), "{out}");
+}
+
 #[test]
 fn a_gate_limits_passages_by_count_and_rate() {
     let dir = tempfile::tempdir().expect("a folder");
@@ -59,6 +101,11 @@ fn a_gate_limits_passages_by_count_and_rate() {
     ] {
         let ran = gate(dir.path(), &format!("{campaign}{limit}"), &[], false);
         assert_eq!(ran.code, code, "{limit}: {}{}", ran.out, ran.err);
+        let told = ran
+            .out
+            .lines()
+            .any(|line| line.starts_with("fixed campaign: ") && line.contains(" in 16 watched steps (by cause: "));
+        assert_eq!(told, code != 2, "{limit}: {}", ran.out);
     }
     let ran = rockproof(dir.path(), &["campaign", "--family", "passage", "--steps-every", "0"]);
     assert!(ran.0 == 2 && ran.1.contains("steps_every"), "{}", ran.1);

@@ -28,7 +28,8 @@ fn run() -> &'static Path {
 /// A copy of it to damage.
 fn copy() -> (tempfile::TempDir, String) {
     let dir = tempfile::tempdir().expect("a directory");
-    for name in ["run.json", "findings.csv", "agreement.csv", "confusion.csv", "summary.csv"] {
+    let steps = ["step_findings.csv", "step_summary.csv"];
+    for name in ["run.json", "findings.csv", "agreement.csv", "confusion.csv", "summary.csv"].into_iter().chain(steps) {
         fs::copy(run().join(name), dir.path().join(name)).expect(name);
     }
     fs::create_dir(dir.path().join("cases")).expect("cases");
@@ -65,7 +66,7 @@ fn writes_a_page_and_the_same_tables_as_csv() {
     let (dir, path) = copy();
     let (code, out, err) = rockproof(&["report", &path]);
     assert_eq!(code, 0, "{err}");
-    assert_eq!(out.lines().count(), 3, "the verdict: {out}");
+    assert_eq!(out.lines().count(), 4, "the verdict: {out}");
     let page = fs::read_to_string(dir.path().join("report/report.html")).expect("a page");
     for line in out.lines() {
         assert!(page.contains(&line.replace('"', "&quot;")), "{line}");

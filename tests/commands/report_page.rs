@@ -192,7 +192,7 @@ fn the_page_works_in_a_browser() {
     rockproof(&["report", &at("run")]);
     let sections = ["verdict", "agreement", "kinds", "causes", "margins", "worst", "runs", "words"];
     let page = "run/report/report.html";
-    let report = Paged { page, verdict: 3, charts: 6, has_views: true, sections: &sections };
+    let report = Paged { page, verdict: 4, charts: 6, has_views: true, sections: &sections };
     for (width, theme) in [(360, "light"), (1600, "light"), (1600, "dark")] {
         report.check(&browser, dir, width, theme);
     }
@@ -205,7 +205,7 @@ fn the_page_works_in_a_browser() {
         ["campaign", "--pairs", "128", "--tolerances", "auto", "--engine-command", &mine, "--engine", all, "--out"];
     rockproof(&[&own[..], &[&at("own")]].concat());
     rockproof(&["report", &at("own")]);
-    let own = Paged { page: "own/report/report.html", verdict: 4, charts: 6, has_views: true, sections: &sections };
+    let own = Paged { page: "own/report/report.html", verdict: 5, charts: 6, has_views: true, sections: &sections };
     own.check(&browser, dir, 360, "dark");
     own.check_print(&browser, dir);
 

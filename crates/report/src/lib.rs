@@ -14,10 +14,13 @@ pub mod lockstep;
 pub mod markdown;
 pub mod model_view;
 pub mod motion;
+mod motion_verdict;
 pub mod own;
 pub mod page;
 mod rows;
 pub mod sections;
+pub mod step_tally;
+pub mod step_verdict;
 pub mod stress;
 mod stress_reach;
 pub mod table;
@@ -38,7 +41,7 @@ use verdict::VerdictLine;
 pub struct Report {
     /// What it is about, in a few words.
     pub title: String,
-    /// The verdict: three lines, and one more for each external engine.
+    /// The verdict: a few lines, and one more for each external engine.
     pub verdict: Vec<VerdictLine>,
     /// The sections.
     pub sections: Vec<Section>,

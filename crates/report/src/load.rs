@@ -4,6 +4,7 @@
 
 use super::error::{ReportError, at};
 use super::rows::CsvTable;
+use super::step_tally::StepTally;
 use super::tally::FindingTally;
 use super::{lockstep, motion, stress, timing};
 use rockproof_campaign::merge::Parts;
@@ -59,6 +60,9 @@ pub struct RunFile {
     pub contacts: u64,
     /// How many findings.
     pub findings: FindingCounts,
+    /// The steps of its pairs.
+    #[serde(default)]
+    pub steps: StepTotals,
     /// Metamorphic checks made.
     pub metamorphic_checks: u64,
     /// How long it took.
@@ -84,6 +88,13 @@ pub struct Machine {
 pub struct FindingCounts {
     /// All of them.
     pub total: u64,
+}
+
+/// The steps of a campaign's pairs.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+pub struct StepTotals {
+    /// Findings about them.
+    pub findings: u64,
 }
 
 /// The share of pairs with the same answer, of all that were compared.
@@ -116,6 +127,8 @@ pub struct CampaignRun {
     pub tally: FindingTally,
     /// Counts of steps by family, tolerance set and engine; empty where no pair made any.
     pub steps: Vec<(StepGroup, StepCounts)>,
+    /// The findings about steps, counted.
+    pub step_tally: StepTally,
     /// What is wrong with its external engines; empty where it has none, or is not finished.
     pub diagnosis: Vec<DiagnosisRow>,
 }
@@ -249,6 +262,15 @@ impl CampaignRun {
                 other: format!("run.json counts {}: a file was changed or cut off", run.findings.total),
             });
         }
+        let file = dir.join("step_findings.csv");
+        let step_tally = if file.is_file() { StepTally::read(&file)? } else { StepTally::default() };
+        if step_tally.total() != run.steps.findings {
+            return Err(ReportError::Contradiction {
+                file,
+                found: format!("{} findings about steps", step_tally.total()),
+                other: format!("run.json counts {}: a file was changed, cut off or left out", run.steps.findings),
+            });
+        }
         let name = name_of(dir);
         let file = dir.join("step_summary.csv");
         let steps = if file.is_file() { read_steps(&file)? } else { Vec::new() };
@@ -256,7 +278,7 @@ impl CampaignRun {
         // What is there of a run that goes on to more pairs is about fewer. What is made of some parts stays as it is.
         let is_current = run.finished || run.configuration.contains_key(Parts::KEY);
         let diagnosis = if is_current && file.is_file() { read_diagnosis(&file)? } else { Vec::new() };
-        Ok(CampaignRun { dir: dir.to_owned(), name, run, agreement, confusion, tally, steps, diagnosis })
+        Ok(CampaignRun { dir: dir.to_owned(), name, run, agreement, confusion, tally, steps, step_tally, diagnosis })
     }
 
     /// Sums over families and over the rungs of ladders, by what was compared; see [`setting`].

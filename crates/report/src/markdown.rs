@@ -15,6 +15,7 @@ const SHOWN: [(&str, usize); 16] = [
     ("worst", 6),
     ("sweep", 24),
     ("steps", 24),
+    ("steps_passages", 24),
     ("lockstep", 20),
     ("lockstep_causes", 20),
     ("lockstep_steps", 12),

@@ -72,6 +72,11 @@ impl TableCell {
     }
 }
 
+/// How many there are, with the word for one or for several.
+pub fn counted(count: u64, one: &str, several: &str) -> String {
+    format!("{} {}", grouped(count), if count == 1 { one } else { several })
+}
+
 /// A count with its thousands apart: `1 234 567`.
 pub fn grouped(count: u64) -> String {
     let digits = count.to_string();

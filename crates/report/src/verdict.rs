@@ -1,14 +1,18 @@
-//! The verdict: three lines that sum up, and one for each external engine.
+//! The verdict: a few lines that sum up, and one for each external engine.
+
+#[cfg(test)]
+mod tests;
 
 use super::load::{CampaignRun, Results, agreeing_share};
+use super::motion_verdict::{lockstep_lines, motion_line};
 use super::own;
+use super::step_verdict::step_line;
 use super::stress_reach::{Reach, reach};
-use super::table::{grouped, label, percent, short};
+use super::table::{counted, label, percent};
 use rockproof_campaign::stress::PairAlignment;
-use rockproof_differential::agreement::ChainSpan;
+use rockproof_differential::agreement::{AgreementCounts, ChainSpan};
 use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::Cause;
-use rockproof_simulate::AuditTotals;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -37,38 +41,41 @@ fn line(severity: Severity, text: String) -> VerdictLine {
     VerdictLine { severity, text }
 }
 
-/// The lines. Where there are campaigns and steps, the last is about the steps.
+/// Lines of the verdict, those about external engines and bad ones apart.
+const MOST: usize = 4;
+
+/// The lines. A bad one is never left out.
 pub fn verdict(results: &Results) -> Vec<VerdictLine> {
     let mut lines = Vec::new();
-    let steps = steps(results);
     let external = own::lines(&results.campaigns);
-    let most = 3 + external.len();
+    let most = MOST + external.len();
     if !results.campaigns.is_empty() {
         lines.push(right(&results.campaigns));
-        lines.extend(external);
-        lines.push(mistakes(&results.campaigns));
-        lines.extend(tolerances(&results.campaigns).filter(|_| steps.is_empty()));
+        if results.stresses.is_empty() {
+            lines.extend(external.clone());
+        }
+        lines.extend(mistakes(&results.campaigns));
+        lines.extend(step_line(&results.campaigns));
+        lines.extend(tolerances(&results.campaigns).filter(|_| results.locksteps.is_empty()));
     }
     if !results.stresses.is_empty() {
         // Its pairs make a campaign as well; what it was made for comes first.
-        lines = stress(results);
-        lines.extend(own::lines(&results.campaigns));
+        lines.retain(|line| line.severity == Severity::Bad);
+        lines.splice(..0, stress(results).into_iter().chain(external));
     }
-    lines.extend(steps);
-    // Blocks that pass through one another come before everything else.
-    let objections = results.motions.iter().filter(|run| run.audit().is_some_and(AuditTotals::objects));
-    let objections = objections.map(|run| line(Severity::Bad, format!("{}: {}.", run.name, run.sentence())));
-    lines.splice(..0, objections.take(1));
-    if lines.is_empty() {
-        lines.extend(results.motions.first().map(|run| {
-            let severity = if run.audit().is_some() { Severity::Good } else { Severity::Fair };
-            line(severity, format!("{}: {}.", run.name, run.sentence()))
-        }));
+    lines.extend(lockstep_lines(&results.locksteps));
+    match motion_line(&results.motions) {
+        // Blocks that pass through one another come before everything else.
+        Some(line) if line.severity == Severity::Bad => lines.insert(0, line),
+        motion => lines.extend(motion),
     }
     if lines.is_empty() {
         lines.extend(times(results));
     }
-    lines.truncate(most);
+    while lines.len() > most {
+        let Some(last) = lines.iter().rposition(|line| line.severity != Severity::Bad) else { break };
+        lines.remove(last);
+    }
     lines
 }
 
@@ -142,8 +149,11 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
     let mut words = Vec::new();
     for campaign in campaigns {
         for engine in campaign.engines() {
-            let Some(share) = agreeing_share(&campaign.of_engine(&engine)) else { continue };
-            if share.value < 1.0 {
+            let counts = campaign.of_engine(&engine);
+            let Some(share) = agreeing_share(&counts) else { continue };
+            // As of one that crashes at every pair, or where rounding makes every block degenerate.
+            let silent = if counts.silent == counts.pairs { ", without an answer to any pair" } else { "" };
+            if share.value < 1.0 && severity == Severity::Good {
                 severity = Severity::Fair;
             }
             let again = campaign.run.external_engines.get(&engine).and_then(EngineCounts::recovered_note);
@@ -153,35 +163,49 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
             let again = again.map_or(String::new(), |told| format!(", but {told}"));
             let name = if campaigns.len() > 1 { format!("{engine} ({})", campaign.name) } else { engine };
             let [value, low, high] = [share.value, share.low, share.high].map(percent);
-            words.push(format!("{name} {value} ({low} to {high}){again}"));
+            words.push(format!("{name} {value} ({low} to {high}){silent}{again}"));
         }
     }
     words.truncate(4);
+    if words.is_empty() && campaigns.iter().any(|campaign| !campaign.steps.is_empty()) {
+        return line(Severity::Fair, "No pair was classified: the pairs made steps alone.".to_owned());
+    }
     if words.is_empty() {
         return line(Severity::Fair, "No answer of any engine could be compared.".to_owned());
     }
     line(severity, format!("Exactly right on hard pairs: {}.", words.join("; ")))
 }
 
-/// Whether the code of the built-in engines is mistaken, and what the other findings are due to, those of external engines apart.
-fn mistakes(campaigns: &[CampaignRun]) -> VerdictLine {
+/// Whether the code of the built-in engines is mistaken, in contacts or in steps, and what the other findings about contacts are due to, those of
+/// external engines apart; `None` where no contact could be compared and no mistake was found.
+fn mistakes(campaigns: &[CampaignRun]) -> Option<VerdictLine> {
     let count =
         |cause: Cause| -> u64 { campaigns.iter().map(|c| c.tally.by_cause().get(&cause).copied().unwrap_or(0)).sum() };
     let total: u64 = campaigns.iter().map(|c| c.tally.total).sum();
     if campaigns.iter().all(|campaign| campaign.run.pairs == 0) {
-        return line(Severity::Fair, "No pair has been examined to its end, so nothing is known.".to_owned());
+        return Some(line(Severity::Fair, "No pair has been examined to its end, so nothing is known.".to_owned()));
     }
-    if total == 0 {
-        return line(Severity::Good, "No difference was found at all.".to_owned());
+    // The counts hold contacts of the first step too, the findings what is no step at all, as a panic.
+    let in_steps = |c: &CampaignRun| {
+        let counted: u64 = c.steps.iter().map(|(_, counts)| counts.defect).sum();
+        counted.max(c.step_tally.defects())
+    };
+    let in_steps: u64 = campaigns.iter().map(in_steps).sum();
+    let mut builtin: BTreeSet<String> = BTreeSet::new();
+    let mut silent = false;
+    for campaign in campaigns {
+        let external = own::external(campaign);
+        for engine in campaign.engines().into_iter().filter(|engine| !external.contains(engine)) {
+            let counts = campaign.of_engine(&engine);
+            if counts.silent < counts.pairs {
+                builtin.insert(engine);
+            } else {
+                silent = true;
+            }
+        }
     }
-    let builtin: BTreeSet<String> = campaigns
-        .iter()
-        .flat_map(|campaign| {
-            let external = own::external(campaign);
-            campaign.engines().into_iter().filter(move |engine| !external.contains(engine))
-        })
-        .collect();
     let outside = campaigns.iter().any(|campaign| !own::external(campaign).is_empty());
+    let is_alone = total == 0;
     let total = total - count(Cause::Engine);
     let rest: Vec<String> = Cause::ALL
         .into_iter()
@@ -189,89 +213,93 @@ fn mistakes(campaigns: &[CampaignRun]) -> VerdictLine {
         .map(|cause| format!("{cause} {}", percent(count(cause) as f64 / total as f64)))
         .collect();
     let rest = if rest.is_empty() { "nothing".to_owned() } else { rest.join(", ") };
+    let findings = |n| counted(n, "finding", "findings");
+    // Beside an engine from outside, or one without an answer, of which nobody can say so much, it must be clear whose code is meant.
+    let of = if (outside || silent) && !builtin.is_empty() {
+        format!(" of {}", builtin.iter().cloned().collect::<Vec<_>>().join(", "))
+    } else {
+        String::new()
+    };
+    if count(Cause::Defect) > 0 {
+        let (are, these) = if count(Cause::Defect) == 1 { ("is a mistake", "this") } else { ("are mistakes", "these") };
+        let found = findings(count(Cause::Defect));
+        return Some(line(
+            Severity::Bad,
+            format!("{found} {are} in code{of}: look at {these} first. The others: {rest}."),
+        ));
+    }
+    if in_steps > 0 {
+        let (are, these) = if in_steps == 1 { ("is a mistake", "this") } else { ("are mistakes", "these") };
+        let found = counted(in_steps, "difference", "differences");
+        let text = format!("{found} of the pairs' steps {are} in code: look at {these} first.");
+        return Some(line(Severity::Bad, text));
+    }
+    if campaigns.iter().all(|campaign| campaign.agreement.is_empty()) && total == 0 {
+        return None;
+    }
+    if builtin.is_empty() && silent {
+        let differing =
+            if total == 0 { String::new() } else { format!(" What differs ({}) is due to: {rest}.", findings(total)) };
+        let text = format!("No built-in engine answered, so nothing is known of their code.{differing}");
+        return Some(line(Severity::Fair, text));
+    }
+    if is_alone {
+        let text = if campaigns.iter().all(|campaign| campaign.step_tally.total() == 0) {
+            "No difference was found at all."
+        } else {
+            "No difference of contacts was found."
+        };
+        return Some(line(Severity::Good, text.to_owned()));
+    }
     if builtin.is_empty() {
-        let text = format!("Whatever the engine, {} findings are due to: {rest}.", grouped(total));
-        return line(Severity::Fair, text);
+        let text = match total {
+            0 => "No finding is due to tolerances or to rounding the input.".to_owned(),
+            1 => format!("Whatever the engine, 1 finding is due to: {rest}."),
+            n => format!("Whatever the engine, {} are due to: {rest}.", findings(n)),
+        };
+        return Some(line(Severity::Fair, text));
     }
-    // Beside an engine from outside, of which nobody can say so much, it must be clear whose code is meant.
-    let of =
-        if outside { format!(" of {}", builtin.into_iter().collect::<Vec<_>>().join(", ")) } else { String::new() };
     if total == 0 {
-        return line(Severity::Good, format!("No difference was found in the answers{of}."));
+        return Some(line(Severity::Good, format!("No difference was found in the answers{of}.")));
     }
-    let in_steps: u64 = campaigns.iter().flat_map(|c| &c.steps).map(|(_, counts)| counts.defect).sum();
-    match count(Cause::Defect) {
-        0 if in_steps > 0 => line(
-            Severity::Bad,
-            format!("{} differences of the pairs' steps are mistakes in code: look at these first.", grouped(in_steps)),
-        ),
-        0 => line(
-            Severity::Good,
-            format!("No mistake in code{of}. What differs ({} findings) is due to: {rest}.", grouped(total)),
-        ),
-        n => line(
-            Severity::Bad,
-            format!("{} findings are mistakes in code{of}: look at these first. The others: {rest}.", grouped(n)),
-        ),
+    let text = format!("No mistake in code{of}. What differs ({}) is due to: {rest}.", findings(total));
+    Some(line(Severity::Good, text))
+}
+
+/// So few pairs are counted; of more the share is told.
+const FEW: u64 = 20;
+
+/// How many pairs changed, of so many.
+fn changed_pairs(counts: &AgreementCounts, share: f64) -> String {
+    match counts.pairs {
+        n if n < FEW => format!("{} of {}", n - counts.agreeing, counted(n, "pair", "pairs")),
+        _ => format!("{} of the pairs", percent(share)),
     }
 }
 
 /// Which setting changes most by itself.
 fn tolerances(campaigns: &[CampaignRun]) -> Option<VerdictLine> {
-    let mut shares: Vec<(f64, String)> = Vec::new();
+    let mut shares: Vec<(f64, String, String)> = Vec::new();
     for campaign in campaigns {
         for (compared, sums) in campaign.by_setting() {
             if compared.span == ChainSpan::Tolerance && campaign.shows(&compared.tolerances) {
                 let name = label(campaigns.len(), &campaign.name, &compared.tolerances);
-                shares.extend(agreeing_share(&sums).map(|s| (1.0 - s.value, name)));
+                let changed = agreeing_share(&sums).map(|share| 1.0 - share.value);
+                shares.extend(changed.map(|changed| (changed, name, changed_pairs(&sums, changed))));
             }
         }
     }
     shares.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
-    let ((most, worst), (least, best)) = (shares.first()?, shares.last()?);
+    let ((most, worst, pairs), (least, best, fewest)) = (shares.first()?, shares.last()?);
     let text = if worst == best {
-        format!(
-            "The tolerances of \"{worst}\" alone, without any rounding, change the contacts of {} of the pairs.",
-            percent(*most)
-        )
+        format!("The tolerances of \"{worst}\" alone, without any rounding, change the contacts of {pairs}.")
     } else {
-        let least = if *least > 0.0 { format!(", of {} under \"{best}\"", percent(*least)) } else { String::new() };
-        format!(
-            "Tolerances alone, without any rounding, change the contacts of {} of the pairs under \"{worst}\"{least}.",
-            percent(*most)
-        )
+        let least = match fewest.strip_suffix(" of the pairs") {
+            _ if *least <= 0.0 => String::new(),
+            Some(share) => format!(", of {share} under \"{best}\""),
+            None => format!(", of {fewest} under \"{best}\""),
+        };
+        format!("Tolerances alone, without any rounding, change the contacts of {pairs} under \"{worst}\"{least}.")
     };
     Some(line(if *most > 0.0 { Severity::Fair } else { Severity::Good }, text))
-}
-
-/// What became of it in motion.
-fn steps(results: &Results) -> Vec<VerdictLine> {
-    let runs = &results.locksteps;
-    let steps: u64 = runs.iter().map(|r| r.steps).sum();
-    let contacts: u64 = runs.iter().map(|r| r.contacts_differ).sum();
-    let iterations: u64 = runs.iter().map(|r| r.iterations_differ).sum();
-    let defects: u64 = runs.iter().filter_map(|r| r.causes.get(&Cause::Defect)).sum();
-    let deepest = runs.iter().map(|r| r.penetration_difference_m).fold(0.0, f64::max);
-    let mut lines = Vec::new();
-    if !runs.is_empty() {
-        let severity = if contacts + iterations == 0 { Severity::Good } else { Severity::Fair };
-        lines.push(line(
-            severity,
-            format!(
-                "In motion, {} of {} steps have other contacts than the exact ones, {} another number of iterations.",
-                grouped(contacts),
-                grouped(steps),
-                grouped(iterations)
-            ),
-        ));
-        lines.push(line(
-            Severity::Fair,
-            format!("Overlaps after a step differ from the exact ones by at most {} m.", short(deepest)),
-        ));
-        lines.push(match defects {
-            0 => line(Severity::Good, "No mistake in code was found in the steps.".to_owned()),
-            n => line(Severity::Bad, format!("{} differences of the steps are mistakes in code.", grouped(n))),
-        });
-    }
-    lines
 }

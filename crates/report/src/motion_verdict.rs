@@ -1,0 +1,80 @@
+//! What the verdict says of runs of a scene: steps in lockstep, and the audit of steps.
+
+use super::lockstep::LockstepRun;
+use super::motion::MotionRun;
+use super::table::{counted, grouped, short};
+use super::verdict::{Severity, VerdictLine};
+use rockproof_differential::finding::Cause;
+use rockproof_simulate::AuditTotals;
+
+/// What differs in steps that stepper and oracle made from the same states: decisions, overlaps, mistakes in code.
+pub(super) fn lockstep_lines(runs: &[LockstepRun]) -> Vec<VerdictLine> {
+    if runs.is_empty() {
+        return Vec::new();
+    }
+    let sum = |of: fn(&LockstepRun) -> u64| -> u64 { runs.iter().map(of).sum() };
+    let [steps, contacts, iterations] = [sum(|r| r.steps), sum(|r| r.contacts_differ), sum(|r| r.iterations_differ)];
+    let others = [
+        (sum(|r| r.modes_differ), "a contact of another mode"),
+        (sum(|r| r.converged_differ), "converged on one side alone"),
+        (runs.iter().filter(|run| run.failure.is_some()).count() as u64, "could not be made by one side"),
+    ];
+    let differ = contacts + iterations + others.iter().map(|(count, _)| count).sum::<u64>();
+    let severity = if differ == 0 && steps > 0 { Severity::Good } else { Severity::Fair };
+    let mut text = format!(
+        "In motion, {} of {} steps have other contacts than the exact ones, {} another number of iterations",
+        grouped(contacts),
+        grouped(steps),
+        grouped(iterations)
+    );
+    for (count, what) in others.iter().filter(|(count, _)| *count > 0) {
+        text += &format!(", {} {what}", grouped(*count));
+    }
+    let deepest = runs.iter().map(|r| r.penetration_difference_m).fold(0.0, f64::max);
+    let overlaps = format!("Overlaps after a step differ from the exact ones by at most {} m.", short(deepest));
+    let mistakes = match runs.iter().filter_map(|r| r.causes.get(&Cause::Defect)).sum::<u64>() {
+        0 if steps == 0 => (Severity::Fair, "No step was compared.".to_owned()),
+        0 => (Severity::Good, "No mistake in code was found in the steps.".to_owned()),
+        1 => (Severity::Bad, "1 difference of the steps is a mistake in code.".to_owned()),
+        n => (Severity::Bad, format!("{} differences of the steps are mistakes in code.", grouped(n))),
+    };
+    let lines = [(severity, format!("{text}.")), (Severity::Fair, overlaps), mistakes];
+    lines.into_iter().map(|(severity, text)| VerdictLine { severity, text }).collect()
+}
+
+/// What audits found of passages and unseen overlaps: bad where a run has one, good where all were audited, have none, and nothing stayed
+/// undecided. `None` without a run.
+pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
+    let objecting: Vec<&MotionRun> = runs.iter().filter(|run| run.audit().is_some_and(AuditTotals::objects)).collect();
+    let of = |run: &MotionRun| format!("{}: {}", run.name, run.sentence());
+    if let [first, others @ ..] = &objecting[..] {
+        let more = match others.len() as u64 {
+            0 => String::new(),
+            n => format!("; so they do in {}", counted(n, "other run", "other runs")),
+        };
+        return Some(VerdictLine { severity: Severity::Bad, text: format!("{}{more}.", of(first)) });
+    }
+    let audits: Vec<&AuditTotals> = runs.iter().filter_map(MotionRun::audit).collect();
+    let is_proved = |audit: &&AuditTotals| audit.steps > 0 && audit.undecided == 0;
+    let severity = if audits.len() == runs.len() && audits.iter().all(|audit| is_proved(audit)) {
+        Severity::Good
+    } else {
+        Severity::Fair
+    };
+    let text = match (runs, audits.len()) {
+        ([], _) => return None,
+        ([run], _) => of(run),
+        (_, 0) => {
+            "No run was audited; passages and overlaps that no contact sees are found by simulate --audit".to_owned()
+        }
+        (_, audited) => {
+            let steps = counted(audits.iter().map(|audit| audit.steps).sum(), "audited step", "audited steps");
+            let undecided = match audits.iter().map(|audit| audit.undecided).sum::<u64>() {
+                0 => String::new(),
+                n => format!("; {} undecided", counted(n, "passage", "passages")),
+            };
+            format!("No passage and no unseen overlap in {steps} of {audited} of {} runs{undecided}", runs.len())
+        }
+    };
+    Some(VerdictLine { severity, text: format!("{text}.") })
+}

@@ -1,0 +1,211 @@
+//! Pins which lines the verdict has, and how each is meant.
+
+use super::*;
+use crate::lockstep::LockstepRun;
+use crate::motion::MotionRun;
+use crate::step_tally::StepTally;
+use crate::tally::FindingTally;
+use rockproof_campaign::steps::STEP_FINDING_COLUMNS;
+use rockproof_campaign::steps::summary::{StepCounts, StepGroup};
+use rockproof_differential::agreement::ComparisonKey;
+use rockproof_differential::finding::FINDING_COLUMNS;
+use rockproof_simulate::{AuditTotals, Totals};
+use serde::de::DeserializeOwned;
+use serde_json::json;
+
+fn rows<T: DeserializeOwned>(columns: &[&str], rows: &[&str]) -> Vec<T> {
+    let text = format!("{}\n{}\n", columns.join(","), rows.join("\n"));
+    csv::Reader::from_reader(text.as_bytes()).deserialize().map(|row| row.expect("a row")).collect()
+}
+
+/// A campaign of ten pairs with these rows of its tables: engines by how many pairs they answer, all alike.
+fn campaign(engines: &[(&str, u64)], findings: &[&str], step_findings: &[&str], steps: StepCounts) -> CampaignRun {
+    let run = json!({
+        "version": "0", "seed": 1, "configuration": {}, "machine": { "os": "", "architecture": "", "cores": 1 },
+        "finished": true, "pairs": 10, "contacts": 0, "findings": { "total": findings.len() },
+        "metamorphic_checks": 0, "seconds": 1.0,
+    });
+    let (mut tally, mut step_tally) = (FindingTally::default(), StepTally::default());
+    rows(&FINDING_COLUMNS, findings).into_iter().for_each(|row| tally.add(row));
+    rows(&STEP_FINDING_COLUMNS, step_findings).into_iter().for_each(|row| step_tally.add(row));
+    let agreement = engines.iter().map(|(engine, answered)| {
+        let key = ComparisonKey { tolerances: "auto".into(), span: ChainSpan::Whole, engine: (*engine).to_owned() };
+        let [pairs, agreeing, squared] = [10, *answered, 100];
+        let counts = AgreementCounts {
+            pairs,
+            agreeing,
+            silent: pairs - agreeing,
+            agreeing_squared: agreeing * agreeing,
+            agreeing_times_pairs: agreeing * pairs,
+            pairs_squared: squared,
+            ..AgreementCounts::default()
+        };
+        ("sliver".to_owned(), key, counts)
+    });
+    let [family, form, tolerances, engine] = ["sliver", "base", "auto", "stepper-f64"].map(str::to_owned);
+    let steps = if steps == StepCounts::default() {
+        Vec::new()
+    } else {
+        vec![(StepGroup { family, form, tolerances, engine }, steps)]
+    };
+    CampaignRun {
+        dir: "run".into(),
+        name: "run".to_owned(),
+        run: serde_json::from_value(run).expect("a run"),
+        agreement: agreement.collect(),
+        confusion: Default::default(),
+        tally,
+        steps,
+        step_tally,
+        diagnosis: Vec::new(),
+    }
+}
+
+fn lines_of(run: CampaignRun) -> Vec<VerdictLine> {
+    verdict(&Results { campaigns: vec![run], ..Results::default() })
+}
+
+fn has(lines: &[VerdictLine], severity: Severity, text: &str) -> bool {
+    lines.iter().any(|line| line.severity == severity && line.text.starts_with(text))
+}
+
+const BOTH: [(&str, u64); 2] = [("stepper-f32", 10), ("stepper-f64", 10)];
+/// So many steps, all of them watched.
+const WATCHED: u64 = 8;
+
+fn watched() -> StepCounts {
+    StepCounts { pairs: WATCHED, steps: WATCHED, compared: WATCHED, watched: WATCHED, ..StepCounts::default() }
+}
+
+fn step(cause: &str, change: &str, case: &str) -> String {
+    format!("3,sliver,base,auto,stepper-f64,1,{cause},{change},,,,,none,{change},,,,,,,,{case}")
+}
+
+#[test]
+fn passages_are_told_with_causes_and_the_worst_and_nothing_is_called_well() {
+    let rows = [
+        step("step-length", "passage", "cases/length.json"),
+        step("not-held", "passage", "cases/held.json"),
+        step("arithmetic", "unseen", "cases/unseen.json"),
+        step("tolerance", "iterations", "cases/iterations.json"),
+    ];
+    let counts = StepCounts { passages_stepper: 2, unseen_stepper: 1, ..watched() };
+    let lines = lines_of(campaign(&[], &[], &rows.each_ref().map(String::as_str), counts));
+    assert!(lines.iter().all(|line| line.severity == Severity::Fair), "{lines:?}");
+    let told = "2 passages and 1 unseen overlap in 8 watched steps (by cause: arithmetic 1, not-held 1, step-length 1; worst: case cases/held.json); \
+                1 other finding in steps (tolerance 1, mostly iterations).";
+    assert!(has(&lines, Severity::Fair, told) && has(&lines, Severity::Fair, "No pair was classified"), "{lines:?}");
+    // A mistake in code comes before all else, and is bad whatever contacts say.
+    let defect = step("defect", "unseen", "cases/defect.json");
+    let counts = StepCounts { defect: 1, ..counts };
+    let lines = lines_of(campaign(&BOTH, &[], &[&rows[1], &defect], counts));
+    assert!(
+        has(&lines, Severity::Bad, "1 difference of the pairs' steps is a mistake in code: look at this first."),
+        "{lines:?}"
+    );
+    assert!(
+        lines.iter().any(|line| line.severity == Severity::Bad && line.text.contains("worst: case cases/defect.json")),
+        "{lines:?}"
+    );
+    assert!(!lines.iter().any(|line| line.text.contains("No difference")), "{lines:?}");
+    // Without a case the pair is named.
+    let lines = lines_of(campaign(&BOTH, &[], &[&step("not-held", "passage", "")], counts));
+    assert!(
+        lines.iter().any(|line| line.text.contains("worst: passage of pair 3 of sliver under auto, without a case")),
+        "{lines:?}"
+    );
+}
+
+#[test]
+fn steps_are_good_only_where_all_were_watched_and_agree() {
+    let told = |rows: &[&str], counts| lines_of(campaign(&BOTH, &[], rows, counts));
+    let lines = told(&[], watched());
+    assert!(has(&lines, Severity::Good, "No passage and no unseen overlap in 8 watched steps."), "{lines:?}");
+    assert!(has(&lines, Severity::Good, "No difference was found at all."), "{lines:?}");
+    let lines = told(&[], StepCounts::default());
+    assert!(has(&lines, Severity::Fair, "No step was made, so nothing is known of passages"), "{lines:?}");
+    let lines = told(&[], StepCounts { pairs: 2, silent: 2, ..StepCounts::default() });
+    assert!(has(&lines, Severity::Fair, "None of 2 steps could be watched"), "{lines:?}");
+    for counts in [
+        StepCounts { silent: 1, ..watched() },
+        StepCounts { steps: WATCHED + 1, stopped: 1, ..watched() },
+        StepCounts { passages_undecided: 1, ..watched() },
+    ] {
+        assert!(
+            has(&told(&[], counts), Severity::Fair, "No passage and no unseen overlap in 8 watched steps; "),
+            "{counts:?}"
+        );
+    }
+    let lines = told(&[&step("tolerance", "mode", "")], watched());
+    let text =
+        "No passage and no unseen overlap in 8 watched steps; 1 other finding in steps (tolerance 1, mostly mode).";
+    assert!(
+        has(&lines, Severity::Fair, text) && has(&lines, Severity::Good, "No difference of contacts was found."),
+        "{lines:?}"
+    );
+    let lines = told(&[&step("arithmetic", "passage", "")], StepCounts { passages_oracle: 1, ..watched() });
+    assert!(
+        has(&lines, Severity::Fair, "Passages or unseen overlaps in exact steps alone, none in an engine's, of 8"),
+        "{lines:?}"
+    );
+    // A panic has no step, so no count, and is a mistake all the same.
+    let lines = told(&[&step("defect", "stopped", "")], watched());
+    assert!(has(&lines, Severity::Bad, "1 difference of the pairs' steps is a mistake"), "{lines:?}");
+}
+
+#[test]
+fn code_that_never_answered_is_not_called_free_of_mistakes() {
+    let collapsed = ["0,real,base,auto,f32,representation,collapsed,,,,,,,"];
+    let lines = lines_of(campaign(&[("stepper-f32", 0)], &collapsed, &[], watched()));
+    assert!(has(&lines, Severity::Fair, "Exactly right on hard pairs: stepper-f32 0 % ("), "{lines:?}");
+    assert!(lines[0].text.ends_with("without an answer to any pair."), "{lines:?}");
+    let text = "No built-in engine answered, so nothing is known of their code. What differs (1 finding) is due to: representation 100 %.";
+    assert!(has(&lines, Severity::Fair, text), "{lines:?}");
+    let lines = lines_of(campaign(&[("stepper-f32", 0), ("stepper-f64", 10)], &collapsed, &[], watched()));
+    assert!(has(&lines, Severity::Good, "No mistake in code of stepper-f64."), "{lines:?}");
+}
+
+#[test]
+fn an_engine_that_is_not_always_right_does_not_hide_one_that_had_to_be_started_anew() {
+    let mut run = campaign(&[("a-mine", 10), ("stepper-f32", 9)], &[], &[], watched());
+    let counts = json!({ "asked": 4, "processes_started": 2, "recovered": 1, "not_compared": 0 });
+    run.run.external_engines.insert("a-mine".to_owned(), serde_json::from_value(counts).expect("counts"));
+    let lines = lines_of(run);
+    assert!(has(&lines, Severity::Bad, "Exactly right on hard pairs: a-mine 100 %"), "{lines:?}");
+}
+
+#[test]
+fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out() {
+    let of = |run: LockstepRun, motions| verdict(&Results { locksteps: vec![run], motions, ..Results::default() });
+    let run = LockstepRun { steps: 5, ..LockstepRun::default() };
+    assert!(has(&of(run.clone(), Vec::new()), Severity::Good, "In motion, 0 of 5 steps"));
+    for other in [
+        LockstepRun { modes_differ: 1, ..run.clone() },
+        LockstepRun { converged_differ: 1, ..run.clone() },
+        LockstepRun { failure: Some("step 3: no".to_owned()), ..run.clone() },
+        LockstepRun::default(),
+    ] {
+        let lines = of(other, Vec::new());
+        assert!(has(&lines, Severity::Fair, "In motion, 0 of "), "{lines:?}");
+    }
+    let audit = AuditTotals { steps: 5, passages: 1, ..AuditTotals::default() };
+    let motion = |name: &str, audit| MotionRun {
+        name: name.to_owned(),
+        totals: Totals { audit, ..Totals::default() },
+        ..MotionRun::default()
+    };
+    let defect = LockstepRun { causes: [(Cause::Defect, 2)].into(), ..run.clone() };
+    let lines = of(defect, vec![motion("shot", Some(audit.clone())), motion("second", Some(audit))]);
+    assert!(lines[0].severity == Severity::Bad && lines[0].text.starts_with("shot: blocks pass through"), "{lines:?}");
+    assert!(lines[0].text.ends_with("; so they do in 1 other run."), "{lines:?}");
+    assert!(has(&lines, Severity::Bad, "2 differences of the steps are mistakes"), "{lines:?}");
+    let sound = AuditTotals { steps: 5, ..AuditTotals::default() };
+    let lines = of(run.clone(), vec![motion("one", Some(sound.clone())), motion("two", None)]);
+    assert!(
+        has(&lines, Severity::Fair, "No passage and no unseen overlap in 5 audited steps of 1 of 2 runs."),
+        "{lines:?}"
+    );
+    let open = AuditTotals { undecided: 1, ..sound.clone() };
+    assert!(has(&of(run.clone(), vec![motion("one", Some(sound))]), Severity::Good, "one: contacts see every overlap"));
+    assert!(has(&of(run, vec![motion("one", Some(open))]), Severity::Fair, "one: contacts see every overlap"));
+}
