@@ -56,11 +56,8 @@ pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
     }
     let audits: Vec<&AuditTotals> = runs.iter().filter_map(MotionRun::audit).collect();
     let is_proved = |audit: &&AuditTotals| audit.steps > 0 && audit.undecided == 0;
-    let severity = if audits.len() == runs.len() && audits.iter().all(|audit| is_proved(audit)) {
-        Severity::Good
-    } else {
-        Severity::Fair
-    };
+    let severity =
+        if audits.len() == runs.len() && audits.iter().all(is_proved) { Severity::Good } else { Severity::Fair };
     let text = match (runs, audits.len()) {
         ([], _) => return None,
         ([run], _) => of(run),
