@@ -5,7 +5,7 @@ use super::sections::SectionPart;
 use super::verdict::Severity;
 
 /// Tables of a pull request's text, and how many rows of each it shows.
-const SHOWN: [(&str, usize); 16] = [
+const SHOWN: [(&str, usize); 17] = [
     ("changed", 24),
     ("shares", 24),
     ("settings", 24),

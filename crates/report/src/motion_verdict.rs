@@ -42,8 +42,8 @@ pub(super) fn lockstep_lines(runs: &[LockstepRun]) -> Vec<VerdictLine> {
     lines.into_iter().map(|(severity, text)| VerdictLine { severity, text }).collect()
 }
 
-/// What audits found of passages and unseen overlaps: bad where a run has one, good where all were audited, have none, and nothing stayed
-/// undecided. `None` without a run.
+/// What audits found of passages and unseen overlaps: bad where a run has one, good where all were audited, passages were looked for, there are
+/// none, and nothing stayed undecided. `None` without a run.
 pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
     let objecting: Vec<&MotionRun> = runs.iter().filter(|run| run.audit().is_some_and(AuditTotals::objects)).collect();
     let of = |run: &MotionRun| format!("{}: {}", run.name, run.sentence());
@@ -55,22 +55,29 @@ pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
         return Some(VerdictLine { severity: Severity::Bad, text: format!("{}{more}.", of(first)) });
     }
     let audits: Vec<&AuditTotals> = runs.iter().filter_map(MotionRun::audit).collect();
-    let is_proved = |audit: &&AuditTotals| audit.steps > 0 && audit.undecided == 0;
+    let is_proved = |audit: &&AuditTotals| audit.steps > 0 && audit.undecided == Some(0);
     let severity =
         if audits.len() == runs.len() && audits.iter().all(is_proved) { Severity::Good } else { Severity::Fair };
     let text = match (runs, audits.len()) {
         ([], _) => return None,
         ([run], _) => of(run),
-        (_, 0) => {
-            "No run was audited; passages and overlaps that no contact sees are found by simulate --audit".to_owned()
-        }
+        (_, 0) => "No run was audited (--no-audit); nobody looked for overlaps that no contact sees".to_owned(),
         (_, audited) => {
             let steps = counted(audits.iter().map(|audit| audit.steps).sum(), "audited step", "audited steps");
-            let undecided = match audits.iter().map(|audit| audit.undecided).sum::<u64>() {
+            let looked = audits.iter().filter(|audit| audit.passages.is_some()).count();
+            let none = match looked {
+                0 => "No unseen overlap",
+                _ => "No passage and no unseen overlap",
+            };
+            let undecided = match audits.iter().filter_map(|audit| audit.undecided).sum::<u64>() {
                 0 => String::new(),
                 n => format!("; {} undecided", counted(n, "passage", "passages")),
             };
-            format!("No passage and no unseen overlap in {steps} of {audited} of {} runs{undecided}", runs.len())
+            let without = match audited - looked {
+                0 => String::new(),
+                n => format!("; passages within steps were not looked for in {n} of them (--audit does)"),
+            };
+            format!("{none} in {steps} of {audited} of {} runs{undecided}{without}", runs.len())
         }
     };
     Some(VerdictLine { severity, text: format!("{text}.") })

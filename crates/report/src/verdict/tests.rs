@@ -188,7 +188,7 @@ fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out
         let lines = of(other, Vec::new());
         assert!(has(&lines, Severity::Fair, "In motion, 0 of "), "{lines:?}");
     }
-    let audit = AuditTotals { steps: 5, passages: 1, ..AuditTotals::default() };
+    let audit = AuditTotals { steps: 5, passages: Some(1), ..AuditTotals::default() };
     let motion = |name: &str, audit| MotionRun {
         name: name.to_owned(),
         totals: Totals { audit, ..Totals::default() },
@@ -199,13 +199,18 @@ fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out
     assert!(lines[0].severity == Severity::Bad && lines[0].text.starts_with("shot: blocks pass through"), "{lines:?}");
     assert!(lines[0].text.ends_with("; so they do in 1 other run."), "{lines:?}");
     assert!(has(&lines, Severity::Bad, "2 differences of the steps are mistakes"), "{lines:?}");
-    let sound = AuditTotals { steps: 5, ..AuditTotals::default() };
+    let sound = AuditTotals { steps: 5, passages: Some(0), undecided: Some(0), ..AuditTotals::default() };
     let lines = of(run.clone(), vec![motion("one", Some(sound.clone())), motion("two", None)]);
     assert!(
         has(&lines, Severity::Fair, "No passage and no unseen overlap in 5 audited steps of 1 of 2 runs."),
         "{lines:?}"
     );
-    let open = AuditTotals { undecided: 1, ..sound.clone() };
+    let overlaps_alone = AuditTotals { steps: 5, ..AuditTotals::default() };
+    let lines = of(run.clone(), vec![motion("one", Some(overlaps_alone.clone())), motion("two", Some(sound.clone()))]);
+    assert!(has(&lines, Severity::Fair, "passages within steps were not looked for in 1 of them"), "{lines:?}");
+    let lines = of(run.clone(), vec![motion("one", Some(overlaps_alone))]);
+    assert!(has(&lines, Severity::Fair, "one: contacts see every overlap after 5 steps; passages"), "{lines:?}");
+    let open = AuditTotals { undecided: Some(1), ..sound.clone() };
     assert!(has(&of(run.clone(), vec![motion("one", Some(sound))]), Severity::Good, "one: contacts see every overlap"));
     assert!(has(&of(run, vec![motion("one", Some(open))]), Severity::Fair, "one: contacts see every overlap"));
 }
