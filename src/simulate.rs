@@ -364,7 +364,7 @@ impl Simulate {
         if let Some(scope) = self.audited() {
             let audited = AuditedRun::new(stepping, &scene, &set, (precision, scope)).with_context(file)?;
             let kept = &record.progress().intrusions;
-            stepping = Box::new(WorstKept::new(Box::new(audited), &scene, &set, precision, kept));
+            stepping = Box::new(WorstKept::new(Box::new(audited), &scene, &set, (precision, scope), kept));
         }
         let stop = on_ctrl_c()?;
         let mut display = Display::new();

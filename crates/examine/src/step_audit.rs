@@ -172,14 +172,15 @@ impl ClosedContacts {
 /// Whether a pair of blocks overlaps in a state by more than rounding where no contact sees it; yes where a number is not finite.
 pub(crate) fn is_unseen<R: Real>(
     shapes: &[Block],
-    (set, precision): (&ToleranceSet, Precision),
+    (set, precision, scope): (&ToleranceSet, Precision, AuditScope),
     state: &State<R>,
     blocks: [usize; 2],
 ) -> bool {
     let Some(screen) = screened(shapes, state) else { return true };
     let largest = Number::from_f64(screen.largest_coordinate()).unwrap_or(Number::ZERO);
     let rounding = rounding_depth_of_size(&largest, precision);
-    unseen(&screen, (set, false), blocks, (ClosedContacts::of(state).between(blocks), &rounding)).is_some()
+    let closed_see = scope == AuditScope::Overlaps;
+    unseen(&screen, (set, closed_see), blocks, (ClosedContacts::of(state).between(blocks), &rounding)).is_some()
 }
 
 /// A pair exactly: its depth, if it overlaps by more than rounding where no contact sees it; `closed_see` where closed contacts with h < 0 are enough.
@@ -191,10 +192,14 @@ fn unseen(
 ) -> Option<PairDepth> {
     let solids = blocks.map(|block| PreparedBlock::new(&screen.block(block)));
     let kept: Vec<ContactKey> = closed.iter().map(|(_, contact)| contact.key).collect();
-    let overlap = Auditor::new(&solids, set).pair_keeping([0, 1], &kept).overlap?;
     let pair = Pair::new(&solids[0], &solids[1]);
     let is_pressed = || closed_see && closed.iter().any(|(_, contact)| pair.gap(&contact.entrance).sign.is_negative());
-    (overlap.is_unseen(rounding) && !is_pressed()).then(|| pair_depth(blocks, &overlap.penetration))
+    // The contacts first: to find them costs a fraction of what an exact depth does.
+    if pair.classify_keeping(set, &kept).contacts.iter().any(|contact| contact.gap.is_negative()) || is_pressed() {
+        return None;
+    }
+    let overlap = Auditor::new(&solids, set).pair_keeping([0, 1], &kept).overlap?;
+    overlap.is_unseen(rounding).then(|| pair_depth(blocks, &overlap.penetration))
 }
 
 /// The deepest of some pairs, exactly, of equal ones the first; none where none is deeper than `floor`.

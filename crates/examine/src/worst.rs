@@ -7,7 +7,7 @@ use rockproof_model::{Block, Precision, Scene, ToleranceSet};
 use rockproof_simulate::checkpoint::SavedState;
 use rockproof_simulate::exact_float::ExactFloat;
 use rockproof_simulate::run::StepAnnotations;
-use rockproof_simulate::{IntrusionRow, KeptIntrusion, KeptIntrusions, PairDepth, StepAudit, Stepping};
+use rockproof_simulate::{AuditScope, IntrusionRow, KeptIntrusion, KeptIntrusions, PairDepth, StepAudit, Stepping};
 use rockproof_stepper::dynamics::{Solve, State, StepError, StepReport};
 
 /// An audited run that keeps the worst of what it finds, each with the state before its step: passages, and overlaps in the step after which no contact
@@ -17,7 +17,10 @@ pub struct WorstKept<R> {
     shapes: Vec<Block>,
     set: ToleranceSet,
     precision: Precision,
+    scope: AuditScope,
     kept: KeptIntrusions,
+    /// The pairs that no contact saw after the last step; `None` before the first.
+    unseen: Option<Vec<PairDepth>>,
     /// Whether the last step changed what is kept.
     is_changed: bool,
     audit: Option<StepAudit>,
@@ -29,20 +32,29 @@ impl<R: Solve> WorstKept<R> {
         stepping: Box<dyn Stepping<R>>,
         scene: &Scene,
         set: &ToleranceSet,
-        precision: Precision,
+        (precision, scope): (Precision, AuditScope),
         kept: &[KeptIntrusion],
     ) -> WorstKept<R> {
         let shapes = scene.blocks.iter().map(|block| block.block.clone()).collect();
         let kept = KeptIntrusions::new(kept.to_vec());
-        WorstKept { stepping, shapes, set: set.clone(), precision, kept, is_changed: false, audit: None }
+        WorstKept {
+            stepping,
+            shapes,
+            set: set.clone(),
+            precision,
+            scope,
+            kept,
+            unseen: None,
+            is_changed: false,
+            audit: None,
+        }
     }
 
     fn keep(&mut self, step: i64, audit: &StepAudit, before: &State<R>) {
         let passages = audit.passages.iter().flat_map(|found| &found.pairs).map(|pair| (Intrusion::Passage, *pair));
         let unseen = audit.unseen.iter().map(|pair| (Intrusion::Unseen, *pair));
         for (kind, pair) in passages.chain(unseen) {
-            let about = (&self.set, self.precision);
-            let is_new = || kind == Intrusion::Passage || !is_unseen(&self.shapes, about, before, pair.blocks);
+            let is_new = || kind == Intrusion::Passage || !self.was_unseen(before, pair);
             if self.kept.wants(kind.name(), pair) && is_new() {
                 let PairDepth { blocks, depth_m } = pair;
                 let (change, depth_m, state) = (kind.name().to_owned(), ExactFloat(depth_m), SavedState::of(before));
@@ -50,6 +62,15 @@ impl<R: Solve> WorstKept<R> {
                 self.is_changed = true;
             }
         }
+    }
+}
+
+impl<R: Solve> WorstKept<R> {
+    /// Whether no contact saw the overlap of a pair before the step either.
+    fn was_unseen(&self, before: &State<R>, pair: PairDepth) -> bool {
+        let about = (&self.set, self.precision, self.scope);
+        let asked = || is_unseen(&self.shapes, about, before, pair.blocks);
+        self.unseen.as_ref().map_or_else(asked, |unseen| unseen.iter().any(|one| one.blocks == pair.blocks))
     }
 }
 
@@ -61,6 +82,7 @@ impl<R: Solve> Stepping<R> for WorstKept<R> {
         self.audit = self.stepping.audit();
         if let Some(audit) = self.audit.take() {
             self.keep(report.step, &audit, &before);
+            self.unseen = Some(audit.unseen.clone());
             self.audit = Some(audit);
         }
         Ok(report)
