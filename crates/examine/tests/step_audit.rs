@@ -99,7 +99,7 @@ fn what_f64_leaves_out_changes_no_audit() {
 /// With passages the classification alone says what contacts see: in this scene it loses a contact for a step that a closed one hides.
 #[test]
 fn the_full_audit_asks_the_classification_alone() {
-    let unseen = |scope| compared::<f64>("handmade/slope_failure.toml", (Precision::F64, scope), 8)[1];
+    let unseen = |scope| compared::<f64>("handmade/slope_failure.toml", (Precision::F64, scope), 24)[1];
     assert_eq!(unseen(AuditScope::Overlaps), 0);
     assert!(unseen(AuditScope::OverlapsAndPassages) > 0);
 }
