@@ -66,6 +66,9 @@ fn the_end_names_them(dir: &Path, out: &str) {
     assert!(text.contains("| setting | engine | watched | passages | passages oracle |"), "{text}");
     assert_eq!(rockproof(dir, &["report", "run", "--out", "page"]).0, 0);
     let page = fs::read_to_string(dir.join("page/report.html")).expect("a page");
+    // Nothing was classified, so there is no empty chart of how often that is right.
+    let titles = ["How often is the answer right?", "And if the pairs move?"].map(|title| page.contains(title));
+    assert_eq!(titles, [false, true]);
     assert!(page.contains(" watched steps (by cause: ") && dir.join("page/latex/steps_passages.tex").is_file());
     // Findings that are gone must not make a run look well.
     let table = fs::read_to_string(dir.join("run/step_findings.csv")).expect("findings");

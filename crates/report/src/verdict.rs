@@ -143,6 +143,14 @@ fn stress(results: &Results) -> Vec<VerdictLine> {
     lines
 }
 
+/// Whether campaigns made steps, and no answer to any of their pairs could be compared.
+pub(super) fn makes_steps_alone(campaigns: &[CampaignRun]) -> bool {
+    let is_compared = |campaign: &CampaignRun| {
+        campaign.engines().iter().any(|engine| agreeing_share(&campaign.of_engine(engine)).is_some())
+    };
+    !campaigns.iter().any(is_compared) && campaigns.iter().any(|campaign| !campaign.steps.is_empty())
+}
+
 /// How often engines are right.
 fn right(campaigns: &[CampaignRun]) -> VerdictLine {
     let mut severity = Severity::Good;
@@ -167,7 +175,7 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
         }
     }
     words.truncate(4);
-    if words.is_empty() && campaigns.iter().any(|campaign| !campaign.steps.is_empty()) {
+    if makes_steps_alone(campaigns) {
         return line(Severity::Fair, "No pair was classified: the pairs made steps alone.".to_owned());
     }
     if words.is_empty() {

@@ -22,6 +22,7 @@ use super::error::ReportError;
 use super::latex::MOST_ROWS;
 use super::load::Results;
 use super::table::Table;
+use super::verdict::makes_steps_alone;
 
 /// A part of a section.
 #[derive(Clone, Debug)]
@@ -87,7 +88,10 @@ impl Section {
 /// When a case file of a run cannot be read.
 pub fn all(results: &Results) -> Result<Vec<Section>, ReportError> {
     let mut sections = Vec::new();
-    if !results.campaigns.is_empty() {
+    // Of pairs that made steps and nothing else there is nothing to show but these.
+    let has_pairs = results.campaigns.iter().any(|campaign| campaign.run.findings.total > 0)
+        || !makes_steps_alone(&results.campaigns);
+    if !results.campaigns.is_empty() && has_pairs {
         sections.push(agreement::section(&results.campaigns));
         sections.push(confusion::section(&results.campaigns));
         sections.push(causes::section(&results.campaigns));
@@ -95,8 +99,8 @@ pub fn all(results: &Results) -> Result<Vec<Section>, ReportError> {
         sections.push(margins::section(&results.campaigns));
         sections.push(worst::section(&results.campaigns)?);
         sections.extend(sweep::section(&results.campaigns));
-        sections.extend(steps::section(&results.campaigns));
     }
+    sections.extend(steps::section(&results.campaigns));
     if !results.locksteps.is_empty() {
         sections.push(lockstep::section(&results.locksteps));
     }
