@@ -262,7 +262,7 @@ mod tests {
         let mut table = Table::new("t", "a table", &["who", "so_many"]);
         table.push(vec!["a|b <c>".into(), TableCell::Count(12_345)]);
         table.push(vec!["=d\n".into(), TableCell::Empty]);
-        assert_eq!(table.to_csv().expect("csv"), b"who,so_many\na|b <c>,12345\n\"'=d\n\",\n");
+        assert_eq!(table.to_csv().expect("csv"), b"who,so_many\na|b <c>,12345\n'=d\\n,\n");
         assert_eq!(table.rows[1][0].shown(), "=d\\n");
         let text = table.to_markdown(1);
         assert!(text.contains("| a\\|b &lt;c> | 12\u{202f}345 |") && text.contains("1 more rows in t.csv"), "{text}");
