@@ -1,4 +1,4 @@
-//! `simulate --audit`: why blocks passed through one another or overlap unseen, once the run has ended, and cases to replay it.
+//! An audited `simulate`: why blocks passed through one another or overlap unseen, once the run has ended, and cases to replay it.
 
 use crate::exit::print_note;
 use rockproof_examine::IntrusionCases;
