@@ -11,6 +11,7 @@ use crate::dynamics::setup::StepLimits;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::Mode;
 use crate::dynamics::still::StillIslands;
+use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
@@ -39,6 +40,21 @@ pub(super) struct IterationResult<R> {
     pub(super) modes: Vec<Vec<Mode>>,
     /// Blocks of which a contact changed its mode, or slid.
     pub(super) touched: Vec<bool>,
+}
+
+/// A thread judges so many contacts at a time.
+const CONTACTS_AT_ONCE: usize = 512;
+
+/// What a solve says of a contact.
+struct Judged<R> {
+    blocks: [u32; 2],
+    /// Its mode in the solve.
+    from: Mode,
+    /// That for the next one.
+    to: Mode,
+    /// Whether its springs in the next solve are others.
+    changed: bool,
+    friction_misfit: FrictionMisfit<R>,
 }
 
 impl<R: Solve> OpenCloseIteration<'_, R> {
@@ -88,6 +104,8 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
         for (k, contact) in contacts.iter_mut().enumerate() {
             contact.iterate.mode = prescribed(0, k).unwrap_or(contact.iterate.mode);
         }
+        let blocks: Vec<[u32; 2]> = contacts.iter().map(|contact| contact.blocks).collect();
+        let mut modes: Vec<Mode> = contacts.iter().map(|contact| contact.iterate.mode).collect();
         // What solving the islands left, by their lowest block, and contacts whose springs are not those of the solve before.
         let mut kept: HashMap<usize, CachedFactor<R>> = HashMap::new();
         let mut changed = vec![false; contacts.len()];
@@ -95,7 +113,7 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
         let (mut unchanging, mut changing) = (0, 0);
         loop {
             let mut before = std::mem::take(&mut kept);
-            for island in islands(&unknowns, contacts) {
+            for island in islands(&unknowns, &blocks, &modes) {
                 let lowest = island.lowest();
                 let left = before.remove(&lowest);
                 if !island.couplings.blocks.iter().any(|block| touched[*block as usize]) {
@@ -130,25 +148,40 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
             ended.changing.clear();
             touched.fill(false);
             let mut opens_or_closes = false;
-            for (k, contact) in contacts.iter_mut().enumerate() {
-                let [i, j] = contact.entering();
-                let (from, stiff) = (contact.iterate.mode, contact.is_stiff_across());
-                let prescribed = prescribed(ended.iterations, k);
-                contact.decide_mode::<M>([&d[i], &d[j]], self.limits, self.settling, prescribed);
-                let to = contact.iterate.mode;
+            let judged: Vec<Judged<R>> = contacts
+                .par_iter_mut()
+                .enumerate()
+                .with_min_len(CONTACTS_AT_ONCE)
+                .map(|(k, contact)| {
+                    let [i, j] = contact.entering();
+                    let (from, stiff) = (contact.iterate.mode, contact.is_stiff_across());
+                    contact.decide_mode::<M>(
+                        [&d[i], &d[j]],
+                        self.limits,
+                        self.settling,
+                        prescribed(ended.iterations, k),
+                    );
+                    let (to, friction_misfit) = (contact.iterate.mode, contact.iterate.friction_misfit);
+                    let changed = from != to || stiff || contact.is_stiff_across();
+                    Judged { blocks: contact.blocks, from, to, changed, friction_misfit }
+                })
+                .collect();
+            for (k, &Judged { blocks, from, to, changed: new_springs, .. }) in judged.iter().enumerate() {
+                changed[k] = new_springs;
                 // The force of a sliding contact, and the spring across its slip, are those of the last solve: its system is a new one.
-                changed[k] = from != to || stiff || contact.is_stiff_across();
-                if changed[k] || to == Mode::Sliding {
-                    (touched[i], touched[j]) = (true, true);
-                    (ended.touched[i], ended.touched[j]) = (true, true);
+                if new_springs || to == Mode::Sliding {
+                    for block in blocks.map(|block| block as usize) {
+                        (touched[block], ended.touched[block]) = (true, true);
+                    }
                 }
                 opens_or_closes |= M::opens_or_closes(from, to);
                 if M::counts_as_change(from, to) {
-                    ended.changing.push(ModeChange { blocks: contact.blocks, contact: contact.contact.key, from, to });
+                    ended.changing.push(ModeChange { blocks, contact: contacts[k].contact.key, from, to });
                 }
             }
-            ended.modes.push(contacts.iter().map(|contact| contact.iterate.mode).collect());
-            let settled = !opens_or_closes && self.friction_settled::<M>(contacts);
+            modes = judged.iter().map(|judged| judged.to).collect();
+            ended.modes.push(modes.clone());
+            let settled = !opens_or_closes && self.friction_settled::<M>(&judged);
             ended.converged = settled || ended.changing.is_empty();
             if !settled {
                 *(if ended.changing.is_empty() { &mut unchanging } else { &mut changing }) += 1;
@@ -167,10 +200,10 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
     }
 
     /// Whether friction has settled at every block that is not fixed.
-    fn friction_settled<M: StepRules>(&self, contacts: &[StepContact<R>]) -> bool {
+    fn friction_settled<M: StepRules>(&self, contacts: &[Judged<R>]) -> bool {
         let mut blocks = vec![FrictionMisfit::NONE; self.block_systems.len()];
         for contact in contacts {
-            contact.blocks.iter().for_each(|&block| blocks[block as usize].add(contact.iterate.friction_misfit));
+            contact.blocks.iter().for_each(|&block| blocks[block as usize].add(contact.friction_misfit));
         }
         let free = blocks.iter().zip(self.block_systems).filter(|(_, block_systems)| block_systems.unknowns > 0);
         free.into_iter().all(|(block, _)| M::settled(block.misfit, block.pressing))

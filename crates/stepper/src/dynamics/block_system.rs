@@ -6,6 +6,10 @@ use crate::dynamics::island::{BlockSystem, packed};
 use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
 use crate::vector::Vector;
+use rayon::prelude::*;
+
+/// A thread takes so many blocks at a time.
+const BLOCKS_AT_ONCE: usize = 128;
 
 impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// Every block's system without contacts: inertia, damping, elasticity, stress, weight, loads, fixed points.
@@ -48,7 +52,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             }
             block_systems
         };
-        let mut all: Vec<BlockSystem<R>> = (0..self.solids.len()).map(block).collect();
+        let mut all: Vec<BlockSystem<R>> =
+            (0..self.solids.len()).into_par_iter().with_min_len(BLOCKS_AT_ONCE).map(block).collect();
         let time = if settling { self.state.time } else { self.state.time + time_step };
         for (load, &at) in self.setup.loads.iter().zip(&self.state.load_points) {
             let pull = generalized(at - self.moments[load.block].centroid, load.force(time));

@@ -50,6 +50,34 @@ pub(super) struct ContactIterate<R> {
     pub(super) friction_misfit: FrictionMisfit<R>,
 }
 
+/// The springs of a contact in a solve.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Resistance<R> {
+    mode: Mode,
+    normal: Vector<R>,
+    /// Along the normal, in N/m.
+    pressing: R,
+    /// Across it while locked, in N/m.
+    shear: R,
+    /// While sliding: across the last slip, in N/m.
+    across: Vector<R>,
+    spring: R,
+}
+
+impl<R: Real> Resistance<R> {
+    /// The force in N by which they resist when block i moves by `apart` against block j at the contact (m).
+    #[inline(always)]
+    pub(super) fn against(&self, apart: Vector<R>) -> Vector<R> {
+        let along = self.normal.dot(apart);
+        let pressing = self.normal * (self.pressing * along);
+        match self.mode {
+            Mode::Locked => pressing + (apart - self.normal * along) * self.shear,
+            Mode::Sliding => pressing + self.across * (self.spring * apart.dot(self.across)),
+            Mode::Open => Vector::ZERO,
+        }
+    }
+}
+
 impl<R: Real> StepContact<R> {
     /// Blocks i and j.
     pub(super) fn entering(&self) -> [usize; 2] {
@@ -68,17 +96,12 @@ impl<R: Real> StepContact<R> {
         self.arms.map(|arm| generalized(arm, self.plane.normal))
     }
 
-    /// The force in N by which its springs resist when block i moves by `apart` against block j at the contact (m).
-    #[inline(always)]
-    pub(super) fn resists(&self, apart: Vector<R>) -> Vector<R> {
-        let (normal, friction) = (self.plane.normal, &self.iterate.friction);
-        let along = normal.dot(apart);
-        let pressing = normal * (self.joint.normal * along);
-        match self.iterate.mode {
-            Mode::Locked => pressing + (apart - normal * along) * self.joint.shear,
-            Mode::Sliding => pressing + friction.across * (friction.spring * apart.dot(friction.across)),
-            Mode::Open => Vector::ZERO,
-        }
+    /// What its springs resist with in the next solve.
+    pub(super) fn resistance(&self) -> Resistance<R> {
+        let friction = &self.iterate.friction;
+        let (normal, mode) = (self.plane.normal, self.iterate.mode);
+        let (pressing, shear) = (self.joint.normal, self.joint.shear);
+        Resistance { mode, normal, pressing, shear, across: friction.across, spring: friction.spring }
     }
 
     /// As it was when the step began. The last slip of a sliding contact is then s0, and f = p_s·s0: what the dragged anchor remembers.

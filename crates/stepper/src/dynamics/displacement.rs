@@ -41,6 +41,23 @@ pub fn generalized<R: Real>(arm: Vector<R>, force: Vector<R>) -> BlockVector<R> 
     ]
 }
 
+/// Adds to the unknowns of a block, 12 or 6, a vector times a factor if there is one. Of known lengths, so that the loops can be unrolled.
+#[inline(always)]
+pub(super) fn add<R: Real>(total: &mut [R], share: &BlockVector<R>, factor: Option<R>) {
+    if let Some(total) = total.first_chunk_mut::<12>() {
+        add_unknowns(total, share, factor);
+    } else if let Some(total) = total.first_chunk_mut::<6>() {
+        add_unknowns(total, share, factor);
+    }
+}
+
+#[inline(always)]
+fn add_unknowns<R: Real, const UNKNOWNS: usize>(total: &mut [R; UNKNOWNS], share: &BlockVector<R>, factor: Option<R>) {
+    for (total, &share) in total.iter_mut().zip(share) {
+        *total = *total + factor.map_or(share, |factor| share * factor);
+    }
+}
+
 /// The dot product of the first `n` numbers.
 pub(super) fn dot<R: Real>(a: &BlockVector<R>, b: &BlockVector<R>, n: usize) -> R {
     a[..n].iter().zip(&b[..n]).fold(R::ZERO, |sum, (&a, &b)| sum + a * b)

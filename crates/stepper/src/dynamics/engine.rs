@@ -83,7 +83,7 @@ pub struct PhaseTimes {
     pub update: Duration,
 }
 
-/// So many pairs are classified before their contacts go to the others. All at once would take the memory of the contacts twice.
+/// So many pairs are classified while the contacts of as many go to the others. All at once would take the memory of the contacts twice.
 const PAIRS_AT_ONCE: usize = 512;
 
 /// What is known of blocks where they stand.
@@ -280,10 +280,14 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         };
         let before = self.state.contacts.len();
         let mut contacts = Vec::with_capacity(before + before / 8);
-        for part in pairs.chunks(PAIRS_AT_ONCE) {
-            let found: Vec<Vec<StepContact<R>>> = part.par_iter().map(of_pair).collect();
-            found.into_iter().for_each(|pair| contacts.extend(pair));
+        let classified = |part: &[[u32; 2]]| -> Vec<Vec<StepContact<R>>> { part.par_iter().map(of_pair).collect() };
+        let mut parts = pairs.chunks(PAIRS_AT_ONCE);
+        let mut found = parts.next().map_or_else(Vec::new, classified);
+        for part in parts {
+            let others = || contacts.extend(found.into_iter().flatten());
+            found = rayon::join(|| classified(part), others).0;
         }
+        contacts.extend(found.into_iter().flatten());
         self.phases.contacts += begun.elapsed();
         contacts
     }

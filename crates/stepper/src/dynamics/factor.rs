@@ -5,6 +5,7 @@
 
 use crate::dynamics::pattern::{Panel, PanelRow, Pattern};
 use crate::dynamics::solve::{Fill, Singular};
+use crate::dynamics::subtrees::{Division, Subtrees};
 use crate::real::Real;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
@@ -34,16 +35,12 @@ pub(super) fn factor<R: Real + RealField + Send + Sync>(
     marked: &[bool],
     fill: &Fill<'_, R>,
 ) -> Result<(), Singular> {
-    let panels = pattern.panels().iter().zip(marked);
-    let work =
-        panels.map(|(panel, marked)| if *marked { (panel.width * panel.height * panel.height) as u64 } else { 0 });
-    let mut before = vec![0];
-    before.extend(work.scan(0, |sum, work| {
-        *sum += work;
-        Some(*sum)
-    }));
-    let work = Work { pattern, marked, fill, before };
-    work.forest(0..marked.len(), Values { numbers: values, base: 0 }).map_or(Ok(()), Err)
+    let cost = |panel: usize| {
+        let Panel { width, height, .. } = pattern.panels()[panel];
+        if marked[panel] { (width * height * height) as u64 } else { 0 }
+    };
+    let work = Work { pattern, marked, fill, subtrees: Subtrees::new(pattern, WORTH_A_THREAD, cost) };
+    work.forest(work.subtrees.all(), Values { numbers: values, base: 0 }).map_or(Ok(()), Err)
 }
 
 /// What is to be done, the same for all threads.
@@ -51,8 +48,7 @@ struct Work<'w, R> {
     pattern: &'w Pattern,
     marked: &'w [bool],
     fill: &'w Fill<'w, R>,
-    /// What all panels before each cost, in multiplications, about.
-    before: Vec<u64>,
+    subtrees: Subtrees<'w>,
 }
 
 /// The values of panels that follow one another.
@@ -63,10 +59,6 @@ struct Values<'v, R> {
 }
 
 impl<R: Real + RealField + Send + Sync> Work<'_, R> {
-    fn work(&self, panels: Range<usize>) -> u64 {
-        self.before[panels.end] - self.before[panels.start]
-    }
-
     /// Does panels that are complete subtrees. Tells the first that failed.
     fn forest(&self, all: Range<usize>, values: Values<'_, R>) -> Option<Singular> {
         let mut left = all;
@@ -74,45 +66,34 @@ impl<R: Real + RealField + Send + Sync> Work<'_, R> {
         let mut later = Vec::new();
         let mut failed = None;
         let Values { numbers, base } = values;
-        while self.work(left.clone()) >= 2 * WORTH_A_THREAD {
-            let last = left.end - 1;
-            if self.pattern.subtree(last) <= left.start {
-                later.push(last);
-                left.end = last;
-                continue;
-            }
-            // Where the subtrees are halved best.
-            let mut cut = left.end;
-            let mut best = None;
-            while cut > left.start {
-                cut = self.pattern.subtree(cut - 1).max(left.start);
-                let lesser = self.work(left.start..cut).min(self.work(cut..left.end));
-                if best.is_none_or(|(most, _)| lesser > most) {
-                    best = Some((lesser, cut));
+        loop {
+            let (found, ended) = match self.subtrees.divide(left.clone()) {
+                Division::InTurn => (self.in_turn(left.clone(), numbers, base, false), true),
+                Division::Later(panel) => {
+                    later.push(panel..left.end);
+                    left.end = panel;
+                    continue;
                 }
-            }
-            let Some((lesser, cut)) = best else { break };
-            if lesser >= WORTH_A_THREAD {
-                let at = |panel: usize| self.pattern.range(panel).start - base;
-                let (one, other) = numbers[..self.pattern.range(left.end - 1).end - base].split_at_mut(at(cut));
-                let one = Values { numbers: one, base };
-                let other = Values { numbers: other, base: at(cut) + base };
-                let both = rayon::join(|| self.forest(left.start..cut, one), || self.forest(cut..left.end, other));
-                failed = [failed, both.0, both.1].into_iter().flatten().min_by_key(|failed| failed.unknown);
-                left = cut..cut;
+                Division::Little(part) => {
+                    left = if part.start == left.start { part.end..left.end } else { left.start..part.start };
+                    (self.in_turn(part, numbers, base, false), false)
+                }
+                Division::Halves(cut) => {
+                    let at = |panel: usize| self.pattern.range(panel).start - base;
+                    let (one, other) = numbers[..self.pattern.range(left.end - 1).end - base].split_at_mut(at(cut));
+                    let one = Values { numbers: one, base };
+                    let other = Values { numbers: other, base: at(cut) + base };
+                    let (one, other) =
+                        rayon::join(|| self.forest(left.start..cut, one), || self.forest(cut..left.end, other));
+                    (earlier(one, other), true)
+                }
+            };
+            failed = earlier(failed, found);
+            if ended {
                 break;
             }
-            // One side is hardly any work.
-            let one_is_less = self.work(left.start..cut) <= self.work(cut..left.end);
-            let (small, rest) =
-                if one_is_less { (left.start..cut, cut..left.end) } else { (cut..left.end, left.start..cut) };
-            let found = self.in_turn(small, numbers, base, false);
-            failed = [failed, found].into_iter().flatten().min_by_key(|failed| failed.unknown);
-            left = rest;
         }
-        let found = self.in_turn(left, numbers, base, false);
-        failed = [failed, found].into_iter().flatten().min_by_key(|failed| failed.unknown);
-        failed.or_else(|| self.in_turn(later.into_iter().rev(), numbers, base, true))
+        failed.or_else(|| self.in_turn(later.into_iter().rev().flatten(), numbers, base, true))
     }
 
     /// Does panels one after another. `shared` says whether threads may share a wide one.
@@ -172,6 +153,11 @@ impl<R: Real + RealField + Send + Sync> Work<'_, R> {
         solve_lower_triangular_in_place(square.as_ref(), below.transpose_mut(), Par::Seq);
         Ok(())
     }
+}
+
+/// Of two that failed the earlier one.
+fn earlier(one: Option<Singular>, other: Option<Singular>) -> Option<Singular> {
+    one.into_iter().chain(other).min_by_key(|failed| failed.unknown)
 }
 
 /// The columns of a panel by parts, each of whole nodes.

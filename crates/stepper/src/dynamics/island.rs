@@ -1,13 +1,15 @@
 //! Islands: blocks that closed contacts tie together. Each is a system of its own (SPEC section 5, `K d = F`).
 
-use crate::dynamics::assembly::System;
 use crate::dynamics::contact::StepContact;
 use crate::dynamics::displacement::BlockVector;
 use crate::dynamics::layout::{Couplings, IslandLayout, Layouts};
 use crate::dynamics::pattern::Pattern;
+use crate::dynamics::products::Products;
 use crate::dynamics::refine::Refining;
 use crate::dynamics::report::IterationTimes;
 use crate::dynamics::solve::{Singular, Solve, dense};
+use crate::dynamics::state::Mode;
+use crate::dynamics::system::System;
 use crate::real::Real;
 use std::sync::Arc;
 use std::time::Instant;
@@ -28,29 +30,27 @@ pub(super) struct Island {
     pub(super) contacts: Vec<usize>,
 }
 
-/// The islands, by their lowest block. Contacts are sorted by pair.
-pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[StepContact<R>]) -> Vec<Island> {
-    let mut root: Vec<usize> = (0..unknowns.len()).collect();
-    fn find(root: &mut [usize], mut block: usize) -> usize {
-        while root[block] != block {
-            root[block] = root[root[block]];
-            block = root[block];
+/// The islands, by their lowest block. Of contacts, sorted by pair, their blocks and modes.
+pub(super) fn islands(unknowns: &[usize], blocks: &[[u32; 2]], modes: &[Mode]) -> Vec<Island> {
+    let mut root: Vec<u32> = (0..unknowns.len() as u32).collect();
+    fn find(root: &mut [u32], mut block: u32) -> u32 {
+        while root[block as usize] != block {
+            root[block as usize] = root[root[block as usize] as usize];
+            block = root[block as usize];
         }
         block
     }
-    let closed = || contacts.iter().enumerate().filter(|(_, c)| c.is_closed());
-    for (_, contact) in closed() {
-        let [a, b] = contact.blocks.map(|block| block as usize);
-        if unknowns[a] > 0 && unknowns[b] > 0 {
-            let (a, b) = (find(&mut root, a), find(&mut root, b));
-            root[a.max(b)] = a.min(b);
-        }
+    let closed = || blocks.iter().zip(modes).enumerate().filter(|(_, (_, mode))| mode.is_closed());
+    let moves = |block: u32| unknowns[block as usize] > 0;
+    for (_, (&[a, b], _)) in closed().filter(|&(_, (&[a, b], _))| moves(a) && moves(b)) {
+        let (a, b) = (find(&mut root, a), find(&mut root, b));
+        root[a.max(b) as usize] = a.min(b);
     }
     // The island of each block, and its place there.
     let mut place = vec![[u32::MAX; 2]; unknowns.len()];
     let mut all: Vec<Island> = Vec::new();
     for block in (0..unknowns.len()).filter(|&block| unknowns[block] > 0) {
-        let lowest = find(&mut root, block);
+        let lowest = find(&mut root, block as u32) as usize;
         if lowest == block {
             place[block][0] = all.len() as u32;
             all.push(Island::default());
@@ -60,16 +60,15 @@ pub(super) fn islands<R: Real>(unknowns: &[usize], contacts: &[StepContact<R>]) 
         couplings.blocks.push(block as u32);
         couplings.unknowns.push(unknowns[block] as u8);
     }
-    for same in contacts.chunk_by(|one, other| one.blocks == other.blocks) {
-        let [[a, first], [b, second]] = same[0].blocks.map(|block| place[block as usize]);
+    for same in blocks.chunk_by(|one, other| one == other) {
+        let [[a, first], [b, second]] = same[0].map(|block| place[block as usize]);
         if a == b && a != u32::MAX {
             all[a as usize].couplings.pairs.push([first, second]);
         }
     }
-    for (k, contact) in closed() {
-        let [a, b] = contact.blocks.map(|block| block as usize);
-        let moving = if unknowns[a] > 0 { a } else { b };
-        all[place[moving][0] as usize].contacts.push(k);
+    for (k, (&[a, b], _)) in closed() {
+        let moving = if moves(a) { a } else { b };
+        all[place[moving as usize][0] as usize].contacts.push(k);
     }
     all
 }
@@ -195,11 +194,12 @@ impl Island {
             }
         };
         let parts = (contacts, &self.contacts[..]);
-        let of = |marked: &[bool]| System::new(&self.couplings.blocks, &layout, marked, work.block_systems, parts);
+        let system = System::new(&self.couplings.blocks, &layout, work.block_systems, parts);
+        let mut force = system.force();
         if let Some(mut single) = kept.single.take() {
-            let force = of(&[]).force();
+            let products = Products::new(&system);
             work.iteration_times.assembly += begun.elapsed();
-            let solving = BySingle { layout: &layout, memory: &mut kept.memory.single, force: &force, system: &of };
+            let solving = BySingle { products: &products, memory: &mut kept.memory.single, force: &force };
             if solving.solve(&mut single, &marked, news, work.iteration_times) {
                 let found = by_block(&layout, single.before.as_deref().unwrap_or_default());
                 kept.single = Some(single);
@@ -207,13 +207,14 @@ impl Island {
             }
             kept.memory.single = Vec::new();
             marked.fill(true);
+        } else {
+            work.iteration_times.assembly += begun.elapsed();
         }
         let begun = Instant::now();
-        let system = of(&marked);
-        let mut force = system.force();
+        let bearing = system.bearing(&marked);
         work.iteration_times.assembly += begun.elapsed();
         let values = room(&mut kept.memory.own, &layout.pattern);
-        let fill = |panel: usize, values: &mut [R]| system.fill(panel, values);
+        let fill = |panel: usize, values: &mut [R]| system.fill(panel, &bearing, values);
         let begun = Instant::now();
         let solved = if layout.is_small() {
             values.fill(R::ZERO);
@@ -239,15 +240,13 @@ impl Island {
 }
 
 /// Solving by a factor in f32.
-pub(super) struct BySingle<'b, 's, R> {
-    pub(super) layout: &'s IslandLayout,
+pub(super) struct BySingle<'b, 'p, 's, R> {
+    pub(super) products: &'b Products<'p, 's, R>,
     pub(super) memory: &'b mut Vec<f32>,
     pub(super) force: &'b [R],
-    /// The system, of which the panels that are marked are to be filled.
-    pub(super) system: &'b dyn Fn(&[bool]) -> System<'s, R>,
 }
 
-impl<R: Solve> BySingle<'_, '_, R> {
+impl<R: Solve> BySingle<'_, '_, '_, R> {
     /// Leaves the solution in `single`, if such a factor is good enough. In the panels that are `marked` springs have changed since the
     /// solve before, at `news` contacts in all; the rest of what it says is as that left it.
     pub(super) fn solve(
@@ -257,15 +256,16 @@ impl<R: Solve> BySingle<'_, '_, R> {
         news: usize,
         iteration_times: &mut IterationTimes,
     ) -> bool {
-        let BySingle { layout, memory, force, system } = self;
+        let BySingle { products, memory, force } = self;
+        let system = products.system;
+        let pattern = &system.layout.pattern;
         let begun = Instant::now();
-        let values = room(memory, &layout.pattern);
+        let values = room(memory, pattern);
         single.stale.iter_mut().zip(marked).for_each(|(stale, &marked)| *stale |= marked);
         // Where the factor was of no use it is not tried again before much less changes.
         let before = single.before.take();
         if let Some(before) = before.filter(|_| news < single.gave_up / 2) {
-            let system = system(&[]);
-            let refining = Refining { system: &system, layout, factor: values };
+            let refining = Refining { products, factor: values };
             single.before = refining.solve(force, Some(&before));
             iteration_times.substitution += begun.elapsed();
             if single.before.is_some() {
@@ -274,17 +274,17 @@ impl<R: Solve> BySingle<'_, '_, R> {
             single.gave_up = news;
         }
         let begun = Instant::now();
-        let system = system(&single.stale);
+        let bearing = system.bearing(&single.stale);
         let fill = |panel: usize, values: &mut [f32]| {
             let mut whole = vec![R::ZERO; values.len()];
-            system.fill(panel, &mut whole);
+            system.fill(panel, &bearing, &mut whole);
             values.iter_mut().zip(whole).for_each(|(value, whole)| *value = whole.to_f64() as f32);
         };
-        let factored = f32::factorize(&layout.pattern, values, &single.stale, &fill);
+        let factored = f32::factorize(pattern, values, &single.stale, &fill);
         single.stale.fill(false);
         iteration_times.factor += begun.elapsed();
         let begun = Instant::now();
-        let refining = Refining { system: &system, layout, factor: values };
+        let refining = Refining { products, factor: values };
         single.before = factored.ok().and_then(|()| refining.solve(force, None));
         iteration_times.substitution += begun.elapsed();
         single.before.is_some()

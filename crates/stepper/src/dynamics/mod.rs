@@ -3,8 +3,9 @@
 //! [`Dynamics`] holds a scene and its state. A step finds the contacts ([`crate::contact`]), lets each continue one of the step
 //! before (`transfer.rs`), and tries: `attempt.rs` is the open–close iteration at one Δt, `engine.rs` cuts Δt until an attempt is good, and
 //! moves the blocks (`kinematics.rs`). `contact.rs` is a contact's springs, `rules.rs` every comparison. Of the system of equations
-//! `island.rs` finds what is solved together, `elimination_order.rs` an order of elimination, `pattern.rs` where values stand; `assembly.rs` adds up
-//! the matrix, `factor.rs` makes its factor, `solve.rs` solves by it.
+//! `island.rs` finds what is solved together, `elimination_order.rs` an order of elimination, `pattern.rs` where values stand; `system.rs` which
+//! contact bears on which block, `assembly.rs` adds up the matrix, `factor.rs` makes its factor, `substitution.rs` solves by it, and `subtrees.rs` says how
+//! threads share either; `solve.rs` holds them, and what solves small systems.
 
 mod area;
 mod assembly;
@@ -27,6 +28,7 @@ mod neighbours;
 pub mod pattern;
 mod plane;
 mod prescribed;
+mod products;
 mod refine;
 pub mod report;
 pub mod rules;
@@ -35,6 +37,9 @@ pub mod solve;
 pub mod state;
 mod step_totals;
 mod still;
+mod substitution;
+mod subtrees;
+mod system;
 mod transfer;
 mod update;
 

@@ -31,6 +31,8 @@ pub(super) struct Panel {
     pub(super) width: usize,
     /// Where its values begin: column by column.
     pub(super) values: usize,
+    /// How many rows below all panels before it have.
+    pub(super) rows_below: usize,
     below: [u32; 2],
     updates: [u32; 2],
 }
@@ -135,8 +137,8 @@ impl Pattern {
             }
             let (width, height) = (width as usize, height as usize);
             let below = [from, pattern.below.len() as u32];
-            let (begin, values) = (begin as usize, pattern.values);
-            pattern.panels.push(Panel { begin, height, width, values, below, updates: [0; 2] });
+            let (begin, values, rows_below) = (begin as usize, pattern.values, pattern.rows_below());
+            pattern.panels.push(Panel { begin, height, width, values, rows_below, below, updates: [0; 2] });
             pattern.values = (values + width * height).next_multiple_of(Pattern::ALIGNED);
         }
         pattern.begins = begins;
@@ -169,6 +171,11 @@ impl Pattern {
             begin = end;
         }
         self.updates = all.into_iter().map(|(_, update)| update).collect();
+    }
+
+    /// How many rows below all panels have.
+    pub(super) fn rows_below(&self) -> usize {
+        self.panels.last().map_or(0, |panel| panel.rows_below + panel.height - panel.width)
     }
 
     /// The multiplications that the factor takes, about; twice as many as there are at least.

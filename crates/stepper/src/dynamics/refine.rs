@@ -4,8 +4,7 @@
 //! 10⁷; else there is none, or the iteration does not end, and a factor in f64 takes its place. The matrix is not kept: it is multiplied
 //! contact by contact. A factor of the solve before is often good enough for the next one.
 
-use crate::dynamics::assembly::System;
-use crate::dynamics::layout::IslandLayout;
+use crate::dynamics::products::Products;
 use crate::dynamics::solve::Solve;
 
 /// The iteration ends when the residual, measured by the factor (rᵀ(LLᵀ)⁻¹r, a square), has come down to this share of the right side's.
@@ -21,13 +20,12 @@ const MOST_AGAIN: u32 = 8;
 const TELLING: u32 = 2;
 
 /// Conjugate gradients for a system, preconditioned by a factor in f32.
-pub(super) struct Refining<'s, R> {
-    pub(super) system: &'s System<'s, R>,
-    pub(super) layout: &'s IslandLayout,
-    pub(super) factor: &'s [f32],
+pub(super) struct Refining<'r, 'p, 's, R> {
+    pub(super) products: &'r Products<'p, 's, R>,
+    pub(super) factor: &'r [f32],
 }
 
-impl<R: Solve> Refining<'_, R> {
+impl<R: Solve> Refining<'_, '_, '_, R> {
     /// The solution, if the iteration ends. `before` is that of an earlier matrix, whose factor it then is: the iteration begins with it, and
     /// is given up when it will not end soon. It ends by the same measure, so it is as exact.
     pub(super) fn solve(&self, force: &[R], before: Option<&[R]>) -> Option<Vec<R>> {
@@ -39,7 +37,7 @@ impl<R: Solve> Refining<'_, R> {
                 Iterate { solution, residual: force.to_vec(), direction, left: measure }
             }
             Some(before) => {
-                let product = self.system.times(before);
+                let product = self.products.times(before);
                 let residual: Vec<R> = force.iter().zip(&product).map(|(&f, &y)| f - y).collect();
                 let direction = self.precondition(&residual)?;
                 let left = dot(&residual, &direction);
@@ -52,7 +50,7 @@ impl<R: Solve> Refining<'_, R> {
 
     fn precondition(&self, residual: &[R]) -> Option<Vec<R>> {
         let mut single: Vec<f32> = residual.iter().map(|x| x.to_f64() as f32).collect();
-        f32::substitute(&self.layout.pattern, self.factor, &mut single).ok()?;
+        f32::substitute(&self.products.system.layout.pattern, self.factor, &mut single).ok()?;
         Some(single.into_iter().map(|x| R::from_f64(f64::from(x))).collect())
     }
 
@@ -73,7 +71,7 @@ impl<R: Solve> Refining<'_, R> {
                     return None;
                 }
             }
-            let product = self.system.times(&direction);
+            let product = self.products.times(&direction);
             let step = left / dot(&direction, &product);
             for (x, &p) in solution.iter_mut().zip(&direction) {
                 *x = *x + step * p;

@@ -4,6 +4,7 @@ use crate::contact::{Collapsed, PreparedBlock};
 use crate::dynamics::attempt::IterationResult;
 use crate::dynamics::contact::StepContact;
 use crate::dynamics::control::AcceptedAttempt;
+use crate::dynamics::displacement::BlockVector;
 use crate::dynamics::engine::Dynamics;
 use crate::dynamics::island::islands;
 use crate::dynamics::kinematics::AffineMotion;
@@ -11,27 +12,79 @@ use crate::dynamics::moments::Moments;
 use crate::dynamics::report::{StepError, StepReport};
 use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
-use crate::dynamics::state::{BlockState, State};
+use crate::dynamics::state::{BlockState, Mode, State};
 use crate::dynamics::still::{Still, StillIslands, different_pairs, same_motion, same_points};
-use std::ops::Range;
+use rayon::prelude::*;
+
+/// A thread takes so many blocks, or contacts, at a time.
+const BLOCKS_AT_ONCE: usize = 64;
+const CONTACTS_AT_ONCE: usize = 512;
+
+/// What an accepted attempt does to all blocks.
+struct Move<'m, R> {
+    d: &'m [BlockVector<R>],
+    motions: &'m [AffineMotion<R>],
+    /// The share of velocities that a step keeps.
+    dynamic: R,
+    /// 2/Δt in 1/s.
+    twice: R,
+}
+
+/// A block after a step.
+struct MovedBlock<R> {
+    state: BlockState<R>,
+    moments: Moments<R>,
+    /// Whether its vertices are where they were, bit for bit.
+    unmoved: bool,
+}
 
 impl<R: Solve, M: StepRules> Dynamics<R, M> {
-    /// Prepares those of some blocks again that have moved, one in place of the other: two of each would take twice the memory. Tells
-    /// which one collapsed; those before it are replaced.
-    fn prepare_moved(
-        &mut self,
-        states: &[BlockState<R>],
-        blocks: Range<usize>,
-        unmoved: &[bool],
-    ) -> Result<(), (usize, Collapsed)> {
-        for block in blocks {
-            if !(self.is_fixed(block) || self.skips.blocks && unmoved[block]) {
-                let shape = self.setup.blocks[block].clone();
-                self.solids[block] =
-                    PreparedBlock::with_points(shape, &states[block].vertices).map_err(|what| (block, what))?;
+    /// Prepares those blocks again that have moved, one in place of the other: two of each would take twice the memory. Tells the first that
+    /// collapsed; all others are replaced.
+    fn prepare_moved(&mut self, states: &[BlockState<R>], unmoved: &[bool]) -> Result<(), (usize, Collapsed)> {
+        let (setup, skips) = (&self.setup, self.skips);
+        let prepare = |(block, solid): (usize, &mut PreparedBlock<R>)| {
+            if setup.bodies[block].motion.unknowns() == 0 || skips.blocks && unmoved[block] {
+                return None;
             }
+            match PreparedBlock::with_points(setup.blocks[block].clone(), &states[block].vertices) {
+                Ok(prepared) => *solid = prepared,
+                Err(what) => return Some((block, what)),
+            }
+            None
+        };
+        let solids = self.solids.par_iter_mut().enumerate().with_min_len(BLOCKS_AT_ONCE);
+        solids.filter_map(prepare).min_by_key(|(block, _)| *block).map_or(Ok(()), Err)
+    }
+
+    /// A block as an accepted attempt leaves it.
+    fn moved(&self, block: usize, by: &Move<'_, R>, number: i64) -> Result<MovedBlock<R>, StepError> {
+        let (mut state, mut moments, d) = (self.state.blocks[block].clone(), self.moments[block], &by.d[block]);
+        if self.is_fixed(block) {
+            return Ok(MovedBlock { state, moments, unmoved: true });
         }
-        Ok(())
+        for vertex in &mut state.vertices {
+            *vertex = by.motions[block].of(*vertex);
+        }
+        for (rate, &d) in state.velocity.iter_mut().zip(d) {
+            *rate = M::rate(by.dynamic, by.twice * d, *rate);
+        }
+        let added = self.setup.bodies[block].elastic.stress(&d[6..]);
+        for (stress, added) in state.stress.iter_mut().zip(added) {
+            *stress = *stress + added;
+        }
+        let unmoved = same_points(&self.state.blocks[block].vertices, &state.vertices);
+        if !(self.skips.blocks && unmoved) {
+            moments = Moments::of(self.setup.blocks[block].topology(), &state.vertices);
+        }
+        let finite = state.velocity.iter().chain(&state.stress).all(|x| x.is_finite());
+        if !(finite && state.vertices.iter().all(|v| v.is_finite()) && moments.volume.is_finite()) {
+            return Err(StepError::NotFinite { step: number, block });
+        }
+        if !R::ZERO.below(moments.volume) {
+            return Err(StepError::Inverted { step: number, block, volume: moments.volume.to_f64() });
+        }
+        Ok(MovedBlock { state, moments, unmoved })
     }
 
     /// Moves everything by an accepted attempt. Of blocks that end not finite or inverted the first is told, and before any that collapsed.
@@ -43,51 +96,33 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         settling: bool,
     ) -> Result<StepReport, StepError> {
         let AcceptedAttempt { time_step, ended, retries, farthest } = accepted;
-        let motions: Vec<AffineMotion<R>> = (0..self.solids.len())
-            .map(|block| {
-                AffineMotion::new(self.setup.control.kinematics, self.moments[block].centroid, &ended.d[block])
-            })
+        let blocks = || (0..self.solids.len()).into_par_iter().with_min_len(BLOCKS_AT_ONCE);
+        let kinematics = self.setup.control.kinematics;
+        let motions: Vec<AffineMotion<R>> = blocks()
+            .map(|block| AffineMotion::new(kinematics, self.moments[block].centroid, &ended.d[block]))
             .collect();
+        let dynamic = if settling { R::ZERO } else { self.setup.control.dynamic };
+        let by = Move { d: &ended.d, motions: &motions, dynamic, twice: R::from_f64(2.0) / time_step };
         let now = &self.state;
         let mut next = State {
             step: now.step,
             time: now.time,
             settling: now.settling,
             last_time_step: time_step,
-            blocks: now.blocks.clone(),
+            blocks: Vec::with_capacity(motions.len()),
             load_points: now.load_points.clone(),
             fixed_points: now.fixed_points.clone(),
             measured_points: now.measured_points.clone(),
             contacts: Vec::new(),
         };
-        let dynamic = if settling { R::ZERO } else { self.setup.control.dynamic };
-        let twice = R::from_f64(2.0) / time_step;
-        let mut moments = self.moments.clone();
-        let mut unmoved = vec![true; motions.len()];
-        for block in (0..motions.len()).filter(|&block| !self.is_fixed(block)) {
-            let (state, d) = (&mut next.blocks[block], &ended.d[block]);
-            for vertex in &mut state.vertices {
-                *vertex = motions[block].of(*vertex);
-            }
-            for (rate, &d) in state.velocity.iter_mut().zip(d) {
-                *rate = M::rate(dynamic, twice * d, *rate);
-            }
-            let added = self.setup.bodies[block].elastic.stress(&d[6..]);
-            for (stress, added) in state.stress.iter_mut().zip(added) {
-                *stress = *stress + added;
-            }
-            unmoved[block] = same_points(&self.state.blocks[block].vertices, &state.vertices);
-            if !(self.skips.blocks && unmoved[block]) {
-                moments[block] = Moments::of(self.setup.blocks[block].topology(), &state.vertices);
-            }
-            let finite = state.velocity.iter().chain(&state.stress).all(|x| x.is_finite());
-            if !(finite && state.vertices.iter().all(|v| v.is_finite()) && moments[block].volume.is_finite()) {
-                return Err(StepError::NotFinite { step: number, block });
-            }
-            if !R::ZERO.below(moments[block].volume) {
-                let volume = moments[block].volume.to_f64();
-                return Err(StepError::Inverted { step: number, block, volume });
-            }
+        let (mut moments, mut unmoved) = (Vec::with_capacity(motions.len()), Vec::with_capacity(motions.len()));
+        let moved: Vec<Result<MovedBlock<R>, StepError>> =
+            blocks().map(|block| self.moved(block, &by, number)).collect();
+        for moved in moved {
+            let moved = moved?;
+            next.blocks.push(moved.state);
+            moments.push(moved.moments);
+            unmoved.push(moved.unmoved);
         }
         let load_blocks = self.setup.loads.iter().map(|load| load.block);
         let held_blocks = self.setup.held.iter().map(|held| held.block);
@@ -97,14 +132,11 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         for (&block, point) in self.setup.measured.iter().zip(&mut next.measured_points) {
             *point = motions[block].of(*point);
         }
-        next.contacts = contacts
-            .iter()
-            .map(|contact| {
-                contact.state_after_step::<M>(
-                    |block, point| if self.is_fixed(block) { point } else { motions[block].of(point) },
-                )
-            })
-            .collect();
+        let after = |contact: &StepContact<R>| {
+            let moved = |block: usize, point| if self.is_fixed(block) { point } else { motions[block].of(point) };
+            contact.state_after_step::<M>(moved)
+        };
+        next.contacts = contacts.par_iter().with_min_len(CONTACTS_AT_ONCE).map(after).collect();
         if settling {
             next.settling -= 1;
             if next.settling == 0 {
@@ -116,10 +148,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             next.step += 1;
             next.time = next.time + time_step;
         }
-        if let Err((block, what)) = self.prepare_moved(&next.blocks, 0..motions.len(), &unmoved) {
+        if let Err((block, what)) = self.prepare_moved(&next.blocks, &unmoved) {
             // What they were before did not collapse.
             let before = std::mem::take(&mut self.state.blocks);
-            let restored = self.prepare_moved(&before, 0..block, &unmoved);
+            let restored = self.prepare_moved(&before, &unmoved);
             self.state.blocks = before;
             debug_assert!(restored.is_ok(), "a state that was prepared once is prepared again");
             return Err(StepError::Collapsed { step: number, block, what });
@@ -172,7 +204,9 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             }
         }
         let unknowns: Vec<usize> = self.setup.bodies.iter().map(|body| body.motion.unknowns()).collect();
-        for island in islands(&unknowns, contacts) {
+        let blocks: Vec<[u32; 2]> = contacts.iter().map(|contact| contact.blocks).collect();
+        let modes: Vec<Mode> = contacts.iter().map(|contact| contact.iterate.mode).collect();
+        for island in islands(&unknowns, &blocks, &modes) {
             let all = island.couplings.blocks.iter().all(|&block| still[block as usize]);
             island.couplings.blocks.iter().for_each(|&block| still[block as usize] = all);
         }

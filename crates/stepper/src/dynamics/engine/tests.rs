@@ -1,6 +1,7 @@
 use super::*;
-use crate::dynamics::assembly::System;
 use crate::dynamics::island::{BySingle, SingleFactor, islands};
+use crate::dynamics::products::Products;
+use crate::dynamics::system::System;
 use rockproof_model::{Block, BlockOptions, Number, Precision, SceneBlock, ToleranceSpec, Vec3};
 
 fn block(points: &[[f64; 3]], faces: &[&[u32]]) -> SceneBlock {
@@ -71,7 +72,9 @@ fn a_factor_in_f32_is_refined_to_the_solution_in_f64() {
         Friction::along::<SpecRules>(slip, 1e8, contacts[5].joint.shear, contacts[5].plane.normal);
     let block_systems = dynamics.block_systems(0.01, false);
     let unknowns: Vec<usize> = block_systems.iter().map(|block| block.unknowns).collect();
-    let all = islands(&unknowns, &contacts);
+    let pairs: Vec<[u32; 2]> = contacts.iter().map(|contact| contact.blocks).collect();
+    let modes: Vec<Mode> = contacts.iter().map(|contact| contact.iterate.mode).collect();
+    let all = islands(&unknowns, &pairs, &modes);
     let island = &all[0];
     let layout = dynamics.layouts.of(&island.couplings).expect("a layout");
     let panels = layout.pattern.panel_count();
@@ -83,22 +86,87 @@ fn a_factor_in_f32_is_refined_to_the_solution_in_f64() {
             let friction = &mut contacts[5].iterate.friction;
             *friction = Friction { spring: friction.spring * 1.01, ..*friction };
         }
-        let of = |marked: &[bool]| {
-            System::new(&island.couplings.blocks, &layout, marked, &block_systems, (&contacts, &island.contacts))
-        };
-        let force = of(&[]).force();
+        let closed = (&contacts[..], &island.contacts[..]);
+        let system = System::new(&island.couplings.blocks, &layout, &block_systems, closed);
+        let (force, products) = (system.force(), Products::new(&system));
         let mut times = IterationTimes::default();
-        let by = BySingle { layout: &layout, memory: &mut memory, force: &force, system: &of };
-        assert!(by.solve(&mut single, &vec![true; panels], news, &mut times));
+        let by = BySingle { products: &products, memory: &mut memory, force: &force };
+        let all = vec![true; panels];
+        assert!(by.solve(&mut single, &all, news, &mut times));
         assert_eq!(times.factor.is_zero(), news == 1, "the factor is that of the solve before");
-        let system = of(&vec![true; panels]);
+        let bearing = system.bearing(&all);
         let (mut values, mut direct) = (vec![0.0; layout.pattern.values()], force.clone());
-        f64::factorize(&layout.pattern, &mut values, &vec![true; panels], &|panel, own| system.fill(panel, own))
+        f64::factorize(&layout.pattern, &mut values, &all, &|panel, own| system.fill(panel, &bearing, own))
             .expect("a factor");
         f64::substitute(&layout.pattern, &values, &mut direct).expect("a solution");
         let refined = single.before.as_ref().expect("a solution");
         let largest = direct.iter().fold(0.0f64, |most, x| most.max(x.abs()));
         let apart = direct.iter().zip(refined).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
         assert!(largest > 1e-5 && apart < 1e-11 * largest, "{apart} of {largest}");
+    }
+}
+
+/// Bricks in running bond on a fixed floor: so many along a course, behind one another and above one another; far from it the same again if `twice`.
+fn bricks([along, deep, high]: [u32; 3], twice: bool, motion: rockproof_model::Motion) -> Dynamics<f64> {
+    let cuboid = |low: [u32; 3], size: [u32; 3]| {
+        let corner =
+            |k: u32| [0, 1, 2].map(|axis| f64::from(low[axis] + if k >> axis & 1 == 1 { size[axis] } else { 0 }));
+        let points: Vec<[f64; 3]> = (0..8).map(corner).collect();
+        block(&points, &[&[0, 2, 3, 1], &[4, 5, 7, 6], &[0, 1, 5, 4], &[1, 3, 7, 5], &[3, 2, 6, 7], &[2, 0, 4, 6]])
+    };
+    let mut blocks = Vec::new();
+    for wall in 0..=u32::from(twice) {
+        let begin = wall * (2 * along + 10);
+        let mut floor = cuboid([begin, 0, 0], [2 * along + 1, 2 * deep + 1, 1]);
+        floor.body.motion = rockproof_model::Motion::Fixed;
+        blocks.push(floor);
+        for number in 0..along * deep * high {
+            let (x, y, z) = (number % along, number / along % deep, number / (along * deep));
+            let size = if deep == 1 { [2, 1, 1] } else { [2, 2, 1] };
+            let mut brick =
+                cuboid([begin + 2 * x + z % 2, size[1] * y + if deep == 1 { 0 } else { z % 2 }, z + 1], size);
+            brick.body.motion = motion;
+            blocks.push(brick);
+        }
+    }
+    let mut scene = Scene { blocks, ..Scene::default() };
+    // A thick mass slides and locks for long once it is let go.
+    scene.simulation.control.settle = if deep == 1 { 1 } else { 2 };
+    let set = ToleranceSpec::default().derive(&scene.shapes(), Precision::F64).expect("tolerances");
+    scene.derive_stiffness(&set);
+    Dynamics::new(&scene, &set).expect("a scene")
+}
+
+#[test]
+fn steps_are_the_same_bits_on_any_number_of_threads() {
+    use rockproof_model::Motion::{Deformable, Rigid};
+    // A wall, a rigid one, two islands, and a mass so large that its factor is in f32.
+    for (size, twice, motion, very_large) in [
+        ([18, 1, 18], false, Deformable, false),
+        ([22, 1, 22], false, Rigid, false),
+        ([14, 1, 14], true, Deformable, false),
+        ([8, 8, 9], false, Deformable, true),
+    ] {
+        let by = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| {
+                let mut dynamics = bricks(size, twice, motion);
+                let reports: Vec<StepReport> =
+                    (0..2).map(|_| dynamics.step().expect("a step that converges")).collect();
+                let unknowns: Vec<usize> = dynamics.setup.bodies.iter().map(|body| body.motion.unknowns()).collect();
+                let pairs: Vec<[u32; 2]> = dynamics.state.contacts.iter().map(|contact| contact.blocks).collect();
+                let modes: Vec<Mode> = dynamics.state.contacts.iter().map(|contact| contact.mode).collect();
+                let islands = islands(&unknowns, &pairs, &modes);
+                assert_eq!(islands.len(), 1 + usize::from(twice));
+                let layout = dynamics.layouts.of(&islands[0].couplings).expect("a layout");
+                assert_eq!(layout.is_very_large(), very_large, "{size:?}");
+                // Zeros of both signs are equal, but not the same bits: they are written differently.
+                (reports, dynamics.modes.clone(), format!("{:?}", dynamics.state))
+            })
+        };
+        let one = by(1);
+        for threads in [2, 3, 5] {
+            assert!(by(threads) == one, "{size:?} on {threads} threads");
+        }
     }
 }
