@@ -161,16 +161,25 @@ impl<R: Real> PreparedBlock<R> {
                 |number| R::from_number(number).ok_or(Collapsed { what: CollapsedPart::Vertex(VertexId::at(v)) });
             points.push(Vector::new(near(&exact.x)?, near(&exact.y)?, near(&exact.z)?));
         }
-        PreparedBlock::with_points(block.clone(), &points)
+        PreparedBlock::unprepared(block.clone()).with_points(&points)
     }
 
-    /// Prepares a block whose vertices stand at these points; its convexity flags and what it touches stay as they are.
+    /// A block of which nothing is known yet.
+    pub(crate) fn unprepared(block: Block) -> PreparedBlock<R> {
+        let bounds = Bounds { low: Vector::ZERO, high: Vector::ZERO };
+        let (vertices, edges, faces) = (Vec::new(), Vec::new(), Vec::new());
+        PreparedBlock { block, bounds, vertices, edges, faces, bulge: OnceLock::new() }
+    }
+
+    /// Prepares it with its vertices at these points, in the memory that it has; its convexity flags and what it touches stay as they are.
     ///
     /// # Errors
     /// When a feature has no extent, naming it.
-    pub fn with_points(block: Block, points: &[Vector<R>]) -> Result<PreparedBlock<R>, Collapsed> {
+    pub fn with_points(self, points: &[Vector<R>]) -> Result<PreparedBlock<R>, Collapsed> {
+        let PreparedBlock { block, mut vertices, mut edges, mut faces, .. } = self;
+        (vertices.clear(), edges.clear(), faces.clear());
         let topology = block.topology();
-        let mut faces = Vec::with_capacity(topology.faces().len());
+        faces.reserve_exact(topology.faces().len());
         for (f, corners) in topology.faces().iter().enumerate() {
             let area = area_vector(points, corners);
             let size = area.length();
@@ -179,19 +188,15 @@ impl<R: Real> PreparedBlock<R> {
             }
             faces.push(face(points, corners, area, area / size));
         }
-        let mut edges = Vec::with_capacity(topology.edges().len());
+        edges.reserve_exact(topology.edges().len());
         for e in topology.edge_ids() {
             edges.push(ridge(&block, points, &faces, e)?);
         }
-        let vertices = (0..)
-            .map(VertexId)
-            .zip(points)
-            .map(|(v, &at)| {
-                let lengths = topology.vertex_edges(v).iter().map(|&e| edges[e.index()].length);
-                let shortest = lengths.reduce(R::smaller).unwrap_or(R::ZERO);
-                Vertex { at, shortest, convex: block.vertex_is_convex(v) }
-            })
-            .collect();
+        vertices.extend((0..).map(VertexId).zip(points).map(|(v, &at)| {
+            let lengths = topology.vertex_edges(v).iter().map(|&e| edges[e.index()].length);
+            let shortest = lengths.reduce(R::smaller).unwrap_or(R::ZERO);
+            Vertex { at, shortest, convex: block.vertex_is_convex(v) }
+        }));
         let bounds = Bounds::around(points);
         Ok(PreparedBlock { block, bounds, vertices, edges, faces, bulge: OnceLock::new() })
     }

@@ -84,7 +84,7 @@ pub struct PhaseTimes {
 }
 
 /// So many pairs are classified while the contacts of as many go to the others. All at once would take the memory of the contacts twice.
-const PAIRS_AT_ONCE: usize = 512;
+const PAIRS_AT_ONCE: usize = 256;
 
 /// What is known of blocks where they stand.
 struct PreparedBlocks<R> {
@@ -96,7 +96,8 @@ impl<R: Real> PreparedBlocks<R> {
     fn new(blocks: &[Block], states: &[BlockState<R>]) -> Result<PreparedBlocks<R>, SetupError> {
         let both = || blocks.iter().zip(states);
         let solid = |(k, (block, state)): (usize, (&Block, &BlockState<R>))| {
-            PreparedBlock::with_points(block.clone(), &state.vertices)
+            PreparedBlock::unprepared(block.clone())
+                .with_points(&state.vertices)
                 .map_err(|what| SetupError::Collapsed { block: k, what })
         };
         let moments = |(block, state): (&Block, &BlockState<R>)| Moments::of(block.topology(), &state.vertices);

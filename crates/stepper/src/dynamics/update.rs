@@ -39,15 +39,16 @@ struct MovedBlock<R> {
 }
 
 impl<R: Solve, M: StepRules> Dynamics<R, M> {
-    /// Prepares those blocks again that have moved, one in place of the other: two of each would take twice the memory. Tells the first that
-    /// collapsed; all others are replaced.
+    /// Prepares those blocks again that have moved, each in the memory that it has. Tells the first that collapsed; those that did are not
+    /// prepared then.
     fn prepare_moved(&mut self, states: &[BlockState<R>], unmoved: &[bool]) -> Result<(), (usize, Collapsed)> {
         let (setup, skips) = (&self.setup, self.skips);
         let prepare = |(block, solid): (usize, &mut PreparedBlock<R>)| {
             if setup.bodies[block].motion.unknowns() == 0 || skips.blocks && unmoved[block] {
                 return None;
             }
-            match PreparedBlock::with_points(setup.blocks[block].clone(), &states[block].vertices) {
+            let before = std::mem::replace(solid, PreparedBlock::unprepared(setup.blocks[block].clone()));
+            match before.with_points(&states[block].vertices) {
                 Ok(prepared) => *solid = prepared,
                 Err(what) => return Some((block, what)),
             }
