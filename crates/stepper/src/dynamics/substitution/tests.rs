@@ -84,25 +84,27 @@ fn a_solution_is_the_same_bits_however_it_is_shared() {
     }
 }
 
-/// Which panels are worked on when, as [`Substitution::forth`] goes through them.
-fn visited(subtrees: &Subtrees<'_>, panels: Range<usize>, order: &mut Vec<usize>) {
+/// Which panels are worked on when, as [`Substitution::forth`] goes through them. What stands on both sides of a cut must know nothing of each other.
+fn visited(pattern: &Pattern, subtrees: &Subtrees<'_>, panels: Range<usize>, order: &mut Vec<usize>) {
+    let apart = |cut: usize| (cut..panels.end).all(|panel| pattern.subtree(panel) >= cut);
     match subtrees.divide(panels.clone()) {
         Division::InTurn => order.extend(panels),
         Division::Later(panel) => {
             assert!(panel < panels.end);
-            visited(subtrees, panels.start..panel, order);
+            visited(pattern, subtrees, panels.start..panel, order);
             order.extend(panel..panels.end);
         }
         Division::Little(part) => {
             assert!(!part.is_empty() && part.len() < panels.len());
-            assert!(part.start == panels.start || part.end == panels.end);
+            assert!(part.start == panels.start && apart(part.end) || part.end == panels.end && apart(part.start));
             order.extend(part.clone());
             let rest = if part.start == panels.start { part.end..panels.end } else { panels.start..part.start };
-            visited(subtrees, rest, order);
+            visited(pattern, subtrees, rest, order);
         }
         Division::Halves(cut) => {
-            visited(subtrees, panels.start..cut, order);
-            visited(subtrees, cut..panels.end, order);
+            assert!(panels.contains(&cut) && cut > panels.start && apart(cut));
+            visited(pattern, subtrees, panels.start..cut, order);
+            visited(pattern, subtrees, cut..panels.end, order);
         }
     }
 }
@@ -117,7 +119,7 @@ fn panels_are_divided_by_whole_subtrees() {
         for worth in [1, 10, 1000] {
             let subtrees = Subtrees::new(&pattern, worth, cost);
             let mut order = Vec::new();
-            visited(&subtrees, subtrees.all(), &mut order);
+            visited(&pattern, &subtrees, subtrees.all(), &mut order);
             let mut when = vec![usize::MAX; count];
             order.iter().enumerate().for_each(|(k, &panel)| when[panel] = k);
             assert!(order.len() == count && when.iter().all(|&k| k < count), "each once");
