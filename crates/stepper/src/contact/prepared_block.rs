@@ -177,7 +177,9 @@ impl<R: Real> PreparedBlock<R> {
     /// When a feature has no extent, naming it.
     pub fn with_points(self, points: &[Vector<R>]) -> Result<PreparedBlock<R>, Collapsed> {
         let PreparedBlock { block, mut vertices, mut edges, mut faces, .. } = self;
-        (vertices.clear(), edges.clear(), faces.clear());
+        vertices.clear();
+        edges.clear();
+        faces.clear();
         let topology = block.topology();
         faces.reserve_exact(topology.faces().len());
         for (f, corners) in topology.faces().iter().enumerate() {
