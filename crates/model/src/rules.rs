@@ -5,6 +5,7 @@
 // Longer than 400 lines: rule after rule with its reason and its remedy, as in the table of SPEC section 3.
 
 mod fall;
+mod largest;
 mod stiffness;
 
 pub use fall::{Fall, fall};

@@ -5,6 +5,7 @@ use crate::lattice::Lattice;
 use crate::number::Number;
 use crate::vector::Vec3;
 use num_bigint::BigInt;
+use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::Zero;
 
@@ -49,9 +50,10 @@ impl Block {
     /// The volume in m³, exactly; each face as the triangles from the first vertex of its loop.
     pub fn volume(&self) -> BigRational {
         let (lattice, points) = self.lattice_points();
+        let relative = from_first(&points);
+        let six_volumes: BigInt = self.fans(&relative).map(|[a, b, c]| a.dot(&b.cross(c))).sum();
         let (numerator, denominator) = lattice.units_per_metre();
-        let moments = self.moments(&points);
-        BigRational::new(moments.six_volumes * denominator.pow(3), numerator.pow(3) * BigInt::from(6))
+        in_lowest_terms(six_volumes * denominator.pow(3), numerator.pow(3) * BigInt::from(6))
     }
 
     /// The centroid in metres, exactly; each face as the triangles from the first vertex of its loop. A block
@@ -82,18 +84,43 @@ impl Block {
 
     /// The block's moments on a lattice, relative to its first vertex.
     pub(crate) fn moments(&self, points: &[Vec3<BigInt>]) -> Moments {
-        let relative: Vec<Vec3<BigInt>> = points.iter().map(|p| p.minus(&points[0])).collect();
+        let relative = from_first(points);
         let mut moments = Moments { six_volumes: BigInt::ZERO, sum: Vec3::zero() };
-        for face in self.topology().faces() {
-            let a = &relative[face[0].index()];
-            for pair in face[1..].windows(2) {
-                let [b, c] = [pair[0], pair[1]].map(|v| &relative[v.index()]);
-                let six_volumes = a.dot(&b.cross(c));
-                moments.sum = moments.sum.plus(&a.plus(b).plus(c).scaled(&six_volumes));
-                moments.six_volumes += six_volumes;
-            }
+        for [a, b, c] in self.fans(&relative) {
+            let six_volumes = a.dot(&b.cross(c));
+            moments.sum = moments.sum.plus(&a.plus(b).plus(c).scaled(&six_volumes));
+            moments.six_volumes += six_volumes;
         }
         moments
+    }
+
+    /// The triangles from the first vertex of each face's loop.
+    fn fans<'p>(&'p self, points: &'p [Vec3<BigInt>]) -> impl Iterator<Item = [&'p Vec3<BigInt>; 3]> {
+        self.topology().faces().iter().flat_map(move |face| {
+            let corners = face[1..].windows(2).map(move |pair| [face[0], pair[0], pair[1]]);
+            corners.map(move |corners| corners.map(|v| &points[v.index()]))
+        })
+    }
+}
+
+fn from_first(points: &[Vec3<BigInt>]) -> Vec<Vec3<BigInt>> {
+    points.iter().map(|p| p.minus(&points[0])).collect()
+}
+
+/// A fraction whose denominator is above zero, in lowest terms. Where coordinates are f64 the denominator is six times a power
+/// of two, of which only twos and a three can cancel: a greatest common divisor of long numbers would cost more than all else.
+fn in_lowest_terms(numerator: BigInt, denominator: BigInt) -> BigRational {
+    let twos = denominator.trailing_zeros().unwrap_or(0);
+    let odd = &denominator >> twos;
+    let three = BigInt::from(3);
+    if numerator.is_zero() || odd != three {
+        return BigRational::new(numerator, denominator);
+    }
+    let shared = twos.min(numerator.trailing_zeros().unwrap_or(0));
+    let (numerator, twos) = (numerator >> shared, twos - shared);
+    match numerator.div_rem(&three) {
+        (third, rest) if rest.is_zero() => BigRational::new_raw(third, BigInt::from(1) << twos),
+        _ => BigRational::new_raw(numerator, three << twos),
     }
 }
 
@@ -107,4 +134,21 @@ pub(crate) fn cuboid_mesh(min: &Point, max: &Point) -> (Vec<Point>, Vec<Vec<u32>
     let vertices = [false, true].iter().flat_map(|&up| ground.map(|(x, y)| corner(x, y, up))).collect();
     let faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
     (vertices, faces.map(Vec::from).into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twos_and_a_three_are_all_that_cancels_of_six_times_a_power_of_two() {
+        for numerator in [0i64, 1, -1, 2, -3, 6, 12, 9, -24, 35, 96, 1 << 40, 3 << 50] {
+            for denominator in [1i64, 2, 3, 6, 12, 48, 9, 18, 15, 3 << 41, 5 << 20] {
+                let [n, d] = [numerator, denominator].map(BigInt::from);
+                let (found, expected) = (in_lowest_terms(n.clone(), d.clone()), BigRational::new(n, d));
+                // Equal fractions are equal whatever their terms.
+                assert_eq!((found.numer(), found.denom()), (expected.numer(), expected.denom()));
+            }
+        }
+    }
 }

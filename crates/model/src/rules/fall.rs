@@ -1,10 +1,12 @@
 //! Whether a block that falls is stopped before it is deeper than `penetration`: a warning, not a rule of SPEC section 3.
 
+use super::largest::{factor, may_be_extreme, may_be_largest, signed_factor};
 use super::six_digits;
-use super::stiffness::{blocks_by_joint, softest};
+use super::stiffness::{blocks_by_joint, nearby_softest, softest};
+use crate::block::Point;
 use crate::number::Number;
 use crate::scene::Scene;
-use crate::simulation::derive_stiffness;
+use crate::simulation::{MovingBlock, derive_stiffness_of, moving_blocks};
 use crate::tolerance::ToleranceSet;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -41,21 +43,33 @@ pub struct Fall {
 pub fn fall(set: &ToleranceSet, scene: &Scene) -> Option<Fall> {
     let mut simulation = scene.simulation.clone();
     let bodies: Vec<_> = scene.blocks.iter().map(|b| (&b.block, &b.body)).collect();
-    derive_stiffness(&mut simulation, &bodies, set);
+    let moving = moving_blocks(&bodies);
+    derive_stiffness_of(&mut simulation, &moving, set);
     let gravity = simulation.gravity.map(Number::to_rational);
     let gravity_squared = gravity.norm_squared();
     if gravity_squared.is_zero() {
         return None;
     }
-    let vertices = scene.blocks.iter().flat_map(|b| b.block.vertices());
-    let along: Vec<BigRational> = vertices.map(|v| gravity.dot(&v.map(Number::to_rational))).collect();
+    let vertices: Vec<_> = scene.blocks.iter().flat_map(|b| b.block.vertices()).collect();
+    let near = simulation.gravity.map(signed_factor);
+    let terms = |v: &&Point| [near.x * signed_factor(&v.x), near.y * signed_factor(&v.y), near.z * signed_factor(&v.z)];
+    let ends = may_be_extreme(&vertices.iter().map(terms).collect::<Vec<_>>());
+    let along = ends.into_iter().map(|place| gravity.dot(&vertices[place].map(Number::to_rational)));
+    let along: Vec<BigRational> = along.collect();
     // |gravity| times the height of the model.
     let drop = along.iter().max()? - along.iter().min()?;
     let joints = blocks_by_joint(&simulation, &scene.blocks);
-    let masses = scene.blocks.iter().enumerate().filter(|(_, b)| !b.body.is_fixed()).filter_map(|(block, b)| {
-        let stiffness = softest(&simulation, &joints, b)?;
-        let mass = simulation.materials[b.body.material].density.to_rational() * b.block.volume();
-        Some((block, mass, stiffness))
+    let softest_near = nearby_softest(&simulation, &joints);
+    let near = moving.iter().map(|one| {
+        let density = factor(simulation.materials[one.body.material].density.approximate());
+        density * factor(one.volume) / softest_near(one.body.joint)
+    });
+    let near: Vec<f64> = near.collect();
+    let masses = may_be_largest(&near).filter_map(|place| {
+        let MovingBlock { number, block, body, .. } = moving[place];
+        let stiffness = softest(&simulation, &joints, body)?;
+        let mass = simulation.materials[body.material].density.to_rational() * block.volume();
+        Some((number, mass, stiffness))
     });
     // H and g are the same for all: the block with most mass for its stiffness sinks deepest.
     let heavier = |one: &(usize, BigRational, BigRational), other: &(usize, BigRational, BigRational)| {
@@ -79,8 +93,8 @@ pub fn fall(set: &ToleranceSet, scene: &Scene) -> Option<Fall> {
     // A stiffness that is derived may fall with a larger `penetration`, which then mends nothing.
     let deeper = ToleranceSet { penetration: Number::from_f64(depth).unwrap_or(Number::ZERO), ..set.clone() };
     let mut derived = scene.simulation.clone();
-    derive_stiffness(&mut derived, &bodies, &deeper);
-    let is_mended = softest(&derived, &joints, &scene.blocks[block]).is_some_and(|derived| derived >= given);
+    derive_stiffness_of(&mut derived, &moving, &deeper);
+    let is_mended = softest(&derived, &joints, &scene.blocks[block].body).is_some_and(|derived| derived >= given);
     let remedies = [
         needed.is_finite().then(|| format!("normal_stiffness ≥ {}", six_digits(needed, true, false))),
         is_mended.then(|| format!("penetration ≥ {}", six_digits(depth, true, false))),

@@ -10,7 +10,7 @@ pub use control::{Control, Kinematics, Unconverged, step_in_words};
 pub use joint::{JointPair, JointProperties, Joints, tangent_of_degrees};
 pub use skips::Skips;
 pub use stiffness::derive_stiffness;
-pub(crate) use stiffness::smallest_face;
+pub(crate) use stiffness::{MovingBlock, derive_stiffness_of, moving_blocks, smallest_face};
 
 use crate::block::Point;
 use crate::number::Number;

@@ -9,16 +9,39 @@ use crate::tolerance::ToleranceSet;
 /// the mean block volume, or twice what SPEC section 3 asks for (a block's weight on its smallest face overlaps by no
 /// more than `penetration`) if that is stiffer. A choice, not a decision: calculated in f64, and exact from then on.
 pub fn derive_stiffness(simulation: &mut Simulation, blocks: &[(&Block, &Body)], set: &ToleranceSet) {
-    let moving: Vec<&(&Block, &Body)> = blocks.iter().filter(|(_, body)| !body.is_fixed()).collect();
-    let volume = |block: &Block| Number::from_rational(block.volume()).approximate();
+    derive_stiffness_of(simulation, &moving_blocks(blocks), set);
+}
+
+/// A block that can move.
+pub(crate) struct MovingBlock<'b> {
+    /// Its number among all blocks.
+    pub(crate) number: usize,
+    pub(crate) block: &'b Block,
+    pub(crate) body: &'b Body,
+    /// Its volume in m³, rounded to the nearest f64.
+    pub(crate) volume: f64,
+}
+
+/// The blocks that can move, in the order of all.
+pub(crate) fn moving_blocks<'b>(blocks: &[(&'b Block, &'b Body)]) -> Vec<MovingBlock<'b>> {
+    let moving = blocks.iter().enumerate().filter(|(_, (_, body))| !body.is_fixed());
+    let measured = moving.map(|(number, &(block, body))| {
+        let volume = Number::from_rational(block.volume()).approximate();
+        MovingBlock { number, block, body, volume }
+    });
+    measured.collect()
+}
+
+/// As [`derive_stiffness`], by the blocks that can move.
+pub(crate) fn derive_stiffness_of(simulation: &mut Simulation, moving: &[MovingBlock<'_>], set: &ToleranceSet) {
     let material = |body: &Body| &simulation.materials[body.material];
-    let mean = moving.iter().map(|(block, _)| volume(block)).sum::<f64>() / (moving.len().max(1) as f64);
-    let young = moving.iter().map(|(_, body)| material(body).young.approximate()).fold(0.0, f64::max);
+    let mean = moving.iter().map(|one| one.volume).sum::<f64>() / (moving.len().max(1) as f64);
+    let young = moving.iter().map(|one| material(one.body).young.approximate()).fold(0.0, f64::max);
     let gravity = simulation.gravity.components().iter().map(|g| g.approximate() * g.approximate()).sum::<f64>().sqrt();
     let allowed = set.penetration.approximate();
-    let under_weight = moving.iter().map(|(block, body)| {
-        let weight = volume(block) * material(body).density.approximate() * gravity;
-        weight / (allowed * smallest_face(block) as f64)
+    let under_weight = moving.iter().map(|one| {
+        let weight = one.volume * material(one.body).density.approximate() * gravity;
+        weight / (allowed * smallest_face(one.block) as f64)
     });
     let softest = if allowed > 0.0 { 2.0 * under_weight.fold(0.0, f64::max) } else { 0.0 };
     let chosen = (young * libm::cbrt(mean)).max(softest);
