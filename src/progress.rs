@@ -5,7 +5,7 @@ use crate::table::grouped;
 use crate::terminal::{MOVES, Progress, beside, in_groups};
 use indicatif::{ProgressBar, ProgressStyle};
 use rockproof_campaign::journal::Seen as SeenPairs;
-use rockproof_examine::{Overlaps, Seen, Stage, StageProgress};
+use rockproof_examine::{MeasuredOverlaps, Overlaps, Seen, Stage, StageProgress};
 use rockproof_model::{Block, ToleranceSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -34,10 +34,12 @@ fn progress(pairs: u64, now: &(dyn Fn() -> (u64, String) + Sync)) -> Progress<'_
     Progress { pairs, now, has_bar: shows_progress(), line: print_note, lines_every: LINES }
 }
 
-/// The overlaps of all neighbouring pairs, or of some, with progress.
+/// The overlaps of all neighbouring pairs, or of some, measured where they may be more than rounding, with progress.
 pub(crate) fn overlaps(blocks: &[&Block], tolerances: &ToleranceSet, only: Option<&[(usize, usize)]>) -> Overlaps {
     let (seen, stop) = (Seen::default(), AtomicBool::new(false));
-    stages_while(&seen, || rockproof_examine::overlaps(blocks, tolerances, only, &seen, &stop))
+    stages_while(&seen, || {
+        rockproof_examine::overlaps(blocks, tolerances, (only, MeasuredOverlaps::BeyondRounding), &seen, &stop)
+    })
 }
 
 /// Shows what `work` tells `seen`, part by part, until it ends, and gives what it gives.

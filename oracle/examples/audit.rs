@@ -6,7 +6,7 @@ use rockproof_model::preset::{Preset, derive};
 use rockproof_model::scene::Scene;
 use rockproof_model::{Block, Number, Precision, Vec3};
 use rockproof_oracle::PreparedBlock;
-use rockproof_oracle::audit::{Audit, Auditor, Decider, OverlapVisibility};
+use rockproof_oracle::audit::{Audit, Auditor, Decider, OverlapVisibility, rounding_depth};
 use std::error::Error;
 use std::time::Instant;
 
@@ -25,6 +25,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let start = Instant::now();
     let pairs = auditor.neighbours();
     println!("{} neighbouring pairs found in {:.3} s", pairs.len(), start.elapsed().as_secs_f64());
+    let rounding = rounding_depth(&blocks.iter().collect::<Vec<_>>(), Precision::F64);
+    let start = Instant::now();
+    let beyond = Audit::of(pairs.iter().map(|&pair| auditor.pair_beyond_rounding(pair, &rounding)));
+    let bounded = beyond.bounded.len();
+    println!("{bounded} overlaps told to be rounding in {:.3} s, one thread", start.elapsed().as_secs_f64());
     let start = Instant::now();
     let audit = Audit::of(pairs.into_iter().map(|pair| auditor.pair(pair)));
     println!("audited in {:.3} s, one thread; decided by", start.elapsed().as_secs_f64());

@@ -9,15 +9,17 @@
 //!
 //! 1. boxes that share no more than their surfaces: apart;
 //! 2. the plane of a face of either block has the blocks on different sides: apart. f64 measures all faces, with a proved
-//!    bound; of those it leaves open, exact integers decide;
+//!    bound; of those it leaves open, sums of two f64 decide, with a proved bound too, or exact integers;
 //! 3. whether any plane separates the hulls of the vertices (`separation`, complete): if so the blocks are apart, else
 //!    two convex blocks overlap;
 //! 4. of other blocks, whether their surfaces enclose something that both share (`interiors`).
 //!
 //! [`Auditor::neighbours`] lists the pairs and [`Auditor::pair`] audits one of them, so that a caller can share the work
-//! among threads; [`Audit::of`] puts the answers together in the order of the pairs, whoever found them. Of blocks that a
+//! among threads; [`Audit::of`] puts the answers together in the order of the pairs, whoever found them. An overlap costs far
+//! more to measure than to find: [`Auditor::pair_beyond_rounding`] measures none that is certainly rounding. Of blocks that a
 //! stepper has moved, [`Screen`] leaves out in f64, proved, all pairs that need no exact answer.
 
+mod decider;
 mod meaning;
 mod planes;
 mod screen;
@@ -27,12 +29,12 @@ use crate::interiors;
 use crate::penetration::{Penetration, penetration};
 use crate::separation::{PointSet, SeparationAnswer, separate};
 use crate::{Gap, Pair, PreparedBlock};
+pub use decider::{AuditCounts, Decider};
 pub use meaning::{Meaning, rounding_depth, rounding_depth_of_size};
 use num_rational::BigRational;
 use planes::FacePlanes;
-use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, Number, ToleranceSet};
 pub use screen::Screen;
-use std::ops::AddAssign;
 use std::sync::OnceLock;
 
 /// Whether the contacts of a pair tell of its overlap.
@@ -81,91 +83,68 @@ pub struct Overlap {
     pub is_within_unevenness: bool,
 }
 
-/// What decided whether a pair overlaps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Decider {
-    /// Boxes share no more than their surfaces.
-    Boxes,
-    /// The plane of a face separates the blocks, by f64 with a proved bound.
-    FacePlane,
-    /// The plane of a face separates the blocks, by exact integers: they touch or nearly do.
-    ExactFacePlane,
-    /// The search for a separating plane, by f64 with proved bounds alone.
-    Float,
-    /// That search, with exact integers for at least one sign.
-    Exact,
-    /// The surfaces of blocks of which one is not convex.
-    Surfaces,
-    /// Nothing: the vertices of a block lie in one plane, so that it has no inside.
-    LeftOut,
-}
-
-impl Decider {
-    /// All, the cheapest first.
-    pub const ALL: [Decider; 7] = [
-        Decider::Boxes,
-        Decider::FacePlane,
-        Decider::ExactFacePlane,
-        Decider::Float,
-        Decider::Exact,
-        Decider::Surfaces,
-        Decider::LeftOut,
-    ];
-}
-
 /// What the audit says of one pair.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PairAudit {
     /// What decided.
     pub decider: Decider,
-    /// The overlap, if there is one.
+    /// The overlap, if there is one and it was measured.
     pub overlap: Option<Overlap>,
+    /// The overlap, if there is one that was only bounded.
+    pub bounded: Option<BoundedOverlap>,
 }
 
-/// How many neighbouring pairs each question decided.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct AuditCounts([u64; Decider::ALL.len()]);
-
-impl AuditCounts {
-    /// Pairs that `decider` decided.
-    pub fn of(&self, decider: Decider) -> u64 {
-        self.0[decider as usize]
-    }
-
-    /// All neighbouring pairs.
-    pub fn neighbours(&self) -> u64 {
-        self.0.iter().sum()
-    }
-}
-
-impl AddAssign<Decider> for AuditCounts {
-    fn add_assign(&mut self, decider: Decider) {
-        self.0[decider as usize] += 1;
-    }
+/// An overlap that is certainly rounding ([`Meaning::Rounding`]), not measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundedOverlap {
+    /// The blocks, the lower number first.
+    pub blocks: [usize; 2],
+    /// The penetration certainly does not exceed it (m).
+    pub most_m: f64,
 }
 
 /// The overlaps of a scene.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Audit {
-    /// The pairs that overlap, in ascending order.
+    /// The pairs that overlap and were measured, in ascending order.
     pub overlaps: Vec<Overlap>,
+    /// The pairs that overlap and were only bounded, in ascending order.
+    pub bounded: Vec<BoundedOverlap>,
     /// How all neighbouring pairs were decided.
     pub counts: AuditCounts,
 }
 
 impl Audit {
-    /// The answers of [`Auditor::pair`] put together.
+    /// The answers of an auditor put together.
     pub fn of(pairs: impl IntoIterator<Item = PairAudit>) -> Audit {
-        let mut audit = Audit::default();
-        for pair in pairs {
-            audit.counts += pair.decider;
-            audit.overlaps.extend(pair.overlap);
-        }
-        audit.overlaps.sort_by_key(|overlap| overlap.blocks);
-        audit
+        pairs.into_iter().fold(Audit::default(), Audit::with).sorted()
     }
 
-    /// The deepest overlap, of several equally deep the first.
+    /// The same with the answer about another pair, last whatever its blocks.
+    #[must_use]
+    pub fn with(mut self, pair: PairAudit) -> Audit {
+        self.counts += pair.decider;
+        self.overlaps.extend(pair.overlap);
+        self.bounded.extend(pair.bounded);
+        self
+    }
+
+    /// The answers about other pairs as well, in ascending order.
+    #[must_use]
+    pub fn and(mut self, other: Audit) -> Audit {
+        self.counts += other.counts;
+        self.overlaps.extend(other.overlaps);
+        self.bounded.extend(other.bounded);
+        self.sorted()
+    }
+
+    fn sorted(mut self) -> Audit {
+        self.overlaps.sort_by_key(|overlap| overlap.blocks);
+        self.bounded.sort_by_key(|overlap| overlap.blocks);
+        self
+    }
+
+    /// The deepest overlap that was measured, of several equally deep the first.
     pub fn deepest(&self) -> Option<&Overlap> {
         self.deepest_of(|_| true)
     }
@@ -243,7 +222,19 @@ impl<'s> Auditor<'s> {
     /// When there is no block of one of the numbers.
     pub fn pair_keeping(&self, blocks: [usize; 2], kept: &[ContactKey]) -> PairAudit {
         let (overlaps, decider) = self.overlap(blocks);
-        PairAudit { decider, overlap: overlaps.then(|| self.measure(blocks, kept)) }
+        PairAudit { decider, overlap: overlaps.then(|| self.measure(blocks, kept)), bounded: None }
+    }
+
+    /// As [`Auditor::pair`], where an overlap that certainly means [`Meaning::Rounding`] is bounded and not measured, nor its
+    /// contacts looked for; `rounding` (m) is the depth that rounded coordinates alone can make ([`rounding_depth`]).
+    ///
+    /// # Panics
+    /// When there is no block of one of the numbers.
+    pub fn pair_beyond_rounding(&self, blocks: [usize; 2], rounding: &Number) -> PairAudit {
+        let (overlaps, decider) = self.overlap(blocks);
+        let bounded = if overlaps { self.surely_rounding(blocks, rounding) } else { None };
+        let is_measured = overlaps && bounded.is_none();
+        PairAudit { decider, overlap: is_measured.then(|| self.measure(blocks, &[])), bounded }
     }
 
     /// How deep two blocks overlap, without asking what contacts see of it; `None` where they do not.
@@ -271,21 +262,40 @@ impl<'s> Auditor<'s> {
         if boxes::share_surfaces_at_most(a, b) {
             return (false, Decider::Boxes);
         }
-        let pair = Pair::new(a, b);
-        if let Some(decider) = planes::separating_face(&pair, bodies.map(|body| &body.planes)) {
+        if let Some(decider) = planes::separating_face([a, b], bodies.map(|body| &body.planes)) {
             return (false, decider);
         }
-        let SeparationAnswer { is_separated, by_float } = separate(points(a), points(b));
+        let SeparationAnswer { is_separated, by_float } = separate(PointSet::of(a), PointSet::of(b));
         let decider = if by_float { Decider::Float } else { Decider::Exact };
         if is_separated {
             return (false, decider);
         }
         match [a, b].map(|solid| solid.block().is_convex()) {
             [true, true] => (true, decider),
-            [false, true] => (interiors::meets_hull(a.block(), points(b)), Decider::Surfaces),
-            [true, false] => (interiors::meets_hull(b.block(), points(a)), Decider::Surfaces),
+            [false, true] => (interiors::meets_hull(a.block(), PointSet::of(b)), Decider::Surfaces),
+            [true, false] => (interiors::meets_hull(b.block(), PointSet::of(a)), Decider::Surfaces),
             [false, false] => (interiors::surfaces_meet(a.block(), b.block()), Decider::Surfaces),
         }
+    }
+
+    /// The bound of an overlap that certainly is rounding, however the contacts see it.
+    fn surely_rounding(&self, blocks: [usize; 2], rounding: &Number) -> Option<BoundedOverlap> {
+        let [a, b] = blocks.map(|k| &self.solids[k]);
+        if !a.block().is_convex() || !b.block().is_convex() {
+            return None;
+        }
+        let most_m = planes::greatest_depth([a, b], blocks.map(|k| &self.bodies[k].planes));
+        // Rounded to nearest, so one float less is certainly not more.
+        let below = |limit: &Number| most_m <= limit.approximate().next_down();
+        let is_rounding = || below(rounding) || self.is_surely_within_unevenness(blocks, most_m);
+        (below(&self.tolerances.penetration) && is_rounding()).then_some(BoundedOverlap { blocks, most_m })
+    }
+
+    fn is_surely_within_unevenness(&self, blocks: [usize; 2], most_m: f64) -> bool {
+        let bulge = blocks.iter().map(|&k| self.solids[k].bulge).fold(0.0, f64::max);
+        most_m <= 2.0 * bulge
+            && BigRational::from_float(most_m)
+                .is_some_and(|most| self.is_at_most_twice_unevenness(blocks, &(&most * &most)))
     }
 
     /// How deep blocks overlap that do, and what the classification says of it.
@@ -320,10 +330,14 @@ impl<'s> Auditor<'s> {
         if penetration.depth_m().is_some_and(|depth| depth > 2.0 * most) {
             return false;
         }
+        self.is_at_most_twice_unevenness(blocks, &penetration.depth_squared())
+    }
+
+    fn is_at_most_twice_unevenness(&self, blocks: [usize; 2], square: &BigRational) -> bool {
         let unevenness =
             |k: usize| self.bodies[k].unevenness.get_or_init(|| planes::unevenness_squared(self.solids[k].block()));
         let [one, two] = blocks.map(unevenness);
-        penetration.depth_squared() <= BigRational::from_integer(4.into()) * one.max(two)
+        *square <= BigRational::from_integer(4.into()) * one.max(two)
     }
 
     /// The contact with the most negative gap.
@@ -339,8 +353,4 @@ impl<'s> Auditor<'s> {
         }
         deepest
     }
-}
-
-fn points(solid: &PreparedBlock) -> PointSet<'_> {
-    PointSet { exact: solid.block().vertices(), near: &solid.vertices, error: solid.errors.coordinate }
 }

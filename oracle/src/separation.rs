@@ -8,51 +8,20 @@
 //! direction that is left in the end separates. **A plane that both sets touch separates them.**
 //!
 //! A ray of a part is the cross product of two inequalities' vectors, so every sign asked for is that of a determinant of
-//! three differences of points: it is taken from [`Ball`]s where these prove it, else from integers. Which inequality comes
-//! next is chosen in f64 by the points that hinder the middle of the part most; that choice decides nothing but the time.
+//! three differences of points: it is taken from [`Ball`]s where these prove it, else from [`DoubleBall`]s, else from
+//! integers. Which inequality comes next is chosen in f64 by the points that hinder the middle of the part most; that choice
+//! decides nothing but the time.
 
-use crate::number::{Approx, Ball, UNDERFLOW, UNIT_ROUNDOFF};
+mod points;
+
+use crate::field::{DoubleBall, Field};
+use crate::number::{Approx, Ball};
 use num_bigint::BigInt;
-use rockproof_model::block::Point;
-use rockproof_model::lattice::Lattice;
+pub(crate) use points::{PointSet, SeparablePoints, on_lattice};
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Ring, Sign, Vec3};
 use smallvec::SmallVec;
 use std::cell::{Cell, OnceCell};
-
-/// Points and the f64 next to them.
-#[derive(Clone, Copy)]
-pub(crate) struct PointSet<'p> {
-    /// The points in m.
-    pub(crate) exact: &'p [Point],
-    /// Each within `error` of the exact one along every axis.
-    pub(crate) near: &'p [Vec3<Approx>],
-    /// Zero where every coordinate is an f64 (m).
-    pub(crate) error: f64,
-}
-
-/// Points made ready to be separated from others.
-#[derive(Debug)]
-pub(crate) struct SeparablePoints {
-    exact: Vec<Point>,
-    near: Vec<Vec3<Approx>>,
-    error: f64,
-}
-
-impl SeparablePoints {
-    /// The points, in m.
-    pub(crate) fn new(exact: Vec<Point>) -> SeparablePoints {
-        let near: Vec<Vec3<Approx>> = exact.iter().map(|p| p.map(|c| Approx(c.approximate()))).collect();
-        let is_exact = exact.iter().flat_map(|p| p.components()).all(|c| c.as_f64().is_some());
-        let size = near.iter().flat_map(|p| p.components()).fold(0.0f64, |most, c| most.max(c.0.abs()));
-        let error = if is_exact { 0.0 } else { size * UNIT_ROUNDOFF + UNDERFLOW };
-        SeparablePoints { exact, near, error }
-    }
-
-    pub(crate) fn set(&self) -> PointSet<'_> {
-        PointSet { exact: &self.exact, near: &self.near, error: self.error }
-    }
-}
 
 /// What is known of two sets of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,9 +34,9 @@ pub(crate) struct SeparationAnswer {
 
 /// Whether a plane separates two sets of points; **a plane that both touch does**.
 pub(crate) fn separate(a: PointSet<'_>, b: PointSet<'_>) -> SeparationAnswer {
-    let search = Search { sets: [a, b], integers: OnceCell::new(), asked_integers: Cell::new(false) };
+    let search = Search::new([a, b]);
     let is_separated = search.parts_in_order().into_iter().any(|part| search.survives(part));
-    SeparationAnswer { is_separated, by_float: !search.asked_integers.get() }
+    SeparationAnswer { is_separated, by_float: !search.is_beyond_f64.get() }
 }
 
 /// The side of the cube a part of the directions passes through.
@@ -93,6 +62,8 @@ struct Ray {
     /// Against the cross product of the two.
     is_reversed: bool,
     near: Vec3<Ball>,
+    /// The cross product in some 100 bits, when a sign has asked for it.
+    double: OnceCell<Vec3<DoubleBall>>,
     /// The cross product itself, when a sign has asked for it.
     exact: OnceCell<Vec3<BigInt>>,
     /// The condition with equality between this ray and the next.
@@ -101,8 +72,9 @@ struct Ray {
 
 struct Search<'p> {
     sets: [PointSet<'p>; 2],
+    doubles: OnceCell<[Vec<Vec3<DoubleBall>>; 2]>,
     integers: OnceCell<[Vec<Vec3<BigInt>>; 2]>,
-    asked_integers: Cell<bool>,
+    is_beyond_f64: Cell<bool>,
 }
 
 /// What is left of a part after some conditions.
@@ -113,7 +85,11 @@ struct DirectionCone<'s, 'p> {
     rays: Vec<Ray>,
 }
 
-impl Search<'_> {
+impl<'p> Search<'p> {
+    fn new(sets: [PointSet<'p>; 2]) -> Search<'p> {
+        Search { sets, doubles: OnceCell::new(), integers: OnceCell::new(), is_beyond_f64: Cell::new(false) }
+    }
+
     /// The six parts, first the one in which the sets' middles lie apart.
     fn parts_in_order(&self) -> [CubeSide; 6] {
         let middle = |set: &PointSet<'_>| {
@@ -190,23 +166,26 @@ impl Search<'_> {
         }
     }
 
+    fn doubles_of(&self, condition: Condition) -> Vec3<DoubleBall> {
+        match condition {
+            Condition::Cube([x, y, z]) => Vec3::new(x, y, z).map(|&c| DoubleBall::from_i32(c)),
+            Condition::Apart(a, b) => {
+                self.is_beyond_f64.set(true);
+                let points = self.doubles.get_or_init(|| self.sets.map(|set| set.doubles()));
+                points[0][a].minus(&points[1][b])
+            }
+        }
+    }
+
     fn integers_of(&self, condition: Condition) -> Vec3<BigInt> {
         match condition {
             Condition::Cube([x, y, z]) => Vec3::new(x, y, z).map(|&c| BigInt::from(c)),
             Condition::Apart(a, b) => {
-                self.asked_integers.set(true);
                 let points = self.integers.get_or_init(|| on_lattice(self.sets.map(|set| set.exact)));
                 points[0][a].minus(&points[1][b])
             }
         }
     }
-}
-
-/// Points of two sets as integers, on one lattice.
-pub(crate) fn on_lattice(sets: [&[Point]; 2]) -> [Vec<Vec3<BigInt>>; 2] {
-    let coordinates = sets.iter().flat_map(|set| set.iter()).flat_map(|p| p.components());
-    let lattice = Lattice::covering(coordinates);
-    sets.map(|set| set.iter().map(|p| p.map(|c| lattice.units(c))).collect())
 }
 
 /// A minimum or maximum that keeps what is not a number.
@@ -238,8 +217,14 @@ impl<'s, 'p> DirectionCone<'s, 'p> {
     fn ray(&self, conditions: [usize; 2], next_edge: usize) -> Ray {
         let [first, second] = conditions.map(|k| &self.conditions[k]);
         let near = first.1.cross(&second.1);
-        let sign = near.components()[self.side.axis].certain_sign().unwrap_or_else(|| {
-            let [first, second] = [first, second].map(|(condition, _)| self.search.integers_of(*condition));
+        let along_axis = near.components()[self.side.axis];
+        let two = [first.0, second.0];
+        let sign = along_axis.certain_sign().or_else(|| {
+            let [first, second] = two.map(|condition| self.search.doubles_of(condition));
+            first.cross(&second).components()[self.side.axis].certain_sign()
+        });
+        let sign = sign.unwrap_or_else(|| {
+            let [first, second] = two.map(|condition| self.search.integers_of(condition));
             ExactRing::sign(first.cross(&second).components()[self.side.axis])
         });
         let is_reversed = sign.is_negative() != self.side.is_negative;
@@ -247,6 +232,7 @@ impl<'s, 'p> DirectionCone<'s, 'p> {
             conditions,
             is_reversed,
             near: if is_reversed { near.negated() } else { near },
+            double: OnceCell::new(),
             exact: OnceCell::new(),
             next_edge,
         }
@@ -254,12 +240,20 @@ impl<'s, 'p> DirectionCone<'s, 'p> {
 
     /// The sign of a ray's dot product with the vector of a condition.
     fn sign(&self, ray: &Ray, (asked, vector): &(Condition, Vec3<Ball>)) -> Sign {
+        let two = ray.conditions.map(|k| self.conditions[k].0);
         ray.near.dot(vector).certain_sign().unwrap_or_else(|| {
-            let exact = ray.exact.get_or_init(|| {
-                let [first, second] = ray.conditions.map(|k| self.search.integers_of(self.conditions[k].0));
+            let double = ray.double.get_or_init(|| {
+                let [first, second] = two.map(|condition| self.search.doubles_of(condition));
                 first.cross(&second)
             });
-            let sign = ExactRing::sign(&exact.dot(&self.search.integers_of(*asked)));
+            let sign = double.dot(&self.search.doubles_of(*asked)).certain_sign();
+            let sign = sign.unwrap_or_else(|| {
+                let exact = ray.exact.get_or_init(|| {
+                    let [first, second] = two.map(|condition| self.search.integers_of(condition));
+                    first.cross(&second)
+                });
+                ExactRing::sign(&exact.dot(&self.search.integers_of(*asked)))
+            });
             if ray.is_reversed { sign.reversed() } else { sign }
         })
     }
@@ -339,7 +333,8 @@ mod tests {
     /// Whether every point of the first set is exactly at or beyond every one of the second along n.
     fn separates(n: [i32; 3], sets: [&SeparablePoints; 2]) -> bool {
         let n = Vec3::new(n[0], n[1], n[2]).map(|&c| BigRational::from_integer(c.into()));
-        let [a, b] = sets.map(|set| set.exact.iter().map(|p| n.dot(&p.map(Number::to_rational))).collect::<Vec<_>>());
+        let [a, b] =
+            sets.map(|set| set.set().exact.iter().map(|p| n.dot(&p.map(Number::to_rational))).collect::<Vec<_>>());
         a.iter().min() >= b.iter().max()
     }
 
@@ -368,8 +363,7 @@ mod tests {
             ),
         ] {
             assert!(!separates(n, [&a, &b]), "{name}");
-            let search =
-                Search { sets: [a.set(), b.set()], integers: OnceCell::new(), asked_integers: Cell::new(false) };
+            let search = Search::new([a.set(), b.set()]);
             assert!(!search.surely_separates(n.map(f64::from)), "{name}");
         }
     }

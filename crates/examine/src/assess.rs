@@ -4,7 +4,7 @@ use crate::checked::CheckedModel;
 use crate::error::ExamineError;
 use crate::extents::short;
 use crate::naming::file_name;
-use crate::overlaps::{Overlaps, overlaps};
+use crate::overlaps::{MeasuredOverlaps, Overlaps, overlaps};
 use crate::pairs::{self, ExaminedPair, PRECISIONS};
 use crate::recommend::{Recommendation, better};
 use crate::seen::{Seen, Stage};
@@ -141,7 +141,7 @@ impl Work<'_> {
         let shapes = model.scene.shapes();
         let set = sets.of(model.precision).clone();
         let violations = rules::check_scene(&set, &model.scene, model.precision);
-        let overlaps = overlaps(&shapes, &set, None, self.seen, self.stop);
+        let overlaps = overlaps(&shapes, &set, (None, MeasuredOverlaps::All), self.seen, self.stop);
         let all = overlaps.neighbours();
         self.seen.begin(Stage::Pairs, all.len());
         let pairs = pairs::examine_all(&shapes, all, sets, (self.seen, self.stop));

@@ -6,6 +6,7 @@
 mod assess;
 mod cases;
 mod checked;
+mod deepest;
 mod document;
 mod error;
 mod extents;
@@ -28,7 +29,7 @@ pub use document::document;
 pub use error::ExamineError;
 pub use extents::{Extents, short};
 pub use naming::{Naming, file_name, reading, setting};
-pub use overlaps::{Overlaps, overlaps};
+pub use overlaps::{MeasuredOverlaps, Overlaps, overlaps};
 pub use pairs::{EngineDifferences, ExaminedPair};
 pub use recommend::{OtherSet, Recommendation};
 pub use results::{FILES, Written, findings_table, pair_table, tolerance_table, write};

@@ -1,5 +1,6 @@
 //! Overlaps of a model, for every command that begins with one: the exact audit (SPEC section 7), in words.
 
+use crate::deepest::deepest;
 use crate::seen::{Seen, Stage};
 use rayon::prelude::*;
 use rockproof_model::{Block, Number, Precision, ToleranceSet};
@@ -12,11 +13,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Overlaps named one by one.
 const MOST_NAMED: usize = 5;
 
+/// Which overlaps are measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeasuredOverlaps {
+    /// All, however little they mean: an exact depth and the contacts of each.
+    All,
+    /// Those that may be more than rounding, and where there are none the deepest. Of a mass of blocks that touch this takes a
+    /// fraction of the time.
+    BeyondRounding,
+}
+
 /// The overlaps of all neighbouring pairs, or of some. Where `stop` is set meanwhile, those of the pairs looked at until then.
 pub fn overlaps(
     blocks: &[&Block],
     tolerances: &ToleranceSet,
-    only: Option<&[(usize, usize)]>,
+    (only, measured): (Option<&[(usize, usize)]>, MeasuredOverlaps),
     seen: &Seen,
     stop: &AtomicBool,
 ) -> Overlaps {
@@ -26,13 +37,31 @@ pub fn overlaps(
         None => auditor.neighbours(),
         Some(pairs) => pairs.iter().map(|&(i, j)| [i.min(j), i.max(j)]).collect(),
     };
+    let rounding = rounding_depth(blocks, Precision::F64);
     seen.begin(Stage::Overlaps, pairs.len());
     let audited = pairs.par_iter().filter(|_| !stop.load(Ordering::Relaxed)).map(|&pair| {
-        let audited = auditor.pair(pair);
+        let audited = match measured {
+            MeasuredOverlaps::All => auditor.pair(pair),
+            MeasuredOverlaps::BeyondRounding => auditor.pair_beyond_rounding(pair, &rounding),
+        };
         seen.advance();
         audited
     });
-    Overlaps::of(Audit::of(audited.collect::<Vec<_>>()), &rounding_depth(blocks, Precision::F64), pairs)
+    // Most pairs of a mass are apart, so nothing is kept of them.
+    let audit = audited.fold(Audit::default, Audit::with).reduce(Audit::default, Audit::and);
+    let found = Overlaps::of(audit, &rounding, pairs);
+    if found.meanings.iter().any(|&meaning| meaning != Meaning::Rounding) {
+        return found;
+    }
+    Overlaps::of(with_deepest_measured(found.audit, &auditor), &rounding, found.neighbours)
+}
+
+/// The same with the deepest of the overlaps that were bounded measured: the only one of rounding whose depth anyone is told.
+fn with_deepest_measured(mut audit: Audit, auditor: &Auditor<'_>) -> Audit {
+    let Some((blocks, _)) = deepest(audit.bounded.clone(), |blocks| auditor.depth(blocks)) else { return audit };
+    audit.bounded.retain(|overlap| overlap.blocks != blocks);
+    let measured = Audit { overlaps: auditor.pair(blocks).overlap.into_iter().collect(), ..Audit::default() };
+    audit.and(measured)
 }
 
 /// The overlaps of a model, and what they mean.
@@ -63,7 +92,7 @@ impl Overlaps {
         &self.neighbours
     }
 
-    /// The pairs that overlap, in ascending order, each with what that means.
+    /// The pairs that overlap and were measured, in ascending order, each with what that means.
     pub fn all(&self) -> impl Iterator<Item = (&Overlap, Meaning)> {
         self.audit.overlaps.iter().zip(self.meanings.iter().copied())
     }
@@ -75,10 +104,11 @@ impl Overlaps {
 
     /// How many overlaps mean this.
     pub fn count(&self, meaning: Meaning) -> usize {
-        self.meanings.iter().filter(|&&found| found == meaning).count()
+        let bounded = if meaning == Meaning::Rounding { self.audit.bounded.len() } else { 0 };
+        self.meanings.iter().filter(|&&found| found == meaning).count() + bounded
     }
 
-    /// How many overlaps of one meaning contacts see so well.
+    /// How many overlaps of one meaning that were measured contacts see so well: of all that are more than rounding.
     pub fn count_seen(&self, meaning: Meaning, sight: OverlapVisibility) -> usize {
         self.that(|found| found == meaning).filter(|overlap| overlap.sight == sight).count()
     }
@@ -113,11 +143,17 @@ impl Overlaps {
         let mut parts: Vec<String> = Vec::new();
         for (meaning, said) in Meaning::ALL.into_iter().zip(said) {
             let count = self.count(meaning);
-            let Some(worst) = self.worst(meaning) else { continue };
+            if count == 0 {
+                continue;
+            }
             let pairs = if count == 1 { "pair" } else { "pairs" };
-            let [a, b] = worst.blocks;
-            let worst =
-                if parts.is_empty() { format!(" (worst {a}–{b}, {} m)", depth(worst)) } else { String::new() };
+            let in_brackets = |worst: &Overlap| {
+                let [a, b] = worst.blocks;
+                format!(" (worst {a}–{b}, {} m)", depth(worst))
+            };
+            // Of rounding the deepest is measured only where it is told.
+            let worst = if parts.is_empty() { self.worst(meaning) } else { None };
+            let worst = worst.map_or_else(String::new, in_brackets);
             let sights = if meaning == Meaning::Rounding { String::new() } else { self.sights_in_words(meaning) };
             parts.push(format!("{count} {pairs}{worst} {said}{sights}"));
         }
@@ -204,6 +240,29 @@ mod tests {
     }
 
     #[test]
+    fn what_is_told_is_the_same_whether_rounding_is_measured_or_bounded() {
+        let whole = Number::from_integer;
+        let corner = |x, y, z| Vec3::new(whole(x), whole(y), whole(z));
+        let slab = Block::cuboid(&corner(-9, -9, -4), &corner(9, 9, 0)).expect("a slab");
+        // Less deep than rounding makes, the second deepest; and one that is more.
+        let little = |parts: i32| Number::from_f64(-f64::from(parts) * 2f64.powi(-50)).expect("a number");
+        let touching = |x: i32, parts: i32| sunk(x, 0).translated(&Vec3::new(whole(0), whole(0), little(parts)));
+        let set = |blocks: &[&Block]| derive(Preset::Auto, blocks, Precision::F64).expect("a set");
+        let rounded = [slab, touching(0, 1), touching(2, 7), touching(4, 7), touching(6, 3)];
+        for blocks in [rounded.to_vec(), [rounded.to_vec(), vec![sunk(-3, 3)]].concat()] {
+            let blocks: Vec<&Block> = blocks.iter().collect();
+            let found = |measured| {
+                overlaps(&blocks, &set(&blocks), (None, measured), &Seen::default(), &AtomicBool::new(false))
+            };
+            let [all, few] = [MeasuredOverlaps::All, MeasuredOverlaps::BeyondRounding].map(found);
+            assert_eq!((few.line(), few.report(), few.json()), (all.line(), all.report(), all.json()));
+            assert_eq!((few.all().count(), all.all().count()), (1, blocks.len() - 1));
+            let is_told = all.line().contains("4 pairs overlap by no more than rounding");
+            assert!(is_told || all.line().contains("4 pairs (worst 0–2, 6.217e-15 m)"), "{}", all.line());
+        }
+    }
+
+    #[test]
     fn the_worst_pair_named_is_of_the_first_count() {
         let whole = Number::from_integer;
         let corner = |x, y, z| Vec3::new(whole(x), whole(y), whole(z));
@@ -212,7 +271,8 @@ mod tests {
         let blocks: Vec<&Block> = blocks.iter().collect();
         let mut set = derive(Preset::Auto, &blocks, Precision::F64).expect("a set");
         set.penetration = Number::from_f64(0.0625).expect("a number");
-        let mut found = overlaps(&blocks, &set, None, &Seen::default(), &AtomicBool::new(false));
+        let mut found =
+            overlaps(&blocks, &set, (None, MeasuredOverlaps::All), &Seen::default(), &AtomicBool::new(false));
         let held = "3 pairs (worst 0–3, 0.0030 m) overlap and are held by contacts (3 seen, 0 shallow)";
         assert_eq!(found.sentence().as_deref(), Some(held));
         // The two shallower ones unseen: the deepest pair of all is not theirs.

@@ -1,9 +1,10 @@
 //! `simulate` and `examine`: every step audited exactly (SPEC section 7), overlaps after it and, where asked for, passages within it.
 
+use crate::deepest::deepest;
 use crate::error::ExamineError;
 use rayon::prelude::*;
 use rockproof_model::{Block, Contact, ContactKey, Number, Precision, Scene, ToleranceSet};
-use rockproof_oracle::audit::{Auditor, Screen, rounding_depth_of_size};
+use rockproof_oracle::audit::{Auditor, BoundedOverlap, Screen, rounding_depth_of_size};
 use rockproof_oracle::passage::{PassageAnswer, StraightMotion, passage, swept_neighbours};
 use rockproof_oracle::penetration::Penetration;
 use rockproof_oracle::{Pair, PreparedBlock};
@@ -31,9 +32,7 @@ pub struct AuditedRun<R> {
 
 /// A pair that f64 does not prove to be apart.
 struct Candidate {
-    blocks: [usize; 2],
-    /// Certainly not exceeded by the depth (m).
-    most: f64,
+    overlap: BoundedOverlap,
     /// Whether contacts may not see it.
     is_open: bool,
 }
@@ -78,23 +77,25 @@ impl<R: Real> AuditedRun<R> {
         let (closed, see) = (ClosedContacts::of(state), self.closed_contacts_see());
         let pairs: Vec<[usize; 2]> = screen.pairs().into_iter().filter(|pair| self.can_move(pair)).collect();
         let candidate = |&blocks: &[usize; 2]| {
-            let most = screen.greatest_depth(blocks)?;
+            let most_m = screen.greatest_depth(blocks)?;
             let is_seen =
                 || see && closed.between(blocks).iter().any(|(_, c)| screen.surely_negative_gap(blocks, &c.entrance));
-            Some(Candidate { blocks, most, is_open: most > harmless && !is_seen() })
+            let is_open = most_m > harmless && !is_seen();
+            Some(Candidate { overlap: BoundedOverlap { blocks, most_m }, is_open })
         };
-        let mut candidates: Vec<Candidate> = if pairs.len() < FEW {
+        let candidates: Vec<Candidate> = if pairs.len() < FEW {
             pairs.iter().filter_map(candidate).collect()
         } else {
             pairs.par_iter().filter_map(candidate).collect()
         };
-        let open: Vec<[usize; 2]> = candidates.iter().filter(|c| c.is_open).map(|c| c.blocks).collect();
+        let open: Vec<[usize; 2]> = candidates.iter().filter(|c| c.is_open).map(|c| c.overlap.blocks).collect();
         let set = &self.set;
         let exactly = |&blocks: &[usize; 2]| unseen(screen, (set, see), blocks, (closed.between(blocks), &rounding));
         // Each takes long enough to be worth another thread.
         let unseen = open.par_iter().filter_map(exactly).collect();
         let floor = rounding_depth_of_size(&largest, Precision::F64);
-        StepAudit { unseen, deepest: deepest(screen, &self.set, &mut candidates, &floor), passages: None }
+        let bounded = candidates.into_iter().map(|candidate| candidate.overlap).collect();
+        StepAudit { unseen, deepest: deepest_beyond(screen, &self.set, bounded, &floor), passages: None }
     }
 
     /// Which pairs passed through one another. Only pairs whose boxes over the whole step meet are asked about.
@@ -203,42 +204,20 @@ fn unseen(
 }
 
 /// The deepest of some pairs, exactly, of equal ones the first; none where none is deeper than `floor`.
-fn deepest(
+fn deepest_beyond(
     screen: &Screen<'_>,
     set: &ToleranceSet,
-    candidates: &mut Vec<Candidate>,
+    mut bounded: Vec<BoundedOverlap>,
     floor: &Number,
 ) -> Option<PairDepth> {
-    let mut deepest: Option<(_, PairDepth)> = None;
-    let exactly = |candidate: &Candidate| {
-        let solids = candidate.blocks.map(|block| PreparedBlock::new(&screen.block(block)));
-        let depth = Auditor::new(&solids, set).depth([0, 1])?;
-        Some((depth.depth_squared(), pair_depth(candidate.blocks, &depth)))
+    bounded.retain(|overlap| overlap.most_m > floor.approximate());
+    let measure = |blocks: [usize; 2]| {
+        let solids = blocks.map(|block| PreparedBlock::new(&screen.block(block)));
+        Auditor::new(&solids, set).depth([0, 1])
     };
+    let (blocks, depth) = deepest(bounded, measure)?;
     let floor_squared = floor.times(floor).to_rational();
-    candidates.retain(|candidate| candidate.most > floor.approximate());
-    // Those of which most is possible first, until no other can be as deep.
-    candidates.sort_by(|one, two| two.most.total_cmp(&one.most).then(one.blocks.cmp(&two.blocks)));
-    let mut rest = &candidates[..];
-    let mut together = 1;
-    while !rest.is_empty() {
-        let limit = deepest.as_ref().map_or(0.0, |(_, pair)| pair.depth_m.next_down());
-        let possible = rest.partition_point(|candidate| candidate.most >= limit);
-        let (next, later) = rest[..possible].split_at(together.min(possible));
-        if next.is_empty() {
-            break;
-        }
-        for (squared, pair) in next.par_iter().filter_map(exactly).collect::<Vec<_>>() {
-            let is_deeper =
-                |(most, first): &(_, PairDepth)| squared > *most || (squared == *most && pair.blocks < first.blocks);
-            if squared > floor_squared && deepest.as_ref().is_none_or(is_deeper) {
-                deepest = Some((squared, pair));
-            }
-        }
-        rest = later;
-        together = rayon::current_num_threads();
-    }
-    deepest.map(|(_, pair)| pair)
+    (depth.depth_squared() > floor_squared).then(|| pair_depth(blocks, &depth))
 }
 
 /// The blocks where a state has them, for f64 to look at; `None` where a number is not finite.

@@ -2,17 +2,17 @@
 
 use super::Decider;
 use crate::PreparedBlock;
+use crate::field::{DoubleBall, Field};
 use crate::number::{Ball, UNDERFLOW};
-use crate::pair::Pair;
-use crate::separation::on_lattice;
+use crate::separation::{PointSet, on_lattice};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use rockproof_model::block::face_normal;
-use rockproof_model::decision::Side;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, FaceId, Vec3};
+use rockproof_model::{Block, FaceId, Ring, Sign, Vec3};
+use smallvec::SmallVec;
 
 /// The faces of a block as directions in f64, each taken as exact: how far the block reaches along them.
 pub(super) struct FacePlanes {
@@ -44,42 +44,130 @@ impl FacePlanes {
     }
 }
 
-/// The decider that shows that the plane of a face of either block separates them, **touching included**.
-pub(super) fn separating_face(pair: &Pair<'_>, planes: [&FacePlanes; 2]) -> Option<Decider> {
+/// How far along a direction the other block begins beyond the end of the direction's own one, in f64 (m).
+struct FaceGap {
+    value: f64,
+    /// It is off by less.
+    doubt: f64,
+}
+
+/// The gaps along the faces of both blocks, each with the place of its block, 0 or 1.
+fn gaps<'p>(
+    solids: [&'p PreparedBlock; 2],
+    planes: [&'p FacePlanes; 2],
+) -> impl Iterator<Item = (usize, FaceId, FaceGap)> {
     let size = planes[0].largest.max(planes[1].largest);
     let error = planes[0].error.max(planes[1].error);
-    let mut open: Vec<(Side, FaceId)> = Vec::new();
-    for side in [Side::A, Side::B] {
-        let (own, other) = (planes[usize::from(side == Side::B)], pair.solid(side.other()));
-        for (face, &(n, reach)) in own.directions.iter().enumerate() {
-            let start = other.vertices.iter().map(|p| dot(n, [p.x.0, p.y.0, p.z.0])).fold(f64::INFINITY, f64::min);
-            let gap = start - reach;
+    [0, 1].into_iter().flat_map(move |k| {
+        let other = &solids[1 - k].vertices;
+        planes[k].directions.iter().enumerate().map(move |(face, &(n, reach))| {
+            let start = other.iter().map(|p| dot(n, [p.x.0, p.y.0, p.z.0])).fold(f64::INFINITY, f64::min);
             // A dot product of three terms is off by at most 3 roundoffs of the sum of its terms' sizes (N. J. Higham,
             // Accuracy and Stability, section 3.1) and what the coordinates are off; twice that and the rounding of the
             // difference are below 16 roundoffs.
             let sum = n[0].abs() + n[1].abs() + n[2].abs();
             let doubt = sum * (size * (8.0 * f64::EPSILON) + 4.0 * error) + 16.0 * UNDERFLOW;
-            if gap > doubt {
-                return Some(Decider::FacePlane);
-            }
-            // The face's own plane differs from the direction by roundoffs of normals: those of the nearby ones are asked.
-            if gap > -4.0 * doubt {
-                open.push((side, FaceId::at(face)));
-            }
+            (k, FaceId::at(face), FaceGap { value: start - reach, doubt })
+        })
+    })
+}
+
+/// The decider that shows that the plane of a face of either block separates them, **touching included**.
+pub(super) fn separating_face(solids: [&PreparedBlock; 2], planes: [&FacePlanes; 2]) -> Option<Decider> {
+    let mut open: SmallVec<[(usize, FaceId); 8]> = SmallVec::new();
+    for (k, face, FaceGap { value, doubt }) in gaps(solids, planes) {
+        if value > doubt {
+            return Some(Decider::FacePlane);
+        }
+        // The face's own plane differs from the direction by roundoffs of normals: those of the nearby ones are asked.
+        if value > -4.0 * doubt {
+            open.push((k, face));
         }
     }
     if open.is_empty() {
         return None;
     }
-    let points = on_lattice([Side::A, Side::B].map(|side| pair.solid(side).block().vertices()));
-    open.into_iter().any(|(side, face)| separates_exactly(pair, &points, side, face)).then_some(Decider::ExactFacePlane)
+    let doubles = DoublePair::of(solids);
+    let mut undecided: SmallVec<[(usize, FaceId); 8]> = SmallVec::new();
+    for (k, face) in open {
+        match doubles.is_beyond(k, face) {
+            Some(true) => return Some(Decider::ExactFacePlane),
+            Some(false) => {}
+            None => undecided.push((k, face)),
+        }
+    }
+    if undecided.is_empty() {
+        return None;
+    }
+    let points = on_lattice(solids.map(|solid| solid.block().vertices()));
+    let separates = |(k, face)| separates_exactly(solids, &points, k, face);
+    undecided.into_iter().any(separates).then_some(Decider::ExactFacePlane)
 }
 
-/// Whether along a face's normal the other block begins where this one ends, **or beyond**.
-fn separates_exactly(pair: &Pair<'_>, points: &[Vec<Vec3<BigInt>>; 2], side: Side, face: FaceId) -> bool {
-    let k = usize::from(side == Side::B);
+/// The depth in m that the penetration of two convex blocks certainly does not exceed: the least that moving along the normal
+/// of a face takes, of the faces along which f64 finds it least. Penetration of convex blocks is the least over directions
+/// among which these normals are (`penetration::convex`), so any face bounds it. Infinite where nothing is known.
+pub(super) fn greatest_depth(solids: [&PreparedBlock; 2], planes: [&FacePlanes; 2]) -> f64 {
+    let gaps: SmallVec<[(usize, FaceId, FaceGap); 16]> = gaps(solids, planes).collect();
+    let best = gaps.iter().map(|(_, _, gap)| gap.value - gap.doubt).fold(f64::NEG_INFINITY, f64::max);
+    let doubles = DoublePair::of(solids);
+    let nearby = gaps.iter().filter(|(_, _, gap)| gap.value + gap.doubt >= best);
+    nearby.map(|&(k, face, _)| doubles.depth_at_most(k, face)).fold(f64::INFINITY, f64::min)
+}
+
+/// Two blocks in some 100 bits.
+struct DoublePair<'p> {
+    solids: [&'p PreparedBlock; 2],
+    points: [Vec<Vec3<DoubleBall>>; 2],
+}
+
+impl<'p> DoublePair<'p> {
+    fn of(solids: [&'p PreparedBlock; 2]) -> DoublePair<'p> {
+        DoublePair { solids, points: solids.map(|solid| PointSet::of(solid).doubles()) }
+    }
+
+    /// The normal of a face of block k, and along it how far beyond the end of its block the other one begins, times the
+    /// normal's length; `None` where nothing is known.
+    fn gap(&self, k: usize, face: FaceId) -> Option<(Vec3<DoubleBall>, DoubleBall)> {
+        let (own, other) = (&self.points[k], &self.points[1 - k]);
+        let n = face_normal(own, self.solids[k].block().topology().face(face));
+        let start = least(other.iter().map(|p| n.dot(p)))?;
+        let end_against = least(own.iter().map(|p| n.dot(p).negated()))?;
+        Some((n, start.plus(&end_against)))
+    }
+
+    /// Whether along the normal of a face of block k the other block begins where this one ends, **or beyond**; `None` where
+    /// that is open.
+    fn is_beyond(&self, k: usize, face: FaceId) -> Option<bool> {
+        let (n, gap) = self.gap(k, face)?;
+        match gap.certain_sign()? {
+            Sign::Negative => Some(false),
+            // A normal without length has no direction: along it every gap is zero.
+            Sign::Zero | Sign::Positive => (n.norm_squared().certain_sign()? == Sign::Positive).then_some(true),
+        }
+    }
+
+    /// The depth in m that parts the blocks along the normal of a face of block k, rounded up; infinite where it is not known.
+    fn depth_at_most(&self, k: usize, face: FaceId) -> f64 {
+        let Some((n, gap)) = self.gap(k, face) else { return f64::INFINITY };
+        let ((gap, gap_error), (square, square_error)) = (gap.nearby(), n.norm_squared().nearby());
+        let length = (square - square_error).next_down().sqrt().next_down();
+        let depth = ((gap_error - gap).next_up() / length).next_up();
+        // Written so that what is not a number bounds nothing.
+        if length > 0.0 && depth >= 0.0 { depth } else { f64::INFINITY }
+    }
+}
+
+/// The least of some numbers; `None` where nothing is known of one.
+fn least(mut all: impl Iterator<Item = DoubleBall>) -> Option<DoubleBall> {
+    let first = all.next()?;
+    all.try_fold(first, |least, next| least.lesser(&next))
+}
+
+/// Whether along the normal of a face of block k the other block begins where this one ends, **or beyond**.
+fn separates_exactly(solids: [&PreparedBlock; 2], points: &[Vec<Vec3<BigInt>>; 2], k: usize, face: FaceId) -> bool {
     let (own, other) = (&points[k], &points[1 - k]);
-    let n = face_normal(own, &pair.topology(side).faces()[face.index()]);
+    let n = face_normal(own, solids[k].block().topology().face(face));
     if Zero::is_zero(&n.norm_squared()) {
         return false;
     }
@@ -173,9 +261,9 @@ mod tests {
     fn separating(a: &Block, b: &Block) -> Option<Decider> {
         let [a, b] = [a, b].map(PreparedBlock::new);
         let planes = [&a, &b].map(FacePlanes::of);
-        let found = separating_face(&Pair::new(&a, &b), planes.each_ref());
+        let found = separating_face([&a, &b], planes.each_ref());
         let [one, other] = planes.each_ref();
-        assert_eq!(separating_face(&Pair::new(&b, &a), [other, one]), found);
+        assert_eq!(separating_face([&b, &a], [other, one]), found);
         found
     }
 
@@ -219,14 +307,48 @@ mod tests {
                 };
                 let what = || format!("axis {axis}, {cosine}, {size:?}, {shift:?}");
                 let a = placed(&unit, &Number::ZERO);
-                let little = power(-25);
-                // Any plane that separated them would go through the inside of both.
-                assert_eq!(separating(&a, &placed(&beside, &little.negated())), None, "{}", what());
-                for apart in [Number::ZERO, little] {
-                    let found = separating(&a, &placed(&beside, &apart));
-                    assert_eq!(found, Some(Decider::ExactFacePlane), "{}", what());
+                // What sums of two f64 see and what only integers do.
+                for little in [power(-25), power(-45)] {
+                    // Any plane that separated them would go through the inside of both.
+                    assert_eq!(separating(&a, &placed(&beside, &little.negated())), None, "{}", what());
+                    for apart in [Number::ZERO, little] {
+                        let found = separating(&a, &placed(&beside, &apart));
+                        assert_eq!(found, Some(Decider::ExactFacePlane), "{}", what());
+                    }
                 }
             }
+        }
+    }
+
+    /// Four corners whose loop crosses itself and encloses nothing, as both its triangles cancel; f64 rounds them and sees an area.
+    #[test]
+    fn a_face_without_area_separates_nothing() {
+        let corner = |[x, y]: [i32; 2]| {
+            let at = |c: i32| Number::from_f64(f64::from(c) / 2f64.powi(30)).expect("a number");
+            Vec3::new(at(x), at(y), Number::from_integer(1))
+        };
+        let flat = cuboid(["-1", "-1", "0"], ["1", "1", "1"]);
+        let crossed = [
+            [-536_870_911, -536_870_909],
+            [-204_035_018, -497_657_868],
+            [-148_147_628, -233_254_914],
+            [184_688_265, -194_041_873],
+        ];
+        let crossed = crossed.map(corner);
+        let roof = flat.with_vertices(flat.vertices()[..4].iter().cloned().chain(crossed).collect());
+        let top =
+            roof.topology().face_ids().find(|&f| roof.topology().face(f).iter().all(|v| v.index() > 3)).expect("a top");
+        let (direction, _) = FacePlanes::of(&PreparedBlock::new(&roof)).directions[top.index()];
+        assert!(direction.iter().all(|c| c.is_finite()), "{direction:?}");
+        let little = power(-16);
+        for (low, high) in [("1", "2"), ("-1", "0")] {
+            let beside = cuboid(["-2", "-2", low], ["2", "2", high]);
+            let into = if low == "1" { little.negated() } else { little.clone() };
+            assert_eq!(separating(&roof, &beside), Some(Decider::ExactFacePlane));
+            assert_eq!(
+                separating(&roof, &mapped(&beside, |v| Vec3::new(v.x.clone(), v.y.clone(), v.z.plus(&into)))),
+                None
+            );
         }
     }
 

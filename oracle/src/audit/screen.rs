@@ -184,7 +184,7 @@ mod tests {
     use crate::{Pair, PreparedBlock};
     use num_rational::BigRational;
     use rockproof_model::preset::{Preset, derive};
-    use rockproof_model::{EdgeId, FaceId, Precision, Sign};
+    use rockproof_model::{BlockOptions, EdgeId, FaceId, Precision, Sign};
 
     fn cuboid(sides: [f64; 3]) -> Block {
         let corner = |c: [f64; 3]| Vec3::new(c[0], c[1], c[2]).map(|&c| Number::from_f64(c).expect("a number"));
@@ -292,6 +292,24 @@ mod tests {
             }
         }
         assert!(negative > 1000 && open * 20 < negative, "{negative} {open}");
+    }
+
+    #[test]
+    fn blocks_that_are_not_convex_are_not_bounded() {
+        // An L and a cube in its foot.
+        let profile = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [1.0, 1.0], [1.0, 4.0], [0.0, 4.0]];
+        let at = |y: f64| {
+            profile.map(|[x, z]| Vec3::new(x, y, z).map(|&c: &f64| Number::from_f64(c).expect("a number"))).to_vec()
+        };
+        let sides = (0..6).map(|k| vec![k, k + 6, (k + 1) % 6 + 6, (k + 1) % 6]);
+        let faces = [(0..6).collect(), (6..12).rev().collect()].into_iter().chain(sides).collect();
+        let l = Block::new([at(0.0), at(1.0)].concat(), faces, &BlockOptions::default()).expect("a block");
+        let cube = cuboid([1.0; 3]);
+        let by = [2.5, 0.25, 0.25];
+        let screen = Screen::new([(&l, placed(&l, [0.0; 2], [0.0; 3])), (&cube, placed(&cube, [0.0; 2], by))]);
+        let screen = screen.expect("finite");
+        assert_eq!(screen.pairs(), [[0, 1]]);
+        assert_eq!([[0, 1], [1, 0]].map(|pair| screen.greatest_depth(pair)), [Some(f64::INFINITY); 2]);
     }
 
     #[test]
