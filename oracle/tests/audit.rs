@@ -122,6 +122,13 @@ fn blocks_in_one_another_overlap_whatever_their_vertices_do() {
     // the bottom and top of both.
     let found = overlap_of(&plus_sign(), &cuboid(["1", "-1", "0"], ["2", "4", "1"]), &wide()).unwrap();
     assert_eq!(found.depth_squared(), exact("1/4"));
+    // Both four times as high: the middle is 1/2 from the bar's sides, and √(1/4 + 1/4) from the plus sign's reflex edges.
+    let high = |block: &Block| {
+        let vertices = block.vertices().iter().map(|v| Vec3::new(v.x.clone(), v.y.clone(), v.z.times(&number("4"))));
+        block.with_vertices(vertices.collect())
+    };
+    let bar = cuboid(["1", "-1", "0"], ["2", "4", "1"]);
+    assert_eq!(overlap_of(&high(&plus_sign()), &high(&bar), &wide()).unwrap().depth_squared(), exact("1/4"));
 }
 
 /// A box with its bottom at `depths` below z = 0, at x = 0 and at x = 1.

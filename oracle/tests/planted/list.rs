@@ -32,6 +32,7 @@ struct File {
 /// All mistakes, in the order of the files.
 pub(crate) fn mistakes() -> Vec<Mistake> {
     let files = [
+        ("audit", include_str!("audit.toml")),
         ("contacts", include_str!("contacts.toml")),
         ("numbers", include_str!("numbers.toml")),
         ("solves", include_str!("solves.toml")),
