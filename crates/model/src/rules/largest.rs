@@ -34,7 +34,7 @@ pub(super) fn may_be_extreme(sums: &[[f64; 3]]) -> Vec<usize> {
         .iter()
         .map(|terms| {
             let [sum, size] = [terms.iter().sum::<f64>(), terms.iter().map(|term| term.abs()).sum::<f64>()];
-            (!sum.is_nan()).then(|| (sum - size * DOUBT, sum + size * DOUBT))
+            (!sum.is_nan()).then_some((sum - size * DOUBT, sum + size * DOUBT))
         })
         .collect();
     let known = || bounds.iter().flatten();
