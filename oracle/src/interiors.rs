@@ -19,6 +19,7 @@ use num_bigint::BigInt;
 use pieces::Piece;
 use rockproof_model::{Block, Vec3};
 use surfaces::Surfaces;
+pub(crate) use surfaces::ball;
 
 /// Whether the insides of two blocks share a volume; **touching is not sharing**.
 pub(crate) fn surfaces_meet(a: &Block, b: &Block) -> bool {

@@ -284,7 +284,7 @@ fn bounds_of(points: &[Vec3<Ball>]) -> [[f64; 2]; 3] {
 }
 
 /// `value / 2^shift`, as near as f64 holds it.
-pub(super) fn ball(value: &BigInt, shift: i64) -> Ball {
+pub(crate) fn ball(value: &BigInt, shift: i64) -> Ball {
     let bits = value.bits() as i64;
     if bits == 0 {
         return Ball { middle: 0.0, radius: 0.0 };

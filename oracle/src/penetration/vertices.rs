@@ -14,25 +14,31 @@
 //!    surfaces, as the point is a corner of neither.
 //!
 //! Of 2 and 3 the depth is that of points inside, at most that of the deepest ones.
+//!
+//! f64 answers first wherever it proves the answer (`near`); what is left is exact.
+
+mod near;
 
 use super::{LatticePair, Penetration, compare};
 use crate::Gap;
 use crate::convex_cells::cells;
 use crate::interiors::surfaces_meet;
-use crate::point_in_surface::{surface_holds_origin, triangle_holds_origin, triangles};
+use crate::point_in_surface::{surface_holds_origin, triangle_corners, triangle_holds_origin};
 use crate::separation::{SeparablePoints, separate};
+use near::{Feature, NearSurface, View};
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use rockproof_model::block::face_normal;
 use rockproof_model::topology::loop_pairs;
-use rockproof_model::{Block, Sign, Vec3, VertexId};
-use std::borrow::Cow;
+use rockproof_model::{Block, Sign, Vec3};
+use std::cell::OnceCell;
 
 /// The deepest point of either block; `None` where a block has no face with an area.
 pub(super) fn deepest_point(pair: &LatticePair<'_>) -> Option<Penetration> {
-    let surfaces = [LatticeSurface::new(pair, 0)?, LatticeSurface::new(pair, 1)?];
+    let view = View::of([&pair.points[0], &pair.points[1]]);
+    let surfaces = [LatticeSurface::new(pair, &view, 0)?, LatticeSurface::new(pair, &view, 1)?];
     let best = deepest_vertex(&surfaces)
         .or_else(|| deepest_of(&surfaces, |side| surfaces[side].middles_between_crossings(&surfaces[1 - side])))
         .or_else(|| deepest_common(pair, &surfaces));
@@ -64,7 +70,7 @@ fn deepest_of(surfaces: &[LatticeSurface<'_>; 2], points: impl Fn(usize) -> Vec<
         for point in points(side) {
             let deeper_than_best =
                 |nearest: &NearestPoint| best.as_ref().is_none_or(|best| nearest.cmp_square(&best.nearest).is_gt());
-            if let Some(nearest) = other.depth(&point, deeper_than_best) {
+            if let Some(nearest) = other.depth(point, deeper_than_best) {
                 best = Some(DeepPoint { nearest, is_of_a: side == 0 });
             }
         }
@@ -85,7 +91,7 @@ fn deepest_common(pair: &LatticePair<'_>, surfaces: &[LatticeSurface<'_>; 2]) ->
         let Some(common) = one.common(two) else { continue };
         let point = Fraction::of(&common.middle().map(|c| c * units / metres));
         // Deep in B as a point of A, and the other way round.
-        let depths = [surfaces[1].depth(&point, |_| true), surfaces[0].depth(&point, |_| true)];
+        let depths = [1, 0].map(|side| surfaces[side].depth(point.clone(), |_| true));
         let [Some(as_a), Some(as_b)] = depths else { continue };
         let is_of_a = as_a.cmp_square(&as_b).is_le();
         let nearest = if is_of_a { as_a } else { as_b };
@@ -97,6 +103,7 @@ fn deepest_common(pair: &LatticePair<'_>, surfaces: &[LatticeSurface<'_>; 2]) ->
 }
 
 /// The point `numerators / denominator` in lattice units, the denominator above zero.
+#[derive(Clone)]
 struct Fraction {
     numerators: Vec3<BigInt>,
     denominator: BigInt,
@@ -105,6 +112,31 @@ struct Fraction {
 impl Fraction {
     fn whole(numerators: Vec3<BigInt>) -> Fraction {
         Fraction { numerators, denominator: BigInt::one() }
+    }
+
+    /// The point `p + share·d`.
+    fn between(p: &Vec3<BigInt>, d: &Vec3<BigInt>, share: &BigRational) -> Fraction {
+        Fraction {
+            numerators: p.scaled(share.denom()).plus(&d.scaled(share.numer())),
+            denominator: share.denom().clone(),
+        }
+    }
+
+    /// The same with the least denominator.
+    fn reduced(self) -> Fraction {
+        if self.denominator.is_one() {
+            return self;
+        }
+        let common = self.numerators.components().into_iter().fold(self.denominator.clone(), |all, c| all.gcd(c));
+        Fraction { numerators: self.numerators.map(|c| c / &common), denominator: self.denominator / common }
+    }
+
+    /// The way from it to a lattice point, in units finer by its denominator.
+    fn way_to(&self, place: &Vec3<BigInt>) -> Vec3<BigInt> {
+        if self.denominator.is_one() {
+            return place.minus(&self.numerators);
+        }
+        place.scaled(&self.denominator).minus(&self.numerators)
     }
 
     fn of(point: &Vec3<BigRational>) -> Fraction {
@@ -135,140 +167,116 @@ impl NearestPoint {
 /// The surface of a block in lattice units.
 struct LatticeSurface<'p> {
     block: &'p Block,
-    points: Cow<'p, [Vec3<BigInt>]>,
-    /// Normal of each face.
-    normals: Vec<Vec3<BigInt>>,
+    points: &'p [Vec3<BigInt>],
+    /// Normal of each face, as far as asked for.
+    normals: Vec<OnceCell<Vec3<BigInt>>>,
     /// Least and greatest coordinates.
     bounds: [Vec3<BigInt>; 2],
+    view: &'p View,
+    near: NearSurface<'p>,
 }
 
 impl<'p> LatticeSurface<'p> {
-    fn new(pair: &'p LatticePair<'_>, side: usize) -> Option<LatticeSurface<'p>> {
-        let surface = LatticeSurface::through(pair.blocks[side], Cow::Borrowed(&pair.points[side]));
-        let has_area = surface.normals.iter().any(|n| !Zero::is_zero(&n.norm_squared()));
-        has_area.then_some(surface)
-    }
-
-    fn through(block: &'p Block, points: Cow<'p, [Vec3<BigInt>]>) -> LatticeSurface<'p> {
-        let normals = block.topology().faces().iter().map(|face| face_normal(&points, face)).collect();
+    /// `None` where no face has an area.
+    fn new(pair: &'p LatticePair<'_>, view: &'p View, side: usize) -> Option<LatticeSurface<'p>> {
+        let (block, points) = (pair.blocks[side], pair.points[side].as_slice());
         let corner = |pick: fn(BigInt, BigInt) -> BigInt| {
             let first = points[0].clone();
             points.iter().cloned().fold(first, |a, b| Vec3::new(pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z)))
         };
         let bounds = [corner(std::cmp::min), corner(std::cmp::max)];
-        LatticeSurface { block, points, normals, bounds }
+        let normals = vec![OnceCell::new(); block.topology().faces().len()];
+        let near = NearSurface::new(view, block, points);
+        let surface = LatticeSurface { block, points, normals, bounds, view, near };
+        let has_area = (0..surface.normals.len()).any(|face| !Zero::is_zero(&surface.normal(face).norm_squared()));
+        has_area.then_some(surface)
+    }
+
+    fn normal(&self, face: usize) -> &Vec3<BigInt> {
+        self.normals[face].get_or_init(|| face_normal(self.points, &self.block.topology().faces()[face]))
     }
 
     /// How deep a point is inside; `None` where it is not inside, or its depth not one that is asked for.
-    fn depth(&self, point: &Fraction, is_asked_for: impl Fn(&NearestPoint) -> bool) -> Option<NearestPoint> {
-        if !point.denominator.is_one() {
-            // On a lattice finer by the denominator the point is whole.
-            let finer = self.points.iter().map(|p| p.scaled(&point.denominator)).collect();
-            let surface = LatticeSurface::through(self.block, Cow::Owned(finer));
-            let in_finer_units = |nearest: &NearestPoint| is_asked_for(&nearest.on_coarser_lattice(&point.denominator));
-            let nearest = surface
-                .depth(&Fraction::whole(point.numerators.clone()), &in_finer_units as &dyn Fn(&NearestPoint) -> bool)?;
-            return Some(nearest.on_coarser_lattice(&point.denominator));
-        }
-        let point = &point.numerators;
-        if !self.box_holds(point) {
+    fn depth(&self, point: Fraction, is_asked_for: impl Fn(&NearestPoint) -> bool) -> Option<NearestPoint> {
+        let near = self.view.point(&point);
+        let is_inside = self.near.holds(&near);
+        if is_inside == Some(false) || !self.box_holds(&point) {
             return None;
         }
-        let nearest = self.nearest(point)?;
-        let is_inside = is_asked_for(&nearest) && !Zero::is_zero(&nearest.numerator) && self.holds(point);
-        is_inside.then_some(nearest)
+        let point = point.reduced();
+        let nearest = self.nearest(&point, &self.near.nearest_features(&near))?;
+        let is_deep = is_asked_for(&nearest) && !Zero::is_zero(&nearest.numerator);
+        (is_deep && is_inside.unwrap_or_else(|| self.holds(&point))).then_some(nearest)
     }
 
     /// The middles of the parts into which the other's triangles cut each edge, where they cut it at all.
     fn middles_between_crossings(&self, other: &LatticeSurface<'_>) -> Vec<Fraction> {
-        let surface: Vec<_> = triangles(other.block, &other.points).collect();
+        let surface: Vec<_> = triangle_corners(other.block).collect();
         let mut middles = Vec::new();
         for edge in self.block.topology().edges() {
             let [p, q] = [edge.p, edge.q].map(|v| &self.points[v.index()]);
             let d = q.minus(p);
-            let mut places: Vec<BigRational> = surface.iter().filter_map(|corners| crossing(p, &d, *corners)).collect();
+            let may_meet = |triangle: &usize| other.near.may_be_crossed(&self.near, [edge.p, edge.q], *triangle);
+            let meeting = (0..surface.len()).filter(may_meet);
+            let mut places: Vec<BigRational> = meeting
+                .filter_map(|triangle| crossing(p, &d, surface[triangle].map(|v| &other.points[v.index()])))
+                .collect();
             if places.is_empty() {
                 continue;
             }
             places.extend([BigRational::zero(), BigRational::one()]);
             places.sort();
             places.dedup();
-            middles.extend(places.windows(2).map(|two| {
-                let share = (&two[0] + &two[1]) / BigInt::from(2);
-                let whole = |v: &Vec3<BigInt>| v.map(|c| BigRational::from_integer(c.clone()));
-                Fraction::of(&whole(p).plus(&whole(&d).scaled(&share)))
-            }));
+            let middle = |two: &[BigRational]| (&two[0] + &two[1]) / BigInt::from(2);
+            middles.extend(places.windows(2).map(|two| Fraction::between(p, &d, &middle(two))));
         }
         middles
     }
 
     /// Whether a point is inside the block's box; **its surface does not count**.
-    fn box_holds(&self, point: &Vec3<BigInt>) -> bool {
-        let [low, high] = &self.bounds;
-        (0..3).all(|k| low.components()[k] < point.components()[k] && point.components()[k] < high.components()[k])
+    fn box_holds(&self, point: &Fraction) -> bool {
+        let [to_low, to_high] = self.bounds.each_ref().map(|corner| point.way_to(corner));
+        let below = to_low.components().into_iter().all(BigInt::is_negative);
+        below && to_high.components().into_iter().all(BigInt::is_positive)
     }
 
-    /// The nearest point of the surface.
-    fn nearest(&self, point: &Vec3<BigInt>) -> Option<NearestPoint> {
-        let topology = self.block.topology();
-        let faces = (0..topology.faces().len()).filter_map(|face| self.to_face(point, face));
-        let edges = topology.edges().iter().filter_map(|edge| {
-            let [p, q] = [edge.p, edge.q].map(|v| &self.points[v.index()]);
-            self.to_edge(point, p, q)
-        });
-        let vertices = self.points.iter().map(|vertex| {
-            let way = vertex.minus(point);
-            NearestPoint { numerator: way.norm_squared(), denominator: BigInt::from(1), way }
-        });
+    /// The nearest of some features, the first of several: faces, edges, vertices.
+    fn nearest(&self, point: &Fraction, features: &[Feature]) -> Option<NearestPoint> {
+        let of = |feature: &Feature| match *feature {
+            Feature::Face(face) => self.to_face(point, face),
+            Feature::Edge(edge) => self.to_edge(point, edge),
+            Feature::Vertex(vertex) => {
+                let way = point.way_to(&self.points[vertex]);
+                Some(NearestPoint { numerator: way.norm_squared(), denominator: BigInt::one(), way })
+            }
+        };
         // `min_by` keeps the first of several.
-        faces.chain(edges).chain(vertices).min_by(NearestPoint::cmp_square)
+        let nearest = features.iter().filter_map(of).min_by(NearestPoint::cmp_square)?;
+        Some(nearest.on_coarser_lattice(&point.denominator))
     }
 
-    /// The foot on a face's plane, where it is inside the polygon or on its boundary.
-    fn to_face(&self, point: &Vec3<BigInt>, face: usize) -> Option<NearestPoint> {
-        let (n, corners) = (&self.normals[face], &self.block.topology().faces()[face]);
-        let square = n.norm_squared();
-        if Zero::is_zero(&square) || !self.projects_inside(point, n, corners) {
+    /// The foot on a face's plane, where it is inside the polygon or on its boundary, in units finer by the point's
+    /// denominator.
+    fn to_face(&self, point: &Fraction, face: usize) -> Option<NearestPoint> {
+        let (n, corners) = (self.normal(face), &self.block.topology().faces()[face]);
+        let ways: Vec<_> = corners.iter().map(|v| point.way_to(&self.points[v.index()])).collect();
+        if Zero::is_zero(&n.norm_squared()) || !projects_inside(n, &ways) {
             return None;
         }
+        let n = n.scaled(&(&point.denominator * &point.denominator));
         // The plane goes through the corners' mean: k times the distance times |N|.
         let k = BigInt::from(corners.len());
-        let sum = corners.iter().fold(Vec3::zero(), |sum: Vec3<BigInt>, &v| sum.plus(&self.points[v.index()]));
-        let off = n.dot(&sum) - &k * n.dot(point);
-        let way = if off.is_negative() { n.negated() } else { n.clone() };
-        Some(NearestPoint { numerator: &off * &off, denominator: square * &k * &k, way })
+        let off = n.dot(&ways.iter().fold(Vec3::zero(), |sum: Vec3<BigInt>, way| sum.plus(way)));
+        let denominator = n.norm_squared() * &k * &k;
+        let way = if off.is_negative() { n.negated() } else { n };
+        Some(NearestPoint { numerator: &off * &off, denominator, way })
     }
 
-    /// Whether a point, seen along n, is inside a polygon or on its boundary.
-    fn projects_inside(&self, point: &Vec3<BigInt>, n: &Vec3<BigInt>, corners: &[VertexId]) -> bool {
-        // The polygon in a frame of two vectors across n: u and n × u, neither of unit length.
-        let size = n.components().map(|c| c.abs());
-        let axis = (0..3).min_by_key(|&k| &size[k]).unwrap_or(0);
-        let unit = |k: usize| BigInt::from(i32::from(k == axis));
-        let u = n.cross(&Vec3::new(unit(0), unit(1), unit(2)));
-        let v = n.cross(&u);
-        let flat = |at: &Vec3<BigInt>| {
-            let from_point = at.minus(point);
-            [u.dot(&from_point), v.dot(&from_point)]
-        };
-        let mut inside = false;
-        for (p, q) in loop_pairs(corners) {
-            let (p, q) = (flat(&self.points[p.index()]), flat(&self.points[q.index()]));
-            let turn = &p[0] * &q[1] - &p[1] * &q[0];
-            let within = |k: usize| !(&p[k] * &q[k]).is_positive();
-            if Zero::is_zero(&turn) && within(0) && within(1) {
-                return true;
-            }
-            if p[1].is_negative() != q[1].is_negative() && turn.is_positive() == p[1].is_negative() {
-                inside = !inside;
-            }
-        }
-        inside
-    }
-
-    /// The foot on an edge, where it is strictly inside.
-    fn to_edge(&self, point: &Vec3<BigInt>, p: &Vec3<BigInt>, q: &Vec3<BigInt>) -> Option<NearestPoint> {
-        let (d, from) = (q.minus(p), point.minus(p));
+    /// The foot on an edge, where it is strictly inside, in units finer by the point's denominator.
+    fn to_edge(&self, point: &Fraction, edge: usize) -> Option<NearestPoint> {
+        let edge = &self.block.topology().edges()[edge];
+        let [p, q] = [edge.p, edge.q].map(|v| point.way_to(&self.points[v.index()]));
+        let (d, from) = (q.minus(&p), p.negated());
         let (along, length) = (d.dot(&from), d.norm_squared());
         if !along.is_positive() || along >= length {
             return None;
@@ -279,11 +287,36 @@ impl<'p> LatticeSurface<'p> {
 
     /// Whether a point is inside; **one on the surface is not**. An uneven face's triangles are not in the face's plane, so
     /// a point on them can have a distance from it.
-    fn holds(&self, point: &Vec3<BigInt>) -> bool {
+    fn holds(&self, point: &Fraction) -> bool {
+        let ways: Vec<_> = self.points.iter().map(|v| point.way_to(v)).collect();
         let around: Vec<_> =
-            triangles(self.block, &self.points).map(|corners| corners.map(|v| v.minus(point))).collect();
+            triangle_corners(self.block).map(|corners| corners.map(|v| ways[v.index()].clone())).collect();
         !around.iter().any(triangle_holds_origin) && surface_holds_origin(&around)
     }
+}
+
+/// Whether the beginning of the ways to a polygon's corners, seen along n, is inside the polygon or on its boundary.
+fn projects_inside(n: &Vec3<BigInt>, ways: &[Vec3<BigInt>]) -> bool {
+    // The polygon in a frame of two vectors across n: u and n × u, neither of unit length.
+    let size = n.components().map(|c| c.abs());
+    let axis = (0..3).min_by_key(|&k| &size[k]).unwrap_or(0);
+    let unit = |k: usize| BigInt::from(i32::from(k == axis));
+    let u = n.cross(&Vec3::new(unit(0), unit(1), unit(2)));
+    let v = n.cross(&u);
+    let flat: Vec<[BigInt; 2]> = ways.iter().map(|way| [u.dot(way), v.dot(way)]).collect();
+    let mut inside = false;
+    for (p, q) in loop_pairs(&(0..flat.len()).collect::<Vec<_>>()) {
+        let (p, q) = (&flat[p], &flat[q]);
+        let turn = &p[0] * &q[1] - &p[1] * &q[0];
+        let within = |k: usize| !(&p[k] * &q[k]).is_positive();
+        if Zero::is_zero(&turn) && within(0) && within(1) {
+            return true;
+        }
+        if p[1].is_negative() != q[1].is_negative() && turn.is_positive() == p[1].is_negative() {
+            inside = !inside;
+        }
+    }
+    inside
 }
 
 /// Where `p + t·d` meets a triangle whose plane it passes through, its boundary included, for t from 0 to 1.
@@ -296,9 +329,13 @@ fn crossing(p: &Vec3<BigInt>, d: &Vec3<BigInt>, corners: [&Vec3<BigInt>; 3]) -> 
     }
     let sides = [(&a, &b), (&b, &c), (&c, &a)].map(|(p, q)| p.cross(q).dot(d));
     let is_outside = |side: &BigInt| !Zero::is_zero(side) && side.is_positive() != towards.is_positive();
-    let place = BigRational::new(n.dot(&a), towards.clone());
-    let is_on_edge = !place.is_negative() && place <= BigRational::one();
-    (is_on_edge && !sides.iter().any(is_outside)).then_some(place)
+    if sides.iter().any(is_outside) {
+        return None;
+    }
+    let before = n.dot(&a);
+    let beyond = &towards - &before;
+    let is_on_edge = [&before, &beyond].into_iter().all(|part| !is_outside(part));
+    is_on_edge.then(|| BigRational::new(before, towards))
 }
 
 #[cfg(test)]
