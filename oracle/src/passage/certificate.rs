@@ -1,13 +1,14 @@
 //! The certificate that an interval of time is free.
 
+mod directions;
 #[cfg(test)]
 mod tests;
 
 use super::motion::MovingPair;
 use crate::point_in_surface::{triangle_corners, triangles};
+use directions::{Candidate, direction};
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
-use rockproof_model::block::face_normal;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, Vec3, VertexId};
 
@@ -46,16 +47,6 @@ struct PartsAtEnds<'e> {
     ends: &'e Ends,
 }
 
-/// A direction and how it was found to do.
-struct Candidate {
-    n: LatticePoint,
-    /// The gap along it, the lesser one of both ends, over its length: an f64 without a bound.
-    gap: f64,
-}
-
-/// How many of the best directions are tried exactly.
-const TRIED: usize = 4;
-
 impl<'m, 'b> Certificate<'m, 'b> {
     pub(super) fn new(moving: &'m MovingPair<'b>) -> Certificate<'m, 'b> {
         let start = moving.at(&BigInt::zero(), 0);
@@ -74,7 +65,7 @@ impl<'m, 'b> Certificate<'m, 'b> {
         let hulls = PartsAtEnds { parts: [&whole[0], &whole[1]], ends: &ends };
         let is_within = |n: &LatticePoint| hulls.parts_within(n, &limit);
         // Along the axes first: most pairs that are apart are so by their boxes.
-        if axes().iter().any(is_within) || hulls.best_directions().iter().any(|candidate| is_within(&candidate.n)) {
+        if axes().iter().any(is_within) || hulls.best_directions().iter().any(|candidate| is_within(candidate.n())) {
             return true;
         }
         let is_convex = self.moving.blocks.iter().all(|block| block.is_convex());
@@ -92,21 +83,21 @@ impl<'m, 'b> Certificate<'m, 'b> {
                 })
                 .filter(|two| !two.are_far(float(limit)))
                 .collect();
-            let directions: Vec<Vec<Candidate>> = against.iter().map(PartsAtEnds::best_directions).collect();
+            let directions: Vec<Vec<Candidate<'_>>> = against.iter().map(PartsAtEnds::best_directions).collect();
             // No translation, then by g along the direction that the part overlapped most asks for, or along the middle of
             // all that are asked for, as in a corner of the other block; and of those as well that seem to be touched and may
             // be overlapped by less than f64 sees.
             let doubt = ends.size * (16.0 * f64::EPSILON);
             let asked =
                 |most: f64| directions.iter().filter_map(|best| best.first()).filter(move |best| best.gap < most);
-            let worst = asked(doubt).min_by(|one, two| one.gap.total_cmp(&two.gap)).map(|worst| worst.n.clone());
-            let middles = [0.0, doubt].map(|most| middle_of(asked(most).map(|best| &best.n)));
-            let along = std::iter::once(worst).chain(middles).flatten();
+            let worst = || asked(doubt).min_by(|one, two| one.gap.total_cmp(&two.gap)).map(|worst| worst.n().clone());
+            let middle = |most: f64| middle_of(asked(most).map(Candidate::n));
+            let along = std::iter::once_with(worst).chain([0.0, doubt].into_iter().map(middle)).flatten();
             let along = along.map(|n| at_most_as_long(&n, limit));
             std::iter::once(Vec3::zero()).chain(along).any(|shift| {
                 against.iter().zip(&directions).all(|(ends, tried)| {
                     // A's part moves so, or B's the other way.
-                    tried.iter().any(|candidate| ends.parts_shifted(&candidate.n, &shift))
+                    tried.iter().any(|candidate| ends.parts_shifted(candidate.n(), &shift))
                 })
             })
         })
@@ -229,16 +220,6 @@ impl PartsAtEnds<'_> {
         q.minus(p)
     }
 
-    /// The direction of an edge in f64.
-    fn near_edge(&self, end: usize, side: usize, edge: usize) -> [f64; 3] {
-        if self.parts[side].is_rough {
-            let [p, q] = self.parts[side].edges[edge];
-            return self.ends.near_way(end, side, [p, q]);
-        }
-        let d = self.edge(end, side, edge);
-        direction([&d.x, &d.y, &d.z])
-    }
-
     /// The least gap along n at both ends: A's lowest point less B's highest, times |n|.
     fn gap(&self, n: &LatticePoint) -> BigInt {
         let gap = |end: usize| {
@@ -248,8 +229,32 @@ impl PartsAtEnds<'_> {
         gap(0).min(gap(1))
     }
 
+    /// The gap along n plus n·shift as f64 has them, and how far off that is at most; NaN where it overflows.
+    fn near_gap(&self, n: &LatticePoint, shift: &LatticePoint) -> (f64, f64) {
+        let [n, shift] = [n, shift].map(|v| v.components().map(float));
+        let along = |p: &[f64; 3]| n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
+        let gap = |end: usize| {
+            let low = self.near_of(end, 0).map(along).fold(f64::INFINITY, f64::min);
+            low - self.near_of(end, 1).map(along).fold(f64::NEG_INFINITY, f64::max)
+        };
+        // Each number is one rounding off. A product of two is at most three, a sum of three of them five times 2^−53 of
+        // 3·largest·size; two such sums and what they are added to make less than 21 times 2^−52 of it.
+        let largest = |v: &[f64; 3]| v.iter().fold(0.0f64, |most, c| most.max(c.abs()));
+        let error = largest(&n) * (self.ends.size + largest(&shift)) * (32.0 * f64::EPSILON);
+        (gap(0).min(gap(1)) + along(&shift), error)
+    }
+
     /// Whether at both ends A's lowest point along n is at most `limit` below B's highest; **exactly the limit says yes**.
     fn parts_within(&self, n: &LatticePoint, limit: &BigInt) -> bool {
+        let (near, error) = self.near_gap(n, &Vec3::zero());
+        if near > error {
+            return true;
+        }
+        let [x, y, z] = n.components().map(float);
+        let most = float(limit) * (x * x + y * y + z * z).sqrt() * (1.0 + 16.0 * f64::EPSILON);
+        if (-near - error) * (1.0 - 4.0 * f64::EPSILON) > most {
+            return false;
+        }
         let square = n.norm_squared();
         let gap = self.gap(n);
         !Zero::is_zero(&square) && (!gap.is_negative() || &gap * &gap <= limit * limit * square)
@@ -257,107 +262,14 @@ impl PartsAtEnds<'_> {
 
     /// Whether at both ends A, moved by `shift` relative to B, is not below B along n; **touching says yes**.
     fn parts_shifted(&self, n: &LatticePoint, shift: &LatticePoint) -> bool {
+        let (near, error) = self.near_gap(n, shift);
+        if near.abs() > error {
+            return near > 0.0;
+        }
         !Zero::is_zero(&n.norm_squared()) && !(self.gap(n) + n.dot(shift)).is_negative()
     }
-
-    /// The directions with the largest gaps by f64, the largest first: normals of faces and cross products of edges, as they
-    /// are at either end.
-    fn best_directions(&self) -> Vec<Candidate> {
-        let points = [0, 1].map(|end| [0, 1].map(|side| self.near_of(end, side).copied().collect::<Vec<_>>()));
-        let along = |n: [f64; 3]| {
-            let gap = |end: usize| {
-                let values = |side: usize| {
-                    points[end][side].iter().map(move |p: &[f64; 3]| n[0] * p[0] + n[1] * p[1] + n[2] * p[2])
-                };
-                values(0).fold(f64::INFINITY, f64::min) - values(1).fold(f64::NEG_INFINITY, f64::max)
-            };
-            gap(0).min(gap(1)) / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt()
-        };
-        let edges = [0, 1].map(|end| {
-            [0, 1].map(|side| -> Vec<[f64; 3]> {
-                (0..self.parts[side].edges.len()).map(|edge| self.near_edge(end, side, edge)).collect()
-            })
-        });
-        // f64 chooses among the directions; the exact ones of the chosen follow.
-        let mut best: Vec<(f64, Source)> = Vec::new();
-        for source in self.sources() {
-            let n = source.near(self, &edges);
-            for (n, is_reversed) in [(n, false), (n.map(|c| -c), true)] {
-                let gap = along(n);
-                if gap.is_nan() || (best.len() == TRIED && gap <= best[TRIED - 1].0) {
-                    continue;
-                }
-                let place = best.partition_point(|(other, _)| *other >= gap);
-                best.insert(place, (gap, Source { is_reversed, ..source }));
-                best.truncate(TRIED);
-            }
-        }
-        best.into_iter().map(|(gap, source)| Candidate { n: source.exactly(self), gap }).collect()
-    }
-
-    fn sources(&self) -> impl Iterator<Item = Source> {
-        let [faces_a, faces_b] = self.parts.map(|part| part.faces.len());
-        let [edges_a, edges_b] = self.parts.map(|part| part.edges.len());
-        let a = (0..faces_a).map(|f| Features::Face(0, f));
-        let b = (0..faces_b).map(|f| Features::Face(1, f));
-        let edges = (0..edges_a).flat_map(move |i| (0..edges_b).map(move |j| Features::Edges(i, j)));
-        a.chain(b).chain(edges).flat_map(|features| [0, 1].map(|end| Source { features, end, is_reversed: false }))
-    }
-}
-
-/// Where a direction comes from.
-#[derive(Clone, Copy)]
-struct Source {
-    features: Features,
-    /// The end of the interval at which the features are looked at.
-    end: usize,
-    is_reversed: bool,
-}
-
-#[derive(Clone, Copy)]
-enum Features {
-    /// The normal of a face of A (0) or B (1).
-    Face(usize, usize),
-    /// The cross product of an edge of each.
-    Edges(usize, usize),
-}
-
-impl Source {
-    fn exactly(self, ends: &PartsAtEnds<'_>) -> LatticePoint {
-        let n = match self.features {
-            Features::Face(side, face) => face_normal(&ends.ends.places[self.end][side], &ends.parts[side].faces[face]),
-            Features::Edges(one, two) => ends.edge(self.end, 0, one).cross(&ends.edge(self.end, 1, two)),
-        };
-        if self.is_reversed { n.negated() } else { n }
-    }
-
-    /// The direction in f64, of any length; the parts' edges are given, by the end of the interval and the part.
-    fn near(self, ends: &PartsAtEnds<'_>, edges: &[[Vec<[f64; 3]>; 2]; 2]) -> [f64; 3] {
-        match self.features {
-            Features::Edges(one, two) => cross(edges[self.end][0][one], edges[self.end][1][two]),
-            Features::Face(side, face) if ends.parts[side].is_rough => {
-                let corners = &ends.parts[side].faces[face];
-                let way = |k: usize| ends.ends.near_way(self.end, side, [corners[0], corners[k]]);
-                cross(way(1), way(2))
-            }
-            Features::Face(..) => {
-                let n = self.exactly(ends);
-                direction([&n.x, &n.y, &n.z])
-            }
-        }
-    }
-}
-
-fn cross(d: [f64; 3], e: [f64; 3]) -> [f64; 3] {
-    [d[1] * e[2] - d[2] * e[1], d[2] * e[0] - d[0] * e[2], d[0] * e[1] - d[1] * e[0]]
 }
 
 fn float(value: &BigInt) -> f64 {
     value.to_f64().unwrap_or(f64::INFINITY)
-}
-
-/// A direction in f64, divided by a power of two so that no product of its components leaves the range of f64.
-fn direction([x, y, z]: [&BigInt; 3]) -> [f64; 3] {
-    let shift = [x, y, z].iter().map(|c| c.bits()).max().unwrap_or(0).saturating_sub(64);
-    [x, y, z].map(|c| float(&(c >> shift)))
 }

@@ -1,5 +1,6 @@
 //! What a certificate is made of, piece by piece: a piece that claims too much would certify a passage away.
 
+use super::directions::{Source, TRIED};
 use super::*;
 use crate::soundness::Dice;
 use rockproof_model::{BlockOptions, Number};
@@ -103,7 +104,7 @@ fn directions_come_with_their_gaps_the_largest_first() {
         assert_eq!(found.len(), TRIED);
         let exact_gap = |n: &LatticePoint| float(&both.gap(n)) / float(&n.norm_squared()).sqrt();
         for candidate in &found {
-            let gap = exact_gap(&candidate.n);
+            let gap = exact_gap(candidate.n());
             assert!((candidate.gap - gap).abs() <= 1e-9, "{trial}: {} for {gap}", candidate.gap);
         }
         assert!(found.windows(2).all(|two| two[0].gap >= two[1].gap), "{trial}");
@@ -149,8 +150,8 @@ fn a_face_that_begins_at_a_reflex_corner_has_the_normal_of_its_whole() {
     let both = PartsAtEnds { parts: [&parts[0], &parts[1]], ends: &ends };
     for candidate in both.best_directions() {
         // Not farther than 1 along any direction, and so far along y alone, of which there are more than are tried.
-        let gap = float(&both.gap(&candidate.n)) / float(&candidate.n.norm_squared()).sqrt();
-        assert!((gap - 1.0).abs() <= 1e-9 && (candidate.gap - gap).abs() <= 1e-9, "{:?}: {gap}", candidate.n);
+        let gap = float(&both.gap(candidate.n())) / float(&candidate.n().norm_squared()).sqrt();
+        assert!((gap - 1.0).abs() <= 1e-9 && (candidate.gap - gap).abs() <= 1e-9, "{:?}: {gap}", candidate.n());
     }
 }
 
@@ -250,4 +251,35 @@ fn the_cover_of_a_block_seen_from_a_corner_fills_it() {
     let sum: BigInt = parts.iter().map(volume).sum();
     // 6 times 3 wide, 4 + 4 in section.
     assert_eq!(sum, BigInt::from(6 * 3 * 8));
+}
+
+#[test]
+fn f64_says_of_gaps_what_exact_numbers_say() {
+    let mut dice = Dice(14);
+    let part = four_corners();
+    let (mut yes, mut no, mut ties) = (0, 0, 0);
+    for trial in 0..900 {
+        let bits = [3, 52, 70][trial % 3];
+        let places = [0, 1].map(|_| [four(&mut dice, bits), four(&mut dice, bits)]);
+        let ends = Ends::new(places);
+        let both = PartsAtEnds { parts: [&part, &part], ends: &ends };
+        // Along an axis, so that a shift and a limit can make up for the gap exactly, or but for a lattice unit; and any direction.
+        let length = 1 + dice.below(1 << 20) as i64;
+        for n in [whole(length, 0, 0), random_point(&mut dice, bits)] {
+            let gap = both.gap(&n);
+            for more in [-1i64, 0, 1] {
+                let by: BigInt = more - &gap / length;
+                let shift = Vec3::new(by.clone(), integer(&mut dice, 3), BigInt::ZERO);
+                let shifted = &gap + n.dot(&shift);
+                let limit = by.abs();
+                let within = !gap.is_negative() || &gap * &gap <= &limit * &limit * n.norm_squared();
+                assert_eq!(both.parts_shifted(&n, &shift), !shifted.is_negative(), "{trial}: {n:?} {shift:?}");
+                assert_eq!(both.parts_within(&n, &limit), within, "{trial}: {n:?} {limit}");
+                yes += usize::from(!shifted.is_negative());
+                no += usize::from(shifted.is_negative());
+                ties += usize::from(Zero::is_zero(&shifted));
+            }
+        }
+    }
+    assert!(yes > 500 && no > 500 && ties > 500, "{yes} yes, {no} no, {ties} ties");
 }

@@ -1,0 +1,149 @@
+//! The directions that are tried to part two convex parts: f64 chooses among the normals of faces and the cross products of
+//! edges, and what is chosen is made exactly when it is asked for.
+
+use super::{LatticePoint, PartsAtEnds, float};
+use num_bigint::BigInt;
+use rockproof_model::block::face_normal;
+use std::cell::OnceCell;
+
+/// How many of the best directions are tried exactly.
+pub(super) const TRIED: usize = 4;
+
+/// A direction and how it was found to do.
+pub(super) struct Candidate<'e> {
+    ends: &'e PartsAtEnds<'e>,
+    source: Source,
+    exact: OnceCell<LatticePoint>,
+    /// The gap along it, the lesser one of both ends, over its length: an f64 without a bound.
+    pub(super) gap: f64,
+}
+
+impl Candidate<'_> {
+    /// The direction, exactly.
+    pub(super) fn n(&self) -> &LatticePoint {
+        self.exact.get_or_init(|| self.source.exactly(self.ends))
+    }
+}
+
+/// The vertices of a part at one end, as f64 has them.
+type Points = Vec<[f64; 3]>;
+
+/// The gap at one end along n and along its opposite, times their length.
+fn gaps(n: [f64; 3], [a, b]: &[Points; 2]) -> [f64; 2] {
+    let reach = |points: &Points| {
+        points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
+            let along = n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
+            [low.min(along), high.max(along)]
+        })
+    };
+    let ([low_a, high_a], [low_b, high_b]) = (reach(a), reach(b));
+    [low_a - high_b, low_b - high_a]
+}
+
+impl PartsAtEnds<'_> {
+    /// The direction of an edge in f64.
+    fn near_edge(&self, end: usize, side: usize, edge: usize) -> [f64; 3] {
+        if self.parts[side].is_rough {
+            let [p, q] = self.parts[side].edges[edge];
+            return self.ends.near_way(end, side, [p, q]);
+        }
+        let d = self.edge(end, side, edge);
+        direction([&d.x, &d.y, &d.z])
+    }
+
+    /// The directions with the largest gaps by f64, the largest first: normals of faces and cross products of edges, as they
+    /// are at either end.
+    pub(super) fn best_directions(&self) -> Vec<Candidate<'_>> {
+        let points: [[Points; 2]; 2] = [0, 1].map(|end| [0, 1].map(|side| self.near_of(end, side).copied().collect()));
+        let edges = [0, 1].map(|end| {
+            [0, 1].map(|side| -> Vec<[f64; 3]> {
+                (0..self.parts[side].edges.len()).map(|edge| self.near_edge(end, side, edge)).collect()
+            })
+        });
+        let mut best: Vec<(f64, Source)> = Vec::new();
+        for source in self.sources() {
+            let n = source.near(self, &edges);
+            let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+            let is_worse = |best: &[(f64, Source)], gap: f64| best.len() == TRIED && gap <= best[TRIED - 1].0;
+            // The gap at one end bounds the lesser of both.
+            let first = gaps(n, &points[0]);
+            if first.iter().all(|gap| is_worse(&best, gap / length)) {
+                continue;
+            }
+            let second = gaps(n, &points[1]);
+            for is_reversed in [false, true] {
+                let gap = first[usize::from(is_reversed)].min(second[usize::from(is_reversed)]) / length;
+                if gap.is_nan() || is_worse(&best, gap) {
+                    continue;
+                }
+                let place = best.partition_point(|(other, _)| *other >= gap);
+                best.insert(place, (gap, Source { is_reversed, ..source }));
+                best.truncate(TRIED);
+            }
+        }
+        let candidate = |(gap, source)| Candidate { ends: self, source, exact: OnceCell::new(), gap };
+        best.into_iter().map(candidate).collect()
+    }
+
+    pub(super) fn sources(&self) -> impl Iterator<Item = Source> {
+        let [faces_a, faces_b] = self.parts.map(|part| part.faces.len());
+        let [edges_a, edges_b] = self.parts.map(|part| part.edges.len());
+        let a = (0..faces_a).map(|f| Features::Face(0, f));
+        let b = (0..faces_b).map(|f| Features::Face(1, f));
+        let edges = (0..edges_a).flat_map(move |i| (0..edges_b).map(move |j| Features::Edges(i, j)));
+        a.chain(b).chain(edges).flat_map(|features| [0, 1].map(|end| Source { features, end, is_reversed: false }))
+    }
+}
+
+/// Where a direction comes from.
+#[derive(Clone, Copy)]
+pub(super) struct Source {
+    pub(super) features: Features,
+    /// The end of the interval at which the features are looked at.
+    pub(super) end: usize,
+    pub(super) is_reversed: bool,
+}
+
+#[derive(Clone, Copy)]
+pub(super) enum Features {
+    /// The normal of a face of A (0) or B (1).
+    Face(usize, usize),
+    /// The cross product of an edge of each.
+    Edges(usize, usize),
+}
+
+impl Source {
+    pub(super) fn exactly(self, ends: &PartsAtEnds<'_>) -> LatticePoint {
+        let n = match self.features {
+            Features::Face(side, face) => face_normal(&ends.ends.places[self.end][side], &ends.parts[side].faces[face]),
+            Features::Edges(one, two) => ends.edge(self.end, 0, one).cross(&ends.edge(self.end, 1, two)),
+        };
+        if self.is_reversed { n.negated() } else { n }
+    }
+
+    /// The direction in f64, of any length; the parts' edges are given, by the end of the interval and the part.
+    fn near(self, ends: &PartsAtEnds<'_>, edges: &[[Vec<[f64; 3]>; 2]; 2]) -> [f64; 3] {
+        match self.features {
+            Features::Edges(one, two) => cross(edges[self.end][0][one], edges[self.end][1][two]),
+            Features::Face(side, face) if ends.parts[side].is_rough => {
+                let corners = &ends.parts[side].faces[face];
+                let way = |k: usize| ends.ends.near_way(self.end, side, [corners[0], corners[k]]);
+                cross(way(1), way(2))
+            }
+            Features::Face(..) => {
+                let n = self.exactly(ends);
+                direction([&n.x, &n.y, &n.z])
+            }
+        }
+    }
+}
+
+fn cross(d: [f64; 3], e: [f64; 3]) -> [f64; 3] {
+    [d[1] * e[2] - d[2] * e[1], d[2] * e[0] - d[0] * e[2], d[0] * e[1] - d[1] * e[0]]
+}
+
+/// A direction in f64, divided by a power of two so that no product of its components leaves the range of f64.
+pub(super) fn direction([x, y, z]: [&BigInt; 3]) -> [f64; 3] {
+    let shift = [x, y, z].iter().map(|c| c.bits()).max().unwrap_or(0).saturating_sub(64);
+    [x, y, z].map(|c| float(&(c >> shift)))
+}
