@@ -329,6 +329,27 @@ fn the_joints_of_a_slope_overlap_in_19_pairs() {
     assert_eq!((worst.blocks, worst.penetration.depth_m()), ([2, 3], Some(1.169_429_902_352_878_5)));
 }
 
+#[test]
+fn what_no_contact_sees_is_the_same_whether_depth_or_contacts_are_asked_first() {
+    let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/real/slope_joints.dda")).unwrap();
+    let shapes = scene.shapes();
+    let slope: Vec<PreparedBlock> = shapes.iter().map(|block| PreparedBlock::new(block)).collect();
+    let cubes = [unit(), unit().translated(&point(["1/2", "0", "0"])), unit().translated(&point(["1/4", "1/4", "3"]))];
+    let cubes: Vec<PreparedBlock> = cubes.iter().map(PreparedBlock::new).collect();
+    let (mut unseen, mut seen) = (0, 0);
+    for (solids, tolerances) in [(slope, derive(Preset::Auto, &shapes, Precision::F64).unwrap()), (cubes, wide())] {
+        let auditor = Auditor::new(&solids, &tolerances);
+        for pair in auditor.neighbours() {
+            let audited = auditor.pair(pair).overlap;
+            seen += usize::from(audited.as_ref().is_some_and(|o| o.sight != OverlapVisibility::Unseen));
+            let expected = audited.filter(|overlap| overlap.sight == OverlapVisibility::Unseen);
+            unseen += usize::from(expected.is_some());
+            assert_eq!(auditor.unseen_keeping(pair, &[]), expected, "{pair:?}");
+        }
+    }
+    assert!(unseen >= 19 && seen > 0, "{unseen} unseen, {seen} seen");
+}
+
 /// SplitMix64: the same pairs everywhere.
 struct Random(u64);
 

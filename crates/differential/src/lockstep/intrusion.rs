@@ -10,7 +10,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::{Block, ContactKey, Number, Precision};
 use rockproof_oracle::PreparedBlock;
-use rockproof_oracle::audit::{Auditor, Overlap, OverlapVisibility, rounding_depth};
+use rockproof_oracle::audit::{Auditor, Overlap, rounding_depth};
 use rockproof_oracle::passage::{PassageAnswer, StraightMotion, passage, swept_neighbours};
 use rockproof_oracle::step::{Mode, State};
 use std::collections::BTreeSet;
@@ -130,6 +130,31 @@ impl Intrusions {
         self.found.iter().find(|one| one.key() == (kind, blocks))
     }
 
+    /// Whether a step of a scene from one state to another certainly has no intrusion of two of its blocks: what [`Intrusions::of`]
+    /// would find or leave undecided of this pair.
+    fn none_between(scene: &ExactScene, states: [&State; 2], blocks: [usize; 2], rounding: &Number) -> bool {
+        let ends = states.map(|state| {
+            let all = scene.blocks_at(state);
+            blocks.map(|block| all[block].clone())
+        });
+        let motions = [0, 1].map(|side| StraightMotion::new(&ends[0][side], &ends[1][side]));
+        let passes = || match passage(&motions[0], &motions[1], &scene.tolerances().penetration).answer {
+            PassageAnswer::NoPassage | PassageAnswer::DeepAtEnd => false,
+            PassageAnswer::Undecided | PassageAnswer::Passage { .. } => true,
+        };
+        if !swept_neighbours(&motions).is_empty() && passes() {
+            return false;
+        }
+        // As in `find_unseen`, the pair before the step need not be of the neighbours.
+        let is_unseen = |end: usize| {
+            let solids = ends[end].each_ref().map(PreparedBlock::new);
+            let auditor = Auditor::new(&solids, scene.tolerances());
+            let is_asked = end == 0 || !auditor.neighbours().is_empty();
+            is_asked && unseen(&auditor, [0, 1], &kept(states[end], blocks), rounding).is_some()
+        };
+        !is_unseen(1) || is_unseen(0)
+    }
+
     fn find_passages(&mut self, scene: &ExactScene, [before, after]: &[Vec<Block>; 2]) {
         let motions: Vec<_> = before.iter().zip(after).map(|(one, two)| StraightMotion::new(one, two)).collect();
         for blocks in swept_neighbours(&motions) {
@@ -147,10 +172,8 @@ impl Intrusions {
 
     fn find_unseen(&mut self, scene: &ExactScene, ends: &[Vec<Block>; 2], states: [&State; 2], rounding: &Number) {
         let solids = |end: usize| -> Vec<PreparedBlock> { ends[end].iter().map(PreparedBlock::new).collect() };
-        let unseen = |auditor: &Auditor<'_>, blocks, end: usize| -> Option<Overlap> {
-            let overlap = auditor.pair_keeping(blocks, &kept(states[end], blocks)).overlap?;
-            (overlap.sight == OverlapVisibility::Unseen && !overlap.is_rounding(rounding)).then_some(overlap)
-        };
+        let unseen =
+            |auditor: &Auditor<'_>, blocks, end: usize| unseen(auditor, blocks, &kept(states[end], blocks), rounding);
         let after = solids(1);
         let auditor = Auditor::new(&after, scene.tolerances());
         let pairs = auditor.neighbours().into_iter();
@@ -167,6 +190,11 @@ impl Intrusions {
             }
         }
     }
+}
+
+/// The overlap of a pair that no contact sees, those kept among them, and that is more than rounding.
+fn unseen(auditor: &Auditor<'_>, blocks: [usize; 2], kept: &[ContactKey], rounding: &Number) -> Option<Overlap> {
+    auditor.unseen_keeping(blocks, kept).filter(|overlap| !overlap.is_rounding(rounding))
 }
 
 /// The contacts of a pair that a state keeps for the next classification.
@@ -290,8 +318,7 @@ impl Watch<'_> {
         for _ in 0..MOST_STEPS << halvings {
             let Ok(made) = scene.step(&state, KEEP) else { return false };
             let Some(after) = rounded_state(&made.state, Precision::F64) else { return false };
-            let intrusions = Intrusions::of(&scene, &state, &after, rounding);
-            if intrusions.found.iter().any(|one| one.blocks == blocks) || intrusions.undecided.contains(&blocks) {
+            if !Intrusions::none_between(&scene, [&state, &after], blocks, rounding) {
                 return false;
             }
             state = after;
