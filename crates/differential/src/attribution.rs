@@ -77,6 +77,8 @@ pub struct WantedFindings<'w> {
     pub change: &'w str,
     /// [`Difference::kinds`] of the difference; empty for any.
     pub kind: &'w str,
+    /// The name of the predicate that decided, empty for none; `None` for any.
+    pub predicate: Option<&'w str>,
 }
 
 impl WantedFindings<'_> {
@@ -93,6 +95,12 @@ impl WantedFindings<'_> {
     /// Whether a difference is such a one; a metamorphic check calls it by `change`.
     pub(super) fn includes(&self, change: AnswerChange, difference: &Difference) -> bool {
         change.name() == self.change && (self.kind.is_empty() || difference.kinds() == self.kind)
+    }
+
+    /// Whether a difference that this decided can be such a one.
+    pub(super) fn includes_decided_by(&self, deciding: Option<&DecidingDecision>) -> bool {
+        let name = deciding.map_or("", |deciding| deciding.decision.predicate.name());
+        self.predicate.is_none_or(|predicate| predicate == name)
     }
 }
 
@@ -476,7 +484,9 @@ impl<'p> Examiner<'p> {
     ) {
         let pair = &side.unwrap_or(&self.exact).pair;
         if !changed.is_empty() {
-            let wide = catch_panic(|| Ok(prepared.classify_wide(at.tolerances))).ok().flatten();
+            // Asked after what it costs less to know.
+            let wide = OnceCell::new();
+            let in_wide = || catch_panic(|| Ok(prepared.classify_wide(at.tolerances))).ok().flatten();
             let link = ChainLink {
                 before: &|| Some(pair.trace(at.tolerances)),
                 after: &|| catch_panic(|| Ok(prepared.trace(at.tolerances))).ok().flatten(),
@@ -487,7 +497,11 @@ impl<'p> Examiner<'p> {
             let told = if outside { suspect } else { explain };
             let reasons = told(&changed, &link, self.features);
             for (difference, deciding) in changed.into_iter().zip(reasons) {
+                if self.wanted.is_some_and(|wanted| !wanted.includes_decided_by(deciding.as_ref())) {
+                    continue;
+                }
                 let remains = wide
+                    .get_or_init(in_wide)
                     .as_ref()
                     .is_some_and(|wide| wide.settled && answers_differ(at.rounded, &wide.contacts, &difference));
                 let cause = if remains { Cause::Defect } else { at.engine.cause() };

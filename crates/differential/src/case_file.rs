@@ -262,16 +262,17 @@ impl Case {
     /// The findings of the same cause, change, kind, predicate and engine that the pair shows now.
     pub fn findings(&self, panel: &EnginePanel) -> Vec<Finding> {
         let about = &self.about;
+        // What is nearest to a tie says nothing about an engine from outside.
+        let predicate = (about.cause != Cause::Engine.name()).then_some(about.predicate.as_str());
+        let wanted = WantedFindings { cause: &about.cause, change: &about.change, kind: &about.kind, predicate };
         let alike = |f: &Finding| {
             f.cause.name() == about.cause
                 && f.difference.change.name() == about.change
                 && (about.kind.is_empty() || f.difference.kinds() == about.kind)
-                // What is nearest to a tie says nothing about an engine from outside.
-                && (f.cause == Cause::Engine || f.predicate().map_or("", Predicate::name) == about.predicate)
+                && predicate.is_none_or(|name| f.predicate().map_or("", Predicate::name) == name)
                 // With one engine left, what a tolerance set for one precision does is the doing of all there are.
                 && (f.cause == Cause::Tolerance || f.scope.to_string() == about.engine)
         };
-        let wanted = WantedFindings { cause: &about.cause, change: &about.change, kind: &about.kind };
         findings_wanted(&self.subject(), panel, wanted).into_iter().filter(alike).collect()
     }
 

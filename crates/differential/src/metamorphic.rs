@@ -102,6 +102,11 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
         if allowed.iter().any(|a| (a.change, key(a)) == (difference.change, key(&difference))) {
             continue;
         }
+        let deciding =
+            deciding(base, &difference, &TransformedAnswer { other, tolerances: &tolerances, prepared: &*prepared });
+        if base.wanted.is_some_and(|wanted| !wanted.includes_decided_by(deciding.as_ref())) {
+            continue;
+        }
         let wide = wide.get_or_insert_with(|| {
             let here = catch_panic(|| Ok(base.prepared.classify_wide(base.tolerances))).ok().flatten()?;
             let mut there = catch_panic(|| Ok(prepared.classify_wide(&tolerances))).ok().flatten()?;
@@ -114,8 +119,6 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
             |said: &WideAnswer, right: &[Contact]| said.settled && answers_differ(right, &said.contacts, &difference);
         let remains = wide.as_ref().is_some_and(|[here, there]| wrong(here, base.exact) || wrong(there, &exact));
         let cause = if remains { Cause::Defect } else { base.engine.cause() };
-        let deciding =
-            deciding(base, &difference, &TransformedAnswer { other, tolerances: &tolerances, prepared: &*prepared });
         checks.violations.push((cause, Difference { change, ..difference }, deciding));
     }
 }

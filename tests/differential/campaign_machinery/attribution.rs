@@ -79,16 +79,20 @@ fn every_change_at_every_link_has_its_cause() {
 fn findings_that_are_wanted_are_found_as_among_all() {
     let config = CampaignConfig::default();
     let (source, panel) = (source::of(&config).expect("pairs"), builtin::panel(&config.engines, 2).expect("engines"));
-    let of = |f: &Finding| (f.cause.name(), f.difference.change.name(), f.difference.kinds());
+    let predicate = |f: &Finding| f.predicate().map_or("", |predicate| predicate.name());
+    let of = |f: &Finding| (f.cause.name(), f.difference.change.name(), f.difference.kinds(), predicate(f));
     let (mut sought, mut left_out) = (BTreeSet::new(), 0);
     for subject in (0..24).flat_map(|number| source.batch(number)) {
         let all = examine(&subject, &panel).findings;
         for sort in all.iter().map(of).collect::<BTreeSet<_>>() {
-            let (cause, change, kind) = &sort;
-            let found = findings_wanted(&subject, &panel, WantedFindings { cause, change, kind });
-            left_out += all.len() - found.len();
+            let (cause, change, kind, predicate) = &sort;
             let such = |findings: &[Finding]| findings.iter().filter(|f| of(f) == sort).cloned().collect::<Vec<_>>();
-            assert_eq!(such(&found), such(&all), "pair {}, {sort:?}", subject.index);
+            for predicate in [None, Some(*predicate)] {
+                let wanted = WantedFindings { cause, change, kind, predicate };
+                let found = findings_wanted(&subject, &panel, wanted);
+                left_out += all.len() - found.len();
+                assert_eq!(such(&found), such(&all), "pair {}, {sort:?} by {predicate:?}", subject.index);
+            }
             sought.insert(sort);
         }
     }
