@@ -6,12 +6,12 @@
 
 mod blocks;
 
-pub(crate) use blocks::BlockShrinker;
-use blocks::{bits, on_grid};
+pub(crate) use blocks::{Asked, BlockShrinker, Refusals};
+use blocks::{Attempt, bits, on_grid};
 use rockproof_differential::attribution::EnginePanel;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::{FAR, Finding};
-use rockproof_model::{Block, Criteria, Number};
+use rockproof_model::{Criteria, Number};
 
 /// Makes cases smaller.
 pub struct Shrinker<'p> {
@@ -19,13 +19,14 @@ pub struct Shrinker<'p> {
     left: u64,
     /// The margin in roundoffs that the finding must keep, so that one far from any tie stays one.
     least: f64,
+    refusals: Refusals,
 }
 
 impl<'p> Shrinker<'p> {
     /// A shrinker that may examine `evaluations` pairs. The panel should hold no engine the case is not about, and ask
     /// for metamorphic checks only where the case is about one.
     pub fn new(panel: &'p EnginePanel, evaluations: u64) -> Shrinker<'p> {
-        Shrinker { panel, left: evaluations, least: 0.0 }
+        Shrinker { panel, left: evaluations, least: 0.0, refusals: Refusals::default() }
     }
 
     /// The smallest case found. A case that does not show its finding is returned as it is.
@@ -60,10 +61,18 @@ impl<'p> Shrinker<'p> {
     }
 
     /// Replaces `best` by `proposal` if that is simpler and shows the finding.
-    fn keep(&mut self, best: &mut Case, proposal: Case) -> bool {
-        let better = size(&proposal) < size(best) && self.reproduces(&proposal).is_some();
+    fn keep(&mut self, best: &mut Case, attempt: Attempt, proposal: Case) -> bool {
+        if let Some(was_asked) = self.refusals.known(attempt) {
+            self.left = self.left.saturating_sub(u64::from(was_asked));
+            return false;
+        }
+        let is_simpler = size(&proposal) < size(best);
+        let better = is_simpler && self.reproduces(&proposal).is_some();
         if better {
             *best = proposal;
+            self.refusals.case_changed();
+        } else {
+            self.refusals.refuse(attempt, is_simpler);
         }
         better
     }
@@ -72,14 +81,20 @@ impl<'p> Shrinker<'p> {
     fn shrink_blocks(&mut self, best: &mut Case) {
         let mut blocks = [best.a.clone(), best.b.clone()];
         let case = best.clone();
-        let mut shows = |[a, b]: &[Block; 2]| {
+        let mut refusals = std::mem::take(&mut self.refusals);
+        let mut shows = |asked: Asked<'_>| {
             if self.left == 0 {
                 return None;
             }
+            let Asked::Now([a, b]) = asked else {
+                self.left -= 1;
+                return Some(false);
+            };
             let proposal = Case { a: a.clone(), b: b.clone(), ..case.clone() };
             Some(self.reproduces(&proposal).is_some())
         };
-        BlockShrinker { shows: &mut shows, is_spent: false }.once(&mut blocks);
+        BlockShrinker { shows: &mut shows, is_spent: false, refusals: &mut refusals }.once(&mut blocks);
+        self.refusals = refusals;
         [best.a, best.b] = blocks;
     }
 
@@ -88,7 +103,7 @@ impl<'p> Shrinker<'p> {
         if best.tolerances.criteria == Criteria::Classic {
             let mut proposal = best.clone();
             proposal.tolerances.criteria = Criteria::Revised;
-            self.keep(best, proposal);
+            self.keep(best, Attempt::Revise, proposal);
         }
         for place in 0..best.tolerances.numbers().len() {
             let number = best.tolerances.numbers()[place].1.clone();
@@ -101,10 +116,11 @@ impl<'p> Shrinker<'p> {
                 let top = value.abs().log2().ceil() as i32;
                 simpler.extend([1, 2, 4, 8, 16].map(|bits| on_grid(&number, top - bits)));
             }
-            for shorter in simpler.into_iter().filter(|n| bits(n) < bits(&number)) {
+            let simpler = simpler.into_iter().filter(|n| bits(n) < bits(&number));
+            for (choice, shorter) in simpler.enumerate() {
                 let mut proposal = best.clone();
                 *proposal.tolerances.numbers_mut()[place].1 = shorter;
-                if self.keep(best, proposal) {
+                if self.keep(best, Attempt::Tolerance { place, choice }, proposal) {
                     break;
                 }
             }

@@ -5,13 +5,61 @@ use num_rational::BigRational;
 use rockproof_differential::hull::convex_hull;
 use rockproof_model::number::split_f64;
 use rockproof_model::{Block, BlockOptions, Number, Point};
+use std::collections::HashMap;
+
+/// What is asked of two blocks.
+pub(crate) enum Asked<'b> {
+    /// Whether they show the finding.
+    Now(&'b [Block; 2]),
+    /// The same as before of a case that has not changed since, when the answer was no: it counts as an examination.
+    Again,
+}
+
+/// Whether two blocks show the finding; `None` where no more may be examined.
+pub(crate) type Shows<'s> = dyn FnMut(Asked<'_>) -> Option<bool> + 's;
+
+/// A simplification: what is simplified, by numbers.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Attempt {
+    Recentre { vertex: usize },
+    Drop { block: usize, vertex: usize },
+    Round { blocks: [bool; 2], grid: i32 },
+    Shorten { block: usize, vertex: usize, axis: usize, choice: usize },
+    Revise,
+    Tolerance { place: usize, choice: usize },
+}
+
+/// Which simplifications of a case were refused. What follows from the case alone is refused again as long as the case is the same.
+#[derive(Default)]
+pub(crate) struct Refusals {
+    /// How often the case has changed.
+    changes: u64,
+    /// After how many changes an attempt was refused, and whether the finding was asked for.
+    refused: HashMap<Attempt, (u64, bool)>,
+}
+
+impl Refusals {
+    /// Whether the finding was asked for when the attempt was refused, if that was so of the case as it is.
+    pub(super) fn known(&self, attempt: Attempt) -> Option<bool> {
+        let (changes, was_asked) = self.refused.get(&attempt)?;
+        (*changes == self.changes).then_some(*was_asked)
+    }
+
+    pub(super) fn refuse(&mut self, attempt: Attempt, was_asked: bool) {
+        self.refused.insert(attempt, (self.changes, was_asked));
+    }
+
+    pub(super) fn case_changed(&mut self) {
+        self.changes += 1;
+    }
+}
 
 /// Makes blocks smaller.
 pub(crate) struct BlockShrinker<'s> {
-    /// Whether two blocks show the finding; `None` where no more may be examined.
-    pub(crate) shows: &'s mut dyn FnMut(&[Block; 2]) -> Option<bool>,
+    pub(crate) shows: &'s mut Shows<'s>,
     /// Whether no more may be examined.
     pub(crate) is_spent: bool,
+    pub(crate) refusals: &'s mut Refusals,
 }
 
 /// Bits a rounded coordinate may keep, few first.
@@ -36,26 +84,44 @@ impl BlockShrinker<'_> {
         }
     }
 
-    /// Replaces `best` by `proposal` if that is simpler and shows the finding.
-    fn keep(&mut self, best: &mut [Block; 2], proposal: [Block; 2]) -> bool {
-        if size(&proposal) >= size(best) || self.is_spent {
+    /// Replaces `best` by what is proposed for it, if anything is, if that is simpler and shows the finding.
+    fn keep(
+        &mut self,
+        best: &mut [Block; 2],
+        attempt: Attempt,
+        propose: impl FnOnce(&[Block; 2]) -> Option<[Block; 2]>,
+    ) -> bool {
+        if self.is_spent {
             return false;
         }
-        let shown = (self.shows)(&proposal);
-        self.is_spent = shown.is_none();
-        let better = shown == Some(true);
-        if better {
-            *best = proposal;
+        if let Some(was_asked) = self.refusals.known(attempt) {
+            self.is_spent = was_asked && (self.shows)(Asked::Again).is_none();
+            return false;
         }
-        better
+        let Some(proposal) = propose(best).filter(|proposal| size(proposal) < size(best)) else {
+            self.refusals.refuse(attempt, false);
+            return false;
+        };
+        match (self.shows)(Asked::Now(&proposal)) {
+            Some(true) => {
+                *best = proposal;
+                self.refusals.case_changed();
+                return true;
+            }
+            Some(false) => self.refusals.refuse(attempt, true),
+            None => self.is_spent = true,
+        }
+        false
     }
 
     /// Moves a vertex of A to the origin.
     fn recentre(&mut self, best: &mut [Block; 2]) {
         for vertex in 0..best[0].vertices().len().min(4) {
-            let offset = best[0].vertices()[vertex].map(Number::negated);
-            let proposal = best.each_ref().map(|block| block.translated(&offset));
-            if self.keep(best, proposal) {
+            let recentred = |best: &[Block; 2]| {
+                let offset = best[0].vertices()[vertex].map(Number::negated);
+                Some(best.each_ref().map(|block| block.translated(&offset)))
+            };
+            if self.keep(best, Attempt::Recentre { vertex }, recentred) {
                 return;
             }
         }
@@ -63,18 +129,15 @@ impl BlockShrinker<'_> {
 
     /// Takes the convex hull of all vertices but one, for as long as that works.
     fn drop_vertices(&mut self, best: &mut [Block; 2]) {
-        for which in 0..2 {
+        for block in 0..2 {
             let mut vertex = 0;
-            while vertex < best[which].vertices().len() && best[which].vertices().len() > 4 && !self.is_spent {
-                let mut points = best[which].vertices().to_vec();
-                points.remove(vertex);
-                let Ok(smaller) = convex_hull(&points) else {
-                    vertex += 1;
-                    continue;
+            while vertex < best[block].vertices().len() && best[block].vertices().len() > 4 && !self.is_spent {
+                let without = |best: &[Block; 2]| {
+                    let mut points = best[block].vertices().to_vec();
+                    points.remove(vertex);
+                    with_block(best, block, convex_hull(&points).ok()?)
                 };
-                let mut proposal = best.clone();
-                proposal[which] = smaller;
-                if !self.keep(best, proposal) {
+                if !self.keep(best, Attempt::Drop { block, vertex }, without) {
                     vertex += 1;
                 }
             }
@@ -89,50 +152,55 @@ impl BlockShrinker<'_> {
             return;
         }
         let top = largest.log2().ceil() as i32;
-        for which in [&[0, 1][..], &[0], &[1]] {
-            for bits in FEWER_BITS {
-                let grid = top - bits as i32;
-                let mut proposal = best.clone();
-                let fits = which.iter().all(|&which| {
-                    let block = &mut proposal[which];
-                    let points = block.vertices().iter().map(|p| p.map(|c| on_grid(c, grid))).collect();
-                    rebuilt(block, points).map(|b| *block = b).is_some()
-                });
-                if fits && self.keep(best, proposal) {
+        for blocks in [[true, true], [true, false], [false, true]] {
+            for grid in FEWER_BITS.map(|bits| top - bits as i32) {
+                let rounded = |best: &[Block; 2]| {
+                    let mut proposal = best.clone();
+                    for (block, _) in proposal.iter_mut().zip(blocks).filter(|(_, is_meant)| *is_meant) {
+                        let on_grid = |p: &Point| p.map(|c| on_grid(c, grid));
+                        *block = rebuilt(block, block.vertices().iter().map(on_grid).collect())?;
+                    }
+                    Some(proposal)
+                };
+                if self.keep(best, Attempt::Round { blocks, grid }, rounded) {
                     break;
                 }
             }
         }
-        for which in 0..2 {
-            for vertex in 0..best[which].vertices().len() {
+        for block in 0..2 {
+            for vertex in 0..best[block].vertices().len() {
                 for axis in 0..3 {
-                    self.shorten_one(best, which, vertex, axis);
+                    self.shorten_one(best, block, vertex, axis);
                 }
             }
         }
     }
 
-    fn shorten_one(&mut self, best: &mut [Block; 2], which: usize, vertex: usize, axis: usize) {
+    fn shorten_one(&mut self, best: &mut [Block; 2], block: usize, vertex: usize, axis: usize) {
         let simpler = |c: &Number| {
             let value = c.approximate();
             let near = [0.0, value.round(), (value * 8.0).round() / 8.0, (value * 1024.0).round() / 1024.0];
             near.into_iter().filter_map(|n| Number::from_f64(n).ok()).filter(|n| bits(n) < bits(c)).collect::<Vec<_>>()
         };
-        let Some(point) = best[which].vertices().get(vertex) else { return };
-        for number in simpler(point.components()[axis]) {
-            let mut proposal = best.clone();
-            let block = &mut proposal[which];
-            let mut points = block.vertices().to_vec();
-            let Some(point) = points.get_mut(vertex) else { return };
-            *[&mut point.x, &mut point.y, &mut point.z][axis] = number;
-            if let Some(changed) = rebuilt(block, points) {
-                *block = changed;
-                if self.keep(best, proposal) {
-                    return;
-                }
+        let Some(point) = best[block].vertices().get(vertex) else { return };
+        for (choice, number) in simpler(point.components()[axis]).into_iter().enumerate() {
+            let shortened = |best: &[Block; 2]| {
+                let mut points = best[block].vertices().to_vec();
+                let point = &mut points[vertex];
+                *[&mut point.x, &mut point.y, &mut point.z][axis] = number;
+                with_block(best, block, rebuilt(&best[block], points)?)
+            };
+            if self.keep(best, Attempt::Shorten { block, vertex, axis, choice }, shortened) {
+                return;
             }
         }
     }
+}
+
+fn with_block(best: &[Block; 2], which: usize, block: Block) -> Option<[Block; 2]> {
+    let mut proposal = best.clone();
+    proposal[which] = block;
+    Some(proposal)
 }
 
 /// A block with its vertices moved a little: convex ones by their hull, so that faces which are no longer planar are
@@ -177,5 +245,61 @@ pub(super) fn bits(number: &Number) -> u64 {
                 + u64::from(exponent.unsigned_abs().min(1100)) / 4
         }
         (None, Some(ratio)) => 2 + ratio.numer().bits() + ratio.denom().bits(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(x: i32, y: i32, z: i32) -> Point {
+        let [x, y, z] = [x, y, z].map(Number::from_integer);
+        Point::new(x, y, z)
+    }
+
+    fn third() -> Number {
+        Number::from_rational(BigRational::new(1.into(), 3.into()))
+    }
+
+    /// How often it was asked now and again in one round in which every finding is gone but that of the blocks as they are.
+    fn round(blocks: &mut [Block; 2], refusals: &mut Refusals) -> [usize; 2] {
+        let mut asked = [0; 2];
+        let mut shows = |ask: Asked<'_>| {
+            asked[usize::from(matches!(ask, Asked::Again))] += 1;
+            Some(false)
+        };
+        BlockShrinker { shows: &mut shows, is_spent: false, refusals }.once(blocks);
+        asked
+    }
+
+    #[test]
+    fn what_was_refused_is_looked_at_again_only_after_a_change() {
+        let cuboid = |a: Point, b: Point| {
+            Block::cuboid(&a, &b).expect("a block").translated(&Point::new(third(), third(), third()))
+        };
+        let mut blocks = [cuboid(at(0, 0, 0), at(3, 5, 7)), cuboid(at(1, 1, 1), at(4, 6, 9))];
+        let mut refusals = Refusals::default();
+        let [first, again] = round(&mut blocks, &mut refusals);
+        assert!(first > 10 && again == 0, "{first} {again}");
+        assert_eq!(round(&mut blocks, &mut refusals), [0, first], "all count once more");
+        refusals.case_changed();
+        assert_eq!(round(&mut blocks, &mut refusals), [first, 0]);
+    }
+
+    #[test]
+    fn a_refusal_that_is_repeated_counts_as_an_examination() {
+        let mut blocks = [at(0, 0, 0), at(1, 1, 1)].map(|low| {
+            Block::cuboid(&low, &at(5, 7, 9)).expect("a block").translated(&Point::new(third(), third(), third()))
+        });
+        let mut refusals = Refusals::default();
+        let [asked, _] = round(&mut blocks, &mut refusals);
+        let mut left = asked - 1;
+        let mut shows = |_: Asked<'_>| {
+            left = left.checked_sub(1)?;
+            Some(false)
+        };
+        let mut shrinker = BlockShrinker { shows: &mut shows, is_spent: false, refusals: &mut refusals };
+        shrinker.once(&mut blocks);
+        assert!(shrinker.is_spent);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::engine::{ComparedPairStep, StepEngine};
 use super::finding::{StepChange, StepFinding};
-use crate::shrink::BlockShrinker;
+use crate::shrink::{Asked, BlockShrinker, Refusals};
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCase;
 use rockproof_differential::lockstep::case_file::Expected;
@@ -10,7 +10,7 @@ use rockproof_differential::lockstep::recorded::{pair_difference, pair_intrusion
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::simulation::Kinematics;
-use rockproof_model::{Block, Body, Motion, Number, Precision, Vec3};
+use rockproof_model::{Body, Motion, Number, Precision, Vec3};
 use rockproof_simulate::identity::with_tolerances;
 
 /// Makes the case of a finding: its step alone, from the state before it, with as little motion as still shows it; of a passage or an
@@ -107,8 +107,9 @@ impl ShownStep {
         mut evaluations: u64,
     ) {
         let mut blocks = [self.subject.a.clone(), self.subject.b.clone()];
-        let mut shows = |[a, b]: &[Block; 2]| {
+        let mut shows = |asked: Asked<'_>| {
             evaluations = evaluations.checked_sub(1)?;
+            let Asked::Now([a, b]) = asked else { return Some(false) };
             let subject = Subject { a: a.clone(), b: b.clone(), ..self.subject.clone() };
             let made = again(&subject, &self.motion);
             let is_shown = made.is_some();
@@ -117,7 +118,8 @@ impl ShownStep {
             }
             Some(is_shown)
         };
-        BlockShrinker { shows: &mut shows, is_spent: false }.shrink(&mut blocks);
+        let refusals = &mut Refusals::default();
+        BlockShrinker { shows: &mut shows, is_spent: false, refusals }.shrink(&mut blocks);
     }
 }
 

@@ -1,7 +1,7 @@
 //! A state file made smaller for as long as its step shows the same difference: fewer blocks, a step from rest in place of a later one, less motion,
 //! simpler blocks.
 
-use crate::shrink::BlockShrinker;
+use crate::shrink::{Asked, BlockShrinker, Refusals};
 use rockproof_differential::collapse::collapsed_feature;
 use rockproof_differential::lockstep::case_file::Expected;
 use rockproof_differential::lockstep::cutout::cutout;
@@ -142,14 +142,19 @@ impl StepShrinker {
         }
         if let [a, b] = &best.scene.blocks[..] {
             let mut blocks = [a.block.clone(), b.block.clone()];
-            let mut shows = |blocks: &[Block; 2]| {
+            let mut shows = |asked: Asked<'_>| {
+                let Asked::Now(blocks) = asked else {
+                    self.left = self.left.checked_sub(1)?;
+                    return Some(false);
+                };
                 let mut scene = best.scene.clone();
                 for (of_scene, block) in scene.blocks.iter_mut().zip(blocks) {
                     of_scene.block = block.clone();
                 }
                 (self.left > 0).then(|| self.keep(&mut best, &scene, None))
             };
-            BlockShrinker { shows: &mut shows, is_spent: false }.shrink(&mut blocks);
+            let refusals = &mut Refusals::default();
+            BlockShrinker { shows: &mut shows, is_spent: false, refusals }.shrink(&mut blocks);
         }
         best
     }
