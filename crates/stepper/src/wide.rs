@@ -12,10 +12,12 @@
 //! is the one that exact arithmetic makes. ([`Wide::maximum`] and [`Wide::middle_below`] are not counted: they choose
 //! between values that differ, if at all, by less than the radii.)
 
+// Longer than 400 lines: one scalar, its arithmetic and its order.
+
 mod radius;
 
 use self::radius::Radius;
-use crypto_bigint::{NonZero, U64, U512, U1024};
+use crypto_bigint::{Limb, NonZero, U64, U256, U512, U1024};
 use num_bigint::{BigInt, Sign as BigSign};
 use num_rational::BigRational;
 use rockproof_model::Number;
@@ -249,6 +251,46 @@ impl Wide {
         Wide { negative, significand, exponent, radius: radius.plus(lost) }
     }
 
+    /// `digits·2^exponent`.
+    fn normalized(negative: bool, digits: U512, exponent: i64, radius: Radius) -> Wide {
+        let shift = digits.leading_zeros_vartime();
+        if shift == BITS {
+            return Wide { radius, ..Wide::EXACT_ZERO };
+        }
+        Wide { negative, significand: digits.shl_vartime(shift), exponent: exponent - i64::from(shift), radius }
+    }
+
+    /// The upper half of the significand, where the lower half is zero.
+    fn upper_half(self) -> Option<U256> {
+        let (lower, upper) = self.significand.split();
+        lower.is_zero_vartime().then_some(upper)
+    }
+
+    /// The sum of two numbers where it fits into as many bits as the larger exponent leaves: where the one with the lesser exponent has
+    /// zeros to be shifted out.
+    fn short_sum(large: Wide, small: Wide, shift: u32, radius: Radius) -> Option<Wide> {
+        if shift > 0 && small.significand.trailing_zeros_vartime() < shift {
+            return None;
+        }
+        let (one, two) = (large.significand, small.significand.shr_vartime(shift));
+        if large.negative != small.negative {
+            let (negative, digits) = match one.cmp_vartime(&two) {
+                Ordering::Less => (small.negative, two.wrapping_sub(&one)),
+                _ => (large.negative, one.wrapping_sub(&two)),
+            };
+            return Some(Wide::normalized(negative, digits, large.exponent, radius));
+        }
+        let (sum, carry) = one.carrying_add(&two, Limb::ZERO);
+        if carry == Limb::ZERO {
+            return Some(Wide { negative: large.negative, significand: sum, exponent: large.exponent, radius });
+        }
+        if sum.as_limbs()[0].0 & 1 == 1 {
+            return None;
+        }
+        let significand = sum.shr_vartime(1).bitor(&U512::ONE.shl_vartime(BITS - 1));
+        Some(Wide { negative: large.negative, significand, exponent: large.exponent + 1, radius })
+    }
+
     /// The leading 64 bits of the middle's magnitude, and their exponent.
     fn leading(self) -> (u64, i64) {
         let top = self.significand.shr_vartime(BITS - 64).resize::<{ U64::LIMBS }>();
@@ -299,6 +341,9 @@ impl Add for Wide {
         if shift >= i64::from(BITS) - 1 {
             return Wide { radius: radius.plus(small.at_most()), ..large };
         }
+        if let Some(sum) = Wide::short_sum(large, small, shift as u32, radius) {
+            return sum;
+        }
         let upper = large.significand.resize::<{ U1024::LIMBS }>().shl_vartime(shift as u32);
         let lower = small.significand.resize::<{ U1024::LIMBS }>();
         if large.negative == small.negative {
@@ -330,8 +375,13 @@ impl Mul for Wide {
             let (own, foreign) = (self.at_most().plus(self.radius), other.at_most());
             own.times(other.radius).plus(foreign.times(self.radius))
         };
+        let (negative, exponent) = (self.negative != other.negative, self.exponent + other.exponent);
+        if let (Some(one), Some(two)) = (self.upper_half(), other.upper_half()) {
+            let digits: U512 = one.concatenating_mul(&two);
+            return Wide::normalized(negative, digits, exponent + i64::from(BITS), radius);
+        }
         let digits: U1024 = self.significand.concatenating_mul(&other.significand);
-        Wide::rounded(self.negative != other.negative, digits, self.exponent + other.exponent, radius)
+        Wide::rounded(negative, digits, exponent, radius)
     }
 }
 

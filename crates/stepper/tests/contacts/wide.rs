@@ -41,6 +41,15 @@ fn ordinary() -> impl Strategy<Value = f64> {
     ]
 }
 
+/// Of up to 512 digits, all of them ones now and then, so that a sum carries.
+fn integer() -> impl Strategy<Value = BigInt> {
+    let digits = proptest::collection::vec(prop_oneof![any::<u32>(), Just(u32::MAX), Just(0)], 0..16);
+    (digits, any::<bool>()).prop_map(|(digits, negative)| {
+        let sign = if negative { num_bigint::Sign::Minus } else { num_bigint::Sign::Plus };
+        BigInt::from_slice(sign, &digits)
+    })
+}
+
 proptest! {
     #[test]
     fn sums_products_and_quotients_hold_the_exact_value(x in ordinary(), y in ordinary(), z in ordinary()) {
@@ -60,6 +69,26 @@ proptest! {
             // Two errors that nearly cancel: the bound is that of what cancelled.
             holds(quotient * b - a, &BigRational::zero(), &p.abs());
             prop_assert!(quotient.is_exact() || !(quotient * b - a).is_exact());
+        }
+    }
+
+    #[test]
+    fn results_that_fit_are_exact_however_long_and_far_apart_the_operands_are(
+        (x, y) in (integer(), integer()),
+        shift in 0u32..600,
+    ) {
+        let (a, b) = (Wide::of_integer(&x), Wide::of_integer(&(&y << shift)));
+        let y = y << shift;
+        let fits = |exact: &BigInt| exact.bits() - exact.trailing_zeros().unwrap_or(0) <= u64::from(wide::BITS);
+        prop_assert!(a.is_exact() && b.is_exact());
+        for (found, exact) in [(a + b, &x + &y), (a - b, &x - &y), (b - a, &y - &x), (a * b, &x * &y)] {
+            prop_assert!(!found.is_exact() || fits(&exact));
+            // What is farther apart is not looked at digit by digit.
+            let is_far = x.bits().abs_diff(y.bits()) >= 500 && exact != &x * &y;
+            if fits(&exact) && !is_far {
+                prop_assert!(found.is_exact());
+                prop_assert_eq!(found.middle().map(|n| n.to_rational()), Some(BigRational::from_integer(exact)));
+            }
         }
     }
 
