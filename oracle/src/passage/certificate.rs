@@ -6,19 +6,22 @@ mod tests;
 
 use super::motion::MovingPair;
 use crate::point_in_surface::{triangle_corners, triangles};
-use directions::{Candidate, direction};
+use directions::{Candidate, NearPart, direction};
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, Vec3, VertexId};
+use std::cell::OnceCell;
 
 type LatticePoint = Vec3<BigInt>;
 
 /// Certifies intervals for two moving blocks.
 pub(super) struct Certificate<'m, 'b> {
     moving: &'m MovingPair<'b>,
-    /// The vertices of each block's convex parts, and the edges and faces whose directions are tried.
-    parts: [Vec<ConvexPart>; 2],
+    /// The hull of each block as a part.
+    hulls: [ConvexPart; 2],
+    /// Each block's convex parts, made when they are first asked for; of a convex block its hull.
+    parts: OnceCell<[Vec<ConvexPart>; 2]>,
 }
 
 /// A convex part of a block by the numbers of its vertices.
@@ -49,41 +52,57 @@ struct PartsAtEnds<'e> {
 
 impl<'m, 'b> Certificate<'m, 'b> {
     pub(super) fn new(moving: &'m MovingPair<'b>) -> Certificate<'m, 'b> {
-        let start = moving.at(&BigInt::zero(), 0);
-        let parts = [0, 1].map(|side| {
-            let block = moving.blocks[side];
-            if block.is_convex() { vec![ConvexPart::whole(block)] } else { tetrahedra(block, &start[side]) }
-        });
-        Certificate { moving, parts }
+        Certificate { moving, hulls: moving.blocks.map(ConvexPart::whole), parts: OnceCell::new() }
+    }
+
+    fn parts(&self) -> &[Vec<ConvexPart>; 2] {
+        self.parts.get_or_init(|| {
+            let start = self.moving.at(&BigInt::zero(), 0);
+            [0, 1].map(|side| {
+                let block = self.moving.blocks[side];
+                if block.is_convex() { vec![ConvexPart::whole(block)] } else { tetrahedra(block, &start[side]) }
+            })
+        })
     }
 
     /// Whether an interval of the times `ends / 2^halvings` is certainly free of depths above g.
     pub(super) fn is_free(&self, ends: &[BigInt; 2], halvings: u32) -> bool {
         let ends = Ends::new([0, 1].map(|k| self.moving.at(&ends[k], halvings)));
         let limit = &self.moving.limit << halvings;
-        let whole = [0, 1].map(|side| ConvexPart::whole(self.moving.blocks[side]));
-        let hulls = PartsAtEnds { parts: [&whole[0], &whole[1]], ends: &ends };
+        let hulls = PartsAtEnds { parts: self.hulls.each_ref(), ends: &ends };
         let is_within = |n: &LatticePoint| hulls.parts_within(n, &limit);
         // Along the axes first: most pairs that are apart are so by their boxes.
-        if axes().iter().any(is_within) || hulls.best_directions().iter().any(|candidate| is_within(candidate.n())) {
+        if axes().iter().any(is_within) {
             return true;
         }
-        let is_convex = self.moving.blocks.iter().all(|block| block.is_convex());
-        !is_convex && [0, 1].into_iter().all(|side| self.cover_stays_shallow(side, &ends, &limit))
+        let near = [0, 1].map(|side| NearPart::new(&self.hulls[side], side, &ends));
+        if hulls.best_directions(near.each_ref()).iter().any(|candidate| is_within(candidate.n())) {
+            return true;
+        }
+        if self.moving.blocks.iter().all(|block| block.is_convex()) {
+            return false;
+        }
+        let mut hulls = near.into_iter();
+        let near = [0, 1].map(|side| match hulls.next() {
+            Some(hull) if self.moving.blocks[side].is_convex() => vec![hull],
+            _ => self.parts()[side].iter().map(|part| NearPart::new(part, side, &ends)).collect(),
+        });
+        [0, 1].into_iter().all(|side| self.cover_stays_shallow(side, &ends, &near, &limit))
     }
 
     /// Whether every part of one block, moved by a translation of length at most g, is parted from all parts of the other.
-    fn cover_stays_shallow(&self, side: usize, ends: &Ends, limit: &BigInt) -> bool {
-        self.parts[side].iter().all(|own| {
-            let against: Vec<PartsAtEnds<'_>> = self.parts[1 - side]
-                .iter()
+    fn cover_stays_shallow(&self, side: usize, ends: &Ends, near: &[Vec<NearPart>; 2], limit: &BigInt) -> bool {
+        let with_near = |side: usize| self.parts()[side].iter().zip(&near[side]);
+        with_near(side).all(|own| {
+            let (against, directions): (Vec<PartsAtEnds<'_>>, Vec<[&NearPart; 2]>) = with_near(1 - side)
                 .map(|other| {
-                    let parts = if side == 0 { [own, other] } else { [other, own] };
-                    PartsAtEnds { parts, ends }
+                    let [a, b] = if side == 0 { [own, other] } else { [other, own] };
+                    (PartsAtEnds { parts: [a.0, b.0], ends }, [a.1, b.1])
                 })
-                .filter(|two| !two.are_far(float(limit)))
-                .collect();
-            let directions: Vec<Vec<Candidate<'_>>> = against.iter().map(PartsAtEnds::best_directions).collect();
+                .filter(|(two, _)| !two.are_far(float(limit)))
+                .unzip();
+            let directions = against.iter().zip(directions).map(|(two, near)| two.best_directions(near));
+            let directions: Vec<Vec<Candidate<'_>>> = directions.collect();
             // No translation, then by g along the direction that the part overlapped most asks for, or along the middle of
             // all that are asked for, as in a corner of the other block; and of those as well that seem to be touched and may
             // be overlapped by less than f64 sees.

@@ -1,8 +1,9 @@
 //! The directions that are tried to part two convex parts: f64 chooses among the normals of faces and the cross products of
 //! edges, and what is chosen is made exactly when it is asked for.
 
-use super::{LatticePoint, PartsAtEnds, float};
+use super::{ConvexPart, Ends, LatticePoint, PartsAtEnds, float};
 use num_bigint::BigInt;
+use rockproof_model::VertexId;
 use rockproof_model::block::face_normal;
 use std::cell::OnceCell;
 
@@ -28,49 +29,67 @@ impl Candidate<'_> {
 /// The vertices of a part at one end, as f64 has them.
 type Points = Vec<[f64; 3]>;
 
+/// What f64 has of a part at both ends, made once for all parts that it is held against.
+pub(super) struct NearPart {
+    points: [Points; 2],
+    /// Directions of the edges.
+    edges: [Vec<[f64; 3]>; 2],
+    /// Normals of the faces, of any length.
+    normals: [Vec<[f64; 3]>; 2],
+}
+
+impl NearPart {
+    /// A part of A (0) or B (1).
+    pub(super) fn new(part: &ConvexPart, side: usize, ends: &Ends) -> NearPart {
+        let edge = |end: usize, [p, q]: [VertexId; 2]| {
+            if part.is_rough {
+                return ends.near_way(end, side, [p, q]);
+            }
+            let [p, q] = [p, q].map(|v| &ends.places[end][side][v.index()]);
+            direction(q.minus(p).components())
+        };
+        let normal = |end: usize, face: &[VertexId]| {
+            if part.is_rough {
+                let way = |k: usize| ends.near_way(end, side, [face[0], face[k]]);
+                return cross(way(1), way(2));
+            }
+            direction(face_normal(&ends.places[end][side], face).components())
+        };
+        NearPart {
+            points: [0, 1].map(|end| part.vertices.iter().map(|v| ends.near[end][side][v.index()]).collect()),
+            edges: [0, 1].map(|end| part.edges.iter().map(|vertices| edge(end, *vertices)).collect()),
+            normals: [0, 1].map(|end| part.faces.iter().map(|face| normal(end, face)).collect()),
+        }
+    }
+}
+
 /// The gap at one end along n and along its opposite, times their length.
-fn gaps(n: [f64; 3], [a, b]: &[Points; 2]) -> [f64; 2] {
+fn gaps(n: [f64; 3], end: usize, [a, b]: [&NearPart; 2]) -> [f64; 2] {
     let reach = |points: &Points| {
         points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
             let along = n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
             [low.min(along), high.max(along)]
         })
     };
-    let ([low_a, high_a], [low_b, high_b]) = (reach(a), reach(b));
+    let ([low_a, high_a], [low_b, high_b]) = (reach(&a.points[end]), reach(&b.points[end]));
     [low_a - high_b, low_b - high_a]
 }
 
 impl PartsAtEnds<'_> {
-    /// The direction of an edge in f64.
-    fn near_edge(&self, end: usize, side: usize, edge: usize) -> [f64; 3] {
-        if self.parts[side].is_rough {
-            let [p, q] = self.parts[side].edges[edge];
-            return self.ends.near_way(end, side, [p, q]);
-        }
-        let d = self.edge(end, side, edge);
-        direction([&d.x, &d.y, &d.z])
-    }
-
     /// The directions with the largest gaps by f64, the largest first: normals of faces and cross products of edges, as they
     /// are at either end.
-    pub(super) fn best_directions(&self) -> Vec<Candidate<'_>> {
-        let points: [[Points; 2]; 2] = [0, 1].map(|end| [0, 1].map(|side| self.near_of(end, side).copied().collect()));
-        let edges = [0, 1].map(|end| {
-            [0, 1].map(|side| -> Vec<[f64; 3]> {
-                (0..self.parts[side].edges.len()).map(|edge| self.near_edge(end, side, edge)).collect()
-            })
-        });
+    pub(super) fn best_directions(&self, near: [&NearPart; 2]) -> Vec<Candidate<'_>> {
         let mut best: Vec<(f64, Source)> = Vec::new();
         for source in self.sources() {
-            let n = source.near(self, &edges);
+            let n = source.near(near);
             let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
             let is_worse = |best: &[(f64, Source)], gap: f64| best.len() == TRIED && gap <= best[TRIED - 1].0;
             // The gap at one end bounds the lesser of both.
-            let first = gaps(n, &points[0]);
+            let first = gaps(n, 0, near);
             if first.iter().all(|gap| is_worse(&best, gap / length)) {
                 continue;
             }
-            let second = gaps(n, &points[1]);
+            let second = gaps(n, 1, near);
             for is_reversed in [false, true] {
                 let gap = first[usize::from(is_reversed)].min(second[usize::from(is_reversed)]) / length;
                 if gap.is_nan() || is_worse(&best, gap) {
@@ -121,19 +140,11 @@ impl Source {
         if self.is_reversed { n.negated() } else { n }
     }
 
-    /// The direction in f64, of any length; the parts' edges are given, by the end of the interval and the part.
-    fn near(self, ends: &PartsAtEnds<'_>, edges: &[[Vec<[f64; 3]>; 2]; 2]) -> [f64; 3] {
+    /// The direction in f64, of any length.
+    fn near(self, near: [&NearPart; 2]) -> [f64; 3] {
         match self.features {
-            Features::Edges(one, two) => cross(edges[self.end][0][one], edges[self.end][1][two]),
-            Features::Face(side, face) if ends.parts[side].is_rough => {
-                let corners = &ends.parts[side].faces[face];
-                let way = |k: usize| ends.ends.near_way(self.end, side, [corners[0], corners[k]]);
-                cross(way(1), way(2))
-            }
-            Features::Face(..) => {
-                let n = self.exactly(ends);
-                direction([&n.x, &n.y, &n.z])
-            }
+            Features::Edges(one, two) => cross(near[0].edges[self.end][one], near[1].edges[self.end][two]),
+            Features::Face(side, face) => near[side].normals[self.end][face],
         }
     }
 }

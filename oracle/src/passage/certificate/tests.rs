@@ -100,7 +100,7 @@ fn directions_come_with_their_gaps_the_largest_first() {
         let places = [0, 1].map(|_| [four(&mut dice, 3), shifted(four(&mut dice, 3))]);
         let ends = Ends::new(places);
         let both = PartsAtEnds { parts: [&part, &part], ends: &ends };
-        let found = both.best_directions();
+        let found = both.best_directions([0, 1].map(|side| NearPart::new(both.parts[side], side, &ends)).each_ref());
         assert_eq!(found.len(), TRIED);
         let exact_gap = |n: &LatticePoint| float(&both.gap(n)) / float(&n.norm_squared()).sqrt();
         for candidate in &found {
@@ -148,7 +148,7 @@ fn a_face_that_begins_at_a_reflex_corner_has_the_normal_of_its_whole() {
     let parts = [&l, &b].map(ConvexPart::whole);
     let ends = Ends::new([0, 1].map(|_| [places_of(&l), places_of(&b)]));
     let both = PartsAtEnds { parts: [&parts[0], &parts[1]], ends: &ends };
-    for candidate in both.best_directions() {
+    for candidate in both.best_directions([0, 1].map(|side| NearPart::new(both.parts[side], side, &ends)).each_ref()) {
         // Not farther than 1 along any direction, and so far along y alone, of which there are more than are tried.
         let gap = float(&both.gap(candidate.n())) / float(&candidate.n().norm_squared()).sqrt();
         assert!((gap - 1.0).abs() <= 1e-9 && (candidate.gap - gap).abs() <= 1e-9, "{:?}: {gap}", candidate.n());
