@@ -93,6 +93,22 @@ pub(crate) trait Field: Ring {
     }
 }
 
+/// The integer nearest to `value · 2^exponent`, halves away from zero.
+pub(crate) fn nearest_units(value: &BigRational, exponent: i64) -> BigInt {
+    let (numerator, denominator) = (value.numer().magnitude(), value.denom().magnitude());
+    let twos = denominator.trailing_zeros().unwrap_or(0);
+    if twos + 1 != denominator.bits() {
+        return (value * dyadic(BigInt::from(1), exponent)).round().to_integer();
+    }
+    // Over a power of two no division is needed.
+    let places = twos as i64 - exponent;
+    let units = match places {
+        ..=0 => numerator << places.unsigned_abs(),
+        _ => ((numerator >> (places - 1)) + 1u32) >> 1,
+    };
+    BigInt::from_biguint(value.numer().sign(), units)
+}
+
 /// The fraction `significand · 2^exponent`.
 pub(crate) fn dyadic(significand: BigInt, exponent: i64) -> BigRational {
     if exponent >= 0 {

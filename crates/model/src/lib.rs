@@ -6,6 +6,7 @@ pub mod block;
 pub mod bounded_rows;
 pub mod contact;
 pub mod decision;
+mod dyadic;
 pub mod files;
 pub mod lattice;
 pub mod number;

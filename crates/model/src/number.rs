@@ -2,7 +2,8 @@
 
 // Longer than 400 lines: one type, how it is read, rounded and calculated with.
 
-use num_bigint::BigInt;
+use crate::dyadic::Dyadic;
+use num_bigint::{BigInt, BigUint};
 use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
@@ -148,8 +149,10 @@ impl Number {
 
     /// The number a fraction stands for.
     pub fn from_rational(value: BigRational) -> Number {
-        // In lowest terms only a power of two under the bar can be a float; most fractions end here, without a division.
-        if value.denom().trailing_zeros().map_or(0, |twos| twos + 1) != value.denom().bits() {
+        // In lowest terms only a power of two under the bar and as many digits above it as fit can be a float; most fractions end
+        // here, without a division.
+        let digits = value.numer().bits() - value.numer().trailing_zeros().unwrap_or(0);
+        if power_under(&value).is_none() || digits > u64::from(f64::MANTISSA_DIGITS) {
             return Number(NumberForm::Ratio(Box::new(value)));
         }
         match round_rational(&value, Precision::F64) {
@@ -228,12 +231,23 @@ impl Number {
                 return Number(NumberForm::Float(sum + 0.0));
             }
         }
+        if let (Some(a), Some(b)) = (self.dyadic(), other.dyadic()) {
+            return Number::from_rational(a.plus(b).into_rational());
+        }
         match (&self.0, &other.0) {
             (NumberForm::Ratio(ratio), NumberForm::Float(float))
             | (NumberForm::Float(float), NumberForm::Ratio(ratio)) => {
                 Number::from_rational(ratio_plus_float(ratio, *float))
             }
             _ => Number::from_rational(self.to_rational() + other.to_rational()),
+        }
+    }
+
+    /// The value as a binary fraction, if it is one.
+    fn dyadic(&self) -> Option<Dyadic> {
+        match &self.0 {
+            NumberForm::Float(value) => Some(Dyadic::of_f64(*value)),
+            NumberForm::Ratio(value) => Dyadic::of_ratio(value),
         }
     }
 
@@ -247,7 +261,10 @@ impl Number {
                 return Number(NumberForm::Float(product));
             }
         }
-        Number::from_rational(self.to_rational() * other.to_rational())
+        match (self.dyadic(), other.dyadic()) {
+            (Some(a), Some(b)) => Number::from_rational(a.times(b).into_rational()),
+            _ => Number::from_rational(self.to_rational() * other.to_rational()),
+        }
     }
 
     /// `−self`.
@@ -277,7 +294,10 @@ impl Ord for Number {
     fn cmp(&self, other: &Self) -> Ordering {
         match (&self.0, &other.0) {
             (NumberForm::Float(a), NumberForm::Float(b)) => a.total_cmp(b),
-            _ => self.to_rational().cmp(&other.to_rational()),
+            _ => match (self.dyadic(), other.dyadic()) {
+                (Some(a), Some(b)) => a.cmp(b),
+                _ => self.to_rational().cmp(&other.to_rational()),
+            },
         }
     }
 }
@@ -326,28 +346,45 @@ fn ratio_plus_float(ratio: &BigRational, float: f64) -> BigRational {
     BigRational::new_raw(numerator >> cancelled, odd << (common - cancelled))
 }
 
+/// The k of a fraction over 2^k; `None` for any other.
+pub(crate) fn power_under(value: &BigRational) -> Option<u64> {
+    let twos = value.denom().trailing_zeros().unwrap_or(0);
+    (twos + 1 == value.denom().bits()).then_some(twos)
+}
+
 /// The nearest number of the precision, ties to even; `None` when it overflows.
 pub fn round_rational(value: &BigRational, precision: Precision) -> Option<f64> {
     if value.is_zero() {
         return Some(0.0);
     }
     let digits = i64::from(precision.digits());
-    let (numerator, denominator) = (value.numer().abs(), value.denom());
+    let (numerator, denominator) = (value.numer().magnitude(), value.denom().magnitude());
+    if let Some(near) = rounded_quotient(numerator, denominator, precision) {
+        return Some(if value.is_negative() { -near } else { near });
+    }
     // 2^(magnitude − 1) < |value| < 2^(magnitude + 1)
     let magnitude = numerator.bits() as i64 - denominator.bits() as i64;
     let mut unit = (magnitude - digits).max(precision.smallest_exponent());
-    let (mut quotient, mut remainder, mut divisor) = divide_by_unit(&numerator, denominator, unit);
-    if quotient.bits() as i64 > digits {
-        unit += 1;
-        (quotient, remainder, divisor) = divide_by_unit(&numerator, denominator, unit);
-    }
-    let up = match (remainder << 1u32).cmp(&divisor) {
-        Ordering::Greater => true,
-        Ordering::Equal => quotient.is_odd(),
-        Ordering::Less => false,
+    let (mut quotient, up) = if let Some(twos) = power_under(value) {
+        // Its first digit is known, so the unit is the right one at once.
+        unit = (magnitude + 1 - digits).max(precision.smallest_exponent());
+        shifted(numerator, unit + twos as i64)
+    } else {
+        let mut divided = divide_by_unit(numerator, denominator, unit);
+        if divided.0.bits() as i64 > digits {
+            unit += 1;
+            divided = divide_by_unit(numerator, denominator, unit);
+        }
+        let (quotient, remainder, divisor) = divided;
+        let up = match (remainder << 1u32).cmp(&divisor) {
+            Ordering::Greater => true,
+            Ordering::Equal => quotient.is_odd(),
+            Ordering::Less => false,
+        };
+        (quotient, up)
     };
     if up {
-        quotient += 1;
+        quotient += 1u32;
     }
     if unit > 1023 {
         return None;
@@ -359,8 +396,54 @@ pub fn round_rational(value: &BigRational, precision: Precision) -> Option<f64> 
     Some(if value.is_negative() { -near } else { near })
 }
 
+/// The nearest number to a quotient, by the first 64 digits of both where these tell, and where it is far from the ends of the precision's range.
+fn rounded_quotient(numerator: &BigUint, denominator: &BigUint, precision: Precision) -> Option<f64> {
+    let ([least, most], one) = leading(numerator)?;
+    let ([at_least, at_most], two) = leading(denominator)?;
+    let exponent = one - two - 63;
+    // A quotient has 63 or 64 digits before the exponent; it must not be subnormal, nor the power of two.
+    let range = match precision {
+        Precision::F32 => -126 - 62..126 - 64,
+        Precision::F64 => -1022..1022 - 64,
+    };
+    if !range.contains(&exponent) {
+        return None;
+    }
+    let [low, high] = [(least << 63) / at_most, (most << 63).div_ceil(at_least)];
+    let nearest = |quotient: u128| match precision {
+        Precision::F32 => f64::from(quotient as f32),
+        Precision::F64 => quotient as f64,
+    };
+    let near = nearest(low);
+    (near == nearest(high)).then(|| near * power_of_two(exponent as i32))
+}
+
+/// Between which two integers of 64 digits (or which is it) a number above zero is, in units of 2 to the exponent that comes with them.
+fn leading(value: &BigUint) -> Option<([u128; 2], i64)> {
+    let mut digits = value.iter_u64_digits().rev();
+    let (first, second) = (digits.next()?, digits.next());
+    let shift = first.leading_zeros();
+    let exponent = value.bits() as i64 - 64;
+    let Some(second) = second else { return Some(([u128::from(first << shift); 2], exponent)) };
+    let both = ((u128::from(first) << 64) | u128::from(second)) << shift;
+    let top = both >> 64;
+    let is_exact = both as u64 == 0 && digits.all(|digit| digit == 0);
+    Some(([top, top + u128::from(!is_exact)], exponent))
+}
+
+/// The quotient of `numerator / 2^places`, cut, and whether the nearest number is one more, ties to even.
+fn shifted(numerator: &BigUint, places: i64) -> (BigUint, bool) {
+    if places <= 0 {
+        return (numerator << places.unsigned_abs(), false);
+    }
+    let (places, quotient) = (places.unsigned_abs(), numerator >> places);
+    let (is_half_or_more, rest) = (numerator.bit(places - 1), numerator.trailing_zeros() < Some(places - 1));
+    let up = is_half_or_more && (rest || quotient.is_odd());
+    (quotient, up)
+}
+
 /// Quotient and remainder of `numerator / (denominator · 2^unit)`, and the divisor used.
-fn divide_by_unit(numerator: &BigInt, denominator: &BigInt, unit: i64) -> (BigInt, BigInt, BigInt) {
+fn divide_by_unit(numerator: &BigUint, denominator: &BigUint, unit: i64) -> (BigUint, BigUint, BigUint) {
     let (numerator, divisor) = if unit >= 0 {
         (numerator.clone(), denominator << unit as usize)
     } else {
@@ -409,6 +492,75 @@ mod tests {
         assert_eq!(round_rational(&above, Precision::F64), Some(f64::from_bits(1)));
         assert_eq!(round_rational(&BigRational::from_integer(BigInt::one() << 1024usize), Precision::F64), None);
         assert_eq!(round_rational(&rational_of_f64(1e39), Precision::F32), None);
+    }
+
+    /// Over a power of two nothing is divided; an integer of the language, which rounds alike, tells what is right.
+    #[test]
+    fn binary_fractions_round_as_integers_do() {
+        let mut numerators =
+            vec![1i128, (1 << 53) - 1, (1 << 53) + 1, (1 << 54) + 2, (1 << 54) + 6, i128::MAX, i128::MIN + 1];
+        // Digits beyond the half of the last place, at it and before it, in every length.
+        let near_half = [(1i128 << 60) + 1, 3 << 59, (5 << 59) + 1, (1 << 59) - 1];
+        numerators.extend((0..60).flat_map(|k| near_half.map(|n| (1i128 << (60 + k % 61)) + (n << 3) - (1 << k))));
+        for n in numerators.into_iter().flat_map(|n| [n, -n]) {
+            for twos in [0, 1, 52, 130] {
+                let value = BigRational::new(n.into(), BigInt::one() << twos as usize);
+                let unit = power_of_two(-twos);
+                assert_eq!(round_rational(&value, Precision::F64), Some(n as f64 * unit), "{n} / 2^{twos}");
+                // In f32 far below its least normal number at 130 places.
+                let near = round_rational(&value, Precision::F32).unwrap();
+                assert!(twos > 100 || near == f64::from(n as f32) * unit, "{n} / 2^{twos} in f32");
+                let is_float = rational_of_f64(n as f64 * unit) == value;
+                assert_eq!(Number::from_rational(value).as_f64().is_some(), is_float);
+            }
+        }
+        // The last place below the least normal number is twice as far away.
+        let least = BigRational::new(BigInt::from(-3), BigInt::one() << 1075usize);
+        assert_eq!(round_rational(&least, Precision::F64), Some(-f64::from_bits(2)));
+        assert_eq!(round_rational(&(least / BigInt::from(3)), Precision::F64), Some(-0.0));
+    }
+
+    /// By the first digits or by all of them: no neighbour is nearer, and of two as near it is the even one.
+    #[test]
+    fn quotients_round_to_the_nearest_number() {
+        let mut seed = 1u64;
+        let mut long = |digits: u32| {
+            let mut value = BigInt::one();
+            for _ in 0..digits {
+                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                value = (value << 11) + (seed >> 53);
+            }
+            value
+        };
+        let mut values = Vec::new();
+        for k in 0..400 {
+            let (n, d) = (long(k % 23), long(k % 17));
+            values.push(BigRational::new(n.clone(), d.clone()));
+            // Halfway between two floats, and next to that.
+            let odd = (BigInt::one() << 53usize) + 2 * (k / 2) + 1;
+            let nudge = [BigInt::zero(), BigInt::one(), BigInt::from(-1)][k as usize % 3].clone();
+            values.push(BigRational::new(((odd * &d) << 90usize) + nudge, d << (90 + k as usize % 40)));
+        }
+        for value in values {
+            for (value, negate) in [(value.clone(), false), (-value, true)] {
+                let near = round_rational(&value, Precision::F64).unwrap();
+                assert_eq!(near < 0.0, negate);
+                let off = |float: f64| (rational_of_f64(float) - &value).abs();
+                for neighbour in [near.next_up(), near.next_down()] {
+                    let is_even = near.to_bits() & 1 == 0;
+                    assert!(off(near) < off(neighbour) || (off(near) == off(neighbour) && is_even), "{value}: {near}");
+                }
+                let Some(short) = round_rational(&value, Precision::F32) else { continue };
+                let off_by = |float: f32| off(f64::from(float));
+                let float = short as f32;
+                assert_eq!(f64::from(float), short);
+                for neighbour in [float.next_up(), float.next_down()] {
+                    let is_even = float.to_bits() & 1 == 0;
+                    let ties = off_by(float) == off_by(neighbour) && is_even;
+                    assert!(off_by(float) < off_by(neighbour) || ties, "{value}: {short} in f32");
+                }
+            }
+        }
     }
 
     #[test]

@@ -313,3 +313,21 @@ fn bounds_of_few_bits_are_exact_and_in_order() {
     }
     assert!(UpperBound::floor_of_f64(0.0).is_none() && UpperBound::of_f64(0.0).is_some_and(UpperBound::is_zero));
 }
+
+#[test]
+fn nearest_units_are_those_of_a_rounded_quotient() {
+    let mut random = Random(8);
+    let mut halves = 0;
+    for trial in 0..4_000 {
+        // Over powers of two, halves among them, and over anything.
+        let twos = random.next() % 90;
+        let odd = if trial % 3 == 0 { 1 + 2 * (random.next() % 20) } else { 1 };
+        let numerator = BigInt::from(random.next() as i64 - (1 << 30)) << (random.next() % 70) as usize;
+        let value = BigRational::new(numerator + random.next() % 2, BigInt::from(odd) << twos as usize);
+        let exponent = twos as i64 - [0, 1, 1, 2, 40, -3, -60][random.next() as usize % 7];
+        let scaled = &value * super::dyadic(BigInt::from(1), exponent);
+        halves += usize::from(scaled.denom() == &BigInt::from(2));
+        assert_eq!(super::nearest_units(&value, exponent), scaled.round().to_integer(), "{value} · 2^{exponent}");
+    }
+    assert!(halves > 100, "{halves}");
+}

@@ -42,9 +42,16 @@ impl UpperBound {
 
     /// At least `|value| · 2^exponent`.
     pub(crate) fn of_integer(value: &BigInt, exponent: i64) -> UpperBound {
-        let excess = value.bits().saturating_sub(u64::from(WIDTH));
-        let shifted = value.magnitude() >> excess;
-        let top = shifted.iter_u64_digits().next().unwrap_or(0);
+        let bits = value.bits();
+        let excess = bits.saturating_sub(u64::from(WIDTH));
+        let mut digits = value.iter_u64_digits().rev();
+        let (first, second) = (digits.next().unwrap_or(0), digits.next());
+        // The first digits, of which `excess` are dropped with all that follow.
+        let (two, below) = match second {
+            Some(second) => ((u128::from(first) << 64) | u128::from(second), excess - (bits.div_ceil(64) - 2) * 64),
+            None => (u128::from(first), excess),
+        };
+        let top = (two >> below) as u64;
         let lost = value.trailing_zeros().is_some_and(|zeros| zeros < excess);
         UpperBound::canonical(top + u64::from(lost), exponent + excess as i64)
     }

@@ -140,15 +140,20 @@ impl WideBall {
             (false, true) => self.exponent,
             _ => self.exponent.min(other.exponent),
         };
-        let place = |ball: &WideBall| {
-            if ball.significand.is_zero() {
-                BigInt::zero()
-            } else {
-                &ball.significand << (ball.exponent - exponent) as usize
-            }
+        // Zero need not be moved, and one of two others is in its place already.
+        let moved = |ball: &WideBall| {
+            let is_moved = ball.exponent != exponent && !ball.significand.is_zero();
+            is_moved.then(|| &ball.significand << (ball.exponent - exponent) as usize)
         };
-        let (mine, theirs) = (place(self), place(other));
-        let significand = if negate { mine - theirs } else { mine + theirs };
+        let (mine, theirs) = (&self.significand, &other.significand);
+        let significand = match (moved(self), moved(other), negate) {
+            (None, None, false) => mine + theirs,
+            (None, None, true) => mine - theirs,
+            (Some(moved), _, false) => moved + theirs,
+            (Some(moved), _, true) => moved - theirs,
+            (None, Some(moved), false) => mine + moved,
+            (None, Some(moved), true) => mine - moved,
+        };
         WideBall { significand, exponent, radius, bits }.cut()
     }
 }

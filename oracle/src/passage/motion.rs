@@ -29,10 +29,8 @@ impl<'b> StraightMotion<'b> {
 
     /// The block at a time, 0 before and 1 after.
     pub fn block_at(&self, time: &BigRational) -> Block {
-        let place = |p: &Number, q: &Number| {
-            let (p, q) = (p.to_rational(), q.to_rational());
-            Number::from_rational(&p + (q - &p) * time)
-        };
+        let time = Number::from_rational(time.clone());
+        let place = |p: &Number, q: &Number| p.plus(&q.plus(&p.negated()).times(&time));
         let vertices = self.before.vertices().iter().zip(self.after.vertices());
         let at =
             |(p, q): (&Vec3<Number>, &Vec3<Number>)| Vec3::new(place(&p.x, &q.x), place(&p.y, &q.y), place(&p.z, &q.z));

@@ -6,7 +6,7 @@ use super::attempt_state::AttemptState;
 use super::contact::ContactGeometry;
 use super::frame;
 use super::state::{BlockState, ContactMemory, KeptPrecision, Mode, State};
-use crate::field::{Field, WideBall, dyadic};
+use crate::field::{Field, WideBall, dyadic, nearest_units};
 use crate::mass;
 use num_bigint::BigInt;
 use num_traits::Signed;
@@ -196,9 +196,8 @@ fn kept<S: Field>(value: &S, keep: KeptPrecision) -> Option<Number> {
     if value.radius()?.to_rational() > half_unit {
         return None;
     }
-    let scale = BigInt::from(1) << exponent;
-    let units = (middle * scale).round().to_integer();
-    Some(Number::from_rational(dyadic(units, -i64::from(exponent))))
+    let exponent = i64::from(exponent);
+    Some(Number::from_rational(dyadic(nearest_units(&middle, exponent), -exponent)))
 }
 
 fn significant<S: Field>(value: &S, keep: KeptPrecision) -> Number {
@@ -208,8 +207,7 @@ fn significant<S: Field>(value: &S, keep: KeptPrecision) -> Number {
     }
     let top = middle.numer().abs().bits() as i64 - middle.denom().bits() as i64;
     let shift = RATE_BITS - top;
-    let units = (middle * dyadic(BigInt::from(1), shift)).round().to_integer();
-    Number::from_rational(dyadic(units, -shift))
+    Number::from_rational(dyadic(nearest_units(&middle, shift), -shift))
 }
 
 #[cfg(test)]
