@@ -334,10 +334,11 @@ fn what_no_contact_sees_is_the_same_whether_depth_or_contacts_are_asked_first() 
     let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/real/slope_joints.dda")).unwrap();
     let shapes = scene.shapes();
     let slope: Vec<PreparedBlock> = shapes.iter().map(|block| PreparedBlock::new(block)).collect();
-    let cubes = [unit(), unit().translated(&point(["1/2", "0", "0"])), unit().translated(&point(["1/4", "1/4", "3"]))];
-    let cubes: Vec<PreparedBlock> = cubes.iter().map(PreparedBlock::new).collect();
+    // The first is 2 cm deep in the slab, less than g; the second 1/2, more than g.
+    let on_slab = ["-1/50", "-1/2"].map(|depth| cuboid(["-1", "-1", depth], ["1", "1", "2"]));
+    let on_slab: Vec<PreparedBlock> = [&slab(), &on_slab[0], &on_slab[1]].map(PreparedBlock::new).into();
     let (mut unseen, mut seen) = (0, 0);
-    for (solids, tolerances) in [(slope, derive(Preset::Auto, &shapes, Precision::F64).unwrap()), (cubes, wide())] {
+    for (solids, tolerances) in [(slope, derive(Preset::Auto, &shapes, Precision::F64).unwrap()), (on_slab, wide())] {
         let auditor = Auditor::new(&solids, &tolerances);
         for pair in auditor.neighbours() {
             let audited = auditor.pair(pair).overlap;
