@@ -11,6 +11,7 @@ use crate::dynamics::setup::StepLimits;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::Mode;
 use crate::dynamics::still::StillIslands;
+use crate::dynamics::system::CONTACTS_AT_ONCE;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::time::Instant;
@@ -42,11 +43,8 @@ pub(super) struct IterationResult<R> {
     pub(super) touched: Vec<bool>,
 }
 
-/// A thread judges so many contacts at a time.
-const CONTACTS_AT_ONCE: usize = 512;
-
 /// What a solve says of a contact.
-struct Judged<R> {
+struct JudgedContact<R> {
     blocks: [u32; 2],
     /// Its mode in the solve.
     from: Mode,
@@ -148,7 +146,7 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
             ended.changing.clear();
             touched.fill(false);
             let mut opens_or_closes = false;
-            let judged: Vec<Judged<R>> = contacts
+            let judged: Vec<JudgedContact<R>> = contacts
                 .par_iter_mut()
                 .enumerate()
                 .with_min_len(CONTACTS_AT_ONCE)
@@ -163,10 +161,10 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
                     );
                     let (to, friction_misfit) = (contact.iterate.mode, contact.iterate.friction_misfit);
                     let changed = from != to || stiff || contact.is_stiff_across();
-                    Judged { blocks: contact.blocks, from, to, changed, friction_misfit }
+                    JudgedContact { blocks: contact.blocks, from, to, changed, friction_misfit }
                 })
                 .collect();
-            for (k, &Judged { blocks, from, to, changed: new_springs, .. }) in judged.iter().enumerate() {
+            for (k, &JudgedContact { blocks, from, to, changed: new_springs, .. }) in judged.iter().enumerate() {
                 changed[k] = new_springs;
                 // The force of a sliding contact, and the spring across its slip, are those of the last solve: its system is a new one.
                 if new_springs || to == Mode::Sliding {
@@ -200,7 +198,7 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
     }
 
     /// Whether friction has settled at every block that is not fixed.
-    fn friction_settled<M: StepRules>(&self, contacts: &[Judged<R>]) -> bool {
+    fn friction_settled<M: StepRules>(&self, contacts: &[JudgedContact<R>]) -> bool {
         let mut blocks = vec![FrictionMisfit::NONE; self.block_systems.len()];
         for contact in contacts {
             contact.blocks.iter().for_each(|&block| blocks[block as usize].add(contact.friction_misfit));

@@ -74,9 +74,9 @@ impl<R: Real + RealField + Send + Sync> Work<'_, R> {
                     left.end = panel;
                     continue;
                 }
-                Division::Little(part) => {
-                    left = if part.start == left.start { part.end..left.end } else { left.start..part.start };
-                    (self.in_turn(part, numbers, base, false), false)
+                Division::Little([little, rest]) => {
+                    left = rest;
+                    (self.in_turn(little, numbers, base, false), false)
                 }
                 Division::Halves(cut) => {
                     let at = |panel: usize| self.pattern.range(panel).start - base;

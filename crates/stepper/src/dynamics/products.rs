@@ -15,23 +15,23 @@ use rayon::prelude::*;
 pub(super) struct Products<'p, 's, R> {
     pub(super) system: &'p System<'s, R>,
     /// One for each closed contact.
-    ties: Vec<Tie<R>>,
+    resisting: Vec<ResistingContact<R>>,
 }
 
 /// What a closed contact brings: of a contact in work that alone, since all are read with every product.
-struct Tie<R> {
+struct ResistingContact<R> {
     arms: [Vector<R>; 2],
     resistance: Resistance<R>,
 }
 
 impl<'p, 's, R: Real + Send + Sync> Products<'p, 's, R> {
     pub(super) fn new(system: &'p System<'s, R>) -> Products<'p, 's, R> {
-        let tie = |k: usize| {
+        let of_contact = |k: usize| {
             let contact = system.contact(k as u32);
-            Tie { arms: contact.arms, resistance: contact.resistance() }
+            ResistingContact { arms: contact.arms, resistance: contact.resistance() }
         };
         let all = (0..system.sides.len()).into_par_iter().with_min_len(CONTACTS_AT_ONCE);
-        Products { system, ties: all.map(tie).collect() }
+        Products { system, resisting: all.map(of_contact).collect() }
     }
 
     /// The whole matrix times a vector.
@@ -55,7 +55,7 @@ impl<R: Real + Send + Sync> WithSimd for Multiplying<'_, '_, '_, R> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Multiplying { products: Products { system, ties }, vector, mut part } = self;
+        let Multiplying { products: Products { system, resisting }, vector, mut part } = self;
         let pattern = &system.layout.pattern;
         for place in part.places.clone() {
             let block_system = &system.block_systems[system.blocks[place] as usize];
@@ -68,7 +68,7 @@ impl<R: Real + Send + Sync> WithSimd for Multiplying<'_, '_, '_, R> {
             }
         }
         for &k in part.closed {
-            let (tie, sides) = (&ties[k as usize], system.sides[k as usize]);
+            let (contact, sides) = (&resisting[k as usize], system.sides[k as usize]);
             let mut d: [BlockVector<R>; 2] = [[R::ZERO; 12]; 2];
             for (d, place) in d.iter_mut().zip(sides) {
                 if place != NOWHERE {
@@ -76,13 +76,13 @@ impl<R: Real + Send + Sync> WithSimd for Multiplying<'_, '_, '_, R> {
                     d[..at.len()].copy_from_slice(&vector[at]);
                 }
             }
-            let [i, j] = [displacement(tie.arms[0], &d[0]), displacement(tie.arms[1], &d[1])];
-            let pull = tie.resistance.against(i - j);
+            let [i, j] = [displacement(contact.arms[0], &d[0]), displacement(contact.arms[1], &d[1])];
+            let pull = contact.resistance.against(i - j);
             if let Some(product) = part.at(pattern, sides[0] as usize) {
-                add(product, &generalized(tie.arms[0], pull), None);
+                add(product, &generalized(contact.arms[0], pull), None);
             }
             if let Some(product) = part.at(pattern, sides[1] as usize) {
-                add(product, &generalized(tie.arms[1], -pull), None);
+                add(product, &generalized(contact.arms[1], -pull), None);
             }
         }
     }

@@ -72,9 +72,9 @@ impl<R: Real + Send + Sync> Substitution<'_, R> {
                     later.push(panel..left.end);
                     left.end = panel;
                 }
-                Division::Little(part) => {
-                    left = if part.start == left.start { part.end..left.end } else { left.start..part.start };
-                    self.forth_in_turn(first, part, numbers.reborrow());
+                Division::Little([little, rest]) => {
+                    self.forth_in_turn(first, little, numbers.reborrow());
+                    left = rest;
                 }
                 Division::Halves(cut) => {
                     let [_, numbers] = self.split(numbers.reborrow(), first, left.start);
@@ -89,7 +89,7 @@ impl<R: Real + Send + Sync> Substitution<'_, R> {
 
     /// Forth through some panels, one after another. The numbers are those of panels from `first` on, of all on which these depend among them.
     fn forth_in_turn(&self, first: usize, panels: Range<usize>, numbers: Numbers<'_, R>) {
-        Arch::new().dispatch(Forth { substitution: self, first, panels, numbers });
+        Arch::new().dispatch(Forth(Panels { substitution: self, first, panels, numbers }));
     }
 
     /// Back through panels that are complete subtrees, to which the numbers belong. Their rows below have the solution of all later panels.
@@ -102,9 +102,9 @@ impl<R: Real + Send + Sync> Substitution<'_, R> {
                     self.back_in_turn(first, panel..left.end, numbers.reborrow());
                     left.end = panel;
                 }
-                Division::Little(part) => {
-                    left = if part.start == left.start { part.end..left.end } else { left.start..part.start };
-                    self.back_in_turn(first, part, numbers.reborrow());
+                Division::Little([little, rest]) => {
+                    self.back_in_turn(first, little, numbers.reborrow());
+                    left = rest;
                 }
                 Division::Halves(cut) => {
                     let [_, numbers] = self.split(numbers, first, left.start);
@@ -117,25 +117,28 @@ impl<R: Real + Send + Sync> Substitution<'_, R> {
     }
 
     fn back_in_turn(&self, first: usize, panels: Range<usize>, numbers: Numbers<'_, R>) {
-        Arch::new().dispatch(Back { substitution: self, first, panels, numbers });
+        Arch::new().dispatch(Back(Panels { substitution: self, first, panels, numbers }));
     }
 }
 
-/// Forth through panels one after another, by the widest instructions that the processor has. They change no bit: no sum is cut in other ways.
-struct Forth<'f, 's, 'n, R> {
-    substitution: &'f Substitution<'s, R>,
+/// Panels to go through one after another.
+struct Panels<'p, 's, 'n, R> {
+    substitution: &'p Substitution<'s, R>,
     /// The first panel to which the numbers belong.
     first: usize,
     panels: Range<usize>,
     numbers: Numbers<'n, R>,
 }
 
+/// Forth through panels, by the widest instructions that the processor has. They change no bit: no sum is cut in other ways.
+struct Forth<'p, 's, 'n, R>(Panels<'p, 's, 'n, R>);
+
 impl<R: Real> WithSimd for Forth<'_, '_, '_, R> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Forth { substitution: Substitution { pattern, values, .. }, first, panels, numbers } = self;
+        let Panels { substitution: Substitution { pattern, values, .. }, first, panels, numbers } = self.0;
         let first = &pattern.panels()[first];
         for k in panels {
             let panel = &pattern.panels()[k];
@@ -170,21 +173,15 @@ impl<R: Real> WithSimd for Forth<'_, '_, '_, R> {
     }
 }
 
-/// Back through panels one after another, from the last, as [`Forth`].
-struct Back<'b, 's, 'n, R> {
-    substitution: &'b Substitution<'s, R>,
-    /// The first panel to which the numbers belong.
-    first: usize,
-    panels: Range<usize>,
-    numbers: Numbers<'n, R>,
-}
+/// Back through panels, from the last, as [`Forth`].
+struct Back<'p, 's, 'n, R>(Panels<'p, 's, 'n, R>);
 
 impl<R: Real> WithSimd for Back<'_, '_, '_, R> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Back { substitution: Substitution { pattern, values, .. }, first, panels, numbers } = self;
+        let Panels { substitution: Substitution { pattern, values, .. }, first, panels, numbers } = self.0;
         let first = &pattern.panels()[first];
         for k in panels.rev() {
             let panel = &pattern.panels()[k];

@@ -24,8 +24,8 @@ pub(super) enum Division {
     Later(usize),
     /// Those before this panel and those from it on know nothing of one another; both are worth a thread.
     Halves(usize),
-    /// The same, but the one or the other is little work.
-    Little(Range<usize>),
+    /// The same, but the first of these two is little work.
+    Little([Range<usize>; 2]),
 }
 
 impl<'s> Subtrees<'s> {
@@ -68,12 +68,13 @@ impl<'s> Subtrees<'s> {
             if cut <= panels.start {
                 return best.map_or(Division::InTurn, |(.., division)| division);
             }
-            let sides = [panels.start..cut, cut..panels.end];
-            let lesser = sides.into_iter().min_by_key(|side| self.cost(side.clone())).unwrap_or(panels.clone());
-            let (cost, count) = (self.cost(lesser.clone()), lesser.len());
+            let mut sides = [panels.start..cut, cut..panels.end];
+            // Stable, so of two as costly the earlier one comes first.
+            sides.sort_by_key(|side| self.cost(side.clone()));
+            let (cost, count) = (self.cost(sides[0].clone()), sides[0].len());
             if best.as_ref().is_none_or(|(most, longest, _)| (*most, *longest) < (cost, count)) {
                 let worth = cost >= self.worth_a_thread;
-                best = Some((cost, count, if worth { Division::Halves(cut) } else { Division::Little(lesser) }));
+                best = Some((cost, count, if worth { Division::Halves(cut) } else { Division::Little(sides) }));
             }
         }
     }

@@ -14,11 +14,11 @@ use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, Mode, State};
 use crate::dynamics::still::{Still, StillIslands, different_pairs, same_motion, same_points};
+use crate::dynamics::system::CONTACTS_AT_ONCE;
 use rayon::prelude::*;
 
-/// A thread takes so many blocks, or contacts, at a time.
+/// A thread takes so many blocks at a time.
 const BLOCKS_AT_ONCE: usize = 64;
-const CONTACTS_AT_ONCE: usize = 512;
 
 /// What an accepted attempt does to all blocks.
 struct Move<'m, R> {

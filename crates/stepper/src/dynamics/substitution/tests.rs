@@ -94,11 +94,11 @@ fn visited(pattern: &Pattern, subtrees: &Subtrees<'_>, panels: Range<usize>, ord
             visited(pattern, subtrees, panels.start..panel, order);
             order.extend(panel..panels.end);
         }
-        Division::Little(part) => {
-            assert!(!part.is_empty() && part.len() < panels.len());
-            assert!(part.start == panels.start && apart(part.end) || part.end == panels.end && apart(part.start));
-            order.extend(part.clone());
-            let rest = if part.start == panels.start { part.end..panels.end } else { panels.start..part.start };
+        Division::Little([little, rest]) => {
+            assert!(!little.is_empty() && !rest.is_empty());
+            let [one, other] = if little.start < rest.start { [&little, &rest] } else { [&rest, &little] };
+            assert!([one.start, one.end, other.end] == [panels.start, other.start, panels.end] && apart(one.end));
+            order.extend(little.clone());
             visited(pattern, subtrees, rest, order);
         }
         Division::Halves(cut) => {
