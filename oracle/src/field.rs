@@ -24,6 +24,8 @@ pub(crate) use wide::WideBall;
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
+pub(crate) use rockproof_model::number::dyadic;
+use rockproof_model::number::exact_log2;
 use rockproof_model::{Number, Ring, Sign};
 
 /// Real numbers, known exactly or within an enclosure that always holds the exact value.
@@ -95,11 +97,10 @@ pub(crate) trait Field: Ring {
 
 /// The integer nearest to `value · 2^exponent`, halves away from zero.
 pub(crate) fn nearest_units(value: &BigRational, exponent: i64) -> BigInt {
-    let (numerator, denominator) = (value.numer().magnitude(), value.denom().magnitude());
-    let twos = denominator.trailing_zeros().unwrap_or(0);
-    if twos + 1 != denominator.bits() {
+    let Some(twos) = exact_log2(value.denom()) else {
         return (value * dyadic(BigInt::from(1), exponent)).round().to_integer();
-    }
+    };
+    let numerator = value.numer().magnitude();
     // Over a power of two no division is needed.
     let places = twos as i64 - exponent;
     let units = match places {
@@ -107,16 +108,4 @@ pub(crate) fn nearest_units(value: &BigRational, exponent: i64) -> BigInt {
         _ => ((numerator >> (places - 1)) + 1u32) >> 1,
     };
     BigInt::from_biguint(value.numer().sign(), units)
-}
-
-/// The fraction `significand · 2^exponent`.
-pub(crate) fn dyadic(significand: BigInt, exponent: i64) -> BigRational {
-    if exponent >= 0 {
-        return BigRational::from_integer(significand << exponent as usize);
-    }
-    // Lowest terms without a greatest common divisor: only twos can cancel.
-    let Some(zeros) = significand.trailing_zeros() else { return BigRational::default() };
-    let below = exponent.unsigned_abs();
-    let cancelled = zeros.min(below);
-    BigRational::new_raw(significand >> cancelled as usize, BigInt::from(1) << (below - cancelled) as usize)
 }

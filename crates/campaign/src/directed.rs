@@ -41,7 +41,7 @@ use f64_view::{F64Vector, F64View, dot, length, minus, quantum, times};
 use num_rational::BigRational;
 use num_traits::Zero;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::number::{power_of_two, round_rational};
+use rockproof_model::number::{exact_log2, power_of_two, round_rational};
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, Criteria, EdgeId, FaceId, Number, Precision, Sign, ToleranceSet, VertexId};
 
@@ -258,7 +258,7 @@ fn linear(
     let axes = (0..3).map(|i| (first + i) % 3).filter(|&i| slopes[i].magnitude() * 8u32 >= *steepest);
     let places = axes.map(|i| (i, exact.metres(&-&margin.constant, slopes[i])));
     let mut places: Vec<(usize, BigRational)> = places.collect();
-    let binary = |(_, place): &(usize, BigRational)| exact::is_power_of_two(place.denom());
+    let binary = |(_, place): &(usize, BigRational)| exact_log2(place.denom()).is_some();
     let wanted = if sampler.chance(75) { places.iter().position(binary).unwrap_or(0) } else { 0 };
     let (axis, place) = places.swap_remove(wanted);
     Some(Aim {

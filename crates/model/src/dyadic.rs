@@ -1,6 +1,6 @@
 //! Binary fractions: what sums and products of floats are. Only twos can cancel, so no greatest common divisor is needed.
 
-use crate::number::{power_under, split_f64};
+use crate::number::{dyadic, exact_log2, split_f64};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use std::cmp::Ordering;
@@ -20,7 +20,7 @@ impl Dyadic {
 
     /// `None` for a fraction that is not over a power of two.
     pub(crate) fn of_ratio(value: &BigRational) -> Option<Dyadic> {
-        let twos = power_under(value)?;
+        let twos = exact_log2(value.denom())?;
         Some(Dyadic { significand: value.numer().clone(), exponent: -(twos as i64) })
     }
 
@@ -47,13 +47,7 @@ impl Dyadic {
 
     /// The fraction, in lowest terms.
     pub(crate) fn into_rational(self) -> BigRational {
-        let Some(zeros) = self.significand.trailing_zeros() else { return BigRational::default() };
-        if self.exponent >= 0 {
-            return BigRational::from_integer(self.significand << self.exponent.unsigned_abs());
-        }
-        let below = self.exponent.unsigned_abs();
-        let cancelled = zeros.min(below);
-        BigRational::new_raw(self.significand >> cancelled, BigInt::from(1) << (below - cancelled))
+        dyadic(self.significand, self.exponent)
     }
 }
 

@@ -152,7 +152,7 @@ impl Number {
         // In lowest terms only a power of two under the bar and as many digits above it as fit can be a float; most fractions end
         // here, without a division.
         let digits = value.numer().bits() - value.numer().trailing_zeros().unwrap_or(0);
-        if power_under(&value).is_none() || digits > u64::from(f64::MANTISSA_DIGITS) {
+        if exact_log2(value.denom()).is_none() || digits > u64::from(f64::MANTISSA_DIGITS) {
             return Number(NumberForm::Ratio(Box::new(value)));
         }
         match round_rational(&value, Precision::F64) {
@@ -325,12 +325,18 @@ pub fn split_f64(value: f64) -> (i64, i32) {
 
 fn rational_of_f64(value: f64) -> BigRational {
     let (significand, exponent) = split_f64(value);
-    let significand = BigInt::from(significand);
+    dyadic(BigInt::from(significand), i64::from(exponent))
+}
+
+/// The fraction `significand · 2^exponent`, in lowest terms without a greatest common divisor: only twos can cancel.
+pub fn dyadic(significand: BigInt, exponent: i64) -> BigRational {
     if exponent >= 0 {
-        BigRational::from_integer(significand << exponent as usize)
-    } else {
-        BigRational::new_raw(significand, BigInt::one() << exponent.unsigned_abs() as usize)
+        return BigRational::from_integer(significand << exponent.unsigned_abs());
     }
+    let Some(zeros) = significand.trailing_zeros() else { return BigRational::default() };
+    let below = exponent.unsigned_abs();
+    let cancelled = zeros.min(below);
+    BigRational::new_raw(significand >> cancelled, BigInt::one() << (below - cancelled))
 }
 
 /// The exact sum, in lowest terms without a greatest common divisor: only twos can cancel.
@@ -346,10 +352,10 @@ fn ratio_plus_float(ratio: &BigRational, float: f64) -> BigRational {
     BigRational::new_raw(numerator >> cancelled, odd << (common - cancelled))
 }
 
-/// The k of a fraction over 2^k; `None` for any other.
-pub(crate) fn power_under(value: &BigRational) -> Option<u64> {
-    let twos = value.denom().trailing_zeros().unwrap_or(0);
-    (twos + 1 == value.denom().bits()).then_some(twos)
+/// The k of an integer 2^k; `None` for any other, zero among them.
+pub fn exact_log2(integer: &BigInt) -> Option<u64> {
+    let twos = integer.trailing_zeros()?;
+    (integer.is_positive() && twos + 1 == integer.bits()).then_some(twos)
 }
 
 /// The nearest number of the precision, ties to even; `None` when it overflows.
@@ -365,7 +371,7 @@ pub fn round_rational(value: &BigRational, precision: Precision) -> Option<f64> 
     // 2^(magnitude − 1) < |value| < 2^(magnitude + 1)
     let magnitude = numerator.bits() as i64 - denominator.bits() as i64;
     let mut unit = (magnitude - digits).max(precision.smallest_exponent());
-    let (mut quotient, up) = if let Some(twos) = power_under(value) {
+    let (mut quotient, up) = if let Some(twos) = exact_log2(value.denom()) {
         // Its first digit is known, so the unit is the right one at once.
         unit = (magnitude + 1 - digits).max(precision.smallest_exponent());
         shifted(numerator, unit + twos as i64)

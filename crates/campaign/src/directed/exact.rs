@@ -7,6 +7,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use rockproof_model::decision::Side;
 use rockproof_model::lattice::Lattice;
+use rockproof_model::number::exact_log2;
 use rockproof_model::topology::Edge;
 use rockproof_model::{Block, EdgeId, FaceId, Number, ToleranceSet, Vec3, VertexId};
 
@@ -89,7 +90,7 @@ pub(crate) fn fraction(numerator: BigInt, denominator: BigInt) -> BigRational {
     let Some(twos) = numerator.trailing_zeros() else { return BigRational::zero() };
     let twos = twos.min(denominator.trailing_zeros().unwrap_or(0));
     let (numerator, denominator) = (numerator >> twos, denominator >> twos);
-    if is_power_of_two(&denominator) {
+    if exact_log2(&denominator).is_some() {
         return BigRational::new_raw(numerator, denominator);
     }
     match (numerator.magnitude().to_u128(), denominator.to_u128()) {
@@ -99,11 +100,6 @@ pub(crate) fn fraction(numerator: BigInt, denominator: BigInt) -> BigRational {
         }
         _ => BigRational::new(numerator, denominator),
     }
-}
-
-/// Whether a positive number is a power of two.
-pub(crate) fn is_power_of_two(number: &BigInt) -> bool {
-    number.trailing_zeros().map(|twos| twos + 1) == Some(number.bits())
 }
 
 impl<'p> ExactPlacement<'p> {
