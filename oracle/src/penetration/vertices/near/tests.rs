@@ -33,8 +33,14 @@ fn pairs() -> impl Iterator<Item = [Block; 2]> {
     })
 }
 
-fn surfaces<'p>(pair: &'p LatticePair<'_>, view: &'p View) -> [LatticeSurface<'p>; 2] {
-    [0, 1].map(|side| LatticeSurface::new(pair, view, side).expect("faces with areas"))
+/// Looks at the surfaces of each of [`pairs`].
+fn each_pair(mut look: impl FnMut(&View, [&LatticeSurface<'_>; 2])) {
+    for [a, b] in pairs() {
+        let pair = LatticePair::new(&a, &b);
+        let view = View::of([&pair.points[0], &pair.points[1]]);
+        let surfaces = [0, 1].map(|side| LatticeSurface::new(&pair, &view, side).expect("faces with areas"));
+        look(&view, surfaces.each_ref());
+    }
 }
 
 /// Vertices of the other block, and points between two of them a third of the way.
@@ -48,39 +54,37 @@ fn points(other: &LatticeSurface<'_>) -> Vec<Fraction> {
 #[test]
 fn a_point_is_inside_or_outside_where_f64_says_so() {
     let (mut inside, mut outside, mut open) = (0, 0, 0);
-    for [a, b] in pairs() {
-        let pair = LatticePair::new(&a, &b);
-        let view = View::of([&pair.points[0], &pair.points[1]]);
-        let surfaces = surfaces(&pair, &view);
+    each_pair(|view, surfaces| {
         for side in 0..2 {
-            for point in points(&surfaces[1 - side]) {
+            for point in points(surfaces[1 - side]) {
                 let found = surfaces[side].near.holds(&view.point(&point));
                 match found {
                     Some(true) => inside += 1,
                     Some(false) => outside += 1,
                     None => open += 1,
                 }
-                assert!(found.is_none_or(|found| found == surfaces[side].holds(&point)), "{a:?} {b:?}");
+                assert!(
+                    found.is_none_or(|found| found == surfaces[side].holds(&point)),
+                    "{:?}",
+                    surfaces.map(|s| s.block)
+                );
             }
         }
-    }
+    });
     assert!(inside > 200 && outside > 2_000 && open < 1_000, "{inside} inside, {outside} outside, {open} open");
 }
 
 #[test]
 fn the_nearest_feature_is_among_those_that_f64_leaves() {
     let (mut left, mut all) = (0, 0);
-    for [a, b] in pairs() {
-        let pair = LatticePair::new(&a, &b);
-        let view = View::of([&pair.points[0], &pair.points[1]]);
-        let surfaces = surfaces(&pair, &view);
+    each_pair(|view, surfaces| {
         for side in 0..2 {
-            let surface = &surfaces[side];
+            let surface = surfaces[side];
             let topology = surface.block.topology();
             let faces = (0..topology.faces().len()).map(Feature::Face);
             let edges = (0..topology.edges().len()).map(Feature::Edge);
             let every: Vec<_> = faces.chain(edges).chain((0..surface.points.len()).map(Feature::Vertex)).collect();
-            for point in points(&surfaces[1 - side]) {
+            for point in points(surfaces[1 - side]) {
                 let few = surface.near.nearest_features(&view.point(&point));
                 let [one, two] = [&few, &every].map(|features| surface.nearest(&point, features).expect("a vertex"));
                 let parts = |p: &NearestPoint| (p.numerator.clone(), p.denominator.clone(), p.way.clone());
@@ -89,17 +93,14 @@ fn the_nearest_feature_is_among_those_that_f64_leaves() {
                 all += every.len();
             }
         }
-    }
+    });
     assert!(left * 8 < all, "{left} of {all}");
 }
 
 #[test]
 fn an_edge_that_f64_sees_pass_by_crosses_nothing() {
     let (mut passing, mut open) = (0, 0);
-    for [a, b] in pairs() {
-        let pair = LatticePair::new(&a, &b);
-        let view = View::of([&pair.points[0], &pair.points[1]]);
-        let [own, other] = surfaces(&pair, &view);
+    each_pair(|_, [own, other]| {
         for edge in own.block.topology().edges() {
             let [p, q] = [edge.p, edge.q].map(|v| &own.points[v.index()]);
             for (triangle, corners) in triangle_corners(other.block).enumerate() {
@@ -109,9 +110,9 @@ fn an_edge_that_f64_sees_pass_by_crosses_nothing() {
                 }
                 passing += 1;
                 let corners = corners.map(|v| &other.points[v.index()]);
-                assert_eq!(crossing(p, &q.minus(p), corners), None, "{a:?} {b:?}");
+                assert_eq!(crossing(p, &q.minus(p), corners), None, "{:?} {:?}", own.block, other.block);
             }
         }
-    }
+    });
     assert!(passing > 8 * open, "{passing} pass by, {open} may not");
 }
