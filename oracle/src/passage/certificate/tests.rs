@@ -267,6 +267,10 @@ fn f64_says_of_gaps_what_exact_numbers_say() {
         let length = 1 + dice.below(1 << 20) as i64;
         for n in [whole(length, 0, 0), random_point(&mut dice, bits)] {
             let gap = both.gap(&n);
+            let between_points = |[a, b]: &[Vec<LatticePoint>; 2]| {
+                a.iter().flat_map(|p| b.iter().map(|q| n.dot(&p.minus(q)))).min().expect("some points")
+            };
+            assert_eq!(Some(&gap), ends.places.iter().map(between_points).min().as_ref(), "{trial}: {n:?}");
             for more in [-1i64, 0, 1] {
                 let by: BigInt = more - &gap / length;
                 let shift = Vec3::new(by.clone(), integer(&mut dice, 3), BigInt::ZERO);
