@@ -1,5 +1,6 @@
 //! The scalar the stepper calculates in.
 
+use crate::contact::CompiledContacts;
 use crate::wide::Wide;
 use rockproof_model::{Number, Precision};
 use std::fmt::Debug;
@@ -18,6 +19,7 @@ mod sealed {
 /// [`Real::below`] is for choices that cannot change an answer.
 pub trait Real:
     sealed::Sealed
+    + CompiledContacts
     + Copy
     + Debug
     + PartialOrd

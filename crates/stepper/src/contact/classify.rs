@@ -5,7 +5,7 @@ use crate::contact::pair::{ExitCandidate, Pair};
 use crate::contact::prepared_block::PreparedBlock;
 use crate::contact::rules::ContactRules;
 use crate::contact::tolerances::Tolerances;
-use crate::contact::trace::{Observer, Trace, Unobserved};
+use crate::contact::trace::Observer;
 use crate::real::Real;
 use rockproof_model::decision::{Decision, Predicate, Side};
 use rockproof_model::{Contact, ContactKey};
@@ -52,7 +52,7 @@ pub fn classify_keeping<R: Real, M: ContactRules>(
     t: &Tolerances<R>,
     kept: &[ContactKey],
 ) -> Vec<ComputedContact<R>> {
-    ClassificationRequest { a, b, tolerances: t, kept }.observed::<M, _>(&mut Unobserved)
+    M::contacts(ClassificationRequest { a, b, tolerances: t, kept })
 }
 
 /// The contacts of two blocks where nothing is kept, with every decision made on the way.
@@ -80,9 +80,7 @@ impl<R: Real> ClassificationRequest<'_, R> {
     /// # Panics
     /// When a kept contact names a feature that its block does not have.
     pub fn traced<M: ContactRules>(self) -> (Vec<ComputedContact<R>>, Vec<(Decision, i8)>) {
-        let mut trace = Trace::default();
-        let found = self.observed::<M, _>(&mut trace);
-        (found, trace.decisions)
+        M::traced(self)
     }
 
     /// The contacts, in the order of SPEC section 4, watched by an observer.

@@ -2,6 +2,7 @@
 
 pub mod broad;
 mod classify;
+mod compiled;
 mod edge_edge;
 mod entrance;
 mod exit;
@@ -19,6 +20,7 @@ pub use broad::{Bounds, neighbouring_pairs, neighbours};
 pub use classify::{
     ClassificationRequest, ComputedContact, classify, classify_keeping, classify_observed, classify_traced,
 };
+pub use compiled::CompiledContacts;
 pub use prepared_block::{Collapsed, PreparedBlock};
 pub use rules::{ContactRules, SpecRules};
 pub use tolerances::{ToleranceOverflow, Tolerances};

@@ -154,14 +154,7 @@ impl<R: Real> PreparedBlock<R> {
     /// # Errors
     /// When rounding collapsed the block, naming the feature.
     pub fn new(block: &Block) -> Result<PreparedBlock<R>, Collapsed> {
-        let topology = block.topology();
-        let mut points = Vec::with_capacity(topology.vertex_count());
-        for (v, exact) in block.vertices().iter().enumerate() {
-            let near =
-                |number| R::from_number(number).ok_or(Collapsed { what: CollapsedPart::Vertex(VertexId::at(v)) });
-            points.push(Vector::new(near(&exact.x)?, near(&exact.y)?, near(&exact.z)?));
-        }
-        PreparedBlock::unprepared(block.clone()).with_points(&points)
+        R::prepare(block)
     }
 
     /// A block of which nothing is known yet.

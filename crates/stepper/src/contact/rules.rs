@@ -8,6 +8,8 @@
 //!
 //! Distances, gaps and radii are in metres; `u`, `n` and `m` are unit vectors; sines have no unit.
 
+use crate::contact::classify::{ClassificationRequest, ComputedContact};
+use crate::contact::compiled::{TracedContacts, contacts, traced};
 use crate::contact::tolerances::Tolerances;
 use crate::real::Real;
 use crate::vector::Vector;
@@ -363,10 +365,36 @@ pub trait ContactRules: 'static {
     fn same_exit<R: Real>(cosine: R, sine: R, overlap_sine: R) -> bool {
         cosine > R::ZERO && sine <= overlap_sine
     }
+
+    /// The contacts by these rules. [`SpecRules`] takes the code compiled in this crate.
+    #[doc(hidden)]
+    fn contacts<R: Real>(request: ClassificationRequest<'_, R>) -> Vec<ComputedContact<R>>
+    where
+        Self: Sized,
+    {
+        contacts::<R, Self>(request)
+    }
+
+    /// The same with every decision made on the way.
+    #[doc(hidden)]
+    fn traced<R: Real>(request: ClassificationRequest<'_, R>) -> TracedContacts<R>
+    where
+        Self: Sized,
+    {
+        traced::<R, Self>(request)
+    }
 }
 
 /// The rules as SPEC section 4 states them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SpecRules;
 
-impl ContactRules for SpecRules {}
+impl ContactRules for SpecRules {
+    fn contacts<R: Real>(request: ClassificationRequest<'_, R>) -> Vec<ComputedContact<R>> {
+        R::contacts(request)
+    }
+
+    fn traced<R: Real>(request: ClassificationRequest<'_, R>) -> TracedContacts<R> {
+        R::traced(request)
+    }
+}
