@@ -2,7 +2,7 @@
 
 use crate::dynamics::elimination_order::{Graph, Renumbered, elimination_order};
 use crate::dynamics::pattern::Pattern;
-use crate::dynamics::solve::{COARSE, DENSE};
+use crate::dynamics::solve::{DENSE, REFINED_FROM};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -20,9 +20,9 @@ impl IslandLayout {
         self.pattern.size() <= DENSE
     }
 
-    /// Whether its factor takes so much that one in f32 is made, and the solution refined.
+    /// Whether its factor takes so much for its size that one in f32 is made, and the solution refined.
     pub(super) fn is_very_large(&self) -> bool {
-        self.pattern.work() >= COARSE
+        self.pattern.work() >= REFINED_FROM * self.pattern.values() as u64
     }
 }
 

@@ -11,8 +11,10 @@ use crate::wide::Wide;
 /// Larger ones take the fastest kernels that the processor has, whose last bits may differ from machine to machine.
 pub const DENSE: usize = 96;
 
-/// Systems of which the factor takes so many multiplications or more, about, are very large: see [`Solve::REFINES`].
-pub const COARSE: u64 = 1_500_000_000;
+/// Systems of which the factor takes so many multiplications or more for each of its values, about, are very large: see
+/// [`Solve::REFINES`]. A factor in f32 takes about half of the multiplications' time away, and brings three substitutions more, which take time by
+/// the values.
+pub const REFINED_FROM: u64 = 500;
 
 /// A pivot that is not positive and finite: the system is singular, or became so by rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -140,12 +140,13 @@ fn bricks([along, deep, high]: [u32; 3], twice: bool, motion: rockproof_model::M
 #[test]
 fn steps_are_the_same_bits_on_any_number_of_threads() {
     use rockproof_model::Motion::{Deformable, Rigid};
-    // A wall, a rigid one, two islands, and a mass so large that its factor is in f32.
+    // A wall, a rigid one, two islands, and masses so large that their factors are in f32.
     for (size, twice, motion, very_large) in [
         ([18, 1, 18], false, Deformable, false),
         ([22, 1, 22], false, Rigid, false),
         ([14, 1, 14], true, Deformable, false),
         ([8, 8, 9], false, Deformable, true),
+        ([10, 10, 10], false, Rigid, true),
     ] {
         let by = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
