@@ -1,7 +1,8 @@
 //! The factor of a large system, panel by panel along the tree of elimination.
 //!
-//! Subtrees know nothing of one another, and of wide panels the columns are gathered by parts, so threads can share the work. What is
-//! computed of a panel does not depend on who computes it, nor on how many there are: the same bits on any number of threads.
+//! Subtrees know nothing of one another, of wide panels the columns are gathered by parts, and of high ones the rows below are divided by
+//! parts, so threads can share the work. What is computed of a panel does not depend on who computes it, nor on how many there are: the same bits on
+//! any number of threads.
 
 use crate::dynamics::pattern::{Panel, PanelRow, Pattern};
 use crate::dynamics::solve::{Fill, Singular};
@@ -26,6 +27,9 @@ const WIDE: usize = 36;
 
 /// The columns of a panel that is wider than this are gathered by parts of about so many.
 const PART: usize = 48;
+
+/// So many rows below a panel's square are divided by its factor at a time.
+const ROWS: usize = 96;
 
 /// Cholesky's method, left-looking: each panel that is marked is filled, gathers what the earlier ones take from it, then is factored as
 /// a dense one.
@@ -150,8 +154,27 @@ impl<R: Real + RealField + Send + Sync> Work<'_, R> {
         let (stack, spec) = (MemStack::new(&mut buffer), Default::default());
         cholesky_in_place(square.as_mut(), Default::default(), Par::Seq, stack, spec)
             .map_err(|LltError::NonPositivePivot { index }| Singular { unknown: panel.begin + index })?;
-        solve_lower_triangular_in_place(square.as_ref(), below.transpose_mut(), Par::Seq);
+        divide_below(square.as_ref(), below, shared);
         Ok(())
+    }
+}
+
+/// Divides the rows below a panel's square by its factor, some rows at a time. They are cut alike whoever divides them, since where a kernel
+/// begins may bear on last bits.
+fn divide_below<R: Real + RealField + Send + Sync>(square: MatRef<'_, R>, below: MatMut<'_, R>, shared: bool) {
+    let mut rest = below;
+    let mut all = Vec::with_capacity(rest.nrows().div_ceil(ROWS));
+    while rest.nrows() > 0 {
+        let count = ROWS.min(rest.nrows());
+        let (rows, others) = rest.split_at_row_mut(count);
+        all.push(rows);
+        rest = others;
+    }
+    let divide = |rows: MatMut<'_, R>| solve_lower_triangular_in_place(square, rows.transpose_mut(), Par::Seq);
+    if shared {
+        all.into_par_iter().for_each(divide);
+    } else {
+        all.into_iter().for_each(divide);
     }
 }
 
