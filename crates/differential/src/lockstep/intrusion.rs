@@ -8,7 +8,7 @@ use crate::lockstep::scene::ExactScene;
 use crate::lockstep::state::rounded_state;
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use rockproof_model::{Block, ContactKey, Number, Precision};
+use rockproof_model::{Block, ContactKey, Number, Precision, ToleranceSet};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Auditor, Overlap, rounding_depth};
 use rockproof_oracle::passage::{PassageAnswer, StraightMotion, passage, swept_neighbours};
@@ -113,11 +113,23 @@ impl Intrusions {
     /// Those of a step of a scene from one state to another. Overlaps within `rounding` m, or within the unevenness of a face, are
     /// none.
     pub fn of(scene: &ExactScene, before: &State, after: &State, rounding: &Number) -> Intrusions {
-        let ends = [scene.blocks_at(before), scene.blocks_at(after)];
+        let all: Vec<usize> = (0..scene.scene().blocks.len()).collect();
+        Intrusions::among(&all, scene, [before, after], rounding)
+    }
+
+    /// The same, of some of the blocks alone, in ascending order.
+    pub fn among(blocks: &[usize], scene: &ExactScene, states: [&State; 2], rounding: &Number) -> Intrusions {
+        let ends = states.map(|state| blocks.iter().map(|&block| scene.block_at(state, block)).collect());
+        let looked = LookedThrough { blocks, tolerances: scene.tolerances(), ends, states, rounding };
         let mut all = Intrusions::default();
-        all.find_passages(scene, &ends);
-        all.find_unseen(scene, &ends, [before, after], rounding);
+        looked.find_passages(&mut all);
+        looked.find_unseen(&mut all);
         all
+    }
+
+    /// Whether there is certainly none.
+    pub fn are_none(&self) -> bool {
+        self.found.is_empty() && self.undecided.is_empty()
     }
 
     /// How many there are of a sort.
@@ -129,72 +141,66 @@ impl Intrusions {
     pub fn between(&self, kind: Intrusion, blocks: [usize; 2]) -> Option<&Intruded> {
         self.found.iter().find(|one| one.key() == (kind, blocks))
     }
+}
 
-    /// Whether a step of a scene from one state to another certainly has no intrusion of two of its blocks: what [`Intrusions::of`]
-    /// would find or leave undecided of this pair.
-    fn none_between(scene: &ExactScene, states: [&State; 2], blocks: [usize; 2], rounding: &Number) -> bool {
-        let ends = states.map(|state| {
-            let all = scene.blocks_at(state);
-            blocks.map(|block| all[block].clone())
-        });
-        let motions = [0, 1].map(|side| StraightMotion::new(&ends[0][side], &ends[1][side]));
-        let passes = || match passage(&motions[0], &motions[1], &scene.tolerances().penetration).answer {
-            PassageAnswer::NoPassage | PassageAnswer::DeepAtEnd => false,
-            PassageAnswer::Undecided | PassageAnswer::Passage { .. } => true,
-        };
-        if !swept_neighbours(&motions).is_empty() && passes() {
-            return false;
-        }
-        // As in `find_unseen`, the pair before the step need not be of the neighbours.
-        let is_unseen = |end: usize| {
-            let solids = ends[end].each_ref().map(PreparedBlock::new);
-            let auditor = Auditor::new(&solids, scene.tolerances());
-            let is_asked = end == 0 || !auditor.neighbours().is_empty();
-            is_asked && unseen(&auditor, [0, 1], &kept(states[end], blocks), rounding).is_some()
-        };
-        !is_unseen(1) || is_unseen(0)
+/// Blocks of a step in which intrusions are looked for.
+struct LookedThrough<'l> {
+    /// Their numbers in the scene.
+    blocks: &'l [usize],
+    tolerances: &'l ToleranceSet,
+    /// The blocks before the step and after it.
+    ends: [Vec<Block>; 2],
+    states: [&'l State; 2],
+    rounding: &'l Number,
+}
+
+impl LookedThrough<'_> {
+    /// The numbers in the scene of a pair, by its places among the blocks.
+    fn numbers(&self, pair: [usize; 2]) -> [usize; 2] {
+        pair.map(|place| self.blocks[place])
     }
 
-    fn find_passages(&mut self, scene: &ExactScene, [before, after]: &[Vec<Block>; 2]) {
+    fn find_passages(&self, all: &mut Intrusions) {
+        let [before, after] = &self.ends;
         let motions: Vec<_> = before.iter().zip(after).map(|(one, two)| StraightMotion::new(one, two)).collect();
-        for blocks in swept_neighbours(&motions) {
-            let [a, b] = blocks.map(|block| &motions[block]);
-            match passage(a, b, &scene.tolerances().penetration).answer {
+        for pair in swept_neighbours(&motions) {
+            let [a, b] = pair.map(|place| &motions[place]);
+            let blocks = self.numbers(pair);
+            match passage(a, b, &self.tolerances.penetration).answer {
                 PassageAnswer::NoPassage | PassageAnswer::DeepAtEnd => {}
-                PassageAnswer::Undecided => self.undecided.push(blocks),
+                PassageAnswer::Undecided => all.undecided.push(blocks),
                 PassageAnswer::Passage { time, depth } => {
                     let time = Number::from_rational(time).approximate();
-                    self.found.push(Intruded { kind: Intrusion::Passage, blocks, time, depth: depth.depth_m() });
+                    all.found.push(Intruded { kind: Intrusion::Passage, blocks, time, depth: depth.depth_m() });
                 }
             }
         }
     }
 
-    fn find_unseen(&mut self, scene: &ExactScene, ends: &[Vec<Block>; 2], states: [&State; 2], rounding: &Number) {
-        let solids = |end: usize| -> Vec<PreparedBlock> { ends[end].iter().map(PreparedBlock::new).collect() };
-        let unseen =
-            |auditor: &Auditor<'_>, blocks, end: usize| unseen(auditor, blocks, &kept(states[end], blocks), rounding);
+    fn find_unseen(&self, all: &mut Intrusions) {
+        let solids = |end: usize| -> Vec<PreparedBlock> { self.ends[end].iter().map(PreparedBlock::new).collect() };
         let after = solids(1);
-        let auditor = Auditor::new(&after, scene.tolerances());
+        let auditor = Auditor::new(&after, self.tolerances);
         let pairs = auditor.neighbours().into_iter();
-        let unseen_after: Vec<_> = pairs.filter_map(|blocks| Some((blocks, unseen(&auditor, blocks, 1)?))).collect();
+        let unseen_after: Vec<_> = pairs.filter_map(|pair| Some((pair, self.unseen(&auditor, pair, 1)?))).collect();
         if unseen_after.is_empty() {
             return;
         }
         let before = solids(0);
-        let auditor = Auditor::new(&before, scene.tolerances());
-        for (blocks, overlap) in unseen_after {
-            if unseen(&auditor, blocks, 0).is_none() {
-                let depth = overlap.penetration.depth_m();
-                self.found.push(Intruded { kind: Intrusion::Unseen, blocks, time: 1.0, depth });
+        let auditor = Auditor::new(&before, self.tolerances);
+        for (pair, overlap) in unseen_after {
+            if self.unseen(&auditor, pair, 0).is_none() {
+                let (blocks, depth) = (self.numbers(pair), overlap.penetration.depth_m());
+                all.found.push(Intruded { kind: Intrusion::Unseen, blocks, time: 1.0, depth });
             }
         }
     }
-}
 
-/// The overlap of a pair that no contact sees, those kept among them, and that is more than rounding.
-fn unseen(auditor: &Auditor<'_>, blocks: [usize; 2], kept: &[ContactKey], rounding: &Number) -> Option<Overlap> {
-    auditor.unseen_keeping(blocks, kept).filter(|overlap| !overlap.is_rounding(rounding))
+    /// The overlap of a pair at an end of the step that no contact sees, those kept among them, and that is more than rounding.
+    fn unseen(&self, auditor: &Auditor<'_>, pair: [usize; 2], end: usize) -> Option<Overlap> {
+        let kept = kept(self.states[end], self.numbers(pair));
+        auditor.unseen_keeping(pair, &kept).filter(|overlap| !overlap.is_rounding(self.rounding))
+    }
 }
 
 /// The contacts of a pair that a state keeps for the next classification.
@@ -318,7 +324,7 @@ impl Watch<'_> {
         for _ in 0..MOST_STEPS << halvings {
             let Ok(made) = scene.step(&state, KEEP) else { return false };
             let Some(after) = rounded_state(&made.state, Precision::F64) else { return false };
-            if !Intrusions::none_between(&scene, [&state, &after], blocks, rounding) {
+            if !Intrusions::among(&blocks, &scene, [&state, &after], rounding).are_none() {
                 return false;
             }
             state = after;

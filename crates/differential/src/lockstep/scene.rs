@@ -106,8 +106,12 @@ impl ExactScene {
 
     /// The blocks where a state has them.
     pub fn blocks_at(&self, state: &step::State) -> Vec<Block> {
-        let moved = self.scene.blocks.iter().zip(&state.blocks);
-        moved.map(|(block, state)| block.block.with_vertices(state.vertices.clone())).collect()
+        (0..self.scene.blocks.len()).map(|block| self.block_at(state, block)).collect()
+    }
+
+    /// A block, by its number, where a state has it.
+    pub fn block_at(&self, state: &step::State, block: usize) -> Block {
+        self.scene.blocks[block].block.with_vertices(state.blocks[block].vertices.clone())
     }
 
     /// A state after a step as the oracle keeps it (`KEEP`): vertices of blocks that may move rounded to the grid, a half away from zero. What both
