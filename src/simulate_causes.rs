@@ -1,6 +1,7 @@
 //! An audited `simulate`: why blocks passed through one another or overlap unseen, once the run has ended, and cases to replay it.
 
 use crate::exit::print_note;
+use rockproof_differential::lockstep::intrusion_case::MOST_BLOCKS;
 use rockproof_examine::IntrusionCases;
 use rockproof_model::simulation::step_in_words;
 use rockproof_model::{Precision, Scene, ToleranceSet};
@@ -30,7 +31,15 @@ pub(crate) fn write_causes(out: &mut String, rows: &[IntrusionRow]) -> std::fmt:
     for same in rows.chunk_by(|one, other| place(one) == place(other)) {
         let Some(first) = same.first() else { continue };
         let causes: Vec<&str> = same.iter().map(|row| row.cause.as_str()).filter(|cause| !cause.is_empty()).collect();
-        let causes = if causes.is_empty() { "unknown".to_owned() } else { causes.join(", ") };
+        let causes = match first.case_blocks {
+            _ if !causes.is_empty() => causes.join(", "),
+            Some(blocks) if first.case.is_empty() => {
+                format!(
+                    "unknown: {blocks} blocks show it, no fewer were found, and no more than {MOST_BLOCKS} are stepped exactly"
+                )
+            }
+            _ => "unknown".to_owned(),
+        };
         let case = if first.case.is_empty() { String::new() } else { format!("; {}", first.case) };
         let (step, [a, b]) = (step_in_words(first.step), [first.block_a, first.block_b]);
         writeln!(out, "cause            {} {a}–{b}, {step}: {causes}{case}", first.change)?;

@@ -256,6 +256,44 @@ fn a_passage_has_its_cause_and_a_case_that_replays() {
     assert!(!place.path("sound/intrusions.csv").exists() && !place.path("sound/cases").exists());
 }
 
+/// A heavy block that pushes a row of so many and one more at rest through [`SHOT`]'s plate, by contacts that the step itself finds; and 70 blocks
+/// far away.
+fn pushed(row: usize) -> String {
+    let block = |about: &str, min: [f64; 3], max: [f64; 3]| {
+        format!("[[block]]\n{about}box = {{ min = {min:?}, max = {max:?} }}\n")
+    };
+    let (fixed, rigid) = ("fixed = true\n", "motion = \"rigid\"\n");
+    let mut text = "[simulation]\ngravity = [0, 0, 0]\ntime_step = 0.01\nsteps = 1\n".to_owned();
+    text += &block(fixed, [0.75, -1.0, -1.0], [0.8, 1.0, 1.0]);
+    (0..70).for_each(|k| text += &block(fixed, [9.0, 9.0, f64::from(2 * k)], [10.0, 10.0, f64::from(2 * k + 1)]));
+    // Eighths, so that they touch exactly.
+    let begin = |place: usize| 0.5 - place as f64 / 8.0;
+    (0..=row).for_each(|k| text += &block(rigid, [begin(k), 0.0, 0.0], [begin(k) + 0.125, 0.125, 0.125]));
+    let heavy =
+        block(&format!("{rigid}velocity = [50, 0, 0]\n"), [begin(row) - 2.0, -1.0, -1.0], [begin(row), 1.125, 1.125]);
+    text + &heavy
+}
+
+#[test]
+fn the_cause_of_a_passage_is_found_among_many_blocks() {
+    let place = Place::new();
+    for (row, told) in [
+        (1, "step-length; cases/passage_0-71_step_000001.json"),
+        (66, "unknown: 69 blocks show it, no fewer were found, and no more than 64 are stepped exactly"),
+    ] {
+        place.file("shot.toml", &pushed(row));
+        let out_dir = format!("run_{row}");
+        let (code, out, err) = place.run(&[&SHOOT[..], &["--out", &out_dir]].concat());
+        assert_eq!(code, 1, "{out}{err}");
+        assert!(out.contains(&format!("\ncause            passage 0–71, step 1: {told}\n")), "{out}");
+        let rows = place.rows(&format!("{out_dir}/intrusions.csv"));
+        let of_pair = rows.iter().find(|cells| cells["block_b"] == "71").expect("a row");
+        assert_eq!(of_pair["case_blocks"], if row == 1 { "4" } else { "69" });
+    }
+    let (code, out, err) = place.run(&["replay", "run_1/cases/passage_0-71_step_000001.json"]);
+    assert!(code == 0 && out.contains("step-length: passage 0-1: none → passage"), "{out}{err}");
+}
+
 /// The wedges of `cases/regressions/step-step-length-unseen.json`, which touch at a corner and overlap unseen after the first step.
 #[test]
 fn an_overlap_that_no_contact_sees_any_more_has_its_cause() {

@@ -1,7 +1,7 @@
 //! Of an audited run the worst passages and unseen overlaps, with the state before each, and their cases and causes once it has ended.
 
 use crate::step_audit::is_unseen;
-use rockproof_differential::lockstep::intrusion_case::{FoundIntrusion, intrusion_case};
+use rockproof_differential::lockstep::intrusion_case::{FoundIntrusion, NoCase, intrusion_case};
 use rockproof_differential::lockstep::{Intrusion, StepCase};
 use rockproof_model::{Block, Precision, Scene, ToleranceSet};
 use rockproof_simulate::checkpoint::SavedState;
@@ -128,7 +128,7 @@ impl IntrusionCases {
             let Some(kind) = Intrusion::ALL.into_iter().find(|kind| kind.name() == one.change) else { continue };
             let found = FoundIntrusion { kind, blocks: one.blocks, depth_m: one.depth_m.0 };
             let state = one.state.state::<R>().ok();
-            let made = state.and_then(|state| intrusion_case(scene, set, precision, &state, found));
+            let made = state.map(|state| intrusion_case(scene, set, precision, &state, found));
             let [block_a, block_b] = one.blocks;
             let empty = IntrusionRow {
                 step: one.step,
@@ -139,10 +139,13 @@ impl IntrusionCases {
                 cause: String::new(),
                 before: String::new(),
                 after: String::new(),
-                case_blocks: None,
+                case_blocks: match made {
+                    Some(Err(NoCase::TooMany(blocks))) => Some(blocks),
+                    _ => None,
+                },
                 case: String::new(),
             };
-            let text = made.and_then(|made| Some((made.case.text().ok()?, made)));
+            let text = made.and_then(|made| made.ok()).and_then(|made| Some((made.case.text().ok()?, made)));
             let Some((text, made)) = text else {
                 all.rows.push(empty);
                 continue;

@@ -94,7 +94,8 @@ pub struct IntrusionRow {
     pub before: String,
     /// What the link behind has.
     pub after: String,
-    /// Blocks in the case: those without which the stepper's step does the same are left out.
+    /// Blocks in the case: those without which the stepper's step does the same are left out. Where there is no case, the number of blocks
+    /// that show it, if it is too large for one.
     pub case_blocks: Option<usize>,
     /// The case, by its place in the directory; empty where there is none.
     pub case: String,

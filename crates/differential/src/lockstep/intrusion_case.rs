@@ -1,9 +1,11 @@
 //! The case of a passage or an unseen overlap in a run: its step made again on both sides, of as few blocks as show it, and its causes.
+//! Which blocks show it, the stepper alone says (`intrusion_part.rs`).
 
 use crate::lockstep::attribution::ComparedLinks;
 use crate::lockstep::case_file::{Expected, StepCase};
 use crate::lockstep::cutout::cutout;
 use crate::lockstep::intrusion::{CausedIntrusion, Intrusion};
+use crate::lockstep::intrusion_part::ShowingStep;
 use crate::lockstep::recorded::{run_difference, run_intrusion};
 use crate::lockstep::run::{ComparedStep, Lockstep};
 use rockproof_model::{Precision, Scene, ToleranceSet};
@@ -11,7 +13,6 @@ use rockproof_simulate::checkpoint::SavedState;
 use rockproof_simulate::identity::with_tolerances;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Solve, State};
-use std::collections::BTreeSet;
 
 /// A passage or an unseen overlap that an audit found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +23,13 @@ pub struct FoundIntrusion {
     pub blocks: [usize; 2],
     /// How deep (m).
     pub depth_m: f64,
+}
+
+impl FoundIntrusion {
+    /// Whether an intrusion so deep (m; none beyond f64) is this one again where blocks are left out.
+    pub(super) fn is_again(&self, depth: Option<f64>) -> bool {
+        depth.unwrap_or(f64::INFINITY) >= SAME_DEPTH * self.depth_m
+    }
 }
 
 /// Its case and its causes.
@@ -35,33 +43,57 @@ pub struct IntrusionCase {
     pub causes: Vec<CausedIntrusion>,
 }
 
-/// A scene of more blocks is not stepped as a whole to find causes: exact steps of it, of which there may be 250, take hours.
-const MOST_BLOCKS: usize = 64;
+/// Why an intrusion has no case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoCase {
+    /// The stepper's step does not show it again, not even of the whole scene.
+    NotShown,
+    /// Of the blocks that show it, at most [`MOST_BLOCKS`], a step cannot be made exactly.
+    Unproved,
+    /// So many blocks show it, and no fewer were found that do: more than [`MOST_BLOCKS`].
+    TooMany(usize),
+}
+
+/// Parts of more blocks are not stepped exactly to find causes: for one intrusion there may be 250 such steps, each of some milliseconds a
+/// block where it is simple, and far more where it is full of ties.
+pub const MOST_BLOCKS: usize = 64;
+
+/// Where blocks are left out of a part that has more than [`MOST_BLOCKS`], so few are enough: exact steps of them take little time.
+const FEW_BLOCKS: usize = 16;
 
 /// The stepper's own step must show the intrusion with at least so much of its depth where blocks are left out.
 const SAME_DEPTH: f64 = 0.5;
 
-/// Finds the case of an intrusion in the step after a state: of its two blocks alone, of these and all that are in contact with them, or of the
-/// whole scene, whichever is the first in which the stepper does it again. `None` where none of them is, or the oracle cannot make the step.
+/// Finds the case of an intrusion in the step after a state: of its two blocks alone, of these and all within one contact of them, within two,
+/// three and so on, of the whole scene at last, whichever is the first in which the stepper does it again. Of more than [`MOST_BLOCKS`]
+/// blocks, others than those that it needs for that are left out.
+///
+/// # Errors
+/// Why there is no case.
 pub fn intrusion_case<R: Solve>(
     scene: &Scene,
     set: &ToleranceSet,
     precision: Precision,
     state: &State<R>,
     found: FoundIntrusion,
-) -> Option<IntrusionCase> {
-    let pair: BTreeSet<usize> = found.blocks.into();
-    let touching = state.contacts.iter().map(|contact| contact.blocks.map(|block| block as usize));
-    let touching = touching.filter(|blocks| blocks.iter().any(|block| pair.contains(block))).flatten();
-    let neighbours: BTreeSet<usize> = pair.iter().copied().chain(touching).collect();
-    let whole: BTreeSet<usize> = (0..scene.blocks.len()).collect();
-    let mut choices = vec![pair, neighbours, whole];
-    choices.dedup();
-    choices.retain(|blocks| blocks.len() <= MOST_BLOCKS);
-    choices.into_iter().find_map(|blocks| {
-        let blocks: Vec<usize> = blocks.into_iter().collect();
-        of_blocks(scene, set, precision, state, found, &blocks)
-    })
+) -> Result<IntrusionCase, NoCase> {
+    let step = ShowingStep { scene, set, precision, state, found };
+    let mut missing = NoCase::NotShown;
+    for part in step.parts() {
+        if !step.is_shown_by(&part) {
+            continue;
+        }
+        let mut part = if part.len() > MOST_BLOCKS { step.with_fewer(part, FEW_BLOCKS) } else { part };
+        if part.len() > MOST_BLOCKS {
+            return Err(if missing == NoCase::NotShown { NoCase::TooMany(part.len()) } else { missing });
+        }
+        part.sort_unstable();
+        if let Some(case) = of_blocks(scene, set, precision, state, found, &part) {
+            return Ok(case);
+        }
+        missing = NoCase::Unproved;
+    }
+    Err(missing)
 }
 
 fn of_blocks<R: Solve>(
@@ -81,7 +113,7 @@ fn of_blocks<R: Solve>(
     let place = |block: usize| blocks.iter().position(|&kept| kept == block);
     let pair = [place(found.blocks[0])?, place(found.blocks[1])?];
     let again = watched.stepper.between(found.kind, pair)?;
-    if again.depth.unwrap_or(f64::INFINITY) < SAME_DEPTH * found.depth_m {
+    if !found.is_again(again.depth) {
         return None;
     }
     let of_pair = watched.attributed.iter().filter(|one| (one.kind, one.blocks) == (found.kind, pair));

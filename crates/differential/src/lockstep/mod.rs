@@ -10,6 +10,7 @@ pub mod effect;
 pub mod free;
 pub mod intrusion;
 pub mod intrusion_case;
+mod intrusion_part;
 pub mod recorded;
 pub mod replay;
 pub mod run;
