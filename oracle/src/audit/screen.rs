@@ -268,6 +268,41 @@ mod tests {
         assert!(apart > 10 && near > 60 && near > 2 * loose, "{apart} {near} {loose}");
     }
 
+    /// A tetrahedron that stands on its corner, at (1, 1, `corner`).
+    fn on_its_corner(corner: f64) -> Block {
+        let at = [[0.0, 0.0, 0.0], [1.0, 0.0, 1.0], [-1.0, 1.0, 1.0], [-1.0, -1.0, 1.0]];
+        let vertices = at.map(|[x, y, z]| {
+            Vec3::new(1.0 + x, 1.0 + y, corner + z).map(|&c: &f64| Number::from_f64(c).expect("a number"))
+        });
+        let faces = [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
+        Block::new(vertices.to_vec(), faces.map(Vec::from).to_vec(), &BlockOptions::default()).expect("a block")
+    }
+
+    /// A corner on the middle of a face that lies askew, in it or above it by no more than rounding moves it: in f64 some that are in it are above.
+    #[test]
+    fn blocks_that_overlap_by_less_than_f64_sees_are_not_called_apart() {
+        let (slab, mut share) = (cuboid([2.0, 2.0, 1.0]), shares());
+        let [mut overlapping, mut seem_apart] = [0; 2];
+        for number in 0..2400 {
+            let far = [0.0, 1e6][number % 2];
+            let (turn, by) = ([share(), share()], [far + share(), far + share(), far + share()]);
+            let corner = on_its_corner(1.0 - (share() - 0.5) * (1.0 + far) * f64::EPSILON);
+            let screen = Screen::new([&slab, &corner].map(|block| (block, placed(block, turn, by)))).expect("finite");
+            let solids = [0, 1].map(|k| PreparedBlock::new(&screen.block(k)));
+            let set =
+                derive(Preset::Auto, &solids.each_ref().map(PreparedBlock::block), Precision::F64).expect("a set");
+            if Auditor::new(&solids, &set).depth([0, 1]).is_none() {
+                continue;
+            }
+            assert!(screen.greatest_depth([0, 1]).is_some() && screen.greatest_depth([1, 0]).is_some(), "{number}");
+            overlapping += 1;
+            let is_above =
+                |face: &FaceDirection| screen.bodies[1].vertices.iter().all(|p| dot(face.along, *p) > face.reach);
+            seem_apart += usize::from(screen.bodies[0].directions.iter().any(is_above));
+        }
+        assert!(overlapping > 500 && seem_apart > 10, "{overlapping} {seem_apart}");
+    }
+
     #[test]
     fn a_gap_that_is_surely_negative_is_negative() {
         let [mut negative, mut open] = [0; 2];
