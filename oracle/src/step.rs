@@ -13,6 +13,8 @@ mod contact;
 mod decisions;
 mod frame;
 mod friction;
+mod islands;
+mod iterate;
 mod iteration;
 mod ladder;
 mod margin;

@@ -35,11 +35,6 @@ impl<S: Field> BlockSparseSystem<S> {
         self.starts[block + 1] - self.starts[block]
     }
 
-    /// The unknowns of a block, by number.
-    pub(crate) fn range(&self, block: usize) -> std::ops::Range<usize> {
-        self.starts[block]..self.starts[block + 1]
-    }
-
     /// Adds `value(row, column)` to the block of rows i and columns j. For `i < j` the transposed block is meant.
     pub(crate) fn add(&mut self, i: usize, j: usize, value: impl Fn(usize, usize) -> S) {
         let turned = i < j;
@@ -89,50 +84,6 @@ impl<S: Field> BlockSparseSystem<S> {
         residual
     }
 
-    /// The blocks that entries off the diagonal tie together, each list ascending: systems that can be solved apart.
-    fn islands(&self) -> Vec<Vec<usize>> {
-        let count = self.starts.len() - 1;
-        let mut island: Vec<usize> = (0..count).collect();
-        for &(i, j) in self.blocks.keys() {
-            let (from, to) = (island[i].max(island[j]), island[i].min(island[j]));
-            if from != to {
-                island.iter_mut().filter(|place| **place == from).for_each(|place| *place = to);
-            }
-        }
-        let members = |&lowest: &usize| (0..count).filter(|&block| island[block] == lowest).collect();
-        (0..count).filter(|&block| island[block] == block).collect::<Vec<_>>().iter().map(members).collect()
-    }
-
-    /// Solves each island apart by `solve`, which is given its matrix, row by row, and its right side; `None` where one of
-    /// them has no solution, or more than `most` unknowns.
-    pub(crate) fn solve_apart(&self, most: usize, solve: impl Fn(&[Vec<S>], &[S]) -> Option<Vec<S>>) -> Option<Vec<S>> {
-        let mut solution = vec![S::from_i32(0); self.unknowns()];
-        for island in self.islands() {
-            let unknowns: Vec<usize> = island.iter().flat_map(|&block| self.range(block)).collect();
-            if unknowns.len() > most {
-                return None;
-            }
-            let place: BTreeMap<usize, usize> = unknowns.iter().enumerate().map(|(place, &k)| (k, place)).collect();
-            let mut rows = vec![vec![S::from_i32(0); unknowns.len()]; unknowns.len()];
-            for &block in &island {
-                for ((_, other), values) in self.blocks.range((block, 0)..=(block, block)) {
-                    let columns = self.size(*other);
-                    for (k, value) in values.iter().enumerate() {
-                        let row = place[&(self.starts[block] + k / columns)];
-                        let column = place[&(self.starts[*other] + k % columns)];
-                        rows[row][column] = value.clone();
-                        rows[column][row] = value.clone();
-                    }
-                }
-            }
-            let right: Vec<S> = unknowns.iter().map(|&k| self.right[k].clone()).collect();
-            for (k, value) in unknowns.into_iter().zip(solve(&rows, &right)?) {
-                solution[k] = value;
-            }
-        }
-        Some(solution)
-    }
-
     /// The whole matrix, row by row.
     pub(crate) fn dense(&self) -> Vec<Vec<S>> {
         let n = self.unknowns();
@@ -159,47 +110,22 @@ mod tests {
         fraction(value, 1)
     }
 
-    /// Blocks of 1, 2 and 1 unknowns, of which the first and the last meet: 2a + d = 1, 3b = 2, 4c = 3, a + 5d = 4.
-    fn two_islands() -> BlockSparseSystem<BigRational> {
+    #[test]
+    fn the_solution_of_the_whole_leaves_nothing() {
+        // Blocks of 1, 2 and 1 unknowns, of which the first and the last meet: 2a + d = 1, 3b = 2, 4c = 3, a + 5d = 4.
         let mut system = BlockSparseSystem::zero(&[1, 2, 1]);
-        let [first, last, between] = [[[2]], [[5]], [[1]]];
         let middle = [[3, 0], [0, 4]];
-        system.add(0, 0, |row, column| whole(first[row][column]));
+        system.add(0, 0, |_, _| whole(2));
         system.add(1, 1, |row, column| whole(middle[row][column]));
-        system.add(2, 2, |row, column| whole(last[row][column]));
-        system.add(2, 0, |row, column| whole(between[row][column]));
+        system.add(2, 2, |_, _| whole(5));
+        system.add(2, 0, |_, _| whole(1));
         let right = [&[1][..], &[2, 3], &[4]];
         for (block, right) in right.iter().enumerate() {
             system.add_right(block, |row| whole(right[row]));
         }
-        system
-    }
-
-    #[test]
-    fn islands_are_solved_apart_as_the_whole_is() {
-        let system = two_islands();
         let solution = [fraction(1, 9), fraction(2, 3), fraction(3, 4), fraction(7, 9)];
         assert_eq!(fraction_free_solve(&system.dense(), &system.right).unwrap(), solution);
-        assert_eq!(system.solve_apart(48, fraction_free_solve).unwrap(), solution);
         assert!(system.residual(&solution).iter().all(Field::is_zero));
-    }
-
-    #[test]
-    fn an_island_of_just_the_most_unknowns_is_solved() {
-        // The first and the last block are one island, the middle one another: two unknowns each.
-        assert_eq!(two_islands().islands(), [vec![0, 2], vec![1]]);
-        assert!(two_islands().solve_apart(2, fraction_free_solve).is_some());
-        assert!(two_islands().solve_apart(1, fraction_free_solve).is_none());
-    }
-
-    #[test]
-    fn blocks_that_meet_through_others_are_one_island() {
-        // 0 meets 3, 1 meets 2, then 2 meets 3: all one. 4 stays alone.
-        let mut system = BlockSparseSystem::zero(&[1; 5]);
-        for (i, j) in [(3, 0), (1, 2), (2, 3)] {
-            system.add(i, j, |_, _| whole(1));
-        }
-        assert_eq!(system.islands(), [vec![0, 1, 2, 3], vec![4]]);
     }
 
     #[test]

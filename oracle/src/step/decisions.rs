@@ -4,6 +4,7 @@ use super::attempt_state::AttemptState;
 use super::frame;
 use super::friction::SlipForce;
 use super::state::Mode;
+use super::system::Stepwise;
 use crate::field::Field;
 use rockproof_model::simulation::Kinematics;
 use rockproof_model::{Sign, Vec3};
@@ -11,7 +12,7 @@ use rockproof_model::{Sign, Vec3};
 /// A question that any level can be asked.
 pub(crate) trait StepDecision {
     type Answer;
-    fn ask<S: Field>(&self, chain: &AttemptState<'_, S>) -> Option<Self::Answer>;
+    fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Self::Answer>;
 }
 
 /// The mode of a contact after the last solve.
@@ -22,10 +23,10 @@ pub(crate) struct NextMode {
 
 impl StepDecision for NextMode {
     type Answer = Mode;
-    fn ask<S: Field>(&self, chain: &AttemptState<'_, S>) -> Option<Mode> {
+    fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Mode> {
         let k = self.contact;
-        let (contact, joint, iterate) = (&chain.contacts[k], &chain.joints[k], chain.iterates.last()?);
-        let gap = &iterate.gaps[k];
+        let (contact, joint, iterate) = (chain.contact(k)?, &chain.joints[k], chain.iterates.last()?);
+        let gap = chain.gap(iterate, k)?;
         // Homogeneous in |N|: squares are compared, so no root is taken.
         let square = gap.squared();
         if square.minus(&chain.limits.equal.times(&contact.gap.squared())).certain_sign()?.is_at_most_zero() {
@@ -50,7 +51,7 @@ impl StepDecision for NextMode {
             return Some(Mode::Locked);
         }
         // p_s²|s|² ≤ τ², times |N|².
-        let s = &iterate.stretches[k];
+        let s = chain.stretch(iterate, k)?;
         let shear = joint.shear.squared().times(&s.norm_squared()).times(&contact.square);
         let excess = shear.minus(&chain.strength(k, gap)?.squared());
         let held = excess.certain_sign().map(Sign::is_at_most_zero);
@@ -86,7 +87,7 @@ pub(crate) const SETTLED: i32 = 100;
 
 impl StepDecision for FrictionSettled<'_> {
     type Answer = bool;
-    fn ask<S: Field>(&self, chain: &AttemptState<'_, S>) -> Option<bool> {
+    fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<bool> {
         let iterate = chain.iterates.last()?;
         let excess = chain.force_changes(iterate, self.modes)?;
         let excess = excess.iter().map(|[change, pressure]| change.times(&S::from_i32(SETTLED)).minus(pressure));
@@ -103,12 +104,12 @@ pub(crate) struct TooFar;
 
 impl StepDecision for TooFar {
     type Answer = Option<usize>;
-    fn ask<S: Field>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
+    fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
         let iterate = chain.iterates.last()?;
         for (block, _) in chain.attempt.moving() {
-            let moments = &chain.moments[block];
+            let (moments, d) = (chain.moments(block)?, chain.displacement(iterate, block)?);
             for vertex in &moments.points {
-                let moved = frame::displacement(&vertex.minus(&moments.centroid), &iterate.d[block]);
+                let moved = frame::displacement(&vertex.minus(&moments.centroid), d);
                 if moved.norm_squared().minus(&chain.limits.displacement).certain_sign()?.is_positive() {
                     return Some(Some(block));
                 }
@@ -123,10 +124,10 @@ pub(crate) struct TooTurned;
 
 impl StepDecision for TooTurned {
     type Answer = Option<usize>;
-    fn ask<S: Field>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
+    fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
         let iterate = chain.iterates.last()?;
         for (block, _) in chain.attempt.moving() {
-            let d = &iterate.d[block];
+            let d = chain.displacement(iterate, block)?;
             let turn = Vec3::new(d[3].clone(), d[4].clone(), d[5].clone());
             if turn.norm_squared().minus(&chain.limits.rotation).certain_sign()?.is_positive() {
                 return Some(Some(block));
@@ -142,14 +143,14 @@ pub(crate) struct Inverted;
 
 impl StepDecision for Inverted {
     type Answer = Option<usize>;
-    fn ask<S: Field>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
+    fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
         let iterate = chain.iterates.last()?;
         let turns = chain.attempt.model.simulation.control.kinematics == Kinematics::Linear;
         let [zero, one] = [0, 1].map(S::from_i32);
         let axes = [[&one, &zero, &zero], [&zero, &one, &zero], [&zero, &zero, &one]];
         for (block, _) in chain.attempt.moving() {
             // Translations change no volume, and under `cayley` rotations are rotations.
-            let mut d = iterate.d[block].clone();
+            let mut d = chain.displacement(iterate, block)?.clone();
             d.iter_mut().take(if turns { 3 } else { 6 }).for_each(|value| *value = zero.clone());
             let [a, b, c] = axes.map(|[x, y, z]| {
                 let axis = Vec3::new(x.clone(), y.clone(), z.clone());

@@ -1,8 +1,10 @@
 //! The tangential forces of contacts (SPEC 5.8 and 5.9): what friction does to a sliding one, and how far that is from what
 //! its last solve asks for.
 
-use super::attempt_state::{AttemptState, Iterate};
+use super::attempt_state::AttemptState;
+use super::iterate::Iterate;
 use super::state::Mode;
+use super::system::Stepwise;
 use crate::field::Field;
 use rockproof_model::Vec3;
 
@@ -39,7 +41,7 @@ impl<S: Field> SlipForce<S> {
     }
 }
 
-impl<S: Field> AttemptState<'_, S> {
+impl<S: Stepwise> AttemptState<'_, S> {
     /// What friction does in the next solve to each contact that slides in these modes. `None` where this type has no such root, or
     /// cannot tell a slip from none.
     pub(crate) fn friction(&self, modes: &[Mode]) -> Option<Vec<Option<SlipForce<S>>>> {
@@ -48,10 +50,10 @@ impl<S: Field> AttemptState<'_, S> {
     }
 
     fn slip(&self, k: usize) -> Option<SlipForce<S>> {
-        let (contact, joint) = (&self.contacts[k], &self.joints[k]);
+        let (contact, joint) = (self.contact(k)?, &self.joints[k]);
         let (last, secant) = match self.iterates.last() {
             None => (&contact.stretch, joint.shear.clone()),
-            Some(iterate) => (&iterate.stretches[k], self.secant(k, iterate)?),
+            Some(iterate) => (self.stretch(iterate, k)?, self.secant(k, iterate)?),
         };
         let square = last.norm_squared();
         if square.is_zero() || secant.is_zero() {
@@ -64,12 +66,12 @@ impl<S: Field> AttemptState<'_, S> {
 
     /// `τ/|s|` of a contact after a solve: the force of sliding over the stretch; zero where s is zero.
     pub(crate) fn secant(&self, k: usize, iterate: &Iterate<S>) -> Option<S> {
-        let (strength, square) = (self.strength(k, &iterate.gaps[k])?, iterate.stretches[k].norm_squared());
+        let (strength, square) = (self.strength(k, self.gap(iterate, k)?)?, self.stretch(iterate, k)?.norm_squared());
         if strength.is_zero() || square.is_zero() {
             return Some(S::from_i32(0));
         }
         // τ/|s|, both times |N|.
-        strength.over(&square.times(&self.contacts[k].square).root()?)
+        strength.over(&square.times(&self.contact(k)?.square).root()?)
     }
 
     /// τ times |N| at a gap, that times |N| too: `tan φ·p_n·max(0, −h) + c·area`.
@@ -83,16 +85,16 @@ impl<S: Field> AttemptState<'_, S> {
 
     /// `p_n·max(0, −h)` after a solve.
     pub(crate) fn pressure(&self, k: usize, iterate: &Iterate<S>) -> Option<S> {
-        let overlap = iterate.gaps[k].lesser(&S::from_i32(0))?;
+        let overlap = self.gap(iterate, k)?.lesser(&S::from_i32(0))?;
         if overlap.is_zero() {
             return Some(overlap);
         }
-        self.joints[k].normal.times(&overlap.negated()).over(&self.contacts[k].square.root()?)
+        self.joints[k].normal.times(&overlap.negated()).over(&self.contact(k)?.square.root()?)
     }
 
     /// `|Δf|`: the tangential force of the mode after a solve less the one that acted in it, of a contact closed in both.
     pub(crate) fn force_change(&self, k: usize, iterate: &Iterate<S>, modes: [Mode; 2]) -> Option<S> {
-        let (s, shear) = (&iterate.stretches[k], &self.joints[k].shear);
+        let (s, shear) = (self.stretch(iterate, k)?, &self.joints[k].shear);
         let acted = match &iterate.friction[k] {
             Some(slip) => slip.at(s),
             None => s.scaled(shear),
@@ -107,7 +109,7 @@ impl<S: Field> AttemptState<'_, S> {
 
     /// `Σ|Δf|` and `Σ p_n·max(0, −h)` of each moving block, over its contacts closed both in a solve and after it.
     pub(crate) fn force_changes(&self, iterate: &Iterate<S>, modes: [&[Mode]; 2]) -> Option<Vec<[S; 2]>> {
-        let mut sums = vec![[S::from_i32(0), S::from_i32(0)]; self.base.len()];
+        let mut sums = vec![[S::from_i32(0), S::from_i32(0)]; self.attempt.sizes.len()];
         for (k, started) in self.attempt.started.iter().enumerate() {
             let modes = modes.map(|modes| modes[k]);
             if modes.contains(&Mode::Open) {
@@ -127,6 +129,6 @@ impl<S: Field> AttemptState<'_, S> {
         if shear.is_zero() {
             return Some(Vec3::zero());
         }
-        Some(last.stretches[k].scaled(&self.secant(k, last)?.over(shear)?))
+        Some(self.stretch(last, k)?.scaled(&self.secant(k, last)?.over(shear)?))
     }
 }

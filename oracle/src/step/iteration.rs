@@ -2,6 +2,7 @@
 
 use super::answer::{FailedAttempt, IterationEnd, RetryReason, StepFailure, UNCHANGED_SOLVES};
 use super::attempt::Attempt;
+use super::attempt_state::AttemptState;
 use super::decisions::{FrictionSettled, Inverted, NextMode, TooFar, TooTurned};
 use super::ladder::{Ladder, StepLevels};
 use super::prepare::PreparedStep;
@@ -106,8 +107,12 @@ const NO_INVERSION: f64 = 0.5;
 /// That every block keeps a positive volume. Where that stays undecided it counts as kept.
 fn volumes_stay(ladder: &mut Ladder<'_>) -> Result<(), StepFailure> {
     let bound = |d: &Vec<Ball>| d.iter().skip(3).map(|value| value.middle.abs() + value.radius).sum::<f64>();
-    let last = ladder.float().and_then(|chain| chain.iterates.last());
-    if last.is_some_and(|last| last.d.iter().all(|d| bound(d) < NO_INVERSION)) {
+    let is_small = |chain: &AttemptState<'_, Ball>| {
+        let last = chain.iterates.last()?;
+        let mut blocks = 0..chain.attempt.blocks.len();
+        Some(blocks.all(|block| chain.displacement(last, block).is_some_and(|d| bound(d) < NO_INVERSION)))
+    };
+    if ladder.float().and_then(is_small) == Some(true) {
         return Ok(());
     }
     ladder.ask(&Inverted).flatten().map_or(Ok(()), |block| Err(StepFailure::Inverted { block }))

@@ -52,6 +52,15 @@ impl History {
     }
 }
 
+/// How much of the geometry a level calculates before its first solve.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Geometry {
+    /// All: a type that cannot calculate some of it answers nothing.
+    Whole,
+    /// What solves and questions ask for.
+    Asked,
+}
+
 /// One number type of the ladder, made when first asked.
 enum Level<'a, S> {
     Unused,
@@ -61,9 +70,11 @@ enum Level<'a, S> {
 }
 
 impl<'a, S: Stepwise> Level<'a, S> {
-    fn begin(&mut self, attempt: &'a Attempt<'a>, bits: u32) -> Option<&mut AttemptState<'a, S>> {
+    fn begin(&mut self, attempt: &'a Attempt<'a>, bits: u32, geometry: Geometry) -> Option<&mut AttemptState<'a, S>> {
         if matches!(self, Level::Unused) {
-            *self = AttemptState::new(attempt, bits).map_or(Level::Failed, |chain| Level::Ready(Box::new(chain)));
+            let chain = AttemptState::new(attempt, bits);
+            let chain = if geometry == Geometry::Whole { chain.complete() } else { Some(chain) };
+            *self = chain.map_or(Level::Failed, |chain| Level::Ready(Box::new(chain)));
         }
         match self {
             Level::Ready(chain) => Some(chain),
@@ -76,11 +87,12 @@ impl<'a, S: Stepwise> Level<'a, S> {
         &mut self,
         attempt: &'a Attempt<'a>,
         bits: u32,
+        geometry: Geometry,
         history: &History,
         start: impl Fn(usize) -> Option<Vec<S>>,
     ) -> Option<&AttemptState<'a, S>> {
         let mut failed = false;
-        if let Some(chain) = self.begin(attempt, bits) {
+        if let Some(chain) = self.begin(attempt, bits, geometry) {
             while chain.iterates.len() < history.modes.len() && !failed {
                 let next = chain.iterates.len();
                 failed = chain.advance(&history.modes[next], history.support(next).as_ref(), start(next)).is_none();
@@ -102,7 +114,7 @@ impl<'a, S: Stepwise> Level<'a, S> {
     /// What it found in a solve, in another type.
     fn found<T>(&self, solve: usize, convert: impl Fn(&S) -> Option<T>) -> Option<Vec<T>> {
         let iterate = self.ready()?.iterates.get(solve)?;
-        iterate.d.iter().flatten().map(convert).collect()
+        iterate.solution().map(convert).collect()
     }
 }
 
@@ -142,14 +154,14 @@ impl<'a> Ladder<'a> {
         double: impl FnOnce(&AttemptState<'a, DoubleBall>) -> Option<T>,
         wide: impl FnOnce(&AttemptState<'a, WideBall>) -> Option<T>,
     ) -> Option<T> {
-        if let Some(chain) = self.float.begin(self.attempt, 53) {
+        if let Some(chain) = self.float.begin(self.attempt, 53, Geometry::Whole) {
             return float(chain);
         }
-        if let Some(chain) = self.double.begin(self.attempt, 106) {
+        if let Some(chain) = self.double.begin(self.attempt, 106, Geometry::Whole) {
             return double(chain);
         }
         let [least, ..] = WIDE_BITS;
-        self.wide[0].begin(self.attempt, least).and_then(|chain| wide(chain))
+        self.wide[0].begin(self.attempt, least, Geometry::Whole).and_then(|chain| wide(chain))
     }
 
     /// The modes of each solve so far.
@@ -223,7 +235,7 @@ impl<'a> Ladder<'a> {
 
     /// The chain in f64 balls.
     pub(crate) fn float(&mut self) -> Option<&AttemptState<'a, Ball>> {
-        self.float.caught_up(self.attempt, 53, &self.history, |_| None)
+        self.float.caught_up(self.attempt, 53, Geometry::Whole, &self.history, |_| None)
     }
 
     /// The chain in balls of two f64.
@@ -231,7 +243,7 @@ impl<'a> Ladder<'a> {
         let float = &self.float;
         let near = |x: &Ball| x.middle.is_finite().then_some(DoubleBall { high: x.middle, low: 0.0, radius: 0.0 });
         let start = |solve| float.found(solve, near);
-        self.double.caught_up(self.attempt, 106, &self.history, start)
+        self.double.caught_up(self.attempt, 106, Geometry::Whole, &self.history, start)
     }
 
     /// The chain in balls of [`WIDE_BITS`]`[k]`.
@@ -253,13 +265,15 @@ impl<'a> Ladder<'a> {
             let found = wide.find_map(|level| level.found(solve, |x| Some(x.with_bits(bits))));
             found.or_else(|| self.double.found(solve, near))
         };
-        level.caught_up(self.attempt, bits, &self.history, start);
+        level.caught_up(self.attempt, bits, Geometry::Whole, &self.history, start);
         level
     }
 
     /// The chain in fractions, where the forces are rational and no island is too large.
     pub(crate) fn exact(&mut self) -> Option<&AttemptState<'a, BigRational>> {
-        self.exact.caught_up(self.attempt, 0, &self.history, |_| None)
+        // Where balls have calculated all geometry there is all of it: then fractions calculate what they are asked for.
+        let geometry = if self.history.bound.is_some() { Geometry::Asked } else { Geometry::Whole };
+        self.exact.caught_up(self.attempt, 0, geometry, &self.history, |_| None)
     }
 
     /// A chain with so many bits.

@@ -7,8 +7,8 @@ use super::iteration::{attempts, first_time_step};
 use super::ladder::Ladder;
 use super::prepare::PreparedStep;
 use super::state::{BlockState, KeptPrecision, Mode, State};
+use super::system::Stepwise;
 use super::update::{gap_changes, updated};
-use crate::field::Field;
 use crate::solve::SpdSystem;
 use num_rational::BigRational;
 use num_traits::Zero;
@@ -42,9 +42,13 @@ pub fn certified_step(model: &StepModel<'_>, state: &State) -> Result<CertifiedS
 }
 
 /// The unknowns of each block after the last solve, each as an f64 and at least its distance from the exact value.
-fn displacements<S: Field>(chain: &AttemptState<'_, S>) -> Option<Vec<Vec<[f64; 2]>>> {
-    let pairs = |d: &Vec<S>| d.iter().map(|value| value.nearby().into()).collect();
-    Some(chain.iterates.last()?.d.iter().map(pairs).collect())
+fn displacements<S: Stepwise>(chain: &AttemptState<'_, S>) -> Option<Vec<Vec<[f64; 2]>>> {
+    let last = chain.iterates.last()?;
+    let pairs = |block| {
+        let d = chain.displacement(last, block)?;
+        Some(d.iter().map(|value| value.nearby().into()).collect())
+    };
+    (0..chain.attempt.blocks.len()).map(pairs).collect()
 }
 
 /// Displacements known to no more than this share of the largest are asked of balls of two f64.
@@ -59,7 +63,7 @@ fn are_narrow(displacements: &[Vec<[f64; 2]>]) -> bool {
 pub fn first_system(model: &StepModel<'_>, state: &State) -> Option<SpdSystem> {
     let prepared = PreparedStep::new(model, state).ok()?;
     let attempt = prepared.attempt(first_time_step(&prepared));
-    let chain: AttemptState<'_, BigRational> = AttemptState::new(&attempt, 0)?;
+    let chain: AttemptState<'_, BigRational> = AttemptState::new(&attempt, 0);
     Some(SpdSystem::of_blocks(chain.assembled(&attempt.first_modes())?))
 }
 
@@ -118,7 +122,7 @@ fn kept(
     enough.into_iter().find_map(|bits| kept_by(attempt, &*ladder.with_bits(bits)?, after, keep))
 }
 
-fn kept_by<S: Field>(
+fn kept_by<S: Stepwise>(
     attempt: &Attempt<'_>,
     chain: &AttemptState<'_, S>,
     after: &[Mode],

@@ -1,26 +1,64 @@
 //! The system of one solve: its residual without a matrix, its matrix where elimination wants one, and its f64 stiffness.
 
 use super::approximate::{Approximate, Layout, Square, Stiffness};
-use super::attempt_state::AttemptState;
+use super::attempt_state::{AttemptState, Base};
+use super::contact::ContactGeometry;
 use super::frame;
 use super::friction::SlipForce;
-use super::ladder::EXACT_UNKNOWNS;
 use super::state::Mode;
 use crate::field::{DoubleBall, Field, WideBall};
 use crate::number::Ball;
 use crate::solve::{BlockSparseSystem, Factor, Residual, Support, eliminate, fraction_free_solve, refine};
 use num_rational::BigRational;
 
-/// Contacts in these modes, with what friction does to those that slide.
+/// Blocks and their closed contacts in these modes, with what friction does to those that slide.
 pub(crate) struct System<'c, 'a, S> {
     chain: &'c AttemptState<'a, S>,
     modes: &'c [Mode],
     friction: &'c [Option<SlipForce<S>>],
+    /// What each block brings, in the order of the system.
+    base: Vec<&'c Base<S>>,
+    /// The place of each block of the attempt in the system.
+    places: Vec<Option<usize>>,
+    /// Closed contacts with a block of the system.
+    closed: Vec<(usize, &'c ContactGeometry<S>)>,
+}
+
+impl<'c, 'a, S: Field> System<'c, 'a, S> {
+    /// The system of all moving blocks, or of those of an island; `None` where this type cannot calculate its geometry.
+    pub(crate) fn of(
+        chain: &'c AttemptState<'a, S>,
+        modes: &'c [Mode],
+        friction: &'c [Option<SlipForce<S>>],
+        island: Option<&[usize]>,
+    ) -> Option<System<'c, 'a, S>> {
+        let mut places = vec![None; chain.attempt.blocks.len()];
+        let mut base = Vec::new();
+        for (block, _) in chain.attempt.moving().filter(|(block, _)| island.is_none_or(|blocks| blocks.contains(block)))
+        {
+            places[block] = Some(base.len());
+            base.push(chain.base(block)?);
+        }
+        let mut closed = Vec::new();
+        for (k, started) in chain.attempt.started.iter().enumerate() {
+            if modes[k] != Mode::Open && started.blocks.iter().any(|&block| places[block].is_some()) {
+                closed.push((k, chain.contact(k)?));
+            }
+        }
+        Some(System { chain, modes, friction, base, places, closed })
+    }
+
+    fn sizes(&self) -> Vec<usize> {
+        self.base.iter().map(|base| base.right.len()).collect()
+    }
 }
 
 /// A number type in which a solve of a step can be enclosed.
 pub(crate) trait Stepwise: Field {
-    /// The displacements of the moving blocks; `None` where this type cannot. `start` is what a cheaper type has found, without radius.
+    /// Whether islands are solved apart, each when something of it is first asked for.
+    const BY_ISLAND: bool = false;
+
+    /// The displacements of the blocks of a system; `None` where this type cannot. `start` is what a cheaper type has found, without radius.
     fn solve(
         system: &System<'_, '_, Self>,
         support: Option<&StepSupport<'_>>,
@@ -28,25 +66,21 @@ pub(crate) trait Stepwise: Field {
     ) -> Option<Vec<Self>>;
 }
 
-impl Stepwise for Ball {
-    fn solve(
-        system: &System<'_, '_, Self>,
-        support: Option<&StepSupport<'_>>,
-        start: Option<Vec<Self>>,
-    ) -> Option<Vec<Self>> {
-        refine(system, support?, start, system.chain.bits)
-    }
+macro_rules! refined {
+    ($($type:ty),*) => {$(
+        impl Stepwise for $type {
+            fn solve(
+                system: &System<'_, '_, Self>,
+                support: Option<&StepSupport<'_>>,
+                start: Option<Vec<Self>>,
+            ) -> Option<Vec<Self>> {
+                refine(system, support?, start, system.chain.bits)
+            }
+        }
+    )*};
 }
 
-impl Stepwise for DoubleBall {
-    fn solve(
-        system: &System<'_, '_, Self>,
-        support: Option<&StepSupport<'_>>,
-        start: Option<Vec<Self>>,
-    ) -> Option<Vec<Self>> {
-        refine(system, support?, start, system.chain.bits)
-    }
-}
+refined!(Ball, DoubleBall);
 
 impl Stepwise for WideBall {
     fn solve(
@@ -62,38 +96,28 @@ impl Stepwise for WideBall {
 }
 
 impl Stepwise for BigRational {
+    const BY_ISLAND: bool = true;
+
     fn solve(
         system: &System<'_, '_, Self>,
         _support: Option<&StepSupport<'_>>,
         _start: Option<Vec<Self>>,
     ) -> Option<Vec<Self>> {
-        system.assembled().solve_apart(EXACT_UNKNOWNS, fraction_free_solve)
+        let system = system.assembled();
+        fraction_free_solve(&system.dense(), &system.right)
     }
 }
 
 impl<S: Stepwise> AttemptState<'_, S> {
-    /// Solves once more, with these modes; `None` where this type cannot.
-    pub(crate) fn advance(
-        &mut self,
-        modes: &[Mode],
-        support: Option<&StepSupport<'_>>,
-        start: Option<Vec<S>>,
-    ) -> Option<()> {
-        let friction = self.friction(modes)?;
-        let solution = S::solve(&System { chain: self, modes, friction: &friction }, support, start)?;
-        self.take(&solution, friction);
-        Some(())
-    }
-
     /// The system of the next solve with these modes, as a matrix.
     pub(crate) fn assembled(&self, modes: &[Mode]) -> Option<BlockSparseSystem<S>> {
-        Some(System { chain: self, modes, friction: &self.friction(modes)? }.assembled())
+        Some(System::of(self, modes, &self.friction(modes)?, None)?.assembled())
     }
 }
 
 impl<S: Field> Residual<S> for System<'_, '_, S> {
     fn right(&self) -> Vec<S> {
-        let count = self.chain.base.iter().map(|base| base.right.len()).sum();
+        let count = self.sizes().iter().sum();
         self.residual(&vec![S::from_i32(0); count])
     }
 
@@ -102,8 +126,8 @@ impl<S: Field> Residual<S> for System<'_, '_, S> {
     fn residual(&self, x: &[S]) -> Vec<S> {
         let chain = self.chain;
         let mut residual = Vec::with_capacity(x.len());
-        let mut starts = Vec::with_capacity(chain.base.len());
-        for base in &chain.base {
+        let mut starts = Vec::with_capacity(self.base.len());
+        for base in &self.base {
             let start = residual.len();
             starts.push(start);
             let own = &x[start..start + base.right.len()];
@@ -112,10 +136,10 @@ impl<S: Field> Residual<S> for System<'_, '_, S> {
                 residual.push(terms.fold(right.clone(), |sum, (entry, x)| sum.minus(&entry.times(x))));
             }
         }
-        for (k, _) in self.modes.iter().enumerate().filter(|(_, mode)| **mode != Mode::Open) {
-            let (contact, joint) = (&chain.contacts[k], &chain.joints[k]);
-            let rows = chain.attempt.started[k].blocks.map(|block| chain.attempt.rows[block]);
-            let ranges = rows.map(|row| row.map(|row| starts[row]..starts[row] + chain.base[row].right.len()));
+        for &(k, contact) in &self.closed {
+            let joint = &chain.joints[k];
+            let places = chain.attempt.started[k].blocks.map(|block| self.places[block]);
+            let ranges = places.map(|place| place.map(|p| starts[p]..starts[p] + self.base[p].right.len()));
             let of = |side: usize| ranges[side].as_ref().map_or(&x[0..0], |range| &x[range.clone()]);
             let moved = contact.moved([of(0), of(1)]);
             let along = contact.normal.dot(&moved);
@@ -142,14 +166,14 @@ impl<S: Field> System<'_, '_, S> {
     /// The system as a matrix and a right side.
     fn assembled(&self) -> BlockSparseSystem<S> {
         let chain = self.chain;
-        let mut system = BlockSparseSystem::zero(chain.attempt.sizes);
-        for (row, base) in chain.base.iter().enumerate() {
+        let mut system = BlockSparseSystem::zero(&self.sizes());
+        for (row, base) in self.base.iter().enumerate() {
             system.add(row, row, |r, c| base.matrix[r][c].clone());
             system.add_right(row, |r| base.right[r].clone());
         }
-        for (k, &mode) in self.modes.iter().enumerate().filter(|(_, mode)| **mode != Mode::Open) {
-            let (contact, joint) = (&chain.contacts[k], &chain.joints[k]);
-            let rows = chain.attempt.started[k].blocks.map(|block| chain.attempt.rows[block]);
+        for &(k, contact) in &self.closed {
+            let (mode, joint) = (self.modes[k], &chain.joints[k]);
+            let rows = chain.attempt.started[k].blocks.map(|block| self.places[block]);
             let pulls = [0, 1].map(|side: usize| frame::pull(&contact.points[side], &contact.normal));
             let stiffness = joint.normal.times(&contact.over_square);
             let shear = joint.shear.times(&contact.over_square);
@@ -209,7 +233,8 @@ impl StiffnessBound {
             return None;
         }
         let mut bound = StiffnessBound { scale: Vec::new(), least: f64::INFINITY };
-        for base in &chain.base {
+        for (block, _) in chain.attempt.moving() {
+            let base = chain.base(block)?;
             let mut system = BlockSparseSystem::zero(&[base.right.len()]);
             system.add(0, 0, |r, c| base.matrix[r][c].clone());
             let factor = Factor::new(&system)?;
@@ -267,25 +292,25 @@ fn float_spring<S: Field>(slip: &SlipForce<S>, normal: f64) -> Option<(f64, [f64
 
 /// The f64 stiffness of contacts in these modes, in the next solve of a chain; `None` where it knows too little of the springs across
 /// the slips.
-pub(crate) fn stiffness<'l, S: Field>(
+pub(crate) fn stiffness<'l, S: Stepwise>(
     chain: &AttemptState<'_, S>,
     modes: &[Mode],
     layout: &'l Layout,
 ) -> Option<Stiffness<'l>> {
     let friction = chain.friction(modes)?;
     let near = |value: &S| value.nearby().0;
-    let diagonal = chain.base.iter().map(|base| {
+    let diagonal = chain.attempt.moving().map(|(block, _)| {
         let mut square: Square = [[0.0; 12]; 12];
-        for (line, row) in square.iter_mut().zip(&base.matrix) {
+        for (line, row) in square.iter_mut().zip(&chain.base(block)?.matrix) {
             for (place, entry) in line.iter_mut().zip(row) {
                 *place = near(entry);
             }
         }
-        square
+        Some(square)
     });
-    let mut stiffness = Stiffness::new(layout, diagonal.collect());
+    let mut stiffness = Stiffness::new(layout, diagonal.collect::<Option<_>>()?);
     for (k, &mode) in modes.iter().enumerate().filter(|(_, mode)| **mode != Mode::Open) {
-        let (contact, joint) = (&chain.contacts[k], &chain.joints[k]);
+        let (contact, joint) = (chain.contact(k)?, &chain.joints[k]);
         let rows = chain.attempt.started[k].blocks.map(|block| chain.attempt.rows[block]);
         let n = contact.normal.map(near);
         let n = [n.x, n.y, n.z].map(|c| c / near(&contact.square).sqrt());

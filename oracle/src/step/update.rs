@@ -3,9 +3,9 @@
 use super::answer::GapChange;
 use super::attempt::Attempt;
 use super::attempt_state::AttemptState;
-use super::contact::ContactGeometry;
 use super::frame;
 use super::state::{BlockState, ContactMemory, KeptPrecision, Mode, State};
+use super::system::Stepwise;
 use crate::field::{Field, WideBall, dyadic, nearest_units};
 use crate::mass;
 use num_bigint::BigInt;
@@ -20,40 +20,42 @@ const RATE_BITS: i64 = 256;
 const EXACT_GAP: u32 = 200;
 
 /// The state after the last solve of a chain; `None` where the chain is too wide for the grid.
-pub(crate) fn updated<S: Field>(
+pub(crate) fn updated<S: Stepwise>(
     attempt: &Attempt<'_>,
     chain: &AttemptState<'_, S>,
     modes: &[Mode],
     keep: KeptPrecision,
 ) -> Option<State> {
     let last = chain.iterates.last()?;
-    let maps: Vec<Map<'_, S>> = (0..attempt.blocks.len())
-        .map(|block| Map::new(attempt, chain, block, &last.d[block]))
-        .collect::<Option<_>>()?;
+    let blocks = 0..attempt.blocks.len();
+    let displacements: Vec<&Vec<S>> =
+        blocks.clone().map(|block| chain.displacement(last, block)).collect::<Option<_>>()?;
+    let maps: Vec<Map<'_, S>> =
+        blocks.map(|block| Map::new(attempt, block, displacements[block])).collect::<Option<_>>()?;
     let place = |block: usize, x: &Vec3<S>| -> Option<Point> {
         let origin = &attempt.blocks[block].vertices()[0];
-        let moved = maps[block].moved(x)?.plus(&chain.moments[block].centroid);
+        let moved = maps[block].moved(x)?.plus(&chain.moments(block)?.centroid);
         let absolute = moved.plus(&origin.map(|c| S::of_number(c, chain.bits)));
         point(&absolute, keep)
     };
     let given = |block: usize, at: &Point| -> Option<Point> {
-        if attempt.rows[block].is_none() { Some(at.clone()) } else { place(block, &chain.relative(block, at)) }
+        if attempt.rows[block].is_none() { Some(at.clone()) } else { place(block, &chain.relative(block, at)?) }
     };
     let simulation = attempt.model.simulation;
     let mut blocks = Vec::new();
     for (block, old) in attempt.state.blocks.iter().enumerate() {
         let vertices = old.vertices.iter().map(|v| given(block, v)).collect::<Option<_>>()?;
-        blocks.push(rates(attempt, chain, block, &last.d[block], old, vertices, keep)?);
+        blocks.push(rates(attempt, chain, block, displacements[block], old, vertices, keep)?);
     }
     let mut contacts = Vec::new();
     for (k, started) in attempt.started.iter().enumerate() {
-        let anchors = chain.anchors(k);
+        let anchors = chain.anchors(k)?;
         let [a, b] = started.blocks;
         let mut moved = [maps[a].moved(&anchors[0])?, maps[b].moved(&anchors[1])?];
         if modes[k] == Mode::Sliding && !attempt.settling {
             // q becomes p less the stretch that friction needs, in the frame of q's block.
             let stretch = chain.remembered_stretch(k)?;
-            let between = between_centroids(attempt, chain, a, b);
+            let between = between_centroids(attempt, chain, a, b)?;
             if started.other_side() == 1 {
                 moved[1] = moved[0].minus(&stretch).plus(&between);
             } else {
@@ -63,7 +65,7 @@ pub(crate) fn updated<S: Field>(
         let to_point = |side: usize| -> Option<Point> {
             let block = started.blocks[side];
             let origin = attempt.blocks[block].vertices()[0].map(|c| S::of_number(c, chain.bits));
-            point(&moved[side].plus(&chain.moments[block].centroid).plus(&origin), keep)
+            point(&moved[side].plus(&chain.moments(block)?.centroid).plus(&origin), keep)
         };
         let anchors = [to_point(0)?, to_point(1)?];
         contacts.push(ContactMemory { blocks: started.blocks, contact: started.contact, mode: modes[k], anchors });
@@ -84,9 +86,10 @@ pub(crate) fn updated<S: Field>(
 }
 
 /// The gap of each contact before the step and in the last solve.
-pub(crate) fn gap_changes<S: Field>(chain: &AttemptState<'_, S>, keep: KeptPrecision) -> Option<Vec<GapChange>> {
+pub(crate) fn gap_changes<S: Stepwise>(chain: &AttemptState<'_, S>, keep: KeptPrecision) -> Option<Vec<GapChange>> {
     let last = chain.iterates.last()?;
-    let of = |(contact, after): (&ContactGeometry<S>, &S)| {
+    let of = |k: usize| {
+        let (contact, after) = (chain.contact(k)?, chain.gap(last, k)?);
         let metres = |gap: &S| match keep {
             KeptPrecision::Grid { .. } => kept(&gap.over(&contact.square.root()?)?, keep),
             KeptPrecision::Exact => {
@@ -98,16 +101,21 @@ pub(crate) fn gap_changes<S: Field>(chain: &AttemptState<'_, S>, keep: KeptPreci
         };
         Some(GapChange { before: metres(&contact.gap)?, after: metres(after)? })
     };
-    chain.contacts.iter().zip(&last.gaps).map(of).collect()
+    (0..chain.attempt.started.len()).map(of).collect()
 }
 
 /// The centroid of A less that of B.
-fn between_centroids<S: Field>(attempt: &Attempt<'_>, chain: &AttemptState<'_, S>, a: usize, b: usize) -> Vec3<S> {
+fn between_centroids<S: Stepwise>(
+    attempt: &Attempt<'_>,
+    chain: &AttemptState<'_, S>,
+    a: usize,
+    b: usize,
+) -> Option<Vec3<S>> {
     let origin = &attempt.blocks[a].vertices()[0];
-    chain.relative(b, origin).plus(&chain.moments[a].centroid)
+    Some(chain.relative(b, origin)?.plus(&chain.moments(a)?.centroid))
 }
 
-fn rates<S: Field>(
+fn rates<S: Stepwise>(
     attempt: &Attempt<'_>,
     chain: &AttemptState<'_, S>,
     block: usize,
@@ -147,7 +155,7 @@ struct Map<'d, S> {
 }
 
 impl<'d, S: Field> Map<'d, S> {
-    fn new(attempt: &Attempt<'_>, _chain: &AttemptState<'_, S>, block: usize, d: &'d [S]) -> Option<Map<'d, S>> {
+    fn new(attempt: &Attempt<'_>, block: usize, d: &'d [S]) -> Option<Map<'d, S>> {
         if attempt.model.simulation.control.kinematics == Kinematics::Linear || attempt.rows[block].is_none() {
             return Some(Map { d, turned: None });
         }

@@ -1,0 +1,126 @@
+//! One solve of an attempt in one number type, and what is asked of it: displacements, gaps and stretches, each calculated when first asked for.
+
+use super::attempt_state::{AttemptState, unmade};
+use super::friction::SlipForce;
+use super::islands::islands_up_to;
+use super::ladder::EXACT_UNKNOWNS;
+use super::state::Mode;
+use super::system::{StepSupport, Stepwise, System};
+use rockproof_model::Vec3;
+use std::cell::OnceCell;
+
+/// What a solve left.
+pub(crate) struct Iterate<S> {
+    modes: Vec<Mode>,
+    /// What friction did to each contact that slid in it.
+    pub(crate) friction: Vec<Option<SlipForce<S>>>,
+    /// Blocks that are solved together; none where all were.
+    islands: Vec<Vec<usize>>,
+    /// d of each block, empty for a fixed one; `None` where an island has no solution.
+    displacements: Vec<OnceCell<Option<Vec<S>>>>,
+    motions: Vec<OnceCell<Option<ContactMotion<S>>>>,
+    stretches: Vec<OnceCell<Option<Vec3<S>>>>,
+}
+
+/// How a contact moved.
+struct ContactMotion<S> {
+    /// A's point against B's.
+    moved: Vec3<S>,
+    /// Its product with N.
+    along: S,
+    /// h·|N|.
+    gap: S,
+}
+
+impl<S> Iterate<S> {
+    /// The unknowns of all moving blocks that are solved.
+    pub(crate) fn solution(&self) -> impl Iterator<Item = &S> {
+        self.displacements.iter().filter_map(OnceCell::get).flatten().flatten()
+    }
+}
+
+impl<S: Stepwise> AttemptState<'_, S> {
+    /// Solves once more, with these modes; `None` where this type cannot. `start` is what a cheaper type has found, without radius.
+    pub(crate) fn advance(
+        &mut self,
+        modes: &[Mode],
+        support: Option<&StepSupport<'_>>,
+        start: Option<Vec<S>>,
+    ) -> Option<()> {
+        let friction = self.friction(modes)?;
+        let iterate = Iterate {
+            modes: modes.to_vec(),
+            friction,
+            islands: if S::BY_ISLAND { self.islands(modes)? } else { Vec::new() },
+            displacements: unmade(self.attempt.blocks.len()),
+            motions: unmade(modes.len()),
+            stretches: unmade(modes.len()),
+        };
+        if !S::BY_ISLAND {
+            let system = System::of(self, modes, &iterate.friction, None)?;
+            let moving: Vec<usize> = self.attempt.moving().map(|(block, _)| block).collect();
+            self.keep(&iterate, &moving, Some(S::solve(&system, support, start)?));
+        }
+        self.iterates.push(iterate);
+        Some(())
+    }
+
+    /// The moving blocks that closed contacts tie together; `None` where they have more than [`EXACT_UNKNOWNS`] unknowns.
+    fn islands(&self, modes: &[Mode]) -> Option<Vec<Vec<usize>>> {
+        let attempt = self.attempt;
+        let closed = attempt.started.iter().zip(modes).filter(|(_, mode)| **mode != Mode::Open);
+        let tied = closed.map(|(started, _)| started.blocks);
+        let sizes: Vec<usize> = attempt.rows.iter().map(|row| row.map_or(0, |row| attempt.sizes[row])).collect();
+        islands_up_to(EXACT_UNKNOWNS, &sizes, tied)
+    }
+
+    /// Keeps the solution of some blocks, one after another.
+    fn keep(&self, iterate: &Iterate<S>, blocks: &[usize], solution: Option<Vec<S>>) {
+        let mut rest = solution.map(Vec::into_iter);
+        for &block in blocks {
+            let size = self.attempt.rows[block].map_or(0, |row| self.attempt.sizes[row]);
+            let own = rest.as_mut().map(|rest| rest.take(size).collect());
+            iterate.displacements[block].get_or_init(|| own);
+        }
+    }
+
+    /// d of a block after a solve, empty for a fixed one; `None` where there is no solution.
+    pub(crate) fn displacement<'i>(&self, iterate: &'i Iterate<S>, block: usize) -> Option<&'i Vec<S>> {
+        if iterate.displacements[block].get().is_none() {
+            if self.attempt.rows[block].is_none() {
+                self.keep(iterate, &[block], Some(Vec::new()));
+            } else if let Some(island) = iterate.islands.iter().find(|island| island.contains(&block)) {
+                let system = System::of(self, &iterate.modes, &iterate.friction, Some(island));
+                self.keep(iterate, island, system.and_then(|system| S::solve(&system, None, None)));
+            }
+        }
+        iterate.displacements[block].get()?.as_ref()
+    }
+
+    /// How a contact moved in a solve.
+    fn motion<'i>(&self, iterate: &'i Iterate<S>, k: usize) -> Option<&'i ContactMotion<S>> {
+        let make = || {
+            let [i, j] = self.attempt.started[k].blocks;
+            let contact = self.contact(k)?;
+            let moved = contact.moved([self.displacement(iterate, i)?, self.displacement(iterate, j)?]);
+            let along = contact.normal.dot(&moved);
+            let gap = contact.gap.plus(&along);
+            Some(ContactMotion { moved, along, gap })
+        };
+        iterate.motions[k].get_or_init(make).as_ref()
+    }
+
+    /// h·|N| of a contact after a solve.
+    pub(crate) fn gap<'i>(&self, iterate: &'i Iterate<S>, k: usize) -> Option<&'i S> {
+        Some(&self.motion(iterate, k)?.gap)
+    }
+
+    /// The trial stretch of a contact after a solve.
+    pub(crate) fn stretch<'i>(&self, iterate: &'i Iterate<S>, k: usize) -> Option<&'i Vec3<S>> {
+        let make = || {
+            let (contact, motion) = (self.contact(k)?, self.motion(iterate, k)?);
+            Some(contact.stretch.plus(&contact.across(&motion.moved, &motion.along)))
+        };
+        iterate.stretches[k].get_or_init(make).as_ref()
+    }
+}
