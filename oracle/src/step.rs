@@ -27,10 +27,10 @@ mod transfer;
 mod update;
 
 pub use answer::{
-    CertifiedStep, FailedAttempt, GapChange, IterationEnd, RetryReason, StepAnswer, StepFailure, StepModel,
-    UNCHANGED_SOLVES,
+    CertifiedStep, EnclosedStep, FailedAttempt, GapChange, IterationEnd, RetryReason, StepAnswer, StepFailure,
+    StepModel, UNCHANGED_SOLVES,
 };
 pub use ladder::StepLevels;
 pub use margin::{ModeMargin, friction_margins, mode_margins};
-pub use run::{certified_step, exact_step, first_system};
+pub use run::{certified_step, enclosed_step, exact_step, first_system};
 pub use state::{BlockState, ContactMemory, KeptPrecision, Mode, State};

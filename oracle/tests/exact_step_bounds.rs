@@ -8,7 +8,7 @@ use num_rational::BigRational;
 use num_traits::Signed;
 use rockproof_model::simulation::Motion;
 use rockproof_model::{Number, Vec3};
-use rockproof_oracle::step::{KeptPrecision, certified_step, first_system};
+use rockproof_oracle::step::{EnclosedStep, KeptPrecision, enclosed_step, first_system};
 use support::shapes::{cuboid, exact, number, spike};
 use support::steps::Scene;
 
@@ -18,9 +18,9 @@ fn encloses(scene: &Scene, moving: &[usize]) -> bool {
     let shapes: Vec<_> = scene.blocks.iter().collect();
     let (model, state) = (scene.model(&shapes), scene.start());
     let plain = first_system(&model, &state).expect("a system").plainly().expect("definite");
-    let certified = certified_step(&model, &state).expect("a step");
-    assert_eq!((certified.iterations, certified.retries.len()), (1, 0));
-    let Some(displacements) = certified.displacements else { return false };
+    let EnclosedStep { decided, displacements } = enclosed_step(&model, &state).expect("a step");
+    assert_eq!((decided.iterations, decided.retries.len()), (1, 0));
+    let Some(displacements) = displacements else { return false };
     let enclosed: Vec<[f64; 2]> = moving.iter().flat_map(|&block| displacements[block].clone()).collect();
     assert_eq!(enclosed.len(), plain.len());
     for (unknown, (x, [middle, radius])) in plain.iter().zip(enclosed).enumerate() {

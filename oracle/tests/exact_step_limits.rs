@@ -7,7 +7,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::simulation::Motion;
 use rockproof_model::{Block, Number};
-use rockproof_oracle::step::{KeptPrecision, Mode, ModeMargin, certified_step, mode_margins};
+use rockproof_oracle::step::{KeptPrecision, Mode, ModeMargin, enclosed_step, mode_margins};
 use support::shapes::{cuboid, exact, number, point};
 use support::steps::Scene;
 
@@ -149,6 +149,6 @@ fn a_step_in_which_no_block_moves_leaves_the_state_as_it_is() {
         assert!(answer.converged && answer.retries.is_empty(), "{keep:?}");
     }
     let shapes: Vec<&Block> = scene.blocks.iter().collect();
-    let displacements = certified_step(&scene.model(&shapes), &start).expect("a step").displacements;
+    let displacements = enclosed_step(&scene.model(&shapes), &start).expect("a step").displacements;
     assert!(displacements.expect("nothing to enclose").iter().all(Vec::is_empty));
 }

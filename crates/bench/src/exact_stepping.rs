@@ -25,7 +25,7 @@ pub struct ExactCost {
     pub float: f64,
     /// The stepper's state as the oracle's.
     pub conversion: f64,
-    /// All decisions of the step from that state, certified, and its displacements.
+    /// All decisions of the step from that state, certified.
     pub certified: f64,
     /// The same and the state after it, on a grid of 2⁻⁸⁰ m.
     pub with_state: f64,

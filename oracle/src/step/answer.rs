@@ -147,7 +147,7 @@ impl fmt::Display for StepFailure {
 
 impl std::error::Error for StepFailure {}
 
-/// What a step decides, and how it moves the blocks, without the state after it.
+/// What a step decides, without the state after it.
 #[derive(Clone, Debug)]
 pub struct CertifiedStep {
     /// Its contacts with their blocks, by pair and in SPEC order.
@@ -164,11 +164,18 @@ pub struct CertifiedStep {
     pub retries: Vec<FailedAttempt>,
     /// The Δt accepted (s).
     pub time_step: BigRational,
-    /// Of each block the unknowns that it has, each as an f64 and at least its distance from the exact value (m, rad, strain);
-    /// `None` where neither balls of f64 nor of two f64 enclosed the last solve.
-    pub displacements: Option<Vec<Vec<[f64; 2]>>>,
     /// Which level settled how many decisions of all attempts.
     pub levels: StepLevels,
     /// The same of the classification.
     pub contact_levels: LevelCounts,
+}
+
+/// What a step decides, and how it moves the blocks.
+#[derive(Clone, Debug)]
+pub struct EnclosedStep {
+    /// What it decides.
+    pub decided: CertifiedStep,
+    /// Of each block the unknowns that it has, each as an f64 and at least its distance from the exact value (m, rad, strain);
+    /// `None` where neither balls of f64 nor of two f64 enclosed the last solve.
+    pub displacements: Option<Vec<Vec<[f64; 2]>>>,
 }

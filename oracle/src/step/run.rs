@@ -1,6 +1,6 @@
 //! A whole step, and the state after it (SPEC 5.9 to 5.12).
 
-use super::answer::{CertifiedStep, GapChange, StepAnswer, StepFailure, StepModel};
+use super::answer::{CertifiedStep, EnclosedStep, GapChange, StepAnswer, StepFailure, StepModel};
 use super::attempt::Attempt;
 use super::attempt_state::AttemptState;
 use super::iteration::{attempts, first_time_step};
@@ -20,11 +20,31 @@ use rockproof_model::simulation::Body;
 /// # Errors
 /// When the step cannot be made: see [`StepFailure`].
 pub fn certified_step(model: &StepModel<'_>, state: &State) -> Result<CertifiedStep, StepFailure> {
-    let prepared = PreparedStep::new(model, state)?;
-    let mut certified = attempts(&prepared, |mut ladder, attempt, iterated, retries| {
+    certified_and(model, state, |_| ()).map(|(decided, ())| decided)
+}
+
+/// The same, and encloses how the step moves the blocks: balls of two f64 are asked where those of f64 know it badly.
+///
+/// # Errors
+/// When the step cannot be made: see [`StepFailure`].
+pub fn enclosed_step(model: &StepModel<'_>, state: &State) -> Result<EnclosedStep, StepFailure> {
+    let enclosed = |ladder: &mut Ladder<'_>| {
         let float = ladder.float().and_then(displacements).filter(|d| are_narrow(d));
-        let displacements = float.or_else(|| ladder.double().and_then(displacements));
-        Ok(CertifiedStep {
+        float.or_else(|| ladder.double().and_then(displacements))
+    };
+    certified_and(model, state, enclosed).map(|(decided, displacements)| EnclosedStep { decided, displacements })
+}
+
+/// Decides one step, and asks something of its last solve.
+fn certified_and<T>(
+    model: &StepModel<'_>,
+    state: &State,
+    ask: impl FnOnce(&mut Ladder<'_>) -> T,
+) -> Result<(CertifiedStep, T), StepFailure> {
+    let prepared = PreparedStep::new(model, state)?;
+    let (mut certified, asked) = attempts(&prepared, |mut ladder, attempt, iterated, retries| {
+        let asked = ask(&mut ladder);
+        let certified = CertifiedStep {
             contacts: Vec::new(),
             iterations: ladder.modes().len() as u32,
             end: iterated.end,
@@ -32,13 +52,13 @@ pub fn certified_step(model: &StepModel<'_>, state: &State) -> Result<CertifiedS
             modes: modes(&ladder, iterated.after),
             retries,
             time_step: attempt.time_step.clone(),
-            displacements,
             levels: ladder.levels,
             contact_levels: prepared.contact_levels,
-        })
+        };
+        Ok((certified, asked))
     })?;
     certified.contacts = prepared.contacts;
-    Ok(certified)
+    Ok((certified, asked))
 }
 
 /// The unknowns of each block after the last solve, each as an f64 and at least its distance from the exact value.

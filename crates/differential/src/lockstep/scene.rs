@@ -5,7 +5,9 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::simulation::{JointProperties, Simulation};
 use rockproof_model::{Block, Body, Number, Precision, Scene, ToleranceSet, Vec3};
-use rockproof_oracle::step::{self, CertifiedStep, KeptPrecision, ModeMargin, StepAnswer, StepFailure, StepModel};
+use rockproof_oracle::step::{
+    self, CertifiedStep, EnclosedStep, KeptPrecision, ModeMargin, StepAnswer, StepFailure, StepModel,
+};
 
 /// A number that an engine's precision cannot hold, by its name in files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -97,6 +99,14 @@ impl ExactScene {
     /// Why the oracle cannot make it.
     pub fn decide(&self, state: &step::State) -> Result<CertifiedStep, StepFailure> {
         self.with_model(|model| step::certified_step(model, state))
+    }
+
+    /// What one step decides, and how it moves the blocks.
+    ///
+    /// # Errors
+    /// Why the oracle cannot make it.
+    pub fn enclose(&self, state: &step::State) -> Result<EnclosedStep, StepFailure> {
+        self.with_model(|model| step::enclosed_step(model, state))
     }
 
     /// How close the modes of one step were, solve by solve and contact by contact; empty where that is not known.
