@@ -140,6 +140,11 @@ impl Wide {
         self.radius.is_exact()
     }
 
+    /// Whether it is zero, and no operation that led here rounded.
+    pub(crate) fn is_exact_zero(self) -> bool {
+        self.is_exact() && self.significand.is_zero_vartime()
+    }
+
     /// Whether the value is a number at all.
     pub fn is_known(self) -> bool {
         self.radius.is_known()

@@ -7,7 +7,7 @@ use crate::dynamics::pattern::Pattern;
 use crate::dynamics::products::Products;
 use crate::dynamics::refine::Refining;
 use crate::dynamics::report::IterationTimes;
-use crate::dynamics::solve::{Singular, Solve, dense};
+use crate::dynamics::solve::{Singular, Solve};
 use crate::dynamics::state::Mode;
 use crate::dynamics::system::System;
 use crate::real::Real;
@@ -219,7 +219,7 @@ impl Island {
         let solved = if layout.is_small() {
             values.fill(R::ZERO);
             fill(0, values);
-            let solved = dense(&layout.pattern, values, &mut force);
+            let solved = R::solve_small(&layout.pattern, values, &mut force);
             work.iteration_times.factor += begun.elapsed();
             solved
         } else {

@@ -43,6 +43,14 @@ pub trait Solve: CompiledSteps + Real + Send + Sync {
         fill: &Fill<'_, Self>,
     ) -> Result<(), Singular>;
 
+    /// Solves a small system in place. The values are those of the matrix, and stay.
+    ///
+    /// # Errors
+    /// When the matrix is not positive definite in this precision.
+    fn solve_small(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
+        dense(pattern, values, rhs)
+    }
+
     /// Solves in place by what [`Solve::factorize`] left.
     ///
     /// # Errors
@@ -93,9 +101,62 @@ impl Solve for Wide {
         Ok(())
     }
 
-    fn substitute(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
-        dense(pattern, values, rhs)
+    fn solve_small(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
+        leaving_out_zeros(pattern, values, rhs)
     }
+
+    fn substitute(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
+        leaving_out_zeros(pattern, values, rhs)
+    }
+}
+
+/// As [`dense`], and with its digits: a product with an exact zero adds neither to a middle nor to a radius, so it is not formed. Blocks that do not
+/// touch leave many.
+fn leaving_out_zeros(pattern: &Pattern, values: &[Wide], rhs: &mut [Wide]) -> Result<(), Singular> {
+    let n = pattern.size();
+    let mut l = pattern.square(values, Wide::EXACT_ZERO);
+    let less = |sum: Wide, l: Wide, x: Wide| if l.is_exact_zero() || x.is_exact_zero() { sum } else { sum - l * x };
+    // The first column of each row that is no zero.
+    let firsts: Vec<usize> =
+        (0..n).map(|i| l[i * n..i * n + i].iter().position(|l| !l.is_exact_zero()).unwrap_or(i)).collect();
+    let mut scaled = vec![Wide::EXACT_ZERO; n];
+    let mut pivots: Vec<Wide> = Vec::with_capacity(n);
+    for i in 0..n {
+        let (above, own) = l.split_at_mut(i * n);
+        let first = firsts[i];
+        for j in first..i {
+            let from = first.max(firsts[j]);
+            let row = above[j * n..j * n + j].iter().zip(&scaled[..j]).skip(from);
+            scaled[j] = row.fold(own[j], |sum, (&l, &s)| less(sum, l, s));
+        }
+        let mut pivot = own[i];
+        for j in first..i {
+            if scaled[j].is_exact_zero() {
+                own[j] = Wide::EXACT_ZERO;
+            } else {
+                own[j] = scaled[j] / pivots[j];
+                pivot = pivot - own[j] * scaled[j];
+            }
+        }
+        if !(Wide::EXACT_ZERO.below(pivot) && pivot.is_finite()) {
+            return Err(Singular { unknown: i });
+        }
+        pivots.push(pivot);
+    }
+    for i in 0..n {
+        let row = l[i * n..i * n + i].iter().zip(&rhs[..i]).skip(firsts[i]);
+        rhs[i] = row.fold(rhs[i], |sum, (&l, &x)| less(sum, l, x));
+    }
+    for i in 0..n {
+        rhs[i] = rhs[i] / pivots[i];
+    }
+    for i in (0..n).rev() {
+        let known = rhs[i];
+        for (x, &l) in rhs[..i].iter_mut().zip(&l[i * n..i * n + i]).skip(firsts[i]) {
+            *x = less(*x, l, known);
+        }
+    }
+    Ok(())
 }
 
 /// Solves in place, by Cholesky's method without square roots (LDLᵀ), row by row. The values are those of the matrix.

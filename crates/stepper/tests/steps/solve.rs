@@ -5,6 +5,7 @@ use rockproof_model::Motion;
 use rockproof_stepper::dynamics::elimination_order::{Graph, elimination_order};
 use rockproof_stepper::dynamics::pattern::Pattern;
 use rockproof_stepper::dynamics::solve::{DENSE, Singular, Solve, dense};
+use rockproof_stepper::{Real, Wide};
 
 /// A generator of whole numbers that needs no library: Knuth's multiplier.
 struct Numbers(u64);
@@ -110,6 +111,41 @@ fn sparse_and_dense_agree_on_random_systems() {
             assert!(double < 1e-13 && single < 1e-5, "{nodes} {ties}: {double} {single}");
         }
     }
+}
+
+/// All that a number of 512 bits knows, its radius among it.
+fn all_of(numbers: &[Wide]) -> Vec<String> {
+    numbers.iter().map(|number| format!("{number:?}")).collect()
+}
+
+#[test]
+fn to_leave_out_zeros_changes_no_bit_and_no_radius() {
+    let mut numbers = Numbers(5);
+    let mut left_out = 0;
+    for nodes in [1, 2, 7, 12] {
+        for ties in [0, 2, 1000] {
+            let mut sample = Sample::<Wide>::new(nodes, ties, &mut numbers);
+            // Thirds have radii.
+            let third = Wide::from_f64(1.0) / Wide::from_f64(3.0);
+            sample.values.iter_mut().for_each(|value| *value = *value * third);
+            let mut plain = sample.right.clone();
+            dense(&sample.pattern, &sample.values, &mut plain).unwrap();
+            for solve in [Wide::solve_small, Wide::substitute] {
+                let mut solution = sample.right.clone();
+                solve(&sample.pattern, &sample.values, &mut solution).unwrap();
+                assert_eq!(all_of(&solution), all_of(&plain), "{nodes} {ties}");
+            }
+            left_out += sample.pattern.size().pow(2) - sample.pattern.values();
+        }
+    }
+    assert!(left_out > 10_000, "{left_out}");
+    // The product of the first row takes the second's entry away exactly.
+    let pattern = Pattern::whole(&[3]);
+    let values = [1.0, 1.0, 1.0, 0.0, 2.0, 1.0, 0.0, 0.0, 3.0].map(Wide::from_f64);
+    let (mut plain, mut solution) = ([1.0, 2.0, 4.0].map(Wide::from_f64), [1.0, 2.0, 4.0].map(Wide::from_f64));
+    dense(&pattern, &values, &mut plain).unwrap();
+    Wide::solve_small(&pattern, &values, &mut solution).unwrap();
+    assert_eq!(all_of(&solution), all_of(&plain));
 }
 
 #[test]
