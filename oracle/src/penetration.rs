@@ -2,8 +2,10 @@
 //! (`convex`), others by their deepest point (`vertices`); and the largest depth of a scene.
 
 mod convex;
+mod faces;
 mod vertices;
 
+use self::faces::FaceDirections;
 use crate::Gap;
 use crate::rational::Rational;
 use num_bigint::BigInt;
@@ -11,6 +13,7 @@ use num_rational::BigRational;
 use num_traits::ToPrimitive;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::{Block, Sign, Vec3};
+use std::cell::OnceCell;
 use std::cmp::Ordering;
 
 /// How two blocks overlap.
@@ -66,9 +69,16 @@ pub struct Deepest {
 /// out because one of the blocks has no face with an area.
 ///
 /// A pair is examined exactly only if f64 bounds do not prove it shallower than another: a convex pair is no deeper than
-/// its boxes overlap, and not much deeper or shallower than f64 finds.
+/// its boxes overlap, nor than along a normal of its faces, and not much deeper or shallower than f64 finds along all directions.
 pub fn deepest(blocks: &[&Block]) -> (Option<Deepest>, usize) {
     let mut pairs = overlapping_boxes(blocks);
+    let directions: Vec<OnceCell<FaceDirections>> = blocks.iter().map(|_| OnceCell::new()).collect();
+    for pair in pairs.iter_mut().filter(|pair| pair.blocks.iter().all(|&block| blocks[block].is_convex())) {
+        let [a, b] = pair.blocks.map(|block| directions[block].get_or_init(|| FaceDirections::of(blocks[block])));
+        pair.most = pair.most.min(faces::most_depth(a, b));
+    }
+    // What is proved to be apart is no overlap.
+    pairs.retain(|pair| pair.most > 0.0);
     pairs.sort_by(|one, two| two.most.total_cmp(&one.most).then(one.blocks.cmp(&two.blocks)));
     // The greatest depth that some pair is proved to have, and the pairs that may be as deep.
     let mut proved = 0.0f64;
