@@ -211,14 +211,14 @@ impl Field for DoubleBall {
     }
 
     fn middle(&self) -> BigRational {
-        let part = |value: f64| {
-            if !value.is_finite() {
-                return BigRational::zero();
-            }
-            let (significand, exponent) = split_f64(value);
-            dyadic(BigInt::from(significand), i64::from(exponent))
-        };
-        part(self.high) + part(self.low)
+        let part = |value: f64| if value.is_finite() { split_f64(value) } else { (0, 0) };
+        let parts =
+            [part(self.high), part(self.low)].map(|(significand, exponent)| (BigInt::from(significand), exponent));
+        // A zero has no place of its own.
+        let lowest =
+            parts.iter().filter(|(significand, _)| !significand.is_zero()).map(|part| part.1).min().unwrap_or(0);
+        let in_lowest = |(significand, exponent): &(BigInt, i32)| significand << (exponent - lowest).max(0);
+        dyadic(in_lowest(&parts[0]) + in_lowest(&parts[1]), i64::from(lowest))
     }
 
     fn radius(&self) -> Option<UpperBound> {

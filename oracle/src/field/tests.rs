@@ -331,3 +331,17 @@ fn nearest_units_are_those_of_a_rounded_quotient() {
     }
     assert!(halves > 100, "{halves}");
 }
+
+#[test]
+fn the_middle_of_two_f64_is_their_sum() {
+    let rational = |value: f64| BigRational::from_float(value).unwrap_or_default();
+    let highs = [0.0, 1.0, -3.0, 0.1, 1e300, -5e-324, 2f64.powi(-1022), f64::INFINITY, f64::NAN];
+    for high in highs {
+        for low in [0.0, -0.0, high * 2f64.powi(-53), -high * 2f64.powi(-60), 5e-324, f64::NAN] {
+            let middle = DoubleBall { high, low, radius: 0.0 }.middle();
+            assert_eq!(middle, rational(high) + rational(low), "{high:e} + {low:e}");
+            // In lowest terms, as every fraction is.
+            assert_eq!(BigRational::new(middle.numer().clone(), middle.denom().clone()), middle);
+        }
+    }
+}

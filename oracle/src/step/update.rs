@@ -6,9 +6,8 @@ use super::attempt_state::AttemptState;
 use super::frame;
 use super::state::{BlockState, ContactMemory, KeptPrecision, Mode, State};
 use super::system::Stepwise;
-use crate::field::{Field, WideBall, dyadic, nearest_units};
+use crate::field::{Field, UpperBound, WideBall, dyadic, nearest_units};
 use crate::mass;
-use num_bigint::BigInt;
 use num_traits::Signed;
 use rockproof_model::simulation::Kinematics;
 use rockproof_model::{Number, Point, Vec3};
@@ -198,14 +197,12 @@ fn point<S: Field>(at: &Vec3<S>, keep: KeptPrecision) -> Option<Point> {
 
 /// A coordinate as it is kept; `None` where its enclosure is wider than half a unit of the grid.
 fn kept<S: Field>(value: &S, keep: KeptPrecision) -> Option<Number> {
-    let middle = value.middle();
-    let KeptPrecision::Grid { exponent } = keep else { return Some(Number::from_rational(middle)) };
-    let half_unit = dyadic(BigInt::from(1), -i64::from(exponent) - 1);
-    if value.radius()?.to_rational() > half_unit {
+    let KeptPrecision::Grid { exponent } = keep else { return Some(Number::from_rational(value.middle())) };
+    let exponent = i64::from(exponent);
+    if value.radius()? > UpperBound::power_of_two(-exponent - 1) {
         return None;
     }
-    let exponent = i64::from(exponent);
-    Some(Number::from_rational(dyadic(nearest_units(&middle, exponent), -exponent)))
+    Some(Number::from_rational(dyadic(nearest_units(&value.middle(), exponent), -exponent)))
 }
 
 fn significant<S: Field>(value: &S, keep: KeptPrecision) -> Number {
@@ -222,6 +219,7 @@ fn significant<S: Field>(value: &S, keep: KeptPrecision) -> Number {
 mod tests {
     use super::*;
     use crate::number::Ball;
+    use num_bigint::BigInt;
     use num_rational::BigRational;
 
     const GRID: KeptPrecision = KeptPrecision::Grid { exponent: 10 };
