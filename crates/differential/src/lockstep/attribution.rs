@@ -7,8 +7,8 @@ use crate::explain::{ChainLink, explain};
 use crate::finding::{Cause, DecidingDecision};
 use crate::lockstep::answer::{StepAnswerChange, StepDecisions, StepDifference};
 use crate::lockstep::scene::ExactScene;
-use rockproof_model::decision::Decision;
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
+use rockproof_oracle::Pair;
 use rockproof_oracle::step::{self as exact, ModeMargin};
 use rockproof_stepper::contact::{ClassificationRequest, PreparedBlock, Tolerances};
 use rockproof_stepper::dynamics::{Mode, StepRules};
@@ -148,44 +148,39 @@ impl Explainer<'_> {
         differences: &[Difference],
         stepper: Option<Tracer<'_>>,
     ) -> Vec<Option<DecidingDecision>> {
-        let of = |side: &LinkSide<'_>| pair.map(|block| side.blocks[block as usize].clone());
-        let ([a, b], [a_after, b_after]) = (of(&self.before), of(&self.after));
+        let [a, b] = pair.map(|block| &self.before.blocks[block as usize]);
+        let [a_after, b_after] = pair.map(|block| &self.after.blocks[block as usize]);
         let kept = self.kept_contacts(pair);
-        let (before, after) = (PreparedBlocks::new(&a, &b), PreparedBlocks::new(&a_after, &b_after));
+        let prepared = [a, b].map(rockproof_oracle::PreparedBlock::new);
+        // What a pair has worked out exactly serves all that is asked of it.
+        let before = Pair::new(&prepared[0], &prepared[1]);
+        let trace_after = || {
+            if let Some(stepper) = stepper {
+                return stepper(a_after, b_after, &kept);
+            }
+            if std::ptr::eq(self.before.blocks, self.after.blocks) {
+                return Some(trace(&before, self.after.tolerances, &kept));
+            }
+            let prepared = [a_after, b_after].map(rockproof_oracle::PreparedBlock::new);
+            Some(trace(&Pair::new(&prepared[0], &prepared[1]), self.after.tolerances, &kept))
+        };
         let link = ChainLink {
-            before: &|| Some(before.trace(self.before.tolerances, &kept)),
-            after: &|| match stepper {
-                Some(stepper) => stepper(&a_after, &b_after, &kept),
-                None => Some(after.trace(self.after.tolerances, &kept)),
+            before: &|| Some(trace(&before, self.before.tolerances, &kept)),
+            after: &trace_after,
+            margins: &|decisions| {
+                let margins = before.margins_keeping(self.before.tolerances, &kept, decisions);
+                margins.into_iter().map(|margin| margin.map(signed)).collect()
             },
-            margins: &|decisions| before.margins(self.before.tolerances, &kept, decisions),
             roundoff: self.roundoff,
         };
         explain(differences, &link, Features { a: a.topology(), b: b.topology() })
     }
 }
 
-/// Two blocks as the oracle prepares them.
-struct PreparedBlocks([rockproof_oracle::PreparedBlock; 2]);
-
-impl PreparedBlocks {
-    fn new(a: &Block, b: &Block) -> PreparedBlocks {
-        PreparedBlocks([a, b].map(rockproof_oracle::PreparedBlock::new))
-    }
-
-    fn pair(&self) -> rockproof_oracle::Pair<'_> {
-        rockproof_oracle::Pair::new(&self.0[0], &self.0[1])
-    }
-
-    fn trace(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Trace {
-        let entries = self.pair().trace_keeping(tolerances, kept);
-        entries.into_iter().map(|entry| (entry.decision, entry.outcome)).collect()
-    }
-
-    fn margins(&self, tolerances: &ToleranceSet, kept: &[ContactKey], decisions: &[Decision]) -> Vec<Option<f64>> {
-        let margins = self.pair().margins_keeping(tolerances, kept, decisions);
-        margins.into_iter().map(|margin| margin.map(signed)).collect()
-    }
+/// The decisions of the oracle about a pair.
+fn trace(pair: &Pair<'_>, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Trace {
+    let entries = pair.trace_keeping(tolerances, kept);
+    entries.into_iter().map(|entry| (entry.decision, entry.outcome)).collect()
 }
 
 /// Traces two blocks, of whose contacts some are kept.
