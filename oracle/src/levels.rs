@@ -7,7 +7,7 @@ use std::ops::AddAssign;
 pub struct LevelCounts {
     /// f64 with a bound known beforehand.
     pub float: u64,
-    /// f64 with a bound that follows the values.
+    /// f64, or two f64, with a bound that follows the values.
     pub ball: u64,
     /// 128-bit integers.
     pub i128: u64,

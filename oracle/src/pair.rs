@@ -1,5 +1,7 @@
 //! A pair of blocks, and its exact vectors for when f64 cannot decide.
 
+use crate::field::DoubleBall;
+use crate::mass::difference;
 use crate::number::{Bits, Fixed, Magnitude};
 use crate::prepared_block::PreparedBlock;
 use crate::view::{ExactBlock, ExactPair};
@@ -25,6 +27,7 @@ pub struct Pair<'s> {
     pub(crate) a: &'s PreparedBlock,
     pub(crate) b: &'s PreparedBlock,
     grid: OnceCell<PairLattice>,
+    double: OnceCell<ExactPair<'s, DoubleBall>>,
     small: OnceCell<ExactPair<'s, i128>>,
     int256: OnceCell<ExactPair<'s, Int256>>,
     int512: OnceCell<ExactPair<'s, Int512>>,
@@ -153,6 +156,7 @@ impl<'s> Pair<'s> {
             a,
             b,
             grid: OnceCell::new(),
+            double: OnceCell::new(),
             small: OnceCell::new(),
             int256: OnceCell::new(),
             int512: OnceCell::new(),
@@ -186,6 +190,20 @@ impl<'s> Pair<'s> {
             a: ExactBlock::new(self.topology(Side::A), grid.vertices(Side::A)),
             b: ExactBlock::new(self.topology(Side::B), grid.vertices(Side::B)),
         }
+    }
+
+    /// The pair in balls of two f64, in metres from A's first vertex.
+    pub(crate) fn double(&self) -> &ExactPair<'s, DoubleBall> {
+        self.double.get_or_init(|| {
+            let origin = &self.a.block.vertices()[0];
+            let vertices = |solid: &PreparedBlock| -> Vec<Vec3<DoubleBall>> {
+                solid.block.vertices().iter().map(|v| difference(v, origin, DoubleBall::BITS)).collect()
+            };
+            ExactPair {
+                a: ExactBlock::new(self.topology(Side::A), vertices(self.a)),
+                b: ExactBlock::new(self.topology(Side::B), vertices(self.b)),
+            }
+        })
     }
 
     pub(crate) fn small(&self) -> &ExactPair<'s, i128> {

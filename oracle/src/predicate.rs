@@ -38,6 +38,8 @@ pub(crate) trait Polynomial {
     const VARIANTS: usize;
     /// Degree in length: coordinates and length tolerances doubled make the value `2^DEGREE` times as large.
     const DEGREE: usize;
+    /// Whether balls of two f64 are asked before integers: where values near zero are near-ties more often than ties, and integers long.
+    const IN_DOUBLE: bool = false;
     /// Which of the sets this one draws on, below `VARIANTS`.
     fn variant(&self) -> usize;
     /// The value; only its sign means anything.

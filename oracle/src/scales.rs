@@ -1,5 +1,6 @@
 //! The tolerance set in each of the oracle's number types.
 
+use crate::field::{DoubleBall, Field};
 use crate::number::{Approx, Ball, Bits, Bound, INFLATION, UNDERFLOW, UNIT_ROUNDOFF};
 use crate::pair::FromUnits;
 use crate::view::Scales;
@@ -85,6 +86,24 @@ impl Scales<Ball> {
             overlap: ball(&t.overlap_sine),
             parallel: ball(&t.parallel_sine),
             whole: exactly_one,
+            equal: ball(&t.equal),
+        }
+    }
+}
+
+impl Scales<DoubleBall> {
+    /// Lengths in metres, in balls of two f64.
+    pub(crate) fn double(t: &ToleranceSet) -> Scales<DoubleBall> {
+        let ball = |n: &Number| DoubleBall::of_number(n, DoubleBall::BITS);
+        Scales {
+            unit: DoubleBall::from_i32(1),
+            search: ball(&t.search),
+            territory: ball(&t.territory),
+            penetration: ball(&t.penetration),
+            one: DoubleBall::from_i32(1),
+            overlap: ball(&t.overlap_sine),
+            parallel: ball(&t.parallel_sine),
+            whole: DoubleBall::from_i32(1),
             equal: ball(&t.equal),
         }
     }

@@ -1,5 +1,6 @@
 //! The ladder: the sign of a polynomial at the cheapest level that proves it.
 
+use crate::field::{DoubleBall, Field};
 use crate::levels::LevelCounts;
 use crate::number::{Approx, Ball, Bits, INFLATION, Magnitude};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
@@ -86,6 +87,7 @@ impl Default for CarefulStages<'_> {
 #[derive(Default)]
 struct ScalesCache {
     bits: OnceCell<Scales<Bits>>,
+    double: OnceCell<Scales<DoubleBall>>,
     small: OnceCell<Scales<i128>>,
     int256: OnceCell<Scales<Int256>>,
     int512: OnceCell<Scales<Int512>>,
@@ -294,6 +296,14 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
         if let Some(sign) = polynomial.value(&balls).certain_sign() {
             self.levels.ball += 1;
             return sign;
+        }
+        if P::IN_DOUBLE {
+            let cache = &self.careful_stages.get_or_init(Box::default).scales;
+            let scales = LazyScales { made: &cache.double, make: &|| Scales::double(tolerances) };
+            if let Some(sign) = polynomial.value(&ExactView { geometry: pair.double(), scales }).certain_sign() {
+                self.levels.ball += 1;
+                return sign;
+            }
         }
         self.exact_sign(polynomial)
     }

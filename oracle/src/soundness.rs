@@ -2,6 +2,7 @@
 //! Tests that no level of the ladder ever proves a wrong sign, on input made to tempt it: near-ties, ties, tiny and huge
 //! coordinates, far origins, fractions.
 
+use crate::field::Field;
 use crate::levels::LevelCounts;
 use crate::number::{Approx, Ball, Bits, Bound, INFLATION};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
@@ -183,6 +184,7 @@ struct Seen {
     by_unit_bound: u64,
     by_pair_bound: u64,
     by_ball: u64,
+    by_double: u64,
 }
 
 struct Checker<'p, 's> {
@@ -294,6 +296,12 @@ impl Visitor for Checker<'_, '_> {
         if let Some(sign) = p.value(&ball_view).certain_sign() {
             assert_eq!(sign, exact, "ball, slot {slot}, {about}");
             seen.by_ball += 1;
+        }
+        let doubles = OnceCell::new();
+        let scales = LazyScales { made: &doubles, make: &|| Scales::double(t) };
+        if let Some(sign) = p.value(&ExactView { geometry: pair.double(), scales }).certain_sign() {
+            assert_eq!(sign, exact, "two f64, slot {slot}, {about}");
+            seen.by_double += 1;
         }
         check_widths(pair, t, p, bits_of(pair, t, p), exact, about);
     }
@@ -423,11 +431,12 @@ fn no_level_proves_a_wrong_sign() {
     assert!(levels.fixed.into_iter().chain([levels.i128, levels.heap]).all(|count| count > 100), "{levels:?}");
     for (slot, seen) in &seen {
         assert!(
-            seen.by_unit_bound > 0 && seen.by_pair_bound > 0 && seen.by_ball > 0,
-            "slot {slot}: {} {} {} signs {:?}",
+            seen.by_unit_bound > 0 && seen.by_pair_bound > 0 && seen.by_ball > 0 && seen.by_double > 0,
+            "slot {slot}: {} {} {} {} signs {:?}",
             seen.by_unit_bound,
             seen.by_pair_bound,
             seen.by_ball,
+            seen.by_double,
             seen.signs
         );
         assert!(seen.signs[0] > 0 && seen.signs[2] > 0, "slot {slot}: signs seen {:?}", seen.signs);

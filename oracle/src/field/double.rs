@@ -51,6 +51,9 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 impl DoubleBall {
+    /// The bits of both parts.
+    pub(crate) const BITS: u32 = 106;
+
     /// The value itself, `|low|` at most a roundoff of `high`.
     pub(crate) fn exactly(high: f64, low: f64) -> DoubleBall {
         DoubleBall { high, low, radius: 0.0 }

@@ -147,6 +147,8 @@ impl Polynomial for LargerGap {
     const FIRST_SLOT: usize = after::<EdgesApart>();
     const VARIANTS: usize = 27;
     const DEGREE: usize = 10;
+    // Planes of neighbouring features have gaps that are nearly the same.
+    const IN_DOUBLE: bool = true;
     fn variant(&self) -> usize {
         (kind_of(&self.first) * 3 + kind_of(&self.second)) * 3 + self.factor as usize
     }
