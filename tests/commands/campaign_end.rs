@@ -41,6 +41,7 @@ fn the_end_is_the_verdict_a_short_table_and_what_to_do_next() {
 }
 
 #[test]
+#[ignore = "ten seconds; .ci/run runs it"]
 fn a_run_goes_on_to_more_pairs() {
     let dir = tempfile::tempdir().expect("a directory");
     let dir = dir.path();

@@ -39,6 +39,7 @@ fn first(rows: &[DiagnosisRow]) -> (&str, u64, u64) {
 }
 
 #[test]
+#[ignore = "fifteen seconds; .ci/run runs it"]
 fn each_mistake_is_told() {
     let dir = tempfile::tempdir().expect("a directory");
     for (mistake, hypothesis, pairs) in [

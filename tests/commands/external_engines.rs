@@ -48,6 +48,7 @@ fn a_client_around_the_stepper_finds_what_the_stepper_finds() {
 }
 
 #[test]
+#[ignore = "half a minute; .ci/run runs it"]
 fn every_misbehaviour_is_a_finding() {
     let dir = tempfile::tempdir().expect("a directory");
     for (trick, change, more) in [

@@ -147,6 +147,7 @@ fn put_together(numbers: &[u64]) {
 }
 
 #[test]
+#[ignore = "ten seconds; .ci/run runs it"]
 fn a_part_that_was_killed_goes_on_to_the_same_bytes() {
     // Here cases run out of places as well.
     let settings = SETTINGS.replace("chunk = 48", "chunk = 16").replace("per_cause = 60", "per_cause = 8");

@@ -85,6 +85,7 @@ fn cubes([along, across, up]: [u32; 3]) -> String {
 }
 
 #[test]
+#[ignore = "twelve seconds; .ci/run runs it"]
 fn a_second_signal_ends_the_program_at_once() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();

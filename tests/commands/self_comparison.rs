@@ -34,6 +34,7 @@ fn refused(place: &Place, arguments: &[&str], wanted: &[&str]) {
 }
 
 #[test]
+#[ignore = "eight seconds; .ci/run runs it"]
 fn parts_add_up_and_what_is_wrong_exits_2() {
     let place = Place::new();
     let pairs = ["run", "--pairs", "160", "--seed", "2", "--plain-every", "0", "--threads", "1"];

@@ -287,6 +287,7 @@ fn violated_rules_stop_a_run_before_it_begins() {
 }
 
 #[test]
+#[ignore = "ten seconds; .ci/run runs it"]
 fn a_killed_run_goes_on_to_the_same_bytes() {
     let place = WorkDir::new();
     place.file("fall.toml", FALL);
@@ -305,10 +306,8 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
         assert!(cut_short > 1, "the kills came too late to show anything");
         place.finishes(&[&args(&killed)[..], &["--resume"]].concat());
         let (expected, found) = (place.files(&whole), place.files(&killed));
-        for (name, bytes) in &expected {
-            assert!(found.get(name) == Some(bytes), "{engine}: {name} differs");
-        }
-        assert_eq!(found.len(), expected.len());
+        let differ: Vec<_> = expected.keys().filter(|name| found.get(*name) != expected.get(*name)).collect();
+        assert!(differ.is_empty() && found.len() == expected.len(), "{engine}: {differ:?} differ");
     }
 }
 

@@ -17,6 +17,7 @@ fn soak(program: &Path, arguments: &[&str]) -> (Option<i32>, String) {
 }
 
 #[test]
+#[ignore = "six seconds; .ci/run runs it"]
 fn a_short_soak_finds_nothing_wrong() {
     let (code, said) = soak(&assert_cmd::cargo::cargo_bin("rockproof"), &["--minutes", "0.1", "--seed", "5"]);
     assert!(code == Some(0) && said.contains("; 0 failures"), "{said}");
@@ -25,6 +26,7 @@ fn a_short_soak_finds_nothing_wrong() {
 }
 
 #[test]
+#[ignore = "ten seconds; .ci/run runs it"]
 fn a_program_that_loses_a_byte_is_found() {
     let dir = tempfile::tempdir().expect("a folder");
     let lossy = dir.path().join("lossy");

@@ -133,6 +133,7 @@ fn results(dir: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
+#[ignore = "ten seconds; .ci/run runs it"]
 fn the_same_bytes_however_it_runs_and_the_same_classification_without() {
     let config = config(6);
     let dirs = [(); 4].map(|()| tempfile::tempdir().unwrap());

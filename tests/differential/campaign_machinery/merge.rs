@@ -68,6 +68,7 @@ fn parts(dir: &Path, of: u64) -> Vec<PathBuf> {
 }
 
 #[test]
+#[ignore = "ten seconds; .ci/run runs it"]
 fn any_number_of_parts_makes_the_same_bytes_however_the_merge_is_interrupted() {
     let expected = uninterrupted();
     for of in [1, 2, 5, 51, 60] {
