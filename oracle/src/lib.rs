@@ -11,6 +11,7 @@ pub mod combination;
 mod contact;
 mod convex_cells;
 mod departure;
+mod f64_vector;
 mod field;
 mod gap;
 mod interiors;

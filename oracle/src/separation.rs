@@ -14,6 +14,7 @@
 
 mod points;
 
+use crate::f64_vector::dot;
 use crate::field::{DoubleBall, Field};
 use crate::number::{Approx, Ball};
 use num_bigint::BigInt;
@@ -191,10 +192,6 @@ impl<'p> Search<'p> {
 /// A minimum or maximum that keeps what is not a number.
 fn nan_first(pick: fn(f64, f64) -> f64) -> impl Fn(f64, f64) -> f64 {
     move |one, two| if one.is_nan() || two.is_nan() { f64::NAN } else { pick(one, two) }
-}
-
-fn dot(n: [f64; 3], p: [f64; 3]) -> f64 {
-    n[0] * p[0] + n[1] * p[1] + n[2] * p[2]
 }
 
 impl<'s, 'p> DirectionCone<'s, 'p> {

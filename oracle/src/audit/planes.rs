@@ -2,6 +2,7 @@
 
 use super::Decider;
 use crate::PreparedBlock;
+use crate::f64_vector::dot;
 use crate::field::{DoubleBall, Field};
 use crate::number::{Ball, UNDERFLOW};
 use crate::separation::{PointSet, on_lattice};
@@ -214,10 +215,6 @@ pub(super) fn unevenness_squared(block: &Block) -> BigRational {
     }
     let (units, metres) = lattice.units_per_metre();
     most * BigRational::new(&metres * &metres, &units * &units)
-}
-
-fn dot(n: [f64; 3], p: [f64; 3]) -> f64 {
-    n[0] * p[0] + n[1] * p[1] + n[2] * p[2]
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! a little; the exact depth of one costs as much as a step of some of them.
 
 use crate::boxes::{Box3, meeting_pairs};
+use crate::f64_vector::dot;
 use crate::number::{Approx, Ball, UNDERFLOW};
 use crate::predicate::{Orientation, Polynomial, plane};
 use crate::view::{ExactBlock, ExactPair, ExactView, LazyScales, Scales};
@@ -171,10 +172,6 @@ impl FaceDirection {
 
 fn array(v: &Vec3<Approx>) -> [f64; 3] {
     [v.x.0, v.y.0, v.z.0]
-}
-
-fn dot(n: [f64; 3], p: [f64; 3]) -> f64 {
-    n[0] * p[0] + n[1] * p[1] + n[2] * p[2]
 }
 
 #[cfg(test)]

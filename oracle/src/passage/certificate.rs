@@ -5,6 +5,7 @@ mod directions;
 mod tests;
 
 use super::motion::MovingPair;
+use crate::f64_vector::dot;
 use crate::point_in_surface::{triangle_corners, triangles};
 use directions::{Candidate, NearPart, direction};
 use num_bigint::BigInt;
@@ -174,7 +175,7 @@ fn axes() -> [LatticePoint; 6] {
 fn middle_of<'n>(directions: impl Iterator<Item = &'n LatticePoint>) -> Option<LatticePoint> {
     let units = directions.map(|n| {
         let n = direction(n.components());
-        let size = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+        let size = dot(n, n).sqrt();
         n.map(|c| c / size)
     });
     let sum = units.reduce(|one, two| [one[0] + two[0], one[1] + two[1], one[2] + two[2]])?;
@@ -251,7 +252,7 @@ impl PartsAtEnds<'_> {
     /// The gap along n plus n·shift as f64 has them, and how far off that is at most; NaN where it overflows.
     fn near_gap(&self, n: &LatticePoint, shift: &LatticePoint) -> (f64, f64) {
         let [n, shift] = [n, shift].map(|v| v.components().map(float));
-        let along = |p: &[f64; 3]| n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
+        let along = |p: &[f64; 3]| dot(n, *p);
         let gap = |end: usize| {
             let low = self.near_of(end, 0).map(along).fold(f64::INFINITY, f64::min);
             low - self.near_of(end, 1).map(along).fold(f64::NEG_INFINITY, f64::max)

@@ -10,6 +10,7 @@
 
 use super::{LatticePair, Penetration, compare, near};
 use crate::Gap;
+use crate::f64_vector::{cross, dot};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
@@ -203,12 +204,4 @@ impl<'p, 'a> F64Pair<'p, 'a> {
         let gap = along(&self.points[0], 1.0) + along(&self.points[1], -1.0);
         gap / dot(n, n).sqrt()
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -4,6 +4,7 @@
 //! faces, which are few and cost no long numbers. Faces need not be planar, nor what is measured the least translation there is, so a normal of which f64 does not know
 //! the direction well says nothing.
 
+use crate::f64_vector::{cross, dot};
 use rockproof_model::{Block, Number, VertexId};
 
 /// The vertices of a block, and what f64 knows of the outward normals of its faces.
@@ -60,8 +61,8 @@ impl Normal {
             })
             .collect();
         let direction = arms.windows(2).fold([0.0; 3], |sum, pair| {
-            let ([a, b, c], [x, y, z]) = (pair[0], pair[1]);
-            [sum[0] + (b * z - c * y), sum[1] + (c * x - a * z), sum[2] + (a * y - b * x)]
+            let part = cross(pair[0], pair[1]);
+            [0, 1, 2].map(|axis| sum[axis] + part[axis])
         });
         let longest = arms.iter().map(|&arm| dot(arm, arm).sqrt()).fold(0.0, f64::max);
         let square = dot(direction, direction);
@@ -83,10 +84,6 @@ pub(super) fn most_depth(a: &FaceDirections, b: &FaceDirections) -> f64 {
     });
     // Where numbers overflow nothing is known.
     depths.filter(|depth| depth.is_finite()).fold(f64::INFINITY, f64::min)
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! edges, and what is chosen is made exactly when it is asked for.
 
 use super::{ConvexPart, Ends, LatticePoint, PartsAtEnds, float};
+use crate::f64_vector::{cross, dot};
 use num_bigint::BigInt;
 use rockproof_model::VertexId;
 use rockproof_model::block::face_normal;
@@ -67,7 +68,7 @@ impl NearPart {
 fn gaps(n: [f64; 3], end: usize, [a, b]: [&NearPart; 2]) -> [f64; 2] {
     let reach = |points: &Points| {
         points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
-            let along = n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
+            let along = dot(n, *p);
             [low.min(along), high.max(along)]
         })
     };
@@ -82,7 +83,7 @@ impl PartsAtEnds<'_> {
         let mut best: Vec<(f64, Source)> = Vec::new();
         for source in self.sources() {
             let n = source.near(near);
-            let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+            let length = dot(n, n).sqrt();
             let is_worse = |best: &[(f64, Source)], gap: f64| best.len() == TRIED && gap <= best[TRIED - 1].0;
             // The gap at one end bounds the lesser of both.
             let first = gaps(n, 0, near);
@@ -147,10 +148,6 @@ impl Source {
             Features::Face(side, face) => near[side].normals[self.end][face],
         }
     }
-}
-
-fn cross(d: [f64; 3], e: [f64; 3]) -> [f64; 3] {
-    [d[1] * e[2] - d[2] * e[1], d[2] * e[0] - d[0] * e[2], d[0] * e[1] - d[1] * e[0]]
 }
 
 /// A direction in f64, divided by a power of two so that no product of its components leaves the range of f64.
