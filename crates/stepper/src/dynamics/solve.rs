@@ -102,61 +102,12 @@ impl Solve for Wide {
     }
 
     fn solve_small(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
-        leaving_out_zeros(pattern, values, rhs)
+        dense_without_zeros(pattern, values, rhs)
     }
 
     fn substitute(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
-        leaving_out_zeros(pattern, values, rhs)
+        dense_without_zeros(pattern, values, rhs)
     }
-}
-
-/// As [`dense`], and with its digits: a product with an exact zero adds neither to a middle nor to a radius, so it is not formed. Blocks that do not
-/// touch leave many.
-fn leaving_out_zeros(pattern: &Pattern, values: &[Wide], rhs: &mut [Wide]) -> Result<(), Singular> {
-    let n = pattern.size();
-    let mut l = pattern.square(values, Wide::EXACT_ZERO);
-    let less = |sum: Wide, l: Wide, x: Wide| if l.is_exact_zero() || x.is_exact_zero() { sum } else { sum - l * x };
-    // The first column of each row that is no zero.
-    let firsts: Vec<usize> =
-        (0..n).map(|i| l[i * n..i * n + i].iter().position(|l| !l.is_exact_zero()).unwrap_or(i)).collect();
-    let mut scaled = vec![Wide::EXACT_ZERO; n];
-    let mut pivots: Vec<Wide> = Vec::with_capacity(n);
-    for i in 0..n {
-        let (above, own) = l.split_at_mut(i * n);
-        let first = firsts[i];
-        for j in first..i {
-            let from = first.max(firsts[j]);
-            let row = above[j * n..j * n + j].iter().zip(&scaled[..j]).skip(from);
-            scaled[j] = row.fold(own[j], |sum, (&l, &s)| less(sum, l, s));
-        }
-        let mut pivot = own[i];
-        for j in first..i {
-            if scaled[j].is_exact_zero() {
-                own[j] = Wide::EXACT_ZERO;
-            } else {
-                own[j] = scaled[j] / pivots[j];
-                pivot = pivot - own[j] * scaled[j];
-            }
-        }
-        if !(Wide::EXACT_ZERO.below(pivot) && pivot.is_finite()) {
-            return Err(Singular { unknown: i });
-        }
-        pivots.push(pivot);
-    }
-    for i in 0..n {
-        let row = l[i * n..i * n + i].iter().zip(&rhs[..i]).skip(firsts[i]);
-        rhs[i] = row.fold(rhs[i], |sum, (&l, &x)| less(sum, l, x));
-    }
-    for i in 0..n {
-        rhs[i] = rhs[i] / pivots[i];
-    }
-    for i in (0..n).rev() {
-        let known = rhs[i];
-        for (x, &l) in rhs[..i].iter_mut().zip(&l[i * n..i * n + i]).skip(firsts[i]) {
-            *x = less(*x, l, known);
-        }
-    }
-    Ok(())
 }
 
 /// Solves in place, by Cholesky's method without square roots (LDLᵀ), row by row. The values are those of the matrix.
@@ -164,21 +115,47 @@ fn leaving_out_zeros(pattern: &Pattern, values: &[Wide], rhs: &mut [Wide]) -> Re
 /// # Errors
 /// When a pivot is not positive and finite.
 pub fn dense<R: Real>(pattern: &Pattern, values: &[R], rhs: &mut [R]) -> Result<(), Singular> {
+    dense_without(|_| false, pattern, values, rhs)
+}
+
+/// The same, and with the same digits and radii: a product with an exact zero adds neither to a middle nor to a radius, so it is not formed.
+/// Blocks that do not touch leave many.
+fn dense_without_zeros(pattern: &Pattern, values: &[Wide], rhs: &mut [Wide]) -> Result<(), Singular> {
+    dense_without(Wide::is_exact_zero, pattern, values, rhs)
+}
+
+/// [`dense`], in which no product is formed with numbers that are left out.
+fn dense_without<R: Real>(
+    is_left_out: impl Fn(R) -> bool,
+    pattern: &Pattern,
+    values: &[R],
+    rhs: &mut [R],
+) -> Result<(), Singular> {
     let n = pattern.size();
     let mut l = pattern.square(values, R::ZERO);
+    let less = |sum: R, l: R, x: R| if is_left_out(l) || is_left_out(x) { sum } else { sum - l * x };
+    // The first column of each row that is not left out.
+    let firsts: Vec<usize> =
+        (0..n).map(|i| l[i * n..i * n + i].iter().position(|&l| !is_left_out(l)).unwrap_or(i)).collect();
     let mut scaled = vec![R::ZERO; n];
     let mut pivots: Vec<R> = Vec::with_capacity(n);
     for i in 0..n {
         let (above, own) = l.split_at_mut(i * n);
-        for j in 0..i {
-            let row = &above[j * n..j * n + j];
+        let first = firsts[i];
+        for j in first..i {
+            let from = first.max(firsts[j]);
+            let row = &above[j * n + from..j * n + j];
             // scaled[j] is l_ij·d_j.
-            scaled[j] = row.iter().zip(&scaled[..j]).fold(own[j], |sum, (&l, &s)| sum - l * s);
+            scaled[j] = row.iter().zip(&scaled[from..j]).fold(own[j], |sum, (&l, &s)| less(sum, l, s));
         }
         let mut pivot = own[i];
-        for j in 0..i {
-            own[j] = scaled[j] / pivots[j];
-            pivot = pivot - own[j] * scaled[j];
+        for j in first..i {
+            if is_left_out(scaled[j]) {
+                own[j] = R::ZERO;
+            } else {
+                own[j] = scaled[j] / pivots[j];
+                pivot = pivot - own[j] * scaled[j];
+            }
         }
         if !(R::ZERO.below(pivot) && pivot.is_finite()) {
             return Err(Singular { unknown: i });
@@ -186,16 +163,16 @@ pub fn dense<R: Real>(pattern: &Pattern, values: &[R], rhs: &mut [R]) -> Result<
         pivots.push(pivot);
     }
     for i in 0..n {
-        let sum = l[i * n..i * n + i].iter().zip(&rhs[..i]).fold(rhs[i], |sum, (&l, &x)| sum - l * x);
-        rhs[i] = sum;
+        let row = l[i * n + firsts[i]..i * n + i].iter();
+        rhs[i] = row.zip(&rhs[firsts[i]..i]).fold(rhs[i], |sum, (&l, &x)| less(sum, l, x));
     }
     for i in 0..n {
         rhs[i] = rhs[i] / pivots[i];
     }
     for i in (0..n).rev() {
         let known = rhs[i];
-        for (x, &l) in rhs[..i].iter_mut().zip(&l[i * n..i * n + i]) {
-            *x = *x - l * known;
+        for (x, &l) in rhs[firsts[i]..i].iter_mut().zip(&l[i * n + firsts[i]..i * n + i]) {
+            *x = less(*x, l, known);
         }
     }
     Ok(())
