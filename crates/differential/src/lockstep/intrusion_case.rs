@@ -88,7 +88,7 @@ pub fn intrusion_case<R: Solve>(
             return Err(if missing == NoCase::NotShown { NoCase::TooMany(part.len()) } else { missing });
         }
         part.sort_unstable();
-        if let Some(case) = of_blocks(scene, set, precision, state, found, &part) {
+        if let Some(case) = step.case_of(&part) {
             return Ok(case);
         }
         missing = NoCase::Unproved;
@@ -96,39 +96,36 @@ pub fn intrusion_case<R: Solve>(
     Err(missing)
 }
 
-fn of_blocks<R: Solve>(
-    scene: &Scene,
-    set: &ToleranceSet,
-    precision: Precision,
-    state: &State<R>,
-    found: FoundIntrusion,
-    blocks: &[usize],
-) -> Option<IntrusionCase> {
-    let (part, before) = cutout(scene, state, blocks);
-    let lockstep = Lockstep::<R, SpecRules>::new(&part, set, precision, ComparedLinks::All).ok()?;
-    let mut lockstep = lockstep.watching();
-    lockstep.restore(before.clone()).ok()?;
-    let compared = lockstep.step().1;
-    let watched = compared.watched.as_ref()?;
-    let place = |block: usize| blocks.iter().position(|&kept| kept == block);
-    let pair = [place(found.blocks[0])?, place(found.blocks[1])?];
-    let again = watched.stepper.between(found.kind, pair)?;
-    if !found.is_again(again.depth) {
-        return None;
+impl<R: Solve> ShowingStep<'_, R> {
+    /// The case of some blocks, in ascending order; `None` where the step of them cannot be made exactly or does not show the intrusion.
+    fn case_of(&self, blocks: &[usize]) -> Option<IntrusionCase> {
+        let ShowingStep { scene, set, precision, state, found } = *self;
+        let (part, before) = cutout(scene, state, blocks);
+        let lockstep = Lockstep::<R, SpecRules>::new(&part, set, precision, ComparedLinks::All).ok()?;
+        let mut lockstep = lockstep.watching();
+        lockstep.restore(before.clone()).ok()?;
+        let compared = lockstep.step().1;
+        let watched = compared.watched.as_ref()?;
+        let place = |block: usize| blocks.iter().position(|&kept| kept == block);
+        let pair = [place(found.blocks[0])?, place(found.blocks[1])?];
+        let again = watched.stepper.between(found.kind, pair)?;
+        if !found.is_again(again.depth) {
+            return None;
+        }
+        let of_pair = watched.attributed.iter().filter(|one| (one.kind, one.blocks) == (found.kind, pair));
+        let causes = of_pair.copied().collect();
+        let case = StepCase {
+            format: StepCase::FORMAT.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            engine: precision.to_string(),
+            step: compared.step,
+            differences: recorded(&compared),
+            scene: with_tolerances(&part, set).ok()?,
+            state: SavedState::of(&before),
+            expected: Expected::of_step(&compared)?,
+        };
+        Some(IntrusionCase { case, blocks: blocks.len(), causes })
     }
-    let of_pair = watched.attributed.iter().filter(|one| (one.kind, one.blocks) == (found.kind, pair));
-    let causes = of_pair.copied().collect();
-    let case = StepCase {
-        format: StepCase::FORMAT.to_owned(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        engine: precision.to_string(),
-        step: compared.step,
-        differences: recorded(&compared),
-        scene: with_tolerances(&part, set).ok()?,
-        state: SavedState::of(&before),
-        expected: Expected::of_step(&compared)?,
-    };
-    Some(IntrusionCase { case, blocks: blocks.len(), causes })
 }
 
 /// All that differs in a step, as a case of a run has it.

@@ -5,7 +5,7 @@ mod tests;
 
 use crate::lockstep::cutout::cutout;
 use crate::lockstep::intrusion::Intrusions;
-use crate::lockstep::intrusion_case::FoundIntrusion;
+use crate::lockstep::intrusion_case::{FoundIntrusion, MOST_BLOCKS};
 use crate::lockstep::scene::ExactScene;
 use crate::lockstep::state::exact_state;
 use rockproof_model::{Motion, Precision, Scene, ToleranceSet};
@@ -23,23 +23,28 @@ pub(super) struct ShowingStep<'s, R> {
     pub(super) found: FoundIntrusion,
 }
 
-/// Up to so many blocks parts grow by one contact at a time; beyond, each reaches twice as far as the one before.
-const SMALL: usize = 64;
-
 /// So many times blocks are left out to see whether the others still show an intrusion.
 const MOST_TRIES: usize = 100;
 
 impl<R: Solve> ShowingStep<'_, R> {
     /// Parts of the scene around the pair, each with all of the one before: the pair, the blocks within one contact, two, three and so on,
-    /// the whole scene. Each by distance in contacts, then by number.
-    pub(super) fn parts(&self) -> Vec<Vec<usize>> {
+    /// the whole scene. Each by distance in contacts, then by number. Up to [`MOST_BLOCKS`] they grow by one contact at a time; beyond, each
+    /// reaches twice as far as the one before. What is beside the pair is found out when the pair alone is not enough.
+    pub(super) fn parts(&self) -> impl Iterator<Item = Vec<usize>> {
+        let beyond = std::iter::once_with(|| self.parts_beyond_the_pair()).flatten();
+        std::iter::once(self.found.blocks.to_vec()).chain(beyond)
+    }
+
+    fn parts_beyond_the_pair(&self) -> Vec<Vec<usize>> {
         let (order, rings) = self.by_distance();
-        let (mut parts, mut contacts) = (Vec::new(), 0);
+        let (mut parts, mut contacts) = (Vec::new(), 1);
+        let mut largest = self.found.blocks.len();
         while let Some(&size) = rings.get(contacts) {
             parts.push(order[..size].to_vec());
-            contacts = if size <= SMALL { contacts + 1 } else { 2 * contacts };
+            largest = size;
+            contacts = if size <= MOST_BLOCKS { contacts + 1 } else { 2 * contacts };
         }
-        if parts.last().is_none_or(|part| part.len() < order.len()) {
+        if largest < order.len() {
             parts.push(order);
         }
         parts
