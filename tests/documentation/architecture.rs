@@ -167,6 +167,31 @@ fn files_can_be_read_in_a_sitting() {
     }
 }
 
+/// A filter of names passes where no test has the name any more, so each test that says `.ci/run` runs it is looked for there.
+#[test]
+fn tests_left_to_ci_are_run_there() {
+    let ci = std::fs::read_to_string(root().join(".ci/run")).unwrap();
+    // All long tests of commands, and those of campaigns by the beginnings of their names.
+    assert!(ci.contains("--test commands -- --ignored --skip at_full_size"));
+    let filters = ci
+        .lines()
+        .find_map(|line| line.trim().strip_prefix("cargo test --release --locked --test differential -- --ignored "));
+    let filters: Vec<&str> = filters.expect("the long tests of campaigns").split_whitespace().collect();
+    let (mut found, mut used) = (0, BTreeSet::<&str>::new());
+    for file in ["crates", "oracle", "tests"].iter().flat_map(|folder| rust_files(&root().join(folder))) {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for after in text.split("; .ci/run runs it\"]\n").skip(1) {
+            let name = after.split("fn ").nth(1).and_then(|name| name.split('(').next()).expect("a test");
+            let filter = filters.iter().find(|filter| name.starts_with(**filter));
+            let of_commands = file.starts_with(root().join("tests/commands"));
+            assert!(name.ends_with("at_full_size") || of_commands || filter.is_some(), "{name} is not run by .ci/run");
+            used.extend(filter);
+            found += 1;
+        }
+    }
+    assert!(found > 20 && used.len() == filters.len(), "{found} tests; of the filters {filters:?} only {used:?}");
+}
+
 /// Each file that ARCHITECTURE.md names in backquotes is there: by its path from the root, or as the end of a path.
 #[test]
 fn files_that_the_map_names_exist() {
