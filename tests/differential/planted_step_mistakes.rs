@@ -6,6 +6,7 @@ use crate::step_mistakes::{ALL, Mistake, Mistaken, PLANTING, plant};
 use rockproof_model::scene::{SceneBlock, SceneFormat};
 use rockproof_model::simulation::{PointLoad, Unconverged};
 use rockproof_model::{Block, Criteria, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
+use std::path::Path;
 
 fn n(text: &str) -> Number {
     Number::parse(text).unwrap()
@@ -177,6 +178,12 @@ fn cases() -> Vec<Case> {
     // A seventh solve, and contacts kept, of the golden steps. In its fourth step f64 ends the first scene a solve early.
     all.push(golden("tension_shear", 3));
     all.push(golden("deep_kept", 8));
+    // A sixth change, and a twelfth, in which contacts only lock or slide.
+    let mut slips = golden("fast_disp_cut", 1);
+    slips.scene.simulation.control.time_step = n("1/32");
+    slips.scene.simulation.joints.other.friction = n("3/10");
+    all.push(slips);
+    all.push(steep_dominoes());
     all
 }
 
@@ -188,6 +195,17 @@ fn golden(name: &'static str, steps: u32) -> Case {
     let scene = Scene::parse(found["scene"].as_str().unwrap(), SceneFormat::Toml, file.as_ref()).unwrap();
     let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), Precision::F64).unwrap();
     Case { name, scene, set, steps }
+}
+
+/// The first step of the handmade dominoes, with Δt twice and tan φ four times as large: friction locks and slides until the attempt is given up.
+fn steep_dominoes() -> Case {
+    let mut scene =
+        Scene::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/cases/handmade/dominoes.toml"))).unwrap();
+    scene.simulation.control.time_step = n("1/200");
+    scene.simulation.joints.other.friction = n("12/5");
+    let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), Precision::F64).unwrap();
+    scene.derive_stiffness(&set);
+    Case { name: "steep dominoes", scene, set, steps: 1 }
 }
 
 #[test]

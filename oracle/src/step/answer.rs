@@ -24,7 +24,7 @@ pub struct StepModel<'a> {
 /// Why an attempt was given up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RetryReason {
-    /// Modes changed in [`rockproof_model::simulation::Control::ITERATIONS`] solves.
+    /// Modes changed in too many solves (SPEC 5.10).
     NotConverged,
     /// A vertex moved beyond `max_displacement`.
     Displacement,
@@ -39,7 +39,8 @@ pub enum IterationEnd {
     Settled,
     /// No mode changed in the last solve, for the [`UNCHANGED_SOLVES`]th time: converged, whether friction had settled or not.
     Unchanged,
-    /// A mode changed in the last solve, for the [`rockproof_model::simulation::Control::ITERATIONS`]th time: not converged.
+    /// A mode changed in the last solve: for the [`rockproof_model::simulation::Control::ITERATIONS`]th time or a later one, by opening or
+    /// closing, or for the [`SLIPPING_SOLVES`]th time. Not converged.
     Changing,
 }
 
@@ -52,6 +53,9 @@ impl IterationEnd {
 
 /// Of the solves that do not end an iteration otherwise, so many without a change of mode end it.
 pub const UNCHANGED_SOLVES: u32 = 7;
+
+/// Of the solves that do not end an iteration otherwise, so many with a change of mode end the attempt, though contacts only lock or slide in the last.
+pub const SLIPPING_SOLVES: u32 = 12;
 
 /// An attempt at a step that was given up.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! The open–close iteration, its attempts and their Δt, and blocks that a step inverts (SPEC 5.10 to 5.12).
 
-use super::answer::{FailedAttempt, IterationEnd, RetryReason, StepFailure, UNCHANGED_SOLVES};
+use super::answer::{FailedAttempt, IterationEnd, RetryReason, SLIPPING_SOLVES, StepFailure, UNCHANGED_SOLVES};
 use super::attempt::Attempt;
 use super::attempt_state::AttemptState;
 use super::decisions::{FrictionSettled, Inverted, NextMode, TooFar, TooTurned};
@@ -75,14 +75,17 @@ fn iterate(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>) -> IterationResult {
         if after == modes && unchanged + 1 == UNCHANGED_SOLVES {
             return IterationResult { after, end: IterationEnd::Unchanged };
         }
-        if modes.iter().zip(&after).all(|(mode, next)| (*mode == Mode::Open) == (*next == Mode::Open))
-            && has_settled(ladder, [&modes, &after])
-        {
+        let stays_closed = modes.iter().zip(&after).all(|(mode, next)| (*mode == Mode::Open) == (*next == Mode::Open));
+        if stays_closed && has_settled(ladder, [&modes, &after]) {
             return IterationResult { after, end: IterationEnd::Settled };
         }
-        *(if after == modes { &mut unchanged } else { &mut changing }) += 1;
-        if changing == Control::ITERATIONS {
-            return IterationResult { after, end: IterationEnd::Changing };
+        if after == modes {
+            unchanged += 1;
+        } else {
+            changing += 1;
+            if changing == SLIPPING_SOLVES || (changing >= Control::ITERATIONS && !stays_closed) {
+                return IterationResult { after, end: IterationEnd::Changing };
+            }
         }
         modes = after;
     }

@@ -27,7 +27,8 @@ pub struct Control {
 }
 
 impl Control {
-    /// Iterations before a step starts again with a smaller Δt.
+    /// The solve in which a mode changes for the so many-th time, or a later one, ends the attempt if a contact opens or closes in it:
+    /// the step starts again with a smaller Δt.
     pub const ITERATIONS: u32 = 6;
     /// How much smaller: 0.3, as numerator and denominator.
     pub const CUT: (i32, i32) = (3, 10);

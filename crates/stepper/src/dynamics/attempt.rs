@@ -185,8 +185,9 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
                 *(if ended.changing.is_empty() { &mut unchanging } else { &mut changing }) += 1;
             }
             iteration_times.judgement += begun.elapsed();
+            let most = if opens_or_closes { M::changing_solves() } else { M::slipping_solves() };
             let ends = match self.prescribed {
-                None => settled || unchanging >= M::unchanging_solves() || changing >= M::changing_solves(),
+                None => settled || unchanging >= M::unchanging_solves() || changing >= most,
                 Some(modes) => ended.modes.len() + 1 >= modes.len(),
             };
             if ends {

@@ -77,7 +77,7 @@ pub struct Retry {
 /// Why an attempt at a step was given up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RetryReason {
-    /// Modes changed in [`rockproof_model::simulation::Control::ITERATIONS`] solves.
+    /// Modes changed in too many solves (SPEC 5.10).
     NotConverged,
     /// A vertex moved beyond `max_displacement`.
     Displacement,

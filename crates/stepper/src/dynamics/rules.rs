@@ -99,9 +99,15 @@ pub trait StepRules: ContactRules {
         before != after
     }
 
-    /// The so many-th solve in which a mode changes, and which does not end the iteration by itself, ends the attempt.
+    /// Of the solves that do not end the iteration by themselves, the so many-th in which a mode changes ends the attempt if a contact opens or
+    /// closes in it; so does any later one.
     fn changing_solves() -> u32 {
         Control::ITERATIONS
+    }
+
+    /// The so many-th of these ends the attempt also where contacts only lock or slide in it (docs/decisions.md).
+    fn slipping_solves() -> u32 {
+        12
     }
 
     /// The so many-th solve in which no mode changes, and which does not end the iteration by itself, ends it, converged.

@@ -152,6 +152,30 @@ fn the_seventh_solve_in_which_no_mode_changes_ends_the_iteration() {
     assert_eq!((report.iterations, report.converged), (8, true));
 }
 
+/// Contacts that only lock or slide end an attempt as others do.
+#[derive(Clone, Copy, Debug)]
+struct AllChangesAlike;
+
+impl ContactRules for AllChangesAlike {}
+
+impl StepRules for AllChangesAlike {
+    fn slipping_solves() -> u32 {
+        Self::changing_solves()
+    }
+}
+
+#[test]
+fn contacts_that_only_lock_or_slide_have_twelve_solves() {
+    let (_, scene, set) = crate::planted::locking_and_sliding();
+    let solves = |dynamics: &[Vec<Vec<Mode>>]| dynamics.iter().map(Vec::len).collect::<Vec<_>>();
+    let mut dynamics = Dynamics::<f64>::new(&scene, &set).unwrap();
+    assert!(dynamics.step().unwrap().converged);
+    assert_eq!(solves(dynamics.modes()), [9, 1]);
+    let mut alike: Dynamics<f64, AllChangesAlike> = Dynamics::with_rules(&scene, &set).unwrap();
+    alike.step().unwrap();
+    assert!(solves(alike.modes())[0] < 9);
+}
+
 /// A cube that touches the floor and flies up: the contact begins locked, and the first solve opens it, whatever Δt.
 fn leaving(unconverged: Unconverged) -> Dynamics<f64, Hasty> {
     let mut scene = weightless(vec![floor(), cube()]);

@@ -4,10 +4,12 @@
 use crate::golden::{F64, decided, golden, run, text};
 use crate::step_mistakes::{ALL, Mistake, Mistaken, PLANTING, plant};
 use crate::support::{cuboid, floor, n, scene, tolerances, v};
-use rockproof_model::{Motion, Scene, ToleranceSet};
+use rockproof_model::scene::SceneFormat;
+use rockproof_model::{Motion, Precision, Scene, ToleranceSet};
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, StepRules};
 use serde_json::Value;
+use std::path::Path;
 
 /// The step in which f64 first decides otherwise than the file, or none; and whether all numbers before are those of the file.
 fn outcome(scene: &Value) -> (Option<i64>, bool) {
@@ -35,7 +37,35 @@ fn own_scenes() -> Vec<(&'static str, Scene, ToleranceSet)> {
         ("open and close", dull.clone(), tolerant("0")),
         ("equal", dull, tolerant("1/4")),
         ("damped", damped, tolerances()),
+        locking_and_sliding(),
+        steep_dominoes(),
     ]
+}
+
+/// A scene in f64 with the set that it names.
+fn with_set(name: &'static str, scene: Scene) -> (&'static str, Scene, ToleranceSet) {
+    let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), Precision::F64).unwrap();
+    (name, scene, set)
+}
+
+/// A golden scene with Δt four times and tan φ half as large: of the seven changes of its first attempt the sixth is one between locked and
+/// sliding. `oracle/tests/golden_steps.rs` has both scenes exactly.
+pub(crate) fn locking_and_sliding() -> (&'static str, Scene, ToleranceSet) {
+    let scenes = golden();
+    let found = scenes.iter().find(|scene| scene["name"] == "fast_disp_cut").unwrap();
+    let mut scene = Scene::parse(text(&found["scene"]), SceneFormat::Toml, Path::new("golden.toml")).unwrap();
+    scene.simulation.control.time_step = n("1/32");
+    scene.simulation.joints.other.friction = n("3/10");
+    with_set("locking and sliding", scene)
+}
+
+/// The handmade dominoes with Δt twice and tan φ four times as large: friction locks and slides until the first attempt is given up.
+fn steep_dominoes() -> (&'static str, Scene, ToleranceSet) {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/handmade/dominoes.toml");
+    let mut scene = Scene::load(Path::new(file)).unwrap();
+    scene.simulation.control.time_step = n("1/200");
+    scene.simulation.joints.other.friction = n("12/5");
+    with_set("steep dominoes", scene)
 }
 
 /// All that 24 steps decide.

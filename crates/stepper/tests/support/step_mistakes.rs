@@ -24,6 +24,10 @@ mistakes! {
     ThreeChanging "the third solve in which a mode changes ends the attempt",
     FiveChanging "the fifth solve in which a mode changes ends the attempt",
     SevenChanging "the seventh solve in which a mode changes ends the attempt",
+    SlipsCountAlike "the sixth solve in which a mode changes ends the attempt where contacts only lock or slide as well",
+    SlipsTurnedRound "the sixth solve in which a mode changes ends the attempt where contacts only lock or slide, else the twelfth",
+    ElevenSlipping "the eleventh solve in which a mode changes ends the attempt where contacts only lock or slide",
+    ThirteenSlipping "the thirteenth solve in which a mode changes ends the attempt where contacts only lock or slide",
     SixUnchanging "the sixth solve in which no mode changes ends the iteration",
     EightUnchanging "the eighth solve in which no mode changes ends the iteration",
     ChangesByForceCount "a change between locked and sliding keeps the iteration from ending, however small its force",
@@ -133,7 +137,16 @@ impl StepRules for Mistaken {
             () if planted(ThreeChanging) => 3,
             () if planted(FiveChanging) => 5,
             () if planted(SevenChanging) => 7,
+            () if planted(SlipsTurnedRound) => SpecRules::slipping_solves(),
             () => SpecRules::changing_solves(),
+        }
+    }
+    fn slipping_solves() -> u32 {
+        match () {
+            () if planted(SlipsCountAlike) || planted(SlipsTurnedRound) => SpecRules::changing_solves(),
+            () if planted(ElevenSlipping) => 11,
+            () if planted(ThirteenSlipping) => 13,
+            () => SpecRules::slipping_solves(),
         }
     }
     fn unchanging_solves() -> u32 {
