@@ -7,6 +7,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::Thread;
 use std::time::{Duration, Instant};
 
 /// The exit code of a program that was interrupted, as a shell has it.
@@ -87,8 +88,8 @@ pub(crate) struct Progress<'n> {
 pub(crate) fn beside<T>(show: impl FnOnce(&AtomicBool) + Send, work: impl FnOnce() -> T) -> T {
     let ended = AtomicBool::new(false);
     std::thread::scope(|scope| {
-        scope.spawn(|| show(&ended));
-        let _ends = Ends(&ended);
+        let shown = scope.spawn(|| show(&ended)).thread().clone();
+        let _ends = Ends { ended: &ended, shown };
         work()
     })
 }
@@ -152,10 +153,15 @@ pub(crate) fn in_groups(style: ProgressStyle) -> ProgressStyle {
 }
 
 /// Ends the display when work ends, however it ends.
-struct Ends<'e>(&'e AtomicBool);
+struct Ends<'e> {
+    ended: &'e AtomicBool,
+    shown: Thread,
+}
 
 impl Drop for Ends<'_> {
     fn drop(&mut self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.ended.store(true, Ordering::Relaxed);
+        // It may be parked until the bar moves again, which nobody is to wait for.
+        self.shown.unpark();
     }
 }

@@ -32,7 +32,8 @@ type Counts = BTreeMap<(String, Cause), usize>;
 
 #[test]
 fn f32_differs_and_f64_far_less() {
-    compare_precisions(BATCHES);
+    // Of arithmetic, f64 has some fifty findings in so many.
+    compare_precisions(BATCHES.min(14 * 16));
 }
 
 #[test]

@@ -13,7 +13,6 @@ mod step_mistakes;
 #[path = "../support/thread_ranks.rs"]
 mod thread_ranks;
 
-mod agreement;
 mod campaign_machinery;
 mod campaign_mistakes;
 mod campaign_steps;

@@ -192,6 +192,48 @@ fn tests_left_to_ci_are_run_there() {
     assert!(found > 20 && used.len() == filters.len(), "{found} tests; of the filters {filters:?} only {used:?}");
 }
 
+/// Packages outside of the workspace share its target directory (`.ci/run`), and a crate is compiled once as long as all of them compile it alike.
+/// What the program does not use may be compiled otherwise.
+#[test]
+fn packages_outside_are_compiled_like_the_workspace() {
+    let read =
+        |file: &str| -> toml::Table { toml::from_str(&std::fs::read_to_string(root().join(file)).unwrap()).unwrap() };
+    let profile = |file: &str| {
+        let mut profile = read(file)["profile"]["release"].as_table().unwrap().clone();
+        let packages = profile.remove("package").unwrap().as_table().unwrap().clone();
+        (profile, packages)
+    };
+    let (ours, our_packages) = profile("Cargo.toml");
+    for (folder, own) in [("crates/c", &["cbindgen", "syn"][..]), ("crates/python", &[])] {
+        let (theirs, mut packages) = profile(&format!("{folder}/Cargo.toml"));
+        let lock = read(&format!("{folder}/Cargo.lock"));
+        let used: Vec<&str> =
+            lock["package"].as_array().unwrap().iter().map(|package| package["name"].as_str().unwrap()).collect();
+        let expected: toml::Table =
+            our_packages.clone().into_iter().filter(|(name, _)| used.contains(&name.as_str())).collect();
+        assert!(expected.len() > 5, "{expected:?}");
+        packages.retain(|name, _| !own.contains(&name));
+        assert_eq!((theirs, packages), (ours.clone(), expected), "{folder}/Cargo.toml and the profile of Cargo.toml");
+    }
+}
+
+/// `.ci/run` looks at the packages that ask for GMP, with it; in the others there is nothing else to see.
+#[test]
+fn only_what_is_checked_with_gmp_asks_for_it() {
+    let ci = std::fs::read_to_string(root().join(".ci/run")).unwrap();
+    let checked = ["oracle", "crates/bench", "crates/validation", "src", "tests", "examples/self_comparison"];
+    assert!(ci.contains("-p rockproof-oracle -p rockproof-bench -p rockproof-validation -p rockproof --lib --bins --tests --example self_comparison"));
+    let folders = ["crates", "oracle", "src", "tests", "examples", "benches"].map(|folder| root().join(folder));
+    let mut asking = 0;
+    for file in folders.iter().flat_map(|folder| rust_files(folder)) {
+        if std::fs::read_to_string(&file).unwrap().contains(concat!("feature = ", "\"gmp\"")) {
+            assert!(checked.iter().any(|folder| file.starts_with(root().join(folder))), "{}", file.display());
+            asking += 1;
+        }
+    }
+    assert!(asking > 5, "{asking} files");
+}
+
 /// Each file that ARCHITECTURE.md names in backquotes is there: by its path from the root, or as the end of a path.
 #[test]
 fn files_that_the_map_names_exist() {
