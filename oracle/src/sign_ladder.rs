@@ -93,6 +93,16 @@ struct ScalesCache {
     int512: OnceCell<Scales<Int512>>,
     int1024: OnceCell<Scales<Int1024>>,
     heap: OnceCell<Scales<BigInt>>,
+    margins: OnceCell<Box<MarginScales>>,
+}
+
+/// Tolerances for margins.
+#[derive(Default)]
+struct MarginScales {
+    small: OnceCell<Scales<Magnitude<i128>>>,
+    int256: OnceCell<Scales<Magnitude<Int256>>>,
+    int512: OnceCell<Scales<Magnitude<Int512>>>,
+    heap: OnceCell<Scales<Magnitude<BigInt>>>,
 }
 
 impl ScalesCache {
@@ -121,13 +131,14 @@ pub(crate) struct Margins<'m, 's> {
 impl Margins<'_, '_> {
     /// The sign of a polynomial, and its size over that of its terms, in integers of the least width that holds both.
     pub(crate) fn of<P: Polynomial>(&self, polynomial: &P) -> (Sign, f64) {
-        let known = self.pair.magnitudes();
-        let exact = self.scales.exact(self.pair, self.tolerances);
-        match self.scales.bits_of(polynomial, self.pair, self.tolerances).0 {
-            ..128 => relative_size(polynomial, known.small.get_or_init(|| self.pair.exact()), exact),
-            128..256 => relative_size(polynomial, known.int256.get_or_init(|| self.pair.exact()), exact),
-            256..512 => relative_size(polynomial, known.int512.get_or_init(|| self.pair.exact()), exact),
-            _ => relative_size(polynomial, known.heap.get_or_init(|| self.pair.exact()), exact),
+        let (pair, known) = (self.pair, self.pair.magnitudes());
+        let exact = self.scales.exact(pair, self.tolerances);
+        let made = self.scales.margins.get_or_init(Box::default);
+        match self.scales.bits_of(polynomial, pair, self.tolerances).0 {
+            ..128 => relative_size(polynomial, known.small.get_or_init(|| pair.exact()), &made.small, exact),
+            128..256 => relative_size(polynomial, known.int256.get_or_init(|| pair.exact()), &made.int256, exact),
+            256..512 => relative_size(polynomial, known.int512.get_or_init(|| pair.exact()), &made.int512, exact),
+            _ => relative_size(polynomial, known.heap.get_or_init(|| pair.exact()), &made.heap, exact),
         }
     }
 }
@@ -135,9 +146,10 @@ impl Margins<'_, '_> {
 fn relative_size<P: Polynomial, T: FromUnits + Into<BigInt>>(
     polynomial: &P,
     geometry: &ExactPair<'_, Magnitude<T>>,
+    made: &OnceCell<Scales<Magnitude<T>>>,
     exact: &Scales<BigInt>,
 ) -> (Sign, f64) {
-    let scales = LazyScales { made: &OnceCell::new(), make: &|| exact.converted() };
+    let scales = LazyScales { made, make: &|| exact.converted() };
     polynomial.value(&ExactView { geometry, scales }).relative()
 }
 

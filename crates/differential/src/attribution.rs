@@ -190,12 +190,13 @@ impl RoundedPair<'_> {
 pub(super) struct ExactSide<'p> {
     pair: Box<dyn ExactPair + 'p>,
     given: RefCell<Vec<(ToleranceSet, Rc<Vec<Contact>>)>>,
+    traced: RefCell<Vec<(ToleranceSet, Trace)>>,
     levels: RefCell<Levels>,
 }
 
 impl<'p> ExactSide<'p> {
     pub(super) fn new(pair: Box<dyn ExactPair + 'p>) -> Self {
-        ExactSide { pair, given: RefCell::default(), levels: RefCell::default() }
+        ExactSide { pair, given: RefCell::default(), traced: RefCell::default(), levels: RefCell::default() }
     }
 
     /// The exact contacts. Sets that differ only in what classification does not use share an answer.
@@ -208,6 +209,16 @@ impl<'p> ExactSide<'p> {
         let contacts = Rc::new(answer.contacts);
         self.given.borrow_mut().push((tolerances.clone(), Rc::clone(&contacts)));
         contacts
+    }
+
+    /// The decisions behind them. Several links of the chain ask for those of one set.
+    fn trace(&self, tolerances: &ToleranceSet) -> Trace {
+        if let Some((_, trace)) = self.traced.borrow().iter().find(|(t, _)| classify_alike(t, tolerances)) {
+            return trace.clone();
+        }
+        let trace = self.pair.trace(tolerances);
+        self.traced.borrow_mut().push((tolerances.clone(), trace.clone()));
+        trace
     }
 }
 
@@ -354,8 +365,8 @@ impl<'p> Examiner<'p> {
             }
             let only: Vec<Difference> = here.iter().map(|(_, d)| *d).collect();
             let link = ChainLink {
-                before: &|| Some(self.exact.pair.trace(&tolerances.ideal())),
-                after: &|| Some(self.exact.pair.trace(tolerances)),
+                before: &|| Some(self.exact.trace(&tolerances.ideal())),
+                after: &|| Some(self.exact.trace(tolerances)),
                 margins: &|decisions| self.exact.pair.margins(tolerances, decisions),
                 roundoff: None,
             };
@@ -398,8 +409,8 @@ impl<'p> Examiner<'p> {
         let changed = self.wanted(Cause::Representation, differences(&exact, &rounded, self.features));
         if !changed.is_empty() {
             let link = ChainLink {
-                before: &|| Some(self.exact.pair.trace(given)),
-                after: &|| Some(side().pair.trace(&tolerances)),
+                before: &|| Some(self.exact.trace(given)),
+                after: &|| Some(side().trace(&tolerances)),
                 margins: &|decisions| self.exact.pair.margins(given, decisions),
                 roundoff,
             };
@@ -482,15 +493,15 @@ impl<'p> Examiner<'p> {
         prepared: &(dyn Prepared + '_),
         side: Option<&ExactSide<'p>>,
     ) {
-        let pair = &side.unwrap_or(&self.exact).pair;
+        let side = side.unwrap_or(&self.exact);
         if !changed.is_empty() {
             // Asked after what it costs less to know.
             let wide = OnceCell::new();
             let in_wide = || catch_panic(|| Ok(prepared.classify_wide(at.tolerances))).ok().flatten();
             let link = ChainLink {
-                before: &|| Some(pair.trace(at.tolerances)),
+                before: &|| Some(side.trace(at.tolerances)),
                 after: &|| catch_panic(|| Ok(prepared.trace(at.tolerances))).ok().flatten(),
-                margins: &|decisions| pair.margins(at.tolerances, decisions),
+                margins: &|decisions| side.pair.margins(at.tolerances, decisions),
                 roundoff: Some(at.engine.precision().epsilon() / 2.0),
             };
             let outside = at.engine.cause() == Cause::Engine;

@@ -1,6 +1,7 @@
 //! A stepper with its rules, as something that classifies blocks.
 
 use crate::contact::{Collapsed, ContactRules, PreparedBlock, ToleranceOverflow, Tolerances, classify_keeping};
+use crate::deferred::{Deferred, noted};
 use crate::real::Real;
 use crate::wide::{Wide, count_unsettled, settled};
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
@@ -100,7 +101,7 @@ pub fn wide_contacts<M: ContactRules>(
 }
 
 /// The same contacts where every comparison is settled, so that each decision is the exact one; `None` where one is not, which is found out
-/// sooner than by counting them all.
+/// sooner than by counting them all, and nearly all of them in f64.
 ///
 /// # Errors
 /// As [`wide_contacts`].
@@ -109,7 +110,8 @@ pub fn settled_contacts<M: ContactRules>(
     b: &Block,
     t: &ToleranceSet,
 ) -> Result<Option<Vec<Contact>>, EngineError> {
-    settled(|| contacts_in::<Wide, M>(a, b, t)).transpose()
+    let sooner = noted(|| settled(|| contacts_in::<Deferred, M>(a, b, t)));
+    sooner.unwrap_or_else(|| settled(|| contacts_in::<Wide, M>(a, b, t))).transpose()
 }
 
 /// Prepares and classifies a pair in one precision, in a step in which the contacts `kept` go on whatever their depth.

@@ -11,11 +11,12 @@ mod sealed {
     impl Sealed for f32 {}
     impl Sealed for f64 {}
     impl Sealed for crate::wide::Wide {}
+    impl Sealed for crate::deferred::Deferred {}
 }
 
 /// What contact classification asks of a number: the four operations, a square root, comparisons.
 ///
-/// Sealed: f32, f64 and [`Wide`]. The comparison operators decide; for `Wide` they count what they could not decide.
+/// Sealed: f32, f64, [`Wide`], and what answers as that does. The comparison operators decide; for `Wide` they count what they could not decide.
 /// [`Real::below`] is for choices that cannot change an answer.
 pub trait Real:
     sealed::Sealed

@@ -214,11 +214,12 @@ impl Wide {
     /// The square root; unknown for a negative number.
     #[must_use]
     pub fn root(self) -> Wide {
-        if !self.is_known() || (self.negative && self.is_settled()) {
+        let is_zero = self.significand.is_zero_vartime();
+        if !self.is_known() || (self.negative && !is_zero && self.is_settled()) {
             return Wide::NOT_KNOWN;
         }
         // |√x − √y| ≤ √|x − y|
-        if self.negative || self.significand.is_zero_vartime() {
+        if self.negative || is_zero {
             return Wide { radius: self.radius.root(), ..Wide::EXACT_ZERO };
         }
         // An even exponent, and 1023 or 1024 bits below the root, which then has 512.

@@ -188,6 +188,13 @@ fn work_that_panics_leaves_neither_its_mode_nor_its_count_behind() {
 }
 
 #[test]
+fn zero_and_its_negative_have_a_root() {
+    for zero in [Wide::EXACT_ZERO, -Wide::EXACT_ZERO] {
+        assert!(zero.sqrt().is_exact() && zero.sqrt() == Wide::EXACT_ZERO);
+    }
+}
+
+#[test]
 fn what_is_not_known_stays_unknown_and_never_panics() {
     let zero = Wide::EXACT_ZERO;
     let one = Wide::of_f64(1.0);

@@ -1,0 +1,293 @@
+//! A scalar that calculates in f64 with a bound on its error, and in [`Wide`] only what a comparison needs.
+//!
+//! Whether all comparisons of a classification are settled in 512 bits most comparisons tell in f64 already. So each operation works out a ball
+//! in f64 and notes what it was of; where the balls of two numbers meet and a comparison asks, both are made in [`Wide`] from the notes,
+//! operation by operation as `Wide` would have made them, each once. What is answered, and whether it is settled, is what `Wide` answers:
+//! a ball that settles a comparison holds the same number.
+//!
+//! The notes are those of one thread, and of one piece of work: see [`noted`].
+
+mod ball;
+#[cfg(test)]
+mod tests;
+
+use self::ball::Ball;
+use crate::real::Real;
+use crate::wide::Wide;
+use rockproof_model::Number;
+use std::cell::RefCell;
+use std::cmp::Ordering;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number in f64, and how to make it in [`Wide`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Deferred {
+    ball: Ball,
+    /// Its note; means nothing where the ball is exact.
+    note: u32,
+    /// Whether it is the negative of what was noted.
+    negated: bool,
+}
+
+/// How a number came about.
+#[derive(Clone, Copy)]
+enum Note {
+    /// Worked out already: its place among those.
+    Known(u32),
+    Sum([Operand; 2]),
+    Product([Operand; 2]),
+    Quotient([Operand; 2]),
+    Larger([Operand; 2]),
+    Root(Operand),
+    Magnitude(Operand),
+}
+
+#[derive(Clone, Copy)]
+enum Operand {
+    Exact(f64),
+    Noted { note: u32, negated: bool },
+}
+
+/// What is noted on a thread.
+struct Notes {
+    notes: Vec<Note>,
+    known: Vec<Wide>,
+    is_full: bool,
+}
+
+/// Notes kept at a time. More are made by blocks so large that nothing should be kept of every operation.
+const MOST: usize = 1 << 18;
+/// Notes that a thread keeps room for.
+const KEPT: usize = 1 << 15;
+
+thread_local! {
+    static NOTES: RefCell<Notes> = const { RefCell::new(Notes { notes: Vec::new(), known: Vec::new(), is_full: false }) };
+}
+
+/// What `work` gives, which may calculate in [`Deferred`]; `None` where it was too much to note, and what came out means nothing. Whatever is
+/// calculated there must not be used outside, and no such work begins within another.
+pub(crate) fn noted<T>(work: impl FnOnce() -> T) -> Option<T> {
+    NOTES.with_borrow_mut(Notes::begin);
+    let result = work();
+    (!is_full()).then_some(result)
+}
+
+/// Whether there was too much to note.
+fn is_full() -> bool {
+    NOTES.with_borrow(|notes| notes.is_full)
+}
+
+impl Notes {
+    fn begin(&mut self) {
+        self.notes.clear();
+        self.notes.shrink_to(KEPT);
+        self.known.clear();
+        self.known.shrink_to(KEPT);
+        self.is_full = false;
+    }
+
+    fn add(&mut self, note: Note) -> u32 {
+        if self.notes.len() >= MOST {
+            self.is_full = true;
+            return 0;
+        }
+        self.notes.push(note);
+        self.notes.len() as u32 - 1
+    }
+
+    fn add_known(&mut self, value: Wide) -> u32 {
+        let note = self.add(Note::Known(self.known.len() as u32));
+        if !self.is_full {
+            self.known.push(value);
+        }
+        note
+    }
+
+    /// The number in [`Wide`]; of an operand that has not been worked out yet, its note.
+    fn ready(&self, operand: Operand) -> Result<Wide, u32> {
+        match operand {
+            Operand::Exact(value) => Ok(Wide::of_f64(value)),
+            Operand::Noted { note, negated } => match self.notes[note as usize] {
+                Note::Known(place) if negated => Ok(-self.known[place as usize]),
+                Note::Known(place) => Ok(self.known[place as usize]),
+                _ => Err(note),
+            },
+        }
+    }
+
+    /// What is noted, if all it was made of is worked out; else the note of something that is not.
+    fn attempt(&self, note: u32) -> Result<Wide, u32> {
+        let both = |[one, two]: [Operand; 2]| -> Result<_, u32> { Ok((self.ready(one)?, self.ready(two)?)) };
+        Ok(match self.notes[note as usize] {
+            Note::Known(place) => self.known[place as usize],
+            Note::Sum(operands) => both(operands).map(|(one, two)| one + two)?,
+            Note::Product(operands) => both(operands).map(|(one, two)| one * two)?,
+            Note::Quotient(operands) => both(operands).map(|(one, two)| one / two)?,
+            Note::Larger(operands) => both(operands).map(|(one, two)| one.maximum(two))?,
+            Note::Root(operand) => self.ready(operand)?.root(),
+            Note::Magnitude(operand) => self.ready(operand)?.magnitude(),
+        })
+    }
+
+    /// Works out an operand, and what it was made of, without recursion: sums over long faces are as deep as these are long.
+    fn wide(&mut self, operand: Operand) -> Wide {
+        let mut waiting = Vec::new();
+        loop {
+            let missing = match self.ready(operand) {
+                Ok(value) => return value,
+                Err(note) => waiting.last().copied().unwrap_or(note),
+            };
+            match self.attempt(missing) {
+                Ok(value) => {
+                    self.notes[missing as usize] = Note::Known(self.known.len() as u32);
+                    self.known.push(value);
+                    waiting.pop();
+                }
+                Err(note) => {
+                    if waiting.is_empty() {
+                        waiting.push(missing);
+                    }
+                    waiting.push(note);
+                }
+            }
+        }
+    }
+}
+
+impl Deferred {
+    fn exact(value: f64) -> Deferred {
+        Deferred { ball: Ball::exact(value), note: 0, negated: false }
+    }
+
+    /// A number of this ball, with what to note of it unless it is exact.
+    fn new(ball: Ball, note: impl FnOnce() -> Note) -> Deferred {
+        if ball.is_exact() {
+            return Deferred { ball, note: 0, negated: false };
+        }
+        let note = NOTES.with_borrow_mut(|notes| notes.add(note()));
+        Deferred { ball, note, negated: false }
+    }
+
+    /// A number that is made in [`Wide`] at once.
+    fn known(ball: Ball, value: Wide) -> Deferred {
+        Deferred { ball, note: NOTES.with_borrow_mut(|notes| notes.add_known(value)), negated: false }
+    }
+
+    fn operand(self) -> Operand {
+        if self.ball.is_exact() {
+            Operand::Exact(self.ball.middle)
+        } else {
+            Operand::Noted { note: self.note, negated: self.negated }
+        }
+    }
+
+    #[cold]
+    fn wide(self) -> Wide {
+        NOTES.with_borrow_mut(|notes| if notes.is_full { Wide::of_f64(f64::NAN) } else { notes.wide(self.operand()) })
+    }
+}
+
+impl Neg for Deferred {
+    type Output = Deferred;
+    fn neg(self) -> Deferred {
+        Deferred { ball: -self.ball, negated: !self.negated, ..self }
+    }
+}
+
+impl Add for Deferred {
+    type Output = Deferred;
+    fn add(self, other: Deferred) -> Deferred {
+        Deferred::new(self.ball + other.ball, || Note::Sum([self.operand(), other.operand()]))
+    }
+}
+
+impl Sub for Deferred {
+    type Output = Deferred;
+    fn sub(self, other: Deferred) -> Deferred {
+        self + -other
+    }
+}
+
+impl Mul for Deferred {
+    type Output = Deferred;
+    fn mul(self, other: Deferred) -> Deferred {
+        Deferred::new(self.ball * other.ball, || Note::Product([self.operand(), other.operand()]))
+    }
+}
+
+impl Div for Deferred {
+    type Output = Deferred;
+    fn div(self, other: Deferred) -> Deferred {
+        Deferred::new(self.ball / other.ball, || Note::Quotient([self.operand(), other.operand()]))
+    }
+}
+
+impl PartialOrd for Deferred {
+    /// As [`Wide`] has it, and counted as there.
+    fn partial_cmp(&self, other: &Deferred) -> Option<Ordering> {
+        self.ball.order(other.ball).or_else(|| self.wide().partial_cmp(&other.wide()))
+    }
+}
+
+impl PartialEq for Deferred {
+    fn eq(&self, other: &Deferred) -> bool {
+        self.partial_cmp(other) == Some(Ordering::Equal)
+    }
+}
+
+impl Real for Deferred {
+    const ZERO: Self = Deferred { ball: Ball { middle: 0.0, radius: 0.0 }, note: 0, negated: false };
+
+    fn from_f64(value: f64) -> Self {
+        if value.is_finite() { Deferred::exact(value) } else { Deferred::known(Ball::UNKNOWN, Wide::of_f64(value)) }
+    }
+    fn from_number(number: &Number) -> Option<Self> {
+        Some(match number.as_f64() {
+            Some(value) => Deferred::exact(value),
+            None => Deferred::known(Ball::nearest(number.approximate()), Wide::of_number(number)),
+        })
+    }
+    fn to_number(self) -> Option<Number> {
+        self.wide().middle()
+    }
+    fn to_f64(self) -> f64 {
+        self.wide().nearest_f64()
+    }
+    fn sqrt(self) -> Self {
+        Deferred::new(self.ball.root(), || Note::Root(self.operand()))
+    }
+    fn abs(self) -> Self {
+        match self.ball.order(Ball::exact(0.0)) {
+            Some(Ordering::Less) => -self,
+            Some(_) => self,
+            None => Deferred::new(self.ball.magnitude(), || Note::Magnitude(self.operand())),
+        }
+    }
+    fn smaller(self, other: Self) -> Self {
+        -(-self).larger(-other)
+    }
+    fn larger(self, other: Self) -> Self {
+        match self.ball.order(other.ball) {
+            Some(Ordering::Less) => other,
+            Some(_) => self,
+            None => Deferred::new(self.ball.covering(other.ball), || Note::Larger([self.operand(), other.operand()])),
+        }
+    }
+    fn below(self, other: Self) -> bool {
+        let order = self.ball.order(other.ball).map(|order| order == Ordering::Less);
+        order.unwrap_or_else(|| self.wide().middle_below(other.wide()))
+    }
+    fn surely_below(self, other: Self) -> bool {
+        let order = self.ball.order(other.ball).map(|order| order == Ordering::Less);
+        order.unwrap_or_else(|| self.wide().surely_below(other.wide()))
+    }
+    fn is_finite(self) -> bool {
+        self.ball.is_bounded() || self.wide().is_known()
+    }
+    fn is_same(self, _: Self) -> bool {
+        false
+    }
+    fn is_given_up() -> bool {
+        crate::wide::is_given_up() || is_full()
+    }
+}
