@@ -77,9 +77,17 @@ impl Examine {
         let candidates = if self.no_tune { 0 } else { self.candidates };
         let settings = Settings { steps: self.steps, candidates, threads: self.threads };
         let seen = Seen::default();
-        let Some(found) = stages_while(&seen, || examine(model, &settings, &seen, &stop))? else {
-            print_note("interrupted: nothing is written, and the same command begins anew");
-            return Ok(Verdict::Interrupted);
+        let found = match stages_while(&seen, || examine(model, &settings, &seen, &stop)) {
+            Ok(Some(found)) => found,
+            Ok(None) => {
+                directory.give_up();
+                print_note("interrupted: nothing is written, and the same command begins anew");
+                return Ok(Verdict::Interrupted);
+            }
+            Err(error) => {
+                directory.give_up();
+                return Err(anyhow::Error::new(error).context(self.model.file.path().display().to_string()));
+            }
         };
         found.model.notes.iter().for_each(|note| print_note(note));
         let (cases, naming) = (worst_cases(&found), self.model.naming(&dir, self.out.is_none()));

@@ -285,3 +285,21 @@ fn what_was_not_tried_is_said_beside_safe() {
     let (code, out, err) = place.run(&["examine", "two.toml", "--steps", "0", "--no-tune", "--out", "two"]);
     assert!(code == 0 && out.lines().next().is_some_and(|line| line.ends_with(", but no step was made")), "{out}{err}");
 }
+
+/// A fixed cube and a cube above it.
+fn above(height: &str) -> String {
+    format!(
+        "[[block]]\nfixed = true\nbox = {{ min = [0, 0, 0], max = [1, 1, 1] }}\n\
+         [[block]]\nbox = {{ min = [0, 0, {height}], max = [1, 1, \"2.2\"] }}\n"
+    )
+}
+
+#[test]
+fn blocks_that_contacts_reach_but_no_search_are_examined_without_one() {
+    let place = Place::new();
+    place.file("gap.toml", &above("1.024"));
+    let (code, out, err) = place.run(&["examine", "gap.toml"]);
+    assert!(code == 0 && out.starts_with("safe: nothing is wrong with 1 neighbouring pair "), "{out}{err}");
+    assert!(out.contains("i set        not looked for: no two blocks are near enough to make pairs of"), "{out}");
+    assert!(place.path("reports/examine-gap/index.html").exists());
+}

@@ -14,7 +14,7 @@ use rockproof_model::rules::{self, Violation};
 use rockproof_model::{Precision, ToleranceSet, ToleranceSpec};
 use rockproof_report::table::grouped;
 use rockproof_tune::report::markdown;
-use rockproof_tune::{Evaluator, Search};
+use rockproof_tune::{Evaluator, Search, TuneError};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Blocks of a model that is stepped without being asked to.
@@ -183,7 +183,14 @@ impl Work<'_> {
         }
         let most = self.settings.candidates as usize;
         self.seen.begin(Stage::Sets, most);
-        let evaluator = Evaluator::new(&model.scene, model.precision, SEED, Some(TUNE_STEPS), 0)?;
+        let evaluator = match Evaluator::new(&model.scene, model.precision, SEED, Some(TUNE_STEPS), 0) {
+            // Contacts reach further than pairs are made of: no reason to keep back what was found.
+            Err(TuneError::NoNeighbours) => {
+                let why = "not looked for: no two blocks are near enough to make pairs of, that moved tell sets apart";
+                return Ok(Some(Recommendation::Skipped(why.to_owned())));
+            }
+            evaluator => evaluator?,
+        };
         let mut search = Search::new(&evaluator, &model.spec, SEED)?;
         while search.tried().len() < most {
             if self.is_stopped() {
