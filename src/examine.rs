@@ -28,7 +28,7 @@ use std::path::PathBuf;
   rockproof examine slope.toml --steps 50 --no-tune
   rockproof examine slope.dda --format json > slope.json
 
-Exit status: 0 safe, 1 not safe with the tolerances it was examined with, 2 usage or input error, 130 interrupted.")]
+Exit status: 0 safe, 1 not safe with the tolerances it was examined with, or not decided, 2 usage or input error, 130 interrupted.")]
 pub(crate) struct Examine {
     #[command(flatten)]
     model: ModelArgs,

@@ -268,17 +268,40 @@ fn bad_input_and_directories_of_others_exit_with_2() {
 }
 
 #[test]
+fn where_no_contact_was_tried_nothing_is_decided() {
+    let place = Place::new();
+    let block = |more: &str, at: i32| {
+        format!("[[block]]\n{more}\nbox = {{ min = [{at}, 0, 0], max = [{}, 1, 1] }}\n", at + 1)
+    };
+    place.file("gap.toml", &above("1.03"));
+    place.file("apart.toml", &(block("", 0) + &block("", 10)));
+    place.file("one.toml", &block("", 0));
+    place.file("fast.toml", &block("velocity = [1e300, 0, 0]", 0));
+    let apart = "not decided: no two blocks are near enough to touch (search is 0.0";
+    let alone = "not decided: one block alone touches nothing\n";
+    for (name, said) in [("gap", apart), ("apart", apart), ("one", alone), ("fast", "not ")] {
+        let (code, out, err) = place.run(&["examine", &format!("{name}.toml"), "--out", name]);
+        assert!(code == 1 && out.starts_with(said), "{name}: {out}{err}");
+        for about in ["overlaps", "f64", "f32", "tolerances", "steps"] {
+            assert!(!out.contains(&format!("✓ {about}")), "{name}: nothing was tried: {out}");
+        }
+        assert_eq!(out.contains("--hold-lowest"), name == "apart", "one block that is held does not move: {out}");
+        let document = document_of(&place, name);
+        assert!(document["safe"] == false && document["given"]["safe_but_for_units"] == false, "{document}");
+        let page = place.read(&format!("{name}/index.html"));
+        assert!(!page.contains("<li class=\"good\">not "), "{name}");
+    }
+    assert!(place.read("gap/examine.md").starts_with("# gap.toml: not decided\n"));
+    // Steps in which the blocks meet try contacts.
+    let fall = above("1.03") + "[simulation.control]\nmax_time_step = 0.01\n";
+    place.file("fall.toml", &fall);
+    let (code, out, err) = place.run(&["examine", "fall.toml", "--steps", "30", "--out", "fallen"]);
+    assert!(code == 0 && out.starts_with("safe: nothing is wrong with 0 neighbouring pairs"), "{out}{err}");
+}
+
+#[test]
 fn what_was_not_tried_is_said_beside_safe() {
     let place = Place::new();
-    place.file("one.toml", "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n");
-    let (code, out, err) = place.run(&["examine", "one.toml", "--out", "one"]);
-    assert!(
-        code == 0 && out.lines().next().is_some_and(|line| line.ends_with("so no contact was tried")),
-        "{out}{err}"
-    );
-    for about in ["overlaps", "f64", "f32", "tolerances"] {
-        assert!(!out.contains(&format!("✓ {about}")), "nothing was tried: {out}");
-    }
     let two = "[[block]]\nfixed = true\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n\
                [[block]]\nbox = { min = [0, 0, 1], max = [1, 1, 2] }\n";
     place.file("two.toml", two);

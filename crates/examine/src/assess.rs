@@ -75,9 +75,14 @@ impl Assessment {
         ]
     }
 
-    /// Whether nothing is wrong with the model under this set.
+    /// Whether nothing is wrong with the model under this set, and something was tried.
     pub fn is_safe(&self, precision: Precision) -> bool {
-        self.harm(precision) == [0; 5]
+        self.harm(precision) == [0; 5] && self.tries_contacts()
+    }
+
+    /// Whether there were contacts to be wrong: blocks near one another at the start, or in the steps.
+    pub(crate) fn tries_contacts(&self) -> bool {
+        !self.pairs.is_empty() || self.steps.made().is_some_and(|made| made.touched)
     }
 
     /// What is wrong, each zero where nothing is: rules violated, overlaps not held, pairs broken, pairs that pass through one another, steps that cannot be made.

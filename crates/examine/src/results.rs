@@ -8,7 +8,7 @@ use crate::error::ExamineError;
 use crate::naming::Naming;
 use crate::pairs::EngineDifferences;
 use crate::recommend::Recommendation;
-use crate::verdict::{Verdict, mark, title};
+use crate::verdict::{NOT_DECIDED, Verdict, mark, title};
 use crate::view::{Standing, standings, views};
 use rockproof_model::vtu::{DataArray, SCALAR, vtu};
 use rockproof_model::{Precision, ToleranceSet};
@@ -294,7 +294,11 @@ pub fn tolerance_table(found: &Examination) -> Table {
 
 /// The lines as the page has them.
 fn lines(verdict: &Verdict) -> Vec<VerdictLine> {
-    let severity = if verdict.is_safe { Severity::Good } else { Severity::Bad };
+    let severity = match verdict.answer {
+        "safe" => Severity::Good,
+        NOT_DECIDED => Severity::Fair,
+        _ => Severity::Bad,
+    };
     let mut lines = vec![VerdictLine { severity, text: verdict.sentence.clone() }];
     lines.extend(
         verdict

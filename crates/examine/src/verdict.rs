@@ -17,6 +17,8 @@ use std::path::Path;
 
 /// The file of the set to use.
 const SET: &str = "tolerances.toml";
+/// The answer where nothing is wrong, but too little was there to be wrong.
+pub(crate) const NOT_DECIDED: &str = "not decided";
 
 /// A line of the answer.
 #[derive(Clone, Debug)]
@@ -34,7 +36,7 @@ pub struct Line {
 pub struct Verdict {
     /// Whether the model is safe with the tolerances that it was examined with.
     pub is_safe: bool,
-    /// `safe`, `safe with another set` or `not safe`.
+    /// `safe`, `safe with another set`, `not safe` or `not decided`.
     pub answer: &'static str,
     /// The answer with its reasons.
     pub sentence: String,
@@ -55,7 +57,7 @@ impl Verdict {
         let doubt = found.model.extents.doubt().filter(|_| !naming.units_are_meant);
         let is_safe = doubt.is_none() && found.given.is_safe(precision);
         let with_other = doubt.is_none() && found.recommended().is_some_and(|other| other.is_safe(precision));
-        let reasons = reasons(&found.given, precision, doubt.is_some());
+        let reasons = reasons(&found.given, found.model.scene.blocks.len(), precision, doubt.is_some());
         let (answer, sentence) = match (is_safe, with_other) {
             (true, _) => {
                 let pairs = plural(found.given.pairs.len(), "neighbouring pair", "neighbouring pairs");
@@ -70,6 +72,9 @@ impl Verdict {
                     found.name
                 ),
             ),
+            (false, false) if doubt.is_none() && found.given.harm(precision) == [0; 5] => {
+                (NOT_DECIDED, format!("{NOT_DECIDED}: {reasons}"))
+            }
             (false, false) => ("not safe", format!("not safe: {reasons}")),
         };
         let mut lines = vec![
@@ -79,7 +84,7 @@ impl Verdict {
             differing(&found.given, precision, true),
             differing(&found.given, other_than(precision), false),
             tolerances(&found.given),
-            steps(&found.given.steps),
+            steps(&found.given),
         ];
         lines.extend(fall(found));
         lines.push(recommended(found, precision, naming));
@@ -111,10 +116,19 @@ pub fn mark(severity: Severity) -> char {
 
 /// What a model called safe was not tried in, so that nobody takes little for much.
 fn untried(given: &Assessment) -> &'static str {
-    match (given.pairs.is_empty(), &given.steps) {
-        (true, _) => ", but no two blocks are near one another, so no contact was tried",
-        (false, Steps::Skipped(_)) => ", but no step was made",
-        (false, Steps::Made(_)) => "",
+    match &given.steps {
+        Steps::Skipped(_) => ", but no step was made",
+        Steps::Made(_) => "",
+    }
+}
+
+/// Why there was no contact to be wrong.
+fn apart(given: &Assessment, blocks: usize) -> String {
+    match blocks {
+        1 => "one block alone touches nothing".to_owned(),
+        _ => {
+            format!("no two blocks are near enough to touch (search is {} m)", short(given.set.search.approximate()))
+        }
     }
 }
 
@@ -130,8 +144,8 @@ fn other_than(precision: Precision) -> Precision {
     }
 }
 
-/// What is wrong, in a few words.
-fn reasons(given: &Assessment, precision: Precision, units: bool) -> String {
+/// What is wrong, or else what was not there to be, in a few words.
+fn reasons(given: &Assessment, blocks: usize, precision: Precision, units: bool) -> String {
     let mut said: Vec<String> = Vec::new();
     if units {
         said.push("the units are in doubt".to_owned());
@@ -153,6 +167,9 @@ fn reasons(given: &Assessment, precision: Precision, units: bool) -> String {
             0 => "a step cannot be made".to_owned(),
             count => format!("{} through one another within a few steps", plural(count, "pair passes", "pairs pass")),
         });
+    }
+    if said.is_empty() && !given.tries_contacts() {
+        said.push(apart(given, blocks));
     }
     said.join("; ")
 }
@@ -244,12 +261,16 @@ fn tolerances(given: &Assessment) -> Line {
     line("tolerances", if contacts == 0 { good(given) } else { Severity::Fair }, text)
 }
 
-fn steps(steps: &Steps) -> Line {
-    let made = match steps {
+fn steps(given: &Assessment) -> Line {
+    let made = match &given.steps {
         Steps::Skipped(why) => return line("steps", Severity::Fair, why.clone()),
         Steps::Made(made) => made,
     };
-    let severity = if steps.object() { Severity::Bad } else { Severity::Good };
+    let severity = match (given.steps.object(), given.tries_contacts()) {
+        (true, _) => Severity::Bad,
+        (false, true) => Severity::Good,
+        (false, false) => Severity::Fair,
+    };
     let ended = made.stopped.as_ref().map_or(String::new(), |why| format!(" of {}, then {why}", made.asked));
     let text = format!("{} made{ended}, {}: {}", made.made, made.held.sentence(), made.totals.sentence());
     line("steps", severity, text)
@@ -300,7 +321,7 @@ fn next(
 ) -> String {
     let (file, given) = (naming.shown(), &naming.tolerances);
     // Steps of a file that fixes nothing were made with its lowest blocks held; without that all of it falls.
-    let is_held = found.given.steps.made().is_some_and(|made| made.held != ClusterSupport::Given);
+    let is_held = found.given.steps.made().is_some_and(|made| !matches!(made.held, ClusterSupport::Given | ClusterSupport::Nothing));
     let hold = if is_held { " --hold-lowest" } else { "" };
     if units {
         let factor = found.model.extents.factor().unwrap_or("1");
@@ -312,7 +333,7 @@ fn next(
     if let Some(worst) = lost {
         return naming.show(worst.blocks);
     }
-    if answer == "safe" {
+    if answer == "safe" || answer == NOT_DECIDED {
         return format!("rockproof simulate {file}{given}{hold} --steps 100 --audit");
     }
     if answer == "safe with another set" {

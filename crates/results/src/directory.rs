@@ -62,7 +62,7 @@ impl Directory {
         self.resumes
     }
 
-    /// Leaves the directory as it was before it was claimed, where nothing was written into it: one that was not there goes, unless
+    /// Leaves the directory as it was before it was claimed, but for results that were discarded, where nothing was written into it: one that was not there goes, unless
     /// somebody put something into it meanwhile. For a command that came to nothing, so what cannot be removed stays.
     pub fn give_up(self) {
         let Directory { path, manifest, is_new, lock, .. } = self;
