@@ -7,7 +7,7 @@ use crate::progress::overlaps;
 use crate::reading::{is_apart_in, is_bent, planarity_that_merges, planarity_that_reads, weld_that_joins};
 use anyhow::Context;
 use rockproof_examine::{CheckError, CheckedModel, Naming, violation_json, violations_text};
-use rockproof_model::rules::Fall;
+use rockproof_model::rules::{Fall, Thin};
 use rockproof_model::{Precision, Scene};
 use std::fmt::Write;
 use std::path::Path;
@@ -61,7 +61,8 @@ impl Check {
         }
         model.notes.iter().for_each(|note| print_note(note));
         let overlaps = overlaps(&model.scene.shapes(), &model.set, None);
-        let rest = || model.fall.as_ref().map(warning).unwrap_or_default() + &overlaps.report();
+        let warnings = || model.fall.iter().map(warning).chain(model.thin.iter().map(warning_of_thin)).collect::<String>();
+        let rest = || warnings() + &overlaps.report();
         self.format.print(rest, || {
             let mut document = model.json();
             document["rules_violated"] = model.violations.iter().map(violation_json).collect();
@@ -189,5 +190,17 @@ fn warning(fall: &Fall) -> String {
         \x20   found      {depth:.6e}, allowed {allowed:.6e}, by block {block} of {weight:.6e} N falling {height:.6e} m\n\
         \x20   because    the contact takes p·d²/2 = W·(height + d): normal_stiffness is {stiffness:.6e}, needed is {needed:.6e}\n\
         \x20   satisfied  by {remedy}\n"
+    )
+}
+
+/// A block that `penetration` is more than half as thick as, in the same form.
+fn warning_of_thin(thin: &Thin) -> String {
+    let Thin { block, thickness, penetration, remedy } = thin;
+    format!(
+        "\nwarning: a block may be passed through, or lie within another, and count as held\n  penetration ≤ (least thickness of a block)/2\n\
+        \x20   found      {penetration:.6e}, allowed {:.6e}, by block {block}, {thickness:.6e} m thick\n\
+        \x20   because    no point within it is deeper than that, and the nearest way out may be through the face behind\n\
+        \x20   satisfied  by {remedy}\n",
+        thickness / 2.0
     )
 }

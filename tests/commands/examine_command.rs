@@ -326,3 +326,49 @@ fn blocks_that_contacts_reach_but_no_search_are_examined_without_one() {
     assert!(out.contains("i set        not looked for: no two blocks are near enough to make pairs of"), "{out}");
     assert!(place.path("reports/examine-gap/index.html").exists());
 }
+
+/// A plate of 2 cm between a fixed floor and a block.
+const PLATE: &str = r#"
+[[block]]
+fixed = true
+box = { min = [-2, -2, -1], max = [3, 3, 0] }
+[[block]]
+box = { min = [0, 0, 0], max = [1, 1, "1/50"] }
+[[block]]
+box = { min = ["-1/2", "-1/2", "1/50"], max = ["3/2", "3/2", "51/50"] }
+"#;
+
+/// A cube of 1 m within a fixed one of 4 m.
+const INSIDE: &str = r#"
+[[block]]
+fixed = true
+box = { min = [0, 0, 0], max = [4, 4, 4] }
+[[block]]
+box = { min = [1, 1, 1], max = [2, 2, 2] }
+"#;
+
+#[test]
+fn a_penetration_beyond_half_the_thinnest_block_decides_nothing() {
+    let place = Place::new();
+    place.file("plate.toml", PLATE);
+    place.file("inside.toml", INSIDE);
+    for (file, penetration, block) in [("plate.toml", "1/2", "block 1, 0.02"), ("inside.toml", "10", "block 1, 1 m")] {
+        let set = format!("penetration={penetration}");
+        let (code, out, err) = place.run(&["check", file, "--set", &set]);
+        assert!(code == 0 && out.contains("warning: a block may be passed through, or lie within another"), "{out}{err}");
+        let half = if file == "plate.toml" { "0.01" } else { "0.5" };
+        assert!(out.contains(&format!("    satisfied  by penetration ≤ {half}\n")), "{out}");
+        let (code, out, err) = place.run(&["examine", file, "--set", &set, "--no-tune", "--overwrite"]);
+        assert!(code == 1 && out.starts_with("not ") && out.contains(block), "{out}{err}");
+        assert!(out.contains(" i thickness  block 1 is"), "{out}");
+        if file == "plate.toml" {
+            assert!(out.starts_with("not decided: penetration, 0.5000 m, is more than half of the thickness"), "{out}");
+            assert!(out.ends_with("next: rockproof check plate.toml --set penetration=1/2\n"), "{out}");
+        }
+        // What would satisfy does.
+        let (_, out, err) = place.run(&["check", file, "--set", &format!("penetration={half}")]);
+        assert!(!out.contains("warning: a block may be passed through"), "{out}{err}");
+    }
+    let (code, out, err) = place.run(&["examine", "plate.toml", "--no-tune", "--out", "auto"]);
+    assert!(code == 0 && out.starts_with("safe: ") && !out.contains("thickness"), "{out}{err}");
+}

@@ -10,7 +10,7 @@ use crate::recommend::{Recommendation, better};
 use crate::seen::{Seen, Stage};
 use crate::steps::{self, Steps};
 use rockproof_differential::subject::SubjectSet;
-use rockproof_model::rules::{self, Violation};
+use rockproof_model::rules::{self, Thin, Violation};
 use rockproof_model::{Precision, ToleranceSet, ToleranceSpec};
 use rockproof_report::table::grouped;
 use rockproof_tune::report::markdown;
@@ -44,6 +44,8 @@ pub struct Assessment {
     pub set: ToleranceSet,
     /// The rules that it violates.
     pub violations: Vec<Violation>,
+    /// A block that `penetration` is more than half as thick as.
+    pub thin: Option<Thin>,
     /// The blocks that overlap.
     pub overlaps: Overlaps,
     /// All neighbouring pairs, in ascending order.
@@ -75,9 +77,9 @@ impl Assessment {
         ]
     }
 
-    /// Whether nothing is wrong with the model under this set, and something was tried.
+    /// Whether nothing is wrong with the model under this set, something was tried, and what is wrong could have been seen.
     pub fn is_safe(&self, precision: Precision) -> bool {
-        self.harm(precision) == [0; 5] && self.tries_contacts()
+        self.harm(precision) == [0; 5] && self.tries_contacts() && self.thin.is_none()
     }
 
     /// Whether there were contacts to be wrong: blocks near one another at the start, or in the steps.
@@ -146,6 +148,7 @@ impl Work<'_> {
         let shapes = model.scene.shapes();
         let set = sets.of(model.precision).clone();
         let violations = rules::check_scene(&set, &model.scene, model.precision);
+        let thin = rules::thin(&set, &shapes);
         let overlaps = overlaps(&shapes, &set, (None, MeasuredOverlaps::All), self.seen, self.stop);
         let all = overlaps.neighbours();
         self.seen.begin(Stage::Pairs, all.len());
@@ -163,7 +166,7 @@ impl Work<'_> {
                 }
             }
         };
-        Ok(Some(Assessment { set, violations, overlaps, pairs, steps }))
+        Ok(Some(Assessment { set, violations, thin, overlaps, pairs, steps }))
     }
 
     fn why_no_steps(&self, model: &CheckedModel, overlaps: &Overlaps) -> Option<String> {

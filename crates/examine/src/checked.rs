@@ -1,7 +1,7 @@
 //! A model that could be read, with what the rules say of its tolerances.
 
 use crate::extents::Extents;
-use rockproof_model::rules::{self, Fall};
+use rockproof_model::rules::{self, Fall, Thin};
 use rockproof_model::{Number, Precision, Scene, SceneBlock, ToleranceSet, ToleranceSpec, Violation};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -26,6 +26,8 @@ pub struct CheckedModel {
     pub violations: Vec<Violation>,
     /// A fall that is not stopped within `penetration`.
     pub fall: Option<Fall>,
+    /// A block that `penetration` is more than half as thick as.
+    pub thin: Option<Thin>,
     /// What may be meant otherwise than it is written: units, triangles of a mesh.
     pub notes: Vec<String>,
     /// What a planarity would merge of a mesh whose coordinates were rounded, where whoever read it knows.
@@ -75,8 +77,8 @@ impl CheckedModel {
         let violations = rules::check_scene(&set, &scene, precision);
         let extents = Extents::of(&scene);
         let notes = extents.doubt().into_iter().collect();
-        let fall = rules::fall(&set, &scene);
-        Ok(CheckedModel { file, scene, spec, set, precision, extents, violations, fall, notes, merging: None })
+        let (fall, thin) = (rules::fall(&set, &scene), rules::thin(&set, &scene.shapes()));
+        Ok(CheckedModel { file, scene, spec, set, precision, extents, violations, fall, thin, notes, merging: None })
     }
 
     /// Blocks, tolerances and notes for programs.
@@ -87,6 +89,11 @@ impl CheckedModel {
             json!({
                 "block": fall.block, "weight_n": fall.weight, "height_m": fall.height, "stiffness_n_per_m": fall.stiffness,
                 "needed_n_per_m": fall.needed, "depth_m": fall.depth, "allowed_m": fall.allowed, "remedy": fall.remedy,
+            })
+        });
+        let thin = self.thin.as_ref().map(|thin| {
+            json!({
+                "block": thin.block, "thickness_m": thin.thickness, "penetration_m": thin.penetration, "remedy": thin.remedy,
             })
         });
         json!({
@@ -109,6 +116,7 @@ impl CheckedModel {
             "preset": self.spec.preset().map(|preset| preset.name()),
             "tolerances": tolerances_json(&self.set),
             "fall": fall,
+            "thin": thin,
             "notes": self.notes,
         })
     }

@@ -87,6 +87,7 @@ impl Verdict {
             steps(&found.given),
         ];
         lines.extend(fall(found));
+        lines.extend(thin(found));
         lines.push(recommended(found, precision, naming));
         let next = naming.dir.as_ref().map(|dir| next(found, cases, (naming, dir), (doubt.is_some(), answer)));
         Verdict { is_safe, answer, sentence, lines, next }
@@ -167,6 +168,13 @@ fn reasons(given: &Assessment, blocks: usize, precision: Precision, units: bool)
             0 => "a step cannot be made".to_owned(),
             count => format!("{} through one another within a few steps", plural(count, "pair passes", "pairs pass")),
         });
+    }
+    if let Some(thin) = &given.thin {
+        let [penetration, thickness] = [thin.penetration, thin.thickness].map(short);
+        said.push(format!(
+            "penetration, {penetration} m, is more than half of the thickness of block {}, {thickness} m, so it may be passed through unseen",
+            thin.block
+        ));
     }
     if said.is_empty() && !given.tries_contacts() {
         said.push(apart(given, blocks));
@@ -286,6 +294,16 @@ fn fall(found: &Examination) -> Option<Line> {
     Some(line("fall", Severity::Fair, text))
 }
 
+fn thin(found: &Examination) -> Option<Line> {
+    let thin = found.given.thin.as_ref()?;
+    let [penetration, thickness] = [thin.penetration, thin.thickness].map(short);
+    let text = format!(
+        "block {} is {thickness} m thick and penetration is {penetration} m: no overlap within it is too deep, so \"held\" says nothing of it: {}",
+        thin.block, thin.remedy
+    );
+    Some(line("thickness", Severity::Fair, text))
+}
+
 fn recommended(found: &Examination, precision: Precision, naming: &Naming) -> Line {
     let other = match &found.other {
         Recommendation::Skipped(why) => return line("set", Severity::Fair, why.clone()),
@@ -332,6 +350,9 @@ fn next(
     let lost = found.given.overlaps.worst_lost().filter(|_| answer == "not safe");
     if let Some(worst) = lost {
         return naming.show(worst.blocks);
+    }
+    if answer == NOT_DECIDED && found.given.thin.is_some() {
+        return format!("rockproof check {file}{given}");
     }
     if answer == "safe" || answer == NOT_DECIDED {
         return format!("rockproof simulate {file}{given}{hold} --steps 100 --audit");

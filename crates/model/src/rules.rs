@@ -7,9 +7,11 @@
 mod fall;
 mod largest;
 mod stiffness;
+mod thin;
 
 pub use fall::{Fall, fall};
 pub use stiffness::{check_scene, stiffness_slack};
+pub use thin::{Thin, thin};
 
 use crate::block::Block;
 use crate::lattice::Lattice;
