@@ -6,7 +6,7 @@ use crate::step_audit::AuditedRun;
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_simulate::{AuditScope, AuditTotals, PairDepth, Stepping};
 use rockproof_stepper::contact::SpecRules;
-use rockproof_stepper::dynamics::{Dynamics, Solve};
+use rockproof_stepper::dynamics::{Dynamics, Mode, Solve};
 use rockproof_tune::{ClusterSupport, hold_lowest};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,7 +31,7 @@ pub struct AuditedSteps {
     pub held: ClusterSupport,
     /// Why they ended early, if they did.
     pub stopped: Option<String>,
-    /// Whether there were contacts after any step, or while blocks settled.
+    /// Whether contacts were closed in any step, or while blocks settled.
     pub touched: bool,
     /// What the audit found.
     pub totals: AuditTotals,
@@ -108,7 +108,8 @@ fn make_in<R: Solve>(
         match run.step() {
             Err(error) => found.stopped = Some(error.to_string()),
             Ok(report) => {
-                found.touched |= report.contacts.as_flattened().iter().any(|&count| count > 0);
+                found.touched |=
+                    report.contacts.iter().any(|modes| modes[Mode::Sliding as usize..].iter().any(|&count| count > 0));
                 if let Some(audit) = run.audit() {
                     found.totals.add(report.step, &audit);
                     deepen(&mut found.passages, audit.passages.as_ref().map_or(&[], |passages| &passages.pairs));

@@ -35,7 +35,8 @@ pub fn thin(set: &ToleranceSet, blocks: &[&Block]) -> Option<Thin> {
         return None;
     }
     let twice = &penetration * BigRational::from_integer(BigInt::from(2));
-    let squares = blocks.iter().enumerate().filter_map(|(number, block)| Some((thickness_squared(block, &twice)?, number)));
+    let squares =
+        blocks.iter().enumerate().filter_map(|(number, block)| Some((thickness_squared(block, &twice)?, number)));
     // Of equal ones the first.
     let (squared, block) = squares.min()?;
     if &twice * &twice <= squared {
@@ -125,7 +126,8 @@ mod tests {
         // 1 m wide and 1/50 m thick along (1, 2, 2)/3.
         let turned = |x: i32, y: i32, z: i32| {
             let third = |n: i32| BigRational::new(n.into(), 150.into());
-            Vec3::new(-2 * x + 2 * y + z, -x - 2 * y + 2 * z, 2 * x + y + 2 * z).map(|&n| Number::from_rational(third(n)))
+            Vec3::new(-2 * x + 2 * y + z, -x - 2 * y + 2 * z, 2 * x + y + 2 * z)
+                .map(|&n| Number::from_rational(third(n)))
         };
         let corners = [(0, 0), (50, 0), (50, 50), (0, 50)];
         let vertices = [0, 1].iter().flat_map(|&z| corners.iter().map(move |&(x, y)| turned(x, y, z))).collect();
@@ -142,7 +144,8 @@ mod tests {
         // The legs of an L are 1 thick, the block between planes of 3: no point of it is 3/2 deep.
         let corners = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)];
         let at = |n: i32| Number::from_integer(n);
-        let vertices = [0, 4].iter().flat_map(|&z| corners.iter().map(move |&(x, y)| Vec3::new(at(x), at(y), at(z)))).collect();
+        let vertices =
+            [0, 4].iter().flat_map(|&z| corners.iter().map(move |&(x, y)| Vec3::new(at(x), at(y), at(z)))).collect();
         let sides = (0..6).map(|k| vec![k, (k + 1) % 6, (k + 1) % 6 + 6, k + 6]);
         let faces: Vec<Vec<u32>> =
             [vec![5, 4, 3, 2, 1, 0], vec![6, 7, 8, 9, 10, 11]].into_iter().chain(sides).collect();
