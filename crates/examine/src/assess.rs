@@ -12,7 +12,7 @@ use crate::steps::{self, Steps};
 use rockproof_differential::subject::SubjectSet;
 use rockproof_model::rules::{self, Thin, Violation};
 use rockproof_model::{Precision, ToleranceSet, ToleranceSpec};
-use rockproof_report::table::grouped;
+use rockproof_report::table::counted;
 use rockproof_tune::report::markdown;
 use rockproof_tune::{Evaluator, Search, TuneError};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -240,5 +240,5 @@ fn name_of(spec: &ToleranceSpec) -> String {
 
 /// A count with its noun.
 pub(crate) fn plural(count: usize, one: &str, many: &str) -> String {
-    format!("{} {}", grouped(count as u64), if count == 1 { one } else { many })
+    counted(count as u64, one, many)
 }

@@ -1,6 +1,6 @@
 //! What an examination leaves in its directory.
 
-use crate::assess::Examination;
+use crate::assess::{Examination, plural};
 use crate::cases::KeptCase;
 use crate::checked::violations_text;
 use crate::document::document;
@@ -198,8 +198,8 @@ pub fn write(
                 id: "pairs",
                 title: "Pairs of blocks",
                 lead: format!(
-                    "The worst of {} pairs with something to say, of {} in pairs.csv.",
-                    ranked.len(),
+                    "The worst of {} with something to say, of {} in pairs.csv.",
+                    plural(ranked.len(), "pair", "pairs"),
                     pairs.len()
                 ),
                 parts: vec![SectionPart::Table(worst(SHOWN[0]), SHOWN[0])],
@@ -243,7 +243,7 @@ pub fn write(
     let mut names: Vec<String> =
         files.iter().map(|(name, ..)| name.clone()).filter(|name| !name.contains('/')).collect();
     if !cases.is_empty() {
-        names.push(format!("{} cases", cases.len()));
+        names.push(plural(cases.len(), "case", "cases"));
     }
     directory.write_all(files)?;
     Ok(Written { document, names })

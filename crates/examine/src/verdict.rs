@@ -9,6 +9,7 @@ use crate::recommend::Recommendation;
 use crate::steps::Steps;
 use rockproof_differential::external::spec::quoted;
 use rockproof_model::rules::{MeasuredModel, stiffness_slack};
+use rockproof_model::text::noun;
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_report::table::grouped;
 use rockproof_report::verdict::Severity;
@@ -242,9 +243,10 @@ fn overlapping(given: &Assessment) -> Line {
 fn differing(given: &Assessment, precision: Precision, is_asked: bool) -> Line {
     let about = if precision == Precision::F64 { "f64" } else { "f32" };
     let [differ, broken] = given.differing(precision);
-    let pairs = format!("{} neighbouring pairs", grouped(given.pairs.len() as u64));
+    let pairs = plural(given.pairs.len(), "neighbouring pair", "neighbouring pairs");
+    let verb = noun(given.pairs.len(), "differs", "differ");
     if differ == 0 {
-        return line(about, good(given), format!("0 of {pairs} differ from the exact contacts"));
+        return line(about, good(given), format!("0 of {pairs} {verb} from the exact contacts"));
     }
     let sum =
         |of: fn(&ExaminedPair, Precision) -> u64| grouped(given.pairs.iter().map(|pair| of(pair, precision)).sum());
@@ -253,7 +255,7 @@ fn differing(given: &Assessment, precision: Precision, is_asked: bool) -> Line {
     let defects = sum(|pair, precision| pair.in_precision(precision).defects);
     let severity = if broken > 0 && is_asked { Severity::Bad } else { Severity::Fair };
     let text = format!(
-        "{} of {pairs} differ from the exact contacts, {} by more than a tie that rounding decides (contacts: {rounding} by rounding the input, {arithmetic} by \
+        "{} of {pairs} {verb} from the exact contacts, {} by more than a tie that rounding decides (contacts: {rounding} by rounding the input, {arithmetic} by \
          arithmetic, {defects} by mistakes in code)",
         grouped(differ as u64),
         grouped(broken as u64)
@@ -264,8 +266,9 @@ fn differing(given: &Assessment, precision: Precision, is_asked: bool) -> Line {
 fn tolerances(given: &Assessment) -> Line {
     let changed = given.pairs.iter().filter(|pair| pair.tolerance > 0).count();
     let contacts: u64 = given.pairs.iter().map(|pair| pair.tolerance).sum();
-    let [changed, pairs] = [changed, given.pairs.len()].map(|count| grouped(count as u64));
-    let text = format!("change {} exact contacts in {changed} of {pairs} pairs", grouped(contacts));
+    let (changed, pairs) = (grouped(changed as u64), plural(given.pairs.len(), "pair", "pairs"));
+    let exact = noun(contacts, "exact contact", "exact contacts");
+    let text = format!("change {} {exact} in {changed} of {pairs}", grouped(contacts));
     line("tolerances", if contacts == 0 { good(given) } else { Severity::Fair }, text)
 }
 
@@ -339,7 +342,11 @@ fn next(
 ) -> String {
     let (file, given) = (naming.shown(), &naming.tolerances);
     // Steps of a file that fixes nothing were made with its lowest blocks held; without that all of it falls.
-    let is_held = found.given.steps.made().is_some_and(|made| !matches!(made.held, ClusterSupport::Given | ClusterSupport::Nothing));
+    let is_held = found
+        .given
+        .steps
+        .made()
+        .is_some_and(|made| !matches!(made.held, ClusterSupport::Given | ClusterSupport::Nothing));
     let hold = if is_held { " --hold-lowest" } else { "" };
     if units {
         let factor = found.model.extents.factor().unwrap_or("1");
