@@ -6,8 +6,9 @@ use crate::input_file::{InputFile, ModelFile};
 use crate::progress::overlaps;
 use crate::reading::{is_apart_in, is_bent, planarity_that_merges, planarity_that_reads, weld_that_joins};
 use anyhow::Context;
-use rockproof_examine::{CheckError, CheckedModel, Naming, violation_json, violations_text};
-use rockproof_model::rules::Fall;
+use rockproof_examine::{CheckError, CheckedModel, Naming, in_seven_digits, violation_json, violations_text};
+use rockproof_model::rules::{Fall, Thin};
+use rockproof_model::text::noun;
 use rockproof_model::{Precision, Scene};
 use std::fmt::Write;
 use std::path::Path;
@@ -61,7 +62,9 @@ impl Check {
         }
         model.notes.iter().for_each(|note| print_note(note));
         let overlaps = overlaps(&model.scene.shapes(), &model.set, None);
-        let rest = || model.fall.as_ref().map(warning).unwrap_or_default() + &overlaps.report();
+        let warnings =
+            || model.fall.iter().map(warning).chain(model.thin.iter().map(warning_of_thin)).collect::<String>();
+        let rest = || warnings() + &overlaps.report();
         self.format.print(rest, || {
             let mut document = model.json();
             document["rules_violated"] = model.violations.iter().map(violation_json).collect();
@@ -104,7 +107,9 @@ impl ModelArgs {
         let path = self.file.path().to_path_buf();
         let checked = CheckedModel::new(path, scene, (spec, set), precision);
         let mut model = checked.map_err(|error| match error {
-            CheckError::Block { .. } => anyhow::Error::new(error).context(self.file.path().display().to_string()),
+            CheckError::Block { .. } | CheckError::Size { .. } => {
+                anyhow::Error::new(error).context(self.file.path().display().to_string())
+            }
             CheckError::Tolerance { .. } => anyhow::Error::new(error).context(place()),
         })?;
         if file.options().scale.is_none() {
@@ -164,9 +169,16 @@ fn write_blocks(out: &mut String, model: &CheckedModel) -> std::fmt::Result {
     let [faces, vertices] = count.merged;
     if faces + vertices > 0 {
         let changed = blocks.iter().filter(|b| b.merged != Default::default()).count();
-        writeln!(out, "  merged    {faces:>12} coplanar faces, {vertices} vertices dropped, in {changed} blocks")?;
+        let [faces_in, dropped, blocks] =
+            [(faces, "face", "faces"), (vertices, "vertex", "vertices"), (changed, "block", "blocks")]
+                .map(|(count, one, many)| noun(count, one, many));
+        writeln!(
+            out,
+            "  merged    {faces:>12} coplanar {faces_in}, {vertices} {dropped} dropped, in {changed} {blocks}"
+        )?;
     }
-    writeln!(out, "  inexact   {:>12} blocks have coordinates that {} rounds", count.inexact, model.precision)
+    let have = noun(count.inexact, "block has", "blocks have");
+    writeln!(out, "  inexact   {:>12} {have} coordinates that {} rounds", count.inexact, model.precision)
 }
 
 fn write_tolerances(out: &mut String, model: &CheckedModel) -> std::fmt::Result {
@@ -183,11 +195,27 @@ fn write_tolerances(out: &mut String, model: &CheckedModel) -> std::fmt::Result 
 /// A fall that is not stopped within `penetration`, in the form of a violated rule. It is no violation: whether anything falls so
 /// far, rules do not know.
 fn warning(fall: &Fall) -> String {
-    let Fall { block, weight, height, stiffness, needed, depth, allowed, remedy } = fall;
+    let Fall { block, remedy, .. } = fall;
+    let [weight, height, stiffness, depth, allowed] =
+        [fall.weight, fall.height, fall.stiffness, fall.depth, fall.allowed].map(in_seven_digits);
+    let needed = if fall.needed.is_finite() { in_seven_digits(fall.needed) } else { "none that f64 holds".to_owned() };
+    let remedy = if remedy.is_empty() { "nothing that f64 holds" } else { remedy };
     format!(
         "\nwarning: a fall may end deeper than penetration\n  (fall onto one corner from the height of the model) ≤ penetration\n\
-        \x20   found      {depth:.6e}, allowed {allowed:.6e}, by block {block} of {weight:.6e} N falling {height:.6e} m\n\
-        \x20   because    the contact takes p·d²/2 = W·(height + d): normal_stiffness is {stiffness:.6e}, needed is {needed:.6e}\n\
+        \x20   found      {depth}, allowed {allowed}, by block {block} of {weight} N falling {height} m\n\
+        \x20   because    the contact takes p·d²/2 = W·(height + d): normal_stiffness is {stiffness}, needed is {needed}\n\
         \x20   satisfied  by {remedy}\n"
+    )
+}
+
+/// A block that `penetration` is more than half as thick as, in the same form.
+fn warning_of_thin(thin: &Thin) -> String {
+    let Thin { block, thickness, penetration, remedy } = thin;
+    format!(
+        "\nwarning: a block may be passed through, or lie within another, and count as held\n  penetration ≤ (least thickness of a block)/2\n\
+        \x20   found      {penetration:.6e}, allowed {:.6e}, by block {block}, {thickness:.6e} m thick\n\
+        \x20   because    no point within it is deeper than that, and the nearest way out may be through the face behind\n\
+        \x20   satisfied  by {remedy}\n",
+        thickness / 2.0
     )
 }

@@ -11,6 +11,7 @@ use clap::ValueEnum;
 use rayon::prelude::*;
 use rockproof_differential::neighbours::neighbours;
 use rockproof_examine::Overlaps;
+use rockproof_model::text::noun;
 use rockproof_model::{Block, Contact, Precision, Sign, ToleranceSet};
 use rockproof_oracle::combination::{Combination, combinations};
 use rockproof_oracle::rational::Rational;
@@ -272,7 +273,10 @@ fn write_table(out: &mut Vec<u8>, found: impl Iterator<Item = PairContacts>, exa
         let header = ["block A", "block B", "combination", "feature A", "feature B", "contacts"];
         writeln!(out, "\n{}", table(&header, &[0, 1, 3, 4, 5], joined))?;
     }
-    writeln!(out, "\n{count} contacts in {touching} pairs; {examined} pairs of neighbours examined")
+    let [contacts, pairs, examined_pairs] =
+        [(count, "contact", "contacts"), (touching, "pair", "pairs"), (examined, "pair", "pairs")]
+            .map(|(count, one, many)| format!("{count} {}", noun(count, one, many)));
+    writeln!(out, "\n{contacts} in {pairs}; {examined_pairs} of neighbours examined")
 }
 
 /// A contact for programs, without its gap's size.

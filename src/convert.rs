@@ -7,6 +7,7 @@ use crate::output_file::OverwriteArgs;
 use anyhow::Context;
 use rockproof_model::scene::{FormatError, SceneFormat, losses, write};
 use rockproof_model::{Block, BlockOptions, Precision, Scene};
+use rockproof_report::table::counted;
 use rockproof_results::write_atomically;
 use std::path::PathBuf;
 
@@ -54,7 +55,7 @@ impl Convert {
         for lost in losses(&scene, format) {
             print_note(&lost);
         }
-        print(&format!("{}: {} blocks\n", self.output.display(), scene.blocks.len()))?;
+        print(&format!("{}: {}\n", self.output.display(), counted(scene.blocks.len() as u64, "block", "blocks")))?;
         Ok(Verdict::Passed)
     }
 

@@ -28,7 +28,7 @@ use std::path::PathBuf;
   rockproof examine slope.toml --steps 50 --no-tune
   rockproof examine slope.dda --format json > slope.json
 
-Exit status: 0 safe, 1 not safe with the tolerances it was examined with, 2 usage or input error, 130 interrupted.")]
+Exit status: 0 safe, 1 not safe with the tolerances it was examined with, or not decided, 2 usage or input error, 130 interrupted.")]
 pub(crate) struct Examine {
     #[command(flatten)]
     model: ModelArgs,
@@ -77,9 +77,17 @@ impl Examine {
         let candidates = if self.no_tune { 0 } else { self.candidates };
         let settings = Settings { steps: self.steps, candidates, threads: self.threads };
         let seen = Seen::default();
-        let Some(found) = stages_while(&seen, || examine(model, &settings, &seen, &stop))? else {
-            print_note("interrupted: nothing is written, and the same command begins anew");
-            return Ok(Verdict::Interrupted);
+        let found = match stages_while(&seen, || examine(model, &settings, &seen, &stop)) {
+            Ok(Some(found)) => found,
+            Ok(None) => {
+                directory.give_up();
+                print_note("interrupted: nothing is written, and the same command begins anew");
+                return Ok(Verdict::Interrupted);
+            }
+            Err(error) => {
+                directory.give_up();
+                return Err(anyhow::Error::new(error).context(self.model.file.path().display().to_string()));
+            }
         };
         found.model.notes.iter().for_each(|note| print_note(note));
         let (cases, naming) = (worst_cases(&found), self.model.naming(&dir, self.out.is_none()));

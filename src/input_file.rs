@@ -1,5 +1,6 @@
 //! The file that a command looks at: a path, or `-` for stdin.
 
+use crate::exit::print_note;
 use crate::input::{ReadArgs, format_names};
 use anyhow::Context;
 use rockproof_differential::external::spec::quoted;
@@ -70,6 +71,25 @@ impl InputFile {
         self.bytes().and_then(text_of).with_context(|| self.path().display().to_string())
     }
 
+    /// The text of a case.
+    ///
+    /// # Errors
+    /// As [`InputFile::text`], and when it is a scene or a file of blocks.
+    pub(crate) fn case_text(&self) -> anyhow::Result<String> {
+        let refuse = |what| anyhow::anyhow!("{}: this is {what}, not a case", self.path().display());
+        if let InputFile::Named(path) = self
+            && SceneFormat::of_path(path).is_some_and(|format| format != SceneFormat::Toml)
+        {
+            return Err(refuse("a block file"));
+        }
+        let text = self.text()?;
+        let has = |table: &str| text.lines().any(|line| line.trim() == table);
+        if !self.is_step(&text) && has("[[block]]") && !has("[case]") {
+            return Err(refuse("a scene"));
+        }
+        Ok(text)
+    }
+
     /// Whether it is a state file, by its name; on stdin by its text.
     pub(crate) fn is_step(&self, text: &str) -> bool {
         match self {
@@ -112,7 +132,13 @@ impl ModelFile {
             let known = format_names();
             anyhow::bail!("{STDIN}: it begins as no format does; --input-format says which it is: {known}");
         };
-        Ok(ModelFile { name, format, bytes, options: args.options() })
+        let options = args.options();
+        if format == SceneFormat::Toml && options.weld.is_some() {
+            print_note(
+                "--weld joins vertices of the files that a scene names; those of its own blocks stay as they are",
+            );
+        }
+        Ok(ModelFile { name, format, bytes, options })
     }
 
     /// What messages call it.

@@ -15,6 +15,7 @@ use rockproof_campaign::part::Machine;
 use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::{source, steps};
 use rockproof_differential::finding::Finding;
+use rockproof_report::table::counted;
 use rockproof_results::Start;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -102,8 +103,8 @@ impl Merge {
         }
         if merged.unseen > 0 {
             print_note(&format!(
-                "{} findings have no case file, because an engine does not answer as it did in the part",
-                merged.unseen
+                "{} no case file, because an engine does not answer as it did in the part",
+                counted(merged.unseen, "finding has", "findings have")
             ));
         }
         let stress = config.stress.then(|| stress::finish(&mut journal, &engines)).transpose()?;

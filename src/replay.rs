@@ -58,7 +58,7 @@ struct Divergence {
 
 impl Replay {
     pub(crate) fn run(&self) -> Outcome {
-        let (text, path) = (self.case.text()?, self.case.path());
+        let (text, path) = (self.case.case_text()?, self.case.path());
         if self.case.is_step(&text) {
             return replay_step::run(&text, path, &self.format);
         }

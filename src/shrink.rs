@@ -48,7 +48,7 @@ impl Shrink {
         if let Some(out) = &self.out {
             self.overwrite.allow(out)?;
         }
-        let (text, path) = (self.case.text()?, self.case.path());
+        let (text, path) = (self.case.case_text()?, self.case.path());
         if self.case.is_step(&text) {
             return self.shrink_step(&text, out);
         }

@@ -23,6 +23,7 @@ use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::{Control, Skips, step_in_words};
 use rockproof_model::{Precision, Scene, ToleranceSet, rules};
 use rockproof_oracle::step::KeptPrecision;
+use rockproof_report::table::counted;
 use rockproof_results::{Start, bounded};
 use rockproof_simulate::audit::PairExtreme;
 use rockproof_simulate::identity::{identity, with_tolerances};
@@ -240,7 +241,8 @@ impl Simulate {
         }
         let violated: Vec<&str> = violations.iter().map(|violation| violation.rule.formula()).collect();
         if !violated.is_empty() {
-            print_note(&format!("running with {} rules violated: {}", violated.len(), violated.join("; ")));
+            let rules = counted(violated.len() as u64, "rule", "rules");
+            print_note(&format!("running with {rules} violated: {}", violated.join("; ")));
         }
         let mut about = Map::new();
         about.insert("file".to_owned(), self.scene.path().display().to_string().into());
@@ -575,15 +577,15 @@ fn write_summary<R: Real>(
     }
     let all = totals.steps + totals.settling;
     let time = state.time.to_f64();
-    writeln!(out, "time             {} s after {} steps", short(time), grouped(totals.steps))?;
+    writeln!(out, "time             {} s after {}", short(time), counted(totals.steps, "step", "steps"))?;
     if totals.settling > 0 {
-        writeln!(out, "settling         {} steps before", grouped(totals.settling))?;
+        writeln!(out, "settling         {} before", counted(totals.settling, "step", "steps"))?;
     }
     let smallest = totals.smallest_step.map_or("–".to_owned(), |s| short(s.0));
     writeln!(out, "smallest Δt      {smallest} s")?;
     let mean = totals.iterations as f64 / all.max(1) as f64;
     writeln!(out, "iterations       {mean:.2} a step, at most {}", totals.most_iterations)?;
-    writeln!(out, "unconverged      {} steps", grouped(totals.unconverged))?;
+    writeln!(out, "unconverged      {}", counted(totals.unconverged, "step", "steps"))?;
     let retries: Vec<String> =
         totals.retries_by_reason().iter().map(|(why, count)| format!("{} {why}", grouped(*count))).collect();
     writeln!(out, "retries          {}", retries.join(", "))?;
@@ -611,7 +613,7 @@ fn write_summary<R: Real>(
     }
     write_causes(out, record.intrusions())?;
     let speed = all as f64 / seconds.max(1e-9);
-    writeln!(out, "\n{} steps in {seconds:.1} s ({speed:.0} a second)", grouped(all))?;
+    writeln!(out, "\n{} in {seconds:.1} s ({speed:.0} a second)", counted(all, "step", "steps"))?;
     match ending {
         Ending::Finished => {}
         Ending::Interrupted => writeln!(out, "interrupted; --resume goes on")?,
@@ -630,7 +632,7 @@ fn write_lockstep(out: &mut String, counts: &BTreeMap<String, u64>) -> std::fmt:
         table::CAUSES.iter().map(|&cause| format!("{} {cause}", grouped(differences(counts, cause)))).collect();
     writeln!(out, "lockstep         {} of {} steps differ", grouped(count("steps_differing")), grouped(*steps))?;
     writeln!(out, "differences      {}", by_cause.join(", "))?;
-    writeln!(out, "undecided        {} decisions of the oracle", grouped(count("undecided")))?;
+    writeln!(out, "undecided        {} of the oracle", counted(count("undecided"), "decision", "decisions"))?;
     let ratio = count("oracle_microseconds") as f64 / count("stepper_microseconds").max(1) as f64;
     writeln!(out, "cost             the oracle and comparing took {} times the stepper's time", short(ratio))
 }

@@ -8,6 +8,7 @@ use rockproof_differential::lockstep::effect::penetration;
 use rockproof_model::Number;
 use rockproof_model::simulation::step_in_words;
 use rockproof_model::text::csv_cell;
+use rockproof_model::text::noun;
 use rockproof_oracle::step::{KeptPrecision, Mode, StepAnswer};
 use rockproof_results::{Claim, Directory, FileKind, Owner, Start};
 use rockproof_simulate::Plan;
@@ -97,8 +98,10 @@ impl ExactRun {
         let time = trajectory.state().time.approximate();
         let text = || {
             format!(
-                "time             {time} s after {} exact steps\nkept             {kept}\nundecided        {undecided} decisions\nwritten to {}: {}\n",
+                "time             {time} s after {} exact {}\nkept             {kept}\nundecided        {undecided} {}\nwritten to {}: {}\n",
                 trajectory.steps(),
+                noun(trajectory.steps(), "step", "steps"),
+                noun(undecided, "decision", "decisions"),
                 dir.display(),
                 FILES.join(", ")
             )

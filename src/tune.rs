@@ -12,7 +12,7 @@ use rockproof_examine::{file_name, tolerances_json};
 use rockproof_model::scene::write_toml;
 use rockproof_model::{Precision, Scene, ToleranceSpec};
 use rockproof_report::latex::latex;
-use rockproof_report::table::{Table, TableCell};
+use rockproof_report::table::{Table, TableCell, counted};
 use rockproof_results::{Start, bounded, digest};
 use rockproof_tune::distribute::Enough;
 use rockproof_tune::report::{as_toml, markdown, sides};
@@ -199,8 +199,9 @@ impl Tune {
         record.write("tune.tex", sides_in_latex(&search).as_bytes())?;
         record.write("tolerances.toml", as_toml(&best.set).as_bytes())?;
         let count = search.tried().len();
+        let tried = counted(count as u64, "candidate", "candidates");
         let files = "tolerances.toml, tune.md, tune.tex, candidates.csv, tune.json";
-        let told = || format!("{text}\n{count} candidates tried; written to {}: {files}\n", dir.display());
+        let told = || format!("{text}\n{tried} tried; written to {}: {files}\n", dir.display());
         self.format.print(told, || {
             json!({
                 "clean": best.measurement.is_clean(),

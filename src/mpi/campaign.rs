@@ -9,6 +9,7 @@ use rockproof_campaign::distribute::{Crew, serve};
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::part::Machine;
 use rockproof_campaign::run::{Ending, RunError};
+use rockproof_report::table::counted;
 use serde_json::{Map, Value};
 
 impl Job for Campaign {
@@ -33,8 +34,8 @@ impl Job for Campaign {
         let distributed = led(&mut journal)?;
         if distributed.unseen > 0 {
             print_note(&format!(
-                "{} findings have no case file, because an engine does not answer twice alike",
-                distributed.unseen
+                "{} no case file, because an engine does not answer twice alike",
+                counted(distributed.unseen, "finding has", "findings have")
             ));
         }
         let ending = match distributed.ending {

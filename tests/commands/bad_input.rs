@@ -362,3 +362,40 @@ fn a_closed_pipe_is_no_panic() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+#[test]
+fn a_scene_and_a_block_file_are_called_what_they_are_where_a_case_is_expected() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = |name: &str| directory.path().join(name);
+    std::fs::write(at("scene.toml"), "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n").unwrap();
+    std::fs::write(at("blocks.dda"), DDA).unwrap();
+    std::fs::write(at("surface.stl"), [0xff; 100]).unwrap();
+    for command in ["replay", "shrink"] {
+        for (file, what) in [("scene.toml", "a scene"), ("blocks.dda", "a block file"), ("surface.stl", "a block file")]
+        {
+            let (code, message) = run(&[command, file], directory.path());
+            assert_eq!(code, Some(2));
+            assert!(message.contains(&format!("{file}: this is {what}, not a case")), "{message}");
+        }
+    }
+}
+
+#[test]
+fn a_byte_order_mark_is_skipped_in_every_format_of_text() {
+    let directory = tempfile::tempdir().unwrap();
+    let marked = |name: &str, text: &[u8]| {
+        std::fs::write(directory.path().join(name), [b"\xef\xbb\xbf", text].concat()).unwrap();
+        let (code, message) = run(&["check", name, "--planarity", "1e-4"], directory.path());
+        assert!(code == Some(0) || code == Some(1), "{name}: {code:?} {message}");
+        assert!(!message.contains("feff"), "{name}: {message}");
+    };
+    marked("a.dda", DDA.as_bytes());
+    marked("a.toml", b"[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n");
+    marked("a.txt", include_bytes!("../../cases/real/voronoi_120.txt"));
+    marked("a.obj", include_bytes!("../fixtures/two_cubes.obj"));
+    marked("a.vtk", include_bytes!("../fixtures/two_cubes.vtk"));
+    marked("a.vtu", include_bytes!("../fixtures/cells.vtu"));
+    marked("a.msh", include_bytes!("../fixtures/cells.msh"));
+    marked("a.ply", include_bytes!("../fixtures/box.ply"));
+    marked("a.stl", include_bytes!("../fixtures/two_wedges.stl"));
+}

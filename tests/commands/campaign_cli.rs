@@ -45,7 +45,7 @@ fn classify_writes_the_columns_of_every_contact() {
         assert!(lines[1..].iter().all(|l| l.starts_with("0,1,v-f,") && l.ends_with(",0,0.0")), "{out}");
     }
     let (_, out, _) = rockproof(&["classify", &file]);
-    assert!(out.contains("face-face") && out.contains("4 contacts in 1 pairs"), "{out}");
+    assert!(out.contains("face-face") && out.contains("4 contacts in 1 pair; 1 pair of"), "{out}");
     let (code, out, _) = rockproof(&["classify", &file, "--pair", "0,2", "--format", "json"]);
     assert_eq!(code, 0, "nothing touches");
     assert_eq!(serde_json::from_str::<serde_json::Value>(&out).expect("JSON")["pairs"], serde_json::json!([]));

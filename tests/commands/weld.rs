@@ -92,3 +92,16 @@ fn campaigns_join_vertices_of_real_files() {
     let (code, _, err) = place.run(&["campaign", "--pairs", "16", "--weld", "1e-8", "--out", "none"]);
     assert!(code == 2 && err.contains("--weld is about the files of --real"), "{err}");
 }
+
+#[test]
+fn joining_everything_and_joining_nothing_are_said() {
+    let place = Place::new();
+    place.file("joined.obj", &soup(0.0));
+    let (code, _, err) = place.run(&["check", "joined.obj", "--weld", "10"]);
+    assert!(code == 2 && err.contains("--weld 10 joins all vertices of block block0, "), "{err}");
+    place.file("scene.toml", "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n");
+    let (code, _, err) = place.run(&["check", "scene.toml", "--weld", "1e-6"]);
+    assert!(code == 0 && err.contains("note: --weld joins vertices of the files that a scene names; "), "{err}");
+    let (_, _, err) = place.run(&["check", "scene.toml"]);
+    assert!(!err.contains("--weld"), "{err}");
+}

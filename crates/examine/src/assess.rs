@@ -10,11 +10,11 @@ use crate::recommend::{Recommendation, better};
 use crate::seen::{Seen, Stage};
 use crate::steps::{self, Steps};
 use rockproof_differential::subject::SubjectSet;
-use rockproof_model::rules::{self, Violation};
+use rockproof_model::rules::{self, Thin, Violation};
 use rockproof_model::{Precision, ToleranceSet, ToleranceSpec};
-use rockproof_report::table::grouped;
+use rockproof_report::table::counted;
 use rockproof_tune::report::markdown;
-use rockproof_tune::{Evaluator, Search};
+use rockproof_tune::{Evaluator, Search, TuneError};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Blocks of a model that is stepped without being asked to.
@@ -44,6 +44,8 @@ pub struct Assessment {
     pub set: ToleranceSet,
     /// The rules that it violates.
     pub violations: Vec<Violation>,
+    /// A block that `penetration` is more than half as thick as.
+    pub thin: Option<Thin>,
     /// The blocks that overlap.
     pub overlaps: Overlaps,
     /// All neighbouring pairs, in ascending order.
@@ -75,9 +77,14 @@ impl Assessment {
         ]
     }
 
-    /// Whether nothing is wrong with the model under this set.
+    /// Whether nothing is wrong with the model under this set, something was tried, and what is wrong could have been seen.
     pub fn is_safe(&self, precision: Precision) -> bool {
-        self.harm(precision) == [0; 5]
+        self.harm(precision) == [0; 5] && self.tries_contacts() && self.thin.is_none()
+    }
+
+    /// Whether there were contacts to be wrong: blocks near one another at the start, or in the steps.
+    pub(crate) fn tries_contacts(&self) -> bool {
+        !self.pairs.is_empty() || self.steps.made().is_some_and(|made| made.touched)
     }
 
     /// What is wrong, each zero where nothing is: rules violated, overlaps not held, pairs broken, pairs that pass through one another, steps that cannot be made.
@@ -141,6 +148,7 @@ impl Work<'_> {
         let shapes = model.scene.shapes();
         let set = sets.of(model.precision).clone();
         let violations = rules::check_scene(&set, &model.scene, model.precision);
+        let thin = rules::thin(&set, &shapes);
         let overlaps = overlaps(&shapes, &set, (None, MeasuredOverlaps::All), self.seen, self.stop);
         let all = overlaps.neighbours();
         self.seen.begin(Stage::Pairs, all.len());
@@ -158,7 +166,7 @@ impl Work<'_> {
                 }
             }
         };
-        Ok(Some(Assessment { set, violations, overlaps, pairs, steps }))
+        Ok(Some(Assessment { set, violations, thin, overlaps, pairs, steps }))
     }
 
     fn why_no_steps(&self, model: &CheckedModel, overlaps: &Overlaps) -> Option<String> {
@@ -183,7 +191,14 @@ impl Work<'_> {
         }
         let most = self.settings.candidates as usize;
         self.seen.begin(Stage::Sets, most);
-        let evaluator = Evaluator::new(&model.scene, model.precision, SEED, Some(TUNE_STEPS), 0)?;
+        let evaluator = match Evaluator::new(&model.scene, model.precision, SEED, Some(TUNE_STEPS), 0) {
+            // Contacts reach further than pairs are made of: no reason to keep back what was found.
+            Err(TuneError::NoNeighbours) => {
+                let why = "not looked for: no two blocks are near enough to make pairs of, that moved tell sets apart";
+                return Ok(Some(Recommendation::Skipped(why.to_owned())));
+            }
+            evaluator => evaluator?,
+        };
         let mut search = Search::new(&evaluator, &model.spec, SEED)?;
         while search.tried().len() < most {
             if self.is_stopped() {
@@ -225,5 +240,5 @@ fn name_of(spec: &ToleranceSpec) -> String {
 
 /// A count with its noun.
 pub(crate) fn plural(count: usize, one: &str, many: &str) -> String {
-    format!("{} {}", grouped(count as u64), if count == 1 { one } else { many })
+    counted(count as u64, one, many)
 }

@@ -1,7 +1,7 @@
 //! A model that could be read, with what the rules say of its tolerances.
 
 use crate::extents::Extents;
-use rockproof_model::rules::{self, Fall};
+use rockproof_model::rules::{self, BEYOND_F64, Fall, Thin};
 use rockproof_model::{Number, Precision, Scene, SceneBlock, ToleranceSet, ToleranceSpec, Violation};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -26,13 +26,18 @@ pub struct CheckedModel {
     pub violations: Vec<Violation>,
     /// A fall that is not stopped within `penetration`.
     pub fall: Option<Fall>,
+    /// A block that `penetration` is more than half as thick as.
+    pub thin: Option<Thin>,
     /// What may be meant otherwise than it is written: units, triangles of a mesh.
     pub notes: Vec<String>,
     /// What a planarity would merge of a mesh whose coordinates were rounded, where whoever read it knows.
     pub merging: Option<String>,
 }
 
-/// A value whose rounding overflows (SPEC section 1).
+/// The largest coordinate (m): the square of the weight of a block so large is still an f64.
+const LARGEST: f64 = 1e45;
+
+/// A value whose rounding overflows (SPEC section 1), or of which too much is calculated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CheckError {
     /// A coordinate of a block.
@@ -44,6 +49,19 @@ pub enum CheckError {
         name: String,
         /// The precision.
         precision: Precision,
+    },
+    /// A block so large, or so far off, that what is calculated of it overflows.
+    #[error(
+        "block {number} \"{name}\": a coordinate of {coordinate:e} m; beyond {:e} m weights and energies overflow f64",
+        LARGEST
+    )]
+    Size {
+        /// The block's number.
+        number: usize,
+        /// Its name.
+        name: String,
+        /// The coordinate (m).
+        coordinate: f64,
     },
     /// A tolerance.
     #[error("tolerance `{name}` overflows when rounded to {precision}")]
@@ -70,13 +88,16 @@ impl CheckedModel {
             if block.block.rounded(precision).is_none() {
                 return Err(CheckError::Block { number, name: block.name.clone(), precision });
             }
+            if let Some(coordinate) = block.block.coordinates().map(Number::approximate).find(|c| c.abs() > LARGEST) {
+                return Err(CheckError::Size { number, name: block.name.clone(), coordinate });
+            }
         }
         set.rounded(precision).map_err(|name| CheckError::Tolerance { name, precision })?;
         let violations = rules::check_scene(&set, &scene, precision);
         let extents = Extents::of(&scene);
         let notes = extents.doubt().into_iter().collect();
-        let fall = rules::fall(&set, &scene);
-        Ok(CheckedModel { file, scene, spec, set, precision, extents, violations, fall, notes, merging: None })
+        let (fall, thin) = (rules::fall(&set, &scene), rules::thin(&set, &scene.shapes()));
+        Ok(CheckedModel { file, scene, spec, set, precision, extents, violations, fall, thin, notes, merging: None })
     }
 
     /// Blocks, tolerances and notes for programs.
@@ -87,6 +108,11 @@ impl CheckedModel {
             json!({
                 "block": fall.block, "weight_n": fall.weight, "height_m": fall.height, "stiffness_n_per_m": fall.stiffness,
                 "needed_n_per_m": fall.needed, "depth_m": fall.depth, "allowed_m": fall.allowed, "remedy": fall.remedy,
+            })
+        });
+        let thin = self.thin.as_ref().map(|thin| {
+            json!({
+                "block": thin.block, "thickness_m": thin.thickness, "penetration_m": thin.penetration, "remedy": thin.remedy,
             })
         });
         json!({
@@ -109,6 +135,7 @@ impl CheckedModel {
             "preset": self.spec.preset().map(|preset| preset.name()),
             "tolerances": tolerances_json(&self.set),
             "fall": fall,
+            "thin": thin,
             "notes": self.notes,
         })
     }
@@ -180,6 +207,11 @@ pub fn violations_text(violations: &[Violation]) -> String {
     out.trim_start().to_owned()
 }
 
+/// A number in seven digits, or that f64 does not hold it.
+pub fn in_seven_digits(value: f64) -> String {
+    if value.is_finite() { format!("{value:.6e}") } else { BEYOND_F64.to_owned() }
+}
+
 fn write_violations(out: &mut String, violations: &[Violation]) -> std::fmt::Result {
     if violations.is_empty() {
         return writeln!(out, "\nrules: all met");
@@ -187,7 +219,8 @@ fn write_violations(out: &mut String, violations: &[Violation]) -> std::fmt::Res
     writeln!(out, "\nrules: {} violated", violations.len())?;
     for violation in violations {
         writeln!(out, "  {}", violation.rule.formula())?;
-        write!(out, "    found      {:.6e}, allowed {:.6e}", violation.found, violation.allowed)?;
+        let [found, allowed] = [violation.found, violation.allowed].map(in_seven_digits);
+        write!(out, "    found      {found}, allowed {allowed}")?;
         match violation.place {
             Some(place) => writeln!(out, ", by {place}")?,
             None => writeln!(out)?,

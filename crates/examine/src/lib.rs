@@ -24,7 +24,9 @@ mod worst;
 
 pub use assess::{Assessment, Examination, Settings, examine};
 pub use cases::{KeptCase, worst_cases};
-pub use checked::{BlockCounts, CheckError, CheckedModel, tolerances_json, violation_json, violations_text};
+pub use checked::{
+    BlockCounts, CheckError, CheckedModel, in_seven_digits, tolerances_json, violation_json, violations_text,
+};
 pub use document::document;
 pub use error::ExamineError;
 pub use extents::{Extents, short};

@@ -3,6 +3,7 @@
 use crate::deepest::deepest;
 use crate::seen::{Seen, Stage};
 use rayon::prelude::*;
+use rockproof_model::text::noun;
 use rockproof_model::{Block, Number, Precision, ToleranceSet};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Meaning, Overlap, OverlapVisibility, rounding_depth};
@@ -135,18 +136,18 @@ impl Overlaps {
 
     /// What the audit found, in one sentence, with the deepest pair of the first count; `None` where nothing overlaps.
     pub fn sentence(&self) -> Option<String> {
-        let said = [
-            "overlap deeper than penetration or where no contact sees it, and will pass through one another",
-            "overlap and are held by contacts",
-            "overlap by no more than rounding",
-        ];
         let mut parts: Vec<String> = Vec::new();
-        for (meaning, said) in Meaning::ALL.into_iter().zip(said) {
+        for meaning in Meaning::ALL {
             let count = self.count(meaning);
             if count == 0 {
                 continue;
             }
-            let pairs = if count == 1 { "pair" } else { "pairs" };
+            let (pairs, overlap) = (noun(count, "pair", "pairs"), noun(count, "overlaps", "overlap"));
+            let said = match meaning {
+                Meaning::Lost => format!("{overlap} {}, and will pass through one another", self.why_lost()),
+                Meaning::Held => format!("{overlap} and {} held by contacts", noun(count, "is", "are")),
+                Meaning::Rounding => format!("{overlap} by no more than rounding"),
+            };
             let in_brackets = |worst: &Overlap| {
                 let [a, b] = worst.blocks;
                 format!(" (worst {a}–{b}, {} m)", depth(worst))
@@ -160,10 +161,23 @@ impl Overlaps {
         (!parts.is_empty()).then(|| parts.join("; "))
     }
 
+    /// Which of both it is that makes overlaps lost, with their numbers where it is both. A deep one may be unseen as well.
+    fn why_lost(&self) -> String {
+        let deep = self.that(|meaning| meaning == Meaning::Lost).filter(|overlap| overlap.is_deeper_than_g).count();
+        match (deep, self.count(Meaning::Lost) - deep) {
+            (_, 0) => "deeper than penetration".to_owned(),
+            (0, _) => "where no contact sees it".to_owned(),
+            (deep, unseen) => format!("deeper than penetration ({deep}) or where no contact sees it ({unseen})"),
+        }
+    }
+
     /// The sentence after its name, also where nothing overlaps.
     pub fn line(&self) -> String {
         match self.sentence() {
-            None => format!("overlaps: none in {} neighbouring pairs", self.audit.counts.neighbours()),
+            None => {
+                let neighbours = self.audit.counts.neighbours();
+                format!("overlaps: none in {neighbours} neighbouring {}", noun(neighbours, "pair", "pairs"))
+            }
             Some(sentence) => format!("overlaps: {sentence}"),
         }
     }
@@ -282,9 +296,19 @@ mod tests {
         found.audit.overlaps[2].sight = OverlapVisibility::Shallow;
         let found = Overlaps::of(found.audit, &rounding_depth(&blocks, Precision::F64), found.neighbours);
         let said = found.sentence().expect("overlaps");
-        assert!(said.starts_with("2 pairs (worst 0–2, 0.0020 m) overlap deeper than penetration or where"), "{said}");
+        assert!(said.starts_with("2 pairs (worst 0–2, 0.0020 m) overlap where no contact sees it, and will"), "{said}");
         assert!(said.contains(" pass through one another (0 seen, 0 shallow, 2 unseen); "), "{said}");
-        assert!(said.ends_with("; 1 pair overlap and are held by contacts (0 seen, 1 shallow)"), "{said}");
+        assert!(said.ends_with("; 1 pair overlaps and is held by contacts (0 seen, 1 shallow)"), "{said}");
+        // Which of both it is.
+        for (deep, why) in [
+            (1, "deeper than penetration (1) or where no contact sees it (1), and"),
+            (2, "deeper than penetration, and"),
+        ] {
+            let mut found = found.clone();
+            found.audit.overlaps[..deep].iter_mut().for_each(|overlap| overlap.is_deeper_than_g = true);
+            let said = found.sentence().expect("overlaps");
+            assert!(said.contains(&format!(" m) overlap {why} will pass through one another")), "{said}");
+        }
         let json = found.json();
         assert_eq!([&json["seen"], &json["shallow"], &json["unseen"]], [0, 1, 2]);
     }

@@ -81,6 +81,10 @@ impl OtherSet {
     /// Whether the model does better with it: it is safe where it was not, or less of something is wrong and more of nothing. That the nearest rule is met by
     /// more, or that blocks sink less, is no reason to leave a set.
     fn is_better_than(&self, given: &Assessment, precision: Precision) -> bool {
+        // Nothing is wrong with contacts that there are none of.
+        if given.tries_contacts() && !self.assessed.tries_contacts() {
+            return false;
+        }
         let [ours, theirs] = [&self.assessed, given].map(|assessed| assessed.harm(precision));
         match (self.assessed.is_safe(precision), given.is_safe(precision)) {
             (true, true) => is_less(self.counts(given, precision).map(|(_, ours, theirs)| [ours, theirs])),

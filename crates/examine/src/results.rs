@@ -1,6 +1,6 @@
 //! What an examination leaves in its directory.
 
-use crate::assess::Examination;
+use crate::assess::{Examination, plural};
 use crate::cases::KeptCase;
 use crate::checked::violations_text;
 use crate::document::document;
@@ -8,7 +8,7 @@ use crate::error::ExamineError;
 use crate::naming::Naming;
 use crate::pairs::EngineDifferences;
 use crate::recommend::Recommendation;
-use crate::verdict::{Verdict, mark, title};
+use crate::verdict::{NOT_DECIDED, Verdict, mark, title};
 use crate::view::{Standing, standings, views};
 use rockproof_model::vtu::{DataArray, SCALAR, vtu};
 use rockproof_model::{Precision, ToleranceSet};
@@ -198,8 +198,8 @@ pub fn write(
                 id: "pairs",
                 title: "Pairs of blocks",
                 lead: format!(
-                    "The worst of {} pairs with something to say, of {} in pairs.csv.",
-                    ranked.len(),
+                    "The worst of {} with something to say, of {} in pairs.csv.",
+                    plural(ranked.len(), "pair", "pairs"),
                     pairs.len()
                 ),
                 parts: vec![SectionPart::Table(worst(SHOWN[0]), SHOWN[0])],
@@ -243,7 +243,7 @@ pub fn write(
     let mut names: Vec<String> =
         files.iter().map(|(name, ..)| name.clone()).filter(|name| !name.contains('/')).collect();
     if !cases.is_empty() {
-        names.push(format!("{} cases", cases.len()));
+        names.push(plural(cases.len(), "case", "cases"));
     }
     directory.write_all(files)?;
     Ok(Written { document, names })
@@ -294,7 +294,11 @@ pub fn tolerance_table(found: &Examination) -> Table {
 
 /// The lines as the page has them.
 fn lines(verdict: &Verdict) -> Vec<VerdictLine> {
-    let severity = if verdict.is_safe { Severity::Good } else { Severity::Bad };
+    let severity = match verdict.answer {
+        "safe" => Severity::Good,
+        NOT_DECIDED => Severity::Fair,
+        _ => Severity::Bad,
+    };
     let mut lines = vec![VerdictLine { severity, text: verdict.sentence.clone() }];
     lines.extend(
         verdict

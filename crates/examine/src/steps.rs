@@ -6,7 +6,7 @@ use crate::step_audit::AuditedRun;
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_simulate::{AuditScope, AuditTotals, PairDepth, Stepping};
 use rockproof_stepper::contact::SpecRules;
-use rockproof_stepper::dynamics::{Dynamics, Solve};
+use rockproof_stepper::dynamics::{Dynamics, Mode, Solve};
 use rockproof_tune::{ClusterSupport, hold_lowest};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,6 +31,8 @@ pub struct AuditedSteps {
     pub held: ClusterSupport,
     /// Why they ended early, if they did.
     pub stopped: Option<String>,
+    /// Whether contacts were closed in any step, or while blocks settled.
+    pub touched: bool,
     /// What the audit found.
     pub totals: AuditTotals,
     /// Pairs that passed through one another within a step, with the greatest depth shown (m).
@@ -54,8 +56,8 @@ impl Steps {
     }
 }
 
-/// Makes `steps` steps of a scene after its settling, in a precision; `None` where it was stopped meanwhile. A scene that fixes nothing is held at its
-/// lowest blocks, or at its largest.
+/// Makes `steps` steps of a scene after its settling, in a precision; `None` where it was stopped meanwhile. A scene of several blocks that fixes
+/// nothing is held at its lowest, or at its largest.
 ///
 /// # Errors
 /// When the scene cannot be stepped.
@@ -68,7 +70,11 @@ pub(crate) fn make(
 ) -> Result<Option<AuditedSteps>, ExamineError> {
     let mut scene = scene.clone();
     let nothing_fixed = scene.blocks.iter().all(|block| !block.body.is_fixed());
-    let held = if nothing_fixed { hold_lowest(&mut scene) } else { ClusterSupport::Given };
+    let held = match (nothing_fixed, scene.blocks.len()) {
+        (false, _) => ClusterSupport::Given,
+        (true, 1) => ClusterSupport::Nothing,
+        (true, _) => hold_lowest(&mut scene),
+    };
     scene.derive_stiffness(set);
     match precision {
         Precision::F32 => make_in::<f32>(&scene, set, (precision, held), steps, (seen, stop)),
@@ -90,6 +96,7 @@ fn make_in<R: Solve>(
         asked: steps,
         held,
         stopped: None,
+        touched: false,
         totals: AuditTotals::default(),
         passages: BTreeMap::new(),
         unseen: BTreeMap::new(),
@@ -101,6 +108,8 @@ fn make_in<R: Solve>(
         match run.step() {
             Err(error) => found.stopped = Some(error.to_string()),
             Ok(report) => {
+                found.touched |=
+                    report.contacts.iter().any(|modes| modes[Mode::Sliding as usize..].iter().any(|&count| count > 0));
                 if let Some(audit) = run.audit() {
                     found.totals.add(report.step, &audit);
                     deepen(&mut found.passages, audit.passages.as_ref().map_or(&[], |passages| &passages.pairs));

@@ -9,6 +9,7 @@ use crate::recommend::Recommendation;
 use crate::steps::Steps;
 use rockproof_differential::external::spec::quoted;
 use rockproof_model::rules::{MeasuredModel, stiffness_slack};
+use rockproof_model::text::noun;
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_report::table::grouped;
 use rockproof_report::verdict::Severity;
@@ -17,6 +18,8 @@ use std::path::Path;
 
 /// The file of the set to use.
 const SET: &str = "tolerances.toml";
+/// The answer where nothing is wrong, but too little was there to be wrong.
+pub(crate) const NOT_DECIDED: &str = "not decided";
 
 /// A line of the answer.
 #[derive(Clone, Debug)]
@@ -34,7 +37,7 @@ pub struct Line {
 pub struct Verdict {
     /// Whether the model is safe with the tolerances that it was examined with.
     pub is_safe: bool,
-    /// `safe`, `safe with another set` or `not safe`.
+    /// `safe`, `safe with another set`, `not safe` or `not decided`.
     pub answer: &'static str,
     /// The answer with its reasons.
     pub sentence: String,
@@ -55,7 +58,7 @@ impl Verdict {
         let doubt = found.model.extents.doubt().filter(|_| !naming.units_are_meant);
         let is_safe = doubt.is_none() && found.given.is_safe(precision);
         let with_other = doubt.is_none() && found.recommended().is_some_and(|other| other.is_safe(precision));
-        let reasons = reasons(&found.given, precision, doubt.is_some());
+        let reasons = reasons(&found.given, found.model.scene.blocks.len(), precision, doubt.is_some());
         let (answer, sentence) = match (is_safe, with_other) {
             (true, _) => {
                 let pairs = plural(found.given.pairs.len(), "neighbouring pair", "neighbouring pairs");
@@ -70,6 +73,9 @@ impl Verdict {
                     found.name
                 ),
             ),
+            (false, false) if doubt.is_none() && found.given.harm(precision) == [0; 5] => {
+                (NOT_DECIDED, format!("{NOT_DECIDED}: {reasons}"))
+            }
             (false, false) => ("not safe", format!("not safe: {reasons}")),
         };
         let mut lines = vec![
@@ -79,9 +85,10 @@ impl Verdict {
             differing(&found.given, precision, true),
             differing(&found.given, other_than(precision), false),
             tolerances(&found.given),
-            steps(&found.given.steps),
+            steps(&found.given),
         ];
         lines.extend(fall(found));
+        lines.extend(thin(found));
         lines.push(recommended(found, precision, naming));
         let next = naming.dir.as_ref().map(|dir| next(found, cases, (naming, dir), (doubt.is_some(), answer)));
         Verdict { is_safe, answer, sentence, lines, next }
@@ -111,10 +118,19 @@ pub fn mark(severity: Severity) -> char {
 
 /// What a model called safe was not tried in, so that nobody takes little for much.
 fn untried(given: &Assessment) -> &'static str {
-    match (given.pairs.is_empty(), &given.steps) {
-        (true, _) => ", but no two blocks are near one another, so no contact was tried",
-        (false, Steps::Skipped(_)) => ", but no step was made",
-        (false, Steps::Made(_)) => "",
+    match &given.steps {
+        Steps::Skipped(_) => ", but no step was made",
+        Steps::Made(_) => "",
+    }
+}
+
+/// Why there was no contact to be wrong.
+fn apart(given: &Assessment, blocks: usize) -> String {
+    match blocks {
+        1 => "one block alone touches nothing".to_owned(),
+        _ => {
+            format!("no two blocks are near enough to touch (search is {} m)", short(given.set.search.approximate()))
+        }
     }
 }
 
@@ -130,8 +146,8 @@ fn other_than(precision: Precision) -> Precision {
     }
 }
 
-/// What is wrong, in a few words.
-fn reasons(given: &Assessment, precision: Precision, units: bool) -> String {
+/// What is wrong, or else what was not there to be, in a few words.
+fn reasons(given: &Assessment, blocks: usize, precision: Precision, units: bool) -> String {
     let mut said: Vec<String> = Vec::new();
     if units {
         said.push("the units are in doubt".to_owned());
@@ -153,6 +169,16 @@ fn reasons(given: &Assessment, precision: Precision, units: bool) -> String {
             0 => "a step cannot be made".to_owned(),
             count => format!("{} through one another within a few steps", plural(count, "pair passes", "pairs pass")),
         });
+    }
+    if let Some(thin) = &given.thin {
+        let [penetration, thickness] = [thin.penetration, thin.thickness].map(short);
+        said.push(format!(
+            "penetration, {penetration} m, is more than half of the thickness of block {}, {thickness} m, so it may be passed through unseen",
+            thin.block
+        ));
+    }
+    if said.is_empty() && !given.tries_contacts() {
+        said.push(apart(given, blocks));
     }
     said.join("; ")
 }
@@ -217,9 +243,10 @@ fn overlapping(given: &Assessment) -> Line {
 fn differing(given: &Assessment, precision: Precision, is_asked: bool) -> Line {
     let about = if precision == Precision::F64 { "f64" } else { "f32" };
     let [differ, broken] = given.differing(precision);
-    let pairs = format!("{} neighbouring pairs", grouped(given.pairs.len() as u64));
+    let pairs = plural(given.pairs.len(), "neighbouring pair", "neighbouring pairs");
+    let verb = noun(given.pairs.len(), "differs", "differ");
     if differ == 0 {
-        return line(about, good(given), format!("0 of {pairs} differ from the exact contacts"));
+        return line(about, good(given), format!("0 of {pairs} {verb} from the exact contacts"));
     }
     let sum =
         |of: fn(&ExaminedPair, Precision) -> u64| grouped(given.pairs.iter().map(|pair| of(pair, precision)).sum());
@@ -228,7 +255,7 @@ fn differing(given: &Assessment, precision: Precision, is_asked: bool) -> Line {
     let defects = sum(|pair, precision| pair.in_precision(precision).defects);
     let severity = if broken > 0 && is_asked { Severity::Bad } else { Severity::Fair };
     let text = format!(
-        "{} of {pairs} differ from the exact contacts, {} by more than a tie that rounding decides (contacts: {rounding} by rounding the input, {arithmetic} by \
+        "{} of {pairs} {verb} from the exact contacts, {} by more than a tie that rounding decides (contacts: {rounding} by rounding the input, {arithmetic} by \
          arithmetic, {defects} by mistakes in code)",
         grouped(differ as u64),
         grouped(broken as u64)
@@ -239,17 +266,22 @@ fn differing(given: &Assessment, precision: Precision, is_asked: bool) -> Line {
 fn tolerances(given: &Assessment) -> Line {
     let changed = given.pairs.iter().filter(|pair| pair.tolerance > 0).count();
     let contacts: u64 = given.pairs.iter().map(|pair| pair.tolerance).sum();
-    let [changed, pairs] = [changed, given.pairs.len()].map(|count| grouped(count as u64));
-    let text = format!("change {} exact contacts in {changed} of {pairs} pairs", grouped(contacts));
+    let (changed, pairs) = (grouped(changed as u64), plural(given.pairs.len(), "pair", "pairs"));
+    let exact = noun(contacts, "exact contact", "exact contacts");
+    let text = format!("change {} {exact} in {changed} of {pairs}", grouped(contacts));
     line("tolerances", if contacts == 0 { good(given) } else { Severity::Fair }, text)
 }
 
-fn steps(steps: &Steps) -> Line {
-    let made = match steps {
+fn steps(given: &Assessment) -> Line {
+    let made = match &given.steps {
         Steps::Skipped(why) => return line("steps", Severity::Fair, why.clone()),
         Steps::Made(made) => made,
     };
-    let severity = if steps.object() { Severity::Bad } else { Severity::Good };
+    let severity = match (given.steps.object(), given.tries_contacts()) {
+        (true, _) => Severity::Bad,
+        (false, true) => Severity::Good,
+        (false, false) => Severity::Fair,
+    };
     let ended = made.stopped.as_ref().map_or(String::new(), |why| format!(" of {}, then {why}", made.asked));
     let text = format!("{} made{ended}, {}: {}", made.made, made.held.sentence(), made.totals.sentence());
     line("steps", severity, text)
@@ -263,6 +295,16 @@ fn fall(found: &Examination) -> Option<Line> {
         fall.block, fall.remedy
     );
     Some(line("fall", Severity::Fair, text))
+}
+
+fn thin(found: &Examination) -> Option<Line> {
+    let thin = found.given.thin.as_ref()?;
+    let [penetration, thickness] = [thin.penetration, thin.thickness].map(short);
+    let text = format!(
+        "block {} is {thickness} m thick and penetration is {penetration} m: no overlap within it is too deep, so \"held\" says nothing of it: {}",
+        thin.block, thin.remedy
+    );
+    Some(line("thickness", Severity::Fair, text))
 }
 
 fn recommended(found: &Examination, precision: Precision, naming: &Naming) -> Line {
@@ -300,7 +342,11 @@ fn next(
 ) -> String {
     let (file, given) = (naming.shown(), &naming.tolerances);
     // Steps of a file that fixes nothing were made with its lowest blocks held; without that all of it falls.
-    let is_held = found.given.steps.made().is_some_and(|made| made.held != ClusterSupport::Given);
+    let is_held = found
+        .given
+        .steps
+        .made()
+        .is_some_and(|made| !matches!(made.held, ClusterSupport::Given | ClusterSupport::Nothing));
     let hold = if is_held { " --hold-lowest" } else { "" };
     if units {
         let factor = found.model.extents.factor().unwrap_or("1");
@@ -312,7 +358,10 @@ fn next(
     if let Some(worst) = lost {
         return naming.show(worst.blocks);
     }
-    if answer == "safe" {
+    if answer == NOT_DECIDED && found.given.thin.is_some() {
+        return format!("rockproof check {file}{given}");
+    }
+    if answer == "safe" || answer == NOT_DECIDED {
         return format!("rockproof simulate {file}{given}{hold} --steps 100 --audit");
     }
     if answer == "safe with another set" {

@@ -1,6 +1,6 @@
 //! The model and its worst pairs in three dimensions, for the page.
 
-use crate::assess::Examination;
+use crate::assess::{Examination, plural};
 use crate::cases::KeptCase;
 use crate::naming::{Naming, file_name};
 use crate::results::PairFacts;
@@ -117,8 +117,10 @@ fn whole(found: &Examination, naming: &Naming, shapes: &[&Block], standings: &[(
         })
         .collect();
     let count = |standing: Standing| standings.iter().filter(|(found, _)| *found == standing).count();
-    let mut facts: Vec<(&'static str, String)> =
-        Standing::ALL.into_iter().map(|standing| (standing.shown().0, format!("{} blocks", count(standing)))).collect();
+    let mut facts: Vec<(&'static str, String)> = Standing::ALL
+        .into_iter()
+        .map(|standing| (standing.shown().0, plural(count(standing), "block", "blocks")))
+        .collect();
     if shapes.len() > MOST_DRAWN {
         facts.push(("not drawn", format!("blocks without a finding: {} are more than {MOST_DRAWN}", shapes.len())));
     }

@@ -2,7 +2,7 @@
 
 use super::{Check, Verdict};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
-use rockproof_model::text::{excerpt, is_harmful};
+use rockproof_model::text::{excerpt, is_harmful, noun};
 use std::time::Duration;
 
 /// What a report is called.
@@ -98,5 +98,6 @@ pub fn markdown(checks: &[Check]) -> String {
         text += &format!("| {} | {} | {} |\n", check.verdict.name(), cell(&check.name), cell(&check.message));
     }
     let corpus = checks.iter().filter(|c| c.group == "corpus" && c.verdict == Verdict::Pass).count();
-    text + &format!("\n{failed} of {} checks failed; {corpus} cases of the corpus passed.\n", checks.len())
+    let (all, cases) = (noun(checks.len(), "check", "checks"), noun(corpus, "case", "cases"));
+    text + &format!("\n{failed} of {} {all} failed; {corpus} {cases} of the corpus passed.\n", checks.len())
 }

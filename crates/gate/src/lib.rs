@@ -8,6 +8,7 @@ pub mod known_findings;
 pub mod tally;
 
 use config::{FindingLimit, GateConfig, RECOVERED, line_of};
+use rockproof_model::text::noun;
 use std::path::PathBuf;
 use tally::CampaignTally;
 
@@ -64,10 +65,17 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
         let limit = limit.get_ref();
         let found = tally.count(limit);
         let (failed, message) = if let (Some(count), true) = (limit.count, limit.is_of_recovered()) {
-            let message = format!("{} failures that a fresh process did not repeat, at most {count}", found.findings);
+            let message = format!(
+                "{} {} that a fresh process did not repeat, at most {count}",
+                found.findings,
+                noun(found.findings, "failure", "failures")
+            );
             (found.findings > count, message)
         } else if let Some(count) = limit.count {
-            (found.findings > count, format!("{} findings, at most {count}", found.findings))
+            (
+                found.findings > count,
+                format!("{} {}, at most {count}", found.findings, noun(found.findings, "finding", "findings")),
+            )
         } else {
             let rate = limit.rate.unwrap_or(1.0);
             let chance = found.chance(rate);

@@ -34,17 +34,26 @@ pub fn read_text(path: impl AsRef<Path>) -> io::Result<String> {
     text_of(read_limited(path)?)
 }
 
-/// The text that the bytes of a file are.
+/// The mark (U+FEFF in UTF-8) that some editors begin a text with.
+const MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// The bytes of a file without the mark that some editors begin a text with.
+pub fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(MARK).unwrap_or(bytes)
+}
+
+/// The text that the bytes of a file are, without the mark that some editors begin one with.
 ///
 /// # Errors
 /// [`io::ErrorKind::InvalidData`] for bytes that are not UTF-8, with line and byte.
 pub fn text_of(bytes: Vec<u8>) -> io::Result<String> {
-    String::from_utf8(bytes).map_err(|error| {
+    let text = String::from_utf8(bytes).map_err(|error| {
         let (at, bytes) = (error.utf8_error().valid_up_to(), error.as_bytes());
         let line = bytes[..at].iter().filter(|byte| **byte == b'\n').count() + 1;
         let text = format!("line {line}: byte {at} of the file is {:#04x}; a text in UTF-8 is expected", bytes[at]);
         io::Error::new(io::ErrorKind::InvalidData, text)
-    })
+    })?;
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
 /// Opens a table that is read row by row and may be of any length; its rows are bounded.

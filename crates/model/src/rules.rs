@@ -7,9 +7,11 @@
 mod fall;
 mod largest;
 mod stiffness;
+mod thin;
 
 pub use fall::{Fall, fall};
 pub use stiffness::{check_scene, stiffness_slack};
+pub use thin::{Thin, thin};
 
 use crate::block::Block;
 use crate::lattice::Lattice;
@@ -248,9 +250,15 @@ impl RequiredValue {
     }
 }
 
+/// What is said in place of a number that f64 does not hold.
+pub const BEYOND_F64: &str = "(beyond f64)";
+
 /// The nearest number of six digits that is above `value` (`up`) or below it; `value` itself when that is the bound,
 /// not a rounding of it.
 fn six_digits(value: f64, up: bool, is_bound: bool) -> String {
+    if !value.is_finite() {
+        return BEYOND_F64.to_owned();
+    }
     let text = format!("{value:.5e}");
     let near: f64 = text.parse().unwrap_or(value);
     if near == value && (is_bound || value == 0.0) || (if up { near > value } else { near < value }) {

@@ -66,6 +66,11 @@ fn harmless(c: char) -> impl Iterator<Item = char> {
     escaped.into_iter().flatten().chain(plain)
 }
 
+/// The noun, or the verb, for a count: the first form for one, the second for any other.
+pub fn noun<'n>(count: impl TryInto<u64>, one: &'n str, many: &'n str) -> &'n str {
+    if matches!(count.try_into(), Ok(1)) { one } else { many }
+}
+
 #[cfg(test)]
 mod tests {
     use super::{csv_cell, cut_in_the_middle, escaped, excerpt};

@@ -10,6 +10,7 @@ use crate::tolerances::{Tolerances, set_for, spec_of};
 use num_rational::BigRational;
 use pyo3::prelude::*;
 use rayon::prelude::*;
+use rockproof_model::text::noun;
 use rockproof_model::{Block, Precision, ToleranceSet, Violation as BrokenRule, rules};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Meaning, Overlap as FoundOverlap, rounding_depth};
@@ -162,7 +163,13 @@ impl CheckReport {
     fn __repr__(&self) -> String {
         let sound = if self.is_sound { "sound" } else { "not sound" };
         let (rules, overlaps) = (self.violations.len(), self.overlaps.len());
-        format!("<CheckReport: {sound}, {rules} rules violated, {overlaps} overlaps in {} pairs>", self.neighbours)
+        let [rules, overlaps, pairs] = [
+            (rules as u64, "rule", "rules"),
+            (overlaps as u64, "overlap", "overlaps"),
+            (self.neighbours, "pair", "pairs"),
+        ]
+        .map(|(count, one, many)| format!("{count} {}", noun(count, one, many)));
+        format!("<CheckReport: {sound}, {rules} violated, {overlaps} in {pairs}>")
     }
 }
 

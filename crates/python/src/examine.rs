@@ -41,7 +41,7 @@ impl ExaminationRun {
         self.verdict.is_safe
     }
 
-    /// "safe", "safe with another set" or "not safe".
+    /// "safe", "safe with another set", "not safe" or "not decided".
     #[getter]
     fn answer(&self) -> &'static str {
         self.verdict.answer

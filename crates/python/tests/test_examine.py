@@ -67,7 +67,7 @@ def test_a_model_made_in_python_is_written_and_recommended_tolerances_are_safe(c
     found.write(tmp_path / "sunk")
     following = shlex.split(json.loads((tmp_path / "sunk/examine.json").read_text())["next"])
     assert following[1] == "classify" and following[-4:] == ["--set", "search=1/3", "--pair", "0,1"]
-    assert "1 pairs of neighbours" in command(*following[1:])
+    assert "1 pair of neighbours" in command(*following[1:])
 
 
 def test_directories_of_others_are_left_alone(command, root, tmp_path):

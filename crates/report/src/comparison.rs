@@ -107,7 +107,10 @@ impl RunComparison {
         let mut lines = vec![match self.same_pairs {
             Some(pairs) => line(
                 Severity::Fair,
-                format!("Both runs examined the same {} pairs: every difference below is real.", grouped(pairs)),
+                match pairs {
+                    1 => "Both runs examined the same pair: every difference below is real.".to_owned(),
+                    _ => format!("Both runs examined the same {} pairs: every difference below is real.", grouped(pairs)),
+                },
             ),
             None => line(
                 Severity::Fair,

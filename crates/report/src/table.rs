@@ -1,6 +1,6 @@
 //! Tables as they go into the page, into CSV files and into Markdown: one source for all three, and for [`super::latex`].
 
-use rockproof_model::text::{SHOWN, csv_cell, excerpt};
+use rockproof_model::text::{SHOWN, csv_cell, excerpt, noun};
 use serde::Serialize;
 
 /// What a cell holds.
@@ -74,7 +74,7 @@ impl TableCell {
 
 /// How many there are, with the word for one or for several.
 pub fn counted(count: u64, one: &str, several: &str) -> String {
-    format!("{} {}", grouped(count), if count == 1 { one } else { several })
+    format!("{} {}", grouped(count), noun(count, one, several))
 }
 
 /// A count with its thousands apart: `1 234 567`.

@@ -21,7 +21,8 @@ pub struct Directory {
     path: PathBuf,
     manifest: Manifest,
     resumes: bool,
-    _lock: Lock,
+    is_new: bool,
+    lock: Lock,
 }
 
 impl Directory {
@@ -32,6 +33,7 @@ impl Directory {
     /// has a name that we need, or a folder of ours is a link. Then nothing has been changed.
     pub fn claim(claim: Claim<'_>) -> Result<Directory, ResultsError> {
         let Claim { dir, owner, start, files } = claim;
+        let is_new = dir.symlink_metadata().is_err();
         fs::create_dir_all(dir).map_err(ResultsError::at(dir))?;
         let lock = Lock::take(dir, owner)?;
         let held = Manifest::read(dir)?;
@@ -44,7 +46,7 @@ impl Directory {
         }
         let resumes = held.is_some() && start == Start::Resume;
         let manifest = held.unwrap_or(Manifest { owner, files: BTreeMap::new() });
-        let mut directory = Directory { path: dir.to_owned(), manifest, resumes, _lock: lock };
+        let mut directory = Directory { path: dir.to_owned(), manifest, resumes, is_new, lock };
         directory.refuse_links(directory.manifest.files.keys().map(String::as_str).chain(files.iter().copied()))?;
         directory.refuse_foreign(files.iter().copied())?;
         directory.remove_unfinished()?;
@@ -58,6 +60,20 @@ impl Directory {
     /// Whether there are results to go on with, which was asked for.
     pub fn resumes(&self) -> bool {
         self.resumes
+    }
+
+    /// Leaves the directory as it was before it was claimed, but for results that were discarded, where nothing was written into it: one that was not there goes, unless
+    /// somebody put something into it meanwhile. For a command that came to nothing, so what cannot be removed stays.
+    pub fn give_up(self) {
+        let Directory { path, manifest, is_new, lock, .. } = self;
+        if manifest.files.is_empty() {
+            let _ = fs::remove_file(path.join(MANIFEST));
+        }
+        drop(lock);
+        if is_new {
+            // Fails where it is not empty.
+            let _ = fs::remove_dir(&path);
+        }
     }
 
     /// Where it is.

@@ -3,6 +3,7 @@
 
 use crate::exact_float::ExactFloat;
 use rockproof_model::simulation::step_in_words;
+use rockproof_model::text::noun;
 use serde::{Deserialize, Serialize};
 
 /// The columns of `steps.csv` that the audit fills; empty without one, the last two where passages are not looked for.
@@ -151,24 +152,30 @@ impl AuditTotals {
             let [count, steps, all] = [self.most_unseen, self.steps_unseen, self.steps];
             let pairs = if count == 1 { "1 pair overlaps".to_owned() } else { format!("up to {count} pairs overlap") };
             let worst = worst_pair_note(self.worst_unseen);
-            parts.push(format!("{pairs} where no contact sees it, after {steps} of {all} steps{worst}"));
+            parts.push(format!(
+                "{pairs} where no contact sees it, after {steps} of {all} {}{worst}",
+                noun(all, "step", "steps")
+            ));
         }
         let passages = self.passages.unwrap_or(0);
         if passages > 0 {
-            let noun = if passages == 1 { "passage" } else { "passages" };
             let worst = worst_pair_note(self.worst_passage);
-            parts.push(format!("{passages} {noun} within a step{worst}"));
+            parts.push(format!("{passages} {} within a step{worst}", noun(passages, "passage", "passages")));
         }
         if self.objects() {
             parts[0].insert_str(0, "blocks pass through one another: ");
         } else {
             let none = if self.passages.is_some() { ", and no passage within one" } else { "" };
-            parts.push(format!("contacts see every overlap after {} steps{none}", self.steps));
+            parts.push(format!(
+                "contacts see every overlap after {} {}{none}",
+                self.steps,
+                noun(self.steps, "step", "steps")
+            ));
         }
         match self.undecided {
             None => parts.push("passages within steps not looked for (--audit does)".to_owned()),
             Some(0) => {}
-            Some(undecided) => parts.push(format!("{undecided} passages undecided")),
+            Some(undecided) => parts.push(format!("{undecided} {} undecided", noun(undecided, "passage", "passages"))),
         }
         parts.join("; ")
     }
@@ -209,7 +216,7 @@ mod tests {
         let mut totals = AuditTotals::default();
         totals.add(0, &StepAudit { passages: passing(vec![], 0), ..StepAudit::default() });
         assert!(!totals.objects());
-        let nothing = "contacts see every overlap after 1 steps, and no passage within one; no overlap after any step";
+        let nothing = "contacts see every overlap after 1 step, and no passage within one; no overlap after any step";
         assert_eq!(totals.sentence(), nothing);
         assert_eq!(totals.deepest_in_words(), "none: no two blocks overlap after any step");
         let held = StepAudit { deepest: Some(pair(0, 1, 0.5)), passages: passing(vec![], 0), ..StepAudit::default() };
@@ -236,7 +243,7 @@ mod tests {
         let found = StepAudit { unseen: vec![pair(0, 2, 0.5), pair(1, 2, 0.5)], ..StepAudit::default() };
         assert_eq!(found.cells(), ["2", "0.0", "", ""]);
         totals.add(1, &StepAudit::default());
-        let nothing = "contacts see every overlap after 1 steps; passages within steps not looked for (--audit does)";
+        let nothing = "contacts see every overlap after 1 step; passages within steps not looked for (--audit does)";
         assert_eq!(totals.verdict(), nothing);
         totals.add(2, &found);
         // Of equal ones the first.

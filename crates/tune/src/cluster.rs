@@ -17,6 +17,8 @@ const MOST_CONTACTS: usize = 192;
 pub enum ClusterSupport {
     /// What the scene has as fixed.
     Given,
+    /// Nothing: the scene is one block, and nothing would move if that were held.
+    Nothing,
     /// Nothing in the scene is fixed: so many of its blocks, the lowest.
     Lowest(usize),
     /// Nothing in the scene is fixed, and all blocks are as low as one another: the largest.
@@ -30,6 +32,7 @@ impl ClusterSupport {
     pub fn sentence(self) -> String {
         match self {
             ClusterSupport::Given => "what the scene fixes held".to_owned(),
+            ClusterSupport::Nothing => "nothing held".to_owned(),
             ClusterSupport::Lowest(1) => "its lowest block held, as the file fixes none".to_owned(),
             ClusterSupport::Lowest(count) => format!("its {count} lowest blocks held, as the file fixes none"),
             ClusterSupport::Largest => "its largest block held, as the file fixes none".to_owned(),

@@ -97,7 +97,7 @@ pub fn fall(set: &ToleranceSet, scene: &Scene) -> Option<Fall> {
     let is_mended = softest(&derived, &joints, &scene.blocks[block].body).is_some_and(|derived| derived >= given);
     let remedies = [
         needed.is_finite().then(|| format!("normal_stiffness ≥ {}", six_digits(needed, true, false))),
-        is_mended.then(|| format!("penetration ≥ {}", six_digits(depth, true, false))),
+        (is_mended && depth.is_finite()).then(|| format!("penetration ≥ {}", six_digits(depth, true, false))),
     ];
     let remedy = remedies.into_iter().flatten().collect::<Vec<_>>().join(" or ");
     Some(Fall { block, weight, height, stiffness, needed, depth, allowed, remedy })

@@ -1,7 +1,8 @@
 //! What can be wrong with a file of blocks, and where.
 
 use crate::block::BlockError;
-use crate::number::NumberError;
+use crate::number::{Number, NumberError};
+use crate::number_text::shown;
 use crate::scene::SceneFormat;
 use crate::tolerance_spec::SpecError;
 use std::fmt;
@@ -125,6 +126,14 @@ pub enum SceneProblem {
         "a scale is for files of coordinates; a scene in TOML has other lengths in metres as well: scale what it was made from"
     )]
     ScaledScene,
+    /// A file of whose blocks joining vertices leaves none.
+    #[error("--weld {distance} joins all vertices of block {}, and there is no other in it", shown(name))]
+    JoinedAway {
+        /// The distance.
+        distance: Number,
+        /// The first block.
+        name: String,
+    },
     /// A file without any block.
     #[error("there is no block in it")]
     NoBlock,

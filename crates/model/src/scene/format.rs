@@ -1,6 +1,7 @@
 //! Which formats there are: the one list that readers, writers, messages and options go by.
 
 use crate::block::Merging;
+use crate::files::without_mark;
 use crate::scene::stl;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -73,7 +74,7 @@ impl SceneFormat {
         if stl::is_binary(bytes) {
             return Some(SceneFormat::Stl);
         }
-        let begun = bytes.trim_ascii_start();
+        let begun = without_mark(bytes).trim_ascii_start();
         let marks: [(&[u8], SceneFormat); 7] = [
             (b"#_DDA_DataFile", SceneFormat::Dda),
             (b"# vtk DataFile", SceneFormat::Vtk),

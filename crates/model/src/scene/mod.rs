@@ -22,7 +22,7 @@ pub use format::SceneFormat;
 pub use write::{FormatError, losses, write, write_tolerances, write_toml};
 
 use crate::block::{Block, BlockOptions, Merged, Merging};
-use crate::files::read_limited;
+use crate::files::{read_limited, without_mark};
 use crate::number::Number;
 use crate::simulation::{Body, Motion, Simulation, derive_stiffness};
 use crate::tolerance::ToleranceSet;
@@ -193,7 +193,7 @@ impl Scene {
             }
         }
         if gathered.count == 0 {
-            return Err(at(path, (None, SceneProblem::NoBlock)));
+            return Err(at(path, (None, joined_away(bytes, format, options).unwrap_or(SceneProblem::NoBlock))));
         }
         scene.blocks = gathered.blocks;
         // Where blocks are missing the numbers of the others mean nothing.
@@ -341,13 +341,23 @@ fn read_foreign(bytes: &[u8], format: SceneFormat, options: &LoadOptions) -> Opt
         SceneFormat::Dda => text(dda::read),
         SceneFormat::Obj => as_text(bytes).and_then(|text| obj::read(text, weld)),
         SceneFormat::Stl => stl::read(bytes, weld.unwrap_or(&Number::ZERO)),
-        SceneFormat::Ply => ply::read(bytes, weld),
-        SceneFormat::Msh => msh::read(bytes, weld),
+        SceneFormat::Ply => ply::read(without_mark(bytes), weld),
+        SceneFormat::Msh => msh::read(without_mark(bytes), weld),
         SceneFormat::Vtk if vtk::is_binary(bytes) => Err(vtk::binary()),
         SceneFormat::Vtk => text(vtk::read),
-        SceneFormat::Vtu => vtu::read(bytes).map(|blocks| blocks.into_iter().map(|raw| welded(raw, weld)).collect()),
+        SceneFormat::Vtu => {
+            vtu::read(without_mark(bytes)).map(|blocks| blocks.into_iter().map(|raw| welded(raw, weld)).collect())
+        }
         SceneFormat::Voro => text(voro::read),
     })
+}
+
+/// Why a file has no block, where joining vertices left none.
+fn joined_away(bytes: &[u8], format: SceneFormat, options: &LoadOptions) -> Option<SceneProblem> {
+    let distance = options.weld.clone()?;
+    let apart = read_foreign(bytes, format, &LoadOptions { weld: None, ..options.clone() })?.ok()?;
+    let name = apart.first()?.name.clone().unwrap_or_else(|| "block_0".to_owned());
+    Some(SceneProblem::JoinedAway { distance, name })
 }
 
 fn welded(raw: RawBlock, distance: Option<&Number>) -> RawBlock {

@@ -4,6 +4,7 @@
 //! the format is a list of triangles, so it is read here. Normals say nothing that the corners do not, and are skipped.
 
 use crate::block::Point;
+use crate::files::without_mark;
 use crate::number::Number;
 use crate::scene::error::SceneProblem;
 use crate::scene::mesh::{Face, blocks, weld};
@@ -19,6 +20,8 @@ const TRIANGLE: usize = 50;
 
 /// The blocks of a file. Corners within `distance` of one another are one vertex.
 pub(super) fn read(bytes: &[u8], distance: &Number) -> Result<Vec<RawBlock>, Located> {
+    // A binary file may begin with any bytes.
+    let bytes = Some(without_mark(bytes)).filter(|bytes| is_text(bytes)).unwrap_or(bytes);
     if is_text(bytes) { read_text(as_text(bytes)?, distance) } else { read_binary(bytes, distance) }
 }
 

@@ -8,7 +8,7 @@ use crate::vector::Vec3;
 /// A problem with the line it is on.
 pub(super) type Located = (Option<usize>, SceneProblem);
 
-/// The bytes of a file as text.
+/// The bytes of a file as text, without the mark that some editors begin one with.
 pub(super) fn as_text(bytes: &[u8]) -> Result<&str, Located> {
     let not_text = |offset: usize| {
         let line = bytes[..offset].iter().filter(|&&b| b == b'\n').count() + 1;
@@ -17,7 +17,8 @@ pub(super) fn as_text(bytes: &[u8]) -> Result<&str, Located> {
     if let Some(offset) = bytes.iter().position(|&b| b == 0) {
         return Err(not_text(offset));
     }
-    std::str::from_utf8(bytes).map_err(|error| not_text(error.valid_up_to()))
+    let text = std::str::from_utf8(bytes).map_err(|error| not_text(error.valid_up_to()))?;
+    Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
 }
 
 /// One word of a file.

@@ -35,7 +35,7 @@ class Examination:
         self._run = run
         #: Whether nothing is wrong with the model under the tolerances it was examined with.
         self.is_safe: bool = run.is_safe
-        #: "safe", "safe with another set" or "not safe".
+        #: "safe", "safe with another set", "not safe" or "not decided".
         self.answer: str = run.answer
         #: The rules that the tolerances break, as `check` has them.
         self.violations: list[_native.Violation] = run.violations

@@ -131,8 +131,10 @@ pub enum CollapsedPart {
     Vertex(VertexId),
     /// An edge without length, or whose length overflows.
     Edge(EdgeId),
-    /// A face without area, or whose normal overflows.
+    /// A face without area.
     Face(FaceId),
+    /// A face so large that its area overflows.
+    LargeFace(FaceId),
     /// A face whose plane holds no direction across one of its edges.
     EdgeOfFace(EdgeId, FaceId),
 }
@@ -143,6 +145,7 @@ impl std::fmt::Display for CollapsedPart {
             CollapsedPart::Vertex(v) => write!(f, "vertex {v} overflows"),
             CollapsedPart::Edge(e) => write!(f, "edge {e} has no length"),
             CollapsedPart::Face(face) => write!(f, "face {face} has no area"),
+            CollapsedPart::LargeFace(face) => write!(f, "the area of face {face} overflows"),
             CollapsedPart::EdgeOfFace(e, face) => write!(f, "face {face} has no direction across its edge {e}"),
         }
     }
@@ -179,7 +182,9 @@ impl<R: Real> PreparedBlock<R> {
             let area = area_vector(points, corners);
             let size = area.length();
             if !has_extent(size) {
-                return Err(Collapsed { what: CollapsedPart::Face(FaceId::at(f)) });
+                let (is_large, face) = (!size.is_finite(), FaceId::at(f));
+                let what = if is_large { CollapsedPart::LargeFace(face) } else { CollapsedPart::Face(face) };
+                return Err(Collapsed { what });
             }
             faces.push(face(points, corners, area, area / size));
         }

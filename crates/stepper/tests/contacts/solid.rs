@@ -126,7 +126,7 @@ fn far_and_small_features_collapse_with_a_name() {
     );
     assert_eq!(what(&prism), CollapsedPart::Face(FaceId(5)));
     assert_eq!(what(&cuboid([0.0; 3], [1e39, 1.0, 1.0])), CollapsedPart::Vertex(VertexId(1)));
-    assert_eq!(what(&cuboid([0.0; 3], [1e30, 1e30, 1.0])), CollapsedPart::Face(FaceId(0)));
+    assert_eq!(what(&cuboid([0.0; 3], [1e30, 1e30, 1.0])), CollapsedPart::LargeFace(FaceId(0)));
     let collapsed = EngineError::Collapsed(Collapsed { what: CollapsedPart::Face(FaceId(0)) });
     assert_eq!(Stepper::<SpecRules>::new().f32(&thin, &base(), &tolerances()), Err(collapsed));
     assert_eq!(collapsed.to_string(), "face 0 has no area in the stepper's precision");
