@@ -27,6 +27,7 @@ mod gate_command;
 mod gate_formats;
 #[cfg(unix)]
 mod gate_regressions;
+mod gate_verdicts;
 mod json_output;
 mod kept_results;
 #[cfg(target_os = "linux")]

@@ -1,10 +1,12 @@
 //! The gate for continuous integration: a campaign, a corpus of cases, limits, and a list of known findings (docs/gate.md).
 
+pub mod answers;
 pub mod comparison;
 pub mod config;
 pub mod corpus;
 pub mod junit;
 pub mod known_findings;
+pub mod reach;
 pub mod tally;
 
 use config::{FindingLimit, GateConfig, RECOVERED, line_of};
@@ -36,7 +38,7 @@ impl Verdict {
 /// One check of a gate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// `limit`, `baseline` or `corpus`.
+    /// `limit`, `engine`, `baseline` or `corpus`.
     pub group: &'static str,
     /// What was checked.
     pub name: String,
@@ -80,7 +82,11 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
             (found.rate() > rate && chance < 1.0 - limit.confidence.unwrap_or(CONFIDENCE), message)
         };
         let rows = (0..tally.rows.len()).filter(|&at| failed && tally.rows[at].is_of(limit)).collect();
-        let verdict = if failed { Verdict::Fail } else { Verdict::Pass };
+        let (verdict, message) = match reach::without_cause(limit, config) {
+            _ if failed => (Verdict::Fail, message),
+            Some(why) => (Verdict::Skip, why),
+            None => (Verdict::Pass, message),
+        };
         Check {
             group: "limit",
             name: format!("{run}: {}", limit.text()),
@@ -93,6 +99,14 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
         }
     };
     config.limit.iter().map(check).chain(recovered(config, file, run, tally)).collect()
+}
+
+/// How many checks passed, were skipped and failed, in words.
+pub fn summary(checks: &[Check]) -> String {
+    let of = |verdict| checks.iter().filter(|check| check.verdict == verdict).count();
+    let [passed, skipped, failed] = [Verdict::Pass, Verdict::Skip, Verdict::Fail].map(of);
+    let none = if passed + failed == 0 && skipped > 0 { "; nothing was checked" } else { "" };
+    format!("{passed} passed, {skipped} skipped, {failed} failed{none}")
 }
 
 /// Says of engines whose failures did not repeat that they had some, where no limit names these: such a failure is no finding, so all limits may

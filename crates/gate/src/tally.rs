@@ -3,12 +3,14 @@
 #[cfg(test)]
 mod tests;
 
+use super::answers::Answers;
 use super::config::{Baseline, FindingLimit};
 use super::known_findings::{SEPARATOR, STEP};
 use rockproof_campaign::engine_counts::{ENGINE_COLUMNS, ENGINES, EngineRow};
 use rockproof_campaign::pairs::BATCH;
 use rockproof_campaign::steps::{STEP_FINDING_COLUMNS, STEP_SUMMARY_COLUMNS, StepFindingRow, StepSummaryRow};
 use rockproof_campaign::summary::{SUMMARY_COLUMNS, SummaryRow};
+use rockproof_differential::agreement::{AGREEMENT_COLUMNS, ChainSpan};
 use rockproof_differential::finding::{Cause, FINDING_COLUMNS, FindingScope};
 use rockproof_differential::lockstep::StepCause;
 use rockproof_differential::row::{FindingRow, typed_rows};
@@ -171,6 +173,8 @@ pub struct CampaignTally {
     watched: BTreeMap<(String, String), u64>,
     /// What external engines were put through.
     pub engines: Vec<EngineRow>,
+    /// Pairs that each engine was asked about and answered.
+    answers: BTreeMap<String, Answers>,
 }
 
 /// How often a sort of finding occurred.
@@ -242,7 +246,14 @@ impl CampaignTally {
         examined.extend(unclassified.map(|(group, pairs)| (group.clone(), *pairs)));
         let file = dir.join(ENGINES);
         let engines = if file.is_file() { table(&file, &ENGINE_COLUMNS)? } else { Vec::new() };
-        Ok(CampaignTally { rows, examined, moved, watched, engines })
+        let file = dir.join("agreement.csv");
+        let answers = if file.is_file() { answers(&file)? } else { BTreeMap::new() };
+        Ok(CampaignTally { rows, examined, moved, watched, engines, answers })
+    }
+
+    /// The pairs that an engine was asked about and answered.
+    pub fn answers(&self, engine: &str) -> Answers {
+        self.answers.get(engine).copied().unwrap_or_default()
     }
 
     /// Pairs examined of each family; a pair counts once for each set.
@@ -333,6 +344,28 @@ fn moved(file: &Path) -> Result<[PairCounts; 2], TallyError> {
         }
     }
     Ok(counts)
+}
+
+/// What is read of a row of `agreement.csv`.
+#[derive(Deserialize)]
+struct AnswerRow {
+    span: ChainSpan,
+    engine: String,
+    pairs: u64,
+    silent: u64,
+}
+
+/// What engines answered.
+fn answers(file: &Path) -> Result<BTreeMap<String, Answers>, TallyError> {
+    let mut answers: BTreeMap<String, Answers> = BTreeMap::new();
+    for AnswerRow { span, engine, pairs, silent } in table(file, &AGREEMENT_COLUMNS)? {
+        if span == ChainSpan::Arithmetic {
+            let of = answers.entry(engine).or_default();
+            of.asked += pairs;
+            of.answered += pairs.saturating_sub(silent);
+        }
+    }
+    Ok(answers)
 }
 
 /// The rows of a table, which has these columns.
