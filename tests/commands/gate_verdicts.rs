@@ -2,6 +2,7 @@
 
 use crate::engines::client;
 use crate::gates::{around, gate};
+use std::path::Path;
 
 /// An engine that says the same to every question.
 fn always(answer: &str) -> Vec<String> {
@@ -77,6 +78,64 @@ fn an_engine_that_no_limit_concerns_fails_and_a_limit_that_concerns_none_is_skip
         let row = ran.out.lines().find(|line| line.contains("fixed: engine mine, cause")).expect("a row");
         assert!(ran.code == 1 && row.contains("skip") && row.contains(why), "{limit}: {}", ran.out);
     }
+}
+
+fn own(dir: &Path, campaign: &str, rest: &str) -> (i32, String) {
+    let ran = gate(dir, &format!("corpus = []\n[campaign]\n{campaign}{rest}"), &[], false);
+    (ran.code, ran.out + &ran.err)
+}
+
+#[test]
+fn a_gate_with_nothing_to_check_is_refused() {
+    let dir = tempfile::tempdir().expect("a directory");
+    std::fs::create_dir(dir.path().join("empty")).expect("a folder");
+    for corpus in ["[]", "[\"empty\"]"] {
+        let ran = gate(dir.path(), &format!("corpus = {corpus}\n[campaign]\npairs = 16\n"), &[], false);
+        assert!(ran.code == 2 && ran.err.contains("gate.toml: there is nothing to check"), "{}{}", ran.out, ran.err);
+    }
+    assert!(!dir.path().join("reports").exists(), "it is said before the work begins");
+}
+
+#[test]
+fn a_limit_that_nothing_can_break_is_refused_or_skipped() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let sliver = "pairs = 16\nfamilies = [\"sliver\"]\ntolerances = [\"auto\"]\nengines = [\"stepper-f64\"]\n";
+    for (limit, why) in [
+        ("change = \"passage\"", "no pair makes steps (campaign.steps_every is 0)"),
+        ("change = \"iterations\"", "no pair makes steps"),
+        ("cause = \"not-held\"", "no pair makes steps"),
+        ("family = \"passage\"", "no pair makes steps"),
+        ("family = \"face_stack\"", "family face_stack is none of its families, which are sliver"),
+        ("tolerances = \"shi\"", "tolerances shi are none of its sets, which are auto"),
+        ("engine = \"f32\"", "no engine that is given f32 takes part"),
+    ] {
+        let (code, said) = own(dir.path(), sliver, &format!("[[limit]]\n{limit}\ncount = 0\n"));
+        assert!(code == 2 && said.contains("gate.toml line 7: the limit ") && said.contains(why), "{limit}: {said}");
+    }
+    let (code, said) = own(dir.path(), sliver, "[[limit]]\ncause = \"engine\"\ncount = 0\n");
+    assert!(code == 0 && said.contains("only findings about external engines have this cause"), "{said}");
+    assert!(said.contains("gate passed: 0 passed, 1 skipped, 0 failed; nothing was checked"), "{said}");
+    // Of two batches no pair is of the third family.
+    let few = "pairs = 16\nfamilies = [\"sliver\", \"face_stack\"]\n";
+    let (code, said) = own(dir.path(), few, "[[limit]]\nfamily = \"face_stack\"\ncount = 0\n");
+    assert!(
+        code == 0 && said.contains("skip") && said.contains("no pair with family face_stack was examined"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_rate_says_from_where_on_it_fails_and_is_skipped_where_it_cannot() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let sliver = "pairs = 16\nfamilies = [\"sliver\"]\ntolerances = [\"auto\"]\nengines = [\"stepper-f64\"]\n";
+    let (code, said) = own(dir.path(), sliver, "[[limit]]\ncause = \"defect\"\nrate = 0.001\n");
+    // 1 − 0.999¹⁶ is 1.6 %; two of sixteen come by chance with 1.2e-4.
+    assert!(code == 0 && said.contains("0 of 16 pairs") && said.contains(", fails from 2 on;"), "{said}");
+    assert!(said.contains("gate passed: 1 passed, 0 skipped, 0 failed\n"), "{said}");
+    // 0.9¹⁶ is 18 %.
+    let (code, said) = own(dir.path(), sliver, "[[limit]]\ncause = \"defect\"\nrate = 0.9\n");
+    assert!(code == 0 && said.contains("so few pairs can never fail") && said.contains("skip"), "{said}");
+    assert!(said.contains("gate passed: 0 passed, 1 skipped, 0 failed; nothing was checked\n"), "{said}");
 }
 
 #[cfg(unix)]

@@ -6,6 +6,7 @@ pub mod config;
 pub mod corpus;
 pub mod junit;
 pub mod known_findings;
+pub mod limit_count;
 pub mod reach;
 pub mod tally;
 
@@ -65,26 +66,33 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
         let place = (file.to_owned(), line_of(text, limit.span().start));
         let limit = limit.get_ref();
         let found = tally.count(limit);
+        let fails_from = limit.rate.and_then(|rate| found.fails_from(rate, limit.confidence.unwrap_or(CONFIDENCE)));
         let (failed, message) = if let (Some(count), true) = (limit.count, limit.is_of_recovered()) {
             let message = format!("{} failures that a fresh process did not repeat, at most {count}", found.findings);
             (found.findings > count, message)
         } else if let Some(count) = limit.count {
             (found.findings > count, format!("{} findings, at most {count}", found.findings))
         } else {
-            let rate = limit.rate.unwrap_or(1.0);
-            let chance = found.chance(rate);
+            let (rate, confidence) = (limit.rate.unwrap_or(1.0), limit.confidence.unwrap_or(CONFIDENCE));
+            let from = match fails_from {
+                Some(from) => format!("fails from {from} on"),
+                None => "so few pairs can never fail".to_owned(),
+            };
             let message = format!(
-                "{} of {} pairs ({:.3e}), at most {rate}; by chance with probability {chance:.2e}",
+                "{} of {} pairs ({:.3e}), at most {rate}, {from}; by chance with probability {:.2e}",
                 found.pairs,
                 found.examined,
-                found.rate()
+                found.rate(),
+                found.chance(rate)
             );
-            (found.rate() > rate && chance < 1.0 - limit.confidence.unwrap_or(CONFIDENCE), message)
+            (found.exceeds(rate, confidence), message)
         };
         let rows = (0..tally.rows.len()).filter(|&at| failed && tally.rows[at].is_of(limit)).collect();
-        let (verdict, message) = match reach::without_cause(limit, config) {
+        let unreached = || reach::without_cause(limit, config).or_else(|| tally.missing(limit));
+        let (verdict, message) = match unreached() {
             _ if failed => (Verdict::Fail, message),
             Some(why) => (Verdict::Skip, why),
+            None if limit.rate.is_some() && fails_from.is_none() => (Verdict::Skip, message),
             None => (Verdict::Pass, message),
         };
         Check {
