@@ -391,3 +391,15 @@ fn a_broken_engine_is_never_called_good() {
         assert!(!verdict.contains('✅'), "{verdict}");
     }
 }
+
+#[test]
+fn where_no_step_was_made_nothing_is_said_of_overlaps() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let out = dir.path().join("still").display().to_string();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/handmade/incline_1_4_settled.toml");
+    let (code, said, err) = rockproof(&["simulate", scene, "--steps", "0", "--out", &out]);
+    assert!(code == 0 && said.contains("no step was made") && !said.contains(" m at most"), "{said}{err}");
+    let (code, said, err) = rockproof(&["report", &out, "--format", "markdown"]);
+    assert!(code == 0 && said.contains("still: no step was made, so nothing is known of overlaps."), "{said}{err}");
+    assert!(!said.contains("✅") && !said.contains("--no-audit"), "{said}");
+}

@@ -4,7 +4,7 @@
 mod tests;
 
 use super::load::{CampaignRun, Results, agreeing_share};
-use super::motion_verdict::{lockstep_lines, motion_line};
+use super::motion_verdict::{cut_line, lockstep_lines, motion_line};
 use super::own;
 use super::step_verdict::step_line;
 use super::stress_reach::{Reach, reach};
@@ -68,6 +68,10 @@ pub fn verdict(results: &Results) -> Vec<VerdictLine> {
         // Blocks that pass through one another come before everything else.
         Some(line) if line.severity == Severity::Bad => lines.insert(0, line),
         motion => lines.extend(motion),
+    }
+    if let Some(cut) = cut_line(&results.motions) {
+        // Before what the runs came to.
+        lines.insert(usize::from(lines.first().is_some_and(|line| line.severity == Severity::Bad)), cut);
     }
     if lines.is_empty() {
         lines.extend(times(results));

@@ -191,7 +191,8 @@ fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out
     let audit = AuditTotals { steps: 5, passages: Some(1), ..AuditTotals::default() };
     let motion = |name: &str, audit| MotionRun {
         name: name.to_owned(),
-        totals: Totals { audit, ..Totals::default() },
+        totals: Totals { audit, steps: 5, ..Totals::default() },
+        ending: "finished".to_owned(),
         ..MotionRun::default()
     };
     let defect = LockstepRun { causes: [(Cause::Defect, 2)].into(), ..run.clone() };
@@ -214,4 +215,40 @@ fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out
     let open = AuditTotals { undecided: Some(1), ..sound.clone() };
     assert!(has(&of(run.clone(), vec![motion("one", Some(sound))]), Severity::Good, "one: contacts see every overlap"));
     assert!(has(&of(run, vec![motion("one", Some(open))]), Severity::Fair, "one: contacts see every overlap"));
+}
+
+/// A run of five audited steps in which all is well, asked for so many, with an ending.
+fn ended(ending: &str, steps: u64, asked: Option<u64>, reason: &str) -> MotionRun {
+    let audit = AuditTotals { steps, passages: Some(0), undecided: Some(0), ..AuditTotals::default() };
+    MotionRun {
+        name: "one".to_owned(),
+        totals: Totals { audit: (steps > 0).then_some(audit), steps, ..Totals::default() },
+        ending: ending.to_owned(),
+        steps_asked: asked,
+        time_asked_s: asked.is_none().then_some(2.0),
+        time_s: 0.5,
+        reason: reason.to_owned(),
+        ..MotionRun::default()
+    }
+}
+
+#[test]
+fn a_run_that_was_cut_short_is_not_called_well_and_says_where_and_why() {
+    let of = |runs: Vec<MotionRun>| verdict(&Results { motions: runs, ..Results::default() });
+    let lines = of(vec![ended("finished", 5, Some(5), "")]);
+    assert!(has(&lines, Severity::Good, "one: contacts see every overlap"), "{lines:?}");
+    for (run, told) in [
+        (ended("stopped", 3, Some(5), "step 4: no"), "one: stopped at step 4 of 5: no; contacts see"),
+        (ended("interrupted", 70, Some(300), ""), "one: interrupted after 70 of 300 steps; contacts see"),
+        (ended("interrupted", 70, None, ""), "one: interrupted after 70 steps, at 0.500 of 2.000 s; contacts see"),
+        (ended("unproved", 3, Some(5), "why"), "one: stopped at step 4 of 5: why; contacts see"),
+        (ended("stopped", 0, Some(5), "why"), "one: stopped at step 1 of 5: why; no step was made"),
+        (ended("finished", 0, Some(0), ""), "one: no step was made, so nothing is known of overlaps."),
+    ] {
+        let lines = of(vec![run.clone()]);
+        assert!(lines.len() == 1 && has(&lines, Severity::Fair, told), "{told}: {lines:?}");
+        let lines = of(vec![ended("finished", 5, Some(5), ""), run.clone()]);
+        assert!(lines.iter().all(|line| line.severity == Severity::Fair), "{lines:?}");
+        assert_eq!(lines.len(), if run.ending == "finished" { 1 } else { 2 }, "{lines:?}");
+    }
 }
