@@ -8,6 +8,7 @@ use super::step_tally::StepTally;
 use super::tally::FindingTally;
 use super::{lockstep, motion, stress, timing};
 use rockproof_campaign::merge::Parts;
+use rockproof_campaign::part::Part;
 use rockproof_campaign::proportion::{ClusterSums, Proportion};
 use rockproof_campaign::steps::summary::{StepCounts, StepGroup};
 use rockproof_campaign::steps::{STEP_SUMMARY_COLUMNS, StepSummaryRow};
@@ -311,6 +312,12 @@ impl CampaignRun {
     pub fn not_shown(&self) -> usize {
         let settings: BTreeSet<String> = self.agreement.iter().map(|(_, c, _)| setting(&c.tolerances)).collect();
         settings.iter().filter(|setting| !self.shows(setting)).count()
+    }
+
+    /// `part 1 of 2`, where it is a part of a campaign.
+    pub fn part(&self) -> Option<String> {
+        let (number, of) = self.run.configuration.get(Part::KEY)?.as_str()?.split_once('/')?;
+        Some(format!("part {number} of {of}"))
     }
 
     /// The engines, in order.

@@ -18,11 +18,11 @@ fn rows<T: DeserializeOwned>(columns: &[&str], rows: &[&str]) -> Vec<T> {
     csv::Reader::from_reader(text.as_bytes()).deserialize().map(|row| row.expect("a row")).collect()
 }
 
-/// A campaign of ten pairs with these rows of its tables: engines by how many pairs they answer, all alike.
+/// A campaign of as many pairs as it takes, of which ten are compared, with these rows of its tables: engines by how many pairs they answer, all alike.
 fn campaign(engines: &[(&str, u64)], findings: &[&str], step_findings: &[&str], steps: StepCounts) -> CampaignRun {
     let run = json!({
         "version": "0", "seed": 1, "configuration": {}, "machine": { "os": "", "architecture": "", "cores": 1 },
-        "finished": true, "pairs": 10, "contacts": 0, "findings": { "total": findings.len() },
+        "finished": true, "pairs": LEAST, "contacts": 0, "findings": { "total": findings.len() },
         "metamorphic_checks": 0, "seconds": 1.0,
     });
     let (mut tally, mut step_tally) = (FindingTally::default(), StepTally::default());
@@ -121,7 +121,7 @@ fn steps_are_good_only_where_all_were_watched_and_agree() {
     let told = |rows: &[&str], counts| lines_of(campaign(&BOTH, &[], rows, counts));
     let lines = told(&[], watched());
     assert!(has(&lines, Severity::Good, "No passage and no unseen overlap in 8 watched steps."), "{lines:?}");
-    assert!(has(&lines, Severity::Good, "No difference was found at all."), "{lines:?}");
+    assert!(has(&lines, Severity::Good, "No difference was found at all in 300 pairs."), "{lines:?}");
     let lines = told(&[], StepCounts::default());
     assert!(has(&lines, Severity::Fair, "No step was made, so nothing is known of passages"), "{lines:?}");
     let lines = told(&[], StepCounts { pairs: 2, silent: 2, ..StepCounts::default() });
@@ -140,7 +140,8 @@ fn steps_are_good_only_where_all_were_watched_and_agree() {
     let text =
         "No passage and no unseen overlap in 8 watched steps; 1 other finding in steps (tolerance 1, mostly mode).";
     assert!(
-        has(&lines, Severity::Fair, text) && has(&lines, Severity::Good, "No difference of contacts was found."),
+        has(&lines, Severity::Fair, text)
+            && has(&lines, Severity::Good, "No difference of contacts was found in 300 pairs."),
         "{lines:?}"
     );
     let lines = told(&[&step("arithmetic", "passage", "")], StepCounts { passages_oracle: 1, ..watched() });
@@ -162,7 +163,7 @@ fn code_that_never_answered_is_not_called_free_of_mistakes() {
     let text = "No built-in engine answered, so nothing is known of their code. What differs (1 finding) is due to: representation 100 %.";
     assert!(has(&lines, Severity::Fair, text), "{lines:?}");
     let lines = lines_of(campaign(&[("stepper-f32", 0), ("stepper-f64", 10)], &collapsed, &[], watched()));
-    assert!(has(&lines, Severity::Good, "No mistake in code of stepper-f64."), "{lines:?}");
+    assert!(has(&lines, Severity::Good, "No mistake in code of stepper-f64 was found in 300 pairs."), "{lines:?}");
 }
 
 #[test]
@@ -215,6 +216,27 @@ fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out
     let open = AuditTotals { undecided: Some(1), ..sound.clone() };
     assert!(has(&of(run.clone(), vec![motion("one", Some(sound))]), Severity::Good, "one: contacts see every overlap"));
     assert!(has(&of(run, vec![motion("one", Some(open))]), Severity::Fair, "one: contacts see every overlap"));
+}
+
+#[test]
+fn few_pairs_without_a_mistake_are_not_called_well() {
+    let finding = ["0,real,base,auto,any,tolerance,missing,,,,,,,"];
+    for findings in [&[][..], &finding] {
+        let mut run = campaign(&BOTH, findings, &[], StepCounts::default());
+        let lines = |run: &CampaignRun| mistakes(std::slice::from_ref(run)).expect("a line");
+        let line = lines(&run);
+        assert!(line.severity == Severity::Good && line.text.contains(" in 300 pairs."), "{line:?}");
+        run.run.pairs = LEAST - 1;
+        let line = lines(&run);
+        assert!(line.severity == Severity::Fair && line.text.contains(" in 299 pairs."), "{line:?}");
+        assert!(line.text.contains("300 show a mistake of one pair in a hundred with 95 %"), "{line:?}");
+        run.run.pairs = 1;
+        run.run.configuration.insert("part".to_owned(), "1/2".into());
+        let line = lines(&run);
+        assert!(line.severity == Severity::Fair && line.text.contains(" in 1 pair (part 1 of 2)."), "{line:?}");
+    }
+    // What the number is chosen by.
+    assert!(0.99_f64.powi(LEAST as i32) < 0.05 && 0.99_f64.powi(LEAST as i32 - 10) > 0.05);
 }
 
 /// A run of five audited steps in which all is well, asked for so many, with an ending.
