@@ -392,6 +392,19 @@ fn a_broken_engine_is_never_called_good() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_named_twice_is_refused() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let run = run().to_str().expect("text");
+    let link = dir.path().join("link");
+    std::os::unix::fs::symlink(run, &link).expect("a link");
+    for other in [run, &format!("{run}/."), link.to_str().expect("text")] {
+        let (code, out, err) = rockproof(&["report", run, other, "--format", "markdown"]);
+        assert!(code == 2 && err.contains("are the same run, which would count twice"), "{other}: {out}{err}");
+    }
+}
+
 #[test]
 fn where_no_step_was_made_nothing_is_said_of_overlaps() {
     let dir = tempfile::tempdir().expect("a directory");

@@ -138,10 +138,15 @@ impl Results {
     /// Reads the directories.
     ///
     /// # Errors
-    /// When one is no run, is damaged, or was made by another version.
+    /// When one is no run, is damaged, is named twice, or was made by another version.
     pub fn read(dirs: &[PathBuf]) -> Result<Results, ReportError> {
         let mut results = Results::default();
+        let mut places: BTreeMap<PathBuf, &PathBuf> = BTreeMap::new();
         for dir in dirs {
+            // By another name a run counts once more; what is no directory is told of below.
+            if let Some(first) = dir.canonicalize().ok().and_then(|place| places.insert(place, dir)) {
+                return Err(ReportError::Twice { dirs: [first.clone(), dir.clone()] });
+            }
             let has = |name: &str| dir.join(name).is_file();
             let (campaign, lockstep, timing) = (has("findings.csv"), has("lockstep.csv"), has(timing::FILE));
             let (motion, stress) = (has(motion::FILE), has(stress::FILE));
