@@ -409,7 +409,7 @@ fn a_run_that_is_named_twice_is_refused() {
 fn where_no_step_was_made_nothing_is_said_of_overlaps() {
     let dir = tempfile::tempdir().expect("a directory");
     let out = dir.path().join("still").display().to_string();
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/handmade/incline_1_4_settled.toml");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/handmade/approaching_vertices.toml");
     let (code, said, err) = rockproof(&["simulate", scene, "--steps", "0", "--out", &out]);
     assert!(code == 0 && said.contains("no step was made") && !said.contains(" m at most"), "{said}{err}");
     let (code, said, err) = rockproof(&["report", &out, "--format", "markdown"]);
