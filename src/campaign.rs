@@ -333,6 +333,16 @@ pub(crate) fn denied(kinds: &[String], progress: &CampaignProgress) -> Verdict {
         let what = if *kind == RECOVERED { "failures that were" } else { "findings of kind" };
         print_note(&format!("denied: there are {what} {kind}"));
     }
+    let names = |kind: &str| kinds.iter().any(|named| named == kind);
+    let of_builtin = [Cause::Defect, Cause::Arithmetic].map(Cause::name).into_iter().filter(|cause| names(cause));
+    if !progress.engines.is_empty() && !names("any") && !names(Cause::Engine.name()) {
+        let engines = progress.engines.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+        for cause in of_builtin {
+            print_note(&format!(
+                "--deny {cause} does not concern {engines}: findings about external engines have the cause engine (--deny engine)"
+            ));
+        }
+    }
     if found.is_empty() { Verdict::Passed } else { Verdict::CheckFailed }
 }
 

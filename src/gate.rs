@@ -18,10 +18,11 @@ use rockproof_differential::attribution::examine;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::PairSource;
+use rockproof_gate::answers::{self, Answers};
 use rockproof_gate::config::{Baseline, GateConfig};
 use rockproof_gate::known_findings::KnownFindings;
 use rockproof_gate::tally::{CampaignTally, TallyRow};
-use rockproof_gate::{self, Check, corpus, junit};
+use rockproof_gate::{self, Check, corpus, junit, reach, summary};
 use rockproof_model::files::read_text;
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_report::load::Results;
@@ -29,6 +30,7 @@ use rockproof_report::step_verdict::step_line;
 use rockproof_report::verdict::VerdictLine;
 use rockproof_results::{Owner, Start, write_atomically};
 use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -82,6 +84,10 @@ struct Gating<'g> {
     written: usize,
     /// What the steps of each campaign that makes some came to, by the campaign's name.
     steps: Vec<(String, VerdictLine)>,
+    /// The external engines that cases of the corpus are about.
+    in_corpus: BTreeSet<String>,
+    /// What external engines answered in all campaigns.
+    answers: BTreeMap<String, Answers>,
 }
 
 impl Gate {
@@ -93,8 +99,13 @@ impl Gate {
         let text = read_text(&self.file).with_context(|| file.clone())?;
         let config = GateConfig::from_toml(&text, &file).map_err(anyhow::Error::msg)?;
         let engines = Engines::of(&config.campaign).with_context(|| file.clone())?;
-        source::of(&config.campaign).with_context(|| file.clone())?;
+        let source = source::of(&config.campaign).with_context(|| file.clone())?;
         self.check_names(&config, &engines)?;
+        reach::check(&config, &source, (&file, &text)).map_err(anyhow::Error::msg)?;
+        anyhow::ensure!(
+            !config.limit.is_empty() || config.baseline.is_some() || !corpus::files(&config.corpus)?.is_empty(),
+            "{file}: there is nothing to check: it has no [[limit]] and no [baseline], and its corpus holds no case"
+        );
         let known = match &config.baseline {
             Some(baseline) if !self.update_baseline => Some(load(baseline)?),
             Some(baseline) => {
@@ -107,14 +118,16 @@ impl Gate {
         end_on_ctrl_c()?;
         engines.probe().with_context(|| file.clone())?;
         let mut checks = corpus::checks(&config.corpus, &engines)?;
+        let in_corpus = corpus::engines_of(&config.corpus)?;
         let rotating = self.rotating(&config)?;
-        let mut gating = Gating { gate: self, config, engines, text, written: 0, steps: Vec::new() };
+        let (steps, answers) = (Vec::new(), BTreeMap::new());
+        let mut gating = Gating { gate: self, config, engines, text, written: 0, steps, in_corpus, answers };
         checks.extend(gating.campaign(FIXED, gating.config.campaign.clone(), known.as_ref())?);
         if let Some(campaign) = rotating {
             print_note(&format!("the rotating seed is {}", campaign.seed));
             checks.extend(gating.campaign(ROTATING, campaign, known.as_ref())?);
         }
-        self.report_checks(&checks, &gating.steps)
+        self.report_checks(&checks, &gating)
     }
 
     fn check_names(&self, config: &GateConfig, engines: &Engines) -> anyhow::Result<()> {
@@ -163,7 +176,8 @@ impl Gate {
         Ok(Some(CampaignConfig { pairs: config.rotating_pairs, seed, ..config.campaign.clone() }))
     }
 
-    fn report_checks(&self, checks: &[Check], steps: &[(String, VerdictLine)]) -> Outcome {
+    fn report_checks(&self, checks: &[Check], gating: &Gating<'_>) -> Outcome {
+        let steps = &gating.steps;
         let failed = checks.iter().filter(|c| c.verdict == rockproof_gate::Verdict::Fail).count();
         let text = || {
             let rows = checks.iter().filter(|c| c.group != "corpus" || c.verdict != rockproof_gate::Verdict::Pass);
@@ -172,14 +186,17 @@ impl Gate {
             let head = table(&["verdict", "check", "found"], &[], rows);
             let steps = steps.iter().map(|(name, line)| prose(&format!("{name} campaign: {}\n", line.text)));
             let steps: String = steps.collect();
-            format!("{head}\n\n{steps}gate {verdict}: {failed} of {} checks failed\n", checks.len())
+            let answers = gating.answers.iter().map(|(name, answers)| format!("; {name} {}", answers.words()));
+            let answers: String = answers.collect();
+            format!("{head}\n\n{steps}gate {verdict}: {}{answers}\n", summary(checks))
         };
         self.format.print(text, || {
             let check = |c: &Check| json!({ "verdict": c.verdict.name(), "group": c.group, "check": c.name, "found": c.message });
             let all: Vec<Value> = checks.iter().map(check).collect();
             let line = |(name, line): &(String, VerdictLine)| json!({ "campaign": name, "severity": line.severity, "text": line.text });
             let steps: Vec<Value> = steps.iter().map(line).collect();
-            json!({ "passed": failed == 0, "failed": failed, "checks": all, "steps": steps })
+            let skipped = checks.iter().filter(|c| c.verdict == rockproof_gate::Verdict::Skip).count();
+            json!({ "passed": failed == 0, "failed": failed, "skipped": skipped, "checks": all, "steps": steps })
         })?;
         if let Some(path) = &self.junit {
             write_atomically(path, junit::junit(checks)?).with_context(|| path.display().to_string())?;
@@ -262,6 +279,11 @@ impl Gating<'_> {
         }
         let file = self.gate.file.display().to_string();
         let mut checks = rockproof_gate::limits(&self.config, (&file, &self.text), name, &tally);
+        checks.extend(answers::checks(&self.config, &file, name, &tally, &self.in_corpus));
+        for spec in &self.config.campaign.external {
+            let (sum, of) = (self.answers.entry(spec.name.clone()).or_default(), tally.answers(&spec.name));
+            *sum = Answers { answered: sum.answered + of.answered, asked: sum.asked + of.asked };
+        }
         if let Some(baseline) = self.config.baseline.as_ref() {
             if let Some(known) = known {
                 checks.extend(known.check(name, &tally, baseline));

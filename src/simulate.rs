@@ -581,6 +581,13 @@ fn write_summary<R: Real>(
     if totals.settling > 0 {
         writeln!(out, "settling         {} before", counted(totals.settling, "step", "steps"))?;
     }
+    if all == 0 {
+        writeln!(out, "measured         nothing: no step was made")?;
+        if let Some(sentence) = overlaps.filter(|_| audit.is_none()) {
+            writeln!(out, "model            {sentence}")?;
+        }
+        return write_end(out, record, ending);
+    }
     let smallest = totals.smallest_step.map_or("–".to_owned(), |s| short(s.0));
     writeln!(out, "smallest Δt      {smallest} s")?;
     let mean = totals.iterations as f64 / all.max(1) as f64;
@@ -614,6 +621,11 @@ fn write_summary<R: Real>(
     write_causes(out, record.intrusions())?;
     let speed = all as f64 / seconds.max(1e-9);
     writeln!(out, "\n{} in {seconds:.1} s ({speed:.0} a second)", counted(all, "step", "steps"))?;
+    write_end(out, record, ending)
+}
+
+/// How it ended, and where its files are.
+fn write_end(out: &mut String, record: &RunRecord, ending: &Ending) -> std::fmt::Result {
     match ending {
         Ending::Finished => {}
         Ending::Interrupted => writeln!(out, "interrupted; --resume goes on")?,

@@ -27,8 +27,8 @@ mod transfer;
 mod update;
 
 pub use answer::{
-    CertifiedStep, EnclosedStep, FailedAttempt, GapChange, IterationEnd, RetryReason, StepAnswer, StepFailure,
-    StepModel, UNCHANGED_SOLVES,
+    CertifiedStep, EnclosedStep, FailedAttempt, GapChange, IterationEnd, RetryReason, SLIPPING_SOLVES, StepAnswer,
+    StepFailure, StepModel, UNCHANGED_SOLVES,
 };
 pub use ladder::StepLevels;
 pub use margin::{ModeMargin, friction_margins, mode_margins};

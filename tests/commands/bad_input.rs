@@ -374,8 +374,7 @@ fn a_scene_and_a_block_file_are_called_what_they_are_where_a_case_is_expected() 
         for (file, what) in [("scene.toml", "a scene"), ("blocks.dda", "a block file"), ("surface.stl", "a block file")]
         {
             let (code, message) = run(&[command, file], directory.path());
-            assert_eq!(code, Some(2));
-            assert!(message.contains(&format!("{file}: this is {what}, not a case")), "{message}");
+            assert!(code == Some(2) && message.contains(&format!("{file}: this is {what}, not a case")), "{message}");
         }
     }
 }

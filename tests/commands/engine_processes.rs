@@ -79,7 +79,7 @@ fn a_signal_ends_hanging_engines_at_once() {
     let campaign =
         ["campaign", "--engine", "mine", "--engine-timeout", "600", "--family", "face_stack", "--out", "out"];
     let words = ["sh", "-c", "echo $$ >>numbers; exec sleep 1000"];
-    let gate = around(&words, "").replace("timeout_ms = 500", "timeout_ms = 600000");
+    let gate = around(&words, "[[limit]]\ncount = 0\n").replace("timeout_ms = 500", "timeout_ms = 600000");
     // `shrink` asks the engine alone that a case is about.
     let text = fs::read_to_string(case).expect("a case");
     let about = "engine = \"stepper-f32\"";

@@ -135,7 +135,7 @@ fn the_formats_are_what_their_readers_take() {
         (tests, failures) = (tests + cases.len(), failures + failed);
     }
     assert_eq!((number(root, "tests"), number(root, "failures")), (Some(tests), Some(failures)));
-    assert_eq!((tests, failures), (2, 1));
+    assert_eq!((tests, failures), (3, 1));
     assert!(quick_junit::Report::deserialize_from_str(&text).is_ok(), "a reader of JUnit takes it");
     let annotation = ran.out.lines().find(|line| line.starts_with("::error ")).expect("an annotation");
     assert!(

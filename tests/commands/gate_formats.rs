@@ -189,5 +189,5 @@ fn the_summary_shows_what_was_found() {
     assert_eq!(rows[1], ["FAIL", NASTY, "first line second line"]);
     assert_eq!(rows[3], ["FAIL", "b", NASTY]);
     assert_eq!(rows[4][..2], ["skip", "skipped | case"]);
-    assert!(text.contains("3 of 6 checks failed; 1 case of the corpus passed."), "{text}");
+    assert!(text.contains("2 passed, 1 skipped, 3 failed; 1 case of the corpus passed."), "{text}");
 }

@@ -199,7 +199,8 @@ fn the_rotating_seed_is_the_one_given_or_the_day() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
     let rotating = "rotating_pairs = 64\n";
-    let text = rotating.to_owned() + "corpus = []\n[campaign]\npairs = 64\nfamilies = [\"sliver\"]\n";
+    let limit = "[[limit]]\ncause = \"defect\"\ncount = 0\n";
+    let text = format!("{rotating}corpus = []\n[campaign]\npairs = 64\nfamilies = [\"sliver\"]\n{limit}");
     let findings = |run: &str| fs::read_to_string(dir.join("reports/gate").join(run).join("findings.csv")).expect(run);
     let seed = || {
         let run = fs::read_to_string(dir.join("reports/gate/rotating/run.json")).expect("run.json");

@@ -22,11 +22,13 @@ mod compare_command;
 mod diagnosis;
 mod engine_processes;
 mod examine_command;
+mod examine_limits;
 mod external_engines;
 mod gate_command;
 mod gate_formats;
 #[cfg(unix)]
 mod gate_regressions;
+mod gate_verdicts;
 mod json_output;
 mod kept_results;
 #[cfg(target_os = "linux")]
@@ -41,6 +43,7 @@ mod output_files;
 mod passages;
 mod report_command;
 mod report_page;
+mod report_runs;
 mod results;
 mod second_signal;
 mod self_comparison;

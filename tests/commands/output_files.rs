@@ -32,7 +32,9 @@ fn shrink_replaces_its_own_case_and_other_files_where_that_is_said() {
 #[test]
 fn a_gate_replaces_its_own_junit_report_alone() {
     let place = Place::new();
-    place.file("gate.toml", "corpus = []\n[campaign]\npairs = 16\nfamilies = [\"face_stack\"]\n");
+    let gate =
+        "corpus = []\n[campaign]\npairs = 16\nfamilies = [\"face_stack\"]\n[[limit]]\ncause = \"defect\"\ncount = 0\n";
+    place.file("gate.toml", gate);
     let gate = |junit: &str| place.run(&["gate", "gate.toml", "--junit", junit]);
     let theirs = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"unit tests\" tests=\"0\"/>\n";
     for (name, text) in [("theirs.xml", theirs), ("notes.txt", "mine"), ("empty.xml", "")] {

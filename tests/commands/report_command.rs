@@ -4,14 +4,14 @@ use std::fs;
 use std::path::Path;
 use std::sync::OnceLock;
 
-fn rockproof(args: &[&str]) -> (i32, String, String) {
+pub(crate) fn rockproof(args: &[&str]) -> (i32, String, String) {
     let output = assert_cmd::Command::cargo_bin("rockproof").expect("built").args(args).output().expect("runs");
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
     (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
 }
 
 /// A small campaign, made once.
-fn run() -> &'static Path {
+pub(crate) fn run() -> &'static Path {
     static DIR: OnceLock<tempfile::TempDir> = OnceLock::new();
     let dir = DIR.get_or_init(|| {
         let dir = tempfile::tempdir().expect("a directory");

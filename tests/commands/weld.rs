@@ -98,7 +98,7 @@ fn joining_everything_and_joining_nothing_are_said() {
     let place = Place::new();
     place.file("joined.obj", &soup(0.0));
     let (code, _, err) = place.run(&["check", "joined.obj", "--weld", "10"]);
-    assert!(code == 2 && err.contains("--weld 10 joins all vertices of block block0, "), "{err}");
+    assert!(code == 2 && err.contains("--weld 10 joins all vertices of block block0_0, "), "{err}");
     place.file("scene.toml", "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n");
     let (code, _, err) = place.run(&["check", "scene.toml", "--weld", "1e-6"]);
     assert!(code == 0 && err.contains("note: --weld joins vertices of the files that a scene names; "), "{err}");

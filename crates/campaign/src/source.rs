@@ -260,6 +260,23 @@ fn content(file: &Path) -> String {
 }
 
 impl FamilySource {
+    /// The names of its families, that of pairs that only move last.
+    pub fn families(&self) -> Vec<&str> {
+        let moving = (!self.passages.is_empty()).then_some(PASSAGE);
+        self.pairs.families.iter().map(|family| family.name()).chain(moving).collect()
+    }
+
+    /// The names of its tolerance sets; what ladders make of them is left out.
+    pub fn sets(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for set in self.pairs.sets.iter().chain(&self.passages) {
+            if !names.contains(&set.name()) {
+                names.push(set.name());
+            }
+        }
+        names
+    }
+
     /// The same source of bases as their families make them, none perturbed: these hold the most exact ties.
     #[must_use]
     pub fn unperturbed(mut self) -> FamilySource {

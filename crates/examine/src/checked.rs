@@ -38,7 +38,7 @@ pub struct CheckedModel {
 const LARGEST: f64 = 1e45;
 
 /// A value whose rounding overflows (SPEC section 1), or of which too much is calculated.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CheckError {
     /// A coordinate of a block.
     #[error("block {number} \"{name}\": a coordinate overflows when rounded to {precision}")]

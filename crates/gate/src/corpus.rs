@@ -8,6 +8,7 @@ use rockproof_differential::external::protocol::completed;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::{ReplayError, ReplayedStep, StepCase, StepCause};
 use rockproof_model::text::{SHOWN, excerpt};
+use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -60,6 +61,16 @@ pub fn checks(paths: &[PathBuf], engines: &Engines) -> Result<Vec<Check>, Corpus
 /// When a folder cannot be read.
 pub fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, CorpusError> {
     paths.iter().map(|path| files_of(path)).collect::<Result<Vec<_>, _>>().map(|files| files.concat())
+}
+
+/// The engines that the cases of a corpus are about.
+///
+/// # Errors
+/// When a folder or a case cannot be read.
+pub fn engines_of(paths: &[PathBuf]) -> Result<BTreeSet<String>, CorpusError> {
+    let files = files(paths)?;
+    let cases = files.iter().filter(|file| !StepCase::is_named(file));
+    cases.map(|file| Ok(Case::load(file)?.about.engine)).collect()
 }
 
 fn files_of(path: &Path) -> Result<Vec<PathBuf>, CorpusError> {

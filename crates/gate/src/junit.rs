@@ -1,6 +1,6 @@
 //! The checks of a gate for other programs: JUnit XML, GitHub's annotations and step summary.
 
-use super::{Check, Verdict};
+use super::{Check, Verdict, summary};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use rockproof_model::text::{excerpt, is_harmful, noun};
 use std::time::Duration;
@@ -31,7 +31,10 @@ pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
     };
     let of_group = |group: &str| sum(&|check| check.group == group);
     report.set_time(sum(&|_| true));
-    for group in ["limit", "baseline", "corpus"] {
+    for group in ["limit", "engine", "baseline", "corpus"] {
+        if group == "engine" && !checks.iter().any(|check| check.group == group) {
+            continue;
+        }
         let mut suite = TestSuite::new(format!("rockproof.{group}"));
         for check in checks.iter().filter(|check| check.group == group) {
             let mut status = match check.verdict {
@@ -98,6 +101,5 @@ pub fn markdown(checks: &[Check]) -> String {
         text += &format!("| {} | {} | {} |\n", check.verdict.name(), cell(&check.name), cell(&check.message));
     }
     let corpus = checks.iter().filter(|c| c.group == "corpus" && c.verdict == Verdict::Pass).count();
-    let (all, cases) = (noun(checks.len(), "check", "checks"), noun(corpus, "case", "cases"));
-    text + &format!("\n{failed} of {} {all} failed; {corpus} {cases} of the corpus passed.\n", checks.len())
+    text + &format!("\n{}; {corpus} {} of the corpus passed.\n", summary(checks), noun(corpus, "case", "cases"))
 }

@@ -1,10 +1,13 @@
 //! The gate for continuous integration: a campaign, a corpus of cases, limits, and a list of known findings (docs/gate.md).
 
+pub mod answers;
 pub mod comparison;
 pub mod config;
 pub mod corpus;
 pub mod junit;
 pub mod known_findings;
+pub mod limit_count;
+pub mod reach;
 pub mod tally;
 
 use config::{FindingLimit, GateConfig, RECOVERED, line_of};
@@ -37,7 +40,7 @@ impl Verdict {
 /// One check of a gate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// `limit`, `baseline` or `corpus`.
+    /// `limit`, `engine`, `baseline` or `corpus`.
     pub group: &'static str,
     /// What was checked.
     pub name: String,
@@ -64,6 +67,7 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
         let place = (file.to_owned(), line_of(text, limit.span().start));
         let limit = limit.get_ref();
         let found = tally.count(limit);
+        let fails_from = limit.rate.and_then(|rate| found.fails_from(rate, limit.confidence.unwrap_or(CONFIDENCE)));
         let (failed, message) = if let (Some(count), true) = (limit.count, limit.is_of_recovered()) {
             let message = format!(
                 "{} {} that a fresh process did not repeat, at most {count}",
@@ -77,18 +81,28 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
                 format!("{} {}, at most {count}", found.findings, noun(found.findings, "finding", "findings")),
             )
         } else {
-            let rate = limit.rate.unwrap_or(1.0);
-            let chance = found.chance(rate);
+            let (rate, confidence) = (limit.rate.unwrap_or(1.0), limit.confidence.unwrap_or(CONFIDENCE));
+            let from = match fails_from {
+                Some(from) => format!("fails from {from} on"),
+                None => "so few pairs can never fail".to_owned(),
+            };
             let message = format!(
-                "{} of {} pairs ({:.3e}), at most {rate}; by chance with probability {chance:.2e}",
+                "{} of {} pairs ({:.3e}), at most {rate}, {from}; by chance with probability {:.2e}",
                 found.pairs,
                 found.examined,
-                found.rate()
+                found.rate(),
+                found.chance(rate)
             );
-            (found.rate() > rate && chance < 1.0 - limit.confidence.unwrap_or(CONFIDENCE), message)
+            (found.exceeds(rate, confidence), message)
         };
         let rows = (0..tally.rows.len()).filter(|&at| failed && tally.rows[at].is_of(limit)).collect();
-        let verdict = if failed { Verdict::Fail } else { Verdict::Pass };
+        let unreached = || reach::without_cause(limit, config).or_else(|| tally.missing(limit));
+        let (verdict, message) = match unreached() {
+            _ if failed => (Verdict::Fail, message),
+            Some(why) => (Verdict::Skip, why),
+            None if limit.rate.is_some() && fails_from.is_none() => (Verdict::Skip, message),
+            None => (Verdict::Pass, message),
+        };
         Check {
             group: "limit",
             name: format!("{run}: {}", limit.text()),
@@ -101,6 +115,14 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
         }
     };
     config.limit.iter().map(check).chain(recovered(config, file, run, tally)).collect()
+}
+
+/// How many checks passed, were skipped and failed, in words.
+pub fn summary(checks: &[Check]) -> String {
+    let of = |verdict| checks.iter().filter(|check| check.verdict == verdict).count();
+    let [passed, skipped, failed] = [Verdict::Pass, Verdict::Skip, Verdict::Fail].map(of);
+    let none = if passed + failed == 0 && skipped > 0 { "; nothing was checked" } else { "" };
+    format!("{passed} passed, {skipped} skipped, {failed} failed{none}")
 }
 
 /// Says of engines whose failures did not repeat that they had some, where no limit names these: such a failure is no finding, so all limits may

@@ -3,19 +3,21 @@
 #[cfg(test)]
 mod tests;
 
+use super::answers::Answers;
 use super::config::{Baseline, FindingLimit};
 use super::known_findings::{SEPARATOR, STEP};
+use super::limit_count::LimitCount;
 use rockproof_campaign::engine_counts::{ENGINE_COLUMNS, ENGINES, EngineRow};
 use rockproof_campaign::pairs::BATCH;
 use rockproof_campaign::steps::{STEP_FINDING_COLUMNS, STEP_SUMMARY_COLUMNS, StepFindingRow, StepSummaryRow};
 use rockproof_campaign::summary::{SUMMARY_COLUMNS, SummaryRow};
+use rockproof_differential::agreement::{AGREEMENT_COLUMNS, ChainSpan};
 use rockproof_differential::finding::{Cause, FINDING_COLUMNS, FindingScope};
 use rockproof_differential::lockstep::StepCause;
 use rockproof_differential::row::{FindingRow, typed_rows};
 use rockproof_model::files::open_table;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use statrs::function::beta::checked_beta_reg;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -171,6 +173,8 @@ pub struct CampaignTally {
     watched: BTreeMap<(String, String), u64>,
     /// What external engines were put through.
     pub engines: Vec<EngineRow>,
+    /// Pairs that each engine was asked about and answered.
+    answers: BTreeMap<String, Answers>,
 }
 
 /// How often a sort of finding occurred.
@@ -196,19 +200,6 @@ impl ClassCount {
         let squares = batches.values().map(|n| n * n).sum();
         ClassCount { findings: hits.len() as u64, pairs: pairs.len() as u64, squares }
     }
-}
-
-/// What is found of a limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LimitCount {
-    /// Findings.
-    pub findings: u64,
-    /// Pairs with such a finding.
-    pub pairs: u64,
-    /// Pairs examined; of passages and unseen overlaps those whose steps were looked through.
-    pub examined: u64,
-    /// How much less than independent pairs they tell: 1 for independent ones.
-    pub design_effect: f64,
 }
 
 impl CampaignTally {
@@ -242,7 +233,14 @@ impl CampaignTally {
         examined.extend(unclassified.map(|(group, pairs)| (group.clone(), *pairs)));
         let file = dir.join(ENGINES);
         let engines = if file.is_file() { table(&file, &ENGINE_COLUMNS)? } else { Vec::new() };
-        Ok(CampaignTally { rows, examined, moved, watched, engines })
+        let file = dir.join("agreement.csv");
+        let answers = if file.is_file() { answers(&file)? } else { BTreeMap::new() };
+        Ok(CampaignTally { rows, examined, moved, watched, engines, answers })
+    }
+
+    /// The pairs that an engine was asked about and answered.
+    pub fn answers(&self, engine: &str) -> Answers {
+        self.answers.get(engine).copied().unwrap_or_default()
     }
 
     /// Pairs examined of each family; a pair counts once for each set.
@@ -265,6 +263,25 @@ impl CampaignTally {
         let counts = if watched { &self.watched } else { &self.examined };
         let of = counts.iter().filter(|((family, set), _)| groups.contains(&(family.as_str(), set.as_str())));
         of.map(|(_, pairs)| pairs).sum()
+    }
+
+    /// That no pair was examined that a limit could find something in; `None` where there was one.
+    pub(crate) fn missing(&self, limit: &FindingLimit) -> Option<String> {
+        let (pairs, what) = match limit {
+            limit if limit.is_of_recovered() => return None,
+            limit if limit.is_of_intrusions() => {
+                (&self.watched, "made a step that was looked through for passages and unseen overlaps")
+            }
+            limit if limit.is_of_steps() => (&self.moved, "made a step"),
+            _ => (&self.examined, "was examined"),
+        };
+        if of_limit(pairs, limit) > 0 {
+            return None;
+        }
+        let of = [("family", &limit.family), ("tolerances", &limit.tolerances)].into_iter();
+        let of: Vec<String> = of.filter_map(|(key, value)| Some(format!("{key} {}", value.as_ref()?))).collect();
+        let of = if of.is_empty() { String::new() } else { format!(" with {}", of.join(", ")) };
+        Some(format!("no pair{of} {what}"))
     }
 
     /// How often each sort of finding occurred whose causes a baseline holds, by fingerprint.
@@ -292,18 +309,23 @@ impl CampaignTally {
         let of = self.rows.iter().filter(|row| row.is_of(limit));
         let hits: Vec<(u64, &str)> = of.map(|row| (row.index(), row.common().tolerances)).collect();
         let sorted = ClassCount::of(&hits);
-        let wanted = |wanted: &Option<String>, found: &str| wanted.as_ref().is_none_or(|w| w == found);
         let examined = if limit.is_of_intrusions() { &self.watched } else { &self.examined };
-        let counted = examined.iter().filter(|((family, set), _)| {
-            wanted(&limit.family, family) && limit.tolerances.as_ref().is_none_or(|w| of_set(set, w))
-        });
         LimitCount {
             findings: sorted.findings,
             pairs: sorted.pairs,
-            examined: counted.map(|(_, pairs)| pairs).sum(),
+            examined: of_limit(examined, limit),
             design_effect: if sorted.pairs == 0 { 1.0 } else { sorted.squares as f64 / sorted.pairs as f64 },
         }
     }
+}
+
+/// The pairs of the families and sets that a limit is about.
+fn of_limit(pairs: &PairCounts, limit: &FindingLimit) -> u64 {
+    let of = pairs.iter().filter(|((family, set), _)| {
+        limit.family.as_ref().is_none_or(|wanted| wanted == family)
+            && limit.tolerances.as_ref().is_none_or(|wanted| of_set(set, wanted))
+    });
+    of.map(|(_, pairs)| pairs).sum()
 }
 
 /// Pairs by (family, set).
@@ -335,30 +357,31 @@ fn moved(file: &Path) -> Result<[PairCounts; 2], TallyError> {
     Ok(counts)
 }
 
+/// What is read of a row of `agreement.csv`.
+#[derive(Deserialize)]
+struct AnswerRow {
+    span: ChainSpan,
+    engine: String,
+    pairs: u64,
+    silent: u64,
+}
+
+/// What engines answered.
+fn answers(file: &Path) -> Result<BTreeMap<String, Answers>, TallyError> {
+    let mut answers: BTreeMap<String, Answers> = BTreeMap::new();
+    for AnswerRow { span, engine, pairs, silent } in table(file, &AGREEMENT_COLUMNS)? {
+        if span == ChainSpan::Arithmetic {
+            let of = answers.entry(engine).or_default();
+            of.asked += pairs;
+            of.answered += pairs.saturating_sub(silent);
+        }
+    }
+    Ok(answers)
+}
+
 /// The rows of a table, which has these columns.
 fn table<T: DeserializeOwned>(file: &Path, columns: &[&str]) -> Result<Vec<T>, TallyError> {
     let at = |source| TallyError::Csv { file: file.to_owned(), source };
     let opened = open_table(file).map_err(|error| at(error.into()))?;
     typed_rows(opened, columns).and_then(Iterator::collect).map_err(at)
-}
-
-impl LimitCount {
-    /// The share of pairs with such a finding.
-    pub fn rate(&self) -> f64 {
-        if self.examined == 0 { 0.0 } else { self.pairs as f64 / self.examined as f64 }
-    }
-
-    /// How likely it is to find as many or more by chance where the true share is `rate`: the exact binomial tail (Clopper
-    /// and Pearson 1934). The sixteen pairs of a batch share a base and are not independent, so pairs found and examined are
-    /// first divided by the design effect (Korn and Graubard 1998), which for rare findings is Σx²/Σx over the batches.
-    pub fn chance(&self, rate: f64) -> f64 {
-        let (found, examined) = (self.pairs as f64 / self.design_effect, self.examined as f64 / self.design_effect);
-        if self.pairs == 0 || rate >= 1.0 {
-            return 1.0;
-        }
-        if rate <= 0.0 {
-            return 0.0;
-        }
-        checked_beta_reg(found, (examined - found + 1.0).max(1.0), rate).unwrap_or(1.0)
-    }
 }

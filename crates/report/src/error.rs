@@ -16,6 +16,12 @@ pub enum ReportError {
         /// What is there instead.
         found: String,
     },
+    /// A run named twice.
+    #[error("{} and {} are the same run, which would count twice", dirs[0].display(), dirs[1].display())]
+    Twice {
+        /// The directories as given.
+        dirs: [PathBuf; 2],
+    },
     /// A line of a file that says something it cannot.
     #[error("{file}: line {line}: {found}; expected {expected}")]
     Damaged {

@@ -8,6 +8,7 @@ use super::step_tally::StepTally;
 use super::tally::FindingTally;
 use super::{lockstep, motion, stress, timing};
 use rockproof_campaign::merge::Parts;
+use rockproof_campaign::part::Part;
 use rockproof_campaign::proportion::{ClusterSums, Proportion};
 use rockproof_campaign::steps::summary::{StepCounts, StepGroup};
 use rockproof_campaign::steps::{STEP_SUMMARY_COLUMNS, StepSummaryRow};
@@ -137,10 +138,15 @@ impl Results {
     /// Reads the directories.
     ///
     /// # Errors
-    /// When one is no run, is damaged, or was made by another version.
+    /// When one is no run, is damaged, is named twice, or was made by another version.
     pub fn read(dirs: &[PathBuf]) -> Result<Results, ReportError> {
         let mut results = Results::default();
+        let mut places: BTreeMap<PathBuf, &PathBuf> = BTreeMap::new();
         for dir in dirs {
+            // By another name a run counts once more; what is no directory is told of below.
+            if let Some(first) = dir.canonicalize().ok().and_then(|place| places.insert(place, dir)) {
+                return Err(ReportError::Twice { dirs: [first.clone(), dir.clone()] });
+            }
             let has = |name: &str| dir.join(name).is_file();
             let (campaign, lockstep, timing) = (has("findings.csv"), has("lockstep.csv"), has(timing::FILE));
             let (motion, stress) = (has(motion::FILE), has(stress::FILE));
@@ -311,6 +317,12 @@ impl CampaignRun {
     pub fn not_shown(&self) -> usize {
         let settings: BTreeSet<String> = self.agreement.iter().map(|(_, c, _)| setting(&c.tolerances)).collect();
         settings.iter().filter(|setting| !self.shows(setting)).count()
+    }
+
+    /// `part 1 of 2`, where it is a part of a campaign.
+    pub fn part(&self) -> Option<String> {
+        let (number, of) = self.run.configuration.get(Part::KEY)?.as_str()?.split_once('/')?;
+        Some(format!("part {number} of {of}"))
     }
 
     /// The engines, in order.

@@ -43,10 +43,13 @@ pub(super) fn lockstep_lines(runs: &[LockstepRun]) -> Vec<VerdictLine> {
 }
 
 /// What audits found of passages and unseen overlaps: bad where a run has one, good where all were audited, passages were looked for, there are
-/// none, and nothing stayed undecided. `None` without a run.
+/// none, nothing stayed undecided, and every run came to its end. `None` without a run.
 pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
     let objecting: Vec<&MotionRun> = runs.iter().filter(|run| run.audit().is_some_and(AuditTotals::objects)).collect();
-    let of = |run: &MotionRun| format!("{}: {}", run.name, run.sentence());
+    let of = |run: &MotionRun| {
+        let cut = run.cut_short().map_or(String::new(), |cut| format!("{cut}; "));
+        format!("{}: {cut}{}", run.name, run.sentence())
+    };
     if let [first, others @ ..] = &objecting[..] {
         let more = match others.len() as u64 {
             0 => String::new(),
@@ -56,11 +59,14 @@ pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
     }
     let audits: Vec<&AuditTotals> = runs.iter().filter_map(MotionRun::audit).collect();
     let is_proved = |audit: &&AuditTotals| audit.steps > 0 && audit.undecided == Some(0);
-    let severity =
-        if audits.len() == runs.len() && audits.iter().all(is_proved) { Severity::Good } else { Severity::Fair };
+    let is_whole = audits.len() == runs.len() && runs.iter().all(|run| run.cut_short().is_none());
+    let severity = if is_whole && audits.iter().all(is_proved) { Severity::Good } else { Severity::Fair };
     let text = match (runs, audits.len()) {
         ([], _) => return None,
         ([run], _) => of(run),
+        (runs, 0) if runs.iter().all(|run| run.steps() == 0) => {
+            "No step was made in any run, so nothing is known of overlaps".to_owned()
+        }
         (_, 0) => "No run was audited (--no-audit); nobody looked for overlaps that no contact sees".to_owned(),
         (_, audited) => {
             let steps = counted(audits.iter().map(|audit| audit.steps).sum(), "audited step", "audited steps");
@@ -81,4 +87,15 @@ pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
         }
     };
     Some(VerdictLine { severity, text: format!("{text}.") })
+}
+
+/// Which of several runs ended before they were asked to, and why the first did; of one alone its line tells.
+pub(super) fn cut_line(runs: &[MotionRun]) -> Option<VerdictLine> {
+    let cut: Vec<String> = runs.iter().filter_map(|run| Some(format!("{}: {}", run.name, run.cut_short()?))).collect();
+    let (first, others) = cut.split_first().filter(|_| runs.len() > 1)?;
+    let more = match others.len() as u64 {
+        0 => String::new(),
+        n => format!("; {} ended early too", counted(n, "other run", "other runs")),
+    };
+    Some(VerdictLine { severity: Severity::Fair, text: format!("{first}{more}.") })
 }

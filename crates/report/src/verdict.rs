@@ -4,7 +4,7 @@
 mod tests;
 
 use super::load::{CampaignRun, Results, agreeing_share};
-use super::motion_verdict::{lockstep_lines, motion_line};
+use super::motion_verdict::{cut_line, lockstep_lines, motion_line};
 use super::own;
 use super::step_verdict::step_line;
 use super::stress_reach::{Reach, reach};
@@ -68,6 +68,10 @@ pub fn verdict(results: &Results) -> Vec<VerdictLine> {
         // Blocks that pass through one another come before everything else.
         Some(line) if line.severity == Severity::Bad => lines.insert(0, line),
         motion => lines.extend(motion),
+    }
+    if let Some(cut) = cut_line(&results.motions) {
+        // Before what the runs came to.
+        lines.insert(usize::from(lines.first().is_some_and(|line| line.severity == Severity::Bad)), cut);
     }
     if lines.is_empty() {
         lines.extend(times(results));
@@ -184,6 +188,35 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
     line(severity, format!("Exactly right on hard pairs: {}.", words.join("; ")))
 }
 
+/// So many pairs without a mistake must there be before that is called well: a mistake that shows in one pair of a hundred shows in one of these with
+/// 95 % (1 − 0.99³⁰⁰).
+const LEAST: u64 = 300;
+
+/// How many pairs campaigns examined, in words, and which part of how many that is.
+fn pairs_in_words(campaigns: &[CampaignRun]) -> String {
+    let pairs = counted_pairs(campaigns);
+    let part = match campaigns {
+        [one] => one.part().map_or(String::new(), |part| format!(" ({part})")),
+        _ => String::new(),
+    };
+    format!("{}{part}", counted(pairs, "pair", "pairs"))
+}
+
+fn counted_pairs(campaigns: &[CampaignRun]) -> u64 {
+    campaigns.iter().map(|campaign| campaign.run.pairs).sum()
+}
+
+/// A line that no mistake was found: well only where there were pairs enough.
+fn none_found(campaigns: &[CampaignRun], text: &str) -> VerdictLine {
+    if counted_pairs(campaigns) >= LEAST {
+        return line(Severity::Good, text.to_owned());
+    }
+    line(
+        Severity::Fair,
+        format!("{text} So few pairs tell little: {LEAST} show a mistake of one pair in a hundred with 95 %."),
+    )
+}
+
 /// Whether the code of the built-in engines is mistaken, in contacts or in steps, and what the other findings about contacts are due to, those of
 /// external engines apart; `None` where no contact could be compared and no mistake was found.
 fn mistakes(campaigns: &[CampaignRun]) -> Option<VerdictLine> {
@@ -253,11 +286,11 @@ fn mistakes(campaigns: &[CampaignRun]) -> Option<VerdictLine> {
     }
     if is_alone {
         let text = if campaigns.iter().all(|campaign| campaign.step_tally.total() == 0) {
-            "No difference was found at all."
+            "No difference was found at all"
         } else {
-            "No difference of contacts was found."
+            "No difference of contacts was found"
         };
-        return Some(line(Severity::Good, text.to_owned()));
+        return Some(none_found(campaigns, &format!("{text} in {}.", pairs_in_words(campaigns))));
     }
     if builtin.is_empty() {
         let text = match total {
@@ -268,10 +301,15 @@ fn mistakes(campaigns: &[CampaignRun]) -> Option<VerdictLine> {
         return Some(line(Severity::Fair, text));
     }
     if total == 0 {
-        return Some(line(Severity::Good, format!("No difference was found in the answers{of}.")));
+        let text = format!("No difference was found in the answers{of} for {}.", pairs_in_words(campaigns));
+        return Some(none_found(campaigns, &text));
     }
-    let text = format!("No mistake in code{of}. What differs ({}) is due to: {rest}.", findings(total));
-    Some(line(Severity::Good, text))
+    let text = format!(
+        "No mistake in code{of} was found in {}. What differs ({}) is due to: {rest}.",
+        pairs_in_words(campaigns),
+        findings(total)
+    );
+    Some(none_found(campaigns, &text))
 }
 
 /// So few pairs are counted; of more the share is told.

@@ -19,7 +19,8 @@ pub(super) fn section(results: &Results) -> Option<Section> {
          another within a step, calculated exactly from the stepper's coordinates.",
     );
     for run in runs {
-        section.parts.push(SectionPart::Text(format!("{}: {}.", run.name, run.sentence())));
+        let cut = run.cut_short().map_or(String::new(), |cut| format!("{cut}; "));
+        section.parts.push(SectionPart::Text(format!("{}: {cut}{}.", run.name, run.sentence())));
     }
     section.parts.push(SectionPart::Table(table(runs), 60));
     if runs.iter().any(|run| !run.intrusions.is_empty()) {

@@ -1,7 +1,7 @@
 //! What the report is made of.
 
 use super::{Section, SectionPart};
-use crate::load::{Results, RunFile};
+use crate::load::{CampaignRun, Results};
 use crate::table::{Table, TableCell};
 
 pub(super) fn section(results: &Results) -> Section {
@@ -21,7 +21,7 @@ pub(super) fn section(results: &Results) -> Section {
                 run.version.as_str().into(),
                 run.seed.into(),
                 run.pairs.into(),
-                finished(run).into(),
+                finished(campaign).into(),
                 run.contacts.into(),
                 run.findings.total.into(),
                 run.metamorphic_checks.into(),
@@ -51,11 +51,13 @@ pub(super) fn section(results: &Results) -> Section {
     section
 }
 
-/// Whether all pairs were done, or which parts a merge had.
-fn finished(run: &RunFile) -> String {
+/// Whether all pairs were done, or which part it is, or which parts a merge had.
+fn finished(campaign: &CampaignRun) -> String {
+    let run = &campaign.run;
+    let part = campaign.part().map_or(String::new(), |part| format!(", {part}"));
     match run.configuration.get("parts").and_then(|parts| parts.as_str()) {
         Some(parts) => format!("no, parts {parts}"),
-        None if run.finished => "yes".to_owned(),
-        None => "no, interrupted".to_owned(),
+        None if run.finished => format!("yes{part}"),
+        None => format!("no, interrupted{part}"),
     }
 }

@@ -18,11 +18,11 @@ fn rows<T: DeserializeOwned>(columns: &[&str], rows: &[&str]) -> Vec<T> {
     csv::Reader::from_reader(text.as_bytes()).deserialize().map(|row| row.expect("a row")).collect()
 }
 
-/// A campaign of ten pairs with these rows of its tables: engines by how many pairs they answer, all alike.
+/// A campaign of as many pairs as it takes, of which ten are compared, with these rows of its tables: engines by how many pairs they answer, all alike.
 fn campaign(engines: &[(&str, u64)], findings: &[&str], step_findings: &[&str], steps: StepCounts) -> CampaignRun {
     let run = json!({
         "version": "0", "seed": 1, "configuration": {}, "machine": { "os": "", "architecture": "", "cores": 1 },
-        "finished": true, "pairs": 10, "contacts": 0, "findings": { "total": findings.len() },
+        "finished": true, "pairs": LEAST, "contacts": 0, "findings": { "total": findings.len() },
         "metamorphic_checks": 0, "seconds": 1.0,
     });
     let (mut tally, mut step_tally) = (FindingTally::default(), StepTally::default());
@@ -121,7 +121,7 @@ fn steps_are_good_only_where_all_were_watched_and_agree() {
     let told = |rows: &[&str], counts| lines_of(campaign(&BOTH, &[], rows, counts));
     let lines = told(&[], watched());
     assert!(has(&lines, Severity::Good, "No passage and no unseen overlap in 8 watched steps."), "{lines:?}");
-    assert!(has(&lines, Severity::Good, "No difference was found at all."), "{lines:?}");
+    assert!(has(&lines, Severity::Good, "No difference was found at all in 300 pairs."), "{lines:?}");
     let lines = told(&[], StepCounts::default());
     assert!(has(&lines, Severity::Fair, "No step was made, so nothing is known of passages"), "{lines:?}");
     let lines = told(&[], StepCounts { pairs: 2, silent: 2, ..StepCounts::default() });
@@ -140,7 +140,8 @@ fn steps_are_good_only_where_all_were_watched_and_agree() {
     let text =
         "No passage and no unseen overlap in 8 watched steps; 1 other finding in steps (tolerance 1, mostly mode).";
     assert!(
-        has(&lines, Severity::Fair, text) && has(&lines, Severity::Good, "No difference of contacts was found."),
+        has(&lines, Severity::Fair, text)
+            && has(&lines, Severity::Good, "No difference of contacts was found in 300 pairs."),
         "{lines:?}"
     );
     let lines = told(&[&step("arithmetic", "passage", "")], StepCounts { passages_oracle: 1, ..watched() });
@@ -162,7 +163,7 @@ fn code_that_never_answered_is_not_called_free_of_mistakes() {
     let text = "No built-in engine answered, so nothing is known of their code. What differs (1 finding) is due to: representation 100 %.";
     assert!(has(&lines, Severity::Fair, text), "{lines:?}");
     let lines = lines_of(campaign(&[("stepper-f32", 0), ("stepper-f64", 10)], &collapsed, &[], watched()));
-    assert!(has(&lines, Severity::Good, "No mistake in code of stepper-f64."), "{lines:?}");
+    assert!(has(&lines, Severity::Good, "No mistake in code of stepper-f64 was found in 300 pairs."), "{lines:?}");
 }
 
 #[test]
@@ -191,7 +192,8 @@ fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out
     let audit = AuditTotals { steps: 5, passages: Some(1), ..AuditTotals::default() };
     let motion = |name: &str, audit| MotionRun {
         name: name.to_owned(),
-        totals: Totals { audit, ..Totals::default() },
+        totals: Totals { audit, steps: 5, ..Totals::default() },
+        ending: "finished".to_owned(),
         ..MotionRun::default()
     };
     let defect = LockstepRun { causes: [(Cause::Defect, 2)].into(), ..run.clone() };
@@ -214,4 +216,61 @@ fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out
     let open = AuditTotals { undecided: Some(1), ..sound.clone() };
     assert!(has(&of(run.clone(), vec![motion("one", Some(sound))]), Severity::Good, "one: contacts see every overlap"));
     assert!(has(&of(run, vec![motion("one", Some(open))]), Severity::Fair, "one: contacts see every overlap"));
+}
+
+#[test]
+fn few_pairs_without_a_mistake_are_not_called_well() {
+    let finding = ["0,real,base,auto,any,tolerance,missing,,,,,,,"];
+    for findings in [&[][..], &finding] {
+        let mut run = campaign(&BOTH, findings, &[], StepCounts::default());
+        let lines = |run: &CampaignRun| mistakes(std::slice::from_ref(run)).expect("a line");
+        let line = lines(&run);
+        assert!(line.severity == Severity::Good && line.text.contains(" in 300 pairs."), "{line:?}");
+        run.run.pairs = LEAST - 1;
+        let line = lines(&run);
+        assert!(line.severity == Severity::Fair && line.text.contains(" in 299 pairs."), "{line:?}");
+        assert!(line.text.contains("300 show a mistake of one pair in a hundred with 95 %"), "{line:?}");
+        run.run.pairs = 1;
+        run.run.configuration.insert("part".to_owned(), "1/2".into());
+        let line = lines(&run);
+        assert!(line.severity == Severity::Fair && line.text.contains(" in 1 pair (part 1 of 2)."), "{line:?}");
+    }
+    // What the number is chosen by.
+    assert!(0.99_f64.powi(LEAST as i32) < 0.05 && 0.99_f64.powi(LEAST as i32 - 10) > 0.05);
+}
+
+/// A run of five audited steps in which all is well, asked for so many, with an ending.
+fn ended(ending: &str, steps: u64, asked: Option<u64>, reason: &str) -> MotionRun {
+    let audit = AuditTotals { steps, passages: Some(0), undecided: Some(0), ..AuditTotals::default() };
+    MotionRun {
+        name: "one".to_owned(),
+        totals: Totals { audit: (steps > 0).then_some(audit), steps, ..Totals::default() },
+        ending: ending.to_owned(),
+        steps_asked: asked,
+        time_asked_s: asked.is_none().then_some(2.0),
+        time_s: 0.5,
+        reason: reason.to_owned(),
+        ..MotionRun::default()
+    }
+}
+
+#[test]
+fn a_run_that_was_cut_short_is_not_called_well_and_says_where_and_why() {
+    let of = |runs: Vec<MotionRun>| verdict(&Results { motions: runs, ..Results::default() });
+    let lines = of(vec![ended("finished", 5, Some(5), "")]);
+    assert!(has(&lines, Severity::Good, "one: contacts see every overlap"), "{lines:?}");
+    for (run, told) in [
+        (ended("stopped", 3, Some(5), "step 4: no"), "one: stopped at step 4 of 5: no; contacts see"),
+        (ended("interrupted", 70, Some(300), ""), "one: interrupted after 70 of 300 steps; contacts see"),
+        (ended("interrupted", 70, None, ""), "one: interrupted after 70 steps, at 0.500 of 2.000 s; contacts see"),
+        (ended("unproved", 3, Some(5), "why"), "one: stopped at step 4 of 5: why; contacts see"),
+        (ended("stopped", 0, Some(5), "why"), "one: stopped at step 1 of 5: why; no step was made"),
+        (ended("finished", 0, Some(0), ""), "one: no step was made, so nothing is known of overlaps."),
+    ] {
+        let lines = of(vec![run.clone()]);
+        assert!(lines.len() == 1 && has(&lines, Severity::Fair, told), "{told}: {lines:?}");
+        let lines = of(vec![ended("finished", 5, Some(5), ""), run.clone()]);
+        assert!(lines.iter().all(|line| line.severity == Severity::Fair), "{lines:?}");
+        assert_eq!(lines.len(), if run.ending == "finished" { 1 } else { 2 }, "{lines:?}");
+    }
 }

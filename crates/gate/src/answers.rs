@@ -1,0 +1,81 @@
+//! Whether external engines answered, and whether anything in a gate is about what they answered.
+
+use super::config::GateConfig;
+use super::tally::{CampaignTally, TallyRow};
+use super::{Check, Verdict, reach};
+use rockproof_differential::finding::Cause;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What an external engine answered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Answers {
+    /// Pairs that it answered; a pair counts once for each tolerance set.
+    pub answered: u64,
+    /// Pairs that it was asked about.
+    pub asked: u64,
+}
+
+impl Answers {
+    /// How many it answered, in words.
+    pub fn words(&self) -> String {
+        format!("answered {} of {} pairs", self.answered, self.asked)
+    }
+}
+
+/// A check for each external engine: that it answered some pair, and that a limit, the baseline or a case of the corpus, whose engines are
+/// given, is about it; `run` names the campaign, `file` the gate file.
+pub fn checks(
+    config: &GateConfig,
+    file: &str,
+    run: &str,
+    tally: &CampaignTally,
+    corpus: &BTreeSet<String>,
+) -> Vec<Check> {
+    let baseline = config.baseline.as_ref();
+    let known = baseline.is_some_and(|baseline| baseline.causes.iter().any(|cause| cause == Cause::Engine.name()));
+    let check = |spec: &rockproof_differential::external::EngineSpec| {
+        let name = &spec.name;
+        let answers = tally.answers(name);
+        let is_limited = config.limit.iter().any(|limit| reach::concerns(limit.get_ref(), spec));
+        let silent = answers.answered == 0 && answers.asked > 0;
+        let (verdict, message) = if answers.asked == 0 {
+            (Verdict::Skip, "no pair survived rounding, so it was asked about none".to_owned())
+        } else if silent {
+            (Verdict::Fail, format!("answered none of {} pairs: {}", answers.asked, failures(tally, name)))
+        } else if is_limited || known || corpus.contains(name) {
+            (Verdict::Pass, answers.words())
+        } else {
+            let none = "no limit, no baseline and no case of the corpus concerns it, so whatever it answers would pass";
+            (Verdict::Fail, format!("{}, but {none}; a limit with engine = \"{name}\" does", answers.words()))
+        };
+        let rows = (0..tally.rows.len()).filter(|&at| silent && is_about(&tally.rows[at], name));
+        Check {
+            group: "engine",
+            name: format!("{run}: engine {name} answers"),
+            message,
+            verdict,
+            place: (file.to_owned(), 1),
+            rows: rows.collect(),
+            seconds: 0.0,
+            case: None,
+        }
+    };
+    config.campaign.external.iter().map(check).collect()
+}
+
+fn is_about(row: &TallyRow, engine: &str) -> bool {
+    matches!(row, TallyRow::Pair(row) if row.engine.to_string() == engine)
+}
+
+/// What there was instead of answers, most frequent first.
+fn failures(tally: &CampaignTally, engine: &str) -> String {
+    let mut counts: BTreeMap<&str, u64> = BTreeMap::new();
+    for row in tally.rows.iter().filter(|row| is_about(row, engine)) {
+        if let TallyRow::Pair(row) = row {
+            *counts.entry(row.change.name()).or_default() += 1;
+        }
+    }
+    let mut counts: Vec<(&str, u64)> = counts.into_iter().collect();
+    counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    counts.iter().map(|(change, count)| format!("{change} {count} times")).collect::<Vec<_>>().join(", ")
+}

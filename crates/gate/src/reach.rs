@@ -1,0 +1,104 @@
+//! What limits are about: whether the campaign of a gate can find anything of it, and whom it concerns.
+
+use super::config::{FindingLimit, GateConfig, line_of};
+use rockproof_campaign::source::FamilySource;
+use rockproof_campaign::steps::{self, PASSAGE, StepChange};
+use rockproof_differential::builtin;
+use rockproof_differential::external::EngineSpec;
+use rockproof_differential::finding::Cause;
+use rockproof_differential::lockstep::StepCause;
+use rockproof_model::Precision;
+use rockproof_model::text::{SHOWN, excerpt};
+
+/// That the campaign of a gate can find something of each limit, as far as that is known beforehand; `file` is the gate file.
+///
+/// # Errors
+/// The limit that is about nothing in the campaign, with its line, and why.
+pub fn check(config: &GateConfig, source: &FamilySource, (file, text): (&str, &str)) -> Result<(), String> {
+    for limit in &config.limit {
+        if let Some(why) = out_of_reach(limit.get_ref(), config, source) {
+            let line = line_of(text, limit.span().start);
+            return Err(format!(
+                "{file} line {line}: the limit \"{}\" is about nothing in this campaign: {why}",
+                excerpt(&limit.get_ref().text(), SHOWN)
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn out_of_reach(limit: &FindingLimit, config: &GateConfig, source: &FamilySource) -> Option<String> {
+    let campaign = &config.campaign;
+    let still = match (campaign.steps_every, campaign.steps) {
+        (0, _) => Some("no pair makes steps (campaign.steps_every is 0)"),
+        (_, 0) => Some("no pair makes steps (campaign.steps is 0)"),
+        _ if steps::engines(campaign.engines.iter().map(String::as_str)).is_empty() => {
+            Some("no pair makes steps, which built-in engines alone make, and none takes part")
+        }
+        _ => None,
+    };
+    if let Some(still) = still.filter(|_| limit.is_of_steps() || limit.family.as_deref() == Some(PASSAGE)) {
+        return Some(still.to_owned());
+    }
+    let families = source.families();
+    if let Some(family) = limit.family.as_ref().filter(|name| !families.contains(&name.as_str())) {
+        return Some(format!("family {family} is none of its families, which are {}", families.join(", ")));
+    }
+    let sets = source.sets();
+    if let Some(set) = limit.tolerances.as_ref().filter(|name| !sets.contains(&name.as_str())) {
+        return Some(format!("tolerances {set} are none of its sets, which are {}", sets.join(", ")));
+    }
+    let of = |wanted: Precision| {
+        let builtin = campaign.engines.iter().filter_map(|name| builtin::engine(name));
+        builtin
+            .map(|engine| engine.precision())
+            .chain(campaign.external.iter().map(|spec| Precision::from(spec.precision)))
+            .any(|precision| precision == wanted)
+    };
+    let absent = |name: &str| (name == "f32" && !of(Precision::F32)) || (name == "f64" && !of(Precision::F64));
+    let engine = limit.engine.as_ref().filter(|name| absent(name))?;
+    Some(format!("no engine that is given {engine} takes part"))
+}
+
+/// Why no finding can have the limit's cause and be about its engine: causes of built-in engines and of external ones are never the same.
+pub(crate) fn without_cause(limit: &FindingLimit, config: &GateConfig) -> Option<String> {
+    let cause = limit.cause.as_deref().and_then(Cause::from_name);
+    let campaign = &config.campaign;
+    let external = |name: &str| campaign.external.iter().any(|spec| spec.name == name);
+    match (cause, limit.engine.as_deref()) {
+        (Some(Cause::Arithmetic | Cause::Defect), Some(name)) if external(name) => {
+            Some(format!("findings about {name}, an external engine, have the cause engine"))
+        }
+        (Some(Cause::Arithmetic | Cause::Defect), _) if campaign.engines.is_empty() => {
+            Some("no built-in engine takes part; findings about external engines have the cause engine".to_owned())
+        }
+        (Some(Cause::Engine), Some(name)) if campaign.engines.iter().any(|engine| engine == name) => {
+            Some(format!("only findings about external engines have this cause, and {name} is built in"))
+        }
+        (Some(Cause::Engine), _) if campaign.external.is_empty() => {
+            Some("only findings about external engines have this cause, and none takes part".to_owned())
+        }
+        (None, _) if limit.is_of_recovered() && campaign.external.is_empty() => {
+            Some("only external engines are asked again, and none takes part".to_owned())
+        }
+        (Some(Cause::Tolerance | Cause::Representation), Some(name)) if !["any", "f32", "f64"].contains(&name) => {
+            Some(format!("findings of this cause are about any engine, f32 or f64, not about {name}"))
+        }
+        _ => None,
+    }
+}
+
+/// Whether a limit can be broken by what an external engine answers or leaves unanswered.
+pub(crate) fn concerns(limit: &FindingLimit, engine: &EngineSpec) -> bool {
+    limit.engine.as_ref().is_none_or(|name| *name == engine.name)
+        && limit.cause.as_ref().is_none_or(|cause| cause == Cause::Engine.name())
+        && !limit.is_of_steps()
+}
+
+impl FindingLimit {
+    /// Whether it is about what only steps have.
+    pub fn is_of_steps(&self) -> bool {
+        let named = |name: &Option<String>, names: &[&str]| name.as_deref().is_some_and(|name| names.contains(&name));
+        named(&self.change, &StepChange::NAMES) || named(&self.cause, &StepCause::NAMES)
+    }
+}

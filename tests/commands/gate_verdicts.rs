@@ -1,0 +1,155 @@
+//! A gate passes only where something was checked and could have failed: external engines that answer, limits that concern what takes part.
+
+use crate::engines::client;
+use crate::gates::{around, gate};
+use std::path::Path;
+
+/// An engine that says the same to every question.
+fn always(answer: &str) -> Vec<String> {
+    let edit = format!(r#"s/^{{"id":\([0-9]*\),.*/{{"id":\1,{answer}}}/"#);
+    vec!["sed".to_owned(), "-u".to_owned(), edit]
+}
+
+fn around_engine(command: &[String], rest: &str) -> String {
+    around(&command.iter().map(String::as_str).collect::<Vec<_>>(), rest).replace("pairs = 256", "pairs = 32")
+}
+
+const DEFECT: &str = "[[limit]]\ncause = \"defect\"\ncount = 0\n";
+const OF_MINE: &str = "[[limit]]\nengine = \"mine\"\ntolerances = \"auto\"\nbeyond_ulps = 1000\nrate = 0.001\n";
+
+#[cfg(unix)]
+#[test]
+fn an_engine_that_answers_nothing_fails() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let dir = dir.path();
+    for (answer, told) in [(r#""unsupported":"not today""#, "unsupported "), (r#""contact":[]"#, "malformed ")] {
+        let engine = always(answer);
+        let ran = gate(dir, &around_engine(&engine, &format!("{DEFECT}{OF_MINE}")), &[], false);
+        if ran.code == 2 {
+            assert!(ran.err.contains("does not answer a first question"), "{}", ran.err);
+            continue;
+        }
+        assert!(ran.code == 1 && ran.out.contains("FAIL"), "{}{}", ran.out, ran.err);
+        let row = ran.out.lines().find(|line| line.contains("fixed: engine mine answers")).expect("a row");
+        assert!(row.contains("FAIL") && row.contains("answered none of ") && row.contains(told), "{row}");
+        assert!(ran.out.contains("; mine answered 0 of "), "{}", ran.out);
+    }
+    // One that answers all but some passes, and it is said how many.
+    let limit = "[[limit]]\nengine = \"mine\"\nchange = \"crash\"\nrate = 0.9\n";
+    let ran = gate(dir, &around(&[&client(), "crash"], limit), &[], false);
+    assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
+    let told = ran.out.rsplit_once("; mine answered ").expect("a summary").1;
+    let counts: Vec<u64> = told.split(' ').filter_map(|word| word.parse().ok()).collect();
+    assert!(matches!(counts[..], [answered, asked] if 0 < answered && answered < asked), "{told}");
+    let junit = std::fs::read_to_string(dir.join("junit.xml")).expect("JUnit");
+    assert!(junit.contains("rockproof.engine"), "{junit}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_engine_that_no_limit_concerns_fails_and_a_limit_that_concerns_none_is_skipped() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let empty = always(r#""contacts":[]"#);
+    let ran = gate(dir.path(), &around_engine(&empty, DEFECT), &[], false);
+    assert!(
+        ran.code == 1 && ran.out.contains("no limit, no baseline and no case of the corpus concerns it"),
+        "{}",
+        ran.out
+    );
+    let row = ran.out.lines().find(|line| line.contains("fixed: cause defect")).expect("a row");
+    assert!(row.contains("skip") && row.contains("no built-in engine takes part"), "{row}");
+    assert!(ran.out.contains("gate failed: 0 passed, 1 skipped, 1 failed; mine answered "), "{}", ran.out);
+    // Beside a built-in engine the limit holds, and of the other it says nothing.
+    let both = around_engine(&empty, DEFECT).replace("engines = []", "engines = [\"stepper-f64\", \"mine\"]");
+    let ran = gate(dir.path(), &both, &[], false);
+    assert!(ran.code == 1 && ran.out.contains("gate failed: 1 passed, 0 skipped, 1 failed"), "{}", ran.out);
+    for limit in ["cause = \"engine\"\n", "engine = \"mine\"\n", "change = \"missing\"\n", ""] {
+        let ran = gate(dir.path(), &around_engine(&empty, &format!("[[limit]]\n{limit}count = 0\n")), &[], false);
+        assert!(ran.code == 1 && !ran.out.contains("concerns it"), "{limit}: {}", ran.out);
+        let row = ran.out.lines().find(|line| line.contains("engine mine answers")).expect("a row");
+        assert!(row.contains("pass"), "{limit}: {row}");
+    }
+    for (limit, why) in [
+        ("engine = \"mine\"\ncause = \"defect\"\n", "have the cause engine"),
+        ("engine = \"mine\"\ncause = \"tolerance\"\n", "not about mine"),
+    ] {
+        let text = around_engine(&empty, &format!("[[limit]]\n{limit}count = 0\n"));
+        let ran = gate(dir.path(), &text, &[], false);
+        let row = ran.out.lines().find(|line| line.contains("fixed: engine mine, cause")).expect("a row");
+        assert!(ran.code == 1 && row.contains("skip") && row.contains(why), "{limit}: {}", ran.out);
+    }
+}
+
+fn own(dir: &Path, campaign: &str, rest: &str) -> (i32, String) {
+    let ran = gate(dir, &format!("corpus = []\n[campaign]\n{campaign}{rest}"), &[], false);
+    (ran.code, ran.out + &ran.err)
+}
+
+#[test]
+fn a_gate_with_nothing_to_check_is_refused() {
+    let dir = tempfile::tempdir().expect("a directory");
+    std::fs::create_dir(dir.path().join("empty")).expect("a folder");
+    for corpus in ["[]", "[\"empty\"]"] {
+        let ran = gate(dir.path(), &format!("corpus = {corpus}\n[campaign]\npairs = 16\n"), &[], false);
+        assert!(ran.code == 2 && ran.err.contains("gate.toml: there is nothing to check"), "{}{}", ran.out, ran.err);
+    }
+    assert!(!dir.path().join("reports").exists(), "it is said before the work begins");
+}
+
+#[test]
+fn a_limit_that_nothing_can_break_is_refused_or_skipped() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let sliver = "pairs = 16\nfamilies = [\"sliver\"]\ntolerances = [\"auto\"]\nengines = [\"stepper-f64\"]\n";
+    for (limit, why) in [
+        ("change = \"passage\"", "no pair makes steps (campaign.steps_every is 0)"),
+        ("change = \"iterations\"", "no pair makes steps"),
+        ("cause = \"not-held\"", "no pair makes steps"),
+        ("family = \"passage\"", "no pair makes steps"),
+        ("family = \"face_stack\"", "family face_stack is none of its families, which are sliver"),
+        ("tolerances = \"shi\"", "tolerances shi are none of its sets, which are auto"),
+        ("engine = \"f32\"", "no engine that is given f32 takes part"),
+    ] {
+        let (code, said) = own(dir.path(), sliver, &format!("[[limit]]\n{limit}\ncount = 0\n"));
+        assert!(code == 2 && said.contains("gate.toml line 7: the limit ") && said.contains(why), "{limit}: {said}");
+    }
+    let (code, said) = own(dir.path(), sliver, "[[limit]]\ncause = \"engine\"\ncount = 0\n");
+    assert!(code == 0 && said.contains("only findings about external engines have this cause"), "{said}");
+    assert!(said.contains("gate passed: 0 passed, 1 skipped, 0 failed; nothing was checked"), "{said}");
+    // One batch is of one family.
+    let few = "pairs = 16\nfamilies = [\"sliver\", \"face_stack\"]\n";
+    let (code, said) = own(dir.path(), few, "[[limit]]\nfamily = \"sliver\"\ncount = 0\n");
+    assert!(code == 0 && said.contains("skip") && said.contains("no pair with family sliver was examined"), "{said}");
+}
+
+#[test]
+fn a_rate_says_from_where_on_it_fails_and_is_skipped_where_it_cannot() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let sliver = "pairs = 16\nfamilies = [\"sliver\"]\ntolerances = [\"auto\"]\nengines = [\"stepper-f64\"]\n";
+    let (code, said) = own(dir.path(), sliver, "[[limit]]\ncause = \"defect\"\nrate = 0.001\n");
+    // 1 − 0.999¹⁶ is 1.6 %; two of sixteen come by chance with 1.2e-4.
+    assert!(code == 0 && said.contains("0 of 16 pairs") && said.contains(", fails from 2 on;"), "{said}");
+    assert!(said.contains("gate passed: 1 passed, 0 skipped, 0 failed\n"), "{said}");
+    // 0.9¹⁶ is 18 %.
+    let (code, said) = own(dir.path(), sliver, "[[limit]]\ncause = \"defect\"\nrate = 0.9\n");
+    assert!(code == 0 && said.contains("so few pairs can never fail") && said.contains("skip"), "{said}");
+    assert!(said.contains("gate passed: 0 passed, 1 skipped, 0 failed; nothing was checked\n"), "{said}");
+}
+
+#[cfg(unix)]
+#[test]
+fn deny_says_which_causes_do_not_concern_external_engines() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let engine = format!("mine={} none", client());
+    let run = |more: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("rockproof").expect("the program");
+        command.current_dir(dir.path()).args(["campaign", "--pairs", "32", "--family", "face_stack", "--overwrite"]);
+        let output = command.args(["--engine-command", &engine, "--out", "run"]).args(more).output().expect("runs");
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let told =
+        "--deny defect does not concern mine: findings about external engines have the cause engine (--deny engine)";
+    let (code, err) = run(&["--deny", "defect"]);
+    assert!(code == Some(0) && err.contains(told), "{err}");
+    let (code, err) = run(&["--deny", "defect", "--deny", "engine"]);
+    assert!(code == Some(1) && !err.contains("does not concern"), "{err}");
+}
