@@ -255,7 +255,8 @@ fn a_file_system_without_locks_is_told_once_a_directory() {
     let made = std::process::Command::new("cc").args(["-shared", "-fPIC", "-o"]).args([&library, &source]).status();
     assert!(made.expect("a C compiler").success());
     // The gate works in two directories.
-    let gate = "corpus = []\nrotating_pairs = 8\n[campaign]\npairs = 8\nfamilies = [\"edge_cross\"]\n";
+    let gate = "corpus = []\nrotating_pairs = 8\n[campaign]\npairs = 8\nfamilies = [\"edge_cross\"]\n\
+                [[limit]]\ncause = \"defect\"\ncount = 0\n";
     fs::write(place.at("gate.toml"), gate).expect("write");
     let run = |more: &[&str]| {
         let mut command = Command::cargo_bin("rockproof").expect("the program");

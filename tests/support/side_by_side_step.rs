@@ -40,6 +40,10 @@ pub(crate) fn first_difference<M: StepRules>(scene: &Scene, set: &ToleranceSet, 
         if report.retries.len() != answer.retries.len() {
             return differs("retries");
         }
+        let given_up = dynamics.modes().iter().zip(&answer.retries);
+        if given_up.into_iter().any(|(modes, attempt)| modes.len() != attempt.solves as usize) {
+            return differs("solves of an attempt given up");
+        }
         let time_step = Number::from_rational(answer.time_step.clone()).approximate();
         if (report.time_step - time_step).abs() > CLOSE * time_step {
             return differs("time step");
