@@ -95,7 +95,7 @@ impl Copy {
         let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().expect("a target directory");
         let tree = target.join("planted-oracle");
         let _ = std::fs::remove_dir_all(&tree);
-        for folder in ["oracle", "crates/model", "tests/golden"] {
+        for folder in ["oracle", "crates/model", "tests/golden", "cases/handmade"] {
             copy_folder(&root.join(folder), &tree.join(folder));
         }
         std::fs::copy(root.join("Cargo.lock"), tree.join("Cargo.lock")).unwrap();
