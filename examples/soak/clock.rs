@@ -27,7 +27,8 @@ const TIMES: [(i64, &str); 9] = [
 const SHOWN: (i64, &str) = TIMES[5];
 
 /// A gate that takes its second seed from today's date.
-const GATE: &str = "corpus = []\nrotating_pairs = 8\n[campaign]\npairs = 8\nfamilies = [\"edge_cross\"]\n";
+const GATE: &str = "corpus = []\nrotating_pairs = 8\n[campaign]\npairs = 8\nfamilies = [\"edge_cross\"]\n\
+                    [[limit]]\ncause = \"defect\"\ncount = 0\n";
 
 /// Makes the library that shifts the clock.
 pub(crate) fn build_clock(folder: &Path) -> Told<PathBuf> {
