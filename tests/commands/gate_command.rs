@@ -103,9 +103,10 @@ fn the_corpus_holds_steps_to_what_they_record() {
         let (code, out) = changed(case, from, to);
         assert!(code == 1 && out.contains(why) && out.contains("case.json"), "{why}: {code} {out}");
     }
-    // An engine that takes no part is not asked; what is no state file is an error that names the file.
+    // An engine that takes no part is not asked, so this gate checks nothing; what is no state file is an error that names the file.
     let (code, out) = run(&passage, "engines = [\"stepper-f32\"]\n");
-    assert!(code == 0 && out.contains("engine stepper-f64 takes no part in this gate"), "{out}");
+    assert!(code == 1 && out.contains("engine stepper-f64 takes no part in this gate"), "{out}");
+    assert!(out.contains("so nothing was checked") && out.contains("0 passed, 1 skipped, 1 failed"), "{out}");
     let (code, out) = changed(&passage, "rockproof-step-1", "rockproof-step-0");
     assert!(code == 2 && out.contains("case.json: the format is `rockproof-step-0`"), "{out}");
     let (code, out) = run("{}", "");

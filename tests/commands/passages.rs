@@ -98,7 +98,9 @@ fn a_gate_limits_passages_by_count_and_rate() {
     for (limit, code) in [
         ("change = \"passage\"\ncount = 0\n", 1),
         ("change = \"passage\"\nrate = 1e-6\n", 1),
-        ("change = \"passage\"\nrate = 0.9\n", 0),
+        ("change = \"passage\"\ncount = 3\n", 0),
+        // So few pairs can never fail it: nothing is checked.
+        ("change = \"passage\"\nrate = 0.9\n", 1),
         ("cause = \"step-length\"\ncount = 0\n", 1),
         ("cause = \"step-width\"\ncount = 0\n", 2),
     ] {

@@ -31,8 +31,8 @@ pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
     };
     let of_group = |group: &str| sum(&|check| check.group == group);
     report.set_time(sum(&|_| true));
-    for group in ["limit", "engine", "baseline", "corpus"] {
-        if group == "engine" && !checks.iter().any(|check| check.group == group) {
+    for group in ["limit", "engine", "baseline", "corpus", "gate"] {
+        if ["engine", "gate"].contains(&group) && !checks.iter().any(|check| check.group == group) {
             continue;
         }
         let mut suite = TestSuite::new(format!("rockproof.{group}"));

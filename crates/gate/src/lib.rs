@@ -40,7 +40,7 @@ impl Verdict {
 /// One check of a gate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// `limit`, `engine`, `baseline` or `corpus`.
+    /// `limit`, `engine`, `baseline`, `corpus`, or `gate` for what is checked of the gate itself.
     pub group: &'static str,
     /// What was checked.
     pub name: String,
@@ -115,6 +115,21 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
         }
     };
     config.limit.iter().map(check).chain(recovered(config, file, run, tally)).collect()
+}
+
+/// A check that fails where all of the gate in `file` were skipped: nothing of the engines was checked, so the gate cannot pass.
+pub fn nothing_checked(checks: &[Check], file: &str) -> Option<Check> {
+    let all_skipped = !checks.is_empty() && checks.iter().all(|check| check.verdict == Verdict::Skip);
+    all_skipped.then(|| Check {
+        group: "gate",
+        name: "the gate checks something".to_owned(),
+        message: "every check was skipped, for the reasons given, so nothing was checked".to_owned(),
+        verdict: Verdict::Fail,
+        place: (file.to_owned(), 1),
+        rows: Vec::new(),
+        seconds: 0.0,
+        case: None,
+    })
 }
 
 /// How many checks passed, were skipped and failed, in words.
