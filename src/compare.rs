@@ -8,7 +8,7 @@ use rockproof_report::comparison::RunComparison;
 use rockproof_report::markdown::markdown;
 use rockproof_report::page::page;
 use rockproof_report::table::{percent, short};
-use rockproof_results::Start;
+use rockproof_results::{Start, setting_text};
 use std::path::PathBuf;
 
 /// Say what changed between two runs of a campaign: findings that are new, gone, more or less frequent
@@ -100,9 +100,8 @@ impl Compare {
 fn text(comparison: &RunComparison) -> String {
     let mut text: String = comparison.verdict().iter().map(|line| format!("{}\n", line.text)).collect();
     for change in &comparison.settings {
-        let shown =
-            |value: &Option<serde_json::Value>| value.as_ref().map_or("not set".to_owned(), ToString::to_string);
-        text += &format!("{}: {} → {}\n", change.setting, shown(&change.before), shown(&change.after));
+        let [before, after] = [&change.before, &change.after].map(|value| setting_text(value.as_ref()));
+        text += &format!("{}: {before} → {after}\n", change.setting);
     }
     let changed = comparison.agreement.iter().filter(|share| share.before != share.after);
     let shares: Vec<Vec<String>> = changed

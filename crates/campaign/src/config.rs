@@ -175,5 +175,8 @@ mod tests {
         let other = CampaignConfig { seed: 2, ..one.clone() };
         let differences = identity_differences(&one.identity().expect("a map"), &other.identity().expect("a map"));
         assert_eq!(differences, ["seed: the run has 1, asked for is 2"]);
+        let other = CampaignConfig { families: vec!["sliver".to_owned()], ..one.clone() };
+        let differences = identity_differences(&one.identity().expect("a map"), &other.identity().expect("a map"));
+        assert_eq!(differences, [r#"families: the run has none named, asked for is ["sliver"]"#]);
     }
 }

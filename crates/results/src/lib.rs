@@ -23,7 +23,7 @@ pub use atomic::write_atomically;
 pub use claim::{Claim, Start};
 pub use directory::Directory;
 pub use error::ResultsError;
-pub use identity::identity_differences;
+pub use identity::{identity_differences, setting_text};
 pub use manifest::{FileKind, MANIFEST, Owner, is_inside};
 pub use seal::{Seal, digest};
 pub use stem::bounded;

@@ -3,7 +3,7 @@
 use crate::config::CampaignConfig;
 use crate::journal::{CampaignProgress, FINDINGS, NO_CASE, PROGRESS, STEP_FINDINGS};
 use crate::part::{Machine, Part, PartProgress};
-use rockproof_results::{Owner, ResultsError, View};
+use rockproof_results::{Owner, ResultsError, View, setting_text};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -373,9 +373,10 @@ fn config_of(identity: &Map<String, Value>) -> Result<CampaignConfig, serde_json
 /// One line for each key in which two configurations differ.
 fn differences(one: &Map<String, Value>, other: &Map<String, Value>, of_one: &str, of_other: &str) -> Vec<String> {
     let keys: BTreeSet<&String> = one.keys().chain(other.keys()).collect();
-    let shown = |value: Option<&Value>| value.map_or("absent".to_owned(), ToString::to_string);
     keys.into_iter()
         .filter(|key| one.get(*key) != other.get(*key))
-        .map(|key| format!("{key}: {} {of_one}, {} {of_other}", shown(one.get(key)), shown(other.get(key))))
+        .map(|key| {
+            format!("{key}: {} {of_one}, {} {of_other}", setting_text(one.get(key)), setting_text(other.get(key)))
+        })
         .collect()
 }
