@@ -1,5 +1,7 @@
 //! The program as its users call it: what each command prints, writes and answers to mistakes.
 
+#[path = "../support/campaigns.rs"]
+mod campaigns;
 #[path = "../support/engines.rs"]
 mod engines;
 #[path = "../support/gate.rs"]
@@ -36,8 +38,6 @@ mod large_files;
 mod latex;
 mod lockstep_cli;
 mod merge_command;
-#[cfg(feature = "mpi")]
-mod mpi;
 mod numbers_in_settings;
 mod output_files;
 mod passages;

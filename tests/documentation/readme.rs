@@ -22,7 +22,7 @@ const NOT_RUN: [(&str, &str); 12] = [
         "cargo run --release --example self_comparison",
         "hours; `.ci/run` has seconds of it, and so has tests/commands/self_comparison.rs",
     ),
-    ("mpirun", "an MPI; `.ci/run` runs tests/commands/mpi.rs where it can install one"),
+    ("mpirun", "an MPI; `.ci/run` runs tests/mpi where it can install one"),
     ("mdbook", "a tool that neither the program nor its tests need; tests/documentation/book.rs checks what it would"),
     ("sbatch", "a cluster; docs/scale.md runs the script itself without one"),
     (

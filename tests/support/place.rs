@@ -1,4 +1,5 @@
 //! A folder in which a test runs the program.
+#![allow(dead_code, reason = "each test uses its part")]
 
 use assert_cmd::Command;
 use assert_cmd::cargo::cargo_bin_cmd;

@@ -1,10 +1,16 @@
 //! Pins `campaign --mpi`, and `tune --mpi` in `tune`: any number of ranks writes the bytes of one process, whoever is killed meanwhile. Only in
 //! a build with the feature `mpi`. `ROCKPROOF_MPIRUN` names the `mpirun` of the MPI that the program was built with.
 
+#[path = "../support/campaigns.rs"]
+mod campaigns;
+#[path = "../support/engines.rs"]
+mod engines;
+#[path = "../support/place.rs"]
+mod place;
 mod tune;
 
+use crate::campaigns::{Campaigns, SETTINGS};
 use crate::engines::client;
-use crate::merge_command::{Campaigns, SETTINGS};
 use assert_cmd::Command;
 use std::fs;
 use std::io::Read;
