@@ -36,9 +36,10 @@ pub struct Pair<'s> {
     magnitudes: MagnitudePairs<'s>,
 }
 
-/// The pair for margins: in integers of each width with the sizes of their terms.
+/// The pair for margins: in balls of two f64 and in integers of each width, with the sizes of their terms.
 #[derive(Default)]
 pub(crate) struct MagnitudePairs<'s> {
+    pub(crate) double: OnceCell<ExactPair<'s, Magnitude<DoubleBall>>>,
     pub(crate) small: OnceCell<ExactPair<'s, Magnitude<Int128>>>,
     pub(crate) int256: OnceCell<ExactPair<'s, Magnitude<Int256>>>,
     pub(crate) int512: OnceCell<ExactPair<'s, Magnitude<Int512>>>,
@@ -190,22 +191,25 @@ impl<'s> Pair<'s> {
     /// The pair in balls of two f64, from A's first vertex, in units of `2^bits` units of the lattice, the least that makes all
     /// coordinates smaller than 1.
     pub(crate) fn double(&self) -> &ExactPair<'s, DoubleBall> {
-        self.double.get_or_init(|| {
-            let PairLattice { bits, units, .. } = self.grid();
-            let exponent = -i64::from(bits.0);
-            let [a, b]: [Vec<Vec3<DoubleBall>>; 2] = match units {
-                LatticeVertices::Small(units) => {
-                    let unit = power_of_two(exponent as i32);
-                    let in_units = |c: &i128| DoubleBall::of_units(*c, unit);
-                    units.each_ref().map(|vertices| vertices.iter().map(|v| v.map(in_units)).collect())
-                }
-                LatticeVertices::Big(units) => {
-                    let in_units = |c: &BigInt| DoubleBall::of_integer(c, exponent);
-                    units.each_ref().map(|vertices| vertices.iter().map(|v| v.map(in_units)).collect())
-                }
-            };
-            ExactPair { a: ExactBlock::new(self.topology(Side::A), a), b: ExactBlock::new(self.topology(Side::B), b) }
-        })
+        self.double.get_or_init(|| self.in_double(|ball| ball))
+    }
+
+    /// [`Pair::double`] with something made of each coordinate.
+    pub(crate) fn in_double<T: Ring>(&self, made_of: impl Fn(DoubleBall) -> T) -> ExactPair<'s, T> {
+        let PairLattice { bits, units, .. } = self.grid();
+        let exponent = -i64::from(bits.0);
+        let [a, b]: [Vec<Vec3<T>>; 2] = match units {
+            LatticeVertices::Small(units) => {
+                let unit = power_of_two(exponent as i32);
+                let coordinate = |c: &i128| made_of(DoubleBall::of_units(*c, unit));
+                units.each_ref().map(|vertices| vertices.iter().map(|v| v.map(coordinate)).collect())
+            }
+            LatticeVertices::Big(units) => {
+                let coordinate = |c: &BigInt| made_of(DoubleBall::of_integer(c, exponent));
+                units.each_ref().map(|vertices| vertices.iter().map(|v| v.map(coordinate)).collect())
+            }
+        };
+        ExactPair { a: ExactBlock::new(self.topology(Side::A), a), b: ExactBlock::new(self.topology(Side::B), b) }
     }
 
     pub(crate) fn small(&self) -> &ExactPair<'s, Int128> {

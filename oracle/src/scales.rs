@@ -140,7 +140,7 @@ impl Scales<BigInt> {
 }
 
 impl<T> Scales<T> {
-    fn map<U>(&self, f: impl Fn(&T) -> U) -> Scales<U> {
+    pub(crate) fn map<U>(&self, f: impl Fn(&T) -> U) -> Scales<U> {
         Scales {
             unit: f(&self.unit),
             search: f(&self.search),

@@ -208,6 +208,13 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
         self.observer.taken(sign)
     }
 
+    /// How close polynomials are to zero.
+    #[cfg(test)]
+    pub(crate) fn margins(&self) -> Margins<'_, 's> {
+        let scales = &self.careful_stages.get_or_init(Box::default).scales;
+        Margins { pair: self.pair, tolerances: self.tolerances, scales }
+    }
+
     /// The pair in f64.
     #[inline(always)]
     pub(crate) fn float_view(&self) -> FloatView<'_> {

@@ -83,6 +83,14 @@ impl DoubleBall {
         (self.high.abs() + self.low.abs() + self.radius) * INFLATION
     }
 
+    /// The f64 nearest to every value enclosed, if that is the same for all.
+    pub(crate) fn certain_rounding(&self) -> Option<f64> {
+        // More than the radius by what the sums below may lose before their last rounding.
+        let spread = (self.radius + self.low.abs() * f64::EPSILON) * INFLATION + UNDERFLOW;
+        let [least, most] = [self.high + (self.low - spread), self.high + (self.low + spread)];
+        (least == most).then_some(least)
+    }
+
     fn is_exact_zero(&self) -> bool {
         self.high == 0.0 && self.radius == 0.0
     }

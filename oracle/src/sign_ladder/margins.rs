@@ -1,6 +1,7 @@
 //! How close a polynomial is to zero.
 
 use super::ScalesCache;
+use crate::field::DoubleBall;
 use crate::number::{Int128, Magnitude};
 use crate::pair::{FromUnits, Int256, Int512, Pair};
 use crate::predicate::Polynomial;
@@ -12,6 +13,7 @@ use std::cell::OnceCell;
 /// Tolerances for margins.
 #[derive(Default)]
 pub(super) struct MarginScales {
+    double: OnceCell<Scales<Magnitude<DoubleBall>>>,
     small: OnceCell<Scales<Magnitude<Int128>>>,
     int256: OnceCell<Scales<Magnitude<Int256>>>,
     int512: OnceCell<Scales<Magnitude<Int512>>>,
@@ -26,8 +28,23 @@ pub(crate) struct Margins<'m, 's> {
 }
 
 impl Margins<'_, '_> {
-    /// The sign of a polynomial, and its size over that of its terms, in integers of the least width that holds both.
+    /// The sign of a polynomial, and its size over that of its terms, rounded once.
     pub(crate) fn of<P: Polynomial>(&self, polynomial: &P) -> (Sign, f64) {
+        self.of_balls(polynomial).unwrap_or_else(|| self.of_integers(polynomial))
+    }
+
+    /// The same in balls of two f64, where these tell.
+    pub(crate) fn of_balls<P: Polynomial>(&self, polynomial: &P) -> Option<(Sign, f64)> {
+        let (pair, scales) = (self.pair, self.scales);
+        let geometry = pair.magnitudes().double.get_or_init(|| pair.in_double(Magnitude::of_ball));
+        let made = &scales.margins.get_or_init(Box::default).double;
+        let make =
+            || scales.exact(pair, self.tolerances).double(pair.grid().bits).map(|ball| Magnitude::of_ball(*ball));
+        polynomial.value(&ExactView { geometry, scales: LazyScales { made, make: &make } }).certain_relative()
+    }
+
+    /// The same in integers of the least width that holds both.
+    pub(crate) fn of_integers<P: Polynomial>(&self, polynomial: &P) -> (Sign, f64) {
         let (pair, known) = (self.pair, self.pair.magnitudes());
         let exact = self.scales.exact(pair, self.tolerances);
         let made = self.scales.margins.get_or_init(Box::default);

@@ -24,6 +24,10 @@ pub(super) struct Seen {
     /// Gaps proved equal by their planes, and those that are equal and not proved.
     equal: u64,
     not_proved: u64,
+    /// Margins that balls tell, near ties among them, and those that they do not.
+    margins: u64,
+    near_ties: u64,
+    margins_of_integers: u64,
 }
 
 impl AddAssign for Seen {
@@ -34,16 +38,22 @@ impl AddAssign for Seen {
         self.wrong += other.wrong;
         self.equal += other.equal;
         self.not_proved += other.not_proved;
+        self.margins += other.margins;
+        self.near_ties += other.near_ties;
+        self.margins_of_integers += other.margins_of_integers;
     }
 }
 
 impl Seen {
     pub(super) fn check(&self) {
-        let Seen { wrapped, at_the_edge, too_long, wrong, equal, not_proved } = *self;
+        let Seen { wrapped, at_the_edge, too_long, wrong, equal, not_proved, .. } = *self;
+        let Seen { margins, near_ties, margins_of_integers, .. } = *self;
         assert!(wrapped > 1_000 && at_the_edge > 100, "{wrapped} wrapped, {at_the_edge} as long as they may be");
         // An integer too short is noticed: no sign is right by itself.
         assert!(wrong > 100 && wrong < too_long, "{wrong} wrong of {too_long}");
         assert!(equal > 20 && not_proved > 0, "{equal} equal gaps proved, {not_proved} not");
+        let told = margins > 1_000 && near_ties > 50 && margins_of_integers > 50;
+        assert!(told, "{margins} margins told by balls, {near_ties} near ties, {margins_of_integers} not told");
     }
 }
 
@@ -74,6 +84,15 @@ pub(super) fn check<P: Polynomial>(run: &Classification<'_, '_, Unobserved>, p: 
                 seen.wrong += u64::from(sign(pair, t, p) != exact);
             }
         }
+    }
+    let margin = run.margins().of_integers(p);
+    match run.margins().of_balls(p) {
+        Some(told) => {
+            assert_eq!((told.0, told.1.to_bits()), (margin.0, margin.1.to_bits()), "margin, slot {slot}, {about}");
+            seen.margins += 1;
+            seen.near_ties += u64::from(told.1 > 0.0 && told.1 < 1e-6);
+        }
+        None => seen.margins_of_integers += 1,
     }
     if let Some(gaps) = p.ties_with(t) {
         if run.are_equal(&gaps, &balls) {
