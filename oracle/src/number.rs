@@ -8,6 +8,7 @@ mod ball;
 mod bits;
 mod bound;
 mod fixed;
+mod int128;
 mod magnitude;
 
 pub(crate) use approx::Approx;
@@ -15,6 +16,7 @@ pub(crate) use ball::{Ball, sum_is_exact};
 pub(crate) use bits::Bits;
 pub(crate) use bound::Bound;
 pub(crate) use fixed::Fixed;
+pub(crate) use int128::Int128;
 pub(crate) use magnitude::Magnitude;
 
 /// Half the distance from 1 to the next f64: the relative error of one rounding to nearest.

@@ -1,14 +1,14 @@
 //! A pair of blocks, and its exact vectors for when f64 cannot decide.
 
 use crate::field::DoubleBall;
-use crate::mass::difference;
-use crate::number::{Bits, Fixed, Magnitude};
+use crate::number::{Bits, Fixed, Int128, Magnitude};
 use crate::prepared_block::PreparedBlock;
 use crate::view::{ExactBlock, ExactPair};
 use num_bigint::BigInt;
 use num_traits::Signed;
 use rockproof_model::decision::Side;
 use rockproof_model::lattice::Lattice;
+use rockproof_model::number::power_of_two;
 use rockproof_model::{Ring, Topology, Vec3};
 use std::cell::OnceCell;
 
@@ -28,7 +28,7 @@ pub struct Pair<'s> {
     pub(crate) b: &'s PreparedBlock,
     grid: OnceCell<PairLattice>,
     double: OnceCell<ExactPair<'s, DoubleBall>>,
-    small: OnceCell<ExactPair<'s, i128>>,
+    small: OnceCell<ExactPair<'s, Int128>>,
     int256: OnceCell<ExactPair<'s, Int256>>,
     int512: OnceCell<ExactPair<'s, Int512>>,
     int1024: OnceCell<ExactPair<'s, Int1024>>,
@@ -36,10 +36,11 @@ pub struct Pair<'s> {
     magnitudes: MagnitudePairs<'s>,
 }
 
-/// The pair for margins: in integers of each width with the sizes of their terms.
+/// The pair for margins: in balls of two f64 and in integers of each width, with the sizes of their terms.
 #[derive(Default)]
 pub(crate) struct MagnitudePairs<'s> {
-    pub(crate) small: OnceCell<ExactPair<'s, Magnitude<i128>>>,
+    pub(crate) double: OnceCell<ExactPair<'s, Magnitude<DoubleBall>>>,
+    pub(crate) small: OnceCell<ExactPair<'s, Magnitude<Int128>>>,
     pub(crate) int256: OnceCell<ExactPair<'s, Magnitude<Int256>>>,
     pub(crate) int512: OnceCell<ExactPair<'s, Magnitude<Int512>>>,
     pub(crate) heap: OnceCell<ExactPair<'s, Magnitude<BigInt>>>,
@@ -59,20 +60,21 @@ enum LatticeVertices {
 
 /// An integer type a lattice coordinate or tolerance can be turned into.
 ///
-/// What does not fit is cut off: a predicate that uses such a value has more bits than the type and is evaluated in a
-/// wider one.
+/// What does not fit is cut off, which leaves the value modulo a power of two: the sign of a predicate is right in the type if the
+/// predicate's own value fits.
 pub(crate) trait FromUnits: Ring {
     fn from_small(value: i128) -> Self;
     fn from_big(value: &BigInt) -> Self;
 }
 
-impl FromUnits for i128 {
+impl FromUnits for Int128 {
     fn from_small(value: i128) -> Self {
-        value
+        Int128(value)
     }
     fn from_big(value: &BigInt) -> Self {
-        let magnitude = value.iter_u64_digits().rev().fold(0i128, |sum, digit| (sum << 64) | i128::from(digit));
-        if value.sign() == num_bigint::Sign::Minus { magnitude.wrapping_neg() } else { magnitude }
+        let magnitude =
+            value.iter_u64_digits().take(2).zip([0, 64]).fold(0, |sum, (digit, at)| sum | i128::from(digit) << at);
+        Int128(if value.sign() == num_bigint::Sign::Minus { magnitude.wrapping_neg() } else { magnitude })
     }
 }
 
@@ -108,17 +110,23 @@ const SMALL_BITS: u32 = 120;
 
 impl PairLattice {
     fn new(a: &PreparedBlock, b: &PreparedBlock) -> PairLattice {
-        let lattice = Lattice::covering(a.block.coordinates().chain(b.block.coordinates()));
-        let solids = [a, b];
-        let small = solids.map(|s| small_vertices(&lattice, s));
-        if let [Some(a), Some(b)] = small {
-            let origin = a[0];
-            let units = [a, b].map(|vertices| vertices.iter().map(|v| v.minus(&origin)).collect::<Vec<_>>());
-            let widest =
-                units.iter().flatten().flat_map(|v| [v.x, v.y, v.z]).map(|c| 128 - c.unsigned_abs().leading_zeros());
-            let bits = Bits(widest.max().unwrap_or(0));
+        let coordinates = || a.block.coordinates().chain(b.block.coordinates());
+        if let Some((lattice, units)) = Lattice::covering_with_units(coordinates(), SMALL_BITS) {
+            let origin = [units[0], units[1], units[2]];
+            let mut bits = 0;
+            let mut vertices = units.chunks_exact(3).map(|v| {
+                let [x, y, z] = [0, 1, 2].map(|k| v[k] - origin[k]);
+                // The highest digit of all.
+                bits |= x.unsigned_abs() | y.unsigned_abs() | z.unsigned_abs();
+                Vec3::new(x, y, z)
+            });
+            let of_a = vertices.by_ref().take(a.block.vertices().len()).collect();
+            let units = [of_a, vertices.collect()];
+            let bits = Bits(128 - bits.leading_zeros());
             PairLattice { lattice, bits, units: LatticeVertices::Small(units) }
         } else {
+            let lattice = Lattice::covering(coordinates());
+            let solids = [a, b];
             let all = solids
                 .map(|s| s.block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect::<Vec<Vec3<BigInt>>>());
             let origin = all[0][0].clone();
@@ -135,18 +143,6 @@ impl PairLattice {
             LatticeVertices::Big(units) => units[k].iter().map(|v| v.map(T::from_big)).collect(),
         }
     }
-}
-
-fn small_vertices(lattice: &Lattice, solid: &PreparedBlock) -> Option<Vec<Vec3<i128>>> {
-    solid
-        .block
-        .vertices()
-        .iter()
-        .map(|v| {
-            let unit = |c| lattice.small_units(c, SMALL_BITS);
-            Some(Vec3::new(unit(&v.x)?, unit(&v.y)?, unit(&v.z)?))
-        })
-        .collect()
 }
 
 impl<'s> Pair<'s> {
@@ -192,21 +188,31 @@ impl<'s> Pair<'s> {
         }
     }
 
-    /// The pair in balls of two f64, in metres from A's first vertex.
+    /// The pair in balls of two f64, from A's first vertex, in units of `2^bits` units of the lattice, the least that makes all
+    /// coordinates smaller than 1.
     pub(crate) fn double(&self) -> &ExactPair<'s, DoubleBall> {
-        self.double.get_or_init(|| {
-            let origin = &self.a.block.vertices()[0];
-            let vertices = |solid: &PreparedBlock| -> Vec<Vec3<DoubleBall>> {
-                solid.block.vertices().iter().map(|v| difference(v, origin, DoubleBall::BITS)).collect()
-            };
-            ExactPair {
-                a: ExactBlock::new(self.topology(Side::A), vertices(self.a)),
-                b: ExactBlock::new(self.topology(Side::B), vertices(self.b)),
-            }
-        })
+        self.double.get_or_init(|| self.in_double(|ball| ball))
     }
 
-    pub(crate) fn small(&self) -> &ExactPair<'s, i128> {
+    /// [`Pair::double`] with something made of each coordinate.
+    pub(crate) fn in_double<T: Ring>(&self, made_of: impl Fn(DoubleBall) -> T) -> ExactPair<'s, T> {
+        let PairLattice { bits, units, .. } = self.grid();
+        let exponent = -i64::from(bits.0);
+        let [a, b]: [Vec<Vec3<T>>; 2] = match units {
+            LatticeVertices::Small(units) => {
+                let unit = power_of_two(exponent as i32);
+                let coordinate = |c: &i128| made_of(DoubleBall::of_units(*c, unit));
+                units.each_ref().map(|vertices| vertices.iter().map(|v| v.map(coordinate)).collect())
+            }
+            LatticeVertices::Big(units) => {
+                let coordinate = |c: &BigInt| made_of(DoubleBall::of_integer(c, exponent));
+                units.each_ref().map(|vertices| vertices.iter().map(|v| v.map(coordinate)).collect())
+            }
+        };
+        ExactPair { a: ExactBlock::new(self.topology(Side::A), a), b: ExactBlock::new(self.topology(Side::B), b) }
+    }
+
+    pub(crate) fn small(&self) -> &ExactPair<'s, Int128> {
         self.small.get_or_init(|| self.exact())
     }
 
@@ -239,7 +245,7 @@ mod tests {
     fn small_integers_are_the_same_in_every_type() {
         for value in [0, 1, -1, 1i128 << 70, -(1i128 << 70), (1 << 120) - 1, 1 - (1 << 120)] {
             let big = BigInt::from(value);
-            assert_eq!(i128::from_big(&big), value);
+            assert_eq!(Int128::from_big(&big), Int128(value));
             assert_eq!(Int256::from_big(&big), Int256::from_small(value));
             assert_eq!(BigInt::from_small(value), big);
             assert_eq!(BigInt::from_big(&big), big);

@@ -21,7 +21,7 @@ pub(crate) use wedge::*;
 use crate::view::View;
 use rockproof_model::decision::Side;
 use rockproof_model::tolerance::LAMBDA_INVERSE;
-use rockproof_model::{EdgeId, Entrance, EntranceKind, FaceId, Ring, Vec3, VertexId};
+use rockproof_model::{EdgeId, Entrance, EntranceKind, FaceId, Ring, ToleranceSet, Vec3, VertexId};
 
 /// A vertex of one of the blocks.
 pub(crate) type Vertex = (Side, VertexId);
@@ -40,10 +40,26 @@ pub(crate) trait Polynomial {
     const DEGREE: usize;
     /// Whether balls of two f64 are asked before integers: where values near zero are near-ties more often than ties, and integers long.
     const IN_DOUBLE: bool = false;
+    /// What the value in lattice units is multiplied by besides, since tolerances are integers over a denominator there.
+    const DENOMINATOR: Denominator = Denominator::None;
     /// Which of the sets this one draws on, below `VARIANTS`.
     fn variant(&self) -> usize;
     /// The value; only its sign means anything.
     fn value<V: View>(&self, view: &V) -> V::T;
+    /// What proves the value to be zero with fewer digits, if anything may.
+    fn ties_with(&self, _tolerances: &ToleranceSet) -> Option<EqualGaps> {
+        None
+    }
+}
+
+/// A power of a denominator of tolerances ([`crate::view::Scales`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Denominator {
+    None,
+    Unit,
+    UnitSquared,
+    OneSquared,
+    WholeSquared,
 }
 
 /// Number of slots for static bounds.

@@ -1,15 +1,15 @@
 //! The tolerance set in each of the oracle's number types.
 
-use crate::field::{DoubleBall, Field};
+use crate::field::DoubleBall;
 use crate::number::{Approx, Ball, Bits, Bound, INFLATION, UNDERFLOW, UNIT_ROUNDOFF};
 use crate::pair::FromUnits;
 use crate::view::Scales;
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
-use num_traits::One;
+use num_traits::{One, ToPrimitive};
 use rockproof_model::lattice::Lattice;
-use rockproof_model::number::split_f64;
+use rockproof_model::number::{odd_and_twos, split_f64};
 use rockproof_model::{Number, Ring, ToleranceSet};
 
 impl Scales<Approx> {
@@ -91,24 +91,6 @@ impl Scales<Ball> {
     }
 }
 
-impl Scales<DoubleBall> {
-    /// Lengths in metres, in balls of two f64.
-    pub(crate) fn double(t: &ToleranceSet) -> Scales<DoubleBall> {
-        let ball = |n: &Number| DoubleBall::of_number(n, DoubleBall::BITS);
-        Scales {
-            unit: DoubleBall::from_i32(1),
-            search: ball(&t.search),
-            territory: ball(&t.territory),
-            penetration: ball(&t.penetration),
-            one: DoubleBall::from_i32(1),
-            overlap: ball(&t.overlap_sine),
-            parallel: ball(&t.parallel_sine),
-            whole: DoubleBall::from_i32(1),
-            equal: ball(&t.equal),
-        }
-    }
-}
-
 impl<T: Ring> Scales<T> {
     /// For values that no tolerance enters.
     pub(crate) fn none() -> Scales<T> {
@@ -145,10 +127,20 @@ impl Scales<BigInt> {
     pub(crate) fn bits(&self) -> Scales<Bits> {
         self.map(|n| Bits(n.bits() as u32))
     }
+
+    /// In balls of two f64, lengths in units of `2^bits` units of the lattice.
+    pub(crate) fn double(&self, bits: Bits) -> Scales<DoubleBall> {
+        let mut scales = self.map(|n| DoubleBall::of_integer(n, 0));
+        let length = |n: &BigInt| DoubleBall::of_integer(n, -i64::from(bits.0));
+        scales.search = length(&self.search);
+        scales.territory = length(&self.territory);
+        scales.penetration = length(&self.penetration);
+        scales
+    }
 }
 
 impl<T> Scales<T> {
-    fn map<U>(&self, f: impl Fn(&T) -> U) -> Scales<U> {
+    pub(crate) fn map<U>(&self, f: impl Fn(&T) -> U) -> Scales<U> {
         Scales {
             unit: f(&self.unit),
             search: f(&self.search),
@@ -165,9 +157,10 @@ impl<T> Scales<T> {
 
 /// The numbers in lattice units, as integers over one denominator.
 fn over_common_denominator<const N: usize>(numbers: [&Number; N], lattice: &Lattice) -> ([BigInt; N], BigInt) {
-    if let Some(shared) = powers_of_two(numbers, lattice) {
-        return shared;
-    }
+    of_few_digits(numbers, lattice).unwrap_or_else(|| of_any_digits(numbers, lattice))
+}
+
+fn of_any_digits<const N: usize>(numbers: [&Number; N], lattice: &Lattice) -> ([BigInt; N], BigInt) {
     let (numerator, denominator) = lattice.units_per_metre();
     let units_per_metre = BigRational::new_raw(numerator, denominator);
     let values = numbers.map(|n| n.to_rational() * &units_per_metre);
@@ -175,17 +168,48 @@ fn over_common_denominator<const N: usize>(numbers: [&Number; N], lattice: &Latt
     (values.map(|v| v.numer() * (&denominator / v.denom())), denominator)
 }
 
-/// The same without fractions, for f64s on a lattice whose unit is a power of two.
-fn powers_of_two<const N: usize>(numbers: [&Number; N], lattice: &Lattice) -> Option<([BigInt; N], BigInt)> {
-    let units = lattice.binary_exponent()?;
-    let mut parts = [(0i64, 0i32); N];
+/// The same without fractions, for numbers and a lattice of few digits.
+fn of_few_digits<const N: usize>(numbers: [&Number; N], lattice: &Lattice) -> Option<([BigInt; N], BigInt)> {
+    let (odd, exponent) = lattice.small_factor()?;
+    // Each number is p/m · 2^k units of the lattice over `odd`, p and m odd.
+    let mut parts = [(0, 1, 0); N];
+    let (mut common, mut shift) = (1u64, 0);
     for (part, number) in parts.iter_mut().zip(numbers) {
-        let (significand, exponent) = split_f64(number.as_f64()?);
-        *part = (significand, if significand == 0 { 0 } else { exponent + units });
+        let (p, m, k) = odd_fraction(number)?;
+        if p != 0 {
+            *part = (p, m, k + exponent);
+            common = (common / common.gcd(&m)).checked_mul(m)?;
+            shift = shift.max(-(k + exponent));
+        }
     }
-    let shift = parts.iter().map(|&(_, exponent)| -exponent).max()?.max(0);
-    let scaled = parts.map(|(significand, exponent)| BigInt::from(significand) << (exponent + shift) as usize);
-    Some((scaled, BigInt::one() << shift as usize))
+    let shared = common.gcd(&odd);
+    let mut scaled = [const { BigInt::ZERO }; N];
+    for (scaled, (p, m, k)) in scaled.iter_mut().zip(parts) {
+        let whole = p.checked_mul(i128::from(odd / shared))?.checked_mul(i128::from(common / m))?;
+        *scaled = shifted(whole, (k + shift) as u32);
+    }
+    Some((scaled, shifted(i128::from(common / shared), shift as u32)))
+}
+
+/// A number as p/m · 2^k with odd p, m and k, zero as 0/1; `None` where these have many digits.
+fn odd_fraction(number: &Number) -> Option<(i128, u64, i32)> {
+    if let Some(value) = number.as_f64() {
+        let (significand, exponent) = split_f64(value);
+        return Some((i128::from(significand), 1, exponent));
+    }
+    let ratio = number.as_ratio()?;
+    let (odd, twos) = odd_and_twos(ratio.denom())?;
+    let numerator = ratio.numer().to_i128()?;
+    let zeros = numerator.trailing_zeros();
+    Some((numerator >> zeros, odd, zeros as i32 - twos as i32))
+}
+
+/// `value · 2^by`
+fn shifted(value: i128, by: u32) -> BigInt {
+    if value.unsigned_abs().leading_zeros() > by {
+        return BigInt::from(value << by);
+    }
+    BigInt::from(value) << by
 }
 
 #[cfg(test)]
@@ -204,6 +228,34 @@ mod tests {
     /// A fraction that f64 rounds to 1, by as much as it may.
     fn above_one() -> BigRational {
         power(0) + power(-53) - power(-200)
+    }
+
+    /// Numbers of all kinds on lattices of all kinds: the short way and the long one agree, to the denominator.
+    #[test]
+    fn scales_of_few_digits_are_those_of_fractions() {
+        let mut dice = crate::soundness::Dice(5);
+        let mut number = || {
+            let any = |dice: &mut crate::soundness::Dice, n: u64| dice.below(n) as i64;
+            let numerator = BigInt::from(any(&mut dice, 3) * any(&mut dice, 1000)) << any(&mut dice, 70) as usize;
+            let denominator =
+                BigInt::from([1, 3, 7, 45, 10_000][any(&mut dice, 5) as usize]) << any(&mut dice, 70) as usize;
+            Number::from_rational(BigRational::new(numerator, denominator))
+        };
+        let (mut short, mut fractions) = (0, 0);
+        for _ in 0..500 {
+            let (on, lengths) = ([number(), number(), number()], [number(), number(), number()]);
+            let lengths = lengths.each_ref();
+            let lattice = Lattice::covering(&on);
+            let long = of_any_digits(lengths, &lattice);
+            if let Some(scales) = of_few_digits(lengths, &lattice) {
+                assert_eq!(scales, long, "{lengths:?} on {lattice:?}");
+                short += 1;
+                fractions += usize::from(lengths.iter().any(|length| length.as_f64().is_none()));
+            }
+        }
+        assert!(short > 300 && fractions > 100, "{short} of few digits, {fractions} with fractions");
+        let long = Number::from_rational(BigRational::new(1.into(), BigInt::from(3).pow(90)));
+        assert!(of_few_digits([&long], &Lattice::unity()).is_none());
     }
 
     #[test]

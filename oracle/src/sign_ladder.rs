@@ -1,8 +1,13 @@
 //! The ladder: the sign of a polynomial at the cheapest level that proves it.
 
+mod enclosed;
+mod margins;
+
+pub(crate) use margins::Margins;
+
 use crate::field::{DoubleBall, Field};
 use crate::levels::LevelCounts;
-use crate::number::{Approx, Ball, Bits, INFLATION, Magnitude};
+use crate::number::{Approx, Ball, Bits, INFLATION, Int128};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
 use crate::predicate::{LARGEST_DEGREE, Polynomial, SLOTS};
 use crate::unit_bounds::{UnitBounds, unit_bounds_for};
@@ -88,21 +93,12 @@ impl Default for CarefulStages<'_> {
 struct ScalesCache {
     bits: OnceCell<Scales<Bits>>,
     double: OnceCell<Scales<DoubleBall>>,
-    small: OnceCell<Scales<i128>>,
+    small: OnceCell<Scales<Int128>>,
     int256: OnceCell<Scales<Int256>>,
     int512: OnceCell<Scales<Int512>>,
     int1024: OnceCell<Scales<Int1024>>,
     heap: OnceCell<Scales<BigInt>>,
-    margins: OnceCell<Box<MarginScales>>,
-}
-
-/// Tolerances for margins.
-#[derive(Default)]
-struct MarginScales {
-    small: OnceCell<Scales<Magnitude<i128>>>,
-    int256: OnceCell<Scales<Magnitude<Int256>>>,
-    int512: OnceCell<Scales<Magnitude<Int512>>>,
-    heap: OnceCell<Scales<Magnitude<BigInt>>>,
+    margins: OnceCell<Box<margins::MarginScales>>,
 }
 
 impl ScalesCache {
@@ -119,38 +115,6 @@ impl ScalesCache {
             scales: LazyScales { made: &self.bits, make: &|| self.exact(pair, tolerances).bits() },
         })
     }
-}
-
-/// Works out how close polynomials are to zero.
-pub(crate) struct Margins<'m, 's> {
-    pair: &'m Pair<'s>,
-    tolerances: &'m ToleranceSet,
-    scales: &'m ScalesCache,
-}
-
-impl Margins<'_, '_> {
-    /// The sign of a polynomial, and its size over that of its terms, in integers of the least width that holds both.
-    pub(crate) fn of<P: Polynomial>(&self, polynomial: &P) -> (Sign, f64) {
-        let (pair, known) = (self.pair, self.pair.magnitudes());
-        let exact = self.scales.exact(pair, self.tolerances);
-        let made = self.scales.margins.get_or_init(Box::default);
-        match self.scales.bits_of(polynomial, pair, self.tolerances).0 {
-            ..128 => relative_size(polynomial, known.small.get_or_init(|| pair.exact()), &made.small, exact),
-            128..256 => relative_size(polynomial, known.int256.get_or_init(|| pair.exact()), &made.int256, exact),
-            256..512 => relative_size(polynomial, known.int512.get_or_init(|| pair.exact()), &made.int512, exact),
-            _ => relative_size(polynomial, known.heap.get_or_init(|| pair.exact()), &made.heap, exact),
-        }
-    }
-}
-
-fn relative_size<P: Polynomial, T: FromUnits + Into<BigInt>>(
-    polynomial: &P,
-    geometry: &ExactPair<'_, Magnitude<T>>,
-    made: &OnceCell<Scales<Magnitude<T>>>,
-    exact: &Scales<BigInt>,
-) -> (Sign, f64) {
-    let scales = LazyScales { made, make: &|| exact.converted() };
-    polynomial.value(&ExactView { geometry, scales }).relative()
 }
 
 impl<'p, 's, O: Observer> Classification<'p, 's, O> {
@@ -219,7 +183,11 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     #[inline(always)]
     pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
         let sign = self.quick_sign(polynomial);
-        if O::ACTIVE { self.observed(sign, |margins| margins.of(polynomial).1) } else { sign }
+        if !O::ACTIVE {
+            return sign;
+        }
+        // Of a zero the margin is known.
+        self.observed(sign, |margins| if sign.is_zero() { 0.0 } else { margins.of(polynomial).1 })
     }
 
     /// The same for a sign that the observer does not see, since by itself it says nothing about the decision.
@@ -238,6 +206,13 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
             margin(&Margins { pair, tolerances, scales })
         });
         self.observer.taken(sign)
+    }
+
+    /// How close polynomials are to zero.
+    #[cfg(test)]
+    pub(crate) fn margins(&self) -> Margins<'_, 's> {
+        let scales = &self.careful_stages.get_or_init(Box::default).scales;
+        Margins { pair: self.pair, tolerances: self.tolerances, scales }
     }
 
     /// The pair in f64.
@@ -305,27 +280,51 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
             floats: self.float_view(),
             scales: LazyScales { made: &self.balls, make: &|| Scales::balls(tolerances) },
         };
-        if let Some(sign) = polynomial.value(&balls).certain_sign() {
+        let ball = polynomial.value(&balls);
+        if let Some(sign) = ball.certain_sign() {
             self.levels.ball += 1;
             return sign;
         }
-        if P::IN_DOUBLE {
-            let cache = &self.careful_stages.get_or_init(Box::default).scales;
-            let scales = LazyScales { made: &cache.double, make: &|| Scales::double(tolerances) };
-            if let Some(sign) = polynomial.value(&ExactView { geometry: pair.double(), scales }).certain_sign() {
+        if let Some(gaps) = polynomial.ties_with(tolerances)
+            && self.are_equal(&gaps, &balls)
+        {
+            self.levels.fixed[0] += 1;
+            return Sign::Zero;
+        }
+        let enclosed = if P::IN_DOUBLE {
+            let ball = self.double_ball(polynomial);
+            if let Some(sign) = ball.certain_sign() {
                 self.levels.ball += 1;
                 return sign;
             }
+            self.bits_of_double::<P>(&ball)
+        } else {
+            self.bits_of_ball::<P>(ball)
+        };
+        match enclosed {
+            // An integer below 1.
+            Some(Bits(0)) => {
+                self.levels.ball += 1;
+                Sign::Zero
+            }
+            Some(bits) => self.sign_of_bits(polynomial, bits),
+            None => self.exact_sign(polynomial),
         }
-        self.exact_sign(polynomial)
     }
 
     /// The sign in integers of the least width that holds every intermediate value.
     pub(crate) fn exact_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
+        let cache = &self.careful_stages.get_or_init(Box::default).scales;
+        let bits = cache.bits_of(polynomial, self.pair, self.tolerances);
+        self.sign_of_bits(polynomial, bits)
+    }
+
+    /// The sign in integers of the least width that holds a value of at most so many bits. They are calculated modulo a power of two,
+    /// which sums and products of integers allow: what does not fit on the way does no harm.
+    fn sign_of_bits<P: Polynomial>(&mut self, polynomial: &P, bits: Bits) -> Sign {
         let (pair, tolerances) = (self.pair, self.tolerances);
         let cache = &self.careful_stages.get_or_init(Box::default).scales;
         let exact = || cache.exact(pair, tolerances);
-        let bits = cache.bits_of(polynomial, pair, tolerances);
         if bits.0 < 128 {
             self.levels.i128 += 1;
             let scales = LazyScales { made: &cache.small, make: &|| exact().converted() };

@@ -4,7 +4,7 @@
 
 use crate::field::Field;
 use crate::levels::LevelCounts;
-use crate::number::{Approx, Ball, Bits, Bound, INFLATION};
+use crate::number::{Approx, Ball, Bits, Bound, INFLATION, Int128};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
 use crate::predicate::*;
 use crate::prepared_block::PreparedBlock;
@@ -23,6 +23,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 mod definite;
+mod enclosed;
 mod limits;
 mod ties;
 mod vectors;
@@ -185,6 +186,7 @@ struct Seen {
     by_pair_bound: u64,
     by_ball: u64,
     by_double: u64,
+    enclosed: enclosed::Seen,
 }
 
 struct Checker<'p, 's> {
@@ -207,9 +209,13 @@ fn expect_one_bound<K: Ord>(bounds: &mut BTreeMap<K, f64>, of: K, bound: f64, sl
 
 /// The sign in integers of one type.
 fn in_integers<P: Polynomial, T: FromUnits + ExactRing>(pair: &Pair<'_>, tolerances: &ToleranceSet, p: &P) -> Sign {
+    ExactRing::sign(&value_in_integers::<P, T>(pair, tolerances, p))
+}
+
+fn value_in_integers<P: Polynomial, T: FromUnits>(pair: &Pair<'_>, tolerances: &ToleranceSet, p: &P) -> T {
     let exact = Scales::exact(tolerances, &pair.grid().lattice);
     let scales = LazyScales { made: &OnceCell::new(), make: &|| exact.converted::<T>() };
-    ExactRing::sign(&p.value(&ExactView { geometry: &pair.exact::<T>(), scales }))
+    p.value(&ExactView { geometry: &pair.exact::<T>(), scales })
 }
 
 /// The bits that every intermediate value has at most.
@@ -225,7 +231,7 @@ fn bits_of<P: Polynomial>(pair: &Pair<'_>, tolerances: &ToleranceSet, p: &P) -> 
 /// Holds that integers of every width that holds so many bits find this sign.
 fn check_widths<P: Polynomial>(pair: &Pair<'_>, t: &ToleranceSet, p: &P, bits: Bits, exact: Sign, about: &str) {
     for (width, sign) in [
-        (128, in_integers::<P, i128> as fn(&Pair<'_>, &ToleranceSet, &P) -> Sign),
+        (128, in_integers::<P, Int128> as fn(&Pair<'_>, &ToleranceSet, &P) -> Sign),
         (256, in_integers::<P, Int256>),
         (512, in_integers::<P, Int512>),
         (1024, in_integers::<P, Int1024>),
@@ -248,6 +254,7 @@ impl Visitor for Checker<'_, '_> {
         let slot = P::FIRST_SLOT + p.variant();
         assert!(p.variant() < P::VARIANTS && slot < SLOTS);
         let exact = in_integers::<P, BigInt>(pair, t, p);
+        self.seen.entry(slot).or_default().enclosed += enclosed::check(&self.run, p, exact, about);
         assert_eq!(self.run.exact_sign(p), exact, "the width of integers chosen, slot {slot}, {about}");
         // Twice: the second time the bound for all pairs of the size is known.
         for time in 1..=2 {
@@ -297,9 +304,7 @@ impl Visitor for Checker<'_, '_> {
             assert_eq!(sign, exact, "ball, slot {slot}, {about}");
             seen.by_ball += 1;
         }
-        let doubles = OnceCell::new();
-        let scales = LazyScales { made: &doubles, make: &|| Scales::double(t) };
-        if let Some(sign) = p.value(&ExactView { geometry: pair.double(), scales }).certain_sign() {
+        if let Some(sign) = self.run.double_ball(p).certain_sign() {
             assert_eq!(sign, exact, "two f64, slot {slot}, {about}");
             seen.by_double += 1;
         }
@@ -450,6 +455,9 @@ fn prove_no_wrong_sign(rounds: usize) {
         );
         assert!(seen.signs[0] > 0 && seen.signs[2] > 0, "slot {slot}: signs seen {:?}", seen.signs);
     }
+    let mut enclosed = enclosed::Seen::default();
+    seen.values().for_each(|seen| enclosed += seen.enclosed);
+    enclosed.check();
     let ties: u64 = seen.values().map(|s| s.signs[1]).sum();
     assert!(ties > 0);
     // Polynomials that share a slot by mistake would share its bound, which is too small for one of them.

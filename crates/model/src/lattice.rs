@@ -4,7 +4,7 @@
 //! factor changes no sign. The factor chosen here makes every one of them an integer; on that lattice exact arithmetic
 //! needs integers only.
 
-use crate::number::{Number, split_f64};
+use crate::number::{Number, odd_and_twos, split_f64};
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_traits::{One, ToPrimitive};
@@ -14,6 +14,8 @@ use num_traits::{One, ToPrimitive};
 pub struct Lattice {
     exponent: i32,
     odd: BigInt,
+    /// `odd` once more, where 64 bits hold it.
+    small_odd: Option<u64>,
 }
 
 impl Lattice {
@@ -35,17 +37,55 @@ impl Lattice {
                 }
             }
         }
-        Lattice { exponent: if exponent == i32::MIN { 0 } else { exponent }, odd }
+        let small_odd = odd.to_u64();
+        Lattice { exponent: if exponent == i32::MIN { 0 } else { exponent }, odd, small_odd }
+    }
+
+    /// [`Lattice::covering`] and the numbers in its units, where each has at most `bits` bits there (at most 126) and all have few digits.
+    pub fn covering_with_units<'a>(
+        numbers: impl IntoIterator<Item = &'a Number, IntoIter: Clone>,
+        bits: u32,
+    ) -> Option<(Lattice, Vec<i128>)> {
+        let numbers = numbers.into_iter();
+        if let Some(found) = binary_units(numbers.clone(), bits) {
+            return Some(found);
+        }
+        let mut parts = Vec::new();
+        let (mut exponent, mut odd) = (i32::MIN, 1u64);
+        for number in numbers {
+            let (p, m, k) = few_digits(number)?;
+            if p != 0 {
+                exponent = exponent.max(-k);
+            }
+            if !odd.is_multiple_of(m) {
+                odd = (odd / odd.gcd(&m)).checked_mul(m)?;
+            }
+            parts.push((p, m, k));
+        }
+        let exponent = if exponent == i32::MIN { 0 } else { exponent };
+        let units = parts.into_iter().map(|(p, m, k)| {
+            let whole = if m == odd { p } else { p.checked_mul(i128::from(odd / m))? };
+            let (width, shift) = (i128::BITS - whole.unsigned_abs().leading_zeros(), k + exponent);
+            let held = whole == 0 || i64::from(width) + i64::from(shift) <= i64::from(bits);
+            held.then(|| whole << shift.clamp(0, 126))
+        });
+        let units = units.collect::<Option<Vec<i128>>>()?;
+        Some((Lattice { exponent, odd: odd.into(), small_odd: Some(odd) }, units))
     }
 
     /// The lattice of the integers.
     pub fn unity() -> Lattice {
-        Lattice { exponent: 0, odd: BigInt::one() }
+        Lattice { exponent: 0, odd: BigInt::one(), small_odd: Some(1) }
     }
 
-    /// The k of a lattice with `2^k` units per metre; `None` where the factor is no power of two.
-    pub fn binary_exponent(&self) -> Option<i32> {
-        self.odd.is_one().then_some(self.exponent)
+    /// The odd p and the k of a lattice with `p · 2^k` units per metre; `None` where p is 2⁶⁴ or more.
+    pub fn small_factor(&self) -> Option<(u64, i32)> {
+        Some((self.small_odd?, self.exponent))
+    }
+
+    /// A k such that there are at most `2^k` units per metre.
+    pub fn metre_bits(&self) -> i64 {
+        i64::from(self.exponent) + if self.small_odd == Some(1) { 0 } else { self.odd.bits() as i64 }
     }
 
     /// `number` in lattice units. The number must be one of those the lattice was made for.
@@ -64,8 +104,8 @@ impl Lattice {
 
     /// `number` in lattice units if that has at most `bits` bits (at most 126).
     pub fn small_units(&self, number: &Number, bits: u32) -> Option<i128> {
-        let units = match (number.as_f64(), self.odd.is_one()) {
-            (Some(value), true) => {
+        let units = match (number.as_f64(), self.small_odd) {
+            (Some(value), Some(1)) => {
                 let (significand, exponent) = split_f64(value);
                 let shift = exponent + self.exponent;
                 let width = 64 - significand.unsigned_abs().leading_zeros() as i32;
@@ -89,6 +129,40 @@ impl Lattice {
     }
 }
 
+/// [`Lattice::covering_with_units`] for numbers that f64 holds.
+fn binary_units<'a>(numbers: impl Iterator<Item = &'a Number> + Clone, bits: u32) -> Option<(Lattice, Vec<i128>)> {
+    let (mut lowest, mut count) = (i32::MAX, 0);
+    for number in numbers.clone() {
+        let value = number.as_f64()?;
+        if value != 0.0 {
+            lowest = lowest.min(split_f64(value).1);
+        }
+        count += 1;
+    }
+    let lowest = if lowest == i32::MAX { 0 } else { lowest };
+    let mut units = Vec::with_capacity(count);
+    for number in numbers {
+        let (significand, exponent) = split_f64(number.as_f64()?);
+        let shift = (exponent - lowest).max(0) as u32;
+        if significand != 0 && u64::BITS - significand.unsigned_abs().leading_zeros() + shift > bits {
+            return None;
+        }
+        units.push(i128::from(significand) << shift.min(126));
+    }
+    Some((Lattice { exponent: -lowest, odd: BigInt::one(), small_odd: Some(1) }, units))
+}
+
+/// A number as p/m · 2^k with odd m; `None` where p or m has many digits.
+fn few_digits(number: &Number) -> Option<(i128, u64, i32)> {
+    if let Some(value) = number.as_f64() {
+        let (significand, exponent) = split_f64(value);
+        return Some((i128::from(significand), 1, exponent));
+    }
+    let ratio = number.as_ratio()?;
+    let (odd, twos) = odd_and_twos(ratio.denom())?;
+    Some((ratio.numer().to_i128()?, odd, -(twos as i32)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,9 +180,20 @@ mod tests {
             assert_eq!(lattice.units(number), expected.to_integer());
             assert_eq!(lattice.small_units(number, 120).map(BigInt::from), Some(expected.to_integer()));
         }
+        let above = lattice.metre_bits() as usize;
+        assert!(numerator <= &denominator << above && numerator > &denominator << (above - 1));
+        let units = numbers.iter().map(|number| lattice.small_units(number, 120)).collect::<Option<Vec<_>>>();
+        let widest = units.iter().flatten().map(|u| 128 - u.unsigned_abs().leading_zeros()).max().unwrap();
+        assert_eq!(Lattice::covering_with_units(&numbers, widest), units.map(|units| (lattice, units)));
+        assert_eq!(Lattice::covering_with_units(&numbers, widest - 1), None);
         let coarse = [ratio(1 << 40, 1), ratio(3 << 41, 1)];
         let lattice = Lattice::covering(&coarse);
         assert_eq!(lattice.small_units(&coarse[1], 4), Some(6));
         assert_eq!(lattice.small_units(&coarse[1], 2), None);
+        assert_eq!(Lattice::covering_with_units(&coarse, 3), Some((lattice, vec![1, 6])));
+        let (numbers, lattice) = ([ratio(0, 1), ratio(-3, 8)], Lattice::covering(&[ratio(3, 8)]));
+        assert_eq!(Lattice::covering_with_units(&numbers, 2), Some((lattice, vec![0, -3])));
+        assert_eq!(Lattice::covering_with_units(&numbers[..1], 2), Some((Lattice::unity(), vec![0])));
+        assert_eq!(Lattice::covering_with_units([&ratio(1, (1 << 62) - 1), &ratio(1, (1 << 61) - 1)], 126), None);
     }
 }

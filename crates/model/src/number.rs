@@ -310,6 +310,7 @@ impl PartialOrd for Number {
 
 /// The significand and exponent of a finite f64: `value = significand · 2^exponent`, exactly; the significand of a
 /// nonzero value is odd.
+#[inline]
 pub fn split_f64(value: f64) -> (i64, i32) {
     if value == 0.0 {
         return (0, 0);
@@ -356,6 +357,13 @@ fn ratio_plus_float(ratio: &BigRational, float: f64) -> BigRational {
 pub fn exact_log2(integer: &BigInt) -> Option<u64> {
     let twos = integer.trailing_zeros()?;
     (integer.is_positive() && twos + 1 == integer.bits()).then_some(twos)
+}
+
+/// The p and k of a positive integer `p · 2^k` with odd p, where few digits hold it.
+pub fn odd_and_twos(integer: &BigInt) -> Option<(u64, u32)> {
+    let value = integer.to_u128()?;
+    let twos = value.trailing_zeros();
+    Some((u64::try_from(value.checked_shr(twos)?).ok()?, twos))
 }
 
 /// The nearest number of the precision, ties to even; `None` when it overflows.

@@ -7,8 +7,8 @@ use super::{Field, UpperBound, dyadic};
 use crate::number::{INFLATION, LEAST, UNDERFLOW, UNIT_ROUNDOFF};
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use num_traits::Zero;
-use rockproof_model::number::split_f64;
+use num_traits::{ToPrimitive, Zero};
+use rockproof_model::number::{power_of_two, split_f64};
 use rockproof_model::{Number, Precision, Ring, Sign};
 
 /// All values within `radius` of `high + low`, `|low|` at most a roundoff of `high`.
@@ -57,6 +57,38 @@ impl DoubleBall {
     /// The value itself, `|low|` at most a roundoff of `high`.
     pub(crate) fn exactly(high: f64, low: f64) -> DoubleBall {
         DoubleBall { high, low, radius: 0.0 }
+    }
+
+    /// `value · 2^exponent`.
+    pub(crate) fn of_integer(value: &BigInt, exponent: i64) -> DoubleBall {
+        match value.to_i128() {
+            Some(small) if small.unsigned_abs() >> 120 == 0 && (-128..=0).contains(&exponent) => {
+                DoubleBall::of_units(small, power_of_two(exponent as i32))
+            }
+            _ => DoubleBall::of_rational(&dyadic(value.clone(), exponent), DoubleBall::BITS),
+        }
+    }
+
+    /// `value · scale`, for a value below 2¹²⁰ and a power of two of at least 2⁻¹²⁸ and at most 1.
+    pub(crate) fn of_units(value: i128, scale: f64) -> DoubleBall {
+        let high = value as f64;
+        let rest = value.wrapping_sub(high as i128);
+        let low = rest as f64;
+        let radius = if low as i128 == rest { 0.0 } else { low.abs() * UNIT_ROUNDOFF };
+        DoubleBall { high: high * scale, low: low * scale, radius: radius * scale }
+    }
+
+    /// At least the size of every value enclosed.
+    pub(crate) fn size(&self) -> f64 {
+        (self.high.abs() + self.low.abs() + self.radius) * INFLATION
+    }
+
+    /// The f64 nearest to every value enclosed, if that is the same for all.
+    pub(crate) fn certain_rounding(&self) -> Option<f64> {
+        // More than the radius by what the sums below may lose before their last rounding.
+        let spread = (self.radius + self.low.abs() * f64::EPSILON) * INFLATION + UNDERFLOW;
+        let [least, most] = [self.high + (self.low - spread), self.high + (self.low + spread)];
+        (least == most).then_some(least)
     }
 
     fn is_exact_zero(&self) -> bool {

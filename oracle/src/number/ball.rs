@@ -29,6 +29,12 @@ impl Ball {
         }
     }
 
+    /// At least the size of every value of the ball.
+    #[inline]
+    pub(crate) fn size(self) -> f64 {
+        (self.middle.abs() + self.radius) * INFLATION
+    }
+
     /// `middle` is one rounding away from a value that is off by `error`.
     ///
     /// Nothing is added for underflow when nothing was rounded at all, so that exact zeros stay exact.

@@ -5,8 +5,8 @@ use ruint::Uint;
 
 /// A signed integer of `BITS` bits on the stack.
 ///
-/// Two's complement over `ruint`'s unsigned integers: wrapping sums and products of two's complement numbers are right
-/// whenever the true result fits, and [`super::Bits`] shows beforehand that it does.
+/// Two's complement over `ruint`'s unsigned integers, modulo `2^BITS`: a polynomial of wrapping sums and products is right
+/// whenever its value fits, whatever happened on the way; [`super::Bits`] shows beforehand that it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Fixed<const BITS: usize, const LIMBS: usize>(Uint<BITS, LIMBS>);
 
@@ -17,7 +17,7 @@ impl<const BITS: usize, const LIMBS: usize> Fixed<BITS, LIMBS> {
         if value < 0 { magnitude.negated() } else { magnitude }
     }
 
-    /// The integer `value`, which has fewer than `BITS` bits.
+    /// The integer `value`, modulo `2^BITS`.
     pub(crate) fn from_bigint(value: &BigInt) -> Self {
         let (sign, digits) = value.to_u64_digits();
         let mut limbs = [0u64; LIMBS];

@@ -1,3 +1,4 @@
+use crate::field::{DoubleBall, Field};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
@@ -14,6 +15,20 @@ pub(crate) struct Magnitude<T> {
     pub(crate) value: T,
     /// The value with every term counted positive.
     pub(crate) terms: T,
+}
+
+impl Magnitude<DoubleBall> {
+    /// A term.
+    pub(crate) fn of_ball(value: DoubleBall) -> Self {
+        Magnitude { value, terms: if value.high < 0.0 { value.negated() } else { value } }
+    }
+
+    /// [`Magnitude::relative`], where the balls tell what it is once it is rounded.
+    pub(crate) fn certain_relative(&self) -> Option<(Sign, f64)> {
+        let sign = self.value.certain_sign()?;
+        let size = if sign.is_negative() { self.value.negated() } else { self.value };
+        Some((sign, size.over(&self.terms)?.certain_rounding()?))
+    }
 }
 
 impl<T: Into<BigInt>> Magnitude<T> {

@@ -33,6 +33,7 @@ impl Polynomial for EdgeDipAngle {
     const FIRST_SLOT: usize = after::<EdgeAbovePlane>();
     const VARIANTS: usize = 2;
     const DEGREE: usize = 6;
+    const DENOMINATOR: Denominator = Denominator::OneSquared;
     fn variant(&self) -> usize {
         side_of(self.face.0)
     }
@@ -55,6 +56,7 @@ impl Polynomial for EdgeDipDepth {
     const FIRST_SLOT: usize = after::<EdgeDipAngle>();
     const VARIANTS: usize = 4;
     const DEGREE: usize = 6;
+    const DENOMINATOR: Denominator = Denominator::UnitSquared;
     fn variant(&self) -> usize {
         side_of(self.face.0) * 2 + self.limit as usize
     }

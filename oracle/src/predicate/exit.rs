@@ -39,6 +39,7 @@ impl Polynomial for NormalsWithin {
     const FIRST_SLOT: usize = after::<NormalsAgree>();
     const VARIANTS: usize = 9;
     const DEGREE: usize = 8;
+    const DENOMINATOR: Denominator = Denominator::OneSquared;
     fn variant(&self) -> usize {
         kind_of(&self.first) * 3 + kind_of(&self.second)
     }

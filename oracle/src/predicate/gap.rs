@@ -84,6 +84,7 @@ impl Polynomial for GapWithin {
     const FIRST_SLOT: usize = after::<AbovePlane>();
     const VARIANTS: usize = 9;
     const DEGREE: usize = 6;
+    const DENOMINATOR: Denominator = Denominator::UnitSquared;
     #[inline(always)]
     fn variant(&self) -> usize {
         GapWithin::variant_of(self.entrance.kind(), self.limit)
@@ -147,6 +148,7 @@ impl Polynomial for LargerGap {
     const FIRST_SLOT: usize = after::<EdgesApart>();
     const VARIANTS: usize = 27;
     const DEGREE: usize = 10;
+    const DENOMINATOR: Denominator = Denominator::WholeSquared;
     // Planes of neighbouring features have gaps that are nearly the same.
     const IN_DOUBLE: bool = true;
     fn variant(&self) -> usize {
@@ -157,5 +159,49 @@ impl Polynomial for LargerGap {
         let whole = view.scales().whole.squared();
         let factor = self.factor.of(view).squared();
         whole.times(&p1.squared().times(&q2)).minus(&factor.times(&p2.squared().times(&q1)))
+    }
+    fn ties_with(&self, tolerances: &ToleranceSet) -> Option<EqualGaps> {
+        let factor_is_one = self.factor == Factor::One || tolerances.equal.is_zero();
+        factor_is_one.then_some(EqualGaps { first: self.first, second: self.second })
+    }
+}
+
+/// A proof that two gaps are the same, in numbers of fewer digits than those of [`LargerGap`]: their planes are parallel.
+pub(crate) struct EqualGaps {
+    first: Entrance,
+    second: Entrance,
+}
+
+impl EqualGaps {
+    /// The degree of the first three values; the others have one less.
+    pub(crate) const DEGREE: usize = 4;
+
+    /// With `P = n·w`, `Q = k²|n|²` of each plane: the components of `n₁ × n₂`, and `n₁·(k₂w₁ − k₁w₂)` and `n₁·(k₂w₁ + k₁w₂)`.
+    ///
+    /// Where the first three are zero, one normal is zero, and so are its P and Q, or `n₂ = c·n₁`, and then
+    /// `P₁²Q₂ − P₂²Q₁ = c²|n₁|²·((k₂ n₁·w₁)² − (k₁ n₁·w₂)²)` is zero with either of the last two.
+    pub(crate) fn values<V: View>(&self, view: &V) -> ([V::T; 3], [V::T; 2]) {
+        let ((n1, w1, k1), (n2, w2, k2)) = (terms(view, &self.first), terms(view, &self.second));
+        let across = n1.cross(&n2);
+        let (first, second) = (n1.dot(&w1.scaled(&k2)), n1.dot(&w2.scaled(&k1)));
+        ([across.x, across.y, across.z], [first.minus(&second), first.plus(&second)])
+    }
+}
+
+/// The n, w and k of a plane: `P = n·w`, `Q = k²|n|²`.
+fn terms<V: View>(view: &V, entrance: &Entrance) -> (Vec3<V::T>, Vec3<V::T>, V::T) {
+    let of_face = |vertex: Vertex, face: Face| {
+        let count = view.loop_length(face.0, face.1);
+        let first = (face.0, view.first_corner(face.0, face.1));
+        let from_face = view.between(first, vertex).scaled(&count).minus(&view.centre(face.0, face.1));
+        (view.normal(face.0, face.1), from_face, count)
+    };
+    match *entrance {
+        Entrance::VertexFace(vertex, face) => of_face((Side::A, vertex), (Side::B, face)),
+        Entrance::FaceVertex(face, vertex) => of_face((Side::B, vertex), (Side::A, face)),
+        Entrance::EdgeEdge(edge_a, edge_b) => {
+            let (a, b) = (start(view, (Side::A, edge_a)), start(view, (Side::B, edge_b)));
+            (across(view, edge_a, edge_b), view.between(b, a), V::T::from_i32(1))
+        }
     }
 }

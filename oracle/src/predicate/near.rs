@@ -13,6 +13,7 @@ impl Polynomial for BoxesMeet {
     const FIRST_SLOT: usize = 0;
     const VARIANTS: usize = 1;
     const DEGREE: usize = 1;
+    const DENOMINATOR: Denominator = Denominator::Unit;
     fn variant(&self) -> usize {
         0
     }
@@ -34,6 +35,7 @@ impl Polynomial for Near {
     const FIRST_SLOT: usize = after::<BoxesMeet>();
     const VARIANTS: usize = 3;
     const DEGREE: usize = 2;
+    const DENOMINATOR: Denominator = Denominator::UnitSquared;
     #[inline(always)]
     fn variant(&self) -> usize {
         self.limit as usize
@@ -105,6 +107,7 @@ impl Polynomial for NearLine {
     const FIRST_SLOT: usize = after::<FootAlong>();
     const VARIANTS: usize = 6;
     const DEGREE: usize = 4;
+    const DENOMINATOR: Denominator = Denominator::UnitSquared;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.edge.0) * 3 + self.limit as usize

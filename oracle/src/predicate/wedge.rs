@@ -12,6 +12,7 @@ impl Polynomial for ParallelAngle {
     const FIRST_SLOT: usize = after::<EdgeDipDepth>();
     const VARIANTS: usize = 1;
     const DEGREE: usize = 4;
+    const DENOMINATOR: Denominator = Denominator::OneSquared;
     #[inline(always)]
     fn variant(&self) -> usize {
         0
@@ -36,6 +37,7 @@ impl Polynomial for ParallelReach {
     const FIRST_SLOT: usize = after::<ParallelAngle>();
     const VARIANTS: usize = 2;
     const DEGREE: usize = 4;
+    const DENOMINATOR: Denominator = Denominator::UnitSquared;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.longer)
@@ -148,6 +150,7 @@ impl Polynomial for WedgeDipAngle {
     const FIRST_SLOT: usize = after::<InwardAcross>();
     const VARIANTS: usize = 2;
     const DEGREE: usize = 10;
+    const DENOMINATOR: Denominator = Denominator::OneSquared;
     fn variant(&self) -> usize {
         self.0.variant()
     }
@@ -173,6 +176,7 @@ impl Polynomial for WedgeDipDepth {
     const FIRST_SLOT: usize = after::<WedgeDipAngle>();
     const VARIANTS: usize = 4;
     const DEGREE: usize = 14;
+    const DENOMINATOR: Denominator = Denominator::UnitSquared;
     fn variant(&self) -> usize {
         self.inward.variant() * 2 + self.limit as usize
     }

@@ -159,7 +159,7 @@ impl Block {
     }
 
     /// All coordinates of all vertices.
-    pub fn coordinates(&self) -> impl Iterator<Item = &Number> {
+    pub fn coordinates(&self) -> impl Iterator<Item = &Number> + Clone {
         self.vertices.iter().flat_map(|v| v.components())
     }
 
