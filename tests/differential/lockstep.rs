@@ -7,7 +7,7 @@ use rockproof_differential::lockstep::run::KEEP;
 use rockproof_differential::lockstep::scene::ExactScene;
 use rockproof_differential::lockstep::state::{converted, exact_state};
 use rockproof_differential::lockstep::state_errors::{anchor_error, largest_distance, rate_error};
-use rockproof_differential::lockstep::wide::WideStepper;
+use rockproof_differential::lockstep::wide::{WideDecisions, WideStep, WideStepper};
 use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, Drift, Intrusion, Lockstep, StepCase};
 use rockproof_model::{Number, Precision, Scene};
 use rockproof_oracle::step as exact;
@@ -40,6 +40,15 @@ struct Ties {
     differing: Vec<String>,
 }
 
+/// What f64 and fewer bits settle, and what they leave unsettled, is as in 512 bits.
+fn sooner_is_the_same(step: &str, sooner: &WideDecisions, stepped: &WideStep) {
+    assert_eq!(sooner.unsettled, stepped.unsettled, "{step}: unsettled comparisons");
+    match (&sooner.outcome, &stepped.outcome) {
+        (Ok(sooner), Ok((stepped, _))) => assert_eq!(sooner, stepped, "{step}"),
+        (sooner, stepped) => assert!(sooner.is_err() && stepped.is_err(), "{step}"),
+    }
+}
+
 /// Runs a scene in 512 bits, each state rounded to f64, beside the oracle.
 fn agree(name: &str, scene: &ExactScene, steps: usize) -> Ties {
     let mut state: State<f64> = Dynamics::<f64>::new(scene.scene(), scene.tolerances()).unwrap().state().clone();
@@ -50,6 +59,7 @@ fn agree(name: &str, scene: &ExactScene, steps: usize) -> Ties {
         let number = state.step as i64 + 1 - i64::from(state.settling);
         let exact = scene.step(&exact_state(&state).unwrap(), KEEP);
         let stepped = wide.step(&state).unwrap();
+        sooner_is_the_same(&format!("{name}, step {number}"), &wide.decide(&state).unwrap(), &stepped);
         ties.steps += usize::from(stepped.unsettled > 0);
         let (exact, (answer, after)) = match (exact, stepped.outcome) {
             (Ok(exact), Ok(stepped)) => (exact, stepped),

@@ -66,6 +66,12 @@ pub trait Real:
     /// `self < other`, not counted as a decision: for culling with slack and for choosing between equivalent ways.
     fn below(self, other: Self) -> bool;
 
+    /// Whether a length is more than nothing, or what is divided by it; not counted as a decision, except in `Wide` of fewer bits, where rounding
+    /// may have left nothing of it.
+    fn is_positive(self) -> bool {
+        Self::ZERO.below(self)
+    }
+
     /// `self < other` for certain, not counted as a decision: of `Wide` both balls, of floats as [`Real::below`].
     fn surely_below(self, other: Self) -> bool;
 
@@ -171,6 +177,9 @@ impl Real for Wide {
     }
     fn below(self, other: Self) -> bool {
         self.middle_below(other)
+    }
+    fn is_positive(self) -> bool {
+        self.middle_is_positive()
     }
     fn surely_below(self, other: Self) -> bool {
         self.surely_below(other)

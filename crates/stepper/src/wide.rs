@@ -1,8 +1,7 @@
 //! A scalar of 512 bits that knows how far rounding may have moved it.
 //!
-//! Backing: `crypto-bigint`'s fixed-size integers. They are pure Rust and quick to build, live on the stack, so that
-//! `Wide` is `Copy` like f64 and the generic code reads the same for both, and are not the integers the oracle
-//! uses. `dashu-float` and `astro-float` keep their digits on the heap and are not `Copy`.
+//! Its digits are an array of its own (`wide/digits.rs`), so that `Wide` is `Copy` like f64 and the generic code reads the same for both; those of
+//! `dashu-float` and `astro-float` are on the heap. Digits that are zero at the end are left out of all work: what comes of coordinates is short.
 //!
 //! A value is a middle and a radius: the number meant lies within the radius of the middle. Sums, differences, products,
 //! quotients and roots that fit into 512 bits are exact and keep an exact operand's radius of nothing; all others round
@@ -11,13 +10,17 @@
 //! size of what cancelled, not by the size of what is left: where no comparison of a run was unsettled, each decision
 //! is the one that exact arithmetic makes. ([`Wide::maximum`] and [`Wide::middle_below`] are not counted: they choose
 //! between values that differ, if at all, by less than the radii.)
+//!
+//! All this is so of fewer bits, too, to which [`in_bits`] cuts what is calculated. What is settled is the same decision then; more is left unsettled.
+//! Numbers of up to 128 bits are pairs of digits in the processor's own 128-bit integers, which is where most of the time is saved.
 
 // Longer than 400 lines: one scalar, its arithmetic and its order.
 
+mod digits;
 mod radius;
 
+use self::digits::{DIGIT, Fraction, Long, MOST};
 use self::radius::Radius;
-use crypto_bigint::{Limb, NonZero, U64, U256, U512, U1024};
 use num_bigint::{BigInt, Sign as BigSign};
 use num_rational::BigRational;
 use rockproof_model::Number;
@@ -32,18 +35,46 @@ pub const BITS: u32 = 512;
 /// A number of [`BITS`] bits with a bound on its error.
 #[derive(Clone, Copy, Debug)]
 pub struct Wide {
-    negative: bool,
-    /// Zero, or with the top bit set: the middle is ±significand·2^exponent.
-    significand: U512,
+    /// The significand's digits, the lowest first. The last ones are used, as many as `length` says; the others are zero.
+    digits: [u64; MOST],
+    /// The middle is ±(the digits used, after a binary point)·2^exponent.
     exponent: i64,
     /// The error is not above it. Unknown for a quotient by something that may be zero, and for the root of a negative number.
     radius: Radius,
+    /// None for zero. Else the highest bit of the digits used is set, and the lowest of these digits is not zero.
+    length: u8,
+    negative: bool,
 }
 
 thread_local! {
     static UNSETTLED: Cell<u64> = const { Cell::new(0) };
     /// Whether one unsettled comparison spoils the answer.
     static SETTLED_ONLY: Cell<bool> = const { Cell::new(false) };
+    /// Digits to which results are cut.
+    static KEPT: Cell<usize> = const { Cell::new(MOST) };
+}
+
+/// Cuts results to fewer digits until dropped.
+struct Shorter {
+    outside: usize,
+}
+
+impl Shorter {
+    fn begin(digits: usize) -> Shorter {
+        Shorter { outside: KEPT.replace(digits) }
+    }
+}
+
+impl Drop for Shorter {
+    fn drop(&mut self) {
+        KEPT.set(self.outside);
+    }
+}
+
+/// Runs `work` with results cut to fewer bits: a multiple of 128, and 128 at least. On this thread only.
+pub fn in_bits<T>(bits: u32, work: impl FnOnce() -> T) -> T {
+    let _shorter = Shorter::begin(2 * (bits / 128).clamp(1, MOST as u32 / 2) as usize);
+    work()
 }
 
 /// Counts from nothing; when dropped, adds what was counted outside. So nothing stays behind where a caller catches a panic of the work.
@@ -101,7 +132,8 @@ pub(crate) fn is_given_up() -> bool {
 
 impl Wide {
     /// Zero, exactly.
-    pub const EXACT_ZERO: Wide = Wide { negative: false, significand: U512::ZERO, exponent: 0, radius: Radius::EXACT };
+    pub const EXACT_ZERO: Wide =
+        Wide { digits: [0; MOST], exponent: 0, radius: Radius::EXACT, length: 0, negative: false };
 
     const NOT_KNOWN: Wide = Wide { radius: Radius::UNKNOWN, ..Wide::EXACT_ZERO };
 
@@ -111,8 +143,12 @@ impl Wide {
             return Wide::NOT_KNOWN;
         }
         let (significand, exponent) = split_f64(value);
-        let digits = U1024::from_u64(significand.unsigned_abs());
-        Wide::rounded(significand < 0, digits, i64::from(exponent), Radius::EXACT)
+        Wide::rounded(
+            significand < 0,
+            &[significand.unsigned_abs()],
+            i64::from(exponent) + i64::from(DIGIT),
+            Radius::EXACT,
+        )
     }
 
     /// An exact number, rounded where 512 bits cannot hold it.
@@ -126,13 +162,23 @@ impl Wide {
 
     /// An integer, rounded where 512 bits cannot hold it.
     pub fn of_integer(value: &BigInt) -> Wide {
-        let surplus = value.bits().saturating_sub(u64::from(BITS));
-        let kept = value.magnitude() >> surplus;
-        let exact = &kept << surplus == *value.magnitude();
-        let radius = if exact { Radius::EXACT } else { Radius::power(surplus as i64) };
-        let mut bytes = kept.to_bytes_le();
-        bytes.resize(U1024::BYTES, 0);
-        Wide::rounded(value.sign() == BigSign::Minus, U1024::from_le_slice(&bytes), surplus as i64, radius)
+        let digits: Vec<u64> = value.iter_u64_digits().collect();
+        let exponent = digits.len() as i64 * i64::from(DIGIT);
+        Wide::rounded(value.sign() == BigSign::Minus, &digits, exponent, Radius::EXACT)
+    }
+
+    /// The digits of the significand that are used.
+    fn used(&self) -> &[u64] {
+        &self.digits[MOST - usize::from(self.length)..]
+    }
+
+    fn is_zero(&self) -> bool {
+        self.length == 0
+    }
+
+    /// The leading 64 bits of the middle's magnitude, which are those of a fraction.
+    fn leading(&self) -> u64 {
+        if self.is_zero() { 0 } else { self.digits[MOST - 1] }
     }
 
     /// Whether no operation that led here rounded.
@@ -142,7 +188,7 @@ impl Wide {
 
     /// Whether it is zero, and no operation that led here rounded.
     pub(crate) fn is_exact_zero(self) -> bool {
-        self.is_exact() && self.significand.is_zero_vartime()
+        self.is_exact() && self.is_zero()
     }
 
     /// Whether the value is a number at all.
@@ -156,9 +202,11 @@ impl Wide {
             return None;
         }
         let sign = if self.negative { BigSign::Minus } else { BigSign::Plus };
-        let significand = BigInt::from_bytes_le(sign, &self.significand.to_le_bytes());
-        let power = BigInt::from(1) << self.exponent.unsigned_abs();
-        let ratio = match self.exponent.is_negative() {
+        let bytes: Vec<u8> = self.used().iter().flat_map(|digit| digit.to_le_bytes()).collect();
+        let significand = BigInt::from_bytes_le(sign, &bytes);
+        let exponent = self.exponent - i64::from(self.length) * i64::from(DIGIT);
+        let power = BigInt::from(1) << exponent.unsigned_abs();
+        let ratio = match exponent.is_negative() {
             true => BigRational::new(significand, power),
             false => BigRational::from_integer(significand * power),
         };
@@ -171,11 +219,16 @@ impl Wide {
             return f64::NAN;
         }
         // 64 bits to f64, then a power of two in two steps, so that neither of them overflows on its own.
-        let top = u64::from(self.significand.shr_vartime(BITS - 64).resize::<{ U64::LIMBS }>());
-        let exponent = (self.exponent + i64::from(BITS) - 64).clamp(-4000, 4000) as i32;
+        let exponent = (self.exponent - i64::from(DIGIT)).clamp(-4000, 4000) as i32;
         let half = exponent / 2;
-        let size = top as f64 * 2f64.powi(half) * 2f64.powi(exponent - half);
+        let size = self.leading() as f64 * 2f64.powi(half) * 2f64.powi(exponent - half);
         if self.negative { -size } else { size }
+    }
+
+    /// Whether it is the number an f64 stands for, and no operation that led here rounded.
+    pub(crate) fn is_f64(self) -> bool {
+        let value = Wide::of_f64(self.nearest_f64());
+        self.is_exact() && self.digits == value.digits && (self.is_zero() || self.exponent == value.exponent)
     }
 
     /// The magnitude.
@@ -202,7 +255,15 @@ impl Wide {
     /// Whether the middle is below the other's middle. Not counted.
     pub fn middle_below(self, other: Wide) -> bool {
         let difference = self - other;
-        difference.is_known() && difference.negative && !difference.significand.is_zero_vartime()
+        difference.is_known() && difference.negative && !difference.is_zero()
+    }
+
+    /// Whether the middle is above zero. Not counted, but where [`in_bits`] cuts results and the middle is zero by rounding: it would go on as exact.
+    pub fn middle_is_positive(self) -> bool {
+        if self.is_zero() && !self.is_exact() && KEPT.get() < MOST {
+            UNSETTLED.set(UNSETTLED.get() + 1);
+        }
+        self.is_known() && !self.negative && !self.is_zero()
     }
 
     /// Whether every value of the ball is below every value of the other's. Not counted.
@@ -214,7 +275,7 @@ impl Wide {
     /// The square root; unknown for a negative number.
     #[must_use]
     pub fn root(self) -> Wide {
-        let is_zero = self.significand.is_zero_vartime();
+        let is_zero = self.is_zero();
         if !self.is_known() || (self.negative && !is_zero && self.is_settled()) {
             return Wide::NOT_KNOWN;
         }
@@ -222,13 +283,11 @@ impl Wide {
         if self.negative || is_zero {
             return Wide { radius: self.radius.root(), ..Wide::EXACT_ZERO };
         }
-        // An even exponent, and 1023 or 1024 bits below the root, which then has 512.
-        let shift = BITS - self.exponent.rem_euclid(2) as u32;
-        let square = self.significand.resize::<{ U1024::LIMBS }>().shl_vartime(shift);
-        let root = square.floor_sqrt_vartime();
-        let exponent = (self.exponent - i64::from(shift)) / 2;
-        let lost = if root.wrapping_mul(&root) == square { Radius::EXACT } else { Radius::power(exponent) };
-        let middle = Wide::rounded(false, root, exponent, lost);
+        // An even exponent, and a quarter at least below the root, which is a half then.
+        let shift = self.exponent.rem_euclid(2);
+        let count = KEPT.get();
+        let (root, cut) = digits::root(Fraction(self.used()), shift as u32, count);
+        let middle = Wide::cut(false, &root[..count], (self.exponent + shift) / 2, cut);
         let inherited = if self.is_settled() {
             // |√(x+δ) − √x| ≤ |δ| / √x
             self.radius.over(middle.at_least())
@@ -238,82 +297,102 @@ impl Wide {
         Wide { radius: middle.radius.plus(inherited), ..middle }
     }
 
-    /// `digits·2^exponent`, cut to [`BITS`] bits.
-    fn rounded(negative: bool, digits: U1024, exponent: i64, radius: Radius) -> Wide {
-        let bits = digits.bits_vartime();
-        if bits == 0 {
+    /// The digits after a point times 2^exponent, as many as are kept of which the highest has its highest bit set, and whether more were cut off.
+    fn cut(negative: bool, digits: &[u64], exponent: i64, cut: bool) -> Wide {
+        let lost = Radius::power(exponent - digits.len() as i64 * i64::from(DIGIT));
+        Wide::rounded(negative, digits, exponent, if cut { lost } else { Radius::EXACT })
+    }
+
+    /// The digits after a point times 2^exponent, cut to those that are kept.
+    fn rounded(negative: bool, digits: &[u64], exponent: i64, radius: Radius) -> Wide {
+        let Some(highest) = digits.iter().rposition(|&digit| digit != 0) else {
+            return Wide { radius, ..Wide::EXACT_ZERO };
+        };
+        let shift = digits[highest].leading_zeros();
+        let exponent = exponent - (digits.len() - 1 - highest) as i64 * i64::from(DIGIT) - i64::from(shift);
+        let (count, available) = (KEPT.get(), highest + 1);
+        let (rest, kept) = digits[..available].split_at(available.saturating_sub(count));
+        let mut significand = [0; MOST];
+        let into = &mut significand[MOST - kept.len()..];
+        let below = rest.last().copied().unwrap_or(0);
+        let mut cut = rest.iter().any(|&digit| digit != 0);
+        if shift == 0 {
+            into.copy_from_slice(kept);
+        } else {
+            let mut carried = below >> (DIGIT - shift);
+            for (into, &digit) in into.iter_mut().zip(kept) {
+                *into = digit << shift | carried;
+                carried = digit >> (DIGIT - shift);
+            }
+            cut = cut && (below << shift != 0 || rest[..rest.len() - 1].iter().any(|&digit| digit != 0));
+        }
+        let zeros = into.iter().take_while(|&&digit| digit == 0).count();
+        let length = (kept.len() - zeros) as u8;
+        let radius = if cut { radius.plus(Radius::power(exponent - count as i64 * i64::from(DIGIT))) } else { radius };
+        Wide { digits: significand, exponent, radius, length, negative }
+    }
+
+    /// The significand as a fraction of two digits, if it has no more.
+    fn short(&self) -> Option<u128> {
+        (self.length <= 2).then(|| u128::from(self.digits[MOST - 1]) << DIGIT | u128::from(self.digits[MOST - 2]))
+    }
+
+    /// A fraction of four digits times 2^exponent, cut to those that are kept.
+    fn of_short(negative: bool, upper: u128, lower: u128, exponent: i64, radius: Radius) -> Wide {
+        if upper | lower == 0 {
             return Wide { radius, ..Wide::EXACT_ZERO };
         }
-        if bits <= BITS {
-            let shift = BITS - bits;
-            let significand = digits.resize::<{ U512::LIMBS }>().shl_vartime(shift);
-            return Wide { negative, significand, exponent: exponent - i64::from(shift), radius };
-        }
-        let shift = bits - BITS;
-        let exponent = exponent + i64::from(shift);
-        let cut = digits.trailing_zeros_vartime() < shift;
-        let lost = if cut { Radius::power(exponent) } else { Radius::EXACT };
-        let significand = digits.shr_vartime(shift).resize::<{ U512::LIMBS }>();
-        Wide { negative, significand, exponent, radius: radius.plus(lost) }
+        let (upper, lower, exponent) = if upper == 0 { (lower, 0, exponent - 128) } else { (upper, lower, exponent) };
+        let shift = upper.leading_zeros();
+        let exponent = exponent - i64::from(shift);
+        let (upper, lower) = match shift {
+            0 => (upper, lower),
+            _ => (upper << shift | lower >> (128 - shift), lower << shift),
+        };
+        let mut digits = [0; MOST];
+        (digits[MOST - 1], digits[MOST - 2]) = ((upper >> DIGIT) as u64, upper as u64);
+        let (length, radius) = match (lower == 0, KEPT.get() > 2) {
+            (true, _) => (if digits[MOST - 2] == 0 { 1 } else { 2 }, radius),
+            (false, true) => {
+                (digits[MOST - 3], digits[MOST - 4]) = ((lower >> DIGIT) as u64, lower as u64);
+                (if digits[MOST - 4] == 0 { 3 } else { 4 }, radius)
+            }
+            (false, false) => (if digits[MOST - 2] == 0 { 1 } else { 2 }, radius.plus(Radius::power(exponent - 128))),
+        };
+        Wide { digits, exponent, radius, length, negative }
     }
 
-    /// `digits·2^exponent`.
-    fn normalized(negative: bool, digits: U512, exponent: i64, radius: Radius) -> Wide {
-        let shift = digits.leading_zeros_vartime();
-        if shift == BITS {
-            return Wide { radius, ..Wide::EXACT_ZERO };
-        }
-        Wide { negative, significand: digits.shl_vartime(shift), exponent: exponent - i64::from(shift), radius }
-    }
-
-    /// The upper half of the significand, where the lower half is zero.
-    fn upper_half(self) -> Option<U256> {
-        let (lower, upper) = self.significand.split();
-        lower.is_zero_vartime().then_some(upper)
-    }
-
-    /// The sum of two numbers where it fits into as many bits as the larger exponent leaves: where the one with the lesser exponent has
-    /// zeros to be shifted out.
-    fn short_sum(large: Wide, small: Wide, shift: u32, radius: Radius) -> Option<Wide> {
-        if shift > 0 && small.significand.trailing_zeros_vartime() < shift {
+    /// The sum of two numbers of up to two digits, of which the larger comes first, where it needs no more than four.
+    fn short_sum(large: &Wide, small: &Wide, shift: u32, radius: Radius) -> Option<Wide> {
+        let (one, two) = (large.short()?, small.short()?);
+        if shift >= 128 {
             return None;
         }
-        let (one, two) = (large.significand, small.significand.shr_vartime(shift));
+        let (upper, lower) = if shift == 0 { (two, 0) } else { (two >> shift, two << (128 - shift)) };
         if large.negative != small.negative {
-            let (negative, digits) = match one.cmp_vartime(&two) {
-                Ordering::Less => (small.negative, two.wrapping_sub(&one)),
-                _ => (large.negative, one.wrapping_sub(&two)),
-            };
-            return Some(Wide::normalized(negative, digits, large.exponent, radius));
+            let (lower, borrow) = 0u128.overflowing_sub(lower);
+            let upper = one - upper - u128::from(borrow);
+            return Some(Wide::of_short(large.negative, upper, lower, large.exponent, radius));
         }
-        let (sum, carry) = one.carrying_add(&two, Limb::ZERO);
-        if carry == Limb::ZERO {
-            return Some(Wide { negative: large.negative, significand: sum, exponent: large.exponent, radius });
+        let (upper, carry) = one.overflowing_add(upper);
+        if !carry {
+            return Some(Wide::of_short(large.negative, upper, lower, large.exponent, radius));
         }
-        if sum.as_limbs()[0].0 & 1 == 1 {
+        if lower & 1 == 1 {
             return None;
         }
-        let significand = sum.shr_vartime(1).bitor(&U512::ONE.shl_vartime(BITS - 1));
-        Some(Wide { negative: large.negative, significand, exponent: large.exponent + 1, radius })
-    }
-
-    /// The leading 64 bits of the middle's magnitude, and their exponent.
-    fn leading(self) -> (u64, i64) {
-        let top = self.significand.shr_vartime(BITS - 64).resize::<{ U64::LIMBS }>();
-        (u64::from(top), self.exponent + i64::from(BITS) - 64)
+        let (upper, lower) = (1 << 127 | upper >> 1, upper << 127 | lower >> 1);
+        Some(Wide::of_short(large.negative, upper, lower, large.exponent + 1, radius))
     }
 
     /// Not above the middle's magnitude.
     fn at_least(self) -> Radius {
-        let (digits, exponent) = self.leading();
-        Radius::below(digits, exponent)
+        Radius::below(self.leading(), self.exponent - i64::from(DIGIT))
     }
 
     /// Not below the middle's magnitude.
     fn at_most(self) -> Radius {
-        let (digits, exponent) = self.leading();
-        // The bits behind these are less than one of them.
-        if digits == 0 { Radius::EXACT } else { Radius::above(digits, exponent).plus(Radius::power(exponent)) }
+        if self.is_zero() { Radius::EXACT } else { Radius::beyond(self.leading(), self.exponent - i64::from(DIGIT)) }
     }
 
     /// Whether the sign is certain.
@@ -336,29 +415,37 @@ impl Add for Wide {
             return Wide::NOT_KNOWN;
         }
         let radius = self.radius.plus(other.radius);
-        if self.significand.is_zero_vartime() {
+        if self.is_zero() {
             return Wide { radius, ..other };
         }
-        if other.significand.is_zero_vartime() {
+        if other.is_zero() {
             return Wide { radius, ..self };
         }
-        let (large, small) = if self.exponent >= other.exponent { (self, other) } else { (other, self) };
+        let is_larger = match self.exponent.cmp(&other.exponent) {
+            Ordering::Equal => Fraction(self.used()).order(Fraction(other.used())).is_ge(),
+            order => order.is_gt(),
+        };
+        let (large, small) = if is_larger { (&self, &other) } else { (&other, &self) };
         let shift = large.exponent - small.exponent;
-        if shift >= i64::from(BITS) - 1 {
-            return Wide { radius: radius.plus(small.at_most()), ..large };
+        if shift >= KEPT.get() as i64 * i64::from(DIGIT) - 1 {
+            return Wide { radius: radius.plus(small.at_most()), ..*large };
         }
         if let Some(sum) = Wide::short_sum(large, small, shift as u32, radius) {
             return sum;
         }
-        let upper = large.significand.resize::<{ U1024::LIMBS }>().shl_vartime(shift as u32);
-        let lower = small.significand.resize::<{ U1024::LIMBS }>();
+        // A digit for what is carried, and one at the end for what is shifted beyond the last.
+        let (whole, shift) = ((shift / i64::from(DIGIT)) as usize, (shift % i64::from(DIGIT)) as u32);
+        let below = usize::from(large.length).max(whole + usize::from(small.length) + 1);
+        let (mut sum, mut shifted): (Long, Long) = ([0; 2 * MOST + 2], [0; 2 * MOST + 2]);
+        sum[below - usize::from(large.length)..below].copy_from_slice(large.used());
+        Fraction(small.used()).write(&mut shifted, below - whole, shift);
+        let sum = &mut sum[..=below];
         if large.negative == small.negative {
-            return Wide::rounded(large.negative, upper.wrapping_add(&lower), small.exponent, radius);
+            digits::add(sum, &shifted[..below - whole]);
+        } else {
+            digits::subtract(sum, &shifted[..below - whole]);
         }
-        match upper.cmp_vartime(&lower) {
-            Ordering::Less => Wide::rounded(small.negative, lower.wrapping_sub(&upper), small.exponent, radius),
-            _ => Wide::rounded(large.negative, upper.wrapping_sub(&lower), small.exponent, radius),
-        }
+        Wide::rounded(large.negative, sum, large.exponent + i64::from(DIGIT), radius)
     }
 }
 
@@ -382,11 +469,12 @@ impl Mul for Wide {
             own.times(other.radius).plus(foreign.times(self.radius))
         };
         let (negative, exponent) = (self.negative != other.negative, self.exponent + other.exponent);
-        if let (Some(one), Some(two)) = (self.upper_half(), other.upper_half()) {
-            let digits: U512 = one.concatenating_mul(&two);
-            return Wide::normalized(negative, digits, exponent + i64::from(BITS), radius);
+        if let (Some(one), Some(two)) = (self.short(), other.short()) {
+            let (upper, lower) = digits::short_product(one, two);
+            return Wide::of_short(negative, upper, lower, exponent, radius);
         }
-        let digits: U1024 = self.significand.concatenating_mul(&other.significand);
+        let digits = digits::product(self.used(), other.used());
+        let digits = &digits[..usize::from(self.length + other.length)];
         Wide::rounded(negative, digits, exponent, radius)
     }
 }
@@ -394,15 +482,16 @@ impl Mul for Wide {
 impl Div for Wide {
     type Output = Wide;
     fn div(self, other: Wide) -> Wide {
-        let divisor = NonZero::new(other.significand).into_option();
-        let (Some(divisor), true, true) = (divisor, self.is_known(), other.is_settled()) else {
+        if other.is_zero() || !self.is_known() || !other.is_settled() {
             return Wide::NOT_KNOWN;
-        };
-        let dividend = self.significand.resize::<{ U1024::LIMBS }>().shl_vartime(BITS);
-        let (quotient, remainder) = dividend.div_rem_vartime(&divisor);
-        let exponent = self.exponent - i64::from(BITS) - other.exponent;
-        let lost = if remainder.is_zero_vartime() { Radius::EXACT } else { Radius::power(exponent) };
-        let middle = Wide::rounded(self.negative != other.negative, quotient, exponent, lost);
+        }
+        let (dividend, divisor) = (Fraction(self.used()), Fraction(other.used()));
+        // Half the dividend is below the divisor.
+        let shift = u32::from(dividend.order(divisor).is_ge());
+        let count = KEPT.get();
+        let (quotient, cut) = digits::quotient(dividend, shift, other.used(), count);
+        let exponent = self.exponent - other.exponent + i64::from(shift);
+        let middle = Wide::cut(self.negative != other.negative, &quotient[..count], exponent, cut);
         if self.is_exact() && other.is_exact() {
             return middle;
         }
@@ -426,7 +515,7 @@ impl PartialOrd for Wide {
         if !difference.is_settled() {
             return Some(Ordering::Equal);
         }
-        Some(match (difference.significand.is_zero_vartime(), difference.negative) {
+        Some(match (difference.is_zero(), difference.negative) {
             (true, _) => Ordering::Equal,
             (false, true) => Ordering::Less,
             (false, false) => Ordering::Greater,

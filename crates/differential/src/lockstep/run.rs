@@ -290,13 +290,13 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             return;
         }
         let in_wide = match wide_stepper(&mut self.wide, &self.rounded) {
-            Some(wide) => wide.step(before).ok(),
+            Some(wide) => wide.decide(before).ok(),
             None => None,
         };
         compared.unsettled = in_wide.as_ref().map(|step| step.unsettled);
         let remaining = match &in_wide {
             Some(step) if step.unsettled == 0 => {
-                step.outcome.as_ref().map_or(Vec::new(), |(answer, _)| compare(oracle, answer, &shapes))
+                step.outcome.as_ref().map_or(Vec::new(), |answer| compare(oracle, answer, &shapes))
             }
             _ => Vec::new(),
         };
@@ -315,7 +315,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
     }
 
     fn cause_of_stop(&mut self, before: &State<R>, compared: &mut ComparedStep) -> Cause {
-        let wide = wide_stepper(&mut self.wide, &self.rounded).and_then(|wide| wide.step(before).ok());
+        let wide = wide_stepper(&mut self.wide, &self.rounded).and_then(|wide| wide.decide(before).ok());
         compared.unsettled = wide.as_ref().map(|step| step.unsettled);
         match wide {
             Some(step) if step.unsettled == 0 && step.outcome.is_err() => Cause::Defect,

@@ -4,14 +4,21 @@ use crate::lockstep::answer::StepDecisions;
 use crate::lockstep::scene::ExactScene;
 use crate::lockstep::state::converted;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-use rockproof_stepper::dynamics::{Dynamics, SetupError, State, StepError, StepRules};
+use rockproof_model::ToleranceSet;
+use rockproof_stepper::dynamics::{Dynamics, PrescribedStep, SetupError, State, StepError, StepRules};
 use rockproof_stepper::real::Real;
-use rockproof_stepper::wide::{Wide, count_unsettled};
+use rockproof_stepper::wide::{BITS, Wide, count_unsettled, in_bits};
+
+/// Bits in which the iteration of a step is made first: it seldom has a comparison that these leave unsettled.
+pub const FEWER_BITS: u32 = 128;
 
 /// A scene in the wide scalar.
 #[derive(Debug)]
 pub struct WideStepper<M> {
     dynamics: Dynamics<Wide, M>,
+    /// The same in fewer bits, if it can be made.
+    shorter: Option<Dynamics<Wide, M>>,
+    tolerances: ToleranceSet,
     /// One thread, because unsettled comparisons are counted where they are made.
     alone: ThreadPool,
 }
@@ -25,6 +32,15 @@ pub enum WideError {
     /// The system gives no thread.
     #[error(transparent)]
     Thread(#[from] ThreadPoolBuildError),
+}
+
+/// What a step in the wide scalar decides.
+#[derive(Clone, Debug)]
+pub struct WideDecisions {
+    /// What it decided, or why it cannot be made.
+    pub outcome: Result<StepDecisions, StepError>,
+    /// As [`WideStep::unsettled`].
+    pub unsettled: u64,
 }
 
 /// A step in the wide scalar.
@@ -42,8 +58,46 @@ impl<M: StepRules> WideStepper<M> {
     /// # Errors
     /// When a block collapses.
     pub fn new(scene: &ExactScene) -> Result<WideStepper<M>, WideError> {
-        let dynamics = Dynamics::with_rules(scene.scene(), scene.tolerances())?;
-        Ok(WideStepper { dynamics, alone: ThreadPoolBuilder::new().num_threads(1).build()? })
+        let alone = ThreadPoolBuilder::new().num_threads(1).build()?;
+        let made = |bits| alone.install(|| in_bits(bits, || Dynamics::with_rules(scene.scene(), scene.tolerances())));
+        let (dynamics, shorter) = (made(BITS)?, made(FEWER_BITS).ok());
+        Ok(WideStepper { dynamics, shorter, tolerances: scene.tolerances().clone(), alone })
+    }
+
+    /// What one step from a state of the scene decides, and the comparisons left unsettled, as [`WideStepper::step`] has them. Contacts are found in
+    /// f64 wherever that settles a comparison, and the rest is made in fewer bits if these settle all its comparisons.
+    ///
+    /// # Errors
+    /// When the state is none of the scene.
+    pub fn decide<R: Real>(&mut self, state: &State<R>) -> Result<WideDecisions, SetupError> {
+        if let Some(decisions) = self.sooner(state) {
+            return Ok(decisions);
+        }
+        let WideStep { outcome, unsettled } = self.step(state)?;
+        Ok(WideDecisions { outcome: outcome.map(|(decisions, _)| decisions), unsettled })
+    }
+
+    fn sooner<R: Real>(&mut self, state: &State<R>) -> Option<WideDecisions> {
+        let state: State<Wide> = converted(state);
+        let shorter = self.shorter.as_mut()?;
+        let (dynamics, set) = (&mut self.dynamics, &self.tolerances);
+        self.alone.install(|| {
+            let (restored, in_restoring) = count_unsettled(|| in_bits(FEWER_BITS, || shorter.restore(state.clone())));
+            restored.ok()?;
+            let (contacts, in_contacts) = shorter.foreseen_contacts(set)?;
+            let prescribed = PrescribedStep { contacts: &contacts, attempt: None };
+            let work = || in_bits(FEWER_BITS, || shorter.step_prescribed(&prescribed));
+            let (report, in_iteration) = count_unsettled(work);
+            if let (Ok(report), 0) = (report, in_restoring + in_iteration) {
+                let outcome = Ok(StepDecisions::of_stepper(&report, shorter.modes(), shorter.state()));
+                return Some(WideDecisions { outcome, unsettled: in_contacts });
+            }
+            let work = || dynamics.restore(state).map(|()| dynamics.step_prescribed(&prescribed));
+            let (report, besides) = count_unsettled(work);
+            let outcome =
+                report.ok()?.map(|report| StepDecisions::of_stepper(&report, dynamics.modes(), dynamics.state()));
+            Some(WideDecisions { outcome, unsettled: in_contacts + besides })
+        })
     }
 
     /// One step from a state of the scene.
@@ -53,13 +107,9 @@ impl<M: StepRules> WideStepper<M> {
     pub fn step<R: Real>(&mut self, state: &State<R>) -> Result<WideStep, SetupError> {
         let state: State<Wide> = converted(state);
         let dynamics = &mut self.dynamics;
-        let (made, unsettled) = self.alone.install(|| {
-            count_unsettled(|| {
-                dynamics.restore(state)?;
-                Ok::<_, SetupError>(dynamics.step())
-            })
-        });
-        let outcome = made?.map(|report| {
+        let work = || dynamics.restore(state).map(|()| dynamics.step());
+        let (report, unsettled) = self.alone.install(|| count_unsettled(work));
+        let outcome = report?.map(|report| {
             let state = self.dynamics.state().clone();
             (StepDecisions::of_stepper(&report, self.dynamics.modes(), &state), state)
         });

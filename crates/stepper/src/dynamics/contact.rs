@@ -183,7 +183,7 @@ impl<R: Real> StepContact<R> {
         if mode == Mode::Sliding {
             let slip = self.iterate.stretch;
             let length = slip.length();
-            self.iterate.friction = if R::ZERO.below(length) {
+            self.iterate.friction = if length.is_positive() {
                 let secant = self.strength::<M>() / length;
                 Friction::along::<M>(slip, secant, self.joint.shear, self.plane.normal)
             } else {
@@ -229,7 +229,7 @@ impl<R: Real> StepContact<R> {
     /// A length along the slip direction s/|s|; zero where nothing slipped.
     fn along_slip(&self, length: R) -> Vector<R> {
         let slip = self.iterate.stretch.length();
-        if R::ZERO.below(slip) { self.iterate.stretch * (length / slip) } else { Vector::ZERO }
+        if slip.is_positive() { self.iterate.stretch * (length / slip) } else { Vector::ZERO }
     }
 
     /// Whether its stiffness couples two blocks.

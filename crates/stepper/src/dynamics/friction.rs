@@ -23,7 +23,7 @@ impl<R: Real> Friction<R> {
     /// Of the last slip s₁ (m) and the secant stiffness |f|/|s₁| (N/m). `shear` is p_s in N/m, `normal` the unit normal.
     pub(super) fn along<M: StepRules>(slip: Vector<R>, secant: R, shear: R, normal: Vector<R>) -> Self {
         let length = slip.length();
-        if !R::ZERO.below(length) {
+        if !length.is_positive() {
             return Friction::NONE;
         }
         Friction { force: slip * secant, spring: M::spring_across(secant, shear), across: normal.cross(slip / length) }
@@ -31,7 +31,7 @@ impl<R: Real> Friction<R> {
 
     /// Whether the spring bears on the matrix.
     pub(super) fn is_stiff(&self) -> bool {
-        R::ZERO.below(self.spring)
+        self.spring.is_positive()
     }
 
     /// The whole force at a stretch, `f + k(s·b)b` in N.

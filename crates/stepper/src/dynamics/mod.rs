@@ -18,6 +18,7 @@ pub mod displacement;
 pub mod elimination_order;
 mod engine;
 mod factor;
+mod foreseen;
 mod friction;
 mod island;
 mod kinematics;
@@ -44,6 +45,7 @@ mod transfer;
 mod update;
 
 pub use engine::{Dynamics, PhaseTimes};
+pub use foreseen::BlockContacts;
 pub use prescribed::{PrescribedAttempt, PrescribedStep};
 pub use report::{IterationTimes, ModeChange, Retry, RetryReason, StepError, StepReport};
 pub use rockproof_model::simulation::Skips;

@@ -49,6 +49,14 @@ impl Radius {
         Radius { digits: cut as u32, exponent: exponent + i64::from(surplus) }
     }
 
+    /// Above `digits·2^exponent` with whatever follows these digits, of which the highest has its highest bit set.
+    pub(super) fn beyond(digits: u64, exponent: i64) -> Radius {
+        match ((digits >> BITS) as u32).checked_add(1) {
+            Some(digits) => Radius { digits, exponent: exponent + i64::from(BITS) },
+            None => Radius::power(exponent + 2 * i64::from(BITS)),
+        }
+    }
+
     /// The bits of a number beyond those kept; `None` for zero.
     fn surplus(digits: u64) -> Option<i32> {
         (digits != 0).then(|| 32 - digits.leading_zeros() as i32)

@@ -1,6 +1,8 @@
 //! The wide scalar: its bound holds the exact result, exact results are known to be exact, and a comparison that is
 //! settled is right.
 
+// Longer than 400 lines: one scalar, in every length.
+
 use crate::hand_worked::{base, check};
 use crate::pairs::{spike, tolerances};
 use num_bigint::BigInt;
@@ -9,6 +11,7 @@ use num_traits::{Signed, Zero};
 use proptest::prelude::*;
 use rockproof_model::Number;
 use rockproof_stepper::{Real, Wide, wide};
+use std::cmp::Ordering;
 use std::panic::{catch_unwind, resume_unwind};
 
 fn rational(value: f64) -> BigRational {
@@ -17,9 +20,11 @@ fn rational(value: f64) -> BigRational {
 
 /// Whether a comparison with this exact number is settled, and its outcome.
 fn compare(value: Wide, exact: &BigRational) -> (Option<std::cmp::Ordering>, bool) {
-    let other = Wide::of_integer(exact.numer()) / Wide::of_integer(exact.denom());
-    let (order, unsettled) = wide::count_unsettled(|| value.partial_cmp(&other));
-    (order, unsettled == 0)
+    wide::in_bits(wide::BITS, || {
+        let other = Wide::of_integer(exact.numer()) / Wide::of_integer(exact.denom());
+        let (order, unsettled) = wide::count_unsettled(|| value.partial_cmp(&other));
+        (order, unsettled == 0)
+    })
 }
 
 /// `value` was calculated to be `exact`: a settled comparison says equal; and the two differ by no more than 2⁻⁴⁰⁰ of `scale`.
@@ -30,6 +35,17 @@ fn holds(value: Wide, exact: &BigRational, scale: &BigRational) {
     if !margin.is_zero() {
         assert_eq!(compare(value, &(exact + &margin)), (Some(std::cmp::Ordering::Less), true));
         assert_eq!(compare(value, &(exact - &margin)), (Some(std::cmp::Ordering::Greater), true));
+    }
+}
+
+/// The same of numbers of so many bits, to a few bits.
+fn holds_in(value: Wide, exact: &BigRational, bits: u32) {
+    let unit = exact.abs() / BigRational::from_integer(BigInt::from(1) << (bits - 6));
+    for (other, expected) in
+        [(exact.clone(), Ordering::Equal), (exact + &unit, Ordering::Less), (exact - &unit, Ordering::Greater)]
+    {
+        let (order, settled) = compare(value, &other);
+        assert!((settled && order == Some(expected)) || (!settled && other == *exact), "{value:?} is not {exact}");
     }
 }
 
@@ -50,7 +66,133 @@ fn integer() -> impl Strategy<Value = BigInt> {
     })
 }
 
+/// An integer of up to so many digits of 64 bits, which are the least or the largest now and then, so that quotients are estimated too large.
+fn digits(count: usize) -> impl Strategy<Value = BigInt> {
+    let extreme = prop_oneof![Just(0), Just(1), Just(u64::MAX), Just(u64::MAX - 1), Just(1 << 63), Just((1 << 63) - 1)];
+    let digit = prop_oneof![any::<u64>(), extreme];
+    (proptest::collection::vec(digit, 0..=count), any::<bool>()).prop_map(|(digits, negative)| {
+        let sign = if negative { num_bigint::Sign::Minus } else { num_bigint::Sign::Plus };
+        let bytes: Vec<u8> = digits.iter().flat_map(|digit| digit.to_le_bytes()).collect();
+        BigInt::from_bytes_le(sign, &bytes)
+    })
+}
+
+/// Of so many bits, the leading ones of a number.
+fn truncated(exact: &BigRational, bits: i64) -> BigRational {
+    if exact.is_zero() {
+        return exact.clone();
+    }
+    let power = |exponent: i64| {
+        let power = BigRational::from_integer(BigInt::from(1) << exponent.unsigned_abs());
+        if exponent < 0 { power.recip() } else { power }
+    };
+    let about = exact.numer().bits() as i64 - exact.denom().bits() as i64;
+    // 2^(exponent − 1) is not above the number, and 2^exponent is.
+    let exponent = if exact.abs() < power(about) { about } else { about + 1 };
+    let unit = power(exponent - bits);
+    (exact / &unit).trunc() * unit
+}
+
+/// What was calculated is the leading bits of what is exact, is called exact if that is all, and is the only number that it can be told from neither
+/// above nor below.
+fn is_leading(found: Wide, exact: &BigRational, bits: u32) {
+    let middle = found.middle().unwrap().to_rational();
+    assert_eq!(middle, truncated(exact, i64::from(bits)), "{found:?}");
+    assert_eq!(found.is_exact(), middle == *exact, "{found:?}");
+    if exact.is_zero() {
+        return;
+    }
+    let unit = exact.abs() / BigRational::from_integer(BigInt::from(1) << (bits - 6));
+    for (other, expected) in
+        [(exact.clone(), Ordering::Equal), (exact + &unit, Ordering::Less), (exact - &unit, Ordering::Greater)]
+    {
+        let (order, settled) = compare(found, &other);
+        assert!(!settled || order == Some(expected), "{found:?}");
+        assert!(settled || other == *exact, "{found:?}");
+    }
+}
+
+/// Lengths to which results may be cut.
+const LENGTHS: [u32; 4] = [128, 256, 384, 512];
+
 proptest! {
+    #[test]
+    fn every_length_keeps_the_leading_bits_of_what_is_exact(
+        length in proptest::sample::select(&LENGTHS),
+        (x, y) in (digits(8), digits(8)),
+        shift in 0u32..600,
+    ) {
+        // Operands that the length holds, and some that come from a longer one.
+        for kept in [length, wide::BITS] {
+            let of = |x: &BigInt| wide::in_bits(kept, || Wide::of_integer(x));
+            let scaled = |value: Wide| (0..shift / 60).fold(value, |value, _| value * Wide::of_f64(2f64.powi(-60)));
+            let (a, b) = (of(&x), scaled(of(&y)));
+            let (x, y) = (a.middle().unwrap().to_rational(), b.middle().unwrap().to_rational());
+            // The errors of the operands are not those of the operation.
+            let exactly = |value: Wide| value.is_exact().then_some(value);
+            let (Some(a), Some(b)) = (exactly(a), exactly(b)) else { continue };
+            wide::in_bits(length, || {
+                is_leading(a * b, &(&x * &y), length);
+                if !y.is_zero() {
+                    is_leading(a / b, &(&x / &y), length);
+                }
+                let bits = |x: &BigRational| x.numer().bits() as i64 - x.denom().bits() as i64;
+                if x.is_zero() || y.is_zero() || (bits(&x) - bits(&y)).abs() < i64::from(length) - 2 {
+                    if kept == length {
+                        is_leading(a + b, &(&x + &y), length);
+                        is_leading(a - b, &(&x - &y), length);
+                    }
+                } else {
+                    holds_in(a + b, &(&x + &y), length);
+                    holds_in(b - a, &(&y - &x), length);
+                }
+                let root = (a * a).sqrt();
+                if (a * a).is_exact() {
+                    is_leading(root, &x.abs(), length);
+                }
+                let root = a.abs().sqrt().middle().unwrap().to_rational();
+                let unit = &root / BigRational::from_integer(BigInt::from(1) << (length - 1));
+                assert!(&root * &root <= x.abs() && (x.is_zero() || (&root + &unit) * (&root + &unit) > x.abs()));
+            });
+        }
+    }
+
+    /// Whatever is made of rounded values, in any length, is still told right from numbers that it is not.
+    #[test]
+    fn every_length_encloses_what_follows_from_rounded_values(
+        length in proptest::sample::select(&LENGTHS),
+        values in proptest::collection::vec(ordinary(), 4),
+        work in proptest::collection::vec((0u8..5, any::<proptest::sample::Index>(), any::<proptest::sample::Index>()), 1..12),
+    ) {
+        wide::in_bits(length, || {
+            let mut found: Vec<Wide> = values.iter().map(|&x| Wide::of_f64(x) / Wide::of_f64(3.0)).collect();
+            let three = BigRational::from_integer(3.into());
+            let mut exact: Vec<BigRational> = values.iter().map(|&x| rational(x) / &three).collect();
+            for (which, one, other) in work {
+                let (i, j) = (one.index(found.len()), other.index(found.len()));
+                let (a, b, x, y) = (found[i], found[j], exact[i].clone(), exact[j].clone());
+                let (value, right) = match which {
+                    0 => (a + b, x + y),
+                    1 => (a - b, x - y),
+                    2 => (a * b, x * y),
+                    3 if !y.is_zero() && (a / b).is_known() => (a / b, x / y),
+                    3 => continue,
+                    _ => (a.larger(b), if x < y { y } else { x }),
+                };
+                let (order, settled) = compare(value, &right);
+                assert!(!settled || order == Some(Ordering::Equal), "{value:?} is not {right}");
+                // Another number is not found on the wrong side.
+                let beside = &right + right.abs() / BigRational::from_integer(BigInt::from(1) << (length / 2));
+                let (order, settled) = compare(value, &beside);
+                assert!(!settled || order == Some(right.cmp(&beside)), "{value:?} is not {right}");
+                if right.numer().bits() + right.denom().bits() < 20_000 {
+                    found.push(value);
+                    exact.push(right);
+                }
+            }
+        });
+    }
+
     #[test]
     fn sums_products_and_quotients_hold_the_exact_value(x in ordinary(), y in ordinary(), z in ordinary()) {
         let (a, b, c) = (Wide::of_f64(x), Wide::of_f64(y), Wide::of_f64(z));
@@ -115,6 +257,20 @@ proptest! {
         prop_assert_eq!(a.smaller(b).to_f64(), x.min(y));
         prop_assert_eq!(a.below(b), x < y);
     }
+}
+
+/// Fewer bits are those of the work alone, and no choice is made there by a length of which rounding left nothing.
+#[test]
+fn fewer_bits_end_with_the_work_and_a_length_of_nothing_by_rounding_is_unsettled() {
+    let fits = || (Wide::of_f64(1.0) + Wide::of_f64(2f64.powi(-200))).is_exact();
+    assert!(fits() && !wide::in_bits(128, fits) && wide::in_bits(256, fits) && fits());
+    assert!(catch_unwind(|| wide::in_bits(128, || resume_unwind(Box::new(())))).is_err());
+    assert!(fits(), "a panic leaves no fewer bits behind");
+    let (one, tiny) = (Wide::of_f64(1.0), Wide::of_f64(2f64.powi(-200)));
+    let left = || (one + tiny - one).is_positive();
+    assert_eq!(wide::count_unsettled(left), (true, 0));
+    assert_eq!(wide::count_unsettled(|| wide::in_bits(128, left)), (false, 1));
+    assert_eq!(wide::count_unsettled(|| wide::in_bits(128, || Wide::EXACT_ZERO.is_positive())), (false, 0));
 }
 
 #[test]
