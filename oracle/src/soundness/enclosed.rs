@@ -1,13 +1,14 @@
 //! Integers of as few bits as the enclosure of a value says, against those of any length.
 
-use super::{bits_of, in_integers, value_in_integers};
+use super::{bits_of, in_integers, value_in_integers, without_tolerances};
 use crate::number::{Ball, Bits, Int128};
 use crate::pair::{Int256, Int512, Int1024, Pair};
-use crate::predicate::Polynomial;
+use crate::predicate::{Factor, LargerGap, Polynomial};
+use crate::prepared_block::PreparedBlock;
 use crate::sign_ladder::{Classification, Unobserved};
 use crate::view::{BallView, LazyScales, Scales};
 use num_bigint::BigInt;
-use rockproof_model::{Sign, ToleranceSet};
+use rockproof_model::{Block, BlockOptions, Entrance, FaceId, Number, Ring, Sign, ToleranceSet, Vec3, VertexId};
 use std::cell::OnceCell;
 use std::ops::AddAssign;
 
@@ -103,4 +104,64 @@ pub(super) fn check<P: Polynomial>(run: &Classification<'_, '_, Unobserved>, p: 
         }
     }
     seen
+}
+
+/// Two faces of a plate that are 2⁻⁵¹ m from parallel, which balls of f64 do not tell, and a vertex halfway between them along the first one's normal,
+/// exactly: its gaps are not the same, since it is beside the middles of the faces.
+#[test]
+fn gaps_to_planes_that_are_nearly_parallel_are_not_equal() {
+    let (length, width, tilt) = (4.0 + 2f64.powi(-20), 4.0 - 2f64.powi(-22), 2f64.powi(-51));
+    let (along, across) = (11.0 / 32.0, 5.0 / 64.0);
+    let number = |value: f64| Number::from_f64(value).expect("finite");
+    let corners = [(0.0, 0.0), (length, 0.0), (length, width), (0.0, width)];
+    let corner = |(x, y): (f64, f64), top: bool| {
+        let height = number(along * x).plus(&number(across * y));
+        let rest = if top {
+            1.0
+        } else if x > 0.0 {
+            tilt
+        } else {
+            0.0
+        };
+        Vec3::new(number(x), number(y), height.plus(&number(rest)))
+    };
+    let plate = corners.map(|at| corner(at, false)).into_iter().chain(corners.map(|at| corner(at, true))).collect();
+    let faces = vec![
+        vec![0, 3, 2, 1],
+        vec![4, 5, 6, 7],
+        vec![0, 1, 5, 4],
+        vec![1, 2, 6, 5],
+        vec![2, 3, 7, 6],
+        vec![3, 0, 4, 7],
+    ];
+    let plate = Block::new(plate, faces, &BlockOptions { planarity: Number::ZERO }).expect("a plate");
+    // The middle of the plate, and from there along the upper face.
+    let middle = [length / 2.0, width / 2.0].map(number);
+    let beside = 1.0;
+    let height = [along * length / 2.0, across * width / 2.0, 0.5, tilt / 4.0, along * beside];
+    let height = height.map(number).iter().fold(Number::ZERO, |sum, part| sum.plus(part));
+    let tip = Vec3::new(middle[0].plus(&number(beside)), middle[1].clone(), height);
+    let far = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|way| {
+        let [x, y, z] = way.map(Number::from_integer);
+        Vec3::new(tip.x.plus(&x), tip.y.plus(&y), tip.z.plus(&z))
+    });
+    let corner = [tip].into_iter().chain(far).collect();
+    let faces = vec![vec![0, 2, 1], vec![0, 1, 3], vec![1, 2, 3], vec![2, 0, 3]];
+    let corner = Block::new(corner, faces, &BlockOptions { planarity: Number::ZERO }).expect("a corner");
+    let solids = [&corner, &plate].map(PreparedBlock::new);
+    let (pair, tolerances) = (Pair::new(&solids[0], &solids[1]), without_tolerances());
+    let entrance = |face| Entrance::VertexFace(VertexId::at(0), FaceId::at(face));
+    let gaps = LargerGap { first: entrance(1), second: entrance(0), factor: Factor::One };
+    let mut run = Classification::new(&pair, &tolerances, Unobserved);
+    let made: OnceCell<Scales<Ball>> = OnceCell::new();
+    let scales = LazyScales { made: &made, make: &|| Scales::balls(&tolerances) };
+    let balls = BallView { floats: run.float_view(), scales };
+    let equal = gaps.ties_with(&tolerances).expect("a factor of one");
+    let (parallel, level) = equal.values(&balls);
+    assert!(parallel.iter().all(|ball| ball.certain_sign().is_none_or(Sign::is_zero)), "balls cannot tell");
+    assert!(level.iter().any(|ball| ball.certain_sign().is_none_or(Sign::is_zero)), "balls cannot tell");
+    assert!(!run.are_equal(&equal, &balls), "planes that are nearly parallel");
+    let exact = value_in_integers::<_, BigInt>(&pair, &tolerances, &gaps);
+    assert_ne!(exact, BigInt::ZERO);
+    assert_eq!(run.sign(&gaps), Sign::of_ordering(exact.cmp(&BigInt::ZERO)));
 }
