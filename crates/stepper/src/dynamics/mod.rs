@@ -42,6 +42,7 @@ mod subtrees;
 mod system;
 mod transfer;
 mod update;
+mod watch;
 
 pub use engine::{Dynamics, PhaseTimes};
 pub use prescribed::{PrescribedAttempt, PrescribedStep};
