@@ -281,7 +281,7 @@ fn a_stack_of_a_thousand_deformable_cubes_stays_within_its_memory() {
 fn what_steps_leave_out_is_measured_in_turn() {
     let (header, rows) = table_of(&["bench", "--skips", "--quick", "--format", "csv"]);
     let column = |name: &str| column(&header, name);
-    assert_eq!(rows.len(), 15);
+    assert_eq!(rows.len(), 18);
     for row in &rows {
         let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
         assert!(number("steps a second") > 0.0 && number("over nothing left out") > 0.0, "{row:?}");

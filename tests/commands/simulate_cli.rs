@@ -216,7 +216,7 @@ fn what_steps_leave_out_changes_no_file() {
     assert!(place.files("none") == all);
     place.finishes(&["some.toml", "--contacts", "--out", "some"]);
     assert!(place.files("some") == all);
-    place.finishes(&["some.toml", "--contacts", "--steps", "60", "--skips", "pairs,islands", "--out", "parts"]);
+    place.finishes(&["some.toml", "--contacts", "--steps", "60", "--skips", "pairs,features", "--out", "parts"]);
     place.finishes(&["fall.toml", "--contacts", "--resume", "--out", "parts"]);
     assert!(place.files("parts") == all);
 }
@@ -239,7 +239,10 @@ fn mistakes_exit_with_2_and_say_where() {
         (vec!["fall.toml", "--time", "soon"], "above 0"),
         (vec!["fall.toml", "--steps", "-3"], "-3"),
         (vec!["fall.toml", "--every", "0"], "--every"),
-        (vec!["fall.toml", "--skips", "pairs,contacts"], "\"contacts\" is none of blocks, pairs, islands, all, none"),
+        (
+            vec!["fall.toml", "--skips", "pairs,contacts"],
+            "\"contacts\" is none of blocks, pairs, islands, features, all, none",
+        ),
         (vec!["fall.toml", "--engine", "f16"], "stepper-f64, stepper-f32"),
         (vec!["fall.toml", "--tolerances", "loose"], "auto, shi, zero"),
         (vec!["fall.toml", "--set", "serch=1"], "serch"),

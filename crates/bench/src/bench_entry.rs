@@ -6,7 +6,7 @@ use rockproof_model::Block;
 use rockproof_oracle::rational::Rational;
 use rockproof_oracle::{self, Pair, plain};
 use rockproof_stepper::Real;
-use rockproof_stepper::contact::{PreparedBlock, SpecRules, Tolerances, classify};
+use rockproof_stepper::contact::{ClassificationRequest, ContactRules, PreparedBlock, SpecRules, Tolerances, classify};
 use std::hint::black_box;
 
 /// How much of the work is timed.
@@ -34,7 +34,7 @@ impl TimedPart {
 /// One way to do one part of the work.
 #[derive(Clone, Copy, Debug)]
 pub struct BenchEntry {
-    /// `f32`, `f64`, `certified`, `plain num-rational` or `plain rug`.
+    /// `f32`, `f64`, `f64 nearby`, `certified`, `plain num-rational` or `plain rug`.
     pub engine: &'static str,
     /// How much of the work.
     pub mode: TimedPart,
@@ -49,6 +49,9 @@ pub struct BenchEntry {
 /// The entry that times are compared with.
 pub const FLOAT: &str = "f64";
 
+/// The same of blocks that have hardly moved since the pairs of features to look at were found.
+pub const NEARBY: &str = "f64 nearby";
+
 /// The oracle's fast path.
 pub const CERTIFIED: &str = "certified";
 
@@ -59,9 +62,11 @@ pub fn bench_entries() -> Vec<BenchEntry> {
     let mut all: Vec<BenchEntry> = vec![
         fast("f32", TimedPart::Prepared, |pair| stepper(&pair.f32)),
         fast(FLOAT, TimedPart::Prepared, |pair| stepper(&pair.f64)),
+        fast(NEARBY, TimedPart::Prepared, |pair| nearby(&pair.f64, pair)),
         fast(CERTIFIED, TimedPart::Prepared, |pair| certified(&pair.exact, pair)),
         fast("f32", TimedPart::Whole, |pair| from_blocks::<f32>(pair).map_or(0, |ready| stepper(&ready))),
         fast(FLOAT, TimedPart::Whole, |pair| from_blocks::<f64>(pair).map_or(0, |ready| stepper(&ready))),
+        fast(NEARBY, TimedPart::Whole, |pair| from_blocks::<f64>(pair).map_or(0, |ready| nearby(&ready, pair))),
         fast(CERTIFIED, TimedPart::Whole, |pair| certified(&solids(pair), pair)),
         fast("f32", TimedPart::Preparation, |pair| usize::from(black_box(from_blocks::<f32>(pair)).is_none())),
         fast(FLOAT, TimedPart::Preparation, |pair| usize::from(black_box(from_blocks::<f64>(pair)).is_none())),
@@ -80,6 +85,11 @@ type FloatPair<R> = ([PreparedBlock<R>; 2], Tolerances<R>);
 
 fn stepper<R: Real>(([a, b], tolerances): &FloatPair<R>) -> usize {
     black_box(classify::<R, SpecRules>(a, b, tolerances)).len()
+}
+
+fn nearby(([a, b], tolerances): &FloatPair<f64>, pair: &PreparedPair) -> usize {
+    let request = ClassificationRequest { a, b, tolerances, kept: &[], among: pair.nearby.as_ref() };
+    black_box(SpecRules::contacts(request)).len()
 }
 
 fn from_blocks<R: Real>(pair: &PreparedPair) -> Option<FloatPair<R>> {

@@ -30,11 +30,12 @@ pub fn skip_scenes(quick: bool) -> [SkipScene; 3] {
 }
 
 /// What is left out, by name.
-pub const SKIPS: [(&str, Skips); 5] = [
+pub const SKIPS: [(&str, Skips); 6] = [
     ("everything", Skips::ALL),
     ("not blocks", Skips { blocks: false, ..Skips::ALL }),
     ("not pairs", Skips { pairs: false, ..Skips::ALL }),
     ("not islands", Skips { islands: false, ..Skips::ALL }),
+    ("not features", Skips { features: false, ..Skips::ALL }),
     ("nothing", Skips::NONE),
 ];
 
@@ -44,9 +45,9 @@ pub struct SkipCost {
     /// Blocks, fixed ones too.
     pub blocks: usize,
     /// Steps a second, by the clock.
-    pub rates: [f64; 5],
+    pub rates: [f64; 6],
     /// A step in time of processors (s), to hundredths of a second for all steps; none where the system does not tell.
-    pub processor: [Option<f64>; 5],
+    pub processor: [Option<f64>; 6],
 }
 
 /// Measures the steps of a scene, one choice after another, in turn step by step, so that what else the machine does hits all alike.
@@ -65,7 +66,7 @@ pub fn skip_cost(scene: &SkipScene) -> Result<SkipCost, SteppingError> {
         dynamics.skip(skips);
         dynamics
     });
-    let (mut seconds, mut busy) = ([0.0; 5], [Some(0.0); 5]);
+    let (mut seconds, mut busy) = ([0.0; 6], [Some(0.0); 6]);
     for _ in 0..scene.steps {
         for (k, dynamics) in all.iter_mut().enumerate() {
             let (begun, before) = (Instant::now(), processor());

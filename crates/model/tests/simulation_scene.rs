@@ -171,7 +171,7 @@ fn simulation() -> impl Strategy<Value = Simulation> {
                     unconverged: if accept { Unconverged::Accept } else { Unconverged::Stop },
                     steps: run.as_ref().and_then(|run| run.as_ref().err().copied()),
                     duration: run.and_then(Result::ok),
-                    skips: Skips { pairs: skips, islands: accept, blocks: linear },
+                    skips: Skips { pairs: skips, islands: accept, blocks: linear, features: !skips },
                 };
                 let second = Material { name: "a \"second\" é".to_string(), density, young, poisson: number("-1/3") };
                 simulation.materials.push(second);

@@ -12,6 +12,7 @@ mod sealed {
     impl Sealed for f64 {}
     impl Sealed for crate::wide::Wide {}
     impl Sealed for crate::deferred::Deferred {}
+    impl Sealed for crate::nearby::Nearby {}
 }
 
 /// What contact classification asks of a number: the four operations, a square root, comparisons.
@@ -33,6 +34,9 @@ pub trait Real:
 {
     /// Zero.
     const ZERO: Self;
+
+    /// Whether it is f32 or f64, which round to nearest and remember nothing.
+    const IS_FLOAT: bool = false;
 
     /// The nearest number to `value`; exact in f64 and `Wide`.
     fn from_f64(value: f64) -> Self;
@@ -93,6 +97,7 @@ macro_rules! real_float {
     ($type:ty, $precision:expr, $from_f64:expr) => {
         impl Real for $type {
             const ZERO: Self = 0.0;
+            const IS_FLOAT: bool = true;
 
             #[inline]
             fn from_f64(value: f64) -> Self {

@@ -194,5 +194,5 @@ pub(super) fn stepper_trace<R: Real, M: StepRules>(
 ) -> Option<Trace> {
     let (a, b, tolerances) =
         (PreparedBlock::<R>::new(a).ok()?, PreparedBlock::<R>::new(b).ok()?, Tolerances::new(set).ok()?);
-    Some(ClassificationRequest { a: &a, b: &b, tolerances: &tolerances, kept }.traced::<M>().1)
+    Some(ClassificationRequest { a: &a, b: &b, tolerances: &tolerances, kept, among: None }.traced::<M>().1)
 }

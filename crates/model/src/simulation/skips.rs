@@ -12,20 +12,22 @@ pub struct Skips {
     /// Islands to which the last step gave back their own state, in one solve, are not solved again at the same Δt: what would be solved is
     /// the same system.
     pub islands: bool,
+    /// Pairs of features that cannot be in a contact while two blocks have moved little since they were last looked at are not looked at.
+    pub features: bool,
 }
 
 impl Skips {
     /// All of it.
-    pub const ALL: Skips = Skips { blocks: true, pairs: true, islands: true };
+    pub const ALL: Skips = Skips { blocks: true, pairs: true, islands: true, features: true };
     /// None of it.
-    pub const NONE: Skips = Skips { blocks: false, pairs: false, islands: false };
+    pub const NONE: Skips = Skips { blocks: false, pairs: false, islands: false, features: false };
     /// What there is, by the names that files and the command line use.
-    pub const NAMES: [&'static str; 3] = ["blocks", "pairs", "islands"];
+    pub const NAMES: [&'static str; 4] = ["blocks", "pairs", "islands", "features"];
 
     /// The names of what is left out.
     pub fn names(self) -> impl Iterator<Item = &'static str> {
-        let Skips { blocks, pairs, islands } = self;
-        Skips::NAMES.into_iter().zip([blocks, pairs, islands]).filter(|(_, on)| *on).map(|(name, _)| name)
+        let Skips { blocks, pairs, islands, features } = self;
+        Skips::NAMES.into_iter().zip([blocks, pairs, islands, features]).filter(|(_, on)| *on).map(|(name, _)| name)
     }
 
     /// The same with what is called `name` left out too; none if nothing is called so.
@@ -35,6 +37,7 @@ impl Skips {
             "blocks" => Some(Skips { blocks: true, ..self }),
             "pairs" => Some(Skips { pairs: true, ..self }),
             "islands" => Some(Skips { islands: true, ..self }),
+            "features" => Some(Skips { features: true, ..self }),
             _ => None,
         }
     }

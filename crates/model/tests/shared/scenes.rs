@@ -49,7 +49,7 @@ fn a_scene_that_names_nothing_has_every_default() {
             unconverged: Unconverged::Stop,
             steps: None,
             duration: None,
-            skips: Skips { blocks: true, pairs: true, islands: true },
+            skips: Skips { blocks: true, pairs: true, islands: true, features: true },
         },
         materials: vec![Material {
             name: "rock".to_string(),
@@ -208,7 +208,7 @@ fn a_scene_that_names_everything_has_what_it_names() {
             unconverged: Unconverged::Accept,
             steps: None,
             duration: Some(number("7/2")),
-            skips: Skips { blocks: true, pairs: false, islands: true },
+            skips: Skips { blocks: true, pairs: false, islands: true, features: false },
         }
     );
     let material = |name: &str, density: &str, young: &str, poisson: &str| Material {
@@ -301,7 +301,7 @@ fn steps_joint_materials_and_skips_have_their_other_forms() {
     );
     let found = parse(&all).expect("a scene").simulation;
     assert_eq!((found.control.steps, found.control.duration), (Some(40), None));
-    assert_eq!(found.control.skips, Skips { blocks: false, pairs: false, islands: false });
+    assert_eq!(found.control.skips, Skips { blocks: false, pairs: false, islands: false, features: false });
     // Those in `between`, in the order read; a block that names none has the first.
     assert_eq!(found.joints.names, ["b", "a", "c"]);
     let dir = tempfile::tempdir().expect("a directory");

@@ -98,7 +98,7 @@ fn widest_axis<R: Real>(solids: &[PreparedBlock<R>]) -> usize {
 /// How far apart the features of a contact of this pair may be: the tolerances' reach, or farther where the features of a
 /// kept contact are. Those of v-v and v-e contacts are within s, kept or not.
 pub(super) fn reach_of_kept<R: Real>(request: ClassificationRequest<'_, R>) -> R {
-    let ClassificationRequest { a, b, tolerances, kept } = request;
+    let ClassificationRequest { a, b, tolerances, kept, .. } = request;
     let at = |solid: &PreparedBlock<R>, v: VertexId| Bounds::around(&[solid.vertex(v).at]);
     kept.iter().fold(tolerances.reach, |reach, key| {
         let apart = match *key {

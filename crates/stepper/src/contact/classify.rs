@@ -1,6 +1,7 @@
 //! The classification of a pair: rough phase, the four tests in their order, exits.
 
 use crate::contact::broad::{NearFeatures, neighbours, reach_of_kept};
+use crate::contact::nearby_pairs::{NearbyPairs, Planes};
 use crate::contact::pair::{ExitCandidate, Pair};
 use crate::contact::prepared_block::PreparedBlock;
 use crate::contact::rules::ContactRules;
@@ -31,6 +32,8 @@ pub struct ClassificationRequest<'s, R> {
     pub tolerances: &'s Tolerances<R>,
     /// The contacts of this pair that the step before left closed, in any order: depth alone does not end them.
     pub kept: &'s [ContactKey],
+    /// The only pairs of features of which there can be contacts, where that is known: then no others are looked at.
+    pub among: Option<&'s NearbyPairs>,
 }
 
 /// The contacts of two blocks, in the order of SPEC section 4, where nothing is kept.
@@ -52,7 +55,7 @@ pub fn classify_keeping<R: Real, M: ContactRules>(
     t: &Tolerances<R>,
     kept: &[ContactKey],
 ) -> Vec<ComputedContact<R>> {
-    M::contacts(ClassificationRequest { a, b, tolerances: t, kept })
+    M::contacts(ClassificationRequest { a, b, tolerances: t, kept, among: None })
 }
 
 /// The contacts of two blocks where nothing is kept, with every decision made on the way.
@@ -61,7 +64,7 @@ pub fn classify_traced<R: Real, M: ContactRules>(
     b: &PreparedBlock<R>,
     t: &Tolerances<R>,
 ) -> (Vec<ComputedContact<R>>, Vec<(Decision, i8)>) {
-    ClassificationRequest { a, b, tolerances: t, kept: &[] }.traced::<M>()
+    ClassificationRequest { a, b, tolerances: t, kept: &[], among: None }.traced::<M>()
 }
 
 /// The contacts of two blocks where nothing is kept, watched by an observer.
@@ -71,7 +74,7 @@ pub fn classify_observed<R: Real, M: ContactRules, O: Observer>(
     t: &Tolerances<R>,
     seen: &mut O,
 ) -> Vec<ComputedContact<R>> {
-    ClassificationRequest { a, b, tolerances: t, kept: &[] }.observed::<M, O>(seen)
+    ClassificationRequest { a, b, tolerances: t, kept: &[], among: None }.observed::<M, O>(seen)
 }
 
 impl<R: Real> ClassificationRequest<'_, R> {
@@ -88,14 +91,12 @@ impl<R: Real> ClassificationRequest<'_, R> {
     /// # Panics
     /// When a kept contact names a feature that its block does not have.
     pub fn observed<M: ContactRules, O: Observer>(self, seen: &mut O) -> Vec<ComputedContact<R>> {
-        let ClassificationRequest { a, b, tolerances: t, kept } = self;
+        let ClassificationRequest { a, b, tolerances: t, kept, among } = self;
         let adjacent = neighbours::<R, M>(a, b, t);
         seen.observe(Predicate::Neighbours, &[], i8::from(adjacent));
         if !adjacent {
             return Vec::new();
         }
-        let reach = reach_of_kept(self);
-        let near = NearFeatures::<R>::new::<M>(a, b, reach);
         let mut pair: Pair<'_, R, M, O> = Pair {
             a,
             b,
@@ -104,9 +105,15 @@ impl<R: Real> ClassificationRequest<'_, R> {
             seen,
             candidates: Vec::new(),
             true_exits: Vec::new(),
-            hits: Vec::new(),
+            hits: Vec::with_capacity(among.map_or(0, NearbyPairs::len)),
             rules: PhantomData,
         };
+        if let Some(among) = among {
+            pair.look_among(among);
+            return pair.finish();
+        }
+        let reach = reach_of_kept(self);
+        let near = NearFeatures::<R>::new::<M>(a, b, reach);
         pair.vertices_and_vertices(&near);
         pair.vertices_and_edges(&near, Side::A);
         if M::edge_vertex_role() {
@@ -128,7 +135,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
                 if R::is_given_up() {
                     return;
                 }
-                self.vertex_vertex(v, w);
+                self.vertex_vertex(v, w, Planes::ALL);
             }
         }
     }
@@ -141,7 +148,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
                     return;
                 }
                 if !bounds.is_beyond(own.vertex(v).at, self.t.reach) {
-                    self.vertex_edge(side, v, e);
+                    self.vertex_edge(side, v, e, Planes::ALL);
                 }
             }
         }
@@ -156,7 +163,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
                 if R::is_given_up() {
                     return;
                 }
-                self.vertex_face(side, v, f);
+                self.vertex_face(side, v, f, Planes::ALL);
             }
             if exits && self.hits.len() > first + 1 {
                 self.shortest_exit(side, first);
@@ -171,7 +178,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
                     return;
                 }
                 if !bounds.beyond(other, reach) {
-                    self.edge_edge(*e, *f);
+                    self.edge_edge(*e, *f, Planes::ALL);
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! Test 4: crossing e-e, and the plane that two edges span.
 
 use crate::contact::entrance::Candidate;
+use crate::contact::nearby_pairs::Planes;
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::FaceOfEdge;
 use crate::contact::rules::ContactRules;
@@ -20,12 +21,22 @@ pub(super) struct Crossing<R> {
 
 impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Records the contact of edge `e` of A and edge `f` of B, if there is one.
-    pub(super) fn edge_edge(&mut self, e: EdgeId, f: EdgeId) {
+    #[inline(always)]
+    pub(super) fn edge_edge(&mut self, e: EdgeId, f: EdgeId, planes: Planes) {
+        let Some(plane) = self.edges_meet(e, f) else { return };
+        if planes.meets || self.wedges_pass(e, f, plane.normal) && !self.ends_belong(e, f) {
+            self.record(ContactKey::EdgeEdge(e, f), Candidate { exits: planes.exits(), ..plane });
+        }
+    }
+
+    /// The plane of two edges that cross, near one another and not too deep.
+    #[inline(always)]
+    pub(super) fn edges_meet(&mut self, e: EdgeId, f: EdgeId) -> Option<Candidate<R>> {
         let (one, two) = (self.a.edge(e), self.b.edge(f));
         if !M::edge_takes_part(one.convex) || !M::edge_takes_part(two.convex) {
-            return;
+            return None;
         }
-        let Some(crossing) = self.crossing(e, f) else { return };
+        let crossing = self.crossing(e, f)?;
         let contact = ContactKey::EdgeEdge(e, f);
         let asked = contact.features();
         // t₁ = ((p₂ − p₁) × u₂)·(u₁ × u₂) / |u₁ × u₂|², t₂ likewise: the feet of the common perpendicular.
@@ -35,17 +46,13 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         let along_two = offset.cross(one.direction).dot(crossing.product) / squared;
         let inside = M::feet_inside(along_one, one.length) && M::feet_inside(along_two, two.length);
         if !self.ask(Predicate::FeetInside, &asked, inside) {
-            return;
+            return None;
         }
         let normal = self.normal(e, f, crossing);
         let gap = normal.dot(one.p - two.p);
-        if self.ask(Predicate::EdgeEdgeNear, &asked, M::edge_edge_near(gap, self.t.search))
-            && self.edge_edge_depth(contact, gap)
-            && self.wedges_pass(e, f, normal)
-            && !self.ends_belong(e, f)
-        {
-            self.record(contact, Candidate::edge_edge(e, f, gap, normal));
-        }
+        let meets = self.ask(Predicate::EdgeEdgeNear, &asked, M::edge_edge_near(gap, self.t.search))
+            && self.edge_edge_depth(contact, gap);
+        meets.then(|| Candidate::edge_edge(e, f, gap, normal))
     }
 
     /// Not too deep: the gap is at least −g, or the contact is kept.
@@ -55,6 +62,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     }
 
     /// The edges' cross product, unless they are nearly parallel.
+    #[inline(always)]
     pub(super) fn crossing(&mut self, e: EdgeId, f: EdgeId) -> Option<Crossing<R>> {
         let (one, two) = (self.a.edge(e), self.b.edge(f));
         let product = one.direction.cross(two.direction);
@@ -95,7 +103,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     }
 
     /// One of the four ends is in the territory of the other edge or of one of its ends.
-    fn ends_belong(&mut self, e: EdgeId, f: EdgeId) -> bool {
+    pub(super) fn ends_belong(&mut self, e: EdgeId, f: EdgeId) -> bool {
         let (one, two) = (self.a.edge(e).edge, self.b.edge(f).edge);
         if M::vertices_before_faces_and_edges() {
             for v in [one.p, one.q] {

@@ -16,17 +16,36 @@ pub(super) struct Candidate<R> {
     pub(super) gap: R,
     /// Unit, from B to A.
     pub(super) normal: Vector<R>,
+    /// Whether it is a true exit, where that is known.
+    pub(super) exits: Option<bool>,
+}
+
+/// What is known of a plane before it is looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct KnownPlane {
+    /// Whether it is known to pass.
+    pub(super) passes: bool,
+    /// Whether it is a true exit, where that is known.
+    pub(super) exits: Option<bool>,
+}
+
+/// A plane that may be an entrance: that of a face of the other block, entered by a vertex of `side`, or that of two edges, of A and of B.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Plane {
+    VertexFace(Side, VertexId, FaceId),
+    EdgeEdge(EdgeId, EdgeId),
 }
 
 impl<R: Real> Candidate<R> {
     pub(super) fn edge_edge(a: EdgeId, b: EdgeId, gap: R, normal: Vector<R>) -> Candidate<R> {
-        Candidate { entrance: Entrance::EdgeEdge(a, b), gap, normal }
+        Candidate { entrance: Entrance::EdgeEdge(a, b), gap, normal, exits: None }
     }
 }
 
 impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// "Cone passes plane": no edge at vertex `v` of `side` dips below the plane of face `f` of the other block by more
     /// than the tolerance.
+    #[inline(always)]
     pub(super) fn cone_passes(&mut self, side: Side, v: VertexId, f: FaceId) -> bool {
         let normal = self.solid(side.other()).face(f).normal;
         let own = self.solid(side);
@@ -45,36 +64,46 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
             Side::A => (Entrance::VertexFace(v, f), face.normal),
             Side::B => (Entrance::FaceVertex(f, v), M::normal_of_a(face.normal)),
         };
-        Candidate { entrance, gap, normal }
+        Candidate { entrance, gap, normal, exits: None }
+    }
+
+    /// Makes a plane a candidate if it passes, or is known to.
+    #[inline(always)]
+    pub(super) fn offer(&mut self, plane: Plane, known: KnownPlane) {
+        match plane {
+            Plane::VertexFace(side, v, f) => self.offer_vertex_face(side, v, f, known),
+            Plane::EdgeEdge(e, f) => self.offer_edge_edge(e, f, known),
+        }
     }
 
     /// Makes a face's plane a candidate if the vertex's cone passes it.
-    pub(super) fn offer_vertex_face(&mut self, side: Side, v: VertexId, f: FaceId) {
-        if self.cone_passes(side, v, f) {
-            self.candidates.push(self.vertex_face_entrance(side, v, f));
+    fn offer_vertex_face(&mut self, side: Side, v: VertexId, f: FaceId, known: KnownPlane) {
+        if known.passes || self.cone_passes(side, v, f) {
+            self.candidates.push(Candidate { exits: known.exits, ..self.vertex_face_entrance(side, v, f) });
         }
     }
 
     /// Makes the plane of two edges a candidate if both take part, they are not nearly parallel, and their wedges pass.
-    pub(super) fn offer_edge_edge(&mut self, e: EdgeId, f: EdgeId) {
+    fn offer_edge_edge(&mut self, e: EdgeId, f: EdgeId, known: KnownPlane) {
         let (one, two) = (self.a.edge(e), self.b.edge(f));
         if !M::edge_takes_part(one.convex) || !M::edge_takes_part(two.convex) {
             return;
         }
         let Some(crossing) = self.crossing(e, f) else { return };
         let normal = self.normal(e, f, crossing);
-        if self.wedges_pass(e, f, normal) {
-            self.candidates.push(Candidate::edge_edge(e, f, normal.dot(one.p - two.p), normal));
+        if known.passes || self.wedges_pass(e, f, normal) {
+            let plane = Candidate::edge_edge(e, f, normal.dot(one.p - two.p), normal);
+            self.candidates.push(Candidate { exits: known.exits, ..plane });
         }
     }
 
     /// Whether a plane is a true exit: its no-overlap check passes with the tolerance r/10 alone. `normal` points from B to A.
-    fn is_true_exit(&mut self, plane: Candidate<R>) -> bool {
-        let exits = match plane.entrance {
+    pub(super) fn is_true_exit(&mut self, plane: Candidate<R>) -> bool {
+        let exits = plane.exits.unwrap_or_else(|| match plane.entrance {
             Entrance::VertexFace(v, f) => self.cone_exits(Side::A, v, f),
             Entrance::FaceVertex(f, v) => self.cone_exits(Side::B, v, f),
             Entrance::EdgeEdge(e, f) => self.wedges_exit(e, f, plane.normal),
-        };
+        });
         self.ask(Predicate::TrueExit, &plane.entrance.features(), exits)
     }
 
@@ -111,7 +140,10 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
             let [a, b] = candidate.entrance.features();
             self.seen.observe(Predicate::EntranceChoice, &[about[0], about[1], a, b], i8::from(k == chosen));
         }
-        Some(self.candidates[chosen])
+        // Of `Wide` it is asked again, which counts what it cannot decide.
+        let known = choose && R::IS_FLOAT;
+        let exits = if known { Some(self.true_exits[chosen]) } else { self.candidates[chosen].exits };
+        Some(Candidate { exits, ..self.candidates[chosen] })
     }
 }
 

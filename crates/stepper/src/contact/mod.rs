@@ -6,6 +6,8 @@ mod compiled;
 mod edge_edge;
 mod entrance;
 mod exit;
+mod nearby_pairs;
+mod nearby_search;
 mod pair;
 pub mod prepared_block;
 pub mod rules;
@@ -21,6 +23,7 @@ pub use classify::{
     ClassificationRequest, ComputedContact, classify, classify_keeping, classify_observed, classify_traced,
 };
 pub use compiled::CompiledContacts;
+pub use nearby_pairs::NearbyPairs;
 pub use prepared_block::{Collapsed, PreparedBlock};
 pub use rules::{ContactRules, SpecRules};
 pub use tolerances::{ToleranceOverflow, Tolerances};

@@ -35,12 +35,14 @@ pub(super) struct ExitCandidate<R> {
     pub(super) gap: R,
     /// Unit, from B to A.
     pub(super) normal: Vector<R>,
+    /// Whether its entrance is a true exit, where that is known.
+    pub(super) exits: Option<bool>,
 }
 
 impl<R: Real> ExitCandidate<R> {
     /// The plane of its entrance.
     pub(super) fn plane(&self) -> Candidate<R> {
-        Candidate { entrance: self.contact.entrance, gap: self.gap, normal: self.normal }
+        Candidate { entrance: self.contact.entrance, gap: self.gap, normal: self.normal, exits: self.exits }
     }
 }
 
@@ -80,6 +82,6 @@ impl<'s, R: Real, M: ContactRules, O: Observer> Pair<'s, R, M, O> {
         let sign = M::gap_sign(best.gap);
         self.seen.observe(Predicate::GapSign, &best.entrance.features(), sign.as_i8());
         let contact = Contact { key, entrance: best.entrance, gap: sign };
-        self.hits.push(ExitCandidate { contact, gap: best.gap, normal: best.normal });
+        self.hits.push(ExitCandidate { contact, gap: best.gap, normal: best.normal, exits: best.exits });
     }
 }

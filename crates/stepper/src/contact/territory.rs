@@ -17,6 +17,7 @@ pub(super) fn distance_to_line<R: Real>(point: Vector<R>, edge: &PreparedEdge<R>
 
 impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Vertex `v` of `side` is in the territory of vertex `w` of the other block (and `w` in that of `v`).
+    #[inline]
     pub(super) fn in_vertex_territory(&mut self, side: Side, v: VertexId, w: VertexId) -> bool {
         let (one, two) = (self.solid(side).vertex(v), self.solid(side.other()).vertex(w));
         if !M::vertex_takes_part(one.convex) || !M::vertex_takes_part(two.convex) {
@@ -41,6 +42,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     }
 
     /// The foot of vertex `v` of `side` lies strictly inside edge `e` of the other block.
+    #[inline(always)]
     pub(super) fn foot_inside(&mut self, side: Side, v: VertexId, e: EdgeId) -> bool {
         let (at, edge) = (self.solid(side).vertex(v).at, self.solid(side.other()).edge(e));
         let inside = M::foot_inside((at - edge.p).dot(edge.direction), (at - edge.q).dot(edge.direction));

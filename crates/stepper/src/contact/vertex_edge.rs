@@ -1,5 +1,7 @@
 //! Test 2: v-e, and e-v with the roles exchanged.
 
+use crate::contact::entrance::Plane;
+use crate::contact::nearby_pairs::Planes;
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::FaceOfEdge;
 use crate::contact::rules::ContactRules;
@@ -10,46 +12,73 @@ use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::{ContactKey, EdgeId, VertexId};
 
 impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
-    /// Records the contact of vertex `v` of `side` and edge `e` of the other block, if there is one.
-    pub(super) fn vertex_edge(&mut self, side: Side, v: VertexId, e: EdgeId) {
-        let (own, other) = (self.solid(side), self.solid(side.other()));
-        let (vertex, ridge) = (own.vertex(v), other.edge(e));
-        if !M::vertex_takes_part(vertex.convex) || !M::edge_takes_part(ridge.convex) || !self.foot_inside(side, v, e) {
-            return;
-        }
-        let asked = [Feature::Vertex(side, v), Feature::Edge(side.other(), e)];
-        let distance = distance_to_line(vertex.at, ridge);
-        if !self.ask(Predicate::VertexEdgeNear, &asked, M::vertex_edge_near(distance, self.t.search)) {
-            return;
-        }
-        if M::ends_before_edge()
-            && (self.in_vertex_territory(side, v, ridge.edge.p) || self.in_vertex_territory(side, v, ridge.edge.q))
-        {
-            return;
-        }
-        let belongs = self.in_edge_radius(side, v, e, distance)
-            || (self.in_edge_region(side, v, e) && self.foot_in_vertex_region(side, v, e));
-        if !belongs {
+    /// Records the contact of vertex `v` of `side` and edge `e` of the other block, if there is one. Only those of its planes are asked that
+    /// `planes` holds.
+    pub(super) fn vertex_edge(&mut self, side: Side, v: VertexId, e: EdgeId, planes: Planes) {
+        let ridge = self.solid(side.other()).edge(e);
+        let of_end = |pair: &mut Self| {
+            M::ends_before_edge()
+                && (pair.in_vertex_territory(side, v, ridge.edge.p) || pair.in_vertex_territory(side, v, ridge.edge.q))
+        };
+        if !planes.meets && !self.vertex_meets_edge(side, v, e, of_end) {
             return;
         }
         self.candidates.clear();
-        let mut faces = [ridge.edge.left, ridge.edge.right];
-        faces.sort_unstable();
-        for face in faces {
-            self.offer_vertex_face(side, v, face);
-        }
-        if M::edge_entrances() {
-            for &at in own.edges_at(v) {
-                match side {
-                    Side::A => self.offer_edge_edge(at, e),
-                    Side::B => self.offer_edge_edge(e, at),
-                }
+        self.vertex_edge_planes(side, v, e, |pair, number, plane| {
+            if let Some(known) = planes.known(number) {
+                pair.offer(plane, known);
             }
-        }
+        });
         self.confirm(match side {
             Side::A => ContactKey::VertexEdge(v, e),
             Side::B => ContactKey::EdgeVertex(e, v),
         });
+    }
+
+    /// A vertex is near an edge, of no end of which it is, and belongs to it.
+    #[inline(always)]
+    pub(super) fn vertex_meets_edge(
+        &mut self,
+        side: Side,
+        v: VertexId,
+        e: EdgeId,
+        of_end: impl FnOnce(&mut Self) -> bool,
+    ) -> bool {
+        let (own, other) = (self.solid(side), self.solid(side.other()));
+        let (vertex, ridge) = (own.vertex(v), other.edge(e));
+        if !M::vertex_takes_part(vertex.convex) || !M::edge_takes_part(ridge.convex) || !self.foot_inside(side, v, e) {
+            return false;
+        }
+        let asked = [Feature::Vertex(side, v), Feature::Edge(side.other(), e)];
+        let distance = distance_to_line(vertex.at, ridge);
+        if !self.ask(Predicate::VertexEdgeNear, &asked, M::vertex_edge_near(distance, self.t.search)) {
+            return false;
+        }
+        !of_end(self)
+            && (self.in_edge_radius(side, v, e, distance)
+                || (self.in_edge_region(side, v, e) && self.foot_in_vertex_region(side, v, e)))
+    }
+
+    /// The planes that may be the entrance of vertex `v` of `side` and edge `e` of the other block, with their numbers.
+    #[inline(always)]
+    pub(super) fn vertex_edge_planes(
+        &mut self,
+        side: Side,
+        v: VertexId,
+        e: EdgeId,
+        mut each: impl FnMut(&mut Self, usize, Plane),
+    ) {
+        let (own, edge) = (self.solid(side), self.solid(side.other()).edge(e).edge);
+        let mut faces = [edge.left, edge.right];
+        faces.sort_unstable();
+        for (number, face) in faces.into_iter().enumerate() {
+            each(self, number, Plane::VertexFace(side, v, face));
+        }
+        if M::edge_entrances() {
+            for (number, &at) in (faces.len()..).zip(own.edges_at(v)) {
+                each(self, number, if side == Side::A { Plane::EdgeEdge(at, e) } else { Plane::EdgeEdge(e, at) });
+            }
+        }
     }
 
     /// `(a − p)·m ≤ 0` for both faces at the edge.

@@ -1,5 +1,7 @@
 //! Test 3: v-f, and f-v with the roles exchanged.
 
+use crate::contact::entrance::Candidate;
+use crate::contact::nearby_pairs::Planes;
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::{FaceOfEdge, PreparedBlock};
 use crate::contact::rules::ContactRules;
@@ -11,25 +13,32 @@ use rockproof_model::{ContactKey, EdgeId, FaceId, VertexId};
 
 impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Records the contact of vertex `v` of `side` and face `f` of the other block, if there is one.
-    pub(super) fn vertex_face(&mut self, side: Side, v: VertexId, f: FaceId) {
-        let other = self.solid(side.other());
-        let (at, face) = (self.solid(side).vertex(v).at, other.face(f));
-        let asked = [Feature::Vertex(side, v), Feature::Face(side.other(), f)];
-        let gap = face.normal.dot(at - face.point);
+    #[inline(always)]
+    pub(super) fn vertex_face(&mut self, side: Side, v: VertexId, f: FaceId, planes: Planes) {
         let contact = match side {
             Side::A => ContactKey::VertexFace(v, f),
             Side::B => ContactKey::FaceVertex(f, v),
         };
-        if !self.ask(Predicate::VertexFaceNear, &asked, M::vertex_face_near(gap, self.t.search))
-            || !self.ask(Predicate::VertexFaceDepth, &asked, self.vertex_face_depth(gap, contact))
-            || !self.ask(Predicate::InsideFace, &asked, is_over_face::<R, M>(at, other, f))
-            || self.belongs_to_rim(side, v, f)
-            || !self.cone_passes(side, v, f)
-        {
-            return;
+        let meets = planes.meets
+            || self.vertex_meets_face(side, v, f, contact)
+                && !self.belongs_to_rim(side, v, f)
+                && self.cone_passes(side, v, f);
+        if meets {
+            let entrance = self.vertex_face_entrance(side, v, f);
+            self.record(contact, Candidate { exits: planes.exits(), ..entrance });
         }
-        let entrance = self.vertex_face_entrance(side, v, f);
-        self.record(contact, entrance);
+    }
+
+    /// A vertex is near a face, not too deep, and its projection inside.
+    #[inline(always)]
+    pub(super) fn vertex_meets_face(&mut self, side: Side, v: VertexId, f: FaceId, contact: ContactKey) -> bool {
+        let other = self.solid(side.other());
+        let (at, face) = (self.solid(side).vertex(v).at, other.face(f));
+        let asked = [Feature::Vertex(side, v), Feature::Face(side.other(), f)];
+        let gap = face.normal.dot(at - face.point);
+        self.ask(Predicate::VertexFaceNear, &asked, M::vertex_face_near(gap, self.t.search))
+            && self.ask(Predicate::VertexFaceDepth, &asked, self.vertex_face_depth(gap, contact))
+            && self.ask(Predicate::InsideFace, &asked, is_over_face::<R, M>(at, other, f))
     }
 
     /// Not too deep: the gap is at least −g, or the contact is kept.
@@ -38,7 +47,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     }
 
     /// A vertex is in the territory of a vertex or an edge of the face.
-    fn belongs_to_rim(&mut self, side: Side, v: VertexId, f: FaceId) -> bool {
+    pub(super) fn belongs_to_rim(&mut self, side: Side, v: VertexId, f: FaceId) -> bool {
         if !M::vertex_takes_part(self.solid(side).vertex(v).convex) {
             return false;
         }

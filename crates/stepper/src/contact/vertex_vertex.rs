@@ -1,5 +1,7 @@
 //! Test 1: v-v.
 
+use crate::contact::entrance::Plane;
+use crate::contact::nearby_pairs::Planes;
 use crate::contact::pair::Pair;
 use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
@@ -8,36 +10,56 @@ use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::{ContactKey, VertexId};
 
 impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
-    /// Records the v-v contact of vertex `v` of A and vertex `w` of B, if there is one.
-    pub(super) fn vertex_vertex(&mut self, v: VertexId, w: VertexId) {
-        let (one, two) = (self.a.vertex(v), self.b.vertex(w));
-        if !M::vertex_takes_part(one.convex) || !M::vertex_takes_part(two.convex) {
-            return;
-        }
-        let contact = ContactKey::VertexVertex(v, w);
-        let about = contact.features();
-        let near = M::vertex_vertex_near((one.at - two.at).length(), self.t.search);
-        if !self.ask(Predicate::VertexVertexNear, &about, near) {
-            return;
-        }
-        if !self.in_vertex_territory(Side::A, v, w) && !self.in_regions(v, w) {
+    /// Records the v-v contact of vertex `v` of A and vertex `w` of B, if there is one. Only those of its planes are asked that `planes` holds.
+    pub(super) fn vertex_vertex(&mut self, v: VertexId, w: VertexId, planes: Planes) {
+        if !planes.meets && !self.vertices_meet(v, w) {
             return;
         }
         self.candidates.clear();
-        for &face in self.b.block().topology().vertex_faces(w) {
-            self.offer_vertex_face(Side::A, v, face);
+        self.vertex_vertex_planes(v, w, |pair, number, plane| {
+            if let Some(known) = planes.known(number) {
+                pair.offer(plane, known);
+            }
+        });
+        self.confirm(ContactKey::VertexVertex(v, w));
+    }
+
+    /// Two vertices are near, and one belongs to the other.
+    pub(super) fn vertices_meet(&mut self, v: VertexId, w: VertexId) -> bool {
+        let (one, two) = (self.a.vertex(v), self.b.vertex(w));
+        if !M::vertex_takes_part(one.convex) || !M::vertex_takes_part(two.convex) {
+            return false;
         }
-        for &face in self.a.block().topology().vertex_faces(v) {
-            self.offer_vertex_face(Side::B, w, face);
+        let about = ContactKey::VertexVertex(v, w).features();
+        let near = M::vertex_vertex_near((one.at - two.at).length(), self.t.search);
+        self.ask(Predicate::VertexVertexNear, &about, near)
+            && (self.in_vertex_territory(Side::A, v, w) || self.in_regions(v, w))
+    }
+
+    /// The planes that may be the entrance of two vertices, with their numbers.
+    #[inline(always)]
+    pub(super) fn vertex_vertex_planes(
+        &mut self,
+        v: VertexId,
+        w: VertexId,
+        mut each: impl FnMut(&mut Self, usize, Plane),
+    ) {
+        let (a, b) = (self.a, self.b);
+        let of_b = b.block().topology().vertex_faces(w).iter().map(|&face| Plane::VertexFace(Side::A, v, face));
+        let of_a = a.block().topology().vertex_faces(v).iter().map(|&face| Plane::VertexFace(Side::B, w, face));
+        let mut number = 0;
+        for plane in of_b.chain(of_a) {
+            each(self, number, plane);
+            number += 1;
         }
         if M::edge_entrances() {
-            for &own in self.a.edges_at(v) {
-                for &other in self.b.edges_at(w) {
-                    self.offer_edge_edge(own, other);
+            for &own in a.edges_at(v) {
+                for &other in b.edges_at(w) {
+                    each(self, number, Plane::EdgeEdge(own, other));
+                    number += 1;
                 }
             }
         }
-        self.confirm(contact);
     }
 
     /// Each of the two vertices lies in the other's vertex region.

@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use crate::contact::{PreparedBlock, SpecRules, classify_keeping};
+use crate::contact::{ClassificationRequest, PreparedBlock, SpecRules};
 use crate::dynamics::area;
 use crate::dynamics::contact::{ContactIterate, StepContact};
 use crate::dynamics::friction::{Friction, FrictionMisfit};
@@ -20,11 +20,13 @@ use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, Mode, State};
 use crate::dynamics::still::Still;
 use crate::dynamics::transfer;
+use crate::dynamics::watch::{Travel, Watched, margin};
 use crate::real::Real;
 use crate::vector::Vector;
 use rayon::prelude::*;
 use rockproof_model::simulation::Skips;
 use rockproof_model::{Block, Contact, ContactKey, Scene, ToleranceSet};
+use std::any::TypeId;
 use std::marker::PhantomData;
 use std::time::{Duration, Instant};
 
@@ -36,6 +38,7 @@ pub struct Dynamics<R, M = SpecRules> {
     pub(super) solids: Vec<PreparedBlock<R>>,
     pub(super) moments: Vec<Moments<R>>,
     pub(super) neighbours: Neighbours,
+    pub(super) travel: Travel,
     pub(super) layouts: Layouts,
     /// Memory for factors, kept from step to step: to fetch it anew costs time.
     pub(super) spare: Memory<R>,
@@ -57,6 +60,7 @@ impl<R: Clone, M> Clone for Dynamics<R, M> {
             solids: self.solids.clone(),
             moments: self.moments.clone(),
             neighbours: self.neighbours.clone(),
+            travel: self.travel.clone(),
             layouts: self.layouts.clone(),
             spare: Memory::NONE,
             skips: self.skips,
@@ -133,6 +137,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let state = setup.begin(scene)?;
         let PreparedBlocks { solids, moments } = PreparedBlocks::new(&setup.blocks, &state.blocks)?;
         let at = |moments: &Moments<R>| moments.centroid.components().map(Real::to_f64);
+        let travel = Travel::of(solids.len());
         let layouts = Layouts::new(moments.iter().map(at).collect());
         Ok(Dynamics {
             setup,
@@ -140,6 +145,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             solids,
             moments,
             neighbours: Neighbours::default(),
+            travel,
             layouts,
             spare: Memory::NONE,
             skips: scene.simulation.control.skips,
@@ -189,6 +195,14 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// What the following steps leave out where nothing can have changed, instead of what the scene says. No bit of any result depends on it.
     pub fn skip(&mut self, skips: Skips) {
         self.skips = skips;
+        if !skips.features {
+            self.neighbours.forget_features();
+        }
+    }
+
+    /// Of how many pairs of blocks only nearby features are looked at until a block has moved on ([`Skips::features`]).
+    pub fn pairs_with_known_features(&self) -> usize {
+        self.neighbours.pairs_with_known_features()
     }
 
     /// The volume of a block (m³).
@@ -256,6 +270,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         if prescribed.is_some() {
             // Its contacts were not classified, nor its modes found.
             self.still = Still::NONE;
+            self.neighbours.forget_features();
         }
         report
     }
@@ -264,10 +279,14 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     fn contacts(&mut self) -> Vec<StepContact<R>> {
         let begun = Instant::now();
         let fixed: Vec<bool> = self.setup.bodies.iter().map(|body| body.motion.unknowns() == 0).collect();
-        let pairs = self.neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances).to_vec();
+        let mut neighbours = std::mem::take(&mut self.neighbours);
+        let (pairs, watched) = neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances);
         self.phases.rough += begun.elapsed();
         let begun = Instant::now();
-        let of_pair = |&pair: &[u32; 2]| {
+        let margin = margin(self.setup.tolerances.search);
+        // What other rules refuse is not known.
+        let watches = self.skips.features && TypeId::of::<M>() == TypeId::of::<SpecRules>();
+        let of_pair = |(&pair, watched): (&[u32; 2], &mut Watched)| {
             let [a, b] = pair.map(|block| &self.solids[block as usize]);
             let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
             if self.skips.pairs && self.still.has(pair) {
@@ -275,20 +294,25 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 return self.of_pair(pair, &contacts);
             }
             let kept: Vec<ContactKey> = old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key).collect();
-            let found = classify_keeping::<R, M>(a, b, &self.setup.tolerances, &kept);
+            let all = ClassificationRequest { a, b, tolerances: &self.setup.tolerances, kept: &kept, among: None };
+            let among = if watches { watched.nearby(pair, &self.travel, all, margin) } else { None };
+            let found = M::contacts(ClassificationRequest { among, ..all });
             let contacts: Vec<Contact> = found.into_iter().map(|found| found.contact).collect();
             self.of_pair(pair, &contacts)
         };
         let before = self.state.contacts.len();
         let mut contacts = Vec::with_capacity(before + before / 8);
-        let classified = |part: &[[u32; 2]]| -> Vec<Vec<StepContact<R>>> { part.par_iter().map(of_pair).collect() };
-        let mut parts = pairs.chunks(PAIRS_AT_ONCE);
+        let classified = |(part, watched): (&[[u32; 2]], &mut [Watched])| -> Vec<Vec<StepContact<R>>> {
+            part.par_iter().zip(watched).map(of_pair).collect()
+        };
+        let mut parts = pairs.chunks(PAIRS_AT_ONCE).zip(watched.chunks_mut(PAIRS_AT_ONCE));
         let mut found = parts.next().map_or_else(Vec::new, classified);
         for part in parts {
             let others = || contacts.extend(found.into_iter().flatten());
             found = rayon::join(|| classified(part), others).0;
         }
         contacts.extend(found.into_iter().flatten());
+        self.neighbours = neighbours;
         self.phases.contacts += begun.elapsed();
         contacts
     }

@@ -22,7 +22,7 @@ impl<M: StepRules> Dynamics<Wide, M> {
             return None;
         }
         let fixed: Vec<bool> = (0..self.solids.len()).map(|block| self.is_fixed(block)).collect();
-        let pairs = self.neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances).to_vec();
+        let pairs = self.neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances).0.to_vec();
         let (contacts, unsettled) = noted(|| count_unsettled(|| self.contacts_of::<Deferred>(&pairs, set)))?;
         Some((contacts?, unsettled))
     }

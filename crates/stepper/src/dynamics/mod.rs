@@ -43,6 +43,7 @@ mod subtrees;
 mod system;
 mod transfer;
 mod update;
+mod watch;
 
 pub use engine::{Dynamics, PhaseTimes};
 pub use foreseen::BlockContacts;

@@ -2,6 +2,7 @@
 //! moved into reach.
 
 use crate::contact::{PreparedBlock, Tolerances};
+use crate::dynamics::watch::Watched;
 use crate::real::Real;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -10,6 +11,8 @@ use rstar::{AABB, RTree};
 #[derive(Clone, Debug, Default)]
 pub(super) struct Neighbours {
     pairs: Vec<[u32; 2]>,
+    /// What is known of each of the pairs.
+    watched: Vec<Watched>,
     /// How far a vertex may still move before a pair could be missing (m).
     margin_left: f64,
     known: bool,
@@ -22,11 +25,11 @@ impl Neighbours {
         solids: &[PreparedBlock<R>],
         fixed: &[bool],
         t: &Tolerances<R>,
-    ) -> &[[u32; 2]] {
+    ) -> (&[[u32; 2]], &mut [Watched]) {
         if !self.known {
             self.find(solids, fixed, t.reach.to_f64());
         }
-        &self.pairs
+        (&self.pairs, &mut self.watched)
     }
 
     /// Takes note that vertices moved by up to `distance` (m).
@@ -39,6 +42,17 @@ impl Neighbours {
     /// Forgets everything: the blocks stand somewhere else.
     pub(super) fn forget(&mut self) {
         self.known = false;
+        self.forget_features();
+    }
+
+    /// Of how many pairs the nearby features are known.
+    pub(super) fn pairs_with_known_features(&self) -> usize {
+        self.watched.iter().filter(|watched| watched.is_known()).count()
+    }
+
+    /// Forgets which features of each pair are near.
+    pub(super) fn forget_features(&mut self) {
+        self.watched.fill(Watched::default());
     }
 
     fn find<R: Real>(&mut self, solids: &[PreparedBlock<R>], fixed: &[bool], reach: f64) {
@@ -56,7 +70,7 @@ impl Neighbours {
         };
         let boxes = solids.iter().enumerate().map(|(k, solid)| GeomWithData::new(grown(solid), k as u32));
         let tree: RTree<GeomWithData<Rectangle<[f64; 3]>, u32>> = RTree::bulk_load(boxes.collect());
-        self.pairs.clear();
+        let before = std::mem::take(&mut self.pairs);
         for one in &tree {
             let around = AABB::from_corners(one.geom().lower(), one.geom().upper());
             let later = tree.locate_in_envelope_intersecting(around).map(|other| other.data);
@@ -64,6 +78,12 @@ impl Neighbours {
             self.pairs.extend(moving.map(|j| [one.data, j]));
         }
         self.pairs.sort_unstable();
+        let mut known = before.into_iter().zip(std::mem::take(&mut self.watched)).peekable();
+        let watched = |pair: &[u32; 2]| {
+            while known.next_if(|(other, _)| other < pair).is_some() {}
+            known.next_if(|(other, _)| other == pair).map_or_else(Watched::default, |(_, watched)| watched)
+        };
+        self.watched = self.pairs.iter().map(watched).collect();
         self.margin_left = margin;
         self.known = true;
     }

@@ -15,6 +15,7 @@ use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, Mode, State};
 use crate::dynamics::still::{Still, StillIslands, different_pairs, same_motion, same_points};
 use crate::dynamics::system::CONTACTS_AT_ONCE;
+use crate::dynamics::watch::{farthest, margin};
 use rayon::prelude::*;
 
 /// A thread takes so many blocks at a time.
@@ -36,6 +37,8 @@ struct MovedBlock<R> {
     moments: Moments<R>,
     /// Whether its vertices are where they were, bit for bit.
     unmoved: bool,
+    /// How far a coordinate of a vertex moved at most (m).
+    distance: f64,
 }
 
 impl<R: Solve, M: StepRules> Dynamics<R, M> {
@@ -62,7 +65,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     fn moved(&self, block: usize, by: &Move<'_, R>, number: i64) -> Result<MovedBlock<R>, StepError> {
         let (mut state, mut moments, d) = (self.state.blocks[block].clone(), self.moments[block], &by.d[block]);
         if self.is_fixed(block) {
-            return Ok(MovedBlock { state, moments, unmoved: true });
+            return Ok(MovedBlock { state, moments, unmoved: true, distance: 0.0 });
         }
         for vertex in &mut state.vertices {
             *vertex = by.motions[block].of(*vertex);
@@ -75,6 +78,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             *stress = *stress + added;
         }
         let unmoved = same_points(&self.state.blocks[block].vertices, &state.vertices);
+        let distance = farthest(&self.state.blocks[block].vertices, &state.vertices);
         if !(self.skips.blocks && unmoved) {
             moments = Moments::of(self.setup.blocks[block].topology(), &state.vertices);
         }
@@ -85,7 +89,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         if !R::ZERO.below(moments.volume) {
             return Err(StepError::Inverted { step: number, block, volume: moments.volume.to_f64() });
         }
-        Ok(MovedBlock { state, moments, unmoved })
+        Ok(MovedBlock { state, moments, unmoved, distance })
     }
 
     /// Moves everything by an accepted attempt. Of blocks that end not finite or inverted the first is told, and before any that collapsed.
@@ -119,8 +123,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let (mut moments, mut unmoved) = (Vec::with_capacity(motions.len()), Vec::with_capacity(motions.len()));
         let moved: Vec<Result<MovedBlock<R>, StepError>> =
             blocks().map(|block| self.moved(block, &by, number)).collect();
+        let mut distances = Vec::with_capacity(motions.len());
         for moved in moved {
             let moved = moved?;
+            distances.push(moved.distance);
             next.blocks.push(moved.state);
             moments.push(moved.moments);
             unmoved.push(moved.unmoved);
@@ -160,6 +166,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         self.still = self.still_after(contacts, &next, unmoved, (&ended, time_step, settling));
         self.state = next;
         self.moments = moments;
+        let margin = margin(self.setup.tolerances.search);
+        for (block, distance) in distances.into_iter().enumerate() {
+            self.travel.add(block, distance, margin);
+        }
         let farthest = farthest.to_f64().sqrt();
         // The map of `cayley` differs from first order by less than this.
         self.neighbours.moved(1.25 * farthest);

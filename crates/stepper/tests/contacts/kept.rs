@@ -86,7 +86,8 @@ fn the_trace_says_that_a_kept_contact_is_not_too_deep() {
     let (a, b) = (PreparedBlock::<f64>::new(&a).unwrap(), PreparedBlock::<f64>::new(&b).unwrap());
     let t = Tolerances::new(&tolerances()).unwrap();
     let depth = |kept: &[ContactKey]| {
-        let (found, decisions) = ClassificationRequest { a: &a, b: &b, tolerances: &t, kept }.traced::<SpecRules>();
+        let (found, decisions) =
+            ClassificationRequest { a: &a, b: &b, tolerances: &t, kept, among: None }.traced::<SpecRules>();
         let depths = decisions.iter().filter(|(decision, _)| decision.predicate == Predicate::VertexFaceDepth);
         let text = "vertex-face-depth(A.v0, B.f1)";
         let of_top: Vec<i8> = depths.filter(|(d, _)| d.to_string() == text).map(|(_, outcome)| *outcome).collect();
@@ -105,7 +106,7 @@ fn culling_is_silent<R: Real>(a: &Block, b: &Block, t: &ToleranceSet) -> usize {
         Tolerances { penetration, reach: t.search.larger(penetration) * R::from_f64(1.0625), ..t }
     };
     let contacts = |tolerances: &Tolerances<R>, kept: &[ContactKey]| {
-        let found = ClassificationRequest { a: &a, b: &b, tolerances, kept }.traced::<SpecRules>().0;
+        let found = ClassificationRequest { a: &a, b: &b, tolerances, kept, among: None }.traced::<SpecRules>().0;
         found.into_iter().map(|f| f.contact).collect::<Vec<_>>()
     };
     let (shallow, deep) = (times(0.0625), times(16.0));

@@ -10,6 +10,7 @@ mod bent;
 mod golden;
 mod hand_worked;
 mod kept;
+mod nearby;
 mod planted;
 mod solid;
 mod traces;

@@ -83,7 +83,12 @@ fn true_exits_are_asked_where_they_choose() {
     let above = crate::pairs::spike([1.0, 1.0, 1.0625], 0.25, 0.5);
     assert!(true_exits(&traced(&above, &base(), &t)).is_empty());
     let solids = [&behind_side(), &base()].map(|block| PreparedBlock::<f64>::new(block).unwrap());
-    let request =
-        ClassificationRequest { a: &solids[0], b: &solids[1], tolerances: &Tolerances::new(&t).unwrap(), kept: &[] };
+    let request = ClassificationRequest {
+        a: &solids[0],
+        b: &solids[1],
+        tolerances: &Tolerances::new(&t).unwrap(),
+        kept: &[],
+        among: None,
+    };
     assert_eq!(request.traced::<SpecRules>().1, decisions);
 }

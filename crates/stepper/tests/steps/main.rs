@@ -9,6 +9,7 @@ mod contacts;
 mod control;
 mod damping;
 mod energy;
+mod features;
 mod friction;
 mod golden;
 mod loads;

@@ -4,11 +4,12 @@ use crate::support::{begin, cuboid, floor, load, n, v, weightless};
 use rockproof_model::{Motion, Scene};
 use rockproof_stepper::dynamics::{Dynamics, Skips, Solve, StepReport};
 
-const OTHERS: [Skips; 4] = [
+const OTHERS: [Skips; 5] = [
     Skips::NONE,
     Skips { blocks: false, ..Skips::ALL },
     Skips { pairs: false, ..Skips::ALL },
     Skips { islands: false, ..Skips::ALL },
+    Skips { features: false, ..Skips::ALL },
 ];
 
 /// Makes the steps with everything left out that can be, and with other choices beside it, and holds the states to the same bits. Returns the
