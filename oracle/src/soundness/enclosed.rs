@@ -8,7 +8,7 @@ use crate::prepared_block::PreparedBlock;
 use crate::sign_ladder::{Classification, Unobserved};
 use crate::view::{BallView, LazyScales, Scales};
 use num_bigint::BigInt;
-use rockproof_model::{Block, BlockOptions, Entrance, FaceId, Number, Ring, Sign, ToleranceSet, Vec3, VertexId};
+use rockproof_model::{Block, BlockOptions, Entrance, FaceId, Number, Sign, ToleranceSet, Vec3, VertexId};
 use std::cell::OnceCell;
 use std::ops::AddAssign;
 
