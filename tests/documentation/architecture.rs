@@ -217,6 +217,27 @@ fn packages_outside_are_compiled_like_the_workspace() {
     }
 }
 
+/// Crates whose examples in comments `cargo test` does not look for have none.
+#[test]
+fn no_example_in_a_comment_is_left_out() {
+    let mut without = 0;
+    for folder in std::fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().path()) {
+        let manifest: toml::Table =
+            toml::from_str(&std::fs::read_to_string(folder.join("Cargo.toml")).unwrap()).unwrap();
+        let doctest = manifest.get("lib").and_then(|lib| lib.get("doctest")).and_then(toml::Value::as_bool);
+        if doctest != Some(false) {
+            continue;
+        }
+        without += 1;
+        for file in rust_files(&folder.join("src")) {
+            let text = std::fs::read_to_string(&file).unwrap();
+            let is_example = |line: &str| line.trim_start().starts_with("//") && line.contains("```");
+            assert!(!text.lines().any(is_example), "{} has an example: its crate's doctest must be on", file.display());
+        }
+    }
+    assert!(without > 10, "{without} crates");
+}
+
 /// `.ci/run` looks at the packages that ask for GMP, with it; in the others there is nothing else to see.
 #[test]
 fn only_what_is_checked_with_gmp_asks_for_it() {
