@@ -10,7 +10,7 @@ use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use rockproof_model::decision::Side;
-use rockproof_model::{EdgeId, FaceId, VertexId};
+use rockproof_model::{ContactKind, EdgeId, FaceId, VertexId};
 
 /// Pairs of features of two convex blocks, of which alone contacts are to be looked for.
 #[derive(Clone, Debug)]
@@ -26,17 +26,7 @@ pub(super) struct NearbyPair {
     pub(super) a: u16,
     /// The number of B's feature.
     pub(super) b: u16,
-    pub(super) kind: PairKind,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum PairKind {
-    VertexVertex,
-    VertexEdge,
-    EdgeVertex,
-    VertexFace,
-    FaceVertex,
-    EdgeEdge,
+    pub(super) kind: ContactKind,
 }
 
 /// What is known of a pair of features and of the planes that may be the entrance of its contact, by their numbers; of v-f and e-e there is one plane.
@@ -105,12 +95,12 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         for &NearbyPair { planes, a, b, kind } in &nearby.pairs {
             let (a, b) = (u32::from(a), u32::from(b));
             match kind {
-                PairKind::VertexVertex => self.vertex_vertex(VertexId(a), VertexId(b), planes),
-                PairKind::VertexEdge => self.vertex_edge(Side::A, VertexId(a), EdgeId(b), planes),
-                PairKind::EdgeVertex => self.vertex_edge(Side::B, VertexId(b), EdgeId(a), planes),
-                PairKind::VertexFace => self.vertex_face(Side::A, VertexId(a), FaceId(b), planes),
-                PairKind::FaceVertex => self.vertex_face(Side::B, VertexId(b), FaceId(a), planes),
-                PairKind::EdgeEdge => self.edge_edge(EdgeId(a), EdgeId(b), planes),
+                ContactKind::VertexVertex => self.vertex_vertex(VertexId(a), VertexId(b), planes),
+                ContactKind::VertexEdge => self.vertex_edge(Side::A, VertexId(a), EdgeId(b), planes),
+                ContactKind::EdgeVertex => self.vertex_edge(Side::B, VertexId(b), EdgeId(a), planes),
+                ContactKind::VertexFace => self.vertex_face(Side::A, VertexId(a), FaceId(b), planes),
+                ContactKind::FaceVertex => self.vertex_face(Side::B, VertexId(b), FaceId(a), planes),
+                ContactKind::EdgeEdge => self.edge_edge(EdgeId(a), EdgeId(b), planes),
             }
         }
     }

@@ -3,7 +3,7 @@
 use crate::contact::broad::{Bounds, reach_of_kept};
 use crate::contact::classify::ClassificationRequest;
 use crate::contact::entrance::{Candidate, KnownPlane, Plane};
-use crate::contact::nearby_pairs::{NearbyPair, NearbyPairs, PairKind, Planes};
+use crate::contact::nearby_pairs::{NearbyPair, NearbyPairs, Planes};
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::{PreparedBlock, Vertex};
 use crate::contact::rules::ContactRules;
@@ -13,7 +13,7 @@ use crate::nearby::{Nearby, certainly, is_open, leave_open, possibly, the_other_
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::decision::Side;
-use rockproof_model::{Block, ContactKey, EdgeId, FaceId, VertexId};
+use rockproof_model::{Block, ContactKey, ContactKind, EdgeId, FaceId, VertexId};
 use std::marker::PhantomData;
 
 impl NearbyPairs {
@@ -110,7 +110,7 @@ impl<'s> Search<'s> {
         for (v, at) in &vertices[0] {
             for (w, other) in &vertices[1] {
                 if !at.beyond(other, reach) {
-                    add(PairKind::VertexVertex, v.0, w.0, pair.vertices_may_meet(*v, *w));
+                    add(ContactKind::VertexVertex, v.0, w.0, pair.vertices_may_meet(*v, *w));
                 }
             }
         }
@@ -120,8 +120,8 @@ impl<'s> Search<'s> {
                     if !at.beyond(other, reach) {
                         let planes = pair.vertex_may_meet_edge(side, *v, *e);
                         match side {
-                            Side::A => add(PairKind::VertexEdge, v.0, e.0, planes),
-                            Side::B => add(PairKind::EdgeVertex, e.0, v.0, planes),
+                            Side::A => add(ContactKind::VertexEdge, v.0, e.0, planes),
+                            Side::B => add(ContactKind::EdgeVertex, e.0, v.0, planes),
                         }
                     }
                 }
@@ -135,8 +135,8 @@ impl<'s> Search<'s> {
                 for f in self.solids[side.other() as usize].block().topology().face_ids() {
                     let planes = pair.vertex_may_meet_face(side, *v, f);
                     match side {
-                        Side::A => add(PairKind::VertexFace, v.0, f.0, planes),
-                        Side::B => add(PairKind::FaceVertex, f.0, v.0, planes),
+                        Side::A => add(ContactKind::VertexFace, v.0, f.0, planes),
+                        Side::B => add(ContactKind::FaceVertex, f.0, v.0, planes),
                     }
                 }
             }
@@ -144,7 +144,7 @@ impl<'s> Search<'s> {
         for (e, own) in &edges[0] {
             for (f, other) in &edges[1] {
                 if !own.beyond(other, reach) {
-                    add(PairKind::EdgeEdge, e.0, f.0, pair.edges_may_meet(*e, *f));
+                    add(ContactKind::EdgeEdge, e.0, f.0, pair.edges_may_meet(*e, *f));
                 }
             }
         }
