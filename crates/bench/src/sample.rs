@@ -7,6 +7,7 @@ use rockproof_campaign::tolerance_sets::NamedSet;
 use rockproof_model::{Block, ToleranceSet};
 use rockproof_oracle::{self, LevelCounts, Pair};
 use rockproof_stepper::contact::{ClassificationRequest, NearbyPairs, PreparedBlock, Tolerances};
+use rockproof_stepper::dynamics::nearby_margin;
 use std::sync::Arc;
 
 /// Which pairs.
@@ -79,7 +80,7 @@ pub struct PreparedPair {
     pub f32: ([PreparedBlock<f32>; 2], Tolerances<f32>),
     /// The blocks in the stepper in f64, and the tolerances rounded.
     pub f64: ([PreparedBlock<f64>; 2], Tolerances<f64>),
-    /// The pairs of features that alone can be in a contact in f64 while the blocks move by no more than a 128th of `search`; none where that is not known.
+    /// The pairs of features that alone can be in a contact in f64 while the blocks move by no more than [`nearby_margin`]; none where that is not known.
     pub nearby: Option<NearbyPairs>,
     /// The blocks in the oracle.
     pub exact: [rockproof_oracle::PreparedBlock; 2],
@@ -99,7 +100,7 @@ impl PreparedPair {
         let rounded = Tolerances::<f64>::new(&tolerances).ok()?;
         let [a, b] = &f64;
         let all = ClassificationRequest { a, b, tolerances: &rounded, kept: &[], among: None };
-        let nearby = NearbyPairs::of(all, rounded.search / 128.0);
+        let nearby = NearbyPairs::of(all, nearby_margin(rounded.search));
         Some(PreparedPair {
             f32: (f32, Tolerances::new(&tolerances_f32).ok()?),
             f64: (f64, rounded),

@@ -17,7 +17,7 @@ pub const FEWER_BITS: u32 = 128;
 pub struct WideStepper<M> {
     dynamics: Dynamics<Wide, M>,
     /// The same in fewer bits, if it can be made.
-    shorter: Option<Dynamics<Wide, M>>,
+    in_fewer_bits: Option<Dynamics<Wide, M>>,
     tolerances: ToleranceSet,
     /// One thread, because unsettled comparisons are counted where they are made.
     alone: ThreadPool,
@@ -60,8 +60,8 @@ impl<M: StepRules> WideStepper<M> {
     pub fn new(scene: &ExactScene) -> Result<WideStepper<M>, WideError> {
         let alone = ThreadPoolBuilder::new().num_threads(1).build()?;
         let made = |bits| alone.install(|| in_bits(bits, || Dynamics::with_rules(scene.scene(), scene.tolerances())));
-        let (dynamics, shorter) = (made(BITS)?, made(FEWER_BITS).ok());
-        Ok(WideStepper { dynamics, shorter, tolerances: scene.tolerances().clone(), alone })
+        let (dynamics, in_fewer_bits) = (made(BITS)?, made(FEWER_BITS).ok());
+        Ok(WideStepper { dynamics, in_fewer_bits, tolerances: scene.tolerances().clone(), alone })
     }
 
     /// What one step from a state of the scene decides, and the comparisons left unsettled, as [`WideStepper::step`] has them. Contacts are found in
@@ -70,26 +70,28 @@ impl<M: StepRules> WideStepper<M> {
     /// # Errors
     /// When the state is none of the scene.
     pub fn decide<R: Real>(&mut self, state: &State<R>) -> Result<WideDecisions, SetupError> {
-        if let Some(decisions) = self.sooner(state) {
+        if let Some(decisions) = self.decide_in_fewer_bits(state) {
             return Ok(decisions);
         }
         let WideStep { outcome, unsettled } = self.step(state)?;
         Ok(WideDecisions { outcome: outcome.map(|(decisions, _)| decisions), unsettled })
     }
 
-    fn sooner<R: Real>(&mut self, state: &State<R>) -> Option<WideDecisions> {
+    /// The same, unless the contacts cannot be found in f64.
+    fn decide_in_fewer_bits<R: Real>(&mut self, state: &State<R>) -> Option<WideDecisions> {
         let state: State<Wide> = converted(state);
-        let shorter = self.shorter.as_mut()?;
+        let in_fewer_bits = self.in_fewer_bits.as_mut()?;
         let (dynamics, set) = (&mut self.dynamics, &self.tolerances);
         self.alone.install(|| {
-            let (restored, in_restoring) = count_unsettled(|| in_bits(FEWER_BITS, || shorter.restore(state.clone())));
+            let (restored, in_restoring) =
+                count_unsettled(|| in_bits(FEWER_BITS, || in_fewer_bits.restore(state.clone())));
             restored.ok()?;
-            let (contacts, in_contacts) = shorter.foreseen_contacts(set)?;
+            let (contacts, in_contacts) = in_fewer_bits.foreseen_contacts(set)?;
             let prescribed = PrescribedStep { contacts: &contacts, attempt: None };
-            let work = || in_bits(FEWER_BITS, || shorter.step_prescribed(&prescribed));
+            let work = || in_bits(FEWER_BITS, || in_fewer_bits.step_prescribed(&prescribed));
             let (report, in_iteration) = count_unsettled(work);
             if let (Ok(report), 0) = (report, in_restoring + in_iteration) {
-                let outcome = Ok(StepDecisions::of_stepper(&report, shorter.modes(), shorter.state()));
+                let outcome = Ok(StepDecisions::of_stepper(&report, in_fewer_bits.modes(), in_fewer_bits.state()));
                 return Some(WideDecisions { outcome, unsettled: in_contacts });
             }
             let work = || dynamics.restore(state).map(|()| dynamics.step_prescribed(&prescribed));

@@ -20,7 +20,7 @@ use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, Mode, State};
 use crate::dynamics::still::Still;
 use crate::dynamics::transfer;
-use crate::dynamics::watch::{Travel, Watched, margin};
+use crate::dynamics::watch::{Travel, Watched, nearby_margin};
 use crate::real::Real;
 use crate::vector::Vector;
 use rayon::prelude::*;
@@ -283,7 +283,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let (pairs, watched) = neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances);
         self.phases.rough += begun.elapsed();
         let begun = Instant::now();
-        let margin = margin(self.setup.tolerances.search);
+        let margin = nearby_margin(self.setup.tolerances.search);
         // What other rules refuse is not known.
         let watches = self.skips.features && TypeId::of::<M>() == TypeId::of::<SpecRules>();
         let of_pair = |(&pair, watched): (&[u32; 2], &mut Watched)| {

@@ -54,3 +54,4 @@ pub use rules::{StepRules, TangentialState};
 pub use setup::{SetupError, StepLimits};
 pub use solve::Solve;
 pub use state::{BlockState, ContactState, Mode, State};
+pub use watch::nearby_margin;

@@ -15,7 +15,7 @@ use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, Mode, State};
 use crate::dynamics::still::{Still, StillIslands, different_pairs, same_motion, same_points};
 use crate::dynamics::system::CONTACTS_AT_ONCE;
-use crate::dynamics::watch::{farthest, margin};
+use crate::dynamics::watch::{farthest, nearby_margin};
 use rayon::prelude::*;
 
 /// A thread takes so many blocks at a time.
@@ -166,7 +166,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         self.still = self.still_after(contacts, &next, unmoved, (&ended, time_step, settling));
         self.state = next;
         self.moments = moments;
-        let margin = margin(self.setup.tolerances.search);
+        let margin = nearby_margin(self.setup.tolerances.search);
         for (block, distance) in distances.into_iter().enumerate() {
             self.travel.add(block, distance, margin);
         }

@@ -21,8 +21,8 @@ const MOST: u64 = 1 << 40;
 /// A margin that is used up: some units less than all, for the rounding of differences.
 const USED_UP: u64 = UNITS - UNITS / 64;
 
-/// How far coordinates of vertices may move before pairs of features must be found again (m).
-pub(super) fn margin<R: Real>(search: R) -> f64 {
+/// How far coordinates of vertices may move (m) before a step finds the pairs of features that can touch anew.
+pub fn nearby_margin<R: Real>(search: R) -> f64 {
     search.to_f64() * SHARE
 }
 

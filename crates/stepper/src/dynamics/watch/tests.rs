@@ -59,7 +59,7 @@ fn known_after(moved: &[[u64; 2]]) -> Vec<bool> {
     let mut watched = Watched::default();
     let known = |&[one, two]: &[u64; 2]| {
         let travel = Travel(vec![7, one, 7, two]);
-        watched.nearby([1, 3], &travel, request, margin(tolerances.search)).is_some()
+        watched.nearby([1, 3], &travel, request, nearby_margin(tolerances.search)).is_some()
     };
     moved.iter().map(known).collect()
 }
